@@ -1,0 +1,162 @@
+#include "kernels/kernel.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <string_view>
+
+#include "kernels/error.hpp"
+
+namespace ricochet::kernels {
+namespace {
+
+/// Normals and directions are normalised in double precision: this leaves room for a few roundings, not for a
+/// mistake.
+constexpr double kUnitTolerance = 1e-9;
+
+/// R comes from iterated static solves, symmetric to about their tolerance of 1e-10.
+constexpr double kSymmetryTolerance = 1e-6;
+
+class Validator {
+ public:
+  explicit Validator(const std::string& origin) : origin_(origin) {}
+
+  [[noreturn]] void fail(std::string_view name, const std::string& what) const {
+    throw InputError(fmt::format("{}: {} {} Compute it again with ricochet-kernel.", origin_, name, what));
+  }
+
+  void length(std::string_view name, std::size_t found, std::size_t expected) const {
+    if (found != expected) fail(name, fmt::format("has {} values, expected {}.", found, expected));
+  }
+
+  template <class T, class Accept>
+  void each(std::string_view name, std::span<const T> values, Accept accept, std::string_view rule) const {
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (!accept(values[i]))
+        fail(name, fmt::format("holds {} at place {}: must be {}.", values[i], i, rule));
+  }
+
+  template <class T>
+  void finite(std::string_view name, const std::vector<T>& values, std::size_t expected) const {
+    length(name, values.size(), expected);
+    each<T>(
+        name, values, [](T value) { return std::isfinite(value); }, "finite");
+  }
+
+  void finite_not_negative(std::string_view name, const std::vector<double>& values,
+                           std::size_t expected) const {
+    finite(name, values, expected);
+    each<double>(
+        name, values, [](double value) { return value >= 0; }, "zero or positive");
+  }
+
+  void elements(std::string_view name, const std::vector<std::int64_t>& corners, int per_element,
+                int smallest, std::size_t nodes) const {
+    if (per_element < smallest || per_element > 3)
+      fail(name, fmt::format("has {} corners an element: must be {} to 3.", per_element, smallest));
+    if (corners.size() % static_cast<std::size_t>(per_element) != 0)
+      fail(name, fmt::format("has {} values, not a multiple of {}.", corners.size(), per_element));
+    each<std::int64_t>(
+        name, corners, [nodes](std::int64_t i) { return i >= 0 && static_cast<std::uint64_t>(i) < nodes; },
+        fmt::format("an index below {}", nodes));
+  }
+
+  void unit(std::string_view name, std::span<const double> vectors) const {
+    for (std::size_t i = 0; i + 2 < vectors.size(); i += 3) {
+      const double length = std::hypot(vectors[i], vectors[i + 1], vectors[i + 2]);
+      if (!(std::abs(length - 1) <= kUnitTolerance))
+        fail(name, fmt::format("has length {} in row {}: must be a unit vector.", length, i / 3));
+    }
+  }
+
+ private:
+  const std::string& origin_;
+};
+
+void validate_body(const Kernel& kernel, const Validator& check) {
+  if (kernel.body.empty()) check.fail("attribute \"body\"", "is empty.");
+  if (kernel.hash.empty()) check.fail("attribute \"hash\"", "is empty.");
+  if (!(std::isfinite(kernel.mass) && kernel.mass > 0))
+    check.fail("attribute \"mass\"", fmt::format("is {}: must be positive.", kernel.mass));
+  if (kernel.dofs < 0 || kernel.elements < 0 || kernel.order < 0)
+    check.fail("attribute \"dofs\", \"elements\" or \"order\"", "is negative.");
+  check.finite("dataset \"/body/centre\"", std::vector<double>(kernel.centre.begin(), kernel.centre.end()),
+               3);
+  check.finite("dataset \"/body/inertia\"", std::vector<double>(kernel.inertia.begin(), kernel.inertia.end()),
+               9);
+}
+
+void validate_modes(const Modes& modes, const Validator& check) {
+  const std::size_t n = modes.size();
+  if (modes.basis != "modes" && modes.basis != "contact")
+    check.fail("attribute \"basis\" of \"/modes\"", "is neither \"modes\" nor \"contact\".");
+  check.finite_not_negative("dataset \"/modes/angular_frequency\"", modes.angular_frequency, n);
+  if (!std::ranges::is_sorted(modes.angular_frequency))
+    check.fail("dataset \"/modes/angular_frequency\"", "is not ascending.");
+  check.finite_not_negative("dataset \"/modes/decay_rate\"", modes.decay_rate, n);
+  check.finite_not_negative("dataset \"/modes/residual\"", modes.residual, n);
+  const Certificate& certificate = modes.certificate;
+  if (certificate.below < 0 || certificate.count_by_inertia < 0 || certificate.count_found < 0)
+    check.fail("group \"/modes/certificate\"", "holds a negative count.");
+  if (!(std::isfinite(certificate.upto_hz) && certificate.upto_hz >= 0 &&
+        std::isfinite(certificate.orthonormality) && certificate.orthonormality >= 0))
+    check.fail("group \"/modes/certificate\"", "holds a number that is negative or not finite.");
+}
+
+void validate_surface(const Surface& surface, std::size_t modes, const Validator& check) {
+  const std::size_t m = surface.size();
+  if (surface.components != 3 && surface.components != 1)
+    check.fail("dataset \"/surface/shape\"",
+               fmt::format("has {} components: must be 3 or 1.", surface.components));
+  if (surface.direction.has_value() != (surface.components == 1))
+    check.fail("dataset \"/surface/shape\"",
+               "must have a direction when it holds one component, and only then.");
+  if (surface.direction) check.unit("attribute \"direction\" of \"/surface/shape\"", *surface.direction);
+  const std::size_t c = static_cast<std::size_t>(surface.components);
+  check.finite("dataset \"/surface/area\"", surface.area, m);
+  check.each<double>(
+      "dataset \"/surface/area\"", surface.area, [](double a) { return a > 0; }, "positive");
+  check.finite("dataset \"/surface/node\"", surface.node, 3 * m);
+  check.length("dataset \"/surface/group\"", surface.group.size(), m);
+  check.finite("dataset \"/surface/normal\"", surface.normal, 3 * m);
+  check.unit("dataset \"/surface/normal\"", surface.normal);
+  check.elements("dataset \"/surface/element\"", surface.element, surface.element_corners, 1, m);
+  check.finite("dataset \"/surface/shape\"", surface.shape, m * c * modes);
+
+  const std::vector<double>& r = surface.residual_flexibility;
+  if (r.empty()) return;
+  const std::string_view name = "dataset \"/surface/residual_flexibility\"";
+  const std::size_t rows = c * m;
+  check.finite(name, r, rows * rows);
+  const auto smaller = [](double a, double b) { return std::abs(a) < std::abs(b); };
+  const double largest = std::abs(*std::ranges::max_element(r, smaller));
+  for (std::size_t i = 0; i < rows; ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (std::abs(r[i * rows + j] - r[j * rows + i]) > kSymmetryTolerance * largest)
+        check.fail(name, fmt::format("is not symmetric at ({}, {}).", i, j));
+}
+
+}  // namespace
+
+void validate(const Kernel& kernel, const std::string& origin) {
+  const Validator check(origin);
+  const std::size_t n = kernel.modes.size();
+  validate_body(kernel, check);
+  validate_modes(kernel.modes, check);
+  validate_surface(kernel.surface, n, check);
+  check.finite("dataset \"/loads/body_force\"", kernel.loads.body_force, 3 * n);
+  check.finite("dataset \"/loads/rotation\"", kernel.loads.rotation, 3 * n);
+  if (!kernel.loads.body_force_residual.empty())
+    check.finite("dataset \"/loads/body_force_residual\"", kernel.loads.body_force_residual,
+                 3 * static_cast<std::size_t>(kernel.surface.components) * kernel.surface.size());
+  if (kernel.view) {
+    const std::size_t nodes = kernel.view->node.size() / 3;
+    check.finite("dataset \"/view/node\"", kernel.view->node, 3 * nodes);
+    check.elements("dataset \"/view/element\"", kernel.view->element, kernel.view->element_corners, 2, nodes);
+    check.finite("dataset \"/view/shape\"", kernel.view->shape, 3 * nodes * n);
+  }
+}
+
+}  // namespace ricochet::kernels

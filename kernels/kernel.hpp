@@ -1,0 +1,101 @@
+// The compact kernel of one body: what contact can see of it. No MPI, no PETSc, no Eigen.
+//
+// Every array is row-major and its shape is written beside it:
+//   N modes, M candidate points, c components (3, or 1 where the scene fixes a contact direction),
+//   T surface elements of k corners, V nodes and E elements of the skin.
+// SI units. Geometry is in the body's own frame: the mesh after `scale`, before rotation and translation.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kernels/units.hpp"
+
+namespace ricochet::kernels {
+
+/// Proof that no mode is missing: inertia of full-rank factorisations against the modes found.
+struct Certificate {
+  std::int64_t below = 0;             ///< modes below the interval (0: the interval starts below all)
+  double upto_hz = 0;                 ///< upper end of the proved interval [Hz]
+  std::int64_t count_by_inertia = 0;  ///< modes in it by Sylvester's law
+  std::int64_t count_found = 0;       ///< modes in this kernel
+  bool complete = false;              ///< the two agree, residuals and M-orthonormality within bounds
+  double orthonormality = 0;          ///< max |ΦᵀMΦ − I|
+};
+
+struct Modes {
+  std::string basis = "modes";
+  std::vector<double> angular_frequency;  ///< (N) ω_n [rad/s], ascending; rigid modes first, exactly 0
+  std::vector<double> decay_rate;         ///< (N) δ_n = ζ_n ω_n [1/s]
+  std::vector<double> residual;           ///< (N) ‖Kφ − ω²Mφ‖₂ / ‖Kφ‖₂ (rigid: over ‖diag K‖∞ ‖φ‖₂)
+  Certificate certificate;
+  std::size_t size() const { return angular_frequency.size(); }
+};
+
+/// Candidate contact patches (DESIGN: hats w_i ≥ 0 with Σ w_i = 1, A_i = ∫ w_i ds).
+struct Surface {
+  int components = 3;                  ///< c
+  std::optional<Vector3> direction;    ///< unit vector of the stored component when c = 1
+  std::vector<double> node;            ///< (M,3) centre of each patch [m]
+  std::vector<std::string> group;      ///< (M) physical surface each belongs to
+  std::vector<double> normal;          ///< (M,3) outward unit normal
+  std::vector<double> area;            ///< (M) A_i [m²]
+  int element_corners = 3;             ///< k: 1 point (rods), 2 segments (`along`), 3 triangles
+  std::vector<std::int64_t> element;   ///< (T,k) by candidate index
+  std::vector<double> shape;           ///< (M,c,N) φ_i = (1/A_i) ∫ w_i φ ds [kg^-1/2]
+  std::vector<double> residual_flexibility;  ///< (cM,cM) R [m/N], index c·i + component; empty when not asked for
+  std::size_t size() const { return area.size(); }
+};
+
+struct Loads {
+  std::vector<double> body_force;           ///< (3,N) φᵀ M e_i [kg^1/2]: uniform acceleration fields, momentum
+  std::vector<double> rotation;             ///< (3,N) φᵀ M (e_i × x) [kg^1/2 m]: angular momentum about the frame's origin
+  std::vector<double> body_force_residual;  ///< (cM,3) static part of the modes left out [s²]: m per m/s²; empty without R
+};
+
+/// The skin of the body, for pictures.
+struct View {
+  std::vector<double> node;           ///< (V,3) [m]
+  int element_corners = 3;            ///< 3 triangles, 2 segments (rods)
+  std::vector<std::int64_t> element;  ///< (E,k)
+  std::vector<float> shape;           ///< (V,3,N) [kg^-1/2]
+};
+
+struct Kernel {
+  std::string body;         ///< the scene's name for it
+  std::string hash;         ///< SHA-256 (hex) of all that the kernel depends on
+  std::string scene;        ///< resolved TOML of what it depends on
+  std::string mesh_sha256;  ///< of the mesh file (and the files it includes)
+  std::string created_by;   ///< program and version
+  std::int64_t dofs = 0;
+  std::int64_t elements = 0;
+  int order = 0;
+  double mass = 0;          ///< [kg]
+  Vector3 centre{};         ///< centre of mass [m]
+  std::array<double, 9> inertia{};  ///< (3,3) about the centre of mass [kg m²]
+  bool supported = false;   ///< some displacement is held by a support
+
+  Modes modes;
+  Surface surface;
+  Loads loads;
+  std::optional<View> view;
+};
+
+/// Throws InputError naming `origin` when shapes disagree, a value is not finite, areas or frequencies are negative,
+/// an index leaves its range or normals are not unit vectors. Loaders call it, so that nothing past them needs to.
+void validate(const Kernel& kernel, const std::string& origin);
+
+/// Writes `kernel` beside `path` and renames it: a partial file never has the final name.
+/// Throws InputError when the place can't be written.
+void write(const Kernel& kernel, const std::filesystem::path& path);
+
+/// Reads and validates. Throws InputError, one line, on a missing, truncated, foreign or inconsistent file.
+Kernel read(const std::filesystem::path& path);
+
+/// Only the root attribute `hash`: cheap test of whether `path` is a whole kernel file and whose. Empty when it is not one.
+std::string read_hash(const std::filesystem::path& path) noexcept;
+
+}  // namespace ricochet::kernels

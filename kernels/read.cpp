@@ -1,0 +1,145 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "kernels/format.hpp"
+#include "kernels/hdf5.hpp"
+#include "kernels/kernel.hpp"
+
+namespace ricochet::kernels {
+namespace {
+
+using hdf5::any;
+
+constexpr const char* kAdvice = "Compute it again with ricochet-kernel.";
+
+/// Whether the file says that it is a kernel; which version is checked apart.
+bool is_kernel(const hdf5::Reader& file) {
+  return file.has_attribute("/", "format") && file.string_attribute("/", "format") == kFormat;
+}
+
+bool read_flag(const hdf5::Reader& file, const std::string& object, const std::string& name) {
+  const std::int64_t flag = file.integer_attribute(object, name);
+  if (flag != 0 && flag != 1)
+    file.fail(fmt::format("attribute \"{}\" of \"{}\" is {}, not 0 or 1.", name, object, flag));
+  return flag == 1;
+}
+
+void read_root(const hdf5::Reader& file, Kernel& kernel) {
+  if (!is_kernel(file)) file.fail("is not a Ricochet kernel (no attribute format = \"ricochet-kernel\").");
+  const std::int64_t version = file.integer_attribute("/", "version");
+  if (version > kVersion)
+    file.fail(fmt::format("has format version {}, and this program reads up to {}. Use a newer Ricochet.",
+                          version, kVersion));
+  if (version < 1) file.fail(fmt::format("has format version {}, which never existed.", version));
+  kernel.body = file.string_attribute("/", "body");
+  kernel.hash = file.string_attribute("/", "hash");
+  kernel.scene = file.string_attribute("/", "scene");
+  kernel.mesh_sha256 = file.string_attribute("/", "mesh_sha256");
+  kernel.created_by = file.string_attribute("/", "created_by");
+  kernel.dofs = file.integer_attribute("/", "dofs");
+  kernel.elements = file.integer_attribute("/", "elements");
+  const std::int64_t order = file.integer_attribute("/", "order");
+  if (order < 0 || order > std::numeric_limits<int>::max())
+    file.fail(fmt::format("attribute \"order\" is {}.", order));
+  kernel.order = static_cast<int>(order);
+  kernel.mass = file.double_attribute("/", "mass");
+  kernel.supported = read_flag(file, "/", "supported");
+  std::ranges::copy(file.read<double>("/body/centre", {3}), kernel.centre.begin());
+  std::ranges::copy(file.read<double>("/body/inertia", {3, 3}), kernel.inertia.begin());
+}
+
+Modes read_modes(const hdf5::Reader& file) {
+  Modes modes;
+  modes.angular_frequency = file.read<double>("/modes/angular_frequency", {any});
+  const std::size_t n = modes.size();
+  modes.basis = file.string_attribute("/modes", "basis");
+  modes.decay_rate = file.read<double>("/modes/decay_rate", {n});
+  modes.residual = file.read<double>("/modes/residual", {n});
+
+  const std::string group = "/modes/certificate";
+  Certificate& certificate = modes.certificate;
+  certificate.below = file.integer_attribute(group, "below");
+  certificate.upto_hz = file.double_attribute(group, "upto_hz");
+  certificate.count_by_inertia = file.integer_attribute(group, "count_by_inertia");
+  certificate.count_found = file.integer_attribute(group, "count_found");
+  certificate.complete = read_flag(file, group, "complete");
+  certificate.orthonormality = file.double_attribute(group, "orthonormality");
+  if (!certificate.complete)
+    file.fail(fmt::format("its certificate is not complete ({} modes found, {} proved).",
+                          certificate.count_found, certificate.count_by_inertia));
+  if (certificate.count_found < 0 || static_cast<std::uint64_t>(certificate.count_found) != n)
+    file.fail(fmt::format("its certificate is for {} modes, but \"/modes/angular_frequency\" has {}.",
+                          certificate.count_found, n));
+  return modes;
+}
+
+Surface read_surface(const hdf5::Reader& file, std::size_t n) {
+  Surface surface;
+  surface.area = file.read<double>("/surface/area", {any});
+  const std::size_t m = surface.size();
+  surface.node = file.read<double>("/surface/node", {m, 3});
+  surface.group = file.read_strings("/surface/group", m);
+  surface.normal = file.read<double>("/surface/normal", {m, 3});
+  surface.element = file.read<std::int64_t>("/surface/element", {any, any});
+  surface.element_corners = static_cast<int>(std::min<std::size_t>(file.shape("/surface/element")[1], 4));
+  if (file.has_attribute("/surface/shape", "direction")) {
+    surface.components = 1;
+    const std::vector<double> direction = file.doubles_attribute("/surface/shape", "direction", 3);
+    surface.direction = Vector3{direction[0], direction[1], direction[2]};
+  }
+  surface.shape =
+      file.read<double>("/surface/shape", surface.direction ? hdf5::Shape{m, n} : hdf5::Shape{m, 3, n});
+  const std::size_t rows = static_cast<std::size_t>(surface.components) * m;
+  if (file.exists("/surface/residual_flexibility"))
+    surface.residual_flexibility = file.read<double>("/surface/residual_flexibility", {rows, rows});
+  return surface;
+}
+
+Loads read_loads(const hdf5::Reader& file, const Surface& surface, std::size_t n) {
+  Loads loads;
+  const std::size_t m = surface.size();
+  loads.body_force = file.read<double>("/loads/body_force", {3, n});
+  loads.rotation = file.read<double>("/loads/rotation", {3, n});
+  if (file.exists("/loads/body_force_residual"))
+    loads.body_force_residual = file.read<double>(
+        "/loads/body_force_residual", surface.direction ? hdf5::Shape{m, 3} : hdf5::Shape{m, 3, 3});
+  return loads;
+}
+
+View read_view(const hdf5::Reader& file, std::size_t n) {
+  View view;
+  view.node = file.read<double>("/view/node", {any, 3});
+  view.element = file.read<std::int64_t>("/view/element", {any, any});
+  view.element_corners = static_cast<int>(std::min<std::size_t>(file.shape("/view/element")[1], 4));
+  view.shape = file.read<float>("/view/shape", {view.node.size() / 3, 3, n});
+  return view;
+}
+
+}  // namespace
+
+Kernel read(const std::filesystem::path& path) {
+  const hdf5::Reader file(path, kAdvice);
+  Kernel kernel;
+  read_root(file, kernel);
+  kernel.modes = read_modes(file);
+  const std::size_t n = kernel.modes.size();
+  kernel.surface = read_surface(file, n);
+  kernel.loads = read_loads(file, kernel.surface, n);
+  if (file.exists("/view")) kernel.view = read_view(file, n);
+  validate(kernel, path.string());
+  return kernel;
+}
+
+std::string read_hash(const std::filesystem::path& path) noexcept {
+  try {
+    const hdf5::Reader file(path, kAdvice);
+    const bool readable = is_kernel(file) && file.integer_attribute("/", "version") <= kVersion;
+    return readable ? file.string_attribute("/", "hash") : "";
+  } catch (...) {
+    return "";
+  }
+}
+
+}  // namespace ricochet::kernels

@@ -1,0 +1,85 @@
+#include "kernels/format.hpp"
+#include "kernels/hdf5.hpp"
+#include "kernels/kernel.hpp"
+
+namespace ricochet::kernels {
+namespace {
+
+void write_root(hdf5::Writer& file, const Kernel& kernel) {
+  file.attribute("/", "format", kFormat);
+  file.attribute("/", "version", kVersion);
+  file.attribute("/", "body", kernel.body);
+  file.attribute("/", "hash", kernel.hash);
+  file.attribute("/", "scene", kernel.scene);
+  file.attribute("/", "mesh_sha256", kernel.mesh_sha256);
+  file.attribute("/", "created_by", kernel.created_by);
+  file.attribute("/", "dofs", kernel.dofs);
+  file.attribute("/", "elements", kernel.elements);
+  file.attribute("/", "order", kernel.order);
+  file.attribute("/", "mass", kernel.mass);
+  file.attribute("/", "supported", kernel.supported);
+  file.write<double>("/body/centre", kernel.centre, {3}, "m");
+  file.write<double>("/body/inertia", kernel.inertia, {3, 3}, "kg m^2");
+}
+
+void write_modes(hdf5::Writer& file, const Modes& modes) {
+  const hdf5::Shape n = {modes.size()};
+  file.write("/modes/angular_frequency", modes.angular_frequency, n, "rad/s");
+  file.write("/modes/decay_rate", modes.decay_rate, n, "1/s");
+  file.write("/modes/residual", modes.residual, n, "1");
+  file.attribute("/modes", "basis", modes.basis);
+  const std::string certificate = "/modes/certificate";
+  file.group(certificate);
+  file.attribute(certificate, "below", modes.certificate.below);
+  file.attribute(certificate, "upto_hz", modes.certificate.upto_hz);
+  file.attribute(certificate, "count_by_inertia", modes.certificate.count_by_inertia);
+  file.attribute(certificate, "count_found", modes.certificate.count_found);
+  file.attribute(certificate, "complete", modes.certificate.complete);
+  file.attribute(certificate, "orthonormality", modes.certificate.orthonormality);
+}
+
+void write_surface(hdf5::Writer& file, const Surface& surface, std::size_t n) {
+  const std::size_t m = surface.size(), rows = static_cast<std::size_t>(surface.components) * m;
+  const std::size_t corners = static_cast<std::size_t>(surface.element_corners);
+  const bool directed = surface.direction.has_value();
+  file.write("/surface/node", surface.node, {m, 3}, "m");
+  file.write_strings("/surface/group", surface.group);
+  file.write("/surface/normal", surface.normal, {m, 3}, "1");
+  file.write("/surface/area", surface.area, {m}, "m^2");
+  file.write("/surface/element", surface.element, {surface.element.size() / corners, corners}, "1");
+  file.write("/surface/shape", surface.shape, directed ? hdf5::Shape{m, n} : hdf5::Shape{m, 3, n}, "kg^-1/2");
+  if (directed) file.attribute("/surface/shape", "direction", *surface.direction);
+  if (!surface.residual_flexibility.empty())
+    file.write("/surface/residual_flexibility", surface.residual_flexibility, {rows, rows}, "m/N");
+}
+
+void write_loads(hdf5::Writer& file, const Kernel& kernel) {
+  const std::size_t m = kernel.surface.size(), n = kernel.modes.size();
+  const hdf5::Shape residual = kernel.surface.direction ? hdf5::Shape{m, 3} : hdf5::Shape{m, 3, 3};
+  file.write("/loads/body_force", kernel.loads.body_force, {3, n}, "kg^1/2");
+  file.write("/loads/rotation", kernel.loads.rotation, {3, n}, "kg^1/2 m");
+  if (!kernel.loads.body_force_residual.empty())
+    file.write("/loads/body_force_residual", kernel.loads.body_force_residual, residual, "s^2");
+}
+
+void write_view(hdf5::Writer& file, const View& view, std::size_t n) {
+  const std::size_t nodes = view.node.size() / 3, corners = static_cast<std::size_t>(view.element_corners);
+  file.write("/view/node", view.node, {nodes, 3}, "m");
+  file.write("/view/element", view.element, {view.element.size() / corners, corners}, "1");
+  file.write("/view/shape", view.shape, {nodes, 3, n}, "kg^-1/2");
+}
+
+}  // namespace
+
+void write(const Kernel& kernel, const std::filesystem::path& path) {
+  validate(kernel, path.string());
+  hdf5::Writer file(path);
+  write_root(file, kernel);
+  write_modes(file, kernel.modes);
+  write_surface(file, kernel.surface, kernel.modes.size());
+  write_loads(file, kernel);
+  if (kernel.view) write_view(file, *kernel.view, kernel.modes.size());
+  file.commit();
+}
+
+}  // namespace ricochet::kernels

@@ -1,0 +1,284 @@
+// Kernel files that are cut, spoilt, foreign or made to harm: each is one line that names the file and what
+// is wrong.
+#define H5_USE_110_API
+#include <hdf5.h>
+
+#include <functional>
+
+#include "tests/kernels/sample.hpp"
+
+namespace ricochet::kernels {
+namespace {
+
+using test::bytes_of;
+using test::complaint_of;
+using test::Folder;
+using test::put_bytes;
+using test::sample_kernel;
+
+/// A whole kernel file with `spoil` done to it.
+class Damage : public testing::Test {
+ protected:
+  Damage() : path_(folder_ / "body.kernel.h5") { write(sample_kernel(3, 5, 4), path_); }
+
+  void spoil(const std::function<void(hid_t)>& change) const {
+    const hid_t file = H5Fopen(path_.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    ASSERT_GE(file, 0);
+    change(file);
+    ASSERT_GE(H5Fclose(file), 0);
+  }
+
+  void replace(const std::string& name, hid_t type, const std::vector<hsize_t>& dims, const void* values,
+               hid_t creation = H5P_DEFAULT) const {
+    spoil([&](hid_t file) {
+      H5Ldelete(file, name.c_str(), H5P_DEFAULT);
+      const hid_t space = H5Screate_simple(static_cast<int>(dims.size()), dims.data(), nullptr);
+      const hid_t dataset = H5Dcreate2(file, name.c_str(), type, space, H5P_DEFAULT, creation, H5P_DEFAULT);
+      ASSERT_GE(dataset, 0);
+      if (values != nullptr) H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values);
+      H5Dclose(dataset);
+      H5Sclose(space);
+    });
+  }
+
+  void replace_attribute(const std::string& object, const std::string& name, hid_t type,
+                         const void* value) const {
+    spoil([&](hid_t file) {
+      H5Adelete_by_name(file, object.c_str(), name.c_str(), H5P_DEFAULT);
+      const hid_t space = H5Screate(H5S_SCALAR);
+      const hid_t attribute = H5Acreate_by_name(file, object.c_str(), name.c_str(), type, space, H5P_DEFAULT,
+                                                H5P_DEFAULT, H5P_DEFAULT);
+      H5Awrite(attribute, type, value);
+      H5Aclose(attribute);
+      H5Sclose(space);
+    });
+  }
+
+  /// One value of a dataset of doubles.
+  void poke(const std::string& name, std::size_t place, double value) const {
+    spoil([&](hid_t file) {
+      const hid_t dataset = H5Dopen2(file, name.c_str(), H5P_DEFAULT);
+      const hid_t space = H5Dget_space(dataset);
+      std::vector<double> values(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)));
+      H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+      values.at(place) = value;
+      H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+      H5Sclose(space);
+      H5Dclose(dataset);
+    });
+  }
+
+  /// Reading is refused, and the line starts with the file and holds each of `parts`.
+  void expect_refused(const std::vector<std::string>& parts) const {
+    const std::string said = complaint_of([&] { read(path_); });
+    EXPECT_EQ(said.find(path_.string() + ": "), 0U) << said;
+    for (const std::string& part : parts)
+      EXPECT_NE(said.find(part), std::string::npos) << part << " in: " << said;
+  }
+
+  Folder folder_;
+  std::filesystem::path path_;
+};
+
+TEST_F(Damage, a_file_cut_anywhere_is_refused) {
+  const std::string whole = bytes_of(path_);
+  for (std::size_t i = 0; i < 20; ++i) {
+    // From the empty file through the first header bytes to the last byte missing.
+    const std::size_t kept = i < 4 ? i * 16 : i == 19 ? whole.size() - 1 : whole.size() * i / 20;
+    put_bytes(path_, whole.substr(0, kept));
+    expect_refused({"Compute it again with ricochet-kernel."});
+    EXPECT_EQ(read_hash(path_), "") << kept;
+  }
+}
+
+TEST_F(Damage, a_file_with_a_wrong_byte_is_refused_or_read_but_never_a_crash) {
+  const std::string whole = bytes_of(path_);
+  std::mt19937_64 random(11);
+  for (int i = 0; i < 2000; ++i) {
+    std::string spoilt = whole;
+    for (int j = 0; j <= i % 3; ++j) spoilt[random() % spoilt.size()] = static_cast<char>(random());
+    put_bytes(path_, spoilt);
+    try {
+      read(path_);
+    } catch (const InputError& error) {
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+    }
+  }
+}
+
+TEST_F(Damage, files_that_are_not_kernels_are_told_apart) {
+  put_bytes(path_, "title = \"Two disks\"\n");
+  expect_refused({"is not an HDF5 file"});
+  std::filesystem::remove(path_);
+  expect_refused({"there is no such file"});
+  EXPECT_EQ(read_hash(path_), "");
+  std::filesystem::create_directory(path_);
+  expect_refused({"is not a file"});
+  std::filesystem::remove(path_);
+  H5Fclose(H5Fcreate(path_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT));
+  expect_refused({"is not a Ricochet kernel"});
+  EXPECT_EQ(read_hash(path_), "");
+}
+
+TEST_F(Damage, a_newer_version_is_refused_with_advice) {
+  const std::int64_t version = 2;
+  replace_attribute("/", "version", H5T_NATIVE_INT64, &version);
+  expect_refused({"format version 2", "reads up to 1", "Use a newer Ricochet"});
+  EXPECT_EQ(read_hash(path_), "");
+}
+
+TEST_F(Damage, an_incomplete_certificate_is_refused) {
+  const std::int64_t no = 0;
+  replace_attribute("/modes/certificate", "complete", H5T_NATIVE_INT64, &no);
+  expect_refused({"certificate is not complete"});
+}
+
+TEST_F(Damage, a_certificate_for_another_number_of_modes_is_refused) {
+  const std::int64_t four = 4;
+  replace_attribute("/modes/certificate", "count_found", H5T_NATIVE_INT64, &four);
+  expect_refused({"certificate is for 4 modes", "has 5"});
+}
+
+TEST_F(Damage, a_missing_dataset_is_named) {
+  spoil([](hid_t file) { H5Ldelete(file, "/loads/rotation", H5P_DEFAULT); });
+  expect_refused({"dataset \"/loads/rotation\" is missing"});
+}
+
+TEST_F(Damage, a_missing_attribute_is_named) {
+  spoil([](hid_t file) { H5Adelete_by_name(file, "/", "mass", H5P_DEFAULT); });
+  expect_refused({"attribute \"mass\" of \"/\" is missing"});
+}
+
+TEST_F(Damage, a_wrong_shape_is_named_with_the_expected_one) {
+  const std::vector<double> three(3, 1.0);
+  replace("/modes/decay_rate", H5T_NATIVE_DOUBLE, {3}, three.data());
+  expect_refused(
+      {"dataset \"/modes/decay_rate\" has shape (3), expected (5). Was it truncated? Compute it again"});
+  replace("/modes/decay_rate", H5T_NATIVE_DOUBLE, {1, 3}, three.data());
+  expect_refused({"dataset \"/modes/decay_rate\" has shape (1, 3), expected (5)"});
+}
+
+TEST_F(Damage, values_of_another_kind_are_refused) {
+  const std::vector<std::int64_t> integers(5, 1);
+  replace("/modes/decay_rate", H5T_NATIVE_INT64, {5}, integers.data());
+  expect_refused({"dataset \"/modes/decay_rate\" does not hold floating-point numbers"});
+}
+
+TEST_F(Damage, an_attribute_of_another_kind_is_refused) {
+  const double mass = 1;
+  replace_attribute("/", "dofs", H5T_NATIVE_DOUBLE, &mass);
+  expect_refused({"attribute \"dofs\" of \"/\" does not hold 1 integer"});
+  replace_attribute("/", "body", H5T_NATIVE_DOUBLE, &mass);
+  expect_refused({"attribute \"body\" of \"/\" is not a string of fixed length"});
+}
+
+TEST_F(Damage, a_value_that_is_not_a_number_is_refused_wherever_it_stands) {
+  const std::string whole = bytes_of(path_);
+  for (const std::string name :
+       {"/body/centre", "/body/inertia", "/modes/angular_frequency", "/modes/decay_rate", "/modes/residual",
+        "/surface/node", "/surface/normal", "/surface/area", "/surface/shape",
+        "/surface/residual_flexibility", "/loads/body_force", "/loads/rotation", "/loads/body_force_residual",
+        "/view/node"}) {
+    put_bytes(path_, whole);
+    poke(name, 2, std::nan(""));
+    expect_refused({"dataset \"" + name + "\" holds nan at place 2"});
+  }
+}
+
+TEST_F(Damage, a_negative_area_is_refused) {
+  poke("/surface/area", 3, -1e-6);
+  expect_refused({"\"/surface/area\" holds -1e-06 at place 3: must be positive"});
+}
+
+TEST_F(Damage, a_normal_of_another_length_is_refused) {
+  poke("/surface/normal", 4, 0.5);
+  expect_refused({"\"/surface/normal\"", "row 1", "unit vector"});
+}
+
+TEST_F(Damage, a_surface_element_of_points_that_do_not_exist_is_refused) {
+  for (const std::int64_t index : {std::int64_t{-1}, std::int64_t{4}, INT64_MAX, INT64_MIN}) {
+    const std::vector<std::int64_t> element = {0, 1, index, 2};
+    replace("/surface/element", H5T_NATIVE_INT64, {2, 2}, element.data());
+    expect_refused(
+        {"\"/surface/element\" holds " + std::to_string(index) + " at place 2: must be an index below 4"});
+  }
+}
+
+TEST_F(Damage, elements_without_corners_or_with_too_many_are_refused) {
+  const std::vector<std::int64_t> element(8, 0);
+  replace("/surface/element", H5T_NATIVE_INT64, {2, 4}, element.data());
+  expect_refused({"\"/surface/element\" has 4 corners"});
+  replace("/surface/element", H5T_NATIVE_INT64, {2, 0}, nullptr);
+  expect_refused({"\"/surface/element\" has 0 corners"});
+}
+
+TEST_F(Damage, a_dataset_that_claims_more_than_the_file_holds_is_refused_before_memory_is_taken) {
+  replace("/modes/angular_frequency", H5T_NATIVE_DOUBLE, {hsize_t{1} << 50}, nullptr);
+  expect_refused({"\"/modes/angular_frequency\" claims shape (1125899906842624)"});
+  replace("/view/node", H5T_NATIVE_DOUBLE, {hsize_t{1} << 59, 3}, nullptr);  // 3·8·2^59 overflows 64 bits
+  expect_refused({"\"/modes/angular_frequency\""});
+}
+
+TEST_F(Damage, a_product_of_dimensions_beyond_64_bits_is_refused) {
+  replace("/view/node", H5T_NATIVE_INT8, {hsize_t{1} << 59, 3}, nullptr);
+  expect_refused({"\"/view/node\" does not hold floating-point numbers"});
+  const hid_t creation = H5Pcreate(H5P_DATASET_CREATE);
+  const hsize_t chunk[2] = {16, 3};
+  H5Pset_chunk(creation, 2, chunk);
+  replace("/view/node", H5T_NATIVE_FLOAT, {hsize_t{1} << 60, 3}, nullptr, creation);
+  H5Pclose(creation);
+  expect_refused({"\"/view/node\" claims shape (1152921504606846976, 3)"});
+}
+
+TEST_F(Damage, a_link_to_another_file_is_refused) {
+  const Folder elsewhere;
+  write(sample_kernel(3, 5, 4), elsewhere / "secret.h5");
+  spoil([&](hid_t file) {
+    H5Ldelete(file, "/modes/decay_rate", H5P_DEFAULT);
+    H5Lcreate_external((elsewhere / "secret.h5").c_str(), "/modes/decay_rate", file, "/modes/decay_rate",
+                       H5P_DEFAULT, H5P_DEFAULT);
+  });
+  expect_refused({"dataset \"/modes/decay_rate\" is a link"});
+}
+
+TEST_F(Damage, a_group_that_is_a_link_to_another_file_is_refused) {
+  const Folder elsewhere;
+  write(sample_kernel(3, 5, 4), elsewhere / "secret.h5");
+  spoil([&](hid_t file) {
+    H5Ldelete(file, "/loads", H5P_DEFAULT);
+    H5Lcreate_external((elsewhere / "secret.h5").c_str(), "/loads", file, "/loads", H5P_DEFAULT, H5P_DEFAULT);
+  });
+  expect_refused({"\"/loads/body_force\" is a link"});
+}
+
+TEST_F(Damage, data_kept_in_another_file_is_refused) {
+  const Folder elsewhere;
+  put_bytes(elsewhere / "secret.bin", std::string(40, '\0'));
+  const hid_t creation = H5Pcreate(H5P_DATASET_CREATE);
+  H5Pset_external(creation, (elsewhere / "secret.bin").c_str(), 0, 40);
+  replace("/modes/decay_rate", H5T_NATIVE_DOUBLE, {5}, nullptr, creation);
+  H5Pclose(creation);
+  expect_refused({"\"/modes/decay_rate\" keeps its data in another file"});
+}
+
+TEST_F(Damage, a_group_in_the_place_of_a_dataset_is_refused) {
+  spoil([](hid_t file) {
+    H5Ldelete(file, "/modes/decay_rate", H5P_DEFAULT);
+    H5Gclose(H5Gcreate2(file, "/modes/decay_rate", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+  });
+  expect_refused({"\"/modes/decay_rate\" is not a dataset"});
+}
+
+TEST_F(Damage, compressed_copies_of_a_kernel_are_read) {
+  const hid_t creation = H5Pcreate(H5P_DATASET_CREATE);
+  const hsize_t chunk[1] = {5};
+  H5Pset_chunk(creation, 1, chunk);
+  H5Pset_deflate(creation, 9);
+  const std::vector<double> values = {0.0, 0.01, 0.02, 0.03, 0.04};
+  replace("/modes/decay_rate", H5T_NATIVE_DOUBLE, {5}, values.data(), creation);
+  H5Pclose(creation);
+  EXPECT_EQ(read(path_).modes.decay_rate, values);
+}
+
+}  // namespace
+}  // namespace ricochet::kernels

@@ -1,0 +1,230 @@
+// Kernel files: what is written comes back, equal kernels are equal files, and a final name means a whole
+// file.
+#define H5_USE_110_API
+#include <hdf5.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+
+#include <cstring>
+
+#include "kernels/hdf5.hpp"
+#include "tests/kernels/sample.hpp"
+
+namespace ricochet::kernels {
+namespace {
+
+using test::complaint_of;
+using test::Folder;
+using test::sample_kernel;
+
+/// Equal to the bit: −0.0 and subnormal numbers too.
+template <class T>
+bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+void expect_same(const Kernel& a, const Kernel& b) {
+  EXPECT_EQ(a.body, b.body);
+  EXPECT_EQ(a.hash, b.hash);
+  EXPECT_EQ(a.scene, b.scene);
+  EXPECT_EQ(a.mesh_sha256, b.mesh_sha256);
+  EXPECT_EQ(a.created_by, b.created_by);
+  EXPECT_EQ(a.dofs, b.dofs);
+  EXPECT_EQ(a.elements, b.elements);
+  EXPECT_EQ(a.order, b.order);
+  EXPECT_EQ(a.mass, b.mass);
+  EXPECT_EQ(a.centre, b.centre);
+  EXPECT_EQ(a.inertia, b.inertia);
+  EXPECT_EQ(a.supported, b.supported);
+  EXPECT_EQ(a.modes.basis, b.modes.basis);
+  EXPECT_TRUE(same_bits(a.modes.angular_frequency, b.modes.angular_frequency));
+  EXPECT_TRUE(same_bits(a.modes.decay_rate, b.modes.decay_rate));
+  EXPECT_TRUE(same_bits(a.modes.residual, b.modes.residual));
+  EXPECT_EQ(a.modes.certificate.below, b.modes.certificate.below);
+  EXPECT_EQ(a.modes.certificate.upto_hz, b.modes.certificate.upto_hz);
+  EXPECT_EQ(a.modes.certificate.count_by_inertia, b.modes.certificate.count_by_inertia);
+  EXPECT_EQ(a.modes.certificate.count_found, b.modes.certificate.count_found);
+  EXPECT_EQ(a.modes.certificate.complete, b.modes.certificate.complete);
+  EXPECT_EQ(a.modes.certificate.orthonormality, b.modes.certificate.orthonormality);
+  EXPECT_EQ(a.surface.components, b.surface.components);
+  EXPECT_EQ(a.surface.direction, b.surface.direction);
+  EXPECT_TRUE(same_bits(a.surface.node, b.surface.node));
+  EXPECT_EQ(a.surface.group, b.surface.group);
+  EXPECT_TRUE(same_bits(a.surface.normal, b.surface.normal));
+  EXPECT_TRUE(same_bits(a.surface.area, b.surface.area));
+  EXPECT_EQ(a.surface.element_corners, b.surface.element_corners);
+  EXPECT_EQ(a.surface.element, b.surface.element);
+  EXPECT_TRUE(same_bits(a.surface.shape, b.surface.shape));
+  EXPECT_TRUE(same_bits(a.surface.residual_flexibility, b.surface.residual_flexibility));
+  EXPECT_TRUE(same_bits(a.loads.body_force, b.loads.body_force));
+  EXPECT_TRUE(same_bits(a.loads.rotation, b.loads.rotation));
+  EXPECT_TRUE(same_bits(a.loads.body_force_residual, b.loads.body_force_residual));
+  ASSERT_EQ(a.view.has_value(), b.view.has_value());
+  if (!a.view) return;
+  EXPECT_TRUE(same_bits(a.view->node, b.view->node));
+  EXPECT_EQ(a.view->element_corners, b.view->element_corners);
+  EXPECT_EQ(a.view->element, b.view->element);
+  EXPECT_TRUE(same_bits(a.view->shape, b.view->shape));
+}
+
+class Components : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(OneAndThree, Components, testing::Values(1, 3));
+
+TEST_P(Components, a_kernel_comes_back_bit_for_bit) {
+  const Folder folder;
+  const Kernel kernel = sample_kernel(GetParam());
+  write(kernel, folder / "body.kernel.h5");
+  expect_same(kernel, read(folder / "body.kernel.h5"));
+  EXPECT_EQ(read_hash(folder / "body.kernel.h5"), kernel.hash);
+}
+
+TEST_P(Components, a_kernel_without_residual_flexibility_and_view_comes_back_without_them) {
+  const Folder folder;
+  Kernel kernel = sample_kernel(GetParam());
+  kernel.surface.residual_flexibility.clear();
+  kernel.loads.body_force_residual.clear();
+  kernel.view.reset();
+  write(kernel, folder / "body.kernel.h5");
+  expect_same(kernel, read(folder / "body.kernel.h5"));
+}
+
+TEST(KernelFile, a_kernel_of_points_without_elements_and_without_modes_comes_back) {
+  const Folder folder;
+  Kernel kernel = sample_kernel(3, 0, 2);
+  kernel.surface.element.clear();
+  write(kernel, folder / "body.kernel.h5");
+  expect_same(kernel, read(folder / "body.kernel.h5"));
+}
+
+TEST(KernelFile, equal_kernels_give_equal_bytes) {
+  const Folder folder;
+  write(sample_kernel(3), folder / "one.h5");
+  {  // other work of the library in between must not show in the file
+    hdf5::Writer other(folder / "other.h5");
+    other.write<double>("/x", std::vector<double>(1000, 1.5), {1000}, "m");
+  }
+  write(sample_kernel(3), folder / "two.h5");
+  EXPECT_EQ(test::bytes_of(folder / "one.h5"), test::bytes_of(folder / "two.h5"));
+}
+
+herr_t check_object(hid_t file, const char* name, const H5O_info_t* info, void* seen) {
+  EXPECT_EQ(info->ctime, 0) << name << " carries a time, so equal kernels would differ";
+  if (info->type == H5O_TYPE_DATASET && std::string(name) != "surface/group") {
+    EXPECT_GT(H5Aexists_by_name(file, name, "unit", H5P_DEFAULT), 0) << name << " has no unit";
+    ++*static_cast<int*>(seen);
+  }
+  return 0;
+}
+
+TEST(KernelFile, every_dataset_of_numbers_has_a_unit_and_no_object_a_time) {
+  const Folder folder;
+  write(sample_kernel(3), folder / "body.h5");
+  const hid_t file = H5Fopen((folder / "body.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  ASSERT_GE(file, 0);
+  int seen = 0;
+  H5Ovisit(file, H5_INDEX_NAME, H5_ITER_NATIVE, check_object, &seen);
+  H5Fclose(file);
+  EXPECT_EQ(seen, 17);  // the datasets FORMAT.md lists, but for the names of groups
+}
+
+TEST(KernelFile, another_program_finds_the_shape_as_points_by_components_by_modes) {
+  const Folder folder;
+  const Kernel kernel = sample_kernel(3, 5, 4);
+  write(kernel, folder / "body.h5");
+  const hid_t file = H5Fopen((folder / "body.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  const hid_t dataset = H5Dopen2(file, "/surface/shape", H5P_DEFAULT);
+  const hid_t space = H5Dget_space(dataset);
+  hsize_t dims[3] = {};
+  ASSERT_EQ(H5Sget_simple_extent_ndims(space), 3);
+  H5Sget_simple_extent_dims(space, dims, nullptr);
+  double values[4][3][5] = {};
+  ASSERT_GE(H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), 0);
+  H5Sclose(space);
+  H5Dclose(dataset);
+  H5Fclose(file);
+  EXPECT_EQ((std::vector<hsize_t>(dims, dims + 3)), (std::vector<hsize_t>{4, 3, 5}));
+  EXPECT_EQ(values[2][1][3], kernel.surface.shape[(2 * 3 + 1) * 5 + 3]);
+}
+
+TEST(KernelFile, a_write_that_is_killed_leaves_no_file_of_the_final_name) {
+  const Folder folder;
+  const pid_t child = ::fork();
+  if (child == 0) {
+    hdf5::Writer file(folder / "body.kernel.h5");
+    file.write<double>("/x", std::vector<double>(1000, 1.5), {1000}, "m");
+    ::kill(::getpid(), SIGKILL);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  EXPECT_FALSE(std::filesystem::exists(folder / "body.kernel.h5"));
+}
+
+TEST(KernelFile, a_write_that_is_given_up_keeps_the_old_file_and_leaves_nothing_else) {
+  const Folder folder;
+  write(sample_kernel(1), folder / "body.kernel.h5");
+  const std::string before = test::bytes_of(folder / "body.kernel.h5");
+  {
+    hdf5::Writer file(folder / "body.kernel.h5");
+    file.write<double>("/x", std::vector<double>(1000, 1.5), {1000}, "m");
+  }
+  EXPECT_EQ(test::bytes_of(folder / "body.kernel.h5"), before);
+  EXPECT_EQ(folder.entries(), 1U);
+}
+
+TEST(KernelFile, a_kernel_that_would_not_be_read_is_not_written) {
+  const Folder folder;
+  Kernel kernel = sample_kernel(1);
+  kernel.surface.area[1] = std::nan("");
+  const std::string said = complaint_of([&] { write(kernel, folder / "body.kernel.h5"); });
+  EXPECT_NE(said.find("/surface/area"), std::string::npos) << said;
+  EXPECT_EQ(folder.entries(), 0U);
+}
+
+TEST(KernelFile, a_scene_too_long_for_an_attribute_is_refused_and_not_cut) {
+  const Folder folder;
+  Kernel kernel = sample_kernel(1);
+  kernel.scene = std::string(64'000, '#');
+  write(kernel, folder / "longest.kernel.h5");
+  EXPECT_EQ(read(folder / "longest.kernel.h5").scene, kernel.scene);
+  kernel.scene += '#';
+  const std::string said = complaint_of([&] { write(kernel, folder / "body.kernel.h5"); });
+  EXPECT_NE(said.find("attribute scene of / has 64001 bytes"), std::string::npos) << said;
+  EXPECT_EQ(folder.entries(), 1U);
+}
+
+TEST(KernelFile, a_place_that_cannot_be_written_is_an_input_error_that_names_it) {
+  const Folder folder;
+  test::put_bytes(folder / "file", "not a folder");
+  std::filesystem::create_directory(folder / "occupied");
+  for (const std::string place : {"missing/body.h5", "file/body.h5", "occupied"}) {
+    const std::string said = complaint_of([&] { write(sample_kernel(1), folder / place); });
+    EXPECT_EQ(said.find((folder / place).string() + ": cannot write"), 0U) << said;
+  }
+  EXPECT_EQ(folder.entries(), 2U) << "a temporary file was left behind";
+}
+
+TEST(KernelFile, a_full_disk_is_an_input_error_and_leaves_nothing_behind) {
+  const Folder folder;
+  const pid_t child = ::fork();
+  if (child == 0) {  // a limit on the size of files stands for the full disk; it would outlive the test
+    ::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{20'000, 20'000};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    try {
+      write(sample_kernel(3), folder / "body.kernel.h5");
+    } catch (const InputError&) {
+      ::_exit(42);
+    }
+    ::_exit(1);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status)) << "killed by signal " << WTERMSIG(status);
+  EXPECT_EQ(WEXITSTATUS(status), 42);
+  EXPECT_EQ(folder.entries(), 0U);
+}
+
+}  // namespace
+}  // namespace ricochet::kernels

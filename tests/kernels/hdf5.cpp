@@ -1,0 +1,126 @@
+// The HDF5 wrapper by itself: growing datasets, silence, handles.
+#define H5_USE_110_API
+#include "kernels/hdf5.hpp"
+
+#include <hdf5.h>
+
+#include <stdexcept>
+
+#include "tests/kernels/sample.hpp"
+
+namespace ricochet::kernels::hdf5 {
+namespace {
+
+using test::complaint_of;
+using test::Folder;
+
+TEST(Rows, come_back_in_order_whatever_the_block) {
+  const Folder folder;
+  constexpr std::size_t kRows = 3000;  // beyond the longest block of 1024 and no multiple of it
+  {
+    Writer file(folder / "rows.h5");
+    Rows& time = file.rows("/time", {}, "s");
+    Rows& force = file.rows("/contact/force", {7}, "N");
+    Rows& wide = file.rows("/contact/wide", {3, 5000}, "m");  // a row beyond the size of a block
+    for (std::size_t k = 0; k < kRows; ++k) {
+      time.append(static_cast<double>(k));
+      std::vector<double> row(7);
+      for (std::size_t i = 0; i < 7; ++i) row[i] = static_cast<double>(100 * k + i);
+      force.append(row);
+      if (k < 3) wide.append(std::vector<double>(15000, static_cast<double>(k)));
+    }
+    EXPECT_EQ(time.size(), kRows);
+    file.commit();
+  }
+  const Reader file(folder / "rows.h5", "Advice.");
+  const std::vector<double> time = file.read<double>("/time", {kRows});
+  const std::vector<double> force = file.read<double>("/contact/force", {kRows, 7});
+  for (std::size_t k = 0; k < kRows; ++k) {
+    ASSERT_EQ(time[k], static_cast<double>(k));
+    for (std::size_t i = 0; i < 7; ++i) ASSERT_EQ(force[7 * k + i], static_cast<double>(100 * k + i));
+  }
+  EXPECT_EQ(file.read<double>("/contact/wide", {any, 3, 5000})[2 * 15000 + 14999], 2.0);
+  EXPECT_EQ(file.string_attribute("/contact/force", "unit"), "N");
+}
+
+TEST(Rows, may_stay_empty) {
+  const Folder folder;
+  Writer file(folder / "rows.h5");
+  file.rows("/contact/force", {7}, "N");
+  file.rows("/contact/none", {0}, "N").append(std::vector<double>());
+  file.commit();
+  const Reader reader(folder / "rows.h5", "Advice.");
+  EXPECT_TRUE(reader.read<double>("/contact/force", {0, 7}).empty());
+  EXPECT_EQ(reader.shape("/contact/none"), (Shape{1, 0}));
+}
+
+TEST(Rows, of_another_length_are_our_own_mistake) {
+  const Folder folder;
+  Writer file(folder / "rows.h5");
+  Rows& force = file.rows("/contact/force", {7}, "N");
+  EXPECT_THROW(force.append(std::vector<double>(6)), std::logic_error);
+  EXPECT_THROW(file.write<double>("/x", std::vector<double>(6), {7}, "m"), std::logic_error);
+}
+
+TEST(Wrapper, leaves_no_handle_open) {
+  const Folder folder;
+  {
+    Writer file(folder / "file.h5");
+    file.rows("/a/rows", {2}, "m").append(std::vector<double>{1, 2});
+    file.write<float>("/a/b/values", std::vector<float>{1, 2}, {2}, "m");
+    file.write_strings("/names", {"one", "three"});
+    file.attribute("/", "text", std::string("x"));
+    file.commit();
+    const Reader reader(folder / "file.h5", "Advice.");
+    reader.read<float>("/a/b/values", {2});
+    EXPECT_EQ(reader.read_strings("/names", 2), (std::vector<std::string>{"one", "three"}));
+    reader.string_attribute("/", "text");
+    complaint_of([&] { reader.read<double>("/missing", {2}); });
+    complaint_of([&] { reader.read<double>("/names", {2}); });
+    Writer given_up(folder / "other.h5");
+    given_up.rows("/a/rows", {2}, "m").append(std::vector<double>{1, 2});
+  }
+  EXPECT_EQ(H5Fget_obj_count(static_cast<hid_t>(H5F_OBJ_ALL), H5F_OBJ_ALL), 0);
+}
+
+TEST(Wrapper, prints_nothing_about_bad_files_not_even_when_the_program_ends) {
+  const Folder folder;
+  write(test::sample_kernel(3), folder / "body.h5");
+  test::put_bytes(folder / "text.h5", "text");
+  std::string spoilt = test::bytes_of(folder / "body.h5");
+  // Past the header's mark: its checksum fails, which HDF5 remembers until the end.
+  for (std::size_t at = 0; (at = spoilt.find("OHDR", at + 1)) != std::string::npos;)
+    if (at > 1000) spoilt[at + 20] = static_cast<char>(~spoilt[at + 20]);
+  test::put_bytes(folder / "spoilt.h5", spoilt);
+  const auto meet_bad_files = [&] {
+    complaint_of([&] { Reader(folder / "missing.h5", "Advice."); });
+    complaint_of([&] { Reader(folder / "text.h5", "Advice."); });
+    complaint_of([&] { Writer(folder / "no/folder.h5"); });
+    complaint_of([&] { kernels::read(folder / "spoilt.h5"); });
+    std::exit(0);
+  };
+  EXPECT_EXIT(meet_bad_files(), testing::ExitedWithCode(0), "^$");
+}
+
+TEST(Reader, tells_links_and_missing_objects_from_its_own) {
+  const Folder folder;
+  Writer file(folder / "file.h5");
+  file.write<double>("/a/values", std::vector<double>{1}, {1}, "m");
+  file.commit();
+  {
+    const hid_t raw = H5Fopen((folder / "file.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    H5Lcreate_soft("/a/values", raw, "/soft", H5P_DEFAULT, H5P_DEFAULT);
+    H5Fclose(raw);
+  }
+  const Reader reader(folder / "file.h5", "Advice.");
+  EXPECT_TRUE(reader.exists("/a"));
+  EXPECT_TRUE(reader.exists("/a/values"));
+  EXPECT_FALSE(reader.exists("/soft"));
+  EXPECT_FALSE(reader.exists("/b/values"));
+  EXPECT_FALSE(reader.has_attribute("/b", "unit"));
+  EXPECT_EQ(complaint_of([&] { reader.read<double>("/b/values", {1}); }),
+            (folder / "file.h5").string() + ": dataset \"/b/values\" is missing. Advice.");
+}
+
+}  // namespace
+}  // namespace ricochet::kernels::hdf5

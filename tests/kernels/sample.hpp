@@ -1,0 +1,129 @@
+// A small kernel with every field set to a value of its own, and a folder that goes with its test.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <random>
+#include <string>
+
+#include "kernels/error.hpp"
+#include "kernels/kernel.hpp"
+
+namespace ricochet::kernels::test {
+
+class Folder {
+ public:
+  Folder() {
+    std::string name = (std::filesystem::temp_directory_path() / "ricochet-XXXXXX").string();
+    path_ = ::mkdtemp(name.data());
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  ~Folder() { std::filesystem::remove_all(path_); }
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+  std::size_t entries() const {
+    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(path_), {}));
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+inline std::string bytes_of(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+inline void put_bytes(const std::filesystem::path& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
+/// The InputError's text; a test failure when none is thrown or it has more than one line.
+template <class Action>
+std::string complaint_of(Action action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    const std::string text = error.what();
+    EXPECT_EQ(text.find('\n'), std::string::npos) << text;
+    return text;
+  }
+  ADD_FAILURE() << "no InputError";
+  return "";
+}
+
+/// @param components  3, or 1 with a direction
+inline Kernel sample_kernel(int components, std::size_t n = 5, std::size_t m = 4) {
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> normal;
+  const auto fill = [&](std::vector<double>& values, std::size_t count) {
+    values.resize(count);
+    for (double& value : values) value = normal(random);
+  };
+  const std::size_t c = static_cast<std::size_t>(components);
+  Kernel kernel;
+  kernel.body = "scheibe-\u00e4";
+  kernel.hash = std::string(64, 'a');
+  kernel.scene = "mesh = \"disk.msh\"\norder = 2\n" + std::string(50000, '#');
+  kernel.mesh_sha256 = std::string(64, 'b');
+  kernel.created_by = "ricochet-kernel 0.1.0";
+  kernel.dofs = 5'000'000'000;
+  kernel.elements = 321;
+  kernel.order = 3;
+  kernel.mass = 0.1;
+  kernel.centre = {0.1, -0.2, 1.0 / 3};
+  kernel.inertia = {1, 0.1, 0.2, 0.1, 2, 0.3, 0.2, 0.3, 3};
+  kernel.supported = true;
+
+  Modes& modes = kernel.modes;
+  for (std::size_t i = 0; i < n; ++i) {
+    modes.angular_frequency.push_back(i == 0 ? 0.0 : 100.0 * std::sqrt(double(i)));
+    modes.decay_rate.push_back(0.01 * double(i));
+    modes.residual.push_back(1e-310 * double(i + 1));  // subnormal: survives only an exact copy
+  }
+  modes.certificate = {.below = 1,
+                       .upto_hz = 1500.5,
+                       .count_by_inertia = static_cast<std::int64_t>(n),
+                       .count_found = static_cast<std::int64_t>(n),
+                       .complete = true,
+                       .orthonormality = 3e-14};
+
+  Surface& surface = kernel.surface;
+  surface.components = components;
+  if (components == 1) surface.direction = Vector3{0, -0.6, 0.8};
+  fill(surface.node, 3 * m);
+  for (std::size_t i = 0; i < m; ++i) {
+    surface.group.push_back(i % 2 == 0 ? "rim" : "upper face");
+    surface.normal.insert(surface.normal.end(), {std::cos(double(i)), -0.0, std::sin(double(i))});
+    surface.area.push_back(1e-4 * double(i + 1));
+  }
+  surface.element_corners = 2;
+  for (std::size_t i = 0; i + 1 < m; ++i) {
+    surface.element.push_back(static_cast<std::int64_t>(i));
+    surface.element.push_back(static_cast<std::int64_t>(i + 1));
+  }
+  fill(surface.shape, m * c * n);
+  surface.residual_flexibility.resize(c * m * c * m);
+  for (std::size_t i = 0; i < c * m; ++i)
+    for (std::size_t j = 0; j <= i; ++j)
+      surface.residual_flexibility[i * c * m + j] = surface.residual_flexibility[j * c * m + i] =
+          1e-9 * normal(random);
+
+  fill(kernel.loads.body_force, 3 * n);
+  fill(kernel.loads.rotation, 3 * n);
+  fill(kernel.loads.body_force_residual, c * m * 3);
+
+  View view;
+  fill(view.node, 3 * 3);
+  view.element = {0, 1, 2, 2, 1, 0};
+  for (std::size_t i = 0; i < 9 * n; ++i) view.shape.push_back(static_cast<float>(normal(random)));
+  kernel.view = view;
+  return kernel;
+}
+
+}  // namespace ricochet::kernels::test

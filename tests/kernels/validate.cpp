@@ -1,0 +1,103 @@
+// What a kernel must be to go past its loader: each rule broken once, alone.
+#include <functional>
+
+#include "tests/kernels/sample.hpp"
+
+namespace ricochet::kernels {
+namespace {
+
+using test::complaint_of;
+using test::sample_kernel;
+
+struct Breach {
+  const char* name;
+  std::function<void(Kernel&)> commit;
+  const char* named;  ///< what the complaint must name
+};
+
+void PrintTo(const Breach& breach, std::ostream* out) { *out << breach.name; }
+
+class Rule : public testing::TestWithParam<Breach> {};
+
+TEST_P(Rule, is_enforced) {
+  for (const int components : {1, 3}) {
+    Kernel kernel = sample_kernel(components);
+    ASSERT_NO_THROW(validate(kernel, "origin"));
+    GetParam().commit(kernel);
+    const std::string said = complaint_of([&] { validate(kernel, "origin"); });
+    EXPECT_EQ(said.find("origin: "), 0U) << said;
+    EXPECT_NE(said.find(GetParam().named), std::string::npos) << said;
+    EXPECT_NE(said.find("Compute it again"), std::string::npos) << said;
+  }
+}
+
+const double kInfinity = std::numeric_limits<double>::infinity();
+
+INSTANTIATE_TEST_SUITE_P(
+    Kernel, Rule,
+    testing::Values(
+        Breach{"body_has_a_name", [](Kernel& k) { k.body.clear(); }, "body"},
+        Breach{"hash_is_there", [](Kernel& k) { k.hash.clear(); }, "hash"},
+        Breach{"mass_is_positive", [](Kernel& k) { k.mass = 0; }, "mass"},
+        Breach{"mass_is_finite", [](Kernel& k) { k.mass = kInfinity; }, "mass"},
+        Breach{"dofs_are_not_negative", [](Kernel& k) { k.dofs = -1; }, "dofs"},
+        Breach{"centre_is_finite", [](Kernel& k) { k.centre[1] = kInfinity; }, "/body/centre"},
+        Breach{"inertia_is_finite", [](Kernel& k) { k.inertia[8] = kInfinity; }, "/body/inertia"},
+        Breach{"basis_is_known", [](Kernel& k) { k.modes.basis = "wavelets"; }, "basis"},
+        Breach{"frequencies_ascend",
+               [](Kernel& k) { std::swap(k.modes.angular_frequency[1], k.modes.angular_frequency[2]); },
+               "/modes/angular_frequency"},
+        Breach{"frequencies_are_not_negative", [](Kernel& k) { k.modes.angular_frequency[0] = -1; },
+               "/modes/angular_frequency"},
+        Breach{"decay_rates_are_not_negative", [](Kernel& k) { k.modes.decay_rate[2] = -1; },
+               "/modes/decay_rate"},
+        Breach{"decay_rates_are_as_many_as_modes", [](Kernel& k) { k.modes.decay_rate.pop_back(); },
+               "/modes/decay_rate"},
+        Breach{"residuals_are_as_many_as_modes", [](Kernel& k) { k.modes.residual.push_back(0); },
+               "/modes/residual"},
+        Breach{"counts_are_not_negative", [](Kernel& k) { k.modes.certificate.below = -1; }, "certificate"},
+        Breach{"certificate_is_finite", [](Kernel& k) { k.modes.certificate.orthonormality = kInfinity; },
+               "certificate"},
+        Breach{"components_are_one_or_three", [](Kernel& k) { k.surface.components = 2; }, "/surface/shape"},
+        Breach{"direction_goes_with_one_component",
+               [](Kernel& k) {
+                 if (k.surface.direction)
+                   k.surface.direction.reset();
+                 else
+                   k.surface.direction = Vector3{0, 0, 1};
+               },
+               "direction"},
+        Breach{"nodes_have_three_coordinates", [](Kernel& k) { k.surface.node.pop_back(); }, "/surface/node"},
+        Breach{"groups_are_as_many_as_points", [](Kernel& k) { k.surface.group.pop_back(); },
+               "/surface/group"},
+        Breach{"areas_are_positive", [](Kernel& k) { k.surface.area[0] = 0; }, "/surface/area"},
+        Breach{"normals_are_unit_vectors", [](Kernel& k) { k.surface.normal[0] += 1e-6; }, "/surface/normal"},
+        Breach{"elements_are_whole", [](Kernel& k) { k.surface.element.pop_back(); }, "/surface/element"},
+        Breach{"elements_name_points", [](Kernel& k) { k.surface.element[0] = 4; }, "/surface/element"},
+        Breach{"shapes_are_points_by_components_by_modes", [](Kernel& k) { k.surface.shape.pop_back(); },
+               "/surface/shape"},
+        Breach{"flexibility_is_square", [](Kernel& k) { k.surface.residual_flexibility.pop_back(); },
+               "/surface/residual_flexibility"},
+        Breach{"flexibility_is_symmetric", [](Kernel& k) { k.surface.residual_flexibility[1] += 1e-9; },
+               "/surface/residual_flexibility"},
+        Breach{"body_force_has_three_rows", [](Kernel& k) { k.loads.body_force.pop_back(); },
+               "/loads/body_force"},
+        Breach{"rotation_has_three_rows", [](Kernel& k) { k.loads.rotation.pop_back(); }, "/loads/rotation"},
+        Breach{"static_part_has_three_columns", [](Kernel& k) { k.loads.body_force_residual.pop_back(); },
+               "/loads/body_force_residual"},
+        Breach{"skin_elements_have_two_corners_or_more", [](Kernel& k) { k.view->element_corners = 1; },
+               "/view/element"},
+        Breach{"skin_elements_name_nodes", [](Kernel& k) { k.view->element[0] = -1; }, "/view/element"},
+        Breach{"skin_shapes_are_finite", [](Kernel& k) { k.view->shape[3] = std::nanf(""); }, "/view/shape"},
+        Breach{"skin_nodes_have_three_coordinates", [](Kernel& k) { k.view->node.pop_back(); },
+               "/view/node"}),
+    [](const testing::TestParamInfo<Breach>& instance) { return instance.param.name; });
+
+TEST(Direction, is_a_unit_vector) {
+  Kernel kernel = sample_kernel(1);
+  kernel.surface.direction = Vector3{0, 0, 2};
+  EXPECT_NE(complaint_of([&] { validate(kernel, "origin"); }).find("direction"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace ricochet::kernels
