@@ -1,0 +1,248 @@
+#include "contact/integrator.hpp"
+
+#include <fmt/format.h>
+
+#include <cassert>
+#include <cmath>
+#include <numbers>
+
+#include "kernels/error.hpp"
+
+namespace ricochet::contact {
+namespace {
+
+/// Steps of less than half a period sample a mode.
+constexpr double sampled = std::numbers::pi;
+
+/// u_i is a sum of N products: its round-off is a small multiple of ε |B_i| |q|. Touching is tested with this
+/// margin.
+constexpr double touch = 1e-13;
+
+/// Share of A's mean diagonal added to it. Where there are more points than modes A is singular and only Bᵀ P
+/// is determined; this picks the P of least norm, and leaves 1e-12 of the approach velocity.
+constexpr double least_norm = 1e-12;
+
+void check(const Model& model, const StepOptions& o) {
+  if (!(o.step > 0) || !std::isfinite(o.step))
+    throw InputError(
+        fmt::format("time step = {} s: must be positive and finite. Set time.rate_hz above 0.", o.step));
+  if (o.scheme != Scheme::impulse) return;
+  if (!(o.restitution >= 0 && o.restitution <= 1))
+    throw InputError(fmt::format("contact.restitution = {}: must be between 0 and 1.", o.restitution));
+  const double highest = model.omega.size() > 0 ? model.omega.maxCoeff() : 0;
+  if (o.admittance == Admittance::difference && highest * o.step >= sampled)
+    throw InputError(fmt::format(
+        "contact.admittance = \"difference\": omega_max * step = {:.4g} is not below pi (highest mode {:.6g} "
+        "Hz). Use a step "
+        "below {:.4g} s (time.rate_hz above {:.6g}), fewer modes, or \"jump\".",
+        highest * o.step, highest / (2 * std::numbers::pi), sampled / highest, highest / sampled));
+}
+
+StepStatus failure(SolveStatus status) {
+  return status == SolveStatus::not_finite ? StepStatus::not_finite : StepStatus::no_solution;
+}
+
+}  // namespace
+
+void Integrator::Sum::add(double x) noexcept {
+  const double sum = value + x;
+  carry += std::abs(value) >= std::abs(x) ? (value - sum) + x : (x - sum) + value;
+  value = sum;
+}
+
+Integrator::Integrator(const Model& model, const StepOptions& options)
+    : options_(options),
+      stiffness_(model.omega.cwiseAbs2()),
+      load_(model.load),
+      B_(model.B),
+      s_(model.static_displacement),
+      gap_(model.gap),
+      R_(model.R),
+      solver_(static_cast<int>(model.gap.size())),
+      q_(model.q0),
+      v_(model.v0) {
+  check(model, options);
+  const Eigen::Index N = model.omega.size(), m = model.gap.size();
+  assert(B_.rows() == m && B_.cols() == N && s_.size() == m && R_.rows() == m && R_.cols() == m);
+  assert(load_.size() == N && q_.size() == N && v_.size() == N && model.decay.size() == N);
+
+  for (Vector* x :
+       {&b_, &c_, &e_, &h_, &damp_ss_, &damp_sr_, &damp_rr_, &g_, &dq_, &push_, &next_q_, &next_v_})
+    x->setZero(N);
+  for (Vector* x : {&force_, &next_u_, &next_force_, &rhs_, &solution_}) x->setZero(m);
+  touching_.reserve(static_cast<std::size_t>(m));
+
+  for (Eigen::Index n = 0; n < N; ++n) {
+    const double omega = model.omega(n), delta = model.decay(n);
+    if (options.scheme == Scheme::compliant && omega * options.step > sampled) {
+      // At rest but for its static displacement (f_n − Σ B_in λ_i)/ω², which the points see through s and R.
+      R_.noalias() += B_.col(n) * B_.col(n).transpose() / stiffness_(n);
+      s_ += B_.col(n) * (load_(n) / stiffness_(n));
+      B_.col(n).setZero();
+      stiffness_(n) = load_(n) = q_(n) = v_(n) = 0;
+      ++dropped_;
+      continue;
+    }
+    const ModeStep k = mode_step(omega, delta, options.step);
+    b_(n) = k.b;
+    c_(n) = k.c;
+    e_(n) = k.e;
+    h_(n) = k.h;
+    damp_ss_(n) = 2 * delta * k.ss;
+    damp_sr_(n) = 4 * delta * k.sr;
+    damp_rr_(n) = 2 * delta * k.rr;
+    damped_ = damped_ || delta > 0;
+  }
+  q0_ = q_;
+  if (options.scheme == Scheme::compliant)
+    S_ = B_ * c_.asDiagonal() * B_.transpose() + R_;
+  else if (options.admittance == Admittance::jump)
+    S_ = B_ * B_.transpose();
+  else
+    S_ = B_ * (b_ / options.step).asDiagonal() * B_.transpose();
+  if (options.scheme == Scheme::impulse && m > 0) {
+    S_.diagonal().array() += least_norm * S_.diagonal().mean();
+    sub_.setZero(m, m);
+    norm_ = B_.rowwise().norm();
+  }
+  u_ = s_;
+  u_.noalias() += B_ * q_;
+  energy_.kinetic = 0.5 * v_.squaredNorm();
+  energy_.strain = 0.5 * stiffness_.dot(q_.cwiseAbs2());
+}
+
+StepStatus Integrator::step() noexcept {
+  return options_.scheme == Scheme::compliant ? step_compliant() : step_impulse();
+}
+
+/// From (q, q̇) without contact: g = f − ω²q and q⁺ − q = b q̇ + c g. With a = 1 − ω²c and d = −ω²h these
+/// increments are the propagator, and they keep the work of a force on a slow motion free of cancellation.
+void Integrator::free_motion(const Vector& q, const Vector& v) noexcept {
+  g_.array() = load_.array() - stiffness_.array() * q.array();
+  dq_.array() = b_.array() * v.array() + c_.array() * g_.array();
+}
+
+/// push_ = Bᵀ λ; returns how many points push.
+int Integrator::push_by(const Vector& lambda) noexcept {
+  int active = 0;
+  push_.setZero();
+  for (Eigen::Index i = 0; i < lambda.size(); ++i)
+    if (lambda(i) > 0) {
+      push_ += lambda(i) * B_.row(i).transpose();
+      ++active;
+    }
+  return active;
+}
+
+/// ∫ 2δ q̇² over the step that starts at (q_, v_) under the acceleration g_.
+double Integrator::damping_work() const noexcept {
+  if (!damped_) return 0;
+  return (damp_ss_.array() * g_.array().square() + damp_sr_.array() * g_.array() * v_.array() +
+          damp_rr_.array() * v_.array().square())
+      .sum();
+}
+
+/// Takes next_… as the state, unless it is not finite.
+StepStatus Integrator::commit(double contact_work, double residual, double power, int active,
+                              double damping) noexcept {
+  const double kinetic = 0.5 * next_v_.squaredNorm();
+  const double strain = 0.5 * (stiffness_.array() * next_q_.array().square()).sum();
+  if (!std::isfinite(kinetic + strain + contact_work + residual + damping)) return StepStatus::not_finite;
+  damping_.add(damping);
+  contact_.add(contact_work - (residual - energy_.residual));
+  energy_.kinetic = kinetic;
+  energy_.strain = strain;
+  energy_.residual = residual;
+  energy_.loads = (load_.array() * (next_q_.array() - q0_.array())).sum();
+  energy_.damping = damping_.total();
+  energy_.contact = contact_.total();
+  q_.swap(next_q_);
+  v_.swap(next_v_);
+  u_.swap(next_u_);
+  force_.swap(next_force_);
+  active_ = active;
+  persistency_ = power;
+  ++steps_;
+  return StepStatus::ok;
+}
+
+/// 0 ≤ λ ⟂ S λ − (û − g) ≥ 0,  û = B q̂ + s with q̂ the motion without contact,  S = B c Bᵀ + R
+StepStatus Integrator::step_compliant() noexcept {
+  free_motion(q_, v_);
+  next_q_ = q_ + dq_;
+  next_u_ = s_;
+  next_u_.noalias() += B_ * next_q_;
+  rhs_ = next_u_ - gap_;
+  next_force_.setZero();
+  if (!(rhs_.array() < 0).all()) {  // NaN included
+    const SolveStatus status = solver_.solve(S_, rhs_, next_force_);
+    if (status != SolveStatus::solved) return failure(status);
+  }
+  const int active = push_by(next_force_);
+  double work = 0, residual = 0, power = 0;
+  if (active > 0) {
+    dq_.array() -= c_.array() * push_.array();
+    g_ -= push_;
+    next_q_ = q_ + dq_;
+    work = push_.dot(dq_);
+    for (Eigen::Index i = 0; i < next_force_.size(); ++i) {
+      const double lambda = next_force_(i);
+      if (lambda == 0) continue;
+      next_u_ -= lambda * S_.col(i);  // B q⁺ + s − R λ
+      residual += 0.5 * lambda * R_.col(i).dot(next_force_);
+    }
+    power = -next_force_.dot(next_u_ - u_) / options_.step;
+  }
+  next_v_.array() = e_.array() * v_.array() + h_.array() * g_.array();
+  return commit(work, residual, power, active, damping_work());
+}
+
+/// Free motion to t_k, then q̇⁺ = q̇⁻ − Bᵀ P.
+StepStatus Integrator::step_impulse() noexcept {
+  free_motion(q_, v_);
+  const double damping = damping_work();
+  next_q_ = q_ + dq_;
+  next_v_.array() = e_.array() * v_.array() + h_.array() * g_.array();
+  next_u_ = s_;
+  next_u_.noalias() += B_ * next_q_;
+  const SolveStatus status = impulses();
+  if (status != SolveStatus::solved) return failure(status);
+
+  const int active = push_by(next_force_);
+  double work = 0;
+  if (active > 0) {
+    work = push_.dot(next_v_) - 0.5 * push_.squaredNorm();  // Pᵀ B q̇⁻ − ½ |Bᵀ P|² = Pᵀ (u̇⁻ + u̇⁺)/2
+    next_v_ -= push_;
+    next_force_ /= options_.step;
+  }
+  return commit(work, 0, -work / options_.step, active, damping);
+}
+
+/// next_force_ = P [N s]:  0 ≤ P ⟂ A P − (1 + e) v̂ ≥ 0  on the points with u ≥ g.
+SolveStatus Integrator::impulses() noexcept {
+  next_force_.setZero();
+  touching_.clear();
+  const double margin = touch * next_q_.norm();
+  for (Eigen::Index i = 0; i < gap_.size(); ++i)
+    if (!(next_u_(i) < gap_(i) - margin * norm_(i) - touch * (std::abs(gap_(i)) + std::abs(s_(i)))))
+      touching_.push_back(static_cast<int>(i));
+  if (touching_.empty()) return SolveStatus::solved;
+
+  // v̂ = B x: the velocity at t_k, or what becomes of it over the next step
+  const Vector* x = &next_v_;
+  if (options_.admittance == Admittance::difference) {
+    free_motion(next_q_, next_v_);
+    dq_ /= options_.step;
+    x = &dq_;
+  }
+  const Eigen::Index n = static_cast<Eigen::Index>(touching_.size());
+  for (Eigen::Index j = 0; j < n; ++j) {
+    rhs_(j) = (1 + options_.restitution) * B_.row(touching_[j]).dot(*x);
+    for (Eigen::Index i = 0; i < n; ++i) sub_(i, j) = S_(touching_[i], touching_[j]);
+  }
+  const SolveStatus status = solver_.solve(sub_.topLeftCorner(n, n), rhs_.head(n), solution_.head(n));
+  for (Eigen::Index j = 0; j < n; ++j) next_force_(touching_[j]) = solution_(j);
+  return status;
+}
+
+}  // namespace ricochet::contact

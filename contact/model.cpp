@@ -1,0 +1,238 @@
+#include "contact/model.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <cmath>
+
+#include "kernels/error.hpp"
+
+namespace ricochet::contact {
+namespace {
+
+using Eigen::Vector3d;
+using Selection = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+
+/// Of the kinetic energy of a rigid velocity, what the rigid modes may miss by round-off of the eigensolver.
+constexpr double rigid_slack = 1e-6;
+
+/// Loads of a kernel as (3,N).
+auto three_rows(const std::vector<double>& values, int modes) {
+  return Eigen::Map<const Matrix>(values.data(), 3, modes);
+}
+
+int index_of(const std::string& name, const std::vector<PlacedBody>& bodies) {
+  const auto found =
+      std::find_if(bodies.begin(), bodies.end(), [&](const auto& b) { return b.name == name; });
+  return found == bodies.end() ? -1 : static_cast<int>(found - bodies.begin());
+}
+
+/// A pair with its names looked up.
+struct Meeting {
+  PairRequest request;
+  int a = 0, b = -1;
+  const HalfSpace* obstacle = nullptr;
+  Pairing pairing;
+
+  Pairing find(const std::vector<PlacedBody>& bodies, const PairRequest& as) const {
+    return obstacle ? pair(bodies[a], *obstacle, as) : pair(bodies[a], bodies[b], as);
+  }
+};
+
+Meeting look_up(const PairRequest& request, const std::vector<PlacedBody>& bodies,
+                const std::vector<HalfSpace>& obstacles) {
+  Meeting out{request, index_of(request.a, bodies), index_of(request.b, bodies), nullptr, {}};
+  for (const HalfSpace& obstacle : obstacles)
+    if (obstacle.name == request.b) out.obstacle = &obstacle;
+  if (out.a < 0)
+    throw InputError(fmt::format(
+        "contact.between: \"{}\" is not a body. The first name must be one of bodies.*.", request.a));
+  if (out.b < 0 && !out.obstacle)
+    throw InputError(fmt::format(
+        "contact.between: \"{}\" is neither a body nor an obstacle. Name one of bodies.* or obstacles.*.",
+        request.b));
+  if (out.a == out.b)
+    throw InputError(fmt::format("contact.between: \"{}\" can't meet itself. Name two bodies.", request.a));
+  return out;
+}
+
+/// Moves the bodies whose pairs ask for a gap, then pairs all. A body that two pairs move in different ways
+/// has no place that serves both.
+std::vector<Meeting> meet(std::vector<PlacedBody>& bodies, const std::vector<HalfSpace>& obstacles,
+                          const std::vector<PairRequest>& requests) {
+  std::vector<Meeting> out;
+  for (const PairRequest& request : requests) out.push_back(look_up(request, bodies, obstacles));
+  for (std::size_t k = 0; k < bodies.size(); ++k)
+    if (std::none_of(out.begin(), out.end(), [&](const Meeting& meeting) {
+          return meeting.a == static_cast<int>(k) || meeting.b == static_cast<int>(k);
+        }))
+      throw InputError(fmt::format(
+          "bodies.{}: no pair names it, so nothing would ever touch it. Add it to contact, or take it out.",
+          bodies[k].name));
+  for (const Meeting& meeting : out)
+    if (meeting.request.gap) bodies[meeting.a].translation += meeting.find(bodies, meeting.request).shift;
+  for (Meeting& meeting : out) {
+    PairRequest placed = meeting.request;
+    placed.gap.reset();
+    meeting.pairing = meeting.find(bodies, placed);
+    if (!meeting.request.gap) continue;
+    double nearest = meeting.pairing.points.front().gap, farthest = nearest;
+    for (const auto& point : meeting.pairing.points) {
+      nearest = std::min(nearest, point.gap);
+      farthest = std::max({farthest, point.gap, point.a.cwiseAbs().maxCoeff()});
+    }
+    // 1e-9: above the round-off of two placements, far below any gap that matters
+    if (std::abs(nearest - *meeting.request.gap) > 1e-9 * (farthest + *meeting.request.gap))
+      throw InputError(
+          fmt::format("contact between \"{}\" and \"{}\": gap = {} m, but another pair's gap moves one of "
+                      "them to {:.6g} m. Leave one gap out.",
+                      meeting.request.a, meeting.request.b, *meeting.request.gap, nearest));
+  }
+  return out;
+}
+
+Model::BodyBlock block_of(const PlacedBody& body, int first_mode, const Vector3d& gravity) {
+  const kernels::Kernel& kernel = *body.kernel;
+  Model::BodyBlock block;
+  block.name = body.name;
+  block.first_mode = first_mode;
+  block.modes = static_cast<int>(kernel.modes.size());
+  block.mass = kernel.mass;
+  block.centre = body.rotation * Eigen::Map<const Vector3d>(kernel.centre.data()) + body.translation;
+  const Eigen::Matrix3d inertia =
+      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(kernel.inertia.data());
+  block.inertia = body.rotation * inertia * body.rotation.transpose();
+  // p = ∫ρ v,  L = ∫ρ (Q x + t) × Q v = Q ∫ρ x × v + t × p
+  block.momentum = body.rotation * three_rows(kernel.loads.body_force, block.modes);
+  block.angular_momentum = body.rotation * three_rows(kernel.loads.rotation, block.modes);
+  for (int n = 0; n < block.modes; ++n)
+    block.angular_momentum.col(n) += body.translation.cross(Vector3d(block.momentum.col(n)));
+  block.supported = kernel.supported;
+  block.weight = kernel.mass * gravity;
+  block.kernel = body.kernel;
+  block.rotation = body.rotation;
+  block.translation = body.translation;
+  return block;
+}
+
+/// v_n = φ_nᵀ M v for the modes with ω_n = 0: exact, as these span the rigid motions that the supports leave.
+Vector rigid_velocity(const PlacedBody& body, const Model::BodyBlock& block) {
+  Vector out = Vector::Zero(block.modes);
+  if (body.velocity.isZero(0)) return out;
+  for (int n = 0; n < block.modes; ++n)
+    if (body.kernel->modes.angular_frequency[n] == 0) out(n) = block.momentum.col(n).dot(body.velocity);
+  const double energy = block.mass * body.velocity.squaredNorm();
+  if (std::abs(out.squaredNorm() - energy) > rigid_slack * energy)
+    throw InputError(fmt::format(
+        "bodies.{}.velocity: {} can't move rigidly that way ({:.3g} of the kinetic energy is in its rigid "
+        "modes). {}",
+        body.name, block.supported ? "a supported body" : "this body", out.squaredNorm() / energy,
+        block.supported
+            ? "Set velocity = [0, 0, 0], or take its support out."
+            : "A rod moves along its axis alone; else compute its kernel again with ricochet-kernel."));
+  return out;
+}
+
+/// P (m, cM) with u = Σ_bodies P · (displacement of the body's candidates in its own frame): a's rows are n,
+/// b's −n W.
+Selection selection(const PlacedBody& body, int index, const std::vector<Meeting>& meetings, int points) {
+  const kernels::Surface& surface = body.kernel->surface;
+  const int c = surface.components;
+  Selection out(points, c * static_cast<int>(surface.size()));
+  std::vector<Eigen::Triplet<double>> entries;
+  int row = 0;
+  for (const Meeting& meeting : meetings)
+    for (const Pairing::Point& point : meeting.pairing.points) {
+      const Vector3d n = body.rotation.transpose() * point.normal;
+      const auto add = [&](int candidate, double weight) {
+        if (c == 1)  // pairing has made sure that n is ± the stored direction
+          entries.emplace_back(
+              row, candidate,
+              std::copysign(weight, weight * n.dot(Eigen::Map<const Vector3d>(surface.direction->data()))));
+        else
+          for (int k = 0; k < 3; ++k) entries.emplace_back(row, 3 * candidate + k, weight * n(k));
+      };
+      if (meeting.a == index) add(point.candidate, 1);
+      if (meeting.b == index)
+        for (const auto& [candidate, weight] : point.weights) add(candidate, -weight);
+      ++row;
+    }
+  out.setFromTriplets(entries.begin(), entries.end());
+  return out;
+}
+
+}  // namespace
+
+Model build_model(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& obstacles,
+                  const std::vector<PairRequest>& pairs, const Vector3d& gravity) {
+  const std::vector<Meeting> meetings = meet(bodies, obstacles, pairs);
+  Model model;
+  model.gravity = gravity;
+
+  int points = 0, modes = 0;
+  for (const Meeting& meeting : meetings) {
+    const int count = static_cast<int>(meeting.pairing.points.size());
+    model.pairs.push_back({points, count, meeting.pairing.unpaired, meeting.a, meeting.b});
+    points += count;
+  }
+  for (const PlacedBody& body : bodies) {
+    model.bodies.push_back(block_of(body, modes, gravity));
+    modes += model.bodies.back().modes;
+  }
+
+  for (Vector* v : {&model.gap, &model.area, &model.static_displacement, &model.static_a}) v->setZero(points);
+  for (Matrix* x : {&model.point_a, &model.point_b, &model.normal}) x->setZero(points, 3);
+  int i = 0;
+  for (const Meeting& meeting : meetings)
+    for (const Pairing::Point& point : meeting.pairing.points) {
+      model.gap(i) = point.gap;
+      model.area(i) = point.area;
+      model.point_a.row(i) = point.a;
+      model.point_b.row(i) = point.b;
+      model.normal.row(i++) = point.normal;
+    }
+
+  for (Vector* v : {&model.omega, &model.decay, &model.load, &model.q0, &model.v0}) v->setZero(modes);
+  model.B.setZero(points, modes);
+  model.R.setZero(points, points);
+  model.R_a.setZero(points, points);
+  model.has_residual = true;
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    const kernels::Kernel& kernel = *bodies[k].kernel;
+    const Model::BodyBlock& block = model.bodies[k];
+    const int first = block.first_mode, n = block.modes;
+    model.omega.segment(first, n) = Eigen::Map<const Vector>(kernel.modes.angular_frequency.data(), n);
+    model.decay.segment(first, n) = Eigen::Map<const Vector>(kernel.modes.decay_rate.data(), n);
+    model.load.segment(first, n) = block.momentum.transpose() * gravity;
+    model.v0.segment(first, n) = rigid_velocity(bodies[k], block);
+
+    const Selection P = selection(bodies[k], static_cast<int>(k), meetings, points);
+    const Eigen::Index rows = P.cols();
+    model.B.middleCols(first, n) = P * Eigen::Map<const Matrix>(kernel.surface.shape.data(), rows, n);
+
+    const auto& flexibility = kernel.surface.residual_flexibility;
+    const auto& settling = kernel.loads.body_force_residual;
+    model.has_residual = model.has_residual && !flexibility.empty();
+    Matrix R = Matrix::Zero(points, points);
+    Vector s = Vector::Zero(points);
+    if (!flexibility.empty()) {
+      const Matrix PR = P * Eigen::Map<const Matrix>(flexibility.data(), rows, rows);
+      R = PR * P.transpose();
+      R = (0.5 * (R + R.transpose())).eval();
+    }
+    if (!settling.empty())
+      s = P * (Eigen::Map<const Matrix>(settling.data(), rows, 3) * (block.rotation.transpose() * gravity))
+                  .eval();
+    model.R += R;
+    model.static_displacement += s;
+    for (const Model::PairBlock& pair : model.pairs)
+      if (pair.a == static_cast<int>(k)) {
+        model.R_a.middleRows(pair.first_point, pair.points) = R.middleRows(pair.first_point, pair.points);
+        model.static_a.segment(pair.first_point, pair.points) = s.segment(pair.first_point, pair.points);
+      }
+  }
+  return model;
+}
+
+}  // namespace ricochet::contact

@@ -1,0 +1,76 @@
+// Streams a run into a result file (FORMAT.md). The file has its final name only once it is whole.
+//
+//   Recorder recorder(model, step_options, {.path = "out/two-disks.result.h5", …});
+//   while (…) { integrator.step(); recorder.record(integrator); }
+//   recorder.commit();
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "contact/integrator.hpp"
+#include "contact/model.hpp"
+#include "kernels/hdf5.hpp"
+
+namespace ricochet::contact {
+
+struct RecorderOptions {
+  std::filesystem::path path;
+  std::string title{}, scene{};             ///< scene: resolved TOML
+  std::string created_by{};                 ///< program and version
+  std::vector<std::string> kernel_files{};  ///< by body of the model
+  std::int64_t every = 1;                   ///< a row each n-th step
+  std::int64_t snapshot_every = 0;          ///< modal coordinates each n-th step; 0: none
+};
+
+class Recorder {
+ public:
+  /// Makes the file and writes the row of t = 0. `model` outlives the recorder.
+  /// Throws InputError when the file can't be made.
+  Recorder(const Model& model, const StepOptions& step, const RecorderOptions& options);
+
+  /// After each step of `integrator`, whatever `every` is. Throws InputError when the disk is full.
+  void record(const Integrator& integrator);
+
+  /// Writes what is held back and gives the file its name. Nothing may be called after it.
+  void commit();
+
+ private:
+  using Rows = kernels::hdf5::Rows;
+  struct BodyRows {
+    Rows *velocity = nullptr, *momentum = nullptr, *angular_momentum = nullptr, *reaction = nullptr;
+    Rows* snapshot = nullptr;
+    Eigen::Vector3d last_momentum = Eigen::Vector3d::Zero();  ///< at the last row
+    Eigen::Vector3d contact_impulse = Eigen::Vector3d::Zero();  ///< on this body, since the last row [N s]
+  };
+  struct ContactRows {
+    Rows *time, *force, *gap, *displacement_a, *displacement_b, *velocity_a, *velocity_b;
+  };
+  struct EnergyRows {
+    Rows *total, *kinetic, *strain, *residual, *loads, *damping, *contact, *persistency;
+  };
+
+  void write_setting(const RecorderOptions& options);
+  void make_rows();
+  void bodies_row(const Vector& v, double elapsed);
+  void energy_row(const Energy& energy, double persistency);
+  void contact_row(const Integrator& integrator);
+  void snapshot_row(double time, const Vector& q);
+
+  const Model& model_;
+  double step_;
+  std::int64_t every_, snapshot_every_, last_row_ = 0;
+  kernels::hdf5::Writer file_;
+  Matrix B_a_, R_a_;  ///< (m,N), (m,m) share of body a of each point; R_a_ zero under `impulse`
+  Vector s_a_;        ///< (m)
+  Rows* time_ = nullptr;
+  Rows* snapshot_time_ = nullptr;
+  ContactRows contact_{};
+  EnergyRows energy_{};
+  std::vector<BodyRows> bodies_;
+};
+
+}  // namespace ricochet::contact

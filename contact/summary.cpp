@@ -1,0 +1,263 @@
+#include "contact/summary.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "kernels/error.hpp"
+
+namespace ricochet::contact {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+// Where linear elasticity with pairs fixed in the reference configuration stops being a model of the impact.
+constexpr double fastest_share = 0.02;        // of the wave speed: strains of per cents
+constexpr double farthest_share = 0.5;        // of the spacing: the neighbour would be the nearer candidate
+constexpr double largest_rotation_deg = 5.0;  // linear rotations lengthen a body by 1 − cos, 0.4 % here
+
+/// Mass-mean displacement and rotation (or their rates) of a body. Supported bodies have none.
+struct RigidMotion {
+  Vector3d linear = Vector3d::Zero(), rotation = Vector3d::Zero(), centre = Vector3d::Zero();
+  Vector3d at(const Vector3d& x) const { return linear + rotation.cross(x - centre); }
+};
+
+RigidMotion rigid_motion(const Model::BodyBlock& body, const Matrix3d& inverse_inertia, const Vector& state) {
+  RigidMotion out;
+  out.centre = body.centre;
+  if (body.supported) return out;
+  const auto modal = state.segment(body.first_mode, body.modes);
+  const Vector3d linear = body.momentum * modal, angular = body.angular_momentum * modal;
+  out.linear = linear / body.mass;
+  out.rotation = inverse_inertia * (angular - body.centre.cross(linear));
+  return out;
+}
+
+/// Rods have no inertia about their axis, or none at all.
+Matrix3d pseudo_inverse(const Matrix3d& inertia) {
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(inertia);
+  Vector3d inverse = Vector3d::Zero();
+  for (int k = 0; k < 3; ++k)
+    if (eigen.eigenvalues()(k) > 1e-9 * eigen.eigenvalues()(2)) inverse(k) = 1 / eigen.eigenvalues()(k);
+  return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+/// Smallest distance of two corners of one surface element; infinite for rods.
+double spacing_of(const kernels::Surface& surface) {
+  double smallest = std::numeric_limits<double>::infinity();
+  const std::size_t k = static_cast<std::size_t>(surface.element_corners);
+  const auto node = [&](std::size_t corner) {
+    return Eigen::Map<const Vector3d>(&surface.node[3 * static_cast<std::size_t>(surface.element[corner])]);
+  };
+  for (std::size_t t = 0; t + k <= surface.element.size(); t += k)
+    for (std::size_t i = 0; i < k; ++i)
+      for (std::size_t j = 0; j < i; ++j) smallest = std::min(smallest, (node(t + i) - node(t + j)).norm());
+  return smallest;
+}
+
+}  // namespace
+
+SummaryObserver::SummaryObserver(const Model& model, double step, double wave_speed)
+    : model_(model),
+      step_(step),
+      wave_speed_(wave_speed),
+      before_(model.v0),
+      impulse_(model.pairs.size(), Vector3d::Zero()) {
+  for (const Model::BodyBlock& body : model.bodies) {
+    out_.modes[body.name] = body.modes;
+    inverse_inertia_.push_back(pseudo_inverse(body.inertia));
+  }
+  for (const Model::PairBlock& pair : model.pairs) {
+    out_.unpaired += pair.unpaired;
+    spacing_.push_back(spacing_of(model.bodies[pair.a].kernel->surface));
+  }
+  out_.candidates = static_cast<int>(model.gap.size());
+  energy_before_ =
+      0.5 * model.v0.squaredNorm() + 0.5 * (model.omega.array() * model.q0.array()).square().sum();
+  initial_ledger_ = largest_energy_ = energy_before_;
+}
+
+void SummaryObserver::observe(const Integrator& integrator) {
+  const Energy& energy = integrator.energy();
+  worst_ledger_ = std::max(worst_ledger_, std::abs(energy.ledger() - initial_ledger_));
+  largest_energy_ = std::max(largest_energy_, energy.kinetic + energy.strain + energy.residual);
+  out_.modes_in_residual = integrator.modes_in_residual();
+  if (model_.gap.size() > 0)
+    out_.max_penetration_m =
+        std::max(out_.max_penetration_m, (integrator.displacement() - model_.gap).maxCoeff());
+  if (integrator.active() > 0) {
+    touch(integrator);
+  } else if (touching_) {
+    touching_ = false;
+    at_end_ = before_;
+    out_.contact_end_s = out_.episodes.back().end_s = integrator.time() - step_;
+  }
+  energy_lost_ = energy.contact;
+  energy_before_ = energy.kinetic + energy.strain;
+  before_ = integrator.v();
+}
+
+void SummaryObserver::touch(const Integrator& integrator) {
+  if (!touching_) out_.episodes.push_back({.start_s = integrator.time() - step_, .end_s = {}});
+  if (!out_.contact_start_s) {
+    out_.contact_start_s = integrator.time() - step_;
+    at_start_ = before_;
+    energy_at_start_ = energy_before_;
+  }
+  touching_ = true;
+  out_.contact_end_s.reset();
+  const Vector& force = integrator.force();
+  const double sum = force.sum();
+  Episode& episode = out_.episodes.back();
+  episode.impulse_ns += sum * step_;
+  episode.peak_force_n = std::max(episode.peak_force_n, sum);
+  out_.impulse_ns += sum * step_;
+  out_.peak_force_n = std::max(out_.peak_force_n, sum);
+  out_.max_active = std::max(out_.max_active, integrator.active());
+  ++out_.contact_steps;
+  for (std::size_t p = 0; p < impulse_.size(); ++p) {
+    const Model::PairBlock& pair = model_.pairs[p];
+    impulse_[p] += step_ * model_.normal.middleRows(pair.first_point, pair.points).transpose() *
+                   force.segment(pair.first_point, pair.points);
+  }
+  look_at_validity(integrator);
+}
+
+void SummaryObserver::look_at_validity(const Integrator& integrator) {
+  std::vector<RigidMotion> moved, speed;
+  for (std::size_t k = 0; k < model_.bodies.size(); ++k) {
+    moved.push_back(rigid_motion(model_.bodies[k], inverse_inertia_[k], integrator.q()));
+    speed.push_back(rigid_motion(model_.bodies[k], inverse_inertia_[k], before_));
+    const double angle = moved.back().rotation.norm();
+    if (angle > tilt_) {
+      tilt_ = angle;
+      tilted_ = model_.bodies[k].name;
+    }
+  }
+  const auto relative = [&](const std::vector<RigidMotion>& motion, const Model::PairBlock& pair, int i) {
+    Vector3d out = motion[pair.a].at(model_.point_a.row(i).transpose());
+    if (pair.b >= 0) out -= motion[pair.b].at(model_.point_b.row(i).transpose());
+    return out;
+  };
+  for (std::size_t p = 0; p < model_.pairs.size(); ++p) {
+    const Model::PairBlock& pair = model_.pairs[p];
+    for (int i = pair.first_point; i < pair.first_point + pair.points; ++i) {
+      if (!(integrator.force()(i) > 0)) continue;
+      const Vector3d n = model_.normal.row(i).transpose();
+      if (out_.contact_steps == 1) approach_ = std::max(approach_, n.dot(relative(speed, pair, i)));
+      const Vector3d shift = relative(moved, pair, i);
+      const double slip = (shift - shift.dot(n) * n).norm();
+      if (slip / spacing_[p] > slip_share_) {
+        slip_ = slip;
+        slip_share_ = slip / spacing_[p];
+      }
+    }
+  }
+}
+
+std::vector<std::string> SummaryObserver::warnings() const {
+  std::vector<std::string> out;
+  if (wave_speed_ > 0 && approach_ > fastest_share * wave_speed_)
+    out.push_back(
+        fmt::format("approach speed {:.4g} m/s is {:.3g} % of the wave speed {:.4g} m/s (above {:g} %): "
+                    "strains may be too "
+                    "large for linear elasticity",
+                    approach_, 100 * approach_ / wave_speed_, wave_speed_, 100 * fastest_share));
+  if (slip_share_ > farthest_share)
+    out.push_back(
+        fmt::format("tangential motion {:.4g} m is {:.3g} times the candidate spacing (above {:g}): pairs "
+                    "are fixed in the "
+                    "initial configuration",
+                    slip_, slip_share_, farthest_share));
+  const double degrees = tilt_ * 180 / std::numbers::pi;
+  if (degrees > largest_rotation_deg)
+    out.push_back(
+        fmt::format("{} turned by {:.3g} degrees while touching (above {:g}): rotations are linearised",
+                    tilted_, degrees, largest_rotation_deg));
+  return out;
+}
+
+Summary SummaryObserver::summary() const {
+  Summary out = out_;
+  if (largest_energy_ > 0) out.energy_drift = worst_ledger_ / largest_energy_;
+  if (energy_at_start_ > 0) out.energy_lost_contact = energy_lost_ / energy_at_start_;
+  out.warnings = warnings();
+  if (!out.contact_end_s) return out;
+
+  const auto mean = [&](int body, const Vector& v) -> Vector3d {
+    const Model::BodyBlock& block = model_.bodies[body];
+    return block.momentum * v.segment(block.first_mode, block.modes) / block.mass;
+  };
+  for (std::size_t k = 0; k < model_.bodies.size(); ++k)
+    out.exit_velocity[model_.bodies[k].name] = mean(static_cast<int>(k), at_end_);
+
+  const auto touched = [](const Vector3d& impulse) { return impulse.norm() > 0; };
+  if (std::count_if(impulse_.begin(), impulse_.end(), touched) != 1) return out;
+  const std::size_t p = std::find_if(impulse_.begin(), impulse_.end(), touched) - impulse_.begin();
+  const Model::PairBlock& pair = model_.pairs[p];
+  const auto closing = [&](const Vector& v) {
+    Vector3d relative = Vector3d::Zero();
+    if (!model_.bodies[pair.a].supported) relative += mean(pair.a, v);
+    if (pair.b >= 0 && !model_.bodies[pair.b].supported) relative -= mean(pair.b, v);
+    return relative.dot(impulse_[p].normalized());
+  };
+  if (closing(at_start_) > 0) out.restitution = -closing(at_end_) / closing(at_start_);
+  return out;
+}
+
+void write_json(const Summary& summary, const std::filesystem::path& path) {
+  using Json = nlohmann::ordered_json;
+  const auto number = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
+  Json episodes = Json::array(), exit_velocity = Json::object();
+  for (const Episode& episode : summary.episodes)
+    episodes.push_back({{"start_s", episode.start_s},
+                        {"end_s", number(episode.end_s)},
+                        {"impulse_ns", episode.impulse_ns},
+                        {"peak_force_n", episode.peak_force_n}});
+  for (const auto& [name, v] : summary.exit_velocity) exit_velocity[name] = {v.x(), v.y(), v.z()};
+  const Json json = {{"contact_start_s", number(summary.contact_start_s)},
+                     {"contact_end_s", number(summary.contact_end_s)},
+                     {"contact_steps", summary.contact_steps},
+                     {"episodes", episodes},
+                     {"peak_force_n", summary.peak_force_n},
+                     {"impulse_ns", summary.impulse_ns},
+                     {"exit_velocity", exit_velocity},
+                     {"restitution", number(summary.restitution)},
+                     {"energy_drift", summary.energy_drift},
+                     {"energy_lost_contact", summary.energy_lost_contact},
+                     {"max_penetration_m", summary.max_penetration_m},
+                     {"modes", summary.modes},
+                     {"modes_in_residual", summary.modes_in_residual},
+                     {"candidates", summary.candidates},
+                     {"unpaired", summary.unpaired},
+                     {"max_active", summary.max_active},
+                     {"error_estimate", number(summary.error_estimate)},
+                     {"warnings", summary.warnings},
+                     {"real_time_factor", summary.real_time_factor},
+                     {"wall_s", summary.wall_s}};
+  std::filesystem::path temporary = path;
+  temporary += fmt::format(".{}.partial", ::getpid());
+  std::error_code failed;
+  {
+    std::ofstream file(temporary);
+    file << json.dump(2) << '\n';
+    file.close();
+    if (!file) failed = std::make_error_code(std::errc::io_error);
+  }
+  if (!failed) std::filesystem::rename(temporary, path, failed);
+  if (!failed) return;
+  std::error_code ignored;
+  std::filesystem::remove(temporary, ignored);
+  throw InputError(fmt::format(
+      "{}: cannot write the file. Is the disk full, or the folder read-only? Choose another --out.",
+      path.string()));
+}
+
+}  // namespace ricochet::contact

@@ -1,0 +1,90 @@
+// The figures of one run, gathered step by step, and summary.json.
+//
+// λ_k acts over (t_{k−1}, t_k]: contact starts at the beginning of the first step with a force and ends at
+// the end of the last one. An episode is a run of steps with a force; a step without one ends it.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "contact/integrator.hpp"
+#include "contact/model.hpp"
+
+namespace ricochet::contact {
+
+struct Episode {
+  double start_s = 0;
+  std::optional<double> end_s;  ///< none: touching in the last step of the run
+  double impulse_ns = 0;        ///< Σ λ_i Δ
+  double peak_force_n = 0;      ///< largest Σ_i λ_i of a step
+};
+
+struct Summary {
+  std::optional<double> contact_start_s;
+  std::optional<double> contact_end_s;  ///< none: never touched, or touching in the last step
+  std::int64_t contact_steps = 0;       ///< steps with a force
+  std::vector<Episode> episodes;
+  double peak_force_n = 0;  ///< largest Σ_i λ_i of a step
+  double impulse_ns = 0;    ///< Σ λ_i Δ over the run
+  /// Mass-mean, when contact last ended [m/s]; empty where contact_end_s is.
+  std::map<std::string, Eigen::Vector3d> exit_velocity;
+  /// Minus exit over approach relative velocity along the impulse, supported bodies and obstacles at 0.
+  /// None without an end, without an approach, or when more than one pair touched.
+  std::optional<double> restitution;
+  double energy_drift = 0;  ///< largest departure of the ledger over the largest kinetic + strain + residual
+  double energy_lost_contact = 0;  ///< taken by contact over kinetic + strain when contact started
+  double max_penetration_m = 0;    ///< largest u − g at the end of a step
+  std::map<std::string, int> modes;
+  int modes_in_residual = 0;  ///< above half the rate: quasi-static in this run
+  int candidates = 0;         ///< paired points m
+  int unpaired = 0;
+  int max_active = 0;
+  std::optional<double> error_estimate;  ///< none: not estimated
+  std::vector<std::string> warnings;
+  double real_time_factor = 0;  ///< simulated over elapsed time of the stepping
+  double wall_s = 0;
+};
+
+/// Watches a run. `observe` is called after each step.
+class SummaryObserver {
+ public:
+  /// @param wave_speed  smallest √(E/ρ) of the bodies [m/s], for the warning on fast impacts; 0: unknown, no
+  /// warning `model` outlives the observer.
+  SummaryObserver(const Model& model, double step, double wave_speed);
+
+  void observe(const Integrator& integrator);
+
+  /// The times are the caller's to fill.
+  Summary summary() const;
+
+ private:
+  void touch(const Integrator& integrator);
+  void look_at_validity(const Integrator& integrator);
+  std::vector<std::string> warnings() const;
+
+  const Model& model_;
+  double step_, wave_speed_;
+  Summary out_;
+  bool touching_ = false;
+  Vector before_;                                 ///< (N) q̇ at the end of the step before
+  Vector at_start_, at_end_;                      ///< (N) q̇ when contact started, when it last ended
+  std::vector<Eigen::Vector3d> impulse_;          ///< by pair, Σ λ n Δ [N s]
+  std::vector<Eigen::Matrix3d> inverse_inertia_;  ///< by body, pseudo-inverse
+  std::vector<double> spacing_;  ///< by pair, smallest distance of neighbouring candidates of a [m]
+  double initial_ledger_ = 0, worst_ledger_ = 0, largest_energy_ = 0;
+  double energy_before_ = 0;  ///< kinetic + strain at the end of the step before
+  double energy_at_start_ = 0, energy_lost_ = 0;
+  double approach_ = 0;  ///< largest normal approach speed of a point in the first step of contact [m/s]
+  double slip_ = 0, slip_share_ = 0;  ///< worst tangential motion [m] and its share of the spacing
+  double tilt_ = 0;                   ///< largest rotation of a free body while touching [rad]
+  std::string tilted_;                ///< that body
+};
+
+/// Writes `summary` beside `path` and renames it. Throws InputError when the place can't be written.
+void write_json(const Summary& summary, const std::filesystem::path& path);
+
+}  // namespace ricochet::contact

@@ -1,0 +1,271 @@
+// The solver against enumeration of every active set, and against the conditions of complementarity
+// themselves, evaluated in extended precision.
+#include "contact/complementarity.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <random>
+
+#include "tests/contact/heap_counter.hpp"
+
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using ricochet::contact::ComplementaritySolver;
+using ricochet::contact::SolveStatus;
+
+/// Worst violation of 0 ≤ λ ⟂ Sλ − r ≥ 0, relative to |r|_∞ + ‖S‖_∞ |λ|_∞.
+double violation(const MatrixXd& S, const VectorXd& r, const VectorXd& lambda) {
+  const double scale =
+      r.cwiseAbs().maxCoeff() + S.cwiseAbs().rowwise().sum().maxCoeff() * lambda.cwiseAbs().maxCoeff();
+  double worst = 0;
+  for (Eigen::Index i = 0; i < r.size(); ++i) {
+    long double w = -r(i);
+    for (Eigen::Index j = 0; j < r.size(); ++j) w += static_cast<long double>(S(i, j)) * lambda(j);
+    if (lambda(i) < 0) return std::numeric_limits<double>::infinity();
+    worst = std::max(worst, static_cast<double>(lambda(i) > 0 ? std::abs(w) : -w));
+  }
+  return scale > 0 ? worst / scale : worst;
+}
+
+/// w = Sλ − r of a solution, by trying every active set whose rows are independent (a solvable problem has
+/// such a one). w, unlike λ, is the same for every solution of a semidefinite problem.
+std::optional<VectorXd> by_enumeration(const MatrixXd& S, const VectorXd& r) {
+  const int n = static_cast<int>(r.size());
+  const double tol = 1e-9 * (1 + r.cwiseAbs().maxCoeff());
+  for (unsigned set = 0; set < (1u << n); ++set) {
+    std::vector<int> P;
+    for (int i = 0; i < n; ++i)
+      if (set >> i & 1u) P.push_back(i);
+    VectorXd lambda = VectorXd::Zero(n);
+    if (!P.empty()) {
+      const Eigen::FullPivLU<MatrixXd> lu(S(P, P));
+      if (!lu.isInvertible()) continue;
+      lambda(P) = lu.solve(r(P));
+    }
+    const VectorXd w = S * lambda - r;
+    if (lambda.minCoeff() >= -tol && w.minCoeff() >= -tol) return w;
+  }
+  return std::nullopt;
+}
+
+void expect_as_enumerated(ComplementaritySolver& solver, const MatrixXd& S, const VectorXd& r) {
+  VectorXd lambda(r.size());
+  const SolveStatus status = solver.solve(S, r, lambda);
+  const auto w = by_enumeration(S, r);
+  ASSERT_EQ(status == SolveStatus::solved, w.has_value()) << "S\n" << S << "\nr " << r.transpose();
+  if (!w) {
+    EXPECT_EQ(status, SolveStatus::no_solution);
+    EXPECT_EQ(lambda, VectorXd::Zero(r.size()));
+    return;
+  }
+  EXPECT_LE(violation(S, r, lambda), 1e-12)
+      << "S\n"
+      << S << "\nr " << r.transpose() << "\nlambda " << lambda.transpose();
+  EXPECT_LE((S * lambda - r - *w).cwiseAbs().maxCoeff(), 1e-8 * (1 + r.cwiseAbs().maxCoeff()));
+}
+
+TEST(Complementarity, agrees_with_enumeration_on_definite_problems) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  ComplementaritySolver solver(10);
+  for (int trial = 0; trial < 400; ++trial) {
+    const int n = 1 + trial % 10;
+    const MatrixXd B = MatrixXd::NullaryExpr(n, n + 3, [&] { return normal(random); });
+    expect_as_enumerated(solver, B * B.transpose(), VectorXd::NullaryExpr(n, [&] { return normal(random); }));
+  }
+}
+
+// Small integers: ranks, ties and null directions are exact, so "has a solution" is a matter of fact.
+TEST(Complementarity, agrees_with_enumeration_on_singular_problems_solvable_or_not) {
+  std::mt19937 random(2);
+  std::uniform_int_distribution<int> small(-2, 2);
+  ComplementaritySolver solver(9);
+  int refused = 0;
+  for (int trial = 0; trial < 3000; ++trial) {
+    const int n = 1 + trial % 9, rank = trial / 9 % 5;
+    const MatrixXd B = MatrixXd::NullaryExpr(n, rank, [&] { return small(random); });
+    const MatrixXd S = rank > 0 ? MatrixXd(B * B.transpose()) : MatrixXd(MatrixXd::Zero(n, n));
+    const VectorXd r = VectorXd::NullaryExpr(n, [&] { return small(random); });
+    expect_as_enumerated(solver, S, r);
+    if (HasFatalFailure()) return;
+    VectorXd lambda(n);
+    refused += solver.solve(S, r, lambda) == SolveStatus::no_solution;
+  }
+  EXPECT_GT(refused, 300);
+  EXPECT_GT(solver.statistics().fallbacks, 300);
+}
+
+TEST(Complementarity, agrees_with_enumeration_where_points_touch_without_pushing) {
+  std::mt19937 random(3);
+  std::uniform_int_distribution<int> small(-2, 2), third(0, 2);
+  ComplementaritySolver solver(9);
+  for (int trial = 0; trial < 1500; ++trial) {
+    const int n = 2 + trial % 8, rank = 1 + trial % 4;
+    const MatrixXd B = MatrixXd::NullaryExpr(n, rank, [&] { return small(random); });
+    const MatrixXd S = B * B.transpose();
+    VectorXd r = VectorXd::Zero(n);  // of a solution whose λ_i and w_i are often both 0
+    for (int i = 0; i < n; ++i) {
+      const int kind = third(random);
+      if (kind == 1) r += S.col(i);
+      if (kind == 2) r(i) -= 1;
+    }
+    for (int i = 0; i < n; ++i)
+      if (r(i) < 0 && S(i, i) == 0) r(i) = 0;
+    expect_as_enumerated(solver, S, r);
+    if (HasFatalFailure()) return;
+  }
+}
+
+TEST(Complementarity, holds_for_two_hundred_points_of_an_ill_conditioned_matrix) {
+  const int n = 200;
+  ComplementaritySolver solver(n);
+  std::mt19937 random(4);
+  std::normal_distribution<double> normal;
+  for (const double width : {1.0, 3.0, 10.0, 30.0}) {
+    // a smooth kernel: condition numbers from 1e3 to past 1e16, singular to round-off
+    const MatrixXd S = MatrixXd::NullaryExpr(n, n, [&](Eigen::Index i, Eigen::Index j) {
+      const double x = static_cast<double>(i - j) / width;
+      return std::exp(-0.5 * x * x);
+    });
+    for (int trial = 0; trial < 5; ++trial) {
+      const VectorXd x = VectorXd::NullaryExpr(n, [&] { return normal(random); });
+      const VectorXd r = S * x;  // solvable: no null direction gains
+      VectorXd lambda(n);
+      ASSERT_EQ(solver.solve(S, r, lambda), SolveStatus::solved) << width;
+      EXPECT_LE(violation(S, r, lambda), 1e-12) << width;
+    }
+  }
+}
+
+// A wedge between two nearly parallel walls and a third behind: S d = 0 for d = (1/α, 1/α, 1) ≥ 0, so nothing
+// would block a push along d. r = B y makes none, rᵀd = 0, but this and w of the last wall are known to |d|
+// round-offs only. They must pass for what they are.
+TEST(Complementarity, holds_a_wedge_whose_balance_is_known_to_round_off_only) {
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> unit(0, 1);
+  ComplementaritySolver solver(3);
+  for (int trial = 0; trial < 1000; ++trial) {
+    const double angle = std::pow(10, -3 - 3 * unit(random));
+    MatrixXd B(3, 2);
+    B << 1, 0, -1, angle, 0, -1;
+    const MatrixXd S = B * B.transpose();
+    const VectorXd r = B * Eigen::Vector2d(unit(random), unit(random));
+    VectorXd lambda(3);
+    ASSERT_EQ(solver.solve(S, r, lambda), SolveStatus::solved) << trial;
+    EXPECT_LE(violation(S, r, lambda), 1e-13 * (1 + 2 / angle)) << trial;
+  }
+}
+
+TEST(Complementarity, refuses_a_push_along_the_null_space) {
+  ComplementaritySolver solver(2);
+  MatrixXd S(2, 2);
+  S << 1, -1, -1, 1;
+  VectorXd lambda(2);
+  EXPECT_EQ(solver.solve(S, Eigen::Vector2d(1, 1), lambda), SolveStatus::no_solution);
+  EXPECT_EQ(lambda, VectorXd::Zero(2));
+  EXPECT_EQ(solver.solve(S, Eigen::Vector2d(1, -1), lambda), SolveStatus::solved);
+  EXPECT_NEAR(lambda(0) - lambda(1), 1, 1e-15);
+  EXPECT_EQ(solver.solve(MatrixXd::Zero(2, 2), Eigen::Vector2d(-1, 1e-3), lambda), SolveStatus::no_solution);
+}
+
+TEST(Complementarity, refuses_what_is_not_a_number) {
+  ComplementaritySolver solver(2);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  VectorXd lambda(2);
+  EXPECT_EQ(solver.solve(MatrixXd::Identity(2, 2), Eigen::Vector2d(1, nan), lambda), SolveStatus::not_finite);
+  EXPECT_EQ(solver.solve(MatrixXd::Constant(2, 2, nan), Eigen::Vector2d(1, 1), lambda),
+            SolveStatus::not_finite);
+  MatrixXd S = MatrixXd::Identity(2, 2);
+  S(0, 1) = S(1, 0) = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(solver.solve(S, Eigen::Vector2d(1, -1), lambda), SolveStatus::not_finite);
+  EXPECT_EQ(solver.solve(MatrixXd::Identity(2, 2), Eigen::Vector2d(1, -1), lambda), SolveStatus::solved);
+  EXPECT_EQ(lambda, Eigen::Vector2d(1, 0));
+}
+
+/// A bump of pressure that wanders over the points.
+VectorXd wandering(int n, double t) {
+  return VectorXd::NullaryExpr(n, [=](Eigen::Index i) {
+    return 0.3 - std::pow(0.1 * (static_cast<double>(i) - 20 - 8 * std::sin(t)), 2);
+  });
+}
+MatrixXd exponential_kernel(int n) {
+  return MatrixXd::NullaryExpr(n, n, [](Eigen::Index i, Eigen::Index j) {
+    return std::exp(-0.2 * static_cast<double>(std::abs(i - j)));
+  });
+}
+
+TEST(Complementarity, starts_from_the_active_set_of_the_problem_before) {
+  const int n = 40, steps = 1000;
+  ComplementaritySolver solver(n);
+  const MatrixXd S = exponential_kernel(n);
+  VectorXd lambda(n);
+  for (int k = 0; k < steps; ++k) {
+    ASSERT_EQ(solver.solve(S, wandering(n, 0.002 * k), lambda), SolveStatus::solved);
+    ASSERT_LE(violation(S, wandering(n, 0.002 * k), lambda), 1e-13);
+  }
+  // the set changes about 20 times as its two ends move over 2·8 sin(2) points
+  EXPECT_GT(solver.statistics().warm_hits, 0.95 * steps);
+  EXPECT_EQ(solver.statistics().problems, steps);
+  EXPECT_GT(solver.statistics().max_active, 5);
+  EXPECT_LT(solver.statistics().max_active, 20);
+  solver.reset();
+  const auto hits = solver.statistics().warm_hits;
+  ASSERT_EQ(solver.solve(S, wandering(n, 0), lambda), SolveStatus::solved);
+  EXPECT_EQ(solver.statistics().warm_hits, hits);
+}
+
+TEST(Complementarity, reads_and_writes_nothing_outside_the_problem) {
+  const double poison = std::numeric_limits<double>::quiet_NaN();
+  ComplementaritySolver solver(12);
+  VectorXd lambda(12);
+  ASSERT_EQ(solver.solve(exponential_kernel(12), VectorXd::Ones(12), lambda),
+            SolveStatus::solved);  // warm start too wide
+  MatrixXd S = MatrixXd::Constant(12, 12, poison);
+  S.block(3, 2, 5, 5) = exponential_kernel(5);
+  VectorXd r = VectorXd::Constant(12, poison);
+  r.segment(4, 5) = VectorXd::LinSpaced(5, 1, -1);
+  lambda.setConstant(7);
+  ASSERT_EQ(solver.solve(S.block(3, 2, 5, 5), r.segment(4, 5), lambda.segment(1, 5)), SolveStatus::solved);
+  EXPECT_LE(violation(exponential_kernel(5), VectorXd::LinSpaced(5, 1, -1), lambda.segment(1, 5)), 1e-13);
+  EXPECT_EQ(lambda(0), 7);
+  EXPECT_EQ(lambda.tail(6), VectorXd::Constant(6, 7));
+}
+
+#if RICOCHET_HEAP_COUNTED
+TEST(HeapCounter, counts_new_and_the_temporaries_of_eigen) {
+  const long start = heap_counter::calls;
+  ::operator delete(::operator new(8));  // called by name: the compiler may not leave it out
+  const long after_new = heap_counter::calls;
+  const VectorXd x = VectorXd::Ones(100);
+  const long after_eigen = heap_counter::calls;
+  EXPECT_EQ(after_new, start + 1);
+  EXPECT_EQ(after_eigen, after_new + 1);
+  EXPECT_EQ(x.sum(), 100);
+}
+
+TEST(Complementarity, takes_no_memory_in_ten_thousand_problems) {
+  const int n = 40;
+  ComplementaritySolver solver(n);
+  std::mt19937 random(5);
+  std::uniform_int_distribution<int> small(-2, 2);
+  const MatrixXd B = MatrixXd::NullaryExpr(n, 15, [&] { return small(random); }),
+                 singular = B * B.transpose();
+  const MatrixXd regular = exponential_kernel(n);
+  VectorXd lambda(n), r(n);
+  const long before = heap_counter::calls;
+  for (int k = 0; k < 10000; ++k) {
+    for (int i = 0; i < n; ++i) r(i) = small(random);
+    solver.solve(k % 2 ? regular : singular, r, lambda);
+  }
+  const long after = heap_counter::calls;
+  EXPECT_EQ(after, before);
+  EXPECT_GT(solver.statistics().fallbacks, 1000);
+}
+#endif
+
+}  // namespace

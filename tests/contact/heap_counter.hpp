@@ -1,0 +1,38 @@
+// Counts every call that takes memory from the heap, in the one test file that includes it. It stands in
+// front of malloc itself, because Eigen calls malloc and operator new ends there (glibc).
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+
+namespace heap_counter {
+inline std::atomic<long> calls{0};
+}
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // those bring a malloc of their own
+#define RICOCHET_HEAP_COUNTED 1
+extern "C" {
+void* __libc_malloc(std::size_t);
+void* __libc_calloc(std::size_t, std::size_t);
+void* __libc_realloc(void*, std::size_t);
+void* __libc_memalign(std::size_t, std::size_t);
+void* malloc(std::size_t size) noexcept {
+  ++heap_counter::calls;
+  return __libc_malloc(size);
+}
+void* calloc(std::size_t count, std::size_t size) noexcept {
+  ++heap_counter::calls;
+  return __libc_calloc(count, size);
+}
+void* realloc(void* old, std::size_t size) noexcept {
+  ++heap_counter::calls;
+  return __libc_realloc(old, size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
+  ++heap_counter::calls;
+  return __libc_memalign(alignment, size);
+}
+}
+#else
+#define RICOCHET_HEAP_COUNTED 0
+#endif

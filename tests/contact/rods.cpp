@@ -1,0 +1,142 @@
+// Two equal elastic rods that collide end to end, from their exact modes. The wave solution: the ends move
+// together at v/2 under the pressure Z v/2, until the waves are back from the free ends at t = 2L/c = 20;
+// then the striking rod stands still and the other leaves at v. ρ = A = E = 1, so c = 1 and the impedance Z =
+// ρcA = 1; L = 10, v = 1.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "contact/integrator.hpp"
+
+namespace {
+
+using namespace ricochet::contact;
+
+constexpr double length = 10, speed = 1, impedance = 1, step = 0.01, duration = 30;
+constexpr double touching_time = 20;  // 2L/c
+constexpr int modes = 100;            // a rod: the rigid one and 99 elastic ones
+
+/// cos(nπx/L) modes of a free rod of mass 10: φ_0 = 1/√10, |φ_n| = √(2/10) at an end, ω_n = nπ/10.
+Model two_rods() {
+  Model model;
+  const Eigen::Index N = 2 * modes;
+  model.omega = model.decay = model.load = model.q0 = model.v0 = Vector::Zero(N);
+  model.B = Matrix::Zero(1, N);
+  for (int rod = 0; rod < 2; ++rod)
+    for (int n = 0; n < modes; ++n) {
+      model.omega(rod * modes + n) = n * std::numbers::pi / length;
+      model.B(0, rod * modes + n) = (rod == 0 ? 1 : -1) * std::sqrt((n == 0 ? 1 : 2) / length);
+    }
+  model.v0(0) = speed * std::sqrt(length);
+  // flexibility of the modes left out: Σ_{n>99} φ_n²/ω_n², from Σ_{n≥1} 1/n² = π²/6
+  double rest = std::numbers::pi * std::numbers::pi / 6;
+  for (int n = modes - 1; n >= 1; --n) rest -= 1.0 / (static_cast<double>(n) * n);
+  const double tail = 2 / length * std::pow(length / std::numbers::pi, 2) * rest;
+  model.R = Matrix::Constant(1, 1, 2 * tail);
+  model.has_residual = true;
+  model.gap = model.static_displacement = Vector::Zero(1);
+  model.area = Vector::Ones(1);
+  return model;
+}
+
+/// Of a whole rod, mass-mean: its rigid mode over √mass.
+double velocity(const Integrator& integrator, int rod) {
+  return integrator.v()(rod * modes) / std::sqrt(length);
+}
+
+struct Outcome {
+  double exit_a = 0, exit_b = 0;
+  double last_contact = 0;  ///< end of the last step with a force
+  double impulse = 0;
+  double early_mean = 0;        ///< mean force from t = 1 to t = 18
+  double penetration = 0;       ///< largest, at step ends
+  double penetration_rate = 0;  ///< mean from t = 1 to t = 18
+  double energy_lost = 0;       ///< relative
+  double energy_growth = 0;     ///< largest in a step, relative
+  double ledger = 0;            ///< largest departure, relative
+};
+
+Outcome collide(const StepOptions& options) {
+  Integrator integrator(two_rods(), options);
+  const double initial = integrator.energy().total();
+  double before = initial, at_1 = 0, at_18 = 0;
+  Outcome out;
+  for (int k = 1; k <= std::lround(duration / options.step); ++k) {
+    EXPECT_EQ(integrator.step(), StepStatus::ok);
+    const double t = integrator.time(), force = integrator.force()(0), total = integrator.energy().total();
+    out.impulse += force * options.step;
+    if (t > 1 + 0.5 * options.step && t < 18 + 0.5 * options.step)
+      out.early_mean += force * options.step / 17;
+    if (std::abs(t - 1) < 0.5 * options.step) at_1 = integrator.displacement()(0);
+    if (std::abs(t - 18) < 0.5 * options.step) at_18 = integrator.displacement()(0);
+    if (force > 0) out.last_contact = t;
+    out.penetration = std::max(out.penetration, integrator.displacement()(0));
+    out.energy_growth = std::max(out.energy_growth, (total - before) / initial);
+    out.ledger = std::max(out.ledger, std::abs(integrator.energy().ledger() - initial) / initial);
+    before = total;
+  }
+  out.exit_a = velocity(integrator, 0);
+  out.exit_b = velocity(integrator, 1);
+  out.penetration_rate = (at_18 - at_1) / 17;
+  out.energy_lost = 1 - before / initial;
+  return out;
+}
+
+TEST(RodsCompliant, exchange_their_velocities_at_the_exact_time_and_pressure) {
+  const Outcome out = collide({.scheme = Scheme::compliant, .step = step});
+  EXPECT_NEAR(out.exit_a, 0, 0.01);
+  EXPECT_NEAR(out.exit_b, speed, 0.01);
+  EXPECT_NEAR(out.last_contact, touching_time,
+              0.15);  // the wave front is as wide as the shortest mode, 2L/99 = 0.2
+  EXPECT_NEAR(out.impulse / touching_time, impedance * speed / 2, 0.005);
+}
+
+TEST(RodsCompliant, do_not_penetrate_and_hardly_lose_energy) {
+  const Outcome out = collide({.scheme = Scheme::compliant, .step = step});
+  EXPECT_LT(out.penetration, 1e-10);
+  EXPECT_GE(out.energy_lost, 0);
+  EXPECT_LT(out.energy_lost, 0.005);
+  EXPECT_LT(out.energy_growth, 1e-12);
+  EXPECT_LT(out.ledger, 1e-12);  // 3000 steps of round-off
+}
+
+// The velocity is cancelled at t_k⁺ only: the force P/Δ that keeps up makes u̇ grow by the jump p(Ṅ_a + Ṅ_b)
+// over a step, whose mean, half of it, is what the ends creep at. v = p (1/Z_a + 1/Z_b) + p Δ (Ṅ_a + Ṅ_b)/2
+// gives p.
+TEST(RodsImpulseJump, creep_at_the_steady_pressure_of_the_velocity_jump) {
+  const Outcome out = collide({.scheme = Scheme::impulse, .admittance = Admittance::jump, .step = step});
+  const double jump = (1 + 2 * (modes - 1)) / length;  // Ṅ(0⁺) of one rod
+  const double pressure = speed / (2 / impedance + step * 2 * jump / 2);
+  EXPECT_NEAR(pressure, 0.45475, 5e-6);
+  EXPECT_NEAR(out.early_mean, pressure, 5e-4);
+  EXPECT_NEAR(out.penetration_rate, pressure * step * 2 * jump / 2, 5e-4);
+  EXPECT_LT(out.ledger, 1e-12);
+  EXPECT_LE(out.energy_growth, 1e-12);
+}
+
+TEST(RodsImpulseDifference, press_as_the_waves_do_and_penetrate_less_than_a_step) {
+  const Outcome out =
+      collide({.scheme = Scheme::impulse, .admittance = Admittance::difference, .step = step});
+  EXPECT_NEAR(out.early_mean, impedance * speed / 2,
+              0.0025);  // half a percent: the truncated wave front rings
+  EXPECT_NEAR(out.impulse / touching_time, impedance * speed / 2, 0.0025);
+  EXPECT_LE(out.penetration, speed * step * (1 + 1e-9));
+  EXPECT_NEAR(out.exit_a, 0, 0.01);
+  EXPECT_NEAR(out.exit_b, speed, 0.01);
+  EXPECT_LT(out.energy_lost, 0.005);
+  EXPECT_LT(out.ledger, 1e-12);
+}
+
+// The first instant of the impulse scheme is t_1: ends that touch at t_0 are met one step, hence v Δ, later.
+TEST(RodsImpulse, meet_first_at_the_end_of_the_first_step) {
+  for (const Admittance admittance : {Admittance::jump, Admittance::difference}) {
+    Integrator integrator(two_rods(), {.scheme = Scheme::impulse, .admittance = admittance, .step = step});
+    ASSERT_EQ(integrator.step(), StepStatus::ok);
+    EXPECT_NEAR(integrator.displacement()(0), speed * step, 1e-15);
+    EXPECT_GT(integrator.force()(0), 0);
+  }
+}
+
+}  // namespace

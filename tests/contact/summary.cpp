@@ -1,0 +1,210 @@
+// The figures of a run, against what mechanics says of two rods: contact lasts 2L/c and the rods trade
+// velocities.
+#include "contact/summary.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/contact/bodies.hpp"
+
+namespace {
+
+using namespace ricochet::contact;
+using namespace ricochet::contact::test;
+using ricochet::kernels::Kernel;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr double length = 10, step = 0.01;
+
+Model rods(const Kernel& kernel, double gap) {
+  return build_model({{"left", &kernel, Matrix3d::Identity(), Vector3d::Zero(), {1, 0, 0}},
+                      {"right", &kernel, Matrix3d::Identity(), {length + gap, 0, 0}}},
+                     {}, {{"left", "right", Vector3d(1, 0, 0), {}, {}}}, Vector3d::Zero());
+}
+
+Summary run(const Model& model, double duration, double wave_speed = 0, double restitution = -1,
+            double dt = step) {
+  StepOptions options{.step = dt};
+  if (restitution >= 0) options = {.scheme = Scheme::impulse, .restitution = restitution, .step = dt};
+  Integrator integrator(model, options);
+  SummaryObserver observer(model, dt, wave_speed);
+  for (long k = std::lround(duration / dt); k > 0; --k) {
+    EXPECT_EQ(integrator.step(), StepStatus::ok);
+    observer.observe(integrator);
+  }
+  return observer.summary();
+}
+
+double largest_force(const Model& model, double duration) {
+  Integrator integrator(model, {.step = step});
+  double largest = 0;
+  for (long k = std::lround(duration / step); k > 0; --k) {
+    integrator.step();
+    largest = std::max(largest, integrator.force().sum());
+  }
+  return largest;
+}
+
+TEST(Summary, of_two_rods_is_what_waves_give) {
+  const Kernel kernel = rod(100, length);
+  const Summary s = run(rods(kernel, 0.005), 30);
+  ASSERT_TRUE(s.contact_start_s && s.contact_end_s && s.restitution);
+  EXPECT_DOUBLE_EQ(*s.contact_start_s, 0);  // 0.005 m at 1 m/s are closed within the first step
+  EXPECT_NEAR(*s.contact_end_s, 20, 0.3);   // 2L/c; 100 modes blur it by about a period of the last one
+  EXPECT_NEAR(s.impulse_ns, 10, 0.05);      // the whole momentum
+  EXPECT_EQ(s.peak_force_n, largest_force(rods(kernel, 0.005), 30));
+  EXPECT_GT(s.peak_force_n, 0.5);  // Z v/2 is its mean
+  EXPECT_NEAR(*s.restitution, 1, 0.01);
+  EXPECT_NEAR(s.exit_velocity.at("left").x(), 0, 0.005);
+  EXPECT_NEAR(s.exit_velocity.at("right").x(), 1, 0.005);
+  EXPECT_LT(s.energy_drift, 1e-12);  // round-off of 3000 steps
+  EXPECT_LT(s.energy_lost_contact, 0.01);
+  EXPECT_LT(s.max_penetration_m, 1e-12);
+  EXPECT_EQ(s.modes.at("left"), 100);
+  EXPECT_EQ(s.candidates, 1);
+  EXPECT_EQ(s.unpaired, 1);
+  EXPECT_EQ(s.max_active, 1);
+  EXPECT_FALSE(s.error_estimate);
+  EXPECT_THAT(s.warnings, IsEmpty());
+  double impulse = 0;
+  for (const Episode& episode : s.episodes) impulse += episode.impulse_ns;
+  EXPECT_NEAR(impulse, s.impulse_ns, 1e-12);
+  EXPECT_EQ(s.episodes.back().end_s, s.contact_end_s);
+}
+
+TEST(Summary, of_a_run_that_ends_in_contact_has_no_end) {
+  const Kernel kernel = rod(100, length);
+  const Summary s = run(rods(kernel, 0.005), 10);
+  EXPECT_TRUE(s.contact_start_s);
+  EXPECT_FALSE(s.contact_end_s);
+  EXPECT_FALSE(s.episodes.back().end_s);
+  EXPECT_FALSE(s.restitution);
+  EXPECT_THAT(s.exit_velocity, IsEmpty());
+}
+
+TEST(Summary, of_bodies_that_miss_has_no_contact) {
+  const Kernel kernel = rod(10, length);
+  const Summary s = run(rods(kernel, 5), 4);
+  EXPECT_FALSE(s.contact_start_s);
+  EXPECT_FALSE(s.contact_end_s);
+  EXPECT_THAT(s.episodes, IsEmpty());
+  EXPECT_EQ(s.impulse_ns, 0);
+  EXPECT_EQ(s.energy_lost_contact, 0);
+}
+
+/// A rigid rod (its one mode) dropped on a floor: each bounce is a single step, e of the speed is left.
+TEST(Summary, lists_each_bounce) {
+  const Kernel kernel = rod(1, length, false);
+  const double g = 10, height = 5, e = 0.5;
+  const Model model = build_model({{"rod", &kernel, Matrix3d::Identity(), Vector3d::Zero()}},
+                                  {{"floor", {length + height, 0, 0}, {-1, 0, 0}}},
+                                  {{"rod", "floor", {}, {}, {}}}, {g, 0, 0});
+  const Summary s = run(model, 2.25, 0, e, 1e-4);
+  ASSERT_EQ(s.episodes.size(), 2U);  // at t = 1 with speed 10, and 2·5/10 = 1 s later with speed 5
+  // 2e-3: times are those of steps, and what is fallen within the step counts
+  EXPECT_NEAR(s.episodes[0].start_s, 1, 2e-3);
+  EXPECT_NEAR(s.episodes[1].start_s, 2, 2e-3);
+  EXPECT_NEAR(s.episodes[0].impulse_ns, 10 * 10 * (1 + e), 0.1);
+  EXPECT_NEAR(s.episodes[1].impulse_ns, 10 * 5 * (1 + e), 0.1);
+  EXPECT_NEAR(s.episodes[0].peak_force_n, 1500 / 10 / 1e-4, 2e3);  // an impulse within one step
+  EXPECT_EQ(s.contact_steps, 2);
+  EXPECT_NEAR(*s.restitution, e * e, 2e-3);  // first approach to last exit
+  EXPECT_NEAR(s.energy_lost_contact, 1 - e * e * e * e, 0.01);
+  EXPECT_LT(s.energy_drift, 1e-12);
+}
+
+TEST(Warnings, name_a_speed_above_two_per_cent_of_the_waves) {
+  const Kernel kernel = rod(10, length);
+  EXPECT_THAT(run(rods(kernel, 0.005), 1, 51).warnings, IsEmpty());
+  EXPECT_THAT(run(rods(kernel, 0.005), 1, 40).warnings,
+              ElementsAre(HasSubstr("approach speed 1 m/s is 2.5 % of the wave speed 40 m/s")));
+}
+
+/// A free rigid plate with its six rigid modes (uniform density, mass 1, inertia 1) over a floor at `gap`;
+/// candidates are 0.5 m apart.
+Kernel plate() {
+  Kernel kernel = square(2, 2);
+  for (double& z : kernel.surface.normal) z = -z;
+  kernel.centre = {0.5, 0.5, 0};
+  kernel.inertia = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  kernel.modes.angular_frequency.assign(6, 0);
+  kernel.modes.decay_rate.assign(6, 0);
+  const auto field = [](int n, const Vector3d& x) -> Vector3d {
+    const Vector3d arm = x - Vector3d(0.5, 0.5, 0);
+    return n < 3 ? Vector3d::Unit(n) : Vector3d(Vector3d::Unit(n - 3).cross(arm));
+  };
+  for (std::size_t i = 0; i < kernel.surface.size(); ++i)
+    for (int k = 0; k < 3; ++k)
+      for (int n = 0; n < 6; ++n)
+        kernel.surface.shape.push_back(field(n, Eigen::Map<const Vector3d>(&kernel.surface.node[3 * i]))(k));
+  for (int k = 0; k < 3; ++k)
+    for (int n = 0; n < 6; ++n) {
+      kernel.loads.body_force.push_back(n == k ? 1 : 0);
+      // L about the origin: centre × p of translations, inertia of rotations
+      const Vector3d about =
+          n < 3 ? Vector3d(0.5, 0.5, 0).cross(Vector3d::Unit(n)) : Vector3d(Vector3d::Unit(n - 3));
+      kernel.loads.rotation.push_back(about(k));
+    }
+  return kernel;
+}
+
+std::vector<std::string> warnings_of_plate(const Vector3d& velocity, const Vector3d& spin) {
+  const Kernel kernel = plate();
+  Model model = build_model({{"plate", &kernel, Matrix3d::Identity(), {3, 0, 0.5}, velocity}},
+                            {{"floor", Vector3d::Zero(), Vector3d(0, 0, 1)}},
+                            {{"plate", "floor", {}, {}, {}}}, Vector3d::Zero());
+  model.v0.tail(3) = spin;
+  return run(model, 1, 0, 0.5).warnings;
+}
+
+TEST(Warnings, name_tangential_motion_beyond_half_the_spacing) {
+  EXPECT_THAT(warnings_of_plate({0.3, 0.2, -1}, Vector3d::Zero()), IsEmpty());
+  // touches after 0.5 s (or a step later), 0.5 · |(1, 0.2)| = 0.51 m further
+  EXPECT_THAT(warnings_of_plate({1, 0.2, -1}, Vector3d::Zero()),
+              ElementsAre(HasSubstr("times the candidate spacing (above 0.5)")));
+}
+
+TEST(Warnings, name_rotation_beyond_five_degrees) {
+  EXPECT_THAT(warnings_of_plate({0, 0, -1}, {0, 0, 0.1}), IsEmpty());  // 2.9 degrees at touch, about z
+  const auto warnings = warnings_of_plate({0, 0, -1}, {0, 0, 0.2});
+  EXPECT_THAT(warnings, ElementsAre(::testing::ContainsRegex("plate turned by 5.[78][0-9]* degrees")));
+}
+
+TEST(Json, holds_what_the_summary_holds_and_null_for_what_is_not_known) {
+  std::string name = (std::filesystem::temp_directory_path() / "ricochet-XXXXXX").string();
+  const std::filesystem::path folder = ::mkdtemp(name.data());
+  Summary s;
+  s.contact_start_s = 0.25;
+  s.episodes = {{.start_s = 0.25, .end_s = 0.5, .impulse_ns = 2, .peak_force_n = 3},
+                {.start_s = 1, .end_s = {}}};
+  s.exit_velocity["upper"] = {1, 2, 3};
+  s.modes["upper"] = 50;
+  s.warnings = {"too fast"};
+  write_json(s, folder / "x.summary.json");
+  std::ifstream file(folder / "x.summary.json");
+  const auto json = nlohmann::json::parse(file);
+  EXPECT_EQ(json["contact_start_s"], 0.25);
+  for (const char* key : {"contact_end_s", "restitution", "error_estimate"})
+    EXPECT_TRUE(json.at(key).is_null()) << key;
+  EXPECT_EQ(json["episodes"].size(), 2U);
+  EXPECT_EQ(json["episodes"][0]["end_s"], 0.5);
+  EXPECT_TRUE(json["episodes"][1]["end_s"].is_null());
+  EXPECT_EQ(json["exit_velocity"]["upper"], (std::vector<double>{1, 2, 3}));
+  EXPECT_EQ(json["modes"]["upper"], 50);
+  EXPECT_EQ(json["warnings"], std::vector<std::string>{"too fast"});
+  for (const char* key :
+       {"contact_steps", "peak_force_n", "impulse_ns", "energy_drift", "energy_lost_contact",
+        "max_penetration_m", "candidates", "unpaired", "max_active", "real_time_factor", "wall_s"})
+    EXPECT_EQ(json.at(key), 0) << key;
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);  // no temporary file is left
+  EXPECT_THAT(complaint_of([&] { write_json(s, folder / "not" / "there.json"); }), HasSubstr("--out"));
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace

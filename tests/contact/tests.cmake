@@ -1,0 +1,8 @@
+add_serial_test(contact complementarity ricochet_contact)
+add_serial_test(contact integrator ricochet_contact)
+add_serial_test(contact propagator ricochet_contact)
+add_serial_test(contact rods ricochet_contact)
+add_serial_test(contact model ricochet_contact)
+add_serial_test(contact pairing ricochet_contact)
+add_serial_test(contact recorder ricochet_contact)
+add_serial_test(contact summary ricochet_contact nlohmann_json::nlohmann_json)
