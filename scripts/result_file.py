@@ -1,0 +1,167 @@
+"""Reads result and kernel files for scripts. What is wrong with a file is a BadInput of one line."""
+import tomllib
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+
+class BadInput(Exception):
+    """What the user can mend; its text is one line."""
+
+
+class File:
+    """An HDF5 file whose datasets are checked as they are read."""
+
+    def __init__(self, path, kind):
+        self.path = path
+        if not path.is_file():
+            raise BadInput(f"{path}: there is no such file. Name a .result.h5 that ricochet-contact wrote.")
+        try:
+            self.file = h5py.File(path, "r")
+        except OSError:
+            what = "a damaged or truncated" if h5py.is_hdf5(path) else "not an"
+            raise BadInput(f"{path}: is {what} HDF5 file. Compute it again.") from None
+        if self.text("/", "format") != kind:
+            raise BadInput(f"{path}: is not a {kind} file. Name a file that Ricochet wrote.")
+
+    def text(self, where, name):
+        value = self.attribute(where, name)
+        return value.decode() if isinstance(value, bytes) else value
+
+    def attribute(self, where, name):
+        return self.file[where].attrs.get(name) if where in self.file else None
+
+    def has(self, name):
+        return isinstance(self.file.get(name), h5py.Dataset)
+
+    def names(self, group):
+        return sorted(self.file[group]) if isinstance(self.file.get(group), h5py.Group) else []
+
+    def array(self, name, *shape):
+        """Values as floats or integers. None in `shape` is a dimension of any length."""
+        if not self.has(name):
+            raise BadInput(f"{self.path}: dataset \"{name}\" is missing. Compute it again.")
+        data = self.file[name]
+        if len(data.shape) != len(shape) or any(s not in (None, d) for s, d in zip(shape, data.shape)):
+            expected = ", ".join("*" if s is None else str(s) for s in shape)
+            raise BadInput(f"{self.path}: dataset \"{name}\" has shape {data.shape}, expected ({expected}). "
+                           "Compute it again.")
+        if data.nbytes > 64 * self.path.stat().st_size:  # no more memory than the file's size justifies
+            raise BadInput(f"{self.path}: dataset \"{name}\" claims more than the file can hold. "
+                           "Compute it again.")
+        try:
+            values = data[()]
+        except OSError:
+            raise BadInput(f"{self.path}: dataset \"{name}\" is damaged. Compute it again.") from None
+        if values.dtype.kind not in "fi" or not np.isfinite(values).all():
+            raise BadInput(f"{self.path}: dataset \"{name}\" holds values that are not finite numbers. "
+                           "Compute it again.")
+        return values
+
+
+class Result:
+    """What the pictures need of a result."""
+
+    TERMS = ["kinetic", "strain", "residual", "loads", "damping", "contact"]
+
+    def __init__(self, path):
+        f = self.file = File(path, "ricochet-result")
+        self.slug = path.name.removesuffix(".h5").removesuffix(".result")
+        self.title = f.text("/", "title") or self.slug
+        self.time = f.array("/time", None)
+        steps = len(self.time)
+        if steps < 2:
+            raise BadInput(f"{path}: holds {steps} steps: nothing to draw. Give [time] a longer duration.")
+        self.energy = {name: f.array(f"/energy/{name}", steps) for name in ["total"] + self.TERMS}
+        self.bodies = f.names("/bodies")
+        self.velocity = {body: f.array(f"/bodies/{body}/velocity", steps, 3) for body in self.bodies}
+        self.gap = f.array("/contact/initial_gap", None)
+        points = len(self.gap)
+        self.point = f.array("/contact/point_a", points, 3)
+        self.normal = f.array("/contact/normal", points, 3)
+        self.contact_time = f.array("/contact/time", None)
+        rows = len(self.contact_time)
+        self.force = f.array("/contact/force", rows, points)
+        self.sides = {name: f.array(f"/contact/{name}", rows, points)
+                      for name in ["displacement_a", "displacement_b", "velocity_a", "velocity_b"]}
+        self.episodes = self._episodes()
+
+    def _episodes(self):
+        """Index ranges (first, behind last) of contact rows without a pause between them."""
+        t = self.contact_time
+        if len(t) == 0:
+            return []
+        pause = np.flatnonzero(np.diff(t) > 1.5 * np.min(np.diff(self.time))) + 1
+        edges = [0, *pause, len(t)]
+        return list(zip(edges[:-1], edges[1:]))
+
+    def impulse(self):
+        """(m) impulse of each candidate, up to the factor of the step."""
+        return self.force.sum(axis=0)
+
+    def sides_names(self):
+        """Names of the two sides if the scene has one pair; with several, a point does not tell its own."""
+        try:
+            contact = tomllib.loads(self.file.text("/", "scene") or "").get("contact", {})
+        except tomllib.TOMLDecodeError:
+            contact = {}
+        pairs = contact.get("pair", [contact])
+        between = pairs[0].get("between", []) if len(pairs) == 1 else []
+        return tuple(between) if len(between) == 2 else ("side a", "side b")
+
+
+class Skin:
+    """The visible surface of a body, moved by its modes."""
+
+    def __init__(self, kernel, attributes, coordinates):
+        self.rotation, self.translation = attributes
+        self.node = kernel.array("/view/node", None, 3).astype(float)
+        self.element = kernel.array("/view/element", None, None)
+        self.shape = kernel.array("/view/shape", len(self.node), 3, coordinates.shape[1])
+        if self.element.size and not (0 <= self.element.min() and self.element.max() < len(self.node)):
+            raise BadInput(f"{kernel.path}: dataset \"/view/element\" names nodes that do not exist. "
+                           "Compute it again.")
+        self.coordinates = coordinates
+
+    def at(self, k):
+        """(V,3) places of the skin's nodes at snapshot k [m]."""
+        return (self.node + self.shape @ self.coordinates[k]) @ self.rotation.T + self.translation
+
+    def outline(self, flat):
+        """Edges (·,2,2) between what faces the viewer and what does not, or with nothing beyond."""
+        e = self.element
+        if e.shape[1] == 2:
+            return flat[e]
+        ab, ac = flat[e[:, 1]] - flat[e[:, 0]], flat[e[:, 2]] - flat[e[:, 0]]
+        facing = np.tile(ab[:, 0] * ac[:, 1] > ab[:, 1] * ac[:, 0], 3)
+        sides = np.sort(np.concatenate([e[:, [0, 1]], e[:, [1, 2]], e[:, [2, 0]]]), axis=1)
+        unique, which, count = np.unique(sides, axis=0, return_inverse=True, return_counts=True)
+        towards = np.bincount(which.ravel(), weights=facing, minlength=len(unique))
+        return flat[unique[(count == 1) | ((towards > 0) & (towards < count))]]
+
+
+def skins_of(result, folder):
+    """The bodies' skins by name and the times of their snapshots; or why there is none."""
+    f = result.file
+    if not f.has("/snapshots/time"):
+        return None, "the result has no snapshots (set [output] snapshot_every)"
+    time = f.array("/snapshots/time", None)
+    skins = {}
+    for body in result.bodies:
+        if not f.has(f"/snapshots/{body}"):
+            continue
+        where = f"/bodies/{body}"
+        name, rotation, translation = (f.text(where, "kernel"), f.attribute(where, "rotation"),
+                                       f.attribute(where, "translation"))
+        if not name or np.size(rotation) != 9 or np.size(translation) != 3:
+            return None, f"the result does not say where {body} stands"
+        path = folder / Path(name).name
+        if not path.is_file():
+            return None, f"there is no kernel {path} (set --kernels)"
+        kernel = File(path, "ricochet-kernel")
+        if not kernel.has("/view/node"):
+            return None, f"{path.name} has no skin (set [output] view = true)"
+        coordinates = f.array(f"/snapshots/{body}", len(time), None)
+        skins[body] = Skin(kernel, (np.reshape(rotation, (3, 3)), np.reshape(translation, 3)), coordinates)
+    return (skins, time) if skins else (None, "the result has no snapshots of bodies")
