@@ -1,0 +1,325 @@
+#include "src/elasticity/assemble.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace ricochet::elasticity {
+
+namespace {
+
+using mesh::Basis;
+using mesh::Block;
+using mesh::Mesh;
+using ElementMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// Quadrature degree. Straight simplices have constant Jacobians, so 2p integrates the mass exactly; elsewhere the Jacobian adds degrees,
+/// and 2p + 2 keeps the patch test exact up to order 4 (cofactors have degree 2(p − 1), gradients p − 1).
+int degree_of(const mesh::ReferenceElement& element, bool affine) {
+  const bool simplex = element.family == mesh::Family::tetrahedron || element.family == mesh::Family::line;
+  return 2 * element.order + (simplex && affine ? 0 : 2);
+}
+
+struct Material {
+  double density, lambda, mu;  ///< rods: ρA, EA, 0
+};
+
+Material material_of(const scene::Material& m, int dim) {
+  if (dim == 1) return {m.density * m.area, m.young * m.area, 0};
+  return {m.density, m.young * m.poisson / ((1 + m.poisson) * (1 - 2 * m.poisson)), m.young / (2 * (1 + m.poisson))};
+}
+
+/// Element matrices of one block, from tables made once.
+class Element {
+ public:
+  Element(const Mesh& mesh, const Block& block)
+      : mesh_(mesh), n_(block.nodes_per_element), reference_(mesh::reference_element(block.gmsh_type)) {
+    const auto rule = mesh::quadrature_of(reference_.family, degree_of(reference_, all_affine(block)));
+    basis_ = mesh::basis_at(reference_, rule.local);
+    weight_ = rule.weight;
+    const int q = basis_.points, c = mesh.components();
+    gradient_.resize(static_cast<Eigen::Index>(c) * n_, q);
+    shape_ = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(basis_.value.data(), q, n_);
+    position_.resize(n_, 3);
+    measure_.resize(q);
+    K.resize(c * n_, c * n_);
+    M.resize(n_, n_);
+  }
+
+  /// Fills K (cn, cn) and the scalar mass M (n, n); returns false when the Jacobian is not positive somewhere.
+  bool compute(const std::int64_t* nodes, const Material& material) {
+    for (int a = 0; a < n_; ++a)
+      for (int k = 0; k < 3; ++k) position_(a, k) = mesh_.position[3 * static_cast<std::size_t>(nodes[a]) + k];
+    const int points = basis_.points;
+    for (int q = 0; q < points; ++q) {
+      const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>> local(
+          basis_.gradient.data() + static_cast<std::ptrdiff_t>(q) * n_ * 3, n_, 3);
+      if (mesh_.dim == 1) {
+        double slope = 0;
+        for (int k = 0; k < 3; ++k) slope += local.col(0).dot(position_.col(k)) * mesh_.axis[k];
+        // A line has no inside: it may run either way along the rod.
+        measure_(q) = std::abs(slope) * weight_[q];
+        if (!(measure_(q) > 0)) return false;
+        gradient_.col(q) = local.col(0) / slope;
+        continue;
+      }
+      const Eigen::Matrix3d jacobian = local.transpose() * position_;  // (∂x_k/∂ξ_d) at (d,k)
+      const double determinant = jacobian.determinant();
+      measure_(q) = determinant * weight_[q];
+      if (!(determinant > 0)) return false;
+      const Eigen::Matrix3d inverse = jacobian.inverse();
+      for (int a = 0; a < n_; ++a) gradient_.block<3, 1>(3 * a, q) = inverse * local.row(a).transpose();
+    }
+    M.noalias() = material.density * (shape_.transpose() * measure_.asDiagonal() * shape_);
+    scaled_.noalias() = gradient_ * measure_.asDiagonal();
+    product_.noalias() = scaled_ * gradient_.transpose();  // ∫ ∂_i N_a ∂_j N_b at (ca + i, cb + j)
+    if (mesh_.dim == 1) {
+      K = material.lambda * product_;
+      return true;
+    }
+    // K_ab = λ ∇N_a ∇N_bᵀ + μ ∇N_b ∇N_aᵀ + μ (∇N_a·∇N_b) I
+    for (int a = 0; a < n_; ++a)
+      for (int b = 0; b < n_; ++b) {
+        const Eigen::Matrix3d h = product_.block<3, 3>(3 * a, 3 * b);
+        Eigen::Matrix3d k = material.lambda * h + material.mu * h.transpose();
+        k.diagonal().array() += material.mu * h.trace();
+        K.block<3, 3>(3 * a, 3 * b) = k;
+      }
+    return true;
+  }
+
+  ElementMatrix K, M;
+  const Eigen::VectorXd& measure() const { return measure_; }
+  const Eigen::MatrixXd& shape() const { return shape_; }
+  const Eigen::Matrix<double, Eigen::Dynamic, 3>& position() const { return position_; }
+
+ private:
+  /// Whether every element of the block is the affine image of the reference: its nodes lie where its corners say.
+  bool all_affine(const Block& block) const {
+    if (reference_.order == 1) return true;
+    for (std::size_t e = 0; e < block.size(); ++e) {
+      const std::int64_t* nodes = &block.node[e * static_cast<std::size_t>(n_)];
+      const auto at = [&](int a, int k) { return mesh_.position[3 * static_cast<std::size_t>(nodes[a]) + k]; };
+      double size = 0, off = 0;
+      for (int k = 0; k < 3; ++k) {
+        size = std::max(size, std::abs(at(1, k) - at(0, k)));
+        for (int a = reference_.corners; a < n_; ++a) {
+          double x = at(0, k);
+          for (int d = 0; d < reference_.dim; ++d) {
+            const double xi = reference_.node[static_cast<std::size_t>(a) * reference_.dim + d];
+            // Lines run over [−1, 1], tetrahedra over [0, 1]; other families never take the affine rule.
+            x += (reference_.dim == 1 ? (xi + 1) / 2 : xi) * (at(std::min(d + 1, reference_.corners - 1), k) - at(0, k));
+          }
+          off = std::max(off, std::abs(at(a, k) - x));
+        }
+      }
+      if (off > 1e-10 * size) return false;
+    }
+    return true;
+  }
+
+  const Mesh& mesh_;
+  int n_;
+  mesh::ReferenceElement reference_;
+  Basis basis_;
+  std::vector<double> weight_;
+  Eigen::MatrixXd shape_;               // (q, n)
+  ElementMatrix gradient_;              // (cn, q)
+  ElementMatrix scaled_, product_;      // (cn, q), (cn, cn)
+  Eigen::VectorXd measure_;             // (q) weight × Jacobian
+  Eigen::Matrix<double, Eigen::Dynamic, 3> position_;
+};
+
+/// Columns of each owned block row at or right of the diagonal, counted exactly from the elements.
+struct Pattern {
+  std::vector<PetscInt> diagonal, off_diagonal;  ///< per owned node: in and outside this rank's column range
+};
+
+Pattern pattern_of(const Mesh& mesh) {
+  std::vector<std::vector<std::int64_t>> columns(static_cast<std::size_t>(mesh.owned_nodes));
+  for (const Block& block : mesh.blocks) {
+    const auto n = static_cast<std::size_t>(block.nodes_per_element);
+    for (std::size_t e = 0; e < block.size(); ++e)
+      for (std::size_t a = 0; a < n; ++a) {
+        const std::int64_t row = mesh.node[block.node[e * n + a]] - mesh.first_node;
+        if (row < 0 || row >= mesh.owned_nodes) continue;
+        auto& list = columns[static_cast<std::size_t>(row)];
+        for (std::size_t b = 0; b < n; ++b) {
+          const std::int64_t column = mesh.node[block.node[e * n + b]];
+          if (column >= row + mesh.first_node) list.push_back(column);
+        }
+        // Elements repeat columns: compact now and then so that memory stays near the final size.
+        if (list.size() > 512 && list.size() > 2 * list.capacity() / 3) {
+          std::sort(list.begin(), list.end());
+          list.erase(std::unique(list.begin(), list.end()), list.end());
+        }
+      }
+  }
+  Pattern pattern;
+  const std::int64_t end = mesh.first_node + mesh.owned_nodes;
+  for (auto& list : columns) {
+    std::sort(list.begin(), list.end());
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+    const auto inside = std::lower_bound(list.begin(), list.end(), end) - list.begin();
+    pattern.diagonal.push_back(static_cast<PetscInt>(inside));
+    pattern.off_diagonal.push_back(static_cast<PetscInt>(static_cast<std::ptrdiff_t>(list.size()) - inside));
+    std::vector<std::int64_t>().swap(list);
+  }
+  return pattern;
+}
+
+parallel::Matrix create(const Mesh& mesh, const Pattern& pattern) {
+  parallel::Matrix matrix;
+  const int c = mesh.components();
+  parallel::check(MatCreate(mesh.comm, matrix.out()));
+  const PetscInt local = parallel::petsc_int(mesh.owned_nodes * c), total = parallel::petsc_int(mesh.total_nodes * c);
+  parallel::check(MatSetSizes(matrix, local, local, total, total));
+  parallel::check(MatSetType(matrix, MATSBAIJ));
+  parallel::check(MatSetBlockSize(matrix, c));
+  parallel::check(MatXAIJSetPreallocation(matrix, c, nullptr, nullptr, pattern.diagonal.data(), pattern.off_diagonal.data()));
+  parallel::check(MatSetOption(matrix, MAT_IGNORE_LOWER_TRIANGULAR, PETSC_TRUE));
+  parallel::check(MatSetOption(matrix, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_TRUE));
+  parallel::check(MatSetOption(matrix, MAT_NO_OFF_PROC_ENTRIES, PETSC_TRUE));
+  return matrix;
+}
+
+Vector3 cross_unit(int i, const Vector3& x) {
+  switch (i) {
+    case 0: return {0, -x[2], x[1]};
+    case 1: return {x[2], 0, -x[0]};
+    default: return {-x[1], x[0], 0};
+  }
+}
+
+/// Value of rigid motion k (0–2 translations, 3–5 rotations) at x in displacement component c.
+double rigid_value(const Mesh& mesh, int k, const Vector3& x, int c) {
+  Vector3 u{};
+  if (k < 3) {
+    u[k] = 1;
+  } else {
+    u = cross_unit(k - 3, x);
+  }
+  if (mesh.dim == 3) return u[c];
+  return u[0] * mesh.axis[0] + u[1] * mesh.axis[1] + u[2] * mesh.axis[2];
+}
+
+Vector3 node_position(const Mesh& mesh, std::size_t local) {
+  return {mesh.position[3 * local], mesh.position[3 * local + 1], mesh.position[3 * local + 2]};
+}
+
+/// Mass, centre and inertia from sums over own elements: 1, x_i, x_i x_j weighted with ρ dV.
+void finish_inertia(MPI_Comm comm, std::array<double, 10>& moments, Body& body) {
+  parallel::sum(comm, moments.data(), moments.size());
+  body.total_mass = moments[0];
+  Eigen::Vector3d centre(moments[1], moments[2], moments[3]);
+  centre /= moments[0];
+  Eigen::Matrix3d second;
+  second << moments[4], moments[5], moments[6], moments[5], moments[7], moments[8], moments[6], moments[8], moments[9];
+  second -= moments[0] * centre * centre.transpose();
+  const Eigen::Matrix3d inertia = second.trace() * Eigen::Matrix3d::Identity() - second;
+  Eigen::Map<Eigen::Vector3d>(body.centre.data()) = centre;
+  Eigen::Map<Eigen::Matrix3d>(body.inertia.data()) = inertia;
+}
+
+}  // namespace
+
+Body assemble(const Mesh& mesh, const std::vector<scene::Material>& materials, const std::string& file) {
+  Body body;
+  const int c = mesh.components();
+  body.local_rows = mesh.owned_nodes * c;
+  body.total_rows = mesh.total_nodes * c;
+  const Pattern pattern = pattern_of(mesh);
+  body.stiffness = create(mesh, pattern);
+  body.mass = create(mesh, pattern);
+  body.rigid_load = Eigen::MatrixXd::Zero(body.local_rows, 6);
+
+  std::array<double, 10> moments{};
+  std::string complaint;
+  double stiffest = 0;
+  for (std::size_t b = 0; b < mesh.blocks.size() && complaint.empty(); ++b) {
+    const Block& block = mesh.blocks[b];
+    const int n = block.nodes_per_element;
+    if (block.size() == 0) continue;
+    Element element(mesh, block);
+    ElementMatrix mass(c * n, c * n);
+    Eigen::MatrixXd rigid(c * n, 6);
+    std::vector<PetscInt> rows(static_cast<std::size_t>(n)), columns(static_cast<std::size_t>(n));
+    for (std::size_t e = 0; e < block.size(); ++e) {
+      const std::int64_t* nodes = &block.node[e * static_cast<std::size_t>(n)];
+      const scene::Material& given = materials[static_cast<std::size_t>(block.label[e])];
+      if (!element.compute(nodes, material_of(given, mesh.dim))) {
+        const Vector3 x = node_position(mesh, static_cast<std::size_t>(nodes[0]));
+        complaint = fmt::format("{}: element {} near ({:.4g}, {:.4g}, {:.4g}) m is inverted or flat (its Jacobian is not positive): repair the "
+                                "mesh (gmsh: Tools > Optimize, or a smaller element size) or lower the element order", file, block.tag[e], x[0], x[1], x[2]);
+        break;
+      }
+      body.wave_speed = std::max(body.wave_speed, std::sqrt(given.young / given.density));
+      mass.setZero();
+      for (int a = 0; a < n; ++a)
+        for (int d = 0; d < n; ++d)
+          for (int k = 0; k < c; ++k) mass(c * a + k, c * d + k) = element.M(a, d);
+      for (int a = 0; a < n; ++a) {
+        const Vector3 x = node_position(mesh, static_cast<std::size_t>(nodes[a]));
+        for (int k = 0; k < c; ++k)
+          for (int m = 0; m < 6; ++m) rigid(c * a + k, m) = rigid_value(mesh, m, x, k);
+      }
+      const Eigen::MatrixXd load = mass * rigid;
+      for (int a = 0; a < n; ++a)
+        for (int k = 0; k < c; ++k) {
+          if (!mesh.is_fixed(static_cast<std::size_t>(nodes[a]), k)) continue;
+          const int row = c * a + k;
+          stiffest = std::max(stiffest, element.K(row, row));
+          element.K.row(row).setZero();
+          element.K.col(row).setZero();
+          mass.row(row).setZero();
+          mass.col(row).setZero();
+        }
+      for (int a = 0; a < n; ++a) {
+        const std::int64_t global = mesh.node[nodes[a]];
+        const bool owned = global >= mesh.first_node && global < mesh.first_node + mesh.owned_nodes;
+        columns[a] = static_cast<PetscInt>(global);
+        rows[a] = owned ? columns[a] : -1;
+        if (!owned) continue;
+        for (int k = 0; k < c; ++k)
+          if (!mesh.is_fixed(static_cast<std::size_t>(nodes[a]), k))
+            body.rigid_load.row((global - mesh.first_node) * c + k) += load.row(c * a + k);
+      }
+      parallel::check(MatSetValuesBlocked(body.stiffness, n, rows.data(), n, columns.data(), element.K.data(), ADD_VALUES));
+      parallel::check(MatSetValuesBlocked(body.mass, n, rows.data(), n, columns.data(), mass.data(), ADD_VALUES));
+      if (mesh.own[b][e] == 0) continue;
+      const double density = material_of(given, mesh.dim).density;
+      const Eigen::MatrixXd points = element.shape() * element.position();  // (q,3)
+      for (Eigen::Index q = 0; q < points.rows(); ++q) {
+        const double w = density * element.measure()(q);
+        const Eigen::Vector3d x = points.row(q);
+        const std::array<double, 10> values{1, x[0], x[1], x[2], x[0] * x[0], x[0] * x[1], x[0] * x[2], x[1] * x[1], x[1] * x[2], x[2] * x[2]};
+        for (std::size_t m = 0; m < values.size(); ++m) moments[m] += w * values[m];
+      }
+    }
+  }
+  parallel::agree(mesh.comm, complaint);
+  finish_inertia(mesh.comm, moments, body);
+  body.wave_speed = parallel::largest(mesh.comm, body.wave_speed);
+
+  // The value on held rows only has to be positive; the stiffest diagonal keeps the conditioning.
+  stiffest = parallel::largest(mesh.comm, stiffest);
+  std::int64_t held = 0;
+  for (std::size_t i = 0; i < mesh.node.size(); ++i) {
+    if (mesh.node[i] < mesh.first_node || mesh.node[i] >= mesh.first_node + mesh.owned_nodes) continue;
+    for (int k = 0; k < c; ++k)
+      if (mesh.is_fixed(i, k)) {
+        const auto row = static_cast<PetscInt>(mesh.node[i] * c + k);
+        parallel::check(MatSetValue(body.stiffness, row, row, stiffest > 0 ? stiffest : 1.0, ADD_VALUES));
+        ++held;
+      }
+  }
+  body.free_rows = body.total_rows - parallel::sum(mesh.comm, held);
+  for (Mat matrix : {static_cast<Mat>(body.stiffness), static_cast<Mat>(body.mass)}) {
+    parallel::check(MatAssemblyBegin(matrix, MAT_FINAL_ASSEMBLY));
+    parallel::check(MatAssemblyEnd(matrix, MAT_FINAL_ASSEMBLY));
+  }
+  return body;
+}
+
+}  // namespace ricochet::elasticity

@@ -1,0 +1,32 @@
+// Body of with_gmsh_errors.
+#pragma once
+
+#include <algorithm>
+#include <exception>
+
+#include "kernels/error.hpp"
+
+namespace ricochet::mesh {
+
+/// `message` in one line.
+inline InputError gmsh_error(const std::string& where, std::string message) {
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  return InputError(where + ": gmsh: " + message);
+}
+
+template <class Task>
+void with_gmsh_errors(const std::string& where, Task&& task) {
+  try {
+    task();
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw gmsh_error(where, error.what());
+  } catch (const std::string& message) {
+    throw gmsh_error(where, message);
+  } catch (int code) {
+    throw gmsh_error(where, "error " + std::to_string(code));
+  }
+}
+
+}  // namespace ricochet::mesh

@@ -1,0 +1,25 @@
+// The gmsh library as a scope, and its errors as ours.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace ricochet::mesh {
+
+/// gmsh from here to the end of the scope; one at a time in a process.
+class GmshSession {
+ public:
+  /// @param numbers  NAME, VALUE, NAME, VALUE…: override DefineConstant values of a .geo
+  explicit GmshSession(const std::vector<std::string>& numbers = {});
+  ~GmshSession();
+  GmshSession(const GmshSession&) = delete;
+  GmshSession& operator=(const GmshSession&) = delete;
+};
+
+/// Calls `task`, turning whatever gmsh throws into an InputError "`where`: gmsh: message".
+template <class Task>
+void with_gmsh_errors(const std::string& where, Task&& task);
+
+}  // namespace ricochet::mesh
+
+#include "src/mesh/gmsh_errors.hpp"

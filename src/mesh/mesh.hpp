@@ -1,0 +1,75 @@
+// The mesh of one body: whole on rank 0 while it is read, then in parts.
+#pragma once
+
+#include <mpi.h>
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "src/mesh/reference.hpp"
+#include "src/scene/scene.hpp"
+
+namespace ricochet::mesh {
+
+/// Elements of one gmsh type.
+struct Block {
+  int gmsh_type = 0;
+  int nodes_per_element = 0;
+  std::vector<std::int64_t> node;   ///< (elements, nodes_per_element) into the mesh's node list
+  std::vector<std::int64_t> tag;    ///< (elements) gmsh's, for messages
+  std::vector<std::int64_t> label;  ///< (elements) volume: material; facet: contact group; both by index
+  std::size_t size() const { return tag.size(); }
+};
+
+/// Facets with the coordinates of their nodes, the same on every rank (contact surface) or on rank 0 alone (skin).
+struct FacetMesh {
+  std::vector<std::int64_t> node;  ///< (n) global node numbers
+  std::vector<double> position;    ///< (n,3) [m]
+  std::vector<Block> blocks;       ///< node indices into `node`; oriented outward
+  std::vector<double> end_normal;  ///< (n,3) rods: outward axis at an end node; otherwise empty
+};
+
+/// All of a body's mesh, on rank 0 while reading.
+struct GlobalMesh {
+  int dim = 3;  ///< 3, or 1 for a rod
+  int order = 1;
+  std::vector<double> position;  ///< (n,3) [m], scaled
+  std::vector<Block> blocks;
+  std::vector<unsigned> fixed;   ///< (n) bit c: component c is held by a support
+  Vector3 axis{1, 0, 0};         ///< rods: unit vector along the body
+  FacetMesh contact, skin;       ///< `node` holds indices into `position`
+};
+
+/// Reads a mesh or meshes a geometry. Rank 0 only; needs a GmshSession made with the body's geometry values.
+/// Throws InputError: unreadable file, missing physical group, no volume elements, contact facets inside the body, an order that
+/// gmsh could not reach, a bent rod.
+GlobalMesh read_mesh(const scene::Body& body);
+
+/// One rank's part. Each rank holds every element that touches a node it owns, so that assembly needs no communication;
+/// an element is `own` on one rank only (integrals over the body count it there).
+struct Mesh {
+  MPI_Comm comm = MPI_COMM_SELF;
+  int dim = 3, order = 1;
+  Vector3 axis{1, 0, 0};
+  std::int64_t total_nodes = 0, total_elements = 0;
+  std::int64_t first_node = 0, owned_nodes = 0;  ///< this rank owns global nodes [first, first + owned)
+  std::vector<std::int64_t> node;                ///< (n_local) global numbers, ascending
+  std::vector<std::int64_t> canonical;           ///< (n_local) numbers that do not depend on the ranks
+  std::vector<double> position;                  ///< (n_local,3) [m]
+  std::vector<std::int64_t> fixed;               ///< (n_local) bit c: component c held
+  std::vector<Block> blocks;                     ///< node indices are local
+  std::vector<std::vector<std::int64_t>> own;    ///< per block: 1 where the element is this rank's own
+  FacetMesh contact;                             ///< global node numbers, the same on every rank
+  FacetMesh skin;                                ///< global node numbers, on rank 0 alone
+
+  int components() const { return dim == 3 ? 3 : 1; }
+  /// Supports as displacement components of this body: a rod has one, along its axis.
+  bool is_fixed(std::size_t local_node, int component) const { return (fixed[local_node] >> component) & 1; }
+};
+
+/// Splits by METIS and hands each rank its part. `global` is used on rank 0 alone. Collective.
+Mesh distribute(GlobalMesh&& global, MPI_Comm comm);
+
+}  // namespace ricochet::mesh

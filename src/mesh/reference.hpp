@@ -1,0 +1,41 @@
+// Reference elements, from gmsh's own shape functions and quadrature.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace ricochet::mesh {
+
+enum class Family { point, line, triangle, quadrangle, tetrahedron, hexahedron, prism };
+
+/// A Lagrange element of one gmsh type. Needs a GmshSession.
+struct ReferenceElement {
+  int gmsh_type = 0;
+  Family family = Family::point;
+  std::string name;  ///< gmsh's
+  int dim = 0, order = 0, nodes = 0, corners = 0;
+  std::vector<double> node;  ///< (nodes,dim) local coordinates
+};
+
+/// Throws InputError for a type that is not a point, line, triangle, quadrangle, tetrahedron, hexahedron or prism with all of its
+/// Lagrange nodes (pyramids and serendipity elements are refused).
+ReferenceElement reference_element(int gmsh_type);
+
+/// Shape functions at given points.
+struct Basis {
+  int points = 0, nodes = 0;
+  std::vector<double> value;     ///< (points,nodes)
+  std::vector<double> gradient;  ///< (points,nodes,3), local
+};
+/// @param local  (points,3) local coordinates
+Basis basis_at(const ReferenceElement& element, const std::vector<double>& local);
+
+struct Quadrature {
+  std::vector<double> local;   ///< (points,3)
+  std::vector<double> weight;  ///< (points)
+  std::size_t size() const { return weight.size(); }
+};
+/// Gauss rule with positive weights, exact for polynomials of `degree` on gmsh's reference domain of a family. Needs a GmshSession.
+Quadrature quadrature_of(Family family, int degree);
+
+}  // namespace ricochet::mesh

@@ -1,0 +1,102 @@
+// MPI, PETSc and SLEPc as scopes: the session, owners of handles, checked calls, errors that all ranks share.
+#pragma once
+
+#include <petscsys.h>
+#include <slepceps.h>
+
+#include <cstdint>
+#include <source_location>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "kernels/error.hpp"
+
+namespace ricochet::parallel {
+
+/// MPI, PETSc and SLEPc from here to the end of the scope. The first local of `main`; every handle lives in a function
+/// called after it. PETSc's options come from PETSC_OPTIONS, never from the program's own arguments.
+class Session {
+ public:
+  Session();
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+};
+
+int rank_of(MPI_Comm comm);
+int size_of(MPI_Comm comm);
+
+/// Throws SolverError with PETSc's message and the caller's line unless `code` is 0.
+void check(PetscErrorCode code, std::source_location at = std::source_location::current());
+
+/// Collective. Returns when `complaint` is empty on every rank; otherwise every rank throws InputError with the
+/// complaint of the lowest rank that has one.
+void agree(MPI_Comm comm, const std::string& complaint);
+
+/// Collective. Runs `task` on rank 0; an InputError there is thrown on every rank.
+template <class Task>
+void on_first_rank(MPI_Comm comm, Task&& task) {
+  std::string complaint;
+  if (rank_of(comm) == 0) {
+    try {
+      task();
+    } catch (const InputError& error) {
+      complaint = error.what();
+    }
+  }
+  agree(comm, complaint);
+}
+
+/// Move-only owner of a PETSc or SLEPc object. Refuses to hand out a null handle to a call that would crash on it.
+template <class Raw, PetscErrorCode (*Destroy)(Raw*)>
+class Handle {
+ public:
+  Handle() = default;
+  ~Handle() { reset(); }
+  Handle(Handle&& other) noexcept : raw_(std::exchange(other.raw_, nullptr)) {}
+  Handle& operator=(Handle&& other) noexcept {
+    if (this != &other) {
+      reset();
+      raw_ = std::exchange(other.raw_, nullptr);
+    }
+    return *this;
+  }
+  operator Raw() const {
+    if (raw_ == nullptr) throw SolverError("internal: a PETSc object was used before it was made");
+    return raw_;
+  }
+  /// For creating calls: PETSc writes the new object here.
+  Raw* out() {
+    reset();
+    return &raw_;
+  }
+
+ private:
+  void reset() noexcept {
+    if (raw_ != nullptr) Destroy(&raw_);
+    raw_ = nullptr;
+  }
+  Raw raw_ = nullptr;
+};
+
+using Matrix = Handle<Mat, MatDestroy>;
+using Vector = Handle<Vec, VecDestroy>;
+using EigenSolver = Handle<EPS, EPSDestroy>;
+
+/// To PETSc's integer; throws SolverError when it does not fit (use a build of PETSc with 64-bit indices).
+PetscInt petsc_int(std::int64_t value);
+
+void sum(MPI_Comm comm, double* values, std::size_t count);   ///< all ranks, in place
+std::int64_t sum(MPI_Comm comm, std::int64_t value);
+double largest(MPI_Comm comm, double value);
+
+/// Rank 0 sends one vector to each rank (`per_rank`, used on rank 0 alone); every rank receives its own. Collective.
+template <class T>
+std::vector<T> scatter(MPI_Comm comm, const std::vector<std::vector<T>>& per_rank);
+/// Rank 0's vector to every rank. Collective.
+template <class T>
+void broadcast(MPI_Comm comm, std::vector<T>& values);
+void broadcast(MPI_Comm comm, std::string& text);
+
+}  // namespace ricochet::parallel

@@ -1,0 +1,145 @@
+// The scene as plain data: what the user asked for, with every default resolved. No MPI, no PETSc.
+// Defaults written here are the documented defaults. SI units.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kernels/units.hpp"
+
+namespace ricochet::scene {
+
+struct Material {
+  std::string group;   ///< physical volume (line, for rods) it fills; empty: the whole body
+  double density = 0;  ///< [kg/m³]
+  double young = 0;    ///< [Pa]
+  double poisson = 0;  ///< 1, in (-1, 0.5)
+  double area = 0;     ///< cross-section of a rod [m²]; 0: not given (not a rod)
+};
+
+struct Damping {
+  enum class Law { none, ratio, loss_factor, rayleigh, viscosity };
+  Law law = Law::none;
+  double first = 0;   ///< ζ | η | α [1/s] | η [s]
+  double second = 0;  ///< rayleigh: β [s]
+};
+
+struct Body {
+  std::string name;
+  std::filesystem::path mesh;              ///< resolved against the scene's folder
+  std::map<std::string, double> geometry;  ///< DefineConstant overrides of a .geo
+  int order = 3;
+  double scale = 1;
+  Vector3 translate{};                     ///< [m], after rotation
+  Vector3 rotate_deg{};                    ///< about x, then y, then z through the mesh's origin
+  std::vector<Material> materials;
+  Damping damping;
+  Vector3 velocity{};                      ///< [m/s], initial, rigid
+  std::vector<std::string> contact;        ///< physical groups that may touch
+  std::map<std::string, std::string> support;  ///< physical group → fixed components, a subset of "xyz" in that order
+};
+
+/// Rigid half-space {x : (x − point)·normal ≤ 0}.
+struct Obstacle {
+  std::string name;
+  Vector3 point{};
+  Vector3 normal{};  ///< unit, out of the obstacle
+};
+
+struct Modes {
+  std::optional<Hertz> up_to;         ///< exactly one of up_to and count is set
+  std::optional<std::int64_t> count;  ///< rigid modes included
+  bool residual_flexibility = true;
+  double relative_residual = 1e-8;    ///< bound on each mode's residual
+};
+
+/// How one surface meets another. `a` is a body; `b` a body or an obstacle.
+struct Pair {
+  std::string a, b;
+  std::optional<Vector3> direction;  ///< unit, out of a
+  std::optional<Vector3> along;      ///< unit
+  std::optional<double> spacing;     ///< [m]
+  std::optional<double> gap;         ///< [m]
+  std::optional<double> reach;       ///< [m]
+};
+
+enum class Scheme { compliant, impulse };
+enum class Admittance { jump, difference };
+
+struct Contact {
+  Scheme scheme = Scheme::compliant;
+  Admittance admittance = Admittance::jump;  ///< of the impulse scheme
+  double restitution = 0;                    ///< of the impulse scheme, in [0, 1]
+  std::vector<Pair> pairs;                   ///< [contact] itself, or each [[contact.pair]]
+};
+
+struct Time {
+  Hertz rate{44100};
+  double duration = 0;  ///< [s]
+};
+
+struct Loads {
+  Vector3 gravity{};  ///< [m/s²]
+};
+
+struct Output {
+  int every = 1;                            ///< write each n-th step
+  bool view = false;                        ///< keep the skin in the kernels, for pictures
+  std::int64_t snapshot_every = 0;          ///< modal coordinates each n-th step; 0: none
+};
+
+struct Scene {
+  std::string title;
+  std::filesystem::path file;  ///< as the user named it: errors start with it
+  std::vector<Body> bodies;    ///< in the order of their names
+  std::vector<Obstacle> obstacles;
+  Modes modes;
+  Contact contact;
+  Time time;
+  Loads loads;
+  Output output;
+
+  const Body* find_body(const std::string& name) const;
+  const Obstacle* find_obstacle(const std::string& name) const;
+};
+
+/// One `--set key=value`.
+using Override = std::string;
+
+/// Reads, applies `overrides` in order and checks every key and range.
+/// Throws InputError "FILE: dotted.key = value: what. fix." on anything unknown, missing, of the wrong type or out of range.
+Scene read(const std::filesystem::path& file, const std::vector<Override>& overrides = {});
+
+/// The resolved scene as TOML, every default written; reading it back gives the same scene.
+std::string to_toml(const Scene& scene);
+
+/// Title in lower case, runs of other than a–z and 0–9 one "-", trimmed; "scene" when nothing is left.
+std::string slug(const std::string& title);
+
+/// Rotation matrix of `rotate_deg`, row-major (3,3): world = rotation · body + translate.
+std::array<double, 9> rotation_of(const Body& body);
+
+/// All that a body's kernel depends on, and nothing else. Vectors in the body's own frame.
+struct KernelRequest {
+  Body body;  ///< placement, velocity cleared
+  Modes modes;
+  std::optional<Vector3> direction;  ///< set only when every pair of the body gives the same one
+  std::optional<Vector3> along;
+  std::optional<double> spacing;
+  bool view = false;
+  std::string mesh_sha256;
+  std::string toml;  ///< the request written out, part of the hash
+  std::string hash;  ///< SHA-256, hex
+};
+
+/// Throws InputError when two pairs ask different patches of one body, or a mesh file can't be read.
+KernelRequest kernel_request(const Scene& scene, const Body& body);
+
+/// `<out>/<body>-<first 12 of hash>.kernel.h5`
+std::filesystem::path kernel_path(const std::filesystem::path& out, const KernelRequest& request);
+
+}  // namespace ricochet::scene

@@ -1,0 +1,271 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "src/mesh/lattice.hpp"
+#include "src/surface/surface.hpp"
+
+namespace ricochet::surface {
+
+namespace {
+
+using mesh::Block;
+using mesh::FacetMesh;
+
+/// Hats on every vertex of the subdivided surface, before merging.
+struct Fine {
+  std::vector<Eigen::Vector3d> position, normal;  ///< normal: ∫ w n ds
+  std::vector<double> area;
+  std::vector<std::int64_t> group;
+  std::vector<std::map<std::int64_t, double>> load;  ///< per vertex: node index → ∫ w N ds
+  std::vector<std::int64_t> simplex;                 ///< flat, by vertex
+  int corners = 3;
+};
+
+/// Linear or bilinear hats of a cell at reference point (u, v): triangle on [0,1], quadrangle and line on [−1,1].
+std::array<double, 4> hats(int corners, double u, double v) {
+  if (corners == 3) return {1 - u - v, u, v, 0};
+  if (corners == 2) return {(1 - u) / 2, (1 + u) / 2, 0, 0};
+  return {(1 - u) * (1 - v) / 4, (1 + u) * (1 - v) / 4, (1 + u) * (1 + v) / 4, (1 - u) * (1 + v) / 4};
+}
+
+/// Adds the hats of one block of surface facets: each cell of the lattice is integrated by its own rule, p² equal parts of the reference facet.
+void add_facets(const Block& block, Fine& fine) {
+  const auto reference = mesh::reference_element(block.gmsh_type);
+  const auto lattice = mesh::lattice_of(reference);
+  const int p = reference.order, n = reference.nodes;
+  // Hat × shape function × surface measure: degree 1 + p + 2(p − 1).
+  const auto rule = mesh::quadrature_of(reference.family, 3 * p + 1);
+  struct CellTable {
+    std::vector<std::array<double, 4>> hat;
+    mesh::Basis basis;
+  };
+  std::vector<CellTable> tables;
+  for (const auto& cell : lattice.cells) {
+    CellTable table;
+    std::vector<double> local;
+    for (std::size_t q = 0; q < rule.size(); ++q) {
+      table.hat.push_back(hats(lattice.corners, rule.local[3 * q], rule.local[3 * q + 1]));
+      std::array<double, 2> at{};
+      for (int k = 0; k < lattice.corners; ++k)
+        for (int d = 0; d < 2; ++d) at[d] += table.hat.back()[k] * reference.node[2 * static_cast<std::size_t>(cell[k]) + d];
+      local.insert(local.end(), {at[0], at[1], 0});
+    }
+    table.basis = mesh::basis_at(reference, local);
+    tables.push_back(std::move(table));
+  }
+  const double share = 1.0 / (static_cast<double>(p) * p);
+  const std::vector<int> simplices = lattice.simplices();
+  for (std::size_t e = 0; e < block.size(); ++e) {
+    const std::int64_t* nodes = &block.node[e * static_cast<std::size_t>(n)];
+    for (std::size_t t = 0; t < lattice.cells.size(); ++t)
+      for (std::size_t q = 0; q < rule.size(); ++q) {
+        Eigen::Vector3d along_u = Eigen::Vector3d::Zero(), along_v = along_u;
+        const double* gradient = &tables[t].basis.gradient[q * static_cast<std::size_t>(n) * 3];
+        for (int a = 0; a < n; ++a) {
+          const Eigen::Vector3d& x = fine.position[static_cast<std::size_t>(nodes[a])];
+          along_u += gradient[3 * a] * x;
+          along_v += gradient[3 * a + 1] * x;
+        }
+        const Eigen::Vector3d normal = along_u.cross(along_v) * rule.weight[q] * share;
+        const double measure = normal.norm();
+        for (int k = 0; k < lattice.corners; ++k) {
+          const auto vertex = static_cast<std::size_t>(nodes[lattice.cells[t][static_cast<std::size_t>(k)]]);
+          const double w = tables[t].hat[q][static_cast<std::size_t>(k)];
+          fine.area[vertex] += w * measure;
+          fine.normal[vertex] += w * normal;
+          fine.group[vertex] = block.label[e];
+          for (int a = 0; a < n; ++a)
+            fine.load[vertex][nodes[a]] += w * measure * tables[t].basis.value[q * static_cast<std::size_t>(n) + static_cast<std::size_t>(a)];
+        }
+      }
+    for (int k : simplices) fine.simplex.push_back(nodes[k]);
+  }
+}
+
+Fine fine_hats(const FacetMesh& facets, double rod_area) {
+  Fine fine;
+  const std::size_t n = facets.node.size();
+  for (std::size_t i = 0; i < n; ++i) fine.position.emplace_back(facets.position[3 * i], facets.position[3 * i + 1], facets.position[3 * i + 2]);
+  fine.normal.assign(n, Eigen::Vector3d::Zero());
+  fine.area.assign(n, 0);
+  fine.group.assign(n, 0);
+  fine.load.resize(n);
+  for (const Block& block : facets.blocks) {
+    if (block.nodes_per_element > 1) {
+      add_facets(block, fine);
+      continue;
+    }
+    fine.corners = 1;
+    for (std::size_t e = 0; e < block.size(); ++e) {
+      const auto i = static_cast<std::size_t>(block.node[e]);
+      fine.area[i] = rod_area;
+      fine.normal[i] = rod_area * Eigen::Vector3d(facets.end_normal[3 * i], facets.end_normal[3 * i + 1], facets.end_normal[3 * i + 2]);
+      fine.load[i][block.node[e]] = rod_area;
+      fine.group[i] = block.label[e];
+      fine.simplex.push_back(block.node[e]);
+    }
+  }
+  return fine;
+}
+
+/// Merging of fine vertices into coarser candidates: vertex → (candidate, share), shares of a vertex add up to 1.
+struct Merge {
+  std::vector<Eigen::Vector3d> centre;
+  std::vector<std::vector<std::pair<int, double>>> share;  ///< per fine vertex
+};
+
+Merge one_each(const Fine& fine) {
+  Merge merge{fine.position, {}};
+  for (std::size_t i = 0; i < fine.position.size(); ++i) merge.share.push_back({{static_cast<int>(i), 1.0}});
+  return merge;
+}
+
+/// One candidate for all vertices on a line in direction `along`.
+Merge merge_lines(const Fine& fine, const Eigen::Vector3d& along) {
+  double size = 0;
+  for (const auto& x : fine.position) size = std::max(size, (x - fine.position[0]).norm());
+  const double tolerance = 1e-6 * size;
+  Merge merge;
+  std::vector<Eigen::Vector3d> foot;
+  std::vector<std::pair<double, double>> range;
+  std::vector<int> line(fine.position.size());
+  for (std::size_t i = 0; i < fine.position.size(); ++i) {
+    const double height = fine.position[i].dot(along);
+    const Eigen::Vector3d x = fine.position[i] - height * along;
+    std::size_t k = 0;
+    while (k < foot.size() && (foot[k] - x).norm() > tolerance) ++k;
+    if (k == foot.size()) {
+      foot.push_back(x);
+      range.emplace_back(height, height);
+    }
+    range[k] = {std::min(range[k].first, height), std::max(range[k].second, height)};
+    line[i] = static_cast<int>(k);
+  }
+  for (std::size_t k = 0; k < foot.size(); ++k) merge.centre.push_back(foot[k] + (range[k].first + range[k].second) / 2 * along);
+  for (int k : line) merge.share.push_back({{k, 1.0}});
+  return merge;
+}
+
+/// Centres no closer than `spacing`, chosen by an advancing front from the lowest corner, so that a row of points is walked end to end;
+/// every point shares itself among the centres near it by linear hats of that radius.
+Merge thin(const Merge& points, const std::vector<Eigen::Vector3d>& normal, double spacing) {
+  const std::size_t n = points.centre.size();
+  const auto before = [&](std::size_t a, std::size_t b) {
+    for (int k = 0; k < 3; ++k)
+      if (std::abs(points.centre[a][k] - points.centre[b][k]) > 1e-9 * spacing) return points.centre[a][k] < points.centre[b][k];
+    return a < b;
+  };
+  std::size_t next = 0;
+  for (std::size_t i = 1; i < n; ++i)
+    if (before(i, next)) next = i;
+  std::vector<double> nearest(n, std::numeric_limits<double>::infinity());
+  Merge merge;
+  std::vector<std::size_t> chosen;
+  // Opposite faces of a thin body are far from each other however close they lie.
+  const auto distance = [&](std::size_t i, std::size_t j) {
+    return normal[i].dot(normal[j]) <= 0 ? std::numeric_limits<double>::infinity() : (points.centre[i] - points.centre[j]).norm();
+  };
+  while (next < n) {
+    chosen.push_back(next);
+    merge.centre.push_back(points.centre[next]);
+    for (std::size_t i = 0; i < n; ++i) nearest[i] = std::min(nearest[i], distance(i, next));
+    std::size_t best = n;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (nearest[i] < spacing * (1 - 1e-6)) continue;
+      if (best == n || nearest[i] < nearest[best] - 1e-9 * spacing || (nearest[i] < nearest[best] + 1e-9 * spacing && before(i, best))) best = i;
+    }
+    next = best;
+  }
+  std::vector<std::vector<std::pair<int, double>>> share(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    double total = 0;
+    std::pair<double, int> closest{std::numeric_limits<double>::infinity(), 0};
+    for (std::size_t c = 0; c < chosen.size(); ++c) {
+      const double d = distance(i, chosen[c]);
+      closest = std::min(closest, {d, static_cast<int>(c)});
+      if (d >= spacing) continue;
+      share[i].emplace_back(static_cast<int>(c), 1 - d / spacing);
+      total += 1 - d / spacing;
+    }
+    if (share[i].empty()) {
+      share[i].emplace_back(closest.second, 1.0);
+      total = 1;
+    }
+    for (auto& [c, s] : share[i]) s /= total;
+  }
+  for (const auto& old : points.share) merge.share.push_back(share[static_cast<std::size_t>(old[0].first)]);
+  return merge;
+}
+
+/// Candidate mesh: fine simplices under "the candidate that holds most of this vertex", highest dimension that is left.
+void quotient(const Fine& fine, const Merge& merge, kernels::Surface& surface) {
+  const auto holder = [&](std::int64_t vertex) {
+    const auto& share = merge.share[static_cast<std::size_t>(vertex)];
+    return std::max_element(share.begin(), share.end(), [](const auto& a, const auto& b) { return a.second < b.second; })->first;
+  };
+  const int corners = fine.corners;
+  std::array<std::set<std::vector<std::int64_t>>, 4> seen;
+  std::array<std::vector<std::int64_t>, 4> elements;
+  for (std::size_t s = 0; s + static_cast<std::size_t>(corners) <= fine.simplex.size(); s += static_cast<std::size_t>(corners)) {
+    std::vector<std::int64_t> distinct;
+    for (int k = 0; k < corners; ++k) {
+      const std::int64_t c = holder(fine.simplex[s + static_cast<std::size_t>(k)]);
+      if (std::find(distinct.begin(), distinct.end(), c) == distinct.end()) distinct.push_back(c);
+    }
+    std::vector<std::int64_t> key = distinct;
+    std::sort(key.begin(), key.end());
+    if (seen[distinct.size()].insert(key).second) elements[distinct.size()].insert(elements[distinct.size()].end(), distinct.begin(), distinct.end());
+  }
+  int k = 3;
+  while (k > 1 && elements[static_cast<std::size_t>(k)].empty()) --k;
+  surface.element_corners = k;
+  surface.element = elements[static_cast<std::size_t>(k)];
+}
+
+}  // namespace
+
+Patches make_patches(const mesh::Mesh& mesh, const std::vector<std::string>& groups, double rod_area, const PatchOptions& options) {
+  const Fine fine = fine_hats(mesh.contact, rod_area);
+  if (fine.position.empty()) throw InputError("the contact groups hold no facets: give them a physical surface (a physical point for rods)");
+  Merge merge = options.along ? merge_lines(fine, Eigen::Map<const Eigen::Vector3d>(options.along->data())) : one_each(fine);
+  if (options.spacing) {
+    std::vector<Eigen::Vector3d> normal(merge.centre.size(), Eigen::Vector3d::Zero());
+    for (std::size_t i = 0; i < fine.position.size(); ++i) normal[static_cast<std::size_t>(merge.share[i][0].first)] += fine.normal[i];
+    merge = thin(merge, normal, *options.spacing);
+  }
+
+  Patches patches;
+  kernels::Surface& surface = patches.geometry;
+  const std::size_t m = merge.centre.size();
+  std::vector<Eigen::Vector3d> normal(m, Eigen::Vector3d::Zero());
+  std::vector<std::map<std::int64_t, double>> load(m);
+  surface.area.assign(m, 0);
+  surface.group.assign(m, "");
+  for (std::size_t i = 0; i < fine.position.size(); ++i)
+    for (const auto& [c, s] : merge.share[i]) {
+      const auto k = static_cast<std::size_t>(c);
+      surface.area[k] += s * fine.area[i];
+      normal[k] += s * fine.normal[i];
+      surface.group[k] = groups[static_cast<std::size_t>(fine.group[i])];
+      for (const auto& [node, w] : fine.load[i]) load[k][node] += s * w;
+    }
+  for (std::size_t k = 0; k < m; ++k) {
+    normal[k].normalize();
+    for (int d = 0; d < 3; ++d) {
+      surface.node.push_back(merge.centre[k][d]);
+      surface.normal.push_back(normal[k][d]);
+    }
+    for (const auto& [node, w] : load[k])
+      patches.weights.push_back({mesh.contact.node[static_cast<std::size_t>(node)], static_cast<int>(k), w / surface.area[k]});
+  }
+  quotient(fine, merge, surface);
+  surface.components = options.direction ? 1 : 3;
+  surface.direction = options.direction;
+  return patches;
+}
+
+}  // namespace ricochet::surface

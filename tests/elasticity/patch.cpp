@@ -1,0 +1,100 @@
+// Patch tests: what any convergent element must do exactly.
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+
+#include "src/elasticity/assemble.hpp"
+#include "src/modes/factorisation.hpp"
+#include "tests/meshes.hpp"
+
+namespace ricochet {
+namespace {
+
+struct Case {
+  std::string kind;
+  int order;
+};
+
+class Patch : public testing::TestWithParam<Case> {
+ protected:
+  static std::string geo() {
+    const auto& [kind, order] = GetParam();
+    const int divisions = order == 1 ? 4 : 2;
+    return kind == "prism" ? test::prism_geo(divisions) : test::block_geo(kind, divisions, lean());
+  }
+  static double lean() { return GetParam().kind == "prism" ? 0 : 0.4; }
+  static bool inside(const double* x) {
+    const double s = 0.5 * lean() * x[2], slack = 1e-9;
+    return x[2] > slack && x[2] < 1 - slack && x[0] > s + slack && x[0] < 1 - s - slack && x[1] > s + slack && x[1] < 1 - s - slack;
+  }
+};
+
+TEST_P(Patch, linear_displacement_leaves_no_force_inside_and_the_exact_energy) {
+  const test::SharedFile file(".geo", geo());
+  const mesh::GmshSession gmsh;
+  const scene::Body given = test::body_of(file.path(), GetParam().order);
+  const mesh::Mesh mesh = test::mesh_of(given);
+  ASSERT_EQ(mesh.order, GetParam().order);
+  const elasticity::Body body = elasticity::assemble(mesh, given.materials, "test");
+
+  Eigen::Matrix3d gradient;
+  gradient << 0.3, -0.2, 0.5, 0.1, 0.7, -0.4, 0.25, 0.6, -0.1;
+  Eigen::MatrixXd u(body.local_rows, 1);
+  for (std::size_t i = 0; i < mesh.node.size(); ++i) {
+    const std::int64_t row = mesh.node[i] - mesh.first_node;
+    if (row < 0 || row >= mesh.owned_nodes) continue;
+    u.block<3, 1>(3 * row, 0) = gradient * Eigen::Map<const Eigen::Vector3d>(&mesh.position[3 * i]);
+  }
+  const Eigen::MatrixXd force = modes::multiply(body.stiffness, u);
+  double largest = force.size() > 0 ? force.cwiseAbs().maxCoeff() : 0, left = 0;
+  std::int64_t interior = 0;
+  for (std::size_t i = 0; i < mesh.node.size(); ++i) {
+    const std::int64_t row = mesh.node[i] - mesh.first_node;
+    if (row < 0 || row >= mesh.owned_nodes || !inside(&mesh.position[3 * i])) continue;
+    left = std::max(left, force.block<3, 1>(3 * row, 0).cwiseAbs().maxCoeff());
+    ++interior;
+  }
+  largest = parallel::largest(mesh.comm, largest);
+  left = parallel::largest(mesh.comm, left);
+  ASSERT_GT(parallel::sum(mesh.comm, interior), 0);
+  // Some tens of elements add to a node, each to round-off.
+  EXPECT_LT(left / largest, 1e-12);
+
+  // Exact: W = ½ λ tr(ε)² V + μ ε:ε V, with the volume of a truncated pyramid.
+  const auto& m = given.materials[0];
+  const double lambda = m.young * m.poisson / ((1 + m.poisson) * (1 - 2 * m.poisson)), mu = m.young / (2 * (1 + m.poisson));
+  const Eigen::Matrix3d strain = (gradient + gradient.transpose()) / 2;
+  const double top = 1 - lean(), volume = (1 + top + top * top) / 3;
+  const double exact = (0.5 * lambda * strain.trace() * strain.trace() + mu * strain.squaredNorm()) * volume;
+  EXPECT_NEAR(0.5 * modes::inner(mesh.comm, u, force)(0, 0), exact, 1e-12 * exact);
+  EXPECT_NEAR(body.total_mass, m.density * volume, 1e-12);
+}
+
+TEST_P(Patch, rigid_motions_leave_no_force) {
+  const test::SharedFile file(".geo", geo());
+  const mesh::GmshSession gmsh;
+  const scene::Body given = test::body_of(file.path(), GetParam().order);
+  const mesh::Mesh mesh = test::mesh_of(given);
+  const elasticity::Body body = elasticity::assemble(mesh, given.materials, "test");
+  const Eigen::MatrixXd rigid = elasticity::rigid_modes(mesh, body);
+  ASSERT_EQ(rigid.cols(), 6);
+  const Eigen::MatrixXd force = modes::multiply(body.stiffness, rigid);
+  EXPECT_LT(parallel::largest(mesh.comm, force.size() > 0 ? force.cwiseAbs().maxCoeff() : 0), 1e-12 * 100);  // diagonal of K is of the order of 10
+  const Eigen::MatrixXd gram = modes::inner(mesh.comm, rigid, modes::multiply(body.mass, rigid));
+  EXPECT_LT((gram - Eigen::MatrixXd::Identity(6, 6)).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+std::vector<Case> all_cases() {
+  std::vector<Case> cases;
+  for (const char* kind : {"tet", "hex", "prism"})
+    // gmsh 4.8 has no shape functions for prisms beyond order 2.
+    for (int order = 1; order <= (std::string(kind) == "prism" ? 2 : 4); ++order) cases.push_back({kind, order});
+  return cases;
+}
+
+INSTANTIATE_TEST_SUITE_P(Elements, Patch, testing::ValuesIn(all_cases()),
+                         [](const auto& it) { return it.param.kind + std::to_string(it.param.order); });
+
+}  // namespace
+}  // namespace ricochet
