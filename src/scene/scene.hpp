@@ -34,13 +34,14 @@ struct Body {
   std::map<std::string, double> geometry;  ///< DefineConstant overrides of a .geo
   int order = 3;
   double scale = 1;
-  Vector3 translate{};                     ///< [m], after rotation
-  Vector3 rotate_deg{};                    ///< about x, then y, then z through the mesh's origin
+  Vector3 translate{};   ///< [m], after rotation
+  Vector3 rotate_deg{};  ///< about x, then y, then z through the mesh's origin
   std::vector<Material> materials;
   Damping damping;
-  Vector3 velocity{};                      ///< [m/s], initial, rigid
-  std::vector<std::string> contact;        ///< physical groups that may touch
-  std::map<std::string, std::string> support;  ///< physical group → fixed components, a subset of "xyz" in that order
+  Vector3 velocity{};                ///< [m/s], initial, rigid
+  std::vector<std::string> contact;  ///< physical groups that may touch
+  std::map<std::string, std::string>
+      support;  ///< physical group → fixed components, a subset of "xyz" in that order
 };
 
 /// Rigid half-space {x : (x − point)·normal ≤ 0}.
@@ -54,7 +55,7 @@ struct Modes {
   std::optional<Hertz> up_to;         ///< exactly one of up_to and count is set
   std::optional<std::int64_t> count;  ///< rigid modes included
   bool residual_flexibility = true;
-  double relative_residual = 1e-8;    ///< bound on each mode's residual
+  double relative_residual = 1e-8;  ///< bound on each mode's residual
 };
 
 /// How one surface meets another. `a` is a body; `b` a body or an obstacle.
@@ -87,9 +88,9 @@ struct Loads {
 };
 
 struct Output {
-  int every = 1;                            ///< write each n-th step
-  bool view = false;                        ///< keep the skin in the kernels, for pictures
-  std::int64_t snapshot_every = 0;          ///< modal coordinates each n-th step; 0: none
+  int every = 1;                    ///< write each n-th step
+  bool view = false;                ///< keep the skin in the kernels, for pictures
+  std::int64_t snapshot_every = 0;  ///< modal coordinates each n-th step; 0: none
 };
 
 struct Scene {
@@ -111,7 +112,8 @@ struct Scene {
 using Override = std::string;
 
 /// Reads, applies `overrides` in order and checks every key and range.
-/// Throws InputError "FILE: dotted.key = value: what. fix." on anything unknown, missing, of the wrong type or out of range.
+/// Throws InputError "FILE: dotted.key = value: what. fix." on anything unknown, missing, of the wrong type
+/// or out of range.
 Scene read(const std::filesystem::path& file, const std::vector<Override>& overrides = {});
 
 /// The resolved scene as TOML, every default written; reading it back gives the same scene.

@@ -1,0 +1,91 @@
+#include "src/scene/toml.hpp"
+
+namespace ricochet::scene {
+
+namespace {
+
+struct Part {
+  std::string key;
+  std::vector<std::size_t> index;
+};
+
+/// "bodies.upper.list[2].x" in parts; quotes hold dots.
+std::vector<Part> split(const std::string& path, const Override& text) {
+  const auto refuse = [&](const char* what) -> InputError {
+    return InputError(fmt::format(
+        "--set {}: {}: write KEY=VALUE with a dotted key, as in bodies.upper.velocity=[0,-6,0]", text, what));
+  };
+  std::vector<Part> parts;
+  std::size_t at = 0;
+  while (true) {
+    Part part;
+    if (at < path.size() && path[at] == '"') {
+      const std::size_t close = path.find('"', at + 1);
+      if (close == std::string::npos) throw refuse("the quote is not closed");
+      part.key = path.substr(at + 1, close - at - 1);
+      at = close + 1;
+    } else {
+      while (at < path.size() && path[at] != '.' && path[at] != '[') part.key += path[at++];
+    }
+    if (part.key.empty()) throw refuse("a part of the key is empty");
+    while (at < path.size() && path[at] == '[') {
+      const std::size_t close = path.find(']', at);
+      const std::string digits = close == std::string::npos ? "" : path.substr(at + 1, close - at - 1);
+      if (digits.empty() || digits.size() > 6 || digits.find_first_not_of("0123456789") != std::string::npos)
+        throw refuse("a list index must be a number in brackets");
+      part.index.push_back(std::stoul(digits));
+      at = close + 1;
+    }
+    parts.push_back(part);
+    if (at == path.size()) return parts;
+    if (path[at] != '.') throw refuse("the key is not understood");
+    ++at;
+  }
+}
+
+}  // namespace
+
+void apply_override(toml::table& root, const Override& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos)
+    throw InputError(fmt::format("--set {}: has no \"=\": write KEY=VALUE", text));
+  const std::vector<Part> parts = split(text.substr(0, equals), text);
+  const std::string value = text.substr(equals + 1);
+  toml::table parsed;
+  try {
+    parsed = toml::parse("value = " + value);
+    if (parsed.size() != 1) throw InputError(fmt::format("--set {}: holds more than one value", text));
+  } catch (const toml::parse_error&) {
+    parsed = toml::table{{"value", value}};
+  }
+
+  toml::table* table = &root;
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    const Part& part = parts[p];
+    const bool last = p + 1 == parts.size();
+    if (last && part.index.empty()) {
+      table->insert_or_assign(part.key, *parsed.get("value"));
+      return;
+    }
+    if (!table->contains(part.key)) {
+      if (!part.index.empty())
+        throw InputError(fmt::format("--set {}: the scene has no list {}", text, part.key));
+      table->insert(part.key, toml::table{});
+    }
+    toml::node* node = table->get(part.key);
+    for (std::size_t k = 0; k < part.index.size(); ++k) {
+      toml::array* list = node->as_array();
+      if (list == nullptr || part.index[k] >= list->size())
+        throw InputError(fmt::format("--set {}: {} has no entry [{}]", text, part.key, part.index[k]));
+      if (last && k + 1 == part.index.size()) {
+        list->replace(list->cbegin() + static_cast<std::ptrdiff_t>(part.index[k]), *parsed.get("value"));
+        return;
+      }
+      node = list->get(part.index[k]);
+    }
+    table = node->as_table();
+    if (table == nullptr) throw InputError(fmt::format("--set {}: {} is not a table", text, part.key));
+  }
+}
+
+}  // namespace ricochet::scene

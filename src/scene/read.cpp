@@ -1,0 +1,307 @@
+#include <algorithm>
+#include <cmath>
+
+#include "src/scene/toml.hpp"
+
+namespace ricochet::scene {
+
+namespace {
+
+Vector3 unit(Table& table, const std::string& key, const Vector3& given) {
+  const double length = std::sqrt(given[0] * given[0] + given[1] * given[1] + given[2] * given[2]);
+  if (!(length > 0)) table.complain(key, "must not be zero");
+  return {given[0] / length, given[1] / length, given[2] / length};
+}
+
+double positive(Table& table, const std::string& key) {
+  const double value = table.required_number(key);
+  if (!(value > 0)) table.complain(key, "must be above 0");
+  return value;
+}
+
+Material read_material(Table& table, const std::string& group) {
+  Material material;
+  material.group = group;
+  material.density = positive(table, "density");
+  material.young = positive(table, "young");
+  material.poisson = table.number("poisson").value_or(0);
+  if (material.poisson >= 0.5)
+    table.complain("poisson", "must be below 0.5. Nearly incompressible: try 0.49.");
+  if (material.poisson <= -1) table.complain("poisson", "must be above -1.");
+  if (table.has("area")) material.area = positive(table, "area");
+  table.refuse_unknown();
+  return material;
+}
+
+std::vector<Material> read_materials(Table& body) {
+  auto table = body.table("material");
+  if (!table) body.complain("material", "is missing: give { density = …, young = …, poisson = … }");
+  bool nested = !table->raw().empty();
+  for (auto&& [key, node] : table->raw()) nested = nested && node.is_table();
+  if (!nested) return {read_material(*table, "")};
+  std::vector<Material> materials;
+  for (auto& [group, inner] : table->tables()) materials.push_back(read_material(inner, group));
+  return materials;
+}
+
+Damping read_damping(Table& body) {
+  Damping damping;
+  auto table = body.table("damping");
+  if (!table) return damping;
+  const std::pair<const char*, Damping::Law> laws[] = {{"ratio", Damping::Law::ratio},
+                                                       {"loss_factor", Damping::Law::loss_factor},
+                                                       {"viscosity", Damping::Law::viscosity}};
+  int given = 0;
+  for (const auto& [key, law] : laws)
+    if (const auto value = table->number(key)) {
+      if (*value < 0) table->complain(key, "must not be negative");
+      damping = {law, *value, 0};
+      ++given;
+    }
+  if (table->has("rayleigh")) {
+    const auto* list = table->raw().get("rayleigh")->as_array();
+    if (list == nullptr || list->size() != 2)
+      table->complain("rayleigh", "must be two numbers, [alpha, beta]");
+    double value[2];
+    for (std::size_t k = 0; k < 2; ++k) {
+      const auto number = list->get(k)->value<double>();
+      if (!number || !std::isfinite(*number) || *number < 0)
+        table->complain("rayleigh", "must be two numbers, neither negative");
+      value[k] = *number;
+    }
+    damping = {Damping::Law::rayleigh, value[0], value[1]};
+    ++given;
+  }
+  table->refuse_unknown();
+  if (given > 1) body.complain("damping", "give one law only: ratio, loss_factor, rayleigh or viscosity");
+  return damping;
+}
+
+std::map<std::string, std::string> read_support(Table& body) {
+  std::map<std::string, std::string> support;
+  for (const auto& [group, text] : body.strings("support")) {
+    std::string components;
+    for (char c : {'x', 'y', 'z'})
+      if (text.find(c) != std::string::npos) components += c;
+    if (components.empty() || text.find_first_not_of("xyz") != std::string::npos)
+      body.complain("support", fmt::format("\"{}\" holds \"{}\": name the fixed components, some of \"xyz\"",
+                                           group, text));
+    support[group] = components;
+  }
+  return support;
+}
+
+Body read_body(const std::string& name, Table& table, const std::filesystem::path& folder) {
+  Body body;
+  body.name = name;
+  if (name.empty() ||
+      name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") !=
+          std::string::npos)
+    table.complain("", "a body's name is made of letters, digits, - and _");
+  const auto mesh = table.text("mesh");
+  if (!mesh) table.complain("mesh", "is missing: name a .geo, .step, .brep or .msh file");
+  body.mesh = (folder / *mesh).lexically_normal();
+  body.geometry = table.numbers("geometry");
+  if (const auto order = table.integer("order")) {
+    if (*order < 1 || *order > 10) table.complain("order", "must be from 1 to 10");
+    body.order = static_cast<int>(*order);
+  }
+  if (table.has("scale")) body.scale = positive(table, "scale");
+  body.translate = table.vector("translate").value_or(Vector3{});
+  body.rotate_deg = table.vector("rotate_deg").value_or(Vector3{});
+  body.velocity = table.vector("velocity").value_or(Vector3{});
+  body.materials = read_materials(table);
+  body.damping = read_damping(table);
+  body.contact = table.texts("contact");
+  body.support = read_support(table);
+  table.refuse_unknown();
+  return body;
+}
+
+Modes read_modes(Table& root) {
+  Modes modes;
+  auto table = root.table("modes");
+  if (!table) root.complain("modes", "is missing: give up_to_hz or count");
+  if (table->has("up_to_hz")) modes.up_to = Hertz{positive(*table, "up_to_hz")};
+  if (const auto count = table->integer("count")) {
+    if (*count < 1) table->complain("count", "must be at least 1");
+    modes.count = *count;
+  }
+  if (modes.up_to.has_value() == modes.count.has_value())
+    root.complain("modes", "give one of up_to_hz and count");
+  modes.residual_flexibility = table->boolean("residual_flexibility").value_or(true);
+  if (const auto bound = table->number("relative_residual")) {
+    if (*bound < 1e-14 || *bound > 1e-2) table->complain("relative_residual", "must be from 1e-14 to 1e-2");
+    modes.relative_residual = *bound;
+  }
+  table->refuse_unknown();
+  return modes;
+}
+
+/// Keys of one pair; those not given come from `pair`.
+void read_pair(Table& table, const Scene& scene, Pair& pair) {
+  const auto names = table.texts("between");
+  if (!names.empty()) {
+    if (names.size() != 2) table.complain("between", "must name two bodies, or a body and an obstacle");
+    pair.a = names[0];
+    pair.b = names[1];
+  }
+  for (const auto& [key, target] : {std::pair{"direction", &pair.direction}, std::pair{"along", &pair.along}})
+    if (const auto given = table.vector(key)) *target = unit(table, key, *given);
+  if (table.has("spacing")) pair.spacing = positive(table, "spacing");
+  if (table.has("reach")) pair.reach = positive(table, "reach");
+  if (const auto gap = table.number("gap")) {
+    if (*gap < 0) table.complain("gap", "must not be negative");
+    pair.gap = *gap;
+  }
+  if (names.empty()) return;
+  if (pair.a == pair.b) table.complain("between", "must name two different bodies");
+  for (const std::string& name : names)
+    if (scene.find_body(name) == nullptr && scene.find_obstacle(name) == nullptr)
+      table.complain("between", "there is no body or obstacle \"" + name + "\"");
+  if (scene.find_body(pair.a) == nullptr) {
+    if (scene.find_body(pair.b) == nullptr) table.complain("between", "one of the two must be a body");
+    std::swap(pair.a, pair.b);
+    if (pair.direction)
+      for (double& x : *pair.direction) x = x == 0 ? 0 : -x;
+  }
+}
+
+void read_scheme(Table& table, Contact& contact) {
+  const std::string scheme = table.text("scheme").value_or("compliant");
+  if (scheme != "compliant" && scheme != "impulse")
+    table.complain("scheme", "must be \"compliant\" or \"impulse\"");
+  contact.scheme = scheme == "compliant" ? Scheme::compliant : Scheme::impulse;
+  const auto admittance = table.text("admittance");
+  const auto restitution = table.number("restitution");
+  if (contact.scheme == Scheme::compliant && (admittance || restitution))
+    table.complain(admittance ? "admittance" : "restitution", "belongs to scheme = \"impulse\"");
+  if (admittance && *admittance != "jump" && *admittance != "difference")
+    table.complain("admittance", "must be \"jump\" or \"difference\"");
+  contact.admittance = admittance.value_or("jump") == "jump" ? Admittance::jump : Admittance::difference;
+  contact.restitution = restitution.value_or(0);
+  if (contact.restitution < 0 || contact.restitution > 1)
+    table.complain("restitution", "must be from 0 to 1");
+}
+
+Contact read_contact(Table& root, const Scene& scene) {
+  Contact contact;
+  auto table = root.table("contact");
+  if (!table) root.complain("contact", "is missing: give between = [\"body\", \"body\"]");
+  read_scheme(*table, contact);
+  Pair shared;
+  read_pair(*table, scene, shared);
+  for (Table& entry : table->array("pair")) {
+    Pair pair = shared;
+    read_pair(entry, scene, pair);
+    entry.refuse_unknown();
+    if (pair.a.empty()) entry.complain("between", "is missing");
+    contact.pairs.push_back(pair);
+  }
+  table->refuse_unknown();
+  if (contact.pairs.empty()) {
+    if (shared.a.empty()) table->complain("between", "is missing: name the two that may touch");
+    contact.pairs.push_back(shared);
+  }
+  return contact;
+}
+
+void read_time(Table& root, Time& time) {
+  auto table = root.table("time");
+  if (!table) root.complain("time", "is missing: give duration [s]");
+  if (table->has("rate_hz")) time.rate = Hertz{positive(*table, "rate_hz")};
+  time.duration = positive(*table, "duration");
+  const double steps = time.duration * time.rate.value;
+  if (steps < 1 || steps > 1e9)
+    table->complain("duration", fmt::format("makes {:.3g} steps: must be from 1 to 1e9", steps));
+  table->refuse_unknown();
+}
+
+void read_output(Table& root, Output& output) {
+  auto table = root.table("output");
+  if (!table) return;
+  if (const auto every = table->integer("every")) {
+    if (*every < 1 || *every > 1000000000) table->complain("every", "must be from 1 to 1e9");
+    output.every = static_cast<int>(*every);
+  }
+  output.view = table->boolean("view").value_or(false);
+  if (const auto every = table->integer("snapshot_every")) {
+    if (*every < 0) table->complain("snapshot_every", "must not be negative");
+    output.snapshot_every = *every;
+  }
+  table->refuse_unknown();
+}
+
+}  // namespace
+
+const Body* Scene::find_body(const std::string& name) const {
+  const auto found =
+      std::find_if(bodies.begin(), bodies.end(), [&](const Body& body) { return body.name == name; });
+  return found == bodies.end() ? nullptr : &*found;
+}
+
+const Obstacle* Scene::find_obstacle(const std::string& name) const {
+  const auto found =
+      std::find_if(obstacles.begin(), obstacles.end(), [&](const Obstacle& o) { return o.name == name; });
+  return found == obstacles.end() ? nullptr : &*found;
+}
+
+Scene read(const std::filesystem::path& file, const std::vector<Override>& overrides) {
+  const std::string name = file.filename().string();
+  toml::table parsed;
+  if (!std::filesystem::is_regular_file(file))
+    throw InputError(fmt::format("{}: no such file", file.string()));
+  try {
+    parsed = toml::parse_file(file.string());
+  } catch (const toml::parse_error& error) {
+    std::string what(error.description());
+    for (char& c : what)
+      if (static_cast<unsigned char>(c) < 32) c = ' ';
+    throw InputError(
+        fmt::format("{}:{}:{}: {}", name, error.source().begin.line, error.source().begin.column, what));
+  }
+  for (const Override& text : overrides) apply_override(parsed, text);
+
+  Scene scene;
+  scene.file = file;
+  Table root(parsed, name, "");
+  scene.title = root.text("title").value_or(file.stem().string());
+  auto bodies = root.table("bodies");
+  if (!bodies || bodies->raw().empty())
+    root.complain("bodies", "is missing: a scene needs a body, [bodies.NAME]");
+  for (auto& [body_name, table] : bodies->tables())
+    scene.bodies.push_back(read_body(body_name, table, file.parent_path()));
+  if (auto obstacles = root.table("obstacles"))
+    for (auto& [obstacle_name, table] : obstacles->tables()) {
+      Obstacle obstacle{obstacle_name, table.vector("point").value_or(Vector3{}), {}};
+      const auto normal = table.vector("normal");
+      if (!normal) table.complain("normal", "is missing: it points out of the obstacle");
+      obstacle.normal = unit(table, "normal", *normal);
+      table.refuse_unknown();
+      if (scene.find_body(obstacle_name) != nullptr) table.complain("", "a body has this name already");
+      scene.obstacles.push_back(obstacle);
+    }
+  scene.modes = read_modes(root);
+  scene.contact = read_contact(root, scene);
+  read_time(root, scene.time);
+  if (auto loads = root.table("loads")) {
+    scene.loads.gravity = loads->vector("gravity").value_or(Vector3{});
+    loads->refuse_unknown();
+  }
+  read_output(root, scene.output);
+  root.refuse_unknown();
+  for (const Body& body : scene.bodies) {
+    const bool paired = std::any_of(scene.contact.pairs.begin(), scene.contact.pairs.end(),
+                                    [&](const Pair& p) { return p.a == body.name || p.b == body.name; });
+    if (!paired)
+      throw InputError(
+          fmt::format("{}: bodies.{}: no contact pair names it: add it to contact.between or remove it", name,
+                      body.name));
+    if (body.contact.empty())
+      throw InputError(fmt::format(
+          "{}: bodies.{}.contact: is missing: name the physical surface that may touch", name, body.name));
+  }
+  return scene;
+}
+
+}  // namespace ricochet::scene

@@ -1,0 +1,133 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <regex>
+#include <set>
+#include <sstream>
+
+#include "kernels/error.hpp"
+#include "src/scene/write.hpp"
+
+namespace ricochet::scene {
+
+namespace {
+
+/// Raised whenever the meaning of a kernel changes, so that old ones are computed anew.
+constexpr int kernel_generation = 1;
+
+std::string bytes_of(const std::filesystem::path& path, const std::string& key) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file || std::filesystem::is_directory(path))
+    throw InputError(fmt::format("{} = \"{}\": no such file", key, path.string()));
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+/// Hash of a mesh file; a .geo counts with the files it includes or merges.
+std::string mesh_hash(const std::filesystem::path& path, const std::string& key,
+                      std::set<std::filesystem::path>& seen) {
+  seen.insert(path);
+  const std::string text = bytes_of(path, key);
+  std::string all = sha256(text);
+  if (path.extension() != ".geo") return all;
+  static const std::regex pulls("^\\s*(?:Include|Merge)\\s*\"([^\"\n]+)\"");
+  std::istringstream lines(text);
+  std::smatch match;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.size() > 1000 || !std::regex_search(line, match, pulls)) continue;
+    const std::filesystem::path inner = (path.parent_path() / match[1].str()).lexically_normal();
+    if (seen.count(inner) == 0) all += mesh_hash(inner, key + " includes", seen);
+  }
+  return sha256(all);
+}
+
+/// A direction in the body's own frame, the sign that makes its first component positive, rounded so that
+/// round-off does not change hashes.
+Vector3 own_axis(const std::array<double, 9>& rotation, const Vector3& world) {
+  Vector3 own{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t j = 0; j < 3; ++j) own[k] += rotation[3 * j + k] * world[j];
+    own[k] = std::round(own[k] * 1e12) / 1e12;
+  }
+  double sign = 1;
+  for (std::size_t k = 3; k-- > 0;)
+    if (own[k] != 0) sign = own[k] > 0 ? 1 : -1;
+  for (double& x : own) x = x == 0 ? 0 : sign * x;
+  return own;
+}
+
+}  // namespace
+
+std::array<double, 9> rotation_of(const Body& body) {
+  // Exact for quarter turns.
+  const auto cosine = [](double degrees) {
+    const double r = std::remainder(degrees, 360.0);
+    if (std::abs(r) == 90) return 0.0;
+    return std::cos(r * std::numbers::pi / 180);
+  };
+  const auto sine = [&](double degrees) {
+    return std::remainder(degrees, 180.0) == 0 ? 0.0 : cosine(degrees - 90);
+  };
+  const double cx = cosine(body.rotate_deg[0]), sx = sine(body.rotate_deg[0]);
+  const double cy = cosine(body.rotate_deg[1]), sy = sine(body.rotate_deg[1]);
+  const double cz = cosine(body.rotate_deg[2]), sz = sine(body.rotate_deg[2]);
+  return {cz * cy,
+          cz * sy * sx - sz * cx,
+          cz * sy * cx + sz * sx,
+          sz * cy,
+          sz * sy * sx + cz * cx,
+          sz * sy * cx - cz * sx,
+          -sy,
+          cy * sx,
+          cy * cx};
+}
+
+KernelRequest kernel_request(const Scene& scene, const Body& body) {
+  const std::string file = scene.file.filename().string();
+  KernelRequest request;
+  request.body = body;
+  request.body.translate = request.body.rotate_deg = request.body.velocity = {};
+  request.modes = scene.modes;
+  request.view = scene.output.view;
+
+  const auto rotation = rotation_of(body);
+  const Pair* first = nullptr;
+  for (const Pair& pair : scene.contact.pairs) {
+    if (pair.a != body.name && pair.b != body.name) continue;
+    std::optional<Vector3> direction, along;
+    if (pair.direction) direction = own_axis(rotation, *pair.direction);
+    if (pair.along) along = own_axis(rotation, *pair.along);
+    if (first == nullptr) {
+      first = &pair;
+      request.direction = direction;
+      request.along = along;
+      request.spacing = pair.spacing;
+      continue;
+    }
+    if (along != request.along || pair.spacing != request.spacing)
+      throw InputError(
+          fmt::format("{}: contact: two pairs ask different patches (along, spacing) of bodies.{}: a body "
+                      "has one set of candidates, give both pairs "
+                      "the same",
+                      file, body.name));
+    if (direction != request.direction) request.direction.reset();
+  }
+  std::set<std::filesystem::path> seen;
+  request.mesh_sha256 = mesh_hash(body.mesh, fmt::format("{}: bodies.{}.mesh", file, body.name), seen);
+  request.toml = toml_body_matter(request.body) + toml_modes(request.modes) + "[contact]\n";
+  if (request.direction) request.toml += "direction = " + toml_vector(*request.direction) + "\n";
+  if (request.along) request.toml += "along = " + toml_vector(*request.along) + "\n";
+  if (request.spacing) request.toml += "spacing = " + toml_number(*request.spacing) + "\n";
+  request.toml += fmt::format("[output]\nview = {}\n", request.view);
+  request.hash = sha256(fmt::format("{}\n{}\n{}", kernel_generation, request.mesh_sha256, request.toml));
+  return request;
+}
+
+std::filesystem::path kernel_path(const std::filesystem::path& out, const KernelRequest& request) {
+  return out / fmt::format("{}-{}.kernel.h5", request.body.name, request.hash.substr(0, 12));
+}
+
+}  // namespace ricochet::scene

@@ -1,0 +1,189 @@
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "src/scene/toml.hpp"
+
+namespace ricochet::scene {
+
+namespace {
+
+/// Levenshtein distance.
+std::size_t distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t corner = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t above = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, corner + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      corner = above;
+    }
+  }
+  return row[b.size()];
+}
+
+std::string printed(const toml::node& node) {
+  std::ostringstream text;
+  if (const auto* s = node.as_string()) {
+    text << '"' << s->get() << '"';
+  } else if (node.is_array()) {
+    text << *node.as_array();
+  } else if (node.is_table()) {
+    return "{…}";
+  } else {
+    node.visit([&](const auto& v) {
+      if constexpr (toml::is_value<decltype(v)>) text << v;
+    });
+  }
+  std::string line = text.str();
+  for (char& c : line)
+    if (static_cast<unsigned char>(c) < 32) c = ' ';
+  return line.size() > 60 ? line.substr(0, 57) + "…" : line;
+}
+
+}  // namespace
+
+std::string Table::value_of(const std::string& key) const {
+  const toml::node* node = table_.get(key);
+  return node == nullptr ? "" : " = " + printed(*node);
+}
+
+void Table::complain(const std::string& key, const std::string& what) const {
+  throw InputError(fmt::format("{}: {}{}: {}", file_, dotted(key), value_of(key), what));
+}
+
+std::optional<double> Table::number(const std::string& key) {
+  if (!has(key)) return std::nullopt;
+  const toml::node& node = *table_.get(key);
+  if (!node.is_number()) complain(key, "must be a number");
+  const double value =
+      node.is_integer() ? static_cast<double>(node.as_integer()->get()) : node.as_floating_point()->get();
+  if (!std::isfinite(value)) complain(key, "must be finite");
+  return value;
+}
+
+double Table::required_number(const std::string& key) {
+  const auto value = number(key);
+  if (!value) complain(key, "is missing");
+  return *value;
+}
+
+std::optional<std::int64_t> Table::integer(const std::string& key) {
+  if (!has(key)) return std::nullopt;
+  const auto* node = table_.get(key)->as_integer();
+  if (node == nullptr) complain(key, "must be a whole number");
+  return node->get();
+}
+
+std::optional<bool> Table::boolean(const std::string& key) {
+  if (!has(key)) return std::nullopt;
+  const auto* node = table_.get(key)->as_boolean();
+  if (node == nullptr) complain(key, "must be true or false");
+  return node->get();
+}
+
+std::optional<std::string> Table::text(const std::string& key) {
+  if (!has(key)) return std::nullopt;
+  const auto* node = table_.get(key)->as_string();
+  if (node == nullptr) complain(key, "must be a string");
+  return node->get();
+}
+
+std::optional<Vector3> Table::vector(const std::string& key) {
+  if (!has(key)) return std::nullopt;
+  const auto* list = table_.get(key)->as_array();
+  if (list == nullptr || list->size() != 3) complain(key, "must be three numbers, [x, y, z]");
+  Vector3 vector{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const toml::node& node = *list->get(k);
+    if (!node.is_number()) complain(key, "must be three numbers, [x, y, z]");
+    vector[k] =
+        node.is_integer() ? static_cast<double>(node.as_integer()->get()) : node.as_floating_point()->get();
+    if (!std::isfinite(vector[k])) complain(key, "must be finite");
+  }
+  return vector;
+}
+
+std::vector<std::string> Table::texts(const std::string& key) {
+  if (!has(key)) return {};
+  const toml::node& node = *table_.get(key);
+  if (node.is_string()) return {node.as_string()->get()};
+  std::vector<std::string> texts;
+  if (!node.is_array()) complain(key, "must be a string or a list of strings");
+  for (const toml::node& entry : *node.as_array()) {
+    if (!entry.is_string()) complain(key, "must be a string or a list of strings");
+    texts.push_back(entry.as_string()->get());
+  }
+  return texts;
+}
+
+std::optional<Table> Table::table(const std::string& key) {
+  if (!has(key)) return std::nullopt;
+  const auto* node = table_.get(key)->as_table();
+  if (node == nullptr) complain(key, "must be a table");
+  return Table(*node, file_, dotted(key));
+}
+
+std::vector<std::pair<std::string, Table>> Table::tables() const {
+  std::vector<std::pair<std::string, Table>> result;
+  for (auto&& [key, node] : table_) {
+    const std::string name(key.str());
+    if (!node.is_table()) complain(name, "must be a table");
+    result.emplace_back(name, Table(*node.as_table(), file_, dotted(name)));
+  }
+  return result;
+}
+
+std::vector<Table> Table::array(const std::string& key) {
+  std::vector<Table> result;
+  if (!has(key)) return result;
+  const auto* list = table_.get(key)->as_array();
+  if (list == nullptr) complain(key, "must be an array of tables, [[" + dotted(key) + "]]");
+  for (std::size_t k = 0; k < list->size(); ++k) {
+    const auto* entry = list->get(k)->as_table();
+    if (entry == nullptr) complain(key, "must be an array of tables, [[" + dotted(key) + "]]");
+    result.emplace_back(*entry, file_, fmt::format("{}[{}]", dotted(key), k));
+  }
+  return result;
+}
+
+std::map<std::string, std::string> Table::strings(const std::string& key) {
+  std::map<std::string, std::string> result;
+  if (auto inner = table(key))
+    for (auto&& [name, node] : inner->raw()) {
+      if (!node.is_string()) inner->complain(std::string(name.str()), "must be a string");
+      result[std::string(name.str())] = node.as_string()->get();
+    }
+  return result;
+}
+
+std::map<std::string, double> Table::numbers(const std::string& key) {
+  std::map<std::string, double> result;
+  if (auto inner = table(key))
+    for (auto&& [name, node] : inner->raw())
+      result[std::string(name.str())] = inner->required_number(std::string(name.str()));
+  return result;
+}
+
+void Table::refuse_unknown() const {
+  for (auto&& [name, node] : table_) {
+    const std::string key(name.str());
+    if (known_.count(key) > 0) continue;
+    std::string nearest;
+    std::size_t best = std::max<std::size_t>(2, key.size() / 3) + 1;
+    std::string all;
+    for (const std::string& known : known_) {
+      all += (all.empty() ? "" : ", ") + known;
+      if (distance(key, known) < best) {
+        best = distance(key, known);
+        nearest = known;
+      }
+    }
+    complain(key, nearest.empty() ? "unknown key. The keys here are " + all + "."
+                                  : "unknown key. Did you mean \"" + nearest + "\"?");
+  }
+}
+
+}  // namespace ricochet::scene

@@ -1,0 +1,62 @@
+// Internal to src/scene: checked access to a TOML table.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <toml++/toml.h>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "kernels/error.hpp"
+#include "src/scene/scene.hpp"
+
+namespace ricochet::scene {
+
+/// `text` with the keys of one "--set" applied, each value parsed as TOML, else taken as a bare string.
+void apply_override(toml::table& root, const Override& text);
+
+/// Reads keys of one table, remembers which, and complains in one line: "FILE: dotted.key = value: what.
+/// fix."
+class Table {
+ public:
+  Table(const toml::table& table, std::string file, std::string where)
+      : table_(table), file_(std::move(file)), where_(std::move(where)) {}
+
+  bool has(const std::string& key) {
+    known_.insert(key);
+    return table_.contains(key);
+  }
+  std::optional<double> number(const std::string& key);
+  std::optional<std::int64_t> integer(const std::string& key);
+  std::optional<bool> boolean(const std::string& key);
+  std::optional<std::string> text(const std::string& key);
+  std::optional<Vector3> vector(const std::string& key);
+  /// A string or a list of strings.
+  std::vector<std::string> texts(const std::string& key);
+  std::optional<Table> table(const std::string& key);
+  /// Sub-tables by name, in order of names.
+  std::vector<std::pair<std::string, Table>> tables() const;
+  /// Entries of an array of tables.
+  std::vector<Table> array(const std::string& key);
+  /// Every entry must be a string: group → components.
+  std::map<std::string, std::string> strings(const std::string& key);
+  std::map<std::string, double> numbers(const std::string& key);
+
+  /// Throws for a key that no call asked for, naming the nearest known one.
+  void refuse_unknown() const;
+
+  [[noreturn]] void complain(const std::string& key, const std::string& what) const;
+  double required_number(const std::string& key);
+  const std::string& where() const { return where_; }
+  const toml::table& raw() const { return table_; }
+
+ private:
+  std::string dotted(const std::string& key) const { return where_.empty() ? key : where_ + "." + key; }
+  std::string value_of(const std::string& key) const;
+  const toml::table& table_;
+  std::string file_, where_;
+  std::set<std::string> known_;
+};
+
+}  // namespace ricochet::scene

@@ -1,0 +1,142 @@
+#include "src/scene/write.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace ricochet::scene {
+
+std::string toml_number(double value) {
+  if (value == 0) value = 0;  // no "-0"
+  std::string text = fmt::format("{}", value);
+  if (text.find_first_of(".en") == std::string::npos) text += ".0";
+  return text;
+}
+
+std::string toml_string(const std::string& text) {
+  std::string quoted = "\"";
+  for (char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    if (static_cast<unsigned char>(c) < 32) {
+      quoted += fmt::format("\\u{:04X}", static_cast<int>(c));
+    } else {
+      quoted += c;
+    }
+  }
+  return quoted + '"';
+}
+
+std::string toml_vector(const Vector3& v) {
+  return fmt::format("[{}, {}, {}]", toml_number(v[0]), toml_number(v[1]), toml_number(v[2]));
+}
+
+namespace {
+
+std::string material_of(const Material& m) {
+  std::string text = fmt::format("{{ density = {}, young = {}, poisson = {}", toml_number(m.density),
+                                 toml_number(m.young), toml_number(m.poisson));
+  if (m.area > 0) text += ", area = " + toml_number(m.area);
+  return text + " }";
+}
+
+std::string damping_of(const Damping& d) {
+  using Law = Damping::Law;
+  switch (d.law) {
+    case Law::none:
+      return "{}";
+    case Law::ratio:
+      return fmt::format("{{ ratio = {} }}", toml_number(d.first));
+    case Law::loss_factor:
+      return fmt::format("{{ loss_factor = {} }}", toml_number(d.first));
+    case Law::rayleigh:
+      return fmt::format("{{ rayleigh = [{}, {}] }}", toml_number(d.first), toml_number(d.second));
+    case Law::viscosity:
+      return fmt::format("{{ viscosity = {} }}", toml_number(d.first));
+  }
+  return "{}";
+}
+
+}  // namespace
+
+std::string toml_body_matter(const Body& body) {
+  std::string text = "geometry = {";
+  for (const auto& [name, value] : body.geometry)
+    text += fmt::format("{} {} = {}", text.back() == '{' ? "" : ",", toml_string(name), toml_number(value));
+  text += fmt::format(" }}\norder = {}\nscale = {}\n", body.order, toml_number(body.scale));
+  if (body.materials.size() == 1 && body.materials[0].group.empty()) {
+    text += "material = " + material_of(body.materials[0]) + "\n";
+  } else {
+    text += "material = {";
+    for (const Material& m : body.materials)
+      text += fmt::format("{} {} = {}", text.back() == '{' ? "" : ",", toml_string(m.group), material_of(m));
+    text += " }\n";
+  }
+  text += "damping = " + damping_of(body.damping) + "\ncontact = [";
+  for (std::size_t k = 0; k < body.contact.size(); ++k)
+    text += fmt::format("{}{}", k > 0 ? ", " : "", toml_string(body.contact[k]));
+  text += "]\nsupport = {";
+  for (const auto& [group, components] : body.support)
+    text += fmt::format("{} {} = \"{}\"", text.back() == '{' ? "" : ",", toml_string(group), components);
+  return text + " }\n";
+}
+
+std::string toml_modes(const Modes& modes) {
+  std::string text = "[modes]\n";
+  if (modes.up_to) text += fmt::format("up_to_hz = {}\n", toml_number(modes.up_to->value));
+  if (modes.count) text += fmt::format("count = {}\n", *modes.count);
+  return text + fmt::format("residual_flexibility = {}\nrelative_residual = {}\n", modes.residual_flexibility,
+                            toml_number(modes.relative_residual));
+}
+
+std::string to_toml(const Scene& scene) {
+  std::string text = fmt::format("title = {}\n", toml_string(scene.title));
+  for (const Body& body : scene.bodies) {
+    std::filesystem::path mesh =
+        body.mesh.lexically_relative(scene.file.parent_path().empty() ? "." : scene.file.parent_path());
+    if (mesh.empty()) mesh = body.mesh;
+    text +=
+        fmt::format("\n[bodies.{}]\nmesh = {}\n{}translate = {}\nrotate_deg = {}\nvelocity = {}\n", body.name,
+                    toml_string(mesh.string()), toml_body_matter(body), toml_vector(body.translate),
+                    toml_vector(body.rotate_deg), toml_vector(body.velocity));
+  }
+  for (const Obstacle& o : scene.obstacles)
+    text += fmt::format("\n[obstacles.{}]\npoint = {}\nnormal = {}\n", toml_string(o.name),
+                        toml_vector(o.point), toml_vector(o.normal));
+  text += fmt::format("\n{}\n[contact]\n", toml_modes(scene.modes));
+  const bool impulse = scene.contact.scheme == Scheme::impulse;
+  text += fmt::format("scheme = \"{}\"\n", impulse ? "impulse" : "compliant");
+  if (impulse)
+    text += fmt::format("admittance = \"{}\"\nrestitution = {}\n",
+                        scene.contact.admittance == Admittance::jump ? "jump" : "difference",
+                        toml_number(scene.contact.restitution));
+  for (const Pair& pair : scene.contact.pairs) {
+    text += fmt::format("\n[[contact.pair]]\nbetween = [{}, {}]\n", toml_string(pair.a), toml_string(pair.b));
+    if (pair.direction) text += "direction = " + toml_vector(*pair.direction) + "\n";
+    if (pair.along) text += "along = " + toml_vector(*pair.along) + "\n";
+    if (pair.spacing) text += "spacing = " + toml_number(*pair.spacing) + "\n";
+    if (pair.gap) text += "gap = " + toml_number(*pair.gap) + "\n";
+    if (pair.reach) text += "reach = " + toml_number(*pair.reach) + "\n";
+  }
+  return text + fmt::format(
+                    "\n[time]\nrate_hz = {}\nduration = {}\n\n[loads]\ngravity = {}\n\n[output]\nevery = "
+                    "{}\nview = {}\nsnapshot_every = {}\n",
+                    toml_number(scene.time.rate.value), toml_number(scene.time.duration),
+                    toml_vector(scene.loads.gravity), scene.output.every, scene.output.view,
+                    scene.output.snapshot_every);
+}
+
+std::string slug(const std::string& title) {
+  std::string result;
+  for (char c : title) {
+    const char lower = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    if ((lower >= 'a' && lower <= 'z') || (lower >= '0' && lower <= '9')) {
+      result += lower;
+    } else if (!result.empty() && result.back() != '-') {
+      result += '-';
+    }
+  }
+  if (!result.empty() && result.back() == '-') result.pop_back();
+  return result.empty() ? "scene" : result;
+}
+
+}  // namespace ricochet::scene
