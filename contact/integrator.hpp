@@ -1,9 +1,10 @@
-// Steps a Model through time: modes exactly, contact forces by one of the schemes. `step` neither throws nor allocates.
+// Steps a Model through time: modes exactly, contact forces by one of the schemes. `step` neither throws nor
+// allocates.
 //
-// impulse, step k: free motion from t_{k−1} to t_k; the points with u ≥ g there, to round-off, get impulses P that
-// jump q̇ at t_k. As in the source paper the first instant is t_1: what touches at t_0 and approaches is met one step
-// later, within Δ times its velocity. R plays no part, for an impulse has no static response. Where there are more
-// points than modes P itself is not unique; the one of least norm is taken.
+// impulse, step k: free motion from t_{k−1} to t_k; the points with u ≥ g there, to round-off, get impulses P
+// that jump q̇ at t_k. As in the source paper the first instant is t_1: what touches at t_0 and approaches is
+// met one step later, within Δ times its velocity. R plays no part, for an impulse has no static response.
+// Where there are more points than modes P itself is not unique; the one of least norm is taken.
 //
 // compliant: its energy theorem asks for u ≤ g at the start, the static displacement s included.
 #pragma once
@@ -19,7 +20,8 @@ namespace ricochet::contact {
 
 enum class Scheme {
   compliant,  ///< λ constant over the step, Signorini at its end with the residual flexibility
-  impulse,    ///< the source paper's algorithm (30): impulses at the instants t_k on the points found beyond their gap
+  impulse,    ///< the source paper's algorithm (30): impulses at the instants t_k on the points found beyond
+              ///< their gap
 };
 enum class Admittance {
   jump,        ///< A = Ṅ(0⁺) = B Bᵀ, v̂ the velocity at t_k: the printed reading
@@ -35,15 +37,16 @@ struct StepOptions {
 
 enum class StepStatus { ok, no_solution, not_finite };
 
-/// Running energy ledger [J]; kinetic + strain + residual − loads + damping + contact stays what it was at t = 0.
-/// Each term from its own formula.
+/// Running energy ledger [J]; kinetic + strain + residual − loads + damping + contact stays what it was at t
+/// = 0. Each term from its own formula.
 struct Energy {
   double kinetic = 0;   ///< ½ |q̇|²
   double strain = 0;    ///< ½ Σ ω² q²
   double residual = 0;  ///< ½ λᵀ R λ
   double loads = 0;     ///< work of gravity so far, fᵀ (q − q0)
   double damping = 0;   ///< ∫ 2 δ q̇², so far
-  double contact = 0;   ///< taken out by contact so far: compliant λᵀB(q⁺ − q) less the growth of ½ λᵀRλ; impulse Pᵀ B q̇ − ½ |BᵀP|²
+  double contact = 0;  ///< taken out by contact so far: compliant λᵀB(q⁺ − q) less the growth of ½ λᵀRλ;
+                       ///< impulse Pᵀ B q̇ − ½ |BᵀP|²
   double total() const { return kinetic + strain + residual - loads; }
   double ledger() const { return total() + damping + contact; }
 };
@@ -51,8 +54,8 @@ struct Energy {
 class Integrator {
  public:
   /// Throws InputError: `impulse` with "difference" and ω_max Δ ≥ π; a restitution outside [0, 1].
-  /// With `compliant`, modes with ωΔ > π carry no sampled information: they move into R and into the static displacement, and leave q
-  /// (their q, q̇ stay 0).
+  /// With `compliant`, modes with ωΔ > π carry no sampled information: they move into R and into the static
+  /// displacement, and leave q (their q, q̇ stay 0).
   Integrator(const Model& model, const StepOptions& options);
 
   /// Advances from t_{k−1} to t_k.
@@ -61,16 +64,16 @@ class Integrator {
   std::int64_t steps() const { return steps_; }
   double time() const { return static_cast<double>(steps_) * options_.step; }
 
-  const Vector& q() const { return q_; }          ///< (N)
-  const Vector& v() const { return v_; }          ///< (N) q̇
-  const Vector& force() const { return force_; }  ///< (m) λ_k [N] over (t_{k−1}, t_k]; impulses as P/Δ
+  const Vector& q() const { return q_; }             ///< (N)
+  const Vector& v() const { return v_; }             ///< (N) q̇
+  const Vector& force() const { return force_; }     ///< (m) λ_k [N] over (t_{k−1}, t_k]; impulses as P/Δ
   const Vector& displacement() const { return u_; }  ///< (m) u at t_k, residual included [m]
   const Energy& energy() const { return energy_; }
-  int active() const { return active_; }          ///< points with λ > 0 in this step
-  /// Power through the contact, σ_n u̇_n of (16), mean of the step [W]: compliant −λᵀ(u_k − u_{k−1})/Δ; impulse
-  /// −Pᵀ(u̇⁻ + u̇⁺)/(2Δ), the velocities just before and after the impulses.
+  int active() const { return active_; }  ///< points with λ > 0 in this step
+  /// Power through the contact, σ_n u̇_n of (16), mean of the step [W]: compliant −λᵀ(u_k − u_{k−1})/Δ;
+  /// impulse −Pᵀ(u̇⁻ + u̇⁺)/(2Δ), the velocities just before and after the impulses.
   double persistency() const { return persistency_; }
-  int modes_in_residual() const { return dropped_; }   ///< modes moved into R because ωΔ > π
+  int modes_in_residual() const { return dropped_; }  ///< modes moved into R because ωΔ > π
   const SolveStatistics& solver() const { return solver_.statistics(); }
 
  private:
@@ -92,10 +95,10 @@ class Integrator {
   StepOptions options_;
   // constant (N): step coefficients, 2δ∫S², 4δ∫SS', 2δ∫S'²
   Vector stiffness_, load_, q0_, b_, c_, e_, h_, damp_ss_, damp_sr_, damp_rr_;
-  Matrix B_;                    ///< (m,N), columns of modes moved into R are 0
-  Vector s_, gap_, norm_;       ///< (m) s, g, |B_i|
-  Eigen::MatrixXd R_;           ///< (m,m)
-  Eigen::MatrixXd S_;           ///< (m,m) compliant: S; impulse: A
+  Matrix B_;               ///< (m,N), columns of modes moved into R are 0
+  Vector s_, gap_, norm_;  ///< (m) s, g, |B_i|
+  Eigen::MatrixXd R_;      ///< (m,m)
+  Eigen::MatrixXd S_;      ///< (m,m) compliant: S; impulse: A
   bool damped_ = false;
   int dropped_ = 0;
   ComplementaritySolver solver_;

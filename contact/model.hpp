@@ -1,8 +1,9 @@
 // Two or more bodies and the pairs of surfaces that may touch, as one constant modal system.
 //
 // Modes of all bodies are stacked in q (N); paired candidates of all pairs are stacked in i (m).
-//   u = B q + s − R λ     relative normal displacement, positive when a gap closes (s: static part of loads on modes left out)
-//   u_i ≤ g_i             impenetrability,   λ_i ≥ 0 compressive force [N],   modal force of contact −Bᵀ λ
+//   u = B q + s − R λ     relative normal displacement, positive when a gap closes (s: static part of loads
+//   on modes left out) u_i ≤ g_i             impenetrability,   λ_i ≥ 0 compressive force [N],   modal force
+//   of contact −Bᵀ λ
 #pragma once
 
 #include <Eigen/Dense>
@@ -38,29 +39,30 @@ struct HalfSpace {
 struct PairRequest {
   std::string a, b;
   std::optional<Eigen::Vector3d> direction;  ///< unit, out of a; world frame
-  std::optional<double> gap;                 ///< [m] moves body a along the direction until the closest pair has this gap
-  std::optional<double> reach;               ///< [m] drops pairs whose initial gap is not below it
+  std::optional<double> gap;    ///< [m] moves body a along the direction until the closest pair has this gap
+  std::optional<double> reach;  ///< [m] drops pairs whose initial gap is not below it
 };
 
 /// Candidates of a that face a place on b (world frame, after `gap` has moved a).
 struct Pairing {
   struct Point {
-    int candidate = 0;                 ///< index into a's surface
-    Eigen::Vector3d a, b, normal;      ///< x_i, y_i [m], n_i out of a
-    double gap = 0;                    ///< g_i = n_i·(y_i − x_i) [m]
-    double area = 0;                   ///< [m²], of a's patch
-    std::vector<std::pair<int, double>> weights;  ///< W: candidates of b around y_i; weights ≥ 0, sum 1; empty for a half-space
+    int candidate = 0;             ///< index into a's surface
+    Eigen::Vector3d a, b, normal;  ///< x_i, y_i [m], n_i out of a
+    double gap = 0;                ///< g_i = n_i·(y_i − x_i) [m]
+    double area = 0;               ///< [m²], of a's patch
+    std::vector<std::pair<int, double>>
+        weights;  ///< W: candidates of b around y_i; weights ≥ 0, sum 1; empty for a half-space
   };
   std::vector<Point> points;
-  int unpaired = 0;                                       ///< candidates of a dropped because they face nothing or lie beyond reach
-  Eigen::Vector3d shift = Eigen::Vector3d::Zero();        ///< how far `gap` moved a
+  int unpaired = 0;  ///< candidates of a dropped because they face nothing or lie beyond reach
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero();  ///< how far `gap` moved a
 };
 
 /// Pairs a's candidates with b's surface. With `direction`, along it; otherwise each point is projected along
-/// n_i = (n_a − n_b)/|n_a − n_b|, found by iteration from the closest point. A place on b is a point of its candidate mesh
-/// (triangles, segments, points), met within 1e-6 of the element's size beyond its edges.
-/// Throws InputError when nothing faces anything, when bodies overlap (with the depth), or when a kernel holds one component only
-/// and the direction asked for is another one.
+/// n_i = (n_a − n_b)/|n_a − n_b|, found by iteration from the closest point. A place on b is a point of its
+/// candidate mesh (triangles, segments, points), met within 1e-6 of the element's size beyond its edges.
+/// Throws InputError when nothing faces anything, when bodies overlap (with the depth), or when a kernel
+/// holds one component only and the direction asked for is another one.
 Pairing pair(const PlacedBody& a, const PlacedBody& b, const PairRequest& request);
 Pairing pair(const PlacedBody& a, const HalfSpace& b, const PairRequest& request);
 
@@ -70,26 +72,26 @@ struct Model {
   Vector load;          ///< constant modal force of gravity, f_n [kg^1/2 m/s²]
   Vector q0, v0;        ///< initial modal displacement (0) and velocity (rigid), [kg^1/2 m], [kg^1/2 m/s]
   // contact points (m)
-  Matrix B;             ///< (m,N) [kg^-1/2]
-  Matrix R;             ///< (m,m) [m/N]; zero when kernels carry none
+  Matrix B;  ///< (m,N) [kg^-1/2]
+  Matrix R;  ///< (m,m) [m/N]; zero when kernels carry none
   bool has_residual = false;
-  Vector gap;           ///< (m) g [m]
-  Vector static_displacement;  ///< (m) s [m]
-  Matrix R_a;                  ///< (m,m) the share of R by which body a of point i moves at i [m/N]
-  Vector static_a;             ///< (m) likewise of s [m]
-  Vector area;                 ///< (m) [m²]
+  Vector gap;                       ///< (m) g [m]
+  Vector static_displacement;       ///< (m) s [m]
+  Matrix R_a;                       ///< (m,m) the share of R by which body a of point i moves at i [m/N]
+  Vector static_a;                  ///< (m) likewise of s [m]
+  Vector area;                      ///< (m) [m²]
   Matrix point_a, point_b, normal;  ///< (m,3) world
 
   struct BodyBlock {
     std::string name;
     int first_mode = 0, modes = 0;
     double mass = 0;
-    Eigen::Vector3d centre;              ///< world, initial [m]
-    Eigen::Matrix3d inertia;             ///< world, about the centre [kg m²]
+    Eigen::Vector3d centre;                                     ///< world, initial [m]
+    Eigen::Matrix3d inertia;                                    ///< world, about the centre [kg m²]
     Eigen::Matrix<double, 3, Eigen::Dynamic> momentum;          ///< (3,modes) world: p = momentum · q̇
     Eigen::Matrix<double, 3, Eigen::Dynamic> angular_momentum;  ///< (3,modes) world, about the world's origin
     bool supported = false;
-    Eigen::Vector3d weight;              ///< m g [N]
+    Eigen::Vector3d weight;  ///< m g [N]
     const kernels::Kernel* kernel = nullptr;
     Eigen::Matrix3d rotation;
     Eigen::Vector3d translation;
@@ -98,7 +100,7 @@ struct Model {
 
   struct PairBlock {
     int first_point = 0, points = 0, unpaired = 0;
-    int a = 0, b = -1;                   ///< index into bodies; b = −1: a half-space
+    int a = 0, b = -1;  ///< index into bodies; b = −1: a half-space
   };
   std::vector<PairBlock> pairs;
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();

@@ -43,7 +43,7 @@ class Recorder {
   struct BodyRows {
     Rows *velocity = nullptr, *momentum = nullptr, *angular_momentum = nullptr, *reaction = nullptr;
     Rows* snapshot = nullptr;
-    Eigen::Vector3d last_momentum = Eigen::Vector3d::Zero();  ///< at the last row
+    Eigen::Vector3d last_momentum = Eigen::Vector3d::Zero();    ///< at the last row
     Eigen::Vector3d contact_impulse = Eigen::Vector3d::Zero();  ///< on this body, since the last row [N s]
   };
   struct ContactRows {

@@ -30,30 +30,33 @@ struct Modes {
   std::string basis = "modes";
   std::vector<double> angular_frequency;  ///< (N) ω_n [rad/s], ascending; rigid modes first, exactly 0
   std::vector<double> decay_rate;         ///< (N) δ_n = ζ_n ω_n [1/s]
-  std::vector<double> residual;           ///< (N) ‖Kφ − ω²Mφ‖₂ / ‖Kφ‖₂ (rigid: over ‖diag K‖∞ ‖φ‖₂)
+  std::vector<double> residual;  ///< (N) ‖Kφ − ω²Mφ‖₂ / ‖Kφ‖₂ (rigid: over ‖diag K‖∞ ‖φ‖₂)
   Certificate certificate;
   std::size_t size() const { return angular_frequency.size(); }
 };
 
 /// Candidate contact patches (DESIGN: hats w_i ≥ 0 with Σ w_i = 1, A_i = ∫ w_i ds).
 struct Surface {
-  int components = 3;                  ///< c
-  std::optional<Vector3> direction;    ///< unit vector of the stored component when c = 1
-  std::vector<double> node;            ///< (M,3) centre of each patch [m]
-  std::vector<std::string> group;      ///< (M) physical surface each belongs to
-  std::vector<double> normal;          ///< (M,3) outward unit normal
-  std::vector<double> area;            ///< (M) A_i [m²]
-  int element_corners = 3;             ///< k: 1 point (rods), 2 segments (`along`), 3 triangles
-  std::vector<std::int64_t> element;   ///< (T,k) by candidate index
-  std::vector<double> shape;           ///< (M,c,N) φ_i = (1/A_i) ∫ w_i φ ds [kg^-1/2]
-  std::vector<double> residual_flexibility;  ///< (cM,cM) R [m/N], index c·i + component; empty when not asked for
+  int components = 3;                 ///< c
+  std::optional<Vector3> direction;   ///< unit vector of the stored component when c = 1
+  std::vector<double> node;           ///< (M,3) centre of each patch [m]
+  std::vector<std::string> group;     ///< (M) physical surface each belongs to
+  std::vector<double> normal;         ///< (M,3) outward unit normal
+  std::vector<double> area;           ///< (M) A_i [m²]
+  int element_corners = 3;            ///< k: 1 point (rods), 2 segments (`along`), 3 triangles
+  std::vector<std::int64_t> element;  ///< (T,k) by candidate index
+  std::vector<double> shape;          ///< (M,c,N) φ_i = (1/A_i) ∫ w_i φ ds [kg^-1/2]
+  std::vector<double>
+      residual_flexibility;  ///< (cM,cM) R [m/N], index c·i + component; empty when not asked for
   std::size_t size() const { return area.size(); }
 };
 
 struct Loads {
-  std::vector<double> body_force;           ///< (3,N) φᵀ M e_i [kg^1/2]: uniform acceleration fields, momentum
-  std::vector<double> rotation;             ///< (3,N) φᵀ M (e_i × x) [kg^1/2 m]: angular momentum about the frame's origin
-  std::vector<double> body_force_residual;  ///< (cM,3) static part of the modes left out [s²]: m per m/s²; empty without R
+  std::vector<double> body_force;  ///< (3,N) φᵀ M e_i [kg^1/2]: uniform acceleration fields, momentum
+  std::vector<double>
+      rotation;  ///< (3,N) φᵀ M (e_i × x) [kg^1/2 m]: angular momentum about the frame's origin
+  std::vector<double>
+      body_force_residual;  ///< (cM,3) static part of the modes left out [s²]: m per m/s²; empty without R
 };
 
 /// The skin of the body, for pictures.
@@ -73,10 +76,10 @@ struct Kernel {
   std::int64_t dofs = 0;
   std::int64_t elements = 0;
   int order = 0;
-  double mass = 0;          ///< [kg]
-  Vector3 centre{};         ///< centre of mass [m]
+  double mass = 0;                  ///< [kg]
+  Vector3 centre{};                 ///< centre of mass [m]
   std::array<double, 9> inertia{};  ///< (3,3) about the centre of mass [kg m²]
-  bool supported = false;   ///< some displacement is held by a support
+  bool supported = false;           ///< some displacement is held by a support
 
   Modes modes;
   Surface surface;
@@ -84,8 +87,9 @@ struct Kernel {
   std::optional<View> view;
 };
 
-/// Throws InputError naming `origin` when shapes disagree, a value is not finite, areas or frequencies are negative,
-/// an index leaves its range or normals are not unit vectors. Loaders call it, so that nothing past them needs to.
+/// Throws InputError naming `origin` when shapes disagree, a value is not finite, areas or frequencies are
+/// negative, an index leaves its range or normals are not unit vectors. Loaders call it, so that nothing past
+/// them needs to.
 void validate(const Kernel& kernel, const std::string& origin);
 
 /// Writes `kernel` beside `path` and renames it: a partial file never has the final name.
@@ -95,7 +99,8 @@ void write(const Kernel& kernel, const std::filesystem::path& path);
 /// Reads and validates. Throws InputError, one line, on a missing, truncated, foreign or inconsistent file.
 Kernel read(const std::filesystem::path& path);
 
-/// Only the root attribute `hash`: cheap test of whether `path` is a whole kernel file and whose. Empty when it is not one.
+/// Only the root attribute `hash`: cheap test of whether `path` is a whole kernel file and whose. Empty when
+/// it is not one.
 std::string read_hash(const std::filesystem::path& path) noexcept;
 
 }  // namespace ricochet::kernels

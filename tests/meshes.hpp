@@ -14,35 +14,49 @@
 
 namespace ricochet::test {
 
-/// Truncated pyramid: unit square at z = 0, sides leaning in by `lean` at z = 1 (0: the unit cube). "tet", "hex" or "prism".
+/// Truncated pyramid: unit square at z = 0, sides leaning in by `lean` at z = 1 (0: the unit cube). "tet",
+/// "hex" or "prism".
 inline std::string block_geo(const std::string& kind, int divisions, double lean) {
   std::string text = "SetFactory(\"Built-in\");\n";
   const double h = 1.0 / divisions, s = 0.5 * lean;
-  const double corner[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {s, s, 1}, {1 - s, s, 1}, {1 - s, 1 - s, 1}, {s, 1 - s, 1}};
-  for (int i = 0; i < 8; ++i) text += fmt::format("Point({}) = {{{}, {}, {}, {}}};\n", i + 1, corner[i][0], corner[i][1], corner[i][2], h);
-  const int edge[12][2] = {{1, 2}, {2, 3}, {3, 4}, {4, 1}, {5, 6}, {6, 7}, {7, 8}, {8, 5}, {1, 5}, {2, 6}, {3, 7}, {4, 8}};
+  const double corner[8][3] = {{0, 0, 0}, {1, 0, 0},     {1, 1, 0},         {0, 1, 0},
+                               {s, s, 1}, {1 - s, s, 1}, {1 - s, 1 - s, 1}, {s, 1 - s, 1}};
+  for (int i = 0; i < 8; ++i)
+    text +=
+        fmt::format("Point({}) = {{{}, {}, {}, {}}};\n", i + 1, corner[i][0], corner[i][1], corner[i][2], h);
+  const int edge[12][2] = {{1, 2}, {2, 3}, {3, 4}, {4, 1}, {5, 6}, {6, 7},
+                           {7, 8}, {8, 5}, {1, 5}, {2, 6}, {3, 7}, {4, 8}};
   for (int i = 0; i < 12; ++i) text += fmt::format("Line({}) = {{{}, {}}};\n", i + 1, edge[i][0], edge[i][1]);
-  text += "Curve Loop(1) = {-4, -3, -2, -1};\nCurve Loop(2) = {5, 6, 7, 8};\nCurve Loop(3) = {1, 10, -5, -9};\n"
-          "Curve Loop(4) = {2, 11, -6, -10};\nCurve Loop(5) = {3, 12, -7, -11};\nCurve Loop(6) = {4, 9, -8, -12};\n"
-          "For i In {1:6}\nPlane Surface(i) = {i};\nEndFor\nSurface Loop(1) = {1:6};\nVolume(1) = {1};\n";
+  text +=
+      "Curve Loop(1) = {-4, -3, -2, -1};\nCurve Loop(2) = {5, 6, 7, 8};\nCurve Loop(3) = {1, 10, -5, -9};\n"
+      "Curve Loop(4) = {2, 11, -6, -10};\nCurve Loop(5) = {3, 12, -7, -11};\nCurve Loop(6) = {4, 9, -8, "
+      "-12};\n"
+      "For i In {1:6}\nPlane Surface(i) = {i};\nEndFor\nSurface Loop(1) = {1:6};\nVolume(1) = {1};\n";
   if (kind != "tet") {
     text += fmt::format("Transfinite Curve{{1:12}} = {};\nTransfinite Surface{{1:6}};\n", divisions + 1);
     text += kind == "hex" ? "Recombine Surface{1:6};\n" : "Recombine Surface{3:6};\n";
     text += "Transfinite Volume{1} = {1, 2, 3, 4, 5, 6, 7, 8};\n";
     if (kind == "prism") text += "TransfQuadTri {1};\n";
   }
-  return text + "Physical Volume(\"body\") = {1};\nPhysical Surface(\"bottom\") = {1};\nPhysical Surface(\"top\") = {2};\n"
-                "Physical Surface(\"sides\") = {3:6};\n";
+  return text +
+         "Physical Volume(\"body\") = {1};\nPhysical Surface(\"bottom\") = {1};\nPhysical Surface(\"top\") = "
+         "{2};\n"
+         "Physical Surface(\"sides\") = {3:6};\n";
 }
 
 /// A triangulated square drawn out in layers: prisms.
 inline std::string prism_geo(int divisions) {
   const double h = 1.0 / divisions;
-  return fmt::format("SetFactory(\"Built-in\");\nPoint(1) = {{0,0,0,{0}}};\nPoint(2) = {{1,0,0,{0}}};\nPoint(3) = {{1,1,0,{0}}};\nPoint(4) = {{0,1,0,{0}}};\n"
-                     "Line(1) = {{1,2}};\nLine(2) = {{2,3}};\nLine(3) = {{3,4}};\nLine(4) = {{4,1}};\nCurve Loop(1) = {{1,2,3,4}};\nPlane Surface(1) = {{1}};\n"
-                     "b[] = Extrude {{0, 0, 1}} {{ Surface{{1}}; Layers{{{1}}}; Recombine; }};\nPhysical Volume(\"body\") = {{b[1]}};\n"
-                     "Physical Surface(\"bottom\") = {{1}};\nPhysical Surface(\"top\") = {{b[0]}};\nPhysical Surface(\"sides\") = {{b[2], b[3], b[4], b[5]}};\n",
-                     h, divisions);
+  return fmt::format(
+      "SetFactory(\"Built-in\");\nPoint(1) = {{0,0,0,{0}}};\nPoint(2) = {{1,0,0,{0}}};\nPoint(3) = "
+      "{{1,1,0,{0}}};\nPoint(4) = {{0,1,0,{0}}};\n"
+      "Line(1) = {{1,2}};\nLine(2) = {{2,3}};\nLine(3) = {{3,4}};\nLine(4) = {{4,1}};\nCurve Loop(1) = "
+      "{{1,2,3,4}};\nPlane Surface(1) = {{1}};\n"
+      "b[] = Extrude {{0, 0, 1}} {{ Surface{{1}}; Layers{{{1}}}; Recombine; }};\nPhysical Volume(\"body\") = "
+      "{{b[1]}};\n"
+      "Physical Surface(\"bottom\") = {{1}};\nPhysical Surface(\"top\") = {{b[0]}};\nPhysical "
+      "Surface(\"sides\") = {{b[2], b[3], b[4], b[5]}};\n",
+      h, divisions);
 }
 
 /// A file that one rank writes and all read; gone at the end of the scope.
@@ -52,7 +66,9 @@ class SharedFile {
     std::string name;
     if (parallel::rank_of(PETSC_COMM_WORLD) == 0) {
       static int number = 0;
-      name = (std::filesystem::temp_directory_path() / fmt::format("ricochet-{}-{}{}", getpid(), number++, extension)).string();
+      name = (std::filesystem::temp_directory_path() /
+              fmt::format("ricochet-{}-{}{}", getpid(), number++, extension))
+                 .string();
       std::ofstream(name) << text;
     }
     parallel::broadcast(PETSC_COMM_WORLD, name);

@@ -14,8 +14,9 @@ using mesh::Block;
 using mesh::Mesh;
 using ElementMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Quadrature degree. Straight simplices have constant Jacobians, so 2p integrates the mass exactly; elsewhere the Jacobian adds degrees,
-/// and 2p + 2 keeps the patch test exact up to order 4 (cofactors have degree 2(p − 1), gradients p − 1).
+/// Quadrature degree. Straight simplices have constant Jacobians, so 2p integrates the mass exactly;
+/// elsewhere the Jacobian adds degrees, and 2p + 2 keeps the patch test exact up to order 4 (cofactors have
+/// degree 2(p − 1), gradients p − 1).
 int degree_of(const mesh::ReferenceElement& element, bool affine) {
   const bool simplex = element.family == mesh::Family::tetrahedron || element.family == mesh::Family::line;
   return 2 * element.order + (simplex && affine ? 0 : 2);
@@ -27,7 +28,8 @@ struct Material {
 
 Material material_of(const scene::Material& m, int dim) {
   if (dim == 1) return {m.density * m.area, m.young * m.area, 0};
-  return {m.density, m.young * m.poisson / ((1 + m.poisson) * (1 - 2 * m.poisson)), m.young / (2 * (1 + m.poisson))};
+  return {m.density, m.young * m.poisson / ((1 + m.poisson) * (1 - 2 * m.poisson)),
+          m.young / (2 * (1 + m.poisson))};
 }
 
 /// Element matrices of one block, from tables made once.
@@ -40,17 +42,20 @@ class Element {
     weight_ = rule.weight;
     const int q = basis_.points, c = mesh.components();
     gradient_.resize(static_cast<Eigen::Index>(c) * n_, q);
-    shape_ = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(basis_.value.data(), q, n_);
+    shape_ = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+        basis_.value.data(), q, n_);
     position_.resize(n_, 3);
     measure_.resize(q);
     K.resize(c * n_, c * n_);
     M.resize(n_, n_);
   }
 
-  /// Fills K (cn, cn) and the scalar mass M (n, n); returns false when the Jacobian is not positive somewhere.
+  /// Fills K (cn, cn) and the scalar mass M (n, n); returns false when the Jacobian is not positive
+  /// somewhere.
   bool compute(const std::int64_t* nodes, const Material& material) {
     for (int a = 0; a < n_; ++a)
-      for (int k = 0; k < 3; ++k) position_(a, k) = mesh_.position[3 * static_cast<std::size_t>(nodes[a]) + k];
+      for (int k = 0; k < 3; ++k)
+        position_(a, k) = mesh_.position[3 * static_cast<std::size_t>(nodes[a]) + k];
     const int points = basis_.points;
     for (int q = 0; q < points; ++q) {
       const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>> local(
@@ -95,12 +100,15 @@ class Element {
   const Eigen::Matrix<double, Eigen::Dynamic, 3>& position() const { return position_; }
 
  private:
-  /// Whether every element of the block is the affine image of the reference: its nodes lie where its corners say.
+  /// Whether every element of the block is the affine image of the reference: its nodes lie where its corners
+  /// say.
   bool all_affine(const Block& block) const {
     if (reference_.order == 1) return true;
     for (std::size_t e = 0; e < block.size(); ++e) {
       const std::int64_t* nodes = &block.node[e * static_cast<std::size_t>(n_)];
-      const auto at = [&](int a, int k) { return mesh_.position[3 * static_cast<std::size_t>(nodes[a]) + k]; };
+      const auto at = [&](int a, int k) {
+        return mesh_.position[3 * static_cast<std::size_t>(nodes[a]) + k];
+      };
       double size = 0, off = 0;
       for (int k = 0; k < 3; ++k) {
         size = std::max(size, std::abs(at(1, k) - at(0, k)));
@@ -109,7 +117,8 @@ class Element {
           for (int d = 0; d < reference_.dim; ++d) {
             const double xi = reference_.node[static_cast<std::size_t>(a) * reference_.dim + d];
             // Lines run over [−1, 1], tetrahedra over [0, 1]; other families never take the affine rule.
-            x += (reference_.dim == 1 ? (xi + 1) / 2 : xi) * (at(std::min(d + 1, reference_.corners - 1), k) - at(0, k));
+            x += (reference_.dim == 1 ? (xi + 1) / 2 : xi) *
+                 (at(std::min(d + 1, reference_.corners - 1), k) - at(0, k));
           }
           off = std::max(off, std::abs(at(a, k) - x));
         }
@@ -124,10 +133,10 @@ class Element {
   mesh::ReferenceElement reference_;
   Basis basis_;
   std::vector<double> weight_;
-  Eigen::MatrixXd shape_;               // (q, n)
-  ElementMatrix gradient_;              // (cn, q)
-  ElementMatrix scaled_, product_;      // (cn, q), (cn, cn)
-  Eigen::VectorXd measure_;             // (q) weight × Jacobian
+  Eigen::MatrixXd shape_;           // (q, n)
+  ElementMatrix gradient_;          // (cn, q)
+  ElementMatrix scaled_, product_;  // (cn, q), (cn, cn)
+  Eigen::VectorXd measure_;         // (q) weight × Jacobian
   Eigen::Matrix<double, Eigen::Dynamic, 3> position_;
 };
 
@@ -173,11 +182,13 @@ parallel::Matrix create(const Mesh& mesh, const Pattern& pattern) {
   parallel::Matrix matrix;
   const int c = mesh.components();
   parallel::check(MatCreate(mesh.comm, matrix.out()));
-  const PetscInt local = parallel::petsc_int(mesh.owned_nodes * c), total = parallel::petsc_int(mesh.total_nodes * c);
+  const PetscInt local = parallel::petsc_int(mesh.owned_nodes * c),
+                 total = parallel::petsc_int(mesh.total_nodes * c);
   parallel::check(MatSetSizes(matrix, local, local, total, total));
   parallel::check(MatSetType(matrix, MATSBAIJ));
   parallel::check(MatSetBlockSize(matrix, c));
-  parallel::check(MatXAIJSetPreallocation(matrix, c, nullptr, nullptr, pattern.diagonal.data(), pattern.off_diagonal.data()));
+  parallel::check(MatXAIJSetPreallocation(matrix, c, nullptr, nullptr, pattern.diagonal.data(),
+                                          pattern.off_diagonal.data()));
   parallel::check(MatSetOption(matrix, MAT_IGNORE_LOWER_TRIANGULAR, PETSC_TRUE));
   parallel::check(MatSetOption(matrix, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_TRUE));
   parallel::check(MatSetOption(matrix, MAT_NO_OFF_PROC_ENTRIES, PETSC_TRUE));
@@ -186,9 +197,12 @@ parallel::Matrix create(const Mesh& mesh, const Pattern& pattern) {
 
 Vector3 cross_unit(int i, const Vector3& x) {
   switch (i) {
-    case 0: return {0, -x[2], x[1]};
-    case 1: return {x[2], 0, -x[0]};
-    default: return {-x[1], x[0], 0};
+    case 0:
+      return {0, -x[2], x[1]};
+    case 1:
+      return {x[2], 0, -x[0]};
+    default:
+      return {-x[1], x[0], 0};
   }
 }
 
@@ -215,7 +229,8 @@ void finish_inertia(MPI_Comm comm, std::array<double, 10>& moments, Body& body) 
   Eigen::Vector3d centre(moments[1], moments[2], moments[3]);
   centre /= moments[0];
   Eigen::Matrix3d second;
-  second << moments[4], moments[5], moments[6], moments[5], moments[7], moments[8], moments[6], moments[8], moments[9];
+  second << moments[4], moments[5], moments[6], moments[5], moments[7], moments[8], moments[6], moments[8],
+      moments[9];
   second -= moments[0] * centre * centre.transpose();
   const Eigen::Matrix3d inertia = second.trace() * Eigen::Matrix3d::Identity() - second;
   Eigen::Map<Eigen::Vector3d>(body.centre.data()) = centre;
@@ -250,8 +265,11 @@ Body assemble(const Mesh& mesh, const std::vector<scene::Material>& materials, c
       const scene::Material& given = materials[static_cast<std::size_t>(block.label[e])];
       if (!element.compute(nodes, material_of(given, mesh.dim))) {
         const Vector3 x = node_position(mesh, static_cast<std::size_t>(nodes[0]));
-        complaint = fmt::format("{}: element {} near ({:.4g}, {:.4g}, {:.4g}) m is inverted or flat (its Jacobian is not positive): repair the "
-                                "mesh (gmsh: Tools > Optimize, or a smaller element size) or lower the element order", file, block.tag[e], x[0], x[1], x[2]);
+        complaint = fmt::format(
+            "{}: element {} near ({:.4g}, {:.4g}, {:.4g}) m is inverted or flat (its Jacobian is not "
+            "positive): repair the "
+            "mesh (gmsh: Tools > Optimize, or a smaller element size) or lower the element order",
+            file, block.tag[e], x[0], x[1], x[2]);
         break;
       }
       body.wave_speed = std::max(body.wave_speed, std::sqrt(given.young / given.density));
@@ -285,15 +303,18 @@ Body assemble(const Mesh& mesh, const std::vector<scene::Material>& materials, c
           if (!mesh.is_fixed(static_cast<std::size_t>(nodes[a]), k))
             body.rigid_load.row((global - mesh.first_node) * c + k) += load.row(c * a + k);
       }
-      parallel::check(MatSetValuesBlocked(body.stiffness, n, rows.data(), n, columns.data(), element.K.data(), ADD_VALUES));
-      parallel::check(MatSetValuesBlocked(body.mass, n, rows.data(), n, columns.data(), mass.data(), ADD_VALUES));
+      parallel::check(MatSetValuesBlocked(body.stiffness, n, rows.data(), n, columns.data(), element.K.data(),
+                                          ADD_VALUES));
+      parallel::check(
+          MatSetValuesBlocked(body.mass, n, rows.data(), n, columns.data(), mass.data(), ADD_VALUES));
       if (mesh.own[b][e] == 0) continue;
       const double density = material_of(given, mesh.dim).density;
       const Eigen::MatrixXd points = element.shape() * element.position();  // (q,3)
       for (Eigen::Index q = 0; q < points.rows(); ++q) {
         const double w = density * element.measure()(q);
         const Eigen::Vector3d x = points.row(q);
-        const std::array<double, 10> values{1, x[0], x[1], x[2], x[0] * x[0], x[0] * x[1], x[0] * x[2], x[1] * x[1], x[1] * x[2], x[2] * x[2]};
+        const std::array<double, 10> values{1,           x[0],        x[1],        x[2],        x[0] * x[0],
+                                            x[0] * x[1], x[0] * x[2], x[1] * x[1], x[1] * x[2], x[2] * x[2]};
         for (std::size_t m = 0; m < values.size(); ++m) moments[m] += w * values[m];
       }
     }

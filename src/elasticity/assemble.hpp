@@ -2,8 +2,8 @@
 //
 //   K = ∫ Bᵀ D B dV,  M = ∫ ρ Nᵀ N dV       (rods: ∫ E A N'ᵀN' dx, ∫ ρ A NᵀN dx)
 //
-// Rows are global node × components + component. A held component keeps its row with a positive diagonal in K and a zero row in M: an
-// infinite eigenvalue, invisible to every count below a shift.
+// Rows are global node × components + component. A held component keeps its row with a positive diagonal in K
+// and a zero row in M: an infinite eigenvalue, invisible to every count below a shift.
 #pragma once
 
 #include <Eigen/Dense>
@@ -16,22 +16,24 @@ namespace ricochet::elasticity {
 struct Body {
   parallel::Matrix stiffness;  ///< SBAIJ, block size = components
   parallel::Matrix mass;       ///< same pattern
-  /// (local rows, 6): M applied to the rigid motions e_x, e_y, e_z, e_x × x, e_y × x, e_z × x before supports; held rows zero.
+  /// (local rows, 6): M applied to the rigid motions e_x, e_y, e_z, e_x × x, e_y × x, e_z × x before
+  /// supports; held rows zero.
   Eigen::MatrixXd rigid_load;
   std::int64_t local_rows = 0, total_rows = 0;
-  std::int64_t free_rows = 0;  ///< displacements that no support holds
-  double total_mass = 0;       ///< [kg]
-  Vector3 centre{};            ///< [m]
+  std::int64_t free_rows = 0;       ///< displacements that no support holds
+  double total_mass = 0;            ///< [kg]
+  Vector3 centre{};                 ///< [m]
   std::array<double, 9> inertia{};  ///< about the centre [kg m²]
-  double wave_speed = 0;       ///< largest sqrt(E/ρ) [m/s]
+  double wave_speed = 0;            ///< largest sqrt(E/ρ) [m/s]
 };
 
 /// Collective. Needs a GmshSession. `file` names the mesh in messages.
 /// Throws InputError (on all ranks): an element with a Jacobian that is not positive, with its tag and place.
 Body assemble(const mesh::Mesh& mesh, const std::vector<scene::Material>& materials, const std::string& file);
 
-/// Rigid motions that the supports leave free, M-orthonormal; one column each: six for a free body, one for a free rod.
-/// Translations first, along the axes, then rotations about the principal axes of inertia where the body is free.
+/// Rigid motions that the supports leave free, M-orthonormal; one column each: six for a free body, one for a
+/// free rod. Translations first, along the axes, then rotations about the principal axes of inertia where the
+/// body is free.
 /// @return (local rows, r). Collective.
 Eigen::MatrixXd rigid_modes(const mesh::Mesh& mesh, const Body& body);
 

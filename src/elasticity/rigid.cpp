@@ -7,8 +7,10 @@ namespace ricochet::elasticity {
 namespace {
 
 /// Rigid motion `coefficient` (translation, rotation about the centre of mass) at a local node, component c.
-double motion(const mesh::Mesh& mesh, const Body& body, const Eigen::Matrix<double, 6, 1>& coefficient, std::size_t node, int c) {
-  const Eigen::Vector3d x(mesh.position[3 * node] - body.centre[0], mesh.position[3 * node + 1] - body.centre[1],
+double motion(const mesh::Mesh& mesh, const Body& body, const Eigen::Matrix<double, 6, 1>& coefficient,
+              std::size_t node, int c) {
+  const Eigen::Vector3d x(mesh.position[3 * node] - body.centre[0],
+                          mesh.position[3 * node + 1] - body.centre[1],
                           mesh.position[3 * node + 2] - body.centre[2]);
   const Eigen::Vector3d u = coefficient.head<3>() + coefficient.tail<3>().cross(x);
   if (mesh.dim == 3) return u[c];
@@ -20,7 +22,8 @@ double motion(const mesh::Mesh& mesh, const Body& body, const Eigen::Matrix<doub
 Eigen::MatrixXd rigid_modes(const mesh::Mesh& mesh, const Body& body) {
   const int c = mesh.components();
   const Eigen::Map<const Eigen::Matrix3d> inertia(body.inertia.data());
-  // Unit kinetic energy each, M-orthogonal when the body is free: translations, then turns about the principal axes.
+  // Unit kinetic energy each, M-orthogonal when the body is free: translations, then turns about the
+  // principal axes.
   std::vector<Eigen::Matrix<double, 6, 1>> candidates;
   const double translation = 1 / std::sqrt(body.total_mass);
   if (mesh.dim == 1) {
@@ -50,7 +53,8 @@ Eigen::MatrixXd rigid_modes(const mesh::Mesh& mesh, const Body& body) {
     if (row < 0 || row >= mesh.owned_nodes) continue;
     for (int k = 0; k < c; ++k) {
       Eigen::VectorXd v(r);
-      for (Eigen::Index m = 0; m < r; ++m) v[m] = motion(mesh, body, candidates[static_cast<std::size_t>(m)], i, k);
+      for (Eigen::Index m = 0; m < r; ++m)
+        v[m] = motion(mesh, body, candidates[static_cast<std::size_t>(m)], i, k);
       values.row(row * c + k) = v.transpose();
       if (mesh.is_fixed(i, k)) seen += v * v.transpose();
     }

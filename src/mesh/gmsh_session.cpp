@@ -6,7 +6,8 @@ namespace ricochet::mesh {
 
 GmshSession::GmshSession(const std::vector<std::string>& numbers) {
   std::vector<std::string> words = {"gmsh", "-nopopup", "-v", "0"};
-  for (std::size_t i = 0; i + 1 < numbers.size(); i += 2) words.insert(words.end(), {"-setnumber", numbers[i], numbers[i + 1]});
+  for (std::size_t i = 0; i + 1 < numbers.size(); i += 2)
+    words.insert(words.end(), {"-setnumber", numbers[i], numbers[i + 1]});
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   gmsh::initialize(static_cast<int>(argv.size()), argv.data(), /*readConfigFiles=*/false);

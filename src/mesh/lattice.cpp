@@ -38,7 +38,8 @@ Lattice lattice_of(const ReferenceElement& facet) {
     }
     at[index] = n;
   }
-  if (static_cast<int>(at.size()) != facet.nodes) throw SolverError("internal: facet nodes do not form a lattice");
+  if (static_cast<int>(at.size()) != facet.nodes)
+    throw SolverError("internal: facet nodes do not form a lattice");
 
   if (facet.family == Family::line) {
     lattice.corners = 2;

@@ -23,7 +23,8 @@ struct Block {
   std::size_t size() const { return tag.size(); }
 };
 
-/// Facets with the coordinates of their nodes, the same on every rank (contact surface) or on rank 0 alone (skin).
+/// Facets with the coordinates of their nodes, the same on every rank (contact surface) or on rank 0 alone
+/// (skin).
 struct FacetMesh {
   std::vector<std::int64_t> node;  ///< (n) global node numbers
   std::vector<double> position;    ///< (n,3) [m]
@@ -37,18 +38,18 @@ struct GlobalMesh {
   int order = 1;
   std::vector<double> position;  ///< (n,3) [m], scaled
   std::vector<Block> blocks;
-  std::vector<unsigned> fixed;   ///< (n) bit c: component c is held by a support
-  Vector3 axis{1, 0, 0};         ///< rods: unit vector along the body
-  FacetMesh contact, skin;       ///< `node` holds indices into `position`
+  std::vector<unsigned> fixed;  ///< (n) bit c: component c is held by a support
+  Vector3 axis{1, 0, 0};        ///< rods: unit vector along the body
+  FacetMesh contact, skin;      ///< `node` holds indices into `position`
 };
 
 /// Reads a mesh or meshes a geometry. Rank 0 only; needs a GmshSession made with the body's geometry values.
-/// Throws InputError: unreadable file, missing physical group, no volume elements, contact facets inside the body, an order that
-/// gmsh could not reach, a bent rod.
+/// Throws InputError: unreadable file, missing physical group, no volume elements, contact facets inside the
+/// body, an order that gmsh could not reach, a bent rod.
 GlobalMesh read_mesh(const scene::Body& body);
 
-/// One rank's part. Each rank holds every element that touches a node it owns, so that assembly needs no communication;
-/// an element is `own` on one rank only (integrals over the body count it there).
+/// One rank's part. Each rank holds every element that touches a node it owns, so that assembly needs no
+/// communication; an element is `own` on one rank only (integrals over the body count it there).
 struct Mesh {
   MPI_Comm comm = MPI_COMM_SELF;
   int dim = 3, order = 1;

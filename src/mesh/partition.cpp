@@ -20,17 +20,19 @@ std::vector<idx_t> partition(const GlobalMesh& mesh, int ranks) {
   for (const Block& block : mesh.blocks) {
     const int corners = reference_element(block.gmsh_type).corners;
     for (std::size_t e = 0; e < block.size(); ++e) {
-      for (int c = 0; c < corners; ++c) corner.push_back(static_cast<idx_t>(block.node[e * block.nodes_per_element + c]));
+      for (int c = 0; c < corners; ++c)
+        corner.push_back(static_cast<idx_t>(block.node[e * block.nodes_per_element + c]));
       start.push_back(static_cast<idx_t>(corner.size()));
     }
   }
-  idx_t elements = static_cast<idx_t>(start.size()) - 1, nodes = static_cast<idx_t>(mesh.fixed.size()), cut = 0;
+  idx_t elements = static_cast<idx_t>(start.size()) - 1, nodes = static_cast<idx_t>(mesh.fixed.size()),
+        cut = 0;
   idx_t parts = std::min<idx_t>(ranks, elements);
   std::vector<idx_t> part(static_cast<std::size_t>(elements), 0), node_part(static_cast<std::size_t>(nodes));
   if (parts < 2) return part;
   idx_t common = shared;
-  if (METIS_PartMeshDual(&elements, &nodes, start.data(), corner.data(), nullptr, nullptr, &common, &parts, nullptr, nullptr, &cut,
-                         part.data(), node_part.data()) != METIS_OK)
+  if (METIS_PartMeshDual(&elements, &nodes, start.data(), corner.data(), nullptr, nullptr, &common, &parts,
+                         nullptr, nullptr, &cut, part.data(), node_part.data()) != METIS_OK)
     throw InputError("METIS could not split the mesh: run on fewer ranks");
   return part;
 }
@@ -65,7 +67,8 @@ Numbering number_nodes(const GlobalMesh& mesh, const std::vector<idx_t>& part, i
   std::partial_sum(numbering.first.begin(), numbering.first.end(), numbering.first.begin());
   std::vector<std::int64_t> next(numbering.first.begin(), numbering.first.end() - 1);
   numbering.number.resize(n);
-  for (std::size_t i = 0; i < n; ++i) numbering.number[i] = next[static_cast<std::size_t>(numbering.owner[i])]++;
+  for (std::size_t i = 0; i < n; ++i)
+    numbering.number[i] = next[static_cast<std::size_t>(numbering.owner[i])]++;
   return numbering;
 }
 
@@ -79,13 +82,16 @@ void renumber(FacetMesh& facets, const GlobalMesh& mesh, const Numbering& number
   facets.position.clear();
   for (std::int64_t node : used) {
     facets.node.push_back(numbering.number[static_cast<std::size_t>(node)]);
-    for (int c = 0; c < 3; ++c) facets.position.push_back(mesh.position[3 * static_cast<std::size_t>(node) + c]);
+    for (int c = 0; c < 3; ++c)
+      facets.position.push_back(mesh.position[3 * static_cast<std::size_t>(node) + c]);
     if (normals)
-      for (int c = 0; c < 3; ++c) end_normal.push_back(facets.end_normal[3 * static_cast<std::size_t>(node) + c]);
+      for (int c = 0; c < 3; ++c)
+        end_normal.push_back(facets.end_normal[3 * static_cast<std::size_t>(node) + c]);
   }
   facets.end_normal = end_normal;
   for (Block& block : facets.blocks)
-    for (std::int64_t& node : block.node) node = std::lower_bound(used.begin(), used.end(), node) - used.begin();
+    for (std::int64_t& node : block.node)
+      node = std::lower_bound(used.begin(), used.end(), node) - used.begin();
 }
 
 void broadcast_facets(FacetMesh& facets, MPI_Comm comm) {
@@ -93,7 +99,8 @@ void broadcast_facets(FacetMesh& facets, MPI_Comm comm) {
   broadcast(comm, facets.position);
   broadcast(comm, facets.end_normal);
   std::vector<std::int64_t> header;
-  for (const Block& block : facets.blocks) header.insert(header.end(), {block.gmsh_type, block.nodes_per_element});
+  for (const Block& block : facets.blocks)
+    header.insert(header.end(), {block.gmsh_type, block.nodes_per_element});
   broadcast(comm, header);
   facets.blocks.resize(header.size() / 2);
   for (std::size_t b = 0; b < facets.blocks.size(); ++b) {
@@ -121,9 +128,14 @@ Mesh distribute(GlobalMesh&& global, MPI_Comm comm) {
     part = partition(global, ranks);
     numbering = number_nodes(global, part, ranks);
     for (int r = 0; r < ranks; ++r)
-      parcels.header[r] = {global.dim, global.order, numbering.first[r], numbering.first[r + 1] - numbering.first[r],
-                           static_cast<std::int64_t>(global.fixed.size()), static_cast<std::int64_t>(part.size())};
-    for (const Block& block : global.blocks) types.insert(types.end(), {block.gmsh_type, block.nodes_per_element});
+      parcels.header[r] = {global.dim,
+                           global.order,
+                           numbering.first[r],
+                           numbering.first[r + 1] - numbering.first[r],
+                           static_cast<std::int64_t>(global.fixed.size()),
+                           static_cast<std::int64_t>(part.size())};
+    for (const Block& block : global.blocks)
+      types.insert(types.end(), {block.gmsh_type, block.nodes_per_element});
     renumber(global.contact, global, numbering, !global.contact.end_normal.empty());
     renumber(global.skin, global, numbering, false);
   });
@@ -150,7 +162,8 @@ Mesh distribute(GlobalMesh&& global, MPI_Comm comm) {
       std::vector<int> takers;
       for (std::size_t e = 0; e < block.size(); ++e) {
         takers.assign(1, static_cast<int>(part[offset + e]));
-        for (std::size_t k = 0; k < width; ++k) takers.push_back(numbering.owner[static_cast<std::size_t>(block.node[e * width + k])]);
+        for (std::size_t k = 0; k < width; ++k)
+          takers.push_back(numbering.owner[static_cast<std::size_t>(block.node[e * width + k])]);
         std::sort(takers.begin(), takers.end());
         takers.erase(std::unique(takers.begin(), takers.end()), takers.end());
         for (int r : takers) {
@@ -163,7 +176,8 @@ Mesh distribute(GlobalMesh&& global, MPI_Comm comm) {
       offset += block.size();
       for (int r = 0; r < ranks; ++r) used[r].insert(used[r].end(), node[r].begin(), node[r].end());
     }
-    Block block{static_cast<int>(types[2 * b]), static_cast<int>(types[2 * b + 1]), scatter(comm, node), scatter(comm, tag), scatter(comm, label)};
+    Block block{static_cast<int>(types[2 * b]), static_cast<int>(types[2 * b + 1]), scatter(comm, node),
+                scatter(comm, tag), scatter(comm, label)};
     mesh.blocks.push_back(std::move(block));
     mesh.own.push_back(scatter(comm, own));
   }
@@ -173,7 +187,8 @@ Mesh distribute(GlobalMesh&& global, MPI_Comm comm) {
       auto& nodes = used[r];
       std::sort(nodes.begin(), nodes.end());
       nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-      std::sort(nodes.begin(), nodes.end(), [&](auto x, auto y) { return numbering.number[x] < numbering.number[y]; });
+      std::sort(nodes.begin(), nodes.end(),
+                [&](auto x, auto y) { return numbering.number[x] < numbering.number[y]; });
       for (std::int64_t n : nodes) {
         parcels.node[r].push_back(numbering.number[n]);
         parcels.canonical[r].push_back(n);
@@ -188,11 +203,13 @@ Mesh distribute(GlobalMesh&& global, MPI_Comm comm) {
 
   // Elements still name nodes by reading order; make that local.
   std::vector<std::pair<std::int64_t, std::int64_t>> local;
-  for (std::size_t i = 0; i < mesh.canonical.size(); ++i) local.emplace_back(mesh.canonical[i], static_cast<std::int64_t>(i));
+  for (std::size_t i = 0; i < mesh.canonical.size(); ++i)
+    local.emplace_back(mesh.canonical[i], static_cast<std::int64_t>(i));
   std::sort(local.begin(), local.end());
   for (Block& block : mesh.blocks)
     for (std::int64_t& node : block.node)
-      node = std::lower_bound(local.begin(), local.end(), std::pair<std::int64_t, std::int64_t>{node, -1})->second;
+      node = std::lower_bound(local.begin(), local.end(), std::pair<std::int64_t, std::int64_t>{node, -1})
+                 ->second;
 
   mesh.contact = std::move(global.contact);
   broadcast_facets(mesh.contact, comm);

@@ -59,10 +59,13 @@ class Reader {
       gmsh::model::mesh::getElementTypes(types, dim);
       if (types.empty()) continue;
       if (dim == 2)
-        throw InputError(fmt::format("{}: has surface elements but no volume: mesh the volume (gmsh -3) and give it a physical group", file_));
+        throw InputError(fmt::format(
+            "{}: has surface elements but no volume: mesh the volume (gmsh -3) and give it a physical group",
+            file_));
       return dim;
     }
-    throw InputError(fmt::format("{}: holds no volume or line elements: mesh it with gmsh first, or name another file", file_));
+    throw InputError(fmt::format(
+        "{}: holds no volume or line elements: mesh it with gmsh first, or name another file", file_));
   }
 
   void collect_nodes() {
@@ -88,14 +91,16 @@ class Reader {
   }
 
   /// Entities of a group; throws with the names that there are.
-  std::vector<int> entities_of(int dim, const std::string& name, const std::string& key, const char* kind) const {
+  std::vector<int> entities_of(int dim, const std::string& name, const std::string& key,
+                               const char* kind) const {
     const auto groups = groups_of(dim);
     const auto found = groups.find(name);
     if (found == groups.end()) {
       std::vector<std::string> names;
       for (const auto& [group, tag] : groups) names.push_back('"' + group + '"');
-      throw InputError(fmt::format("{}: no physical {} \"{}\": the groups are {}. Name one in gmsh, or change bodies.{}.{}.", file_, kind,
-                                   name, names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", ")), body_.name, key));
+      throw InputError(fmt::format(
+          "{}: no physical {} \"{}\": the groups are {}. Name one in gmsh, or change bodies.{}.{}.", file_,
+          kind, name, names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", ")), body_.name, key));
     }
     std::vector<int> entities;
     gmsh::model::getEntitiesForPhysicalGroup(dim, found->second, entities);
@@ -108,7 +113,8 @@ class Reader {
     std::vector<Tags> tags, nodes;
     gmsh::model::mesh::getElements(types, tags, nodes, dim, entity);
     for (std::size_t t = 0; t < types.size(); ++t) {
-      auto block = std::find_if(blocks.begin(), blocks.end(), [&](const Block& b) { return b.gmsh_type == types[t]; });
+      auto block =
+          std::find_if(blocks.begin(), blocks.end(), [&](const Block& b) { return b.gmsh_type == types[t]; });
       if (block == blocks.end()) {
         const ReferenceElement reference = checked_reference(types[t]);
         blocks.push_back({types[t], reference.nodes, {}, {}, {}});
@@ -141,14 +147,17 @@ class Reader {
     }
     for (const scene::Material& material : body_.materials)
       if (mesh_.dim == 1 && !(material.area > 0))
-        throw InputError(fmt::format("{}: is a rod (line elements): give bodies.{}.material its cross-section, area = … [m²]", file_, body_.name));
+        throw InputError(fmt::format(
+            "{}: is a rod (line elements): give bodies.{}.material its cross-section, area = … [m²]", file_,
+            body_.name));
     mesh_.order = checked_reference(mesh_.blocks.front().gmsh_type).order;
     for (const Block& block : mesh_.blocks)
       if (checked_reference(block.gmsh_type).order != mesh_.order)
         throw InputError(fmt::format("{}: mixes element orders: mesh it again with one order", file_));
     if (body_.mesh.extension() != ".msh" && mesh_.order != body_.order)
-      throw InputError(fmt::format("{}: gmsh made elements of order {} instead of {}: choose a lower bodies.{}.order", file_, mesh_.order,
-                                   body_.order, body_.name));
+      throw InputError(
+          fmt::format("{}: gmsh made elements of order {} instead of {}: choose a lower bodies.{}.order",
+                      file_, mesh_.order, body_.order, body_.name));
   }
 
   Corners corners_of(const Block& block, std::size_t element, int corners) const {
@@ -206,7 +215,8 @@ class Reader {
     for (int n = 0; n < reference.nodes; ++n)
       for (int k = 0; k < reference.nodes; ++k)
         if (std::abs(reference.node[2 * n] - reference.node[2 * k + 1]) +
-                std::abs(reference.node[2 * n + 1] - reference.node[2 * k]) < 1e-6)
+                std::abs(reference.node[2 * n + 1] - reference.node[2 * k]) <
+            1e-6)
           mirrored[n] = k;
     for (std::size_t e = 0; e < block.size(); ++e) {
       const Corners corners = corners_of(block, e, reference.corners);
@@ -214,20 +224,25 @@ class Reader {
       std::sort(key.begin(), key.end());
       const auto face = outside_.find(key);
       if (face == outside_.end())
-        throw InputError(fmt::format("{}: facet {} of bodies.{}.contact is not on the body's surface: contact surfaces bound the body", file_,
-                                     block.tag[e], body_.name));
+        throw InputError(fmt::format(
+            "{}: facet {} of bodies.{}.contact is not on the body's surface: contact surfaces bound the body",
+            file_, block.tag[e], body_.name));
       const Corners& outward = face->second;
-      const auto first = static_cast<std::size_t>(std::find(outward.begin(), outward.end(), corners[0]) - outward.begin());
+      const auto first =
+          static_cast<std::size_t>(std::find(outward.begin(), outward.end(), corners[0]) - outward.begin());
       if (outward[(first + 1) % outward.size()] == corners[1]) continue;
-      std::vector<std::int64_t> old(block.node.begin() + static_cast<std::ptrdiff_t>(e * reference.nodes),
-                                    block.node.begin() + static_cast<std::ptrdiff_t>((e + 1) * reference.nodes));
+      std::vector<std::int64_t> old(
+          block.node.begin() + static_cast<std::ptrdiff_t>(e * reference.nodes),
+          block.node.begin() + static_cast<std::ptrdiff_t>((e + 1) * reference.nodes));
       for (int n = 0; n < reference.nodes; ++n) block.node[e * reference.nodes + n] = old[mirrored[n]];
     }
   }
 
   void find_axis() {
     // The two nodes farthest apart along the first-to-farthest line span the rod.
-    const auto at = [&](std::int64_t n, int c) { return mesh_.position[3 * static_cast<std::size_t>(n) + c]; };
+    const auto at = [&](std::int64_t n, int c) {
+      return mesh_.position[3 * static_cast<std::size_t>(n) + c];
+    };
     std::map<std::int64_t, int> uses;
     std::vector<std::int64_t> all;
     for (const Block& block : mesh_.blocks) {
@@ -238,7 +253,9 @@ class Reader {
     std::vector<std::int64_t> ends;
     for (const auto& [node, count] : uses)
       if (count == 1) ends.push_back(node);
-    if (ends.size() != 2) throw InputError(fmt::format("{}: a rod is one chain of lines, but this has {} ends", file_, ends.size()));
+    if (ends.size() != 2)
+      throw InputError(
+          fmt::format("{}: a rod is one chain of lines, but this has {} ends", file_, ends.size()));
     double length = 0;
     for (int c = 0; c < 3; ++c) {
       mesh_.axis[c] = at(ends[1], c) - at(ends[0], c);
@@ -254,7 +271,8 @@ class Reader {
         square += d * d;
       }
       if (square - along * along > 1e-12 * length * length)
-        throw InputError(fmt::format("{}: a rod must be straight; mesh a bent one with volume elements", file_));
+        throw InputError(
+            fmt::format("{}: a rod must be straight; mesh a bent one with volume elements", file_));
     }
   }
 
@@ -267,8 +285,10 @@ class Reader {
           if (corners[0] != end && corners[1] != end) continue;
           const std::int64_t other = corners[0] == end ? corners[1] : corners[0];
           double side = 0;
-          for (int c = 0; c < 3; ++c) side += (mesh_.position[3 * end + c] - mesh_.position[3 * other + c]) * mesh_.axis[c];
-          for (int c = 0; c < 3; ++c) mesh_.contact.end_normal[3 * end + c] = (side > 0 ? 1 : -1) * mesh_.axis[c];
+          for (int c = 0; c < 3; ++c)
+            side += (mesh_.position[3 * end + c] - mesh_.position[3 * other + c]) * mesh_.axis[c];
+          for (int c = 0; c < 3; ++c)
+            mesh_.contact.end_normal[3 * end + c] = (side > 0 ? 1 : -1) * mesh_.axis[c];
         }
   }
 
@@ -309,12 +329,14 @@ class Reader {
       for (int c = 0; c < 3; ++c) mesh_.position[3 * next + c] = mesh_.position[3 * n + c];
       mesh_.fixed[next] = mesh_.fixed[n];
       if (!mesh_.contact.end_normal.empty())
-        for (int c = 0; c < 3; ++c) mesh_.contact.end_normal[3 * next + c] = mesh_.contact.end_normal[3 * n + c];
+        for (int c = 0; c < 3; ++c)
+          mesh_.contact.end_normal[3 * next + c] = mesh_.contact.end_normal[3 * n + c];
       rank[n] = next++;
     }
     mesh_.position.resize(3 * static_cast<std::size_t>(next));
     mesh_.fixed.resize(static_cast<std::size_t>(next));
-    if (!mesh_.contact.end_normal.empty()) mesh_.contact.end_normal.resize(3 * static_cast<std::size_t>(next));
+    if (!mesh_.contact.end_normal.empty())
+      mesh_.contact.end_normal.resize(3 * static_cast<std::size_t>(next));
     for (std::vector<Block>* blocks : {&mesh_.blocks, &mesh_.contact.blocks, &mesh_.skin.blocks})
       for (Block& block : *blocks)
         for (std::int64_t& node : block.node) node = rank[static_cast<std::size_t>(node)];

@@ -14,13 +14,20 @@ namespace {
 
 int lagrange_nodes(Family family, int p) {
   switch (family) {
-    case Family::point: return 1;
-    case Family::line: return p + 1;
-    case Family::triangle: return (p + 1) * (p + 2) / 2;
-    case Family::quadrangle: return (p + 1) * (p + 1);
-    case Family::tetrahedron: return (p + 1) * (p + 2) * (p + 3) / 6;
-    case Family::hexahedron: return (p + 1) * (p + 1) * (p + 1);
-    case Family::prism: return (p + 1) * (p + 1) * (p + 2) / 2;
+    case Family::point:
+      return 1;
+    case Family::line:
+      return p + 1;
+    case Family::triangle:
+      return (p + 1) * (p + 2) / 2;
+    case Family::quadrangle:
+      return (p + 1) * (p + 1);
+    case Family::tetrahedron:
+      return (p + 1) * (p + 2) * (p + 3) / 6;
+    case Family::hexahedron:
+      return (p + 1) * (p + 1) * (p + 1);
+    case Family::prism:
+      return (p + 1) * (p + 1) * (p + 2) / 2;
   }
   return 0;
 }
@@ -33,7 +40,8 @@ Family family_of(int dim, int corners, const std::string& name) {
   if (dim == 3 && corners == 4) return Family::tetrahedron;
   if (dim == 3 && corners == 8) return Family::hexahedron;
   if (dim == 3 && corners == 6) return Family::prism;
-  throw InputError(fmt::format("elements of type \"{}\" are not supported: mesh with tetrahedra, hexahedra, prisms or lines", name));
+  throw InputError(fmt::format(
+      "elements of type \"{}\" are not supported: mesh with tetrahedra, hexahedra, prisms or lines", name));
 }
 
 }  // namespace
@@ -42,12 +50,14 @@ ReferenceElement reference_element(int gmsh_type) {
   ReferenceElement element;
   element.gmsh_type = gmsh_type;
   std::vector<double> local;
-  gmsh::model::mesh::getElementProperties(gmsh_type, element.name, element.dim, element.order, element.nodes, local,
-                                          element.corners);
+  gmsh::model::mesh::getElementProperties(gmsh_type, element.name, element.dim, element.order, element.nodes,
+                                          local, element.corners);
   element.family = family_of(element.dim, element.corners, element.name);
   if (element.nodes != lagrange_nodes(element.family, element.order))
-    throw InputError(fmt::format("elements of type \"{}\" lack the inner nodes of order {}: set Mesh.SecondOrderIncomplete = 0 "
-                                 "in gmsh and mesh again", element.name, element.order));
+    throw InputError(fmt::format(
+        "elements of type \"{}\" lack the inner nodes of order {}: set Mesh.SecondOrderIncomplete = 0 "
+        "in gmsh and mesh again",
+        element.name, element.order));
   element.node = local;
   return element;
 }
@@ -56,7 +66,8 @@ namespace {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// gmsh's functions at the element's own nodes: the identity but for gmsh's round-off, which reaches 4e-12 for hexahedra of order 4.
+/// gmsh's functions at the element's own nodes: the identity but for gmsh's round-off, which reaches 4e-12
+/// for hexahedra of order 4.
 RowMajor at_own_nodes(const ReferenceElement& element) {
   std::vector<double> local(3 * static_cast<std::size_t>(element.nodes), 0.0), value;
   for (int n = 0; n < element.nodes; ++n)
@@ -82,23 +93,26 @@ Basis basis_at(const ReferenceElement& element, const std::vector<double>& local
   basis.points = static_cast<int>(local.size() / 3);
   basis.nodes = element.nodes;
   int components = 0, orientations = 0;
-  gmsh::model::mesh::getBasisFunctions(element.gmsh_type, local, "Lagrange", components, basis.value, orientations);
-  gmsh::model::mesh::getBasisFunctions(element.gmsh_type, local, "GradLagrange", components, basis.gradient, orientations);
+  gmsh::model::mesh::getBasisFunctions(element.gmsh_type, local, "Lagrange", components, basis.value,
+                                       orientations);
+  gmsh::model::mesh::getBasisFunctions(element.gmsh_type, local, "GradLagrange", components, basis.gradient,
+                                       orientations);
   if (element.nodes == 1) return basis;
   // Exact Lagrange functions of the same space: N V⁻¹ with V gmsh's functions at the nodes.
   const Eigen::PartialPivLU<RowMajor> correction(at_own_nodes(element).transpose());
   Eigen::Map<RowMajor> value(basis.value.data(), basis.points, basis.nodes);
   value = correction.solve(value.transpose()).transpose().eval();
   for (int q = 0; q < basis.points; ++q) {
-    Eigen::Map<RowMajor> gradient(basis.gradient.data() + static_cast<std::ptrdiff_t>(q) * basis.nodes * 3, basis.nodes, 3);
+    Eigen::Map<RowMajor> gradient(basis.gradient.data() + static_cast<std::ptrdiff_t>(q) * basis.nodes * 3,
+                                  basis.nodes, 3);
     gradient = correction.solve(gradient).eval();
   }
   return basis;
 }
 
 Quadrature quadrature_of(Family family, int degree) {
-  // gmsh tabulates its rules for simplices to 12 digits only; its lines are good to the last, so products of lines, collapsed where the
-  // domain is a simplex (each collapse raises the degree by one), replace them.
+  // gmsh tabulates its rules for simplices to 12 digits only; its lines are good to the last, so products of
+  // lines, collapsed where the domain is a simplex (each collapse raises the degree by one), replace them.
   const auto line = unit_line(degree), collapsed = unit_line(degree + 1), twice = unit_line(degree + 2);
   Quadrature rule;
   const auto add = [&](double u, double v, double w, double weight) {
@@ -106,7 +120,9 @@ Quadrature quadrature_of(Family family, int degree) {
     rule.weight.push_back(weight);
   };
   switch (family) {
-    case Family::point: add(0, 0, 0, 1); break;
+    case Family::point:
+      add(0, 0, 0, 1);
+      break;
     case Family::line:
       for (auto [x, a] : line) add(2 * x - 1, 0, 0, 2 * a);
       break;

@@ -17,8 +17,8 @@ struct ReferenceElement {
   std::vector<double> node;  ///< (nodes,dim) local coordinates
 };
 
-/// Throws InputError for a type that is not a point, line, triangle, quadrangle, tetrahedron, hexahedron or prism with all of its
-/// Lagrange nodes (pyramids and serendipity elements are refused).
+/// Throws InputError for a type that is not a point, line, triangle, quadrangle, tetrahedron, hexahedron or
+/// prism with all of its Lagrange nodes (pyramids and serendipity elements are refused).
 ReferenceElement reference_element(int gmsh_type);
 
 /// Shape functions at given points.
@@ -35,7 +35,8 @@ struct Quadrature {
   std::vector<double> weight;  ///< (points)
   std::size_t size() const { return weight.size(); }
 };
-/// Gauss rule with positive weights, exact for polynomials of `degree` on gmsh's reference domain of a family. Needs a GmshSession.
+/// Gauss rule with positive weights, exact for polynomials of `degree` on gmsh's reference domain of a
+/// family. Needs a GmshSession.
 Quadrature quadrature_of(Family family, int degree);
 
 }  // namespace ricochet::mesh

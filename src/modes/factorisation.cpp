@@ -21,11 +21,12 @@ Factorisation::Factorisation(Mat stiffness, Mat mass, double sigma) {
   if (broken != MAT_FACTOR_NOERROR) {
     PetscInt code = 0;
     check(MatMumpsGetInfog(factor_, 1, &code));
-    throw SolverError("MUMPS could not factor K − σM (INFOG(1) = " + std::to_string(code) +
-                      (code == -9 || code == -13 ? "): not enough memory, use more ranks or a coarser mesh" : ")"));
+    throw SolverError(
+        "MUMPS could not factor K − σM (INFOG(1) = " + std::to_string(code) +
+        (code == -9 || code == -13 ? "): not enough memory, use more ranks or a coarser mesh" : ")"));
   }
-  PetscInt negative = 0, zero = 0, positive = 0;
-  check(MatGetInertia(factor_, &negative, &zero, &positive));
+  PetscInt negative = 0;
+  check(MatGetInertia(factor_, &negative, nullptr, nullptr));
   below_ = negative;
 }
 

@@ -24,7 +24,8 @@ class Factorisation {
   std::int64_t below_ = 0;
 };
 
-/// Options every MUMPS factor of ours carries: no ScaLAPACK at the root, which would hide part of the inertia.
+/// Options every MUMPS factor of ours carries: no ScaLAPACK at the root, which would hide part of the
+/// inertia.
 void require_inertia(Mat factor);
 
 /// A X for the columns of X (local rows, n). Collective.

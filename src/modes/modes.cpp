@@ -12,7 +12,8 @@ namespace {
 
 using parallel::check;
 
-/// Modes per slice: one factorisation serves them all; beyond this the basis of the iteration costs more than another one.
+/// Modes per slice: one factorisation serves them all; beyond this the basis of the iteration costs more than
+/// another one.
 constexpr std::int64_t slice_modes = 120;
 
 /// Relative distance of eigenvalues that count as one multiple mode.
@@ -30,7 +31,9 @@ std::pair<double, std::int64_t> end_for(const Counter& counter, std::int64_t cou
   // The count grows like λ^(3/2) in a solid (Weyl); probes follow that law, a little beyond.
   while (at_high < count) {
     low = high;
-    high *= std::clamp(1.2 * std::pow(static_cast<double>(count + 1) / static_cast<double>(at_high + 1), 2.0 / 3), 1.3, 16.0);
+    high *=
+        std::clamp(1.2 * std::pow(static_cast<double>(count + 1) / static_cast<double>(at_high + 1), 2.0 / 3),
+                   1.3, 16.0);
     at_high = counter.below(high);
   }
   const std::int64_t spare = std::max<std::int64_t>(6, count / 8);
@@ -47,14 +50,16 @@ std::pair<double, std::int64_t> end_for(const Counter& counter, std::int64_t cou
   return {high, at_high};
 }
 
-/// All elastic modes in (from, to), `expected` of them by inertia, by shift-and-invert Krylov–Schur about the middle.
+/// All elastic modes in (from, to), `expected` of them by inertia, by shift-and-invert Krylov–Schur about the
+/// middle.
 struct Slice {
   double from, to;
   std::int64_t expected;
 };
 
-void solve_slice(const mesh::Mesh& mesh, const elasticity::Body& body, const Slice& slice, const Eigen::MatrixXd& rigid, double tolerance,
-                 std::vector<double>& values, Eigen::MatrixXd& shapes) {
+void solve_slice(const mesh::Mesh& mesh, const elasticity::Body& body, const Slice& slice,
+                 const Eigen::MatrixXd& rigid, double tolerance, std::vector<double>& values,
+                 Eigen::MatrixXd& shapes) {
   parallel::EigenSolver eps;
   check(EPSCreate(mesh.comm, eps.out()));
   check(EPSSetOperators(eps, body.stiffness, body.mass));
@@ -84,7 +89,8 @@ void solve_slice(const mesh::Mesh& mesh, const elasticity::Body& body, const Sli
   std::vector<Vec> raw;
   Eigen::MatrixXd rigid_copy = rigid;
   for (Eigen::Index j = 0; j < rigid.cols(); ++j) {
-    check(VecCreateMPIWithArray(mesh.comm, mesh.components(), static_cast<PetscInt>(rigid.rows()), PETSC_DECIDE, rigid_copy.col(j).data(),
+    check(VecCreateMPIWithArray(mesh.comm, mesh.components(), static_cast<PetscInt>(rigid.rows()),
+                                PETSC_DECIDE, rigid_copy.col(j).data(),
                                 space[static_cast<std::size_t>(j)].out()));
     raw.push_back(space[static_cast<std::size_t>(j)]);
   }
@@ -100,16 +106,18 @@ void solve_slice(const mesh::Mesh& mesh, const elasticity::Body& body, const Sli
     if (value > slice.from && value <= slice.to) inside.emplace_back(value, i);
   }
   if (static_cast<std::int64_t>(inside.size()) != slice.expected)
-    throw SolverError(fmt::format("modes: {} found between {:.6g} and {:.6g} Hz but inertia proves {}", inside.size(),
-                                  std::sqrt(std::max(slice.from, 0.0)) / (2 * std::numbers::pi), std::sqrt(slice.to) / (2 * std::numbers::pi),
-                                  slice.expected));
+    throw SolverError(fmt::format("modes: {} found between {:.6g} and {:.6g} Hz but inertia proves {}",
+                                  inside.size(),
+                                  std::sqrt(std::max(slice.from, 0.0)) / (2 * std::numbers::pi),
+                                  std::sqrt(slice.to) / (2 * std::numbers::pi), slice.expected));
   std::sort(inside.begin(), inside.end());
   const Eigen::Index first = shapes.cols();
   shapes.conservativeResize(body.local_rows, first + static_cast<Eigen::Index>(inside.size()));
   for (std::size_t k = 0; k < inside.size(); ++k) {
     parallel::Vector x;
-    check(VecCreateMPIWithArray(mesh.comm, mesh.components(), static_cast<PetscInt>(body.local_rows), PETSC_DECIDE,
-                                shapes.col(first + static_cast<Eigen::Index>(k)).data(), x.out()));
+    check(VecCreateMPIWithArray(mesh.comm, mesh.components(), static_cast<PetscInt>(body.local_rows),
+                                PETSC_DECIDE, shapes.col(first + static_cast<Eigen::Index>(k)).data(),
+                                x.out()));
     check(EPSGetEigenvector(eps, inside[k].second, x, nullptr));
     values.push_back(inside[k].first);
   }
@@ -122,7 +130,8 @@ std::vector<Slice> plan(const Counter& counter, double end, std::int64_t at_end,
   double from = 0;
   std::int64_t at_from = rigid;
   for (std::int64_t s = 1; s <= slices; ++s) {
-    const double to = s == slices ? end : end * std::pow(static_cast<double>(s) / static_cast<double>(slices), 2.0 / 3);
+    const double to =
+        s == slices ? end : end * std::pow(static_cast<double>(s) / static_cast<double>(slices), 2.0 / 3);
     const std::int64_t at_to = s == slices ? at_end : counter.below(to);
     if (at_to > at_from) planned.push_back({from, to, at_to - at_from});
     from = to;
@@ -131,7 +140,8 @@ std::vector<Slice> plan(const Counter& counter, double end, std::int64_t at_end,
   return planned;
 }
 
-/// Signs that do not depend on the ranks: among entries within 0.1 % of the largest, the first in reading order is positive.
+/// Signs that do not depend on the ranks: among entries within 0.1 % of the largest, the first in reading
+/// order is positive.
 void fix_signs(const mesh::Mesh& mesh, Eigen::MatrixXd& shapes) {
   const int c = mesh.components();
   std::vector<std::int64_t> order(static_cast<std::size_t>(shapes.rows()));
@@ -149,7 +159,8 @@ void fix_signs(const mesh::Mesh& mesh, Eigen::MatrixXd& shapes) {
     } mine{1e300, parallel::rank_of(mesh.comm)}, first{};
     double value = 0;
     for (Eigen::Index i = 0; i < shapes.rows(); ++i)
-      if (std::abs(shapes(i, j)) >= 0.999 * top && static_cast<double>(order[static_cast<std::size_t>(i)]) < mine.order) {
+      if (std::abs(shapes(i, j)) >= 0.999 * top &&
+          static_cast<double>(order[static_cast<std::size_t>(i)]) < mine.order) {
         mine.order = static_cast<double>(order[static_cast<std::size_t>(i)]);
         value = shapes(i, j);
       }
@@ -168,12 +179,15 @@ Eigen::VectorXd norms(MPI_Comm comm, const Eigen::MatrixXd& x) {
 
 }  // namespace
 
-ModeSet compute_modes(const mesh::Mesh& mesh, const elasticity::Body& body, const Request& request, const Progress& progress) {
+ModeSet compute_modes(const mesh::Mesh& mesh, const elasticity::Body& body, const Request& request,
+                      const Progress& progress) {
   const Counter counter{body};
   const Eigen::MatrixXd rigid = elasticity::rigid_modes(mesh, body);
   const std::int64_t r = rigid.cols();
   if (request.count && *request.count > body.free_rows)
-    throw InputError(fmt::format("modes.count = {}: the body has {} free displacements: ask for fewer, or refine the mesh", *request.count, body.free_rows));
+    throw InputError(
+        fmt::format("modes.count = {}: the body has {} free displacements: ask for fewer, or refine the mesh",
+                    *request.count, body.free_rows));
 
   double end = 0;
   std::int64_t at_end = 0;
@@ -181,9 +195,11 @@ ModeSet compute_modes(const mesh::Mesh& mesh, const elasticity::Body& body, cons
     end = std::pow(static_cast<RadPerSecond>(*request.up_to).value, 2);
     at_end = counter.below(end);
   } else {
-    // First guess: a half wave over the cube root of the volume would do for a compact body; the search needs no more.
+    // First guess: a half wave over the cube root of the volume would do for a compact body; the search needs
+    // no more.
     const double size = std::cbrt(body.total_mass);
-    std::tie(end, at_end) = end_for(counter, *request.count, std::pow(body.wave_speed / std::max(size, 1e-3), 2));
+    std::tie(end, at_end) =
+        end_for(counter, *request.count, std::pow(body.wave_speed / std::max(size, 1e-3), 2));
   }
   if (at_end < r)
     throw SolverError(fmt::format("modes: inertia counts {} modes, fewer than the {} rigid ones", at_end, r));
@@ -202,7 +218,10 @@ ModeSet compute_modes(const mesh::Mesh& mesh, const elasticity::Body& body, cons
   if (request.count && r + kept > *request.count) {
     kept = std::max<std::int64_t>(*request.count - r, 0);
     // A multiple mode is kept whole.
-    while (kept > 0 && r + kept < at_end && lambda[static_cast<std::size_t>(kept)] < (1 + multiple) * lambda[static_cast<std::size_t>(kept) - 1]) ++kept;
+    while (kept > 0 && r + kept < at_end &&
+           lambda[static_cast<std::size_t>(kept)] <
+               (1 + multiple) * lambda[static_cast<std::size_t>(kept) - 1])
+      ++kept;
     if (r + kept < at_end) {
       const double last = kept > 0 ? lambda[static_cast<std::size_t>(kept) - 1] : 0;
       set.cut = (last + lambda[static_cast<std::size_t>(kept)]) / 2;
@@ -212,7 +231,8 @@ ModeSet compute_modes(const mesh::Mesh& mesh, const elasticity::Body& body, cons
   set.shape.resize(body.local_rows, r + kept);
   set.shape << rigid, elastic.leftCols(kept);
   set.angular_frequency.assign(static_cast<std::size_t>(r), 0);
-  for (std::int64_t k = 0; k < kept; ++k) set.angular_frequency.push_back(std::sqrt(lambda[static_cast<std::size_t>(k)]));
+  for (std::int64_t k = 0; k < kept; ++k)
+    set.angular_frequency.push_back(std::sqrt(lambda[static_cast<std::size_t>(k)]));
   fix_signs(mesh, set.shape);
 
   // The certificate: counts, residuals, M-orthonormality, each from what is about to be returned.
@@ -225,23 +245,31 @@ ModeSet compute_modes(const mesh::Mesh& mesh, const elasticity::Body& body, cons
   check(VecNorm(diagonal, NORM_INFINITY, &stiffest));
   const Eigen::VectorXd force_norm = norms(mesh.comm, force), shape_norm = norms(mesh.comm, set.shape);
   Eigen::MatrixXd defect = force;
-  for (Eigen::Index j = r; j < set.shape.cols(); ++j) defect.col(j) -= std::pow(set.angular_frequency[static_cast<std::size_t>(j)], 2) * inertia.col(j);
+  for (Eigen::Index j = r; j < set.shape.cols(); ++j)
+    defect.col(j) -= std::pow(set.angular_frequency[static_cast<std::size_t>(j)], 2) * inertia.col(j);
   const Eigen::VectorXd defect_norm = norms(mesh.comm, defect);
   for (Eigen::Index j = 0; j < set.shape.cols(); ++j) {
     set.residual.push_back(defect_norm[j] / (j < r ? stiffest * shape_norm[j] : force_norm[j]));
     if (set.residual.back() > request.relative_residual)
-      throw SolverError(fmt::format("modes: mode {} at {:.6g} Hz has a residual of {:.2g}, above {:.2g}: loosen modes.relative_residual", j + 1,
-                                    to_hertz({set.angular_frequency[static_cast<std::size_t>(j)]}).value, set.residual.back(), request.relative_residual));
+      throw SolverError(
+          fmt::format("modes: mode {} at {:.6g} Hz has a residual of {:.2g}, above {:.2g}: loosen "
+                      "modes.relative_residual",
+                      j + 1, to_hertz({set.angular_frequency[static_cast<std::size_t>(j)]}).value,
+                      set.residual.back(), request.relative_residual));
   }
   auto& certificate = set.certificate;
   certificate.upto_hz = std::sqrt(set.cut) / (2 * std::numbers::pi);
   certificate.count_by_inertia = at_end;
   certificate.count_found = set.shape.cols();
-  certificate.orthonormality = (gram - Eigen::MatrixXd::Identity(gram.rows(), gram.cols())).cwiseAbs().maxCoeff();
-  certificate.complete = certificate.count_by_inertia == certificate.count_found && certificate.orthonormality < 1e-8;
+  certificate.orthonormality =
+      (gram - Eigen::MatrixXd::Identity(gram.rows(), gram.cols())).cwiseAbs().maxCoeff();
+  certificate.complete =
+      certificate.count_by_inertia == certificate.count_found && certificate.orthonormality < 1e-8;
   if (!certificate.complete)
-    throw SolverError(fmt::format("modes: {} found but inertia proves {} below {:.6g} Hz, M-orthonormal to {:.2g}", certificate.count_found,
-                                  certificate.count_by_inertia, certificate.upto_hz, certificate.orthonormality));
+    throw SolverError(
+        fmt::format("modes: {} found but inertia proves {} below {:.6g} Hz, M-orthonormal to {:.2g}",
+                    certificate.count_found, certificate.count_by_inertia, certificate.upto_hz,
+                    certificate.orthonormality));
   return set;
 }
 

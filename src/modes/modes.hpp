@@ -11,8 +11,9 @@
 namespace ricochet::modes {
 
 struct Request {
-  std::optional<Hertz> up_to;         ///< all modes up to here, or
-  std::optional<std::int64_t> count;  ///< the lowest ones, rigid included; extended to the end of a multiple mode
+  std::optional<Hertz> up_to;  ///< all modes up to here, or
+  std::optional<std::int64_t>
+      count;  ///< the lowest ones, rigid included; extended to the end of a multiple mode
   double relative_residual = 1e-8;
 };
 
@@ -21,23 +22,26 @@ using Progress = std::function<void(std::int64_t done, std::int64_t total)>;
 
 struct ModeSet {
   std::vector<double> angular_frequency;  ///< (N) [rad/s], ascending; rigid modes first, exactly 0
-  std::vector<double> residual;           ///< (N) ‖Kφ − ω²Mφ‖₂ / ‖Kφ‖₂; rigid: ‖Kφ‖₂ / (max |diag K| ‖φ‖₂)
-  Eigen::MatrixXd shape;                  ///< (local rows, N), M-orthonormal; the largest entry of each is positive
+  std::vector<double> residual;  ///< (N) ‖Kφ − ω²Mφ‖₂ / ‖Kφ‖₂; rigid: ‖Kφ‖₂ / (max |diag K| ‖φ‖₂)
+  Eigen::MatrixXd shape;  ///< (local rows, N), M-orthonormal; the largest entry of each is positive
   kernels::Certificate certificate;
-  double cut = 0;                         ///< λ between the last mode kept and the next [rad²/s²]: the proved end
+  double cut = 0;  ///< λ between the last mode kept and the next [rad²/s²]: the proved end
 };
 
-/// Collective. Throws InputError when the body has fewer modes than asked for; SolverError when a mode is missing, a residual exceeds its
-/// bound, or M-orthonormality is worse than 1e-8: nothing uncertified is returned.
-/// Source: counts by inertia as in Grimes, Lewis & Simon 1994.
-ModeSet compute_modes(const mesh::Mesh& mesh, const elasticity::Body& body, const Request& request, const Progress& progress = {});
+/// Collective. Throws InputError when the body has fewer modes than asked for; SolverError when a mode is
+/// missing, a residual exceeds its bound, or M-orthonormality is worse than 1e-8: nothing uncertified is
+/// returned. Source: counts by inertia as in Grimes, Lewis & Simon 1994.
+ModeSet compute_modes(const mesh::Mesh& mesh, const elasticity::Body& body, const Request& request,
+                      const Progress& progress = {});
 
-/// Quasi-static response of the modes left out to a set of loads: Cᵀ Pᵀ (K − σM)⁻¹ P [C L] corrected to σ = 0.
+/// Quasi-static response of the modes left out to a set of loads: Cᵀ Pᵀ (K − σM)⁻¹ P [C L] corrected to σ =
+/// 0.
 ///
-/// @param seen   C (local rows, a): where it is seen   @param loads  (local rows, b), may hold C's own columns
+/// @param seen   C (local rows, a): where it is seen   @param loads  (local rows, b), may hold C's own
+/// columns
 /// @return (a, b) [m/N for unit loads], the same on every rank. Collective.
 /// Source: MacNeal 1971, Rubin 1975; by the shifted series Σ (−σ)^k … until 1e-10 relative.
-Eigen::MatrixXd residual_response(const mesh::Mesh& mesh, const elasticity::Body& body, const ModeSet& modes, const Eigen::MatrixXd& seen,
-                                  const Eigen::MatrixXd& loads);
+Eigen::MatrixXd residual_response(const mesh::Mesh& mesh, const elasticity::Body& body, const ModeSet& modes,
+                                  const Eigen::MatrixXd& seen, const Eigen::MatrixXd& loads);
 
 }  // namespace ricochet::modes

@@ -16,9 +16,10 @@ constexpr std::size_t piece_bytes = std::size_t{1} << 30;
 std::string last_message;
 
 /// Keeps the innermost message for `check` instead of printing a trace from every rank.
-PetscErrorCode keep_message(MPI_Comm, int, const char* function, const char*, PetscErrorCode code, PetscErrorType kind,
-                            const char* message, void*) {
-  if (kind == PETSC_ERROR_INITIAL) last_message = fmt::format("{}: {}", function, message != nullptr ? message : "");
+PetscErrorCode keep_message(MPI_Comm, int, const char* function, const char*, PetscErrorCode code,
+                            PetscErrorType kind, const char* message, void*) {
+  if (kind == PETSC_ERROR_INITIAL)
+    last_message = fmt::format("{}: {}", function, message != nullptr ? message : "");
   return code;
 }
 
@@ -31,7 +32,8 @@ void send_bytes(MPI_Comm comm, const void* data, std::size_t bytes, int to) {
 void receive_bytes(MPI_Comm comm, void* data, std::size_t bytes) {
   char* at = static_cast<char*>(data);
   for (std::size_t got = 0; got < bytes; got += piece_bytes)
-    MPI_Recv(at + got, static_cast<int>(std::min(piece_bytes, bytes - got)), MPI_BYTE, 0, 0, comm, MPI_STATUS_IGNORE);
+    MPI_Recv(at + got, static_cast<int>(std::min(piece_bytes, bytes - got)), MPI_BYTE, 0, 0, comm,
+             MPI_STATUS_IGNORE);
 }
 
 void broadcast_bytes(MPI_Comm comm, void* data, std::size_t bytes) {
@@ -70,8 +72,8 @@ int size_of(MPI_Comm comm) {
 
 void check(PetscErrorCode code, std::source_location at) {
   if (code == 0) return;
-  throw SolverError(fmt::format("{}:{}: PETSc error {}: {}", at.file_name(), at.line(), static_cast<int>(code),
-                                std::exchange(last_message, {})));
+  throw SolverError(fmt::format("{}:{}: PETSc error {}: {}", at.file_name(), at.line(),
+                                static_cast<int>(code), std::exchange(last_message, {})));
 }
 
 void agree(MPI_Comm comm, const std::string& complaint) {
@@ -89,15 +91,16 @@ void agree(MPI_Comm comm, const std::string& complaint) {
 
 PetscInt petsc_int(std::int64_t value) {
   if (value > static_cast<std::int64_t>(PETSC_MAX_INT) || value < 0)
-    throw SolverError(fmt::format("{} does not fit PETSc's integers: use a 64-bit-index build of PETSc", value));
+    throw SolverError(
+        fmt::format("{} does not fit PETSc's integers: use a 64-bit-index build of PETSc", value));
   return static_cast<PetscInt>(value);
 }
 
 void sum(MPI_Comm comm, double* values, std::size_t count) {
   constexpr std::size_t piece = std::size_t{1} << 26;
   for (std::size_t done = 0; done < count; done += piece)
-    MPI_Allreduce(MPI_IN_PLACE, values + done, static_cast<int>(std::min(piece, count - done)), MPI_DOUBLE, MPI_SUM,
-                  comm);
+    MPI_Allreduce(MPI_IN_PLACE, values + done, static_cast<int>(std::min(piece, count - done)), MPI_DOUBLE,
+                  MPI_SUM, comm);
 }
 
 std::int64_t sum(MPI_Comm comm, std::int64_t value) {

@@ -14,8 +14,8 @@
 
 namespace ricochet::parallel {
 
-/// MPI, PETSc and SLEPc from here to the end of the scope. The first local of `main`; every handle lives in a function
-/// called after it. PETSc's options come from PETSC_OPTIONS, never from the program's own arguments.
+/// MPI, PETSc and SLEPc from here to the end of the scope. The first local of `main`; every handle lives in a
+/// function called after it. PETSc's options come from PETSC_OPTIONS, never from the program's own arguments.
 class Session {
  public:
   Session();
@@ -30,8 +30,8 @@ int size_of(MPI_Comm comm);
 /// Throws SolverError with PETSc's message and the caller's line unless `code` is 0.
 void check(PetscErrorCode code, std::source_location at = std::source_location::current());
 
-/// Collective. Returns when `complaint` is empty on every rank; otherwise every rank throws InputError with the
-/// complaint of the lowest rank that has one.
+/// Collective. Returns when `complaint` is empty on every rank; otherwise every rank throws InputError with
+/// the complaint of the lowest rank that has one.
 void agree(MPI_Comm comm, const std::string& complaint);
 
 /// Collective. Runs `task` on rank 0; an InputError there is thrown on every rank.
@@ -48,7 +48,8 @@ void on_first_rank(MPI_Comm comm, Task&& task) {
   agree(comm, complaint);
 }
 
-/// Move-only owner of a PETSc or SLEPc object. Refuses to hand out a null handle to a call that would crash on it.
+/// Move-only owner of a PETSc or SLEPc object. Refuses to hand out a null handle to a call that would crash
+/// on it.
 template <class Raw, PetscErrorCode (*Destroy)(Raw*)>
 class Handle {
  public:
@@ -87,11 +88,12 @@ using EigenSolver = Handle<EPS, EPSDestroy>;
 /// To PETSc's integer; throws SolverError when it does not fit (use a build of PETSc with 64-bit indices).
 PetscInt petsc_int(std::int64_t value);
 
-void sum(MPI_Comm comm, double* values, std::size_t count);   ///< all ranks, in place
+void sum(MPI_Comm comm, double* values, std::size_t count);  ///< all ranks, in place
 std::int64_t sum(MPI_Comm comm, std::int64_t value);
 double largest(MPI_Comm comm, double value);
 
-/// Rank 0 sends one vector to each rank (`per_rank`, used on rank 0 alone); every rank receives its own. Collective.
+/// Rank 0 sends one vector to each rank (`per_rank`, used on rank 0 alone); every rank receives its own.
+/// Collective.
 template <class T>
 std::vector<T> scatter(MPI_Comm comm, const std::vector<std::vector<T>>& per_rank);
 /// Rank 0's vector to every rank. Collective.

@@ -25,14 +25,16 @@ struct Fine {
   int corners = 3;
 };
 
-/// Linear or bilinear hats of a cell at reference point (u, v): triangle on [0,1], quadrangle and line on [−1,1].
+/// Linear or bilinear hats of a cell at reference point (u, v): triangle on [0,1], quadrangle and line on
+/// [−1,1].
 std::array<double, 4> hats(int corners, double u, double v) {
   if (corners == 3) return {1 - u - v, u, v, 0};
   if (corners == 2) return {(1 - u) / 2, (1 + u) / 2, 0, 0};
   return {(1 - u) * (1 - v) / 4, (1 + u) * (1 - v) / 4, (1 + u) * (1 + v) / 4, (1 - u) * (1 + v) / 4};
 }
 
-/// Adds the hats of one block of surface facets: each cell of the lattice is integrated by its own rule, p² equal parts of the reference facet.
+/// Adds the hats of one block of surface facets: each cell of the lattice is integrated by its own rule, p²
+/// equal parts of the reference facet.
 void add_facets(const Block& block, Fine& fine) {
   const auto reference = mesh::reference_element(block.gmsh_type);
   const auto lattice = mesh::lattice_of(reference);
@@ -51,7 +53,8 @@ void add_facets(const Block& block, Fine& fine) {
       table.hat.push_back(hats(lattice.corners, rule.local[3 * q], rule.local[3 * q + 1]));
       std::array<double, 2> at{};
       for (int k = 0; k < lattice.corners; ++k)
-        for (int d = 0; d < 2; ++d) at[d] += table.hat.back()[k] * reference.node[2 * static_cast<std::size_t>(cell[k]) + d];
+        for (int d = 0; d < 2; ++d)
+          at[d] += table.hat.back()[k] * reference.node[2 * static_cast<std::size_t>(cell[k]) + d];
       local.insert(local.end(), {at[0], at[1], 0});
     }
     table.basis = mesh::basis_at(reference, local);
@@ -79,7 +82,9 @@ void add_facets(const Block& block, Fine& fine) {
           fine.normal[vertex] += w * normal;
           fine.group[vertex] = block.label[e];
           for (int a = 0; a < n; ++a)
-            fine.load[vertex][nodes[a]] += w * measure * tables[t].basis.value[q * static_cast<std::size_t>(n) + static_cast<std::size_t>(a)];
+            fine.load[vertex][nodes[a]] +=
+                w * measure *
+                tables[t].basis.value[q * static_cast<std::size_t>(n) + static_cast<std::size_t>(a)];
         }
       }
     for (int k : simplices) fine.simplex.push_back(nodes[k]);
@@ -89,7 +94,9 @@ void add_facets(const Block& block, Fine& fine) {
 Fine fine_hats(const FacetMesh& facets, double rod_area) {
   Fine fine;
   const std::size_t n = facets.node.size();
-  for (std::size_t i = 0; i < n; ++i) fine.position.emplace_back(facets.position[3 * i], facets.position[3 * i + 1], facets.position[3 * i + 2]);
+  for (std::size_t i = 0; i < n; ++i)
+    fine.position.emplace_back(facets.position[3 * i], facets.position[3 * i + 1],
+                               facets.position[3 * i + 2]);
   fine.normal.assign(n, Eigen::Vector3d::Zero());
   fine.area.assign(n, 0);
   fine.group.assign(n, 0);
@@ -103,7 +110,8 @@ Fine fine_hats(const FacetMesh& facets, double rod_area) {
     for (std::size_t e = 0; e < block.size(); ++e) {
       const auto i = static_cast<std::size_t>(block.node[e]);
       fine.area[i] = rod_area;
-      fine.normal[i] = rod_area * Eigen::Vector3d(facets.end_normal[3 * i], facets.end_normal[3 * i + 1], facets.end_normal[3 * i + 2]);
+      fine.normal[i] = rod_area * Eigen::Vector3d(facets.end_normal[3 * i], facets.end_normal[3 * i + 1],
+                                                  facets.end_normal[3 * i + 2]);
       fine.load[i][block.node[e]] = rod_area;
       fine.group[i] = block.label[e];
       fine.simplex.push_back(block.node[e]);
@@ -112,7 +120,8 @@ Fine fine_hats(const FacetMesh& facets, double rod_area) {
   return fine;
 }
 
-/// Merging of fine vertices into coarser candidates: vertex → (candidate, share), shares of a vertex add up to 1.
+/// Merging of fine vertices into coarser candidates: vertex → (candidate, share), shares of a vertex add up
+/// to 1.
 struct Merge {
   std::vector<Eigen::Vector3d> centre;
   std::vector<std::vector<std::pair<int, double>>> share;  ///< per fine vertex
@@ -145,18 +154,21 @@ Merge merge_lines(const Fine& fine, const Eigen::Vector3d& along) {
     range[k] = {std::min(range[k].first, height), std::max(range[k].second, height)};
     line[i] = static_cast<int>(k);
   }
-  for (std::size_t k = 0; k < foot.size(); ++k) merge.centre.push_back(foot[k] + (range[k].first + range[k].second) / 2 * along);
+  for (std::size_t k = 0; k < foot.size(); ++k)
+    merge.centre.push_back(foot[k] + (range[k].first + range[k].second) / 2 * along);
   for (int k : line) merge.share.push_back({{k, 1.0}});
   return merge;
 }
 
-/// Centres no closer than `spacing`, chosen by an advancing front from the lowest corner, so that a row of points is walked end to end;
-/// every point shares itself among the centres near it by linear hats of that radius.
+/// Centres no closer than `spacing`, chosen by an advancing front from the lowest corner, so that a row of
+/// points is walked end to end; every point shares itself among the centres near it by linear hats of that
+/// radius.
 Merge thin(const Merge& points, const std::vector<Eigen::Vector3d>& normal, double spacing) {
   const std::size_t n = points.centre.size();
   const auto before = [&](std::size_t a, std::size_t b) {
     for (int k = 0; k < 3; ++k)
-      if (std::abs(points.centre[a][k] - points.centre[b][k]) > 1e-9 * spacing) return points.centre[a][k] < points.centre[b][k];
+      if (std::abs(points.centre[a][k] - points.centre[b][k]) > 1e-9 * spacing)
+        return points.centre[a][k] < points.centre[b][k];
     return a < b;
   };
   std::size_t next = 0;
@@ -167,7 +179,8 @@ Merge thin(const Merge& points, const std::vector<Eigen::Vector3d>& normal, doub
   std::vector<std::size_t> chosen;
   // Opposite faces of a thin body are far from each other however close they lie.
   const auto distance = [&](std::size_t i, std::size_t j) {
-    return normal[i].dot(normal[j]) <= 0 ? std::numeric_limits<double>::infinity() : (points.centre[i] - points.centre[j]).norm();
+    return normal[i].dot(normal[j]) <= 0 ? std::numeric_limits<double>::infinity()
+                                         : (points.centre[i] - points.centre[j]).norm();
   };
   while (next < n) {
     chosen.push_back(next);
@@ -176,7 +189,9 @@ Merge thin(const Merge& points, const std::vector<Eigen::Vector3d>& normal, doub
     std::size_t best = n;
     for (std::size_t i = 0; i < n; ++i) {
       if (nearest[i] < spacing * (1 - 1e-6)) continue;
-      if (best == n || nearest[i] < nearest[best] - 1e-9 * spacing || (nearest[i] < nearest[best] + 1e-9 * spacing && before(i, best))) best = i;
+      if (best == n || nearest[i] < nearest[best] - 1e-9 * spacing ||
+          (nearest[i] < nearest[best] + 1e-9 * spacing && before(i, best)))
+        best = i;
     }
     next = best;
   }
@@ -201,16 +216,20 @@ Merge thin(const Merge& points, const std::vector<Eigen::Vector3d>& normal, doub
   return merge;
 }
 
-/// Candidate mesh: fine simplices under "the candidate that holds most of this vertex", highest dimension that is left.
+/// Candidate mesh: fine simplices under "the candidate that holds most of this vertex", highest dimension
+/// that is left.
 void quotient(const Fine& fine, const Merge& merge, kernels::Surface& surface) {
   const auto holder = [&](std::int64_t vertex) {
     const auto& share = merge.share[static_cast<std::size_t>(vertex)];
-    return std::max_element(share.begin(), share.end(), [](const auto& a, const auto& b) { return a.second < b.second; })->first;
+    return std::max_element(share.begin(), share.end(),
+                            [](const auto& a, const auto& b) { return a.second < b.second; })
+        ->first;
   };
   const int corners = fine.corners;
   std::array<std::set<std::vector<std::int64_t>>, 4> seen;
   std::array<std::vector<std::int64_t>, 4> elements;
-  for (std::size_t s = 0; s + static_cast<std::size_t>(corners) <= fine.simplex.size(); s += static_cast<std::size_t>(corners)) {
+  for (std::size_t s = 0; s + static_cast<std::size_t>(corners) <= fine.simplex.size();
+       s += static_cast<std::size_t>(corners)) {
     std::vector<std::int64_t> distinct;
     for (int k = 0; k < corners; ++k) {
       const std::int64_t c = holder(fine.simplex[s + static_cast<std::size_t>(k)]);
@@ -218,7 +237,8 @@ void quotient(const Fine& fine, const Merge& merge, kernels::Surface& surface) {
     }
     std::vector<std::int64_t> key = distinct;
     std::sort(key.begin(), key.end());
-    if (seen[distinct.size()].insert(key).second) elements[distinct.size()].insert(elements[distinct.size()].end(), distinct.begin(), distinct.end());
+    if (seen[distinct.size()].insert(key).second)
+      elements[distinct.size()].insert(elements[distinct.size()].end(), distinct.begin(), distinct.end());
   }
   int k = 3;
   while (k > 1 && elements[static_cast<std::size_t>(k)].empty()) --k;
@@ -228,13 +248,18 @@ void quotient(const Fine& fine, const Merge& merge, kernels::Surface& surface) {
 
 }  // namespace
 
-Patches make_patches(const mesh::Mesh& mesh, const std::vector<std::string>& groups, double rod_area, const PatchOptions& options) {
+Patches make_patches(const mesh::Mesh& mesh, const std::vector<std::string>& groups, double rod_area,
+                     const PatchOptions& options) {
   const Fine fine = fine_hats(mesh.contact, rod_area);
-  if (fine.position.empty()) throw InputError("the contact groups hold no facets: give them a physical surface (a physical point for rods)");
-  Merge merge = options.along ? merge_lines(fine, Eigen::Map<const Eigen::Vector3d>(options.along->data())) : one_each(fine);
+  if (fine.position.empty())
+    throw InputError(
+        "the contact groups hold no facets: give them a physical surface (a physical point for rods)");
+  Merge merge = options.along ? merge_lines(fine, Eigen::Map<const Eigen::Vector3d>(options.along->data()))
+                              : one_each(fine);
   if (options.spacing) {
     std::vector<Eigen::Vector3d> normal(merge.centre.size(), Eigen::Vector3d::Zero());
-    for (std::size_t i = 0; i < fine.position.size(); ++i) normal[static_cast<std::size_t>(merge.share[i][0].first)] += fine.normal[i];
+    for (std::size_t i = 0; i < fine.position.size(); ++i)
+      normal[static_cast<std::size_t>(merge.share[i][0].first)] += fine.normal[i];
     merge = thin(merge, normal, *options.spacing);
   }
 
@@ -260,7 +285,8 @@ Patches make_patches(const mesh::Mesh& mesh, const std::vector<std::string>& gro
       surface.normal.push_back(normal[k][d]);
     }
     for (const auto& [node, w] : load[k])
-      patches.weights.push_back({mesh.contact.node[static_cast<std::size_t>(node)], static_cast<int>(k), w / surface.area[k]});
+      patches.weights.push_back(
+          {mesh.contact.node[static_cast<std::size_t>(node)], static_cast<int>(k), w / surface.area[k]});
   }
   quotient(fine, merge, surface);
   surface.components = options.direction ? 1 : 3;

@@ -9,7 +9,8 @@
 
 namespace ricochet::surface {
 
-/// One weight of a patch: candidate i spreads a unit force on the nodes, C(node, i) = (1/A_i) ∫ w_i N_node ds.
+/// One weight of a patch: candidate i spreads a unit force on the nodes, C(node, i) = (1/A_i) ∫ w_i N_node
+/// ds.
 struct Weight {
   std::int64_t node;  ///< global
   int candidate;
@@ -18,28 +19,30 @@ struct Weight {
 
 /// Patches, the same on every rank.
 struct Patches {
-  kernels::Surface geometry;    ///< all but shape and residual flexibility
+  kernels::Surface geometry;  ///< all but shape and residual flexibility
   std::vector<Weight> weights;
 };
 
 struct PatchOptions {
   std::optional<Vector3> direction;  ///< unit: only this component of the trace is kept
-  std::optional<Vector3> along;   ///< one patch for all that lies on a line in this direction
-  std::optional<double> spacing;  ///< [m] distance between candidates; 0 or none: every node of the subdivided surface
+  std::optional<Vector3> along;      ///< one patch for all that lies on a line in this direction
+  std::optional<double>
+      spacing;  ///< [m] distance between candidates; 0 or none: every node of the subdivided surface
 };
 
-/// Hats w_i ≥ 0, Σ w_i = 1, on the vertices of the surface subdivided to the element order; merged along a direction and thinned to a
-/// spacing when asked. Needs a GmshSession. `areas` are the cross-sections by contact group, for rods.
-/// Throws InputError when the mesh has no contact facets.
-Patches make_patches(const mesh::Mesh& mesh, const std::vector<std::string>& groups, double rod_area, const PatchOptions& options);
+/// Hats w_i ≥ 0, Σ w_i = 1, on the vertices of the surface subdivided to the element order; merged along a
+/// direction and thinned to a spacing when asked. Needs a GmshSession. `areas` are the cross-sections by
+/// contact group, for rods. Throws InputError when the mesh has no contact facets.
+Patches make_patches(const mesh::Mesh& mesh, const std::vector<std::string>& groups, double rod_area,
+                     const PatchOptions& options);
 
-/// Loads of the patches: column c·i + k is a unit force on patch i in component k (c = 3), or along `direction` (c = 1).
-/// Held components carry none. @return (local rows, c M) [N]
+/// Loads of the patches: column c·i + k is a unit force on patch i in component k (c = 3), or along
+/// `direction` (c = 1). Held components carry none. @return (local rows, c M) [N]
 Eigen::MatrixXd patch_loads(const mesh::Mesh& mesh, const Patches& patches);
 
-/// Fills shape, residual flexibility and loads of a kernel, and its view when asked; the same on every rank but for the view, which is on
-/// rank 0. Collective.
-void trace(const mesh::Mesh& mesh, const elasticity::Body& body, const modes::ModeSet& modes, const Patches& patches, bool residual, bool view,
-           kernels::Kernel& kernel);
+/// Fills shape, residual flexibility and loads of a kernel, and its view when asked; the same on every rank
+/// but for the view, which is on rank 0. Collective.
+void trace(const mesh::Mesh& mesh, const elasticity::Body& body, const modes::ModeSet& modes,
+           const Patches& patches, bool residual, bool view, kernels::Kernel& kernel);
 
 }  // namespace ricochet::surface

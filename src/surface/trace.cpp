@@ -17,7 +17,9 @@ std::vector<double> flat(const Eigen::MatrixXd& matrix) {
 
 /// Share of a displacement component of the mesh in the kernel's component k.
 double component(const mesh::Mesh& mesh, const kernels::Surface& surface, int mesh_component, int k) {
-  const Vector3 out = surface.components == 3 ? Vector3{k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0} : *surface.direction;
+  const Vector3 out = surface.components == 3
+                          ? Vector3{k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0}
+                          : *surface.direction;
   if (mesh.dim == 3) return out[static_cast<std::size_t>(mesh_component)];
   return out[0] * mesh.axis[0] + out[1] * mesh.axis[1] + out[2] * mesh.axis[2];
 }
@@ -43,8 +45,9 @@ void gather_view(const mesh::Mesh& mesh, const modes::ModeSet& modes, kernels::K
       const std::int64_t row = nodes[v] - mesh.first_node;
       if (row < 0 || row >= mesh.owned_nodes) continue;
       for (int d = 0; d < 3; ++d)
-        value[3 * v + static_cast<std::size_t>(d)] = c == 3 ? modes.shape(row * 3 + d, static_cast<Eigen::Index>(n))
-                                                            : modes.shape(row, static_cast<Eigen::Index>(n)) * mesh.axis[static_cast<std::size_t>(d)];
+        value[3 * v + static_cast<std::size_t>(d)] =
+            c == 3 ? modes.shape(row * 3 + d, static_cast<Eigen::Index>(n))
+                   : modes.shape(row, static_cast<Eigen::Index>(n)) * mesh.axis[static_cast<std::size_t>(d)];
     }
     parallel::sum(mesh.comm, value.data(), value.size());
     if (first)
@@ -57,21 +60,25 @@ void gather_view(const mesh::Mesh& mesh, const modes::ModeSet& modes, kernels::K
 
 Eigen::MatrixXd patch_loads(const mesh::Mesh& mesh, const Patches& patches) {
   const int c = mesh.components(), out = patches.geometry.components;
-  Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(mesh.owned_nodes * c, static_cast<Eigen::Index>(patches.geometry.size()) * out);
+  Eigen::MatrixXd loads =
+      Eigen::MatrixXd::Zero(mesh.owned_nodes * c, static_cast<Eigen::Index>(patches.geometry.size()) * out);
   for (const Weight& weight : patches.weights) {
     const std::int64_t row = weight.node - mesh.first_node;
     if (row < 0 || row >= mesh.owned_nodes) continue;
-    const auto local = static_cast<std::size_t>(std::lower_bound(mesh.node.begin(), mesh.node.end(), weight.node) - mesh.node.begin());
+    const auto local = static_cast<std::size_t>(
+        std::lower_bound(mesh.node.begin(), mesh.node.end(), weight.node) - mesh.node.begin());
     for (int d = 0; d < c; ++d) {
       if (mesh.is_fixed(local, d)) continue;
-      for (int k = 0; k < out; ++k) loads(row * c + d, weight.candidate * out + k) += weight.value * component(mesh, patches.geometry, d, k);
+      for (int k = 0; k < out; ++k)
+        loads(row * c + d, weight.candidate * out + k) +=
+            weight.value * component(mesh, patches.geometry, d, k);
     }
   }
   return loads;
 }
 
-void trace(const mesh::Mesh& mesh, const elasticity::Body& body, const modes::ModeSet& modes, const Patches& patches, bool residual, bool view,
-           kernels::Kernel& kernel) {
+void trace(const mesh::Mesh& mesh, const elasticity::Body& body, const modes::ModeSet& modes,
+           const Patches& patches, bool residual, bool view, kernels::Kernel& kernel) {
   kernel.surface = patches.geometry;
   const Eigen::MatrixXd loads = patch_loads(mesh, patches);
   kernel.surface.shape = flat(modes::inner(mesh.comm, loads, modes.shape));

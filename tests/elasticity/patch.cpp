@@ -26,7 +26,8 @@ class Patch : public testing::TestWithParam<Case> {
   static double lean() { return GetParam().kind == "prism" ? 0 : 0.4; }
   static bool inside(const double* x) {
     const double s = 0.5 * lean() * x[2], slack = 1e-9;
-    return x[2] > slack && x[2] < 1 - slack && x[0] > s + slack && x[0] < 1 - s - slack && x[1] > s + slack && x[1] < 1 - s - slack;
+    return x[2] > slack && x[2] < 1 - slack && x[0] > s + slack && x[0] < 1 - s - slack && x[1] > s + slack &&
+           x[1] < 1 - s - slack;
   }
 };
 
@@ -63,7 +64,8 @@ TEST_P(Patch, linear_displacement_leaves_no_force_inside_and_the_exact_energy) {
 
   // Exact: W = ½ λ tr(ε)² V + μ ε:ε V, with the volume of a truncated pyramid.
   const auto& m = given.materials[0];
-  const double lambda = m.young * m.poisson / ((1 + m.poisson) * (1 - 2 * m.poisson)), mu = m.young / (2 * (1 + m.poisson));
+  const double lambda = m.young * m.poisson / ((1 + m.poisson) * (1 - 2 * m.poisson)),
+               mu = m.young / (2 * (1 + m.poisson));
   const Eigen::Matrix3d strain = (gradient + gradient.transpose()) / 2;
   const double top = 1 - lean(), volume = (1 + top + top * top) / 3;
   const double exact = (0.5 * lambda * strain.trace() * strain.trace() + mu * strain.squaredNorm()) * volume;
@@ -80,7 +82,8 @@ TEST_P(Patch, rigid_motions_leave_no_force) {
   const Eigen::MatrixXd rigid = elasticity::rigid_modes(mesh, body);
   ASSERT_EQ(rigid.cols(), 6);
   const Eigen::MatrixXd force = modes::multiply(body.stiffness, rigid);
-  EXPECT_LT(parallel::largest(mesh.comm, force.size() > 0 ? force.cwiseAbs().maxCoeff() : 0), 1e-12 * 100);  // diagonal of K is of the order of 10
+  EXPECT_LT(parallel::largest(mesh.comm, force.size() > 0 ? force.cwiseAbs().maxCoeff() : 0),
+            1e-12 * 100);  // diagonal of K is of the order of 10
   const Eigen::MatrixXd gram = modes::inner(mesh.comm, rigid, modes::multiply(body.mass, rigid));
   EXPECT_LT((gram - Eigen::MatrixXd::Identity(6, 6)).cwiseAbs().maxCoeff(), 1e-12);
 }
@@ -89,7 +92,8 @@ std::vector<Case> all_cases() {
   std::vector<Case> cases;
   for (const char* kind : {"tet", "hex", "prism"})
     // gmsh 4.8 has no shape functions for prisms beyond order 2.
-    for (int order = 1; order <= (std::string(kind) == "prism" ? 2 : 4); ++order) cases.push_back({kind, order});
+    for (int order = 1; order <= (std::string(kind) == "prism" ? 2 : 4); ++order)
+      cases.push_back({kind, order});
   return cases;
 }
 

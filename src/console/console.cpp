@@ -1,0 +1,106 @@
+#include "src/console/console.hpp"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+
+namespace ricochet::console {
+
+namespace {
+
+double now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+std::string duration_of(double seconds) {
+  if (seconds < 100) return fmt::format("{:.2f} s", seconds);
+  if (seconds < 6000)
+    return fmt::format("{:.0f} min {:02.0f} s", static_cast<double>(static_cast<int>(seconds / 60)),
+                       static_cast<double>(static_cast<int>(seconds) % 60));
+  return fmt::format("{:.1f} h", seconds / 3600);
+}
+
+}  // namespace
+
+double peak_memory_mib() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+Console::Console(bool quiet) : quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0) {}
+
+void Console::begin(std::string name, std::int64_t total) {
+  if (open_) end();
+  name_ = std::move(name);
+  total_ = total;
+  done_ = 0;
+  started_ = now();
+  drawn_ = 0;
+  open_ = true;
+  draw(false);
+}
+
+void Console::advance(std::int64_t done) {
+  done_ = done;
+  // The clock is read every 64th step at most: a step may take less than a reading.
+  if (terminal_ && !quiet_ && (done & 63) == 0) draw(false);
+}
+
+void Console::end(const std::string& note) {
+  if (!open_) return;
+  open_ = false;
+  phases_.push_back({name_, now() - started_, peak_memory_mib(), note});
+  draw(true);
+}
+
+void Console::draw(bool last) {
+  if (quiet_) return;
+  if (last) {
+    const Phase& phase = phases_.back();
+    fmt::print(stderr, "{}{:<28} {:>10}  {}\n", terminal_ ? "\r\033[K" : "", phase.name,
+               duration_of(phase.seconds), phase.note);
+    return;
+  }
+  const double time = now();
+  if (!terminal_ || time - drawn_ < 0.1) return;
+  drawn_ = time;
+  if (total_ <= 0) {
+    fmt::print(stderr, "\r\033[K{:<28} …", name_);
+  } else {
+    constexpr int width = 24;
+    const double part = std::clamp(static_cast<double>(done_) / static_cast<double>(total_), 0.0, 1.0);
+    const int filled = static_cast<int>(part * width);
+    const std::string left = part > 0 ? duration_of((time - started_) * (1 - part) / part) + " left" : "";
+    fmt::print(stderr, "\r\033[K{:<28} [{}{}] {:3.0f} %  {}", name_,
+               std::string(static_cast<std::size_t>(filled), '#'),
+               std::string(static_cast<std::size_t>(width - filled), '.'), 100 * part, left);
+  }
+  std::fflush(stderr);
+}
+
+void Console::say(const std::string& line) {
+  if (!quiet_) fmt::print("{}\n", line);
+}
+
+void Console::warn(const std::string& line) { fmt::print(stderr, "warning: {}\n", line); }
+
+std::string Console::table(const std::vector<Phase>& phases) {
+  std::size_t width = 5;
+  for (const Phase& phase : phases) width = std::max(width, phase.name.size());
+  std::string text = fmt::format("{:<{}}  {:>12}  {:>12}\n", "phase", width, "time", "peak memory");
+  double total = 0, peak = 0;
+  for (const Phase& phase : phases) {
+    text += fmt::format("{:<{}}  {:>12}  {:>8.0f} MiB{}{}\n", phase.name, width, duration_of(phase.seconds),
+                        phase.peak_mib, phase.note.empty() ? "" : "  ", phase.note);
+    total += phase.seconds;
+    peak = std::max(peak, phase.peak_mib);
+  }
+  return text + fmt::format("{:<{}}  {:>12}  {:>8.0f} MiB", "total", width, duration_of(total), peak);
+}
+
+}  // namespace ricochet::console

@@ -1,0 +1,49 @@
+#include "src/console/options.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+
+namespace ricochet::console {
+
+Parsed parse(const Program& program, int argc, const char* const* argv, bool speak) {
+  Options options;
+  std::string scene, out;
+  CLI::App app{program.purpose, program.name};
+  app.set_version_flag("--version", program.name + " " RICOCHET_VERSION);
+  app.add_option("SCENE", scene, "Scene file (TOML)")->required();
+  // One value each, taken as it is: vectors hold commas and brackets.
+  app.add_option("--set", options.overrides,
+                 "Override a scene key: KEY=VALUE, dotted, [i] for list entries; repeatable")
+      ->type_name("KEY=VALUE")
+      ->take_all()
+      ->expected(1)
+      ->allow_extra_args(false);
+  app.add_option("--out", out, "Folder of kernels and results (default: out/ beside the scene)")
+      ->type_name("DIR");
+  app.add_flag("--dry-run", options.dry_run, "Print the resolved scene and stop");
+  app.add_flag("--quiet", options.quiet, "No progress, no table");
+  app.footer("Examples:\n" + program.examples);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int code = error.get_exit_code();
+    if (code == 0) {
+      std::ostringstream text, ignored;
+      app.exit(error, text, ignored);
+      if (speak) fmt::print("{}", text.str());
+      return {std::nullopt, 0};
+    }
+    std::string message = error.what();
+    std::replace(message.begin(), message.end(), '\n', ' ');
+    if (speak) fmt::print(stderr, "{}: {} (see {} --help)\n", program.name, message, program.name);
+    return {std::nullopt, 2};
+  }
+  options.scene = scene;
+  options.out = out.empty() ? options.scene.parent_path() / "out" : std::filesystem::path(out);
+  return {options, 0};
+}
+
+}  // namespace ricochet::console

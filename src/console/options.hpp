@@ -1,0 +1,34 @@
+// Command line of both programs: the same options mean the same thing in each.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace ricochet::console {
+
+struct Options {
+  std::filesystem::path scene;
+  std::vector<std::string> overrides;  ///< --set KEY=VALUE, in order
+  std::filesystem::path out;           ///< --out, else `out/` beside the scene
+  bool dry_run = false;                ///< print the resolved scene and stop
+  bool quiet = false;
+};
+
+/// Which program asks: name, one-line purpose, and examples for --help.
+struct Program {
+  std::string name;
+  std::string purpose;
+  std::string examples;
+};
+
+/// Parsed options, or the exit status when nothing is left to do (--help, --version: 0; bad arguments: 2,
+/// with one line on stderr). `speak` false (ranks other than the first) prints nothing.
+struct Parsed {
+  std::optional<Options> options;
+  int status = 0;
+};
+Parsed parse(const Program& program, int argc, const char* const* argv, bool speak = true);
+
+}  // namespace ricochet::console

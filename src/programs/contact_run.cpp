@@ -1,0 +1,222 @@
+#include "src/programs/contact_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <ostream>
+#include <vector>
+
+#include "contact/integrator.hpp"
+#include "contact/model.hpp"
+#include "contact/recorder.hpp"
+#include "contact/summary.hpp"
+#include "kernels/error.hpp"
+#include "kernels/kernel.hpp"
+#include "src/console/console.hpp"
+#include "src/scene/scene.hpp"
+
+namespace ricochet::programs {
+namespace {
+
+namespace fs = std::filesystem;
+using contact::Summary;
+using Clock = std::chrono::steady_clock;
+
+Eigen::Vector3d vector(const Vector3& v) { return {v[0], v[1], v[2]}; }
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Kernels of the scene's bodies, in their order.
+struct Kernels {
+  std::vector<kernels::Kernel> kernel;
+  std::vector<std::string> file;
+};
+
+Kernels read_kernels(const scene::Scene& scene, const fs::path& folder) {
+  Kernels out;
+  for (const scene::Body& body : scene.bodies) {
+    const scene::KernelRequest request = scene::kernel_request(scene, body);
+    const fs::path path = scene::kernel_path(folder, request);
+    if (!fs::exists(path))
+      throw InputError(fmt::format("{}: no kernel for body \"{}\" at {}. Run ricochet-kernel {} first.",
+                                   scene.file.string(), body.name, path.string(), scene.file.string()));
+    out.kernel.push_back(kernels::read(path));
+    if (out.kernel.back().hash != request.hash)
+      throw InputError(
+          fmt::format("{}: is a kernel of another scene, not of body \"{}\". Run ricochet-kernel {} again.",
+                      path.string(), body.name, scene.file.string()));
+    out.file.push_back(path.filename().string());
+  }
+  return out;
+}
+
+contact::Model model_of(const scene::Scene& scene, const Kernels& kernels) {
+  std::vector<contact::PlacedBody> bodies;
+  for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
+    const scene::Body& body = scene.bodies[k];
+    const auto rotation = scene::rotation_of(body);
+    bodies.push_back(
+        {.name = body.name,
+         .kernel = &kernels.kernel[k],
+         .rotation = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rotation.data()),
+         .translation = vector(body.translate),
+         .velocity = vector(body.velocity)});
+  }
+  std::vector<contact::HalfSpace> obstacles;
+  for (const scene::Obstacle& obstacle : scene.obstacles)
+    obstacles.push_back({obstacle.name, vector(obstacle.point), vector(obstacle.normal)});
+  std::vector<contact::PairRequest> pairs;
+  for (const scene::Pair& pair : scene.contact.pairs) {
+    contact::PairRequest request{pair.a, pair.b, {}, pair.gap, pair.reach};
+    if (pair.direction) request.direction = vector(*pair.direction);
+    pairs.push_back(request);
+  }
+  return contact::build_model(std::move(bodies), obstacles, pairs, vector(scene.loads.gravity));
+}
+
+contact::StepOptions step_options(const scene::Scene& scene) {
+  return {.scheme = scene.contact.scheme == scene::Scheme::impulse ? contact::Scheme::impulse
+                                                                   : contact::Scheme::compliant,
+          .admittance = scene.contact.admittance == scene::Admittance::difference
+                            ? contact::Admittance::difference
+                            : contact::Admittance::jump,
+          .restitution = scene.contact.restitution,
+          .step = 1 / scene.time.rate.value};
+}
+
+double slowest_wave(const scene::Scene& scene) {
+  double slowest = std::numeric_limits<double>::infinity();
+  for (const scene::Body& body : scene.bodies)
+    for (const scene::Material& material : body.materials)
+      slowest = std::min(slowest, std::sqrt(material.young / material.density));
+  return std::isfinite(slowest) ? slowest : 0;
+}
+
+/// Contact points and bodies are named to the user by the scene.
+template <class Action>
+auto in_scene(const scene::Scene& scene, Action action) {
+  try {
+    return action();
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", scene.file.string(), error.what()));
+  }
+}
+
+void check(contact::StepStatus status, const scene::Scene& scene, double time) {
+  if (status == contact::StepStatus::no_solution)
+    throw InputError(fmt::format(
+        "{}: no contact forces keep the bodies apart at t = {:.6g} s, as there are more contact points than "
+        "their "
+        "modes can move. Set modes.residual_flexibility = true, or fewer candidates (contact.spacing).",
+        scene.file.string(), time));
+  if (status == contact::StepStatus::not_finite)
+    throw SolverError(
+        fmt::format("{}: the motion stops being finite at t = {:.6g} s", scene.file.string(), time));
+}
+
+std::string seconds(const std::optional<double>& value, const char* otherwise) {
+  return value ? fmt::format("{:.6g} s", *value) : otherwise;
+}
+
+std::string report(const Summary& s) {
+  std::string text;
+  const auto line = [&](const char* name, const std::string& value) {
+    text += fmt::format("{:<20}{}\n", name, value);
+  };
+  std::string modes;
+  for (const auto& [name, count] : s.modes)
+    modes += fmt::format("{}{} {}", modes.empty() ? "" : ", ", name, count);
+  if (s.modes_in_residual > 0)
+    modes += fmt::format(" ({} above half the rate: quasi-static)", s.modes_in_residual);
+  line("modes", modes);
+  line("contact points",
+       fmt::format("{}, {} face nothing, at most {} touch", s.candidates, s.unpaired, s.max_active));
+  if (!s.contact_start_s) {
+    line("contact", "none");
+  } else {
+    line("contact starts", seconds(s.contact_start_s, ""));
+    line("contact ends", seconds(s.contact_end_s, "still touching"));
+    line("episodes", fmt::format("{} ({} steps)", s.episodes.size(), s.contact_steps));
+    line("peak force", fmt::format("{:.6g} N", s.peak_force_n));
+    line("impulse", fmt::format("{:.6g} N s", s.impulse_ns));
+    for (const auto& [name, v] : s.exit_velocity)
+      line("exit velocity", fmt::format("{} [{:.6g}, {:.6g}, {:.6g}] m/s", name, v.x(), v.y(), v.z()));
+    if (s.restitution) line("restitution", fmt::format("{:.6g}", *s.restitution));
+    line("energy to contact", fmt::format("{:.3g} %", 100 * s.energy_lost_contact));
+  }
+  line("energy drift", fmt::format("{:.2g}", s.energy_drift));
+  line("deepest penetration", fmt::format("{:.3g} m", s.max_penetration_m));
+  line("speed", fmt::format("{:.3g} x real time", s.real_time_factor));
+  return text;
+}
+
+}  // namespace
+
+int run_contact(const console::Options& options, std::ostream& out) {
+  const Clock::time_point started = Clock::now();
+  const scene::Scene scene = scene::read(options.scene, options.overrides);
+  if (options.dry_run) {
+    out << scene::to_toml(scene);
+    return 0;
+  }
+  const fs::path folder = options.out.empty() ? options.scene.parent_path() / "out" : options.out;
+  console::Console console(options.quiet);
+
+  console.begin("kernels");
+  const Kernels kernels = read_kernels(scene, folder);
+  console.end(fmt::format("{} bodies", kernels.kernel.size()));
+
+  console.begin("pairing");
+  const contact::Model model = in_scene(scene, [&] { return model_of(scene, kernels); });
+  console.end(fmt::format("{} contact points, {} modes", model.gap.size(), model.omega.size()));
+
+  const contact::StepOptions step = step_options(scene);
+  const std::int64_t steps = std::llround(scene.time.duration * scene.time.rate.value);
+  const fs::path stem = folder / scene::slug(scene.title);
+  fs::path result = stem, summary_file = stem;
+  result += ".result.h5";
+  summary_file += ".summary.json";
+
+  console.begin("steps", steps);
+  const Clock::time_point stepping = Clock::now();
+  contact::Integrator integrator = in_scene(scene, [&] { return contact::Integrator(model, step); });
+  contact::Recorder recorder(model, step,
+                             {.path = result,
+                              .title = scene.title,
+                              .scene = scene::to_toml(scene),
+                              .created_by = std::string("ricochet-contact ") + RICOCHET_VERSION,
+                              .kernel_files = kernels.file,
+                              .every = scene.output.every,
+                              .snapshot_every = scene.output.snapshot_every});
+  contact::SummaryObserver observer(model, step.step, slowest_wave(scene));
+  for (std::int64_t k = 1; k <= steps; ++k) {
+    check(integrator.step(), scene, static_cast<double>(k) * step.step);
+    observer.observe(integrator);
+    recorder.record(integrator);
+    console.advance(k);
+  }
+  const double elapsed = seconds_since(stepping);
+  console.end(fmt::format("{} steps of {:.4g} s", steps, step.step));
+
+  console.begin("writing");
+  recorder.commit();
+  Summary summary = observer.summary();
+  summary.real_time_factor = elapsed > 0 ? integrator.time() / elapsed : 0;
+  summary.wall_s = seconds_since(started);
+  contact::write_json(summary, summary_file);
+  console.end(result.filename().string());
+
+  if (!options.quiet) {
+    out << console::Console::table(console.phases()) << '\n' << report(summary);
+    out << fmt::format("\n{}\n{}\n", result.string(), summary_file.string());
+  }
+  for (const std::string& warning : summary.warnings) console.warn(warning);
+  return 0;
+}
+
+}  // namespace ricochet::programs

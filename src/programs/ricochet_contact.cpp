@@ -1,0 +1,32 @@
+// ricochet-contact: impacts of elastic bodies from their kernels.
+#include <exception>
+#include <iostream>
+
+#include "kernels/error.hpp"
+#include "src/console/options.hpp"
+#include "src/programs/contact_run.hpp"
+
+int main(int argc, char** argv) {
+  using namespace ricochet;
+  const console::Program program{
+      .name = "ricochet-contact",
+      .purpose =
+          "Computes the impact of a scene from its bodies' kernels: <title>.result.h5 and "
+          "<title>.summary.json.",
+      .examples =
+          "  ricochet-kernel two-disks.toml && ricochet-contact two-disks.toml\n"
+          "  ricochet-contact --set title=fast --set bodies.upper.velocity=[0,-6,0] two-disks.toml\n"
+          "  ricochet-contact --set contact.scheme=impulse --set time.rate_hz=96000 two-disks.toml\n"
+          "  ricochet-contact --dry-run two-disks.toml"};
+  const console::Parsed parsed = console::parse(program, argc, argv);
+  if (!parsed.options) return parsed.status;
+  try {
+    return programs::run_contact(*parsed.options, std::cout);
+  } catch (const InputError& error) {
+    std::cerr << program.name << ": " << error.what() << '\n';
+    return 2;
+  } catch (const std::exception& error) {
+    std::cerr << program.name << ": " << error.what() << '\n';
+    return 1;
+  }
+}

@@ -1,0 +1,39 @@
+// ricochet-kernel SCENE.toml: elastic modes of each body, kept where contact can see them.
+//
+//   mpirun -n 2 ricochet-kernel meshes/two-disks/two-disks.toml
+//
+//   mesh ──► METIS parts ──► K, M (PETSc) ──► modes (SLEPc, MUMPS) ──► trace on the contact surface ──►
+//   <out>/<body>-<hash>.kernel.h5
+
+#include <iostream>
+
+#include "src/parallel/parallel.hpp"
+#include "src/programs/kernel_run.hpp"
+
+int main(int argc, char** argv) {
+  using namespace ricochet;
+  const parallel::Session session;
+  const bool first = parallel::rank_of(PETSC_COMM_WORLD) == 0;
+  const auto parsed = console::parse(
+      {.name = "ricochet-kernel",
+       .purpose = "Computes the contact kernel of each body of a scene, in parallel under mpirun.",
+       .examples = "  mpirun -n 2 ricochet-kernel two-disks.toml\n"
+                   "  mpirun -n 4 ricochet-kernel two-disks.toml --set modes.up_to_hz=3000 --out kernels\n"
+                   "  ricochet-kernel two-rods.toml --dry-run\n"
+                   "PETSc, SLEPc and MUMPS take their own options from PETSC_OPTIONS."},
+      argc, argv, first);
+  if (!parsed.options) return parsed.status;
+  try {
+    return run_kernel(*parsed.options, PETSC_COMM_WORLD);
+  } catch (const InputError& error) {
+    // Every rank holds the same complaint.
+    if (first) std::cerr << "ricochet-kernel: " << error.what() << '\n';
+    return 2;
+  } catch (const std::exception& error) {
+    // Other ranks may be waiting in a collective call: end them all.
+    std::cerr << "ricochet-kernel: rank " << parallel::rank_of(PETSC_COMM_WORLD) << ": " << error.what()
+              << std::endl;
+    MPI_Abort(PETSC_COMM_WORLD, 1);
+    return 1;
+  }
+}
