@@ -1,0 +1,1 @@
+add_mpi_test(modes factorisation)
