@@ -11,9 +11,9 @@
 namespace ricochet::modes {
 
 struct Request {
-  std::optional<Hertz> up_to;  ///< all modes up to here, or
-  std::optional<std::int64_t>
-      count;  ///< the lowest ones, rigid included; extended to the end of a multiple mode
+  std::optional<Hertz> up_to{};  ///< all modes up to here, or
+  /// the lowest ones, rigid included; extended to the end of a multiple mode
+  std::optional<std::int64_t> count{};
   double relative_residual = 1e-8;
 };
 

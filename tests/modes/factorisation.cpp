@@ -23,7 +23,8 @@ TEST(Factorisation, solves_the_shifted_problem) {
   Eigen::MatrixXd right(body.local_rows, 4);
   for (Eigen::Index i = 0; i < right.rows(); ++i)
     for (Eigen::Index j = 0; j < right.cols(); ++j)
-      right(i, j) = std::sin(1.0 + static_cast<double>(3 * mesh.first_node + i) * (1.7 + static_cast<double>(j)));
+      right(i, j) =
+          std::sin(1.0 + static_cast<double>(3 * mesh.first_node + i) * (1.7 + static_cast<double>(j)));
   const Eigen::MatrixXd x = factor.solve(right);
   const Eigen::MatrixXd defect =
       modes::multiply(body.stiffness, x) - sigma * modes::multiply(body.mass, x) - right;

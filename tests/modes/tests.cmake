@@ -1,1 +1,2 @@
 add_mpi_test(modes factorisation)
+add_mpi_test(modes modes)

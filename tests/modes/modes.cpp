@@ -1,0 +1,175 @@
+// Modes against closed forms of the discrete problem and against dense eigenvalues.
+#include "src/modes/modes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/meshes.hpp"
+#include "tests/modes/dense.hpp"
+
+namespace ricochet {
+namespace {
+
+using std::numbers::pi;
+
+struct Made {
+  mesh::Mesh mesh;
+  elasticity::Body body;
+};
+
+Made make(const std::string& geo, int order, const std::map<std::string, std::string>& support = {}) {
+  const test::SharedFile file(".geo", geo);
+  scene::Body given = test::body_of(file.path(), order);
+  given.support = support;
+  Made made{test::mesh_of(given), {}};
+  made.body = elasticity::assemble(made.mesh, given.materials, "test");
+  return made;
+}
+
+std::string rod_geo(int elements) {
+  return fmt::format(
+      "Point(1) = {{0,0,0}};\nPoint(2) = {{2,0,0}};\nLine(1) = {{1,2}};\nTransfinite Curve{{1}} = {};\n"
+      "Physical Curve(\"rod\") = {{1}};\nPhysical Point(\"left\") = {{1}};\nPhysical Point(\"right\") = "
+      "{{2}};\n",
+      elements + 1);
+}
+
+/// ω of linear elements of length h with consistent mass, wave number κ: the dispersion relation of the mesh.
+double discrete_omega(double kappa, double h, double young, double density) {
+  const double c = std::cos(kappa * h);
+  return std::sqrt(6 * young / (density * h * h) * (1 - c) / (2 + c));
+}
+
+TEST(Rod, free_one_has_the_frequencies_of_its_mesh_in_closed_form) {
+  const mesh::GmshSession gmsh;
+  const int n = 40;
+  const Made rod = make(rod_geo(n), 1);
+  const modes::ModeSet set = modes::compute_modes(rod.mesh, rod.body, {.count = n + 1});
+  ASSERT_EQ(set.angular_frequency.size(), static_cast<std::size_t>(n + 1));
+  EXPECT_EQ(set.angular_frequency[0], 0);
+  for (int k = 1; k <= n; ++k)
+    // λ is found to about the round-off of the largest eigenvalue, 1e4 times the smallest.
+    EXPECT_NEAR(set.angular_frequency[k] / discrete_omega(k * pi / 2, 2.0 / n, 3.0, 2.0), 1, 1e-10) << k;
+}
+
+TEST(Rod, clamped_one_has_the_frequencies_of_its_mesh_in_closed_form) {
+  const mesh::GmshSession gmsh;
+  const int n = 40;
+  const Made rod = make(rod_geo(n), 1, {{"left", "x"}});
+  const modes::ModeSet set = modes::compute_modes(rod.mesh, rod.body, {.count = 20});
+  for (int k = 0; k < 20; ++k)
+    EXPECT_NEAR(set.angular_frequency[k] / discrete_omega((k + 0.5) * pi / 2, 2.0 / n, 3.0, 2.0), 1, 1e-10)
+        << k;
+}
+
+class FreeBody : public testing::TestWithParam<const char*> {
+ protected:
+  static std::string geo() {
+    return GetParam() == std::string("prism") ? test::prism_geo(2) : test::block_geo(GetParam(), 2, 0.3);
+  }
+};
+
+TEST_P(FreeBody, has_exactly_six_rigid_modes) {
+  const mesh::GmshSession gmsh;
+  const Made made = make(geo(), 2);
+  const Eigen::VectorXd exact = test::dense_eigenvalues(made.mesh, made.body);
+  ASSERT_LT(exact[5], 1e-9 * exact[6]);
+  const modes::ModeSet set = modes::compute_modes(made.mesh, made.body, {.count = 7});
+  for (int k = 0; k < 6; ++k) EXPECT_EQ(set.angular_frequency[k], 0);
+  EXPECT_NEAR(set.angular_frequency[6], std::sqrt(exact[6]), 1e-9 * std::sqrt(exact[6]));
+}
+
+TEST_P(FreeBody, has_the_eigenvalues_that_dense_algebra_finds) {
+  const mesh::GmshSession gmsh;
+  const Made made = make(geo(), 2);
+  const Eigen::VectorXd exact = test::dense_eigenvalues(made.mesh, made.body);
+  const double end = std::sqrt((exact[40] + exact[41]) / 2);
+  if (exact[41] - exact[40] < 1e-6 * exact[40]) GTEST_SKIP() << "the cut falls on a double mode";
+  const modes::ModeSet set =
+      modes::compute_modes(made.mesh, made.body, {.up_to = to_hertz(RadPerSecond{end})});
+  ASSERT_EQ(set.angular_frequency.size(), 41u);
+  EXPECT_EQ(set.certificate.count_by_inertia, 41);
+  EXPECT_TRUE(set.certificate.complete);
+  for (int k = 6; k < 41; ++k)
+    EXPECT_NEAR(set.angular_frequency[k], std::sqrt(exact[k]), 1e-9 * std::sqrt(exact[k])) << k;
+  // K and M in the modes are diagonal, from the matrices and not from the solver's own account.
+  const Eigen::MatrixXd stiffness =
+      modes::inner(made.mesh.comm, set.shape, modes::multiply(made.body.stiffness, set.shape));
+  Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(41, 41);
+  for (int k = 0; k < 41; ++k) expected(k, k) = std::pow(set.angular_frequency[k], 2);
+  EXPECT_LT((stiffness - expected).cwiseAbs().maxCoeff(), 1e-8 * exact[40]);
+}
+
+INSTANTIATE_TEST_SUITE_P(Elements, FreeBody, testing::Values("tet", "hex", "prism"));
+
+TEST(SupportedBody, keeps_the_rigid_motions_that_its_supports_leave) {
+  const mesh::GmshSession gmsh;
+  // A plane held along its normal leaves two translations and one rotation.
+  const Made made = make(test::block_geo("tet", 2, 0), 2, {{"bottom", "z"}});
+  const modes::ModeSet set = modes::compute_modes(made.mesh, made.body, {.count = 12});
+  const Eigen::VectorXd exact = test::dense_eigenvalues(made.mesh, made.body);
+  for (int k = 0; k < 3; ++k) EXPECT_EQ(set.angular_frequency[k], 0);
+  for (int k = 3; k < 12; ++k)
+    EXPECT_NEAR(set.angular_frequency[k], std::sqrt(exact[k]), 1e-9 * std::sqrt(exact[k])) << k;
+}
+
+TEST(Count, that_would_split_a_double_mode_takes_it_whole) {
+  const mesh::GmshSession gmsh;
+  // A square column of hexahedra: bending comes in pairs.
+  const Made made = make(test::block_geo("hex", 2, 0), 2, {{"bottom", "xyz"}});
+  const Eigen::VectorXd exact = test::dense_eigenvalues(made.mesh, made.body);
+  Eigen::Index first = 0;
+  while (exact[first + 1] - exact[first] > 1e-8 * exact[first]) ++first;
+  const modes::ModeSet set = modes::compute_modes(made.mesh, made.body, {.count = first + 1});
+  EXPECT_EQ(static_cast<Eigen::Index>(set.angular_frequency.size()), first + 2);
+  EXPECT_GT(set.cut, exact[first + 1]);
+  EXPECT_LT(set.cut, exact[first + 2]);
+}
+
+TEST(Count, beyond_the_free_displacements_is_refused_on_every_rank) {
+  const mesh::GmshSession gmsh;
+  const Made rod = make(rod_geo(5), 1);
+  EXPECT_THROW(modes::compute_modes(rod.mesh, rod.body, {.count = 7}), InputError);
+}
+
+/// Flexibility of all modes above the first `kept`, from the dense eigenvectors.
+Eigen::MatrixXd dense_residual(const Made& made, const Eigen::MatrixXd& loads, Eigen::Index kept) {
+  const Eigen::MatrixXd stiffness = test::dense(made.mesh, made.body, made.body.stiffness),
+                        mass = test::dense(made.mesh, made.body, made.body.mass);
+  const auto rows = test::free_rows(mass);
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> eigen(stiffness(rows, rows),
+                                                                        mass(rows, rows));
+  Eigen::MatrixXd whole = Eigen::MatrixXd::Zero(made.body.total_rows, loads.cols());
+  whole.middleRows(made.mesh.first_node * made.mesh.components(), loads.rows()) = loads;
+  parallel::sum(made.mesh.comm, whole.data(), static_cast<std::size_t>(whole.size()));
+  const Eigen::Index all = eigen.eigenvalues().size();
+  const Eigen::MatrixXd trace =
+      eigen.eigenvectors().rightCols(all - kept).transpose() * whole(rows, Eigen::all);
+  return trace.transpose() * eigen.eigenvalues().tail(all - kept).cwiseInverse().asDiagonal() * trace;
+}
+
+TEST(ResidualFlexibility, is_the_static_response_of_the_modes_left_out) {
+  const mesh::GmshSession gmsh;
+  for (const bool held : {true, false}) {
+    using Support = std::map<std::string, std::string>;
+    const Made made = make(test::block_geo("tet", 2, 0.3), 2, held ? Support{{"bottom", "xyz"}} : Support{});
+    const modes::ModeSet set = modes::compute_modes(made.mesh, made.body, {.count = 20});
+    // Forces on a few nodes spread over the ranks, in each component; held ones are not loaded.
+    Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(made.body.local_rows, 3);
+    for (std::size_t i = 0; i < made.mesh.node.size(); ++i) {
+      const std::int64_t row = made.mesh.node[i] - made.mesh.first_node;
+      if (row < 0 || row >= made.mesh.owned_nodes || made.mesh.position[3 * i + 2] < 0.5) continue;
+      for (int k = 0; k < 3; ++k) loads(3 * row + k, k) = 1 + made.mesh.position[3 * i] + 0.1 * k;
+    }
+    const Eigen::MatrixXd exact =
+        dense_residual(made, loads, static_cast<Eigen::Index>(set.angular_frequency.size()));
+    const Eigen::MatrixXd ours = modes::residual_response(made.mesh, made.body, set, loads, loads);
+    // The series is summed to 1e-12, the modes are known to 1e-8.
+    EXPECT_LT((ours - exact).cwiseAbs().maxCoeff(), 1e-9 * exact.cwiseAbs().maxCoeff()) << held;
+  }
+}
+
+}  // namespace
+}  // namespace ricochet
