@@ -1,0 +1,3 @@
+add_program_test(programs ranks)
+add_program_test(programs rods)
+add_program_test(programs errors)

@@ -1,0 +1,143 @@
+"""Bad input: one line that says where, what and what to do; status 2; nothing lost; no rank hangs."""
+
+import unittest
+
+import h5py
+
+from programs import ProgramTest, contact, kernel
+
+ROD = """
+Point(1) = {0, 0, 0}; Point(2) = {1, 0, 0}; Line(1) = {1, 2};
+Transfinite Curve{1} = 11;
+Physical Curve("rod") = {1}; Physical Point("left") = {1}; Physical Point("right") = {2};
+"""
+
+SCENE = """
+title = "Errors"
+[bodies.a]
+mesh = "rod.geo"
+order = 1
+translate = [-1, 0, 0]
+material = { density = 1, young = 1, area = 1 }
+velocity = [1, 0, 0]
+contact = "right"
+[bodies.b]
+mesh = "rod.geo"
+order = 1
+material = { density = 1, young = 1, area = 1 }
+contact = "left"
+[modes]
+count = 8
+[contact]
+between = ["a", "b"]
+direction = [1, 0, 0]
+[time]
+rate_hz = 100
+duration = 1
+"""
+
+# The second tetrahedron's first two nodes are exchanged: its volume is negative.
+INVERTED = """$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$PhysicalNames
+2
+2 2 "left"
+3 1 "body"
+$EndPhysicalNames
+$Nodes
+5
+1 0 0 0
+2 1 0 0
+3 0 1 0
+4 0 0 1
+5 1 1 1
+$EndNodes
+$Elements
+3
+1 2 2 2 1 1 3 2
+2 4 2 1 1 1 2 3 4
+3 4 2 1 1 3 2 4 5
+$EndElements
+"""
+
+
+class Errors(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.write("rod.geo", ROD)
+        self.scene = self.write("scene.toml", SCENE)
+        self.out = self.folder / "out"
+
+    def refused(self, run, *fragments):
+        """Status 2 and one line on stderr that holds each fragment."""
+        self.assertEqual(run.status, 2, run.err)
+        # mpirun adds its own remark on the status, behind a rule of dashes.
+        lines = [line for line in run.err.split("-----")[0].splitlines() if line.strip()]
+        self.assertEqual(len(lines), 1, run.err)
+        for fragment in fragments:
+            self.assertIn(fragment, lines[0])
+
+    def refused_by_kernel(self, sets, *fragments):
+        for ranks in (1, 3):
+            with self.subTest(sets=sets, ranks=ranks):
+                self.refused(kernel(self.scene, self.out, *sets, ranks=ranks), *fragments)
+
+    def test_unknown_key(self):
+        self.refused_by_kernel(["bodies.a.yuong=3"], "scene.toml", "bodies.a.yuong", "unknown")
+
+    def test_poisson_of_an_incompressible_body(self):
+        self.refused_by_kernel(["bodies.a.material.poisson=0.5"], "scene.toml", "bodies.a.material.poisson", "0.5", "0.49")
+
+    def test_missing_group(self):
+        self.refused_by_kernel(["bodies.a.contact=edge"], "rod.geo", "edge", '"left", "right"')
+
+    def test_missing_mesh(self):
+        self.refused_by_kernel(["bodies.a.mesh=no.geo"], "scene.toml", "bodies.a.mesh", "no.geo")
+
+    def test_inverted_element(self):
+        self.write("inverted.msh", INVERTED)
+        self.refused_by_kernel(
+            ["bodies.b.mesh=inverted.msh", "bodies.b.material={density=1,young=1}"], "inverted.msh", "element 3"
+        )
+
+    def test_impossible_count(self):
+        self.refused_by_kernel(["modes.count=100"], "modes.count", "100", "11")
+
+    def test_no_kernel_yet(self):
+        self.refused(contact(self.scene, self.out), "no kernel", "Run ricochet-kernel")
+
+    def test_kernel_of_another_scene(self):
+        self.succeed(kernel(self.scene, self.out))
+        (path,) = self.out.glob("a-*.kernel.h5")
+        with h5py.File(path, "r+") as file:
+            file.attrs.modify("hash", b"0" * 64)
+        self.refused(contact(self.scene, self.out), path.name, "another scene", "Run ricochet-kernel")
+
+    def test_truncated_kernel(self):
+        self.succeed(kernel(self.scene, self.out))
+        (path,) = self.out.glob("b-*.kernel.h5")
+        whole = path.read_bytes()
+        for part in (0, 100, len(whole) // 2, len(whole) - 1):
+            path.write_bytes(whole[:part])
+            with self.subTest(bytes=part):
+                self.refused(contact(self.scene, self.out), path.name)
+        # ricochet-kernel replaces what can't be read.
+        self.succeed(kernel(self.scene, self.out))
+        self.succeed(contact(self.scene, self.out))
+
+    def test_a_refused_run_leaves_earlier_results(self):
+        self.succeed(kernel(self.scene, self.out))
+        self.succeed(contact(self.scene, self.out))
+        before = {path.name: path.read_bytes() for path in self.out.iterdir()}
+        self.refused(contact(self.scene, self.out, "time.rate_hz=-1"), "time.rate_hz")
+        self.refused(kernel(self.scene, self.out, "modes.count=0"), "modes.count")
+        self.assertEqual(before, {path.name: path.read_bytes() for path in self.out.iterdir()})
+
+    def test_overlapping_bodies(self):
+        self.succeed(kernel(self.scene, self.out))
+        self.refused(contact(self.scene, self.out, "bodies.a.translate=[-0.5,0,0]"), "scene.toml")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,70 @@
+"""The kernel of a body does not depend on how many ranks computed it."""
+
+import unittest
+
+import h5py
+import numpy as np
+
+from programs import ProgramTest, displacement_kernel, kernel
+
+GEO = """
+SetFactory("Built-in");
+Point(1) = {0, 0, 0, 0.5}; Point(2) = {1.1, 0, 0, 0.5}; Point(3) = {1.0, 1.3, 0, 0.5}; Point(4) = {0, 1, 0, 0.5};
+Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 1};
+Curve Loop(1) = {1:4}; Plane Surface(1) = {1};
+block[] = Extrude {0, 0, 0.7} { Surface{1}; };
+Physical Volume("block") = {block[1]};
+Physical Surface("foot") = {1};
+Physical Surface("top") = {block[0]};
+"""
+
+SCENE = """
+title = "Ranks"
+[bodies.free]
+mesh = "block.geo"
+order = 2
+material = { density = 2.0, young = 3.0, poisson = 0.3 }
+contact = "foot"
+translate = [0, 0, 1]
+[bodies.held]
+mesh = "block.geo"
+order = 2
+material = { density = 2.0, young = 3.0, poisson = 0.3 }
+contact = "top"
+support = { foot = "xyz" }
+[modes]
+count = 40
+[contact]
+between = ["free", "held"]
+direction = [0, 0, -1]
+[time]
+duration = 1.0
+"""
+
+
+class Ranks(ProgramTest):
+    def test_one_two_and_three_give_the_same_kernel_functions(self):
+        self.write("block.geo", GEO)
+        scene = self.write("ranks.toml", SCENE)
+        for ranks in (1, 2, 3):
+            self.succeed(kernel(scene, self.folder / str(ranks), ranks=ranks))
+        # A few periods of the lowest mode and of the highest.
+        times = np.concatenate([np.linspace(0, 30, 50), np.linspace(0, 1, 50)])
+        for body in ("free", "held"):
+            paths = [next((self.folder / str(ranks)).glob(f"{body}-*.kernel.h5")) for ranks in (1, 2, 3)]
+            self.assertEqual(len({path.name for path in paths}), 1)
+            one = displacement_kernel(paths[0], times)
+            self.assertGreater(np.abs(one).max(), 1e-3)
+            for path in paths[1:]:
+                other = displacement_kernel(path, times)
+                self.assertLess(np.abs(other - one).max(), 1e-8 * np.abs(one).max())
+                with h5py.File(paths[0]) as a, h5py.File(path) as b:
+                    np.testing.assert_array_equal(a["surface/node"][:], b["surface/node"][:])
+                    for name in ("surface/residual_flexibility", "loads/body_force_residual"):
+                        # A uniform acceleration bends no free body: there the second is round-off of 1 s².
+                        scale = max(np.abs(a[name][:]).max(), 1e-6)
+                        self.assertLess(np.abs(a[name][:] - b[name][:]).max(), 1e-8 * scale)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,1 @@
+add_program_test(verification free_disk)
