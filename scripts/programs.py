@@ -1,0 +1,60 @@
+"""Runs Ricochet's programs from scripts: under mpirun where it is due, with the folders and names that they use."""
+
+import os
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+BIN = Path(os.environ.get("RICOCHET_BIN", ROOT / "build" / "bin"))
+
+
+class Failed(Exception):
+    """A program that ended with `status`; it has said why."""
+
+    def __init__(self, status):
+        super().__init__(f"status {status}")
+        self.status = status
+
+
+def mpirun(ranks):
+    """The start of a command on `ranks` ranks, one thread each; mpirun lets root in only when told to."""
+    command = ["mpirun", "--oversubscribe", "-n", str(ranks)]
+    return command + ["--allow-run-as-root"] * (os.geteuid() == 0)
+
+
+def call(command, capture=False):
+    environment = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+    if not BIN.is_dir():
+        print(f"{BIN}: no programs there. Run scripts/build first.", file=sys.stderr)
+        raise Failed(2)
+    done = subprocess.run([str(c) for c in command], env=environment, text=True,
+                          stdout=subprocess.PIPE if capture else None)
+    if done.returncode != 0:
+        raise Failed(done.returncode)
+    return done.stdout
+
+
+def kernel(scene, arguments=(), ranks=2):
+    """Computes the kernels that are not there yet."""
+    call(mpirun(ranks) + [BIN / "ricochet-kernel", scene, *arguments])
+
+
+def contact(scene, arguments=()):
+    call([BIN / "ricochet-contact", scene, *arguments])
+
+
+def resolved(scene, arguments=()):
+    """The scene with overrides and defaults, as TOML."""
+    return call([BIN / "ricochet-contact", "--dry-run", scene, *arguments], capture=True)
+
+
+def slug(resolved_scene):
+    """What the names of the scene's results begin with."""
+    return re.sub("[^a-z0-9]+", "-", tomllib.loads(resolved_scene)["title"].lower()).strip("-") or "scene"
+
+
+def out_folder(scene, out=None):
+    return Path(out) if out else Path(scene).parent / "out"
