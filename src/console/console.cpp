@@ -48,7 +48,7 @@ void Console::begin(std::string name, std::int64_t total) {
 void Console::advance(std::int64_t done) {
   done_ = done;
   // The clock is read every 64th step at most: a step may take less than a reading.
-  if (terminal_ && !quiet_ && (done & 63) == 0) draw(false);
+  if (open_ && terminal_ && !quiet_ && (done & 63) == 0) draw(false);
 }
 
 void Console::end(const std::string& note) {

@@ -4,6 +4,10 @@ namespace ricochet::scene {
 
 namespace {
 
+InputError refusal(const Override& text, const std::string& what) {
+  return InputError(one_line(fmt::format("--set {}: {}", text, what)));
+}
+
 struct Part {
   std::string key;
   std::vector<std::size_t> index;
@@ -11,9 +15,8 @@ struct Part {
 
 /// "bodies.upper.list[2].x" in parts; quotes hold dots.
 std::vector<Part> split(const std::string& path, const Override& text) {
-  const auto refuse = [&](const char* what) -> InputError {
-    return InputError(fmt::format(
-        "--set {}: {}: write KEY=VALUE with a dotted key, as in bodies.upper.velocity=[0,-6,0]", text, what));
+  const auto refuse = [&](const std::string& what) {
+    return refusal(text, what + ": write KEY=VALUE with a dotted key, as in bodies.upper.velocity=[0,-6,0]");
   };
   std::vector<Part> parts;
   std::size_t at = 0;
@@ -43,18 +46,32 @@ std::vector<Part> split(const std::string& path, const Override& text) {
   }
 }
 
+/// The first "=" that is not in quotes.
+std::size_t end_of_key(const std::string& text) {
+  bool quoted = false;
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    if (text[at] == '"') quoted = !quoted;
+    if (text[at] == '=' && !quoted) return at;
+  }
+  return text.find('=');
+}
+
+std::string trimmed(const std::string& text) {
+  const std::size_t first = text.find_first_not_of(" \t");
+  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
 }  // namespace
 
 void apply_override(toml::table& root, const Override& text) {
-  const std::size_t equals = text.find('=');
-  if (equals == std::string::npos)
-    throw InputError(fmt::format("--set {}: has no \"=\": write KEY=VALUE", text));
-  const std::vector<Part> parts = split(text.substr(0, equals), text);
-  const std::string value = text.substr(equals + 1);
+  const std::size_t equals = end_of_key(text);
+  if (equals == std::string::npos) throw refusal(text, "has no \"=\": write KEY=VALUE");
+  const std::vector<Part> parts = split(trimmed(text.substr(0, equals)), text);
+  const std::string value = trimmed(text.substr(equals + 1));
   toml::table parsed;
   try {
     parsed = toml::parse("value = " + value);
-    if (parsed.size() != 1) throw InputError(fmt::format("--set {}: holds more than one value", text));
+    if (parsed.size() != 1) throw refusal(text, "holds more than one value");
   } catch (const toml::parse_error&) {
     parsed = toml::table{{"value", value}};
   }
@@ -68,15 +85,14 @@ void apply_override(toml::table& root, const Override& text) {
       return;
     }
     if (!table->contains(part.key)) {
-      if (!part.index.empty())
-        throw InputError(fmt::format("--set {}: the scene has no list {}", text, part.key));
+      if (!part.index.empty()) throw refusal(text, "the scene has no list " + part.key);
       table->insert(part.key, toml::table{});
     }
     toml::node* node = table->get(part.key);
     for (std::size_t k = 0; k < part.index.size(); ++k) {
       toml::array* list = node->as_array();
       if (list == nullptr || part.index[k] >= list->size())
-        throw InputError(fmt::format("--set {}: {} has no entry [{}]", text, part.key, part.index[k]));
+        throw refusal(text, fmt::format("{} has no entry [{}]", part.key, part.index[k]));
       if (last && k + 1 == part.index.size()) {
         list->replace(list->cbegin() + static_cast<std::ptrdiff_t>(part.index[k]), *parsed.get("value"));
         return;
@@ -84,7 +100,7 @@ void apply_override(toml::table& root, const Override& text) {
       node = list->get(part.index[k]);
     }
     table = node->as_table();
-    if (table == nullptr) throw InputError(fmt::format("--set {}: {} is not a table", text, part.key));
+    if (table == nullptr) throw refusal(text, part.key + " is not a table");
   }
 }
 

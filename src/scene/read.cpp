@@ -8,8 +8,10 @@ namespace ricochet::scene {
 namespace {
 
 Vector3 unit(Table& table, const std::string& key, const Vector3& given) {
-  const double length = std::sqrt(given[0] * given[0] + given[1] * given[1] + given[2] * given[2]);
+  const double length = std::hypot(given[0], given[1], given[2]);
   if (!(length > 0)) table.complain(key, "must not be zero");
+  // Unit to round-off: divided again its last digit would creep, and a written scene not come back as it was.
+  if (std::abs(length - 1) < 1e-15) return given;
   return {given[0] / length, given[1] / length, given[2] / length};
 }
 
@@ -159,12 +161,18 @@ void read_pair(Table& table, const Scene& scene, Pair& pair) {
   for (const std::string& name : names)
     if (scene.find_body(name) == nullptr && scene.find_obstacle(name) == nullptr)
       table.complain("between", "there is no body or obstacle \"" + name + "\"");
-  if (scene.find_body(pair.a) == nullptr) {
-    if (scene.find_body(pair.b) == nullptr) table.complain("between", "one of the two must be a body");
-    std::swap(pair.a, pair.b);
-    if (pair.direction)
-      for (double& x : *pair.direction) x = x == 0 ? 0 : -x;
-  }
+  if (scene.find_body(pair.a) == nullptr && scene.find_body(pair.b) == nullptr)
+    table.complain("between", "one of the two must be a body");
+}
+
+/// The pair with its body first. Only once all its keys are known: those of [contact] are out of the first
+/// that the pair itself names.
+Pair body_first(const Scene& scene, Pair pair) {
+  if (scene.find_body(pair.a) != nullptr) return pair;
+  std::swap(pair.a, pair.b);
+  if (pair.direction)
+    for (double& x : *pair.direction) x = x == 0 ? 0 : -x;
+  return pair;
 }
 
 void read_scheme(Table& table, Contact& contact) {
@@ -196,12 +204,12 @@ Contact read_contact(Table& root, const Scene& scene) {
     read_pair(entry, scene, pair);
     entry.refuse_unknown();
     if (pair.a.empty()) entry.complain("between", "is missing");
-    contact.pairs.push_back(pair);
+    contact.pairs.push_back(body_first(scene, pair));
   }
   table->refuse_unknown();
   if (contact.pairs.empty()) {
     if (shared.a.empty()) table->complain("between", "is missing: name the two that may touch");
-    contact.pairs.push_back(shared);
+    contact.pairs.push_back(body_first(scene, shared));
   }
   return contact;
 }
@@ -254,11 +262,8 @@ Scene read(const std::filesystem::path& file, const std::vector<Override>& overr
   try {
     parsed = toml::parse_file(file.string());
   } catch (const toml::parse_error& error) {
-    std::string what(error.description());
-    for (char& c : what)
-      if (static_cast<unsigned char>(c) < 32) c = ' ';
-    throw InputError(
-        fmt::format("{}:{}:{}: {}", name, error.source().begin.line, error.source().begin.column, what));
+    throw InputError(one_line(fmt::format("{}:{}:{}: {}", name, error.source().begin.line,
+                                          error.source().begin.column, error.description())));
   }
   for (const Override& text : overrides) apply_override(parsed, text);
 

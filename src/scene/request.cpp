@@ -20,7 +20,7 @@ constexpr int kernel_generation = 1;
 std::string bytes_of(const std::filesystem::path& path, const std::string& key) {
   std::ifstream file(path, std::ios::binary);
   if (!file || std::filesystem::is_directory(path))
-    throw InputError(fmt::format("{} = \"{}\": no such file", key, path.string()));
+    throw InputError(fmt::format("{} = {}: no such file", key, toml_string(path.string())));
   std::ostringstream text;
   text << file.rdbuf();
   return text.str();

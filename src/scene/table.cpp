@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include "src/scene/toml.hpp"
+#include "src/scene/write.hpp"
 
 namespace ricochet::scene {
 
@@ -24,34 +25,45 @@ std::size_t distance(const std::string& a, const std::string& b) {
   return row[b.size()];
 }
 
+/// As the user may have written it: 0.3, not 0.29999999999999999.
 std::string printed(const toml::node& node) {
+  if (const auto* text = node.as_string()) return toml_string(text->get());
+  if (const auto* number = node.as_floating_point()) return toml_number(number->get());
+  if (node.is_table()) return "{…}";
   std::ostringstream text;
-  if (const auto* s = node.as_string()) {
-    text << '"' << s->get() << '"';
-  } else if (node.is_array()) {
-    text << *node.as_array();
-  } else if (node.is_table()) {
-    return "{…}";
-  } else {
-    node.visit([&](const auto& v) {
-      if constexpr (toml::is_value<decltype(v)>) text << v;
-    });
+  if (const auto* list = node.as_array()) {
+    for (const toml::node& entry : *list) text << (text.tellp() > 0 ? ", " : "") << printed(entry);
+    return fmt::format("[{}]", text.str());
   }
-  std::string line = text.str();
-  for (char& c : line)
-    if (static_cast<unsigned char>(c) < 32) c = ' ';
-  return line.size() > 60 ? line.substr(0, 57) + "…" : line;
+  node.visit([&](const auto& value) {
+    if constexpr (toml::is_value<decltype(value)>) text << value;
+  });
+  return text.str();
+}
+
+/// At most 60 bytes of a line, whole characters.
+std::string shortened(const std::string& line) {
+  if (line.size() <= 60) return line;
+  std::size_t end = 57;
+  while ((static_cast<unsigned char>(line[end]) & 0xC0) == 0x80) --end;
+  return line.substr(0, end) + "…";
 }
 
 }  // namespace
 
+std::string one_line(std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 32) c = ' ';
+  return text;
+}
+
 std::string Table::value_of(const std::string& key) const {
   const toml::node* node = table_.get(key);
-  return node == nullptr ? "" : " = " + printed(*node);
+  return node == nullptr ? "" : " = " + shortened(printed(*node));
 }
 
 void Table::complain(const std::string& key, const std::string& what) const {
-  throw InputError(fmt::format("{}: {}{}: {}", file_, dotted(key), value_of(key), what));
+  throw InputError(one_line(fmt::format("{}: {}{}: {}", file_, dotted(key), value_of(key), what)));
 }
 
 std::optional<double> Table::number(const std::string& key) {

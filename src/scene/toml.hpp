@@ -16,6 +16,10 @@ namespace ricochet::scene {
 /// `text` with the keys of one "--set" applied, each value parsed as TOML, else taken as a bare string.
 void apply_override(toml::table& root, const Override& text);
 
+/// `text` with line breaks and other control characters as spaces: complaints are one line whatever keys
+/// hold.
+std::string one_line(std::string text);
+
 /// Reads keys of one table, remembers which, and complains in one line: "FILE: dotted.key = value: what.
 /// fix."
 class Table {
@@ -52,7 +56,10 @@ class Table {
   const toml::table& raw() const { return table_; }
 
  private:
-  std::string dotted(const std::string& key) const { return where_.empty() ? key : where_ + "." + key; }
+  /// The table itself when `key` is empty.
+  std::string dotted(const std::string& key) const {
+    return where_.empty() || key.empty() ? where_ + key : where_ + "." + key;
+  }
   std::string value_of(const std::string& key) const;
   const toml::table& table_;
   std::string file_, where_;

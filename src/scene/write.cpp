@@ -17,7 +17,7 @@ std::string toml_string(const std::string& text) {
   std::string quoted = "\"";
   for (char c : text) {
     if (c == '"' || c == '\\') quoted += '\\';
-    if (static_cast<unsigned char>(c) < 32) {
+    if (static_cast<unsigned char>(c) < 32 || c == 127) {
       quoted += fmt::format("\\u{:04X}", static_cast<int>(c));
     } else {
       quoted += c;

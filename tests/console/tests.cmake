@@ -1,0 +1,2 @@
+add_serial_test(console options ricochet_console)
+add_serial_test(console console ricochet_console)

@@ -1,0 +1,127 @@
+// --set KEY=VALUE: the scene is what it would be with this line in its file.
+#include <gmock/gmock.h>
+
+#include "tests/scene/scenes.hpp"
+
+namespace {
+
+using namespace ricochet;
+using namespace ricochet::scene;
+using namespace ricochet::scene::test;
+using ::testing::ElementsAre;
+using ::testing::Pair;
+
+TEST(Set, replaces_what_the_file_says) {
+  EXPECT_THAT(scene_of(fullest, {"bodies.ball.velocity=[0,-6,0]"}).find_body("ball")->velocity,
+              ElementsAre(0, -6, 0));
+  EXPECT_EQ(scene_of(smallest, {"time.duration=0.5"}).time.duration, 0.5);
+  EXPECT_TRUE(scene_of(smallest, {"output.view=true"}).output.view);
+}
+
+TEST(Set, takes_what_is_not_toml_as_a_bare_string) {
+  EXPECT_EQ(scene_of(smallest, {"title=fast and loose"}).title, "fast and loose");
+  EXPECT_EQ(scene_of(smallest, {"contact.scheme=impulse"}).contact.scheme, Scheme::impulse);
+  EXPECT_EQ(scene_of(smallest, {"title=\"quoted\""}).title, "quoted");
+  EXPECT_EQ(scene_of(smallest, {"title="}).title, "");
+  EXPECT_EQ(scene_of(smallest, {"title=a=b"}).title, "a=b");  // the first "=" ends the key
+}
+
+TEST(Set, replaces_an_entry_of_a_list) {
+  EXPECT_THAT(scene_of(fullest, {"bodies.ball.translate[1]=7"}).find_body("ball")->translate,
+              ElementsAre(0, 7, -2));
+  EXPECT_EQ(scene_of(smallest, {"contact.between[0]=floor", "contact.between[1]=ball"}).contact.pairs[0].a,
+            "ball");
+}
+
+TEST(Set, reaches_into_an_entry_of_a_list) {
+  const Contact contact = scene_of(fullest, {"contact.pair[1].gap=0.125"}).contact;
+  EXPECT_EQ(*contact.pairs[0].gap, 0.01);
+  EXPECT_EQ(*contact.pairs[1].gap, 0.125);
+}
+
+TEST(Set, makes_the_tables_on_its_way) {
+  EXPECT_THAT(scene_of(smallest, {"loads.gravity=[0,0,-9.81]"}).loads.gravity, ElementsAre(0, 0, -9.81));
+  const Scene scene = scene_of(
+      smallest, {"bodies.cube.mesh=cube.msh", "bodies.cube.material.density=1",
+                 "bodies.cube.material.young=2", "bodies.cube.contact=top", "contact.between[1]=cube"});
+  ASSERT_NE(scene.find_body("cube"), nullptr);
+  EXPECT_EQ(scene.find_body("cube")->materials[0].young, 2);
+}
+
+TEST(Set, takes_whole_tables) {
+  EXPECT_THAT(scene_of(fullest, {"bodies.ball.geometry={ turns = 3 }"}).find_body("ball")->geometry,
+              ElementsAre(Pair("turns", 3)));
+}
+
+TEST(Set, takes_quoted_keys_whose_dots_do_not_part) {
+  EXPECT_THAT(scene_of(smallest, {"bodies.ball.support.\"rim.left\"=xy"}).bodies[0].support,
+              ElementsAre(Pair("rim.left", "xy")));
+  EXPECT_THAT(scene_of(smallest, {"bodies.ball.support.\"a=b\"=x"}).bodies[0].support,
+              ElementsAre(Pair("a=b", "x")));
+}
+
+TEST(Set, may_have_blanks_around_the_equals_sign_as_a_file_may) {
+  EXPECT_EQ(scene_of(smallest, {"time.duration = 0.5"}).time.duration, 0.5);
+  EXPECT_EQ(scene_of(smallest, {"contact.scheme = impulse"}).contact.scheme, Scheme::impulse);
+}
+
+TEST(Set, is_applied_in_order) {
+  EXPECT_EQ(scene_of(smallest, {"title=first", "title=second"}).title, "second");
+  EXPECT_THAT(scene_of(smallest, {"loads.gravity=[1,2,3]", "loads.gravity[0]=9"}).loads.gravity,
+              ElementsAre(9, 2, 3));
+}
+
+TEST(Set, is_checked_like_the_file) {
+  const std::pair<std::string, std::string> refusals[] = {
+      {"bodies.ball.material.poisson=0.5",
+       "bodies.ball.material.poisson = 0.5: must be below 0.5. Nearly incompressible: try 0.49."},
+      {"bodies.ball.velocity=fast", "bodies.ball.velocity = \"fast\": must be three numbers, [x, y, z]"},
+      {"bodies.bal.velocity=[0,0,1]", "bodies.bal.mesh: is missing: name a .geo, .step, .brep or .msh file"},
+      {"times.duration=1", "times = {…}: unknown key. Did you mean \"time\"?"},
+      {"modes.up_to_hz=100", "modes = {…}: give one of up_to_hz and count"}};
+  for (const auto& [set, line] : refusals)
+    EXPECT_EQ(complaint_about(smallest, {set}), "scene.toml: " + line) << set;
+}
+
+TEST(Set, that_has_no_key_and_value_is_refused) {
+  const std::string how = ": write KEY=VALUE with a dotted key, as in bodies.upper.velocity=[0,-6,0]";
+  const std::pair<std::string, std::string> refusals[] = {
+      {"", "has no \"=\": write KEY=VALUE"},
+      {"title", "has no \"=\": write KEY=VALUE"},
+      {"=3", "a part of the key is empty" + how},
+      {"time.=3", "a part of the key is empty" + how},
+      {".time=3", "a part of the key is empty" + how},
+      {"time..duration=3", "a part of the key is empty" + how},
+      {"[0]=3", "a part of the key is empty" + how},
+      {"\"time.duration=3", "the quote is not closed" + how},
+      {"\"time\"duration=3", "the key is not understood" + how},
+      {"contact.between[0]x=3", "the key is not understood" + how},
+      {"contact.between[]=3", "a list index must be a number in brackets" + how},
+      {"contact.between[-1]=3", "a list index must be a number in brackets" + how},
+      {"contact.between[first]=3", "a list index must be a number in brackets" + how},
+      {"contact.between[0=3", "a list index must be a number in brackets" + how},
+      {"contact.between[99999999999999999999]=3", "a list index must be a number in brackets" + how}};
+  for (const auto& [set, line] : refusals)
+    EXPECT_EQ(complaint_about(smallest, {set}), "--set " + set + ": " + line);
+}
+
+TEST(Set, that_leads_nowhere_is_refused) {
+  const std::pair<std::string, std::string> refusals[] = {
+      {"contact.between[2]=3", "between has no entry [2]"},
+      {"time.duration[0]=3", "duration has no entry [0]"},
+      {"contact.pair[0].gap=3", "the scene has no list pair"},
+      {"time.duration.seconds=3", "duration is not a table"},
+      {"contact.between.first=3", "between is not a table"},
+      {"contact.between[0].name=3", "between is not a table"}};
+  for (const auto& [set, line] : refusals)
+    EXPECT_EQ(complaint_about(smallest, {set}), "--set " + set + ": " + line);
+}
+
+// A line break would start another TOML line: a --set is one key.
+TEST(Set, that_holds_two_lines_is_refused_in_one) {
+  EXPECT_EQ(complaint_about(smallest, {"time.duration=1\ntitle=2"}),
+            "--set time.duration=1 title=2: holds more than one value");
+  EXPECT_EQ(complaint_about(smallest, {"one\ntwo"}), "--set one two: has no \"=\": write KEY=VALUE");
+}
+
+}  // namespace

@@ -1,0 +1,238 @@
+// What a scene says is what the program gets: each key's default and its value, as the design lists them.
+#include <gmock/gmock.h>
+
+#include "tests/scene/scenes.hpp"
+
+namespace {
+
+using namespace ricochet;
+using namespace ricochet::scene;
+using namespace ricochet::scene::test;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::Pair;
+
+TEST(SceneDefaults, of_a_body_are_those_documented) {
+  const Scene scene = scene_of(smallest);
+  ASSERT_EQ(scene.bodies.size(), 1U);
+  const Body& body = scene.bodies[0];
+  EXPECT_EQ(body.name, "ball");
+  EXPECT_THAT(body.geometry, IsEmpty());
+  EXPECT_EQ(body.order, 3);
+  EXPECT_EQ(body.scale, 1);
+  for (const Vector3& vector : {body.translate, body.rotate_deg, body.velocity})
+    EXPECT_THAT(vector, ElementsAre(0, 0, 0));
+  ASSERT_EQ(body.materials.size(), 1U);
+  EXPECT_EQ(body.materials[0].group, "");
+  EXPECT_EQ(body.materials[0].poisson, 0);
+  EXPECT_EQ(body.materials[0].area, 0);
+  EXPECT_EQ(body.damping.law, Damping::Law::none);
+  EXPECT_THAT(body.support, IsEmpty());
+}
+
+TEST(SceneDefaults, of_all_else_are_those_documented) {
+  const Scene scene = scene_of(smallest);
+  EXPECT_EQ(scene.title, "scene");  // the file's name without .toml
+  ASSERT_EQ(scene.obstacles.size(), 1U);
+  EXPECT_THAT(scene.obstacles[0].point, ElementsAre(0, 0, 0));
+  EXPECT_FALSE(scene.modes.up_to);
+  EXPECT_EQ(scene.modes.count, 10);
+  EXPECT_TRUE(scene.modes.residual_flexibility);
+  EXPECT_EQ(scene.modes.relative_residual, 1e-8);
+  EXPECT_EQ(scene.contact.scheme, Scheme::compliant);
+  ASSERT_EQ(scene.contact.pairs.size(), 1U);
+  const scene::Pair& pair = scene.contact.pairs[0];
+  EXPECT_FALSE(pair.direction || pair.along || pair.spacing || pair.gap || pair.reach);
+  EXPECT_EQ(scene.time.rate.value, 44100);
+  EXPECT_EQ(scene.time.duration, 0.01);
+  EXPECT_THAT(scene.loads.gravity, ElementsAre(0, 0, 0));
+  EXPECT_EQ(scene.output.every, 1);
+  EXPECT_FALSE(scene.output.view);
+  EXPECT_EQ(scene.output.snapshot_every, 0);
+}
+
+TEST(SceneDefaults, of_the_impulse_scheme_are_the_jump_and_no_rebound) {
+  const Contact contact = scene_of(changed(smallest, "[contact]", "[contact]\nscheme = \"impulse\"")).contact;
+  EXPECT_EQ(contact.scheme, Scheme::impulse);
+  EXPECT_EQ(contact.admittance, Admittance::jump);
+  EXPECT_EQ(contact.restitution, 0);
+}
+
+TEST(SceneValues, of_a_body_are_read) {
+  const Scene scene = scene_of(fullest);
+  ASSERT_NE(scene.find_body("ball"), nullptr);
+  const Body& ball = *scene.find_body("ball");
+  EXPECT_THAT(ball.geometry, ElementsAre(Pair("number of turns", 2), Pair("size", 0.004)));
+  EXPECT_EQ(ball.order, 2);
+  EXPECT_EQ(ball.scale, 0.001);
+  EXPECT_THAT(ball.translate, ElementsAre(0, 0.11, -2));
+  EXPECT_THAT(ball.rotate_deg, ElementsAre(90, 0.5, -45));
+  EXPECT_THAT(ball.velocity, ElementsAre(0, -1.5, 3));
+  ASSERT_EQ(ball.materials.size(), 1U);
+  EXPECT_EQ(ball.materials[0].density, 11300);
+  EXPECT_EQ(ball.materials[0].young, 10400000);
+  EXPECT_EQ(ball.materials[0].poisson, 0.37);
+  EXPECT_THAT(ball.contact, ElementsAre("rim", "cap"));
+  EXPECT_THAT(ball.support, ElementsAre(Pair("clamp", "xyz"), Pair("symmetry plane", "x")));
+}
+
+TEST(SceneValues, of_a_rod_hold_its_cross_section) {
+  const Scene scene = scene_of(changed(smallest, "young = 1e9", "young = 1e9, area = 2e-4"));
+  EXPECT_EQ(scene.bodies[0].materials[0].area, 2e-4);
+}
+
+TEST(SceneValues, of_materials_by_physical_volume_are_read) {
+  const Scene scene = scene_of(fullest);
+  const std::vector<Material>& materials = scene.find_body("block")->materials;
+  ASSERT_EQ(materials.size(), 2U);
+  EXPECT_EQ(materials[0].group, "cork");
+  EXPECT_EQ(materials[0].density, 240);
+  EXPECT_EQ(materials[1].group, "steel");
+  EXPECT_EQ(materials[1].density, 7800);
+  EXPECT_EQ(materials[1].poisson, 0.3);
+}
+
+TEST(SceneValues, of_each_law_of_damping_are_read) {
+  using Law = Damping::Law;
+  const std::tuple<const char*, Law, double, double> laws[] = {
+      {"{}", Law::none, 0, 0},
+      {"{ ratio = 0.01 }", Law::ratio, 0.01, 0},
+      {"{ loss_factor = 2e-3 }", Law::loss_factor, 0.002, 0},
+      {"{ rayleigh = [3, 1e-7] }", Law::rayleigh, 3, 1e-7},
+      {"{ viscosity = 1e-6 }", Law::viscosity, 1e-6, 0}};
+  for (const auto& [text, law, first, second] : laws) {
+    SCOPED_TRACE(text);
+    const Damping damping = scene_of(changed(smallest, "contact = \"skin\"",
+                                             std::string("contact = \"skin\"\ndamping = ") + text))
+                                .bodies[0]
+                                .damping;
+    EXPECT_EQ(damping.law, law);
+    EXPECT_EQ(damping.first, first);
+    EXPECT_EQ(damping.second, second);
+  }
+}
+
+TEST(SceneValues, of_contact_are_read_and_its_directions_made_unit) {
+  const Contact contact = scene_of(fullest).contact;
+  EXPECT_EQ(contact.scheme, Scheme::impulse);
+  EXPECT_EQ(contact.admittance, Admittance::difference);
+  EXPECT_EQ(contact.restitution, 0.25);
+  ASSERT_EQ(contact.pairs.size(), 2U);
+  const scene::Pair& pair = contact.pairs[0];
+  EXPECT_EQ(pair.a, "ball");
+  EXPECT_EQ(pair.b, "block");
+  ASSERT_TRUE(pair.direction && pair.along && pair.spacing && pair.gap && pair.reach);
+  EXPECT_THAT(*pair.direction, ElementsAre(0, -0.6, 0.8));  // 3, 4, 5
+  EXPECT_THAT(*pair.along, ElementsAre(0, 0, 1));
+  EXPECT_EQ(*pair.spacing, 0.005);
+  EXPECT_EQ(*pair.gap, 0.01);
+  EXPECT_EQ(*pair.reach, 0.02);
+  EXPECT_EQ(contact.pairs[1].b, "the floor");
+  EXPECT_FALSE(contact.pairs[1].direction);
+}
+
+TEST(SceneValues, of_all_else_are_read) {
+  const Scene scene = scene_of(fullest);
+  EXPECT_EQ(scene.title, "Ball, block & \"floor\"");
+  ASSERT_NE(scene.find_obstacle("the floor"), nullptr);
+  EXPECT_THAT(scene.find_obstacle("the floor")->point, ElementsAre(0, -1, 0.5));
+  EXPECT_THAT(scene.find_obstacle("the floor")->normal, ElementsAre(0, 1, 0));
+  EXPECT_EQ(scene.find_body("the floor"), nullptr);
+  EXPECT_EQ(scene.find_obstacle("ball"), nullptr);
+  ASSERT_TRUE(scene.modes.up_to);
+  EXPECT_EQ(scene.modes.up_to->value, 1500);
+  EXPECT_FALSE(scene.modes.count);
+  EXPECT_FALSE(scene.modes.residual_flexibility);
+  EXPECT_EQ(scene.modes.relative_residual, 1e-6);
+  EXPECT_EQ(scene.time.rate.value, 96000);
+  EXPECT_THAT(scene.loads.gravity, ElementsAre(0, -9.81, 1));
+  EXPECT_EQ(scene.output.every, 4);
+  EXPECT_TRUE(scene.output.view);
+  EXPECT_EQ(scene.output.snapshot_every, 100);
+}
+
+// Squares of such lengths leave the range of a double; the direction is as good as any.
+TEST(Directions, may_have_any_length) {
+  for (const char* normal : {"[0, 3e200, 4e200]", "[0, 3e-200, 4e-200]"}) {
+    const Scene scene = scene_of(changed(smallest, "[0, 0, 1]", normal));
+    EXPECT_DOUBLE_EQ(scene.obstacles[0].normal[1], 0.6) << normal;
+    EXPECT_DOUBLE_EQ(scene.obstacles[0].normal[2], 0.8) << normal;
+  }
+}
+
+// A pair's body comes first, so that "out of a" has a meaning; what the user wrote out of the floor turns
+// round.
+TEST(Pairs, that_name_the_obstacle_first_turn_round) {
+  const Contact contact =
+      scene_of(changed(smallest, R"(["ball", "floor"])", "[\"floor\", \"ball\"]\ndirection = [0, 0, 2]"))
+          .contact;
+  EXPECT_EQ(contact.pairs[0].a, "ball");
+  EXPECT_EQ(contact.pairs[0].b, "floor");
+  EXPECT_THAT(*contact.pairs[0].direction, ElementsAre(0, 0, -1));
+}
+
+TEST(Pairs, take_what_they_do_not_say_from_contact) {
+  const Contact contact =
+      scene_of(changed(fullest, "scheme = \"impulse\"", "scheme = \"impulse\"\ngap = 0.5\nreach = 0.25"))
+          .contact;
+  ASSERT_EQ(contact.pairs.size(), 2U);
+  EXPECT_EQ(*contact.pairs[0].gap, 0.01);
+  EXPECT_EQ(*contact.pairs[1].gap, 0.5);
+  EXPECT_EQ(*contact.pairs[1].reach, 0.25);
+}
+
+// "direction" points out of the first of "between", whichever of the two the pair says itself.
+TEST(Pairs, turn_round_once_whatever_they_take_from_contact) {
+  const std::string two_balls = changed(smallest, "[obstacles.floor]", R"([bodies.cube]
+mesh = "cube.msh"
+material = { density = 1000, young = 1e9 }
+contact = "skin"
+
+[obstacles.floor])");
+  const Contact shared = scene_of(changed(two_balls, R"(between = ["ball", "floor"])", R"(
+between = ["floor", "ball"]
+direction = [0, 0, 1]
+[[contact.pair]]
+direction = [0, 1, 0]
+[[contact.pair]]
+between = ["floor", "cube"]
+[[contact.pair]]
+between = ["ball", "cube"])"))
+                             .contact;
+  ASSERT_EQ(shared.pairs.size(), 3U);
+  EXPECT_EQ(shared.pairs[0].a, "ball");
+  EXPECT_THAT(*shared.pairs[0].direction, ElementsAre(0, -1, 0));
+  EXPECT_EQ(shared.pairs[1].a, "cube");
+  EXPECT_THAT(*shared.pairs[1].direction, ElementsAre(0, 0, -1));
+  EXPECT_EQ(shared.pairs[2].a, "ball");
+  EXPECT_THAT(*shared.pairs[2].direction, ElementsAre(0, 0, 1));
+}
+
+TEST(Bodies, are_in_the_order_of_their_names) {
+  const Scene scene = scene_of(fullest);
+  ASSERT_EQ(scene.bodies.size(), 2U);
+  EXPECT_EQ(scene.bodies[0].name, "ball");
+  EXPECT_EQ(scene.bodies[1].name, "block");
+}
+
+TEST(ScenePaths, start_at_the_folder_of_the_scene) {
+  const Folder folder;
+  const Scene scene = read(folder.write("deep/scene.toml", fullest));
+  EXPECT_EQ(scene.find_body("ball")->mesh, folder.path() / "deep/ball.geo");
+  EXPECT_EQ(scene.find_body("block")->mesh, folder.path() / "shapes/block.step");
+}
+
+TEST(ScenePaths, that_are_absolute_stay) {
+  EXPECT_EQ(scene_of(changed(smallest, "ball.msh", "/far/away/ball.msh")).bodies[0].mesh,
+            "/far/away/ball.msh");
+}
+
+TEST(Scenes, that_ship_with_the_meshes_are_read) {
+  for (const char* file : {"/meshes/two-disks/two-disks.toml", "/meshes/two-rods/two-rods.toml"}) {
+    const Scene scene = read(std::string(RICOCHET_SOURCE) + file);
+    EXPECT_EQ(scene.bodies.size(), 2U) << file;
+    for (const Body& body : scene.bodies) EXPECT_TRUE(std::filesystem::exists(body.mesh)) << body.mesh;
+  }
+}
+
+}  // namespace

@@ -1,0 +1,228 @@
+// A scene that can't be meant is refused in one line: the file, the key, what was found, what to do.
+#include "tests/scene/scenes.hpp"
+
+namespace {
+
+using namespace ricochet::scene;
+using namespace ricochet::scene::test;
+
+struct Refusal {
+  std::string from, to, line;
+};
+
+/// Each change of `smallest` must give exactly its line.
+void expect_lines(const std::vector<Refusal>& refusals) {
+  for (const Refusal& refusal : refusals) {
+    SCOPED_TRACE(refusal.to);
+    EXPECT_EQ(complaint_about(changed(smallest, refusal.from, refusal.to)), "scene.toml: " + refusal.line);
+  }
+}
+
+/// The same for lines put behind the body's own.
+void expect_body_lines(const std::vector<std::pair<std::string, std::string>>& added) {
+  for (const auto& [text, line] : added)
+    expect_lines({{"contact = \"skin\"", "contact = \"skin\"\n" + text, "bodies.ball." + line}});
+}
+
+/// The same for lines put at the start of a table.
+void expect_table_lines(const std::string& table,
+                        const std::vector<std::pair<std::string, std::string>>& added) {
+  for (const auto& [text, line] : added)
+    expect_lines({{"[" + table + "]", "[" + table + "]\n" + text, table + "." + line}});
+}
+
+TEST(Refused, is_an_unknown_key_with_the_one_it_may_mean) {
+  expect_body_lines(
+      {{"velocty = [0, 0, 1]", "velocty = [0, 0, 1]: unknown key. Did you mean \"velocity\"?"}});
+  expect_table_lines("time",
+                     {{"rate = 44100", "rate = 44100: unknown key. The keys here are duration, rate_hz."}});
+  expect_table_lines("contact", {{"spacin = 1", "spacin = 1: unknown key. Did you mean \"spacing\"?"}});
+  expect_table_lines("modes", {{"counts = 1", "counts = 1: unknown key. Did you mean \"count\"?"}});
+  expect_table_lines("obstacles.floor",
+                     {{"normla = true", "normla = true: unknown key. Did you mean \"normal\"?"}});
+  expect_lines({
+      {"[time]", "[outputs]\n[time]", "outputs = {…}: unknown key. Did you mean \"output\"?"},
+      {"[time]", "[loads]\ngravty = 1\n[time]", "loads.gravty = 1: unknown key. Did you mean \"gravity\"?"},
+      {"[time]", "[output]\nevry = 1\n[time]", "output.evry = 1: unknown key. Did you mean \"every\"?"},
+      {"young = 1e9", "young = 1e9, nu = 0.3",
+       "bodies.ball.material.nu = 0.3: unknown key. The keys here are area, density, poisson, young."},
+      {"[time]", "[[contact.pair]]\nwidth = 1\n[time]",
+       "contact.pair[0].width = 1: unknown key. The keys here are along, between, direction, gap, reach, "
+       "spacing."},
+  });
+}
+
+TEST(Refused, is_a_missing_key) {
+  expect_lines({
+      {"mesh = \"ball.msh\"", "", "bodies.ball.mesh: is missing: name a .geo, .step, .brep or .msh file"},
+      {"material = { density = 1000, young = 1e9 }", "",
+       "bodies.ball.material: is missing: give { density = …, young = …, poisson = … }"},
+      {"density = 1000, ", "", "bodies.ball.material.density: is missing"},
+      {", young = 1e9", "", "bodies.ball.material.young: is missing"},
+      {"contact = \"skin\"", "", "bodies.ball.contact: is missing: name the physical surface that may touch"},
+      {"normal = [0, 0, 1]", "", "obstacles.floor.normal: is missing: it points out of the obstacle"},
+      {"[modes]\ncount = 10", "", "modes: is missing: give up_to_hz or count"},
+      {"count = 10", "", "modes = {…}: give one of up_to_hz and count"},
+      {"[contact]\nbetween = [\"ball\", \"floor\"]", "",
+       "contact: is missing: give between = [\"body\", \"body\"]"},
+      {"between = [\"ball\", \"floor\"]", "", "contact.between: is missing: name the two that may touch"},
+      {"between = [\"ball\", \"floor\"]", "[[contact.pair]]\ngap = 1", "contact.pair[0].between: is missing"},
+      {"[time]\nduration = 0.01", "", "time: is missing: give duration [s]"},
+      {"duration = 0.01", "", "time.duration: is missing"},
+  });
+  EXPECT_EQ(complaint_about(""), "scene.toml: bodies: is missing: a scene needs a body, [bodies.NAME]");
+  EXPECT_EQ(complaint_about("bodies = {}"),
+            "scene.toml: bodies = {…}: is missing: a scene needs a body, [bodies.NAME]");
+}
+
+TEST(Refused, is_a_value_of_another_type) {
+  expect_lines({
+      {"\"ball.msh\"", "3", "bodies.ball.mesh = 3: must be a string"},
+      {"density = 1000", "density = \"lead\"", "bodies.ball.material.density = \"lead\": must be a number"},
+      {"{ density = 1000, young = 1e9 }", "\"lead\"", "bodies.ball.material = \"lead\": must be a table"},
+      {"\"skin\"", "[\"skin\", 1]",
+       "bodies.ball.contact = [\"skin\", 1]: must be a string or a list of strings"},
+      {"\"skin\"", "1", "bodies.ball.contact = 1: must be a string or a list of strings"},
+      {"count = 10", "count = 10.0", "modes.count = 10.0: must be a whole number"},
+      {"[0, 0, 1]", "[0, 0.3]", "obstacles.floor.normal = [0, 0.3]: must be three numbers, [x, y, z]"},
+      {"[0, 0, 1]", "[0, 0, \"1\"]",
+       "obstacles.floor.normal = [0, 0, \"1\"]: must be three numbers, [x, y, z]"},
+      {"[\"ball\", \"floor\"]", "[\"ball\", \"floor\"]\npair = 1",
+       "contact.pair = 1: must be an array of tables, [[contact.pair]]"},
+      {"[\"ball\", \"floor\"]", "[\"ball\", \"floor\"]\npair = [1]",
+       "contact.pair = [1]: must be an array of tables, [[contact.pair]]"},
+      {"\n[bodies.ball]", "title = 1979-05-27\n[bodies.ball]", "title = 1979-05-27: must be a string"},
+      {"\n[bodies.ball]", "output = \"all\"\n[bodies.ball]", "output = \"all\": must be a table"},
+      {"\n[bodies.ball]", "bodies.cube = 1\n[bodies.ball]", "bodies.cube = 1: must be a table"},
+  });
+  expect_body_lines({{"geometry = { size = \"big\" }", "geometry.size = \"big\": must be a number"},
+                     {"support = { clamp = 1 }", "support.clamp = 1: must be a string"},
+                     {"support = \"clamp\"", "support = \"clamp\": must be a table"},
+                     {"velocity = 3.5", "velocity = 3.5: must be three numbers, [x, y, z]"}});
+  expect_table_lines("modes",
+                     {{"residual_flexibility = 1", "residual_flexibility = 1: must be true or false"}});
+}
+
+TEST(Refused, is_a_number_out_of_range) {
+  expect_lines({
+      {"density = 1000", "density = -1", "bodies.ball.material.density = -1: must be above 0"},
+      {"density = 1000", "density = inf", "bodies.ball.material.density = inf: must be finite"},
+      {"young = 1e9", "young = 0", "bodies.ball.material.young = 0: must be above 0"},
+      {"young = 1e9", "young = nan", "bodies.ball.material.young = nan: must be finite"},
+      {"young = 1e9", "young = 1e9, area = 0", "bodies.ball.material.area = 0: must be above 0"},
+      {"young = 1e9", "young = 1e9, poisson = 0.5",
+       "bodies.ball.material.poisson = 0.5: must be below 0.5. Nearly incompressible: try 0.49."},
+      {"young = 1e9", "young = 1e9, poisson = -1", "bodies.ball.material.poisson = -1: must be above -1."},
+      {"count = 10", "count = 0", "modes.count = 0: must be at least 1"},
+      {"count = 10", "up_to_hz = 0.0", "modes.up_to_hz = 0.0: must be above 0"},
+      {"duration = 0.01", "duration = 0", "time.duration = 0: must be above 0"},
+      {"duration = 0.01", "duration = 1e-5",
+       "time.duration = 1e-05: makes 0.441 steps: must be from 1 to 1e9"},
+      {"duration = 0.01", "duration = 1e5",
+       "time.duration = 100000.0: makes 4.41e+09 steps: must be from 1 to 1e9"},
+      {"[0, 0, 1]", "[0, 0, 0]", "obstacles.floor.normal = [0, 0, 0]: must not be zero"},
+      {"[0, 0, 1]", "[0, 0, inf]", "obstacles.floor.normal = [0, 0, inf]: must be finite"},
+  });
+  expect_body_lines({{"order = 0", "order = 0: must be from 1 to 10"},
+                     {"order = 11", "order = 11: must be from 1 to 10"},
+                     {"scale = -0.001", "scale = -0.001: must be above 0"}});
+  expect_table_lines("modes",
+                     {{"relative_residual = 0.1", "relative_residual = 0.1: must be from 1e-14 to 1e-2"},
+                      {"relative_residual = 0", "relative_residual = 0: must be from 1e-14 to 1e-2"}});
+  expect_table_lines("time", {{"rate_hz = -44100", "rate_hz = -44100: must be above 0"}});
+  expect_table_lines("contact", {{"spacing = 0", "spacing = 0: must be above 0"},
+                                 {"reach = 0", "reach = 0: must be above 0"},
+                                 {"gap = -0.1", "gap = -0.1: must not be negative"},
+                                 {"direction = [0, 0, 0]", "direction = [0, 0, 0]: must not be zero"},
+                                 {"along = [0, 0, 0]", "along = [0, 0, 0]: must not be zero"}});
+  for (const auto& [key, line] : std::vector<std::pair<std::string, std::string>>{
+           {"every = 0", "every = 0: must be from 1 to 1e9"},
+           {"snapshot_every = -1", "snapshot_every = -1: must not be negative"}})
+    expect_lines({{"[time]", "[output]\n" + key + "\n[time]", "output." + line}});
+}
+
+TEST(Refused, is_damping_that_is_no_law_or_two) {
+  expect_body_lines(
+      {{"damping = { ratio = -0.1 }", "damping.ratio = -0.1: must not be negative"},
+       {"damping = { ratio = 0.1, viscosity = 0.1 }",
+        "damping = {…}: give one law only: ratio, loss_factor, rayleigh or viscosity"},
+       {"damping = { rayleigh = 1 }", "damping.rayleigh = 1: must be two numbers, [alpha, beta]"},
+       {"damping = { rayleigh = [1] }", "damping.rayleigh = [1]: must be two numbers, [alpha, beta]"},
+       {"damping = { rayleigh = [1, -2.5] }",
+        "damping.rayleigh = [1, -2.5]: must be two numbers, neither negative"},
+       {"damping = { rate = 1 }", "damping.rate = 1: unknown key. Did you mean \"ratio\"?"}});
+}
+
+TEST(Refused, is_a_support_that_holds_no_components) {
+  expect_body_lines({{"support = { clamp = \"xw\" }",
+                      "support = {…}: \"clamp\" holds \"xw\": name the fixed components, some of \"xyz\""},
+                     {"support = { clamp = \"\" }",
+                      "support = {…}: \"clamp\" holds \"\": name the fixed components, some of \"xyz\""}});
+}
+
+TEST(Refused, are_modes_asked_for_twice) {
+  expect_lines({{"count = 10", "count = 10\nup_to_hz = 1e3", "modes = {…}: give one of up_to_hz and count"}});
+}
+
+TEST(Refused, is_a_pair_that_is_not_two_bodies_there_are) {
+  const std::string between = "[\"ball\", \"floor\"]";
+  expect_lines({
+      {between, "[\"ball\", \"flor\"]",
+       "contact.between = [\"ball\", \"flor\"]: there is no body or obstacle \"flor\""},
+      {between, "[\"ball\", \"ball\"]",
+       "contact.between = [\"ball\", \"ball\"]: must name two different bodies"},
+      {between, "\"ball\"", "contact.between = \"ball\": must name two bodies, or a body and an obstacle"},
+      {between, "[\"floor\", \"wall\"]\n[obstacles.wall]\nnormal = [1, 0, 0]",
+       "contact.between = [\"floor\", \"wall\"]: one of the two must be a body"},
+      {"[obstacles.floor]",
+       "[bodies.cube]\nmesh = \"a\"\nmaterial = { density = 1, young = 1 }\n[obstacles.floor]",
+       "bodies.cube: no contact pair names it: add it to contact.between or remove it"},
+  });
+}
+
+TEST(Refused, is_a_scheme_there_is_not) {
+  expect_table_lines(
+      "contact", {{"scheme = \"penalty\"", "scheme = \"penalty\": must be \"compliant\" or \"impulse\""},
+                  {"admittance = \"jump\"", "admittance = \"jump\": belongs to scheme = \"impulse\""},
+                  {"restitution = 0.5", "restitution = 0.5: belongs to scheme = \"impulse\""},
+                  {"scheme = \"impulse\"\nadmittance = \"leap\"",
+                   "admittance = \"leap\": must be \"jump\" or \"difference\""},
+                  {"scheme = \"impulse\"\nrestitution = 1.5", "restitution = 1.5: must be from 0 to 1"},
+                  {"scheme = \"impulse\"\nrestitution = -0.5", "restitution = -0.5: must be from 0 to 1"}});
+}
+
+TEST(Refused, is_a_name_that_can_not_be_a_files_or_is_taken) {
+  expect_lines({
+      {"[bodies.ball]", "[bodies.\"a/b\"]", "bodies.a/b: a body's name is made of letters, digits, - and _"},
+      {"[obstacles.floor]", "[obstacles.ball]", "obstacles.ball: a body has this name already"},
+  });
+}
+
+TEST(Refused, is_a_file_that_is_not_there_or_not_toml) {
+  const Folder folder;
+  const std::string missing = (folder.path() / "none.toml").string();
+  EXPECT_EQ(complaint_of([&] { read(missing); }), missing + ": no such file");
+  EXPECT_EQ(complaint_of([&] { read(folder.path()); }), folder.path().string() + ": no such file");
+  // Line 2, column 5: the second "="; what stands behind is the parser's own sentence.
+  EXPECT_EQ(complaint_about("title = \"a\"\na = = 3\n").substr(0, 15), "scene.toml:2:5:");
+}
+
+// Quoted keys and strings may hold anything.
+TEST(Refused, is_refused_in_one_line_whatever_keys_hold) {
+  expect_lines({
+      {"[time]", "[\"a\\nb\"]\n[time]",
+       "a b = {…}: "
+       "unknown key. The keys here are bodies, contact, loads, modes, obstacles, output, time, title."},
+      {"\"ball\", \"floor\"", "\"ball\", \"a\\nb\"",
+       "contact.between = [\"ball\", \"a\\u000Ab\"]: there is no body or obstacle \"a b\""},
+  });
+}
+
+TEST(Refused, are_long_values_in_part_and_in_whole_characters) {
+  // 1 + 55 bytes, then an é whose second byte is the 58th: it goes as a whole.
+  const std::string start(55, 'a');
+  expect_lines({{"count = 10", "count = \"" + start + "ééé\"",
+                 "modes.count = \"" + start + "…: must be a whole number"}});
+}
+
+}  // namespace

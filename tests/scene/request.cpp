@@ -1,0 +1,200 @@
+// A kernel's hash moves with all that the kernel depends on and with nothing else: else runs would take modes
+// of another body, or compute them again for nothing.
+#include "src/scene/write.hpp"
+
+#include <gmock/gmock.h>
+
+#include "tests/scene/scenes.hpp"
+
+namespace {
+
+using namespace ricochet;
+using namespace ricochet::scene;
+using namespace ricochet::scene::test;
+using ::testing::ElementsAre;
+using ::testing::ElementsAreArray;
+
+const std::string scene_text = changed(smallest, "[contact]", R"([contact]
+direction = [0, 0, -1]
+along = [1, 0, 0]
+spacing = 0.01)");
+
+/// The ball's request, its mesh file holding `mesh`.
+KernelRequest request_of(const std::string& text, const std::vector<Override>& overrides = {},
+                         const std::string& mesh = "a mesh") {
+  const Folder folder;
+  folder.write("ball.msh", mesh);
+  folder.write("moved.msh", mesh);
+  const Scene scene = read(folder.write("scene.toml", text), overrides);
+  return kernel_request(scene, scene.bodies[0]);
+}
+
+std::string hash_with(const Override& set) { return request_of(scene_text, {set}).hash; }
+
+// The example of FIPS 180-4.
+TEST(Sha256, is_the_standards) {
+  EXPECT_EQ(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+TEST(KernelHash, is_the_same_for_the_same_scene) {
+  const std::string hash = request_of(scene_text).hash;
+  EXPECT_EQ(hash, request_of(scene_text).hash);
+  EXPECT_EQ(hash.size(), 64U);
+  EXPECT_EQ(hash.find_first_not_of("0123456789abcdef"), std::string::npos);
+}
+
+TEST(KernelHash, moves_with_what_the_kernel_depends_on) {
+  const std::string hash = request_of(scene_text).hash;
+  for (const char* set :
+       {"bodies.ball.material.young=2e9", "bodies.ball.material.density=1001",
+        "bodies.ball.material.poisson=0.1", "bodies.ball.material.area=1", "bodies.ball.order=2",
+        "bodies.ball.scale=2", "bodies.ball.geometry.size=1", "bodies.ball.damping.ratio=0.1",
+        "bodies.ball.contact=other", "bodies.ball.support.clamp=x", "modes.count=11",
+        "modes.residual_flexibility=false", "modes.relative_residual=1e-9", "contact.direction=[0,1,0]",
+        "contact.along=[0,1,0]", "contact.spacing=0.02", "output.view=true"})
+    EXPECT_NE(hash_with(set), hash) << set;
+}
+
+TEST(KernelHash, stays_with_what_it_does_not) {
+  const std::string hash = request_of(scene_text).hash;
+  for (const char* set :
+       {"title=other", "bodies.ball.velocity=[0,-6,0]", "bodies.ball.translate=[1,2,3]", "contact.gap=0.5",
+        "contact.reach=0.5", "contact.scheme=impulse", "time.rate_hz=96000", "time.duration=1",
+        "loads.gravity=[0,0,-9.81]", "output.every=2", "output.snapshot_every=5",
+        "obstacles.floor.point=[0,0,1]", "bodies.ball.order=3",
+        "bodies.ball.mesh=moved.msh"})  // 3 is the default; the other file holds the same
+    EXPECT_EQ(hash_with(set), hash) << set;
+}
+
+TEST(KernelHash, does_not_know_the_bodys_name) {
+  const std::string renamed =
+      changed(changed(scene_text, "[bodies.ball]", "[bodies.cube]"), "\"ball\"", "\"cube\"");
+  EXPECT_EQ(request_of(renamed).hash, request_of(scene_text).hash);
+}
+
+TEST(KernelHash, moves_with_what_the_mesh_file_holds) {
+  EXPECT_NE(request_of(scene_text, {}, "another mesh").hash, request_of(scene_text).hash);
+  EXPECT_EQ(request_of(scene_text, {}, "abc").mesh_sha256, sha256("abc"));
+}
+
+/// Hash of a ball whose mesh is the .geo of these files.
+std::string geo_hash(const std::string& main, const std::string& included, const std::string& merged) {
+  const Folder folder;
+  folder.write("ball.geo", main);
+  folder.write("parts/sizes.geo", included);
+  folder.write("parts/shape.step", merged);
+  const Scene scene = read(folder.write("scene.toml", smallest), {"bodies.ball.mesh=ball.geo"});
+  return kernel_request(scene, scene.bodies[0]).hash;
+}
+
+TEST(KernelHash, moves_with_the_files_a_geo_includes) {
+  const std::string main = "Include \"parts/sizes.geo\";\nPoint(1) = {0, 0, 0};\n";
+  // sizes.geo merges a file beside itself, and includes its includer: no reason to turn for ever.
+  const std::string sizes = "  Merge \"shape.step\";\nInclude \"../ball.geo\";\n";
+  const std::string hash = geo_hash(main, sizes, "a cube");
+  EXPECT_EQ(geo_hash(main, sizes, "a cube"), hash);
+  EXPECT_NE(geo_hash(main, sizes, "a cone"), hash);
+  EXPECT_NE(geo_hash(main, sizes + "size = 1;\n", "a cube"), hash);
+  EXPECT_NE(geo_hash(main + "size = 1;\n", sizes, "a cube"), hash);
+  EXPECT_EQ(geo_hash("size = 1;\n", sizes, "a cube"),
+            geo_hash("size = 1;\n", "", ""));  // nothing is included
+}
+
+TEST(KernelRequests, name_the_file_that_is_not_there) {
+  const Folder folder;
+  const Scene scene = read(folder.write("scene.toml", smallest));
+  const std::string mesh = (folder.path() / "ball.msh").string();
+  const auto ask = [&] { kernel_request(scene, scene.bodies[0]); };
+  EXPECT_EQ(complaint_of(ask), "scene.toml: bodies.ball.mesh = \"" + mesh + "\": no such file");
+  std::filesystem::create_directory(mesh);
+  EXPECT_EQ(complaint_of(ask), "scene.toml: bodies.ball.mesh = \"" + mesh + "\": no such file");
+
+  folder.write("ball.geo", "Include \"gone.geo\";\n");
+  const Scene geo = read(folder.path() / "scene.toml", {"bodies.ball.mesh=ball.geo"});
+  EXPECT_EQ(complaint_of([&] { kernel_request(geo, geo.bodies[0]); }),
+            "scene.toml: bodies.ball.mesh includes = \"" + (folder.path() / "gone.geo").string() +
+                "\": no such file");
+}
+
+TEST(KernelRequests, hold_no_placement_and_no_velocity) {
+  const Body body = request_of(scene_text, {"bodies.ball.velocity=[0,-6,0]", "bodies.ball.translate=[1,2,3]",
+                                            "bodies.ball.rotate_deg=[90,0,0]"})
+                        .body;
+  for (const Vector3& vector : {body.translate, body.rotate_deg, body.velocity})
+    EXPECT_THAT(vector, ElementsAre(0, 0, 0));
+}
+
+// Turned by 90 degrees about x and then z, the body's x, y, z are the world's y, z, x. An axis has no sign.
+TEST(KernelRequests, hold_axes_in_the_bodys_own_frame) {
+  const KernelRequest request =
+      request_of(scene_text, {"bodies.ball.rotate_deg=[90,0,90]", "contact.direction=[0,-3,4]"});
+  EXPECT_THAT(*request.direction, ElementsAre(0.6, -0.8, 0));
+  EXPECT_THAT(*request.along, ElementsAre(0, 0, 1));
+}
+
+// So a body that is turned together with its axes needs no other kernel, nor one met from behind.
+TEST(KernelHash, stays_when_body_and_axes_turn_together) {
+  const std::string hash = request_of(scene_text).hash;  // direction −z, along x
+  EXPECT_EQ(request_of(scene_text, {"bodies.ball.rotate_deg=[90,0,90]", "contact.direction=[1,0,0]",
+                                    "contact.along=[0,1,0]"})
+                .hash,
+            hash);
+  EXPECT_EQ(hash_with("contact.direction=[0,0,1]"), hash);
+  EXPECT_NE(hash_with("bodies.ball.rotate_deg=[90,0,90]"), hash);
+}
+
+// One component is enough only where all pairs look the same way.
+TEST(KernelRequests, hold_a_direction_only_when_all_pairs_share_it) {
+  const std::string two = changed(smallest, "between = [\"ball\", \"floor\"]", R"(
+direction = [0, 0, 1]
+[[contact.pair]]
+between = ["ball", "floor"]
+[[contact.pair]]
+between = ["ball", "floor"])");
+  EXPECT_TRUE(request_of(two).direction);
+  EXPECT_TRUE(request_of(two, {"contact.pair[1].direction=[0,0,-1]"}).direction);
+  EXPECT_FALSE(request_of(two, {"contact.pair[1].direction=[0,1,0]"}).direction);
+  EXPECT_FALSE(
+      request_of(changed(two, "direction = [0, 0, 1]", ""), {"contact.pair[1].direction=[0,0,1]"}).direction);
+  EXPECT_EQ(
+      complaint_of([&] { request_of(two, {"contact.pair[1].spacing=0.5"}); }),
+      "scene.toml: contact: two pairs ask different patches (along, spacing) of bodies.ball: a body has one "
+      "set of candidates, give both pairs the same");
+}
+
+TEST(KernelPaths, are_the_bodys_name_and_twelve_digits) {
+  KernelRequest request;
+  request.body.name = "ball";
+  request.hash = "0123456789abcdef0123456789abcdef";
+  EXPECT_EQ(kernel_path("some/out", request), "some/out/ball-0123456789ab.kernel.h5");
+}
+
+std::array<double, 9> turned(const Vector3& degrees) {
+  Body body;
+  body.rotate_deg = degrees;
+  return rotation_of(body);
+}
+
+TEST(Rotation, of_quarter_turns_is_exact_about_each_axis) {
+  EXPECT_THAT(turned({0, 0, 0}), ElementsAre(1, 0, 0, 0, 1, 0, 0, 0, 1));
+  EXPECT_THAT(turned({90, 0, 0}), ElementsAre(1, 0, 0, 0, 0, -1, 0, 1, 0));  // y to z
+  EXPECT_THAT(turned({0, 90, 0}), ElementsAre(0, 0, 1, 0, 1, 0, -1, 0, 0));  // z to x
+  EXPECT_THAT(turned({0, 0, 90}), ElementsAre(0, -1, 0, 1, 0, 0, 0, 0, 1));  // x to y
+  EXPECT_THAT(turned({0, 0, -270}), ElementsAreArray(turned({0, 0, 90})));
+  EXPECT_THAT(turned({0, 0, 180}), ElementsAre(-1, 0, 0, 0, -1, 0, 0, 0, 1));
+}
+
+TEST(Rotation, is_about_x_then_y_then_z) {
+  EXPECT_THAT(turned({90, 90, 0}), ElementsAre(0, 1, 0, 0, 0, -1, -1, 0, 0));  // y to z to x
+  EXPECT_THAT(turned({90, 0, 90}), ElementsAre(0, 0, 1, 1, 0, 0, 0, 1, 0));    // z to −y to x
+  EXPECT_THAT(turned({0, 90, 90}), ElementsAre(0, -1, 0, 0, 0, 1, -1, 0, 0));  // z to x to y
+  EXPECT_THAT(turned({90, 90, 90}), ElementsAre(0, 0, 1, 0, 1, 0, -1, 0, 0));  // y to z to x to y
+}
+
+TEST(Rotation, of_any_angle_turns_by_it) {
+  const auto matrix = turned({0, 0, 30});
+  EXPECT_NEAR(matrix[0], 0.86602540378443865, 1e-15);  // √3/2
+  EXPECT_NEAR(matrix[3], 0.5, 1e-15);
+}
+
+}  // namespace

@@ -1,0 +1,155 @@
+// Scenes small enough to know by heart, each in a folder of its own.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "kernels/error.hpp"
+#include "src/scene/scene.hpp"
+
+namespace ricochet::scene::test {
+
+/// Nothing but what must be given: all else is left to the defaults.
+inline const std::string smallest = R"(
+[bodies.ball]
+mesh = "ball.msh"
+material = { density = 1000, young = 1e9 }
+contact = "skin"
+
+[obstacles.floor]
+normal = [0, 0, 1]
+
+[modes]
+count = 10
+
+[contact]
+between = ["ball", "floor"]
+
+[time]
+duration = 0.01
+)";
+
+/// Two bodies, an obstacle and two pairs, with every key given a value that is not its default.
+inline const std::string fullest = R"(
+title = "Ball, block & \"floor\""
+
+[bodies.ball]
+mesh = "ball.geo"
+geometry = { size = 4e-3, "number of turns" = 2 }
+order = 2
+scale = 0.001
+translate = [0.0, 0.11, -2]
+rotate_deg = [90, 0.5, -45]
+material = { density = 11.3e3, young = 10.4e6, poisson = 0.37 }
+damping = { rayleigh = [3, 1e-7] }
+velocity = [0.0, -1.5, 3]
+contact = ["rim", "cap"]
+support = { clamp = "zyx", "symmetry plane" = "x" }
+
+[bodies.block]
+mesh = "../shapes/block.step"
+material = { steel = { density = 7800, young = 2.1e11, poisson = 0.3 }, cork = { density = 240, young = 2e7 } }
+contact = "top"
+
+[obstacles."the floor"]
+point = [0, -1, 0.5]
+normal = [0, 2, 0]
+
+[modes]
+up_to_hz = 1500.0
+residual_flexibility = false
+relative_residual = 1e-6
+
+[contact]
+scheme = "impulse"
+admittance = "difference"
+restitution = 0.25
+
+[[contact.pair]]
+between = ["ball", "block"]
+direction = [0, -3, 4]
+along = [0, 0, 5]
+spacing = 5e-3
+gap = 0.01
+reach = 0.02
+
+[[contact.pair]]
+between = ["ball", "the floor"]
+along = [0, 0, 1]
+spacing = 5e-3
+
+[time]
+rate_hz = 96000
+duration = 0.04
+
+[loads]
+gravity = [0.0, -9.81, 1]
+
+[output]
+every = 4
+view = true
+snapshot_every = 100
+)";
+
+/// `text` with its one `from` replaced.
+inline std::string changed(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << "the scene does not hold: " << from;
+  if (at == std::string::npos) return text;
+  EXPECT_EQ(text.find(from, at + 1), std::string::npos) << "the scene holds twice: " << from;
+  return text.replace(at, from.size(), to);
+}
+
+/// A new folder, removed with all it holds.
+class Folder {
+ public:
+  Folder() {
+    std::string name = (std::filesystem::temp_directory_path() / "ricochet-XXXXXX").string();
+    path_ = ::mkdtemp(name.data());
+  }
+  ~Folder() { std::filesystem::remove_all(path_); }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  std::filesystem::path write(const std::string& name, const std::string& text) const {
+    const std::filesystem::path file = path_ / name;
+    std::filesystem::create_directories(file.parent_path());
+    std::ofstream(file, std::ios::binary) << text;
+    return file;
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// The scene that `text` is, in a file "scene.toml" that is gone afterwards.
+inline Scene scene_of(const std::string& text, const std::vector<Override>& overrides = {}) {
+  const Folder folder;
+  return read(folder.write("scene.toml", text), overrides);
+}
+
+/// The InputError's text; a test failure when none is thrown or it has more than one line.
+template <class Action>
+std::string complaint_of(Action action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    const std::string text = error.what();
+    EXPECT_EQ(text.find('\n'), std::string::npos) << text;
+    return text;
+  }
+  ADD_FAILURE() << "no InputError";
+  return "";
+}
+
+inline std::string complaint_about(const std::string& text, const std::vector<Override>& overrides = {}) {
+  return complaint_of([&] { scene_of(text, overrides); });
+}
+
+}  // namespace ricochet::scene::test

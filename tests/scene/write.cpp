@@ -1,0 +1,195 @@
+// The resolved scene that --dry-run prints is a scene: reading it back gives the same one.
+#include "src/scene/write.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include "tests/scene/scenes.hpp"
+
+namespace {
+
+using namespace ricochet;
+using namespace ricochet::scene;
+using namespace ricochet::scene::test;
+using ::testing::HasSubstr;
+
+void expect_same(const Body& a, const Body& b) {
+  SCOPED_TRACE(a.name);
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.mesh, b.mesh);
+  EXPECT_EQ(a.geometry, b.geometry);
+  EXPECT_EQ(a.order, b.order);
+  EXPECT_EQ(a.scale, b.scale);
+  EXPECT_EQ(a.translate, b.translate);
+  EXPECT_EQ(a.rotate_deg, b.rotate_deg);
+  ASSERT_EQ(a.materials.size(), b.materials.size());
+  for (std::size_t k = 0; k < a.materials.size(); ++k) {
+    EXPECT_EQ(a.materials[k].group, b.materials[k].group);
+    EXPECT_EQ(a.materials[k].density, b.materials[k].density);
+    EXPECT_EQ(a.materials[k].young, b.materials[k].young);
+    EXPECT_EQ(a.materials[k].poisson, b.materials[k].poisson);
+    EXPECT_EQ(a.materials[k].area, b.materials[k].area);
+  }
+  EXPECT_EQ(a.damping.law, b.damping.law);
+  EXPECT_EQ(a.damping.first, b.damping.first);
+  EXPECT_EQ(a.damping.second, b.damping.second);
+  EXPECT_EQ(a.velocity, b.velocity);
+  EXPECT_EQ(a.contact, b.contact);
+  EXPECT_EQ(a.support, b.support);
+}
+
+void expect_same(const Contact& a, const Contact& b) {
+  EXPECT_EQ(a.scheme, b.scheme);
+  EXPECT_EQ(a.admittance, b.admittance);
+  EXPECT_EQ(a.restitution, b.restitution);
+  ASSERT_EQ(a.pairs.size(), b.pairs.size());
+  for (std::size_t k = 0; k < a.pairs.size(); ++k) {
+    EXPECT_EQ(a.pairs[k].a, b.pairs[k].a);
+    EXPECT_EQ(a.pairs[k].b, b.pairs[k].b);
+    EXPECT_EQ(a.pairs[k].direction, b.pairs[k].direction);
+    EXPECT_EQ(a.pairs[k].along, b.pairs[k].along);
+    EXPECT_EQ(a.pairs[k].spacing, b.pairs[k].spacing);
+    EXPECT_EQ(a.pairs[k].gap, b.pairs[k].gap);
+    EXPECT_EQ(a.pairs[k].reach, b.pairs[k].reach);
+  }
+}
+
+void expect_same(const Scene& a, const Scene& b) {
+  EXPECT_EQ(a.title, b.title);
+  ASSERT_EQ(a.bodies.size(), b.bodies.size());
+  for (std::size_t k = 0; k < a.bodies.size(); ++k) expect_same(a.bodies[k], b.bodies[k]);
+  ASSERT_EQ(a.obstacles.size(), b.obstacles.size());
+  for (std::size_t k = 0; k < a.obstacles.size(); ++k) {
+    EXPECT_EQ(a.obstacles[k].name, b.obstacles[k].name);
+    EXPECT_EQ(a.obstacles[k].point, b.obstacles[k].point);
+    EXPECT_EQ(a.obstacles[k].normal, b.obstacles[k].normal);
+  }
+  EXPECT_EQ(a.modes.up_to.has_value(), b.modes.up_to.has_value());
+  EXPECT_EQ(a.modes.up_to.value_or(Hertz{}).value, b.modes.up_to.value_or(Hertz{}).value);
+  EXPECT_EQ(a.modes.count, b.modes.count);
+  EXPECT_EQ(a.modes.residual_flexibility, b.modes.residual_flexibility);
+  EXPECT_EQ(a.modes.relative_residual, b.modes.relative_residual);
+  expect_same(a.contact, b.contact);
+  EXPECT_EQ(a.time.rate.value, b.time.rate.value);
+  EXPECT_EQ(a.time.duration, b.time.duration);
+  EXPECT_EQ(a.loads.gravity, b.loads.gravity);
+  EXPECT_EQ(a.output.every, b.output.every);
+  EXPECT_EQ(a.output.view, b.output.view);
+  EXPECT_EQ(a.output.snapshot_every, b.output.snapshot_every);
+}
+
+/// The scene, written and read back from a file beside it.
+void expect_to_come_back(const std::string& text, const std::vector<Override>& overrides = {}) {
+  const Folder folder;
+  const Scene scene = read(folder.write("scene.toml", text), overrides);
+  expect_same(read(folder.write("resolved.toml", to_toml(scene))), scene);
+}
+
+TEST(Resolved, scene_comes_back_as_it_was) {
+  expect_to_come_back(smallest);
+  expect_to_come_back(fullest);
+  for (const char* file : {"/meshes/two-disks/two-disks.toml", "/meshes/two-rods/two-rods.toml"}) {
+    const Scene scene = read(std::string(RICOCHET_SOURCE) + file);
+    const Folder folder;
+    const std::string text = to_toml(scene);
+    Scene back = read(folder.write("resolved.toml", text));
+    for (Body& body : back.bodies)  // a mesh is named from the folder of its scene
+      body.mesh = scene.file.parent_path() / body.mesh.lexically_relative(folder.path());
+    expect_same(back, scene);
+  }
+}
+
+TEST(Resolved, scene_with_each_law_of_damping_comes_back) {
+  for (const char* law :
+       {"{}", "{ratio=0.1}", "{loss_factor=0.002}", "{rayleigh=[3,1e-7]}", "{viscosity=1e-6}"})
+    expect_to_come_back(smallest, {std::string("bodies.ball.damping=") + law});
+}
+
+// Strings of all sorts, numbers that need all their digits or have none behind the point.
+TEST(Resolved, scene_with_odd_values_comes_back) {
+  expect_to_come_back(smallest, {R"(title="back\\slash \"quote\" tab\t line\n bell\u0007 delete\u007F é")"});
+  expect_to_come_back(smallest, {"title="});
+  expect_to_come_back(smallest, {R"(bodies.ball.contact=["a \"b\"", "c.d"])"});
+  expect_to_come_back(smallest, {R"(bodies.ball.support={ "a b" = "x", "c.d" = "yz" })"});
+  expect_to_come_back(smallest, {"bodies.ball.velocity=[0.1,-1e300,3.0000000000000004]"});
+  expect_to_come_back(smallest, {"bodies.ball.material={ \"all of it\" = { density = 1, young = 2 } }"});
+  expect_to_come_back(smallest, {"time.rate_hz=1e20", "time.duration=1e-15"});
+}
+
+// A unit vector may be a bit longer than 1; divided by its length again it would creep.
+TEST(Resolved, directions_do_not_creep) {
+  for (int x = -3; x <= 3; ++x)
+    for (int y = -3; y <= 3; ++y) {
+      const std::string vector = fmt::format("[{},{},7]", x, y);
+      SCOPED_TRACE(vector);
+      expect_to_come_back(smallest, {"contact.direction=" + vector, "obstacles.floor.normal=" + vector});
+    }
+}
+
+TEST(Resolved, pair_that_was_turned_round_comes_back) {
+  expect_to_come_back(smallest, {"contact.between=[\"floor\",\"ball\"]", "contact.direction=[1,2,3]"});
+}
+
+TEST(Resolved, scene_holds_every_default) {
+  const std::string text = to_toml(scene_of(smallest));
+  for (const char* line : {"title = \"scene\"\n",
+                           "mesh = \"ball.msh\"\n",
+                           "geometry = { }\n",
+                           "order = 3\n",
+                           "scale = 1.0\n",
+                           "material = { density = 1000.0, young = 1000000000.0, poisson = 0.0 }\n",
+                           "damping = {}\n",
+                           "contact = [\"skin\"]\n",
+                           "support = { }\n",
+                           "translate = [0.0, 0.0, 0.0]\n",
+                           "rotate_deg = [0.0, 0.0, 0.0]\n",
+                           "velocity = [0.0, 0.0, 0.0]\n",
+                           "point = [0.0, 0.0, 0.0]\n",
+                           "residual_flexibility = true\n",
+                           "relative_residual = 1e-08\n",
+                           "scheme = \"compliant\"\n",
+                           "rate_hz = 44100.0\n",
+                           "gravity = [0.0, 0.0, 0.0]\n",
+                           "every = 1\n",
+                           "view = false\n",
+                           "snapshot_every = 0\n"})
+    EXPECT_THAT(text, HasSubstr(line));
+}
+
+// From wherever the program was started: a mesh is named from the folder of its scene.
+TEST(Resolved, scene_names_meshes_from_its_folder) {
+  Scene scene = scene_of(smallest);
+  const std::tuple<const char*, const char*, const char*> meshes[] = {
+      {"scene.toml", "ball.msh", "ball.msh"},
+      {"scene.toml", "../shapes/ball.msh", "../shapes/ball.msh"},
+      {"here/scene.toml", "here/ball.msh", "ball.msh"},
+      {"here/scene.toml", "shapes/ball.msh", "../shapes/ball.msh"},
+      {"here/scene.toml", "/far/ball.msh", "/far/ball.msh"},
+      {"/far/scene.toml", "/far/ball.msh", "ball.msh"}};
+  for (const auto& [file, mesh, name] : meshes) {
+    scene.file = file;
+    scene.bodies[0].mesh = mesh;
+    EXPECT_THAT(to_toml(scene), HasSubstr(std::string("\nmesh = \"") + name + "\"\n"));
+  }
+}
+
+TEST(Numbers, are_the_shortest_that_read_back_and_always_floats) {
+  EXPECT_EQ(toml_number(0.1), "0.1");
+  EXPECT_EQ(toml_number(3), "3.0");
+  EXPECT_EQ(toml_number(-0.0), "0.0");
+  EXPECT_EQ(toml_number(1e-7), "1e-07");
+  EXPECT_EQ(toml_number(1e300), "1e+300");
+  EXPECT_EQ(toml_number(0.1 + 0.2), "0.30000000000000004");
+}
+
+TEST(Slug, is_the_title_fit_for_a_file) {
+  EXPECT_EQ(slug("Two disks, edge on"), "two-disks-edge-on");
+  EXPECT_EQ(slug("  V0 = 6 m/s!  "), "v0-6-m-s");
+  EXPECT_EQ(slug("a--b__c"), "a-b-c");
+  EXPECT_EQ(slug("../../etc"), "etc");
+  EXPECT_EQ(slug("Étude"), "tude");  // other than a–z: not in the name, nor its first letter
+  EXPECT_EQ(slug("!?"), "scene");
+  EXPECT_EQ(slug(""), "scene");
+}
+
+}  // namespace
