@@ -16,7 +16,7 @@ namespace {
 /// mistake.
 constexpr double kUnitTolerance = 1e-9;
 
-/// R comes from iterated static solves, symmetric to about their tolerance of 1e-10.
+/// R comes from iterated static solves, symmetric to about their tolerance.
 constexpr double kSymmetryTolerance = 1e-6;
 
 class Validator {

@@ -35,7 +35,7 @@ struct Modes {
   std::size_t size() const { return angular_frequency.size(); }
 };
 
-/// Candidate contact patches (DESIGN: hats w_i ≥ 0 with Σ w_i = 1, A_i = ∫ w_i ds).
+/// Candidate contact patches (hats w_i ≥ 0 with Σ w_i = 1, A_i = ∫ w_i ds).
 struct Surface {
   int components = 3;                 ///< c
   std::optional<Vector3> direction;   ///< unit vector of the stored component when c = 1

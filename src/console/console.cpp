@@ -32,7 +32,8 @@ double peak_memory_mib() {
   return static_cast<double>(usage.ru_maxrss) / 1024;
 }
 
-Console::Console(bool quiet) : quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0) {}
+Console::Console(bool quiet, std::function<double()> peak)
+    : quiet_(quiet), peak_(std::move(peak)), terminal_(isatty(STDERR_FILENO) != 0) {}
 
 void Console::begin(std::string name, std::int64_t total) {
   if (open_) end();
@@ -47,14 +48,14 @@ void Console::begin(std::string name, std::int64_t total) {
 
 void Console::advance(std::int64_t done) {
   done_ = done;
-  // The clock is read every 64th step at most: a step may take less than a reading.
-  if (open_ && terminal_ && !quiet_ && (done & 63) == 0) draw(false);
+  // Of many steps the clock is read every 64th: a step may take less than a reading.
+  if (open_ && terminal_ && !quiet_ && (total_ < 1000 || (done & 63) == 0)) draw(false);
 }
 
 void Console::end(const std::string& note) {
   if (!open_) return;
   open_ = false;
-  phases_.push_back({name_, now() - started_, peak_memory_mib(), note});
+  phases_.push_back({name_, now() - started_, peak_(), note});
   draw(true);
 }
 

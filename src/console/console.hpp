@@ -3,10 +3,14 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
 namespace ricochet::console {
+
+/// Peak resident memory of this process [MiB].
+double peak_memory_mib();
 
 /// Progress of long phases on stderr and the table of their times on stdout.
 ///
@@ -14,7 +18,9 @@ namespace ricochet::console {
 /// it is one line when the phase ends. A quiet console prints nothing but still measures.
 class Console {
  public:
-  explicit Console(bool quiet = false);
+  /// @param peak  peak memory [MiB] to report at the end of a phase; under MPI a collective maximum, and then
+  /// every rank's Console must see the same phases
+  explicit Console(bool quiet = false, std::function<double()> peak = peak_memory_mib);
 
   /// Ends the open phase, if any, and starts another. `total` 0: no known end (no percentage is shown).
   void begin(std::string name, std::int64_t total = 0);
@@ -30,7 +36,7 @@ class Console {
   struct Phase {
     std::string name;
     double seconds = 0;
-    double peak_mib = 0;  ///< highest resident memory of this process up to the end of the phase
+    double peak_mib = 0;  ///< highest resident memory up to the end of the phase
     std::string note;
   };
   const std::vector<Phase>& phases() const { return phases_; }
@@ -41,6 +47,7 @@ class Console {
  private:
   void draw(bool last);
   bool quiet_;
+  std::function<double()> peak_;
   bool terminal_;
   bool open_ = false;
   std::int64_t total_ = 0, done_ = 0;
@@ -48,8 +55,5 @@ class Console {
   std::string name_;
   std::vector<Phase> phases_;
 };
-
-/// Peak resident memory of this process [MiB].
-double peak_memory_mib();
 
 }  // namespace ricochet::console

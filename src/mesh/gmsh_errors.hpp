@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cctype>
 #include <exception>
 
 #include "kernels/error.hpp"
@@ -10,7 +11,8 @@ namespace ricochet::mesh {
 
 /// `message` in one line.
 inline InputError gmsh_error(const std::string& where, std::string message) {
-  std::replace(message.begin(), message.end(), '\n', ' ');
+  std::replace_if(
+      message.begin(), message.end(), [](unsigned char c) { return std::iscntrl(c) != 0; }, ' ');
   return InputError(where + ": gmsh: " + message);
 }
 

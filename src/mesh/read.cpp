@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <gmsh.h>
 
 #include <algorithm>
@@ -8,7 +7,9 @@
 #include <unordered_map>
 
 #include "src/mesh/gmsh_session.hpp"
+#include "src/mesh/groups.hpp"
 #include "src/mesh/mesh.hpp"
+#include "src/mesh/open.hpp"
 
 namespace ricochet::mesh {
 
@@ -28,30 +29,25 @@ class Reader {
   explicit Reader(const scene::Body& body) : body_(body), file_(body.mesh.filename().string()) {}
 
   GlobalMesh read() {
-    with_gmsh_errors(file_, [&] { load(); });
-    mesh_.dim = dimension();
-    collect_nodes();
-    collect_elements();
-    if (mesh_.dim == 1) {
-      find_axis();
-    } else {
-      collect_skin();
-    }
-    collect_contact();
-    mark_supports();
-    drop_unused_nodes();
+    with_gmsh_errors(file_, [&] {
+      meshed_before_ = open_model(body_);
+      mesh_.dim = dimension();
+      collect_nodes();
+      collect_elements();
+      if (mesh_.dim == 1) {
+        find_axis();
+      } else {
+        collect_skin();
+      }
+      collect_contact();
+      mark_supports();
+      drop_unused_nodes();
+    });
     return std::move(mesh_);
   }
 
  private:
-  void load() {
-    gmsh::open(body_.mesh.string());
-    const std::string kind = body_.mesh.extension().string();
-    if (kind == ".msh") return;
-    int dim = gmsh::model::getDimension();
-    gmsh::model::mesh::generate(dim);
-    if (body_.order > 1) gmsh::model::mesh::setOrder(body_.order);
-  }
+  std::string key(const char* last) const { return fmt::format("bodies.{}.{}", body_.name, last); }
 
   int dimension() const {
     for (int dim = 3; dim >= 1; --dim) {
@@ -75,36 +71,6 @@ class Reader {
     for (double& x : mesh_.position) x *= body_.scale;
     for (std::size_t i = 0; i < tags.size(); ++i) index_[tags[i]] = static_cast<std::int64_t>(i);
     mesh_.fixed.assign(tags.size(), 0);
-  }
-
-  /// gmsh's physical groups of one dimension, by name.
-  std::map<std::string, int> groups_of(int dim) const {
-    gmsh::vectorpair pairs;
-    gmsh::model::getPhysicalGroups(pairs, dim);
-    std::map<std::string, int> groups;
-    for (const auto& [d, tag] : pairs) {
-      std::string name;
-      gmsh::model::getPhysicalName(d, tag, name);
-      groups[name.empty() ? std::to_string(tag) : name] = tag;
-    }
-    return groups;
-  }
-
-  /// Entities of a group; throws with the names that there are.
-  std::vector<int> entities_of(int dim, const std::string& name, const std::string& key,
-                               const char* kind) const {
-    const auto groups = groups_of(dim);
-    const auto found = groups.find(name);
-    if (found == groups.end()) {
-      std::vector<std::string> names;
-      for (const auto& [group, tag] : groups) names.push_back('"' + group + '"');
-      throw InputError(fmt::format(
-          "{}: no physical {} \"{}\": the groups are {}. Name one in gmsh, or change bodies.{}.{}.", file_,
-          kind, name, names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", ")), body_.name, key));
-    }
-    std::vector<int> entities;
-    gmsh::model::getEntitiesForPhysicalGroup(dim, found->second, entities);
-    return entities;
   }
 
   /// Appends the elements of one entity (−1: all) to `blocks`.
@@ -135,14 +101,14 @@ class Reader {
   }
 
   void collect_elements() {
-    const char* kind = mesh_.dim == 3 ? "volume" : "line";
+    refuse_lost_elements();
     for (std::size_t m = 0; m < body_.materials.size(); ++m) {
       const std::string& group = body_.materials[m].group;
       if (group.empty()) {
         append(mesh_.blocks, mesh_.dim, -1, static_cast<std::int64_t>(m));
         continue;
       }
-      for (int entity : entities_of(mesh_.dim, group, "material", kind))
+      for (int entity : entities_of(mesh_.dim, group, file_, key("material")))
         append(mesh_.blocks, mesh_.dim, entity, static_cast<std::int64_t>(m));
     }
     for (const scene::Material& material : body_.materials)
@@ -154,10 +120,43 @@ class Reader {
     for (const Block& block : mesh_.blocks)
       if (checked_reference(block.gmsh_type).order != mesh_.order)
         throw InputError(fmt::format("{}: mixes element orders: mesh it again with one order", file_));
-    if (body_.mesh.extension() != ".msh" && mesh_.order != body_.order)
+    refuse_repeated(mesh_.blocks, "element", "material");
+    if (!meshed_before_ && mesh_.order != body_.order)
       throw InputError(
           fmt::format("{}: gmsh made elements of order {} instead of {}: choose a lower bodies.{}.order",
                       file_, mesh_.order, body_.order, body_.name));
+  }
+
+  /// gmsh lists the elements of an entity by the type of its first one: those of another order would be lost.
+  void refuse_lost_elements() const {
+    if (mesh_.dim != 3) return;
+    std::size_t listed = 0;
+    gmsh::vectorpair volumes;
+    gmsh::model::getEntities(volumes, 3);
+    for (const auto& [dim, tag] : volumes) {
+      std::vector<int> types;
+      std::vector<Tags> tags, nodes;
+      gmsh::model::mesh::getElements(types, tags, nodes, dim, tag);
+      for (const Tags& one : tags) listed += one.size();
+    }
+    double all = 0;
+    for (const char* kind : {"Tetrahedra", "Hexahedra", "Prisms", "Pyramids", "Trihedra"}) {
+      double count = 0;
+      gmsh::option::getNumber(std::string("Mesh.Nb") + kind, count);
+      all += count;
+    }
+    if (static_cast<double>(listed) != all)
+      throw InputError(fmt::format("{}: mixes element orders: mesh it again with one order", file_));
+  }
+
+  void refuse_repeated(const std::vector<Block>& blocks, const char* what, const char* key) const {
+    std::vector<std::int64_t> tags;
+    for (const Block& block : blocks) tags.insert(tags.end(), block.tag.begin(), block.tag.end());
+    std::sort(tags.begin(), tags.end());
+    const auto twice = std::adjacent_find(tags.begin(), tags.end());
+    if (twice != tags.end())
+      throw InputError(fmt::format("{}: {} {} lies in two groups of bodies.{}.{}: give it to one", file_,
+                                   what, *twice, body_.name, key));
   }
 
   Corners corners_of(const Block& block, std::size_t element, int corners) const {
@@ -165,23 +164,23 @@ class Reader {
     return {begin, begin + corners};
   }
 
-  /// Faces that belong to one element only, oriented outward as gmsh orders the faces of its elements.
+  /// Faces that belong to one of the body's elements only, oriented outward. The file may hold other bodies.
   void collect_skin() {
     std::map<Corners, Facet> faces;
-    for (const Block& block : mesh_.blocks)
-      for (int corners : {3, 4}) {
-        Tags nodes;
-        gmsh::model::mesh::getElementFaceNodes(block.gmsh_type, corners, nodes, -1, /*primary=*/true);
-        for (std::size_t f = 0; f + corners <= nodes.size(); f += corners) {
-          Facet facet;
-          for (int c = 0; c < corners; ++c) facet.outward.push_back(index_.at(nodes[f + c]));
-          Corners key = facet.outward;
+    for (const Block& block : mesh_.blocks) {
+      const auto pattern = outward_faces(checked_reference(block.gmsh_type).family);
+      for (std::size_t e = 0; e < block.size(); ++e)
+        for (const std::vector<int>& face : pattern) {
+          Corners outward;
+          for (int corner : face)
+            outward.push_back(block.node[e * block.nodes_per_element + static_cast<std::size_t>(corner)]);
+          Corners key = outward;
           std::sort(key.begin(), key.end());
           Facet& stored = faces[key];
-          stored.outward = facet.outward;
+          stored.outward = std::move(outward);
           ++stored.count;
         }
-      }
+    }
     for (auto& [key, facet] : faces)
       if (facet.count == 1) outside_[key] = facet.outward;
     const int triangle = gmsh::model::mesh::getElementType("triangle", 1);
@@ -198,10 +197,13 @@ class Reader {
   void collect_contact() {
     const int dim = mesh_.dim - 1;
     for (std::size_t g = 0; g < body_.contact.size(); ++g)
-      for (int entity : entities_of(dim, body_.contact[g], "contact", dim == 2 ? "surface" : "point"))
+      for (int entity : entities_of(dim, body_.contact[g], file_, key("contact")))
         append(mesh_.contact.blocks, dim, entity, static_cast<std::int64_t>(g));
+    refuse_repeated(mesh_.contact.blocks, dim == 2 ? "facet" : "point", "contact");
     for (Block& block : mesh_.contact.blocks)
       if (dim == 2) {
+        if (checked_reference(block.gmsh_type).order != mesh_.order)
+          throw InputError(fmt::format("{}: mixes element orders: mesh it again with one order", file_));
         orient(block);
       } else {
         orient_ends(block);
@@ -278,11 +280,13 @@ class Reader {
 
   void orient_ends(const Block& block) {
     mesh_.contact.end_normal.assign(mesh_.position.size(), 0);
-    for (std::int64_t end : block.node)
+    for (std::int64_t end : block.node) {
+      int touching = 0;
       for (const Block& lines : mesh_.blocks)
         for (std::size_t e = 0; e < lines.size(); ++e) {
           const Corners corners = corners_of(lines, e, 2);
           if (corners[0] != end && corners[1] != end) continue;
+          ++touching;
           const std::int64_t other = corners[0] == end ? corners[1] : corners[0];
           double side = 0;
           for (int c = 0; c < 3; ++c)
@@ -290,22 +294,21 @@ class Reader {
           for (int c = 0; c < 3; ++c)
             mesh_.contact.end_normal[3 * end + c] = (side > 0 ? 1 : -1) * mesh_.axis[c];
         }
+      if (touching != 1)
+        throw InputError(
+            fmt::format("{}: bodies.{}.contact has a point that is not an end of the rod: name its ends",
+                        file_, body_.name));
+    }
   }
 
   void mark_supports() {
+    std::vector<char> used(mesh_.fixed.size(), 0);
+    for (const Block& block : mesh_.blocks)
+      for (std::int64_t node : block.node) used[static_cast<std::size_t>(node)] = 1;
     for (const auto& [name, components] : body_.support) {
-      const std::string key = "support";
-      int dim = -1;
-      for (int d = mesh_.dim; d >= 0 && dim < 0; --d)
-        if (groups_of(d).count(name) > 0) dim = d;
-      if (dim < 0) dim = std::max(0, mesh_.dim - 1);
-      const int tag = [&] {
-        entities_of(dim, name, key, dim == 2 ? "surface" : "group");
-        return groups_of(dim).at(name);
-      }();
-      Tags nodes;
-      std::vector<double> positions;
-      gmsh::model::mesh::getNodesForPhysicalGroup(dim, tag, nodes, positions);
+      int dim = mesh_.dim;
+      while (dim >= 0 && find_entities(dim, name).empty()) --dim;
+      if (dim < 0) dim = mesh_.dim - 1;  // for the complaint
       unsigned bits = 0;
       if (mesh_.dim == 3) {
         for (char component : components) bits |= 1u << (component - 'x');
@@ -314,7 +317,21 @@ class Reader {
         for (char component : components)
           if (std::abs(mesh_.axis[component - 'x']) > 1e-12) bits = 1;
       }
-      for (std::size_t node : nodes) mesh_.fixed[static_cast<std::size_t>(index_.at(node))] |= bits;
+      bool any = false;
+      for (int entity : entities_of(dim, name, file_, key("support"))) {
+        std::vector<int> types;
+        std::vector<Tags> tags, nodes;
+        gmsh::model::mesh::getElements(types, tags, nodes, dim, entity);
+        for (const Tags& list : nodes)
+          for (std::size_t tag : list) {
+            const auto node = static_cast<std::size_t>(index_.at(tag));
+            mesh_.fixed[node] |= bits;
+            any = any || used[node] != 0;
+          }
+      }
+      if (!any)
+        throw InputError(fmt::format("{}: bodies.{}.support.{} holds no node of the body: name a group on it",
+                                     file_, body_.name, name));
     }
   }
 
@@ -339,7 +356,13 @@ class Reader {
       mesh_.contact.end_normal.resize(3 * static_cast<std::size_t>(next));
     for (std::vector<Block>* blocks : {&mesh_.blocks, &mesh_.contact.blocks, &mesh_.skin.blocks})
       for (Block& block : *blocks)
-        for (std::int64_t& node : block.node) node = rank[static_cast<std::size_t>(node)];
+        for (std::int64_t& node : block.node) {
+          node = rank[static_cast<std::size_t>(node)];
+          if (node < 0)
+            throw InputError(fmt::format(
+                "{}: bodies.{}.contact has nodes that are not the body's: mesh surface and volume together",
+                file_, body_.name));
+        }
     if (mesh_.dim == 1) {
       mesh_.skin.blocks.push_back({gmsh::model::mesh::getElementType("line", 1), 2, {}, {}, {}});
       Block& skin = mesh_.skin.blocks.back();
@@ -355,6 +378,7 @@ class Reader {
 
   const scene::Body& body_;
   std::string file_;
+  bool meshed_before_ = false;
   GlobalMesh mesh_;
   std::unordered_map<std::size_t, std::int64_t> index_;
   std::map<Corners, Corners> outside_;

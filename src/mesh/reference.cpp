@@ -5,6 +5,9 @@
 
 #include <Eigen/Dense>
 #include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
 
 #include "kernels/error.hpp"
 
@@ -50,8 +53,16 @@ ReferenceElement reference_element(int gmsh_type) {
   ReferenceElement element;
   element.gmsh_type = gmsh_type;
   std::vector<double> local;
-  gmsh::model::mesh::getElementProperties(gmsh_type, element.name, element.dim, element.order, element.nodes,
-                                          local, element.corners);
+  try {
+    gmsh::model::mesh::getElementProperties(gmsh_type, element.name, element.dim, element.order,
+                                            element.nodes, local, element.corners);
+  } catch (const std::string& message) {
+    // Prisms, in gmsh 4.8.
+    throw InputError(fmt::format(
+        "gmsh can't compute with these elements ({}): lower the order (prisms: at most 2), or mesh with "
+        "tetrahedra or hexahedra",
+        message));
+  }
   element.family = family_of(element.dim, element.corners, element.name);
   if (element.nodes != lagrange_nodes(element.family, element.order))
     throw InputError(fmt::format(
@@ -60,6 +71,19 @@ ReferenceElement reference_element(int gmsh_type) {
         element.name, element.order));
   element.node = local;
   return element;
+}
+
+std::vector<std::vector<int>> outward_faces(Family family) {
+  switch (family) {
+    case Family::tetrahedron:
+      return {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {3, 1, 2}};
+    case Family::hexahedron:
+      return {{0, 3, 2, 1}, {0, 1, 5, 4}, {0, 4, 7, 3}, {1, 2, 6, 5}, {2, 3, 7, 6}, {4, 5, 6, 7}};
+    case Family::prism:
+      return {{0, 2, 1}, {3, 4, 5}, {0, 1, 4, 3}, {0, 3, 5, 2}, {1, 2, 5, 4}};
+    default:
+      return {};
+  }
 }
 
 namespace {
@@ -77,12 +101,22 @@ RowMajor at_own_nodes(const ReferenceElement& element) {
   return Eigen::Map<const RowMajor>(value.data(), element.nodes, element.nodes);
 }
 
-/// Gauss points and weights on [0, 1], exact to `degree`.
+/// Gauss points and weights on [0, 1], exact to `degree`: Newton's iteration on the Legendre polynomial P_n.
+/// gmsh's own lines end at degree 31, beyond which it crashes; facets of order 10 need 32.
 std::vector<std::array<double, 2>> unit_line(int degree) {
-  std::vector<double> local, weight;
-  gmsh::model::mesh::getIntegrationPoints(1, fmt::format("Gauss{}", degree), local, weight);
+  const int n = degree / 2 + 1;
   std::vector<std::array<double, 2>> rule;
-  for (std::size_t q = 0; q < weight.size(); ++q) rule.push_back({(local[3 * q] + 1) / 2, weight[q] / 2});
+  for (int k = 0; k < n; ++k) {
+    double x = -std::cos(std::numbers::pi * (k + 0.75) / (n + 0.5)), slope = 1, step = 1;
+    for (int i = 0; i < 50 && std::abs(step) > 1e-16; ++i) {
+      double before = 1, value = x;
+      for (int j = 2; j <= n; ++j)
+        before = std::exchange(value, ((2 * j - 1) * x * value - (j - 1) * before) / j);
+      slope = n * (x * value - before) / (x * x - 1);
+      x -= step = value / slope;
+    }
+    rule.push_back({(x + 1) / 2, 1 / ((1 - x * x) * slope * slope)});
+  }
   return rule;
 }
 
@@ -111,8 +145,8 @@ Basis basis_at(const ReferenceElement& element, const std::vector<double>& local
 }
 
 Quadrature quadrature_of(Family family, int degree) {
-  // gmsh tabulates its rules for simplices to 12 digits only; its lines are good to the last, so products of
-  // lines, collapsed where the domain is a simplex (each collapse raises the degree by one), replace them.
+  // gmsh tabulates its rules for simplices to 12 digits only: products of lines, collapsed where the domain
+  // is a simplex (each collapse raises the degree by one), are good to the last.
   const auto line = unit_line(degree), collapsed = unit_line(degree + 1), twice = unit_line(degree + 2);
   Quadrature rule;
   const auto add = [&](double u, double v, double w, double weight) {

@@ -18,8 +18,12 @@ struct ReferenceElement {
 };
 
 /// Throws InputError for a type that is not a point, line, triangle, quadrangle, tetrahedron, hexahedron or
-/// prism with all of its Lagrange nodes (pyramids and serendipity elements are refused).
+/// prism with all of its Lagrange nodes (pyramids and serendipity elements are refused), or that gmsh has no
+/// shape functions for.
 ReferenceElement reference_element(int gmsh_type);
+
+/// Corners of each face of a volume element, in the order that points outward; empty for other families.
+std::vector<std::vector<int>> outward_faces(Family family);
 
 /// Shape functions at given points.
 struct Basis {
@@ -36,7 +40,7 @@ struct Quadrature {
   std::size_t size() const { return weight.size(); }
 };
 /// Gauss rule with positive weights, exact for polynomials of `degree` on gmsh's reference domain of a
-/// family. Needs a GmshSession.
+/// family.
 Quadrature quadrature_of(Family family, int degree);
 
 }  // namespace ricochet::mesh

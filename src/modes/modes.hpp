@@ -34,14 +34,13 @@ struct ModeSet {
 ModeSet compute_modes(const mesh::Mesh& mesh, const elasticity::Body& body, const Request& request,
                       const Progress& progress = {});
 
-/// Quasi-static response of the modes left out to a set of loads: Cᵀ Pᵀ (K − σM)⁻¹ P [C L] corrected to σ =
-/// 0.
+/// Quasi-static response of the modes left out to a set of loads: Cᵀ Pᵀ (K − σM)⁻¹ P L corrected to σ = 0,
+/// where C, the places at which it is seen, are the first `seen` columns of L.
 ///
-/// @param seen   C (local rows, a): where it is seen   @param loads  (local rows, b), may hold C's own
-/// columns
-/// @return (a, b) [m/N for unit loads], the same on every rank. Collective.
-/// Source: MacNeal 1971, Rubin 1975; by the shifted series Σ (−σ)^k … until 1e-10 relative.
+/// @param loads  L (local rows, b) [N], held components 0
+/// @return (seen, b) [m/N for unit loads], the same on every rank. Collective.
+/// Source: MacNeal 1971, Rubin 1975; by the shifted series Σ (−σ)^k … until 1e-12 relative.
 Eigen::MatrixXd residual_response(const mesh::Mesh& mesh, const elasticity::Body& body, const ModeSet& modes,
-                                  const Eigen::MatrixXd& seen, const Eigen::MatrixXd& loads);
+                                  const Eigen::MatrixXd& loads, Eigen::Index seen);
 
 }  // namespace ricochet::modes

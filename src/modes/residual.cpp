@@ -1,31 +1,36 @@
-#include <algorithm>
-
 #include "src/modes/modes.hpp"
 
 namespace ricochet::modes {
 
 Eigen::MatrixXd residual_response(const mesh::Mesh& mesh, const elasticity::Body& body, const ModeSet& modes,
-                                  const Eigen::MatrixXd& seen, const Eigen::MatrixXd& loads) {
-  // No mode left out lies below the cut, so that the series converges by |σ|/(λ_cut + |σ|), here 1/101 a
-  // term; the shift is far enough from zero for rigid motions, which P removes, to be harmless.
-  const double sigma = -0.01 * modes.cut;
+                                  const Eigen::MatrixXd& loads, Eigen::Index seen) {
+  // No mode left out lies below the cut: the series converges by |σ|/(λ_cut + |σ|) < ratio a term. The shift is
+  // far enough from zero for rigid motions, which P removes, to be harmless.
+  constexpr double ratio = 1e-3, tolerance = 1e-12;
+  const double sigma = -ratio * modes.cut;
   const Factorisation factor(body.stiffness, body.mass, sigma);
   const Eigen::MatrixXd inertia = multiply(body.mass, modes.shape);
   // P f = f − M Φ Φᵀ f removes the kept modes from a load, Pᵀ u = u − Φ (MΦ)ᵀ u from a displacement.
-  const auto project_load = [&](const Eigen::MatrixXd& f) -> Eigen::MatrixXd {
-    return f - inertia * inner(mesh.comm, modes.shape, f);
-  };
-  const auto project_shape = [&](const Eigen::MatrixXd& u) -> Eigen::MatrixXd {
+  const auto respond = [&](const Eigen::MatrixXd& force) -> Eigen::MatrixXd {
+    const Eigen::MatrixXd u = factor.solve(force - inertia * inner(mesh.comm, modes.shape, force));
     return u - modes.shape * inner(mesh.comm, inertia, u);
   };
-
-  Eigen::MatrixXd term = project_shape(factor.solve(project_load(loads)));
-  Eigen::MatrixXd response = inner(mesh.comm, seen, term);
-  for (int k = 0; k < 50; ++k) {
-    term = -sigma * project_shape(factor.solve(multiply(body.mass, term)));
-    const Eigen::MatrixXd change = inner(mesh.comm, seen, term);
-    response += change;
-    if (change.cwiseAbs().maxCoeff() <= 1e-12 * response.cwiseAbs().maxCoeff()) break;
+  // Term k is (−σ)^k Cᵀ X_k with X_k = ((K − σM)⁻¹ M)^k (K − σM)⁻¹ P L. As the operator is symmetric and L begins
+  // with C, Cᵀ X_{i+j+1} = X_iᵀ M X_j over the leading columns: two solves give four terms.
+  Eigen::MatrixXd x = respond(loads);
+  Eigen::MatrixXd response = inner(mesh.comm, loads.leftCols(seen), x);
+  double weight = 1;
+  const auto add = [&](const Eigen::MatrixXd& momentum, const Eigen::MatrixXd& shape) {
+    weight *= -sigma;
+    const Eigen::MatrixXd term = weight * inner(mesh.comm, momentum.leftCols(seen), shape);
+    response += term;
+    return ratio * term.cwiseAbs().maxCoeff() <= tolerance * response.cwiseAbs().maxCoeff();
+  };
+  for (int k = 0; k < 10; ++k) {
+    const Eigen::MatrixXd momentum = multiply(body.mass, x);
+    if (add(momentum, x)) break;
+    x = respond(momentum);
+    if (add(momentum, x)) break;
   }
   return response;
 }

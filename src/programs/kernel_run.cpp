@@ -61,7 +61,7 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, MPI_Comm com
       {.direction = request.direction, .along = request.along, .spacing = request.spacing});
   console.end(fmt::format("{} unknowns, {} candidates", matrices.total_rows, patches.geometry.size()));
 
-  console.begin(body.name + ": modes");
+  console.begin(body.name + ": counts by inertia");
   const modes::ModeSet modes =
       modes::compute_modes(mesh, matrices,
                            {.up_to = request.modes.up_to,
@@ -123,7 +123,8 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
                                    options.out.string(), failure.message()));
   });
 
-  console::Console console(options.quiet || !first);
+  console::Console console(options.quiet || !first,
+                           [comm] { return parallel::largest(comm, console::peak_memory_mib()); });
   for (const scene::KernelRequest& request : requests) {
     const std::filesystem::path path = scene::kernel_path(options.out, request);
     std::vector<char> there{first && kernels::read_hash(path) == request.hash};
@@ -136,6 +137,7 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
     parallel::on_first_rank(comm, [&] { kernels::write(kernel, path); });
     console.say(fmt::format("{}: {}", request.body.name, path.string()));
   }
+  // Peak memory is that of the rank that needed most.
   if (!console.phases().empty()) console.say(console::Console::table(console.phases()));
   return 0;
 }

@@ -5,7 +5,9 @@
 //   mesh ──► METIS parts ──► K, M (PETSc) ──► modes (SLEPc, MUMPS) ──► trace on the contact surface ──►
 //   <out>/<body>-<hash>.kernel.h5
 
+#include <chrono>
 #include <iostream>
+#include <thread>
 
 #include "src/parallel/parallel.hpp"
 #include "src/programs/kernel_run.hpp"
@@ -30,7 +32,8 @@ int main(int argc, char** argv) {
     if (first) std::cerr << "ricochet-kernel: " << error.what() << '\n';
     return 2;
   } catch (const std::exception& error) {
-    // Other ranks may be waiting in a collective call: end them all.
+    // Other ranks may be waiting in a collective call: end them all. Where all have failed, the first one speaks.
+    if (!first) std::this_thread::sleep_for(std::chrono::milliseconds(300));
     std::cerr << "ricochet-kernel: rank " << parallel::rank_of(PETSC_COMM_WORLD) << ": " << error.what()
               << std::endl;
     MPI_Abort(PETSC_COMM_WORLD, 1);

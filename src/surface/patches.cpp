@@ -133,22 +133,23 @@ Merge one_each(const Fine& fine) {
   return merge;
 }
 
-/// One candidate for all vertices on a line in direction `along`.
+/// One candidate for all vertices that lie on a line in direction `along` and face the same way.
 Merge merge_lines(const Fine& fine, const Eigen::Vector3d& along) {
   double size = 0;
   for (const auto& x : fine.position) size = std::max(size, (x - fine.position[0]).norm());
   const double tolerance = 1e-6 * size;
   Merge merge;
-  std::vector<Eigen::Vector3d> foot;
+  std::vector<Eigen::Vector3d> foot, facing;
   std::vector<std::pair<double, double>> range;
   std::vector<int> line(fine.position.size());
   for (std::size_t i = 0; i < fine.position.size(); ++i) {
     const double height = fine.position[i].dot(along);
     const Eigen::Vector3d x = fine.position[i] - height * along;
     std::size_t k = 0;
-    while (k < foot.size() && (foot[k] - x).norm() > tolerance) ++k;
+    while (k < foot.size() && ((foot[k] - x).norm() > tolerance || facing[k].dot(fine.normal[i]) <= 0)) ++k;
     if (k == foot.size()) {
       foot.push_back(x);
+      facing.push_back(fine.normal[i]);
       range.emplace_back(height, height);
     }
     range[k] = {std::min(range[k].first, height), std::max(range[k].second, height)};

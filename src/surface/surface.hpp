@@ -24,15 +24,14 @@ struct Patches {
 };
 
 struct PatchOptions {
-  std::optional<Vector3> direction;  ///< unit: only this component of the trace is kept
-  std::optional<Vector3> along;      ///< one patch for all that lies on a line in this direction
-  std::optional<double>
-      spacing;  ///< [m] distance between candidates; 0 or none: every node of the subdivided surface
+  std::optional<Vector3> direction{};  ///< unit: only this component of the trace is kept
+  std::optional<Vector3> along{};      ///< unit: one patch for all that lies on a line in this direction
+  std::optional<double> spacing{};     ///< [m] between candidates; none: every node of the subdivided surface
 };
 
 /// Hats w_i ≥ 0, Σ w_i = 1, on the vertices of the surface subdivided to the element order; merged along a
-/// direction and thinned to a spacing when asked. Needs a GmshSession. `areas` are the cross-sections by
-/// contact group, for rods. Throws InputError when the mesh has no contact facets.
+/// direction and thinned to a spacing when asked. Needs a GmshSession. `rod_area` is the cross-section of a
+/// rod. Throws InputError when the mesh has no contact facets.
 Patches make_patches(const mesh::Mesh& mesh, const std::vector<std::string>& groups, double rod_area,
                      const PatchOptions& options);
 

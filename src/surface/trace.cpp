@@ -88,7 +88,7 @@ void trace(const mesh::Mesh& mesh, const elasticity::Body& body, const modes::Mo
   if (residual) {
     Eigen::MatrixXd all(loads.rows(), loads.cols() + 3);
     all << loads, body.rigid_load.leftCols(3);
-    const Eigen::MatrixXd response = modes::residual_response(mesh, body, modes, loads, all);
+    const Eigen::MatrixXd response = modes::residual_response(mesh, body, modes, all, loads.cols());
     const Eigen::MatrixXd square = response.leftCols(loads.cols());
     kernel.surface.residual_flexibility = flat((square + square.transpose()) / 2);
     kernel.loads.body_force_residual = flat(response.rightCols(3));

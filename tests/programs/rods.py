@@ -72,7 +72,7 @@ class Rods(ProgramTest):
         end = (lower.T @ vectors)[0, :100]
         admittance = (end**2).sum()
         pressure = 1 / (1 + 1 + STEP * (admittance + admittance) / 2)
-        # The creep is steady but for the ripple of the cut modes; "three digits" of DESIGN's formula.
+        # The creep is steady but for the ripple of the cut modes; the formula holds to three digits.
         self.assertAlmostEqual(self.mean_force(result) / pressure, 1, delta=2e-3)
         self.assertAlmostEqual(self.creep(summary, result) / (pressure * STEP * admittance), 1, delta=2e-3)
         # What this reading loses is the finding.

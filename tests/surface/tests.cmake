@@ -1,0 +1,2 @@
+add_mpi_test(surface patches)
+add_mpi_test(surface trace)

@@ -1,0 +1,19 @@
+// Names of parts of a body, as gmsh's open model knows them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace ricochet::mesh {
+
+/// Entities of a physical group, or the one that a name like "surface 3" means where no group has that name:
+/// files of CAD programs have no groups. Empty where there is none.
+std::vector<int> find_entities(int dim, const std::string& name);
+
+/// find_entities; throws InputError with the names that there are when it finds none.
+/// @param file  names the mesh in the message
+/// @param key   of the scene, as in "bodies.upper.contact"
+std::vector<int> entities_of(int dim, const std::string& name, const std::string& file,
+                             const std::string& key);
+
+}  // namespace ricochet::mesh

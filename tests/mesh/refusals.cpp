@@ -1,0 +1,226 @@
+// What can't be used is refused in one line that says where, what and what to do, on every rank.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "src/elasticity/assemble.hpp"
+#include "tests/mesh/files.hpp"
+#include "tests/meshes.hpp"
+
+namespace ricochet {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+/// The complaint about a body, from its file to its matrices; the same on every rank, or "ranks differ".
+std::string complaint(const scene::Body& body) {
+  std::vector<std::string> numbers;
+  for (const auto& [name, value] : body.geometry)
+    numbers.insert(numbers.end(), {name, std::to_string(value)});
+  std::string said = "accepted";
+  try {
+    const mesh::GmshSession gmsh(numbers);
+    elasticity::assemble(test::mesh_of(body), body.materials, body.mesh.filename().string());
+  } catch (const InputError& error) {
+    said = error.what();
+  }
+  std::string first = said;
+  parallel::broadcast(PETSC_COMM_WORLD, first);
+  const std::int64_t same = parallel::sum(PETSC_COMM_WORLD, std::int64_t{first == said});
+  return same == parallel::size_of(PETSC_COMM_WORLD) ? said : "ranks differ";
+}
+
+/// One line that starts with the file's name.
+auto about(const test::SharedFile& file) {
+  return AllOf(testing::StartsWith(file.path().filename().string() + ": "), testing::Not(HasSubstr("\n")));
+}
+
+std::string complaint(const test::SharedFile& file, int order = 1) {
+  return complaint(test::body_of(file.path(), order));
+}
+
+TEST(Refusal, a_missing_file_is_named) {
+  for (const char* path : {"/nowhere/part.msh", "/nowhere/part.geo", "/nowhere/part.step"}) {
+    const std::string said = complaint(test::body_of(path, 1));
+    EXPECT_THAT(said, AllOf(HasSubstr("no such file"), HasSubstr("bodies.body.mesh"), HasSubstr(path)));
+  }
+}
+
+TEST(Refusal, a_missing_group_is_named_with_those_there_are) {
+  const test::SharedFile file(".geo", test::block_geo("hex", 1, 0));
+  scene::Body body = test::body_of(file.path(), 1);
+  body.contact = {"rim"};
+  EXPECT_THAT(complaint(body),
+              AllOf(about(file), HasSubstr("no physical surface \"rim\""),
+                    HasSubstr("\"bottom\", \"sides\", \"top\""), HasSubstr("bodies.body.contact")));
+  body.contact = {"top"};
+  body.support = {{"rim", "xyz"}};
+  EXPECT_THAT(complaint(body), AllOf(about(file), HasSubstr("\"rim\""), HasSubstr("bodies.body.support")));
+  body.support.clear();
+  body.materials[0].group = "steel";
+  EXPECT_THAT(complaint(body),
+              AllOf(about(file), HasSubstr("no physical volume \"steel\": the groups are \"body\""),
+                    HasSubstr("bodies.body.material")));
+  body.materials[0].group = "body";
+  EXPECT_EQ(complaint(body), "accepted");
+}
+
+TEST(Refusal, inverted_elements_are_named_with_their_place) {
+  // The second tetrahedron's corners run the wrong way round.
+  for (const std::string& text : {test::two_tetrahedra_22("1 2 3 5"), test::two_tetrahedra_41("1 2 3 5")}) {
+    const test::SharedFile file(".msh", text);
+    EXPECT_THAT(complaint(file), AllOf(about(file), HasSubstr("element 2 near (0, 0, 0) m is inverted")));
+  }
+  for (const std::string& text : {test::two_tetrahedra_22("1 3 2 5"), test::two_tetrahedra_41("1 3 2 5")}) {
+    const test::SharedFile file(".msh", text);
+    EXPECT_EQ(complaint(file), "accepted");
+  }
+}
+
+TEST(Refusal, a_hexahedron_numbered_row_by_row_is_inverted) {
+  const test::SharedFile good(".msh", test::one_hexahedron("1 2 3 4 5 6 7 8"));
+  EXPECT_EQ(complaint(good), "accepted");
+  for (const char* order : {"1 2 4 3 5 6 8 7", "5 6 7 8 1 2 3 4", "1 4 3 2 5 8 7 6"}) {
+    const test::SharedFile file(".msh", test::one_hexahedron(order));
+    EXPECT_THAT(complaint(file), AllOf(about(file), HasSubstr("element 1"), HasSubstr("inverted"))) << order;
+  }
+}
+
+TEST(Refusal, an_unknown_parameter_is_named_with_those_there_are) {
+  const std::string body_of_it =
+      "Point(1) = {0,0,0};\nPoint(2) = {length,0,0};\nLine(1) = {1,2};\nTransfinite Curve{1} = n + 1;\n";
+  const test::SharedFile file(
+      ".geo",
+      "// DefineConstant[ commented = 1 ];\n"
+      "DefineConstant[ length = {2, Min 1, Max 3, Name \"a, b] = {\"}, n = {4, Choices{4 = \"few, n\", 8 = "
+      "\"many\"}} /* , ghost = 1 */ ];\n"
+      "If(!Exists(extra)) extra = 0; EndIf\n" +
+          body_of_it);
+  scene::Body body = test::body_of(file.path(), 1);
+  body.geometry = {{"lenght", 3}};
+  EXPECT_THAT(complaint(body), AllOf(about(file), HasSubstr("bodies.body.geometry.lenght = 3"),
+                                     HasSubstr("it defines extra, length, n.")));
+  body.geometry = {{"length", 3}, {"n", 8}, {"extra", 1}};
+  EXPECT_EQ(complaint(body), "accepted");
+
+  const test::SharedFile outer(".geo", fmt::format("Include \"{}\";\n", file.path().filename().string()));
+  body = test::body_of(outer.path(), 1);
+  body.geometry = {{"length", 3}};
+  EXPECT_EQ(complaint(body), "accepted");
+  body.geometry = {{"height", 3}};
+  EXPECT_THAT(complaint(body), AllOf(about(outer), HasSubstr("it defines extra, length, n.")));
+
+  const test::SharedFile plain(".geo", "length = 2;\nn = 3;\n" + body_of_it);
+  body = test::body_of(plain.path(), 1);
+  body.geometry = {{"length", 3}};
+  EXPECT_THAT(complaint(body), AllOf(about(plain), HasSubstr("it defines none")));
+
+  const test::SharedFile mesh(".msh", test::one_hexahedron("1 2 3 4 5 6 7 8"));
+  body = test::body_of(mesh.path(), 1);
+  body.geometry = {{"length", 3}};
+  EXPECT_THAT(complaint(body), AllOf(about(mesh), HasSubstr("only a .geo has parameters")));
+}
+
+TEST(Refusal, prisms_beyond_order_2_are_refused_before_gmsh_fails_on_them) {
+  const test::SharedFile file(".geo", test::prism_geo(1));
+  EXPECT_EQ(complaint(file, 2), "accepted");
+  for (int order : {3, 4})
+    EXPECT_THAT(complaint(file, order), AllOf(about(file), HasSubstr("prisms: at most 2")));
+}
+
+TEST(Refusal, what_is_no_mesh_or_no_whole_one_is_refused) {
+  for (const std::string& text : {std::string(), std::string("this is not a mesh\n"),
+                                  std::string("\x7f\0\x01ELF\nbinary", 12), std::string("$")}) {
+    const test::SharedFile file(".msh", text);
+    EXPECT_THAT(complaint(file), about(file)) << text;
+  }
+  for (const std::string& whole : {test::two_tetrahedra_22("1 3 2 5"), test::two_tetrahedra_41("1 3 2 5")}) {
+    // Wherever the file was cut: within a header, a number, a section's end.
+    for (std::size_t length = 1; length + 13 < whole.size(); length += 7) {
+      const test::SharedFile file(".msh", whole.substr(0, length));
+      EXPECT_THAT(complaint(file), about(file)) << whole.substr(0, length);
+    }
+  }
+  const test::SharedFile broken(".msh", test::one_hexahedron("1 2 3 4 5 6 7 99"));
+  EXPECT_THAT(complaint(broken), AllOf(about(broken), HasSubstr("99")));
+}
+
+TEST(Refusal, surfaces_without_a_volume_and_mixed_orders_are_refused) {
+  const test::SharedFile surface(".msh", test::one_element(3, "1 2 3 4"));
+  EXPECT_THAT(complaint(surface), AllOf(about(surface), HasSubstr("surface elements but no volume")));
+  const test::SharedFile pyramid(".msh", test::one_element(7, "1 2 3 4 5"));
+  EXPECT_THAT(complaint(pyramid), AllOf(about(pyramid), HasSubstr("\"Pyramid 5\" are not supported")));
+  // In one volume, where gmsh itself loses the second, and in two.
+  for (int volume : {1, 2}) {
+    const test::SharedFile mixed(".msh", test::tetrahedra_of_two_orders(volume));
+    EXPECT_THAT(complaint(mixed), AllOf(about(mixed), HasSubstr("mixes element orders"))) << volume;
+  }
+}
+
+TEST(Refusal, groups_that_overlap_or_lie_elsewhere_are_refused) {
+  const test::SharedFile file(".geo",
+                              test::block_geo("hex", 1, 0) +
+                                  "Physical Volume(\"again\") = {1};\nPhysical Surface(\"all\") = {1:6};\n");
+  scene::Body body = test::body_of(file.path(), 1);
+  body.contact = {"top", "all"};
+  EXPECT_THAT(complaint(body), AllOf(about(file), HasSubstr("lies in two groups of bodies.body.contact")));
+  body.contact = {"top"};
+  body.materials.push_back(body.materials[0]);
+  body.materials[0].group = "body";
+  body.materials[1].group = "again";
+  EXPECT_THAT(complaint(body), AllOf(about(file), HasSubstr("lies in two groups of bodies.body.material")));
+
+  // Two cubes apart; the body is the first.
+  const test::SharedFile two(
+      ".geo",
+      "SetFactory(\"OpenCASCADE\");\nBox(1) = {0,0,0,1,1,1};\nBox(2) = {3,0,0,1,1,1};\n"
+      "Physical Volume(\"body\") = {1};\nPhysical Volume(\"other\") = {2};\n"
+      "Physical Surface(\"far\") = {12};\n");
+  body = test::body_of(two.path(), 1);
+  body.materials[0].group = "body";
+  EXPECT_EQ(complaint(body), "accepted");
+  body.contact = {"far"};
+  EXPECT_THAT(complaint(body), AllOf(about(two), HasSubstr("not on the body's surface")));
+  body.contact.clear();
+  body.support = {{"far", "xyz"}};
+  EXPECT_THAT(complaint(body),
+              AllOf(about(two), HasSubstr("bodies.body.support.far holds no node of the body")));
+}
+
+TEST(Refusal, rods_are_straight_chains_that_touch_at_their_ends) {
+  const auto chain = [](const char* third) {
+    return fmt::format(
+        "Point(1) = {{0,0,0}};\nPoint(2) = {{1,0,0}};\nPoint(3) = {};\nLine(1) = {{1,2}};\nLine(2) = "
+        "{{2,3}};\n"
+        "Transfinite Curve{{1,2}} = 3;\nPhysical Point(\"end\") = {{1}};\nPhysical Point(\"middle\") = "
+        "{{2}};\n",
+        third);
+  };
+  const test::SharedFile bent(".geo", chain("{2,0.1,0}")), straight(".geo", chain("{2,0,0}"));
+  EXPECT_THAT(complaint(bent), AllOf(about(bent), HasSubstr("must be straight")));
+  const test::SharedFile star(".geo", chain("{2,0,0}") + "Point(4) = {1,1,0};\nLine(3) = {2,4};\n");
+  EXPECT_THAT(complaint(star), AllOf(about(star), HasSubstr("3 ends")));
+  scene::Body body = test::body_of(straight.path(), 1);
+  body.contact = {"end"};
+  EXPECT_EQ(complaint(body), "accepted");
+  body.contact = {"middle"};
+  EXPECT_THAT(complaint(body), AllOf(about(straight), HasSubstr("not an end of the rod")));
+  body.contact.clear();
+  body.materials[0].area = 0;
+  EXPECT_THAT(complaint(body), AllOf(about(straight), HasSubstr("area = ")));
+}
+
+// Last: gmsh's parser is of no use for the rest of the process after a syntax error.
+TEST(Refusal, a_geometry_that_gmsh_cant_read_or_mesh_is_refused) {
+  const test::SharedFile syntax(".geo", "Point(1) = {0, 0, 0};\nBlub(3) = {4};\n");
+  EXPECT_THAT(complaint(syntax), AllOf(about(syntax), HasSubstr("line 2: syntax error")));
+  const test::SharedFile empty(".geo", "");
+  EXPECT_THAT(complaint(empty), AllOf(about(empty), HasSubstr("no volume or line elements")));
+  const test::SharedFile step(".step", "ISO-10303-21;\nnonsense\n");
+  EXPECT_THAT(complaint(step), about(step));
+}
+
+}  // namespace
+}  // namespace ricochet

@@ -1,0 +1,193 @@
+// Traces of known fields on patches, and the static flexibility of a rod in closed form.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "src/surface/surface.hpp"
+#include "tests/meshes.hpp"
+
+namespace ricochet {
+namespace {
+
+using Point = Eigen::Vector3d;
+
+const Eigen::Matrix3d gradient =
+    (Eigen::Matrix3d() << 0.3, -0.2, 0.5, 0.1, 0.7, -0.4, 0.25, 0.6, -0.1).finished();
+const Point offset(0.2, -0.4, 0.9);
+
+constexpr double placed = 1e-11;  // gmsh divides a line evenly to about 2e-12
+
+struct Body {
+  Body(const std::string& geo, int order, const std::vector<std::string>& contact,
+       const surface::PatchOptions& options, const std::map<std::string, std::string>& support = {}) {
+    const test::SharedFile file(".geo", geo);
+    scene::Body body = test::body_of(file.path(), order);
+    body.contact = contact;
+    body.support = support;
+    mesh = test::mesh_of(body);
+    matrices = elasticity::assemble(mesh, body.materials, "test");
+    patches = surface::make_patches(mesh, contact, body.materials[0].area, options);
+  }
+  /// The columns u_0 = G x + o, u_1 = −2 u_0 as if they were modes.
+  modes::ModeSet linear_fields() const {
+    modes::ModeSet set;
+    set.shape.resize(matrices.local_rows, 2);
+    for (std::size_t i = 0; i < mesh.node.size(); ++i) {
+      const std::int64_t local = mesh.node[i] - mesh.first_node;
+      if (local < 0 || local >= mesh.owned_nodes) continue;
+      const Point u = gradient * Eigen::Map<const Point>(&mesh.position[3 * i]) + offset;
+      set.shape.block<3, 1>(3 * local, 0) = u;
+      set.shape.block<3, 1>(3 * local, 1) = -2 * u;
+    }
+    return set;
+  }
+  kernels::Kernel trace(const modes::ModeSet& set, bool residual, bool view) const {
+    kernels::Kernel kernel;
+    surface::trace(mesh, matrices, set, patches, residual, view, kernel);
+    return kernel;
+  }
+  mesh::GmshSession gmsh;
+  mesh::Mesh mesh;
+  elasticity::Body matrices;
+  surface::Patches patches;
+};
+
+/// Centroid of a hat of the unit square's grid of step h, at height 1.
+Point centroid(const double* node, double h) {
+  const auto inward = [&](double x) { return x < h / 2 ? h / 3 : x > 1 - h / 2 ? 1 - h / 3 : x; };
+  return {inward(node[0]), inward(node[1]), 1};
+}
+
+TEST(Trace, of_a_linear_field_is_its_value_at_the_centroid_of_each_patch) {
+  for (int order : {1, 2, 3}) {
+    const Body body(test::block_geo("hex", 2, 0), order, {"top"}, {});
+    const kernels::Kernel kernel = body.trace(body.linear_fields(), false, false);
+    const std::size_t m = kernel.surface.size();
+    EXPECT_EQ(kernel.surface.components, 3);
+    ASSERT_EQ(kernel.surface.shape.size(), m * 3 * 2);
+    for (std::size_t i = 0; i < m; ++i) {
+      const Point u = gradient * centroid(&kernel.surface.node[3 * i], 0.5 / order) + offset;
+      for (std::size_t c = 0; c < 3; ++c) {
+        EXPECT_NEAR(kernel.surface.shape[(3 * i + c) * 2], u[static_cast<int>(c)], placed);
+        EXPECT_NEAR(kernel.surface.shape[(3 * i + c) * 2 + 1], -2 * u[static_cast<int>(c)], placed);
+      }
+    }
+    EXPECT_TRUE(kernel.surface.residual_flexibility.empty());
+    EXPECT_FALSE(kernel.view.has_value());
+  }
+}
+
+TEST(Trace, along_a_direction_is_that_component_alone) {
+  const Vector3 direction{0.6, 0, -0.8};
+  const Body body(test::block_geo("hex", 2, 0), 2, {"top"}, {.direction = direction});
+  const kernels::Kernel kernel = body.trace(body.linear_fields(), false, false);
+  EXPECT_EQ(kernel.surface.components, 1);
+  EXPECT_EQ(kernel.surface.direction, direction);
+  ASSERT_EQ(kernel.surface.shape.size(), kernel.surface.size() * 2);
+  for (std::size_t i = 0; i < kernel.surface.size(); ++i) {
+    const Point u = gradient * centroid(&kernel.surface.node[3 * i], 0.25) + offset;
+    EXPECT_NEAR(kernel.surface.shape[2 * i], 0.6 * u[0] - 0.8 * u[2], placed);
+  }
+}
+
+TEST(Trace, of_loads_is_momentum_and_angular_momentum_of_the_field) {
+  const Body body(test::block_geo("hex", 2, 0), 2, {"top"}, {});
+  const kernels::Kernel kernel = body.trace(body.linear_fields(), false, false);
+  // ρ ∫ u dV and ρ ∫ x × u dV over the unit cube, ρ = 2; ∫ x_i x_j = ¼, ⅓ on the diagonal.
+  const Point middle(0.5, 0.5, 0.5), momentum = 2 * (gradient * middle + offset);
+  const Eigen::Matrix3d second =
+      Eigen::Matrix3d::Constant(0.25) + Eigen::Matrix3d(Point::Constant(1.0 / 3 - 0.25).asDiagonal());
+  const Eigen::Matrix3d moved =
+      2 * (second * gradient.transpose() + middle * offset.transpose());  // ρ ∫ x uᵀ
+  const Point angular(moved(1, 2) - moved(2, 1), moved(2, 0) - moved(0, 2), moved(0, 1) - moved(1, 0));
+  for (std::size_t c = 0; c < 3; ++c) {
+    EXPECT_NEAR(kernel.loads.body_force[2 * c], momentum[static_cast<int>(c)], 1e-13);
+    EXPECT_NEAR(kernel.loads.rotation[2 * c], angular[static_cast<int>(c)], 1e-13);
+  }
+}
+
+TEST(Trace, keeps_the_skin_of_rank_0_for_pictures) {
+  const Body body(test::block_geo("hex", 2, 0), 2, {"top"}, {});
+  const kernels::Kernel kernel = body.trace(body.linear_fields(), false, true);
+  ASSERT_EQ(kernel.view.has_value(), parallel::rank_of(PETSC_COMM_WORLD) == 0);
+  if (!kernel.view) return;
+  const kernels::View& view = *kernel.view;
+  EXPECT_EQ(view.node.size(), 3U * 26);  // the 3³ corners but the inner one
+  EXPECT_EQ(view.element.size(), 3U * 6 * 4 * 2);
+  ASSERT_EQ(view.shape.size(), view.node.size() * 2);
+  for (std::size_t v = 0; v < view.node.size() / 3; ++v) {
+    const Point u = gradient * Point(&view.node[3 * v]) + offset;
+    for (std::size_t c = 0; c < 3; ++c)
+      EXPECT_NEAR(view.shape[(3 * v + c) * 2], u[static_cast<int>(c)], 2e-7);  // single precision
+  }
+}
+
+TEST(PatchLoads, are_unit_forces_that_supports_do_not_carry) {
+  const Body body(test::block_geo("hex", 2, 0), 1, {"top"}, {}, {{"sides", "x"}});
+  const Eigen::MatrixXd loads = surface::patch_loads(body.mesh, body.patches);
+  const auto& geometry = body.patches.geometry;
+  ASSERT_EQ(loads.cols(), static_cast<Eigen::Index>(3 * geometry.size()));
+  Eigen::MatrixXd force = Eigen::MatrixXd::Zero(3, loads.cols());
+  for (Eigen::Index r = 0; r < loads.rows(); ++r) force.row(r % 3) += loads.row(r);
+  parallel::sum(PETSC_COMM_WORLD, force.data(), static_cast<std::size_t>(force.size()));
+  for (std::size_t i = 0; i < geometry.size(); ++i) {
+    // Only the middle node is free along x. Of a hat it carries, in each direction, 2/3 or at an edge 1/3:
+    // the rows (1, 4, 1)/6 and (2, 1)/6 of a linear mass matrix over their sums.
+    double share = 1;
+    for (int d = 0; d < 2; ++d)
+      share *= std::abs(geometry.node[3 * i + static_cast<std::size_t>(d)] - 0.5) < 0.1 ? 2.0 / 3 : 1.0 / 3;
+    const Eigen::Matrix3d each = force.middleCols<3>(static_cast<Eigen::Index>(3 * i));
+    EXPECT_NEAR((each - Eigen::Matrix3d(Point(share, 1, 1).asDiagonal())).norm(), 0, placed);
+  }
+}
+
+std::string rod_geo(int elements) {
+  return fmt::format(
+      "Point(1) = {{0,0,0}};\nPoint(2) = {{2,0,0}};\nLine(1) = {{1,2}};\nTransfinite Curve{{1}} = {};\n"
+      "Physical Curve(\"rod\") = {{1}};\nPhysical Point(\"left\") = {{1}};\nPhysical Point(\"right\") = "
+      "{{2}};\n",
+      elements + 1);
+}
+
+TEST(ResidualFlexibility, and_modes_of_a_clamped_rod_add_to_its_static_flexibility) {
+  // Linear elements are exact at nodes: u(L) = L/(EA) for a unit force, whatever the modes kept.
+  const double exact = 2.0 / (3.0 * 0.5);
+  for (std::int64_t count : {1, 4}) {
+    const Body rod(rod_geo(20), 1, {"right"}, {}, {{"left", "x"}});
+    const modes::ModeSet set = modes::compute_modes(rod.mesh, rod.matrices, {.count = count});
+    const kernels::Kernel kernel = rod.trace(set, true, false);
+    ASSERT_EQ(kernel.surface.size(), 1U);
+    EXPECT_EQ(kernel.surface.area[0], 0.5);
+    EXPECT_EQ(kernel.surface.element_corners, 1);
+    // A rod moves along x: the other components see nothing.
+    const auto n = static_cast<std::size_t>(count);
+    double flexibility = kernel.surface.residual_flexibility[0],
+           gravity = kernel.loads.body_force_residual[0];
+    for (std::size_t k = 0; k < n; ++k) {
+      const double omega = set.angular_frequency[k], phi = kernel.surface.shape[k];
+      flexibility += phi * phi / (omega * omega);
+      gravity += phi * kernel.loads.body_force[k] / (omega * omega);
+      EXPECT_EQ(kernel.surface.shape[n + k], 0);
+    }
+    EXPECT_NEAR(flexibility, exact, 1e-9 * exact);
+    // Hanging under its own weight: u(L) = ρ L²/(2E) per unit of acceleration.
+    EXPECT_NEAR(gravity, 2.0 * 4.0 / (2 * 3.0), 1e-9);
+    for (std::size_t k = 1; k < 9; ++k) EXPECT_EQ(kernel.surface.residual_flexibility[k], 0);
+  }
+}
+
+TEST(ResidualFlexibility, is_symmetric_and_semidefinite_on_a_free_body) {
+  const Body body(test::block_geo("tet", 2, 0.3), 2, {"top"},
+                  {.direction = Vector3{0, 0, 1}, .spacing = 0.3});
+  const modes::ModeSet set = modes::compute_modes(body.mesh, body.matrices, {.count = 10});
+  const kernels::Kernel kernel = body.trace(set, true, false);
+  const auto m = static_cast<Eigen::Index>(kernel.surface.size());
+  const Eigen::Map<const Eigen::MatrixXd> R(kernel.surface.residual_flexibility.data(), m, m);
+  EXPECT_EQ((R - R.transpose()).cwiseAbs().maxCoeff(), 0);
+  const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(R).eigenvalues();
+  EXPECT_GT(values[0], -1e-10 * values[m - 1]);
+  EXPECT_GT(values[m - 1], 0);
+}
+
+}  // namespace
+}  // namespace ricochet
