@@ -52,6 +52,11 @@ void Console::advance(std::int64_t done) {
   if (open_ && terminal_ && !quiet_ && (total_ < 1000 || (done & 63) == 0)) draw(false);
 }
 
+void Console::advance(std::int64_t done, std::int64_t total) {
+  total_ = total;
+  advance(done);
+}
+
 void Console::end(const std::string& note) {
   if (!open_) return;
   open_ = false;
@@ -63,8 +68,8 @@ void Console::draw(bool last) {
   if (quiet_) return;
   if (last) {
     const Phase& phase = phases_.back();
-    fmt::print(stderr, "{}{:<28} {:>10}  {}\n", terminal_ ? "\r\033[K" : "", phase.name,
-               duration_of(phase.seconds), phase.note);
+    fmt::print(stderr, "{}{:<28} {:>10}{}{}\n", terminal_ ? "\r\033[K" : "", phase.name,
+               duration_of(phase.seconds), phase.note.empty() ? "" : "  ", phase.note);
     return;
   }
   const double time = now();

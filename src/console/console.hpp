@@ -26,6 +26,8 @@ class Console {
   void begin(std::string name, std::int64_t total = 0);
   /// `done` of `total` so far; cheap enough for every step.
   void advance(std::int64_t done);
+  /// Likewise, where the total is known only now.
+  void advance(std::int64_t done, std::int64_t total);
   /// Ends the open phase; `note` is shown behind its time ("61 600 unknowns").
   void end(const std::string& note = "");
   /// One line on stdout, unless quiet.

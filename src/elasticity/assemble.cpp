@@ -239,7 +239,8 @@ void finish_inertia(MPI_Comm comm, std::array<double, 10>& moments, Body& body) 
 
 }  // namespace
 
-Body assemble(const Mesh& mesh, const std::vector<scene::Material>& materials, const std::string& file) {
+Body assemble(const Mesh& mesh, const std::vector<scene::Material>& materials, const std::string& file,
+              const parallel::Progress& progress) {
   Body body;
   const int c = mesh.components();
   body.local_rows = mesh.owned_nodes * c;
@@ -252,6 +253,8 @@ Body assemble(const Mesh& mesh, const std::vector<scene::Material>& materials, c
   std::array<double, 10> moments{};
   std::string complaint;
   double stiffest = 0;
+  std::int64_t all = 0, done = 0;
+  for (const Block& block : mesh.blocks) all += static_cast<std::int64_t>(block.size());
   for (std::size_t b = 0; b < mesh.blocks.size() && complaint.empty(); ++b) {
     const Block& block = mesh.blocks[b];
     const int n = block.nodes_per_element;
@@ -261,6 +264,7 @@ Body assemble(const Mesh& mesh, const std::vector<scene::Material>& materials, c
     Eigen::MatrixXd rigid(c * n, 6);
     std::vector<PetscInt> rows(static_cast<std::size_t>(n)), columns(static_cast<std::size_t>(n));
     for (std::size_t e = 0; e < block.size(); ++e) {
+      if (progress && ++done % 256 == 0) progress(done, all);
       const std::int64_t* nodes = &block.node[e * static_cast<std::size_t>(n)];
       const scene::Material& given = materials[static_cast<std::size_t>(block.label[e])];
       if (!element.compute(nodes, material_of(given, mesh.dim))) {

@@ -29,7 +29,8 @@ struct Body {
 
 /// Collective. Needs a GmshSession. `file` names the mesh in messages.
 /// Throws InputError (on all ranks): an element with a Jacobian that is not positive, with its tag and place.
-Body assemble(const mesh::Mesh& mesh, const std::vector<scene::Material>& materials, const std::string& file);
+Body assemble(const mesh::Mesh& mesh, const std::vector<scene::Material>& materials, const std::string& file,
+              const parallel::Progress& progress = {});
 
 /// Rigid motions that the supports leave free, M-orthonormal; one column each: six for a free body, one for a
 /// free rod. Translations first, along the axes, then rotations about the principal axes of inertia where the

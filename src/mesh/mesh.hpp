@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "src/mesh/reference.hpp"
+#include "src/parallel/parallel.hpp"
 #include "src/scene/scene.hpp"
 
 namespace ricochet::mesh {
@@ -29,7 +30,8 @@ struct FacetMesh {
   std::vector<std::int64_t> node;  ///< (n) global node numbers
   std::vector<double> position;    ///< (n,3) [m]
   std::vector<Block> blocks;       ///< node indices into `node`; oriented outward
-  std::vector<double> end_normal;  ///< (n,3) rods: outward axis at an end node; otherwise empty
+  std::vector<double>
+      end_normal;  ///< (n,3) rods: outward axis times cross-section at an end [m²]; otherwise empty
 };
 
 /// All of a body's mesh, on rank 0 while reading.
@@ -46,7 +48,7 @@ struct GlobalMesh {
 /// Reads a mesh or meshes a geometry. Rank 0 only; needs a GmshSession made with the body's geometry values.
 /// Throws InputError: unreadable file, missing physical group, no volume elements, contact facets inside the
 /// body, an order that gmsh could not reach, a bent rod.
-GlobalMesh read_mesh(const scene::Body& body);
+GlobalMesh read_mesh(const scene::Body& body, const parallel::Progress& progress = {});
 
 /// One rank's part. Each rank holds every element that touches a node it owns, so that assembly needs no
 /// communication; an element is `own` on one rank only (integrals over the body count it there).

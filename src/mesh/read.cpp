@@ -28,20 +28,23 @@ class Reader {
  public:
   explicit Reader(const scene::Body& body) : body_(body), file_(body.mesh.filename().string()) {}
 
-  GlobalMesh read() {
+  GlobalMesh read(const parallel::Progress& progress) {
     with_gmsh_errors(file_, [&] {
+      const auto reached = [&](std::int64_t stage) {
+        if (progress) progress(stage, 4);
+      };
       meshed_before_ = open_model(body_);
+      reached(1);
       mesh_.dim = dimension();
       collect_nodes();
       collect_elements();
-      if (mesh_.dim == 1) {
-        find_axis();
-      } else {
-        collect_skin();
-      }
+      reached(2);
+      mesh_.dim == 1 ? find_axis() : collect_skin();
+      reached(3);
       collect_contact();
       mark_supports();
       drop_unused_nodes();
+      reached(4);
     });
     return std::move(mesh_);
   }
@@ -287,12 +290,13 @@ class Reader {
           const Corners corners = corners_of(lines, e, 2);
           if (corners[0] != end && corners[1] != end) continue;
           ++touching;
+          const double area = body_.materials[static_cast<std::size_t>(lines.label[e])].area;
           const std::int64_t other = corners[0] == end ? corners[1] : corners[0];
           double side = 0;
           for (int c = 0; c < 3; ++c)
             side += (mesh_.position[3 * end + c] - mesh_.position[3 * other + c]) * mesh_.axis[c];
           for (int c = 0; c < 3; ++c)
-            mesh_.contact.end_normal[3 * end + c] = (side > 0 ? 1 : -1) * mesh_.axis[c];
+            mesh_.contact.end_normal[3 * end + c] = (side > 0 ? area : -area) * mesh_.axis[c];
         }
       if (touching != 1)
         throw InputError(
@@ -386,6 +390,8 @@ class Reader {
 
 }  // namespace
 
-GlobalMesh read_mesh(const scene::Body& body) { return Reader(body).read(); }
+GlobalMesh read_mesh(const scene::Body& body, const parallel::Progress& progress) {
+  return Reader(body).read(progress);
+}
 
 }  // namespace ricochet::mesh

@@ -214,7 +214,7 @@ void polish(const mesh::Mesh& mesh, const elasticity::Body& body, const Eigen::M
 }  // namespace
 
 ModeSet compute_modes(const mesh::Mesh& mesh, const elasticity::Body& body, const Request& request,
-                      const Progress& progress) {
+                      const parallel::Progress& progress) {
   const Counter counter{body};
   const Eigen::MatrixXd rigid = elasticity::rigid_modes(mesh, body);
   const std::int64_t r = rigid.cols();

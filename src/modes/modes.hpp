@@ -1,7 +1,6 @@
 // Certified modes of K φ = ω² M φ, rigid ones exact.
 #pragma once
 
-#include <functional>
 #include <optional>
 
 #include "kernels/kernel.hpp"
@@ -17,9 +16,6 @@ struct Request {
   double relative_residual = 1e-8;
 };
 
-/// How far the work is: slices done of those planned.
-using Progress = std::function<void(std::int64_t done, std::int64_t total)>;
-
 struct ModeSet {
   std::vector<double> angular_frequency;  ///< (N) [rad/s], ascending; rigid modes first, exactly 0
   std::vector<double> residual;  ///< (N) ‖Kφ − ω²Mφ‖₂ / ‖Kφ‖₂; rigid: ‖Kφ‖₂ / (max |diag K| ‖φ‖₂)
@@ -32,7 +28,7 @@ struct ModeSet {
 /// missing, a residual exceeds its bound, or M-orthonormality is worse than 1e-8: nothing uncertified is
 /// returned. Source: counts by inertia as in Grimes, Lewis & Simon 1994.
 ModeSet compute_modes(const mesh::Mesh& mesh, const elasticity::Body& body, const Request& request,
-                      const Progress& progress = {});
+                      const parallel::Progress& progress = {});
 
 /// Quasi-static response of the modes left out to a set of loads: Cᵀ Pᵀ (K − σM)⁻¹ P L corrected to σ = 0,
 /// where C, the places at which it is seen, are the first `seen` columns of L.

@@ -5,6 +5,7 @@
 #include <slepceps.h>
 
 #include <cstdint>
+#include <functional>
 #include <source_location>
 #include <string>
 #include <utility>
@@ -23,6 +24,9 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 };
+
+/// How far a long task is: `done` of `total` parts. May be called on one rank or on all.
+using Progress = std::function<void(std::int64_t done, std::int64_t total)>;
 
 int rank_of(MPI_Comm comm);
 int size_of(MPI_Comm comm);

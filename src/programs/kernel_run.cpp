@@ -48,16 +48,17 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, MPI_Comm com
   const std::string file = body.mesh.filename().string();
   const mesh::GmshSession gmsh(geometry_numbers(body));
 
+  const auto bar = [&](std::int64_t done, std::int64_t total) { console.advance(done, total); };
   console.begin(body.name + ": mesh");
   mesh::GlobalMesh global;
-  parallel::on_first_rank(comm, [&] { global = mesh::read_mesh(body); });
+  parallel::on_first_rank(comm, [&] { global = mesh::read_mesh(body, bar); });
   const mesh::Mesh mesh = mesh::distribute(std::move(global), comm);
   console.end(fmt::format("{} elements, {} nodes", mesh.total_elements, mesh.total_nodes));
 
   console.begin(body.name + ": assembly");
-  const elasticity::Body matrices = elasticity::assemble(mesh, body.materials, file);
+  const elasticity::Body matrices = elasticity::assemble(mesh, body.materials, file, bar);
   const surface::Patches patches = surface::make_patches(
-      mesh, body.contact, body.materials.front().area,
+      mesh, body.contact,
       {.direction = request.direction, .along = request.along, .spacing = request.spacing});
   console.end(fmt::format("{} unknowns, {} candidates", matrices.total_rows, patches.geometry.size()));
 

@@ -91,7 +91,7 @@ void add_facets(const Block& block, Fine& fine) {
   }
 }
 
-Fine fine_hats(const FacetMesh& facets, double rod_area) {
+Fine fine_hats(const FacetMesh& facets) {
   Fine fine;
   const std::size_t n = facets.node.size();
   for (std::size_t i = 0; i < n; ++i)
@@ -109,10 +109,9 @@ Fine fine_hats(const FacetMesh& facets, double rod_area) {
     fine.corners = 1;
     for (std::size_t e = 0; e < block.size(); ++e) {
       const auto i = static_cast<std::size_t>(block.node[e]);
-      fine.area[i] = rod_area;
-      fine.normal[i] = rod_area * Eigen::Vector3d(facets.end_normal[3 * i], facets.end_normal[3 * i + 1],
-                                                  facets.end_normal[3 * i + 2]);
-      fine.load[i][block.node[e]] = rod_area;
+      fine.normal[i] = Eigen::Map<const Eigen::Vector3d>(&facets.end_normal[3 * i]);
+      fine.area[i] = fine.normal[i].norm();
+      fine.load[i][block.node[e]] = fine.area[i];
       fine.group[i] = block.label[e];
       fine.simplex.push_back(block.node[e]);
     }
@@ -249,9 +248,9 @@ void quotient(const Fine& fine, const Merge& merge, kernels::Surface& surface) {
 
 }  // namespace
 
-Patches make_patches(const mesh::Mesh& mesh, const std::vector<std::string>& groups, double rod_area,
+Patches make_patches(const mesh::Mesh& mesh, const std::vector<std::string>& groups,
                      const PatchOptions& options) {
-  const Fine fine = fine_hats(mesh.contact, rod_area);
+  const Fine fine = fine_hats(mesh.contact);
   if (fine.position.empty())
     throw InputError(
         "the contact groups hold no facets: give them a physical surface (a physical point for rods)");

@@ -32,7 +32,7 @@ struct PatchOptions {
 /// Hats w_i ≥ 0, Σ w_i = 1, on the vertices of the surface subdivided to the element order; merged along a
 /// direction and thinned to a spacing when asked. Needs a GmshSession. `rod_area` is the cross-section of a
 /// rod. Throws InputError when the mesh has no contact facets.
-Patches make_patches(const mesh::Mesh& mesh, const std::vector<std::string>& groups, double rod_area,
+Patches make_patches(const mesh::Mesh& mesh, const std::vector<std::string>& groups,
                      const PatchOptions& options);
 
 /// Loads of the patches: column c·i + k is a unit force on patch i in component k (c = 3), or along

@@ -28,10 +28,10 @@ Made make(const std::string& geo, int order, const std::vector<std::string>& con
   scene::Body body = test::body_of(file.path(), order);
   body.contact = contact;
   Made made{test::mesh_of(body), {}};
-  made.patches = surface::make_patches(made.mesh, contact, body.materials[0].area, options);
+  made.patches = surface::make_patches(made.mesh, contact, options);
   // The same as on one rank, to the last bit but for the numbering of the nodes.
   const auto alone = mesh::distribute(mesh::read_mesh(body), PETSC_COMM_SELF);
-  const Patches same = surface::make_patches(alone, contact, body.materials[0].area, options);
+  const Patches same = surface::make_patches(alone, contact, options);
   EXPECT_EQ(made.patches.geometry.node, same.geometry.node);
   EXPECT_EQ(made.patches.geometry.normal, same.geometry.normal);
   EXPECT_EQ(made.patches.geometry.area, same.geometry.area);
@@ -243,7 +243,7 @@ TEST(Patches, of_a_body_without_contact_groups_are_refused) {
   const mesh::GmshSession gmsh;
   const test::SharedFile file(".geo", test::block_geo("hex", 1, 0));
   const mesh::Mesh mesh = test::mesh_of(test::body_of(file.path(), 1));
-  EXPECT_THROW(surface::make_patches(mesh, {}, 0, {}), InputError);
+  EXPECT_THROW(surface::make_patches(mesh, {}, {}), InputError);
 }
 
 }  // namespace

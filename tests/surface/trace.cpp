@@ -26,7 +26,7 @@ struct Body {
     body.support = support;
     mesh = test::mesh_of(body);
     matrices = elasticity::assemble(mesh, body.materials, "test");
-    patches = surface::make_patches(mesh, contact, body.materials[0].area, options);
+    patches = surface::make_patches(mesh, contact, options);
   }
   /// The columns u_0 = G x + o, u_1 = −2 u_0 as if they were modes.
   modes::ModeSet linear_fields() const {
