@@ -10,7 +10,7 @@
 
 #include "src/mesh/gmsh_session.hpp"
 #include "src/mesh/mesh.hpp"
-#include "src/parallel/parallel.hpp"
+#include "src/parallel/teams.hpp"
 
 namespace ricochet::test {
 
@@ -94,11 +94,25 @@ inline scene::Body body_of(const std::filesystem::path& mesh, int order) {
   return body;
 }
 
-/// Reads and distributes over all ranks; needs a GmshSession.
-inline mesh::Mesh mesh_of(const scene::Body& body) {
+/// All ranks as one team.
+inline const parallel::Teams& one_team() {
+  // Never destroyed: that would be after the end of MPI.
+  static const auto* teams = new parallel::Teams(PETSC_COMM_WORLD, 1);
+  return *teams;
+}
+
+/// Each rank a team of its own.
+inline const parallel::Teams& own_teams() {
+  static const auto* teams = new parallel::Teams(PETSC_COMM_WORLD, parallel::size_of(PETSC_COMM_WORLD));
+  return *teams;
+}
+
+/// Reads and distributes over the ranks of each team; needs a GmshSession.
+inline mesh::Mesh mesh_of(const scene::Body& body, const parallel::Teams& teams = one_team()) {
   mesh::GlobalMesh global;
   parallel::on_first_rank(PETSC_COMM_WORLD, [&] { global = mesh::read_mesh(body); });
-  return mesh::distribute(std::move(global), PETSC_COMM_WORLD);
+  if (parallel::rank_of(teams.team()) == 0) mesh::broadcast(global, teams.peers());
+  return mesh::distribute(std::move(global), teams.team());
 }
 
 }  // namespace ricochet::test

@@ -72,6 +72,9 @@ struct Mesh {
   bool is_fixed(std::size_t local_node, int component) const { return (fixed[local_node] >> component) & 1; }
 };
 
+/// Copies the mesh of the first rank of `comm` to its other ranks. Collective.
+void broadcast(GlobalMesh& global, MPI_Comm comm);
+
 /// Splits by METIS and hands each rank its part. `global` is used on rank 0 alone. Collective.
 Mesh distribute(GlobalMesh&& global, MPI_Comm comm);
 

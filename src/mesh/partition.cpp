@@ -94,26 +94,44 @@ void renumber(FacetMesh& facets, const GlobalMesh& mesh, const Numbering& number
       node = std::lower_bound(used.begin(), used.end(), node) - used.begin();
 }
 
+void broadcast_blocks(std::vector<Block>& blocks, MPI_Comm comm) {
+  std::vector<std::int64_t> header;
+  for (const Block& block : blocks) header.insert(header.end(), {block.gmsh_type, block.nodes_per_element});
+  broadcast(comm, header);
+  blocks.resize(header.size() / 2);
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    blocks[b].gmsh_type = static_cast<int>(header[2 * b]);
+    blocks[b].nodes_per_element = static_cast<int>(header[2 * b + 1]);
+    broadcast(comm, blocks[b].node);
+    broadcast(comm, blocks[b].tag);
+    broadcast(comm, blocks[b].label);
+  }
+}
+
 void broadcast_facets(FacetMesh& facets, MPI_Comm comm) {
   broadcast(comm, facets.node);
   broadcast(comm, facets.position);
   broadcast(comm, facets.end_normal);
-  std::vector<std::int64_t> header;
-  for (const Block& block : facets.blocks)
-    header.insert(header.end(), {block.gmsh_type, block.nodes_per_element});
-  broadcast(comm, header);
-  facets.blocks.resize(header.size() / 2);
-  for (std::size_t b = 0; b < facets.blocks.size(); ++b) {
-    Block& block = facets.blocks[b];
-    block.gmsh_type = static_cast<int>(header[2 * b]);
-    block.nodes_per_element = static_cast<int>(header[2 * b + 1]);
-    broadcast(comm, block.node);
-    broadcast(comm, block.tag);
-    broadcast(comm, block.label);
-  }
+  broadcast_blocks(facets.blocks, comm);
 }
 
 }  // namespace
+
+void broadcast(GlobalMesh& global, MPI_Comm comm) {
+  std::vector<double> axis(global.axis.begin(), global.axis.end());
+  std::vector<std::int64_t> header{global.dim, global.order}, fixed(global.fixed.begin(), global.fixed.end());
+  broadcast(comm, axis);
+  broadcast(comm, header);
+  broadcast(comm, fixed);
+  std::copy(axis.begin(), axis.end(), global.axis.begin());
+  global.dim = static_cast<int>(header[0]);
+  global.order = static_cast<int>(header[1]);
+  global.fixed.assign(fixed.begin(), fixed.end());
+  broadcast(comm, global.position);
+  broadcast_blocks(global.blocks, comm);
+  broadcast_facets(global.contact, comm);
+  broadcast_facets(global.skin, comm);
+}
 
 Mesh distribute(GlobalMesh&& global, MPI_Comm comm) {
   const int ranks = parallel::size_of(comm), me = parallel::rank_of(comm);

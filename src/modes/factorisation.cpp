@@ -1,70 +1,214 @@
 #include "src/modes/factorisation.hpp"
 
+#include <dmumps_c.h>
+#include <fmt/format.h>
+#include <metis.h>
+
+#include <algorithm>
+
 namespace ricochet::modes {
 
 using parallel::check;
 
-void require_inertia(Mat factor) { check(MatMumpsSetIcntl(factor, 13, 1)); }
+struct Factorisation::Mumps {
+  DMUMPS_STRUC_C id{};
+  /// Numbered as in MUMPS's guide.
+  MUMPS_INT& icntl(int k) { return id.icntl[k - 1]; }
+  MUMPS_INT infog(int k) const { return id.infog[k - 1]; }
+};
 
-Factorisation::Factorisation(Mat stiffness, Mat mass, double sigma) {
-  check(MatDuplicate(stiffness, MAT_COPY_VALUES, shifted_.out()));
-  // Not SAME_NONZERO_PATTERN: for MPISBAIJ with blocks PETSc 3.18 then adds the first nz of nz·bs² values
-  // only.
-  check(MatAXPY(shifted_, -sigma, mass, SUBSET_NONZERO_PATTERN));
-  check(MatSetOption(shifted_, MAT_SYMMETRIC, PETSC_TRUE));
-  check(MatGetFactor(shifted_, MATSOLVERMUMPS, MAT_FACTOR_CHOLESKY, factor_.out()));
-  require_inertia(factor_);
-  MatFactorInfo info;
-  check(MatFactorInfoInitialize(&info));
-  check(MatCholeskyFactorSymbolic(factor_, shifted_, nullptr, &info));
-  check(MatCholeskyFactorNumeric(factor_, shifted_, &info));
-  MatFactorError broken = MAT_FACTOR_NOERROR;
-  check(MatFactorGetError(factor_, &broken));
-  if (broken != MAT_FACTOR_NOERROR) {
-    PetscInt code = 0;
-    check(MatMumpsGetInfog(factor_, 1, &code));
-    throw SolverError(
-        "MUMPS could not factor K − σM (INFOG(1) = " + std::to_string(code) +
-        (code == -9 || code == -13 ? "): not enough memory, use more ranks or a coarser mesh" : ")"));
+namespace {
+
+constexpr int job_init = -1, job_end = -2, job_analyse = 1, job_factor = 2, job_solve = 3,
+              job_free_factors = -4;
+/// The communicator is the calling ranks' own and given as such.
+constexpr int symmetric_indefinite = 2, host_works = 1;
+
+}  // namespace
+
+Factorisation::Factorisation(Mat stiffness, Mat mass) : mumps_(std::make_unique<Mumps>()) {
+  MPI_Comm comm = MPI_COMM_NULL;
+  check(PetscObjectGetComm(reinterpret_cast<PetscObject>(stiffness), &comm));
+  MPI_Comm_dup(comm, &comm_);
+  collect_entries(stiffness, mass);
+
+  DMUMPS_STRUC_C& id = mumps_->id;
+  id.sym = symmetric_indefinite;
+  id.par = host_works;
+  id.comm_fortran = MPI_Comm_c2f(comm_);
+  run(job_init, "start");
+  // Quiet; no ScaLAPACK at the root, which would hide a part of the inertia.
+  for (int k : {1, 2, 3}) mumps_->icntl(k) = -1;
+  mumps_->icntl(4) = 0;
+  mumps_->icntl(13) = 1;
+  id.n = static_cast<MUMPS_INT>(rows_);
+  const auto entries = static_cast<MUMPS_INT8>(row_.size());
+  order_by_metis(stiffness);
+  mumps_->icntl(7) = 1;
+  id.perm_in = order_.data();
+  if (parallel::size_of(comm_) == 1) {
+    id.nnz = entries;
+    id.irn = row_.data();
+    id.jcn = column_.data();
+  } else {
+    mumps_->icntl(18) = 3;
+    id.nnz_loc = entries;
+    id.irn_loc = row_.data();
+    id.jcn_loc = column_.data();
   }
-  PetscInt negative = 0;
-  check(MatGetInertia(factor_, &negative, nullptr, nullptr));
-  below_ = negative;
+  run(job_analyse, "analyse");
 }
 
-Eigen::MatrixXd Factorisation::solve(const Eigen::MatrixXd& right) const {
-  MPI_Comm comm = MPI_COMM_NULL;
-  check(PetscObjectGetComm(reinterpret_cast<PetscObject>(static_cast<Mat>(shifted_)), &comm));
-  const auto n = static_cast<PetscInt>(right.cols());
-  Eigen::MatrixXd solution(right.rows(), right.cols());
+Factorisation::~Factorisation() {
+  mumps_->id.job = job_end;
+  dmumps_c(&mumps_->id);
+  MPI_Comm_free(&comm_);
+}
+
+void Factorisation::collect_entries(Mat stiffness, Mat mass) {
+  PetscInt first = 0, behind = 0, total = 0;
+  check(MatGetOwnershipRange(stiffness, &first, &behind));
+  check(MatGetSize(stiffness, &total, nullptr));
+  local_rows_ = behind - first;
+  rows_ = total;
+  const int mine = static_cast<int>(local_rows_), start = static_cast<int>(first);
+  rows_of_rank_.resize(static_cast<std::size_t>(parallel::size_of(comm_)));
+  first_of_rank_.resize(rows_of_rank_.size());
+  MPI_Allgather(&mine, 1, MPI_INT, rows_of_rank_.data(), 1, MPI_INT, comm_);
+  MPI_Allgather(&start, 1, MPI_INT, first_of_rank_.data(), 1, MPI_INT, comm_);
+  for (Mat matrix : {stiffness, mass}) {
+    std::vector<double>& value = matrix == stiffness ? stiffness_ : mass_;
+    check(MatGetRowUpperTriangular(matrix));
+    for (PetscInt i = first; i < behind; ++i) {
+      PetscInt n = 0;
+      const PetscInt* column = nullptr;
+      const double* entry = nullptr;
+      check(MatGetRow(matrix, i, &n, &column, &entry));
+      for (PetscInt k = 0; k < n; ++k) {
+        if (column[k] < i) continue;
+        value.push_back(entry[k]);
+        if (matrix == mass) continue;
+        row_.push_back(static_cast<int>(i) + 1);
+        column_.push_back(static_cast<int>(column[k]) + 1);
+      }
+      check(MatRestoreRow(matrix, i, &n, &column, &entry));
+    }
+    check(MatRestoreRowUpperTriangular(matrix));
+  }
+  if (mass_.size() != stiffness_.size()) throw SolverError("internal: K and M differ in their pattern");
+  shifted_.resize(stiffness_.size());
+}
+
+void Factorisation::order_by_metis(Mat stiffness) {
+  PetscInt block = 1;
+  check(MatGetBlockSize(stiffness, &block));
+  // Edges between nodes, one for each block: those of all ranks on the first.
+  std::vector<int> edge;
+  for (std::size_t k = 0; k < row_.size(); ++k) {
+    const int i = row_[k] - 1, j = column_[k] - 1;
+    if (i % block == 0 && j % block == 0 && i != j) edge.insert(edge.end(), {i / block, j / block});
+  }
+  edge = parallel::gather(comm_, edge);
+  if (parallel::rank_of(comm_) != 0) return;
+
+  // The graph, each edge from both its ends.
+  const auto nodes = static_cast<std::size_t>(rows_ / block);
+  std::vector<idx_t> start(nodes + 1, 0), neighbour(edge.size());
+  for (int node : edge) ++start[static_cast<std::size_t>(node) + 1];
+  for (std::size_t i = 0; i < nodes; ++i) start[i + 1] += start[i];
+  std::vector<idx_t> next(start.begin(), start.end() - 1);
+  for (std::size_t k = 0; k < edge.size(); k += 2) {
+    neighbour[static_cast<std::size_t>(next[static_cast<std::size_t>(edge[k])]++)] = edge[k + 1];
+    neighbour[static_cast<std::size_t>(next[static_cast<std::size_t>(edge[k + 1])]++)] = edge[k];
+  }
+  auto n = static_cast<idx_t>(nodes);
+  std::vector<idx_t> order(static_cast<std::size_t>(n)), place(order.size());
+  if (neighbour.empty()) {
+    for (idx_t i = 0; i < n; ++i) place[static_cast<std::size_t>(i)] = i;
+  } else {
+    idx_t options[METIS_NOPTIONS];
+    METIS_SetDefaultOptions(options);
+    if (METIS_NodeND(&n, start.data(), neighbour.data(), nullptr, options, order.data(), place.data()) !=
+        METIS_OK)
+      throw SolverError("METIS could not order the nodes");
+  }
+  for (idx_t p : place)
+    for (PetscInt c = 0; c < block; ++c) order_.push_back(static_cast<int>(p) * block + c + 1);
+}
+
+void Factorisation::run(int job, const char* task) {
+  mumps_->id.job = job;
+  dmumps_c(&mumps_->id);
+  const int code = mumps_->infog(1);
+  if (code >= 0) return;
+  const bool memory = code == -7 || code == -8 || code == -9 || code == -13 || code == -19;
+  throw SolverError(fmt::format("MUMPS could not {} K − σM (INFOG(1) = {}, INFOG(2) = {}){}", task, code,
+                                mumps_->infog(2),
+                                memory ? ": not enough memory, use more ranks or a coarser mesh" : ""));
+}
+
+void Factorisation::factor(double sigma) {
+  factored_ = false;
+  for (std::size_t k = 0; k < shifted_.size(); ++k) shifted_[k] = stiffness_[k] - sigma * mass_[k];
+  DMUMPS_STRUC_C& id = mumps_->id;
+  (parallel::size_of(comm_) == 1 ? id.a : id.a_loc) = shifted_.data();
+  // Delayed pivots may need more room than the analysis foresaw.
+  for (int attempt = 0;; ++attempt) {
+    id.job = job_factor;
+    dmumps_c(&id);
+    const int code = mumps_->infog(1);
+    if (attempt == 4 || (code != -8 && code != -9)) break;
+    mumps_->icntl(14) = 2 * std::max<MUMPS_INT>(mumps_->icntl(14), 20);
+  }
+  if (mumps_->infog(1) < 0) run(job_factor, "factor");
+  sigma_ = sigma;
+  below_ = mumps_->infog(12);
+  factored_ = true;
+}
+
+Eigen::MatrixXd Factorisation::solve(const Eigen::Ref<const Eigen::MatrixXd>& right) {
+  if (!factored_) throw SolverError("internal: a solve without factors");
+  DMUMPS_STRUC_C& id = mumps_->id;
+  const Eigen::Index n = right.cols();
+  Eigen::MatrixXd solution = right;
   if (n == 0) return solution;
-  Eigen::MatrixXd copy = right;
-  parallel::Matrix b, x;
-  const auto local = static_cast<PetscInt>(right.rows());
-  check(MatCreateDense(comm, local, PETSC_DECIDE, PETSC_DETERMINE, n, copy.data(), b.out()));
-  check(MatCreateDense(comm, local, PETSC_DECIDE, PETSC_DETERMINE, n, solution.data(), x.out()));
-  check(MatMatSolve(factor_, b, x));
+  id.nrhs = static_cast<MUMPS_INT>(n);
+  id.lrhs = id.n;
+  mumps_->icntl(27) = static_cast<MUMPS_INT>(std::min<Eigen::Index>(n, 64));
+  if (parallel::size_of(comm_) == 1) {
+    id.rhs = solution.data();
+    run(job_solve, "solve with");
+    return solution;
+  }
+  // Right-hand sides and solutions pass through the first rank.
+  const bool first = parallel::rank_of(comm_) == 0;
+  Eigen::MatrixXd whole(first ? rows_ : 0, n);
+  for (Eigen::Index j = 0; j < n; ++j)
+    MPI_Gatherv(right.col(j).data(), static_cast<int>(local_rows_), MPI_DOUBLE,
+                first ? whole.col(j).data() : nullptr, rows_of_rank_.data(), first_of_rank_.data(),
+                MPI_DOUBLE, 0, comm_);
+  id.rhs = whole.data();
+  run(job_solve, "solve with");
+  for (Eigen::Index j = 0; j < n; ++j)
+    MPI_Scatterv(first ? whole.col(j).data() : nullptr, rows_of_rank_.data(), first_of_rank_.data(),
+                 MPI_DOUBLE, solution.col(j).data(), static_cast<int>(local_rows_), MPI_DOUBLE, 0, comm_);
   return solution;
 }
 
-Eigen::MatrixXd multiply(Mat matrix, const Eigen::MatrixXd& columns) {
-  MPI_Comm comm = MPI_COMM_NULL;
-  check(PetscObjectGetComm(reinterpret_cast<PetscObject>(matrix), &comm));
-  Eigen::MatrixXd product(columns.rows(), columns.cols());
-  const auto local = static_cast<PetscInt>(columns.rows());
-  PetscInt block = 1;
-  check(MatGetBlockSize(matrix, &block));
-  for (Eigen::Index j = 0; j < columns.cols(); ++j) {
-    parallel::Vector x, y;
-    check(VecCreateMPIWithArray(comm, block, local, PETSC_DECIDE, columns.col(j).data(), x.out()));
-    check(VecCreateMPIWithArray(comm, block, local, PETSC_DECIDE, product.col(j).data(), y.out()));
-    check(MatMult(matrix, x, y));
-  }
-  return product;
+void Factorisation::release() {
+  if (!factored_) return;
+  factored_ = false;
+  run(job_free_factors, "release the factors of");
 }
 
-Eigen::MatrixXd inner(MPI_Comm comm, const Eigen::MatrixXd& x, const Eigen::MatrixXd& y) {
-  Eigen::MatrixXd product = x.transpose() * y;
+double Factorisation::expected_mib() const {
+  return static_cast<double>(mumps_->id.info[14]) * 1e6 / (1 << 20);
+}
+
+Eigen::MatrixXd inner(MPI_Comm comm, const Eigen::Ref<const Eigen::MatrixXd>& x,
+                      const Eigen::Ref<const Eigen::MatrixXd>& y) {
+  Eigen::MatrixXd product(x.cols(), y.cols());
+  product.noalias() = x.transpose() * y;
   parallel::sum(comm, product.data(), static_cast<std::size_t>(product.size()));
   return product;
 }

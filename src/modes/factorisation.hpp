@@ -2,36 +2,63 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <memory>
 
 #include "src/parallel/parallel.hpp"
 
 namespace ricochet::modes {
 
-/// L D Lᵀ of K − σM, full rank, so that its inertia is a proof.
+/// L D Lᵀ of K − σM at one shift after the other, full rank, so that its inertia is a proof.
+///
+/// MUMPS itself and not PETSc's interface to it: the order of elimination is METIS's nested dissection of the
+/// nodes (Debian's MUMPS has only PORD of its own, which leaves up to twice the entries), and it is worked
+/// out once for all shifts.
 class Factorisation {
  public:
-  /// Collective. @param sigma  [rad²/s²]. Throws SolverError when MUMPS breaks down.
-  Factorisation(Mat stiffness, Mat mass, double sigma);
+  /// Analysis. Collective on the matrices' ranks. @param stiffness, mass  SBAIJ with one pattern; they have
+  /// to live as long as this. Throws SolverError when MUMPS breaks down.
+  Factorisation(Mat stiffness, Mat mass);
+  ~Factorisation();
+  Factorisation(const Factorisation&) = delete;
+  Factorisation& operator=(const Factorisation&) = delete;
+
+  /// Factors K − σM. Collective. @param sigma  [rad²/s²]. Throws SolverError: not enough memory, breakdown.
+  void factor(double sigma);
+
+  double sigma() const { return sigma_; }
+  bool factored() const { return factored_; }
 
   /// Eigenvalues below σ (Sylvester's law of inertia).
   std::int64_t below() const { return below_; }
 
-  /// Solves (K − σM) X = B. @param B (local rows, n), @return likewise. Collective.
-  Eigen::MatrixXd solve(const Eigen::MatrixXd& right) const;
+  /// Solves (K − σM) X = B. @param right  B (local rows, n), @return likewise. Collective.
+  Eigen::MatrixXd solve(const Eigen::Ref<const Eigen::MatrixXd>& right);
+
+  /// Lets the factors go, not the analysis. Collective.
+  void release();
+
+  /// Memory that MUMPS expects to need on this rank for a factorisation [MiB].
+  double expected_mib() const;
 
  private:
-  parallel::Matrix shifted_, factor_;
+  struct Mumps;
+  void order_by_metis(Mat stiffness);
+  void collect_entries(Mat stiffness, Mat mass);
+  void run(int job, const char* task);
+
+  MPI_Comm comm_ = MPI_COMM_NULL;
+  std::unique_ptr<Mumps> mumps_;
+  std::vector<int> row_, column_, order_;
+  std::vector<double> stiffness_, mass_, shifted_;
+  std::vector<int> rows_of_rank_, first_of_rank_;  ///< on the first rank: who holds which rows
+  std::int64_t local_rows_ = 0, rows_ = 0;
+  double sigma_ = 0;
+  bool factored_ = false;
   std::int64_t below_ = 0;
 };
 
-/// Options every MUMPS factor of ours carries: no ScaLAPACK at the root, which would hide part of the
-/// inertia.
-void require_inertia(Mat factor);
-
-/// A X for the columns of X (local rows, n). Collective.
-Eigen::MatrixXd multiply(Mat matrix, const Eigen::MatrixXd& columns);
-
 /// XᵀY summed over the ranks, the same on each. Collective.
-Eigen::MatrixXd inner(MPI_Comm comm, const Eigen::MatrixXd& x, const Eigen::MatrixXd& y);
+Eigen::MatrixXd inner(MPI_Comm comm, const Eigen::Ref<const Eigen::MatrixXd>& x,
+                      const Eigen::Ref<const Eigen::MatrixXd>& y);
 
 }  // namespace ricochet::modes

@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "kernels/kernel.hpp"
-#include "src/elasticity/assemble.hpp"
-#include "src/modes/factorisation.hpp"
+#include "src/modes/operators.hpp"
+#include "src/parallel/teams.hpp"
 
 namespace ricochet::modes {
 
@@ -16,27 +16,44 @@ struct Request {
   double relative_residual = 1e-8;
 };
 
+/// All modes of a body; each team of ranks holds the shapes of some.
 struct ModeSet {
   std::vector<double> angular_frequency;  ///< (N) [rad/s], ascending; rigid modes first, exactly 0
   std::vector<double> residual;  ///< (N) ‖Kφ − ω²Mφ‖₂ / ‖Kφ‖₂; rigid: ‖Kφ‖₂ / (max |diag K| ‖φ‖₂)
-  Eigen::MatrixXd shape;  ///< (local rows, N), M-orthonormal; the largest entry of each is positive
+  std::vector<Eigen::Index> index;  ///< (n) numbers of this team's modes in the lists above, ascending
+  Eigen::MatrixXd shape;  ///< (local rows, n) of them, M-orthonormal; the largest entry of each is positive
   kernels::Certificate certificate;
   double cut = 0;  ///< λ between the last mode kept and the next [rad²/s²]: the proved end
+
+  /// Columns of this team's modes put in their places among all. @param mine (a, n), the same on the team's
+  /// ranks;
+  /// @return (a, N), the same on every rank. Collective.
+  Eigen::MatrixXd gather(const parallel::Teams& teams, const Eigen::MatrixXd& mine) const;
 };
 
-/// Collective. Throws InputError when the body has fewer modes than asked for; SolverError when a mode is
-/// missing, a residual exceeds its bound, or M-orthonormality is worse than 1e-8: nothing uncertified is
-/// returned. Source: counts by inertia as in Grimes, Lewis & Simon 1994.
-ModeSet compute_modes(const mesh::Mesh& mesh, const elasticity::Body& body, const Request& request,
-                      const parallel::Progress& progress = {});
+/// What the search for modes tells of its way.
+struct Progress {
+  std::function<void(const std::string& phase)> begin;            ///< a phase begins; on every rank
+  std::function<void(std::int64_t done, std::int64_t total)> at;  ///< within it; on any rank
+};
+
+/// Collective on all ranks of `teams`; `mesh` and `body` are on the team's ranks.
+///
+/// Throws InputError when the body has fewer modes than asked for; SolverError when a mode is missing, a
+/// residual exceeds its bound, or M-orthonormality is worse than 1e-8: nothing uncertified is returned.
+/// Source: shifts, counts by inertia and block Lanczos as in Grimes, Lewis & Simon 1994; shifts are shared
+/// out among the teams.
+ModeSet compute_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
+                      const Request& request, const Progress& progress = {});
 
 /// Quasi-static response of the modes left out to a set of loads: Cᵀ Pᵀ (K − σM)⁻¹ P L corrected to σ = 0,
 /// where C, the places at which it is seen, are the first `seen` columns of L.
 ///
-/// @param loads  L (local rows, b) [N], held components 0
-/// @return (seen, b) [m/N for unit loads], the same on every rank. Collective.
+/// @param loads  L (local rows, b) [N], held components 0, the same in every team
+/// @return (seen, b) [m/N for unit loads], the same on every rank. Collective on all ranks of `teams`.
 /// Source: MacNeal 1971, Rubin 1975; by the shifted series Σ (−σ)^k … until 1e-12 relative.
-Eigen::MatrixXd residual_response(const mesh::Mesh& mesh, const elasticity::Body& body, const ModeSet& modes,
+Eigen::MatrixXd residual_response(const parallel::Teams& teams, const mesh::Mesh& mesh,
+                                  const elasticity::Body& body, const ModeSet& modes,
                                   const Eigen::MatrixXd& loads, Eigen::Index seen);
 
 }  // namespace ricochet::modes

@@ -29,10 +29,10 @@ void send_bytes(MPI_Comm comm, const void* data, std::size_t bytes, int to) {
     MPI_Send(at + sent, static_cast<int>(std::min(piece_bytes, bytes - sent)), MPI_BYTE, to, 0, comm);
 }
 
-void receive_bytes(MPI_Comm comm, void* data, std::size_t bytes) {
+void receive_bytes(MPI_Comm comm, void* data, std::size_t bytes, int from = 0) {
   char* at = static_cast<char*>(data);
   for (std::size_t got = 0; got < bytes; got += piece_bytes)
-    MPI_Recv(at + got, static_cast<int>(std::min(piece_bytes, bytes - got)), MPI_BYTE, 0, 0, comm,
+    MPI_Recv(at + got, static_cast<int>(std::min(piece_bytes, bytes - got)), MPI_BYTE, from, 0, comm,
              MPI_STATUS_IGNORE);
 }
 
@@ -128,6 +128,23 @@ std::vector<T> scatter(MPI_Comm comm, const std::vector<std::vector<T>>& per_ran
   std::vector<T> mine(count);
   receive_bytes(comm, mine.data(), count * sizeof(T));
   return mine;
+}
+
+std::vector<int> gather(MPI_Comm comm, const std::vector<int>& mine) {
+  std::vector<std::uint64_t> size(static_cast<std::size_t>(size_of(comm)));
+  const std::uint64_t own = mine.size();
+  MPI_Gather(&own, 1, MPI_UINT64_T, size.data(), 1, MPI_UINT64_T, 0, comm);
+  if (rank_of(comm) != 0) {
+    send_bytes(comm, mine.data(), own * sizeof(int), 0);
+    return {};
+  }
+  std::vector<int> all = mine;
+  for (std::size_t from = 1; from < size.size(); ++from) {
+    const std::size_t start = all.size();
+    all.resize(start + size[from]);
+    receive_bytes(comm, all.data() + start, size[from] * sizeof(int), static_cast<int>(from));
+  }
+  return all;
 }
 
 template <class T>

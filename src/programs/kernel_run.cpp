@@ -52,7 +52,10 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, MPI_Comm com
   console.begin(body.name + ": mesh");
   mesh::GlobalMesh global;
   parallel::on_first_rank(comm, [&] { global = mesh::read_mesh(body, bar); });
-  const mesh::Mesh mesh = mesh::distribute(std::move(global), comm);
+  // Each rank works at slices of its own, with all of the body.
+  const parallel::Teams teams(comm, parallel::size_of(comm));
+  if (parallel::rank_of(teams.team()) == 0) mesh::broadcast(global, teams.peers());
+  const mesh::Mesh mesh = mesh::distribute(std::move(global), teams.team());
   console.end(fmt::format("{} elements, {} nodes", mesh.total_elements, mesh.total_nodes));
 
   console.begin(body.name + ": assembly");
@@ -62,15 +65,12 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, MPI_Comm com
       {.direction = request.direction, .along = request.along, .spacing = request.spacing});
   console.end(fmt::format("{} unknowns, {} candidates", matrices.total_rows, patches.geometry.size()));
 
-  console.begin(body.name + ": counts by inertia");
-  const modes::ModeSet modes =
-      modes::compute_modes(mesh, matrices,
-                           {.up_to = request.modes.up_to,
-                            .count = request.modes.count,
-                            .relative_residual = request.modes.relative_residual},
-                           [&](std::int64_t done, std::int64_t total) {
-                             console.begin(fmt::format("{}: slice {} of {}", body.name, done + 1, total));
-                           });
+  const modes::ModeSet modes = modes::compute_modes(
+      teams, mesh, matrices,
+      {.up_to = request.modes.up_to,
+       .count = request.modes.count,
+       .relative_residual = request.modes.relative_residual},
+      {.begin = [&](const std::string& phase) { console.begin(body.name + ": " + phase); }, .at = bar});
   console.end(fmt::format("{} modes up to {:.6g} Hz, count proved", modes.angular_frequency.size(),
                           modes.certificate.upto_hz));
 
@@ -93,7 +93,8 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, MPI_Comm com
   kernel.modes.certificate = modes.certificate;
   for (double omega : modes.angular_frequency)
     kernel.modes.decay_rate.push_back(decay_rate(body.damping, omega));
-  surface::trace(mesh, matrices, modes, patches, request.modes.residual_flexibility, request.view, kernel);
+  surface::trace(teams, mesh, matrices, modes, patches, request.modes.residual_flexibility, request.view,
+                 kernel);
   console.end();
   return kernel;
 }

@@ -9,11 +9,13 @@
 #include <iostream>
 #include <thread>
 
+#include "src/parallel/blas.hpp"
 #include "src/parallel/parallel.hpp"
 #include "src/programs/kernel_run.hpp"
 
 int main(int argc, char** argv) {
   using namespace ricochet;
+  parallel::prepare_blas(argv);
   const parallel::Session session;
   const bool first = parallel::rank_of(PETSC_COMM_WORLD) == 0;
   const auto parsed = console::parse(
@@ -32,7 +34,8 @@ int main(int argc, char** argv) {
     if (first) std::cerr << "ricochet-kernel: " << error.what() << '\n';
     return 2;
   } catch (const std::exception& error) {
-    // Other ranks may be waiting in a collective call: end them all. Where all have failed, the first one speaks.
+    // Other ranks may be waiting in a collective call: end them all. Where all have failed, the first one
+    // speaks.
     if (!first) std::this_thread::sleep_for(std::chrono::milliseconds(300));
     std::cerr << "ricochet-kernel: rank " << parallel::rank_of(PETSC_COMM_WORLD) << ": " << error.what()
               << std::endl;

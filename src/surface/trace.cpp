@@ -24,13 +24,14 @@ double component(const mesh::Mesh& mesh, const kernels::Surface& surface, int me
   return out[0] * mesh.axis[0] + out[1] * mesh.axis[1] + out[2] * mesh.axis[2];
 }
 
-/// Modes at the skin's nodes, gathered on rank 0 one mode at a time: (V,3,N).
-void gather_view(const mesh::Mesh& mesh, const modes::ModeSet& modes, kernels::Kernel& kernel) {
-  const int c = mesh.components();
-  const auto count = static_cast<std::size_t>(modes.shape.cols());
+/// Modes at the skin's nodes, gathered on the first rank one mode at a time: (V,3,N).
+void gather_view(const parallel::Teams& teams, const mesh::Mesh& mesh, const modes::ModeSet& modes,
+                 kernels::Kernel& kernel) {
+  const auto c = static_cast<std::size_t>(mesh.components());
+  const std::size_t count = modes.angular_frequency.size();
   std::vector<std::int64_t> nodes = mesh.skin.node;
   parallel::broadcast(mesh.comm, nodes);
-  const bool first = parallel::rank_of(mesh.comm) == 0;
+  const bool first = parallel::rank_of(teams.world()) == 0;
   kernels::View view;
   if (first) {
     view.node = mesh.skin.position;
@@ -38,20 +39,24 @@ void gather_view(const mesh::Mesh& mesh, const modes::ModeSet& modes, kernels::K
     view.element = mesh.skin.blocks.front().node;
     view.shape.assign(nodes.size() * 3 * count, 0.0F);
   }
-  std::vector<double> value(nodes.size() * 3);
+  std::vector<double> value(nodes.size() * 3), whole(value.size());
+  std::size_t own = 0;
   for (std::size_t n = 0; n < count; ++n) {
     std::fill(value.begin(), value.end(), 0.0);
-    for (std::size_t v = 0; v < nodes.size(); ++v) {
-      const std::int64_t row = nodes[v] - mesh.first_node;
-      if (row < 0 || row >= mesh.owned_nodes) continue;
-      for (int d = 0; d < 3; ++d)
-        value[3 * v + static_cast<std::size_t>(d)] =
-            c == 3 ? modes.shape(row * 3 + d, static_cast<Eigen::Index>(n))
-                   : modes.shape(row, static_cast<Eigen::Index>(n)) * mesh.axis[static_cast<std::size_t>(d)];
+    if (own < modes.index.size() && modes.index[own] == static_cast<Eigen::Index>(n)) {
+      const auto shape = modes.shape.col(static_cast<Eigen::Index>(own++));
+      for (std::size_t v = 0; v < nodes.size(); ++v) {
+        const std::int64_t row = nodes[v] - mesh.first_node;
+        if (row < 0 || row >= mesh.owned_nodes) continue;
+        for (std::size_t d = 0; d < 3; ++d)
+          value[3 * v + d] =
+              c == 3 ? shape[row * 3 + static_cast<Eigen::Index>(d)] : shape[row] * mesh.axis[d];
+      }
     }
-    parallel::sum(mesh.comm, value.data(), value.size());
+    MPI_Reduce(value.data(), whole.data(), static_cast<int>(value.size()), MPI_DOUBLE, MPI_SUM, 0,
+               teams.world());
     if (first)
-      for (std::size_t k = 0; k < value.size(); ++k) view.shape[k * count + n] = static_cast<float>(value[k]);
+      for (std::size_t k = 0; k < whole.size(); ++k) view.shape[k * count + n] = static_cast<float>(whole[k]);
   }
   if (first) kernel.view = std::move(view);
 }
@@ -77,23 +82,27 @@ Eigen::MatrixXd patch_loads(const mesh::Mesh& mesh, const Patches& patches) {
   return loads;
 }
 
-void trace(const mesh::Mesh& mesh, const elasticity::Body& body, const modes::ModeSet& modes,
-           const Patches& patches, bool residual, bool view, kernels::Kernel& kernel) {
+void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
+           const modes::ModeSet& modes, const Patches& patches, bool residual, bool view,
+           kernels::Kernel& kernel) {
   kernel.surface = patches.geometry;
   const Eigen::MatrixXd loads = patch_loads(mesh, patches);
-  kernel.surface.shape = flat(modes::inner(mesh.comm, loads, modes.shape));
-  const Eigen::MatrixXd participation = modes::inner(mesh.comm, body.rigid_load, modes.shape);
+  const auto seen_by_modes = [&](const Eigen::MatrixXd& load) {
+    return modes.gather(teams, modes::inner(mesh.comm, load, modes.shape));
+  };
+  kernel.surface.shape = flat(seen_by_modes(loads));
+  const Eigen::MatrixXd participation = seen_by_modes(body.rigid_load);
   kernel.loads.body_force = flat(participation.topRows(3));
   kernel.loads.rotation = flat(participation.bottomRows(3));
   if (residual) {
     Eigen::MatrixXd all(loads.rows(), loads.cols() + 3);
     all << loads, body.rigid_load.leftCols(3);
-    const Eigen::MatrixXd response = modes::residual_response(mesh, body, modes, all, loads.cols());
+    const Eigen::MatrixXd response = modes::residual_response(teams, mesh, body, modes, all, loads.cols());
     const Eigen::MatrixXd square = response.leftCols(loads.cols());
     kernel.surface.residual_flexibility = flat((square + square.transpose()) / 2);
     kernel.loads.body_force_residual = flat(response.rightCols(3));
   }
-  if (view) gather_view(mesh, modes, kernel);
+  if (view) gather_view(teams, mesh, modes, kernel);
 }
 
 }  // namespace ricochet::surface

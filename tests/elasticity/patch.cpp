@@ -7,6 +7,7 @@
 #include "src/elasticity/assemble.hpp"
 #include "src/modes/factorisation.hpp"
 #include "tests/meshes.hpp"
+#include "tests/modes/dense.hpp"
 
 namespace ricochet {
 namespace {
@@ -47,7 +48,7 @@ TEST_P(Patch, linear_displacement_leaves_no_force_inside_and_the_exact_energy) {
     if (row < 0 || row >= mesh.owned_nodes) continue;
     u.block<3, 1>(3 * row, 0) = gradient * Eigen::Map<const Eigen::Vector3d>(&mesh.position[3 * i]);
   }
-  const Eigen::MatrixXd force = modes::multiply(body.stiffness, u);
+  const Eigen::MatrixXd force = test::product(body.stiffness, u);
   double largest = force.size() > 0 ? force.cwiseAbs().maxCoeff() : 0, left = 0;
   std::int64_t interior = 0;
   for (std::size_t i = 0; i < mesh.node.size(); ++i) {
@@ -81,10 +82,10 @@ TEST_P(Patch, rigid_motions_leave_no_force) {
   const elasticity::Body body = elasticity::assemble(mesh, given.materials, "test");
   const Eigen::MatrixXd rigid = elasticity::rigid_modes(mesh, body);
   ASSERT_EQ(rigid.cols(), 6);
-  const Eigen::MatrixXd force = modes::multiply(body.stiffness, rigid);
+  const Eigen::MatrixXd force = test::product(body.stiffness, rigid);
   EXPECT_LT(parallel::largest(mesh.comm, force.size() > 0 ? force.cwiseAbs().maxCoeff() : 0),
             1e-12 * 100);  // diagonal of K is of the order of 10
-  const Eigen::MatrixXd gram = modes::inner(mesh.comm, rigid, modes::multiply(body.mass, rigid));
+  const Eigen::MatrixXd gram = modes::inner(mesh.comm, rigid, test::product(body.mass, rigid));
   EXPECT_LT((gram - Eigen::MatrixXd::Identity(6, 6)).cwiseAbs().maxCoeff(), 1e-12);
 }
 

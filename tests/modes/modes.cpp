@@ -19,11 +19,12 @@ struct Made {
   elasticity::Body body;
 };
 
-Made make(const std::string& geo, int order, const std::map<std::string, std::string>& support = {}) {
+Made make(const std::string& geo, int order, const std::map<std::string, std::string>& support = {},
+          const parallel::Teams& teams = test::one_team()) {
   const test::SharedFile file(".geo", geo);
   scene::Body given = test::body_of(file.path(), order);
   given.support = support;
-  Made made{test::mesh_of(given), {}};
+  Made made{test::mesh_of(given, teams), {}};
   made.body = elasticity::assemble(made.mesh, given.materials, "test");
   return made;
 }
@@ -46,7 +47,7 @@ TEST(Rod, free_one_has_the_frequencies_of_its_mesh_in_closed_form) {
   const mesh::GmshSession gmsh;
   const int n = 40;
   const Made rod = make(rod_geo(n), 1);
-  const modes::ModeSet set = modes::compute_modes(rod.mesh, rod.body, {.count = n + 1});
+  const modes::ModeSet set = modes::compute_modes(test::one_team(), rod.mesh, rod.body, {.count = n + 1});
   ASSERT_EQ(set.angular_frequency.size(), static_cast<std::size_t>(n + 1));
   EXPECT_EQ(set.angular_frequency[0], 0);
   for (int k = 1; k <= n; ++k)
@@ -58,7 +59,7 @@ TEST(Rod, clamped_one_has_the_frequencies_of_its_mesh_in_closed_form) {
   const mesh::GmshSession gmsh;
   const int n = 40;
   const Made rod = make(rod_geo(n), 1, {{"left", "x"}});
-  const modes::ModeSet set = modes::compute_modes(rod.mesh, rod.body, {.count = 20});
+  const modes::ModeSet set = modes::compute_modes(test::one_team(), rod.mesh, rod.body, {.count = 20});
   for (int k = 0; k < 20; ++k)
     EXPECT_NEAR(set.angular_frequency[k] / discrete_omega((k + 0.5) * pi / 2, 2.0 / n, 3.0, 2.0), 1, 1e-10)
         << k;
@@ -76,7 +77,7 @@ TEST_P(FreeBody, has_exactly_six_rigid_modes) {
   const Made made = make(geo(), 2);
   const Eigen::VectorXd exact = test::dense_eigenvalues(made.mesh, made.body);
   ASSERT_LT(exact[5], 1e-9 * exact[6]);
-  const modes::ModeSet set = modes::compute_modes(made.mesh, made.body, {.count = 7});
+  const modes::ModeSet set = modes::compute_modes(test::one_team(), made.mesh, made.body, {.count = 7});
   for (int k = 0; k < 6; ++k) EXPECT_EQ(set.angular_frequency[k], 0);
   EXPECT_NEAR(set.angular_frequency[6], std::sqrt(exact[6]), 1e-9 * std::sqrt(exact[6]));
 }
@@ -88,7 +89,7 @@ TEST_P(FreeBody, has_the_eigenvalues_that_dense_algebra_finds) {
   const double end = std::sqrt((exact[40] + exact[41]) / 2);
   if (exact[41] - exact[40] < 1e-6 * exact[40]) GTEST_SKIP() << "the cut falls on a double mode";
   const modes::ModeSet set =
-      modes::compute_modes(made.mesh, made.body, {.up_to = to_hertz(RadPerSecond{end})});
+      modes::compute_modes(test::one_team(), made.mesh, made.body, {.up_to = to_hertz(RadPerSecond{end})});
   ASSERT_EQ(set.angular_frequency.size(), 41u);
   EXPECT_EQ(set.certificate.count_by_inertia, 41);
   EXPECT_TRUE(set.certificate.complete);
@@ -96,7 +97,7 @@ TEST_P(FreeBody, has_the_eigenvalues_that_dense_algebra_finds) {
     EXPECT_NEAR(set.angular_frequency[k], std::sqrt(exact[k]), 1e-9 * std::sqrt(exact[k])) << k;
   // K and M in the modes are diagonal, from the matrices and not from the solver's own account.
   const Eigen::MatrixXd stiffness =
-      modes::inner(made.mesh.comm, set.shape, modes::multiply(made.body.stiffness, set.shape));
+      modes::inner(made.mesh.comm, set.shape, test::product(made.body.stiffness, set.shape));
   Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(41, 41);
   for (int k = 0; k < 41; ++k) expected(k, k) = std::pow(set.angular_frequency[k], 2);
   EXPECT_LT((stiffness - expected).cwiseAbs().maxCoeff(), 1e-8 * exact[40]);
@@ -104,11 +105,32 @@ TEST_P(FreeBody, has_the_eigenvalues_that_dense_algebra_finds) {
 
 INSTANTIATE_TEST_SUITE_P(Elements, FreeBody, testing::Values("tet", "hex", "prism"));
 
+TEST_P(FreeBody, has_the_same_modes_when_each_rank_works_at_slices_of_its_own) {
+  const mesh::GmshSession gmsh;
+  const parallel::Teams& teams = test::own_teams();
+  const Made made = make(geo(), 2, {}, teams);
+  const Eigen::VectorXd exact = test::dense_eigenvalues(made.mesh, made.body);
+  const modes::ModeSet set = modes::compute_modes(teams, made.mesh, made.body, {.count = 60});
+  ASSERT_GE(set.angular_frequency.size(), 60u);
+  EXPECT_EQ(parallel::sum(teams.peers(), static_cast<std::int64_t>(set.index.size())),
+            static_cast<std::int64_t>(set.angular_frequency.size()));
+  for (int k = 6; k < 60; ++k)
+    EXPECT_NEAR(set.angular_frequency[k], std::sqrt(exact[k]), 1e-9 * std::sqrt(exact[k])) << k;
+  // Each team's shapes belong to the frequencies that it says.
+  const Eigen::MatrixXd force = test::product(made.body.stiffness, set.shape),
+                        inertia = test::product(made.body.mass, set.shape);
+  for (Eigen::Index j = 0; j < set.shape.cols(); ++j) {
+    const double lambda = std::pow(set.angular_frequency[static_cast<std::size_t>(set.index[j])], 2);
+    EXPECT_LT((force.col(j) - lambda * inertia.col(j)).norm(), 2e-8 * std::max(force.col(j).norm(), 1e-3))
+        << j;
+  }
+}
+
 TEST(SupportedBody, keeps_the_rigid_motions_that_its_supports_leave) {
   const mesh::GmshSession gmsh;
   // A plane held along its normal leaves two translations and one rotation.
   const Made made = make(test::block_geo("tet", 2, 0), 2, {{"bottom", "z"}});
-  const modes::ModeSet set = modes::compute_modes(made.mesh, made.body, {.count = 12});
+  const modes::ModeSet set = modes::compute_modes(test::one_team(), made.mesh, made.body, {.count = 12});
   const Eigen::VectorXd exact = test::dense_eigenvalues(made.mesh, made.body);
   for (int k = 0; k < 3; ++k) EXPECT_EQ(set.angular_frequency[k], 0);
   for (int k = 3; k < 12; ++k)
@@ -122,7 +144,8 @@ TEST(Count, that_would_split_a_double_mode_takes_it_whole) {
   const Eigen::VectorXd exact = test::dense_eigenvalues(made.mesh, made.body);
   Eigen::Index first = 0;
   while (exact[first + 1] - exact[first] > 1e-8 * exact[first]) ++first;
-  const modes::ModeSet set = modes::compute_modes(made.mesh, made.body, {.count = first + 1});
+  const modes::ModeSet set =
+      modes::compute_modes(test::one_team(), made.mesh, made.body, {.count = first + 1});
   EXPECT_EQ(static_cast<Eigen::Index>(set.angular_frequency.size()), first + 2);
   EXPECT_GT(set.cut, exact[first + 1]);
   EXPECT_LT(set.cut, exact[first + 2]);
@@ -131,7 +154,7 @@ TEST(Count, that_would_split_a_double_mode_takes_it_whole) {
 TEST(Count, beyond_the_free_displacements_is_refused_on_every_rank) {
   const mesh::GmshSession gmsh;
   const Made rod = make(rod_geo(5), 1);
-  EXPECT_THROW(modes::compute_modes(rod.mesh, rod.body, {.count = 7}), InputError);
+  EXPECT_THROW(modes::compute_modes(test::one_team(), rod.mesh, rod.body, {.count = 7}), InputError);
 }
 
 /// Flexibility of all modes above the first `kept`, from the dense eigenvectors.
@@ -155,7 +178,7 @@ TEST(ResidualFlexibility, is_the_static_response_of_the_modes_left_out) {
   for (const bool held : {true, false}) {
     using Support = std::map<std::string, std::string>;
     const Made made = make(test::block_geo("tet", 2, 0.3), 2, held ? Support{{"bottom", "xyz"}} : Support{});
-    const modes::ModeSet set = modes::compute_modes(made.mesh, made.body, {.count = 20});
+    const modes::ModeSet set = modes::compute_modes(test::one_team(), made.mesh, made.body, {.count = 20});
     // Forces on a few nodes spread over the ranks, in each component; held ones are not loaded.
     Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(made.body.local_rows, 3);
     for (std::size_t i = 0; i < made.mesh.node.size(); ++i) {
@@ -165,7 +188,8 @@ TEST(ResidualFlexibility, is_the_static_response_of_the_modes_left_out) {
     }
     const Eigen::MatrixXd exact =
         dense_residual(made, loads, static_cast<Eigen::Index>(set.angular_frequency.size()));
-    const Eigen::MatrixXd ours = modes::residual_response(made.mesh, made.body, set, loads, loads.cols());
+    const Eigen::MatrixXd ours =
+        modes::residual_response(test::one_team(), made.mesh, made.body, set, loads, loads.cols());
     // The series is summed to 1e-12, the modes are known to 1e-8.
     EXPECT_LT((ours - exact).cwiseAbs().maxCoeff(), 1e-9 * exact.cwiseAbs().maxCoeff()) << held;
   }

@@ -31,6 +31,8 @@ struct Body {
   /// The columns u_0 = G x + o, u_1 = −2 u_0 as if they were modes.
   modes::ModeSet linear_fields() const {
     modes::ModeSet set;
+    set.angular_frequency = {0, 0};
+    set.index = {0, 1};
     set.shape.resize(matrices.local_rows, 2);
     for (std::size_t i = 0; i < mesh.node.size(); ++i) {
       const std::int64_t local = mesh.node[i] - mesh.first_node;
@@ -43,7 +45,7 @@ struct Body {
   }
   kernels::Kernel trace(const modes::ModeSet& set, bool residual, bool view) const {
     kernels::Kernel kernel;
-    surface::trace(mesh, matrices, set, patches, residual, view, kernel);
+    surface::trace(test::one_team(), mesh, matrices, set, patches, residual, view, kernel);
     return kernel;
   }
   mesh::GmshSession gmsh;
@@ -154,7 +156,8 @@ TEST(ResidualFlexibility, and_modes_of_a_clamped_rod_add_to_its_static_flexibili
   const double exact = 2.0 / (3.0 * 0.5);
   for (std::int64_t count : {1, 4}) {
     const Body rod(rod_geo(20), 1, {"right"}, {}, {{"left", "x"}});
-    const modes::ModeSet set = modes::compute_modes(rod.mesh, rod.matrices, {.count = count});
+    const modes::ModeSet set =
+        modes::compute_modes(test::one_team(), rod.mesh, rod.matrices, {.count = count});
     const kernels::Kernel kernel = rod.trace(set, true, false);
     ASSERT_EQ(kernel.surface.size(), 1U);
     EXPECT_EQ(kernel.surface.area[0], 0.5);
@@ -179,7 +182,7 @@ TEST(ResidualFlexibility, and_modes_of_a_clamped_rod_add_to_its_static_flexibili
 TEST(ResidualFlexibility, is_symmetric_and_semidefinite_on_a_free_body) {
   const Body body(test::block_geo("tet", 2, 0.3), 2, {"top"},
                   {.direction = Vector3{0, 0, 1}, .spacing = 0.3});
-  const modes::ModeSet set = modes::compute_modes(body.mesh, body.matrices, {.count = 10});
+  const modes::ModeSet set = modes::compute_modes(test::one_team(), body.mesh, body.matrices, {.count = 10});
   const kernels::Kernel kernel = body.trace(set, true, false);
   const auto m = static_cast<Eigen::Index>(kernel.surface.size());
   const Eigen::Map<const Eigen::MatrixXd> R(kernel.surface.residual_flexibility.data(), m, m);

@@ -1,0 +1,17 @@
+// What is asked of a mode set before anybody sees it.
+#pragma once
+
+#include "src/modes/modes.hpp"
+
+namespace ricochet::modes {
+
+/// Makes signs independent of ranks: among entries within 0.1 % of the largest, the first in reading order is
+/// positive. Collective on the team.
+void fix_signs(const Operators& operators, Eigen::MatrixXd& shape);
+
+/// Residuals and M-orthonormality of what is about to be returned, into `set`; `counted` modes are proved
+/// below the cut. Throws SolverError where a bound is not kept. Collective on all ranks.
+void certify(const parallel::Teams& teams, const Operators& operators, std::int64_t counted, double tolerance,
+             ModeSet& set);
+
+}  // namespace ricochet::modes

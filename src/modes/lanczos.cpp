@@ -1,0 +1,265 @@
+#include "src/modes/lanczos.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+namespace ricochet::modes {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Columns kept of a block that lost rank, relative to the largest.
+constexpr double rank_tolerance = 1e-12;
+
+/// Q and the block tridiagonal T of one iteration.
+class Basis {
+ public:
+  Basis(const Operators& operators, Factorisation& factor, const LanczosOptions& options)
+      : operators_(operators), factor_(factor) {
+    const Index most = std::min<Index>(options.basis, operators.body.free_rows) + options.block;
+    q_.resize(operators.body.local_rows, most);
+    t_ = MatrixXd::Zero(most, most);
+    MatrixXd start = factor_.solve(operators_.mass(operators_.noise(options.block, options.seed)));
+    solves_ = start.cols();
+    append(start);
+  }
+
+  /// Vectors whose image is in the span of all; the last block is not among them.
+  Index inner_size() const { return inner_; }
+  Index size() const { return size_; }
+  Index solves() const { return solves_; }
+  bool exhausted() const { return inner_ == size_; }
+  const MatrixXd& vectors() const { return q_; }
+  auto projected() const { return t_.topLeftCorner(inner_, inner_); }
+  /// B: how the last block inside couples to the one behind. (behind, last)
+  auto coupling() const { return t_.block(inner_, last_, size_ - inner_, inner_ - last_); }
+  /// (MQ⁺)ᵀ(MQ⁺) of the block behind, for residuals in the 2-norm.
+  const MatrixXd& behind_momentum() const { return behind_momentum_; }
+  /// 2-norm of M times a typical unit vector of the basis.
+  double momentum() const { return typical_momentum_; }
+
+  void step() {
+    MatrixXd next = factor_.solve(momentum_.rightCols(size_ - inner_));
+    solves_ += next.cols();
+    previous_ = last_;
+    last_ = inner_;
+    inner_ = size_;
+    append(next);
+  }
+
+ private:
+  /// Orthogonalises `next` against all, fills T's columns and puts what is left behind the basis.
+  void append(MatrixXd& next) {
+    const Index width = next.cols();
+    next.noalias() -= operators_.rigid * inner(operators_.comm, operators_.rigid_momentum, next);
+    MatrixXd momentum = operators_.mass(next);
+    const double scale = inner(operators_.comm, next, momentum).diagonal().cwiseAbs().maxCoeff();
+    if (inner_ > 0) {
+      // The two blocks that the recurrence names: what they take is T.
+      const auto near = q_.middleCols(previous_, size_ - previous_);
+      const MatrixXd share = inner(operators_.comm, near, momentum);
+      next.noalias() -= near * share;
+      momentum.noalias() -= momentum_ * share;
+      t_.block(last_, last_, width, width) = share.bottomRows(width);
+      if (previous_ > 0) {
+        // The others have no part in it but round-off's, which the iteration would amplify. Single precision
+        // is not enough to see to that: its own noise would bound the residuals at 1e-6.
+        const auto far = q_.leftCols(previous_);
+        next.noalias() -= far * inner(operators_.comm, far, momentum);
+      }
+      momentum = operators_.mass(next);
+      if (inner(operators_.comm, next, momentum).diagonal().minCoeff() < 1e-6 * scale) again(next, momentum);
+    }
+    // M-orthonormal columns by the eigenvectors of the Gram matrix, twice for full accuracy. A column that is
+    // a combination of the others, or of the basis, is one of noise after the first time, and dropped at the
+    // second.
+    MatrixXd coupling = MatrixXd::Identity(width, width);
+    for (int pass = 0; pass < 2 && next.cols() > 0; ++pass) {
+      MatrixXd gram = inner(operators_.comm, next, momentum);
+      gram = (gram + gram.transpose().eval()) / 2;
+      const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(gram);
+      const double bound = pass == 0 ? rank_tolerance * rank_tolerance * scale : 0.5;
+      Index dropped = 0;
+      while (dropped < gram.rows() && eigen.eigenvalues()[dropped] <= bound) ++dropped;
+      const Index kept = gram.rows() - dropped;
+      const VectorXd size = eigen.eigenvalues().tail(kept).cwiseSqrt();
+      const MatrixXd turn = eigen.eigenvectors().rightCols(kept);
+      coupling = (size.asDiagonal() * turn.transpose() * coupling).eval();
+      const MatrixXd normal = turn * size.cwiseInverse().asDiagonal();
+      next = (next * normal).eval();
+      momentum = (momentum * normal).eval();
+      if (pass == 0 && kept > 0 && size[0] < 1e-5 * std::sqrt(scale)) again(next, momentum);
+    }
+    const Index kept = next.cols(), near = size_ - last_;
+    q_.middleCols(size_, kept) = next;
+    if (inner_ > 0) t_.block(size_, last_, kept, width) = coupling;
+    // M times the last two blocks, the next step's neighbours.
+    MatrixXd both(next.rows(), (inner_ > 0 ? near : 0) + kept);
+    if (inner_ > 0) both.leftCols(near) = momentum_.rightCols(near);
+    both.rightCols(kept) = momentum;
+    momentum_ = std::move(both);
+    size_ += kept;
+    behind_momentum_ = inner(operators_.comm, momentum, momentum);
+    for (Index j = 0; j < kept; ++j) {
+      const double norm = std::sqrt(behind_momentum_(j, j));
+      typical_momentum_ = typical_momentum_ > 0 ? std::min(typical_momentum_, norm) : norm;
+    }
+  }
+
+  /// Another orthogonalisation against all in full precision, when little of the columns is left.
+  void again(MatrixXd& next, MatrixXd& momentum) const {
+    const auto q = q_.leftCols(size_);
+    next.noalias() -= q * inner(operators_.comm, q, momentum);
+    momentum = operators_.mass(next);
+  }
+
+  const Operators& operators_;
+  Factorisation& factor_;
+  MatrixXd q_, t_;
+  MatrixXd momentum_;  ///< M times the last two blocks
+  MatrixXd behind_momentum_;
+  Index inner_ = 0, size_ = 0, last_ = 0, previous_ = 0, solves_ = 0;
+  double typical_momentum_ = 0;
+};
+
+/// What the projected problem says now.
+struct Ritz {
+  VectorXd theta, lambda, residual;  ///< sorted by λ; residual relative to ‖Kx‖
+  MatrixXd vector, behind;           ///< s, and B s / θ
+};
+
+extern "C" void dsyevd_(const char* job, const char* triangle, const int* n, double* a, const int* lda,
+                        double* w, double* work, const int* work_size, int* whole, const int* whole_size,
+                        int* status);
+
+/// Eigenvalues of a symmetric matrix, given by its lower triangle and overwritten by its eigenvectors.
+VectorXd eigen_decomposition(MatrixXd& matrix) {
+  VectorXd values(matrix.rows());
+  const auto n = static_cast<int>(matrix.rows());
+  int status = 0;
+  const int work_size = 1 + 6 * n + 2 * n * n, whole_size = 3 + 5 * n;
+  std::vector<double> work(static_cast<std::size_t>(work_size));
+  std::vector<int> whole(static_cast<std::size_t>(whole_size));
+  dsyevd_("V", "L", &n, matrix.data(), &n, values.data(), work.data(), &work_size, whole.data(), &whole_size,
+          &status);
+  if (status != 0) throw SolverError("modes: the projected eigenproblem did not converge");
+  return values;
+}
+
+Ritz ritz_of(const Basis& basis, double sigma) {
+  const Index m = basis.inner_size();
+  MatrixXd vectors = basis.projected();
+  const VectorXd theta = eigen_decomposition(vectors);
+  std::vector<Index> order(static_cast<std::size_t>(m));
+  std::iota(order.begin(), order.end(), 0);
+  const auto lambda = [&](Index i) { return sigma + 1 / theta[i]; };
+  std::sort(order.begin(), order.end(), [&](Index a, Index b) { return lambda(a) < lambda(b); });
+  Ritz ritz;
+  ritz.theta = theta(order);
+  ritz.lambda = (sigma + ritz.theta.array().inverse()).matrix();
+  ritz.vector = vectors(Eigen::all, order);
+  ritz.behind = basis.coupling() * ritz.vector.bottomRows(basis.coupling().cols()) *
+                ritz.theta.cwiseInverse().asDiagonal();
+  ritz.residual = (ritz.behind.cwiseProduct(basis.behind_momentum() * ritz.behind).colwise().sum().cwiseAbs())
+                      .cwiseSqrt()
+                      .transpose();
+  ritz.residual.array() /= ritz.theta.array().abs() * ritz.lambda.array().abs() * basis.momentum();
+  return ritz;
+}
+
+/// Largest residual of the Ritz values in an interval.
+double worst_inside(const Ritz& ritz, const Interval& interval) {
+  double worst = 0;
+  for (Index i = 0; i < ritz.lambda.size(); ++i)
+    if (ritz.lambda[i] >= interval.from && ritz.lambda[i] <= interval.to)
+      worst = std::max(worst, ritz.residual[i]);
+  return worst;
+}
+
+/// First and last converged Ritz value without a gap about the shift, and the interval that they cover.
+struct Reach {
+  Index first = 0, behind = 0;
+  Interval covered;
+  bool complete = false;
+};
+
+Reach reach_of(const Ritz& ritz, double sigma, const Interval& wanted, Index modes_below,
+               const LanczosOptions& options, bool exhausted) {
+  // The estimate is on the safe side; the residual itself is verified in the end.
+  const double bound = 0.7 * options.tolerance;
+  // The next one outside must have shown itself, or one inside may not have yet.
+  const double shown = 1e-2;
+  const auto relative = [&](Index i) {
+    return ritz.residual[i] * std::abs(ritz.lambda[i] / (ritz.lambda[i] - sigma));
+  };
+  const Index m = ritz.lambda.size();
+  const auto start = static_cast<Index>(std::lower_bound(ritz.lambda.begin(), ritz.lambda.end(), sigma) -
+                                        ritz.lambda.begin());
+  Reach reach{start, start, {sigma, sigma}, false};
+  while (reach.behind < m && ritz.residual[reach.behind] <= bound && ritz.lambda[reach.behind] <= wanted.to)
+    ++reach.behind;
+  while (reach.first > 0 && ritz.residual[reach.first - 1] <= bound &&
+         ritz.lambda[reach.first - 1] >= wanted.from)
+    --reach.first;
+  const bool right = exhausted || (reach.behind < m && ritz.lambda[reach.behind] > wanted.to &&
+                                   relative(reach.behind) <= shown);
+  // Down to zero inertia tells how many there are.
+  const bool left = wanted.from <= 0
+                        ? start - reach.first == modes_below
+                        : exhausted || (reach.first > 0 && ritz.lambda[reach.first - 1] < wanted.from &&
+                                        relative(reach.first - 1) <= shown);
+  reach.covered.to = right ? wanted.to : reach.behind > start ? ritz.lambda[reach.behind - 1] : sigma;
+  reach.covered.from = left ? wanted.from : reach.first < start ? ritz.lambda[reach.first] : sigma;
+  reach.complete = left && right;
+  return reach;
+}
+
+}  // namespace
+
+Converged lanczos(const Operators& operators, Factorisation& factor, const Interval& wanted,
+                  const LanczosOptions& options, const parallel::Progress& progress) {
+  const double sigma = factor.sigma();
+  Basis basis(operators, factor, options);
+  Ritz ritz;
+  Reach reach;
+  // A look at the projected problem costs as much as a step: none before the residuals can have fallen far
+  // enough, by the pace between the last two.
+  Index next_look = 6 * options.block, looked = 0;
+  double worst = 1;
+  for (;;) {
+    basis.step();
+    const bool last = basis.exhausted() || basis.size() + options.block > basis.vectors().cols();
+    if (!last && basis.inner_size() < next_look) continue;
+    ritz = ritz_of(basis, sigma);
+    reach =
+        reach_of(ritz, sigma, wanted, factor.below() - operators.rigid.cols(), options, basis.exhausted());
+    if (progress) progress(reach.behind - reach.first, 0);
+    if (reach.complete || last) break;
+    const double before = std::exchange(worst, worst_inside(ritz, wanted));
+    const Index m = basis.inner_size();
+    double wait = 0.15 * static_cast<double>(m);
+    if (looked > 0 && worst < 1e-2 && worst < before)
+      wait = std::min(wait, 0.9 * static_cast<double>(m - looked) * std::log(worst / options.tolerance) /
+                                std::log(before / worst));
+    looked = m;
+    next_look = m + std::max<Index>(1, static_cast<Index>(wait));
+  }
+  Converged found;
+  found.solves = basis.solves();
+  found.covered = reach.covered;
+  const Index n = reach.behind - reach.first;
+  found.lambda = ritz.lambda.segment(reach.first, n);
+  const Index m = basis.inner_size(), behind = basis.size() - m;
+  const MatrixXd s = ritz.vector.middleCols(reach.first, n), b = ritz.behind.middleCols(reach.first, n);
+  found.shape.noalias() = basis.vectors().leftCols(m) * s;
+  found.shape.noalias() += basis.vectors().middleCols(m, behind) * b;
+  found.shape *= (1 + b.colwise().squaredNorm().array()).rsqrt().matrix().asDiagonal();
+  return found;
+}
+
+}  // namespace ricochet::modes

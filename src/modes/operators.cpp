@@ -1,0 +1,72 @@
+#include "src/modes/operators.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace ricochet::modes {
+
+Operators::Operators(const mesh::Mesh& mesh, const elasticity::Body& given)
+    : comm(mesh.comm),
+      body(given),
+      stiffness(given.stiffness),
+      mass(given.mass),
+      rigid(elasticity::rigid_modes(mesh, given)),
+      rigid_momentum(mass(rigid)),
+      diagonal(given.local_rows),
+      key(static_cast<std::size_t>(given.local_rows)) {
+  parallel::Vector values;
+  parallel::check(VecCreateMPIWithArray(comm, 1, static_cast<PetscInt>(given.local_rows), PETSC_DECIDE,
+                                        diagonal.data(), values.out()));
+  parallel::check(MatGetDiagonal(given.stiffness, values));
+  const int c = mesh.components();
+  for (std::size_t i = 0; i < mesh.node.size(); ++i) {
+    const std::int64_t row = mesh.node[i] - mesh.first_node;
+    if (row < 0 || row >= mesh.owned_nodes) continue;
+    for (int k = 0; k < c; ++k) key[static_cast<std::size_t>(row * c + k)] = mesh.canonical[i] * c + k;
+  }
+}
+
+Eigen::MatrixXd Operators::noise(Eigen::Index n, std::uint64_t seed) const {
+  // splitmix64 (Steele, Lea & Flood 2014) of row and column.
+  const auto mixed = [](std::uint64_t z) {
+    z += 0x9e3779b97f4a7c15ULL;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
+    return z ^ (z >> 31);
+  };
+  Eigen::MatrixXd columns(body.local_rows, n);
+  for (Eigen::Index j = 0; j < n; ++j)
+    for (Eigen::Index i = 0; i < columns.rows(); ++i) {
+      const std::uint64_t bits = mixed(mixed(static_cast<std::uint64_t>(key[static_cast<std::size_t>(i)])) +
+                                       mixed(seed + static_cast<std::uint64_t>(j)));
+      columns(i, j) = static_cast<double>(bits >> 11) * 0x1p-52 - 1;
+    }
+  return columns;
+}
+
+Eigen::VectorXd Operators::norms(const Eigen::MatrixXd& columns) const {
+  Eigen::VectorXd squares = columns.colwise().squaredNorm();
+  parallel::sum(comm, squares.data(), static_cast<std::size_t>(squares.size()));
+  return squares.cwiseSqrt();
+}
+
+Eigen::VectorXd Operators::round_off(const Eigen::Ref<const Eigen::MatrixXd>& shape) const {
+  return 8 * std::numeric_limits<double>::epsilon() *
+         norms(diagonal.asDiagonal() * shape).cwiseQuotient(norms(stiffness(shape)));
+}
+
+Eigen::VectorXd Operators::residuals(const Eigen::Ref<const Eigen::MatrixXd>& shape,
+                                     const Eigen::VectorXd& lambda) const {
+  Eigen::VectorXd residual(shape.cols());
+  // In panels: the two products are as large as what they are taken of.
+  constexpr Eigen::Index panel = 64;
+  for (Eigen::Index j = 0; j < shape.cols(); j += panel) {
+    const Eigen::Index n = std::min(panel, shape.cols() - j);
+    const Eigen::MatrixXd force = stiffness(shape.middleCols(j, n));
+    const Eigen::MatrixXd defect = force - mass(shape.middleCols(j, n)) * lambda.segment(j, n).asDiagonal();
+    residual.segment(j, n) = norms(defect).cwiseQuotient(norms(force));
+  }
+  return residual;
+}
+
+}  // namespace ricochet::modes

@@ -1,0 +1,250 @@
+#include "src/modes/search.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+
+namespace ricochet::modes {
+
+namespace {
+
+/// A shift this close to an eigenvalue leaves its count to round-off.
+constexpr double too_close = 1e-7;
+
+/// Modes to find from one factorisation: beyond this its basis costs more than another one.
+constexpr std::int64_t modes_per_shift = 260;
+
+double hertz(double lambda) { return std::sqrt(std::max(lambda, 0.0)) / (2 * std::numbers::pi); }
+
+/// Rounds of factorisations and iterations, one a team.
+class Searcher {
+ public:
+  Searcher(const parallel::Teams& teams, const Operators& operators, const Request& request,
+           const Progress& progress)
+      : teams_(teams),
+        operators_(operators),
+        progress_(progress),
+        rigid_(operators.rigid.cols()),
+        factor_(operators.body.stiffness, operators.body.mass) {
+    options_.tolerance = request.relative_residual;
+  }
+
+  Search run(const Request& request) {
+    begin("counts by inertia");
+    request.up_to ? probe_up_to(std::pow(static_cast<RadPerSecond>(*request.up_to).value, 2))
+                  : probe_for(*request.count);
+    work(plan_shifts(CountModel(rigid_, probes_), end_.sigma, modes_per_shift, teams_.count()));
+    move_end_off_modes();
+    for (int round = 0; round < 8; ++round) {
+      const Stitched stitched = stitch(rigid_, found_.slices, end_);
+      found_.share = stitched.share;
+      if (stitched.missing.empty()) {
+        found_.end = end_;
+        return std::move(found_);
+      }
+      // Another start, in case the first had nothing of the mode that is missing.
+      ++options_.seed;
+      work(stitched.missing);
+    }
+    const Interval gap = stitch(rigid_, found_.slices, end_).missing.front().wanted;
+    throw SolverError(
+        fmt::format("modes: inertia proves modes between {:.6g} and {:.6g} Hz that are not found",
+                    hertz(gap.from), hertz(gap.to)));
+  }
+
+ private:
+  void begin(const std::string& phase) const {
+    if (progress_.begin) progress_.begin(phase);
+  }
+
+  /// `mine` (n) from every team, one after the other. Collective.
+  std::vector<std::vector<double>> from_each_team(const std::vector<double>& mine) const {
+    std::vector<int> size(static_cast<std::size_t>(teams_.count())), start(size.size());
+    const int n = static_cast<int>(mine.size());
+    MPI_Allgather(&n, 1, MPI_INT, size.data(), 1, MPI_INT, teams_.peers());
+    std::partial_sum(size.begin(), size.end() - 1, start.begin() + 1);
+    std::vector<double> all(static_cast<std::size_t>(start.back() + size.back()));
+    MPI_Allgatherv(mine.data(), n, MPI_DOUBLE, all.data(), size.data(), start.data(), MPI_DOUBLE,
+                   teams_.peers());
+    std::vector<std::vector<double>> parts;
+    for (std::size_t t = 0; t < size.size(); ++t)
+      parts.emplace_back(all.begin() + start[t], all.begin() + start[t] + size[t]);
+    return parts;
+  }
+
+  /// Each team factors at its entry of `sigma`, if there is one; the counts join the probes.
+  void probe(const std::vector<double>& sigma) {
+    std::vector<double> mine;
+    if (static_cast<std::size_t>(teams_.mine()) < sigma.size()) {
+      double own = sigma[static_cast<std::size_t>(teams_.mine())];
+      factor_.factor(own);
+      mine = {own, static_cast<double>(factor_.below())};
+    }
+    for (const auto& probe : from_each_team(mine))
+      if (!probe.empty()) probes_.push_back({probe[0], static_cast<std::int64_t>(probe[1])});
+  }
+
+  void probe_up_to(double end) {
+    std::vector<double> sigma;
+    for (int t = 0; t < teams_.count(); ++t) sigma.push_back(end * (t + 1) / teams_.count());
+    probe(sigma);
+    end_ = probes_.back();
+  }
+
+  /// Probes until one shift has at least `count` eigenvalues below it, and few more.
+  void probe_for(std::int64_t count) {
+    const std::int64_t most = count + count / 8 + 8;
+    const auto wanted = static_cast<double>(count);
+    double guess = first_guess(wanted);
+    std::vector<double> sigma;
+    for (int t = 0; t < teams_.count(); ++t) sigma.push_back(guess * std::pow(2.0, t + 1 - teams_.count()));
+    probe(sigma);
+    for (int round = 0; round < 60; ++round) {
+      double low = 0, high = std::numeric_limits<double>::infinity();
+      std::int64_t at_high = 0;
+      for (const Probe& probe : probes_) {
+        if (probe.below < count) low = std::max(low, probe.sigma);
+        if (probe.below >= count && probe.sigma < high) {
+          high = probe.sigma;
+          at_high = probe.below;
+        }
+      }
+      if (at_high >= count && (at_high <= most || high - low < 1e-3 * high)) break;
+      const CountModel model(rigid_, probes_);
+      double next = model.lambda_at(wanted + 0.04 * wanted + 3);
+      if (std::isinf(high)) {
+        next = std::clamp(next, 1.1 * low, 8 * low);
+      } else if (!(next > low + 0.05 * (high - low) && next < high - 0.05 * (high - low))) {
+        next = (low + high) / 2;
+      }
+      probe({next});
+    }
+    end_.sigma = std::numeric_limits<double>::infinity();
+    for (const Probe& probe : probes_)
+      if (probe.below >= count && probe.sigma < end_.sigma) end_ = probe;
+    if (std::isinf(end_.sigma))
+      throw SolverError(fmt::format("modes: no frequency with {} modes below it is found", count));
+  }
+
+  /// λ with about `count` modes below it in a box of the body's mass, inertia and wave speed: in-plane waves
+  /// and bending of its two longest sides (Weyl's law), or waves through all three.
+  double first_guess(double count) const {
+    const elasticity::Body& body = operators_.body;
+    const Eigen::Vector3d principal =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(Eigen::Map<const Eigen::Matrix3d>(body.inertia.data()))
+            .eigenvalues();
+    Eigen::Vector3d side;
+    for (int k = 0; k < 3; ++k)
+      side[k] = std::sqrt(std::max(6 / body.total_mass * (principal.sum() - 2 * principal[k]), 1e-300));
+    std::sort(side.begin(), side.end());
+    const double c = 0.6 * body.wave_speed, pi = std::numbers::pi;
+    if (side[1] < 1e-6 * side[2]) return std::pow(pi * body.wave_speed * count / side[2], 2);
+    double low = 0, high = std::pow(c * pi * count / side[0], 2);
+    const auto modes = [&](double lambda) {
+      const double k = std::sqrt(lambda) / c;
+      const double bending = std::sqrt(2 * k / side[0]);
+      return side[1] * side[2] / (4 * pi) * (2 * k * k + std::min(bending * bending, 4 * k * k)) +
+             side.prod() * k * k * k / (2 * pi * pi);
+    };
+    for (int k = 0; k < 100; ++k) {
+      const double middle = (low + high) / 2;
+      (modes(middle) < count ? low : high) = middle;
+    }
+    return high;
+  }
+
+  /// Works at all tasks, a round of one a team after the other. Collective.
+  void work(const std::vector<Task>& tasks) {
+    const auto teams = static_cast<std::size_t>(teams_.count());
+    std::vector<std::vector<Task>> queue(teams);
+    for (std::size_t k = 0; k < tasks.size(); ++k) queue[k % teams].push_back(tasks[k]);
+    std::size_t rounds = 0;
+    for (const auto& list : queue) rounds = std::max(rounds, list.size());
+    total_ += rounds;
+    for (std::size_t round = 0; round < rounds; ++round) {
+      begin(teams > 1 ? fmt::format("slices, round {} of {} ({} at a time)", ++done_, total_, teams)
+                      : fmt::format("slice {} of {}", ++done_, total_));
+      const auto& mine = queue[static_cast<std::size_t>(teams_.mine())];
+      std::vector<double> message;
+      Converged converged;
+      if (round < mine.size()) {
+        converged = solve(mine[round]);
+        message = {factor_.sigma(), static_cast<double>(factor_.below()), converged.covered.from,
+                   converged.covered.to};
+        message.insert(message.end(), converged.lambda.begin(), converged.lambda.end());
+      }
+      const auto all = from_each_team(message);
+      for (std::size_t t = 0; t < teams; ++t)
+        if (!all[t].empty()) {
+          const auto& m = all[t];
+          insert({{m[0], static_cast<std::int64_t>(m[1])}, {m[2], m[3]}, {m.begin() + 4, m.end()}},
+                 static_cast<int>(t),
+                 static_cast<int>(t) == teams_.mine() ? std::move(converged.shape) : Eigen::MatrixXd());
+        }
+    }
+  }
+
+  /// An end that hits a mode gives way upwards and is counted again.
+  void move_end_off_modes() {
+    const auto hit = [&] {
+      for (const Slice& slice : found_.slices)
+        for (double lambda : slice.lambda)
+          if (std::abs(lambda / end_.sigma - 1) < too_close) return true;
+      return false;
+    };
+    if (!hit()) return;
+    while (hit()) end_.sigma *= 1 + 10 * too_close;
+    probe({end_.sigma});
+    end_ = probes_.back();
+  }
+
+  /// All modes wanted by a task; a shift that hits a mode gives way upwards.
+  Converged solve(const Task& task) {
+    double sigma = task.sigma;
+    const parallel::Progress bar = [&](std::int64_t done, std::int64_t) {
+      if (progress_.at) progress_.at(done, modes_per_shift);
+    };
+    for (int attempt = 0; attempt < 6; ++attempt) {
+      factor_.factor(sigma);
+      Converged converged = lanczos(operators_, factor_, task.wanted, options_, bar);
+      const Eigen::ArrayXd distance = (converged.lambda.array() / sigma - 1).abs();
+      if (distance.size() == 0 || distance.minCoeff() > too_close) return converged;
+      sigma *= 1 + 10 * too_close;
+    }
+    throw SolverError(fmt::format("modes: no shift near {:.6g} Hz is clear of modes", hertz(task.sigma)));
+  }
+
+  void insert(Slice slice, int team, Eigen::MatrixXd&& shape) {
+    const auto place =
+        std::lower_bound(found_.slices.begin(), found_.slices.end(), slice,
+                         [](const Slice& a, const Slice& b) { return a.probe.sigma < b.probe.sigma; }) -
+        found_.slices.begin();
+    found_.slices.insert(found_.slices.begin() + place, std::move(slice));
+    found_.team.insert(found_.team.begin() + place, team);
+    found_.shape.insert(found_.shape.begin() + place, std::move(shape));
+  }
+
+  const parallel::Teams& teams_;
+  const Operators& operators_;
+  const Progress& progress_;
+  std::int64_t rigid_;
+  LanczosOptions options_;
+  Factorisation factor_;
+  Probe end_;
+  std::vector<Probe> probes_;
+  Search found_;
+  std::size_t done_ = 0, total_ = 0;
+};
+
+}  // namespace
+
+Search search(const parallel::Teams& teams, const Operators& operators, const Request& request,
+              const Progress& progress) {
+  return Searcher(teams, operators, request, progress).run(request);
+}
+
+}  // namespace ricochet::modes

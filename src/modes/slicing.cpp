@@ -1,0 +1,112 @@
+#include "src/modes/slicing.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ricochet::modes {
+
+CountModel::CountModel(std::int64_t rigid, std::vector<Probe> probes)
+    : rigid_(static_cast<double>(rigid)), probes_(std::move(probes)) {
+  std::sort(probes_.begin(), probes_.end(), [](const Probe& a, const Probe& b) { return a.sigma < b.sigma; });
+}
+
+// Through (λ_1, n_1) and (λ_2, n_2): n = n_1 (λ/λ_1)^p with n counted from the rigid modes, plus a half so
+// that no count is 0. Below the first probe n ~ λ, between Weyl's λ^(3/2) of a solid and λ^(1/2) of a plate's
+// bending.
+double CountModel::count_at(double lambda) const {
+  if (probes_.empty() || lambda <= 0) return rigid_;
+  const auto n = [&](const Probe& probe) {
+    return std::max(0.0, static_cast<double>(probe.below) - rigid_) + 0.5;
+  };
+  std::size_t k = 0;
+  while (k + 1 < probes_.size() && probes_[k].sigma < lambda) ++k;
+  if (probes_[k].sigma >= lambda && k > 0) --k;
+  const Probe& at = probes_[k];
+  double power = 1;
+  if (lambda > at.sigma && probes_.size() > 1) {
+    const Probe &a = k + 1 < probes_.size() ? at : probes_[k - 1],
+                &b = k + 1 < probes_.size() ? probes_[k + 1] : at;
+    power = std::log(n(b) / n(a)) / std::log(b.sigma / a.sigma);
+    if (!(power > 0.2)) power = k + 1 < probes_.size() ? std::max(power, 1e-3) : 0.5;
+  }
+  return rigid_ + n(at) * std::pow(lambda / at.sigma, power) - 0.5;
+}
+
+double CountModel::lambda_at(double count) const {
+  double low = 0, high = probes_.empty() ? 1 : probes_.back().sigma;
+  while (count_at(high) < count) high *= 2;
+  for (int k = 0; k < 60; ++k) {
+    const double middle = (low + high) / 2;
+    (count_at(middle) < count ? low : high) = middle;
+  }
+  return high;
+}
+
+std::vector<Task> plan_shifts(const CountModel& model, double end, std::int64_t modes_per_shift, int teams) {
+  const double rigid = model.count_at(0), elastic = std::max(1.0, model.count_at(end) - rigid);
+  // A few modes are not worth a factorisation in each team.
+  const double full = static_cast<double>(modes_per_shift);
+  auto shifts = static_cast<int>(std::max(1.0, std::ceil(elastic / full - 0.1)));
+  if (elastic > 0.2 * full) shifts = (shifts + teams - 1) / teams * teams;
+  std::vector<double> bound{0};
+  for (int k = 1; k < shifts; ++k) bound.push_back(model.lambda_at(rigid + elastic * k / shifts));
+  bound.push_back(end);
+  std::vector<Task> tasks;
+  for (std::size_t k = 0; k + 1 < bound.size(); ++k) {
+    const double from = bound[k], to = bound[k + 1];
+    const double overlap = 1.5 * (to - from) / std::max(4.0, model.count_at(to) - model.count_at(from));
+    tasks.push_back(
+        {(from + to) / 2, {k == 0 ? 0 : from - overlap, to == end ? end * (1 + 1e-5) : to + overlap}});
+  }
+  return tasks;
+}
+
+namespace {
+
+/// Middle of the widest gap in [from, to] that no eigenvalue of either list lies in.
+double widest_gap(const Slice& a, const Slice& b, double from, double to) {
+  std::vector<double> at{from, to};
+  for (const Slice* slice : {&a, &b})
+    for (double lambda : slice->lambda)
+      if (lambda > from && lambda < to) at.push_back(lambda);
+  std::sort(at.begin(), at.end());
+  std::size_t best = 1;
+  for (std::size_t k = 1; k < at.size(); ++k)
+    if (at[k] - at[k - 1] > at[best] - at[best - 1]) best = k;
+  return (at[best - 1] + at[best]) / 2;
+}
+
+}  // namespace
+
+Stitched stitch(std::int64_t rigid, const std::vector<Slice>& slices, const Probe& end) {
+  Stitched result;
+  const auto index = [](const Slice& slice, double lambda) {
+    return static_cast<std::size_t>(std::lower_bound(slice.lambda.begin(), slice.lambda.end(), lambda) -
+                                    slice.lambda.begin());
+  };
+  // Zero and the end are slices too that hold nothing.
+  const Slice bottom{{0, rigid}, {0, 0}, {}}, top{end, {end.sigma, end.sigma}, {}};
+  result.share.resize(slices.size());
+  for (std::size_t k = 0; k <= slices.size(); ++k) {
+    const Slice &below = k == 0 ? bottom : slices[k - 1], &above = k == slices.size() ? top : slices[k];
+    const double from = std::max(above.covered.from, below.probe.sigma),
+                 to = std::min(below.covered.to, above.probe.sigma);
+    if (from > to) {
+      result.missing.push_back(
+          {(from + to) / 2, {k == 0 ? 0 : (below.probe.sigma + to) / 2, (from + above.probe.sigma) / 2}});
+      continue;
+    }
+    const double split = k == 0 ? 0 : k == slices.size() ? end.sigma : widest_gap(below, above, from, to);
+    const std::size_t first = index(above, split), behind = index(below, split);
+    const std::size_t found =
+        (behind - index(below, below.probe.sigma)) + (index(above, above.probe.sigma) - first);
+    if (static_cast<std::int64_t>(found) != above.probe.below - below.probe.below)
+      result.missing.push_back(
+          {(below.probe.sigma + above.probe.sigma) / 2, {below.probe.sigma, above.probe.sigma}});
+    if (k > 0) result.share[k - 1].behind = behind;
+    if (k < slices.size()) result.share[k].first = first;
+  }
+  return result;
+}
+
+}  // namespace ricochet::modes

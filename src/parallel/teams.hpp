@@ -1,0 +1,30 @@
+// Ranks in equal teams that do the same work on different parts of a problem.
+#pragma once
+
+#include "src/parallel/parallel.hpp"
+
+namespace ricochet::parallel {
+
+/// A communicator's ranks in `count` teams of neighbours. Each team holds all of a body, split among its
+/// ranks in the same way in every team, so that the ranks with one place in their teams, the peers, hold the
+/// same rows.
+class Teams {
+ public:
+  /// Collective. `count` has to divide the number of ranks.
+  Teams(MPI_Comm world, int count);
+  ~Teams();
+  Teams(const Teams&) = delete;
+  Teams& operator=(const Teams&) = delete;
+
+  MPI_Comm world() const { return world_; }
+  MPI_Comm team() const { return team_; }
+  MPI_Comm peers() const { return peers_; }
+  int count() const { return count_; }
+  int mine() const { return mine_; }  ///< number of this rank's team
+
+ private:
+  MPI_Comm world_, team_ = MPI_COMM_NULL, peers_ = MPI_COMM_NULL;
+  int count_, mine_;
+};
+
+}  // namespace ricochet::parallel
