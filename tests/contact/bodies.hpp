@@ -10,25 +10,14 @@
 
 #include "contact/model.hpp"
 #include "kernels/error.hpp"
+#include "tests/support.hpp"
 
 namespace ricochet::contact::test {
 
+using ricochet::test::complaint_of;
+
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-/// The InputError's text; a test failure when none is thrown or it has more than one line.
-template <class Action>
-std::string complaint_of(Action action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    const std::string text = error.what();
-    EXPECT_EQ(text.find('\n'), std::string::npos) << text;
-    return text;
-  }
-  ADD_FAILURE() << "no InputError";
-  return "";
-}
 
 inline void add_candidate(kernels::Kernel& kernel, const Vector3d& x, const Vector3d& normal, double area) {
   kernels::Surface& surface = kernel.surface;

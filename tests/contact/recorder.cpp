@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "tests/contact/bodies.hpp"
+#include "tests/support.hpp"
 
 namespace {
 
@@ -14,25 +15,10 @@ using ricochet::kernels::Kernel;
 using ricochet::kernels::hdf5::any;
 using ricochet::kernels::hdf5::Reader;
 using ricochet::kernels::hdf5::Shape;
+using ricochet::test::Folder;
 
 constexpr int modes = 12;
 constexpr double length = 10, step = 0.1;
-
-class Folder {
- public:
-  Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "ricochet-XXXXXX").string();
-    path_ = ::mkdtemp(name.data());
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  ~Folder() { std::filesystem::remove_all(path_); }
-  std::filesystem::path result() const { return path_ / "rods.result.h5"; }
-  bool empty() const { return std::filesystem::is_empty(path_); }
-
- private:
-  std::filesystem::path path_;
-};
 
 /// A rod at speed 1 meets one at rest, 0.25 m away.
 Model rods(const Kernel& kernel) {
@@ -50,7 +36,7 @@ Integrator run(const Model& model, const StepOptions& options, int steps, Record
   return integrator;
 }
 
-Reader open(const Folder& folder) { return {folder.result(), ""}; }
+Reader open(const Folder& folder) { return {folder / "rods.result.h5", ""}; }
 
 std::vector<double> read(const Reader& file, const std::string& name, const Shape& shape,
                          const std::string& unit) {
@@ -65,7 +51,7 @@ TEST(Result, holds_every_dataset_with_its_shape_and_unit) {
   const StepOptions options{.step = step};
   constexpr int steps = 300;
   Recorder recorder(model, options,
-                    {.path = folder.result(),
+                    {.path = folder / "rods.result.h5",
                      .title = "Two rods",
                      .scene = "title = \"Two rods\"\n",
                      .created_by = "test",
@@ -163,7 +149,7 @@ TEST(Result, gives_body_a_its_share_of_residual_and_fast_modes) {
   for (int which = 0; which < 2; ++which) {
     const Folder folder;
     const Model& model = which == 0 ? one : two;
-    Recorder recorder(model, options, {.path = folder.result()});
+    Recorder recorder(model, options, {.path = folder / "rods.result.h5"});
     EXPECT_GT(run(model, options, 25, recorder).modes_in_residual(), 0);
     recorder.commit();
     displacement[which] = open(folder).read<double>("/contact/displacement_a", {any, 1});
@@ -189,7 +175,7 @@ TEST(Result, writes_each_nth_step) {
   std::vector<double> force[2];
   for (const int every : {1, 3}) {
     const Folder folder;
-    Recorder recorder(model, options, {.path = folder.result(), .every = every});
+    Recorder recorder(model, options, {.path = folder / "rods.result.h5", .every = every});
     run(model, options, 100, recorder);
     recorder.commit();
     const Reader file = open(folder);
@@ -228,7 +214,7 @@ TEST(Reaction, of_a_support_ends_as_the_weight_that_no_contact_carries) {
     for (const int every : {1, 7}) {
       const Folder folder;
       const StepOptions options{.step = 1e-3};
-      Recorder recorder(model, options, {.path = folder.result(), .every = every});
+      Recorder recorder(model, options, {.path = folder / "rods.result.h5", .every = every});
       run(model, options, 7000, recorder);
       recorder.commit();
       const std::size_t rows = static_cast<std::size_t>(7000 / every + 1);
@@ -245,12 +231,12 @@ TEST(Files, that_are_not_finished_leave_nothing) {
   const Model model = rods(kernel);
   const StepOptions options{.step = step};
   {
-    Recorder recorder(model, options, {.path = folder.result()});
+    Recorder recorder(model, options, {.path = folder / "rods.result.h5"});
     run(model, options, 2000, recorder);
-    EXPECT_FALSE(std::filesystem::exists(folder.result()));
-    EXPECT_FALSE(folder.empty());  // it was being written
+    EXPECT_FALSE(std::filesystem::exists(folder / "rods.result.h5"));
+    EXPECT_FALSE(folder.entries() == 0);  // it was being written
   }
-  EXPECT_TRUE(folder.empty());
+  EXPECT_TRUE(folder.entries() == 0);
 }
 
 TEST(Files, can_not_be_made_in_folders_that_are_not_there) {

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/contact/bodies.hpp"
+#include "tests/support.hpp"
 
 namespace {
 
@@ -177,8 +178,7 @@ TEST(Warnings, name_rotation_beyond_five_degrees) {
 }
 
 TEST(Json, holds_what_the_summary_holds_and_null_for_what_is_not_known) {
-  std::string name = (std::filesystem::temp_directory_path() / "ricochet-XXXXXX").string();
-  const std::filesystem::path folder = ::mkdtemp(name.data());
+  const ricochet::test::Folder folder;
   Summary s;
   s.contact_start_s = 0.25;
   s.episodes = {{.start_s = 0.25, .end_s = 0.5, .impulse_ns = 2, .peak_force_n = 3},
@@ -202,9 +202,8 @@ TEST(Json, holds_what_the_summary_holds_and_null_for_what_is_not_known) {
        {"contact_steps", "peak_force_n", "impulse_ns", "energy_drift", "energy_lost_contact",
         "max_penetration_m", "candidates", "unpaired", "max_active", "real_time_factor", "wall_s"})
     EXPECT_EQ(json.at(key), 0) << key;
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);  // no temporary file is left
+  EXPECT_EQ(folder.entries(), 1U);  // no temporary file is left
   EXPECT_THAT(complaint_of([&] { write_json(s, folder / "not" / "there.json"); }), HasSubstr("--out"));
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

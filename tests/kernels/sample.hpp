@@ -13,26 +13,12 @@
 
 #include "kernels/error.hpp"
 #include "kernels/kernel.hpp"
+#include "tests/support.hpp"
 
 namespace ricochet::kernels::test {
 
-class Folder {
- public:
-  Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "ricochet-XXXXXX").string();
-    path_ = ::mkdtemp(name.data());
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  ~Folder() { std::filesystem::remove_all(path_); }
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-  std::size_t entries() const {
-    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(path_), {}));
-  }
-
- private:
-  std::filesystem::path path_;
-};
+using ricochet::test::complaint_of;
+using ricochet::test::Folder;
 
 inline std::string bytes_of(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -41,20 +27,6 @@ inline std::string bytes_of(const std::filesystem::path& path) {
 
 inline void put_bytes(const std::filesystem::path& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary) << bytes;
-}
-
-/// The InputError's text; a test failure when none is thrown or it has more than one line.
-template <class Action>
-std::string complaint_of(Action action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    const std::string text = error.what();
-    EXPECT_EQ(text.find('\n'), std::string::npos) << text;
-    return text;
-  }
-  ADD_FAILURE() << "no InputError";
-  return "";
 }
 
 /// @param components  3, or 1 with a direction

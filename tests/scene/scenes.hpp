@@ -11,8 +11,12 @@
 
 #include "kernels/error.hpp"
 #include "src/scene/scene.hpp"
+#include "tests/support.hpp"
 
 namespace ricochet::scene::test {
+
+using ricochet::test::complaint_of;
+using ricochet::test::Folder;
 
 /// Nothing but what must be given: all else is left to the defaults.
 inline const std::string smallest = R"(
@@ -105,47 +109,10 @@ inline std::string changed(std::string text, const std::string& from, const std:
   return text.replace(at, from.size(), to);
 }
 
-/// A new folder, removed with all it holds.
-class Folder {
- public:
-  Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "ricochet-XXXXXX").string();
-    path_ = ::mkdtemp(name.data());
-  }
-  ~Folder() { std::filesystem::remove_all(path_); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-
-  const std::filesystem::path& path() const { return path_; }
-  std::filesystem::path write(const std::string& name, const std::string& text) const {
-    const std::filesystem::path file = path_ / name;
-    std::filesystem::create_directories(file.parent_path());
-    std::ofstream(file, std::ios::binary) << text;
-    return file;
-  }
-
- private:
-  std::filesystem::path path_;
-};
-
 /// The scene that `text` is, in a file "scene.toml" that is gone afterwards.
 inline Scene scene_of(const std::string& text, const std::vector<Override>& overrides = {}) {
   const Folder folder;
   return read(folder.write("scene.toml", text), overrides);
-}
-
-/// The InputError's text; a test failure when none is thrown or it has more than one line.
-template <class Action>
-std::string complaint_of(Action action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    const std::string text = error.what();
-    EXPECT_EQ(text.find('\n'), std::string::npos) << text;
-    return text;
-  }
-  ADD_FAILURE() << "no InputError";
-  return "";
 }
 
 inline std::string complaint_about(const std::string& text, const std::vector<Override>& overrides = {}) {
