@@ -44,20 +44,24 @@ std::size_t kept_of(const std::vector<Place>& places, std::int64_t wanted) {
 /// The lowest modes of a thin body lie thousands of times their own λ below the slice's shift, where
 /// round-off of its solves shows. About a shift near zero what lies outside the span shrinks, and the
 /// projected problem sorts out the inside.
-void polish(const Operators& operators, double tolerance, Eigen::VectorXd& lambda, Eigen::MatrixXd& shape) {
-  // It shows at the lowest first.
-  const Eigen::Index lowest = std::min<Eigen::Index>(8, shape.cols());
-  const auto too_large = [&](Eigen::Index n) -> Eigen::Array<bool, Eigen::Dynamic, 1> {
-    const Eigen::VectorXd floor = operators.round_off(shape.leftCols(n)).cwiseMax(tolerance);
-    return operators.residuals(shape.leftCols(n), lambda.head(n)).array() > floor.array();
+void polish(const Operators& operators, Factorisation& factor, double tolerance, Eigen::VectorXd& lambda,
+            Eigen::MatrixXd& shape) {
+  const auto too_large = [&](Eigen::Index first, Eigen::Index n) -> Eigen::Array<bool, Eigen::Dynamic, 1> {
+    const auto x = shape.middleCols(first, n);
+    const Eigen::VectorXd bound = operators.round_off(x).cwiseMax(tolerance);
+    return operators.residuals(x, lambda.segment(first, n)).array() > bound.array();
   };
-  if (!too_large(lowest).any()) return;
-  const Eigen::Array<bool, Eigen::Dynamic, 1> found = too_large(shape.cols());
-  Eigen::Index bad = found.size();
-  while (!found[bad - 1]) --bad;
+  // It shows at the lowest first: the search ends with eight good ones in a row.
+  Eigen::Index bad = 0;
+  for (Eigen::Index first = 0; first < shape.cols(); first += 8) {
+    const auto found = too_large(first, std::min<Eigen::Index>(8, shape.cols() - first));
+    if (!found.any()) break;
+    for (Eigen::Index k = 0; k < found.size(); ++k)
+      if (found[k]) bad = first + k + 1;
+  }
+  if (bad == 0) return;
   // A multiple mode stays together.
   while (bad < lambda.size() && lambda[bad] < (1 + multiple) * lambda[bad - 1]) ++bad;
-  Factorisation factor(operators.body.stiffness, operators.body.mass);
   factor.factor(-0.01 * lambda[bad - 1]);
   for (int step = 0; step < 3; ++step) {
     Eigen::MatrixXd x = factor.solve(operators.mass(shape.leftCols(bad)));
@@ -67,7 +71,7 @@ void polish(const Operators& operators, double tolerance, Eigen::VectorXd& lambd
         inner(operators.comm, x, operators.stiffness(x)), inner(operators.comm, x, operators.mass(x)));
     shape.leftCols(bad) = x * projected.eigenvectors();
     lambda.head(bad) = projected.eigenvalues();
-    if (!too_large(bad).any()) return;
+    if (!too_large(0, bad).any()) return;
   }
 }
 
@@ -82,14 +86,14 @@ Eigen::MatrixXd ModeSet::gather(const parallel::Teams& teams, const Eigen::Matri
 }
 
 ModeSet compute_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
-                      const Request& request, const Progress& progress) {
+                      Factorisation& factor, const Request& request, const Progress& progress) {
   if (request.count && *request.count > body.free_rows)
     throw InputError(
         fmt::format("modes.count = {}: the body has {} free displacements: ask for fewer, or refine the mesh",
                     *request.count, body.free_rows));
   const Operators operators(mesh, body);
   const Eigen::Index r = operators.rigid.cols();
-  Search found = search(teams, operators, request, progress);
+  Search found = search(teams, operators, factor, request, progress);
   if (progress.begin) progress.begin("certificate");
   const double end = found.end.sigma;
 
@@ -126,7 +130,7 @@ ModeSet compute_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
       Eigen::MatrixXd shape = found.shape[s].middleCols(first, n);
       found.shape[s].resize(0, 0);
       Eigen::VectorXd lambda = Eigen::Map<const Eigen::VectorXd>(found.slices[s].lambda.data() + first, n);
-      polish(operators, request.relative_residual, lambda, shape);
+      polish(operators, factor, request.relative_residual, lambda, shape);
       set.shape.middleCols(at, n) = shape;
       corrected.row(0).segment(number, n) = lambda.transpose();
       for (Eigen::Index j = 0; j < n; ++j) set.index.push_back(number + j);

@@ -37,14 +37,15 @@ struct Progress {
   std::function<void(std::int64_t done, std::int64_t total)> at;  ///< within it; on any rank
 };
 
-/// Collective on all ranks of `teams`; `mesh` and `body` are on the team's ranks.
+/// Collective on all ranks of `teams`; `mesh`, `body` and `factor`, of the body's matrices, are on the team's
+/// ranks.
 ///
 /// Throws InputError when the body has fewer modes than asked for; SolverError when a mode is missing, a
 /// residual exceeds its bound, or M-orthonormality is worse than 1e-8: nothing uncertified is returned.
 /// Source: shifts, counts by inertia and block Lanczos as in Grimes, Lewis & Simon 1994; shifts are shared
 /// out among the teams.
 ModeSet compute_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
-                      const Request& request, const Progress& progress = {});
+                      Factorisation& factor, const Request& request, const Progress& progress = {});
 
 /// Quasi-static response of the modes left out to a set of loads: Cᵀ Pᵀ (K − σM)⁻¹ P L corrected to σ = 0,
 /// where C, the places at which it is seen, are the first `seen` columns of L.
@@ -53,7 +54,7 @@ ModeSet compute_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
 /// @return (seen, b) [m/N for unit loads], the same on every rank. Collective on all ranks of `teams`.
 /// Source: MacNeal 1971, Rubin 1975; by the shifted series Σ (−σ)^k … until 1e-12 relative.
 Eigen::MatrixXd residual_response(const parallel::Teams& teams, const mesh::Mesh& mesh,
-                                  const elasticity::Body& body, const ModeSet& modes,
+                                  const elasticity::Body& body, Factorisation& factor, const ModeSet& modes,
                                   const Eigen::MatrixXd& loads, Eigen::Index seen);
 
 }  // namespace ricochet::modes

@@ -3,13 +3,12 @@
 namespace ricochet::modes {
 
 Eigen::MatrixXd residual_response(const parallel::Teams& teams, const mesh::Mesh& mesh,
-                                  const elasticity::Body& body, const ModeSet& modes,
+                                  const elasticity::Body& body, Factorisation& factor, const ModeSet& modes,
                                   const Eigen::MatrixXd& loads, Eigen::Index seen) {
   // No mode left out lies below the cut: the series converges by |σ|/(λ_cut + |σ|) < ratio a term. The shift
   // is far enough from zero for rigid motions, which P removes, to be harmless.
   constexpr double ratio = 1e-3, tolerance = 1e-12;
   const double sigma = -ratio * modes.cut;
-  Factorisation factor(body.stiffness, body.mass);
   factor.factor(sigma);
   const BlockProduct mass(body.mass);
   const Eigen::MatrixXd inertia = mass(modes.shape);

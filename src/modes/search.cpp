@@ -23,13 +23,13 @@ double hertz(double lambda) { return std::sqrt(std::max(lambda, 0.0)) / (2 * std
 /// Rounds of factorisations and iterations, one a team.
 class Searcher {
  public:
-  Searcher(const parallel::Teams& teams, const Operators& operators, const Request& request,
-           const Progress& progress)
+  Searcher(const parallel::Teams& teams, const Operators& operators, Factorisation& factor,
+           const Request& request, const Progress& progress)
       : teams_(teams),
         operators_(operators),
         progress_(progress),
         rigid_(operators.rigid.cols()),
-        factor_(operators.body.stiffness, operators.body.mass) {
+        factor_(factor) {
     options_.tolerance = request.relative_residual;
   }
 
@@ -233,7 +233,7 @@ class Searcher {
   const Progress& progress_;
   std::int64_t rigid_;
   LanczosOptions options_;
-  Factorisation factor_;
+  Factorisation& factor_;
   Probe end_;
   std::vector<Probe> probes_;
   Search found_;
@@ -242,9 +242,16 @@ class Searcher {
 
 }  // namespace
 
-Search search(const parallel::Teams& teams, const Operators& operators, const Request& request,
-              const Progress& progress) {
-  return Searcher(teams, operators, request, progress).run(request);
+double expected_mib(const Factorisation& factor, std::int64_t local_rows, std::int64_t modes, int teams) {
+  // A basis ends with about three vectors a mode.
+  const auto column = static_cast<double>(local_rows) * sizeof(double) / (1 << 20);
+  const double basis = 3.2 * static_cast<double>(std::min(modes, modes_per_shift)) * column;
+  return factor.expected_mib() + basis + 2 * static_cast<double>(modes) / teams * column;
+}
+
+Search search(const parallel::Teams& teams, const Operators& operators, Factorisation& factor,
+              const Request& request, const Progress& progress) {
+  return Searcher(teams, operators, factor, request, progress).run(request);
 }
 
 }  // namespace ricochet::modes

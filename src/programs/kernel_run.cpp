@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <iostream>
+#include <memory>
 #include <set>
 #include <string_view>
 
 #include "src/mesh/gmsh_session.hpp"
+#include "src/modes/search.hpp"
+#include "src/parallel/memory.hpp"
 #include "src/surface/surface.hpp"
 
 namespace ricochet {
@@ -42,35 +45,80 @@ double decay_rate(const scene::Damping& damping, double omega) {
 
 }  // namespace
 
-kernels::Kernel compute_kernel(const scene::KernelRequest& request, MPI_Comm comm,
-                               console::Console& console) {
+namespace {
+
+/// A body on every team of ranks, its factorisation analysed.
+struct Discretised {
+  std::unique_ptr<parallel::Teams> teams;
+  mesh::Mesh mesh;
+  elasticity::Body matrices;
+  std::unique_ptr<modes::Factorisation> factor;
+};
+
+/// As many teams as memory has room for: ranks that work at slices of their own, each with all of the body,
+/// are faster than ranks that share one. Throws InputError when there is not even room for one team.
+Discretised discretise(const scene::KernelRequest& request, MPI_Comm comm, console::Console& console) {
   const scene::Body& body = request.body;
   const std::string file = body.mesh.filename().string();
-  const mesh::GmshSession gmsh(geometry_numbers(body));
-
   const auto bar = [&](std::int64_t done, std::int64_t total) { console.advance(done, total); };
   console.begin(body.name + ": mesh");
   mesh::GlobalMesh global;
   parallel::on_first_rank(comm, [&] { global = mesh::read_mesh(body, bar); });
-  // Each rank works at slices of its own, with all of the body.
-  const parallel::Teams teams(comm, parallel::size_of(comm));
-  if (parallel::rank_of(teams.team()) == 0) mesh::broadcast(global, teams.peers());
-  const mesh::Mesh mesh = mesh::distribute(std::move(global), teams.team());
-  console.end(fmt::format("{} elements, {} nodes", mesh.total_elements, mesh.total_nodes));
+  const int ranks = parallel::size_of(comm);
+  for (int count = ranks;; --count) {
+    if (ranks % count != 0) continue;
+    Discretised made{std::make_unique<parallel::Teams>(comm, count), {}, {}, {}};
+    const parallel::Teams& teams = *made.teams;
+    // Fewer teams may have to be tried.
+    mesh::GlobalMesh copy = count > 1 ? global : std::move(global);
+    if (parallel::rank_of(teams.team()) == 0) mesh::broadcast(copy, teams.peers());
+    made.mesh = mesh::distribute(std::move(copy), teams.team());
+    console.end(fmt::format("{} elements, {} nodes", made.mesh.total_elements, made.mesh.total_nodes));
 
-  console.begin(body.name + ": assembly");
-  const elasticity::Body matrices = elasticity::assemble(mesh, body.materials, file, bar);
+    console.begin(body.name + ": assembly");
+    made.matrices = elasticity::assemble(made.mesh, body.materials, file, bar);
+    made.factor = std::make_unique<modes::Factorisation>(made.matrices.stiffness, made.matrices.mass);
+    const double need = parallel::largest(comm, modes::expected_mib(*made.factor, made.matrices.local_rows,
+                                                                    request.modes.count.value_or(0), count));
+    const double room = parallel::available_mib(comm);
+    console.end(
+        fmt::format("{} unknowns; {:.0f} MiB needed of {:.0f} a rank", made.matrices.total_rows, need, room));
+    // Delayed pivots and buffers come on top.
+    if (need <= 0.8 * room) return made;
+    if (count == 1)
+      throw InputError(
+          fmt::format("{}: its factorisation would need {:.0f} MiB a rank, {:.0f} are free: use more "
+                      "machines, a coarser mesh or "
+                      "fewer modes",
+                      file, need, room));
+    console.begin(body.name + ": mesh, for fewer teams");
+  }
+}
+
+}  // namespace
+
+kernels::Kernel compute_kernel(const scene::KernelRequest& request, MPI_Comm comm,
+                               console::Console& console) {
+  const scene::Body& body = request.body;
+  const mesh::GmshSession gmsh(geometry_numbers(body));
+  const Discretised made = discretise(request, comm, console);
+  const parallel::Teams& teams = *made.teams;
+  const mesh::Mesh& mesh = made.mesh;
+  const elasticity::Body& matrices = made.matrices;
+
+  console.begin(body.name + ": candidates");
   const surface::Patches patches = surface::make_patches(
       mesh, body.contact,
       {.direction = request.direction, .along = request.along, .spacing = request.spacing});
-  console.end(fmt::format("{} unknowns, {} candidates", matrices.total_rows, patches.geometry.size()));
+  console.end(fmt::format("{} on the contact surface", patches.geometry.size()));
 
   const modes::ModeSet modes = modes::compute_modes(
-      teams, mesh, matrices,
+      teams, mesh, matrices, *made.factor,
       {.up_to = request.modes.up_to,
        .count = request.modes.count,
        .relative_residual = request.modes.relative_residual},
-      {.begin = [&](const std::string& phase) { console.begin(body.name + ": " + phase); }, .at = bar});
+      {.begin = [&](const std::string& phase) { console.begin(body.name + ": " + phase); },
+       .at = [&](std::int64_t done, std::int64_t total) { console.advance(done, total); }});
   console.end(fmt::format("{} modes up to {:.6g} Hz, count proved", modes.angular_frequency.size(),
                           modes.certificate.upto_hz));
 
@@ -93,8 +141,8 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, MPI_Comm com
   kernel.modes.certificate = modes.certificate;
   for (double omega : modes.angular_frequency)
     kernel.modes.decay_rate.push_back(decay_rate(body.damping, omega));
-  surface::trace(teams, mesh, matrices, modes, patches, request.modes.residual_flexibility, request.view,
-                 kernel);
+  surface::trace(teams, mesh, matrices, *made.factor, modes, patches, request.modes.residual_flexibility,
+                 request.view, kernel);
   console.end();
   return kernel;
 }

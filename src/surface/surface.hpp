@@ -42,7 +42,7 @@ Eigen::MatrixXd patch_loads(const mesh::Mesh& mesh, const Patches& patches);
 /// Fills shape, residual flexibility and loads of a kernel, and its view when asked; the same on every rank
 /// but for the view, which is on rank 0. Collective.
 void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
-           const modes::ModeSet& modes, const Patches& patches, bool residual, bool view,
-           kernels::Kernel& kernel);
+           modes::Factorisation& factor, const modes::ModeSet& modes, const Patches& patches, bool residual,
+           bool view, kernels::Kernel& kernel);
 
 }  // namespace ricochet::surface

@@ -83,8 +83,8 @@ Eigen::MatrixXd patch_loads(const mesh::Mesh& mesh, const Patches& patches) {
 }
 
 void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
-           const modes::ModeSet& modes, const Patches& patches, bool residual, bool view,
-           kernels::Kernel& kernel) {
+           modes::Factorisation& factor, const modes::ModeSet& modes, const Patches& patches, bool residual,
+           bool view, kernels::Kernel& kernel) {
   kernel.surface = patches.geometry;
   const Eigen::MatrixXd loads = patch_loads(mesh, patches);
   const auto seen_by_modes = [&](const Eigen::MatrixXd& load) {
@@ -97,7 +97,8 @@ void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticit
   if (residual) {
     Eigen::MatrixXd all(loads.rows(), loads.cols() + 3);
     all << loads, body.rigid_load.leftCols(3);
-    const Eigen::MatrixXd response = modes::residual_response(teams, mesh, body, modes, all, loads.cols());
+    const Eigen::MatrixXd response =
+        modes::residual_response(teams, mesh, body, factor, modes, all, loads.cols());
     const Eigen::MatrixXd square = response.leftCols(loads.cols());
     kernel.surface.residual_flexibility = flat((square + square.transpose()) / 2);
     kernel.loads.body_force_residual = flat(response.rightCols(3));

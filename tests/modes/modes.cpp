@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 #include <numbers>
 
 #include "tests/meshes.hpp"
@@ -17,6 +18,7 @@ using std::numbers::pi;
 struct Made {
   mesh::Mesh mesh;
   elasticity::Body body;
+  std::unique_ptr<modes::Factorisation> factor;
 };
 
 Made make(const std::string& geo, int order, const std::map<std::string, std::string>& support = {},
@@ -24,8 +26,9 @@ Made make(const std::string& geo, int order, const std::map<std::string, std::st
   const test::SharedFile file(".geo", geo);
   scene::Body given = test::body_of(file.path(), order);
   given.support = support;
-  Made made{test::mesh_of(given, teams), {}};
+  Made made{test::mesh_of(given, teams), {}, {}};
   made.body = elasticity::assemble(made.mesh, given.materials, "test");
+  made.factor = std::make_unique<modes::Factorisation>(made.body.stiffness, made.body.mass);
   return made;
 }
 
@@ -47,7 +50,8 @@ TEST(Rod, free_one_has_the_frequencies_of_its_mesh_in_closed_form) {
   const mesh::GmshSession gmsh;
   const int n = 40;
   const Made rod = make(rod_geo(n), 1);
-  const modes::ModeSet set = modes::compute_modes(test::one_team(), rod.mesh, rod.body, {.count = n + 1});
+  const modes::ModeSet set =
+      modes::compute_modes(test::one_team(), rod.mesh, rod.body, *rod.factor, {.count = n + 1});
   ASSERT_EQ(set.angular_frequency.size(), static_cast<std::size_t>(n + 1));
   EXPECT_EQ(set.angular_frequency[0], 0);
   for (int k = 1; k <= n; ++k)
@@ -59,7 +63,8 @@ TEST(Rod, clamped_one_has_the_frequencies_of_its_mesh_in_closed_form) {
   const mesh::GmshSession gmsh;
   const int n = 40;
   const Made rod = make(rod_geo(n), 1, {{"left", "x"}});
-  const modes::ModeSet set = modes::compute_modes(test::one_team(), rod.mesh, rod.body, {.count = 20});
+  const modes::ModeSet set =
+      modes::compute_modes(test::one_team(), rod.mesh, rod.body, *rod.factor, {.count = 20});
   for (int k = 0; k < 20; ++k)
     EXPECT_NEAR(set.angular_frequency[k] / discrete_omega((k + 0.5) * pi / 2, 2.0 / n, 3.0, 2.0), 1, 1e-10)
         << k;
@@ -77,7 +82,8 @@ TEST_P(FreeBody, has_exactly_six_rigid_modes) {
   const Made made = make(geo(), 2);
   const Eigen::VectorXd exact = test::dense_eigenvalues(made.mesh, made.body);
   ASSERT_LT(exact[5], 1e-9 * exact[6]);
-  const modes::ModeSet set = modes::compute_modes(test::one_team(), made.mesh, made.body, {.count = 7});
+  const modes::ModeSet set =
+      modes::compute_modes(test::one_team(), made.mesh, made.body, *made.factor, {.count = 7});
   for (int k = 0; k < 6; ++k) EXPECT_EQ(set.angular_frequency[k], 0);
   EXPECT_NEAR(set.angular_frequency[6], std::sqrt(exact[6]), 1e-9 * std::sqrt(exact[6]));
 }
@@ -88,8 +94,8 @@ TEST_P(FreeBody, has_the_eigenvalues_that_dense_algebra_finds) {
   const Eigen::VectorXd exact = test::dense_eigenvalues(made.mesh, made.body);
   const double end = std::sqrt((exact[40] + exact[41]) / 2);
   if (exact[41] - exact[40] < 1e-6 * exact[40]) GTEST_SKIP() << "the cut falls on a double mode";
-  const modes::ModeSet set =
-      modes::compute_modes(test::one_team(), made.mesh, made.body, {.up_to = to_hertz(RadPerSecond{end})});
+  const modes::ModeSet set = modes::compute_modes(test::one_team(), made.mesh, made.body, *made.factor,
+                                                  {.up_to = to_hertz(RadPerSecond{end})});
   ASSERT_EQ(set.angular_frequency.size(), 41u);
   EXPECT_EQ(set.certificate.count_by_inertia, 41);
   EXPECT_TRUE(set.certificate.complete);
@@ -110,7 +116,7 @@ TEST_P(FreeBody, has_the_same_modes_when_each_rank_works_at_slices_of_its_own) {
   const parallel::Teams& teams = test::own_teams();
   const Made made = make(geo(), 2, {}, teams);
   const Eigen::VectorXd exact = test::dense_eigenvalues(made.mesh, made.body);
-  const modes::ModeSet set = modes::compute_modes(teams, made.mesh, made.body, {.count = 60});
+  const modes::ModeSet set = modes::compute_modes(teams, made.mesh, made.body, *made.factor, {.count = 60});
   ASSERT_GE(set.angular_frequency.size(), 60u);
   EXPECT_EQ(parallel::sum(teams.peers(), static_cast<std::int64_t>(set.index.size())),
             static_cast<std::int64_t>(set.angular_frequency.size()));
@@ -130,7 +136,8 @@ TEST(SupportedBody, keeps_the_rigid_motions_that_its_supports_leave) {
   const mesh::GmshSession gmsh;
   // A plane held along its normal leaves two translations and one rotation.
   const Made made = make(test::block_geo("tet", 2, 0), 2, {{"bottom", "z"}});
-  const modes::ModeSet set = modes::compute_modes(test::one_team(), made.mesh, made.body, {.count = 12});
+  const modes::ModeSet set =
+      modes::compute_modes(test::one_team(), made.mesh, made.body, *made.factor, {.count = 12});
   const Eigen::VectorXd exact = test::dense_eigenvalues(made.mesh, made.body);
   for (int k = 0; k < 3; ++k) EXPECT_EQ(set.angular_frequency[k], 0);
   for (int k = 3; k < 12; ++k)
@@ -145,7 +152,7 @@ TEST(Count, that_would_split_a_double_mode_takes_it_whole) {
   Eigen::Index first = 0;
   while (exact[first + 1] - exact[first] > 1e-8 * exact[first]) ++first;
   const modes::ModeSet set =
-      modes::compute_modes(test::one_team(), made.mesh, made.body, {.count = first + 1});
+      modes::compute_modes(test::one_team(), made.mesh, made.body, *made.factor, {.count = first + 1});
   EXPECT_EQ(static_cast<Eigen::Index>(set.angular_frequency.size()), first + 2);
   EXPECT_GT(set.cut, exact[first + 1]);
   EXPECT_LT(set.cut, exact[first + 2]);
@@ -154,7 +161,8 @@ TEST(Count, that_would_split_a_double_mode_takes_it_whole) {
 TEST(Count, beyond_the_free_displacements_is_refused_on_every_rank) {
   const mesh::GmshSession gmsh;
   const Made rod = make(rod_geo(5), 1);
-  EXPECT_THROW(modes::compute_modes(test::one_team(), rod.mesh, rod.body, {.count = 7}), InputError);
+  EXPECT_THROW(modes::compute_modes(test::one_team(), rod.mesh, rod.body, *rod.factor, {.count = 7}),
+               InputError);
 }
 
 /// Flexibility of all modes above the first `kept`, from the dense eigenvectors.
@@ -178,7 +186,8 @@ TEST(ResidualFlexibility, is_the_static_response_of_the_modes_left_out) {
   for (const bool held : {true, false}) {
     using Support = std::map<std::string, std::string>;
     const Made made = make(test::block_geo("tet", 2, 0.3), 2, held ? Support{{"bottom", "xyz"}} : Support{});
-    const modes::ModeSet set = modes::compute_modes(test::one_team(), made.mesh, made.body, {.count = 20});
+    const modes::ModeSet set =
+        modes::compute_modes(test::one_team(), made.mesh, made.body, *made.factor, {.count = 20});
     // Forces on a few nodes spread over the ranks, in each component; held ones are not loaded.
     Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(made.body.local_rows, 3);
     for (std::size_t i = 0; i < made.mesh.node.size(); ++i) {
@@ -188,8 +197,8 @@ TEST(ResidualFlexibility, is_the_static_response_of_the_modes_left_out) {
     }
     const Eigen::MatrixXd exact =
         dense_residual(made, loads, static_cast<Eigen::Index>(set.angular_frequency.size()));
-    const Eigen::MatrixXd ours =
-        modes::residual_response(test::one_team(), made.mesh, made.body, set, loads, loads.cols());
+    const Eigen::MatrixXd ours = modes::residual_response(test::one_team(), made.mesh, made.body,
+                                                          *made.factor, set, loads, loads.cols());
     // The series is summed to 1e-12, the modes are known to 1e-8.
     EXPECT_LT((ours - exact).cwiseAbs().maxCoeff(), 1e-9 * exact.cwiseAbs().maxCoeff()) << held;
   }

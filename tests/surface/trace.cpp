@@ -1,6 +1,8 @@
 // Traces of known fields on patches, and the static flexibility of a rod in closed form.
 #include <gtest/gtest.h>
 
+#include <memory>
+
 #include <cmath>
 
 #include "src/surface/surface.hpp"
@@ -26,6 +28,7 @@ struct Body {
     body.support = support;
     mesh = test::mesh_of(body);
     matrices = elasticity::assemble(mesh, body.materials, "test");
+    factor = std::make_unique<modes::Factorisation>(matrices.stiffness, matrices.mass);
     patches = surface::make_patches(mesh, contact, options);
   }
   /// The columns u_0 = G x + o, u_1 = −2 u_0 as if they were modes.
@@ -45,12 +48,13 @@ struct Body {
   }
   kernels::Kernel trace(const modes::ModeSet& set, bool residual, bool view) const {
     kernels::Kernel kernel;
-    surface::trace(test::one_team(), mesh, matrices, set, patches, residual, view, kernel);
+    surface::trace(test::one_team(), mesh, matrices, *factor, set, patches, residual, view, kernel);
     return kernel;
   }
   mesh::GmshSession gmsh;
   mesh::Mesh mesh;
   elasticity::Body matrices;
+  std::unique_ptr<modes::Factorisation> factor;
   surface::Patches patches;
 };
 
@@ -157,7 +161,7 @@ TEST(ResidualFlexibility, and_modes_of_a_clamped_rod_add_to_its_static_flexibili
   for (std::int64_t count : {1, 4}) {
     const Body rod(rod_geo(20), 1, {"right"}, {}, {{"left", "x"}});
     const modes::ModeSet set =
-        modes::compute_modes(test::one_team(), rod.mesh, rod.matrices, {.count = count});
+        modes::compute_modes(test::one_team(), rod.mesh, rod.matrices, *rod.factor, {.count = count});
     const kernels::Kernel kernel = rod.trace(set, true, false);
     ASSERT_EQ(kernel.surface.size(), 1U);
     EXPECT_EQ(kernel.surface.area[0], 0.5);
@@ -182,7 +186,8 @@ TEST(ResidualFlexibility, and_modes_of_a_clamped_rod_add_to_its_static_flexibili
 TEST(ResidualFlexibility, is_symmetric_and_semidefinite_on_a_free_body) {
   const Body body(test::block_geo("tet", 2, 0.3), 2, {"top"},
                   {.direction = Vector3{0, 0, 1}, .spacing = 0.3});
-  const modes::ModeSet set = modes::compute_modes(test::one_team(), body.mesh, body.matrices, {.count = 10});
+  const modes::ModeSet set =
+      modes::compute_modes(test::one_team(), body.mesh, body.matrices, *body.factor, {.count = 10});
   const kernels::Kernel kernel = body.trace(set, true, false);
   const auto m = static_cast<Eigen::Index>(kernel.surface.size());
   const Eigen::Map<const Eigen::MatrixXd> R(kernel.surface.residual_flexibility.data(), m, m);
