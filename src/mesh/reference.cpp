@@ -49,7 +49,55 @@ Family family_of(int dim, int corners, const std::string& name) {
 
 }  // namespace
 
+namespace {
+
+/// Beyond order 2 gmsh 4.8 meshes with prisms but has no functions and no node table for them.
+bool is_product(const ReferenceElement& element) {
+  return element.family == Family::prism && element.order > 2;
+}
+
+/// Order of a prism that gmsh has no node table for; 0: another element.
+int product_order(int gmsh_type) {
+  for (int order = 3; order <= 9; ++order)
+    if (gmsh::model::mesh::getElementType("prism", order) == gmsh_type) return order;
+  return 0;
+}
+
+/// Such a prism, its nodes (nodes,3) from gmsh's own raising of the reference prism's order.
+ReferenceElement product_prism(int gmsh_type, int order) {
+  std::string model;
+  gmsh::model::getCurrent(model);
+  gmsh::model::add("reference prism");
+  const int volume = gmsh::model::addDiscreteEntity(3);
+  gmsh::model::mesh::addNodes(3, volume, {1, 2, 3, 4, 5, 6},
+                              {0, 0, -1, 1, 0, -1, 0, 1, -1, 0, 0, 1, 1, 0, 1, 0, 1, 1});
+  gmsh::model::mesh::addElementsByType(volume, gmsh::model::mesh::getElementType("prism", 1), {1},
+                                       {1, 2, 3, 4, 5, 6});
+  gmsh::model::mesh::setOrder(order);
+  std::vector<std::size_t> tags, nodes;
+  gmsh::model::mesh::getElementsByType(gmsh_type, tags, nodes);
+  ReferenceElement element{gmsh_type,
+                           Family::prism,
+                           fmt::format("Prism {}", nodes.size()),
+                           3,
+                           order,
+                           static_cast<int>(nodes.size()),
+                           6,
+                           {}};
+  for (std::size_t node : nodes) {
+    std::vector<double> at, parametric;
+    gmsh::model::mesh::getNode(node, at, parametric);
+    element.node.insert(element.node.end(), at.begin(), at.end());
+  }
+  gmsh::model::remove();
+  gmsh::model::setCurrent(model);
+  return element;
+}
+
+}  // namespace
+
 ReferenceElement reference_element(int gmsh_type) {
+  if (const int order = product_order(gmsh_type); order > 0) return product_prism(gmsh_type, order);
   ReferenceElement element;
   element.gmsh_type = gmsh_type;
   std::vector<double> local;
@@ -57,10 +105,8 @@ ReferenceElement reference_element(int gmsh_type) {
     gmsh::model::mesh::getElementProperties(gmsh_type, element.name, element.dim, element.order,
                                             element.nodes, local, element.corners);
   } catch (const std::string& message) {
-    // Prisms, in gmsh 4.8.
     throw InputError(fmt::format(
-        "gmsh can't compute with these elements ({}): lower the order (prisms: at most 2), or mesh with "
-        "tetrahedra or hexahedra",
+        "gmsh can't compute with these elements ({}): lower the order, or mesh with tetrahedra or hexahedra",
         message));
   }
   element.family = family_of(element.dim, element.corners, element.name);
@@ -90,15 +136,76 @@ namespace {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// gmsh's functions at the element's own nodes: the identity but for gmsh's round-off, which reaches 4e-12
-/// for hexahedra of order 4.
+/// gmsh's Lagrange functions of one type at `local` (points,3): values (points,nodes), gradients
+/// (points,nodes,3).
+Basis gmsh_functions(int type, const std::vector<double>& local) {
+  Basis basis;
+  basis.points = static_cast<int>(local.size() / 3);
+  int components = 0, orientations = 0;
+  gmsh::model::mesh::getBasisFunctions(type, local, "Lagrange", components, basis.value, orientations);
+  gmsh::model::mesh::getBasisFunctions(type, local, "GradLagrange", components, basis.gradient, orientations);
+  basis.nodes = basis.points > 0 ? static_cast<int>(basis.value.size()) / basis.points : 0;
+  return basis;
+}
+
+/// A prism's functions as products of gmsh's on its triangle (u, v) and along its axis (w).
+Basis product_functions(const ReferenceElement& element, const std::vector<double>& local) {
+  const auto triangle = reference_element(gmsh::model::mesh::getElementType("triangle", element.order)),
+             line = reference_element(gmsh::model::mesh::getElementType("line", element.order));
+  std::vector<double> across = local, along = local;
+  for (std::size_t q = 0; q < local.size(); q += 3) {
+    across[q + 2] = 0;
+    along[q] = local[q + 2];
+    along[q + 1] = along[q + 2] = 0;
+  }
+  const Basis in_plane = gmsh_functions(triangle.gmsh_type, across),
+              in_depth = gmsh_functions(line.gmsh_type, along);
+  Basis basis;
+  basis.points = in_plane.points;
+  basis.nodes = element.nodes;
+  const auto n = static_cast<std::size_t>(element.nodes), points = static_cast<std::size_t>(basis.points);
+  basis.value.resize(points * n);
+  basis.gradient.resize(points * n * 3);
+  const auto nearest = [&](const ReferenceElement& part, const double* at) {
+    std::size_t best = 0;
+    double least = 1e300;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(part.nodes); ++k) {
+      double distance = 0;
+      for (std::size_t d = 0; d < static_cast<std::size_t>(part.dim); ++d)
+        distance += std::abs(part.node[k * static_cast<std::size_t>(part.dim) + d] - at[d]);
+      if (distance < least) {
+        least = distance;
+        best = k;
+      }
+    }
+    return best;
+  };
+  for (std::size_t a = 0; a < n; ++a) {
+    const std::size_t t = nearest(triangle, &element.node[3 * a]),
+                      l = nearest(line, &element.node[3 * a + 2]);
+    for (std::size_t q = 0; q < points; ++q) {
+      const std::size_t in = q * static_cast<std::size_t>(triangle.nodes) + t,
+                        up = q * static_cast<std::size_t>(line.nodes) + l, out = q * n + a;
+      basis.value[out] = in_plane.value[in] * in_depth.value[up];
+      basis.gradient[3 * out] = in_plane.gradient[3 * in] * in_depth.value[up];
+      basis.gradient[3 * out + 1] = in_plane.gradient[3 * in + 1] * in_depth.value[up];
+      basis.gradient[3 * out + 2] = in_plane.value[in] * in_depth.gradient[3 * up];
+    }
+  }
+  return basis;
+}
+
+Basis functions_of(const ReferenceElement& element, const std::vector<double>& local) {
+  return is_product(element) ? product_functions(element, local) : gmsh_functions(element.gmsh_type, local);
+}
+
+/// The functions at the element's own nodes: the identity but for gmsh's round-off, which reaches 4e-12 for
+/// hexahedra of order 4.
 RowMajor at_own_nodes(const ReferenceElement& element) {
-  std::vector<double> local(3 * static_cast<std::size_t>(element.nodes), 0.0), value;
+  std::vector<double> local(3 * static_cast<std::size_t>(element.nodes), 0.0);
   for (int n = 0; n < element.nodes; ++n)
     for (int d = 0; d < element.dim; ++d) local[3 * n + d] = element.node[n * element.dim + d];
-  int components = 0, orientations = 0;
-  gmsh::model::mesh::getBasisFunctions(element.gmsh_type, local, "Lagrange", components, value, orientations);
-  return Eigen::Map<const RowMajor>(value.data(), element.nodes, element.nodes);
+  return Eigen::Map<const RowMajor>(functions_of(element, local).value.data(), element.nodes, element.nodes);
 }
 
 /// Gauss points and weights on [0, 1], exact to `degree`: Newton's iteration on the Legendre polynomial P_n.
@@ -123,14 +230,7 @@ std::vector<std::array<double, 2>> unit_line(int degree) {
 }  // namespace
 
 Basis basis_at(const ReferenceElement& element, const std::vector<double>& local) {
-  Basis basis;
-  basis.points = static_cast<int>(local.size() / 3);
-  basis.nodes = element.nodes;
-  int components = 0, orientations = 0;
-  gmsh::model::mesh::getBasisFunctions(element.gmsh_type, local, "Lagrange", components, basis.value,
-                                       orientations);
-  gmsh::model::mesh::getBasisFunctions(element.gmsh_type, local, "GradLagrange", components, basis.gradient,
-                                       orientations);
+  Basis basis = functions_of(element, local);
   if (element.nodes == 1) return basis;
   // Exact Lagrange functions of the same space: N V⁻¹ with V gmsh's functions at the nodes.
   const Eigen::PartialPivLU<RowMajor> correction(at_own_nodes(element).transpose());

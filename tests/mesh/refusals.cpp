@@ -123,13 +123,6 @@ TEST(Refusal, an_unknown_parameter_is_named_with_those_there_are) {
   EXPECT_THAT(complaint(body), AllOf(about(mesh), HasSubstr("only a .geo has parameters")));
 }
 
-TEST(Refusal, prisms_beyond_order_2_are_refused_before_gmsh_fails_on_them) {
-  const test::SharedFile file(".geo", test::prism_geo(1));
-  EXPECT_EQ(complaint(file, 2), "accepted");
-  for (int order : {3, 4})
-    EXPECT_THAT(complaint(file, order), AllOf(about(file), HasSubstr("prisms: at most 2")));
-}
-
 TEST(Refusal, what_is_no_mesh_or_no_whole_one_is_refused) {
   for (const std::string& text : {std::string(), std::string("this is not a mesh\n"),
                                   std::string("\x7f\0\x01ELF\nbinary", 12), std::string("$")}) {
