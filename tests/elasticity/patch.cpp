@@ -99,5 +99,34 @@ std::vector<Case> all_cases() {
 INSTANTIATE_TEST_SUITE_P(Elements, Patch, testing::ValuesIn(all_cases()),
                          [](const auto& it) { return it.param.kind + std::to_string(it.param.order); });
 
+TEST(RodPatch, linear_displacement_loads_the_ends_alone_in_every_order) {
+  const test::SharedFile file(
+      ".geo",
+      "Point(1) = {0,0,0};\nPoint(2) = {2,0,0};\nLine(1) = {1,2};\nTransfinite Curve{1} = 6;\n"
+      "Physical Curve(\"rod\") = {1};\n");
+  const mesh::GmshSession gmsh;
+  for (int order = 1; order <= 4; ++order) {
+    const scene::Body given = test::body_of(file.path(), order);
+    const mesh::Mesh mesh = test::mesh_of(given);
+    ASSERT_EQ(mesh.order, order);
+    const elasticity::Body body = elasticity::assemble(mesh, given.materials, "test");
+    Eigen::MatrixXd u(body.local_rows, 2);
+    Eigen::VectorXd exact(body.local_rows);
+    for (std::size_t i = 0; i < mesh.node.size(); ++i) {
+      const std::int64_t row = mesh.node[i] - mesh.first_node;
+      if (row < 0 || row >= mesh.owned_nodes) continue;
+      const double x = mesh.position[3 * i];
+      u(row, 0) = 0.3 * x;
+      u(row, 1) = 1;
+      // EA u' at the ends: 3 · 0.5 · 0.3.
+      exact[row] = x < 1e-9 ? -0.45 : x > 2 - 1e-9 ? 0.45 : 0;
+    }
+    const Eigen::MatrixXd force = test::product(body.stiffness, u);
+    EXPECT_LT(parallel::largest(mesh.comm, test::largest_entry(force.col(0) - exact)), 1e-12) << order;
+    EXPECT_LT(parallel::largest(mesh.comm, test::largest_entry(force.col(1))), 1e-12 * 100) << order;
+    EXPECT_NEAR(body.total_mass, 2.0 * 0.5 * 2, 1e-12);
+  }
+}
+
 }  // namespace
 }  // namespace ricochet
