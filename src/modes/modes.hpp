@@ -1,6 +1,7 @@
 // Certified modes of K φ = ω² M φ, rigid ones exact.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 
 #include "kernels/kernel.hpp"
@@ -14,6 +15,7 @@ struct Request {
   /// the lowest ones, rigid included; extended to the end of a multiple mode
   std::optional<std::int64_t> count{};
   double relative_residual = 1e-8;
+  std::filesystem::path checkpoint{};  ///< folder of finished slices, used and filled; empty: none
 };
 
 /// All modes of a body; each team of ranks holds the shapes of some.

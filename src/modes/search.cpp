@@ -1,4 +1,5 @@
 #include "src/modes/search.hpp"
+#include "src/modes/checkpoint.hpp"
 
 #include <fmt/format.h>
 
@@ -29,15 +30,24 @@ class Searcher {
         operators_(operators),
         progress_(progress),
         rigid_(operators.rigid.cols()),
-        factor_(factor) {
+        factor_(factor),
+        checkpoint_(teams, operators, request.checkpoint) {
     options_.tolerance = request.relative_residual;
   }
 
   Search run(const Request& request) {
-    begin("counts by inertia");
-    request.up_to ? probe_up_to(std::pow(static_cast<RadPerSecond>(*request.up_to).value, 2))
-                  : probe_for(*request.count);
-    work(plan_shifts(CountModel(rigid_, probes_), end_.sigma, modes_per_shift, teams_.count()));
+    std::vector<Task> tasks;
+    if (const auto plan = checkpoint_.plan()) {
+      end_ = plan->end;
+      tasks = resume(plan->tasks);
+    } else {
+      begin("counts by inertia");
+      request.up_to ? probe_up_to(std::pow(static_cast<RadPerSecond>(*request.up_to).value, 2))
+                    : probe_for(*request.count);
+      tasks = plan_shifts(CountModel(rigid_, probes_), end_.sigma, modes_per_shift, teams_.count());
+      checkpoint_.save({end_, tasks});
+    }
+    work(tasks);
     move_end_off_modes();
     for (int round = 0; round < 8; ++round) {
       const Stitched stitched = stitch(rigid_, found_.slices, end_);
@@ -59,6 +69,20 @@ class Searcher {
  private:
   void begin(const std::string& phase) const {
     if (progress_.begin) progress_.begin(phase);
+  }
+
+  /// Takes the slices that are there over; @return the tasks that are left.
+  std::vector<Task> resume(std::vector<Task> tasks) {
+    begin("slices from disk");
+    const std::size_t planned = tasks.size();
+    for (Checkpoint::Found& found : checkpoint_.slices()) {
+      // A shift may have given way to a mode.
+      std::erase_if(
+          tasks, [&](const Task& task) { return std::abs(found.slice.probe.sigma / task.sigma - 1) < 1e-5; });
+      insert(std::move(found.slice), found.team, std::move(found.shape));
+    }
+    begin(fmt::format("{} of {} slices were there", planned - tasks.size(), planned));
+    return tasks;
   }
 
   /// `mine` (n) from every team, one after the other. Collective.
@@ -173,6 +197,10 @@ class Searcher {
       Converged converged;
       if (round < mine.size()) {
         converged = solve(mine[round]);
+        checkpoint_.save(Slice{{factor_.sigma(), factor_.below()},
+                               converged.covered,
+                               {converged.lambda.begin(), converged.lambda.end()}},
+                         converged.shape);
         message = {factor_.sigma(), static_cast<double>(factor_.below()), converged.covered.from,
                    converged.covered.to};
         message.insert(message.end(), converged.lambda.begin(), converged.lambda.end());
@@ -234,6 +262,7 @@ class Searcher {
   std::int64_t rigid_;
   LanczosOptions options_;
   Factorisation& factor_;
+  Checkpoint checkpoint_;
   Probe end_;
   std::vector<Probe> probes_;
   Search found_;
@@ -243,6 +272,8 @@ class Searcher {
 }  // namespace
 
 double expected_mib(const Factorisation& factor, std::int64_t local_rows, std::int64_t modes, int teams) {
+  // Not known for a search by frequency: one slice's, then.
+  if (modes == 0) modes = modes_per_shift;
   // A basis ends with about three vectors a mode.
   const auto column = static_cast<double>(local_rows) * sizeof(double) / (1 << 20);
   const double basis = 3.2 * static_cast<double>(std::min(modes, modes_per_shift)) * column;

@@ -130,19 +130,20 @@ std::vector<T> scatter(MPI_Comm comm, const std::vector<std::vector<T>>& per_ran
   return mine;
 }
 
-std::vector<int> gather(MPI_Comm comm, const std::vector<int>& mine) {
+template <class T>
+std::vector<T> gather(MPI_Comm comm, const std::vector<T>& mine) {
   std::vector<std::uint64_t> size(static_cast<std::size_t>(size_of(comm)));
   const std::uint64_t own = mine.size();
   MPI_Gather(&own, 1, MPI_UINT64_T, size.data(), 1, MPI_UINT64_T, 0, comm);
   if (rank_of(comm) != 0) {
-    send_bytes(comm, mine.data(), own * sizeof(int), 0);
+    send_bytes(comm, mine.data(), own * sizeof(T), 0);
     return {};
   }
-  std::vector<int> all = mine;
+  std::vector<T> all = mine;
   for (std::size_t from = 1; from < size.size(); ++from) {
     const std::size_t start = all.size();
     all.resize(start + size[from]);
-    receive_bytes(comm, all.data() + start, size[from] * sizeof(int), static_cast<int>(from));
+    receive_bytes(comm, all.data() + start, size[from] * sizeof(T), static_cast<int>(from));
   }
   return all;
 }
@@ -163,6 +164,8 @@ void broadcast(MPI_Comm comm, std::string& text) {
 
 template std::vector<double> scatter(MPI_Comm, const std::vector<std::vector<double>>&);
 template std::vector<std::int64_t> scatter(MPI_Comm, const std::vector<std::vector<std::int64_t>>&);
+template std::vector<int> gather(MPI_Comm, const std::vector<int>&);
+template std::vector<std::int64_t> gather(MPI_Comm, const std::vector<std::int64_t>&);
 template void broadcast(MPI_Comm, std::vector<char>&);
 template void broadcast(MPI_Comm, std::vector<double>&);
 template void broadcast(MPI_Comm, std::vector<std::int64_t>&);

@@ -101,7 +101,8 @@ double largest(MPI_Comm comm, double value);
 template <class T>
 std::vector<T> scatter(MPI_Comm comm, const std::vector<std::vector<T>>& per_rank);
 /// Every rank's vector, one behind the other, on rank 0; empty elsewhere. Collective.
-std::vector<int> gather(MPI_Comm comm, const std::vector<int>& mine);
+template <class T>
+std::vector<T> gather(MPI_Comm comm, const std::vector<T>& mine);
 /// Rank 0's vector to every rank. Collective.
 template <class T>
 void broadcast(MPI_Comm comm, std::vector<T>& values);

@@ -97,8 +97,8 @@ Discretised discretise(const scene::KernelRequest& request, MPI_Comm comm, conso
 
 }  // namespace
 
-kernels::Kernel compute_kernel(const scene::KernelRequest& request, MPI_Comm comm,
-                               console::Console& console) {
+kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::filesystem::path& checkpoint,
+                               MPI_Comm comm, console::Console& console) {
   const scene::Body& body = request.body;
   const mesh::GmshSession gmsh(geometry_numbers(body));
   const Discretised made = discretise(request, comm, console);
@@ -116,7 +116,8 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, MPI_Comm com
       teams, mesh, matrices, *made.factor,
       {.up_to = request.modes.up_to,
        .count = request.modes.count,
-       .relative_residual = request.modes.relative_residual},
+       .relative_residual = request.modes.relative_residual,
+       .checkpoint = checkpoint},
       {.begin = [&](const std::string& phase) { console.begin(body.name + ": " + phase); },
        .at = [&](std::int64_t done, std::int64_t total) { console.advance(done, total); }});
   console.end(fmt::format("{} modes up to {:.6g} Hz, count proved", modes.angular_frequency.size(),
@@ -183,8 +184,15 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
       console.say(fmt::format("{}: already there: {}", request.body.name, path.string()));
       continue;
     }
-    const kernels::Kernel kernel = compute_kernel(request, comm, console);
-    parallel::on_first_rank(comm, [&] { kernels::write(kernel, path); });
+    // Kept until the kernel is there: a run that was killed goes on from it.
+    std::filesystem::path checkpoint = path;
+    checkpoint.replace_extension().replace_extension(".slices");
+    const kernels::Kernel kernel = compute_kernel(request, checkpoint, comm, console);
+    parallel::on_first_rank(comm, [&] {
+      kernels::write(kernel, path);
+      std::error_code ignored;
+      std::filesystem::remove_all(checkpoint, ignored);
+    });
     console.say(fmt::format("{}: {}", request.body.name, path.string()));
   }
   // Peak memory is that of the rank that needed most.

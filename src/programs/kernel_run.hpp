@@ -12,8 +12,10 @@
 namespace ricochet {
 
 /// One body's kernel from its mesh, on all ranks; whole on rank 0, the view there alone. Collective.
-/// Throws InputError on every rank, or SolverError.
-kernels::Kernel compute_kernel(const scene::KernelRequest& request, MPI_Comm comm, console::Console& console);
+/// @param checkpoint  folder of finished slices, used and filled. Throws InputError on every rank, or
+/// SolverError.
+kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::filesystem::path& checkpoint,
+                               MPI_Comm comm, console::Console& console);
 
 /// Writes the kernels that `options.out` does not hold yet. Collective; @return the exit status.
 int run_kernel(const console::Options& options, MPI_Comm comm);

@@ -1,2 +1,3 @@
 add_mpi_test(modes factorisation)
 add_mpi_test(modes modes)
+add_mpi_test(modes slicing)

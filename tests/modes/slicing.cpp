@@ -1,0 +1,144 @@
+// Which shifts are worked at, and what their results prove: pure functions of counts and eigenvalues.
+#include "src/modes/slicing.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace ricochet::modes {
+namespace {
+
+/// The spectrum of a made-up body: six rigid modes, then λ_k = k^1.3, every tenth one double.
+std::vector<double> spectrum() {
+  std::vector<double> lambda;
+  for (int k = 1; k <= 400; ++k) {
+    lambda.push_back(std::pow(k, 1.3));
+    if (k % 10 == 0) lambda.push_back(lambda.back());
+  }
+  return lambda;
+}
+constexpr std::int64_t rigid = 6;
+
+Probe probe_at(const std::vector<double>& lambda, double sigma) {
+  return {sigma, rigid + (std::lower_bound(lambda.begin(), lambda.end(), sigma) - lambda.begin())};
+}
+
+/// What a faultless iteration would give for a task.
+Slice slice_of(const std::vector<double>& lambda, const Task& task) {
+  Slice slice{probe_at(lambda, task.sigma), task.wanted, {}};
+  for (double value : lambda)
+    if (value >= task.wanted.from && value <= task.wanted.to) slice.lambda.push_back(value);
+  return slice;
+}
+
+struct Case {
+  std::vector<double> lambda = spectrum();
+  Probe end = probe_at(lambda, 1500.5);
+  std::vector<Slice> slices;
+
+  explicit Case(int teams = 2, std::int64_t modes_per_shift = 60) {
+    const CountModel model(rigid, {probe_at(lambda, 600.5), end});
+    for (const Task& task : plan_shifts(model, end.sigma, modes_per_shift, teams))
+      slices.push_back(slice_of(lambda, task));
+  }
+  std::vector<double> kept(const Stitched& stitched) const {
+    std::vector<double> all;
+    for (std::size_t s = 0; s < slices.size(); ++s)
+      all.insert(all.end(), slices[s].lambda.begin() + static_cast<std::ptrdiff_t>(stitched.share[s].first),
+                 slices[s].lambda.begin() + static_cast<std::ptrdiff_t>(stitched.share[s].behind));
+    return all;
+  }
+};
+
+TEST(Plan, covers_the_spectrum_with_a_multiple_of_the_teams_and_few_more_modes_each_than_asked) {
+  for (int teams : {1, 2, 3, 5}) {
+    const Case made(teams, 60);
+    EXPECT_EQ(made.slices.size() % static_cast<std::size_t>(teams), 0u);
+    EXPECT_EQ(made.slices.front().covered.from, 0);
+    EXPECT_GE(made.slices.back().covered.to, made.end.sigma);
+    for (std::size_t s = 0; s < made.slices.size(); ++s) {
+      EXPECT_LE(made.slices[s].lambda.size(), 60u * 3 / 2) << s;
+      EXPECT_GT(made.slices[s].probe.sigma, made.slices[s].covered.from);
+      EXPECT_LT(made.slices[s].probe.sigma, made.slices[s].covered.to);
+      if (s > 0) {
+        EXPECT_LT(made.slices[s].covered.from, made.slices[s - 1].covered.to) << "no overlap";
+      }
+    }
+  }
+}
+
+TEST(CountModel, goes_through_its_probes_and_inverts_itself) {
+  const auto lambda = spectrum();
+  const std::vector<Probe> probes{probe_at(lambda, 40.5), probe_at(lambda, 300.5), probe_at(lambda, 1500.5)};
+  const CountModel model(rigid, probes);
+  for (const Probe& probe : probes)
+    EXPECT_NEAR(model.count_at(probe.sigma), static_cast<double>(probe.below), 1e-9);
+  for (double count : {10.0, 50.0, 200.0, 250.0})
+    EXPECT_NEAR(model.count_at(model.lambda_at(count)), count, 1e-6);
+}
+
+TEST(Stitch, keeps_every_eigenvalue_below_the_end_once) {
+  for (int teams : {1, 2, 3}) {
+    const Case made(teams);
+    const Stitched stitched = stitch(rigid, made.slices, made.end);
+    EXPECT_TRUE(stitched.missing.empty());
+    std::vector<double> below;
+    for (double value : made.lambda)
+      if (value < made.end.sigma) below.push_back(value);
+    EXPECT_EQ(made.kept(stitched), below);
+  }
+}
+
+TEST(Stitch, misses_any_single_eigenvalue_that_is_taken_away) {
+  const Case whole;
+  for (std::size_t victim = 0; whole.lambda[victim] < whole.end.sigma; ++victim) {
+    Case made;
+    for (Slice& slice : made.slices) {
+      const auto found = std::find(slice.lambda.begin(), slice.lambda.end(), whole.lambda[victim]);
+      if (found != slice.lambda.end()) slice.lambda.erase(found);
+    }
+    const Stitched stitched = stitch(rigid, made.slices, made.end);
+    ASSERT_FALSE(stitched.missing.empty()) << "mode " << victim;
+    // The new shift's interval holds what is missing.
+    EXPECT_TRUE(std::any_of(stitched.missing.begin(), stitched.missing.end(),
+                            [&](const Task& task) {
+                              return task.wanted.from <= whole.lambda[victim] &&
+                                     whole.lambda[victim] <= task.wanted.to;
+                            }))
+        << "mode " << victim;
+  }
+}
+
+TEST(Stitch, notices_an_eigenvalue_too_many) {
+  Case made;
+  Slice& slice = made.slices[1];
+  slice.lambda.insert(std::upper_bound(slice.lambda.begin(), slice.lambda.end(), slice.probe.sigma),
+                      slice.probe.sigma * 1.0001);
+  EXPECT_FALSE(stitch(rigid, made.slices, made.end).missing.empty());
+}
+
+TEST(Stitch, asks_for_what_no_slice_covers_and_is_content_when_it_gets_it) {
+  for (std::size_t short_one : {0u, 1u, 3u}) {
+    Case made;
+    // A basis that ran full short of its interval, on both sides of its shift.
+    Slice& slice = made.slices[short_one];
+    const double sigma = slice.probe.sigma;
+    slice.covered = {sigma - 0.2 * (sigma - slice.covered.from), sigma + 0.2 * (slice.covered.to - sigma)};
+    std::erase_if(slice.lambda,
+                  [&](double value) { return value < slice.covered.from || value > slice.covered.to; });
+    Stitched stitched = stitch(rigid, made.slices, made.end);
+    EXPECT_FALSE(stitched.missing.empty());
+    for (int round = 0; round < 4 && !stitched.missing.empty(); ++round) {
+      for (const Task& task : stitched.missing) made.slices.push_back(slice_of(made.lambda, task));
+      std::sort(made.slices.begin(), made.slices.end(),
+                [](const Slice& a, const Slice& b) { return a.probe.sigma < b.probe.sigma; });
+      stitched = stitch(rigid, made.slices, made.end);
+    }
+    EXPECT_TRUE(stitched.missing.empty()) << short_one;
+    EXPECT_EQ(static_cast<std::int64_t>(made.kept(stitched).size()), made.end.below - rigid);
+  }
+}
+
+}  // namespace
+}  // namespace ricochet::modes
