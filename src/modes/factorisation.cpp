@@ -56,7 +56,27 @@ Factorisation::Factorisation(Mat stiffness, Mat mass) : mumps_(std::make_unique<
     id.irn_loc = row_.data();
     id.jcn_loc = column_.data();
   }
+  take_users_options();
   run(job_analyse, "analyse");
+}
+
+void Factorisation::take_users_options() {
+  // By PETSc's names for them; not those that a count by inertia rests on (13, 35), nor how data is handed
+  // over.
+  for (int k : {4, 6, 8, 10, 12, 14, 22, 23, 24, 31, 58}) {
+    PetscInt value = 0;
+    PetscBool given = PETSC_FALSE;
+    check(
+        PetscOptionsGetInt(nullptr, nullptr, fmt::format("-mat_mumps_icntl_{}", k).c_str(), &value, &given));
+    if (given) mumps_->icntl(k) = static_cast<MUMPS_INT>(value);
+  }
+  for (int k : {1, 3, 4}) {
+    PetscReal value = 0;
+    PetscBool given = PETSC_FALSE;
+    check(
+        PetscOptionsGetReal(nullptr, nullptr, fmt::format("-mat_mumps_cntl_{}", k).c_str(), &value, &given));
+    if (given) mumps_->id.cntl[k - 1] = value;
+  }
 }
 
 Factorisation::~Factorisation() {

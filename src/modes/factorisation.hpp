@@ -44,6 +44,7 @@ class Factorisation {
   struct Mumps;
   void order_by_metis(Mat stiffness);
   void collect_entries(Mat stiffness, Mat mass);
+  void take_users_options();
   void run(int job, const char* task);
 
   MPI_Comm comm_ = MPI_COMM_NULL;

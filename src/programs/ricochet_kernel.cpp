@@ -24,7 +24,7 @@ int main(int argc, char** argv) {
        .examples = "  mpirun -n 2 ricochet-kernel two-disks.toml\n"
                    "  mpirun -n 4 ricochet-kernel two-disks.toml --set modes.up_to_hz=3000 --out kernels\n"
                    "  ricochet-kernel two-rods.toml --dry-run\n"
-                   "PETSc, SLEPc and MUMPS take their own options from PETSC_OPTIONS."},
+                   "PETSc and MUMPS (-mat_mumps_icntl_N) take their own options from PETSC_OPTIONS."},
       argc, argv, first);
   if (!parsed.options) return parsed.status;
   try {
