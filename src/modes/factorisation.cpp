@@ -70,6 +70,8 @@ void Factorisation::take_users_options() {
         PetscOptionsGetInt(nullptr, nullptr, fmt::format("-mat_mumps_icntl_{}", k).c_str(), &value, &given));
     if (given) mumps_->icntl(k) = static_cast<MUMPS_INT>(value);
   }
+  if (mumps_->icntl(4) > 0)
+    for (int k : {1, 2, 3}) mumps_->icntl(k) = 6;
   for (int k : {1, 3, 4}) {
     PetscReal value = 0;
     PetscBool given = PETSC_FALSE;
