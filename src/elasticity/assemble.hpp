@@ -33,8 +33,8 @@ Body assemble(const mesh::Mesh& mesh, const std::vector<scene::Material>& materi
               const parallel::Progress& progress = {});
 
 /// Rigid motions that the supports leave free, M-orthonormal; one column each: six for a free body, one for a
-/// free rod. Translations first, along the axes, then rotations about the principal axes of inertia where the
-/// body is free.
+/// free rod, and as many for each of its parts when it has several that share no node. Of a free part,
+/// translations first.
 /// @return (local rows, r). Collective.
 Eigen::MatrixXd rigid_modes(const mesh::Mesh& mesh, const Body& body);
 

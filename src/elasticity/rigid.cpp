@@ -6,75 +6,86 @@ namespace ricochet::elasticity {
 
 namespace {
 
-/// Rigid motion `coefficient` (translation, rotation about the centre of mass) at a local node, component c.
-double motion(const mesh::Mesh& mesh, const Body& body, const Eigen::Matrix<double, 6, 1>& coefficient,
-              std::size_t node, int c) {
-  const Eigen::Vector3d x(mesh.position[3 * node] - body.centre[0],
-                          mesh.position[3 * node + 1] - body.centre[1],
-                          mesh.position[3 * node + 2] - body.centre[2]);
-  const Eigen::Vector3d u = coefficient.head<3>() + coefficient.tail<3>().cross(x);
-  if (mesh.dim == 3) return u[c];
-  return u.dot(Eigen::Vector3d(mesh.axis[0], mesh.axis[1], mesh.axis[2]));
+/// Rigid motions of one connected part that its supports leave free, M-orthonormal. @return (local rows, r)
+Eigen::MatrixXd rigid_modes_of(const mesh::Mesh& mesh, const Body& body, std::int64_t part) {
+  const int c = mesh.components();
+  const auto for_each_own_node = [&](auto&& visit) {
+    for (std::size_t i = 0; i < mesh.node.size(); ++i) {
+      const std::int64_t row = mesh.node[i] - mesh.first_node;
+      if (row >= 0 && row < mesh.owned_nodes && mesh.part[i] == part)
+        visit(i, row, Eigen::Map<const Eigen::Vector3d>(&mesh.position[3 * i]));
+    }
+  };
+  // Motions about the middle of the part's nodes, turns in units of its size: numbers of order one.
+  Eigen::Matrix<double, 5, 1> sums = Eigen::Matrix<double, 5, 1>::Zero();
+  for_each_own_node([&](std::size_t, std::int64_t, const Eigen::Vector3d& x) {
+    sums.head<3>() += x;
+    sums[3] += x.squaredNorm();
+    sums[4] += 1;
+  });
+  parallel::sum(mesh.comm, sums.data(), 5);
+  const Eigen::Vector3d middle = sums.head<3>() / sums[4];
+  const double size = std::sqrt(std::max(sums[3] / sums[4] - middle.squaredNorm(), 1e-300));
+
+  // Column m of `motion`: a combination of e_x, e_y, e_z, e_x × x, e_y × x, e_z × x about the origin, in
+  // whose terms M times them is known.
+  const Eigen::Index m = mesh.dim == 1 ? 1 : 6;
+  Eigen::MatrixXd motion = Eigen::MatrixXd::Zero(6, m);
+  if (mesh.dim == 1) {
+    for (int k = 0; k < 3; ++k) motion(k, 0) = mesh.axis[static_cast<std::size_t>(k)];
+  } else {
+    motion.topLeftCorner<3, 3>().setIdentity();
+    for (int k = 0; k < 3; ++k) {
+      motion(3 + k, 3 + k) = 1 / size;
+      motion.block<3, 1>(0, 3 + k) = -Eigen::Vector3d::Unit(k).cross(middle) / size;
+    }
+  }
+  Eigen::MatrixXd values = Eigen::MatrixXd::Zero(body.local_rows, m), load = values,
+                  seen = Eigen::MatrixXd::Zero(m, m);
+  for_each_own_node([&](std::size_t i, std::int64_t row, const Eigen::Vector3d& x) {
+    Eigen::MatrixXd here(3, m);
+    for (Eigen::Index k = 0; k < m; ++k) {
+      const Eigen::Vector3d turn = motion.block<3, 1>(3, k);
+      here.col(k) = motion.block<3, 1>(0, k) + turn.cross(x);
+    }
+    if (mesh.dim == 1) here = Eigen::Map<const Eigen::RowVector3d>(mesh.axis.data()) * here;
+    values.middleRows(row * c, c) = here;
+    load.middleRows(row * c, c) = body.rigid_load.middleRows(row * c, c) * motion;
+    for (int k = 0; k < c; ++k)
+      if (mesh.is_fixed(i, k)) seen += here.row(k).transpose() * here.row(k);
+  });
+  parallel::sum(mesh.comm, seen.data(), static_cast<std::size_t>(seen.size()));
+
+  // The supports see what is not in the null space of `seen`.
+  Eigen::MatrixXd free = Eigen::MatrixXd::Identity(m, m);
+  if (!seen.isZero(0)) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(seen);
+    Eigen::Index left = 0;
+    while (left < m && eigen.eigenvalues()[left] < 1e-9 * eigen.eigenvalues()[m - 1]) ++left;
+    free = eigen.eigenvectors().leftCols(left);
+  }
+  Eigen::MatrixXd modes = values * free;
+  for_each_own_node([&](std::size_t i, std::int64_t row, const Eigen::Vector3d&) {
+    for (int k = 0; k < c; ++k)
+      if (mesh.is_fixed(i, k)) modes.row(row * c + k).setZero();
+  });
+  // Held rows are zero in the modes, so that it does not matter that they are in the loads.
+  Eigen::MatrixXd gram = modes.transpose() * (load * free);
+  parallel::sum(mesh.comm, gram.data(), static_cast<std::size_t>(gram.size()));
+  const Eigen::LLT<Eigen::MatrixXd> cholesky((gram + gram.transpose()) / 2);
+  return cholesky.matrixL().solve(modes.transpose()).transpose();
 }
 
 }  // namespace
 
 Eigen::MatrixXd rigid_modes(const mesh::Mesh& mesh, const Body& body) {
-  const int c = mesh.components();
-  const Eigen::Map<const Eigen::Matrix3d> inertia(body.inertia.data());
-  // Unit kinetic energy each, M-orthogonal when the body is free: translations, then turns about the
-  // principal axes.
-  std::vector<Eigen::Matrix<double, 6, 1>> candidates;
-  const double translation = 1 / std::sqrt(body.total_mass);
-  if (mesh.dim == 1) {
-    Eigen::Matrix<double, 6, 1> along = Eigen::Matrix<double, 6, 1>::Zero();
-    for (int k = 0; k < 3; ++k) along[k] = mesh.axis[k] * translation;
-    candidates.push_back(along);
-  } else {
-    for (int k = 0; k < 3; ++k) candidates.push_back(Eigen::Matrix<double, 6, 1>::Unit(k) * translation);
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(inertia);
-    for (int k = 0; k < 3; ++k) {
-      Eigen::Vector3d axis = principal.eigenvectors().col(k);
-      Eigen::Index largest = 0;
-      axis.cwiseAbs().maxCoeff(&largest);
-      if (axis[largest] < 0) axis = -axis;
-      Eigen::Matrix<double, 6, 1> turn = Eigen::Matrix<double, 6, 1>::Zero();
-      turn.tail<3>() = axis / std::sqrt(principal.eigenvalues()[k]);
-      candidates.push_back(turn);
-    }
+  Eigen::MatrixXd all(body.local_rows, 0);
+  for (std::int64_t part = 0; part < mesh.parts; ++part) {
+    const Eigen::MatrixXd modes = rigid_modes_of(mesh, body, part);
+    all.conservativeResize(Eigen::NoChange, all.cols() + modes.cols());
+    all.rightCols(modes.cols()) = modes;
   }
-  const auto r = static_cast<Eigen::Index>(candidates.size());
-
-  // What the supports see of each motion: G = Σ over held components; its null space stays rigid.
-  Eigen::MatrixXd seen = Eigen::MatrixXd::Zero(r, r);
-  Eigen::MatrixXd values(body.local_rows, r);
-  for (std::size_t i = 0; i < mesh.node.size(); ++i) {
-    const std::int64_t row = mesh.node[i] - mesh.first_node;
-    if (row < 0 || row >= mesh.owned_nodes) continue;
-    for (int k = 0; k < c; ++k) {
-      Eigen::VectorXd v(r);
-      for (Eigen::Index m = 0; m < r; ++m)
-        v[m] = motion(mesh, body, candidates[static_cast<std::size_t>(m)], i, k);
-      values.row(row * c + k) = v.transpose();
-      if (mesh.is_fixed(i, k)) seen += v * v.transpose();
-    }
-  }
-  parallel::sum(mesh.comm, seen.data(), static_cast<std::size_t>(seen.size()));
-  if (seen.isZero(0)) return values;
-
-  // 1e-9: motions are scaled to one kilogram-root each, so a held one shows at the order of 1/mass.
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> free(seen);
-  const double bound = 1e-9 * free.eigenvalues().maxCoeff();
-  Eigen::Index left = 0;
-  while (left < r && free.eigenvalues()[left] < bound) ++left;
-  Eigen::MatrixXd modes = values * free.eigenvectors().leftCols(left);
-  for (std::size_t i = 0; i < mesh.node.size(); ++i) {
-    const std::int64_t row = mesh.node[i] - mesh.first_node;
-    if (row < 0 || row >= mesh.owned_nodes) continue;
-    for (int k = 0; k < c; ++k)
-      if (mesh.is_fixed(i, k)) modes.row(row * c + k).setZero();
-  }
-  return modes;
+  return all;
 }
 
 }  // namespace ricochet::elasticity

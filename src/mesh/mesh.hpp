@@ -62,6 +62,8 @@ struct Mesh {
   std::vector<std::int64_t> canonical;           ///< (n_local) numbers that do not depend on the ranks
   std::vector<double> position;                  ///< (n_local,3) [m]
   std::vector<std::int64_t> fixed;               ///< (n_local) bit c: component c held
+  std::vector<std::int64_t> part;                ///< (n_local) which connected part of the body
+  std::int64_t parts = 1;                        ///< connected parts: elements that share no node
   std::vector<Block> blocks;                     ///< node indices are local
   std::vector<std::vector<std::int64_t>> own;    ///< per block: 1 where the element is this rank's own
   FacetMesh contact;                             ///< global node numbers, the same on every rank

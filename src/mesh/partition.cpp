@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <tuple>
 
 #include "src/mesh/mesh.hpp"
 #include "src/parallel/parallel.hpp"
@@ -39,8 +40,9 @@ std::vector<idx_t> partition(const GlobalMesh& mesh, int ranks) {
 
 /// What rank 0 packs for each rank.
 struct Parcels {
-  explicit Parcels(int ranks) : header(ranks), node(ranks), canonical(ranks), fixed(ranks), position(ranks) {}
-  std::vector<std::vector<std::int64_t>> header, node, canonical, fixed;
+  explicit Parcels(int ranks)
+      : header(ranks), node(ranks), canonical(ranks), fixed(ranks), part(ranks), position(ranks) {}
+  std::vector<std::vector<std::int64_t>> header, node, canonical, fixed, part;
   std::vector<std::vector<double>> position;
 };
 
@@ -70,6 +72,33 @@ Numbering number_nodes(const GlobalMesh& mesh, const std::vector<idx_t>& part, i
   for (std::size_t i = 0; i < n; ++i)
     numbering.number[i] = next[static_cast<std::size_t>(numbering.owner[i])]++;
   return numbering;
+}
+
+/// Connected part of each node (n), numbered by their first nodes; and how many there are.
+std::pair<std::vector<std::int64_t>, std::int64_t> connected_parts(const GlobalMesh& mesh) {
+  // Union-find with path halving.
+  std::vector<std::int64_t> root(mesh.fixed.size());
+  std::iota(root.begin(), root.end(), 0);
+  const auto find = [&](std::int64_t node) {
+    for (auto at = static_cast<std::size_t>(node); root[at] != static_cast<std::int64_t>(at);
+         at = static_cast<std::size_t>(root[at]))
+      root[at] = node = root[static_cast<std::size_t>(root[at])];
+    return node;
+  };
+  for (const Block& block : mesh.blocks) {
+    const auto width = static_cast<std::size_t>(block.nodes_per_element);
+    for (std::size_t k = 0; k < block.node.size(); ++k) {
+      const std::int64_t a = find(block.node[k - k % width]), b = find(block.node[k]);
+      root[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+    }
+  }
+  std::vector<std::int64_t> part(root.size());
+  std::int64_t parts = 0;
+  for (std::size_t i = 0; i < root.size(); ++i) {
+    const auto first = static_cast<std::size_t>(find(static_cast<std::int64_t>(i)));
+    part[i] = first == i ? parts++ : part[first];
+  }
+  return {std::move(part), parts};
 }
 
 void renumber(FacetMesh& facets, const GlobalMesh& mesh, const Numbering& numbering, bool normals) {
@@ -138,6 +167,7 @@ Mesh distribute(GlobalMesh&& global, MPI_Comm comm) {
   Mesh mesh;
   mesh.comm = comm;
   std::vector<idx_t> part;
+  std::vector<std::int64_t> connected;
   Numbering numbering;
   Parcels parcels(ranks);
   std::vector<std::int64_t> types;
@@ -145,13 +175,16 @@ Mesh distribute(GlobalMesh&& global, MPI_Comm comm) {
   parallel::on_first_rank(comm, [&] {
     part = partition(global, ranks);
     numbering = number_nodes(global, part, ranks);
+    std::int64_t parts = 0;
+    std::tie(connected, parts) = connected_parts(global);
     for (int r = 0; r < ranks; ++r)
       parcels.header[r] = {global.dim,
                            global.order,
                            numbering.first[r],
                            numbering.first[r + 1] - numbering.first[r],
                            static_cast<std::int64_t>(global.fixed.size()),
-                           static_cast<std::int64_t>(part.size())};
+                           static_cast<std::int64_t>(part.size()),
+                           parts};
     for (const Block& block : global.blocks)
       types.insert(types.end(), {block.gmsh_type, block.nodes_per_element});
     renumber(global.contact, global, numbering, !global.contact.end_normal.empty());
@@ -164,6 +197,7 @@ Mesh distribute(GlobalMesh&& global, MPI_Comm comm) {
   mesh.owned_nodes = header[3];
   mesh.total_nodes = header[4];
   mesh.total_elements = header[5];
+  mesh.parts = header[6];
   std::vector<double> axis(global.axis.begin(), global.axis.end());
   broadcast(comm, axis);
   std::copy(axis.begin(), axis.end(), mesh.axis.begin());
@@ -211,12 +245,14 @@ Mesh distribute(GlobalMesh&& global, MPI_Comm comm) {
         parcels.node[r].push_back(numbering.number[n]);
         parcels.canonical[r].push_back(n);
         parcels.fixed[r].push_back(global.fixed[n]);
+        parcels.part[r].push_back(connected[static_cast<std::size_t>(n)]);
         for (int c = 0; c < 3; ++c) parcels.position[r].push_back(global.position[3 * n + c]);
       }
     }
   mesh.node = scatter(comm, parcels.node);
   mesh.canonical = scatter(comm, parcels.canonical);
   mesh.fixed = scatter(comm, parcels.fixed);
+  mesh.part = scatter(comm, parcels.part);
   mesh.position = scatter(comm, parcels.position);
 
   // Elements still name nodes by reading order; make that local.

@@ -144,6 +144,31 @@ TEST(SupportedBody, keeps_the_rigid_motions_that_its_supports_leave) {
     EXPECT_NEAR(set.angular_frequency[k], std::sqrt(exact[k]), 1e-9 * std::sqrt(exact[k])) << k;
 }
 
+TEST(SeveralParts, have_the_rigid_modes_and_the_eigenvalues_of_each) {
+  const mesh::GmshSession gmsh;
+  // Two blocks that don't touch, one of them held at its foot.
+  const std::string two =
+      "SetFactory(\"OpenCASCADE\");\nBox(1) = {0,0,0, 1,1,1};\nBox(2) = {3,0.5,0, 1,1.2,0.7};\nMeshSize{:} = "
+      "0.7;\n"
+      "Physical Volume(\"body\") = {1, 2};\nPhysical Surface(\"foot\") = {5};\n";
+  for (const bool held : {false, true}) {
+    using Support = std::map<std::string, std::string>;
+    for (const parallel::Teams* teams : {&test::one_team(), &test::own_teams()}) {
+      const Made made = make(two, 2, held ? Support{{"foot", "xyz"}} : Support{}, *teams);
+      EXPECT_EQ(made.mesh.parts, 2);
+      const Eigen::VectorXd exact = test::dense_eigenvalues(made.mesh, made.body);
+      const modes::ModeSet set =
+          modes::compute_modes(*teams, made.mesh, made.body, *made.factor, {.count = 40});
+      const int rigid = held ? 6 : 12;
+      for (int k = 0; k < 40; ++k)
+        if (k < rigid)
+          EXPECT_EQ(set.angular_frequency[k], 0) << k;
+        else
+          EXPECT_NEAR(set.angular_frequency[k], std::sqrt(exact[k]), 1e-9 * std::sqrt(exact[k])) << k;
+    }
+  }
+}
+
 TEST(Count, that_would_split_a_double_mode_takes_it_whole) {
   const mesh::GmshSession gmsh;
   // A square column of hexahedra: bending comes in pairs.
