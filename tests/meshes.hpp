@@ -59,6 +59,15 @@ inline std::string prism_geo(int divisions) {
       h, divisions);
 }
 
+/// A rod of length 2 along x, its ends named.
+inline std::string rod_geo(int elements) {
+  return fmt::format(
+      "Point(1) = {{0,0,0}};\nPoint(2) = {{2,0,0}};\nLine(1) = {{1,2}};\nTransfinite Curve{{1}} = {};\n"
+      "Physical Curve(\"rod\") = {{1}};\nPhysical Point(\"left\") = {{1}};\nPhysical Point(\"right\") = "
+      "{{2}};\n",
+      elements + 1);
+}
+
 /// A file that one rank writes and all read; gone at the end of the scope.
 class SharedFile {
  public:

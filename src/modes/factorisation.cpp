@@ -5,6 +5,7 @@
 #include <metis.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace ricochet::modes {
 
@@ -161,6 +162,10 @@ void Factorisation::order_by_metis(Mat stiffness) {
 void Factorisation::run(int job, const char* task) {
   mumps_->id.job = job;
   dmumps_c(&mumps_->id);
+  succeed(task);
+}
+
+void Factorisation::succeed(const char* task) const {
   const int code = mumps_->infog(1);
   if (code >= 0) return;
   const bool memory = code == -7 || code == -8 || code == -9 || code == -13 || code == -19;
@@ -170,19 +175,25 @@ void Factorisation::run(int job, const char* task) {
 }
 
 void Factorisation::factor(double sigma) {
+  constexpr int singular = -10, more_integers = -8, more_reals = -9;
   factored_ = false;
-  for (std::size_t k = 0; k < shifted_.size(); ++k) shifted_[k] = stiffness_[k] - sigma * mass_[k];
   DMUMPS_STRUC_C& id = mumps_->id;
   (parallel::size_of(comm_) == 1 ? id.a : id.a_loc) = shifted_.data();
-  // Delayed pivots may need more room than the analysis foresaw.
   for (int attempt = 0;; ++attempt) {
+    for (std::size_t k = 0; k < shifted_.size(); ++k) shifted_[k] = stiffness_[k] - sigma * mass_[k];
     id.job = job_factor;
     dmumps_c(&id);
     const int code = mumps_->infog(1);
-    if (attempt == 4 || (code != -8 && code != -9)) break;
-    mumps_->icntl(14) = 2 * std::max<MUMPS_INT>(mumps_->icntl(14), 20);
+    if (attempt == 4 || (code != singular && code != more_integers && code != more_reals)) break;
+    // A shift that is an eigenvalue gives way upwards; delayed pivots may need more room than the analysis
+    // foresaw.
+    if (code == singular) {
+      sigma += 1e-6 * std::abs(sigma);
+    } else {
+      mumps_->icntl(14) = 2 * std::max<MUMPS_INT>(mumps_->icntl(14), 20);
+    }
   }
-  if (mumps_->infog(1) < 0) run(job_factor, "factor");
+  succeed("factor");
   sigma_ = sigma;
   below_ = mumps_->infog(12);
   factored_ = true;

@@ -22,10 +22,11 @@ class Factorisation {
   Factorisation(const Factorisation&) = delete;
   Factorisation& operator=(const Factorisation&) = delete;
 
-  /// Factors K − σM. Collective. @param sigma  [rad²/s²]. Throws SolverError: not enough memory, breakdown.
+  /// Factors K − σM; where that is singular, a millionth above. Collective. @param sigma  [rad²/s²]. Throws
+  /// SolverError: not enough memory, breakdown.
   void factor(double sigma);
 
-  double sigma() const { return sigma_; }
+  double sigma() const { return sigma_; }  ///< of the factors
   bool factored() const { return factored_; }
 
   /// Eigenvalues below σ (Sylvester's law of inertia).
@@ -46,6 +47,7 @@ class Factorisation {
   void collect_entries(Mat stiffness, Mat mass);
   void take_users_options();
   void run(int job, const char* task);
+  void succeed(const char* task) const;
 
   MPI_Comm comm_ = MPI_COMM_NULL;
   std::unique_ptr<Mumps> mumps_;

@@ -1,5 +1,4 @@
 #include "src/modes/search.hpp"
-#include "src/modes/checkpoint.hpp"
 
 #include <fmt/format.h>
 
@@ -8,6 +7,8 @@
 #include <limits>
 #include <numbers>
 #include <numeric>
+
+#include "src/modes/checkpoint.hpp"
 
 namespace ricochet::modes {
 
@@ -104,9 +105,8 @@ class Searcher {
   void probe(const std::vector<double>& sigma) {
     std::vector<double> mine;
     if (static_cast<std::size_t>(teams_.mine()) < sigma.size()) {
-      double own = sigma[static_cast<std::size_t>(teams_.mine())];
-      factor_.factor(own);
-      mine = {own, static_cast<double>(factor_.below())};
+      factor_.factor(sigma[static_cast<std::size_t>(teams_.mine())]);
+      mine = {factor_.sigma(), static_cast<double>(factor_.below())};
     }
     for (const auto& probe : from_each_team(mine))
       if (!probe.empty()) probes_.push_back({probe[0], static_cast<std::int64_t>(probe[1])});
@@ -195,16 +195,23 @@ class Searcher {
       const auto& mine = queue[static_cast<std::size_t>(teams_.mine())];
       std::vector<double> message;
       Converged converged;
+      std::string complaint;
       if (round < mine.size()) {
         converged = solve(mine[round]);
-        checkpoint_.save(Slice{{factor_.sigma(), factor_.below()},
-                               converged.covered,
-                               {converged.lambda.begin(), converged.lambda.end()}},
-                         converged.shape);
+        try {
+          checkpoint_.save(Slice{{factor_.sigma(), factor_.below()},
+                                 converged.covered,
+                                 {converged.lambda.begin(), converged.lambda.end()}},
+                           converged.shape);
+        } catch (const InputError& error) {
+          complaint = error.what();
+        }
         message = {factor_.sigma(), static_cast<double>(factor_.below()), converged.covered.from,
                    converged.covered.to};
         message.insert(message.end(), converged.lambda.begin(), converged.lambda.end());
       }
+      // A disk that is full for one team ends the work of all.
+      parallel::agree(teams_.world(), complaint);
       const auto all = from_each_team(message);
       for (std::size_t t = 0; t < teams; ++t)
         if (!all[t].empty()) {
@@ -239,9 +246,9 @@ class Searcher {
     for (int attempt = 0; attempt < 6; ++attempt) {
       factor_.factor(sigma);
       Converged converged = lanczos(operators_, factor_, task.wanted, options_, bar);
-      const Eigen::ArrayXd distance = (converged.lambda.array() / sigma - 1).abs();
+      const Eigen::ArrayXd distance = (converged.lambda.array() / factor_.sigma() - 1).abs();
       if (distance.size() == 0 || distance.minCoeff() > too_close) return converged;
-      sigma *= 1 + 10 * too_close;
+      sigma = (1 + 10 * too_close) * factor_.sigma();
     }
     throw SolverError(fmt::format("modes: no shift near {:.6g} Hz is clear of modes", hertz(task.sigma)));
   }

@@ -32,14 +32,6 @@ Made make(const std::string& geo, int order, const std::map<std::string, std::st
   return made;
 }
 
-std::string rod_geo(int elements) {
-  return fmt::format(
-      "Point(1) = {{0,0,0}};\nPoint(2) = {{2,0,0}};\nLine(1) = {{1,2}};\nTransfinite Curve{{1}} = {};\n"
-      "Physical Curve(\"rod\") = {{1}};\nPhysical Point(\"left\") = {{1}};\nPhysical Point(\"right\") = "
-      "{{2}};\n",
-      elements + 1);
-}
-
 /// ω of linear elements of length h with consistent mass, wave number κ: the dispersion relation of the mesh.
 double discrete_omega(double kappa, double h, double young, double density) {
   const double c = std::cos(kappa * h);
@@ -49,7 +41,7 @@ double discrete_omega(double kappa, double h, double young, double density) {
 TEST(Rod, free_one_has_the_frequencies_of_its_mesh_in_closed_form) {
   const mesh::GmshSession gmsh;
   const int n = 40;
-  const Made rod = make(rod_geo(n), 1);
+  const Made rod = make(test::rod_geo(n), 1);
   const modes::ModeSet set =
       modes::compute_modes(test::one_team(), rod.mesh, rod.body, *rod.factor, {.count = n + 1});
   ASSERT_EQ(set.angular_frequency.size(), static_cast<std::size_t>(n + 1));
@@ -62,7 +54,7 @@ TEST(Rod, free_one_has_the_frequencies_of_its_mesh_in_closed_form) {
 TEST(Rod, clamped_one_has_the_frequencies_of_its_mesh_in_closed_form) {
   const mesh::GmshSession gmsh;
   const int n = 40;
-  const Made rod = make(rod_geo(n), 1, {{"left", "x"}});
+  const Made rod = make(test::rod_geo(n), 1, {{"left", "x"}});
   const modes::ModeSet set =
       modes::compute_modes(test::one_team(), rod.mesh, rod.body, *rod.factor, {.count = 20});
   for (int k = 0; k < 20; ++k)
@@ -185,7 +177,7 @@ TEST(Count, that_would_split_a_double_mode_takes_it_whole) {
 
 TEST(Count, beyond_the_free_displacements_is_refused_on_every_rank) {
   const mesh::GmshSession gmsh;
-  const Made rod = make(rod_geo(5), 1);
+  const Made rod = make(test::rod_geo(5), 1);
   EXPECT_THROW(modes::compute_modes(test::one_team(), rod.mesh, rod.body, *rod.factor, {.count = 7}),
                InputError);
 }

@@ -147,19 +147,11 @@ TEST(PatchLoads, are_unit_forces_that_supports_do_not_carry) {
   }
 }
 
-std::string rod_geo(int elements) {
-  return fmt::format(
-      "Point(1) = {{0,0,0}};\nPoint(2) = {{2,0,0}};\nLine(1) = {{1,2}};\nTransfinite Curve{{1}} = {};\n"
-      "Physical Curve(\"rod\") = {{1}};\nPhysical Point(\"left\") = {{1}};\nPhysical Point(\"right\") = "
-      "{{2}};\n",
-      elements + 1);
-}
-
 TEST(ResidualFlexibility, and_modes_of_a_clamped_rod_add_to_its_static_flexibility) {
   // Linear elements are exact at nodes: u(L) = L/(EA) for a unit force, whatever the modes kept.
   const double exact = 2.0 / (3.0 * 0.5);
   for (std::int64_t count : {1, 4}) {
-    const Body rod(rod_geo(20), 1, {"right"}, {}, {{"left", "x"}});
+    const Body rod(test::rod_geo(20), 1, {"right"}, {}, {{"left", "x"}});
     const modes::ModeSet set =
         modes::compute_modes(test::one_team(), rod.mesh, rod.matrices, *rod.factor, {.count = count});
     const kernels::Kernel kernel = rod.trace(set, true, false);
