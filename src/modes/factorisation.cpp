@@ -20,9 +20,7 @@ struct Factorisation::Mumps {
 
 namespace {
 
-constexpr int job_init = -1, job_end = -2, job_analyse = 1, job_factor = 2, job_solve = 3,
-              job_free_factors = -4;
-/// The communicator is the calling ranks' own and given as such.
+constexpr int job_init = -1, job_end = -2, job_analyse = 1, job_factor = 2, job_solve = 3;
 constexpr int symmetric_indefinite = 2, host_works = 1;
 
 }  // namespace
@@ -226,12 +224,6 @@ Eigen::MatrixXd Factorisation::solve(const Eigen::Ref<const Eigen::MatrixXd>& ri
     MPI_Scatterv(first ? whole.col(j).data() : nullptr, rows_of_rank_.data(), first_of_rank_.data(),
                  MPI_DOUBLE, solution.col(j).data(), static_cast<int>(local_rows_), MPI_DOUBLE, 0, comm_);
   return solution;
-}
-
-void Factorisation::release() {
-  if (!factored_) return;
-  factored_ = false;
-  run(job_free_factors, "release the factors of");
 }
 
 double Factorisation::expected_mib() const {

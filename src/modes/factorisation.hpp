@@ -27,16 +27,12 @@ class Factorisation {
   void factor(double sigma);
 
   double sigma() const { return sigma_; }  ///< of the factors
-  bool factored() const { return factored_; }
 
   /// Eigenvalues below σ (Sylvester's law of inertia).
   std::int64_t below() const { return below_; }
 
   /// Solves (K − σM) X = B. @param right  B (local rows, n), @return likewise. Collective.
   Eigen::MatrixXd solve(const Eigen::Ref<const Eigen::MatrixXd>& right);
-
-  /// Lets the factors go, not the analysis. Collective.
-  void release();
 
   /// Memory that MUMPS expects to need on this rank for a factorisation [MiB].
   double expected_mib() const;

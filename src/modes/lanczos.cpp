@@ -25,14 +25,12 @@ class Basis {
     q_.resize(operators.body.local_rows, most);
     t_ = MatrixXd::Zero(most, most);
     MatrixXd start = factor_.solve(operators_.mass(operators_.noise(options.block, options.seed)));
-    solves_ = start.cols();
     append(start);
   }
 
   /// Vectors whose image is in the span of all; the last block is not among them.
   Index inner_size() const { return inner_; }
   Index size() const { return size_; }
-  Index solves() const { return solves_; }
   bool exhausted() const { return inner_ == size_; }
   const MatrixXd& vectors() const { return q_; }
   auto projected() const { return t_.topLeftCorner(inner_, inner_); }
@@ -45,7 +43,6 @@ class Basis {
 
   void step() {
     MatrixXd next = factor_.solve(momentum_.rightCols(size_ - inner_));
-    solves_ += next.cols();
     previous_ = last_;
     last_ = inner_;
     inner_ = size_;
@@ -123,7 +120,7 @@ class Basis {
   MatrixXd q_, t_;
   MatrixXd momentum_;  ///< M times the last two blocks
   MatrixXd behind_momentum_;
-  Index inner_ = 0, size_ = 0, last_ = 0, previous_ = 0, solves_ = 0;
+  Index inner_ = 0, size_ = 0, last_ = 0, previous_ = 0;
   double typical_momentum_ = 0;
 };
 
@@ -250,7 +247,6 @@ Converged lanczos(const Operators& operators, Factorisation& factor, const Inter
     next_look = m + std::max<Index>(1, static_cast<Index>(wait));
   }
   Converged found;
-  found.solves = basis.solves();
   found.covered = reach.covered;
   const Index n = reach.behind - reach.first;
   found.lambda = ritz.lambda.segment(reach.first, n);

@@ -22,7 +22,6 @@ struct Converged {
   Interval covered;        ///< holds the shift; every Ritz value in it has converged
   Eigen::VectorXd lambda;  ///< (n) ascending, all in `covered`
   Eigen::MatrixXd shape;   ///< (local rows, n), M-orthonormal to about the square of the tolerance
-  Eigen::Index solves = 0;
 };
 
 /// The elastic modes in `wanted`, as far as the basis reaches. Collective on the team.
