@@ -98,10 +98,12 @@ void validate_modes(const Modes& modes, const Validator& check) {
   check.finite_not_negative("dataset \"/modes/decay_rate\"", modes.decay_rate, n);
   check.finite_not_negative("dataset \"/modes/residual\"", modes.residual, n);
   const Certificate& certificate = modes.certificate;
-  if (certificate.below < 0 || certificate.count_by_inertia < 0 || certificate.count_found < 0)
+  if (certificate.below < 0 || certificate.count_by_inertia < 0 || certificate.count_found < 0 ||
+      certificate.left_out < 0)
     check.fail("group \"/modes/certificate\"", "holds a negative count.");
   if (!(std::isfinite(certificate.upto_hz) && certificate.upto_hz >= 0 &&
-        std::isfinite(certificate.orthonormality) && certificate.orthonormality >= 0))
+        std::isfinite(certificate.orthonormality) && certificate.orthonormality >= 0 &&
+        std::isfinite(certificate.flexibility_error) && certificate.flexibility_error >= 0))
     check.fail("group \"/modes/certificate\"", "holds a number that is negative or not finite.");
 }
 

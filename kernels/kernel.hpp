@@ -16,14 +16,19 @@
 
 namespace ricochet::kernels {
 
-/// Proof that no mode is missing: inertia of full-rank factorisations against the modes found.
+/// Proof that no mode is missing: inertia of full-rank factorisations against the modes found. Of a basis
+/// fitted to contact: the error estimate that it met.
 struct Certificate {
   std::int64_t below = 0;             ///< modes below the interval (0: the interval starts below all)
   double upto_hz = 0;                 ///< upper end of the proved interval [Hz]
-  std::int64_t count_by_inertia = 0;  ///< modes in it by Sylvester's law
-  std::int64_t count_found = 0;       ///< modes in this kernel
-  bool complete = false;              ///< the two agree, residuals and M-orthonormality within bounds
-  double orthonormality = 0;          ///< max |ΦᵀMΦ − I|
+  std::int64_t count_by_inertia = 0;  ///< modes in it by Sylvester's law; basis "contact": vectors
+  std::int64_t count_found = 0;       ///< modes found
+  std::int64_t left_out = 0;  ///< of those: not in this kernel, as contact hardly feels them in the band
+  bool complete = false;      ///< counts agree, residuals, M-orthonormality and flexibility within bounds
+  double orthonormality = 0;  ///< max |ΦᵀMΦ − I|
+  /// Error of the flexibility over the band up to `upto_hz` that was estimated where one was asked for;
+  /// otherwise 0.
+  double flexibility_error = 0;
 };
 
 struct Modes {

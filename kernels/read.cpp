@@ -64,14 +64,17 @@ Modes read_modes(const hdf5::Reader& file) {
   certificate.upto_hz = file.double_attribute(group, "upto_hz");
   certificate.count_by_inertia = file.integer_attribute(group, "count_by_inertia");
   certificate.count_found = file.integer_attribute(group, "count_found");
+  certificate.left_out = file.integer_attribute(group, "left_out");
   certificate.complete = read_flag(file, group, "complete");
   certificate.orthonormality = file.double_attribute(group, "orthonormality");
+  certificate.flexibility_error = file.double_attribute(group, "flexibility_error");
   if (!certificate.complete)
     file.fail(fmt::format("its certificate is not complete ({} modes found, {} proved).",
                           certificate.count_found, certificate.count_by_inertia));
-  if (certificate.count_found < 0 || static_cast<std::uint64_t>(certificate.count_found) != n)
-    file.fail(fmt::format("its certificate is for {} modes, but \"/modes/angular_frequency\" has {}.",
-                          certificate.count_found, n));
+  const std::int64_t kept = certificate.count_found - certificate.left_out;
+  if (kept < 0 || static_cast<std::uint64_t>(kept) != n)
+    file.fail(
+        fmt::format("its certificate is for {} modes, but \"/modes/angular_frequency\" has {}.", kept, n));
   return modes;
 }
 

@@ -34,8 +34,10 @@ void write_modes(hdf5::Writer& file, const Modes& modes) {
   file.attribute(certificate, "upto_hz", modes.certificate.upto_hz);
   file.attribute(certificate, "count_by_inertia", modes.certificate.count_by_inertia);
   file.attribute(certificate, "count_found", modes.certificate.count_found);
+  file.attribute(certificate, "left_out", modes.certificate.left_out);
   file.attribute(certificate, "complete", modes.certificate.complete);
   file.attribute(certificate, "orthonormality", modes.certificate.orthonormality);
+  file.attribute(certificate, "flexibility_error", modes.certificate.flexibility_error);
 }
 
 void write_surface(hdf5::Writer& file, const Surface& surface, std::size_t n) {

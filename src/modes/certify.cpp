@@ -10,6 +10,10 @@ namespace ricochet::modes {
 
 namespace {
 
+/// In units of the bound r on residuals: two modes found from different shifts are orthogonal to 2rλ/Δλ, and
+/// neighbours are rarely closer than 2 %. A mode found twice would show as 1.
+constexpr double orthonormality_bound = 100;
+
 /// Residuals of this team's elastic modes, and max |ΦᵀMΦ − I| over all pairs of modes.
 struct Measured {
   Eigen::VectorXd residual;
@@ -56,6 +60,30 @@ Measured measure(const parallel::Teams& teams, const Operators& operators, const
   return measured;
 }
 
+/// Residuals into `set`, those of this team's vectors also as a row; its M-orthonormality is returned.
+double take_residuals(const parallel::Teams& teams, const Operators& operators, ModeSet& set,
+                      Eigen::MatrixXd& residual) {
+  const Eigen::Index r = operators.rigid.cols();
+  Eigen::VectorXd lambda(set.shape.cols());
+  for (Eigen::Index j = 0; j < lambda.size(); ++j)
+    lambda[j] =
+        std::pow(set.angular_frequency[static_cast<std::size_t>(set.index[static_cast<std::size_t>(j)])], 2);
+  const Measured measured = measure(teams, operators, lambda, set.shape);
+  residual = measured.residual.transpose();
+  const double stiffest =
+      parallel::largest(operators.comm, operators.diagonal.size() > 0 ? operators.diagonal.maxCoeff() : 0);
+  if (residual.size() > 0) {
+    // Rigid modes have no ‖Kφ‖ to compare with.
+    if (set.index.front() < r)
+      residual.leftCols(r) = (operators.norms(operators.stiffness(set.shape.leftCols(r))).array() /
+                              (stiffest * operators.norms(set.shape.leftCols(r)).array()))
+                                 .transpose();
+  }
+  const Eigen::MatrixXd all = set.gather(teams, residual);
+  set.residual.assign(all.data(), all.data() + all.cols());
+  return measured.orthonormality;
+}
+
 }  // namespace
 
 void fix_signs(const Operators& operators, Eigen::MatrixXd& shape) {
@@ -81,24 +109,8 @@ void fix_signs(const Operators& operators, Eigen::MatrixXd& shape) {
 
 void certify(const parallel::Teams& teams, const Operators& operators, std::int64_t counted, double tolerance,
              ModeSet& set) {
-  const Eigen::Index r = operators.rigid.cols();
-  Eigen::VectorXd lambda(set.shape.cols());
-  for (Eigen::Index j = 0; j < lambda.size(); ++j)
-    lambda[j] =
-        std::pow(set.angular_frequency[static_cast<std::size_t>(set.index[static_cast<std::size_t>(j)])], 2);
-  const Measured measured = measure(teams, operators, lambda, set.shape);
-  Eigen::MatrixXd residual = measured.residual.transpose();
-  const double stiffest =
-      parallel::largest(operators.comm, operators.diagonal.size() > 0 ? operators.diagonal.maxCoeff() : 0);
-  if (residual.size() > 0) {
-    // Rigid modes have no ‖Kφ‖ to compare with.
-    if (set.index.front() < r)
-      residual.leftCols(r) = (operators.norms(operators.stiffness(set.shape.leftCols(r))).array() /
-                              (stiffest * operators.norms(set.shape.leftCols(r)).array()))
-                                 .transpose();
-  }
-  const Eigen::MatrixXd all = set.gather(teams, residual);
-  set.residual.assign(all.data(), all.data() + all.cols());
+  Eigen::MatrixXd residual;
+  const double orthonormality = take_residuals(teams, operators, set, residual);
   // The worst of those that round-off does not excuse.
   Eigen::MatrixXd excess = Eigen::MatrixXd::Zero(1, set.shape.cols());
   for (Eigen::Index j = 0; j < excess.cols(); ++j)
@@ -115,14 +127,29 @@ void certify(const parallel::Teams& teams, const Operators& operators, std::int6
   certificate.upto_hz = std::sqrt(set.cut) / (2 * std::numbers::pi);
   certificate.count_by_inertia = counted;
   certificate.count_found = static_cast<std::int64_t>(set.angular_frequency.size());
-  certificate.orthonormality = measured.orthonormality;
-  certificate.complete =
-      certificate.count_by_inertia == certificate.count_found && certificate.orthonormality < 1e-8;
+  certificate.orthonormality = orthonormality;
+  certificate.complete = certificate.count_by_inertia == certificate.count_found &&
+                         certificate.orthonormality < orthonormality_bound * tolerance;
   if (!certificate.complete)
     throw SolverError(
         fmt::format("modes: {} found but inertia proves {} below {:.6g} Hz, M-orthonormal to {:.2g}",
                     certificate.count_found, certificate.count_by_inertia, certificate.upto_hz,
                     certificate.orthonormality));
+}
+
+void certify_basis(const parallel::Teams& teams, const Operators& operators, Hertz band, double error,
+                   ModeSet& set) {
+  Eigen::MatrixXd residual;
+  kernels::Certificate& certificate = set.certificate;
+  certificate.orthonormality = take_residuals(teams, operators, set, residual);
+  certificate.upto_hz = band.value;
+  certificate.flexibility_error = error;
+  certificate.count_by_inertia = certificate.count_found =
+      static_cast<std::int64_t>(set.angular_frequency.size());
+  certificate.complete = certificate.orthonormality < 1e-8;
+  if (!certificate.complete)
+    throw SolverError(fmt::format("modes: vectors fitted to contact are M-orthonormal to {:.2g} only",
+                                  certificate.orthonormality));
 }
 
 }  // namespace ricochet::modes

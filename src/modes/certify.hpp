@@ -14,4 +14,9 @@ void fix_signs(const Operators& operators, Eigen::MatrixXd& shape);
 void certify(const parallel::Teams& teams, const Operators& operators, std::int64_t counted, double tolerance,
              ModeSet& set);
 
+/// The same for vectors fitted to contact: `error` is the estimate that they have met, `band` where it holds.
+/// Throws SolverError when M-orthonormality is worse than 1e-8. Collective on all ranks.
+void certify_basis(const parallel::Teams& teams, const Operators& operators, Hertz band, double error,
+                   ModeSet& set);
+
 }  // namespace ricochet::modes

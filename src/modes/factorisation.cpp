@@ -174,6 +174,7 @@ void Factorisation::succeed(const char* task) const {
 
 void Factorisation::factor(double sigma) {
   constexpr int singular = -10, more_integers = -8, more_reals = -9;
+  if (factored_ && sigma == sigma_) return;
   factored_ = false;
   DMUMPS_STRUC_C& id = mumps_->id;
   (parallel::size_of(comm_) == 1 ? id.a : id.a_loc) = shifted_.data();
@@ -228,6 +229,17 @@ Eigen::MatrixXd Factorisation::solve(const Eigen::Ref<const Eigen::MatrixXd>& ri
 
 double Factorisation::expected_mib() const {
   return static_cast<double>(mumps_->id.info[14]) * 1e6 / (1 << 20);
+}
+
+Eigen::MatrixXd shared_solve(const parallel::Teams& teams, Factorisation& factor,
+                             const Eigen::Ref<const Eigen::MatrixXd>& right) {
+  const Eigen::Index first = right.cols() * teams.mine() / teams.count(),
+                     behind = right.cols() * (teams.mine() + 1) / teams.count();
+  if (teams.count() == 1) return factor.solve(right);
+  Eigen::MatrixXd solution = Eigen::MatrixXd::Zero(right.rows(), right.cols());
+  solution.middleCols(first, behind - first) = factor.solve(right.middleCols(first, behind - first));
+  parallel::sum(teams.peers(), solution.data(), static_cast<std::size_t>(solution.size()));
+  return solution;
 }
 
 Eigen::MatrixXd inner(MPI_Comm comm, const Eigen::Ref<const Eigen::MatrixXd>& x,

@@ -4,7 +4,7 @@
 #include <Eigen/Dense>
 #include <memory>
 
-#include "src/parallel/parallel.hpp"
+#include "src/parallel/teams.hpp"
 
 namespace ricochet::modes {
 
@@ -22,8 +22,8 @@ class Factorisation {
   Factorisation(const Factorisation&) = delete;
   Factorisation& operator=(const Factorisation&) = delete;
 
-  /// Factors K − σM; where that is singular, a millionth above. Collective. @param sigma  [rad²/s²]. Throws
-  /// SolverError: not enough memory, breakdown.
+  /// Factors K − σM, unless that is what was factored last; where it is singular, a millionth above.
+  /// Collective. @param sigma  [rad²/s²]. Throws SolverError: not enough memory, breakdown.
   void factor(double sigma);
 
   double sigma() const { return sigma_; }  ///< of the factors
@@ -55,6 +55,12 @@ class Factorisation {
   bool factored_ = false;
   std::int64_t below_ = 0;
 };
+
+/// The same right-hand sides in every team solved by all teams, each a part of the columns; the teams'
+/// factors are of one shift. @return (local rows, n), the same in every team. Collective on all ranks of
+/// `teams`.
+Eigen::MatrixXd shared_solve(const parallel::Teams& teams, Factorisation& factor,
+                             const Eigen::Ref<const Eigen::MatrixXd>& right);
 
 /// XᵀY summed over the ranks, the same on each. Collective.
 Eigen::MatrixXd inner(MPI_Comm comm, const Eigen::Ref<const Eigen::MatrixXd>& x,

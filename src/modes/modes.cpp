@@ -104,6 +104,8 @@ ModeSet compute_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
   // no inertia of its own.
   const double last = kept > 0 ? places[kept - 1].lambda : 0;
   set.cut = kept < places.size() ? (last + places[kept].lambda) / 2 : end;
+  // Far enough from zero for rigid motions to be harmless, near enough for a series in σ/λ_cut.
+  set.static_shift = -1e-3 * set.cut;
   places.resize(kept);
   const std::int64_t counted = r + static_cast<std::int64_t>(kept);
 

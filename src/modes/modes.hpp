@@ -15,17 +15,22 @@ struct Request {
   /// the lowest ones, rigid included; extended to the end of a multiple mode
   std::optional<std::int64_t> count{};
   double relative_residual = 1e-8;
+  /// Modes to find from one factorisation: with more its basis costs more than another one; with fewer it
+  /// needs less memory.
+  std::int64_t modes_per_shift = 260;
   std::filesystem::path checkpoint{};  ///< folder of finished slices, used and filled; empty: none
 };
 
-/// All modes of a body; each team of ranks holds the shapes of some.
+/// All modes of a body, or vectors fitted to its contact; each team of ranks holds the shapes of some.
 struct ModeSet {
   std::vector<double> angular_frequency;  ///< (N) [rad/s], ascending; rigid modes first, exactly 0
   std::vector<double> residual;  ///< (N) ‖Kφ − ω²Mφ‖₂ / ‖Kφ‖₂; rigid: ‖Kφ‖₂ / (max |diag K| ‖φ‖₂)
   std::vector<Eigen::Index> index;  ///< (n) numbers of this team's modes in the lists above, ascending
   Eigen::MatrixXd shape;  ///< (local rows, n) of them, M-orthonormal; the largest entry of each is positive
   kernels::Certificate certificate;
-  double cut = 0;  ///< λ between the last mode kept and the next [rad²/s²]: the proved end
+  bool exact = true;  ///< modes; otherwise Ritz vectors, whose residuals are what they are
+  double cut = 0;  ///< λ between the last mode kept and the next: the proved end; Ritz vectors: of the band
+  double static_shift = 0;  ///< σ < 0 about which what is left out is solved for [rad²/s²]
 
   /// Columns of this team's modes put in their places among all. @param mine (a, n), the same on the team's
   /// ranks;
@@ -49,8 +54,8 @@ struct Progress {
 ModeSet compute_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
                       Factorisation& factor, const Request& request, const Progress& progress = {});
 
-/// Quasi-static response of the modes left out to a set of loads: Cᵀ Pᵀ (K − σM)⁻¹ P L corrected to σ = 0,
-/// where C, the places at which it is seen, are the first `seen` columns of L.
+/// Quasi-static response of what the modes leave out to a set of loads: Cᵀ Pᵀ (K − σM)⁻¹ P L corrected to
+/// σ = 0, where C, the places at which it is seen, are the first `seen` columns of L.
 ///
 /// @param loads  L (local rows, b) [N], held components 0, the same in every team
 /// @return (seen, b) [m/N for unit loads], the same on every rank. Collective on all ranks of `teams`.

@@ -11,21 +11,25 @@ using parallel::check;
 /// Columns that one pass over the matrix serves: a cache line of each row.
 constexpr int width = 8;
 
-/// y += A x, rows of x and y being `width` columns side by side. B: block size; D: blocks are diagonal and
-/// all there, otherwise they are those of the upper triangle.
+/// y += A x, rows of x and y being `width` columns side by side. B: block size; D: blocks are diagonal, and
+/// all there but for columns of ghosts; otherwise they are those of the upper triangle.
 template <int B, bool D>
 [[gnu::always_inline]] inline void accumulate(std::size_t rows, const PetscInt* start, const PetscInt* column,
                                               const double* value, const double* x, double* y) {
   constexpr int entries = D ? B : B * B;
   for (std::size_t i = 0; i < rows; ++i) {
     double own[B * width] = {};
-    [[maybe_unused]] const double* xi = x + i * B * width;
+    const double* xi = x + i * B * width;
     for (PetscInt k = start[i]; k < start[i + 1]; ++k) {
       const auto j = static_cast<std::size_t>(column[k]);
       const double *a = value + static_cast<std::size_t>(k) * entries, *xj = x + j * B * width;
       if constexpr (D) {
         for (int r = 0; r < B; ++r)
           for (int w = 0; w < width; ++w) own[r * width + w] += a[r] * xj[r * width + w];
+        if (j < rows) continue;
+        double* yj = y + j * B * width;
+        for (int r = 0; r < B; ++r)
+          for (int w = 0; w < width; ++w) yj[r * width + w] += a[r] * xi[r * width + w];
       } else {
         double* yj = y + j * B * width;
         const bool off = j != i;
@@ -55,90 +59,130 @@ RICOCHET_PRODUCT(scalars, 1, true)
 
 }  // namespace
 
-BlockProduct::BlockProduct(Mat matrix) : matrix_(matrix) {
+BlockProduct::BlockProduct(Mat matrix) {
   MPI_Comm comm = MPI_COMM_NULL;
   check(PetscObjectGetComm(reinterpret_cast<PetscObject>(matrix), &comm));
   check(MatGetBlockSize(matrix, &block_));
-  serial_ = parallel::size_of(comm) == 1 && (block_ == 1 || block_ == 3);
-  if (!serial_) return;
-  PetscInt rows = 0;
-  const PetscInt *start = nullptr, *column = nullptr;
-  PetscBool done = PETSC_FALSE;
-  check(MatGetRowIJ(matrix, 0, PETSC_FALSE, PETSC_TRUE, &rows, &start, &column, &done));
-  if (!done) throw SolverError("internal: the matrix does not show its rows");
-  start_.assign(start, start + rows + 1);
-  column_.assign(column, column + start[rows]);
-  check(MatRestoreRowIJ(matrix, 0, PETSC_FALSE, PETSC_TRUE, &rows, &start, &column, &done));
-  double* value = nullptr;
-  check(MatSeqSBAIJGetArray(matrix, &value));
+  if (block_ != 1 && block_ != 3) throw SolverError("internal: products are for blocks of 1 and 3");
+  take_blocks(matrix);
+  number_ghosts(comm, matrix);
   const auto entries = static_cast<std::size_t>(block_ * block_);
-  const std::size_t size = column_.size() * entries;
   diagonal_ = true;
-  for (std::size_t k = 0; k < size && diagonal_; ++k)
-    diagonal_ = (k % entries) % static_cast<std::size_t>(block_ + 1) == 0 || value[k] == 0;
-  if (diagonal_) {
-    take_diagonals(value, entries);
-  } else {
-    value_.assign(value, value + size);
-  }
-  check(MatSeqSBAIJRestoreArray(matrix, &value));
+  for (std::size_t k = 0; k < value_.size() && diagonal_; ++k)
+    diagonal_ = (k % entries) % static_cast<std::size_t>(block_ + 1) == 0 || value_[k] == 0;
+  // One kernel serves all ranks.
+  int all = diagonal_ ? 1 : 0;
+  MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_INT, MPI_MIN, comm);
+  diagonal_ = all == 1;
+  if (diagonal_) take_diagonals();
 }
 
-void BlockProduct::take_diagonals(const double* upper, std::size_t entries) {
-  const std::size_t rows = start_.size() - 1;
-  const auto block = static_cast<std::size_t>(block_);
-  // Upper and lower triangle: rows are then summed up without touching others.
-  std::vector<PetscInt> start(rows + 1, 0), next;
-  for (std::size_t i = 0; i < rows; ++i)
-    for (PetscInt k = start_[i]; k < start_[i + 1]; ++k) {
-      const auto j = static_cast<std::size_t>(column_[static_cast<std::size_t>(k)]);
-      ++start[i + 1];
-      if (j != i) ++start[j + 1];
+void BlockProduct::take_blocks(Mat matrix) {
+  PetscInt first = 0, behind = 0;
+  check(MatGetOwnershipRange(matrix, &first, &behind));
+  rows_ = static_cast<std::size_t>((behind - first) / block_);
+  start_.assign(1, 0);
+  check(MatGetRowUpperTriangular(matrix));
+  for (PetscInt i = first; i < behind; i += block_) {
+    for (PetscInt r = 0; r < block_; ++r) {
+      PetscInt n = 0;
+      const PetscInt* column = nullptr;
+      const double* entry = nullptr;
+      check(MatGetRow(matrix, i + r, &n, &column, &entry));
+      // A row of a block starts at the block, also where that is the diagonal one.
+      const PetscInt blocks = n / block_;
+      if (r == 0) {
+        start_.push_back(start_.back() + blocks);
+        for (PetscInt k = 0; k < blocks; ++k) column_.push_back(column[k * block_] / block_);
+        value_.resize(column_.size() * static_cast<std::size_t>(block_ * block_));
+      }
+      const auto at = static_cast<std::size_t>(start_[start_.size() - 2]);
+      for (PetscInt k = 0; k < n; ++k)
+        value_[(at + static_cast<std::size_t>(k / block_)) * static_cast<std::size_t>(block_ * block_) +
+               static_cast<std::size_t>((k % block_) * block_ + r)] = entry[k];
+      check(MatRestoreRow(matrix, i + r, &n, &column, &entry));
     }
-  for (std::size_t i = 0; i < rows; ++i) start[i + 1] += start[i];
-  next.assign(start.begin(), start.end() - 1);
-  std::vector<PetscInt> column(static_cast<std::size_t>(start.back()));
-  value_.resize(column.size() * block);
-  const auto put = [&](std::size_t i, std::size_t j, const double* entry) {
-    const auto at = static_cast<std::size_t>(next[i]++);
-    column[at] = static_cast<PetscInt>(j);
-    for (std::size_t d = 0; d < block; ++d) value_[at * block + d] = entry[d * (block + 1)];
+  }
+  check(MatRestoreRowUpperTriangular(matrix));
+}
+
+void BlockProduct::number_ghosts(MPI_Comm comm, Mat matrix) {
+  const PetscInt* range = nullptr;
+  check(MatGetOwnershipRanges(matrix, &range));
+  const int ranks = parallel::size_of(comm), rank = parallel::rank_of(comm);
+  const PetscInt first = range[rank] / block_, behind = range[rank + 1] / block_;
+  std::vector<PetscInt> ghost;
+  for (const PetscInt column : column_)
+    if (column < first || column >= behind) ghost.push_back(column);
+  std::sort(ghost.begin(), ghost.end());
+  ghost.erase(std::unique(ghost.begin(), ghost.end()), ghost.end());
+  ghosts_ = ghost.size();
+  for (PetscInt& column : column_) {
+    const bool own = column >= first && column < behind;
+    column =
+        own ? column - first
+            : static_cast<PetscInt>(rows_) +
+                  static_cast<PetscInt>(std::lower_bound(ghost.begin(), ghost.end(), column) - ghost.begin());
+  }
+  several_ = ranks > 1;
+  if (!several_) return;
+  row_ = parallel::RowType(static_cast<int>(block_) * width);
+  std::vector<PetscSFNode> owner;
+  int at = 0;
+  for (const PetscInt g : ghost) {
+    while (g >= range[at + 1] / block_) ++at;
+    owner.push_back({at, g - range[at] / block_});
+  }
+  check(PetscSFCreate(comm, exchange_.out()));
+  check(PetscSFSetGraph(exchange_, static_cast<PetscInt>(rows_), static_cast<PetscInt>(ghosts_), nullptr,
+                        PETSC_COPY_VALUES, owner.data(), PETSC_COPY_VALUES));
+  check(PetscSFSetUp(exchange_));
+}
+
+void BlockProduct::take_diagonals() {
+  const auto block = static_cast<std::size_t>(block_), entries = block * block;
+  const std::vector<double> upper = std::move(value_);
+  const std::vector<PetscInt> start_of = std::move(start_), column_of = std::move(column_);
+  // Upper and lower triangle: rows are then summed up without touching others, but for ghosts.
+  start_.assign(rows_ + 1, 0);
+  const auto each = [&](const auto& visit) {
+    for (std::size_t i = 0; i < rows_; ++i)
+      for (PetscInt k = start_of[i]; k < start_of[i + 1]; ++k) {
+        const auto j = static_cast<std::size_t>(column_of[static_cast<std::size_t>(k)]);
+        const double* entry = upper.data() + static_cast<std::size_t>(k) * entries;
+        visit(i, j, entry);
+        if (j != i && j < rows_) visit(j, i, entry);
+      }
   };
-  for (std::size_t i = 0; i < rows; ++i)
-    for (PetscInt k = start_[i]; k < start_[i + 1]; ++k) {
-      const auto j = static_cast<std::size_t>(column_[static_cast<std::size_t>(k)]);
-      const double* entry = upper + static_cast<std::size_t>(k) * entries;
-      put(i, j, entry);
-      if (j != i) put(j, i, entry);
-    }
-  start_ = std::move(start);
-  column_ = std::move(column);
+  each([&](std::size_t i, std::size_t, const double*) { ++start_[i + 1]; });
+  for (std::size_t i = 0; i < rows_; ++i) start_[i + 1] += start_[i];
+  std::vector<PetscInt> next(start_.begin(), start_.end() - 1);
+  column_.resize(static_cast<std::size_t>(start_.back()));
+  value_.resize(column_.size() * block);
+  each([&](std::size_t i, std::size_t j, const double* entry) {
+    const auto at = static_cast<std::size_t>(next[i]++);
+    column_[at] = static_cast<PetscInt>(j);
+    for (std::size_t d = 0; d < block; ++d) value_[at * block + d] = entry[d * (block + 1)];
+  });
 }
 
 Eigen::MatrixXd BlockProduct::operator()(const Eigen::Ref<const Eigen::MatrixXd>& columns) const {
   Eigen::MatrixXd product(columns.rows(), columns.cols());
-  if (!serial_) {
-    MPI_Comm comm = MPI_COMM_NULL;
-    check(PetscObjectGetComm(reinterpret_cast<PetscObject>(matrix_), &comm));
-    const auto local = static_cast<PetscInt>(columns.rows());
-    for (Eigen::Index j = 0; j < columns.cols(); ++j) {
-      parallel::Vector x, y;
-      check(VecCreateMPIWithArray(comm, block_, local, PETSC_DECIDE, columns.col(j).data(), x.out()));
-      check(VecCreateMPIWithArray(comm, block_, local, PETSC_DECIDE, product.col(j).data(), y.out()));
-      check(MatMult(matrix_, x, y));
-    }
-    return product;
-  }
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, width, Eigen::RowMajor>;
-  Rows x(columns.rows(), width), y(columns.rows(), width);
+  const Eigen::Index own = columns.rows(), ghosts = static_cast<Eigen::Index>(ghosts_) * block_;
+  Rows x(own + ghosts, width), y(own + ghosts, width);
   const auto kernel = block_ == 1 ? scalars : diagonal_ ? diagonal_blocks : full_blocks;
   for (Eigen::Index j = 0; j < columns.cols(); j += width) {
     const Eigen::Index n = std::min<Eigen::Index>(width, columns.cols() - j);
     if (n < width) x.setZero();
-    x.leftCols(n) = columns.middleCols(j, n);
+    x.topLeftCorner(own, n) = columns.middleCols(j, n);
     y.setZero();
-    kernel(start_.size() - 1, start_.data(), column_.data(), value_.data(), x.data(), y.data());
-    product.middleCols(j, n) = y.leftCols(n);
+    if (several_) check(PetscSFBcastBegin(exchange_, row_, x.data(), x.data() + own * width, MPI_REPLACE));
+    if (several_) check(PetscSFBcastEnd(exchange_, row_, x.data(), x.data() + own * width, MPI_REPLACE));
+    kernel(rows_, start_.data(), column_.data(), value_.data(), x.data(), y.data());
+    if (several_) check(PetscSFReduceBegin(exchange_, row_, y.data() + own * width, y.data(), MPI_SUM));
+    if (several_) check(PetscSFReduceEnd(exchange_, row_, y.data() + own * width, y.data(), MPI_SUM));
+    product.middleCols(j, n) = y.topLeftCorner(own, n);
   }
   return product;
 }

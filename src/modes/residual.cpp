@@ -5,26 +5,40 @@ namespace ricochet::modes {
 Eigen::MatrixXd residual_response(const parallel::Teams& teams, const mesh::Mesh& mesh,
                                   const elasticity::Body& body, Factorisation& factor, const ModeSet& modes,
                                   const Eigen::MatrixXd& loads, Eigen::Index seen) {
-  // No mode left out lies below the cut: the series converges by |σ|/(λ_cut + |σ|) < ratio a term. The shift
-  // is far enough from zero for rigid motions, which P removes, to be harmless.
-  constexpr double ratio = 1e-3, tolerance = 1e-12;
-  const double sigma = -ratio * modes.cut;
+  // No mode left out lies below the cut: the series converges by |σ|/(λ_cut + |σ|) a term.
+  constexpr double tolerance = 1e-12;
+  const double sigma = modes.static_shift, ratio = -sigma / modes.cut;
   factor.factor(sigma);
   const BlockProduct mass(body.mass);
-  const Eigen::MatrixXd inertia = mass(modes.shape);
+  // Of a load, what the kept modes φ answer to: M φ, which is K φ/λ for exact ones. Of Ritz vectors the
+  // latter makes what is left of the load orthogonal to them and R the static flexibility less theirs.
+  Eigen::MatrixXd inertia = mass(modes.shape);
+  // What the response is to be compared with: little is left by vectors that have the static responses in
+  // them.
+  double flexibility = 0;
+  if (!modes.exact) {
+    const Eigen::MatrixXd force = BlockProduct(body.stiffness)(modes.shape);
+    Eigen::VectorXd inverse = Eigen::VectorXd::Zero(force.cols());
+    for (Eigen::Index j = 0; j < force.cols(); ++j) {
+      const double omega =
+          modes.angular_frequency[static_cast<std::size_t>(modes.index[static_cast<std::size_t>(j)])];
+      if (omega == 0) continue;
+      inverse[j] = 1 / (omega * omega);
+      inertia.col(j) = force.col(j) * inverse[j];
+    }
+    const Eigen::MatrixXd trace = inner(mesh.comm, loads.leftCols(seen), modes.shape);
+    flexibility = (trace.cwiseAbs2() * inverse).maxCoeff();
+    parallel::sum(teams.peers(), &flexibility, 1);
+  }
   const auto over_teams = [&](Eigen::MatrixXd part) {
     parallel::sum(teams.peers(), part.data(), static_cast<std::size_t>(part.size()));
     return part;
   };
   // P f = f − M Φ Φᵀ f removes the kept modes from a load, Pᵀ u = u − Φ (MΦ)ᵀ u from a displacement; each
-  // team knows some of the modes and solves for some of the columns.
+  // team knows some of the modes.
   const auto respond = [&](const Eigen::MatrixXd& force) -> Eigen::MatrixXd {
     const Eigen::MatrixXd rest = force - over_teams(inertia * inner(mesh.comm, modes.shape, force));
-    const Eigen::Index first = rest.cols() * teams.mine() / teams.count(),
-                       behind = rest.cols() * (teams.mine() + 1) / teams.count();
-    Eigen::MatrixXd part = Eigen::MatrixXd::Zero(rest.rows(), rest.cols());
-    part.middleCols(first, behind - first) = factor.solve(rest.middleCols(first, behind - first));
-    const Eigen::MatrixXd u = over_teams(std::move(part));
+    const Eigen::MatrixXd u = shared_solve(teams, factor, rest);
     return u - over_teams(modes.shape * inner(mesh.comm, inertia, u));
   };
   // Term k is (−σ)^k Cᵀ X_k with X_k = ((K − σM)⁻¹ M)^k (K − σM)⁻¹ P L. As the operator is symmetric and L
@@ -36,7 +50,8 @@ Eigen::MatrixXd residual_response(const parallel::Teams& teams, const mesh::Mesh
     weight *= -sigma;
     const Eigen::MatrixXd term = weight * inner(mesh.comm, momentum.leftCols(seen), shape);
     response += term;
-    return ratio * term.cwiseAbs().maxCoeff() <= tolerance * response.cwiseAbs().maxCoeff();
+    return ratio * term.cwiseAbs().maxCoeff() <=
+           tolerance * std::max(response.cwiseAbs().maxCoeff(), flexibility);
   };
   for (int k = 0; k < 10; ++k) {
     const Eigen::MatrixXd momentum = mass(x);

@@ -17,9 +17,6 @@ namespace {
 /// A shift this close to an eigenvalue leaves its count to round-off.
 constexpr double too_close = 1e-7;
 
-/// Modes to find from one factorisation: beyond this its basis costs more than another one.
-constexpr std::int64_t modes_per_shift = 260;
-
 double hertz(double lambda) { return std::sqrt(std::max(lambda, 0.0)) / (2 * std::numbers::pi); }
 
 /// Rounds of factorisations and iterations, one a team.
@@ -32,6 +29,7 @@ class Searcher {
         progress_(progress),
         rigid_(operators.rigid.cols()),
         factor_(factor),
+        modes_per_shift_(request.modes_per_shift),
         checkpoint_(teams, operators, request.checkpoint) {
     options_.tolerance = request.relative_residual;
   }
@@ -45,7 +43,7 @@ class Searcher {
       begin("counts by inertia");
       request.up_to ? probe_up_to(std::pow(static_cast<RadPerSecond>(*request.up_to).value, 2))
                     : probe_for(*request.count);
-      tasks = plan_shifts(CountModel(rigid_, probes_), end_.sigma, modes_per_shift, teams_.count());
+      tasks = plan_shifts(CountModel(rigid_, probes_), end_.sigma, request.modes_per_shift, teams_.count());
       checkpoint_.save({end_, tasks});
     }
     work(tasks);
@@ -241,7 +239,7 @@ class Searcher {
   Converged solve(const Task& task) {
     double sigma = task.sigma;
     const parallel::Progress bar = [&](std::int64_t done, std::int64_t) {
-      if (progress_.at) progress_.at(done, modes_per_shift);
+      if (progress_.at) progress_.at(done, modes_per_shift_);
     };
     for (int attempt = 0; attempt < 6; ++attempt) {
       factor_.factor(sigma);
@@ -269,6 +267,7 @@ class Searcher {
   std::int64_t rigid_;
   LanczosOptions options_;
   Factorisation& factor_;
+  std::int64_t modes_per_shift_;
   Checkpoint checkpoint_;
   Probe end_;
   std::vector<Probe> probes_;
@@ -278,7 +277,8 @@ class Searcher {
 
 }  // namespace
 
-double expected_mib(const Factorisation& factor, std::int64_t local_rows, std::int64_t modes, int teams) {
+double expected_mib(const Factorisation& factor, std::int64_t local_rows, std::int64_t modes,
+                    std::int64_t modes_per_shift, int teams) {
   // Not known for a search by frequency: one slice's, then.
   if (modes == 0) modes = modes_per_shift;
   // A basis ends with about three vectors a mode.

@@ -18,7 +18,8 @@ struct Search {
 
 /// Memory that the search needs on this rank at its peak, beside K and M [MiB]: factors, the basis of an
 /// iteration, and its share of `modes` shapes, twice while they are put together.
-double expected_mib(const Factorisation& factor, std::int64_t local_rows, std::int64_t modes, int teams);
+double expected_mib(const Factorisation& factor, std::int64_t local_rows, std::int64_t modes,
+                    std::int64_t modes_per_shift, int teams);
 
 /// Elastic modes up to `request.up_to`, or at least `request.count` of all. Every count between neighbouring
 /// shifts agrees with inertia. Throws SolverError where it can't be made to. Collective on all ranks.

@@ -85,6 +85,28 @@ class Handle {
   Raw raw_ = nullptr;
 };
 
+/// MPI's type of several doubles in a row.
+class RowType {
+ public:
+  RowType() = default;
+  explicit RowType(int doubles) {
+    MPI_Type_contiguous(doubles, MPI_DOUBLE, &type_);
+    MPI_Type_commit(&type_);
+  }
+  ~RowType() {
+    if (type_ != MPI_DATATYPE_NULL) MPI_Type_free(&type_);
+  }
+  RowType(RowType&& other) noexcept : type_(std::exchange(other.type_, MPI_DATATYPE_NULL)) {}
+  RowType& operator=(RowType&& other) noexcept {
+    std::swap(type_, other.type_);
+    return *this;
+  }
+  operator MPI_Datatype() const { return type_; }
+
+ private:
+  MPI_Datatype type_ = MPI_DATATYPE_NULL;
+};
+
 using Matrix = Handle<Mat, MatDestroy>;
 using Vector = Handle<Vec, VecDestroy>;
 using EigenSolver = Handle<EPS, EPSDestroy>;

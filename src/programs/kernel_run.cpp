@@ -7,7 +7,9 @@
 #include <set>
 #include <string_view>
 
+#include "kernels/band.hpp"
 #include "src/mesh/gmsh_session.hpp"
+#include "src/modes/contact_basis.hpp"
 #include "src/modes/search.hpp"
 #include "src/parallel/memory.hpp"
 #include "src/surface/surface.hpp"
@@ -53,10 +55,13 @@ struct Discretised {
   mesh::Mesh mesh;
   elasticity::Body matrices;
   std::unique_ptr<modes::Factorisation> factor;
+  std::int64_t modes_per_shift = 0;  ///< for the search for modes
 };
 
 /// As many teams as memory has room for: ranks that work at slices of their own, each with all of the body,
-/// are faster than ranks that share one. Throws InputError when there is not even room for one team.
+/// are faster than ranks that share one. Where room is short, slices become smaller. Vectors fitted to
+/// contact need few factorisations, which ranks share better. Throws InputError when there is not even room
+/// for one team.
 Discretised discretise(const scene::KernelRequest& request, MPI_Comm comm, console::Console& console) {
   const scene::Body& body = request.body;
   const std::string file = body.mesh.filename().string();
@@ -65,7 +70,8 @@ Discretised discretise(const scene::KernelRequest& request, MPI_Comm comm, conso
   mesh::GlobalMesh global;
   parallel::on_first_rank(comm, [&] { global = mesh::read_mesh(body, bar); });
   const int ranks = parallel::size_of(comm);
-  for (int count = ranks;; --count) {
+  const int most = request.modes.basis == scene::Basis::contact ? 1 : ranks;
+  for (int count = most;; --count) {
     if (ranks % count != 0) continue;
     Discretised made{std::make_unique<parallel::Teams>(comm, count), {}, {}, {}};
     const parallel::Teams& teams = *made.teams;
@@ -78,13 +84,19 @@ Discretised discretise(const scene::KernelRequest& request, MPI_Comm comm, conso
     console.begin(body.name + ": assembly");
     made.matrices = elasticity::assemble(made.mesh, body.materials, file, bar);
     made.factor = std::make_unique<modes::Factorisation>(made.matrices.stiffness, made.matrices.mass);
-    const double need = parallel::largest(comm, modes::expected_mib(*made.factor, made.matrices.local_rows,
-                                                                    request.modes.count.value_or(0), count));
     const double room = parallel::available_mib(comm);
+    // Delayed pivots and buffers come on top of what is expected.
+    constexpr double usable = 0.85;
+    double need = 0;
+    for (const std::int64_t per_shift : {260, 130, 65}) {
+      made.modes_per_shift = per_shift;
+      need = parallel::largest(comm, modes::expected_mib(*made.factor, made.matrices.local_rows,
+                                                         request.modes.count.value_or(0), per_shift, count));
+      if (need <= usable * room || (per_shift == 130 && count > 1)) break;
+    }
     console.end(
         fmt::format("{} unknowns; {:.0f} MiB needed of {:.0f} a rank", made.matrices.total_rows, need, room));
-    // Delayed pivots and buffers come on top.
-    if (need <= 0.8 * room) return made;
+    if (need <= usable * room) return made;
     if (count == 1)
       throw InputError(
           fmt::format("{}: its factorisation would need {:.0f} MiB a rank, {:.0f} are free: use more "
@@ -93,6 +105,63 @@ Discretised discretise(const scene::KernelRequest& request, MPI_Comm comm, conso
                       file, need, room));
     console.begin(body.name + ": mesh, for fewer teams");
   }
+}
+
+/// Of the flexibility error asked for from modes: what may come from those above the search, and from those
+/// left out of what it found.
+constexpr double beyond_search = 0.5, left_out = 0.5;
+
+modes::ModeSet find_modes(const scene::KernelRequest& request, const Discretised& made,
+                          const Eigen::MatrixXd& loads, const std::filesystem::path& checkpoint,
+                          console::Console& console) {
+  const scene::Modes& wanted = request.modes;
+  const modes::Progress progress{
+      .begin = [&](const std::string& phase) { console.begin(request.body.name + ": " + phase); },
+      .at = [&](std::int64_t done, std::int64_t total) { console.advance(done, total); }};
+  const auto contact_basis = [&](double error, std::optional<std::int64_t> count) {
+    // Gravity moves a supported body's surface too.
+    Eigen::MatrixXd all(loads.rows(), loads.cols() + 3);
+    all << loads, made.matrices.rigid_load.leftCols(3);
+    return modes::contact_basis(*made.teams, made.mesh, made.matrices, *made.factor, all, loads.cols(),
+                                {.band = *wanted.up_to,
+                                 .flexibility_error = error,
+                                 .count = count,
+                                 .residual_flexibility = wanted.residual_flexibility},
+                                progress);
+  };
+  if (wanted.basis == scene::Basis::contact)
+    return contact_basis(wanted.flexibility_error.value_or(0), wanted.count);
+  std::optional<Hertz> up_to = wanted.up_to;
+  if (wanted.flexibility_error) {
+    // The vectors fitted to contact tell how far up modes matter.
+    const double error = beyond_search * *wanted.flexibility_error;
+    up_to = modes::needed_up_to(*made.teams, made.mesh, contact_basis(error, {}), loads, loads.cols(),
+                                *wanted.up_to, error);
+  }
+  return modes::compute_modes(*made.teams, made.mesh, made.matrices, *made.factor,
+                              {.up_to = up_to,
+                               .count = wanted.count,
+                               .relative_residual = wanted.relative_residual,
+                               .modes_per_shift = made.modes_per_shift,
+                               .checkpoint = checkpoint},
+                              progress);
+}
+
+std::string told(const scene::KernelRequest& request, const modes::ModeSet& modes) {
+  const std::size_t n = modes.angular_frequency.size();
+  if (modes.exact) return fmt::format("{} modes up to {:.6g} Hz, count proved", n, modes.certificate.upto_hz);
+  return fmt::format("{} vectors, flexibility up to {:.6g} Hz within {:.2g}", n, request.modes.up_to->value,
+                     modes.certificate.flexibility_error);
+}
+
+/// Takes out of a kernel the modes that contact does not need.
+void leave_to_residual(const scene::KernelRequest& request, kernels::Kernel& kernel) {
+  const double error = *request.modes.flexibility_error;
+  const auto found = static_cast<std::int64_t>(kernel.modes.size());
+  const double made =
+      kernels::keep_contributing(kernel, static_cast<RadPerSecond>(*request.modes.up_to), left_out * error);
+  kernel.modes.certificate.left_out = found - static_cast<std::int64_t>(kernel.modes.size());
+  kernel.modes.certificate.flexibility_error = made + beyond_search * error;
 }
 
 }  // namespace
@@ -112,16 +181,9 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::f
       {.direction = request.direction, .along = request.along, .spacing = request.spacing});
   console.end(fmt::format("{} on the contact surface", patches.geometry.size()));
 
-  const modes::ModeSet modes = modes::compute_modes(
-      teams, mesh, matrices, *made.factor,
-      {.up_to = request.modes.up_to,
-       .count = request.modes.count,
-       .relative_residual = request.modes.relative_residual,
-       .checkpoint = checkpoint},
-      {.begin = [&](const std::string& phase) { console.begin(body.name + ": " + phase); },
-       .at = [&](std::int64_t done, std::int64_t total) { console.advance(done, total); }});
-  console.end(fmt::format("{} modes up to {:.6g} Hz, count proved", modes.angular_frequency.size(),
-                          modes.certificate.upto_hz));
+  const Eigen::MatrixXd loads = surface::patch_loads(mesh, patches);
+  const modes::ModeSet modes = find_modes(request, made, loads, checkpoint, console);
+  console.end(told(request, modes));
 
   console.begin(body.name + ": trace");
   kernels::Kernel kernel;
@@ -137,14 +199,17 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::f
   kernel.centre = matrices.centre;
   kernel.inertia = matrices.inertia;
   kernel.supported = matrices.free_rows < matrices.total_rows;
+  kernel.modes.basis = modes.exact ? "modes" : "contact";
   kernel.modes.angular_frequency = modes.angular_frequency;
   kernel.modes.residual = modes.residual;
   kernel.modes.certificate = modes.certificate;
   for (double omega : modes.angular_frequency)
     kernel.modes.decay_rate.push_back(decay_rate(body.damping, omega));
-  surface::trace(teams, mesh, matrices, *made.factor, modes, patches, request.modes.residual_flexibility,
-                 request.view, kernel);
-  console.end();
+  surface::trace(teams, mesh, matrices, *made.factor, modes, patches, loads,
+                 request.modes.residual_flexibility, request.view, kernel);
+  if (request.modes.basis == scene::Basis::modes && request.modes.flexibility_error)
+    leave_to_residual(request, kernel);
+  console.end(fmt::format("{} {} kept", kernel.modes.size(), modes.exact ? "modes" : "vectors"));
   return kernel;
 }
 

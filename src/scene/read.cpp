@@ -129,9 +129,30 @@ Modes read_modes(Table& root) {
     if (*count < 1) table->complain("count", "must be at least 1");
     modes.count = *count;
   }
-  if (modes.up_to.has_value() == modes.count.has_value())
-    root.complain("modes", "give one of up_to_hz and count");
+  if (const auto error = table->number("flexibility_error")) {
+    if (*error < 1e-6 || *error > 0.5) table->complain("flexibility_error", "must be from 1e-6 to 0.5");
+    modes.flexibility_error = *error;
+  }
   modes.residual_flexibility = table->boolean("residual_flexibility").value_or(true);
+  if (const auto basis = table->text("basis")) {
+    if (*basis != "modes" && *basis != "contact")
+      table->complain("basis", "must be \"modes\" or \"contact\"");
+    if (*basis == "contact") modes.basis = Basis::contact;
+  }
+  if (modes.basis == Basis::contact) {
+    if (!modes.up_to)
+      root.complain("modes", "basis = \"contact\" needs up_to_hz, the band in which contact acts");
+    if (modes.count && modes.flexibility_error)
+      root.complain("modes", "give one of count and flexibility_error");
+    if (!modes.count && !modes.flexibility_error) modes.flexibility_error = 1e-3;
+  } else {
+    if (modes.up_to.has_value() == modes.count.has_value())
+      root.complain("modes", "give one of up_to_hz and count");
+    if (modes.flexibility_error && !modes.up_to)
+      root.complain("modes", "flexibility_error needs up_to_hz, the band in which contact acts");
+    if (modes.flexibility_error && !modes.residual_flexibility)
+      root.complain("modes", "flexibility_error needs residual_flexibility = true, to which modes are left");
+  }
   if (const auto bound = table->number("relative_residual")) {
     if (*bound < 1e-14 || *bound > 1e-2) table->complain("relative_residual", "must be from 1e-14 to 1e-2");
     modes.relative_residual = *bound;

@@ -51,9 +51,16 @@ struct Obstacle {
   Vector3 normal{};  ///< unit, out of the obstacle
 };
 
+enum class Basis { modes, contact };
+
 struct Modes {
-  std::optional<Hertz> up_to;         ///< exactly one of up_to and count is set
+  Basis basis = Basis::modes;
+  /// Modes: exactly one of up_to and count is set. Contact: up_to is set, and one of count and
+  /// flexibility_error.
+  std::optional<Hertz> up_to;
   std::optional<std::int64_t> count;  ///< rigid modes included
+  std::optional<double>
+      flexibility_error;  ///< of the contact surface over [0, up_to]; modes: leave out those it doesn't need
   bool residual_flexibility = true;
   double relative_residual = 1e-8;  ///< bound on each mode's residual
 };

@@ -81,9 +81,12 @@ std::string toml_body_matter(const Body& body) {
 }
 
 std::string toml_modes(const Modes& modes) {
-  std::string text = "[modes]\n";
+  std::string text =
+      fmt::format("[modes]\nbasis = \"{}\"\n", modes.basis == Basis::contact ? "contact" : "modes");
   if (modes.up_to) text += fmt::format("up_to_hz = {}\n", toml_number(modes.up_to->value));
   if (modes.count) text += fmt::format("count = {}\n", *modes.count);
+  if (modes.flexibility_error)
+    text += fmt::format("flexibility_error = {}\n", toml_number(*modes.flexibility_error));
   return text + fmt::format("residual_flexibility = {}\nrelative_residual = {}\n", modes.residual_flexibility,
                             toml_number(modes.relative_residual));
 }

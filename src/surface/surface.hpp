@@ -40,9 +40,9 @@ Patches make_patches(const mesh::Mesh& mesh, const std::vector<std::string>& gro
 Eigen::MatrixXd patch_loads(const mesh::Mesh& mesh, const Patches& patches);
 
 /// Fills shape, residual flexibility and loads of a kernel, and its view when asked; the same on every rank
-/// but for the view, which is on rank 0. Collective.
+/// but for the view, which is on rank 0. `loads` are those of the patches. Collective.
 void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
-           modes::Factorisation& factor, const modes::ModeSet& modes, const Patches& patches, bool residual,
-           bool view, kernels::Kernel& kernel);
+           modes::Factorisation& factor, const modes::ModeSet& modes, const Patches& patches,
+           const Eigen::MatrixXd& loads, bool residual, bool view, kernels::Kernel& kernel);
 
 }  // namespace ricochet::surface

@@ -83,10 +83,9 @@ Eigen::MatrixXd patch_loads(const mesh::Mesh& mesh, const Patches& patches) {
 }
 
 void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
-           modes::Factorisation& factor, const modes::ModeSet& modes, const Patches& patches, bool residual,
-           bool view, kernels::Kernel& kernel) {
+           modes::Factorisation& factor, const modes::ModeSet& modes, const Patches& patches,
+           const Eigen::MatrixXd& loads, bool residual, bool view, kernels::Kernel& kernel) {
   kernel.surface = patches.geometry;
-  const Eigen::MatrixXd loads = patch_loads(mesh, patches);
   const auto seen_by_modes = [&](const Eigen::MatrixXd& load) {
     return modes.gather(teams, modes::inner(mesh.comm, load, modes.shape));
   };

@@ -134,8 +134,8 @@ TEST_F(Damage, an_incomplete_certificate_is_refused) {
 }
 
 TEST_F(Damage, a_certificate_for_another_number_of_modes_is_refused) {
-  const std::int64_t four = 4;
-  replace_attribute("/modes/certificate", "count_found", H5T_NATIVE_INT64, &four);
+  const std::int64_t six = 6;
+  replace_attribute("/modes/certificate", "count_found", H5T_NATIVE_INT64, &six);
   expect_refused({"certificate is for 4 modes", "has 5"});
 }
 

@@ -61,9 +61,11 @@ inline Kernel sample_kernel(int components, std::size_t n = 5, std::size_t m = 4
   modes.certificate = {.below = 1,
                        .upto_hz = 1500.5,
                        .count_by_inertia = static_cast<std::int64_t>(n),
-                       .count_found = static_cast<std::int64_t>(n),
+                       .count_found = static_cast<std::int64_t>(n) + 2,
+                       .left_out = 2,
                        .complete = true,
-                       .orthonormality = 3e-14};
+                       .orthonormality = 3e-14,
+                       .flexibility_error = 1e-3};
 
   Surface& surface = kernel.surface;
   surface.components = components;

@@ -1,3 +1,4 @@
+add_mpi_test(modes contact_basis)
 add_mpi_test(modes factorisation)
 add_mpi_test(modes modes)
 add_mpi_test(modes slicing)

@@ -43,11 +43,20 @@ duration = 1.0
 
 
 class Ranks(ProgramTest):
-    def test_one_two_and_three_give_the_same_kernel_functions(self):
+    def test_one_two_and_three_give_the_same_kernel_functions_of_modes(self):
+        self.compare("{ count = 40 }")
+
+    def test_one_two_and_three_give_the_same_kernel_functions_of_modes_that_contact_needs(self):
+        self.compare("{ up_to_hz = 1.0, flexibility_error = 1e-2 }")
+
+    def test_one_two_and_three_give_the_same_kernel_functions_of_vectors_fitted_to_contact(self):
+        self.compare('{ up_to_hz = 1.0, basis = "contact" }')
+
+    def compare(self, modes):
         self.write("block.geo", GEO)
         scene = self.write("ranks.toml", SCENE)
         for ranks in (1, 2, 3):
-            self.succeed(kernel(scene, self.folder / str(ranks), ranks=ranks))
+            self.succeed(kernel(scene, self.folder / str(ranks), f"modes={modes}", ranks=ranks))
         # A few periods of the lowest mode and of the highest.
         times = np.concatenate([np.linspace(0, 30, 50), np.linspace(0, 1, 50)])
         for body in ("free", "held"):

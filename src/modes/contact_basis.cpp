@@ -1,0 +1,230 @@
+#include "src/modes/contact_basis.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "kernels/band.hpp"
+#include "src/modes/certify.hpp"
+
+namespace ricochet::modes {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Blocks about the first shift before a second one is thought of, and how many more the pace of convergence
+/// has to promise to save, for a factorisation to be worth it.
+constexpr int blocks_near_zero = 4;
+constexpr double blocks_worth_a_shift = 2;
+
+/// The first shift in units of −ω_band²: K − σM is definite, rigid modes are harmless, and to the body it is
+/// zero.
+constexpr double near_zero = 1e-5;
+
+/// Share of the error asked for that the loads' responses left out of the first block may make.
+constexpr double compression = 0.05;
+
+/// M-orthonormal vectors, the same in every team, and the problem projected on them.
+class RitzSpace {
+ public:
+  RitzSpace(const parallel::Teams& teams, const Operators& operators, const MatrixXd& loads, Index seen)
+      : teams_(teams), operators_(operators), loads_(loads), seen_(seen) {}
+
+  Index size() const { return size_; }
+
+  /// Takes in what of `block` is not in the space yet: directions whose squared M-norm is above `bound`.
+  /// @return these, orthonormal: (local rows, ≤ columns)
+  MatrixXd extend(MatrixXd block, double bound, Index most) {
+    const auto q = vectors();
+    block.noalias() -= operators_.rigid * inner(operators_.comm, operators_.rigid_momentum, block);
+    MatrixXd momentum = operators_.mass(block);
+    // Twice is enough (Giraud, Langou & Rozložník 2005).
+    for (int pass = 0; pass < 2 && size_ > 0; ++pass) {
+      block.noalias() -= q * inner(operators_.comm, q, momentum);
+      momentum = operators_.mass(block);
+    }
+    for (int pass = 0; pass < 2 && block.cols() > 0; ++pass) {
+      MatrixXd gram = inner(operators_.comm, block, momentum);
+      gram = (gram + gram.transpose().eval()) / 2;
+      // What is dropped has to be the same in every team.
+      MPI_Bcast(gram.data(), static_cast<int>(gram.size()), MPI_DOUBLE, 0, teams_.peers());
+      const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(gram);
+      const double floor = pass == 0 ? std::max(bound, 1e-14 * eigen.eigenvalues()[gram.rows() - 1]) : 0.5;
+      Index dropped = 0;
+      while (dropped < gram.rows() && eigen.eigenvalues()[dropped] <= floor) ++dropped;
+      const Index kept = std::min(gram.rows() - dropped, most);
+      const MatrixXd normal = eigen.eigenvectors().rightCols(kept) *
+                              eigen.eigenvalues().tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
+      block = (block * normal).eval();
+      momentum = (momentum * normal).eval();
+    }
+    append(block);
+    return block;
+  }
+
+  /// Ritz values and vectors, the latter in terms of the basis.
+  Eigen::SelfAdjointEigenSolver<MatrixXd> ritz() const {
+    return Eigen::SelfAdjointEigenSolver<MatrixXd>(stiffness_);
+  }
+
+  /// Traces of the Ritz vectors on the contact surface. (seen, n)
+  MatrixXd trace(const MatrixXd& ritz_vectors) const { return trace_ * ritz_vectors; }
+
+  Eigen::Ref<const MatrixXd> vectors() const { return q_.leftCols(size_); }
+
+ private:
+  void append(const MatrixXd& block) {
+    const Index n = size_, k = block.cols();
+    if (n + k > q_.cols()) q_.conservativeResize(block.rows(), n + std::max(k, n));
+    q_.middleCols(n, k) = block;
+    size_ = n + k;
+    MatrixXd share = inner(operators_.comm, vectors(), operators_.stiffness(block));
+    MPI_Bcast(share.data(), static_cast<int>(share.size()), MPI_DOUBLE, 0, teams_.peers());
+    stiffness_.conservativeResize(size_, size_);
+    stiffness_.rightCols(k) = share;
+    stiffness_.bottomRows(k) = share.transpose();
+    trace_.conservativeResize(seen_, size_);
+    trace_.rightCols(k) = inner(operators_.comm, loads_.leftCols(seen_), block);
+  }
+
+  const parallel::Teams& teams_;
+  const Operators& operators_;
+  const MatrixXd& loads_;
+  Index seen_, size_ = 0;
+  MatrixXd q_;
+  MatrixXd stiffness_;  ///< QᵀKQ
+  MatrixXd trace_;      ///< LᵀQ of the leading columns of L
+};
+
+/// What a set of elastic Ritz pairs says about the flexibility.
+struct Seen {
+  VectorXd lambda;
+  MatrixXd trace;  ///< (seen, n)
+  kernels::BandModes modes() const {
+    return {{lambda.data(), static_cast<std::size_t>(lambda.size())},
+            {trace.data(), static_cast<std::size_t>(trace.size())}};
+  }
+};
+
+/// The loads less what rigid motions take; those that are nothing else, as gravity on a free body, are gone.
+MatrixXd elastic(const Operators& operators, const MatrixXd& loads) {
+  const MatrixXd rest = loads - operators.rigid_momentum * inner(operators.comm, operators.rigid, loads);
+  const VectorXd size = operators.norms(loads), left = operators.norms(rest);
+  std::vector<Index> kept;
+  for (Index j = 0; j < loads.cols(); ++j)
+    if (left[j] > 1e-9 * size[j]) kept.push_back(j);
+  return rest(Eigen::all, kept);
+}
+
+/// The loads in the units of the first `seen` ones, so that one bound serves all: columns behind them are
+/// scaled to respond as much as the largest of these does.
+void balance(const Operators& operators, MatrixXd& response, Index seen) {
+  const VectorXd square =
+      inner(operators.comm, response, operators.mass(response)).diagonal().cwiseMax(1e-300);
+  const double largest = square.head(seen).maxCoeff();
+  for (Index j = seen; j < response.cols(); ++j) response.col(j) *= std::sqrt(largest / square[j]);
+}
+
+}  // namespace
+
+ModeSet contact_basis(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
+                      Factorisation& factor, const MatrixXd& loads, Index seen, const ContactRequest& request,
+                      const Progress& progress) {
+  const Operators operators(mesh, body);
+  const RadPerSecond band(request.band);
+  const double square = band.value * band.value;
+  const Index r = operators.rigid.cols();
+  const Index most = request.count ? std::max<Index>(*request.count - r, 0) : body.free_rows - r;
+  const MatrixXd elastic_loads = elastic(operators, loads);
+  RitzSpace space(teams, operators, loads, seen);
+  MatrixXd block;
+  Seen before, now;
+  double change = 1, error = 1, bound = 0, blocks_left = 0;
+  bool second = false;
+  for (int number = 0;; ++number) {
+    const bool turn =
+        !second && number >= blocks_near_zero && (request.count || blocks_left > blocks_worth_a_shift);
+    second = second || turn;
+    if (number == 0 || turn) {
+      if (progress.begin) progress.begin(turn ? "contact basis, second shift" : "contact basis");
+      factor.factor(turn ? -square : -near_zero * square);
+    }
+    MatrixXd next = shared_solve(teams, factor, number == 0 || turn ? elastic_loads : operators.mass(block));
+    if (number == 0 || turn) balance(operators, next, seen);
+    if (number == 0 && !request.count) {
+      const double flexibility = inner(operators.comm, loads.leftCols(seen), next.leftCols(seen)).norm();
+      bound = compression * request.flexibility_error * flexibility / square;
+    }
+    block = space.extend(next, number == 0 ? bound : turn ? 1e-3 * bound : 0, most - space.size());
+    if (turn && block.cols() == 0) block = space.extend(std::move(next), 0, most - space.size());
+    const auto ritz = space.ritz();
+    before = std::move(now);
+    now = {ritz.eigenvalues(), space.trace(ritz.eigenvectors())};
+    // After an empty block the space holds all that the loads can excite.
+    const bool exhausted = block.cols() == 0;
+    const double last = change;
+    if (number > 0)
+      change = exhausted ? 0
+                         : kernels::flexibility_error(before.modes(), now.modes(), band,
+                                                      request.residual_flexibility);
+    MPI_Bcast(&change, 1, MPI_DOUBLE, 0, teams.world());
+    // The change is the error of the space before; this one's is smaller by the pace, which quickens.
+    const double pace = number > 1 ? std::min(change / last, 1.0) : 1;
+    error = change * pace;
+    if (exhausted || space.size() >= most || (!request.count && error <= request.flexibility_error)) break;
+    blocks_left = pace < 1 ? std::log(error / request.flexibility_error) / -std::log(pace)
+                           : std::numeric_limits<double>::infinity();
+    if (progress.at) {
+      const double done = std::log(error) / std::log(request.flexibility_error);
+      progress.at(request.count ? space.size() : static_cast<std::int64_t>(100 * std::max(done, 0.0)),
+                  request.count ? most : 100);
+    }
+  }
+
+  const auto ritz = space.ritz();
+  ModeSet set;
+  set.exact = false;
+  set.angular_frequency.assign(static_cast<std::size_t>(r), 0.0);
+  for (const double lambda : ritz.eigenvalues()) set.angular_frequency.push_back(std::sqrt(lambda));
+  // Each team takes over a part of them, the first one the rigid modes.
+  const Index n = space.size(), first = n * teams.mine() / teams.count(),
+              behind = n * (teams.mine() + 1) / teams.count(), rigid = teams.mine() == 0 ? r : 0;
+  set.shape.resize(body.local_rows, rigid + behind - first);
+  set.shape.leftCols(rigid) = operators.rigid.leftCols(rigid);
+  set.shape.rightCols(behind - first).noalias() =
+      space.vectors() * ritz.eigenvectors().middleCols(first, behind - first);
+  for (Index j = 0; j < rigid; ++j) set.index.push_back(j);
+  for (Index j = first; j < behind; ++j) set.index.push_back(r + j);
+  fix_signs(operators, set.shape);
+  set.cut = square;
+  set.static_shift = -near_zero * square;
+  certify_basis(teams, operators, request.band, error, set);
+  return set;
+}
+
+Hertz needed_up_to(const parallel::Teams& teams, const mesh::Mesh& mesh, const ModeSet& basis,
+                   const MatrixXd& loads, Index seen, Hertz band, double error) {
+  const MatrixXd trace = basis.gather(teams, inner(mesh.comm, loads.leftCols(seen), basis.shape));
+  const auto rigid = std::count(basis.angular_frequency.begin(), basis.angular_frequency.end(), 0.0);
+  const VectorXd lambda =
+      Eigen::Map<const VectorXd>(basis.angular_frequency.data() + rigid,
+                                 static_cast<Index>(basis.angular_frequency.size()) - rigid)
+          .array()
+          .square();
+  const Seen all{lambda, trace.rightCols(lambda.size())};
+  std::vector<std::size_t> from_above(static_cast<std::size_t>(lambda.size()));
+  for (std::size_t k = 0; k < from_above.size(); ++k) from_above[k] = from_above.size() - 1 - k;
+  const std::size_t left =
+      kernels::Contributions(all.modes(), static_cast<RadPerSecond>(band)).dispensable(from_above, error);
+  if (left == from_above.size()) return band;
+  // Ritz values are a little above the modes they stand for.
+  return to_hertz(RadPerSecond{1.001 * std::sqrt(lambda[static_cast<Index>(from_above[left])])});
+}
+
+}  // namespace ricochet::modes

@@ -1,0 +1,207 @@
+// Vectors fitted to contact against dense flexibilities of the whole body.
+#include "src/modes/contact_basis.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <memory>
+#include <numbers>
+
+#include "src/surface/surface.hpp"
+#include "tests/meshes.hpp"
+#include "tests/modes/dense.hpp"
+
+namespace ricochet {
+namespace {
+
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// A body whose top may touch, with the loads of its patches and of gravity.
+struct Struck {
+  mesh::Mesh mesh;
+  elasticity::Body body;
+  std::unique_ptr<modes::Factorisation> factor;
+  MatrixXd loads;
+  Eigen::Index seen = 0;
+
+  Struck(bool held, const parallel::Teams& given) : teams(given) {
+    const test::SharedFile file(".geo", test::block_geo("tet", 2, 0.3));
+    scene::Body asked = test::body_of(file.path(), 2);
+    asked.contact = {"top"};
+    if (held) asked.support = {{"bottom", "xyz"}};
+    mesh = test::mesh_of(asked, teams);
+    body = elasticity::assemble(mesh, asked.materials, "test");
+    factor = std::make_unique<modes::Factorisation>(body.stiffness, body.mass);
+    const surface::Patches patches =
+        surface::make_patches(mesh, asked.contact, {.direction = Vector3{0, 0, 1}});
+    const MatrixXd contact = surface::patch_loads(mesh, patches);
+    seen = contact.cols();
+    loads.resize(contact.rows(), seen + 3);
+    loads << contact, body.rigid_load.leftCols(3);
+  }
+
+  modes::ModeSet basis(const modes::ContactRequest& request) {
+    return modes::contact_basis(teams, mesh, body, *factor, loads, seen, request);
+  }
+
+  /// Traces of the vectors on the patches. (seen, N)
+  MatrixXd trace(const modes::ModeSet& set) const {
+    return set.gather(teams, modes::inner(mesh.comm, loads.leftCols(seen), set.shape));
+  }
+
+  const parallel::Teams& teams;
+};
+
+/// Dense K, M and loads on the free rows, and what they say.
+struct Dense {
+  MatrixXd stiffness, mass, loads;
+
+  explicit Dense(const Struck& struck) {
+    const MatrixXd k = test::dense(struck.mesh, struck.body, struck.body.stiffness),
+                   m = test::dense(struck.mesh, struck.body, struck.body.mass);
+    MatrixXd whole = MatrixXd::Zero(k.rows(), struck.loads.cols());
+    whole.middleRows(struck.mesh.first_node * struck.mesh.components(), struck.loads.rows()) = struck.loads;
+    parallel::sum(struck.mesh.comm, whole.data(), static_cast<std::size_t>(whole.size()));
+    const auto rows = test::free_rows(m);
+    stiffness = k(rows, rows);
+    mass = m(rows, rows);
+    loads = whole(rows, Eigen::all);
+  }
+
+  /// Response to all loads at the first `seen` of them, by a direct solve. (seen, all)
+  MatrixXcd flexibility(std::complex<double> s, Eigen::Index seen) const {
+    const MatrixXcd matrix = stiffness.cast<std::complex<double>>() + s * s * mass;
+    return loads.leftCols(seen).transpose() * matrix.partialPivLu().solve(loads.cast<std::complex<double>>());
+  }
+};
+
+/// Of Ritz vectors and the residual flexibility behind them.
+MatrixXcd flexibility(const modes::ModeSet& set, const MatrixXd& trace, const MatrixXd& residual,
+                      std::complex<double> s) {
+  Eigen::VectorXcd weight(trace.cols());
+  for (Eigen::Index n = 0; n < weight.size(); ++n)
+    weight[n] = 1.0 / (std::pow(set.angular_frequency[static_cast<std::size_t>(n)], 2) + s * s);
+  return trace * weight.asDiagonal() * trace.transpose() + residual;
+}
+
+class ContactBasis : public testing::TestWithParam<bool> {};
+
+TEST_P(ContactBasis, meets_its_estimate_of_the_flexibility_over_the_band) {
+  const mesh::GmshSession gmsh;
+  Struck struck(GetParam(), test::one_team());
+  const Dense dense(struck);
+  // A band that holds some of the body's 500 modes; the first elastic one is at 0.2 Hz.
+  const Hertz band{1.0};
+  std::size_t before = 0;
+  for (const double asked : {1e-1, 1e-2, 1e-3, 1e-4}) {
+    const modes::ModeSet set = struck.basis({.band = band, .flexibility_error = asked});
+    EXPECT_LE(set.certificate.flexibility_error, asked);
+    EXPECT_GE(set.angular_frequency.size(), before);
+    before = set.angular_frequency.size();
+    const MatrixXd trace = struck.trace(set);
+    const MatrixXd residual = modes::residual_response(struck.teams, struck.mesh, struck.body, *struck.factor,
+                                                       set, struck.loads, struck.seen)
+                                  .leftCols(struck.seen);
+    const auto rigid = std::count(set.angular_frequency.begin(), set.angular_frequency.end(), 0.0);
+    EXPECT_EQ(rigid, GetParam() ? 0 : 6);
+    double worst = 0;
+    for (int k = 1; k <= 9; ++k) {
+      const std::complex<double> s =
+          std::polar(static_cast<RadPerSecond>(band).value * k / 9, std::numbers::pi / 4);
+      const MatrixXcd exact = dense.flexibility(s, struck.seen).leftCols(struck.seen);
+      // What the estimate is relative to: elastic motion alone.
+      const MatrixXcd elastic = exact - trace.leftCols(rigid) * trace.leftCols(rigid).transpose() / (s * s);
+      worst = std::max(worst, (flexibility(set, trace, residual, s) - exact).norm() / elastic.norm());
+    }
+    // Twice: directions left out of the first block may take their share of the error asked for.
+    EXPECT_LE(worst, 2 * asked) << asked;
+    EXPECT_GT(worst, 1e-12);
+  }
+}
+
+TEST_P(ContactBasis, with_its_residual_is_statically_exact) {
+  const mesh::GmshSession gmsh;
+  Struck struck(GetParam(), test::own_teams());
+  const Dense dense(struck);
+  // Few vectors, so that much is left to the residual.
+  const modes::ModeSet set = struck.basis({.band = Hertz{1.0}, .flexibility_error = 0.3});
+  const MatrixXd trace = struck.trace(set);
+  const MatrixXd residual = modes::residual_response(struck.teams, struck.mesh, struck.body, *struck.factor,
+                                                     set, struck.loads, struck.seen);
+  // Statics by all of the dense problem's elastic modes.
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> all(dense.stiffness, dense.mass);
+  const Eigen::Index rigid = GetParam() ? 0 : 6, elastic = all.eigenvalues().size() - rigid;
+  const MatrixXd seen = dense.loads.transpose() * all.eigenvectors().rightCols(elastic);
+  const VectorXd compliance = all.eigenvalues().tail(elastic).cwiseInverse();
+  const MatrixXd exact = seen.topRows(struck.seen) * compliance.asDiagonal() * seen.transpose();
+  const auto n = static_cast<Eigen::Index>(set.angular_frequency.size()) - rigid;
+  const VectorXd ritz = Eigen::Map<const VectorXd>(set.angular_frequency.data() + rigid, n);
+  const MatrixXd loads = set.gather(struck.teams, modes::inner(struck.mesh.comm, struck.loads, set.shape));
+  const MatrixXd found =
+      trace.rightCols(n) * ritz.cwiseAbs2().cwiseInverse().asDiagonal() * loads.rightCols(n).transpose() +
+      residual;
+  EXPECT_LT((found - exact).norm(), 1e-9 * exact.norm());
+}
+
+TEST_P(ContactBasis, ritz_values_are_no_lower_than_the_modes) {
+  const mesh::GmshSession gmsh;
+  Struck struck(GetParam(), test::own_teams());
+  const VectorXd exact = test::dense_eigenvalues(struck.mesh, struck.body);
+  const modes::ModeSet set = struck.basis({.band = Hertz{1.0}, .flexibility_error = 1e-2});
+  for (std::size_t n = 0; n < set.angular_frequency.size(); ++n)
+    EXPECT_GE(std::pow(set.angular_frequency[n], 2),
+              exact[static_cast<Eigen::Index>(n)] - 1e-9 * exact[static_cast<Eigen::Index>(n)] -
+                  (exact[static_cast<Eigen::Index>(n)] < 1e-6 ? 1e-6 : 0));
+  EXPECT_LT(set.certificate.orthonormality, 1e-10);
+  EXPECT_TRUE(set.certificate.complete);
+}
+
+INSTANTIATE_TEST_SUITE_P(Bodies, ContactBasis, testing::Bool(),
+                         [](const auto& body) { return body.param ? "held" : "free"; });
+
+TEST(ContactBasis, of_a_given_size_has_it) {
+  const mesh::GmshSession gmsh;
+  Struck struck(false, test::one_team());
+  for (const std::int64_t count : {20, 101}) {
+    const modes::ModeSet set = struck.basis({.band = Hertz{1.0}, .flexibility_error = 0, .count = count});
+    EXPECT_EQ(set.angular_frequency.size(), static_cast<std::size_t>(count));
+  }
+}
+
+TEST(ContactBasis, of_all_that_can_move_is_the_body_itself) {
+  const mesh::GmshSession gmsh;
+  const test::SharedFile file(".geo", test::rod_geo(5));
+  scene::Body asked = test::body_of(file.path(), 1);
+  asked.contact = {"right"};
+  const mesh::Mesh mesh = test::mesh_of(asked);
+  const elasticity::Body body = elasticity::assemble(mesh, asked.materials, "test");
+  modes::Factorisation factor(body.stiffness, body.mass);
+  const MatrixXd loads = surface::patch_loads(mesh, surface::make_patches(mesh, asked.contact, {}));
+  // Six nodes, one load: the Krylov space ends with the whole space.
+  const modes::ModeSet set = modes::contact_basis(test::one_team(), mesh, body, factor, loads, loads.cols(),
+                                                  {.band = Hertz{10.0}, .flexibility_error = 1e-6});
+  const VectorXd exact = test::dense_eigenvalues(mesh, body);
+  ASSERT_EQ(set.angular_frequency.size(), 6u);
+  for (std::size_t n = 1; n < 6; ++n)
+    EXPECT_NEAR(set.angular_frequency[n], std::sqrt(exact[static_cast<Eigen::Index>(n)]),
+                1e-8 * set.angular_frequency[n]);
+}
+
+TEST(BlockProduct, is_that_of_petsc) {
+  const mesh::GmshSession gmsh;
+  Struck struck(true, test::one_team());
+  // 11 columns: a whole pass of 8 and a part of one.
+  const modes::Operators operators(struck.mesh, struck.body);
+  const MatrixXd columns = operators.noise(11, 3);
+  for (Mat matrix : {Mat(struck.body.stiffness), Mat(struck.body.mass)}) {
+    const MatrixXd exact = test::product(matrix, columns);
+    EXPECT_LT(test::largest_entry(modes::BlockProduct(matrix)(columns) - exact),
+              1e-13 * parallel::largest(struck.mesh.comm, test::largest_entry(exact)));
+  }
+}
+
+}  // namespace
+}  // namespace ricochet
