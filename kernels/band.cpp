@@ -1,15 +1,36 @@
 #include "kernels/band.hpp"
 
+#include <Eigen/Dense>
+
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <numbers>
 #include <numeric>
+#include <random>
 
 namespace ricochet::kernels {
 namespace {
 
 using Complex = std::complex<double>;
+using Matrix = Eigen::MatrixXd;
+using ComplexMatrix = Eigen::MatrixXcd;
+
+/// (c,N)
+Matrix traces(const BandModes& modes) {
+  const auto n = static_cast<Eigen::Index>(modes.lambda.size());
+  if (n == 0) return {};
+  return Eigen::Map<const Matrix>(modes.trace.data(), static_cast<Eigen::Index>(modes.trace.size()) / n, n);
+}
+
+/// What a matrix of c columns is multiplied with to estimate its Frobenius norm: all directions, or, of a
+/// large one, 64 of random signs (Hutchinson).
+Matrix directions(Eigen::Index c) {
+  constexpr Eigen::Index most = 64;
+  if (c <= most) return Matrix::Identity(c, c);
+  std::minstd_rand random;
+  return Matrix::NullaryExpr(c, most,
+                             [&](Eigen::Index, Eigen::Index) { return random() % 2 == 0 ? 0.125 : -0.125; });
+}
 
 /// s² along the ray s = ω e^{iπ/4}, evenly in ω up to the band's end.
 std::vector<Complex> samples(RadPerSecond band) {
@@ -20,29 +41,21 @@ std::vector<Complex> samples(RadPerSecond band) {
 }
 
 /// Gram matrix of the traces: entry (i, j) is B_iᵀ B_j.
-std::vector<double> gram(const BandModes& a, const BandModes& b) {
-  const std::size_t n = a.lambda.size(), m = b.lambda.size();
-  const std::size_t c = n > 0 ? a.trace.size() / n : 0;
-  std::vector<double> products(n * m);
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = 0; j < m; ++j)
-      products[i * m + j] = std::inner_product(a.trace.begin() + static_cast<std::ptrdiff_t>(i * c),
-                                               a.trace.begin() + static_cast<std::ptrdiff_t>((i + 1) * c),
-                                               b.trace.begin() + static_cast<std::ptrdiff_t>(j * c), 0.0);
-  return products;
+std::vector<double> gram(const BandModes& modes) {
+  const Matrix b = traces(modes), products = b.transpose() * b;
+  return {products.data(), products.data() + products.size()};
 }
 
-/// Re trace(Hᵃ* Hᵇ) of Hᵃ = Σ x_n B_n B_nᵀ, Hᵇ likewise: with the Gram matrix of the traces no matrix of the
-/// surface's size is made.
-double product(const std::vector<Complex>& x, const std::vector<Complex>& y,
-               const std::vector<double>& grams) {
+/// Frobenius norm of Σ x_n B_n B_nᵀ: with the Gram matrix of the traces no matrix of the surface's size is
+/// made.
+double norm_of(const std::vector<Complex>& x, const std::vector<double>& grams) {
   double sum = 0;
   for (std::size_t i = 0; i < x.size(); ++i)
-    for (std::size_t j = 0; j < y.size(); ++j) {
-      const double g = grams[i * y.size() + j];
-      sum += (std::conj(x[i]) * y[j]).real() * g * g;
+    for (std::size_t j = 0; j < x.size(); ++j) {
+      const double g = grams[i * x.size() + j];
+      sum += (std::conj(x[i]) * x[j]).real() * g * g;
     }
-  return sum;
+  return std::sqrt(std::max(sum, 0.0));
 }
 
 std::vector<Complex> weights(const BandModes& modes, Complex square, bool less_static) {
@@ -56,25 +69,33 @@ std::vector<Complex> weights(const BandModes& modes, Complex square, bool less_s
 
 double flexibility_error(const BandModes& coarse, const BandModes& fine, RadPerSecond band,
                          bool quasi_static) {
-  const auto cc = gram(coarse, coarse), cf = gram(coarse, fine), ff = gram(fine, fine);
+  // Not by Gram matrices: their rounding would hide errors below 1e-8 (band/lowest mode)².
+  const Matrix f = traces(fine);
+  const Matrix b = coarse.lambda.empty() ? Matrix(f.rows(), 0) : traces(coarse);
+  const Matrix sketch = directions(f.rows());
+  const Matrix coarse_right = b.transpose() * sketch, fine_right = f.transpose() * sketch;
+  const auto flexibility = [](const Matrix& left, const std::vector<Complex>& x, const Matrix& right) {
+    return ComplexMatrix(left *
+                         (Eigen::Map<const Eigen::VectorXcd>(x.data(), left.cols()).asDiagonal() * right));
+  };
   double worst = 0;
   for (const Complex square : samples(band)) {
-    const auto whole = weights(fine, square, false);
-    const auto x = weights(coarse, square, quasi_static), y = weights(fine, square, quasi_static);
-    const double norm = product(whole, whole, ff);
-    const double difference = product(x, x, cc) - 2 * product(x, y, cf) + product(y, y, ff);
-    if (norm > 0) worst = std::max(worst, std::sqrt(std::max(difference, 0.0) / norm));
+    const double norm = flexibility(f, weights(fine, square, false), fine_right).norm();
+    const double difference = (flexibility(b, weights(coarse, square, quasi_static), coarse_right) -
+                               flexibility(f, weights(fine, square, quasi_static), fine_right))
+                                  .norm();
+    if (norm > 0) worst = std::max(worst, difference / norm);
   }
   return worst;
 }
 
 Contributions::Contributions(const BandModes& modes, RadPerSecond band)
-    : count_(modes.lambda.size()), gram_(gram(modes, modes)), ascending_(count_) {
+    : count_(modes.lambda.size()), gram_(gram(modes)), ascending_(count_) {
   std::vector<double> share(count_, 0.0);
   for (const Complex square : samples(band)) {
     const auto whole = weights(modes, square, false);
     moving_.push_back(weights(modes, square, true));
-    norm_.push_back(std::sqrt(product(whole, whole, gram_)));
+    norm_.push_back(norm_of(whole, gram_));
     for (std::size_t i = 0; i < count_ && norm_.back() > 0; ++i)
       share[i] = std::max(share[i], gram_[i * count_ + i] * std::abs(moving_.back()[i]) / norm_.back());
   }
@@ -88,8 +109,7 @@ double Contributions::error_without(const std::vector<bool>& left_out) const {
     std::vector<Complex> x = moving_[sample];
     for (std::size_t k = 0; k < count_; ++k)
       if (!left_out[k]) x[k] = 0;
-    if (norm_[sample] > 0)
-      worst = std::max(worst, std::sqrt(std::max(product(x, x, gram_), 0.0)) / norm_[sample]);
+    if (norm_[sample] > 0) worst = std::max(worst, norm_of(x, gram_) / norm_[sample]);
   }
   return worst;
 }

@@ -26,8 +26,8 @@ struct Certificate {
   std::int64_t left_out = 0;  ///< of those: not in this kernel, as contact hardly feels them in the band
   bool complete = false;      ///< counts agree, residuals, M-orthonormality and flexibility within bounds
   double orthonormality = 0;  ///< max |ΦᵀMΦ − I|
-  /// Error of the flexibility over the band up to `upto_hz` that was estimated where one was asked for;
-  /// otherwise 0.
+  /// Error of the contact surface's flexibility over the band of the scene, as estimated, where one was asked
+  /// for; otherwise 0.
   double flexibility_error = 0;
 };
 

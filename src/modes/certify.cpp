@@ -10,9 +10,9 @@ namespace ricochet::modes {
 
 namespace {
 
-/// In units of the bound r on residuals: two modes found from different shifts are orthogonal to 2rλ/Δλ, and
-/// neighbours are rarely closer than 2 %. A mode found twice would show as 1.
-constexpr double orthonormality_bound = 100;
+/// Two modes found from different shifts, with residuals up to r, are orthogonal to 2rλ/Δλ, and neighbours
+/// are rarely closer than 2 %. A mode found twice would show as 1.
+double orthonormality_bound(double tolerance) { return std::clamp(100 * tolerance, 1e-8, 0.1); }
 
 /// Residuals of this team's elastic modes, and max |ΦᵀMΦ − I| over all pairs of modes.
 struct Measured {
@@ -129,7 +129,7 @@ void certify(const parallel::Teams& teams, const Operators& operators, std::int6
   certificate.count_found = static_cast<std::int64_t>(set.angular_frequency.size());
   certificate.orthonormality = orthonormality;
   certificate.complete = certificate.count_by_inertia == certificate.count_found &&
-                         certificate.orthonormality < orthonormality_bound * tolerance;
+                         certificate.orthonormality < orthonormality_bound(tolerance);
   if (!certificate.complete)
     throw SolverError(
         fmt::format("modes: {} found but inertia proves {} below {:.6g} Hz, M-orthonormal to {:.2g}",

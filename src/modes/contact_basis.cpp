@@ -28,36 +28,39 @@ constexpr double blocks_worth_a_shift = 2;
 constexpr double near_zero = 1e-5;
 
 /// Share of the error asked for that the loads' responses left out of the first block may make.
-constexpr double compression = 0.05;
+constexpr double compression = 0.05, compression_left = 1 - compression;
 
 /// M-orthonormal vectors, the same in every team, and the problem projected on them.
 class RitzSpace {
  public:
   RitzSpace(const parallel::Teams& teams, const Operators& operators, const MatrixXd& loads, Index seen)
-      : teams_(teams), operators_(operators), loads_(loads), seen_(seen) {}
+      : teams_(teams), operators_(operators), loads_(loads), seen_(seen), q_(operators.body.local_rows, 0) {}
 
   Index size() const { return size_; }
 
-  /// Takes in what of `block` is not in the space yet: directions whose squared M-norm is above `bound`.
+  /// Takes in what of `block` is not in the space yet, at most `most` vectors. The smallest directions are
+  /// left out while the sum of their squared M-norms keeps `bound`.
   /// @return these, orthonormal: (local rows, ≤ columns)
   MatrixXd extend(MatrixXd block, double bound, Index most) {
     const auto q = vectors();
-    block.noalias() -= operators_.rigid * inner(operators_.comm, operators_.rigid_momentum, block);
     MatrixXd momentum = operators_.mass(block);
-    // Twice is enough (Giraud, Langou & Rozložník 2005).
-    for (int pass = 0; pass < 2 && size_ > 0; ++pass) {
+    // Twice is enough (Giraud, Langou & Rozložník 2005): a column of noise shows at the second time. Rigid
+    // motions too, as what the vectors before have of them would grow with every block.
+    for (int pass = 0; pass < 2 && block.cols() > 0; ++pass) {
+      block.noalias() -= operators_.rigid * inner(operators_.comm, operators_.rigid, momentum);
       block.noalias() -= q * inner(operators_.comm, q, momentum);
       momentum = operators_.mass(block);
-    }
-    for (int pass = 0; pass < 2 && block.cols() > 0; ++pass) {
       MatrixXd gram = inner(operators_.comm, block, momentum);
       gram = (gram + gram.transpose().eval()) / 2;
       // What is dropped has to be the same in every team.
       MPI_Bcast(gram.data(), static_cast<int>(gram.size()), MPI_DOUBLE, 0, teams_.peers());
       const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(gram);
-      const double floor = pass == 0 ? std::max(bound, 1e-14 * eigen.eigenvalues()[gram.rows() - 1]) : 0.5;
+      const double floor = pass == 0 ? 1e-14 * eigen.eigenvalues()[gram.rows() - 1] : 0.5;
       Index dropped = 0;
-      while (dropped < gram.rows() && eigen.eigenvalues()[dropped] <= floor) ++dropped;
+      for (double sum = 0; dropped < gram.rows(); ++dropped) {
+        sum += pass == 0 ? std::max(eigen.eigenvalues()[dropped], 0.0) : 0;
+        if (eigen.eigenvalues()[dropped] > floor && !(pass == 0 && sum <= bound)) break;
+      }
       const Index kept = std::min(gram.rows() - dropped, most);
       const MatrixXd normal = eigen.eigenvectors().rightCols(kept) *
                               eigen.eigenvalues().tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
@@ -69,8 +72,14 @@ class RitzSpace {
   }
 
   /// Ritz values and vectors, the latter in terms of the basis.
-  Eigen::SelfAdjointEigenSolver<MatrixXd> ritz() const {
-    return Eigen::SelfAdjointEigenSolver<MatrixXd>(stiffness_);
+  struct Pairs {
+    VectorXd lambda;
+    MatrixXd vectors;
+  };
+  Pairs ritz() const {
+    if (size_ == 0) return {};
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(stiffness_);
+    return {eigen.eigenvalues(), eigen.eigenvectors()};
   }
 
   /// Traces of the Ritz vectors on the contact surface. (seen, n)
@@ -112,13 +121,17 @@ struct Seen {
   }
 };
 
-/// The loads less what rigid motions take; those that are nothing else, as gravity on a free body, are gone.
-MatrixXd elastic(const Operators& operators, const MatrixXd& loads) {
-  const MatrixXd rest = loads - operators.rigid_momentum * inner(operators.comm, operators.rigid, loads);
+/// The loads less what rigid motions take. Those behind the first `seen` that are nothing else, as gravity on
+/// a free body, are gone.
+MatrixXd elastic(const Operators& operators, const MatrixXd& loads, Index seen) {
+  MatrixXd rest = loads - operators.rigid_momentum * inner(operators.comm, operators.rigid, loads);
   const VectorXd size = operators.norms(loads), left = operators.norms(rest);
   std::vector<Index> kept;
-  for (Index j = 0; j < loads.cols(); ++j)
-    if (left[j] > 1e-9 * size[j]) kept.push_back(j);
+  for (Index j = 0; j < loads.cols(); ++j) {
+    const bool nothing = left[j] <= 1e-9 * size[j];
+    if (nothing) rest.col(j).setZero();
+    if (j < seen || !nothing) kept.push_back(j);
+  }
   return rest(Eigen::all, kept);
 }
 
@@ -141,7 +154,7 @@ ModeSet contact_basis(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
   const double square = band.value * band.value;
   const Index r = operators.rigid.cols();
   const Index most = request.count ? std::max<Index>(*request.count - r, 0) : body.free_rows - r;
-  const MatrixXd elastic_loads = elastic(operators, loads);
+  const MatrixXd elastic_loads = elastic(operators, loads, seen);
   RitzSpace space(teams, operators, loads, seen);
   MatrixXd block;
   Seen before, now;
@@ -157,27 +170,31 @@ ModeSet contact_basis(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
     }
     MatrixXd next = shared_solve(teams, factor, number == 0 || turn ? elastic_loads : operators.mass(block));
     if (number == 0 || turn) balance(operators, next, seen);
-    if (number == 0 && !request.count) {
+    // What is left out has to come back through the residual flexibility.
+    if (number == 0 && !request.count && request.residual_flexibility) {
       const double flexibility = inner(operators.comm, loads.leftCols(seen), next.leftCols(seen)).norm();
       bound = compression * request.flexibility_error * flexibility / square;
     }
     block = space.extend(next, number == 0 ? bound : turn ? 1e-3 * bound : 0, most - space.size());
     if (turn && block.cols() == 0) block = space.extend(std::move(next), 0, most - space.size());
+    // Then the space holds all that the loads can excite, or all of it that moves within the band.
+    const bool exhausted = block.cols() == 0;
+    if (exhausted) {
+      error = 0;
+      break;
+    }
     const auto ritz = space.ritz();
     before = std::move(now);
-    now = {ritz.eigenvalues(), space.trace(ritz.eigenvectors())};
-    // After an empty block the space holds all that the loads can excite.
-    const bool exhausted = block.cols() == 0;
+    now = {ritz.lambda, space.trace(ritz.vectors)};
     const double last = change;
     if (number > 0)
-      change = exhausted ? 0
-                         : kernels::flexibility_error(before.modes(), now.modes(), band,
-                                                      request.residual_flexibility);
+      change = kernels::flexibility_error(before.modes(), now.modes(), band, request.residual_flexibility);
     MPI_Bcast(&change, 1, MPI_DOUBLE, 0, teams.world());
     // The change is the error of the space before; this one's is smaller by the pace, which quickens.
-    const double pace = number > 1 ? std::min(change / last, 1.0) : 1;
+    const double pace = number > 1 && change < last ? change / last : 1;
     error = change * pace;
-    if (exhausted || space.size() >= most || (!request.count && error <= request.flexibility_error)) break;
+    if (space.size() >= most || (!request.count && error <= compression_left * request.flexibility_error))
+      break;
     blocks_left = pace < 1 ? std::log(error / request.flexibility_error) / -std::log(pace)
                            : std::numeric_limits<double>::infinity();
     if (progress.at) {
@@ -187,23 +204,24 @@ ModeSet contact_basis(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
     }
   }
 
-  const auto ritz = space.ritz();
   ModeSet set;
   set.exact = false;
   set.angular_frequency.assign(static_cast<std::size_t>(r), 0.0);
-  for (const double lambda : ritz.eigenvalues()) set.angular_frequency.push_back(std::sqrt(lambda));
+  const auto ritz = space.ritz();
+  for (const double lambda : ritz.lambda) set.angular_frequency.push_back(std::sqrt(lambda));
   // Each team takes over a part of them, the first one the rigid modes.
   const Index n = space.size(), first = n * teams.mine() / teams.count(),
               behind = n * (teams.mine() + 1) / teams.count(), rigid = teams.mine() == 0 ? r : 0;
   set.shape.resize(body.local_rows, rigid + behind - first);
   set.shape.leftCols(rigid) = operators.rigid.leftCols(rigid);
   set.shape.rightCols(behind - first).noalias() =
-      space.vectors() * ritz.eigenvectors().middleCols(first, behind - first);
+      space.vectors() * ritz.vectors.middleCols(first, behind - first);
   for (Index j = 0; j < rigid; ++j) set.index.push_back(j);
   for (Index j = first; j < behind; ++j) set.index.push_back(r + j);
   fix_signs(operators, set.shape);
   set.cut = square;
   set.static_shift = -near_zero * square;
+  if (bound > 0) error += compression * request.flexibility_error;
   certify_basis(teams, operators, request.band, error, set);
   return set;
 }
@@ -222,9 +240,10 @@ Hertz needed_up_to(const parallel::Teams& teams, const mesh::Mesh& mesh, const M
   for (std::size_t k = 0; k < from_above.size(); ++k) from_above[k] = from_above.size() - 1 - k;
   const std::size_t left =
       kernels::Contributions(all.modes(), static_cast<RadPerSecond>(band)).dispensable(from_above, error);
-  if (left == from_above.size()) return band;
-  // Ritz values are a little above the modes they stand for.
-  return to_hertz(RadPerSecond{1.001 * std::sqrt(lambda[static_cast<Index>(from_above[left])])});
+  if (from_above.empty()) return band;
+  // The lowest at least. Ritz values are a little above the modes they stand for.
+  const std::size_t highest = from_above[std::min(left, from_above.size() - 1)];
+  return to_hertz(RadPerSecond{1.001 * std::sqrt(lambda[static_cast<Index>(highest)])});
 }
 
 }  // namespace ricochet::modes

@@ -35,8 +35,10 @@ TEST(SceneDefaults, of_all_else_are_those_documented) {
   EXPECT_EQ(scene.title, "scene");  // the file's name without .toml
   ASSERT_EQ(scene.obstacles.size(), 1U);
   EXPECT_THAT(scene.obstacles[0].point, ElementsAre(0, 0, 0));
+  EXPECT_EQ(scene.modes.basis, Basis::modes);
   EXPECT_FALSE(scene.modes.up_to);
   EXPECT_EQ(scene.modes.count, 10);
+  EXPECT_FALSE(scene.modes.flexibility_error);
   EXPECT_TRUE(scene.modes.residual_flexibility);
   EXPECT_EQ(scene.modes.relative_residual, 1e-8);
   EXPECT_EQ(scene.contact.scheme, Scheme::compliant);
@@ -56,6 +58,16 @@ TEST(SceneDefaults, of_the_impulse_scheme_are_the_jump_and_no_rebound) {
   EXPECT_EQ(contact.scheme, Scheme::impulse);
   EXPECT_EQ(contact.admittance, Admittance::jump);
   EXPECT_EQ(contact.restitution, 0);
+}
+
+TEST(SceneDefaults, of_vectors_fitted_to_contact_are_a_flexibility_within_a_thousandth) {
+  const Modes modes = scene_of(smallest, {"modes={ basis = \"contact\", up_to_hz = 2e3 }"}).modes;
+  EXPECT_EQ(modes.basis, Basis::contact);
+  ASSERT_TRUE(modes.up_to);
+  EXPECT_EQ(modes.up_to->value, 2000);
+  EXPECT_FALSE(modes.count);
+  EXPECT_EQ(modes.flexibility_error, 1e-3);
+  EXPECT_TRUE(modes.residual_flexibility);
 }
 
 TEST(SceneValues, of_a_body_are_read) {
@@ -149,6 +161,37 @@ TEST(SceneValues, of_all_else_are_read) {
   EXPECT_EQ(scene.output.every, 4);
   EXPECT_TRUE(scene.output.view);
   EXPECT_EQ(scene.output.snapshot_every, 100);
+}
+
+TEST(SceneValues, of_vectors_fitted_to_contact_are_read) {
+  const Modes within =
+      scene_of(smallest, {"modes={ basis = \"contact\", up_to_hz = 2e3, flexibility_error = 1e-6 }"}).modes;
+  EXPECT_EQ(within.basis, Basis::contact);
+  EXPECT_EQ(within.flexibility_error, 1e-6);
+  EXPECT_FALSE(within.count);
+  // So many of them, whatever the error: it has no default then.
+  const Modes counted = scene_of(smallest, {"modes={ basis = \"contact\", up_to_hz = 2e3, count = 60, "
+                                            "residual_flexibility = false }"})
+                            .modes;
+  EXPECT_EQ(counted.basis, Basis::contact);
+  EXPECT_EQ(counted.up_to->value, 2000);
+  EXPECT_EQ(counted.count, 60);
+  EXPECT_FALSE(counted.flexibility_error);
+  EXPECT_FALSE(counted.residual_flexibility);
+}
+
+TEST(SceneValues, of_modes_that_contact_does_not_need_are_read) {
+  for (const char* basis : {"", "basis = \"modes\", "}) {
+    const Modes modes =
+        scene_of(smallest, {std::string("modes={ ") + basis + "up_to_hz = 2e3, flexibility_error = 0.5 }"})
+            .modes;
+    EXPECT_EQ(modes.basis, Basis::modes);
+    EXPECT_EQ(modes.up_to->value, 2000);
+    EXPECT_FALSE(modes.count);
+    EXPECT_EQ(modes.flexibility_error, 0.5);
+  }
+  // Without it all modes are kept.
+  EXPECT_FALSE(scene_of(smallest, {"modes={ up_to_hz = 2e3 }"}).modes.flexibility_error);
 }
 
 // Squares of such lengths leave the range of a double; the direction is as good as any.

@@ -164,6 +164,47 @@ TEST(Refused, are_modes_asked_for_twice) {
   expect_lines({{"count = 10", "count = 10\nup_to_hz = 1e3", "modes = {…}: give one of up_to_hz and count"}});
 }
 
+TEST(Refused, is_a_basis_there_is_not) {
+  expect_table_lines("modes",
+                     {{"basis = \"wavelets\"", "basis = \"wavelets\": must be \"modes\" or \"contact\""},
+                      {"basis = \"\"", "basis = \"\": must be \"modes\" or \"contact\""},
+                      {"basis = true", "basis = true: must be a string"},
+                      {"bases = \"contact\"", "bases = \"contact\": unknown key. Did you mean \"basis\"?"}});
+}
+
+TEST(Refused, is_a_flexibility_error_out_of_range) {
+  expect_table_lines("modes",
+                     {{"flexibility_error = 0", "flexibility_error = 0: must be from 1e-6 to 0.5"},
+                      {"flexibility_error = 9e-7", "flexibility_error = 9e-07: must be from 1e-6 to 0.5"},
+                      {"flexibility_error = 0.51", "flexibility_error = 0.51: must be from 1e-6 to 0.5"},
+                      {"flexibility_error = -1e-3", "flexibility_error = -0.001: must be from 1e-6 to 0.5"},
+                      {"flexibility_error = nan", "flexibility_error = nan: must be finite"},
+                      {"flexibility_error = \"small\"", "flexibility_error = \"small\": must be a number"},
+                      {"flexibilityerror = 0.1",
+                       "flexibilityerror = 0.1: unknown key. Did you mean \"flexibility_error\"?"}});
+}
+
+// What is asked of vectors fitted to contact, and what of modes, in every combination that has no meaning.
+TEST(Refused, are_vectors_or_modes_asked_for_in_a_way_that_has_no_meaning) {
+  const std::string no_band =
+      "modes = {…}: basis = \"contact\" needs up_to_hz, the band in which contact acts";
+  const std::string one_end = "modes = {…}: give one of up_to_hz and count";
+  for (const auto& [modes, line] : std::vector<std::pair<std::string, std::string>>{
+           {"basis = \"contact\"", no_band},
+           {"basis = \"contact\"\ncount = 10", no_band},
+           {"basis = \"contact\"\nflexibility_error = 1e-3", no_band},
+           {"basis = \"contact\"\nup_to_hz = 1e3\ncount = 10\nflexibility_error = 1e-3",
+            "modes = {…}: give one of count and flexibility_error"},
+           {"basis = \"modes\"", one_end},
+           {"flexibility_error = 1e-3", one_end},
+           {"up_to_hz = 1e3\ncount = 10\nflexibility_error = 1e-3", one_end},
+           {"count = 10\nflexibility_error = 1e-3",
+            "modes = {…}: flexibility_error needs up_to_hz, the band in which contact acts"},
+           {"up_to_hz = 1e3\nflexibility_error = 1e-3\nresidual_flexibility = false",
+            "modes = {…}: flexibility_error needs residual_flexibility = true, to which modes are left"}})
+    expect_lines({{"count = 10", modes, line}});
+}
+
 TEST(Refused, is_a_pair_that_is_not_two_bodies_there_are) {
   const std::string between = "[\"ball\", \"floor\"]";
   expect_lines({

@@ -4,6 +4,8 @@
 
 #include <gmock/gmock.h>
 
+#include <set>
+
 #include "tests/scene/scenes.hpp"
 
 namespace {
@@ -53,6 +55,27 @@ TEST(KernelHash, moves_with_what_the_kernel_depends_on) {
         "modes.residual_flexibility=false", "modes.relative_residual=1e-9", "contact.direction=[0,1,0]",
         "contact.along=[0,1,0]", "contact.spacing=0.02", "output.view=true"})
     EXPECT_NE(hash_with(set), hash) << set;
+}
+
+// The same band asked for in other ways is another kernel each time.
+TEST(KernelHash, moves_with_basis_and_flexibility_error) {
+  std::set<std::string> hashes;
+  for (const char* modes : {"{ up_to_hz = 1e3 }", "{ up_to_hz = 1e3, flexibility_error = 1e-3 }",
+                            "{ up_to_hz = 1e3, flexibility_error = 2e-3 }",
+                            "{ basis = \"contact\", up_to_hz = 1e3, flexibility_error = 2e-3 }",
+                            "{ basis = \"contact\", up_to_hz = 1e3, flexibility_error = 1e-3 }",
+                            "{ basis = \"contact\", up_to_hz = 1e3, count = 10 }",
+                            "{ basis = \"contact\", up_to_hz = 2e3, count = 10 }"})
+    EXPECT_TRUE(hashes.insert(hash_with(std::string("modes=") + modes)).second) << modes;
+}
+
+TEST(KernelHash, stays_when_a_default_of_the_modes_is_written_down) {
+  const auto same = [](const char* one, const char* other) {
+    EXPECT_EQ(hash_with(std::string("modes=") + one), hash_with(std::string("modes=") + other));
+  };
+  same("{ up_to_hz = 1e3 }", "{ basis = \"modes\", up_to_hz = 1e3 }");
+  same("{ basis = \"contact\", up_to_hz = 1e3 }",
+       "{ basis = \"contact\", up_to_hz = 1e3, flexibility_error = 1e-3 }");
 }
 
 TEST(KernelHash, stays_with_what_it_does_not) {

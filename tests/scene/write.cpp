@@ -64,9 +64,11 @@ void expect_same(const Scene& a, const Scene& b) {
     EXPECT_EQ(a.obstacles[k].point, b.obstacles[k].point);
     EXPECT_EQ(a.obstacles[k].normal, b.obstacles[k].normal);
   }
+  EXPECT_EQ(a.modes.basis, b.modes.basis);
   EXPECT_EQ(a.modes.up_to.has_value(), b.modes.up_to.has_value());
   EXPECT_EQ(a.modes.up_to.value_or(Hertz{}).value, b.modes.up_to.value_or(Hertz{}).value);
   EXPECT_EQ(a.modes.count, b.modes.count);
+  EXPECT_EQ(a.modes.flexibility_error, b.modes.flexibility_error);
   EXPECT_EQ(a.modes.residual_flexibility, b.modes.residual_flexibility);
   EXPECT_EQ(a.modes.relative_residual, b.modes.relative_residual);
   expect_same(a.contact, b.contact);
@@ -103,6 +105,15 @@ TEST(Resolved, scene_with_each_law_of_damping_comes_back) {
   for (const char* law :
        {"{}", "{ratio=0.1}", "{loss_factor=0.002}", "{rayleigh=[3,1e-7]}", "{viscosity=1e-6}"})
     expect_to_come_back(smallest, {std::string("bodies.ball.damping=") + law});
+}
+
+TEST(Resolved, scene_with_each_way_to_ask_for_modes_comes_back) {
+  for (const char* modes : {"{ up_to_hz = 1e3 }", "{ up_to_hz = 1e3, flexibility_error = 0.012 }",
+                            "{ basis = \"contact\", up_to_hz = 1e3 }",
+                            "{ basis = \"contact\", up_to_hz = 1e3, flexibility_error = 1e-6 }",
+                            "{ basis = \"contact\", up_to_hz = 1e3, count = 12 }",
+                            "{ basis = \"contact\", up_to_hz = 1e3, residual_flexibility = false }"})
+    expect_to_come_back(smallest, {std::string("modes=") + modes});
 }
 
 // Strings of all sorts, numbers that need all their digits or have none behind the point.
@@ -145,6 +156,7 @@ TEST(Resolved, scene_holds_every_default) {
                            "rotate_deg = [0.0, 0.0, 0.0]\n",
                            "velocity = [0.0, 0.0, 0.0]\n",
                            "point = [0.0, 0.0, 0.0]\n",
+                           "basis = \"modes\"\n",
                            "residual_flexibility = true\n",
                            "relative_residual = 1e-08\n",
                            "scheme = \"compliant\"\n",
@@ -154,6 +166,11 @@ TEST(Resolved, scene_holds_every_default) {
                            "view = false\n",
                            "snapshot_every = 0\n"})
     EXPECT_THAT(text, HasSubstr(line));
+}
+
+TEST(Resolved, scene_holds_the_error_that_vectors_fitted_to_contact_are_allowed) {
+  EXPECT_THAT(to_toml(scene_of(smallest, {"modes={ basis = \"contact\", up_to_hz = 1e3 }"})),
+              HasSubstr("[modes]\nbasis = \"contact\"\nup_to_hz = 1000.0\nflexibility_error = 0.001\n"));
 }
 
 // From wherever the program was started: a mesh is named from the folder of its scene.

@@ -1,0 +1,205 @@
+// Kernels from which the modes that contact does not need are taken out.
+#include <gtest/gtest.h>
+
+#include "tests/kernels/dense_band.hpp"
+#include "tests/kernels/sample.hpp"
+
+namespace ricochet::kernels {
+namespace {
+
+using namespace test_band;
+using test::sample_kernel;
+
+/// A kernel with three rigid modes, elastic ones from below the band to above it, and four of these that the
+/// surface does not see.
+Kernel kernel_of(int components) {
+  constexpr std::size_t n = 40;
+  Kernel kernel = sample_kernel(components, n, 4);
+  for (std::size_t k = 0; k < n; ++k)
+    kernel.modes.angular_frequency[k] = k < 3 ? 0.0 : band.value * 0.1 * std::pow(1.15, double(k));
+  for (std::size_t i = 0; i < kernel.surface.shape.size(); ++i)
+    for (const std::size_t k : {3U, 10U, 11U, 39U})
+      if (i % n == k) kernel.surface.shape[i] = 0;
+  return kernel;
+}
+
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// Of a kernel's row-major array, with `columns` of them.
+template <class T>
+RowMajor array_of(const std::vector<T>& values, std::size_t columns) {
+  EXPECT_EQ(values.size() % columns, 0U);
+  const Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> array =
+      Eigen::Map<const Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+          values.data(), static_cast<Index>(values.size() / columns), static_cast<Index>(columns));
+  return array.template cast<double>();
+}
+
+Set elastic_modes(const Kernel& kernel) {
+  const RowMajor shape = array_of(kernel.surface.shape, kernel.modes.size());
+  const VectorXd omega = array_of(kernel.modes.angular_frequency, 1);
+  Set set{VectorXd(0), MatrixXd(shape.rows(), 0)};
+  for (Index k = 0; k < omega.size(); ++k) {
+    if (omega[k] == 0) continue;
+    set.lambda.conservativeResize(set.size() + 1);
+    set.trace.conservativeResize(Eigen::NoChange, set.size());
+    set.lambda[set.size() - 1] = omega[k] * omega[k];
+    set.trace.col(set.size() - 1) = shape.col(k);
+  }
+  return set;
+}
+
+/// Numbers of the modes that are left, known by their frequencies; the rigid ones are the first.
+Order left_in(const Kernel& kernel, const Kernel& whole) {
+  Order columns;
+  std::size_t rigid = 0;
+  for (const double omega : kernel.modes.angular_frequency) {
+    const auto& all = whole.modes.angular_frequency;
+    columns.push_back(omega == 0 ? rigid++
+                                 : static_cast<std::size_t>(std::ranges::find(all, omega) - all.begin()));
+  }
+  return columns;
+}
+
+class Keeping : public testing::TestWithParam<int> {
+ protected:
+  Keeping() : whole_(kernel_of(GetParam())) {}
+
+  /// The kernel without the modes that are not worth `error`.
+  Kernel kept(double error) {
+    Kernel kernel = whole_;
+    made_ = keep_contributing(kernel, band, error);
+    return kernel;
+  }
+  /// Which of the elastic modes are gone.
+  Choice gone(const Kernel& kernel) const {
+    Choice gone(whole_.modes.size() - 3, true);
+    for (const std::size_t k : left_in(kernel, whole_))
+      if (k >= 3) gone[k - 3] = false;
+    return gone;
+  }
+
+  Kernel whole_;
+  double made_ = -1;
+};
+INSTANTIATE_TEST_SUITE_P(OneAndThreeComponents, Keeping, testing::Values(1, 3));
+
+TEST_P(Keeping, what_contributes_makes_the_error_that_it_tells_within_the_bound) {
+  const Set modes = elastic_modes(whole_);
+  std::size_t last = 4;
+  for (const double bound : {1e-4, 1e-3, 0.01, 0.05, 0.2}) {
+    const Kernel kernel = kept(bound);
+    EXPECT_NO_THROW(validate(kernel, "origin"));
+    const Choice left_out = gone(kernel);
+    const auto number = static_cast<std::size_t>(std::ranges::count(left_out, true));
+    EXPECT_EQ(kernel.modes.size(), whole_.modes.size() - number);
+    const double error = dense_error_without(modes, left_out);
+    EXPECT_NEAR(made_, error, 1e-12 * (1 + error));
+    EXPECT_LE(error, bound);
+    // A larger bound never keeps more.
+    EXPECT_GE(number, last);
+    last = number;
+  }
+  EXPECT_GT(last, 10U);
+}
+
+// The next one in the order of what each mode contributes alone would be too many.
+TEST_P(Keeping, what_contributes_keeps_no_more_than_it_has_to) {
+  const Set modes = elastic_modes(whole_);
+  const Choice left_out = gone(kept(0.05));
+  double least = 1e300;
+  std::size_t next = 0;
+  double most = 0;
+  for (std::size_t k = 0; k < left_out.size(); ++k) {
+    Choice alone(left_out.size(), false);
+    alone[k] = true;
+    const double error = dense_error_without(modes, alone);
+    if (left_out[k]) {
+      most = std::max(most, error);
+    } else if (error < least) {
+      least = error;
+      next = k;
+    }
+  }
+  EXPECT_LT(most, least);
+  Choice more = left_out;
+  more[next] = true;
+  EXPECT_GT(dense_error_without(modes, more), 0.05);
+}
+
+TEST_P(Keeping, what_contributes_leaves_static_responses_as_they_were) {
+  const auto rows = static_cast<std::size_t>(4 * GetParam());
+  const auto flexibility = [&](const Kernel& kernel) -> MatrixXd {
+    return elastic_modes(kernel).flexibility(0).real() + array_of(kernel.surface.residual_flexibility, rows);
+  };
+  const auto under_gravity = [&](const Kernel& kernel) -> MatrixXd {
+    const Set modes = elastic_modes(kernel);
+    const RowMajor force = array_of(kernel.loads.body_force, kernel.modes.size());
+    return modes.trace * modes.lambda.cwiseInverse().asDiagonal() *
+               force.rightCols(modes.size()).transpose() +
+           array_of(kernel.loads.body_force_residual, 3);
+  };
+  const MatrixXd before = flexibility(whole_), sunk = under_gravity(whole_);
+  for (const double bound : {1e-3, 0.05, 100.0}) {
+    const Kernel kernel = kept(bound);
+    ASSERT_LT(kernel.modes.size(), whole_.modes.size() - 4);
+    EXPECT_LT((flexibility(kernel) - before).norm(), 1e-12 * before.norm());
+    EXPECT_LT((under_gravity(kernel) - sunk).norm(), 1e-12 * sunk.norm());
+  }
+}
+
+TEST_P(Keeping, what_contributes_keeps_whole_columns) {
+  const std::size_t n = whole_.modes.size();
+  const Kernel kernel = kept(0.05);
+  const Order columns = left_in(kernel, whole_);
+  const std::size_t left = kernel.modes.size();
+  ASSERT_EQ(columns.size(), left);
+  ASSERT_LT(left, n - 4);
+  EXPECT_TRUE(std::ranges::is_sorted(columns));
+  const auto expect_columns = [&](const auto& now, const auto& before, std::size_t rows) {
+    ASSERT_EQ(now.size(), rows * left);
+    for (std::size_t i = 0; i < rows; ++i)
+      for (std::size_t k = 0; k < left; ++k) ASSERT_EQ(now[i * left + k], before[i * n + columns[k]]);
+  };
+  expect_columns(kernel.modes.decay_rate, whole_.modes.decay_rate, 1);
+  expect_columns(kernel.modes.residual, whole_.modes.residual, 1);
+  expect_columns(kernel.surface.shape, whole_.surface.shape, static_cast<std::size_t>(4 * GetParam()));
+  expect_columns(kernel.loads.body_force, whole_.loads.body_force, 3);
+  expect_columns(kernel.loads.rotation, whole_.loads.rotation, 3);
+  expect_columns(kernel.view->shape, whole_.view->shape, 9);
+  EXPECT_EQ(kernel.view->node, whole_.view->node);
+  EXPECT_EQ(kernel.surface.node, whole_.surface.node);
+}
+
+TEST_P(Keeping, what_contributes_never_leaves_out_rigid_modes) {
+  const Kernel kernel = kept(100.0);
+  EXPECT_EQ(kernel.modes.angular_frequency, std::vector<double>(3, 0.0));
+  const double all = dense_error_without(elastic_modes(whole_), Choice(37, true));
+  EXPECT_NEAR(made_, all, 1e-12 * all);
+}
+
+TEST_P(Keeping, what_contributes_at_all_loses_only_modes_that_the_surface_does_not_see) {
+  const Kernel kernel = kept(0);
+  EXPECT_EQ(made_, 0);
+  Choice unseen(37, false);
+  for (const std::size_t k : {3U, 10U, 11U, 39U}) unseen[k - 3] = true;
+  EXPECT_EQ(gone(kernel), unseen);
+  EXPECT_EQ(kernel.surface.residual_flexibility, whole_.surface.residual_flexibility);
+  EXPECT_EQ(kernel.loads.body_force_residual, whole_.loads.body_force_residual);
+}
+
+TEST_P(Keeping, what_contributes_needs_no_skin) {
+  whole_.view.reset();
+  const Kernel kernel = kept(0.05);
+  EXPECT_FALSE(kernel.view);
+  EXPECT_LT(kernel.modes.size(), whole_.modes.size() - 4);
+}
+
+TEST_P(Keeping, what_contributes_of_a_rigid_body_is_all) {
+  whole_.modes.angular_frequency.assign(whole_.modes.size(), 0.0);
+  EXPECT_EQ(kept(0.5).modes.size(), whole_.modes.size());
+  EXPECT_EQ(made_, 0);
+}
+
+}  // namespace
+}  // namespace ricochet::kernels
