@@ -21,11 +21,12 @@ struct Factorisation::Mumps {
 namespace {
 
 constexpr int job_init = -1, job_end = -2, job_analyse = 1, job_factor = 2, job_solve = 3;
-constexpr int symmetric_indefinite = 2, host_works = 1;
+constexpr int symmetric_indefinite = 2, host_works = 1, low_rank_factors_and_solves = 2;
 
 }  // namespace
 
-Factorisation::Factorisation(Mat stiffness, Mat mass) : mumps_(std::make_unique<Mumps>()) {
+Factorisation::Factorisation(Mat stiffness, Mat mass, double low_rank)
+    : mumps_(std::make_unique<Mumps>()), low_rank_(low_rank) {
   MPI_Comm comm = MPI_COMM_NULL;
   check(PetscObjectGetComm(reinterpret_cast<PetscObject>(stiffness), &comm));
   MPI_Comm_dup(comm, &comm_);
@@ -54,6 +55,10 @@ Factorisation::Factorisation(Mat stiffness, Mat mass) : mumps_(std::make_unique<
     id.nnz_loc = entries;
     id.irn_loc = row_.data();
     id.jcn_loc = column_.data();
+  }
+  if (low_rank_ > 0) {
+    mumps_->icntl(35) = low_rank_factors_and_solves;
+    id.cntl[6] = low_rank_;
   }
   take_users_options();
   run(job_analyse, "analyse");
@@ -228,7 +233,8 @@ Eigen::MatrixXd Factorisation::solve(const Eigen::Ref<const Eigen::MatrixXd>& ri
 }
 
 double Factorisation::expected_mib() const {
-  return static_cast<double>(mumps_->id.info[14]) * 1e6 / (1 << 20);
+  // INFO(15), and INFO(30) in low rank.
+  return static_cast<double>(mumps_->id.info[low_rank_ > 0 ? 29 : 14]) * 1e6 / (1 << 20);
 }
 
 Eigen::MatrixXd shared_solve(const parallel::Teams& teams, Factorisation& factor,

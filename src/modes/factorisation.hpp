@@ -8,7 +8,8 @@
 
 namespace ricochet::modes {
 
-/// L D Lᵀ of K − σM at one shift after the other, full rank, so that its inertia is a proof.
+/// L D Lᵀ of K − σM at one shift after the other. In full rank its inertia is a proof; block low-rank takes
+/// less time and memory on large bodies, and solves approximately.
 ///
 /// MUMPS itself and not PETSc's interface to it: the order of elimination is METIS's nested dissection of the
 /// nodes (Debian's MUMPS has only PORD of its own, which leaves up to twice the entries), and it is worked
@@ -16,8 +17,10 @@ namespace ricochet::modes {
 class Factorisation {
  public:
   /// Analysis. Collective on the matrices' ranks. @param stiffness, mass  SBAIJ with one pattern; they have
-  /// to live as long as this. Throws SolverError when MUMPS breaks down.
-  Factorisation(Mat stiffness, Mat mass);
+  /// to live as long as this. @param low_rank  relative threshold of block low-rank factors; 0: full rank.
+  /// Throws SolverError when MUMPS breaks down.
+  /// Source: Amestoy, Buttari, L'Excellent & Mary 2019 (block low-rank in MUMPS).
+  Factorisation(Mat stiffness, Mat mass, double low_rank = 0);
   ~Factorisation();
   Factorisation(const Factorisation&) = delete;
   Factorisation& operator=(const Factorisation&) = delete;
@@ -28,7 +31,7 @@ class Factorisation {
 
   double sigma() const { return sigma_; }  ///< of the factors
 
-  /// Eigenvalues below σ (Sylvester's law of inertia).
+  /// Eigenvalues below σ (Sylvester's law of inertia). Of full-rank factors alone.
   std::int64_t below() const { return below_; }
 
   /// Solves (K − σM) X = B. @param right  B (local rows, n), @return likewise. Collective.
@@ -51,6 +54,7 @@ class Factorisation {
   std::vector<double> stiffness_, mass_, shifted_;
   std::vector<int> rows_of_rank_, first_of_rank_;  ///< on the first rank: who holds which rows
   std::int64_t local_rows_ = 0, rows_ = 0;
+  double low_rank_ = 0;
   double sigma_ = 0;
   bool factored_ = false;
   std::int64_t below_ = 0;

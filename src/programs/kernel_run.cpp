@@ -83,7 +83,8 @@ Discretised discretise(const scene::KernelRequest& request, MPI_Comm comm, conso
 
     console.begin(body.name + ": assembly");
     made.matrices = elasticity::assemble(made.mesh, body.materials, file, bar);
-    made.factor = std::make_unique<modes::Factorisation>(made.matrices.stiffness, made.matrices.mass);
+    made.factor = std::make_unique<modes::Factorisation>(made.matrices.stiffness, made.matrices.mass,
+                                                         request.modes.low_rank);
     const double room = parallel::available_mib(comm);
     // Delayed pivots and buffers come on top of what is expected.
     constexpr double usable = 0.85;

@@ -139,6 +139,13 @@ Modes read_modes(Table& root) {
       table->complain("basis", "must be \"modes\" or \"contact\"");
     if (*basis == "contact") modes.basis = Basis::contact;
   }
+  if (const auto threshold = table->number("low_rank")) {
+    if (*threshold != 0 && (*threshold < 1e-12 || *threshold > 1e-3))
+      table->complain("low_rank", "must be 0 or from 1e-12 to 1e-3");
+    if (*threshold != 0 && modes.basis != Basis::contact)
+      table->complain("low_rank", "proves no count of modes: it goes with basis = \"contact\"");
+    modes.low_rank = *threshold;
+  }
   if (modes.basis == Basis::contact) {
     if (!modes.up_to)
       root.complain("modes", "basis = \"contact\" needs up_to_hz, the band in which contact acts");

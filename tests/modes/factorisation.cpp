@@ -5,6 +5,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "src/modes/operators.hpp"
 #include "tests/meshes.hpp"
 #include "tests/modes/dense.hpp"
 
@@ -54,6 +55,28 @@ TEST(Factorisation, counts_the_eigenvalues_below_each_shift_as_lapack_does) {
     factor.factor(-1.0);
     EXPECT_EQ(factor.below(), 0);
   }
+}
+
+TEST(Factorisation, in_low_rank_solves_to_about_its_threshold) {
+  const test::SharedFile file(".geo", test::block_geo("tet", 8, 0.4));
+  const mesh::GmshSession gmsh;
+  scene::Body given = test::body_of(file.path(), 2);
+  const mesh::Mesh mesh = test::mesh_of(given);
+  const elasticity::Body body = elasticity::assemble(mesh, given.materials, "test");
+  const modes::Operators operators(mesh, body);
+  const Eigen::MatrixXd right = operators.noise(4, 1);
+  std::vector<double> error;
+  for (const double threshold : {0.0, 1e-9, 1e-4}) {
+    modes::Factorisation factor(body.stiffness, body.mass, threshold);
+    factor.factor(-1.0);
+    const Eigen::MatrixXd x = factor.solve(right);
+    const Eigen::MatrixXd defect = test::product(body.stiffness, x) + test::product(body.mass, x) - right;
+    error.push_back(parallel::largest(mesh.comm, test::largest_entry(defect)));
+  }
+  // Round-off, then the threshold times the norm of the factors, about 1e3.
+  EXPECT_LT(error[0], 1e-10);
+  EXPECT_LT(error[1], 1e-5);
+  EXPECT_LT(error[2], 1);
 }
 
 }  // namespace

@@ -172,6 +172,16 @@ TEST(Refused, is_a_basis_there_is_not) {
                       {"bases = \"contact\"", "bases = \"contact\": unknown key. Did you mean \"basis\"?"}});
 }
 
+TEST(Refused, is_a_low_rank_threshold_that_is_out_of_range_or_would_prove_a_count) {
+  const std::string contact = "basis = \"contact\"\nup_to_hz = 1e3\n";
+  expect_lines(
+      {{"count = 10", contact + "low_rank = 1e-13",
+        "modes.low_rank = 1e-13: must be 0 or from 1e-12 to 1e-3"},
+       {"count = 10", contact + "low_rank = 0.01", "modes.low_rank = 0.01: must be 0 or from 1e-12 to 1e-3"},
+       {"count = 10", "count = 3\nlow_rank = 1e-6",
+        "modes.low_rank = 1e-06: proves no count of modes: it goes with basis = \"contact\""}});
+}
+
 TEST(Refused, is_a_flexibility_error_out_of_range) {
   expect_table_lines("modes",
                      {{"flexibility_error = 0", "flexibility_error = 0: must be from 1e-6 to 0.5"},
