@@ -1,145 +1,159 @@
-// One search for modes, timed from assembled matrices to shapes in hand, by this program's engine or one of
-// its peers:
+// One search for modes of a body of a scene, timed from assembled matrices to shapes in hand, by this
+// program's engines or one of their peers:
 //
-//   mpirun -n 2 bench_modes SOLVER FILE.geo SIZE ORDER COUNT [UPTO_HZ]
+//   mpirun -n 2 bench_modes SOLVER SCENE.toml BODY [--set KEY=VALUE]... [--upto-hz HZ] [--frequencies FILE]
+//   bench_modes calculix-input SCENE.toml BODY OUT.inp [--set KEY=VALUE]...
 //
-// SOLVER: ricochet; krylov-schur (SLEPc's, one shift, defaults); slicing (SLEPc's spectrum slicing, all in
-// (1, UPTO_HZ)). Prints one line of JSON. scripts/bench-modes calls it in turn.
+// SOLVER: ricochet; contact (the basis fitted to contact, and its residual flexibility); krylov-schur
+// (SLEPc's, one shift, defaults); slicing (SLEPc's spectrum slicing, all in (1, HZ)). Modes are those that
+// [modes] asks for. Prints one line of JSON. scripts/bench-modes calls it in turn, and ccx with the input
+// that it writes.
 #include <fmt/format.h>
 
-#include <chrono>
-#include <cmath>
+#include <CLI/CLI.hpp>
+#include <bit>
+#include <cstdlib>
+#include <fstream>
 #include <iostream>
-#include <numbers>
 #include <optional>
 
+#include "benchmarks/calculix.hpp"
+#include "benchmarks/solvers.hpp"
 #include "src/console/console.hpp"
 #include "src/mesh/gmsh_session.hpp"
-#include "src/modes/modes.hpp"
 #include "src/parallel/blas.hpp"
 
 namespace {
 
 using namespace ricochet;
-using parallel::check;
 
-double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-struct Found {
-  double seconds = 0;
-  std::int64_t elastic = 0;
-  double residual = 0, upto_hz = 0;
+struct Options {
+  std::string solver, scene, body, deck, frequencies;
+  std::vector<std::string> overrides;
+  std::optional<double> upto_hz;
 };
 
-Found by_ricochet(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
-                  std::int64_t count) {
-  const double started = now();
-  modes::Factorisation factor(body.stiffness, body.mass);
-  const modes::ModeSet set = modes::compute_modes(teams, mesh, body, factor, {.count = count});
-  Found found{now() - started, 0, 0, set.certificate.upto_hz};
-  for (std::size_t n = 0; n < set.residual.size(); ++n)
-    if (set.angular_frequency[n] > 0) {
-      ++found.elastic;
-      found.residual = std::max(found.residual, set.residual[n]);
-    }
-  return found;
+/// Every rank reads the small scene file; the complaint of one is the complaint of all.
+scene::KernelRequest read_request(const Options& options) {
+  scene::KernelRequest request;
+  std::string complaint;
+  try {
+    const scene::Scene scene = scene::read(options.scene, options.overrides);
+    const scene::Body* body = scene.find_body(options.body);
+    if (body == nullptr)
+      throw InputError(fmt::format("{}: there is no body \"{}\"", options.scene, options.body));
+    request = scene::kernel_request(scene, *body);
+    const bool fitted = request.modes.basis == scene::Basis::contact;
+    if (fitted != (options.solver == "contact"))
+      throw InputError(fmt::format("{}: {} needs modes.basis = \"{}\"", options.scene, options.solver,
+                                   fitted ? "modes" : "contact"));
+    const bool by_count = options.solver == "krylov-schur" || options.solver == "calculix-input";
+    if (by_count && !request.modes.count)
+      throw InputError(fmt::format("{}: {} needs modes.count", options.scene, options.solver));
+    if (options.solver == "slicing" && !options.upto_hz) throw InputError("slicing needs --upto-hz");
+    if (options.solver == "calculix-input" && options.deck.empty())
+      throw InputError("calculix-input needs the name of the file to write, behind the body");
+  } catch (const InputError& error) {
+    complaint = error.what();
+  }
+  parallel::agree(PETSC_COMM_WORLD, complaint);
+  return request;
 }
 
-/// SLEPc with shift-and-invert by MUMPS; an interval asks for spectrum slicing.
-Found by_slepc(const mesh::Mesh& mesh, const elasticity::Body& body, std::int64_t count,
-               std::optional<double> upto_hz) {
-  const auto lambda = [](double hertz) { return std::pow(2 * std::numbers::pi * hertz, 2); };
-  const double started = now();
-  parallel::EigenSolver eps;
-  check(EPSCreate(mesh.comm, eps.out()));
-  check(EPSSetOperators(eps, body.stiffness, body.mass));
-  check(EPSSetProblemType(eps, EPS_GHEP));
-  check(EPSSetType(eps, EPSKRYLOVSCHUR));
-  ST st = nullptr;
-  KSP ksp = nullptr;
-  PC pc = nullptr;
-  if (upto_hz) {
-    check(EPSSetWhichEigenpairs(eps, EPS_ALL));
-    check(EPSSetInterval(eps, lambda(1), lambda(*upto_hz)));
-  } else {
-    check(EPSSetWhichEigenpairs(eps, EPS_TARGET_MAGNITUDE));
-    check(EPSSetTarget(eps, -lambda(1)));
-    check(EPSSetDimensions(eps, static_cast<PetscInt>(count), PETSC_DEFAULT, PETSC_DEFAULT));
+std::vector<std::string> geometry_numbers(const scene::Body& body) {
+  std::vector<std::string> numbers;
+  for (const auto& [name, value] : body.geometry) {
+    numbers.push_back(name);
+    numbers.push_back(fmt::format("{}", value));
   }
-  check(EPSGetST(eps, &st));
-  check(STSetType(st, STSINVERT));
-  check(STSetMatStructure(st, SUBSET_NONZERO_PATTERN));
-  if (upto_hz) {
-    check(EPSKrylovSchurGetKSP(eps, &ksp));
-  } else {
-    check(STGetKSP(st, &ksp));
-  }
-  check(KSPSetType(ksp, KSPPREONLY));
-  check(KSPGetPC(ksp, &pc));
-  check(PCSetType(pc, PCCHOLESKY));
-  check(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
-  // As SLEPc's own example has it for slicing: no ScaLAPACK at the root, null pivots detected.
-  if (upto_hz)
-    check(PetscOptionsInsertString(
-        nullptr, "-st_mat_mumps_icntl_13 1 -st_mat_mumps_icntl_24 1 -st_mat_mumps_cntl_3 1e-12"));
-  check(EPSSetFromOptions(eps));
-  check(EPSSolve(eps));
-  PetscInt converged = 0;
-  check(EPSGetConverged(eps, &converged));
-  Found found{now() - started, 0, 0, 0};
-
-  const modes::Operators operators(mesh, body);
-  const PetscInt wanted = upto_hz ? converged : std::min(converged, static_cast<PetscInt>(count));
-  for (PetscInt i = 0; i < wanted; ++i) {
-    Eigen::MatrixXd shape(body.local_rows, 1);
-    parallel::Vector x;
-    check(VecCreateMPIWithArray(mesh.comm, mesh.components(), static_cast<PetscInt>(body.local_rows),
-                                PETSC_DECIDE, shape.data(), x.out()));
-    double value = 0;
-    check(EPSGetEigenpair(eps, i, &value, nullptr, x, nullptr));
-    if (value < lambda(1)) continue;
-    ++found.elastic;
-    found.upto_hz = std::max(found.upto_hz, std::sqrt(value) / (2 * std::numbers::pi));
-    found.residual =
-        std::max(found.residual, operators.residuals(shape, Eigen::VectorXd::Constant(1, value))[0]);
-  }
-  return found;
+  return numbers;
 }
 
-int run(const std::vector<std::string>& words) {
-  if (words.size() < 5) throw InputError("give SOLVER FILE.geo SIZE ORDER COUNT [UPTO_HZ]");
-  const std::string& solver = words[0];
-  const std::int64_t count = std::stoll(words[4]);
-  const bool ours = solver == "ricochet";
-  scene::Body given;
-  given.name = "body";
-  given.mesh = words[1];
-  given.order = std::stoi(words[3]);
-  // Table 1 of the paper.
-  given.materials = {{.group = "", .density = 11.3e3, .young = 10.4e6, .poisson = 0.37, .area = 0}};
-  const parallel::Teams teams(PETSC_COMM_WORLD, ours ? parallel::size_of(PETSC_COMM_WORLD) : 1);
-  const mesh::GmshSession gmsh({"size", words[2]});
+bench::Found solve(const Options& options, const bench::Problem& problem) {
+  if (options.solver == "ricochet") return bench::by_ricochet(problem);
+  if (options.solver == "contact") return bench::by_contact_basis(problem);
+  if (options.solver == "slicing") return bench::by_slicing(problem, Hertz{*options.upto_hz});
+  return bench::by_krylov_schur(problem, *problem.request.modes.count);
+}
+
+void write_deck(const scene::KernelRequest& request, const mesh::GlobalMesh& global,
+                const std::filesystem::path& path) {
+  bench::write_calculix(global, request.body, *request.modes.count, path);
+  std::int64_t unknowns = 0;
+  for (const unsigned fixed : global.fixed) unknowns += 3 - std::popcount(fixed);
+  // CalculiX should have the BLAS kernels that this program chose.
+  const char* const kernels = std::getenv("OPENBLAS_CORETYPE");
+  std::cout << fmt::format(R"({{"unknowns": {}, "openblas_coretype": "{}"}})", unknowns,
+                           kernels == nullptr ? "" : kernels)
+            << std::endl;
+}
+
+void write_frequencies(const std::vector<double>& frequency_hz, const std::string& path) {
+  std::ofstream file(path);
+  for (const double f : frequency_hz) file << fmt::format("{:.15g}\n", f);
+  if (!file.flush()) throw InputError(fmt::format("{}: can't be written", path));
+}
+
+void run(const Options& options) {
+  const MPI_Comm world = PETSC_COMM_WORLD;
+  const scene::KernelRequest request = read_request(options);
+  const mesh::GmshSession gmsh(geometry_numbers(request.body));
   mesh::GlobalMesh global;
-  parallel::on_first_rank(PETSC_COMM_WORLD, [&] { global = mesh::read_mesh(given); });
+  const bool deck = options.solver == "calculix-input";
+  parallel::on_first_rank(world, [&] {
+    global = mesh::read_mesh(request.body);
+    if (deck) write_deck(request, global, options.deck);
+  });
+  if (deck) return;
+
+  // Ranks search for modes each on its own; all else they do together.
+  const parallel::Teams teams(world, options.solver == "ricochet" ? parallel::size_of(world) : 1);
   if (parallel::rank_of(teams.team()) == 0) mesh::broadcast(global, teams.peers());
   const mesh::Mesh mesh = mesh::distribute(std::move(global), teams.team());
-  const elasticity::Body body = elasticity::assemble(mesh, given.materials, given.mesh.filename().string());
+  const double started = MPI_Wtime();
+  const elasticity::Body body =
+      elasticity::assemble(mesh, request.body.materials, request.body.mesh.filename().string());
+  const double assembly = parallel::largest(world, MPI_Wtime() - started);
 
-  MPI_Barrier(PETSC_COMM_WORLD);
-  std::optional<double> upto;
-  if (solver == "slicing" && words.size() > 5) upto = std::stod(words[5]);
-  const Found found = ours ? by_ricochet(teams, mesh, body, count) : by_slepc(mesh, body, count, upto);
-  const double peak = parallel::largest(PETSC_COMM_WORLD, console::peak_memory_mib());
-  if (parallel::rank_of(PETSC_COMM_WORLD) == 0)
-    std::cout
-        << fmt::format(
-               R"({{"solver": "{}", "unknowns": {}, "seconds": {:.3f}, "peak_mib": {:.0f}, "elastic": {}, )"
-               R"("worst_residual": {:.2e}, "upto_hz": {:.6f}}})",
-               solver, body.total_rows, found.seconds, peak, found.elastic, found.residual, found.upto_hz)
-        << std::endl;
-  return 0;
+  const bench::Found found = solve(options, {teams, request, mesh, body});
+  const double peak = parallel::largest(world, console::peak_memory_mib());
+  parallel::on_first_rank(world, [&] {
+    if (!options.frequencies.empty()) write_frequencies(found.frequency_hz, options.frequencies);
+    std::cout << fmt::format(
+                     R"({{"solver": "{}", "unknowns": {}, "assembly_seconds": {:.3f}, "seconds": {:.3f}, )"
+                     R"("peak_mib": {:.0f}, "elastic": {}, "worst_residual": {:.2e}, "upto_hz": {:.6f}, )"
+                     R"("flexibility_error": {:.3e}}})",
+                     options.solver, body.free_rows, assembly, found.seconds, peak, found.frequency_hz.size(),
+                     found.worst_residual, found.upto_hz, found.flexibility_error)
+              << std::endl;
+  });
+}
+
+/// Exit status when nothing is left to do.
+std::optional<int> parse(int argc, char** argv, bool speak, Options& options) {
+  CLI::App app{"Times one search for modes of a body of a scene.", "bench_modes"};
+  app.add_option("SOLVER", options.solver)
+      ->required()
+      ->check(CLI::IsMember({"ricochet", "contact", "krylov-schur", "slicing", "calculix-input"}));
+  app.add_option("SCENE", options.scene, "Scene file (TOML)")->required();
+  app.add_option("BODY", options.body, "Its name in the scene")->required();
+  app.add_option("OUT", options.deck, "calculix-input: the file to write");
+  app.add_option("--set", options.overrides, "Override a scene key: KEY=VALUE; repeatable")
+      ->take_all()
+      ->expected(1)
+      ->allow_extra_args(false);
+  app.add_option("--upto-hz", options.upto_hz, "slicing: upper end");
+  app.add_option("--frequencies", options.frequencies, "Write the elastic frequencies [Hz] to this file");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    if (speak) std::cout << app.help();
+    return 0;
+  } catch (const CLI::ParseError& error) {
+    if (speak) std::cerr << "bench_modes: " << error.what() << " (see bench_modes --help)\n";
+    return 2;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -147,10 +161,19 @@ int run(const std::vector<std::string>& words) {
 int main(int argc, char** argv) {
   parallel::prepare_blas(argv);
   const parallel::Session session;
+  const bool first = parallel::rank_of(PETSC_COMM_WORLD) == 0;
   try {
-    return run({argv + 1, argv + argc});
+    Options options;
+    if (const auto status = parse(argc, argv, first, options)) return *status;
+    run(options);
+    return 0;
+  } catch (const InputError& error) {
+    // Every rank holds the same complaint.
+    if (first) std::cerr << "bench_modes: " << error.what() << '\n';
+    return 2;
   } catch (const std::exception& error) {
     std::cerr << "bench_modes: " << error.what() << std::endl;
     MPI_Abort(PETSC_COMM_WORLD, 1);
+    return 1;
   }
 }
