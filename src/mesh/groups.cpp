@@ -4,24 +4,43 @@
 #include <fmt/ranges.h>
 #include <gmsh.h>
 
+#include <algorithm>
 #include <array>
 #include <map>
-
-#include "kernels/error.hpp"
+#include <set>
+#include <utility>
 
 namespace ricochet::mesh {
 
 namespace {
 
-/// gmsh's physical groups of one dimension, by name.
-std::map<std::string, int> groups_of(int dim) {
+/// The entity that a partition or an interface between partitions was cut from, if any.
+std::pair<int, int> parent_of(int dim, int tag) {
+  std::pair<int, int> parent{-1, -1};
+  gmsh::model::getParent(dim, tag, parent.first, parent.second);
+  return parent;
+}
+
+/// Interfaces between partitions bear the group numbers of what they cut, in a lower dimension.
+bool is_interface(int dim, int tag) {
+  const auto [above, parent] = parent_of(dim, tag);
+  return parent >= 0 && above != dim;
+}
+
+/// Entities of gmsh's physical groups of one dimension, by the group's name.
+std::map<std::string, std::vector<int>> groups_of(int dim) {
   gmsh::vectorpair pairs;
   gmsh::model::getPhysicalGroups(pairs, dim);
-  std::map<std::string, int> groups;
+  std::map<std::string, std::vector<int>> groups;
   for (const auto& [d, tag] : pairs) {
     std::string name;
     gmsh::model::getPhysicalName(d, tag, name);
-    groups[name.empty() ? std::to_string(tag) : name] = tag;
+    std::vector<int> entities;
+    gmsh::model::getEntitiesForPhysicalGroup(dim, tag, entities);
+    entities.erase(std::remove_if(entities.begin(), entities.end(),
+                                  [&](int entity) { return is_interface(dim, entity); }),
+                   entities.end());
+    if (!entities.empty()) groups[name.empty() ? std::to_string(tag) : name] = std::move(entities);
   }
   return groups;
 }
@@ -35,44 +54,66 @@ std::map<int, std::string> entity_names(int dim) {
   gmsh::vectorpair pairs;
   gmsh::model::getEntities(pairs, dim);
   std::map<int, std::string> names;
-  for (const auto& [d, tag] : pairs) names[tag] = fmt::format("{} {}", kind_of(dim), tag);
+  for (const auto& [d, tag] : pairs)
+    if (parent_of(d, tag).second < 0) names[tag] = fmt::format("{} {}", kind_of(dim), tag);
   return names;
 }
 
-/// The names that could have been meant, quoted.
-std::string choice(int dim) {
-  std::vector<std::string> names;
-  for (const auto& [name, tag] : groups_of(dim)) names.push_back('"' + name + '"');
-  if (!names.empty()) return fmt::format("the groups are {}", fmt::join(names, ", "));
-  for (const auto& [tag, name] : entity_names(dim)) names.push_back('"' + name + '"');
-  if (names.empty()) return "there are none";
-  if (names.size() > 8) {
-    names[6] = "…";
-    names.erase(names.begin() + 7, names.end() - 1);
+/// Names in quotes, some of them where there are many.
+std::string list_of(std::vector<std::string> names, std::size_t most) {
+  for (std::string& name : names) name = '"' + name + '"';
+  if (names.size() > most) {
+    names[most - 2] = "…";
+    names.erase(names.begin() + static_cast<std::ptrdiff_t>(most) - 1, names.end() - 1);
   }
-  return fmt::format("there are no groups, but {}", fmt::join(names, ", "));
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+/// `entities` and the partitions that gmsh cut them into.
+std::vector<int> with_partitions(int dim, const std::vector<int>& entities) {
+  std::set<int> all(entities.begin(), entities.end());
+  gmsh::vectorpair pairs;
+  gmsh::model::getEntities(pairs, dim);
+  for (const auto& [d, tag] : pairs)
+    if (const auto [above, parent] = parent_of(d, tag); above == dim && all.count(parent) > 0)
+      all.insert(tag);
+  return {all.begin(), all.end()};
 }
 
 }  // namespace
 
+Choice choice_of(int dim) {
+  Choice choice;
+  for (const auto& [name, entities] : groups_of(dim)) choice.groups.push_back(name);
+  if (choice.groups.empty())
+    for (const auto& [tag, name] : entity_names(dim)) choice.entities.push_back(name);
+  return choice;
+}
+
+InputError no_group(int dim, const std::string& name, const Choice& choice, const std::string& file,
+                    const std::string& key) {
+  std::string there = "there are none";
+  if (!choice.groups.empty())
+    there = "the groups are " + list_of(choice.groups, choice.groups.size());
+  else if (!choice.entities.empty())
+    there = "there are no groups, but " + list_of(choice.entities, 8);
+  return InputError(fmt::format("{}: no physical {} \"{}\": {}. Name one in gmsh, or change {}.", file,
+                                kind_of(dim), name, there, key));
+}
+
 std::vector<int> find_entities(int dim, const std::string& name) {
-  std::vector<int> entities;
-  const auto groups = groups_of(dim);
-  if (const auto found = groups.find(name); found != groups.end()) {
-    gmsh::model::getEntitiesForPhysicalGroup(dim, found->second, entities);
-    return entities;
-  }
-  for (const auto& [tag, written] : entity_names(dim))
-    if (written == name) entities.push_back(tag);
-  return entities;
+  auto groups = groups_of(dim);
+  std::vector<int> entities = std::move(groups[name]);
+  if (entities.empty())
+    for (const auto& [tag, written] : entity_names(dim))
+      if (written == name) entities.push_back(tag);
+  return with_partitions(dim, entities);
 }
 
 std::vector<int> entities_of(int dim, const std::string& name, const std::string& file,
                              const std::string& key) {
   std::vector<int> entities = find_entities(dim, name);
-  if (entities.empty())
-    throw InputError(fmt::format("{}: no physical {} \"{}\": {}. Name one in gmsh, or change {}.", file,
-                                 kind_of(dim), name, choice(dim), key));
+  if (entities.empty()) throw no_group(dim, name, choice_of(dim), file, key);
   return entities;
 }
 

@@ -59,7 +59,7 @@ struct Mesh {
   std::int64_t total_nodes = 0, total_elements = 0;
   std::int64_t first_node = 0, owned_nodes = 0;  ///< this rank owns global nodes [first, first + owned)
   std::vector<std::int64_t> node;                ///< (n_local) global numbers, ascending
-  std::vector<std::int64_t> canonical;           ///< (n_local) numbers that do not depend on the ranks
+  std::vector<std::int64_t> canonical;           ///< (n_local) 0 … total_nodes − 1, whatever the ranks
   std::vector<double> position;                  ///< (n_local,3) [m]
   std::vector<std::int64_t> fixed;               ///< (n_local) bit c: component c held
   std::vector<std::int64_t> part;                ///< (n_local) which connected part of the body
@@ -73,6 +73,9 @@ struct Mesh {
   /// Supports as displacement components of this body: a rod has one, along its axis.
   bool is_fixed(std::size_t local_node, int component) const { return (fixed[local_node] >> component) & 1; }
 };
+
+/// Copies facets of the first rank of `comm` to its other ranks. Collective.
+void broadcast(FacetMesh& facets, MPI_Comm comm);
 
 /// Copies the mesh of the first rank of `comm` to its other ranks. Collective.
 void broadcast(GlobalMesh& global, MPI_Comm comm);

@@ -4,6 +4,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "src/mesh/connected.hpp"
 #include "src/mesh/mesh.hpp"
 #include "src/parallel/parallel.hpp"
 
@@ -76,26 +77,10 @@ Numbering number_nodes(const GlobalMesh& mesh, const std::vector<idx_t>& part, i
 
 /// Connected part of each node (n), numbered by their first nodes; and how many there are.
 std::pair<std::vector<std::int64_t>, std::int64_t> connected_parts(const GlobalMesh& mesh) {
-  // Union-find with path halving.
-  std::vector<std::int64_t> root(mesh.fixed.size());
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&](std::int64_t node) {
-    for (auto at = static_cast<std::size_t>(node); root[at] != static_cast<std::int64_t>(at);
-         at = static_cast<std::size_t>(root[at]))
-      root[at] = node = root[static_cast<std::size_t>(root[at])];
-    return node;
-  };
-  for (const Block& block : mesh.blocks) {
-    const auto width = static_cast<std::size_t>(block.nodes_per_element);
-    for (std::size_t k = 0; k < block.node.size(); ++k) {
-      const std::int64_t a = find(block.node[k - k % width]), b = find(block.node[k]);
-      root[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
-    }
-  }
-  std::vector<std::int64_t> part(root.size());
+  std::vector<std::int64_t> part = first_connected(mesh.fixed.size(), mesh.blocks);
   std::int64_t parts = 0;
-  for (std::size_t i = 0; i < root.size(); ++i) {
-    const auto first = static_cast<std::size_t>(find(static_cast<std::int64_t>(i)));
+  for (std::size_t i = 0; i < part.size(); ++i) {
+    const auto first = static_cast<std::size_t>(part[i]);
     part[i] = first == i ? parts++ : part[first];
   }
   return {std::move(part), parts};
@@ -137,14 +122,14 @@ void broadcast_blocks(std::vector<Block>& blocks, MPI_Comm comm) {
   }
 }
 
-void broadcast_facets(FacetMesh& facets, MPI_Comm comm) {
+}  // namespace
+
+void broadcast(FacetMesh& facets, MPI_Comm comm) {
   broadcast(comm, facets.node);
   broadcast(comm, facets.position);
   broadcast(comm, facets.end_normal);
   broadcast_blocks(facets.blocks, comm);
 }
-
-}  // namespace
 
 void broadcast(GlobalMesh& global, MPI_Comm comm) {
   std::vector<double> axis(global.axis.begin(), global.axis.end());
@@ -158,8 +143,8 @@ void broadcast(GlobalMesh& global, MPI_Comm comm) {
   global.fixed.assign(fixed.begin(), fixed.end());
   broadcast(comm, global.position);
   broadcast_blocks(global.blocks, comm);
-  broadcast_facets(global.contact, comm);
-  broadcast_facets(global.skin, comm);
+  broadcast(global.contact, comm);
+  broadcast(global.skin, comm);
 }
 
 Mesh distribute(GlobalMesh&& global, MPI_Comm comm) {
@@ -266,7 +251,7 @@ Mesh distribute(GlobalMesh&& global, MPI_Comm comm) {
                  ->second;
 
   mesh.contact = std::move(global.contact);
-  broadcast_facets(mesh.contact, comm);
+  broadcast(mesh.contact, comm);
   mesh.skin = std::move(global.skin);
   return mesh;
 }

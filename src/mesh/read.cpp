@@ -3,25 +3,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <fstream>
 #include <unordered_map>
 
+#include "src/mesh/faces.hpp"
 #include "src/mesh/gmsh_session.hpp"
 #include "src/mesh/groups.hpp"
 #include "src/mesh/mesh.hpp"
 #include "src/mesh/open.hpp"
+#include "src/mesh/part.hpp"
+#include "src/mesh/rod.hpp"
 
 namespace ricochet::mesh {
 
 namespace {
 
 using Tags = std::vector<std::size_t>;
-using Corners = std::vector<std::int64_t>;
-
-struct Facet {
-  std::int64_t count = 0;
-  Corners outward;  ///< corners in the order that points out of the body
-};
 
 /// gmsh's model of one body, with the lookups that reading needs.
 class Reader {
@@ -39,7 +36,10 @@ class Reader {
       collect_nodes();
       collect_elements();
       reached(2);
-      mesh_.dim == 1 ? find_axis() : collect_skin();
+      if (mesh_.dim == 1)
+        find_axis(mesh_, file_);
+      else
+        collect_skin();
       reached(3);
       collect_contact();
       mark_supports();
@@ -49,8 +49,61 @@ class Reader {
     return std::move(mesh_);
   }
 
+  /// @param parts  how many the mesh has
+  Part read_part(int parts) {
+    partial_ = true;
+    with_gmsh_errors(file_, [&] {
+      refuse_old_version();
+      meshed_before_ = open_model(body_);
+      refuse_missing_neighbours(parts);
+      mesh_.dim = dimension();
+      if (mesh_.dim == 1)
+        throw InputError(fmt::format("{}: is part of a rod: save the rod in one file", file_));
+      collect_nodes();
+      collect_elements();
+      collect_facets();
+      mark_supports();
+      gmsh::model::remove();
+    });
+    return by_tag();
+  }
+
  private:
-  std::string key(const char* last) const { return fmt::format("bodies.{}.{}", body_.name, last); }
+  /// Entities of a group, which a part of a mesh may lack.
+  std::vector<int> entities(int dim, const std::string& group, const char* use) {
+    if (!partial_) return entities_of(dim, group, file_, fmt::format("bodies.{}.{}", body_.name, use));
+    std::vector<int> found = find_entities(dim, group);
+    GroupUse& of_this = groups_.emplace_back();
+    of_this.found[static_cast<std::size_t>(dim)] = !found.empty();
+    if (found.empty()) of_this.choice = choice_of(dim);
+    return found;
+  }
+
+  /// gmsh 4.8 loses groups of parts of version 2.2.
+  void refuse_old_version() const {
+    std::ifstream stream(body_.mesh);
+    std::string header;
+    double version = 4;
+    if (stream >> header >> version && version < 4)
+      throw InputError(fmt::format(
+          "{}: is of version {}: save parts in version 4.1 (Mesh.MshFileVersion = 4.1)", file_, version));
+  }
+
+  /// The last files of a mesh may be missing: entities tell which parts they touch.
+  void refuse_missing_neighbours(int parts) const {
+    gmsh::vectorpair all;
+    gmsh::model::getEntities(all);
+    for (const auto& [dim, tag] : all) {
+      std::vector<int> touched;
+      gmsh::model::getPartitions(dim, tag, touched);
+      for (int part : touched)
+        if (part > parts)
+          throw InputError(
+              fmt::format("{}: touches part {} of the mesh, but there are only {}: keep the files of all "
+                          "parts together",
+                          file_, part, parts));
+    }
+  }
 
   int dimension() const {
     for (int dim = 3; dim >= 1; --dim) {
@@ -72,6 +125,7 @@ class Reader {
     std::vector<double> parametric;
     gmsh::model::mesh::getNodes(tags, mesh_.position, parametric);
     for (double& x : mesh_.position) x *= body_.scale;
+    tag_.assign(tags.begin(), tags.end());
     for (std::size_t i = 0; i < tags.size(); ++i) index_[tags[i]] = static_cast<std::int64_t>(i);
     mesh_.fixed.assign(tags.size(), 0);
   }
@@ -111,7 +165,7 @@ class Reader {
         append(mesh_.blocks, mesh_.dim, -1, static_cast<std::int64_t>(m));
         continue;
       }
-      for (int entity : entities_of(mesh_.dim, group, file_, key("material")))
+      for (int entity : entities(mesh_.dim, group, "material"))
         append(mesh_.blocks, mesh_.dim, entity, static_cast<std::int64_t>(m));
     }
     for (const scene::Material& material : body_.materials)
@@ -119,11 +173,15 @@ class Reader {
         throw InputError(fmt::format(
             "{}: is a rod (line elements): give bodies.{}.material its cross-section, area = … [m²]", file_,
             body_.name));
+    if (mesh_.blocks.empty() && !partial_) throw no_elements(body_);
+    if (mesh_.blocks.empty()) {
+      mesh_.order = 0;
+      return;
+    }
     mesh_.order = checked_reference(mesh_.blocks.front().gmsh_type).order;
     for (const Block& block : mesh_.blocks)
-      if (checked_reference(block.gmsh_type).order != mesh_.order)
-        throw InputError(fmt::format("{}: mixes element orders: mesh it again with one order", file_));
-    refuse_repeated(mesh_.blocks, "element", "material");
+      if (checked_reference(block.gmsh_type).order != mesh_.order) throw mixed_orders(body_);
+    refuse_repeated(mesh_.blocks, "element", "material", body_);
     if (!meshed_before_ && mesh_.order != body_.order)
       throw InputError(
           fmt::format("{}: gmsh made elements of order {} instead of {}: choose a lower bodies.{}.order",
@@ -148,161 +206,29 @@ class Reader {
       gmsh::option::getNumber(std::string("Mesh.Nb") + kind, count);
       all += count;
     }
-    if (static_cast<double>(listed) != all)
-      throw InputError(fmt::format("{}: mixes element orders: mesh it again with one order", file_));
+    if (static_cast<double>(listed) != all) throw mixed_orders(body_);
   }
 
-  void refuse_repeated(const std::vector<Block>& blocks, const char* what, const char* key) const {
-    std::vector<std::int64_t> tags;
-    for (const Block& block : blocks) tags.insert(tags.end(), block.tag.begin(), block.tag.end());
-    std::sort(tags.begin(), tags.end());
-    const auto twice = std::adjacent_find(tags.begin(), tags.end());
-    if (twice != tags.end())
-      throw InputError(fmt::format("{}: {} {} lies in two groups of bodies.{}.{}: give it to one", file_,
-                                   what, *twice, body_.name, key));
-  }
-
-  Corners corners_of(const Block& block, std::size_t element, int corners) const {
-    const auto begin = block.node.begin() + static_cast<std::ptrdiff_t>(element * block.nodes_per_element);
-    return {begin, begin + corners};
-  }
-
-  /// Faces that belong to one of the body's elements only, oriented outward. The file may hold other bodies.
   void collect_skin() {
-    std::map<Corners, Facet> faces;
-    for (const Block& block : mesh_.blocks) {
-      const auto pattern = outward_faces(checked_reference(block.gmsh_type).family);
-      for (std::size_t e = 0; e < block.size(); ++e)
-        for (const std::vector<int>& face : pattern) {
-          Corners outward;
-          for (int corner : face)
-            outward.push_back(block.node[e * block.nodes_per_element + static_cast<std::size_t>(corner)]);
-          Corners key = outward;
-          std::sort(key.begin(), key.end());
-          Facet& stored = faces[key];
-          stored.outward = std::move(outward);
-          ++stored.count;
-        }
-    }
-    for (auto& [key, facet] : faces)
-      if (facet.count == 1) outside_[key] = facet.outward;
-    const int triangle = gmsh::model::mesh::getElementType("triangle", 1);
-    mesh_.skin.blocks.push_back({triangle, 3, {}, {}, {}});
-    Block& skin = mesh_.skin.blocks.back();
-    for (const auto& [key, outward] : outside_)
-      for (std::size_t c = 2; c < outward.size(); ++c) {
-        skin.node.insert(skin.node.end(), {outward[0], outward[c - 1], outward[c]});
-        skin.tag.push_back(0);
-        skin.label.push_back(0);
-      }
+    outside_ = outside_of(mesh_.blocks);
+    mesh_.skin.blocks.push_back(triangles_of(outside_));
+  }
+
+  void collect_facets() {
+    const int dim = mesh_.dim - 1;
+    for (std::size_t g = 0; g < body_.contact.size(); ++g)
+      for (int entity : entities(dim, body_.contact[g], "contact"))
+        append(mesh_.contact.blocks, dim, entity, static_cast<std::int64_t>(g));
+    refuse_repeated(mesh_.contact.blocks, dim == 2 ? "facet" : "point", "contact", body_);
   }
 
   void collect_contact() {
-    const int dim = mesh_.dim - 1;
-    for (std::size_t g = 0; g < body_.contact.size(); ++g)
-      for (int entity : entities_of(dim, body_.contact[g], file_, key("contact")))
-        append(mesh_.contact.blocks, dim, entity, static_cast<std::int64_t>(g));
-    refuse_repeated(mesh_.contact.blocks, dim == 2 ? "facet" : "point", "contact");
+    collect_facets();
     for (Block& block : mesh_.contact.blocks)
-      if (dim == 2) {
-        if (checked_reference(block.gmsh_type).order != mesh_.order)
-          throw InputError(fmt::format("{}: mixes element orders: mesh it again with one order", file_));
-        orient(block);
-      } else {
-        orient_ends(block);
-      }
-  }
-
-  /// Turns each facet outward by mirroring its node order: the lattice position (i, j) becomes (j, i).
-  void orient(Block& block) const {
-    const ReferenceElement reference = reference_element(block.gmsh_type);
-    std::vector<int> mirrored(reference.nodes);
-    for (int n = 0; n < reference.nodes; ++n)
-      for (int k = 0; k < reference.nodes; ++k)
-        if (std::abs(reference.node[2 * n] - reference.node[2 * k + 1]) +
-                std::abs(reference.node[2 * n + 1] - reference.node[2 * k]) <
-            1e-6)
-          mirrored[n] = k;
-    for (std::size_t e = 0; e < block.size(); ++e) {
-      const Corners corners = corners_of(block, e, reference.corners);
-      Corners key = corners;
-      std::sort(key.begin(), key.end());
-      const auto face = outside_.find(key);
-      if (face == outside_.end())
-        throw InputError(fmt::format(
-            "{}: facet {} of bodies.{}.contact is not on the body's surface: contact surfaces bound the body",
-            file_, block.tag[e], body_.name));
-      const Corners& outward = face->second;
-      const auto first =
-          static_cast<std::size_t>(std::find(outward.begin(), outward.end(), corners[0]) - outward.begin());
-      if (outward[(first + 1) % outward.size()] == corners[1]) continue;
-      std::vector<std::int64_t> old(
-          block.node.begin() + static_cast<std::ptrdiff_t>(e * reference.nodes),
-          block.node.begin() + static_cast<std::ptrdiff_t>((e + 1) * reference.nodes));
-      for (int n = 0; n < reference.nodes; ++n) block.node[e * reference.nodes + n] = old[mirrored[n]];
-    }
-  }
-
-  void find_axis() {
-    // The two nodes farthest apart along the first-to-farthest line span the rod.
-    const auto at = [&](std::int64_t n, int c) {
-      return mesh_.position[3 * static_cast<std::size_t>(n) + c];
-    };
-    std::map<std::int64_t, int> uses;
-    std::vector<std::int64_t> all;
-    for (const Block& block : mesh_.blocks) {
-      all.insert(all.end(), block.node.begin(), block.node.end());
-      for (std::size_t e = 0; e < block.size(); ++e)
-        for (std::int64_t corner : corners_of(block, e, 2)) ++uses[corner];
-    }
-    std::vector<std::int64_t> ends;
-    for (const auto& [node, count] : uses)
-      if (count == 1) ends.push_back(node);
-    if (ends.size() != 2)
-      throw InputError(
-          fmt::format("{}: a rod is one chain of lines, but this has {} ends", file_, ends.size()));
-    double length = 0;
-    for (int c = 0; c < 3; ++c) {
-      mesh_.axis[c] = at(ends[1], c) - at(ends[0], c);
-      length += mesh_.axis[c] * mesh_.axis[c];
-    }
-    length = std::sqrt(length);
-    for (double& x : mesh_.axis) x /= length;
-    for (std::int64_t node : all) {
-      double along = 0, square = 0;
-      for (int c = 0; c < 3; ++c) {
-        const double d = at(node, c) - at(ends[0], c);
-        along += d * mesh_.axis[c];
-        square += d * d;
-      }
-      if (square - along * along > 1e-12 * length * length)
-        throw InputError(
-            fmt::format("{}: a rod must be straight; mesh a bent one with volume elements", file_));
-    }
-  }
-
-  void orient_ends(const Block& block) {
-    mesh_.contact.end_normal.assign(mesh_.position.size(), 0);
-    for (std::int64_t end : block.node) {
-      int touching = 0;
-      for (const Block& lines : mesh_.blocks)
-        for (std::size_t e = 0; e < lines.size(); ++e) {
-          const Corners corners = corners_of(lines, e, 2);
-          if (corners[0] != end && corners[1] != end) continue;
-          ++touching;
-          const double area = body_.materials[static_cast<std::size_t>(lines.label[e])].area;
-          const std::int64_t other = corners[0] == end ? corners[1] : corners[0];
-          double side = 0;
-          for (int c = 0; c < 3; ++c)
-            side += (mesh_.position[3 * end + c] - mesh_.position[3 * other + c]) * mesh_.axis[c];
-          for (int c = 0; c < 3; ++c)
-            mesh_.contact.end_normal[3 * end + c] = (side > 0 ? area : -area) * mesh_.axis[c];
-        }
-      if (touching != 1)
-        throw InputError(
-            fmt::format("{}: bodies.{}.contact has a point that is not an end of the rod: name its ends",
-                        file_, body_.name));
-    }
+      if (mesh_.dim == 3)
+        orient(block, mesh_.order, outside_, body_);
+      else
+        orient_ends(mesh_, block, body_);
   }
 
   void mark_supports() {
@@ -322,7 +248,7 @@ class Reader {
           if (std::abs(mesh_.axis[component - 'x']) > 1e-12) bits = 1;
       }
       bool any = false;
-      for (int entity : entities_of(dim, name, file_, key("support"))) {
+      for (int entity : entities(dim, name, "support")) {
         std::vector<int> types;
         std::vector<Tags> tags, nodes;
         gmsh::model::mesh::getElements(types, tags, nodes, dim, entity);
@@ -333,9 +259,10 @@ class Reader {
             any = any || used[node] != 0;
           }
       }
-      if (!any)
-        throw InputError(fmt::format("{}: bodies.{}.support.{} holds no node of the body: name a group on it",
-                                     file_, body_.name, name));
+      if (partial_)
+        groups_.back().holds = any;
+      else if (!any)
+        throw holds_nothing(body_, name);
     }
   }
 
@@ -362,30 +289,48 @@ class Reader {
       for (Block& block : *blocks)
         for (std::int64_t& node : block.node) {
           node = rank[static_cast<std::size_t>(node)];
-          if (node < 0)
-            throw InputError(fmt::format(
-                "{}: bodies.{}.contact has nodes that are not the body's: mesh surface and volume together",
-                file_, body_.name));
+          if (node < 0) throw foreign_nodes(body_);
         }
-    if (mesh_.dim == 1) {
-      mesh_.skin.blocks.push_back({gmsh::model::mesh::getElementType("line", 1), 2, {}, {}, {}});
-      Block& skin = mesh_.skin.blocks.back();
-      for (const Block& block : mesh_.blocks)
-        for (std::size_t e = 0; e < block.size(); ++e) {
-          const Corners corners = corners_of(block, e, 2);
-          skin.node.insert(skin.node.end(), corners.begin(), corners.end());
-          skin.tag.push_back(0);
-          skin.label.push_back(0);
-        }
+    if (mesh_.dim == 1) mesh_.skin.blocks.push_back(lines_of(mesh_.blocks));
+  }
+
+  /// What was read of a part, its nodes by tag.
+  Part by_tag() {
+    const auto use_tags = [&](std::vector<std::int64_t>& nodes) {
+      for (std::int64_t& node : nodes) node = tag_[static_cast<std::size_t>(node)];
+    };
+    Part part;
+    part.order = mesh_.order;
+    part.groups = std::move(groups_);
+    std::vector<char> used(tag_.size(), 0);
+    for (const Block& block : mesh_.blocks)
+      for (std::int64_t node : block.node) used[static_cast<std::size_t>(node)] = 1;
+    for (std::size_t n = 0; n < tag_.size(); ++n) {
+      if (used[n] == 0) continue;
+      part.tag.push_back(tag_[n]);
+      part.fixed.push_back(mesh_.fixed[n]);
+      part.position.insert(part.position.end(), &mesh_.position[3 * n], &mesh_.position[3 * n] + 3);
     }
+    for (auto& [key, outward] : outside_of(mesh_.blocks)) {
+      Corners corners = outward;
+      use_tags(corners);
+      add_face(part.outside, std::move(corners));
+    }
+    part.blocks = std::move(mesh_.blocks);
+    part.contact = std::move(mesh_.contact.blocks);
+    for (std::vector<Block>* blocks : {&part.blocks, &part.contact})
+      for (Block& block : *blocks) use_tags(block.node);
+    return part;
   }
 
   const scene::Body& body_;
   std::string file_;
-  bool meshed_before_ = false;
+  bool meshed_before_ = false, partial_ = false;
   GlobalMesh mesh_;
   std::unordered_map<std::size_t, std::int64_t> index_;
-  std::map<Corners, Corners> outside_;
+  std::vector<std::int64_t> tag_;  ///< (n) gmsh's, of the nodes
+  Faces outside_;
+  std::vector<GroupUse> groups_;
 };
 
 }  // namespace
@@ -393,5 +338,7 @@ class Reader {
 GlobalMesh read_mesh(const scene::Body& body, const parallel::Progress& progress) {
   return Reader(body).read(progress);
 }
+
+Part read_part(const scene::Body& body, int parts) { return Reader(body).read_part(parts); }
 
 }  // namespace ricochet::mesh

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 
 static_assert(!PetscDefined(USE_COMPLEX), "ricochet needs a real build of PETSc");
@@ -40,6 +41,20 @@ void broadcast_bytes(MPI_Comm comm, void* data, std::size_t bytes) {
   char* at = static_cast<char*>(data);
   for (std::size_t done = 0; done < bytes; done += piece_bytes)
     MPI_Bcast(at + done, static_cast<int>(std::min(piece_bytes, bytes - done)), MPI_BYTE, 0, comm);
+}
+
+/// Sends to one rank while another sends here.
+void pass_bytes(MPI_Comm comm, const void* out, std::size_t out_bytes, int to, void* in, std::size_t in_bytes,
+                int from) {
+  const char* out_at = static_cast<const char*>(out);
+  char* in_at = static_cast<char*>(in);
+  for (std::size_t done = 0; done < std::max(out_bytes, in_bytes); done += piece_bytes) {
+    const std::size_t sent = std::min(done, out_bytes), got = std::min(done, in_bytes);
+    MPI_Sendrecv(out_at + sent, static_cast<int>(std::min(piece_bytes, out_bytes - sent)), MPI_BYTE,
+                 sent < out_bytes ? to : MPI_PROC_NULL, 0, in_at + got,
+                 static_cast<int>(std::min(piece_bytes, in_bytes - got)), MPI_BYTE,
+                 got < in_bytes ? from : MPI_PROC_NULL, 0, comm, MPI_STATUS_IGNORE);
+  }
 }
 
 }  // namespace
@@ -149,6 +164,25 @@ std::vector<T> gather(MPI_Comm comm, const std::vector<T>& mine) {
 }
 
 template <class T>
+std::vector<std::vector<T>> exchange(MPI_Comm comm, const std::vector<std::vector<T>>& to) {
+  const int ranks = size_of(comm), me = rank_of(comm);
+  std::vector<std::uint64_t> out(static_cast<std::size_t>(ranks)), in(out.size());
+  for (std::size_t r = 0; r < out.size(); ++r) out[r] = to[r].size();
+  MPI_Alltoall(out.data(), 1, MPI_UINT64_T, in.data(), 1, MPI_UINT64_T, comm);
+  std::vector<std::vector<T>> from(out.size());
+  from[static_cast<std::size_t>(me)] = to[static_cast<std::size_t>(me)];
+  // In step s each rank sends to the one s places on.
+  for (int step = 1; step < ranks; ++step) {
+    const int next = (me + step) % ranks, last = (me + ranks - step) % ranks;
+    std::vector<T>& got = from[static_cast<std::size_t>(last)];
+    got.resize(in[static_cast<std::size_t>(last)]);
+    const std::vector<T>& sent = to[static_cast<std::size_t>(next)];
+    pass_bytes(comm, sent.data(), sent.size() * sizeof(T), next, got.data(), got.size() * sizeof(T), last);
+  }
+  return from;
+}
+
+template <class T>
 void broadcast(MPI_Comm comm, std::vector<T>& values) {
   std::uint64_t count = values.size();
   MPI_Bcast(&count, 1, MPI_UINT64_T, 0, comm);
@@ -164,8 +198,12 @@ void broadcast(MPI_Comm comm, std::string& text) {
 
 template std::vector<double> scatter(MPI_Comm, const std::vector<std::vector<double>>&);
 template std::vector<std::int64_t> scatter(MPI_Comm, const std::vector<std::vector<std::int64_t>>&);
+template std::vector<char> gather(MPI_Comm, const std::vector<char>&);
 template std::vector<int> gather(MPI_Comm, const std::vector<int>&);
 template std::vector<std::int64_t> gather(MPI_Comm, const std::vector<std::int64_t>&);
+template std::vector<std::vector<double>> exchange(MPI_Comm, const std::vector<std::vector<double>>&);
+template std::vector<std::vector<std::int64_t>> exchange(MPI_Comm,
+                                                         const std::vector<std::vector<std::int64_t>>&);
 template void broadcast(MPI_Comm, std::vector<char>&);
 template void broadcast(MPI_Comm, std::vector<double>&);
 template void broadcast(MPI_Comm, std::vector<std::int64_t>&);

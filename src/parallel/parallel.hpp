@@ -125,6 +125,9 @@ std::vector<T> scatter(MPI_Comm comm, const std::vector<std::vector<T>>& per_ran
 /// Every rank's vector, one behind the other, on rank 0; empty elsewhere. Collective.
 template <class T>
 std::vector<T> gather(MPI_Comm comm, const std::vector<T>& mine);
+/// Each rank sends one vector to each rank; returns those that came, by sender. Collective.
+template <class T>
+std::vector<std::vector<T>> exchange(MPI_Comm comm, const std::vector<std::vector<T>>& to);
 /// Rank 0's vector to every rank. Collective.
 template <class T>
 void broadcast(MPI_Comm comm, std::vector<T>& values);

@@ -9,9 +9,11 @@
 
 #include "kernels/band.hpp"
 #include "src/mesh/gmsh_session.hpp"
+#include "src/mesh/parts.hpp"
 #include "src/modes/contact_basis.hpp"
 #include "src/modes/search.hpp"
 #include "src/parallel/memory.hpp"
+#include "src/scene/parts.hpp"
 #include "src/surface/surface.hpp"
 
 namespace ricochet {
@@ -58,6 +60,27 @@ struct Discretised {
   std::int64_t modes_per_shift = 0;  ///< for the search for modes
 };
 
+/// Rank 0's mesh split among the ranks of each team. Collective over all teams.
+mesh::Mesh hand_out(mesh::GlobalMesh whole, const parallel::Teams& teams) {
+  if (parallel::rank_of(teams.team()) == 0) mesh::broadcast(whole, teams.peers());
+  return mesh::distribute(std::move(whole), teams.team());
+}
+
+/// The parts of a split mesh, read by each team. Collective over all teams.
+mesh::Mesh read_parts(const scene::Body& body, const parallel::Teams& teams,
+                      const parallel::Progress& progress) {
+  mesh::Mesh mesh;
+  std::string complaint;
+  try {
+    mesh = mesh::read_parts(body, teams.team(), progress);
+  } catch (const InputError& error) {
+    complaint = error.what();
+  }
+  // A file may be out of reach of one team only.
+  parallel::agree(teams.world(), complaint);
+  return mesh;
+}
+
 /// As many teams as memory has room for: ranks that work at slices of their own, each with all of the body,
 /// are faster than ranks that share one. Where room is short, slices become smaller. Vectors fitted to
 /// contact need few factorisations, which ranks share better. Throws InputError when there is not even room
@@ -68,17 +91,22 @@ Discretised discretise(const scene::KernelRequest& request, MPI_Comm comm, conso
   const auto bar = [&](std::int64_t done, std::int64_t total) { console.advance(done, total); };
   console.begin(body.name + ": mesh");
   mesh::GlobalMesh global;
-  parallel::on_first_rank(comm, [&] { global = mesh::read_mesh(body, bar); });
+  std::vector<char> split(1, 0);
+  parallel::on_first_rank(comm, [&] {
+    split[0] = scene::part_files(body.mesh).empty() ? 0 : 1;
+    if (split[0] == 0) global = mesh::read_mesh(body, bar);
+  });
+  parallel::broadcast(comm, split);
   const int ranks = parallel::size_of(comm);
   const int most = request.modes.basis == scene::Basis::contact ? 1 : ranks;
   for (int count = most;; --count) {
     if (ranks % count != 0) continue;
     Discretised made{std::make_unique<parallel::Teams>(comm, count), {}, {}, {}};
     const parallel::Teams& teams = *made.teams;
-    // Fewer teams may have to be tried.
-    mesh::GlobalMesh copy = count > 1 ? global : std::move(global);
-    if (parallel::rank_of(teams.team()) == 0) mesh::broadcast(copy, teams.peers());
-    made.mesh = mesh::distribute(std::move(copy), teams.team());
+    if (split[0] != 0)
+      made.mesh = read_parts(body, teams, bar);
+    else  // Fewer teams may have to be tried.
+      made.mesh = hand_out(count > 1 ? global : std::move(global), teams);
     console.end(fmt::format("{} elements, {} nodes", made.mesh.total_elements, made.mesh.total_nodes));
 
     console.begin(body.name + ": assembly");

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "kernels/error.hpp"
+#include "src/scene/parts.hpp"
 #include "src/scene/write.hpp"
 
 namespace ricochet::scene {
@@ -26,10 +27,16 @@ std::string bytes_of(const std::filesystem::path& path, const std::string& key) 
   return text.str();
 }
 
-/// Hash of a mesh file; a .geo counts with the files it includes or merges.
+/// Hash of a mesh file, or of the files it was split into; a .geo counts with the files it includes or
+/// merges.
 std::string mesh_hash(const std::filesystem::path& path, const std::string& key,
                       std::set<std::filesystem::path>& seen) {
   seen.insert(path);
+  if (const std::vector<std::filesystem::path> parts = part_files(path); !parts.empty()) {
+    std::string all;
+    for (const std::filesystem::path& part : parts) all += sha256(bytes_of(part, key));
+    return sha256(all);
+  }
   const std::string text = bytes_of(path, key);
   std::string all = sha256(text);
   if (path.extension() != ".geo") return all;

@@ -1,0 +1,41 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "src/mesh/part.hpp"
+
+namespace ricochet::mesh {
+
+void refuse_repeated(const std::vector<Block>& blocks, const char* what, const char* key,
+                     const scene::Body& body) {
+  std::vector<std::int64_t> tags;
+  for (const Block& block : blocks) tags.insert(tags.end(), block.tag.begin(), block.tag.end());
+  std::sort(tags.begin(), tags.end());
+  const auto twice = std::adjacent_find(tags.begin(), tags.end());
+  if (twice != tags.end())
+    throw InputError(fmt::format("{}: {} {} lies in two groups of bodies.{}.{}: give it to one",
+                                 body.mesh.filename().string(), what, *twice, body.name, key));
+}
+
+InputError no_elements(const scene::Body& body) {
+  return InputError(fmt::format("{}: bodies.{}.material: its groups hold no elements: name others",
+                                body.mesh.filename().string(), body.name));
+}
+
+InputError holds_nothing(const scene::Body& body, const std::string& support) {
+  return InputError(fmt::format("{}: bodies.{}.support.{} holds no node of the body: name a group on it",
+                                body.mesh.filename().string(), body.name, support));
+}
+
+InputError mixed_orders(const scene::Body& body) {
+  return InputError(
+      fmt::format("{}: mixes element orders: mesh it again with one order", body.mesh.filename().string()));
+}
+
+InputError foreign_nodes(const scene::Body& body) {
+  return InputError(
+      fmt::format("{}: bodies.{}.contact has nodes that are not the body's: mesh surface and volume together",
+                  body.mesh.filename().string(), body.name));
+}
+
+}  // namespace ricochet::mesh

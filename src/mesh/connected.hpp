@@ -1,0 +1,14 @@
+// Which nodes of a mesh elements connect.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "src/mesh/mesh.hpp"
+
+namespace ricochet::mesh {
+
+/// For each of `nodes` nodes the first that elements connect it to.
+std::vector<std::int64_t> first_connected(std::size_t nodes, const std::vector<Block>& blocks);
+
+}  // namespace ricochet::mesh

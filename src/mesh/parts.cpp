@@ -1,0 +1,296 @@
+#include "src/mesh/parts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "src/mesh/connected.hpp"
+#include "src/mesh/directory.hpp"
+#include "src/mesh/share.hpp"
+
+namespace ricochet::mesh {
+
+namespace {
+
+using parallel::broadcast;
+using parallel::gather;
+using Numbers = std::vector<std::int64_t>;
+
+Numbers sorted_once(Numbers values) {
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+  return values;
+}
+
+/// The values of all ranks, each once, ascending, on every rank. Collective.
+Numbers united(MPI_Comm comm, const Numbers& mine) {
+  Numbers all = sorted_once(gather(comm, mine));
+  broadcast(comm, all);
+  return all;
+}
+
+/// `blocks` with one for every type that some rank has, in the same order on every rank. Collective.
+std::vector<Block> same_types(MPI_Comm comm, const std::vector<Block>& blocks) {
+  Numbers types;
+  for (const Block& block : blocks) types.push_back(block.gmsh_type);
+  std::vector<Block> all;
+  for (std::int64_t type : united(comm, types)) {
+    const auto mine = std::find_if(blocks.begin(), blocks.end(),
+                                   [&](const Block& block) { return block.gmsh_type == type; });
+    const int gmsh_type = static_cast<int>(type);
+    all.push_back(mine != blocks.end() ? *mine
+                                       : Block{gmsh_type, reference_element(gmsh_type).nodes, {}, {}, {}});
+  }
+  return all;
+}
+
+/// What all ranks together say of this rank's nodes, by their place in its share.
+struct Nodes {
+  Numbers owner, number, canonical, fixed, part;
+  std::int64_t first = 0, owned = 0, total = 0, parts = 0;
+};
+
+/// Connected parts of the body: each rank's nodes take the lowest tag that elements connect them to, until no
+/// rank learns of a lower one from another.
+void find_connected_parts(MPI_Comm comm, const Part& share, const Directory& directory, Nodes& nodes) {
+  const Numbers first = first_connected(share.tag.size(), share.blocks);
+  Numbers& lowest = nodes.part = share.tag;
+  for (std::int64_t changed = 1; changed != 0;) {
+    Numbers of_piece = directory.combined(lowest, [](auto a, auto b) { return std::min(a, b); });
+    for (std::size_t n = 0; n < first.size(); ++n) {
+      std::int64_t& piece = of_piece[static_cast<std::size_t>(first[n])];
+      piece = std::min(piece, of_piece[n]);
+    }
+    std::int64_t lower = 0;
+    for (std::size_t n = 0; n < first.size(); ++n) {
+      const std::int64_t tag = of_piece[static_cast<std::size_t>(first[n])];
+      lower += tag < lowest[n] ? 1 : 0;
+      lowest[n] = tag;
+    }
+    changed = parallel::sum(comm, lower);
+  }
+  Numbers firsts;
+  for (std::size_t n = 0; n < lowest.size(); ++n)
+    if (lowest[n] == share.tag[n]) firsts.push_back(lowest[n]);
+  firsts = united(comm, firsts);
+  nodes.parts = static_cast<std::int64_t>(firsts.size());
+  for (std::int64_t& part : lowest)
+    part = std::lower_bound(firsts.begin(), firsts.end(), part) - firsts.begin();
+}
+
+/// Owners in rank order, then by tag. A node belongs to the lowest rank that read it.
+Nodes number_nodes(MPI_Comm comm, const Part& share) {
+  const std::int64_t me = parallel::rank_of(comm);
+  const Directory directory(comm, share.tag);
+  Nodes nodes;
+  nodes.owner =
+      directory.combined(Numbers(share.tag.size(), me), [](auto a, auto b) { return std::min(a, b); });
+  // A support may reach a part by a corner only, where that part has none of its facets.
+  nodes.fixed = directory.combined(share.fixed, [](auto a, auto b) { return a | b; });
+  nodes.owned = std::count(nodes.owner.begin(), nodes.owner.end(), me);
+  nodes.total = parallel::sum(comm, nodes.owned);
+  MPI_Exscan(&nodes.owned, &nodes.first, 1, MPI_INT64_T, MPI_SUM, comm);
+  if (me == 0) nodes.first = 0;  // MPI leaves it undefined there
+  std::int64_t next = nodes.first;
+  Numbers number(share.tag.size(), -1);
+  for (std::size_t n = 0; n < number.size(); ++n)
+    if (nodes.owner[n] == me) number[n] = next++;
+  nodes.number = directory.combined(number, [](auto a, auto b) { return std::max(a, b); });
+  nodes.canonical = directory.order();
+  find_connected_parts(comm, share, directory, nodes);
+  return nodes;
+}
+
+/// Sends elements, nodes by global number, to every rank that owns one of their nodes and to this one, and
+/// notes in `used` which of its nodes (indices) each rank gets to see.
+void send_elements(MPI_Comm comm, const Part& share, const Nodes& nodes, std::vector<Numbers>& used,
+                   Mesh& mesh) {
+  const auto me = static_cast<std::size_t>(parallel::rank_of(comm));
+  for (const Block& block : same_types(comm, share.blocks)) {
+    const auto width = static_cast<std::size_t>(block.nodes_per_element);
+    std::vector<Numbers> node(used.size()), tag(used.size()), label(used.size());
+    for (std::size_t e = 0; e < block.size(); ++e) {
+      Numbers takers{static_cast<std::int64_t>(me)};
+      for (std::size_t k = 0; k < width; ++k)
+        takers.push_back(nodes.owner[static_cast<std::size_t>(block.node[e * width + k])]);
+      for (std::int64_t taker : sorted_once(std::move(takers))) {
+        const auto r = static_cast<std::size_t>(taker);
+        for (std::size_t k = 0; k < width; ++k) {
+          const std::int64_t n = block.node[e * width + k];
+          used[r].push_back(n);
+          node[r].push_back(nodes.number[static_cast<std::size_t>(n)]);
+        }
+        tag[r].push_back(block.tag[e]);
+        label[r].push_back(block.label[e]);
+      }
+    }
+    node = parallel::exchange(comm, node);
+    tag = parallel::exchange(comm, tag);
+    label = parallel::exchange(comm, label);
+    Block held{block.gmsh_type, block.nodes_per_element, {}, {}, {}};
+    Numbers own;
+    for (std::size_t r = 0; r < used.size(); ++r) {
+      held.node.insert(held.node.end(), node[r].begin(), node[r].end());
+      held.tag.insert(held.tag.end(), tag[r].begin(), tag[r].end());
+      held.label.insert(held.label.end(), label[r].begin(), label[r].end());
+      own.insert(own.end(), tag[r].size(), r == me ? 1 : 0);
+    }
+    mesh.blocks.push_back(std::move(held));
+    mesh.own.push_back(std::move(own));
+    mesh.total_elements += parallel::sum(comm, static_cast<std::int64_t>(block.size()));
+  }
+}
+
+/// Sends each rank the nodes it `used`, and makes the nodes of elements local.
+void send_nodes(MPI_Comm comm, const Part& share, const Nodes& nodes, std::vector<Numbers>&& used,
+                Mesh& mesh) {
+  std::vector<Numbers> numbers(used.size());
+  std::vector<std::vector<double>> position(used.size());
+  for (std::size_t r = 0; r < used.size(); ++r)
+    for (std::int64_t node : sorted_once(std::move(used[r]))) {
+      const auto n = static_cast<std::size_t>(node);
+      numbers[r].insert(numbers[r].end(),
+                        {nodes.number[n], nodes.canonical[n], nodes.fixed[n], nodes.part[n]});
+      position[r].insert(position[r].end(), &share.position[3 * n], &share.position[3 * n] + 3);
+    }
+  numbers = parallel::exchange(comm, numbers);
+  position = parallel::exchange(comm, position);
+  struct Received {
+    const std::int64_t* numbers;
+    const double* position;
+  };
+  std::vector<Received> all;
+  for (std::size_t r = 0; r < numbers.size(); ++r)
+    for (std::size_t k = 0; k < numbers[r].size() / 4; ++k)
+      all.push_back({&numbers[r][4 * k], &position[r][3 * k]});
+  std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return *a.numbers < *b.numbers; });
+  for (const Received& one : all) {
+    if (!mesh.node.empty() && mesh.node.back() == one.numbers[0]) continue;
+    mesh.node.push_back(one.numbers[0]);
+    mesh.canonical.push_back(one.numbers[1]);
+    mesh.fixed.push_back(one.numbers[2]);
+    mesh.part.push_back(one.numbers[3]);
+    mesh.position.insert(mesh.position.end(), one.position, one.position + 3);
+  }
+  for (Block& block : mesh.blocks)
+    for (std::int64_t& node : block.node)
+      node = std::lower_bound(mesh.node.begin(), mesh.node.end(), node) - mesh.node.begin();
+}
+
+/// Faces of all ranks on rank 0, those between two parts left out. Collective.
+Faces gather_outside(MPI_Comm comm, const Faces& mine) {
+  // A triangle has no fourth corner.
+  constexpr std::size_t width = 4;
+  Numbers corners;
+  for (const auto& [key, outward] : mine) {
+    corners.insert(corners.end(), outward.begin(), outward.end());
+    corners.resize((corners.size() + width - 1) / width * width, -1);
+  }
+  corners = gather(comm, corners);
+  Faces outside;
+  for (auto at = corners.begin(); at != corners.end(); at += width)
+    add_face(outside, Corners(at, std::find(at, at + width, -1)));
+  return outside;
+}
+
+/// Contact facets of all ranks on rank 0, nodes by tag, ascending by their own tags. A file may repeat those
+/// that another part touches. Collective.
+std::vector<Block> gather_facets(MPI_Comm comm, const std::vector<Block>& mine) {
+  std::vector<Block> blocks = same_types(comm, mine);
+  for (Block& block : blocks) {
+    const Block all{block.gmsh_type, block.nodes_per_element, gather(comm, block.node),
+                    gather(comm, block.tag), gather(comm, block.label)};
+    block.node.clear();
+    block.tag.clear();
+    block.label.clear();
+    std::vector<std::size_t> order(all.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::sort(order.begin(), order.end(), [&](auto a, auto b) {
+      return std::pair{all.tag[a], all.label[a]} < std::pair{all.tag[b], all.label[b]};
+    });
+    for (std::size_t e : order) {
+      if (!block.tag.empty() && block.tag.back() == all.tag[e] && block.label.back() == all.label[e])
+        continue;
+      const auto nodes = all.node.begin() + static_cast<std::ptrdiff_t>(e * all.nodes_per_element);
+      block.node.insert(block.node.end(), nodes, nodes + all.nodes_per_element);
+      block.tag.push_back(all.tag[e]);
+      block.label.push_back(all.label[e]);
+    }
+  }
+  return blocks;
+}
+
+/// Facets with the numbers and positions of their nodes on every rank. `blocks` name them by tags and are
+/// used on rank 0 alone, where they then hold indices. Collective.
+FacetMesh numbered(std::vector<Block> blocks, const scene::Body& body, const Part& share, const Nodes& nodes,
+                   MPI_Comm comm) {
+  Numbers tags;
+  for (const Block& block : blocks) tags.insert(tags.end(), block.node.begin(), block.node.end());
+  tags = united(comm, tags);
+  for (Block& block : blocks)
+    for (std::int64_t& node : block.node)
+      node = std::lower_bound(tags.begin(), tags.end(), node) - tags.begin();
+  // One rank owns a node and adds more than 0: number, position, 1.
+  constexpr std::size_t width = 5;
+  std::vector<double> values(width * tags.size(), 0);
+  for (std::size_t i = 0; i < tags.size(); ++i) {
+    const auto n = static_cast<std::size_t>(std::lower_bound(share.tag.begin(), share.tag.end(), tags[i]) -
+                                            share.tag.begin());
+    if (n == share.tag.size() || share.tag[n] != tags[i] || nodes.owner[n] != parallel::rank_of(comm))
+      continue;
+    double* value = &values[width * i];
+    value[0] = static_cast<double>(nodes.number[n]);
+    std::copy_n(&share.position[3 * n], 3, value + 1);
+    value[4] = 1;
+  }
+  parallel::sum(comm, values.data(), values.size());
+  FacetMesh facets;
+  for (std::size_t i = 0; i < tags.size(); ++i) {
+    const double* value = &values[width * i];
+    if (value[4] == 0) throw foreign_nodes(body);
+    facets.node.push_back(static_cast<std::int64_t>(value[0]));
+    facets.position.insert(facets.position.end(), value + 1, value + 4);
+  }
+  facets.blocks = std::move(blocks);
+  return facets;
+}
+
+/// The surfaces of the whole body: contact on every rank, the skin on rank 0.
+void collect_surfaces(MPI_Comm comm, const scene::Body& body, const Part& share, const Nodes& nodes,
+                      Mesh& mesh) {
+  const Faces outside = gather_outside(comm, share.outside);
+  std::vector<Block> contact = gather_facets(comm, share.contact), skin;
+  parallel::on_first_rank(comm, [&] {
+    refuse_repeated(contact, "facet", "contact", body);
+    for (Block& block : contact) orient(block, mesh.order, outside, body);
+    skin.push_back(triangles_of(outside));
+  });
+  if (parallel::rank_of(comm) != 0) contact.clear();
+  mesh.contact = numbered(std::move(contact), body, share, nodes, comm);
+  broadcast(mesh.contact, comm);
+  mesh.skin = numbered(std::move(skin), body, share, nodes, comm);
+  if (parallel::rank_of(comm) != 0) mesh.skin = {};
+}
+
+}  // namespace
+
+Mesh read_parts(const scene::Body& body, MPI_Comm team, const parallel::Progress& progress) {
+  const Part share = read_share(body, team, progress);
+  const Nodes nodes = number_nodes(team, share);
+  Mesh mesh;
+  mesh.comm = team;
+  mesh.order = static_cast<int>(parallel::largest(team, share.order));
+  mesh.total_nodes = nodes.total;
+  mesh.first_node = nodes.first;
+  mesh.owned_nodes = nodes.owned;
+  mesh.parts = nodes.parts;
+  std::vector<Numbers> used(static_cast<std::size_t>(parallel::size_of(team)));
+  send_elements(team, share, nodes, used, mesh);
+  send_nodes(team, share, nodes, std::move(used), mesh);
+  collect_surfaces(team, body, share, nodes, mesh);
+  return mesh;
+}
+
+}  // namespace ricochet::mesh

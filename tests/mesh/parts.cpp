@@ -1,0 +1,443 @@
+// A mesh in several files, read in parallel, against the same mesh in one file read by each rank alone.
+#include "src/mesh/parts.hpp"
+
+#include <gmock/gmock.h>
+#include <gmsh.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <set>
+
+#include "src/scene/parts.hpp"
+#include "tests/mesh/files.hpp"
+#include "tests/meshes.hpp"
+#include "tests/modes/dense.hpp"
+
+namespace ricochet {
+namespace {
+
+using mesh::Mesh;
+using testing::AllOf;
+using testing::HasSubstr;
+using Place = std::array<double, 3>;
+
+int me() { return parallel::rank_of(PETSC_COMM_WORLD); }
+
+/// A folder that one rank makes and all use; gone at the end of the scope.
+class SharedFolder {
+ public:
+  SharedFolder() {
+    std::string name;
+    if (me() == 0) {
+      name = (std::filesystem::temp_directory_path() / "ricochet-parts-XXXXXX").string();
+      EXPECT_NE(mkdtemp(name.data()), nullptr);
+    }
+    parallel::broadcast(PETSC_COMM_WORLD, name);
+    path_ = name;
+  }
+  ~SharedFolder() {
+    MPI_Barrier(PETSC_COMM_WORLD);
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  /// `task` on one rank, when all have come here and before any goes on.
+  template <class Task>
+  void once(Task&& task) const {
+    MPI_Barrier(PETSC_COMM_WORLD);
+    if (me() == 0) task();
+    MPI_Barrier(PETSC_COMM_WORLD);
+  }
+  void write(const std::string& name, const std::string& text) const {
+    once([&] { std::ofstream(path_ / name) << text; });
+  }
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// whole.msh, and the same in `parts` files: split_1.msh…
+void write_both(const SharedFolder& folder, const std::string& geo, int order, int parts) {
+  folder.write("body.geo", geo);
+  folder.once([&] {
+    const mesh::GmshSession gmsh;
+    gmsh::open((folder / "body.geo").string());
+    gmsh::model::mesh::generate(3);
+    gmsh::model::mesh::setOrder(order);
+    gmsh::write((folder / "whole.msh").string());
+    if (parts == 1) {
+      std::filesystem::copy_file(folder / "whole.msh", folder / "split_1.msh");
+      return;
+    }
+    gmsh::model::mesh::partition(parts);
+    gmsh::option::setNumber("Mesh.PartitionSplitMeshFiles", 1);
+    gmsh::write((folder / "split.msh").string());
+  });
+}
+
+/// Two cubes that do not touch, of different materials. Surfaces and volumes have groups of the same numbers.
+std::string two_cubes() {
+  return "SetFactory(\"OpenCASCADE\");\nBox(1) = {0, 0, 0, 1, 1, 1};\nBox(2) = {2, 0, 0, 1, 1, 1};\n"
+         "Transfinite Curve{:} = 3;\nTransfinite Surface{:};\nTransfinite Volume{:};\nPhysical "
+         "Volume(\"left\", 1) = {1};\nPhysical Volume(\"right\", 2) = "
+         "{2};\n"
+         "Physical Surface(\"bottom\", 1) = {5};\nPhysical Surface(\"top\", 2) = {6, 12};\n";
+}
+
+struct Case {
+  std::string name, geo;
+  int parts;
+};
+
+class Parts : public testing::TestWithParam<Case> {
+ protected:
+  Parts() {
+    write_both(folder_, GetParam().geo, 2, GetParam().parts);
+    scene::Body body = test::body_of(folder_ / "whole.msh", 2);
+    body.contact = {"top"};
+    body.support = {{"bottom", "xz"}};
+    if (GetParam().name == "cubes") {
+      body.materials.push_back(body.materials[0]);
+      body.materials[0].group = "left";
+      body.materials[1].group = "right";
+      body.materials[1].density = 5;
+    }
+    materials_ = body.materials;
+    gmsh_ = std::make_unique<mesh::GmshSession>();
+    whole_ = mesh::distribute(mesh::read_mesh(body), PETSC_COMM_SELF);
+    body.mesh = folder_ / "split.msh";
+    EXPECT_EQ(scene::part_files(body.mesh).size(), static_cast<std::size_t>(GetParam().parts));
+    mesh_ = mesh::read_parts(body, PETSC_COMM_WORLD);
+    for (std::size_t i = 0; i < whole_.node.size(); ++i) whole_index_[place(whole_.position, i)] = i;
+    for (std::size_t i = 0; i < mesh_.node.size(); ++i)
+      in_whole_.push_back(whole_index_.at(place(mesh_.position, i)));
+  }
+
+  static Place place(const std::vector<double>& position, std::size_t node) {
+    return {position[3 * node], position[3 * node + 1], position[3 * node + 2]};
+  }
+  bool owns(std::int64_t node) const {
+    return node >= mesh_.first_node && node < mesh_.first_node + mesh_.owned_nodes;
+  }
+  /// An element by the places of its nodes, in their order: its material.
+  static std::map<std::vector<Place>, std::int64_t> elements(const Mesh& mesh, bool own_only) {
+    std::map<std::vector<Place>, std::int64_t> found;
+    for (std::size_t b = 0; b < mesh.blocks.size(); ++b) {
+      const mesh::Block& block = mesh.blocks[b];
+      const auto width = static_cast<std::size_t>(block.nodes_per_element);
+      for (std::size_t e = 0; e < block.size(); ++e) {
+        if (own_only && mesh.own[b][e] == 0) continue;
+        std::vector<Place> nodes;
+        for (std::size_t k = 0; k < width; ++k)
+          nodes.push_back(place(mesh.position, static_cast<std::size_t>(block.node[e * width + k])));
+        EXPECT_TRUE(found.emplace(nodes, block.label[e]).second) << "twice on one rank: " << block.tag[e];
+      }
+    }
+    return found;
+  }
+  /// Facets by their nodes' places, turned so that the lowest corner comes first; the sense stays.
+  static std::multiset<std::vector<Place>> facets(const mesh::FacetMesh& mesh) {
+    std::multiset<std::vector<Place>> found;
+    for (const mesh::Block& block : mesh.blocks) {
+      const auto width = static_cast<std::size_t>(block.nodes_per_element);
+      const auto corners = static_cast<std::size_t>(mesh::reference_element(block.gmsh_type).corners);
+      for (std::size_t e = 0; e < block.size(); ++e) {
+        std::vector<Place> nodes;
+        for (std::size_t k = 0; k < width; ++k)
+          nodes.push_back(place(mesh.position, static_cast<std::size_t>(block.node[e * width + k])));
+        const auto turned = nodes.begin() + static_cast<std::ptrdiff_t>(corners);
+        std::rotate(nodes.begin(), std::min_element(nodes.begin(), turned), turned);
+        std::sort(turned, nodes.end());
+        found.insert(nodes);
+      }
+    }
+    return found;
+  }
+
+  SharedFolder folder_;
+  std::unique_ptr<mesh::GmshSession> gmsh_;
+  std::vector<scene::Material> materials_;
+  Mesh whole_, mesh_;
+  std::map<Place, std::size_t> whole_index_;
+  std::vector<std::size_t> in_whole_;  ///< per local node
+};
+
+TEST_P(Parts, give_each_node_to_one_rank_in_rank_order) {
+  const auto ranks = static_cast<std::size_t>(parallel::size_of(mesh_.comm));
+  std::vector<double> first(ranks + 1, 0), owners(whole_.node.size(), 0);
+  first[static_cast<std::size_t>(me())] = static_cast<double>(mesh_.first_node);
+  parallel::sum(mesh_.comm, first.data(), first.size());
+  first.back() = static_cast<double>(mesh_.total_nodes);
+  EXPECT_EQ(first.front(), 0);
+  EXPECT_EQ(first[static_cast<std::size_t>(me()) + 1],
+            static_cast<double>(mesh_.first_node + mesh_.owned_nodes));
+  EXPECT_EQ(mesh_.total_nodes, whole_.total_nodes);
+  EXPECT_EQ(mesh_.total_elements, whole_.total_elements);
+  EXPECT_EQ(mesh_.order, whole_.order);
+  EXPECT_EQ(mesh_.dim, whole_.dim);
+  EXPECT_EQ(std::adjacent_find(mesh_.node.begin(), mesh_.node.end(), std::greater_equal<>()),
+            mesh_.node.end());
+  for (std::size_t i = 0; i < mesh_.node.size(); ++i)
+    if (owns(mesh_.node[i])) owners[in_whole_[i]] += 1;
+  parallel::sum(mesh_.comm, owners.data(), owners.size());
+  EXPECT_EQ(owners, std::vector<double>(owners.size(), 1));
+  // Where there are parts enough, no rank is idle.
+  const std::int64_t busy = parallel::sum(mesh_.comm, std::int64_t{mesh_.owned_nodes > 0});
+  EXPECT_EQ(busy, std::min<std::int64_t>(parallel::size_of(mesh_.comm), GetParam().parts));
+}
+
+TEST_P(Parts, hold_the_supports_and_connected_parts_of_the_whole) {
+  EXPECT_EQ(mesh_.parts, whole_.parts);
+  EXPECT_EQ(whole_.parts, GetParam().name == "cubes" ? 2 : 1);
+  std::map<std::int64_t, std::set<std::int64_t>> seen;
+  for (std::size_t i = 0; i < mesh_.node.size(); ++i) {
+    EXPECT_EQ(mesh_.fixed[i], whole_.fixed[in_whole_[i]]);
+    seen[mesh_.part[i]].insert(whole_.part[in_whole_[i]]);
+    EXPECT_LT(mesh_.part[i], mesh_.parts);
+  }
+  for (const auto& [part, of_whole] : seen) EXPECT_EQ(of_whole.size(), 1U);
+  EXPECT_GT(std::count(whole_.fixed.begin(), whole_.fixed.end(), 5), 0);
+}
+
+TEST_P(Parts, have_numbers_that_do_not_depend_on_ranks) {
+  // Each number means one node on all ranks.
+  std::vector<double> number(whole_.node.size(), 0), holders(number.size(), 0);
+  for (std::size_t i = 0; i < mesh_.node.size(); ++i) {
+    number[in_whole_[i]] += static_cast<double>(mesh_.canonical[i]);
+    holders[in_whole_[i]] += 1;
+  }
+  parallel::sum(mesh_.comm, number.data(), number.size());
+  parallel::sum(mesh_.comm, holders.data(), holders.size());
+  std::set<std::int64_t> distinct;
+  for (std::size_t i = 0; i < mesh_.node.size(); ++i)
+    EXPECT_EQ(number[in_whole_[i]] / holders[in_whole_[i]], static_cast<double>(mesh_.canonical[i]));
+  for (std::size_t i = 0; i < number.size(); ++i)
+    distinct.insert(static_cast<std::int64_t>(number[i] / holders[i]));
+  EXPECT_EQ(distinct.size(), whole_.node.size());
+  EXPECT_EQ(*distinct.begin(), 0);
+  EXPECT_EQ(*distinct.rbegin(), mesh_.total_nodes - 1);
+}
+
+TEST_P(Parts, give_each_element_to_one_rank_and_to_all_that_own_one_of_its_nodes) {
+  const auto all = elements(whole_, false), here = elements(mesh_, false), own = elements(mesh_, true);
+  std::set<Place> owned;
+  for (std::size_t i = 0; i < mesh_.node.size(); ++i)
+    if (owns(mesh_.node[i])) owned.insert(place(mesh_.position, i));
+  std::vector<double> times;
+  for (const auto& [nodes, material] : all) {
+    times.push_back(static_cast<double>(own.count(nodes)));
+    const bool touches =
+        std::any_of(nodes.begin(), nodes.end(), [&](const Place& x) { return owned.count(x) > 0; });
+    ASSERT_EQ(here.count(nodes), touches || own.count(nodes) > 0 ? 1U : 0U);
+    if (here.count(nodes) > 0) {
+      EXPECT_EQ(here.at(nodes), material);
+    }
+  }
+  parallel::sum(mesh_.comm, times.data(), times.size());
+  EXPECT_EQ(times, std::vector<double>(times.size(), 1));
+}
+
+TEST_P(Parts, have_the_contact_surface_and_skin_of_the_whole) {
+  EXPECT_FALSE(whole_.contact.blocks.empty());
+  EXPECT_EQ(facets(mesh_.contact), facets(whole_.contact));
+  const auto expect_numbers = [&](const mesh::FacetMesh& mesh) {
+    for (std::size_t i = 0; i < mesh.node.size(); ++i) {
+      if (!owns(mesh.node[i])) continue;
+      const auto local = static_cast<std::size_t>(
+          std::lower_bound(mesh_.node.begin(), mesh_.node.end(), mesh.node[i]) - mesh_.node.begin());
+      EXPECT_EQ(place(mesh_.position, local), place(mesh.position, i));
+    }
+  };
+  expect_numbers(mesh_.contact);
+  for (const mesh::Block& block : mesh_.contact.blocks)
+    EXPECT_TRUE(std::is_sorted(block.tag.begin(), block.tag.end()));
+  if (me() == 0) {
+    EXPECT_EQ(facets(mesh_.skin), facets(whole_.skin));
+    expect_numbers(mesh_.skin);
+  } else {
+    EXPECT_TRUE(mesh_.skin.blocks.empty());
+  }
+}
+
+TEST_P(Parts, weigh_and_vibrate_as_the_whole) {
+  const elasticity::Body whole = elasticity::assemble(whole_, materials_, "whole.msh"),
+                         body = elasticity::assemble(mesh_, materials_, "split.msh");
+  EXPECT_NEAR(body.total_mass, whole.total_mass, 1e-12 * whole.total_mass);
+  EXPECT_EQ(body.free_rows, whole.free_rows);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(body.centre[k], whole.centre[k], 1e-12);
+  for (std::size_t k = 0; k < 9; ++k) EXPECT_NEAR(body.inertia[k], whole.inertia[k], 1e-11);
+  for (std::size_t i = 0; i < mesh_.node.size(); ++i) {
+    if (!owns(mesh_.node[i])) continue;
+    const Eigen::Index row = 3 * (mesh_.node[i] - mesh_.first_node), other = 3 * whole_.node[in_whole_[i]];
+    EXPECT_LT((body.rigid_load.middleRows(row, 3) - whole.rigid_load.middleRows(other, 3)).norm(), 1e-12);
+  }
+  const Eigen::VectorXd got = test::dense_eigenvalues(mesh_, body),
+                        wanted = test::dense_eigenvalues(whole_, whole);
+  ASSERT_EQ(got.size(), wanted.size());
+  EXPECT_LT((got - wanted).cwiseAbs().maxCoeff(), 1e-10 * wanted.maxCoeff());
+}
+
+std::vector<Case> cases() {
+  std::vector<Case> all;
+  for (int parts : {1, 2, 3, 5}) {
+    all.push_back({"tetrahedra", test::block_geo("tet", 2, 0.3), parts});
+    all.push_back({"hexahedra", test::block_geo("hex", 2, 0), parts});
+  }
+  for (int parts : {2, 3}) all.push_back({"cubes", two_cubes(), parts});
+  return all;
+}
+
+INSTANTIATE_TEST_SUITE_P(Meshes, Parts, testing::ValuesIn(cases()), [](const auto& it) {
+  return it.param.name + "_in_" + std::to_string(it.param.parts);
+});
+
+/// The complaint about a body in parts; the same on every rank, or "ranks differ".
+std::string complaint(const scene::Body& body) {
+  std::string said = "accepted";
+  try {
+    const mesh::GmshSession gmsh;
+    mesh::read_parts(body, PETSC_COMM_WORLD);
+  } catch (const InputError& error) {
+    said = error.what();
+  }
+  std::string first = said;
+  parallel::broadcast(PETSC_COMM_WORLD, first);
+  const std::int64_t same = parallel::sum(PETSC_COMM_WORLD, std::int64_t{first == said});
+  return same == parallel::size_of(PETSC_COMM_WORLD) ? said : "ranks differ";
+}
+
+auto about(const std::string& file) {
+  return AllOf(testing::StartsWith(file + ": "), testing::Not(HasSubstr("\n")));
+}
+
+class PartsRefused : public testing::Test {
+ protected:
+  PartsRefused() {
+    write_both(folder_, test::block_geo("tet", 2, 0), 1, 3);
+    body_ = test::body_of(folder_ / "split.msh", 1);
+  }
+  SharedFolder folder_;
+  scene::Body body_;
+};
+
+TEST_F(PartsRefused, with_one_missing_between_others) {
+  EXPECT_EQ(complaint(body_), "accepted");
+  folder_.once([&] { std::filesystem::remove(folder_ / "split_2.msh"); });
+  EXPECT_THAT(complaint(body_),
+              AllOf(about("split_2.msh"), HasSubstr("no such file"), HasSubstr("split_3.msh")));
+}
+
+TEST_F(PartsRefused, with_the_last_missing) {
+  folder_.once([&] { std::filesystem::remove(folder_ / "split_3.msh"); });
+  EXPECT_THAT(complaint(body_),
+              AllOf(HasSubstr("touches part 3"), HasSubstr("only 2"), Not(HasSubstr("\n"))));
+}
+
+TEST_F(PartsRefused, with_one_cut_off) {
+  folder_.once([&] {
+    std::filesystem::resize_file(folder_ / "split_3.msh",
+                                 std::filesystem::file_size(folder_ / "split_3.msh") / 2);
+  });
+  EXPECT_THAT(complaint(body_), AllOf(about("split_3.msh"), HasSubstr("cut off")));
+}
+
+TEST_F(PartsRefused, with_one_there_twice) {
+  folder_.once([&] {
+    std::filesystem::copy_file(folder_ / "split_1.msh", folder_ / "split_3.msh",
+                               std::filesystem::copy_options::overwrite_existing);
+  });
+  EXPECT_THAT(complaint(body_), AllOf(about("split.msh"), HasSubstr("is in more than one")));
+}
+
+TEST_F(PartsRefused, without_a_group_that_the_scene_names) {
+  body_.contact = {"rim"};
+  EXPECT_THAT(complaint(body_),
+              AllOf(about("split.msh"), HasSubstr("no physical surface \"rim\""),
+                    HasSubstr("\"bottom\", \"sides\", \"top\""), HasSubstr("change bodies.body.contact")));
+  body_.contact = {"top"};
+  body_.support = {{"rim", "xyz"}};
+  EXPECT_THAT(complaint(body_), AllOf(about("split.msh"), HasSubstr("no physical surface \"rim\""),
+                                      HasSubstr("change bodies.body.support")));
+  body_.support.clear();
+  body_.materials[0].group = "steel";
+  EXPECT_THAT(complaint(body_), AllOf(about("split.msh"), HasSubstr("no physical volume \"steel\""),
+                                      HasSubstr("\"body\""), HasSubstr("change bodies.body.material")));
+  body_.materials[0].group = "body";
+  EXPECT_EQ(complaint(body_), "accepted");
+}
+
+/// A file with one tetrahedron in volume 1, and the facet 9 named "between" where two
+/// tetrahedra meet; node 1 lies at `x`.
+std::string one_cell(const std::string& x, const std::string& tag_and_nodes) {
+  return fmt::format(
+      "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 9 \"between\"\n$EndPhysicalNames\n"
+      "$Entities\n0 1 1 1\n1 0 0 -1 1 1 1 0 0\n9 0 0 -1 1 1 1 1 9 0\n1 0 0 -1 1 1 1 0 0\n$EndEntities\n"
+      "$Nodes\n1 5 1 5\n3 1 0 5\n1\n2\n3\n4\n5\n{} 0 0\n1 0 0\n0 1 0\n0 0 1\n0 0 -1\n$EndNodes\n"
+      "$Elements\n2 2 1 9\n2 9 2 1\n9 1 2 3\n3 1 4 1\n{}\n$EndElements\n",
+      x, tag_and_nodes);
+}
+
+TEST(PartsByHand, have_to_fit_together) {
+  const SharedFolder folder;
+  scene::Body body = test::body_of(folder / "hand.msh", 1);
+  folder.write("hand_1.msh", one_cell("0", "1 1 2 3 4"));
+  folder.write("hand_2.msh", one_cell("0", "2 1 3 2 5"));
+  EXPECT_EQ(complaint(body), "accepted");
+  // Where parts meet is not the body's surface.
+  body.contact = {"between"};
+  EXPECT_THAT(complaint(body),
+              AllOf(about("hand.msh"), HasSubstr("facet 9"), HasSubstr("is not on the body's surface")));
+  body.contact.clear();
+  folder.write("hand_2.msh", one_cell("0.1", "2 1 3 2 5"));
+  EXPECT_THAT(complaint(body), AllOf(about("hand.msh"), HasSubstr("node 1 lies in different places")));
+  folder.write("hand_2.msh", one_cell("0", "1 1 3 2 5"));
+  EXPECT_THAT(complaint(body), AllOf(about("hand.msh"), HasSubstr("element 1 is in more than one")));
+  folder.write("hand_2.msh", test::two_tetrahedra_22("1 3 2 5"));
+  EXPECT_THAT(complaint(body), AllOf(about("hand_2.msh"), HasSubstr("version 2.2")));
+}
+
+TEST(PartsByHand, may_not_be_rods) {
+  const SharedFolder folder;
+  const std::string rod =
+      "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 1 0 0\n1 0 0 0 1 0 0 0 0\n$EndEntities\n"
+      "$Nodes\n1 2 1 2\n1 1 0 2\n1\n2\n0 0 0\n1 0 0\n$EndNodes\n"
+      "$Elements\n1 1 1 1\n1 1 1 1\n1 1 2\n$EndElements\n";
+  folder.write("rod_1.msh", rod);
+  folder.write("rod_2.msh", rod);
+  EXPECT_THAT(complaint(test::body_of(folder / "rod.msh", 1)),
+              AllOf(about("rod_1.msh"), HasSubstr("one file")));
+}
+
+TEST(PartFiles, are_found_in_the_order_of_their_numbers) {
+  const SharedFolder folder;
+  EXPECT_TRUE(scene::part_files(folder / "disk.msh").empty());
+  for (int part = 1; part <= 11; ++part) folder.write(fmt::format("disk_{}.msh", part), "");
+  for (const char* other : {"disk_x.msh", "disk_12.geo", "disk_013.msh", "disk_.msh", "adisk_14.msh"})
+    folder.write(other, "");
+  const auto files = scene::part_files(folder / "disk.msh");
+  ASSERT_EQ(files.size(), 11U);
+  for (std::size_t i = 0; i < files.size(); ++i)
+    EXPECT_EQ(files[i], folder / fmt::format("disk_{}.msh", i + 1));
+  EXPECT_TRUE(scene::part_files(folder / "disk.geo").empty());
+  folder.write("disk.msh", "");
+  EXPECT_TRUE(scene::part_files(folder / "disk.msh").empty());
+}
+
+TEST(PartFiles, all_count_in_the_hash_of_a_kernel) {
+  const SharedFolder folder;
+  scene::Scene scene;
+  scene.bodies = {test::body_of(folder / "disk.msh", 1)};
+  const auto hash = [&] { return scene::kernel_request(scene, scene.bodies[0]).hash; };
+  EXPECT_THROW(hash(), InputError);
+  std::set<std::string> hashes;
+  for (const auto& [part, text] :
+       {std::pair{"disk_1.msh", "a"}, {"disk_2.msh", "b"}, {"disk_1.msh", "b"}, {"disk_2.msh", "a"}}) {
+    folder.write(part, text);
+    EXPECT_TRUE(hashes.insert(hash()).second) << part;
+  }
+}
+
+}  // namespace
+}  // namespace ricochet

@@ -1,0 +1,118 @@
+"""A mesh in several files gives the kernel of the same mesh in one."""
+
+import pathlib
+import tempfile
+import unittest
+
+import h5py
+import numpy as np
+
+from programs import ProgramTest, displacement_kernel, kernel
+
+CELLS = (3, 3, 4)
+
+SCENE = """
+title = "Parts"
+[bodies.{name}]
+mesh = "{name}.msh"
+material = {{ density = 2.0, young = 3.0, poisson = 0.3 }}
+contact = "top"
+support = {{ foot = "xyz" }}
+[obstacles.wall]
+point = [0, 0, 2]
+normal = [0, 0, -1]
+[modes]
+count = 40
+[contact]
+between = ["{name}", "wall"]
+direction = [0, 0, 1]
+[time]
+duration = 1.0
+"""
+
+
+def grid():
+    """Nodes, and hexahedra and facets at the top and foot of a skewed block: (type, group, nodes)."""
+    n = np.array(CELLS) + 1
+    number = lambda i, j, k: 1 + i + n[0] * (j + n[1] * k)
+    nodes = [
+        (i / 3 + 0.05 * k, j / 3 * 1.2, k / 4 * (1 + 0.1 * i))
+        for k in range(n[2])
+        for j in range(n[1])
+        for i in range(n[0])
+    ]
+    square = lambda i, j, k: [number(i, j, k), number(i + 1, j, k), number(i + 1, j + 1, k), number(i, j + 1, k)]
+    elements = []
+    for k in range(CELLS[2]):
+        for j in range(CELLS[1]):
+            for i in range(CELLS[0]):
+                elements.append((5, 1, square(i, j, k) + square(i, j, k + 1)))
+                if k == 0:
+                    elements.append((3, 2, square(i, j, k)))
+                if k == CELLS[2] - 1:
+                    elements.append((3, 3, square(i, j, k + 1)))
+    return nodes, elements
+
+
+def msh(nodes, elements, chosen):
+    """The chosen elements (indices) and their nodes, in gmsh's format 4.1."""
+    used = sorted({node for e in chosen for node in elements[e][2]})
+    lines = ["$MeshFormat", "4.1 0 8", "$EndMeshFormat"]
+    lines += ["$PhysicalNames", "3", '3 1 "block"', '2 2 "foot"', '2 3 "top"', "$EndPhysicalNames"]
+    box = "0 0 0 2 2 2"
+    lines += ["$Entities", "0 0 2 1", f"2 {box} 1 2 0", f"3 {box} 1 3 0", f"1 {box} 1 1 0", "$EndEntities"]
+    lines += ["$Nodes", f"1 {len(used)} 1 {len(nodes)}", f"3 1 0 {len(used)}", *map(str, used)]
+    lines += [f"{x!r} {y!r} {z!r}" for node in used for x, y, z in [nodes[node - 1]]]
+    blocks = [(2, 2, 3), (2, 3, 3), (3, 1, 5)]  # dimension, group, type
+    lines += ["$EndNodes", "$Elements", f"{len(blocks)} {len(chosen)} 1 {len(elements)}"]
+    for dim, group, kind in blocks:
+        here = [e for e in chosen if elements[e][:2] == (kind, group)]
+        lines.append(f"{dim} {group} {kind} {len(here)}")
+        lines += [" ".join(map(str, [e + 1, *elements[e][2]])) for e in here]
+    return "\n".join(lines + ["$EndElements", ""])
+
+
+class Parts(ProgramTest):
+    def kernel_of(self, name, *sets, **options):
+        scene = self.write(f"{name}.toml", SCENE.format(name=name))
+        out = pathlib.Path(tempfile.mkdtemp(dir=self.folder))
+        self.succeed(kernel(scene, out, *sets, **options))
+        return next(out.glob("*.kernel.h5"))
+
+    def test_three_files_give_the_kernel_functions_of_one(self):
+        nodes, elements = grid()
+        everything = range(len(elements))
+        self.write("whole.msh", msh(nodes, elements, everything))
+        for part in range(3):
+            # Columns of elements, so that every part has facets and shares nodes with others.
+            self.write(f"split_{part + 1}.msh", msh(nodes, elements, [e for e in everything if e // 4 % 3 == part]))
+        for modes in ("{ count = 40 }", '{ up_to_hz = 1.0, basis = "contact" }'):
+            with self.subTest(modes=modes):
+                self.compare(f"modes={modes}")
+
+    def compare(self, setting):
+        whole, split = self.kernel_of("whole", setting), self.kernel_of("split", setting)
+        places = []
+        for path in (whole, split):
+            with h5py.File(path) as file:
+                places.append(np.round(file["surface/node"][:].reshape(-1, 3), 9))
+        order = [np.lexsort(place.T) for place in places]
+        np.testing.assert_array_equal(places[0][order[0]], places[1][order[1]])
+        times = np.concatenate([np.linspace(0, 30, 50), np.linspace(0, 1, 50)])
+        one, other = (
+            displacement_kernel(path, times)[:, rows][:, :, rows] for path, rows in zip((whole, split), order)
+        )
+        self.assertGreater(np.abs(one).max(), 1e-3)
+        self.assertLess(np.abs(one - other).max(), 1e-8 * np.abs(one).max())
+
+    def test_a_missing_part_ends_in_one_line(self):
+        nodes, elements = grid()
+        for part in (1, 3):
+            self.write(f"split_{part}.msh", msh(nodes, elements, range(len(elements))))
+        run = kernel(self.write("split.toml", SCENE.format(name="split")), self.folder / "out")
+        self.assertEqual(run.status, 2)
+        self.assertEqual(run.err.count("split_2.msh: no such file"), 1)
+
+
+if __name__ == "__main__":
+    unittest.main()
