@@ -64,6 +64,39 @@ struct Loads {
       body_force_residual;  ///< (cM,3) static part of the modes left out [s²]: m per m/s²; empty without R
 };
 
+/// A traction on a surface or a force at a point whose history the scene gives: one column for a unit of each
+/// component along the body's axes.
+struct Load {
+  std::string name;
+  std::string unit;                   ///< of what the history scales: "Pa" of a traction, "N" of a force
+  std::vector<double> participation;  ///< (3,N) ∫ φ_n ds of the surface [kg^-1/2 m²]; φ_n(x) [kg^-1/2]
+  std::vector<double> total;          ///< (3,3) resultant force [N per unit], row: its component
+  std::vector<double> moment;         ///< (3,3) resultant moment about the frame's origin [N m per unit]
+  std::vector<double> residual;  ///< (cM,3) static part of the modes left out [m per unit]; empty without R
+};
+
+/// A support that moves by ū, the same vector at all its nodes; other supports stay. With the static lift Ψ
+/// (K Ψ = 0 off the supports) u = (Ψ − ΦΓ) ū + Φ p, p̈ + 2δ (ṗ − Γ ū̇) + ω² p = ω² Γ ū. One column for each
+/// component of ū along the body's axes; those that the support does not hold are 0.
+struct Motion {
+  std::string name;                   ///< the support's group
+  std::vector<double> participation;  ///< (3,N) Γ = Φᵀ M Ψ [kg^1/2]
+  std::vector<double> residual;       ///< (cM,3) Ψ − ΦΓ on the candidates [1]
+  std::vector<double> momentum;       ///< (3,3) e_iᵀ M (Ψ − ΦΓ) e_k [kg]
+};
+
+/// A point whose motion is recorded.
+struct Receiver {
+  std::string name;
+  Vector3 point{};            ///< [m]
+  std::vector<double> shape;  ///< (3,N) φ_n(x) [kg^-1/2]
+  std::vector<double>
+      residual_flexibility;  ///< (3,cM) by unit forces on the candidates [m/N]; empty without R
+  std::vector<double> body_force_residual;  ///< (3,3) [s²]; empty without R
+  std::vector<double> load_residual;  ///< (3,3L) of the L loads in their order [m per unit]; empty without R
+  std::vector<double> motion_residual;  ///< (3,3S) Ψ − ΦΓ of the S motions in their order [1]
+};
+
 /// The skin of the body, for pictures.
 struct View {
   std::vector<double> node;           ///< (V,3) [m]
@@ -89,6 +122,9 @@ struct Kernel {
   Modes modes;
   Surface surface;
   Loads loads;
+  std::vector<Load> applied;    ///< tractions and point forces
+  std::vector<Motion> motions;  ///< supports that move
+  std::vector<Receiver> receivers;
   std::optional<View> view;
 };
 

@@ -63,7 +63,7 @@ struct Modes {
       flexibility_error;  ///< of the contact surface over [0, up_to]; modes: leave out those it doesn't need
   bool residual_flexibility = true;
   double relative_residual = 1e-8;  ///< bound on each mode's residual
-  double low_rank = 0;  ///< contact: threshold of block low-rank factors; 0: full rank
+  double low_rank = 0;              ///< contact: threshold of block low-rank factors; 0: full rank
 };
 
 /// How one surface meets another. `a` is a body; `b` a body or an obstacle.
@@ -91,14 +91,37 @@ struct Time {
   double duration = 0;  ///< [s]
 };
 
+/// A force on a surface or at a point, or the displacement of a support: `vector` times a history that is
+/// piecewise linear in time (CSV of t [s] and a factor; 0 before the first row, the last value after the last
+/// one). Without a history it is constant from t = 0 on.
+struct Driven {
+  std::string name;  ///< unique within a body; default: the group, or "point <number in the scene>"
+  std::string body;
+  std::string group;                ///< traction: physical surface; motion: a support of the body
+  Vector3 at{};                     ///< point force: where, world axes, bodies as placed by translate [m]
+  Vector3 vector{};                 ///< world axes: [Pa], [N], [m]
+  std::filesystem::path history{};  ///< resolved against the scene's folder; empty: constant
+};
+
 struct Loads {
-  Vector3 gravity{};  ///< [m/s²]
+  Vector3 gravity{};              ///< [m/s²]
+  std::vector<Driven> tractions;  ///< [[loads.traction]]
+  std::vector<Driven> points;     ///< [[loads.point]]
+  std::vector<Driven> motions;    ///< [[loads.motion]]
+};
+
+/// A point of a body whose motion is recorded.
+struct Receiver {
+  std::string name;
+  std::string body;
+  Vector3 at{};  ///< world axes, bodies as placed by translate [m]
 };
 
 struct Output {
   int every = 1;                    ///< write each n-th step
   bool view = false;                ///< keep the skin in the kernels, for pictures
   std::int64_t snapshot_every = 0;  ///< modal coordinates each n-th step; 0: none
+  std::vector<Receiver> receivers;  ///< [[output.receiver]]
 };
 
 struct Scene {
@@ -141,6 +164,9 @@ struct KernelRequest {
   std::optional<Vector3> along;
   std::optional<double> spacing;
   bool view = false;
+  std::vector<Driven> tractions, points,
+      motions;                      ///< of this body; vector and history cleared, `at` in its frame
+  std::vector<Receiver> receivers;  ///< of this body; `at` in its frame
   std::string mesh_sha256;
   std::string toml;  ///< the request written out, part of the hash
   std::string hash;  ///< SHA-256, hex
