@@ -11,9 +11,6 @@
 namespace ricochet::contact {
 namespace {
 
-/// Steps of less than half a period sample a mode.
-constexpr double sampled = std::numbers::pi;
-
 /// u_i is a sum of N products: its round-off is a small multiple of ε |B_i| |q|. Touching is tested with this
 /// margin.
 constexpr double touch = 1e-13;
@@ -30,12 +27,13 @@ void check(const Model& model, const StepOptions& o) {
   if (!(o.restitution >= 0 && o.restitution <= 1))
     throw InputError(fmt::format("contact.restitution = {}: must be between 0 and 1.", o.restitution));
   const double highest = model.omega.size() > 0 ? model.omega.maxCoeff() : 0;
-  if (o.admittance == Admittance::difference && highest * o.step >= sampled)
+  if (o.admittance == Admittance::difference && highest * o.step >= std::numbers::pi)
     throw InputError(fmt::format(
         "contact.admittance = \"difference\": omega_max * step = {:.4g} is not below pi (highest mode {:.6g} "
         "Hz). Use a step "
         "below {:.4g} s (time.rate_hz above {:.6g}), fewer modes, or \"jump\".",
-        highest * o.step, highest / (2 * std::numbers::pi), sampled / highest, highest / sampled));
+        highest * o.step, highest / (2 * std::numbers::pi), std::numbers::pi / highest,
+        highest / std::numbers::pi));
 }
 
 StepStatus failure(SolveStatus status) {
@@ -55,29 +53,29 @@ Integrator::Integrator(const Model& model, const StepOptions& options)
       stiffness_(model.omega.cwiseAbs2()),
       load_(model.load),
       B_(model.B),
-      s_(model.static_displacement),
       gap_(model.gap),
       R_(model.R),
       solver_(static_cast<int>(model.gap.size())),
+      drives_(model, options.step, options.scheme == Scheme::compliant),
       q_(model.q0),
       v_(model.v0) {
   check(model, options);
   const Eigen::Index N = model.omega.size(), m = model.gap.size();
-  assert(B_.rows() == m && B_.cols() == N && s_.size() == m && R_.rows() == m && R_.cols() == m);
+  assert(B_.rows() == m && B_.cols() == N && R_.rows() == m && R_.cols() == m);
   assert(load_.size() == N && q_.size() == N && v_.size() == N && model.decay.size() == N);
 
-  for (Vector* x :
-       {&b_, &c_, &e_, &h_, &damp_ss_, &damp_sr_, &damp_rr_, &g_, &dq_, &push_, &next_q_, &next_v_})
+  for (Vector* x : {&b_, &c_, &e_, &h_, &damp_ss_, &damp_sr_, &damp_rr_, &g_, &dq_, &push_, &next_q_,
+                    &next_v_, &work_q_, &work_v_})
     x->setZero(N);
   for (Vector* x : {&force_, &next_u_, &next_force_, &rhs_, &solution_}) x->setZero(m);
   touching_.reserve(static_cast<std::size_t>(m));
 
   for (Eigen::Index n = 0; n < N; ++n) {
     const double omega = model.omega(n), delta = model.decay(n);
-    if (options.scheme == Scheme::compliant && omega * options.step > sampled) {
-      // At rest but for its static displacement (f_n − Σ B_in λ_i)/ω², which the points see through s and R.
+    if (options.scheme == Scheme::compliant && !sampled(omega, options.step)) {
+      // At rest but for its static displacement (f_n − Σ B_in λ_i)/ω², which the points see through s
+      // (Drives) and R.
       R_.noalias() += B_.col(n) * B_.col(n).transpose() / stiffness_(n);
-      s_ += B_.col(n) * (load_(n) / stiffness_(n));
       B_.col(n).setZero();
       stiffness_(n) = load_(n) = q_(n) = v_(n) = 0;
       ++dropped_;
@@ -94,6 +92,10 @@ Integrator::Integrator(const Model& model, const StepOptions& options)
     damped_ = damped_ || delta > 0;
   }
   q0_ = q_;
+  now_ = ahead_ = drives_.start();
+  s_ = now_.s;
+  energy_.kinetic = 0.5 * v_.squaredNorm();
+  v_ -= now_.lift;
   if (options.scheme == Scheme::compliant)
     S_ = B_ * c_.asDiagonal() * B_.transpose() + R_;
   else if (options.admittance == Admittance::jump)
@@ -107,7 +109,6 @@ Integrator::Integrator(const Model& model, const StepOptions& options)
   }
   u_ = s_;
   u_.noalias() += B_ * q_;
-  energy_.kinetic = 0.5 * v_.squaredNorm();
   energy_.strain = 0.5 * stiffness_.dot(q_.cwiseAbs2());
 }
 
@@ -115,11 +116,18 @@ StepStatus Integrator::step() noexcept {
   return options_.scheme == Scheme::compliant ? step_compliant() : step_impulse();
 }
 
-/// From (q, q̇) without contact: g = f − ω²q and q⁺ − q = b q̇ + c g. With a = 1 − ω²c and d = −ω²h these
-/// increments are the propagator, and they keep the work of a force on a slow motion free of cancellation.
-void Integrator::free_motion(const Vector& q, const Vector& v) noexcept {
+/// From (q, q̇) without contact: g = f − ω²q and q⁺ − q = b q̇ + c g, and what the drives add. With a = 1 − ω²c
+/// and d = −ω²h these increments are the propagator, and they keep the work of a force on a slow motion free
+/// of cancellation.
+void Integrator::free_motion(const Vector& q, const Vector& v, const Drives::Stretch& over) noexcept {
   g_.array() = load_.array() - stiffness_.array() * q.array();
   dq_.array() = b_.array() * v.array() + c_.array() * g_.array();
+  if (drives_.any()) dq_ += over.q;
+}
+
+/// Of u_i, a sum over modes of the length `size`: the margin for touching.
+double Integrator::round_off(Eigen::Index i, double size) const noexcept {
+  return touch * (size * norm_(i) + std::abs(gap_(i)) + std::abs(now_.s(i)));
 }
 
 /// push_ = Bᵀ λ; returns how many points push.
@@ -142,24 +150,36 @@ double Integrator::damping_work() const noexcept {
       .sum();
 }
 
+/// Of the step that starts at (q_, v_) under the acceleration g_, drives apart.
+Drives::Work Integrator::drive_work() noexcept {
+  if (!drives_.any()) return {damping_work(), 0};
+  work_q_ = q_;
+  work_v_ = v_;
+  push_.array() = g_.array() + stiffness_.array() * q_.array();
+  return drives_.advance(now_, push_, work_q_, work_v_);
+}
+
 /// Takes next_… as the state, unless it is not finite.
 StepStatus Integrator::commit(double contact_work, double residual, double power, int active,
-                              double damping) noexcept {
-  const double kinetic = 0.5 * next_v_.squaredNorm();
+                              const Drives::Work& work) noexcept {
+  const double kinetic = 0.5 * (drives_.any() ? (next_v_ + now_.lift).squaredNorm() : next_v_.squaredNorm());
   const double strain = 0.5 * (stiffness_.array() * next_q_.array().square()).sum();
-  if (!std::isfinite(kinetic + strain + contact_work + residual + damping)) return StepStatus::not_finite;
-  damping_.add(damping);
+  if (!std::isfinite(kinetic + strain + contact_work + residual + work.damping + work.drives))
+    return StepStatus::not_finite;
+  damping_.add(work.damping);
+  driven_.add(work.drives);
   contact_.add(contact_work - (residual - energy_.residual));
   energy_.kinetic = kinetic;
   energy_.strain = strain;
   energy_.residual = residual;
-  energy_.loads = (load_.array() * (next_q_.array() - q0_.array())).sum();
+  energy_.loads = (load_.array() * (next_q_.array() - q0_.array())).sum() + driven_.total();
   energy_.damping = damping_.total();
   energy_.contact = contact_.total();
   q_.swap(next_q_);
   v_.swap(next_v_);
   u_.swap(next_u_);
   force_.swap(next_force_);
+  s_ = now_.s;
   active_ = active;
   persistency_ = power;
   ++steps_;
@@ -168,9 +188,10 @@ StepStatus Integrator::commit(double contact_work, double residual, double power
 
 /// 0 ≤ λ ⟂ S λ − (û − g) ≥ 0,  û = B q̂ + s with q̂ the motion without contact,  S = B c Bᵀ + R
 StepStatus Integrator::step_compliant() noexcept {
-  free_motion(q_, v_);
+  if (drives_.any()) drives_.step(steps_ + 1, now_);
+  free_motion(q_, v_, now_);
   next_q_ = q_ + dq_;
-  next_u_ = s_;
+  next_u_ = now_.s;
   next_u_.noalias() += B_ * next_q_;
   rhs_ = next_u_ - gap_;
   next_force_.setZero();
@@ -179,12 +200,13 @@ StepStatus Integrator::step_compliant() noexcept {
     if (status != SolveStatus::solved) return failure(status);
   }
   const int active = push_by(next_force_);
-  double work = 0, residual = 0, power = 0;
+  double work = 0, residual = 0, power = 0, against_s = 0;
   if (active > 0) {
     dq_.array() -= c_.array() * push_.array();
     g_ -= push_;
     next_q_ = q_ + dq_;
-    work = push_.dot(dq_);
+    against_s = next_force_.dot(now_.s - s_);
+    work = push_.dot(dq_) + against_s;
     for (Eigen::Index i = 0; i < next_force_.size(); ++i) {
       const double lambda = next_force_(i);
       if (lambda == 0) continue;
@@ -194,51 +216,69 @@ StepStatus Integrator::step_compliant() noexcept {
     power = -next_force_.dot(next_u_ - u_) / options_.step;
   }
   next_v_.array() = e_.array() * v_.array() + h_.array() * g_.array();
-  return commit(work, residual, power, active, damping_work());
+  if (drives_.any()) next_v_ += now_.v;
+  Drives::Work spent = drive_work();
+  spent.drives += against_s;
+  return commit(work, residual, power, active, spent);
 }
 
 /// Free motion to t_k, then q̇⁺ = q̇⁻ − Bᵀ P.
 StepStatus Integrator::step_impulse() noexcept {
-  free_motion(q_, v_);
-  const double damping = damping_work();
+  if (drives_.any()) drives_.step(steps_ + 1, now_);
+  free_motion(q_, v_, now_);
+  Drives::Work spent = drive_work();
   next_q_ = q_ + dq_;
   next_v_.array() = e_.array() * v_.array() + h_.array() * g_.array();
-  next_u_ = s_;
+  if (drives_.any()) next_v_ += now_.v;
+  next_u_ = now_.s;
   next_u_.noalias() += B_ * next_q_;
-  const SolveStatus status = impulses();
+  const SolveStatus status = impulses(now_);
   if (status != SolveStatus::solved) return failure(status);
 
   const int active = push_by(next_force_);
   double work = 0;
   if (active > 0) {
-    work = push_.dot(next_v_) - 0.5 * push_.squaredNorm();  // Pᵀ B q̇⁻ − ½ |Bᵀ P|² = Pᵀ (u̇⁻ + u̇⁺)/2
-    next_v_ -= push_;
+    work = strike(spent);
     next_force_ /= options_.step;
   }
-  return commit(work, 0, -work / options_.step, active, damping);
+  return commit(work, 0, -work / options_.step, active, spent);
 }
 
-/// next_force_ = P [N s]:  0 ≤ P ⟂ A P − (1 + e) v̂ ≥ 0  on the points with u ≥ g.
-SolveStatus Integrator::impulses() noexcept {
+/// q̇⁺ = q̇⁻ − push_ under the impulses next_force_; returns what they take from the bodies.
+double Integrator::strike(Drives::Work& spent) noexcept {
+  const double on_rate = next_force_.dot(now_.rate);
+  const double work = push_.dot(next_v_) + on_rate - 0.5 * push_.squaredNorm();  // Pᵀ (u̇⁻ + u̇⁺)/2
+  spent.drives += on_rate - push_.dot(now_.lift);
+  next_v_ -= push_;
+  return work;
+}
+
+/// next_force_ = P [N s]:  0 ≤ P ⟂ A P − (1 + e) v̂ ≥ 0  on the points with u ≥ g at the end of `until`.
+SolveStatus Integrator::impulses(const Drives::Stretch& until) noexcept {
   next_force_.setZero();
   touching_.clear();
-  const double margin = touch * next_q_.norm();
+  const double size = next_q_.norm();
   for (Eigen::Index i = 0; i < gap_.size(); ++i)
-    if (!(next_u_(i) < gap_(i) - margin * norm_(i) - touch * (std::abs(gap_(i)) + std::abs(s_(i)))))
-      touching_.push_back(static_cast<int>(i));
+    if (!(next_u_(i) < gap_(i) - round_off(i, size))) touching_.push_back(static_cast<int>(i));
   if (touching_.empty()) return SolveStatus::solved;
 
-  // v̂ = B x: the velocity at t_k, or what becomes of it over the next step
+  // v̂ = B x + ṡ: the velocity at t_k, or what becomes of it over the next step
   const Vector* x = &next_v_;
+  const Vector* s = &until.rate;
   if (options_.admittance == Admittance::difference) {
-    free_motion(next_q_, next_v_);
+    ahead_.s = until.s;
+    if (drives_.any()) drives_.stretch(until.to, until.to + options_.step, ahead_);
+    free_motion(next_q_, next_v_, ahead_);
     dq_ /= options_.step;
+    ahead_.s = (ahead_.s - until.s) / options_.step;
     x = &dq_;
+    s = &ahead_.s;
   }
   const Eigen::Index n = static_cast<Eigen::Index>(touching_.size());
   for (Eigen::Index j = 0; j < n; ++j) {
-    rhs_(j) = (1 + options_.restitution) * B_.row(touching_[j]).dot(*x);
-    for (Eigen::Index i = 0; i < n; ++i) sub_(i, j) = S_(touching_[i], touching_[j]);
+    const int i = touching_[j];
+    rhs_(j) = (1 + options_.restitution) * (B_.row(i).dot(*x) + (*s)(i));
+    for (Eigen::Index l = 0; l < n; ++l) sub_(l, j) = S_(touching_[l], i);
   }
   const SolveStatus status = solver_.solve(sub_.topLeftCorner(n, n), rhs_.head(n), solution_.head(n));
   for (Eigen::Index j = 0; j < n; ++j) next_force_(touching_[j]) = solution_(j);

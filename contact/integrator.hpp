@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "contact/complementarity.hpp"
+#include "contact/drives.hpp"
 #include "contact/model.hpp"
 #include "contact/propagator.hpp"
 
@@ -40,13 +41,13 @@ enum class StepStatus { ok, no_solution, not_finite };
 /// Running energy ledger [J]; kinetic + strain + residual − loads + damping + contact stays what it was at t
 /// = 0. Each term from its own formula.
 struct Energy {
-  double kinetic = 0;   ///< ½ |q̇|²
+  double kinetic = 0;   ///< ½ |q̇|², of supports that move ½ |q̇ + Γ dū/dt|²
   double strain = 0;    ///< ½ Σ ω² q²
   double residual = 0;  ///< ½ λᵀ R λ
-  double loads = 0;     ///< work of gravity so far, fᵀ (q − q0)
+  double loads = 0;     ///< work so far of gravity, fᵀ (q − q0), loads and supports, with ∫ λᵀ ds
   double damping = 0;   ///< ∫ 2 δ q̇², so far
-  double contact = 0;  ///< taken out by contact so far: compliant λᵀB(q⁺ − q) less the growth of ½ λᵀRλ;
-                       ///< impulse Pᵀ B q̇ − ½ |BᵀP|²
+  double contact = 0;  ///< taken out by contact so far: compliant λᵀ(B(q⁺ − q) + s⁺ − s) less the growth of
+                       ///< ½ λᵀRλ; impulse Pᵀ (B q̇ + ṡ) − ½ |BᵀP|²
   double total() const { return kinetic + strain + residual - loads; }
   double ledger() const { return total() + damping + contact; }
 };
@@ -64,7 +65,7 @@ class Integrator {
   std::int64_t steps() const { return steps_; }
   double time() const { return static_cast<double>(steps_) * options_.step; }
 
-  const Vector& q() const { return q_; }             ///< (N)
+  const Vector& q() const { return q_; }             ///< (N) relative to the lift of moving supports
   const Vector& v() const { return v_; }             ///< (N) q̇
   const Vector& force() const { return force_; }     ///< (m) λ_k [N] over (t_{k−1}, t_k]; impulses as P/Δ
   const Vector& displacement() const { return u_; }  ///< (m) u at t_k, residual included [m]
@@ -84,41 +85,49 @@ class Integrator {
     double total() const { return value + carry; }
   };
 
-  void free_motion(const Vector& q, const Vector& v) noexcept;
+  void free_motion(const Vector& q, const Vector& v, const Drives::Stretch& over) noexcept;
   StepStatus step_compliant() noexcept;
   StepStatus step_impulse() noexcept;
-  SolveStatus impulses() noexcept;
+  SolveStatus impulses(const Drives::Stretch& until) noexcept;
+  double strike(Drives::Work& spent) noexcept;
+  double round_off(Eigen::Index i, double size) const noexcept;
   int push_by(const Vector& lambda) noexcept;
   double damping_work() const noexcept;
-  StepStatus commit(double contact_work, double residual, double power, int active, double damping) noexcept;
+  Drives::Work drive_work() noexcept;
+  StepStatus commit(double contact_work, double residual, double power, int active,
+                    const Drives::Work& work) noexcept;
 
   StepOptions options_;
   // constant (N): step coefficients, 2δ∫S², 4δ∫SS', 2δ∫S'²
   Vector stiffness_, load_, q0_, b_, c_, e_, h_, damp_ss_, damp_sr_, damp_rr_;
-  Matrix B_;               ///< (m,N), columns of modes moved into R are 0
-  Vector s_, gap_, norm_;  ///< (m) s, g, |B_i|
-  Eigen::MatrixXd R_;      ///< (m,m)
-  Eigen::MatrixXd S_;      ///< (m,m) compliant: S; impulse: A
+  Matrix B_;           ///< (m,N), columns of modes moved into R are 0
+  Vector gap_, norm_;  ///< (m) g, |B_i|
+  Eigen::MatrixXd R_;  ///< (m,m)
+  Eigen::MatrixXd S_;  ///< (m,m) compliant: S; impulse: A
   bool damped_ = false;
   int dropped_ = 0;
   ComplementaritySolver solver_;
+  Drives drives_;
 
   // state
   std::int64_t steps_ = 0;
   Vector q_, v_, force_, u_;
   Energy energy_;
-  Sum damping_, contact_;
+  Sum damping_, contact_, driven_;
+  Vector s_;  ///< (m) s at t_k
   int active_ = 0;
   double persistency_ = 0;
 
   // of the step under way: nothing above changes before it is known to succeed
-  Vector g_, dq_, push_;        ///< (N) f − ω²q, q⁺ − q, Bᵀλ
-  Vector next_q_, next_v_;      ///< (N)
-  Vector next_u_, next_force_;  ///< (m)
-  Vector rhs_;                  ///< (m) right-hand side, of the touching points alone under `impulse`
-  Vector solution_;             ///< (m) likewise
-  Eigen::MatrixXd sub_;         ///< (m,m) A of the touching points
-  std::vector<int> touching_;   ///< points with u ≥ g at t_k
+  Drives::Stretch now_, ahead_;  ///< the drives in this step; in the one after it
+  Vector g_, dq_, push_;         ///< (N) f − ω²q, q⁺ − q, Bᵀλ
+  Vector next_q_, next_v_;       ///< (N)
+  Vector work_q_, work_v_;       ///< (N) on the way through the knots of the step
+  Vector next_u_, next_force_;   ///< (m)
+  Vector rhs_;                   ///< (m) right-hand side, of the touching points alone under `impulse`
+  Vector solution_;              ///< (m) likewise
+  Eigen::MatrixXd sub_;          ///< (m,m) A of the touching points
+  std::vector<int> touching_;    ///< points with u ≥ g at t_k
 };
 
 }  // namespace ricochet::contact

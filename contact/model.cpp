@@ -2,17 +2,16 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
 
+#include "contact/model_internal.hpp"
 #include "kernels/error.hpp"
 
 namespace ricochet::contact {
 namespace {
 
 using Eigen::Vector3d;
-using Selection = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
 /// Of the kinetic energy of a rigid velocity, what the rigid modes may miss by round-off of the eigensolver.
 constexpr double rigid_slack = 1e-6;
@@ -165,10 +164,14 @@ Selection selection(const PlacedBody& body, int index, const std::vector<Meeting
 }  // namespace
 
 Model build_model(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& obstacles,
-                  const std::vector<PairRequest>& pairs, const Vector3d& gravity) {
+                  const std::vector<PairRequest>& pairs, const Vector3d& gravity,
+                  const std::vector<DriveRequest>& drives) {
   const std::vector<Meeting> meetings = meet(bodies, obstacles, pairs);
   Model model;
   model.gravity = gravity;
+  for (const DriveRequest& request : drives)
+    if (index_of(request.body, bodies) < 0)
+      throw InputError(fmt::format("loads: \"{}\" is not a body. Name one of bodies.*.", request.body));
 
   int points = 0, modes = 0;
   for (const Meeting& meeting : meetings) {
@@ -231,7 +234,10 @@ Model build_model(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& 
         model.R_a.middleRows(pair.first_point, pair.points) = R.middleRows(pair.first_point, pair.points);
         model.static_a.segment(pair.first_point, pair.points) = s.segment(pair.first_point, pair.points);
       }
+    drive(model, static_cast<int>(k), P, drives);
   }
+  for (std::size_t k = 0; k < bodies.size(); ++k)
+    listen(model, static_cast<int>(k), selection(bodies[k], static_cast<int>(k), meetings, points));
   return model;
 }
 

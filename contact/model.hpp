@@ -1,9 +1,9 @@
 // Two or more bodies and the pairs of surfaces that may touch, as one constant modal system.
 //
 // Modes of all bodies are stacked in q (N); paired candidates of all pairs are stacked in i (m).
-//   u = B q + s − R λ     relative normal displacement, positive when a gap closes (s: static part of loads
-//   on modes left out) u_i ≤ g_i             impenetrability,   λ_i ≥ 0 compressive force [N],   modal force
-//   of contact −Bᵀ λ
+//   u = B q + s − R λ     relative normal displacement, positive when a gap closes
+//   s                     static part of loads on modes left out, and the lift of supports that move
+//   u_i ≤ g_i             impenetrability,   λ_i ≥ 0 compressive force [N],   modal force of contact −Bᵀ λ
 #pragma once
 
 #include <Eigen/Dense>
@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "contact/histories.hpp"
 #include "kernels/kernel.hpp"
 
 namespace ricochet::contact {
@@ -43,6 +44,15 @@ struct PairRequest {
   std::optional<double> reach;  ///< [m] drops pairs whose initial gap is not below it
 };
 
+/// A load or a moving support: `vector` times a history.
+struct DriveRequest {
+  std::string body;
+  std::string name;      ///< of the kernel's load; of the kernel's motion, where a support moves
+  bool support = false;  ///< a support that moves
+  Eigen::Vector3d vector = Eigen::Vector3d::Zero();  ///< world: [Pa], [N] or, of a support, [m]
+  History history{};
+};
+
 /// Candidates of a that face a place on b (world frame, after `gap` has moved a).
 struct Pairing {
   struct Point {
@@ -69,14 +79,14 @@ Pairing pair(const PlacedBody& a, const HalfSpace& b, const PairRequest& request
 struct Model {
   // modes (N)
   Vector omega, decay;  ///< [rad/s], [1/s]
-  Vector load;          ///< constant modal force of gravity, f_n [kg^1/2 m/s²]
+  Vector load;          ///< constant modal force, of gravity, f_n [kg^1/2 m/s²]
   Vector q0, v0;        ///< initial modal displacement (0) and velocity (rigid), [kg^1/2 m], [kg^1/2 m/s]
   // contact points (m)
   Matrix B;  ///< (m,N) [kg^-1/2]
   Matrix R;  ///< (m,m) [m/N]; zero when kernels carry none
   bool has_residual = false;
   Vector gap;                       ///< (m) g [m]
-  Vector static_displacement;       ///< (m) s [m]
+  Vector static_displacement;       ///< (m) the constant part of s, under gravity [m]
   Matrix R_a;                       ///< (m,m) the share of R by which body a of point i moves at i [m/N]
   Vector static_a;                  ///< (m) likewise of s [m]
   Vector area;                      ///< (m) [m²]
@@ -104,11 +114,47 @@ struct Model {
   };
   std::vector<PairBlock> pairs;
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
+
+  /// A load or a moving support, for a factor of 1. Of body `body` alone, whose modes its vectors have.
+  struct Drive {
+    std::string name;
+    int body = 0;
+    bool support = false;
+    int entry = 0;                    ///< of its kernel's loads, or motions
+    Eigen::Vector3d vector{0, 0, 0};  ///< world
+    History history;
+    Vector force;                            ///< (modes) modal force of a load [kg^1/2 m/s²]; support: 0
+    Vector lift;                             ///< (modes) Γ of a support [kg^1/2 m]; load: 0
+    Vector displacement;                     ///< (m) quasi-static u: residual of a load, Ψ of a support [m]
+    Vector displacement_a;                   ///< (m) share of body a of point i
+    Eigen::Vector3d total{0, 0, 0};          ///< resultant of a load [N]; support: 0
+    Eigen::Vector3d lift_momentum{0, 0, 0};  ///< ∫ρΨ of a support, of its elastic modes and beyond [kg m]
+  };
+  std::vector<Drive> drives;
+
+  /// A point of body `body` whose motion is recorded: world axes, (3, …).
+  struct Receiver {
+    std::string name;
+    int body = 0;
+    Eigen::Vector3d point{0, 0, 0};     ///< [m]
+    Matrix shape;                       ///< (3,modes) [kg^-1/2]
+    Matrix flexibility;                 ///< (3,m) by a unit force λ_i [m/N]
+    Eigen::Vector3d constant{0, 0, 0};  ///< quasi-static, under gravity [m]
+    Matrix drives;                      ///< (3,drives) quasi-static: residual of loads, Ψ of supports [m]
+  };
+  std::vector<Receiver> receivers;
+
+  /// Momentum of a body [kg m/s] that its modal rates `v` (N), relative to its supports, leave at t.
+  Eigen::Vector3d momentum(int body, const Vector& v, double t) const;
+  /// The same of angular momentum about the world's origin, by the modes alone [kg m²/s].
+  Eigen::Vector3d angular_momentum(int body, const Vector& v, double t) const;
 };
 
 /// Places, pairs and stacks. Bodies keep their order; a body that no pair names is an error.
-/// Throws InputError as `pair` does.
+/// Throws InputError as `pair` does, and for a drive that its body's kernel has not got, or a support that
+/// would jump.
 Model build_model(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& obstacles,
-                  const std::vector<PairRequest>& pairs, const Eigen::Vector3d& gravity);
+                  const std::vector<PairRequest>& pairs, const Eigen::Vector3d& gravity,
+                  const std::vector<DriveRequest>& drives = {});
 
 }  // namespace ricochet::contact

@@ -11,7 +11,25 @@ namespace {
 /// (eˣ − 1)/x, so that ∫₀^Δ e^{rt} dt = Δ φ(rΔ) for any r ≤ 0, zero included.
 double phi(double x) { return x == 0 ? 1.0 : std::expm1(x) / x; }
 
-/// The same for a complex z ≠ 0 with Re z ≤ 0.
+/// (eˣ − 1 − x)/x² and (eˣ − 1 − x − x²/2)/x³ for x ≤ 0: ∫∫ and ∫∫∫ of e^{rt}.
+struct Phis {
+  double two, three;
+};
+Phis higher_phis(double x) {
+  if (x > -1) {
+    double two = 0, three = 0, term = 1;  // Σ xᵏ/(k+2)!, Σ xᵏ/(k+3)!; 1/22! < 1e-21
+    for (int k = 0; k < 20; ++k) {
+      two += term / (k + 2);
+      three += term / ((k + 2.0) * (k + 3.0));
+      term *= x / (k + 2);
+    }
+    return {two, three};
+  }
+  const double two = (std::expm1(x) - x) / x / x;
+  return {two, (two - 0.5) / x};
+}
+
+/// The same as phi for a complex z ≠ 0 with Re z ≤ 0.
 std::complex<double> phi(std::complex<double> z) {
   const double half = std::sin(0.5 * z.imag());
   const std::complex<double> expm1(std::expm1(z.real()) * std::cos(z.imag()) - 2 * half * half,
@@ -47,40 +65,63 @@ Response response(double omega, double decay, double t) {
   return {S, std::exp(fast * t) + slow * S};
 }
 
-/// max(ω, δ)Δ ≤ 0.5: Taylor series of S, its coefficients by the recurrence of S'' + 2δS' + ω²S = 0.
-ModeStep short_step(double omega, double decay, double step) {
-  constexpr int terms = 32;  // of S²: 2^k/k! < 1e-26 at the end
+/// max(ω, δ)Δ ≤ 0.5: S(t) = Δ Σ y_k (t/Δ)^k, by the recurrence of S'' + 2δS' + ω²S = 0.
+constexpr int terms = 32;  // of S²: 2^k/k! < 1e-26 at the end
+using Series = std::array<double, terms + 1>;
+constexpr double short_span = 0.5;
+
+Series series(double omega, double decay, double step) {
   const double D = decay * step, X2 = (omega * step) * (omega * step);
-  std::array<double, terms + 1> y{};  // S(t) = Δ Σ y_k (t/Δ)^k
+  Series y{};
   y[1] = 1;
   for (int k = 0; k + 2 <= terms; ++k)
     y[k + 2] = -(2 * D * (k + 1) * y[k + 1] + X2 * y[k]) / ((k + 2.0) * (k + 1.0));
+  return y;
+}
 
-  double S = 0, rate = 0, integral = 0, ss = 0, rr = 0;
+ModeResponse short_response(const Series& y, double step) {
+  ModeResponse sum{};
   for (int k = terms; k >= 1; --k) {  // smallest terms first
-    S += y[k];
-    rate += k * y[k];
-    integral += y[k] / (k + 1);
+    double term = y[k];
+    sum.rate += k * term;
+    sum.S += term;
+    sum.c += term /= k + 1;
+    sum.r += term /= k + 2;
+    sum.w += term /= k + 3;
   }
+  const double square = step * step;
+  return {sum.rate, step * sum.S, square * sum.c, step * square * sum.r, square * square * sum.w};
+}
+
+ModeStep short_step(double omega, double decay, double step) {
+  const Series y = series(omega, decay, step);
+  const ModeResponse m = short_response(y, step);
+  double ss = 0, rr = 0, cc = 0;
   for (int k = terms; k >= 0; --k) {
-    double of_S = 0, of_rate = 0;  // coefficients of t^k in S² and of t^k in S'²
+    double of_S = 0, of_rate = 0, of_c = 0;  // coefficients of t^k in S² and S'², of t^{k+2} in c²
     for (int i = 0; i <= k; ++i) {
-      of_S += y[i] * y[k - i];
+      const double pair = y[i] * y[k - i];
+      of_S += pair;
+      of_c += pair / ((i + 1.0) * (k - i + 1.0));
       if (k < terms) of_rate += (i + 1) * y[i + 1] * (k - i + 1) * y[k - i + 1];
     }
     ss += of_S / (k + 1);
     rr += of_rate / (k + 1);
+    cc += of_c / (k + 3);
   }
-  const double b = step * S;
-  return {.a = 1 - X2 * integral,
-          .b = b,
-          .c = step * step * integral,
-          .d = -omega * (omega * b),
-          .e = rate,
-          .h = b,
-          .ss = step * step * step * ss,
-          .sr = 0.5 * b * b,
-          .rr = step * rr};
+  const double cube = step * step * step;
+  return {.a = 1 - omega * (omega * m.c),
+          .b = m.S,
+          .c = m.c,
+          .d = -omega * (omega * m.S),
+          .e = m.rate,
+          .h = m.S,
+          .ss = cube * ss,
+          .sr = 0.5 * m.S * m.S,
+          .rr = step * rr,
+          .r = m.r,
+          .w = m.w,
+          .cc = step * step * cube * cc};
 }
 
 /// c = ∫₀^Δ S of a step that is not short.
@@ -96,19 +137,36 @@ double flexibility(double omega, double decay, double step, double S) {
   return step * (phi(slow * step) - phi(fast * step)) / (2 * s);
 }
 
+/// r = ∫c and w = ∫r of a step that is not short.
+struct Integrals {
+  double r, w;
+};
+Integrals integrals(double omega, double decay, double step, double S, double c) {
+  if (decay >= 1.1 * omega) {
+    const auto [slow, fast, s] = roots(omega, decay);
+    const Phis of_slow = higher_phis(slow * step), of_fast = higher_phis(fast * step);
+    return {step * (step * (of_slow.two - of_fast.two) / (2 * s)),
+            step * (step * (step * (of_slow.three - of_fast.three) / (2 * s)))};
+  }
+  // The equation of motion integrated twice and three times; with ωΔ > 0.45 little is lost.
+  const double r = (step - S - 2 * decay * c) / omega / omega;
+  return {r, (0.5 * step * step - c - 2 * decay * r) / omega / omega};
+}
+
 /// ∫S² and ∫S'² over a step that is not short.
 struct Squares {
   double ss, rr;
 };
 
+// Gauss–Legendre, 8 points.
+constexpr std::array<double, 4> node = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
+                                        0.9602898564975363};
+constexpr std::array<double, 4> weight = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
+                                          0.1012285362903763};
+
 /// Close to ζ = 1 the closed forms are small differences of large numbers; S and S' themselves are not.
 Squares squares_near_critical(double omega, double decay, double step) {
-  // Gauss–Legendre, 8 points on panels of about 1/δ: error below 1e-18 of e^{−2δt}; past 50/δ nothing is
-  // left.
-  constexpr std::array<double, 4> node = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
-                                          0.9602898564975363};
-  constexpr std::array<double, 4> weight = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
-                                            0.1012285362903763};
+  // Panels of about 1/δ: error below 1e-18 of e^{−2δt}; past 50/δ nothing is left.
   const double end = std::min(step, 50 / decay);
   const int panels = std::max(1, static_cast<int>(std::ceil(end * decay)));
   const double half = 0.5 * end / panels;
@@ -142,10 +200,35 @@ Squares squares(double omega, double decay, double step) {
           step * (p * p * of_slow - 2 * p * q * of_both + q * q * of_fast)};
 }
 
+/// ∫c² where the slow root hardly moves: beyond 40/|fast| c is a polynomial to round-off.
+double ramp_square_of_slow(double omega, double decay, double step) {
+  const auto [slow, fast, s] = roots(omega, decay);
+  const double width = -2 / fast;
+  double sum = 0, from = 0;
+  while (from < step) {
+    const double to = from < 20 * width ? std::min(step, from + width) : step, half = 0.5 * (to - from);
+    for (std::size_t k = 0; k < node.size(); ++k)
+      for (const double side : {-1.0, 1.0}) {
+        const double t = from + (1 + side * node[k]) * half,
+                     c = t * (phi(slow * t) - phi(fast * t)) / (2 * s);
+        sum += weight[k] * half * c * c;
+      }
+    from = to;
+  }
+  return sum;
+}
+
+/// cc = ∫c² of a step that is not short, by c'' + 2δc' + ω²c = 1 times c.
+double ramp_square(double omega, double decay, double step, double S, double c, double r, double ss) {
+  if (decay >= 1.1 * omega && -roots(omega, decay).slow * step < 0.5)
+    return ramp_square_of_slow(omega, decay, step);
+  return (r - c * S - decay * c * c + ss) / omega / omega;
+}
+
 }  // namespace
 
 ModeStep mode_step(double omega, double decay, double step) noexcept {
-  if (std::max(omega, decay) * step <= 0.5) return short_step(omega, decay, step);
+  if (std::max(omega, decay) * step <= short_span) return short_step(omega, decay, step);
 
   const auto [S, rate] = response(omega, decay, step);
   const auto [ss, rr] = squares(omega, decay, step);
@@ -155,15 +238,28 @@ ModeStep mode_step(double omega, double decay, double step) noexcept {
     const Roots r = roots(omega, decay);
     a = std::exp(r.fast * step) - r.fast * S;
   }
+  const double c = flexibility(omega, decay, step, S);
+  const auto [r, w] = integrals(omega, decay, step, S, c);
   return {.a = a,
           .b = S,
-          .c = flexibility(omega, decay, step, S),
+          .c = c,
           .d = -omega * (omega * S),
           .e = rate,
           .h = S,
           .ss = ss,
           .sr = 0.5 * S * S,
-          .rr = rr};
+          .rr = rr,
+          .r = r,
+          .w = w,
+          .cc = ramp_square(omega, decay, step, S, c, r, ss)};
+}
+
+ModeResponse mode_response(double omega, double decay, double time) noexcept {
+  if (std::max(omega, decay) * time <= short_span) return short_response(series(omega, decay, time), time);
+  const auto [S, rate] = response(omega, decay, time);
+  const double c = flexibility(omega, decay, time, S);
+  const auto [r, w] = integrals(omega, decay, time, S, c);
+  return {rate, S, c, r, w};
 }
 
 }  // namespace ricochet::contact

@@ -16,9 +16,21 @@ struct ModeStep {
   /// ∫ 2δ q̇² dt = 2δ [ss g² + 2 sr g q̇ + rr q̇²],  g = f − ω² q,  ss = ∫S², sr = ∫S S' = S(Δ)²/2, rr = ∫S'²,
   /// because q̇(t) = g S(t) + q̇ S'(t). Each integral from its own closed form, not from the energy balance.
   double ss, sr, rr;
+  /// Of a force that changes linearly: r = ∫c, w = ∫r, cc = ∫c². With them
+  /// ∫ q dt = Δ q + c q̇ + r g + w k   and   q̇(t) = g S(t) + q̇ S'(t) + k c(t),
+  /// ∫ q̇² dt = ss g² + 2 sr g q̇ + rr q̇² + c² g k + 2 (S c − ss) q̇ k + cc k².
+  double r, w, cc;
 };
 
 /// @param omega  ω ≥ 0 [rad/s]   @param decay  δ ≥ 0 [1/s]   @param step  Δ > 0 [s]
 ModeStep mode_step(double omega, double decay, double step) noexcept;
+
+/// The response to a unit impulse, and its integrals c = ∫₀ᵗ S, r = ∫₀ᵗ c, w = ∫₀ᵗ r, without the squares.
+struct ModeResponse {
+  double rate, S, c, r, w;
+};
+
+/// @param omega  ω ≥ 0 [rad/s]   @param decay  δ ≥ 0 [1/s]   @param time  t ≥ 0 [s]
+ModeResponse mode_response(double omega, double decay, double time) noexcept;
 
 }  // namespace ricochet::contact

@@ -11,7 +11,9 @@
 
 namespace {
 
+using ricochet::contact::mode_response;
 using ricochet::contact::mode_step;
+using ricochet::contact::ModeResponse;
 using ricochet::contact::ModeStep;
 
 __extension__ typedef __float128 Quad;  // 113 bits: 2^40 squarings would still leave 20 digits
@@ -70,6 +72,38 @@ Exact exact_step(double omega, double decay, double step) {
 
 double error(double got, Quad want) { return std::abs(static_cast<double>(Quad(got) - want)); }
 
+/// Time in units of Δ. Under a force that grows from 0: (q, q̇, f, k)', and two more rows integrate q under a
+/// ramp and under a constant force. Square: y = (c², c S, S², c, S, 1) obeys y₁' = 2y₂,
+/// y₂' = y₃ + y₄ − 2δy₂ − ω²y₁, y₃' = 2y₅ − 4δy₃ − 2ω²y₂, y₄' = y₅, y₅' = 1 − 2δy₅ − ω²y₄; a row integrates
+/// y₁.
+void expect_exact_ramp(double omega, double decay, double step, const ModeStep& m) {
+  const Quad D = Quad(decay) * step, X2 = Quad(omega) * step * Quad(omega) * step, dt = step;
+  const auto M = exponential<5>(
+      {{{0, 1, 0, 0, 0}, {-X2, -2 * D, 1, 0, 0}, {0, 0, 0, 1, 0}, {0, 0, 0, 0, 0}, {1, 0, 0, 0, 0}}});
+  const auto Q = exponential<7>({{{0, 2, 0, 0, 0, 0, 0},
+                                  {-X2, -2 * D, 1, 1, 0, 0, 0},
+                                  {0, -2 * X2, -4 * D, 0, 2, 0, 0},
+                                  {0, 0, 0, 0, 1, 0, 0},
+                                  {0, 0, 0, -X2, -2 * D, 1, 0},
+                                  {0, 0, 0, 0, 0, 0, 0},
+                                  {1, 0, 0, 0, 0, 0, 0}}});
+  const double r = static_cast<double>(M[0][3] * dt * dt * dt),
+               w = static_cast<double>(M[4][3] * dt * dt * dt * dt),
+               cc = static_cast<double>(Q[6][5] * dt * dt * dt * dt * dt);
+  // From ωΔ = 0.5 on r, w and cc come from differences that leave 1/25, 1/50 and 1/40 of their terms, and cc
+  // takes r's error with it.
+  const double eps = std::numeric_limits<double>::epsilon();
+  EXPECT_NEAR(m.r, r, 200 * eps * r);
+  EXPECT_NEAR(m.w, w, 1000 * eps * w);
+  EXPECT_NEAR(m.cc, cc, 2000 * eps * cc);
+  const ModeResponse response = mode_response(omega, decay, step);
+  EXPECT_DOUBLE_EQ(response.S, m.b);
+  EXPECT_DOUBLE_EQ(response.rate, m.e);
+  EXPECT_DOUBLE_EQ(response.c, m.c);
+  EXPECT_DOUBLE_EQ(response.r, m.r);
+  EXPECT_DOUBLE_EQ(response.w, m.w);
+}
+
 void expect_exact(double omega, double decay, double step) {
   SCOPED_TRACE(testing::Message() << "omega " << omega << " decay " << decay << " step " << step);
   const ModeStep m = mode_step(omega, decay, step);
@@ -88,6 +122,7 @@ void expect_exact(double omega, double decay, double step) {
   EXPECT_LE(error(m.a, x.a), eps * std::max(envelope + decay * width, static_cast<double>(x.a)) + tiny);
   EXPECT_LE(error(m.b, x.b), eps * width + tiny);
   EXPECT_EQ(m.h, m.b);
+  expect_exact_ramp(omega, decay, step, m);
   // 1 − a of an undamped or weakly damped mode near a whole number of turns: relative to what passes through
   EXPECT_LE(error(m.c, x.c),
             eps * std::max(static_cast<double>(x.c), omega > 0 ? envelope / omega / omega : 0.0) + tiny)
@@ -143,7 +178,7 @@ TEST(ModeStep, stays_finite_for_huge_frequencies_and_decays) {
   for (const double omega : {0.0, 1.0, 1e8, 1e100, 1e150})
     for (const double decay : {0.0, 1.0, 1e8, 1e100, 1e150}) {
       const ModeStep m = mode_step(omega, decay, 1.0);
-      for (const double x : {m.a, m.b, m.c, m.d, m.e, m.h, m.ss, m.sr, m.rr})
+      for (const double x : {m.a, m.b, m.c, m.d, m.e, m.h, m.ss, m.sr, m.rr, m.r, m.w, m.cc})
         EXPECT_TRUE(std::isfinite(x)) << omega << " " << decay;
       EXPECT_LE(std::abs(m.a), 1 + 1e-15);
       EXPECT_GE(m.c, 0);

@@ -1,0 +1,150 @@
+// Loads, moving supports and receivers, from each body's kernel to the stacked model.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "contact/model_internal.hpp"
+#include "kernels/error.hpp"
+
+namespace ricochet::contact {
+namespace {
+
+using Eigen::Vector3d;
+using kernels::Kernel;
+
+auto matrix(const std::vector<double>& values, Eigen::Index rows, Eigen::Index columns) {
+  return Eigen::Map<const Matrix>(values.data(), rows, columns);
+}
+
+/// The kernel's entry of this name, and its place.
+template <class Entry>
+std::size_t place_of(const std::vector<Entry>& entries, const DriveRequest& request, const char* what) {
+  const auto found =
+      std::find_if(entries.begin(), entries.end(), [&](const Entry& e) { return e.name == request.name; });
+  if (found != entries.end()) return static_cast<std::size_t>(found - entries.begin());
+  std::string names;
+  for (const Entry& entry : entries) names += (names.empty() ? "\"" : ", \"") + entry.name + "\"";
+  throw InputError(fmt::format(
+      "{}: the kernel of body \"{}\" has no \"{}\", only {}. Compute it again with ricochet-kernel.", what,
+      request.body, request.name, names.empty() ? "none" : names));
+}
+
+/// A support that is displaced at t = 0 has been so for ever; later, a jump would be a shock of infinite
+/// energy.
+void refuse_jump(const DriveRequest& request) {
+  if (request.history.time.front() <= 0 || request.history.value.front() == 0) return;
+  throw InputError(
+      fmt::format("loads.motion: the history of \"{}\" of body \"{}\" begins with the factor {} at t = {} s, "
+                  "so the support "
+                  "would jump. Begin it with a factor of 0, or at t = 0.",
+                  request.name, request.body, request.history.value.front(), request.history.time.front()));
+}
+
+/// The part of `u` (m) at points whose body a is body k.
+Vector share_of_a(const Model& model, int k, const Vector& u) {
+  Vector out = Vector::Zero(u.size());
+  for (const Model::PairBlock& pair : model.pairs)
+    if (pair.a == k) out.segment(pair.first_point, pair.points) = u.segment(pair.first_point, pair.points);
+  return out;
+}
+
+/// Its place among the kernel's loads or motions.
+std::size_t entry_of(const Kernel& kernel, const DriveRequest& request) {
+  return request.support ? place_of(kernel.motions, request, "loads.motion")
+                         : place_of(kernel.applied, request, "loads");
+}
+
+/// Columns of a drive in a receiver's residual: three for each load, or each motion.
+Vector3d column(const std::vector<double>& residual, const Model::Drive& drive, const Vector3d& along) {
+  if (residual.empty()) return Vector3d::Zero();
+  return matrix(residual, 3, static_cast<Eigen::Index>(residual.size()) / 3).middleCols(3 * drive.entry, 3) *
+         along;
+}
+
+}  // namespace
+
+void drive(Model& model, int k, const Selection& P, const std::vector<DriveRequest>& drives) {
+  const Model::BodyBlock& block = model.bodies[k];
+  const Kernel& kernel = *block.kernel;
+  const auto B = model.B.middleCols(block.first_mode, block.modes);
+  for (const DriveRequest& request : drives) {
+    if (request.body != block.name) continue;
+    const std::size_t entry = entry_of(kernel, request);
+    const Vector3d along = block.rotation.transpose() * request.vector;
+    Model::Drive out{.name = request.name,
+                     .body = k,
+                     .support = request.support,
+                     .entry = static_cast<int>(entry),
+                     .vector = request.vector,
+                     .history = request.history,
+                     .force = Vector::Zero(block.modes),
+                     .lift = Vector::Zero(block.modes),
+                     .displacement = Vector::Zero(P.rows()),
+                     .displacement_a = {}};
+    const std::vector<double>& residual =
+        request.support ? kernel.motions[entry].residual : kernel.applied[entry].residual;
+    if (!residual.empty()) out.displacement = P * (matrix(residual, P.cols(), 3) * along).eval();
+    if (request.support) {
+      refuse_jump(request);
+      const kernels::Motion& motion = kernel.motions[entry];
+      out.lift = matrix(motion.participation, 3, block.modes).transpose() * along;
+      out.displacement += B * out.lift;  // Ψ = (Ψ − ΦΓ) + ΦΓ
+      out.lift_momentum =
+          block.momentum * out.lift + block.rotation * (matrix(motion.momentum, 3, 3) * along);
+    } else {
+      const kernels::Load& load = kernel.applied[entry];
+      out.force = matrix(load.participation, 3, block.modes).transpose() * along;
+      out.total = block.rotation * (matrix(load.total, 3, 3) * along);
+    }
+    out.displacement_a = share_of_a(model, k, out.displacement);
+    model.drives.push_back(std::move(out));
+  }
+}
+
+void listen(Model& model, int k, const Selection& P) {
+  const Model::BodyBlock& block = model.bodies[k];
+  for (const kernels::Receiver& receiver : block.kernel->receivers) {
+    for (const Model::Receiver& other : model.receivers)
+      if (other.name == receiver.name)
+        throw InputError(
+            fmt::format("output.receiver: \"{}\" names two points. Give each its own name.", other.name));
+    Model::Receiver out{.name = receiver.name, .body = k, .shape = {}, .flexibility = {}, .drives = {}};
+    out.point = block.rotation * Eigen::Map<const Vector3d>(receiver.point.data()) + block.translation;
+    out.shape = block.rotation * matrix(receiver.shape, 3, block.modes);
+    out.flexibility = Matrix::Zero(3, P.rows());
+    if (!receiver.residual_flexibility.empty())
+      out.flexibility =
+          -block.rotation * (matrix(receiver.residual_flexibility, 3, P.cols()) * P.transpose());
+    if (!receiver.body_force_residual.empty())
+      out.constant = block.rotation * (matrix(receiver.body_force_residual, 3, 3) *
+                                       (block.rotation.transpose() * model.gravity));
+    out.drives = Matrix::Zero(3, static_cast<Eigen::Index>(model.drives.size()));
+    for (std::size_t d = 0; d < model.drives.size(); ++d) {
+      const Model::Drive& drive = model.drives[d];
+      if (drive.body != k) continue;
+      const Vector3d along = block.rotation.transpose() * drive.vector;
+      const Vector3d residual =
+          column(drive.support ? receiver.motion_residual : receiver.load_residual, drive, along);
+      out.drives.col(d) = block.rotation * residual + out.shape * drive.lift;  // of a support: Ψ
+    }
+    model.receivers.push_back(std::move(out));
+  }
+}
+
+Vector3d Model::momentum(int body, const Vector& v, double t) const {
+  const BodyBlock& block = bodies[body];
+  Vector3d out = block.momentum * v.segment(block.first_mode, block.modes);
+  for (const Drive& drive : drives)
+    if (drive.body == body) out += drive.history.slope(t) * drive.lift_momentum;
+  return out;
+}
+
+Vector3d Model::angular_momentum(int body, const Vector& v, double t) const {
+  const BodyBlock& block = bodies[body];
+  Vector3d out = block.angular_momentum * v.segment(block.first_mode, block.modes);
+  for (const Drive& drive : drives)
+    if (drive.body == body) out += drive.history.slope(t) * (block.angular_momentum * drive.lift);
+  return out;
+}
+
+}  // namespace ricochet::contact

@@ -1,0 +1,20 @@
+// What model.cpp and model_drives.cpp share.
+#pragma once
+
+#include <Eigen/SparseCore>
+
+#include "contact/model.hpp"
+
+namespace ricochet::contact {
+
+/// (m, cM) of one body: u = Σ_bodies P · (displacement of its candidates in its own frame).
+using Selection = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+
+/// Adds what `drives` ask of body k, whose block and B are there. Throws InputError when its kernel has no
+/// such load or motion, or when a support would jump.
+void drive(Model& model, int k, const Selection& P, const std::vector<DriveRequest>& drives);
+
+/// Adds the receivers of body k. The drives of all bodies before it, and its own, are there.
+void listen(Model& model, int k, const Selection& P);
+
+}  // namespace ricochet::contact
