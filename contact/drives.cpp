@@ -130,7 +130,7 @@ Drives::Work Drives::advance(const Stretch& over, const Vector& constant, Vector
   Work work;
   for (double t = over.from;;) {
     const double knot = next_knot(t), end = std::min(knot, over.to), length = end - t;
-    const bool whole = over.whole && !(knot < over.to);
+    const bool whole = over.whole && t == over.from && knot >= over.to;
     force(t, value_, slope_);
     lift_.setZero();
     for (const Drive& drive : drives_)

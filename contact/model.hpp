@@ -144,6 +144,8 @@ struct Model {
   };
   std::vector<Receiver> receivers;
 
+  /// (N) q̇ at t = 0, relative to the lift of moving supports.
+  Vector initial_rates() const;
   /// Momentum of a body [kg m/s] that its modal rates `v` (N), relative to its supports, leave at t.
   Eigen::Vector3d momentum(int body, const Vector& v, double t) const;
   /// The same of angular momentum about the world's origin, by the modes alone [kg m²/s].

@@ -131,6 +131,14 @@ void listen(Model& model, int k, const Selection& P) {
   }
 }
 
+Vector Model::initial_rates() const {
+  Vector out = v0;
+  for (const Drive& drive : drives)
+    out.segment(bodies[drive.body].first_mode, bodies[drive.body].modes) -=
+        drive.history.slope(0) * drive.lift;
+  return out;
+}
+
 Vector3d Model::momentum(int body, const Vector& v, double t) const {
   const BodyBlock& block = bodies[body];
   Vector3d out = block.momentum * v.segment(block.first_mode, block.modes);

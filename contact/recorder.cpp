@@ -1,7 +1,5 @@
 #include "contact/recorder.hpp"
 
-#include <numbers>
-
 namespace ricochet::contact {
 namespace {
 
@@ -32,34 +30,38 @@ Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOp
       file_(options.path),
       B_a_(Matrix::Zero(model.B.rows(), model.B.cols())),
       R_a_(Matrix::Zero(model.R.rows(), model.R.cols())),
-      s_a_(model.static_a) {
+      s_a_(model.static_a),
+      driven_a_(Matrix::Zero(model.B.rows(), static_cast<Eigen::Index>(model.drives.size()))),
+      receivers_(model, step) {
   for (const Model::PairBlock& pair : model.pairs) {
     const Model::BodyBlock& a = model.bodies[pair.a];
     B_a_.block(pair.first_point, a.first_mode, pair.points, a.modes) =
         model.B.block(pair.first_point, a.first_mode, pair.points, a.modes);
   }
+  for (std::size_t d = 0; d < model.drives.size(); ++d) driven_a_.col(d) = model.drives[d].displacement_a;
   if (step.scheme == Scheme::compliant) {
     R_a_ = model.R_a;
     // The integrator moves modes above half the rate into R and s; a's share of them follows.
     for (Eigen::Index n = 0; n < model.omega.size(); ++n)
-      if (model.omega(n) * step.step > std::numbers::pi) {
+      if (!sampled(model.omega(n), step.step)) {
         const double stiffness = model.omega(n) * model.omega(n);
         R_a_ += B_a_.col(n) * model.B.col(n).transpose() / stiffness;
         s_a_ += B_a_.col(n) * (model.load(n) / stiffness);
+        for (std::size_t d = 0; d < model.drives.size(); ++d) {
+          const Model::BodyBlock& body = model.bodies[model.drives[d].body];
+          if (n >= body.first_mode && n < body.first_mode + body.modes)
+            driven_a_.col(d) += B_a_.col(n) * (model.drives[d].force(n - body.first_mode) / stiffness);
+        }
       }
   }
   write_setting(options);
   make_rows();
 
   time_->append(0);
-  for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    const Model::BodyBlock& body = model_.bodies[k];
-    bodies_[k].last_momentum = body.momentum * model.v0.segment(body.first_mode, body.modes);
-    bodies_[k].contact_impulse.setZero();
-  }
-  bodies_row(model.v0, 0);
+  bodies_row(model.initial_rates(), 0, 0);
   energy_row(initial_energy(model), 0);
   if (snapshot_every_ > 0) snapshot_row(0, model.q0);
+  receivers_row(0);
 }
 
 void Recorder::write_setting(const RecorderOptions& options) {
@@ -113,6 +115,15 @@ void Recorder::make_rows() {
           &file_.rows("/snapshots/" + body.name, {static_cast<std::size_t>(body.modes)}, "kg^1/2 m");
     bodies_.push_back(rows);
   }
+  if (!model_.receivers.empty()) receiver_time_ = &file_.rows("/receivers/time", {}, "s");
+  for (const Model::Receiver& receiver : model_.receivers) {
+    const std::string group = "/receivers/" + receiver.name;
+    receiver_rows_.push_back({&file_.rows(group + "/displacement", {3}, "m"),
+                              &file_.rows(group + "/velocity", {3}, "m/s"),
+                              &file_.rows(group + "/acceleration", {3}, "m/s^2")});
+    file_.attribute(group, "body", model_.bodies[receiver.body].name);
+    file_.attribute(group, "point", flat(Vector(receiver.point)));
+  }
 }
 
 void Recorder::record(const Integrator& integrator) {
@@ -127,30 +138,44 @@ void Recorder::record(const Integrator& integrator) {
   const std::int64_t k = integrator.steps();
   if (k % every_ == 0) {
     time_->append(integrator.time());
-    bodies_row(integrator.v(), static_cast<double>(k - last_row_) * step_);
+    bodies_row(integrator.v(), static_cast<double>(last_row_) * step_, integrator.time());
     energy_row(integrator.energy(), integrator.persistency());
     if (integrator.active() > 0) contact_row(integrator);
     last_row_ = k;
   }
   if (snapshot_every_ > 0 && k % snapshot_every_ == 0) snapshot_row(integrator.time(), integrator.q());
+  receivers_.observe(integrator);
+  receivers_row(integrator.time());
 }
 
-/// `elapsed` [s] since the row before; 0 for the first one.
-void Recorder::bodies_row(const Vector& v, double elapsed) {
+/// `from`: the time of the row before, `to` in the first one.
+void Recorder::bodies_row(const Vector& v, double from, double to) {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const Model::BodyBlock& body = model_.bodies[k];
     BodyRows& rows = bodies_[k];
-    const auto rates = v.segment(body.first_mode, body.modes);
-    const Vector3d momentum = body.momentum * rates;
+    const Vector3d momentum = model_.momentum(static_cast<int>(k), v, to);
     Vector3d reaction = Vector3d::Zero();
-    if (body.supported && elapsed > 0)
-      reaction = (momentum - rows.last_momentum - rows.contact_impulse) / elapsed - body.weight;
+    if (body.supported && to > from) {
+      Vector3d impulse = rows.contact_impulse + (to - from) * body.weight;
+      for (const Model::Drive& drive : model_.drives)
+        if (drive.body == static_cast<int>(k)) impulse += drive.history.integral(from, to) * drive.total;
+      reaction = (momentum - rows.last_momentum - impulse) / (to - from);
+    }
     append(rows.velocity, momentum / body.mass);
     append(rows.momentum, momentum);
-    append(rows.angular_momentum, body.angular_momentum * rates);
+    append(rows.angular_momentum, model_.angular_momentum(static_cast<int>(k), v, to));
     append(rows.reaction, reaction);
     rows.last_momentum = momentum;
     rows.contact_impulse.setZero();
+  }
+}
+
+void Recorder::receivers_row(double time) {
+  if (receiver_time_) receiver_time_->append(time);
+  for (std::size_t k = 0; k < receiver_rows_.size(); ++k) {
+    append(receiver_rows_[k].displacement, receivers_[k].displacement);
+    append(receiver_rows_[k].velocity, receivers_[k].velocity);
+    append(receiver_rows_[k].acceleration, receivers_[k].acceleration);
   }
 }
 
@@ -165,12 +190,19 @@ void Recorder::energy_row(const Energy& energy, double persistency) {
   energy_.persistency->append(persistency);
 }
 
-/// u = n·u_a − n·u_b, and n·u_a = B_a q + s_a − R_a λ.
+/// u = n·u_a − n·u_b, and n·u_a = B_a q + s_a − R_a λ with the drives' share in s_a and its rate.
 void Recorder::contact_row(const Integrator& integrator) {
   const Vector& u = integrator.displacement();
   Vector u_a = B_a_ * integrator.q() + s_a_ - R_a_ * integrator.force();
-  const Vector v_a = B_a_ * integrator.v();
-  Vector u_b = u_a - u, v_b = v_a - model_.B * integrator.v();
+  Vector v_a = B_a_ * integrator.v(), v_relative = model_.B * integrator.v();
+  for (std::size_t d = 0; d < model_.drives.size(); ++d) {
+    const Model::Drive& drive = model_.drives[d];
+    const double slope = drive.history.slope(integrator.time());
+    u_a += drive.history.at(integrator.time()) * driven_a_.col(d);
+    v_a += slope * drive.displacement_a;
+    v_relative += slope * drive.displacement;
+  }
+  Vector u_b = u_a - u, v_b = v_a - v_relative;
   for (const Model::PairBlock& pair : model_.pairs)
     if (pair.b < 0) {  // a half-space stays where it is
       u_a.segment(pair.first_point, pair.points) = u.segment(pair.first_point, pair.points);
@@ -186,10 +218,15 @@ void Recorder::contact_row(const Integrator& integrator) {
   append(contact_.velocity_b, v_b);
 }
 
+/// Coordinates of the whole motion, Φᵀ M u: those relative to the lift and the lift's own, Γ ū.
 void Recorder::snapshot_row(double time, const Vector& q) {
   snapshot_time_->append(time);
-  for (std::size_t k = 0; k < bodies_.size(); ++k)
-    append(bodies_[k].snapshot, q.segment(model_.bodies[k].first_mode, model_.bodies[k].modes));
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    Vector modal = q.segment(model_.bodies[k].first_mode, model_.bodies[k].modes);
+    for (const Model::Drive& drive : model_.drives)
+      if (drive.body == static_cast<int>(k)) modal += drive.history.at(time) * drive.lift;
+    append(bodies_[k].snapshot, modal);
+  }
 }
 
 void Recorder::commit() { file_.commit(); }

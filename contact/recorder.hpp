@@ -13,6 +13,7 @@
 
 #include "contact/integrator.hpp"
 #include "contact/model.hpp"
+#include "contact/receivers.hpp"
 #include "kernels/hdf5.hpp"
 
 namespace ricochet::contact {
@@ -35,6 +36,9 @@ class Recorder {
   /// After each step of `integrator`, whatever `every` is. Throws InputError when the disk is full.
   void record(const Integrator& integrator);
 
+  /// Motion of the model's receivers after the last step.
+  const Receivers& receivers() const { return receivers_; }
+
   /// Writes what is held back and gives the file its name. Nothing may be called after it.
   void commit();
 
@@ -49,28 +53,36 @@ class Recorder {
   struct ContactRows {
     Rows *time, *force, *gap, *displacement_a, *displacement_b, *velocity_a, *velocity_b;
   };
+  struct ReceiverRows {
+    Rows *displacement, *velocity, *acceleration;
+  };
   struct EnergyRows {
     Rows *total, *kinetic, *strain, *residual, *loads, *damping, *contact, *persistency;
   };
 
   void write_setting(const RecorderOptions& options);
   void make_rows();
-  void bodies_row(const Vector& v, double elapsed);
+  void bodies_row(const Vector& v, double from, double to);
   void energy_row(const Energy& energy, double persistency);
   void contact_row(const Integrator& integrator);
   void snapshot_row(double time, const Vector& q);
+  void receivers_row(double time);
 
   const Model& model_;
   double step_;
   std::int64_t every_, snapshot_every_, last_row_ = 0;
   kernels::hdf5::Writer file_;
   Matrix B_a_, R_a_;  ///< (m,N), (m,m) share of body a of each point; R_a_ zero under `impulse`
-  Vector s_a_;        ///< (m)
+  Vector s_a_;        ///< (m), constant
+  Matrix driven_a_;   ///< (m,drives) for a factor of 1
+  Receivers receivers_;
   Rows* time_ = nullptr;
   Rows* snapshot_time_ = nullptr;
+  Rows* receiver_time_ = nullptr;
   ContactRows contact_{};
   EnergyRows energy_{};
   std::vector<BodyRows> bodies_;
+  std::vector<ReceiverRows> receiver_rows_;
 };
 
 }  // namespace ricochet::contact

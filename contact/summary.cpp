@@ -68,7 +68,7 @@ SummaryObserver::SummaryObserver(const Model& model, double step, double wave_sp
     : model_(model),
       step_(step),
       wave_speed_(wave_speed),
-      before_(model.v0),
+      before_(model.initial_rates()),
       impulse_(model.pairs.size(), Vector3d::Zero()) {
   for (const Model::BodyBlock& body : model.bodies) {
     out_.modes[body.name] = body.modes;
@@ -96,7 +96,7 @@ void SummaryObserver::observe(const Integrator& integrator) {
     touch(integrator);
   } else if (touching_) {
     touching_ = false;
-    at_end_ = before_;
+    at_end_ = mean_velocities(integrator.time() - step_);
     out_.contact_end_s = out_.episodes.back().end_s = integrator.time() - step_;
   }
   energy_lost_ = energy.contact;
@@ -104,11 +104,19 @@ void SummaryObserver::observe(const Integrator& integrator) {
   before_ = integrator.v();
 }
 
+/// At the end of the step before, which was at `time`.
+std::vector<Vector3d> SummaryObserver::mean_velocities(double time) const {
+  std::vector<Vector3d> out;
+  for (std::size_t k = 0; k < model_.bodies.size(); ++k)
+    out.push_back(model_.momentum(static_cast<int>(k), before_, time) / model_.bodies[k].mass);
+  return out;
+}
+
 void SummaryObserver::touch(const Integrator& integrator) {
   if (!touching_) out_.episodes.push_back({.start_s = integrator.time() - step_, .end_s = {}});
   if (!out_.contact_start_s) {
     out_.contact_start_s = integrator.time() - step_;
-    at_start_ = before_;
+    at_start_ = mean_velocities(integrator.time() - step_);
     energy_at_start_ = energy_before_;
   }
   touching_ = true;
@@ -191,21 +199,17 @@ Summary SummaryObserver::summary() const {
   out.warnings = warnings();
   if (!out.contact_end_s) return out;
 
-  const auto mean = [&](int body, const Vector& v) -> Vector3d {
-    const Model::BodyBlock& block = model_.bodies[body];
-    return block.momentum * v.segment(block.first_mode, block.modes) / block.mass;
-  };
   for (std::size_t k = 0; k < model_.bodies.size(); ++k)
-    out.exit_velocity[model_.bodies[k].name] = mean(static_cast<int>(k), at_end_);
+    out.exit_velocity[model_.bodies[k].name] = at_end_[k];
 
   const auto touched = [](const Vector3d& impulse) { return impulse.norm() > 0; };
   if (std::count_if(impulse_.begin(), impulse_.end(), touched) != 1) return out;
   const std::size_t p = std::find_if(impulse_.begin(), impulse_.end(), touched) - impulse_.begin();
   const Model::PairBlock& pair = model_.pairs[p];
-  const auto closing = [&](const Vector& v) {
+  const auto closing = [&](const std::vector<Vector3d>& mean) {
     Vector3d relative = Vector3d::Zero();
-    if (!model_.bodies[pair.a].supported) relative += mean(pair.a, v);
-    if (pair.b >= 0 && !model_.bodies[pair.b].supported) relative -= mean(pair.b, v);
+    if (!model_.bodies[pair.a].supported) relative += mean[pair.a];
+    if (pair.b >= 0 && !model_.bodies[pair.b].supported) relative -= mean[pair.b];
     return relative.dot(impulse_[p].normalized());
   };
   if (closing(at_start_) > 0) out.restitution = -closing(at_end_) / closing(at_start_);
@@ -215,13 +219,16 @@ Summary SummaryObserver::summary() const {
 void write_json(const Summary& summary, const std::filesystem::path& path) {
   using Json = nlohmann::ordered_json;
   const auto number = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
-  Json episodes = Json::array(), exit_velocity = Json::object();
+  Json episodes = Json::array(), exit_velocity = Json::object(), sounds = Json::object();
   for (const Episode& episode : summary.episodes)
     episodes.push_back({{"start_s", episode.start_s},
                         {"end_s", number(episode.end_s)},
                         {"impulse_ns", episode.impulse_ns},
                         {"peak_force_n", episode.peak_force_n}});
   for (const auto& [name, v] : summary.exit_velocity) exit_velocity[name] = {v.x(), v.y(), v.z()};
+  for (const auto& [name, sound] : summary.sounds)
+    sounds[name] = {
+        {"file", sound.file}, {"full_scale_m_per_s", sound.full_scale_m_per_s}, {"rate_hz", sound.rate_hz}};
   const Json json = {{"contact_start_s", number(summary.contact_start_s)},
                      {"contact_end_s", number(summary.contact_end_s)},
                      {"contact_steps", summary.contact_steps},
@@ -239,6 +246,7 @@ void write_json(const Summary& summary, const std::filesystem::path& path) {
                      {"unpaired", summary.unpaired},
                      {"max_active", summary.max_active},
                      {"error_estimate", number(summary.error_estimate)},
+                     {"sounds", sounds},
                      {"warnings", summary.warnings},
                      {"real_time_factor", summary.real_time_factor},
                      {"wall_s", summary.wall_s}};

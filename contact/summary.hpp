@@ -23,6 +23,13 @@ struct Episode {
   double peak_force_n = 0;      ///< largest Σ_i λ_i of a step
 };
 
+/// A WAV file of a receiver's velocity.
+struct Sound {
+  std::string file;
+  double full_scale_m_per_s = 0;  ///< velocity of a sample of 1
+  double rate_hz = 0;             ///< of the file
+};
+
 struct Summary {
   std::optional<double> contact_start_s;
   std::optional<double> contact_end_s;  ///< none: never touched, or touching in the last step
@@ -44,6 +51,7 @@ struct Summary {
   int unpaired = 0;
   int max_active = 0;
   std::optional<double> error_estimate;  ///< none: not estimated
+  std::map<std::string, Sound> sounds;   ///< by receiver; the caller's to fill
   std::vector<std::string> warnings;
   double real_time_factor = 0;  ///< simulated over elapsed time of the stepping
   double wall_s = 0;
@@ -62,6 +70,7 @@ class SummaryObserver {
   Summary summary() const;
 
  private:
+  std::vector<Eigen::Vector3d> mean_velocities(double time) const;
   void touch(const Integrator& integrator);
   void look_at_validity(const Integrator& integrator);
   std::vector<std::string> warnings() const;
@@ -70,9 +79,10 @@ class SummaryObserver {
   double step_, wave_speed_;
   Summary out_;
   bool touching_ = false;
-  Vector before_;                                 ///< (N) q̇ at the end of the step before
-  Vector at_start_, at_end_;                      ///< (N) q̇ when contact started, when it last ended
-  std::vector<Eigen::Vector3d> impulse_;          ///< by pair, Σ λ n Δ [N s]
+  Vector before_;  ///< (N) q̇ at the end of the step before
+  std::vector<Eigen::Vector3d> at_start_,
+      at_end_;                            ///< by body, mass-mean velocity when contact started, last ended
+  std::vector<Eigen::Vector3d> impulse_;  ///< by pair, Σ λ n Δ [N s]
   std::vector<Eigen::Matrix3d> inverse_inertia_;  ///< by body, pseudo-inverse
   std::vector<double> spacing_;  ///< by pair, smallest distance of neighbouring candidates of a [m]
   double initial_ledger_ = 0, worst_ledger_ = 0, largest_energy_ = 0;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -103,6 +104,67 @@ inline kernels::Kernel rod(int modes, double length, bool residual = true) {
   kernel.loads.body_force.assign(3 * static_cast<std::size_t>(modes), 0);
   kernel.loads.body_force[0] = std::sqrt(length);
   kernel.loads.rotation.assign(3 * static_cast<std::size_t>(modes), 0);
+  return kernel;
+}
+
+/// Bar along x, clamped at x = 0, with ρA = EA = c = 1: candidates are both ends.
+/// φ_n = √(2/L) sin((n + ½)πx/L). Its foot moves as the motion "foot" along x, a load "tip" pulls at its end,
+/// and a receiver "mic" is in its middle; residuals are the statics of the bar less those of its modes.
+inline kernels::Kernel clamped_bar(int modes, double length) {
+  kernels::Kernel kernel = rod(1, length, false);
+  kernel.supported = true;
+  const auto wave = [&](int n) { return (n + 0.5) * std::numbers::pi / length; };
+  const auto phi = [&](int n, double x) { return std::sqrt(2 / length) * std::sin(wave(n) * x); };
+  const auto sum = [&](int n) { return std::sqrt(2 / length) / wave(n); };
+  kernel.modes.angular_frequency.clear();
+  kernel.surface.shape.clear();
+  kernel.loads.body_force.assign(3 * static_cast<std::size_t>(modes), 0);
+  kernel.loads.rotation.assign(3 * static_cast<std::size_t>(modes), 0);
+  for (int n = 0; n < modes; ++n) {
+    kernel.modes.angular_frequency.push_back(wave(n));
+    kernel.loads.body_force[n] = sum(n);
+  }
+  kernel.modes.decay_rate.assign(static_cast<std::size_t>(modes), 0);
+  for (const double x : {0.0, length})
+    for (int n = 0; n < modes; ++n) kernel.surface.shape.push_back(phi(n, x));
+  // statics: a force at y displaces x by min(x, y); its own weight by x (2L − x)/2; the lift is 1
+  const auto rest = [&](double x, double y) {
+    double out = std::min(x, y);
+    for (int n = 0; n < modes; ++n) out -= phi(n, x) * phi(n, y) / (wave(n) * wave(n));
+    return out;
+  };
+  const auto sag = [&](double x) {
+    double out = x * (2 * length - x) / 2;
+    for (int n = 0; n < modes; ++n) out -= phi(n, x) * sum(n) / (wave(n) * wave(n));
+    return out;
+  };
+  const auto lift = [&](double x) {
+    double out = 1;
+    for (int n = 0; n < modes; ++n) out -= phi(n, x) * sum(n);
+    return out;
+  };
+  kernel.surface.residual_flexibility = {0, 0, 0, rest(length, length)};
+  kernel.loads.body_force_residual = {0, 0, 0, sag(length), 0, 0};
+  double momentum = length;
+  for (int n = 0; n < modes; ++n) momentum -= sum(n) * sum(n);
+  kernels::Motion foot{"foot", kernel.loads.body_force, {lift(0), 0, 0, lift(length), 0, 0}, {}};
+  foot.momentum = {momentum, 0, 0, 0, 0, 0, 0, 0, 0};
+  kernel.motions = {foot};
+  // a force along x at the tip
+  kernels::Load tip{"tip", "N", {}, {1, 0, 0, 0, 0, 0, 0, 0, 0}, std::vector<double>(9, 0), {}};
+  for (int n = 0; n < modes; ++n) tip.participation.push_back(phi(n, length));
+  tip.participation.resize(3 * static_cast<std::size_t>(modes), 0);
+  tip.residual = {0, 0, 0, rest(length, length), 0, 0};
+  kernel.applied = {tip};
+  const double middle = length / 2;
+  kernels::Receiver mic{"mic", {middle, 0, 0}, {}, {}, {}, {}, {}};
+  for (int n = 0; n < modes; ++n) mic.shape.push_back(phi(n, middle));
+  mic.shape.resize(3 * static_cast<std::size_t>(modes), 0);
+  mic.residual_flexibility = {0, rest(middle, length), 0, 0, 0, 0};
+  mic.body_force_residual = {sag(middle), 0, 0, 0, 0, 0, 0, 0, 0};
+  mic.load_residual = {rest(middle, length), 0, 0, 0, 0, 0, 0, 0, 0};
+  mic.motion_residual = {lift(middle), 0, 0, 0, 0, 0, 0, 0, 0};
+  kernel.receivers = {mic};
   return kernel;
 }
 

@@ -62,7 +62,8 @@ struct Mode {
   }
 };
 
-/// Modes of one body and no contact: rigid ones with and without decay, and some below, at and above critical.
+/// Modes of one body and no contact: rigid ones with and without decay, and some below, at and above
+/// critical.
 Model loose(const History& history, bool support, double step) {
   Model model;
   const std::vector<double> omega = {0, 0, 3, 30, 30, 30, 30, 250}, decay = {0, 5, 0, 0.1, 30, 33.5, 400, 25};
@@ -85,7 +86,8 @@ Model loose(const History& history, bool support, double step) {
   return model;
 }
 
-// 1e-10: Runge–Kutta of order four with 4000 pieces a step and the highest mode at ωΔ = 2.5, and sums of 100 steps.
+// 1e-10: Runge–Kutta of order four with 4000 pieces a step and the highest mode at ωΔ = 2.5, and sums of 100
+// steps.
 TEST(Drives, move_modes_of_any_damping_exactly_whatever_their_knots) {
   const double step = 0.01;
   constexpr int steps = 60;
@@ -98,18 +100,21 @@ TEST(Drives, move_modes_of_any_damping_exactly_whatever_their_knots) {
         Integrator integrator(model, {.scheme = scheme, .step = step});
         std::vector<Mode> modes;
         for (Eigen::Index n = 0; n < model.omega.size(); ++n) {
-          modes.push_back({model.omega(n), model.decay(n), model.drives[0].force(n), model.drives[0].lift(n)});
+          modes.push_back(
+              {model.omega(n), model.decay(n), model.drives[0].force(n), model.drives[0].lift(n)});
           modes.back().p = modes.back().lift * history.at(0);
         }
         for (int k = 1; k <= steps; ++k) {
           ASSERT_EQ(integrator.step(), StepStatus::ok);
           for (Eigen::Index n = 0; n < model.omega.size(); ++n) {
             Mode& mode = modes[n];
-            mode.run(history, (k - 1) * step, k * step, step / 400);
+            mode.run(history, (k - 1) * step, k * step, step / 1000);
             const double lift = model.drives[0].lift(n), size = support ? 1 : 1e-2;
-            EXPECT_NEAR(integrator.q()(n) + lift * history.at(k * step), static_cast<double>(mode.p), 1e-9 * size)
+            EXPECT_NEAR(integrator.q()(n) + lift * history.at(k * step), static_cast<double>(mode.p),
+                        1e-9 * size)
                 << n << " " << k << " " << support;
-            EXPECT_NEAR(integrator.v()(n) + lift * history.slope(k * step), static_cast<double>(mode.rate), 1e-7 * size)
+            EXPECT_NEAR(integrator.v()(n) + lift * history.slope(k * step), static_cast<double>(mode.rate),
+                        1e-7 * size)
                 << n << " " << k << " " << support;
           }
         }
@@ -141,6 +146,7 @@ Model busy(double step, double gap, unsigned seed) {
 // Round-off of 400 steps; the theorem of the compliant scheme with drives that work.
 TEST(Ledger, closes_with_loads_and_supports_that_change_within_steps) {
   const double step = 0.01;
+  int touching = 0;
   for (unsigned seed = 1; seed <= 10; ++seed)
     for (const StepOptions& options :
          {StepOptions{.scheme = Scheme::compliant, .step = step},
@@ -149,7 +155,6 @@ TEST(Ledger, closes_with_loads_and_supports_that_change_within_steps) {
       Integrator integrator(busy(step, 1e-3, seed), options);
       const double start = integrator.energy().ledger();
       double size = 0, worst = 0, before = integrator.energy().total(), growth = 0;
-      int touching = 0;
       for (int k = 0; k < 400; ++k) {
         ASSERT_EQ(integrator.step(), StepStatus::ok);
         const Energy& e = integrator.energy();
@@ -159,10 +164,12 @@ TEST(Ledger, closes_with_loads_and_supports_that_change_within_steps) {
         before = e.total();
         touching += integrator.active() > 0;
       }
-      EXPECT_GT(touching, 10);
       EXPECT_LT(worst, 1e-12 * size) << seed;
-      if (options.admittance == Admittance::jump) EXPECT_LT(growth, 1e-12 * size) << seed;
+      if (options.admittance == Admittance::jump) {
+        EXPECT_LT(growth, 1e-12 * size) << seed;
+      }
     }
+  EXPECT_GT(touching, 200);
 }
 
 // E(t) and the work ∫ f q̇ dt by quadrature of the Runge–Kutta solution.
@@ -177,7 +184,8 @@ TEST(Ledger, counts_the_work_of_a_load_as_its_integral) {
     Mode mode{model.omega(n), model.decay(n), 1.5L, 0};
     for (double t = 0; t < 20 * step - 1e-9;) {  // midpoint rule; knots bound the pieces
       const std::size_t knot = history.passed(t);
-      const double end = std::min({t + step / 2000, 20 * step, knot < history.time.size() ? history.time[knot] : 1.0});
+      const double end =
+          std::min({t + step / 2000, 20 * step, knot < history.time.size() ? history.time[knot] : 1.0});
       const double middle = 0.5 * (t + end);
       mode.run(history, t, middle, step);
       work += (end - t) * 1.5L * history.at(middle) * mode.rate;
@@ -187,7 +195,8 @@ TEST(Ledger, counts_the_work_of_a_load_as_its_integral) {
     }
   }
   // the midpoint rule of 2000 pieces a step, the highest mode at ωΔ = 2.5: 1e-7
-  EXPECT_NEAR(integrator.energy().loads, static_cast<double>(work), 1e-6 * std::abs(static_cast<double>(work)));
+  EXPECT_NEAR(integrator.energy().loads, static_cast<double>(work),
+              1e-6 * std::abs(static_cast<double>(work)));
   EXPECT_NEAR(integrator.energy().damping, static_cast<double>(lost), 1e-6 * static_cast<double>(lost));
 }
 
@@ -207,71 +216,170 @@ TEST(Ledger, counts_the_work_of_a_support_that_gets_a_body_moving) {
   for (int k = 0; k < 500; ++k) ASSERT_EQ(integrator.step(), StepStatus::ok);
   EXPECT_NEAR(integrator.energy().kinetic, 2, 1e-12);
   EXPECT_NEAR(integrator.energy().strain, 0, 1e-12);
-  // the support works 2 J on the mass and 2 J on the damper: seen from the support, the mass starts at speed −2
+  // the support works 2 J on the mass and 2 J on the damper: seen from the support, the mass starts at speed
+  // −2
   EXPECT_NEAR(integrator.energy().damping, 2, 1e-12);
   EXPECT_NEAR(integrator.energy().loads, 4, 1e-12);
 }
 
 constexpr double length = 10;
 
-/// Bar along x, clamped at x = 0, with ρA = EA = c = 1: candidates are both ends.
-/// φ_n = √(2/L) sin((n + ½)πx/L), residuals by 2e5 further modes. Γ = ∫ φ_n, Ψ = 1. A receiver in the middle.
-Kernel clamped_bar(int modes) {
-  Kernel kernel = rod(1, length, false);
-  kernel.supported = true;
-  const auto wave = [](int n) { return (n + 0.5) * std::numbers::pi / length; };
-  const auto phi = [&](int n, double x) { return std::sqrt(2 / length) * std::sin(wave(n) * x); };
-  const auto sum = [&](double x) { return std::sqrt(2 / length) / wave(0) * 0 + std::sqrt(2 / length) / wave(static_cast<int>(x)); };
-  kernel.modes.angular_frequency.clear();
-  kernel.surface.shape.clear();
-  kernel.loads.body_force.assign(3 * static_cast<std::size_t>(modes), 0);
-  kernel.loads.rotation.assign(3 * static_cast<std::size_t>(modes), 0);
-  for (int n = 0; n < modes; ++n) {
-    kernel.modes.angular_frequency.push_back(wave(n));
-    kernel.loads.body_force[n] = sum(n);
-  }
-  kernel.modes.decay_rate.assign(static_cast<std::size_t>(modes), 0);
-  for (const double x : {0.0, length})
-    for (int n = 0; n < modes; ++n) kernel.surface.shape.push_back(phi(n, x));
-  // statics: a force at y displaces x by min(x, y); its own weight by x (2L − x)/2; the lift is 1
-  const auto rest = [&](double x, double y) {
-    double out = std::min(x, y);
-    for (int n = 0; n < modes; ++n) out -= phi(n, x) * phi(n, y) / (wave(n) * wave(n));
-    return out;
-  };
-  const auto sag = [&](double x) {
-    double out = x * (2 * length - x) / 2;
-    for (int n = 0; n < modes; ++n) out -= phi(n, x) * sum(n) / (wave(n) * wave(n));
-    return out;
-  };
-  const auto lift = [&](double x) {
-    double out = 1;
-    for (int n = 0; n < modes; ++n) out -= phi(n, x) * sum(n);
-    return out;
-  };
-  kernel.surface.residual_flexibility = {0, 0, 0, rest(length, length)};
-  kernel.loads.body_force_residual = {0, 0, 0, sag(length), 0, 0};
-  double momentum = length;
-  for (int n = 0; n < modes; ++n) momentum -= sum(n) * sum(n);
-  ricochet::kernels::Motion foot{"foot", kernel.loads.body_force, {lift(0), 0, 0, lift(length), 0, 0}, {}};
-  foot.momentum = {momentum, 0, 0, 0, 0, 0, 0, 0, 0};
-  kernel.motions = {foot};
-  // a force along x at the tip
-  ricochet::kernels::Load tip{"tip", "N", {}, {1, 0, 0, 0, 0, 0, 0, 0, 0}, std::vector<double>(9, 0), {}};
-  for (int n = 0; n < modes; ++n) tip.participation.push_back(phi(n, length));
-  tip.participation.resize(3 * static_cast<std::size_t>(modes), 0);
-  tip.residual = {0, 0, 0, rest(length, length), 0, 0};
-  kernel.applied = {tip};
-  const double middle = length / 2;
-  ricochet::kernels::Receiver mic{"mic", {middle, 0, 0}, {}, {}, {}, {}, {}};
-  for (int n = 0; n < modes; ++n) mic.shape.push_back(phi(n, middle));
-  mic.shape.resize(3 * static_cast<std::size_t>(modes), 0);
-  mic.residual_flexibility = {0, rest(middle, length), 0, 0, 0, 0};
-  mic.body_force_residual = {sag(middle), 0, 0, 0, 0, 0, 0, 0, 0};
-  mic.load_residual = {rest(middle, length), 0, 0, 0, 0, 0, 0, 0, 0};
-  mic.motion_residual = {lift(middle), 0, 0, 0, 0, 0, 0, 0, 0};
-  kernel.receivers = {mic};
-  return kernel;
+/// The bar with its tip before a wall at `gap`, under `drives`.
+Model bar_at_wall(const Kernel& bar, double gap, const std::vector<DriveRequest>& drives,
+                  double gravity = 0) {
+  return build_model({{"bar", &bar}}, {{"wall", Vector3d(length + gap, 0, 0), Vector3d(-1, 0, 0)}},
+                     {{"bar", "wall", {}, {}, 20 * length}}, {gravity, 0, 0}, drives);
 }
+
+// The foot leaves at speed V; the wave is at the tip at t = L, doubles there, comes back from the foot with
+// its sign changed: the tip moves at 2V from L to 3L, at 0 from 3L to 5L, at 2V again … 1e-3 V L: 200 modes
+// blur each front over 2L/200.
+TEST(Bar, whose_foot_moves_follows_the_waves) {
+  const Kernel bar = clamped_bar(200, length);
+  const double speed = 0.3, step = 0.07;
+  const Model model = bar_at_wall(bar, 50, {{"bar", "foot", true, {speed, 0, 0}, {{0, 1000}, {0, 1000}}}});
+  Integrator integrator(model, {.scheme = Scheme::impulse, .step = step});
+  double largest = 0;
+  for (int k = 1; k <= 1000; ++k) {
+    ASSERT_EQ(integrator.step(), StepStatus::ok);
+    const double t = integrator.time();
+    double tip = 0;
+    for (double front = length; front < t; front += 4 * length)
+      tip += 2 * speed * std::min(t - front, 2 * length);
+    largest = std::max(largest, std::abs(integrator.displacement()(0) - tip));
+    if (std::abs(std::fmod(t, 2 * length) - length) > 1) {
+      const double rate = model.B.row(0).dot(integrator.v()) + speed;  // Ψ = 1
+      EXPECT_NEAR(rate, std::fmod(t + length, 4 * length) > 2 * length ? 2 * speed : 0, 0.15 * speed) << t;
+    }
+  }
+  EXPECT_LT(largest, 2e-3 * speed * length);
+  EXPECT_LT(integrator.energy().ledger(), 1e-10);
+}
+
+// Pressed by its foot against the wall slowly and left to rest, the bar is a spring EA/L. 1e-6: the damper.
+TEST(Bar, pressed_by_its_foot_is_a_spring) {
+  for (const int modes : {3, 40}) {
+    Kernel bar = clamped_bar(modes, length);
+    for (double& decay : bar.modes.decay_rate) decay = 0.5;
+    const double travel = 0.03, gap = 0.01;
+    const Model model = bar_at_wall(bar, gap, {{"bar", "foot", true, {travel, 0, 0}, {{3, 40}, {0, 1}}}});
+    Integrator integrator(model, {.scheme = Scheme::compliant, .step = 0.1});
+    for (int k = 0; k < 2000; ++k) ASSERT_EQ(integrator.step(), StepStatus::ok);
+    EXPECT_NEAR(integrator.force()(0), (travel - gap) / length, 1e-6 * travel / length) << modes;
+    EXPECT_NEAR(integrator.displacement()(0), gap, 1e-15);
+    // work of the foot: ½ k x² in the bar, and what damping and contact took
+    const Energy& e = integrator.energy();
+    EXPECT_NEAR(e.kinetic, 0, 1e-12);
+    EXPECT_LT(std::abs(e.ledger()), 1e-15);
+  }
+}
+
+// A load of 2 on the tip ends as 2 L of stretch once e^{−0.15 t} is over, whether its modes are stepped or,
+// above half the rate, static.
+TEST(Bar, stretches_by_its_load_whichever_of_its_modes_are_static) {
+  for (const double step : {0.01, 0.5, 5.0, 100.0}) {
+    Kernel bar = clamped_bar(20, length);
+    for (double& decay : bar.modes.decay_rate) decay = 0.15;
+    const Model model =
+        bar_at_wall(bar, 100, {{"bar", "tip", false, {2, 0, 0}, {{0, 30, 31.7}, {0, 0.5, 1}}}});
+    Integrator integrator(model, {.scheme = Scheme::compliant, .step = step});
+    while (integrator.time() < 300) ASSERT_EQ(integrator.step(), StepStatus::ok);
+    EXPECT_NEAR(integrator.displacement()(0), 2 * length, 1e-9) << step;
+    EXPECT_EQ(integrator.modes_in_residual() > 0, step > 0.5);
+  }
+}
+
+// A foot displaced from the start moves nothing but the gap.
+TEST(Bar, whose_foot_is_displaced_from_the_start_is_at_rest) {
+  const Kernel bar = clamped_bar(20, length);
+  const Model model = bar_at_wall(bar, 1, {{"bar", "foot", true, {0.25, 0, 0}, {}}});
+  Integrator integrator(model, {.step = 0.1});
+  for (int k = 0; k < 100; ++k) ASSERT_EQ(integrator.step(), StepStatus::ok);
+  EXPECT_NEAR(integrator.displacement()(0), 0.25, 1e-14);
+  EXPECT_EQ(integrator.v().norm(), 0);
+  EXPECT_EQ(integrator.energy().total(), 0);
+}
+
+// Two ends of one body against two walls, with no modes below half the rate: λ = R⁻¹ (d h − g), R not
+// diagonal.
+TEST(Pairs, of_one_body_are_coupled_through_its_residual_flexibility) {
+  Kernel block;
+  block.mass = 1;
+  block.supported = true;
+  add_candidate(block, {-1, 0, 0}, {-1, 0, 0}, 1);
+  add_candidate(block, {1, 0, 0}, {1, 0, 0}, 1);
+  block.surface.components = 1;
+  block.surface.direction = ricochet::Vector3{1, 0, 0};
+  block.surface.element_corners = 1;
+  block.surface.element = {0, 1};
+  block.modes.angular_frequency = {1e6};
+  block.modes.decay_rate = {0};
+  block.surface.shape = {0, 0};
+  block.loads.body_force.assign(3, 0);
+  block.loads.rotation.assign(3, 0);
+  block.surface.residual_flexibility = {2, -0.5, -0.5, 3};
+  block.applied = {{"swell",
+                    "Pa",
+                    {0, 0, 0},
+                    std::vector<double>(9, 0),
+                    std::vector<double>(9, 0),
+                    {-0.4, 0, 0, 0.7, 0, 0}}};
+  const Model model = build_model(
+      {{"block", &block}},
+      {{"left", Vector3d(-1.1, 0, 0), Vector3d(1, 0, 0)}, {"right", Vector3d(1.2, 0, 0), Vector3d(-1, 0, 0)}},
+      {{"block", "left", {}, {}, 0.5}, {"block", "right", {}, {}, 0.5}}, Vector3d::Zero(),
+      {{"block", "swell", false, {1, 0, 0}, {{0, 1}, {0, 1}}}});
+  ASSERT_EQ(model.gap.size(), 2);
+  Integrator integrator(model, {.step = 0.05});
+  for (int k = 1; k <= 30; ++k) {
+    ASSERT_EQ(integrator.step(), StepStatus::ok);
+    const double h = std::min(1.0, k * 0.05);
+    // along the normals R is [2, 0.5; 0.5, 3]: both ends pressed, or one alone
+    const double a = 0.4 * h - 0.1, b = 0.7 * h - 0.2, both = 2 * 3 - 0.25;
+    double left = (3 * a - 0.5 * b) / both, right = (2 * b - 0.5 * a) / both;
+    if (left < 0 || right < 0) {
+      left = std::max(0.0, a / 2);
+      right = left > 0 && b - 0.25 * a <= 0 ? 0 : std::max(0.0, b / 3);
+      if (right > 0 && left > 0) left = 0;
+    }
+    EXPECT_NEAR(integrator.force()(0), left, 1e-14) << h;
+    EXPECT_NEAR(integrator.force()(1), right, 1e-14) << h;
+  }
+  EXPECT_GT(integrator.force().minCoeff(), 0.1);
+}
+
+TEST(Drives, that_a_kernel_has_not_got_or_that_jump_are_refused) {
+  const Kernel bar = clamped_bar(3, length);
+  EXPECT_THAT(complaint_of([&] {
+                bar_at_wall(bar, 1, {{"bar", "top", false, {1, 0, 0}, {}}});
+              }),
+              HasSubstr("has no \"top\", only \"tip\""));
+  EXPECT_THAT(complaint_of([&] {
+                bar_at_wall(bar, 1, {{"bar", "tip", true, {1, 0, 0}, {}}});
+              }),
+              HasSubstr("\"foot\""));
+  EXPECT_THAT(complaint_of([&] {
+                bar_at_wall(bar, 1, {{"rod", "tip", false, {1, 0, 0}, {}}});
+              }),
+              HasSubstr("\"rod\""));
+  EXPECT_THAT(complaint_of([&] {
+                bar_at_wall(bar, 1, {{"bar", "foot", true, {1, 0, 0}, {{0.5, 1}, {0.1, 0}}}});
+              }),
+              HasSubstr("would jump"));
+}
+
+#if RICOCHET_HEAP_COUNTED
+TEST(Drives, take_no_memory) {
+  for (const Scheme scheme : {Scheme::compliant, Scheme::impulse}) {
+    Integrator integrator(busy(0.01, 1e-3, 4),
+                          {.scheme = scheme, .admittance = Admittance::difference, .step = 0.01});
+    const long before = heap_counter::calls;
+    for (int k = 0; k < 300; ++k)
+      if (integrator.step() != StepStatus::ok) break;
+    EXPECT_EQ(heap_counter::calls, before);
+    EXPECT_EQ(integrator.steps(), 300);
+  }
+}
+#endif
 
 }  // namespace

@@ -1,0 +1,62 @@
+#include "contact/receivers.hpp"
+
+namespace ricochet::contact {
+
+Receivers::Receivers(const Model& model, const StepOptions& options)
+    : model_(model),
+      compliant_(options.scheme == Scheme::compliant),
+      receivers_(model.receivers),
+      motion_(model.receivers.size()),
+      acceleration_(Vector::Zero(model.omega.size())) {
+  if (compliant_)
+    for (Model::Receiver& receiver : receivers_) {
+      const Model::BodyBlock& body = model.bodies[receiver.body];
+      for (int i = 0; i < body.modes; ++i) {
+        const int n = body.first_mode + i;
+        if (sampled(model.omega(n), options.step)) continue;
+        const Eigen::Vector3d flexible = receiver.shape.col(i) / (model.omega(n) * model.omega(n));
+        receiver.constant += flexible * model.load(n);
+        receiver.flexibility -= flexible * model.B.col(n).transpose();
+        for (std::size_t d = 0; d < model.drives.size(); ++d)
+          if (model.drives[d].body == receiver.body)
+            receiver.drives.col(d) += flexible * model.drives[d].force(i);
+        receiver.shape.col(i).setZero();
+      }
+    }
+  update(0, model.q0, model.initial_rates(), Vector::Zero(model.gap.size()));
+}
+
+void Receivers::observe(const Integrator& integrator) noexcept {
+  update(integrator.time(), integrator.q(), integrator.v(), integrator.force());
+}
+
+/// q̈ = f + F h − Bᵀ λ − 2δ q̇ − ω² q; impulses act at the instant before.
+void Receivers::update(double t, const Vector& q, const Vector& v, const Vector& force) noexcept {
+  if (receivers_.empty()) return;
+  acceleration_ = model_.load;
+  acceleration_.array() -= 2 * model_.decay.array() * v.array() + model_.omega.array().square() * q.array();
+  for (const Model::Drive& drive : model_.drives) {
+    const Model::BodyBlock& body = model_.bodies[drive.body];
+    acceleration_.segment(body.first_mode, body.modes) += drive.history.at(t) * drive.force;
+  }
+  if (compliant_)
+    for (Eigen::Index i = 0; i < force.size(); ++i)
+      if (force(i) > 0) acceleration_ -= force(i) * model_.B.row(i).transpose();
+
+  for (std::size_t k = 0; k < receivers_.size(); ++k) {
+    const Model::Receiver& receiver = receivers_[k];
+    const Model::BodyBlock& body = model_.bodies[receiver.body];
+    ReceiverMotion& out = motion_[k];
+    out.displacement = receiver.constant;
+    out.displacement.noalias() += receiver.shape * q.segment(body.first_mode, body.modes);
+    out.velocity.noalias() = receiver.shape * v.segment(body.first_mode, body.modes);
+    out.acceleration.noalias() = receiver.shape * acceleration_.segment(body.first_mode, body.modes);
+    if (compliant_) out.displacement.noalias() += receiver.flexibility * force;
+    for (std::size_t d = 0; d < model_.drives.size(); ++d) {
+      out.displacement += model_.drives[d].history.at(t) * receiver.drives.col(d);
+      out.velocity += model_.drives[d].history.slope(t) * receiver.drives.col(d);
+    }
+  }
+}
+
+}  // namespace ricochet::contact
