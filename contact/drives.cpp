@@ -1,6 +1,7 @@
 #include "contact/drives.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace ricochet::contact {
@@ -104,6 +105,24 @@ void Drives::points(double t, Vector& s, Vector& rate) const noexcept {
     s += drive.history.at(t) * drive.displacement;
     rate += drive.history.slope(t) * drive.displacement;
   }
+}
+
+void Drives::glide(double time, const Vector& force, const Vector& slope, const Vector& q, const Vector& v,
+                   Vector& then_q, Vector& then_v) const noexcept {
+  for (Eigen::Index n = 0; n < q.size(); ++n) {
+    const ModeResponse m = mode_response(omega_(n), decay_(n), time);
+    const double g = force(n) - omega_(n) * omega_(n) * q(n);
+    then_q(n) = q(n) + m.S * v(n) + m.c * g + m.r * slope(n);
+    then_v(n) = m.rate * v(n) + m.S * g + m.c * slope(n);
+  }
+}
+
+void Drives::bound(double time, const Vector& force, const Vector& slope, const Vector& q, const Vector& v,
+                   Vector& acceleration) const noexcept {
+  for (Eigen::Index n = 0; n < q.size(); ++n)
+    acceleration(n) =
+        std::hypot(force(n) - 2 * decay_(n) * v(n) - omega_(n) * omega_(n) * q(n), omega_(n) * v(n)) +
+        std::abs(slope(n)) * time;
 }
 
 double Drives::next_knot(double t) const noexcept {

@@ -57,6 +57,12 @@ class Drives {
   void force(double t, Vector& value, Vector& slope) const noexcept;
   /// Quasi-static displacement of the contact points at t and its rate up to the next knot [m, m/s].
   void points(double t, Vector& s, Vector& rate) const noexcept;
+  /// A while after (q, v) under a force and its slope, without knots in between.
+  void glide(double time, const Vector& force, const Vector& slope, const Vector& q, const Vector& v,
+             Vector& then_q, Vector& then_v) const noexcept;
+  /// (N) No |q̈| is larger within this time.
+  void bound(double time, const Vector& force, const Vector& slope, const Vector& q, const Vector& v,
+             Vector& acceleration) const noexcept;
   /// The first knot after t; infinite when there is none.
   double next_knot(double t) const noexcept;
   /// What q̇ jumps by at a knot, where a support changes its speed.

@@ -36,10 +36,6 @@ void check(const Model& model, const StepOptions& o) {
         highest / std::numbers::pi));
 }
 
-StepStatus failure(SolveStatus status) {
-  return status == SolveStatus::not_finite ? StepStatus::not_finite : StepStatus::no_solution;
-}
-
 }  // namespace
 
 void Integrator::Sum::add(double x) noexcept {
@@ -106,14 +102,22 @@ Integrator::Integrator(const Model& model, const StepOptions& options)
     S_.diagonal().array() += least_norm * S_.diagonal().mean();
     sub_.setZero(m, m);
     norm_ = B_.rowwise().norm();
+    for (Vector* x : {&at_q_, &at_v_, &force_at_, &slope_at_}) x->setZero(N);
+    for (Vector* x : {&rate_, &bound_, &impulse_}) x->setZero(m);
+    open_.reserve(static_cast<std::size_t>(m));
   }
   u_ = s_;
   u_.noalias() += B_ * q_;
   energy_.strain = 0.5 * stiffness_.dot(q_.cwiseAbs2());
 }
 
+StepStatus Integrator::failure(SolveStatus status) noexcept {
+  return status == SolveStatus::not_finite ? StepStatus::not_finite : StepStatus::no_solution;
+}
+
 StepStatus Integrator::step() noexcept {
-  return options_.scheme == Scheme::compliant ? step_compliant() : step_impulse();
+  if (options_.scheme == Scheme::compliant) return step_compliant();
+  return options_.instant == Instant::exact ? step_exact() : step_impulse();
 }
 
 /// From (q, q̇) without contact: g = f − ω²q and q⁺ − q = b q̇ + c g, and what the drives add. With a = 1 − ω²c

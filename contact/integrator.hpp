@@ -6,6 +6,10 @@
 // met one step later, within Δ times its velocity. R plays no part, for an impulse has no static response.
 // Where there are more points than modes P itself is not unique; the one of least norm is taken.
 //
+// impulse with exact instants: where points that were open at t_{k−1} close within the step, free motion ends
+// at the first such instant, impulses follow, and the rest of the step goes on from there. Each point closes
+// once a step at most.
+//
 // compliant: its energy theorem asks for u ≤ g at the start, the static displacement s included.
 #pragma once
 
@@ -29,11 +33,18 @@ enum class Admittance {
   difference,  ///< A = N(Δ)/Δ, v̂ = (û(t_{k+1}) − u(t_k))/Δ
 };
 
+enum class Instant {
+  step,   ///< at t_k
+  exact,  ///< a point that closes within the step is met there and then, and again at t_k if it is beyond its
+          ///< gap
+};
+
 struct StepOptions {
   Scheme scheme = Scheme::compliant;
   Admittance admittance = Admittance::jump;
-  double restitution = 0;  ///< e of the impulse scheme, in [0, 1]
-  double step = 0;         ///< Δ [s]
+  Instant instant = Instant::step;  ///< of the impulse scheme
+  double restitution = 0;           ///< e of the impulse scheme, in [0, 1]
+  double step = 0;                  ///< Δ [s]
 };
 
 enum class StepStatus { ok, no_solution, not_finite };
@@ -88,6 +99,10 @@ class Integrator {
   void free_motion(const Vector& q, const Vector& v, const Drives::Stretch& over) noexcept;
   StepStatus step_compliant() noexcept;
   StepStatus step_impulse() noexcept;
+  StepStatus step_exact() noexcept;
+  static StepStatus failure(SolveStatus status) noexcept;
+  double first_closing(double from, double to) noexcept;
+  double safe_time(double passed) noexcept;
   SolveStatus impulses(const Drives::Stretch& until) noexcept;
   double strike(Drives::Work& spent) noexcept;
   double round_off(Eigen::Index i, double size) const noexcept;
@@ -128,6 +143,13 @@ class Integrator {
   Vector solution_;              ///< (m) likewise
   Eigen::MatrixXd sub_;          ///< (m,m) A of the touching points
   std::vector<int> touching_;    ///< points with u ≥ g at t_k
+
+  // of exact instants
+  std::vector<int> open_;       ///< points that may still close in this step
+  Vector at_q_, at_v_;          ///< (N) at a knot within the step
+  Vector force_at_, slope_at_;  ///< (N) modal force there and its slope
+  Vector rate_, bound_;         ///< (m) ṡ; no |ü| is larger
+  Vector impulse_;              ///< (m) Σ P of the step
 };
 
 }  // namespace ricochet::contact

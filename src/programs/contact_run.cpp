@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <ostream>
 #include <vector>
 
@@ -17,6 +18,7 @@
 #include "kernels/kernel.hpp"
 #include "src/console/console.hpp"
 #include "src/scene/scene.hpp"
+#include "src/sound/wav.hpp"
 
 namespace ricochet::programs {
 namespace {
@@ -55,6 +57,22 @@ Kernels read_kernels(const scene::Scene& scene, const fs::path& folder) {
   return out;
 }
 
+std::vector<contact::DriveRequest> drives_of(const scene::Scene& scene) {
+  std::vector<contact::DriveRequest> out;
+  const auto add = [&](const std::vector<scene::Driven>& all, bool support) {
+    for (const scene::Driven& driven : all) {
+      contact::DriveRequest request{
+          driven.body, support ? driven.group : driven.name, support, vector(driven.vector), {}};
+      if (!driven.history.empty()) request.history = contact::read_history(driven.history);
+      out.push_back(std::move(request));
+    }
+  };
+  add(scene.loads.tractions, false);
+  add(scene.loads.points, false);
+  add(scene.loads.motions, true);
+  return out;
+}
+
 contact::Model model_of(const scene::Scene& scene, const Kernels& kernels) {
   std::vector<contact::PlacedBody> bodies;
   for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
@@ -76,7 +94,8 @@ contact::Model model_of(const scene::Scene& scene, const Kernels& kernels) {
     if (pair.direction) request.direction = vector(*pair.direction);
     pairs.push_back(request);
   }
-  return contact::build_model(std::move(bodies), obstacles, pairs, vector(scene.loads.gravity));
+  return contact::build_model(std::move(bodies), obstacles, pairs, vector(scene.loads.gravity),
+                              drives_of(scene));
 }
 
 contact::StepOptions step_options(const scene::Scene& scene) {
@@ -85,6 +104,8 @@ contact::StepOptions step_options(const scene::Scene& scene) {
           .admittance = scene.contact.admittance == scene::Admittance::difference
                             ? contact::Admittance::difference
                             : contact::Admittance::jump,
+          .instant = scene.contact.instant == scene::Instant::exact ? contact::Instant::exact
+                                                                    : contact::Instant::step,
           .restitution = scene.contact.restitution,
           .step = 1 / scene.time.rate.value};
 }
@@ -119,6 +140,40 @@ void check(contact::StepStatus status, const scene::Scene& scene, double time) {
         fmt::format("{}: the motion stops being finite at t = {:.6g} s", scene.file.string(), time));
 }
 
+/// Velocities of the receivers, step by step, for their sound files.
+class Microphones {
+ public:
+  Microphones(const contact::Model& model, std::int64_t steps, double rate) : rate_(rate) {
+    if (model.receivers.empty()) return;
+    sound::check_length(steps + 1, rate);
+    for (const contact::Model::Receiver& receiver : model.receivers) name_.push_back(receiver.name);
+    velocity_.resize(name_.size());
+    for (auto& velocity : velocity_) velocity.reserve(3 * static_cast<std::size_t>(steps + 1));
+  }
+
+  void listen(const contact::Receivers& receivers) {
+    for (std::size_t k = 0; k < velocity_.size(); ++k)
+      for (const double v : receivers[k].velocity) velocity_[k].push_back(static_cast<float>(v));
+  }
+
+  /// `<stem>.<receiver>.wav`
+  std::map<std::string, contact::Sound> write(const fs::path& stem) const {
+    std::map<std::string, contact::Sound> out;
+    for (std::size_t k = 0; k < name_.size(); ++k) {
+      fs::path file = stem;
+      file += "." + name_[k] + ".wav";
+      const sound::Scale scale = sound::write_wav(file, velocity_[k], rate_);
+      out[name_[k]] = {file.filename().string(), scale.full_scale_m_per_s, scale.rate_hz};
+    }
+    return out;
+  }
+
+ private:
+  double rate_;
+  std::vector<std::string> name_;
+  std::vector<std::vector<float>> velocity_;
+};
+
 std::string seconds(const std::optional<double>& value, const char* otherwise) {
   return value ? fmt::format("{:.6g} s", *value) : otherwise;
 }
@@ -151,6 +206,8 @@ std::string report(const Summary& s) {
   }
   line("energy drift", fmt::format("{:.2g}", s.energy_drift));
   line("deepest penetration", fmt::format("{:.3g} m", s.max_penetration_m));
+  for (const auto& [name, sound] : s.sounds)
+    line("sound", fmt::format("{}, full scale {:.3g} m/s", sound.file, sound.full_scale_m_per_s));
   line("speed", fmt::format("{:.3g} x real time", s.real_time_factor));
   return text;
 }
@@ -193,11 +250,14 @@ int run_contact(const console::Options& options, std::ostream& out) {
                               .kernel_files = kernels.file,
                               .every = scene.output.every,
                               .snapshot_every = scene.output.snapshot_every});
+  Microphones microphones = in_scene(scene, [&] { return Microphones(model, steps, scene.time.rate.value); });
+  microphones.listen(recorder.receivers());
   contact::SummaryObserver observer(model, step.step, slowest_wave(scene));
   for (std::int64_t k = 1; k <= steps; ++k) {
     check(integrator.step(), scene, static_cast<double>(k) * step.step);
     observer.observe(integrator);
     recorder.record(integrator);
+    microphones.listen(recorder.receivers());
     console.advance(k);
   }
   const double elapsed = seconds_since(stepping);
@@ -206,6 +266,7 @@ int run_contact(const console::Options& options, std::ostream& out) {
   console.begin("writing");
   recorder.commit();
   Summary summary = observer.summary();
+  summary.sounds = microphones.write(stem);
   summary.real_time_factor = elapsed > 0 ? integrator.time() / elapsed : 0;
   summary.wall_s = seconds_since(started);
   contact::write_json(summary, summary_file);

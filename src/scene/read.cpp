@@ -209,12 +209,19 @@ void read_scheme(Table& table, Contact& contact) {
     table.complain("scheme", "must be \"compliant\" or \"impulse\"");
   contact.scheme = scheme == "compliant" ? Scheme::compliant : Scheme::impulse;
   const auto admittance = table.text("admittance");
+  const auto instant = table.text("instant");
   const auto restitution = table.number("restitution");
-  if (contact.scheme == Scheme::compliant && (admittance || restitution))
-    table.complain(admittance ? "admittance" : "restitution", "belongs to scheme = \"impulse\"");
+  if (contact.scheme == Scheme::compliant && (admittance || instant || restitution))
+    table.complain(admittance ? "admittance"
+                   : instant  ? "instant"
+                              : "restitution",
+                   "belongs to scheme = \"impulse\"");
   if (admittance && *admittance != "jump" && *admittance != "difference")
     table.complain("admittance", "must be \"jump\" or \"difference\"");
   contact.admittance = admittance.value_or("jump") == "jump" ? Admittance::jump : Admittance::difference;
+  if (instant && *instant != "step" && *instant != "exact")
+    table.complain("instant", "must be \"step\" or \"exact\"");
+  contact.instant = instant.value_or("step") == "step" ? Instant::step : Instant::exact;
   contact.restitution = restitution.value_or(0);
   if (contact.restitution < 0 || contact.restitution > 1)
     table.complain("restitution", "must be from 0 to 1");

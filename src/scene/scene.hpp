@@ -78,10 +78,12 @@ struct Pair {
 
 enum class Scheme { compliant, impulse };
 enum class Admittance { jump, difference };
+enum class Instant { step, exact };
 
 struct Contact {
   Scheme scheme = Scheme::compliant;
   Admittance admittance = Admittance::jump;  ///< of the impulse scheme
+  Instant instant = Instant::step;           ///< of the impulse scheme
   double restitution = 0;                    ///< of the impulse scheme, in [0, 1]
   std::vector<Pair> pairs;                   ///< [contact] itself, or each [[contact.pair]]
 };

@@ -110,8 +110,9 @@ std::string to_toml(const Scene& scene) {
   const bool impulse = scene.contact.scheme == Scheme::impulse;
   text += fmt::format("scheme = \"{}\"\n", impulse ? "impulse" : "compliant");
   if (impulse)
-    text += fmt::format("admittance = \"{}\"\nrestitution = {}\n",
+    text += fmt::format("admittance = \"{}\"\ninstant = \"{}\"\nrestitution = {}\n",
                         scene.contact.admittance == Admittance::jump ? "jump" : "difference",
+                        scene.contact.instant == Instant::step ? "step" : "exact",
                         toml_number(scene.contact.restitution));
   for (const Pair& pair : scene.contact.pairs) {
     text += fmt::format("\n[[contact.pair]]\nbetween = [{}, {}]\n", toml_string(pair.a), toml_string(pair.b));

@@ -1,6 +1,7 @@
 add_serial_test(contact complementarity ricochet_contact)
 add_serial_test(contact drives ricochet_contact)
 add_serial_test(contact histories ricochet_contact)
+add_serial_test(contact instants ricochet_contact)
 add_serial_test(contact integrator ricochet_contact)
 add_serial_test(contact propagator ricochet_contact)
 add_serial_test(contact rods ricochet_contact)

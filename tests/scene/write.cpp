@@ -41,6 +41,7 @@ void expect_same(const Body& a, const Body& b) {
 void expect_same(const Contact& a, const Contact& b) {
   EXPECT_EQ(a.scheme, b.scheme);
   EXPECT_EQ(a.admittance, b.admittance);
+  EXPECT_EQ(a.instant, b.instant);
   EXPECT_EQ(a.restitution, b.restitution);
   ASSERT_EQ(a.pairs.size(), b.pairs.size());
   for (std::size_t k = 0; k < a.pairs.size(); ++k) {

@@ -1,0 +1,1 @@
+add_serial_test(sound wav ricochet_sound PkgConfig::SNDFILE)
