@@ -1,4 +1,6 @@
 add_serial_test(contact complementarity ricochet_contact)
+add_serial_test(contact complementarity_bench ricochet_contact)
+add_serial_test(contact complementarity_limits ricochet_contact)
 add_serial_test(contact integrator ricochet_contact)
 add_serial_test(contact propagator ricochet_contact)
 add_serial_test(contact rods ricochet_contact)
