@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace ricochet::contact {
 namespace {
@@ -33,7 +34,7 @@ void ComplementaritySolver::reset() noexcept {
   face_.clear();
   weight_.setZero();
   known_ = 0;
-  warm_ = stopped_ = rotated_ = worn_ = false;
+  warm_ = stopped_ = descending_ = rotated_ = worn_ = false;
 }
 
 /// Diagonal and factor of S, unless they are those at hand. False: the diagonal is not finite.
@@ -42,7 +43,7 @@ bool ComplementaritySolver::know(const Symmetric& S) noexcept {
   if (!std::isfinite(S.diagonal().sum())) return false;
   known_ = S.rows();
   root_.head(known_) = S.diagonal().cwiseMax(0).cwiseSqrt();
-  if (!renew(S, false)) warm_ = false;
+  if (!renew(S, false)) warm_ = descending_ = false;
   return true;
 }
 
@@ -215,8 +216,8 @@ bool ComplementaritySolver::move_on_face(const Symmetric& S, const Right& r) noe
   }
 }
 
-/// j depends on P (null direction d from `enter`): the objective falls without end along d until some λ_k is 0
-/// and j takes its place. False: nothing blocks, so the problem has no solution. A slope within round-off
+/// j depends on P (null direction d from `enter`): the objective falls without end along d until some λ_k is
+/// 0 and j takes its place. False: nothing blocks, so the problem has no solution. A slope within round-off
 /// refuses j instead.
 bool ComplementaritySolver::exchange(const Symmetric& S, int j) noexcept {
   const std::vector<double>& d = face_.null_direction();
@@ -245,59 +246,66 @@ bool ComplementaritySolver::exchange(const Symmetric& S, int j) noexcept {
 }
 
 /// Primal active set on the convex problem, after Lawson & Hanson 1974: feasible throughout, the objective
-/// strictly falling, hence finite; singular S by `exchange`.
+/// strictly falling, hence finite; singular S by `exchange`. Where the pivots run out, λ_P and P wait for the
+/// next solve.
 SolveStatus ComplementaritySolver::descend(const Symmetric& S, const Right& r) noexcept {
   const int n = static_cast<int>(r.size());
   ++statistics_.fallbacks;
-  std::fill(refused_.begin(), refused_.begin() + n, char{0});
-
-  // Start from the part of the active set that pushes.
   face_.minimise(r, z_);
-  std::copy(z_.begin(), z_.begin() + face_.size(), x_.begin());
-  for (int k = face_.size() - 1; k >= 0; --k)
-    if (!(x_[k] > 0)) {
-      if (left_ <= 0) return SolveStatus::limited;
-      drop(S, k);
-    }
+  if (bounded()) offer(S, r, z_);
+  if (!std::exchange(descending_, false)) {
+    // Start from the part of the active set that pushes.
+    std::fill(refused_.begin(), refused_.begin() + n, char{0});
+    entered_ = -1;
+    std::copy(z_.begin(), z_.begin() + face_.size(), x_.begin());
+    for (int k = face_.size() - 1; k >= 0; --k)
+      if (!(x_[k] > 0)) {
+        if (left_ <= 0) return SolveStatus::limited;
+        drop(S, k);
+      }
+  }
 
   const int most = 1000 + 50 * n;  // far beyond what falling objectives need: round-off alone could get there
-  int entered = -1;
   bool regular = true;
   for (int round = 0; regular && round < most; ++round) {
     if (!move_on_face(S, r)) {
       offer(S, r, x_);
+      descending_ = true;
       return SolveStatus::limited;
     }
-    if (entered >= 0) {
+    if (entered_ >= 0) {
       // Exactly, j grows from 0; where it was dropped at once, w_j was round-off. Any real progress reopens
       // all cases.
-      if (face_.contains(entered))
+      if (face_.contains(entered_))
         std::fill(refused_.begin(), refused_.begin() + n, char{0});
       else
-        refused_[entered] = 1;
+        refused_[entered_] = 1;
     }
     if (!evaluate(S, r, x_)) return SolveStatus::not_finite;
-    entered = -1;
+    entered_ = -1;
     if (is_worn_out()) {
       regular = renew(S, true);
       continue;
     }
     do {
-      entered = -1;
+      entered_ = -1;
       for (int i = 0; i < n; ++i)
-        if (!face_.contains(i) && !refused_[i] && w_[i] < -tolerance_ && (entered < 0 || w_[i] < w_[entered]))
-          entered = i;
-      if (entered < 0) return SolveStatus::solved;
+        if (!face_.contains(i) && !refused_[i] && w_[i] < -tolerance_ &&
+            (entered_ < 0 || w_[i] < w_[entered_]))
+          entered_ = i;
+      if (entered_ < 0) return SolveStatus::solved;
       if (left_ <= 0) {
         offer(S, r, x_);
+        entered_ = -1;
+        descending_ = true;
         return SolveStatus::limited;
       }
-      if (enter(S, entered, false)) {
+      if (enter(S, entered_, false)) {
         x_[face_.size() - 1] = 0;
         break;
       }
-      regular = exchange(S, entered);
-    } while (regular && refused_[entered]);
+      regular = exchange(S, entered_);
+    } while (regular && refused_[entered_]);
   }
   return SolveStatus::no_solution;
 }
@@ -353,7 +361,7 @@ SolveStatus ComplementaritySolver::solve(const Symmetric& S, const Right& r,
   best_count_ = 0;
   const std::int64_t pivots = statistics_.pivots;
 
-  SolveStatus status = pivot(S, r);
+  SolveStatus status = descending_ ? SolveStatus::no_solution : pivot(S, r);
   if (status == SolveStatus::solved && warm_ && statistics_.pivots == pivots) ++statistics_.warm_hits;
   if (status == SolveStatus::no_solution) status = descend(S, r);
   warm_ = status == SolveStatus::solved;

@@ -14,7 +14,7 @@ namespace ricochet::contact {
 
 enum class SolveStatus {
   solved,
-  limited,      ///< max_pivots was reached: λ ≥ 0 and λᵀw = 0, but w ≥ 0 only as far as residual() says
+  limited,  ///< max_pivots was reached: λ ≥ 0 and λᵀw = 0, but w ≥ 0 only as far as residual() says
   no_solution,  ///< S is singular and r pushes along its null space: no λ closes the gap
   not_finite,   ///< r, the diagonal of S or a column that is used holds a NaN or an infinity
 };
@@ -91,16 +91,18 @@ class ComplementaritySolver {
   SolveOptions options_;
   SolveStatistics statistics_;
   SolveResidual residual_;
-  Face face_;               ///< P
-  Eigen::Index known_ = 0;  ///< size of the matrix whose factor and diagonal are at hand
-  bool warm_ = false;       ///< P is that of a solved problem
-  bool stopped_ = false;    ///< the problem before was `limited`
-  bool rotated_ = false;    ///< an index left P since the factor was made
-  bool worn_ = false;       ///< P changed since w_P was last seen
-  int left_ = 0;            ///< pivots
-  int fewest_ = 0, patience_ = 0;   ///< least number of infeasible indices; rounds left without a new one
-  std::vector<char> refused_;       ///< (n) dependent rows found consistent
-  std::vector<double> z_, x_;       ///< (p) minimiser on the face, current λ_P
+  Face face_;                      ///< P
+  Eigen::Index known_ = 0;         ///< size of the matrix whose factor and diagonal are at hand
+  bool warm_ = false;              ///< P is that of a solved problem
+  bool stopped_ = false;           ///< the problem before was `limited`
+  bool descending_ = false;        ///< and that in `descend`: x_ is feasible
+  int entered_ = -1;               ///< index that `descend` let in last
+  bool rotated_ = false;           ///< an index left P since the factor was made
+  bool worn_ = false;              ///< P changed since w_P was last seen
+  int left_ = 0;                   ///< pivots
+  int fewest_ = 0, patience_ = 0;  ///< least number of infeasible indices; rounds left without a new one
+  std::vector<char> refused_;      ///< (n) dependent rows found consistent
+  std::vector<double> z_, x_;      ///< (p) minimiser on the face, current λ_P
   std::vector<int> leaving_, entering_, rows_;  ///< positions in P, ascending; indices; rows of w at work
   Eigen::VectorXd w_, weight_, root_;           ///< (n) w or 0 where it is not negative; Σ_P |S_ij|; √S_ii
   double heaviest_ = 0;                         ///< max weight_

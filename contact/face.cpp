@@ -59,8 +59,7 @@ void Face::leave(int position) noexcept {
   is_active_[active_[position]] = 0;
   std::copy(active_.begin() + position + 1, active_.begin() + count_, active_.begin() + position);
   const int last = --count_;
-  for (int c = 0; c < position; ++c)
-    std::copy(at(position + 1, c), at(last + 1, c), at(position, c));
+  for (int c = 0; c < position; ++c) std::copy(at(position + 1, c), at(last + 1, c), at(position, c));
   std::copy(at(position + 1, position), at(last + 1, position), row_.data() + position);
   for (int c = position; c < last; ++c) {
     const double* const old = at(c + 1, c + 1);

@@ -14,8 +14,8 @@ class Face {
  public:
   explicit Face(int capacity);
 
-  int size() const { return count_; }                   ///< p
-  int operator[](int k) const { return active_[k]; }    ///< P, in the order of the factor's rows
+  int size() const { return count_; }                 ///< p
+  int operator[](int k) const { return active_[k]; }  ///< P, in the order of the factor's rows
   bool contains(int i) const { return is_active_[i]; }
   void clear() noexcept;
 

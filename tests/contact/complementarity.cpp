@@ -16,8 +16,8 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using ricochet::contact::ComplementaritySolver;
 using lcp::violation;
+using ricochet::contact::ComplementaritySolver;
 using ricochet::contact::SolveStatus;
 
 /// w = Sλ − r of a solution, by trying every active set whose rows are independent (a solvable problem has

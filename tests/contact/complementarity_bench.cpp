@@ -15,7 +15,8 @@ using ricochet::contact::SolveStatus;
 // up to 1000 unknowns.
 constexpr double holds = 1e-12;
 
-/// Status, conditions and objective as Lemke has them. The objective, unlike λ, is the same for all solutions.
+/// Status, conditions and objective as Lemke has them. The objective, unlike λ, is the same for all
+/// solutions.
 void expect_as_lemke(ComplementaritySolver& solver, const MatrixXd& S, const VectorXd& r) {
   VectorXd lambda(r.size());
   const SolveStatus status = solver.solve(S, r, lambda);

@@ -146,9 +146,14 @@ inline Known known(Random& random, const MatrixXd& S, bool degenerate) {
   Known out{VectorXd::Zero(S.rows()), {}};
   VectorXd w = VectorXd::Zero(S.rows());
   for (Index i = 0; i < S.rows(); ++i) switch (kind(random)) {
-      case 0: out.lambda(i) = unit(random); break;
-      case 1: w(i) = unit(random); break;
-      default: break;
+      case 0:
+        out.lambda(i) = unit(random);
+        break;
+      case 1:
+        w(i) = unit(random);
+        break;
+      default:
+        break;
     }
   out.r = (slack(S, w, out.lambda)).cast<double>();
   return out;
