@@ -24,16 +24,17 @@ MatrixXd flexibility(Index n) {
       n, n, [](Index i, Index j) { return std::exp(-0.2 * static_cast<double>(std::abs(i - j))); });
 }
 
-/// A parabola over n/4 points about the middle, which `swing` moves by that share of n.
+/// A parabola over a quarter of the points and the range of the flexibility at either end, about the middle,
+/// which `swing` moves by that share of n.
 std::vector<VectorXd> pushes(Index n, double swing) {
   std::vector<VectorXd> out;
-  const double points = static_cast<double>(n), moves = 4 * swing * points;
+  const double points = static_cast<double>(n), half = points / 8 + 4, moves = 4 * swing * points;
   const int steps = std::max(64, static_cast<int>(8 * moves));
   for (int k = 0; k < steps; ++k) {
-    const double phase = 2 * M_PI * k / steps;
+    const double phase = 2 * M_PI * k / steps, middle = points * (0.5 + swing * std::sin(phase));
     out.push_back(VectorXd::NullaryExpr(n, [&](Index i) {
-      const double x = (static_cast<double>(i) / points - 0.5 - swing * std::sin(phase)) / 0.1275;
-      return (1 - x * x) * (1 + 0.1 * std::cos(phase)) - 0.17;
+      const double x = (static_cast<double>(i) - middle) / half;
+      return (1 - x * x) * (1 + 0.1 * std::cos(phase));
     }));
   }
   return out;

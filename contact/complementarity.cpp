@@ -11,6 +11,7 @@ constexpr double round_off = 1e-13;  // of w, relative to |r|_∞ + ‖S‖_∞ 
 constexpr double negative =
     1e-14;  // λ_i above −negative |λ|_∞ counts as 0: moves w by less than its tolerance
 constexpr int patience_of_pivots = 10;  // p_max: block pivots allowed without progress
+constexpr int looked_after = 64;        // indices dropped: 64 ε is still below the tolerance of w
 
 double largest_of(const std::vector<double>& x, int n) {
   double largest = 0;
@@ -25,7 +26,7 @@ ComplementaritySolver::ComplementaritySolver(int capacity, const SolveOptions& o
   const auto n = static_cast<std::size_t>(std::max(capacity, 1));
   for (std::vector<double>* x : {&z_, &x_, &best_value_}) x->resize(n);
   for (std::vector<int>* x : {&leaving_, &entering_, &rows_}) x->reserve(n);
-  for (Eigen::VectorXd* x : {&w_, &weight_, &root_}) x->setZero(static_cast<Eigen::Index>(n));
+  for (Eigen::VectorXd* x : {&w_, &weight_, &root_, &seen_.push}) x->setZero(static_cast<Eigen::Index>(n));
   best_index_.resize(n);
   refused_.resize(n);
 }
@@ -34,7 +35,9 @@ void ComplementaritySolver::reset() noexcept {
   face_.clear();
   weight_.setZero();
   known_ = 0;
-  warm_ = stopped_ = descending_ = rotated_ = worn_ = false;
+  rotations_ = 0;
+  warm_ = stopped_ = descending_ = false;
+  changed_ = true;
 }
 
 /// Diagonal and factor of S, unless they are those at hand. False: the diagonal is not finite.
@@ -42,6 +45,8 @@ bool ComplementaritySolver::know(const Symmetric& S) noexcept {
   if (options_.same_matrix && known_ == S.rows()) return true;
   if (!std::isfinite(S.diagonal().sum())) return false;
   known_ = S.rows();
+  seen_.push.setZero();
+  seen_.sum = seen_.square = seen_.tolerance = 0;
   root_.head(known_) = S.diagonal().cwiseMax(0).cwiseSqrt();
   if (!renew(S, false)) warm_ = descending_ = false;
   return true;
@@ -52,15 +57,15 @@ bool ComplementaritySolver::renew(const Symmetric& S, bool trusted) noexcept {
   const bool whole = face_.renew(S, trusted);
   weight_.setZero();
   for (int k = 0; k < face_.size(); ++k) weight_.head(S.rows()) += S.col(face_[k]).cwiseAbs();
-  rotated_ = false;
-  worn_ = true;
+  rotations_ = 0;
+  changed_ = true;
   return whole;
 }
 
 bool ComplementaritySolver::enter(const Symmetric& S, int j, bool trusted) noexcept {
   if (!face_.enter(S, j, trusted)) return false;
   weight_.head(S.rows()) += S.col(j).cwiseAbs();
-  worn_ = true;
+  changed_ = true;
   ++statistics_.pivots;
   --left_;
   return true;
@@ -70,43 +75,60 @@ void ComplementaritySolver::drop(const Symmetric& S, int position) noexcept {
   weight_.head(S.rows()) -= S.col(face_[position]).cwiseAbs();
   std::copy(x_.begin() + position + 1, x_.begin() + face_.size(), x_.begin() + position);
   face_.leave(position);
-  worn_ = rotated_ = true;
+  changed_ = true;
+  ++rotations_;
   ++statistics_.pivots;
   --left_;
   if (face_.size() > 0) return;
   weight_.setZero();
-  rotated_ = false;
+  rotations_ = 0;
 }
 
-/// w = S λ − r and its tolerance, for λ_P = on_face a minimiser on its face. Rows are left at 0 that can't be
-/// negative: S is semidefinite, so |S_i λ| ≤ √S_ii √(λᵀSλ), and λᵀSλ = λᵀr up to the tolerance of w. Once P
-/// has changed, w_P is among the rows. False: not finite.
+/// w = S λ − r and its tolerance, for λ_P = on_face a minimiser on its face. Rows that can't be negative are
+/// left at 0. S is semidefinite, so for any μ whose f = S μ is known
+///
+///   |S_i λ − f_i| ≤ √S_ii ‖λ − μ‖,   ‖λ − μ‖² = λᵀSλ − 2 λᵀf + μᵀf,   λᵀSλ = λᵀr up to the tolerance of w;
+///
+/// μ is the λ for which all rows were last evaluated, or 0. False: not finite.
 bool ComplementaritySolver::evaluate(const Symmetric& S, const Right& r,
                                      const std::vector<double>& on_face) noexcept {
   const int n = static_cast<int>(r.size()), p = face_.size();
   auto w = w_.head(n);
-  if (worn_) heaviest_ = weight_.head(n).maxCoeff<Eigen::PropagateNaN>();
-  double sum = 0, work = 0;
+  if (changed_) heaviest_ = weight_.head(n).maxCoeff<Eigen::PropagateNaN>();
+  changed_ = false;
+  double sum = 0, work = 0, common = 0;
   for (int k = 0; k < p; ++k) {
     sum += std::abs(on_face[k]);
     work += on_face[k] * r(face_[k]);
+    common += on_face[k] * seen_.push(face_[k]);
   }
   tolerance_ = round_off * (r.cwiseAbs().maxCoeff() + heaviest_ * largest_of(on_face, p));
   if (!std::isfinite(sum + work + tolerance_)) return false;
 
-  const double reach = std::sqrt(std::max(work, 0.0) + sum * tolerance_);
+  const double slack = (sum + seen_.sum) * (tolerance_ + seen_.tolerance);
+  const double from_zero = std::sqrt(std::max(work, 0.0) + slack);
+  const double from_seen = std::sqrt(std::max(work - 2 * common + seen_.square, 0.0) + 4 * slack);
+  const bool look_at_face = rotations_ >= looked_after;
   rows_.clear();
   for (int i = 0; i < n; ++i)
-    if (face_.contains(i) ? worn_ : r(i) > -root_(i) * reach) rows_.push_back(i);
-  worn_ = false;
+    if (face_.contains(i)
+            ? look_at_face
+            : r(i) > -root_(i) * from_zero && r(i) > seen_.push(i) - seen_.tolerance - root_(i) * from_seen)
+      rows_.push_back(i);
 
   if (4 * rows_.size() > static_cast<std::size_t>(n)) {  // a row gathered costs about four of whole columns
-    w = -r;
+    auto push = seen_.push.head(n);
+    push.setZero();
     int k = 0;
     for (; k + 4 <= p; k += 4)
-      w += on_face[k] * S.col(face_[k]) + on_face[k + 1] * S.col(face_[k + 1]) +
-           on_face[k + 2] * S.col(face_[k + 2]) + on_face[k + 3] * S.col(face_[k + 3]);
-    for (; k < p; ++k) w += on_face[k] * S.col(face_[k]);
+      push += on_face[k] * S.col(face_[k]) + on_face[k + 1] * S.col(face_[k + 1]) +
+              on_face[k + 2] * S.col(face_[k + 2]) + on_face[k + 3] * S.col(face_[k + 3]);
+    for (; k < p; ++k) push += on_face[k] * S.col(face_[k]);
+    w = push - r;
+    seen_.sum = sum;
+    seen_.tolerance = tolerance_;
+    seen_.square = 0;
+    for (k = 0; k < p; ++k) seen_.square += on_face[k] * push(face_[k]);
   } else {
     w.setZero();
     for (const int i : rows_) {
@@ -124,9 +146,10 @@ bool ComplementaritySolver::evaluate(const Symmetric& S, const Right& r,
   return std::isfinite(w.sum());
 }
 
-/// Rotations leave round-off behind; true when w_P shows it.
-bool ComplementaritySolver::is_worn_out() const noexcept {
-  if (!rotated_) return false;
+/// Rotations leave round-off behind, a few ε each: now and then w_P is looked at for it.
+bool ComplementaritySolver::is_worn_out() noexcept {
+  if (rotations_ < looked_after) return false;
+  rotations_ = 0;
   for (int k = 0; k < face_.size(); ++k)
     if (std::abs(w_(face_[k])) > tolerance_) return true;
   return false;

@@ -79,7 +79,7 @@ class ComplementaritySolver {
   SolveStatus pivot(const Symmetric& S, const Right& r) noexcept;
   SolveStatus descend(const Symmetric& S, const Right& r) noexcept;
   bool evaluate(const Symmetric& S, const Right& r, const std::vector<double>& on_face) noexcept;
-  bool is_worn_out() const noexcept;
+  bool is_worn_out() noexcept;
   void find_infeasible(int n) noexcept;
   void cut_to_budget() noexcept;
   bool move_on_face(const Symmetric& S, const Right& r) noexcept;
@@ -87,6 +87,12 @@ class ComplementaritySolver {
   bool bounded() const { return options_.max_pivots < std::numeric_limits<int>::max(); }
   void offer(const Symmetric& S, const Right& r, const std::vector<double>& on_face) noexcept;
   void answer_with_best(const Symmetric& S, const Right& r, Eigen::Ref<Eigen::VectorXd> lambda) noexcept;
+
+  /// f = S μ for the λ_P = μ at which all rows were last evaluated.
+  struct Seen {
+    Eigen::VectorXd push;                       ///< (n) f
+    double sum = 0, square = 0, tolerance = 0;  ///< |μ|_1, μᵀf, of f
+  };
 
   SolveOptions options_;
   SolveStatistics statistics_;
@@ -97,17 +103,18 @@ class ComplementaritySolver {
   bool stopped_ = false;           ///< the problem before was `limited`
   bool descending_ = false;        ///< and that in `descend`: x_ is feasible
   int entered_ = -1;               ///< index that `descend` let in last
-  bool rotated_ = false;           ///< an index left P since the factor was made
-  bool worn_ = false;              ///< P changed since w_P was last seen
+  bool changed_ = true;            ///< P, since heaviest_
+  int rotations_ = 0;              ///< indices that left P since w_P was last looked at
   int left_ = 0;                   ///< pivots
   int fewest_ = 0, patience_ = 0;  ///< least number of infeasible indices; rounds left without a new one
   std::vector<char> refused_;      ///< (n) dependent rows found consistent
   std::vector<double> z_, x_;      ///< (p) minimiser on the face, current λ_P
   std::vector<int> leaving_, entering_, rows_;  ///< positions in P, ascending; indices; rows of w at work
   Eigen::VectorXd w_, weight_, root_;           ///< (n) w or 0 where it is not negative; Σ_P |S_ij|; √S_ii
-  double heaviest_ = 0;                         ///< max weight_
-  double tolerance_ = 0;                        ///< of w, for the λ last evaluated
-  double best_objective_ = 0;                   ///< F of the best feasible λ so far
+  Seen seen_;
+  double heaviest_ = 0;        ///< max weight_
+  double tolerance_ = 0;       ///< of w, for the λ last evaluated
+  double best_objective_ = 0;  ///< F of the best feasible λ so far
   int best_count_ = 0;
   std::vector<int> best_index_;
   std::vector<double> best_value_;
