@@ -26,6 +26,8 @@ void check(const Model& model, const StepOptions& o) {
   if (!(o.step > 0) || !std::isfinite(o.step))
     throw InputError(
         fmt::format("time step = {} s: must be positive and finite. Set time.rate_hz above 0.", o.step));
+  if (o.max_pivots < 1)
+    throw InputError(fmt::format("contact.max_pivots = {}: must be at least 1.", o.max_pivots));
   if (o.scheme != Scheme::impulse) return;
   if (!(o.restitution >= 0 && o.restitution <= 1))
     throw InputError(fmt::format("contact.restitution = {}: must be between 0 and 1.", o.restitution));
@@ -36,6 +38,10 @@ void check(const Model& model, const StepOptions& o) {
         "Hz). Use a step "
         "below {:.4g} s (time.rate_hz above {:.6g}), fewer modes, or \"jump\".",
         highest * o.step, highest / (2 * std::numbers::pi), sampled / highest, highest / sampled));
+}
+
+bool has_forces(SolveStatus status) {
+  return status == SolveStatus::solved || status == SolveStatus::limited;
 }
 
 StepStatus failure(SolveStatus status) {
@@ -58,7 +64,8 @@ Integrator::Integrator(const Model& model, const StepOptions& options)
       s_(model.static_displacement),
       gap_(model.gap),
       R_(model.R),
-      solver_(static_cast<int>(model.gap.size())),
+      solver_(static_cast<int>(model.gap.size()),
+              {.same_matrix = options.scheme == Scheme::compliant, .max_pivots = options.max_pivots}),
       q_(model.q0),
       v_(model.v0) {
   check(model, options);
@@ -166,17 +173,22 @@ StepStatus Integrator::commit(double contact_work, double residual, double power
   return StepStatus::ok;
 }
 
-/// 0 ≤ λ ⟂ S λ − (û − g) ≥ 0,  û = B q̂ + s with q̂ the motion without contact,  S = B c Bᵀ + R
+/// 0 ≤ λ ⟂ S λ − (û − g) ≥ 0,  û = B q̂ + s with q̂ the motion without contact,  S = B c Bᵀ + R;
+/// g̃ for g while points are left beyond it
 StepStatus Integrator::step_compliant() noexcept {
   free_motion(q_, v_);
   next_q_ = q_ + dq_;
   next_u_ = s_;
   next_u_.noalias() += B_ * next_q_;
   rhs_ = next_u_ - gap_;
+  if (deep_) rhs_ -= (u_ - gap_).cwiseMax(0);
   next_force_.setZero();
+  SolveStatus status = SolveStatus::solved;
+  SolveResidual residue;
   if (!(rhs_.array() < 0).all()) {  // NaN included
-    const SolveStatus status = solver_.solve(S_, rhs_, next_force_);
-    if (status != SolveStatus::solved) return failure(status);
+    status = solver_.solve(S_, rhs_, next_force_);
+    if (!has_forces(status)) return failure(status);
+    residue = solver_.residual();
   }
   const int active = push_by(next_force_);
   double work = 0, residual = 0, power = 0;
@@ -194,7 +206,11 @@ StepStatus Integrator::step_compliant() noexcept {
     power = -next_force_.dot(next_u_ - u_) / options_.step;
   }
   next_v_.array() = e_.array() * v_.array() + h_.array() * g_.array();
-  return commit(work, residual, power, active, damping_work());
+  const StepStatus done = commit(work, residual, power, active, damping_work());
+  if (done != StepStatus::ok) return done;
+  residual_ = residue;
+  deep_ = (deep_ || status == SolveStatus::limited) && (u_.array() > gap_.array()).any();
+  return done;
 }
 
 /// Free motion to t_k, then q̇⁺ = q̇⁻ − Bᵀ P.
@@ -206,7 +222,7 @@ StepStatus Integrator::step_impulse() noexcept {
   next_u_ = s_;
   next_u_.noalias() += B_ * next_q_;
   const SolveStatus status = impulses();
-  if (status != SolveStatus::solved) return failure(status);
+  if (!has_forces(status)) return failure(status);
 
   const int active = push_by(next_force_);
   double work = 0;
@@ -215,7 +231,9 @@ StepStatus Integrator::step_impulse() noexcept {
     next_v_ -= push_;
     next_force_ /= options_.step;
   }
-  return commit(work, 0, -work / options_.step, active, damping);
+  const StepStatus done = commit(work, 0, -work / options_.step, active, damping);
+  if (done == StepStatus::ok) residual_ = touching_.empty() ? SolveResidual{} : solver_.residual();
+  return done;
 }
 
 /// next_force_ = P [N s]:  0 ≤ P ⟂ A P − (1 + e) v̂ ≥ 0  on the points with u ≥ g.

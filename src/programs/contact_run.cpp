@@ -86,7 +86,8 @@ contact::StepOptions step_options(const scene::Scene& scene) {
                             ? contact::Admittance::difference
                             : contact::Admittance::jump,
           .restitution = scene.contact.restitution,
-          .step = 1 / scene.time.rate.value};
+          .step = 1 / scene.time.rate.value,
+          .max_pivots = scene.contact.max_pivots.value_or(std::numeric_limits<int>::max())};
 }
 
 double slowest_wave(const scene::Scene& scene) {
@@ -151,6 +152,9 @@ std::string report(const Summary& s) {
   }
   line("energy drift", fmt::format("{:.2g}", s.energy_drift));
   line("deepest penetration", fmt::format("{:.3g} m", s.max_penetration_m));
+  if (s.limited_steps > 0)
+    line("limited steps",
+         fmt::format("{} by max_pivots, residual up to {:.2g}", s.limited_steps, s.limited_residual));
   line("speed", fmt::format("{:.3g} x real time", s.real_time_factor));
   return text;
 }

@@ -63,7 +63,7 @@ struct Modes {
       flexibility_error;  ///< of the contact surface over [0, up_to]; modes: leave out those it doesn't need
   bool residual_flexibility = true;
   double relative_residual = 1e-8;  ///< bound on each mode's residual
-  double low_rank = 0;  ///< contact: threshold of block low-rank factors; 0: full rank
+  double low_rank = 0;              ///< contact: threshold of block low-rank factors; 0: full rank
 };
 
 /// How one surface meets another. `a` is a body; `b` a body or an obstacle.
@@ -83,7 +83,8 @@ struct Contact {
   Scheme scheme = Scheme::compliant;
   Admittance admittance = Admittance::jump;  ///< of the impulse scheme
   double restitution = 0;                    ///< of the impulse scheme, in [0, 1]
-  std::vector<Pair> pairs;                   ///< [contact] itself, or each [[contact.pair]]
+  std::optional<int> max_pivots;  ///< bound on the work of a step, at least 1; none: solved whatever it takes
+  std::vector<Pair> pairs;        ///< [contact] itself, or each [[contact.pair]]
 };
 
 struct Time {
