@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <utility>
 
 namespace ricochet::contact {
 namespace {
@@ -11,192 +11,241 @@ constexpr double round_off = 1e-13;  // of w, relative to |r|_∞ + ‖S‖_∞ 
 constexpr double negative =
     1e-14;  // λ_i above −negative |λ|_∞ counts as 0: moves w by less than its tolerance
 constexpr int patience_of_pivots = 10;  // p_max: block pivots allowed without progress
+constexpr int looked_after = 64;        // indices dropped: 64 ε is still below the tolerance of w
 
-/// A Schur complement this far below its diagonal is looked at more closely.
-constexpr double suspicious = 1e-8;
+double largest_of(const std::vector<double>& x, int n) {
+  double largest = 0;
+  for (int k = 0; k < n; ++k) largest = std::max(largest, std::abs(x[k]));
+  return largest;
+}
 
 }  // namespace
 
-ComplementaritySolver::ComplementaritySolver(int capacity)
-    : stride_(static_cast<std::size_t>(std::max(capacity, 1)) + 1) {
-  active_.resize(stride_);
-  next_.resize(stride_);
-  is_active_.resize(stride_);
-  refused_.resize(stride_);
-  factor_.resize(stride_ * stride_);
-  z_.resize(stride_);
-  x_.resize(stride_);
-  d_.resize(stride_);
-  w_.resize(static_cast<Eigen::Index>(stride_));
-  weight_.resize(static_cast<Eigen::Index>(stride_));
+ComplementaritySolver::ComplementaritySolver(int capacity, const SolveOptions& options)
+    : options_(options), face_(capacity) {
+  const auto n = static_cast<std::size_t>(std::max(capacity, 1));
+  for (std::vector<double>* x : {&z_, &x_, &best_value_}) x->resize(n);
+  for (std::vector<int>* x : {&leaving_, &entering_, &rows_}) x->reserve(n);
+  for (Eigen::VectorXd* x : {&w_, &weight_, &root_, &seen_.push}) x->setZero(static_cast<Eigen::Index>(n));
+  best_index_.resize(n);
+  refused_.resize(n);
 }
 
 void ComplementaritySolver::reset() noexcept {
-  count_ = 0;
-  warm_ = false;
+  face_.clear();
+  weight_.setZero();
+  known_ = 0;
+  rotations_ = 0;
+  warm_ = stopped_ = descending_ = false;
+  changed_ = true;
 }
 
-/// Appends j to P and its row to the factor. False, P unchanged and d_ the null direction, when j depends on
-/// P: its Schur complement dᵀ S d, d_j = 1, d_P = −S_PP⁻¹ S_Pj, is then within the round-off of that sum, n ε
-/// (Σ |d_i| √S_ii)². `trusted`: P ∪ j is known to be regular, so any positive Schur complement will do.
-bool ComplementaritySolver::enter(const Problem& S, int j, bool trusted) noexcept {
-  double* const l = row(count_);
-  double schur = S(j, j);
-  for (int c = 0; c < count_; ++c) {
-    const double* const above = row(c);
-    double sum = S(active_[c], j);
-    for (int k = 0; k < c; ++k) sum -= l[k] * above[k];
-    l[c] = sum / above[c];
-    schur -= l[c] * l[c];
-  }
-  if (!(schur > (trusted ? 0.0 : suspicious * S(j, j)))) {
-    if (trusted) return false;
-    for (int k = 0; k < count_; ++k) d_[k] = -l[k];
-    for (int k = count_ - 1; k >= 0; --k) {
-      const double* const above = row(k);
-      d_[k] /= above[k];
-      for (int i = 0; i < k; ++i) d_[i] -= above[i] * d_[k];
-    }
-    double sum = std::sqrt(S(j, j));
-    for (int k = 0; k < count_; ++k) sum += std::abs(d_[k]) * std::sqrt(S(active_[k], active_[k]));
-    const double n = static_cast<double>(std::max<Eigen::Index>(S.rows(), 10));
-    if (!(schur > 4 * n * std::numeric_limits<double>::epsilon() * sum * sum)) return false;
-  }
-  l[count_] = std::sqrt(schur);
-  active_[count_++] = j;
-  is_active_[j] = 1;
+/// Diagonal and factor of S, unless they are those at hand. False: the diagonal is not finite.
+bool ComplementaritySolver::know(const Symmetric& S) noexcept {
+  if (options_.same_matrix && known_ == S.rows()) return true;
+  if (!std::isfinite(S.diagonal().sum())) return false;
+  known_ = S.rows();
+  seen_.push.setZero();
+  seen_.sum = seen_.square = seen_.tolerance = 0;
+  root_.head(known_) = S.diagonal().cwiseMax(0).cwiseSqrt();
+  if (!renew(S, false)) warm_ = descending_ = false;
   return true;
 }
 
-/// Rows `from`… of the factor anew. False at the first index that depends on those before it: it and all
-/// behind it are dropped.
-bool ComplementaritySolver::factor(const Problem& S, int from, bool trusted) noexcept {
-  const int wanted = count_;
-  count_ = from;
-  for (int k = from; k < wanted; ++k)
-    if (!enter(S, active_[k], trusted)) {
-      for (int rest = k; rest < wanted; ++rest) is_active_[active_[rest]] = 0;
-      return false;
-    }
+bool ComplementaritySolver::renew(const Symmetric& S, bool trusted) noexcept {
+  if (face_.size() > 0) ++statistics_.renewals;
+  const bool whole = face_.renew(S, trusted);
+  weight_.setZero();
+  for (int k = 0; k < face_.size(); ++k) weight_.head(S.rows()) += S.col(face_[k]).cwiseAbs();
+  rotations_ = 0;
+  changed_ = true;
+  return whole;
+}
+
+bool ComplementaritySolver::enter(const Symmetric& S, int j, bool trusted) noexcept {
+  if (!face_.enter(S, j, trusted)) return false;
+  weight_.head(S.rows()) += S.col(j).cwiseAbs();
+  changed_ = true;
+  ++statistics_.pivots;
+  --left_;
   return true;
 }
 
-/// Takes the index at `position` out of P; the factor's rows from there on are stale.
-void ComplementaritySolver::drop(int position) noexcept {
-  is_active_[active_[position]] = 0;
-  std::copy(active_.begin() + position + 1, active_.begin() + count_, active_.begin() + position);
-  std::copy(x_.begin() + position + 1, x_.begin() + count_, x_.begin() + position);
-  --count_;
+void ComplementaritySolver::drop(const Symmetric& S, int position) noexcept {
+  weight_.head(S.rows()) -= S.col(face_[position]).cwiseAbs();
+  std::copy(x_.begin() + position + 1, x_.begin() + face_.size(), x_.begin() + position);
+  face_.leave(position);
+  changed_ = true;
+  ++rotations_;
+  ++statistics_.pivots;
+  --left_;
+  if (face_.size() > 0) return;
+  weight_.setZero();
+  rotations_ = 0;
 }
 
-/// z = S_PP⁻¹ r_P.
-void ComplementaritySolver::minimise_on_face(const Right& r) noexcept {
-  for (int k = 0; k < count_; ++k) {
-    const double* const l = row(k);
-    double sum = r(active_[k]);
-    for (int i = 0; i < k; ++i) sum -= l[i] * z_[i];
-    z_[k] = sum / l[k];
-  }
-  for (int k = count_ - 1; k >= 0; --k) {
-    const double* const l = row(k);
-    z_[k] /= l[k];
-    for (int i = 0; i < k; ++i) z_[i] -= l[i] * z_[k];
-  }
-}
-
-/// w = S λ − r and its tolerance, for λ_P = on_face.
-void ComplementaritySolver::evaluate(const Problem& S, const Right& r,
+/// w = S λ − r and its tolerance, for λ_P = on_face a minimiser on its face. Rows that can't be negative are
+/// left at 0. S is semidefinite, so for any μ whose f = S μ is known
+///
+///   |S_i λ − f_i| ≤ √S_ii ‖λ − μ‖,   ‖λ − μ‖² = λᵀSλ − 2 λᵀf + μᵀf,   λᵀSλ = λᵀr up to the tolerance of w;
+///
+/// μ is the λ for which all rows were last evaluated, or 0. False: not finite.
+bool ComplementaritySolver::evaluate(const Symmetric& S, const Right& r,
                                      const std::vector<double>& on_face) noexcept {
-  const Eigen::Index n = r.size();
+  const int n = static_cast<int>(r.size()), p = face_.size();
   auto w = w_.head(n);
-  auto weight = weight_.head(n);
-  w = -r;
-  weight.setZero();
-  double largest = 0;
-  for (int k = 0; k < count_; ++k) {
-    const auto column = S.col(active_[k]);
-    w += on_face[k] * column;
-    weight += column.cwiseAbs();
-    largest = std::max(largest, std::abs(on_face[k]));
+  if (changed_) heaviest_ = weight_.head(n).maxCoeff<Eigen::PropagateNaN>();
+  changed_ = false;
+  double sum = 0, work = 0, common = 0;
+  for (int k = 0; k < p; ++k) {
+    sum += std::abs(on_face[k]);
+    work += on_face[k] * r(face_[k]);
+    common += on_face[k] * seen_.push(face_[k]);
   }
-  tolerance_ = round_off * (r.cwiseAbs().maxCoeff() + weight.maxCoeff() * largest);
+  tolerance_ = round_off * (r.cwiseAbs().maxCoeff() + heaviest_ * largest_of(on_face, p));
+  if (!std::isfinite(sum + work + tolerance_)) return false;
+
+  const double slack = (sum + seen_.sum) * (tolerance_ + seen_.tolerance);
+  const double from_zero = std::sqrt(std::max(work, 0.0) + slack);
+  const double from_seen = std::sqrt(std::max(work - 2 * common + seen_.square, 0.0) + 4 * slack);
+  const bool look_at_face = rotations_ >= looked_after;
+  rows_.clear();
+  for (int i = 0; i < n; ++i)
+    if (face_.contains(i)
+            ? look_at_face
+            : r(i) > -root_(i) * from_zero && r(i) > seen_.push(i) - seen_.tolerance - root_(i) * from_seen)
+      rows_.push_back(i);
+
+  if (4 * rows_.size() > static_cast<std::size_t>(n)) {  // a row gathered costs about four of whole columns
+    auto push = seen_.push.head(n);
+    push.setZero();
+    int k = 0;
+    for (; k + 4 <= p; k += 4)
+      push += on_face[k] * S.col(face_[k]) + on_face[k + 1] * S.col(face_[k + 1]) +
+              on_face[k + 2] * S.col(face_[k + 2]) + on_face[k + 3] * S.col(face_[k + 3]);
+    for (; k < p; ++k) push += on_face[k] * S.col(face_[k]);
+    w = push - r;
+    seen_.sum = sum;
+    seen_.tolerance = tolerance_;
+    seen_.square = 0;
+    for (k = 0; k < p; ++k) seen_.square += on_face[k] * push(face_[k]);
+  } else {
+    w.setZero();
+    for (const int i : rows_) {
+      const double* const row = &S.coeffRef(0, i);
+      double even = -r(i), odd = 0;
+      int k = 0;
+      for (; k + 2 <= p; k += 2) {
+        even += row[face_[k]] * on_face[k];
+        odd += row[face_[k + 1]] * on_face[k + 1];
+      }
+      if (k < p) even += row[face_[k]] * on_face[k];
+      w(i) = even + odd;
+    }
+  }
+  return std::isfinite(w.sum());
+}
+
+/// Rotations leave round-off behind, a few ε each: now and then w_P is looked at for it.
+bool ComplementaritySolver::is_worn_out() noexcept {
+  if (rotations_ < looked_after) return false;
+  rotations_ = 0;
+  for (int k = 0; k < face_.size(); ++k)
+    if (std::abs(w_(face_[k])) > tolerance_) return true;
+  return false;
+}
+
+/// leaving_: positions with λ < 0; entering_: indices with w < 0.
+void ComplementaritySolver::find_infeasible(int n) noexcept {
+  const double least = -negative * largest_of(z_, face_.size());
+  leaving_.clear();
+  entering_.clear();
+  for (int k = 0; k < face_.size(); ++k)
+    if (z_[k] < least) leaving_.push_back(k);
+  for (int i = 0; i < n; ++i)
+    if (w_[i] < -tolerance_ && !face_.contains(i)) entering_.push_back(i);
+}
+
+/// Cuts the lists down to the pivots left: tension goes first, then the deepest come in.
+void ComplementaritySolver::cut_to_budget() noexcept {
+  const auto left = static_cast<std::size_t>(left_);
+  if (leaving_.size() > left) leaving_.resize(left);
+  const std::size_t enter = left - leaving_.size();
+  if (entering_.size() <= enter) return;
+  std::nth_element(entering_.begin(), entering_.begin() + static_cast<std::ptrdiff_t>(enter), entering_.end(),
+                   [this](int i, int j) { return w_[i] < w_[j]; });
+  entering_.resize(enter);
 }
 
 /// Block principal pivoting from the active set at hand, after Kostreva 1978 and Júdice & Pires 1994: every
 /// infeasible index changes sides at once, as long as their number falls now and then. `solved` leaves λ_P in
-/// x_; anything else but not_finite hands over to `descend`.
-SolveStatus ComplementaritySolver::pivot(const Problem& S, const Right& r) noexcept {
+/// x_; `no_solution` hands over to `descend`.
+SolveStatus ComplementaritySolver::pivot(const Symmetric& S, const Right& r) noexcept {
   const int n = static_cast<int>(r.size());
-  int fewest = n + 1, patience = patience_of_pivots, from = 0;
+  if (!stopped_) {
+    fewest_ = n + 1;
+    patience_ = patience_of_pivots;
+  }
   while (true) {
-    if (!factor(S, from, false)) return SolveStatus::no_solution;
-    minimise_on_face(r);
-    evaluate(S, r, z_);
-    if (!std::isfinite(w_.head(n).sum())) return SolveStatus::not_finite;
-
-    double largest = 0;
-    for (int k = 0; k < count_; ++k) largest = std::max(largest, std::abs(z_[k]));
-    int kept = 0, infeasible = 0;
-    from = count_;
-    for (int k = 0; k < count_; ++k) {
-      if (z_[k] >= -negative * largest) {
-        next_[kept++] = active_[k];
-      } else {
-        from = std::min(from, k);
-        ++infeasible;
-      }
+    face_.minimise(r, z_);
+    if (!evaluate(S, r, z_)) return SolveStatus::not_finite;
+    if (is_worn_out()) {
+      if (!renew(S, true)) return SolveStatus::no_solution;
+      continue;
     }
-    for (int i = 0; i < n; ++i)
-      if (!is_active_[i] && w_[i] < -tolerance_) {
-        next_[kept++] = i;
-        ++infeasible;
-      }
+    find_infeasible(n);
+    const int infeasible = static_cast<int>(leaving_.size() + entering_.size());
     if (infeasible == 0) {
-      for (int k = 0; k < count_; ++k) x_[k] = std::max(z_[k], 0.0);
+      for (int k = 0; k < face_.size(); ++k) x_[k] = std::max(z_[k], 0.0);
       return SolveStatus::solved;
     }
-    if (infeasible < fewest) {
-      fewest = infeasible;
-      patience = patience_of_pivots;
-    } else if (patience-- == 0) {
+    if (bounded()) {
+      offer(S, r, z_);
+      if (left_ <= 0) return SolveStatus::limited;
+    }
+    if (infeasible < fewest_) {
+      fewest_ = infeasible;
+      patience_ = patience_of_pivots;
+    } else if (patience_-- <= 0) {
+      patience_ = 0;
       return SolveStatus::no_solution;
     }
-    ++statistics_.pivots;
-    std::copy(next_.begin(), next_.begin() + kept, active_.begin());
-    std::fill(is_active_.begin(), is_active_.begin() + n, char{0});
-    for (int k = 0; k < kept; ++k) is_active_[active_[k]] = 1;
-    count_ = kept;
+    if (infeasible > left_) cut_to_budget();
+    ++statistics_.rounds;
+    for (auto k = leaving_.rbegin(); k != leaving_.rend(); ++k) drop(S, *k);
+    for (const int j : entering_)
+      if (!enter(S, j, false)) return SolveStatus::no_solution;
   }
 }
 
 /// From λ_P = x_ ≥ 0 to the minimiser on a face of P where it is ≥ 0: steps towards it, dropping what reaches
-/// 0 first.
-bool ComplementaritySolver::move_on_face(const Problem& S, const Right& r) noexcept {
+/// 0 first. False: no pivots left, x_ is as far as they went.
+bool ComplementaritySolver::move_on_face(const Symmetric& S, const Right& r) noexcept {
   while (true) {
-    minimise_on_face(r);
-    double largest = 0;
-    for (int k = 0; k < count_; ++k) largest = std::max(largest, std::abs(z_[k]));
+    face_.minimise(r, z_);
+    const double least = -negative * largest_of(z_, face_.size());
     double reach = 1;
     int blocking = -1;
-    for (int k = 0; k < count_; ++k)
-      if (z_[k] < -negative * largest && x_[k] / (x_[k] - z_[k]) < reach) {
+    for (int k = 0; k < face_.size(); ++k)
+      if (z_[k] < least && x_[k] / (x_[k] - z_[k]) < reach) {
         reach = x_[k] / (x_[k] - z_[k]);
         blocking = k;
       }
-    for (int k = 0; k < count_; ++k)
+    for (int k = 0; k < face_.size(); ++k)
       x_[k] = std::max(0.0, blocking < 0 ? z_[k] : x_[k] + reach * (z_[k] - x_[k]));
     if (blocking < 0) return true;
-    drop(blocking);
-    if (!factor(S, blocking, true)) return false;
+    if (left_ <= 0) return false;
+    drop(S, blocking);
   }
 }
 
-/// j depends on P (d_ from `enter`): the objective falls without end along d until some λ_k is 0 and j takes
-/// its place. False: nothing blocks, so the problem has no solution. A slope within round-off refuses j
-/// instead.
-bool ComplementaritySolver::exchange(const Problem& S, int j) noexcept {
+/// j depends on P (null direction d from `enter`): the objective falls without end along d until some λ_k is
+/// 0 and j takes its place. False: nothing blocks, so the problem has no solution. A slope within round-off
+/// refuses j instead.
+bool ComplementaritySolver::exchange(const Symmetric& S, int j) noexcept {
+  const std::vector<double>& d = face_.null_direction();
   double length = 1;
-  for (int k = 0; k < count_; ++k) length += std::abs(d_[k]);
+  for (int k = 0; k < face_.size(); ++k) length += std::abs(d[k]);
   if (-w_[j] <= tolerance_ * length) {
     refused_[j] = 1;
     return true;
@@ -205,104 +254,150 @@ bool ComplementaritySolver::exchange(const Problem& S, int j) noexcept {
   double reach = std::numeric_limits<double>::infinity();
   // The swap changes the determinant of S_PP by the factor d_k²: a small d_k blocks only where no other does.
   for (const double least : {1e-8, 1e-12}) {
-    for (int k = 0; k < count_; ++k)
-      if (d_[k] < -least * length && x_[k] < -d_[k] * reach) {
-        reach = -x_[k] / d_[k];
+    for (int k = 0; k < face_.size(); ++k)
+      if (d[k] < -least * length && x_[k] < -d[k] * reach) {
+        reach = -x_[k] / d[k];
         blocking = k;
       }
     if (blocking >= 0) break;
   }
   if (blocking < 0) return false;
-  for (int k = 0; k < count_; ++k) x_[k] = std::max(0.0, x_[k] + reach * d_[k]);
-  drop(blocking);
-  if (!factor(S, blocking, true)) return false;
-  x_[count_] = reach;
+  for (int k = 0; k < face_.size(); ++k) x_[k] = std::max(0.0, x_[k] + reach * d[k]);
+  drop(S, blocking);
+  x_[face_.size()] = reach;
   return enter(S, j, true);
 }
 
 /// Primal active set on the convex problem, after Lawson & Hanson 1974: feasible throughout, the objective
-/// strictly falling, hence finite; singular S by `exchange`.
-SolveStatus ComplementaritySolver::descend(const Problem& S, const Right& r) noexcept {
+/// strictly falling, hence finite; singular S by `exchange`. Where the pivots run out, λ_P and P wait for the
+/// next solve.
+SolveStatus ComplementaritySolver::descend(const Symmetric& S, const Right& r) noexcept {
   const int n = static_cast<int>(r.size());
   ++statistics_.fallbacks;
-  std::fill(refused_.begin(), refused_.begin() + n, char{0});
-
-  // Start from the part of the last active set that pushes.
-  factor(S, 0, false);
-  minimise_on_face(r);
-  int kept = 0;
-  for (int k = 0; k < count_; ++k) {
-    is_active_[active_[k]] = z_[k] > 0;
-    if (z_[k] > 0) {
-      x_[kept] = z_[k];
-      active_[kept++] = active_[k];
-    }
+  face_.minimise(r, z_);
+  if (bounded()) offer(S, r, z_);
+  if (!std::exchange(descending_, false)) {
+    // Start from the part of the active set that pushes.
+    std::fill(refused_.begin(), refused_.begin() + n, char{0});
+    entered_ = -1;
+    std::copy(z_.begin(), z_.begin() + face_.size(), x_.begin());
+    for (int k = face_.size() - 1; k >= 0; --k)
+      if (!(x_[k] > 0)) {
+        if (left_ <= 0) return SolveStatus::limited;
+        drop(S, k);
+      }
   }
-  count_ = kept;
-  bool regular = factor(S, 0, true);
 
   const int most = 1000 + 50 * n;  // far beyond what falling objectives need: round-off alone could get there
-  int entered = -1;
+  bool regular = true;
   for (int round = 0; regular && round < most; ++round) {
-    if (!move_on_face(S, r)) break;
-    if (entered >= 0) {
+    if (!move_on_face(S, r)) {
+      offer(S, r, x_);
+      descending_ = true;
+      return SolveStatus::limited;
+    }
+    if (entered_ >= 0) {
       // Exactly, j grows from 0; where it was dropped at once, w_j was round-off. Any real progress reopens
       // all cases.
-      if (is_active_[entered])
+      if (face_.contains(entered_))
         std::fill(refused_.begin(), refused_.begin() + n, char{0});
       else
-        refused_[entered] = 1;
+        refused_[entered_] = 1;
     }
-    evaluate(S, r, x_);
-    if (!std::isfinite(w_.head(n).sum())) return SolveStatus::not_finite;
+    if (!evaluate(S, r, x_)) return SolveStatus::not_finite;
+    entered_ = -1;
+    if (is_worn_out()) {
+      regular = renew(S, true);
+      continue;
+    }
     do {
-      entered = -1;
+      entered_ = -1;
       for (int i = 0; i < n; ++i)
-        if (!is_active_[i] && !refused_[i] && w_[i] < -tolerance_ && (entered < 0 || w_[i] < w_[entered]))
-          entered = i;
-      if (entered < 0) return SolveStatus::solved;
-      if (enter(S, entered, false)) {
-        x_[count_ - 1] = 0;
+        if (!face_.contains(i) && !refused_[i] && w_[i] < -tolerance_ &&
+            (entered_ < 0 || w_[i] < w_[entered_]))
+          entered_ = i;
+      if (entered_ < 0) return SolveStatus::solved;
+      if (left_ <= 0) {
+        offer(S, r, x_);
+        entered_ = -1;
+        descending_ = true;
+        return SolveStatus::limited;
+      }
+      if (enter(S, entered_, false)) {
+        x_[face_.size() - 1] = 0;
         break;
       }
-      regular = exchange(S, entered);
-    } while (regular && refused_[entered]);
+      regular = exchange(S, entered_);
+    } while (regular && refused_[entered_]);
   }
   return SolveStatus::no_solution;
 }
 
-SolveStatus ComplementaritySolver::solve(const Problem& S, const Right& r,
+/// Remembers t x, x = max(on_face, 0), if its objective is the least so far. The t that is best,
+/// t = xᵀr / xᵀSx, makes λᵀw = 0 and F = −½ (xᵀr)² / xᵀSx < 0.
+void ComplementaritySolver::offer(const Symmetric& S, const Right& r,
+                                  const std::vector<double>& on_face) noexcept {
+  double gain = 0, quadratic = 0;
+  for (int k = 0; k < face_.size(); ++k) {
+    if (!(on_face[k] > 0)) continue;
+    const double* const column = &S.coeffRef(0, face_[k]);
+    double sum = 0.5 * column[face_[k]] * on_face[k];
+    for (int i = 0; i < k; ++i) sum += column[face_[i]] * std::max(on_face[i], 0.0);
+    quadratic += 2 * on_face[k] * sum;
+    gain += on_face[k] * r(face_[k]);
+  }
+  if (!(gain > 0) || !(quadratic > 0) || !(-0.5 * gain * (gain / quadratic) < best_objective_)) return;
+  best_objective_ = -0.5 * gain * (gain / quadratic);
+  best_count_ = 0;
+  for (int k = 0; k < face_.size(); ++k) {
+    if (!(on_face[k] > 0)) continue;
+    best_index_[best_count_] = face_[k];
+    best_value_[best_count_++] = gain / quadratic * on_face[k];
+  }
+}
+
+void ComplementaritySolver::answer_with_best(const Symmetric& S, const Right& r,
+                                             Eigen::Ref<Eigen::VectorXd> lambda) noexcept {
+  auto w = w_.head(r.size());
+  w = -r;
+  for (int k = 0; k < best_count_; ++k) {
+    lambda(best_index_[k]) = best_value_[k];
+    w += best_value_[k] * S.col(best_index_[k]);
+  }
+  residual_ = {.violation = std::max(0.0, -w.minCoeff()),
+               .scale = r.cwiseAbs().maxCoeff() + heaviest_ * largest_of(best_value_, best_count_),
+               .work = std::abs(w.dot(lambda))};
+}
+
+SolveStatus ComplementaritySolver::solve(const Symmetric& S, const Right& r,
                                          Eigen::Ref<Eigen::VectorXd> lambda) noexcept {
-  const int n = static_cast<int>(r.size());
   ++statistics_.problems;
+  residual_ = {};
   lambda.setZero();
-  if (n == 0) return SolveStatus::solved;
-  if (!std::isfinite(r.sum()) || !std::isfinite(S.diagonal().sum())) {
+  if (r.size() == 0) return SolveStatus::solved;
+  if (!std::isfinite(r.sum()) || !know(S)) {
     reset();
     return SolveStatus::not_finite;
   }
-
-  const bool warm = warm_;
+  left_ = options_.max_pivots;
+  best_objective_ = 0;
+  best_count_ = 0;
   const std::int64_t pivots = statistics_.pivots;
-  int kept = 0;
-  std::fill(is_active_.begin(), is_active_.begin() + n, char{0});
-  for (int k = 0; k < count_; ++k)
-    if (active_[k] < n) {
-      is_active_[active_[k]] = 1;
-      active_[kept++] = active_[k];
-    }
-  count_ = kept;
 
-  SolveStatus status = pivot(S, r);
-  if (status == SolveStatus::solved && warm && statistics_.pivots == pivots) ++statistics_.warm_hits;
+  SolveStatus status = descending_ ? SolveStatus::no_solution : pivot(S, r);
+  if (status == SolveStatus::solved && warm_ && statistics_.pivots == pivots) ++statistics_.warm_hits;
   if (status == SolveStatus::no_solution) status = descend(S, r);
-  if (status != SolveStatus::solved) {
+  warm_ = status == SolveStatus::solved;
+  stopped_ = status == SolveStatus::limited;
+  if (stopped_) {
+    ++statistics_.limited;
+    answer_with_best(S, r, lambda);
+  } else if (warm_) {
+    statistics_.max_active = std::max(statistics_.max_active, face_.size());
+    for (int k = 0; k < face_.size(); ++k) lambda(face_[k]) = x_[k];
+  } else {
     reset();
-    return status;
   }
-  warm_ = true;
-  statistics_.max_active = std::max(statistics_.max_active, count_);
-  for (int k = 0; k < count_; ++k) lambda(active_[k]) = x_[k];
   return status;
 }
 

@@ -1,26 +1,48 @@
 // Linear complementarity problems of a symmetric positive semidefinite matrix, solved exactly:
 //
-//   0 ≤ λ  ⟂  w = S λ − r ≥ 0      ⇔      minimise ½ λᵀ S λ − rᵀ λ over λ ≥ 0
+//   0 ≤ λ  ⟂  w = S λ − r ≥ 0      ⇔      minimise F(λ) = ½ λᵀ S λ − rᵀ λ over λ ≥ 0
 #pragma once
 
 #include <Eigen/Dense>
 #include <cstdint>
+#include <limits>
 #include <vector>
+
+#include "contact/face.hpp"
 
 namespace ricochet::contact {
 
 enum class SolveStatus {
   solved,
+  limited,  ///< max_pivots was reached: λ ≥ 0 and λᵀw = 0, but w ≥ 0 only as far as residual() says
   no_solution,  ///< S is singular and r pushes along its null space: no λ closes the gap
   not_finite,   ///< r, the diagonal of S or a column that is used holds a NaN or an infinity
+};
+
+struct SolveOptions {
+  /// All problems are of one matrix S: its factor is kept from one solve to the next, until reset().
+  bool same_matrix = false;
+  /// Bound on the work of a solve: how many indices may change sides between the start and the answer. Each
+  /// costs O(p²), each round of them a product S_·P λ_P.
+  int max_pivots = std::numeric_limits<int>::max();
+};
+
+/// How far the last answer is from complementarity; all 0 unless it was `limited`.
+struct SolveResidual {
+  double violation = 0;  ///< max −w_i, in units of r
+  double scale = 0;      ///< |r|_∞ + ‖S_·P‖_∞ |λ|_∞, which the tolerance of w is relative to
+  double work = 0;       ///< |λᵀw|: round-off
 };
 
 /// Passive statistics since construction.
 struct SolveStatistics {
   std::int64_t problems = 0;
   std::int64_t warm_hits = 0;  ///< solved by the active set of the problem before
-  std::int64_t pivots = 0;     ///< block pivots
+  std::int64_t pivots = 0;     ///< indices that changed sides
+  std::int64_t rounds = 0;     ///< block pivots
   std::int64_t fallbacks = 0;  ///< finite fallback entered
+  std::int64_t renewals = 0;   ///< factors made anew, O(p³)
+  std::int64_t limited = 0;    ///< stopped by max_pivots
   int max_active = 0;
 };
 
@@ -30,47 +52,72 @@ struct SolveStatistics {
 class ComplementaritySolver {
  public:
   /// @param capacity  largest problem size m
-  explicit ComplementaritySolver(int capacity);
+  explicit ComplementaritySolver(int capacity, const SolveOptions& options = {});
 
   /// @param S  (n,n) symmetric positive semidefinite, n ≤ capacity, both triangles
   /// @param r  (n)
   /// @param lambda  (n) out: λ ≥ 0, exactly 0 off the active set
   /// Complementarity holds to round-off: w_i ≥ −tol, tol = 1e-13 (|r|_∞ + ‖S‖_∞ |λ|_∞); for a row that
   /// depends on active rows, S_i = −Σ d_P S_P, tol is (1 + |d|_1) times that, because the error of λ_P
-  /// reaches w_i through d. Unless the status is `solved`, λ is 0.
-  SolveStatus solve(const Eigen::Ref<const Eigen::MatrixXd>& S, const Eigen::Ref<const Eigen::VectorXd>& r,
+  /// reaches w_i through d. With `limited`, F(λ) is no more than at 0 and than at the start's active set with
+  /// tension cut off, each scaled as is best; the next solve goes on from there. Else λ is 0.
+  SolveStatus solve(const Symmetric& S, const Eigen::Ref<const Eigen::VectorXd>& r,
                     Eigen::Ref<Eigen::VectorXd> lambda) noexcept;
 
-  /// Forget the warm start.
+  /// Forget the warm start and, with `same_matrix`, the matrix.
   void reset() noexcept;
   const SolveStatistics& statistics() const { return statistics_; }
+  const SolveResidual& residual() const { return residual_; }
 
  private:
-  using Problem = Eigen::Ref<const Eigen::MatrixXd>;
   using Right = Eigen::Ref<const Eigen::VectorXd>;
 
-  SolveStatus pivot(const Problem& S, const Right& r) noexcept;
-  SolveStatus descend(const Problem& S, const Right& r) noexcept;
-  bool enter(const Problem& S, int j, bool trusted) noexcept;
-  bool factor(const Problem& S, int from, bool trusted) noexcept;
-  void drop(int position) noexcept;
-  void minimise_on_face(const Right& r) noexcept;
-  bool move_on_face(const Problem& S, const Right& r) noexcept;
-  bool exchange(const Problem& S, int j) noexcept;
-  void evaluate(const Problem& S, const Right& r, const std::vector<double>& on_face) noexcept;
-  double* row(int k) { return factor_.data() + static_cast<std::size_t>(k) * stride_; }
+  bool know(const Symmetric& S) noexcept;
+  bool renew(const Symmetric& S, bool trusted) noexcept;
+  bool enter(const Symmetric& S, int j, bool trusted) noexcept;
+  void drop(const Symmetric& S, int position) noexcept;
+  SolveStatus pivot(const Symmetric& S, const Right& r) noexcept;
+  SolveStatus descend(const Symmetric& S, const Right& r) noexcept;
+  bool evaluate(const Symmetric& S, const Right& r, const std::vector<double>& on_face) noexcept;
+  bool is_worn_out() noexcept;
+  void find_infeasible(int n) noexcept;
+  void cut_to_budget() noexcept;
+  bool move_on_face(const Symmetric& S, const Right& r) noexcept;
+  bool exchange(const Symmetric& S, int j) noexcept;
+  bool bounded() const { return options_.max_pivots < std::numeric_limits<int>::max(); }
+  void offer(const Symmetric& S, const Right& r, const std::vector<double>& on_face) noexcept;
+  void answer_with_best(const Symmetric& S, const Right& r, Eigen::Ref<Eigen::VectorXd> lambda) noexcept;
 
+  /// f = S μ for the λ_P = μ at which all rows were last evaluated.
+  struct Seen {
+    Eigen::VectorXd push;                       ///< (n) f
+    double sum = 0, square = 0, tolerance = 0;  ///< |μ|_1, μᵀf, of f
+  };
+
+  SolveOptions options_;
   SolveStatistics statistics_;
-  std::size_t stride_;
-  int count_ = 0;                          ///< p, size of the active set P
-  bool warm_ = false;                      ///< P is that of a solved problem
-  std::vector<int> active_;                ///< (p) P, in the order of the factor's rows
-  std::vector<char> is_active_, refused_;  ///< (n) membership of P; dependent rows found consistent
-  std::vector<double> factor_;             ///< (p,p) L of S_PP = L Lᵀ, row-major; row p is scratch
-  std::vector<double> z_, x_, d_;          ///< (p) minimiser on the face, current λ_P, null direction
-  std::vector<int> next_;                  ///< (n) scratch
-  Eigen::VectorXd w_, weight_;             ///< (n) w and Σ_P |S_ij|
-  double tolerance_ = 0;                   ///< of w, for the λ last evaluated
+  SolveResidual residual_;
+  Face face_;                      ///< P
+  Eigen::Index known_ = 0;         ///< size of the matrix whose factor and diagonal are at hand
+  bool warm_ = false;              ///< P is that of a solved problem
+  bool stopped_ = false;           ///< the problem before was `limited`
+  bool descending_ = false;        ///< and that in `descend`: x_ is feasible
+  int entered_ = -1;               ///< index that `descend` let in last
+  bool changed_ = true;            ///< P, since heaviest_
+  int rotations_ = 0;              ///< indices that left P since w_P was last looked at
+  int left_ = 0;                   ///< pivots
+  int fewest_ = 0, patience_ = 0;  ///< least number of infeasible indices; rounds left without a new one
+  std::vector<char> refused_;      ///< (n) dependent rows found consistent
+  std::vector<double> z_, x_;      ///< (p) minimiser on the face, current λ_P
+  std::vector<int> leaving_, entering_, rows_;  ///< positions in P, ascending; indices; rows of w at work
+  Eigen::VectorXd w_, weight_, root_;           ///< (n) w or 0 where it is not negative; Σ_P |S_ij|; √S_ii
+  Seen seen_;
+  double heaviest_ = 0;        ///< max weight_
+  double tolerance_ = 0;       ///< of w, for the λ last evaluated
+  double best_objective_ = 0;  ///< F of the best feasible λ so far
+  int best_count_ = 0;
+  std::vector<int> best_index_;
+  std::vector<double> best_value_;
 };
 
 }  // namespace ricochet::contact

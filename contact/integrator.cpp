@@ -23,6 +23,8 @@ void check(const Model& model, const StepOptions& o) {
   if (!(o.step > 0) || !std::isfinite(o.step))
     throw InputError(
         fmt::format("time step = {} s: must be positive and finite. Set time.rate_hz above 0.", o.step));
+  if (o.max_pivots < 1)
+    throw InputError(fmt::format("contact.max_pivots = {}: must be at least 1.", o.max_pivots));
   if (o.scheme != Scheme::impulse) return;
   if (!(o.restitution >= 0 && o.restitution <= 1))
     throw InputError(fmt::format("contact.restitution = {}: must be between 0 and 1.", o.restitution));
@@ -34,6 +36,10 @@ void check(const Model& model, const StepOptions& o) {
         "below {:.4g} s (time.rate_hz above {:.6g}), fewer modes, or \"jump\".",
         highest * o.step, highest / (2 * std::numbers::pi), std::numbers::pi / highest,
         highest / std::numbers::pi));
+}
+
+bool has_forces(SolveStatus status) {
+  return status == SolveStatus::solved || status == SolveStatus::limited;
 }
 
 }  // namespace
@@ -51,7 +57,8 @@ Integrator::Integrator(const Model& model, const StepOptions& options)
       B_(model.B),
       gap_(model.gap),
       R_(model.R),
-      solver_(static_cast<int>(model.gap.size())),
+      solver_(static_cast<int>(model.gap.size()),
+              {.same_matrix = options.scheme == Scheme::compliant, .max_pivots = options.max_pivots}),
       drives_(model, options.step, options.scheme == Scheme::compliant),
       q_(model.q0),
       v_(model.v0) {
@@ -190,7 +197,8 @@ StepStatus Integrator::commit(double contact_work, double residual, double power
   return StepStatus::ok;
 }
 
-/// 0 ≤ λ ⟂ S λ − (û − g) ≥ 0,  û = B q̂ + s with q̂ the motion without contact,  S = B c Bᵀ + R
+/// 0 ≤ λ ⟂ S λ − (û − g) ≥ 0,  û = B q̂ + s with q̂ the motion without contact,  S = B c Bᵀ + R;
+/// g̃ for g while points are left beyond it
 StepStatus Integrator::step_compliant() noexcept {
   if (drives_.any()) drives_.step(steps_ + 1, now_);
   free_motion(q_, v_, now_);
@@ -198,10 +206,14 @@ StepStatus Integrator::step_compliant() noexcept {
   next_u_ = now_.s;
   next_u_.noalias() += B_ * next_q_;
   rhs_ = next_u_ - gap_;
+  if (deep_) rhs_ -= (u_ - gap_).cwiseMax(0);
   next_force_.setZero();
+  SolveStatus status = SolveStatus::solved;
+  SolveResidual residue;
   if (!(rhs_.array() < 0).all()) {  // NaN included
-    const SolveStatus status = solver_.solve(S_, rhs_, next_force_);
-    if (status != SolveStatus::solved) return failure(status);
+    status = solver_.solve(S_, rhs_, next_force_);
+    if (!has_forces(status)) return failure(status);
+    residue = solver_.residual();
   }
   const int active = push_by(next_force_);
   double work = 0, residual = 0, power = 0, against_s = 0;
@@ -223,7 +235,11 @@ StepStatus Integrator::step_compliant() noexcept {
   if (drives_.any()) next_v_ += now_.v;
   Drives::Work spent = drive_work();
   spent.drives += against_s;
-  return commit(work, residual, power, active, spent);
+  const StepStatus done = commit(work, residual, power, active, spent);
+  if (done != StepStatus::ok) return done;
+  residual_ = residue;
+  deep_ = (deep_ || status == SolveStatus::limited) && (u_.array() > gap_.array()).any();
+  return done;
 }
 
 /// Free motion to t_k, then q̇⁺ = q̇⁻ − Bᵀ P.
@@ -237,7 +253,7 @@ StepStatus Integrator::step_impulse() noexcept {
   next_u_ = now_.s;
   next_u_.noalias() += B_ * next_q_;
   const SolveStatus status = impulses(now_);
-  if (status != SolveStatus::solved) return failure(status);
+  if (!has_forces(status)) return failure(status);
 
   const int active = push_by(next_force_);
   double work = 0;
@@ -245,7 +261,9 @@ StepStatus Integrator::step_impulse() noexcept {
     work = strike(spent);
     next_force_ /= options_.step;
   }
-  return commit(work, 0, -work / options_.step, active, spent);
+  const StepStatus done = commit(work, 0, -work / options_.step, active, spent);
+  if (done == StepStatus::ok) residual_ = touching_.empty() ? SolveResidual{} : solver_.residual();
+  return done;
 }
 
 /// q̇⁺ = q̇⁻ − push_ under the impulses next_force_; returns what they take from the bodies.

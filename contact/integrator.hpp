@@ -10,10 +10,13 @@
 // at the first such instant, impulses follow, and the rest of the step goes on from there. Each point closes
 // once a step at most.
 //
-// compliant: its energy theorem asks for u ≤ g at the start, the static displacement s included.
+// compliant: its energy theorem asks for u ≤ g at the start, the static displacement s included. A step that
+// max_pivots cut short may end beyond g; until all points are back, g̃ = max(g, u) at a step's start takes the
+// place of g: such a point is not let in deeper, and not pushed out, which would do work.
 #pragma once
 
 #include <Eigen/Dense>
+#include <limits>
 #include <vector>
 
 #include "contact/complementarity.hpp"
@@ -45,6 +48,8 @@ struct StepOptions {
   Instant instant = Instant::step;  ///< of the impulse scheme
   double restitution = 0;           ///< e of the impulse scheme, in [0, 1]
   double step = 0;                  ///< Δ [s]
+  /// Bound on the work of a step: changes of a point between touching and open that its solve may make.
+  int max_pivots = std::numeric_limits<int>::max();
 };
 
 enum class StepStatus { ok, no_solution, not_finite };
@@ -65,7 +70,8 @@ struct Energy {
 
 class Integrator {
  public:
-  /// Throws InputError: `impulse` with "difference" and ω_max Δ ≥ π; a restitution outside [0, 1].
+  /// Throws InputError: `impulse` with "difference" and ω_max Δ ≥ π; a restitution outside [0, 1]; a
+  /// max_pivots below 1.
   /// With `compliant`, modes with ωΔ > π carry no sampled information: they move into R and into the static
   /// displacement, and leave q (their q, q̇ stay 0).
   Integrator(const Model& model, const StepOptions& options);
@@ -87,6 +93,9 @@ class Integrator {
   double persistency() const { return persistency_; }
   int modes_in_residual() const { return dropped_; }  ///< modes moved into R because ωΔ > π
   const SolveStatistics& solver() const { return solver_.statistics(); }
+  /// By how far the last step's forces miss complementarity: 0 but for steps that max_pivots cut short.
+  /// compliant: u beyond what was to be kept [m]; impulse: approach left (1 + e) v̂ − A P [m/s].
+  const SolveResidual& residual() const { return residual_; }
 
  private:
   /// A sum whose rounding errors are carried along (Neumaier), for ledgers of millions of steps.
@@ -132,6 +141,8 @@ class Integrator {
   Vector s_;  ///< (m) s at t_k
   int active_ = 0;
   double persistency_ = 0;
+  SolveResidual residual_;
+  bool deep_ = false;  ///< a limited step left points beyond g, and not all are back
 
   // of the step under way: nothing above changes before it is known to succeed
   Drives::Stretch now_, ahead_;  ///< the drives in this step; in the one after it

@@ -92,6 +92,9 @@ void SummaryObserver::observe(const Integrator& integrator) {
   if (model_.gap.size() > 0)
     out_.max_penetration_m =
         std::max(out_.max_penetration_m, (integrator.displacement() - model_.gap).maxCoeff());
+  out_.limited_steps = integrator.solver().limited;
+  if (const SolveResidual& left = integrator.residual(); left.scale > 0)
+    out_.limited_residual = std::max(out_.limited_residual, left.violation / left.scale);
   if (integrator.active() > 0) {
     touch(integrator);
   } else if (touching_) {
@@ -240,6 +243,8 @@ void write_json(const Summary& summary, const std::filesystem::path& path) {
                      {"energy_drift", summary.energy_drift},
                      {"energy_lost_contact", summary.energy_lost_contact},
                      {"max_penetration_m", summary.max_penetration_m},
+                     {"limited_steps", summary.limited_steps},
+                     {"limited_residual", summary.limited_residual},
                      {"modes", summary.modes},
                      {"modes_in_residual", summary.modes_in_residual},
                      {"candidates", summary.candidates},

@@ -45,6 +45,8 @@ struct Summary {
   double energy_drift = 0;  ///< largest departure of the ledger over the largest kinetic + strain + residual
   double energy_lost_contact = 0;  ///< taken by contact over kinetic + strain when contact started
   double max_penetration_m = 0;    ///< largest u − g at the end of a step
+  std::int64_t limited_steps = 0;  ///< steps that max_pivots cut short
+  double limited_residual = 0;     ///< worst of them: SolveResidual violation over scale
   std::map<std::string, int> modes;
   int modes_in_residual = 0;  ///< above half the rate: quasi-static in this run
   int candidates = 0;         ///< paired points m

@@ -107,7 +107,8 @@ contact::StepOptions step_options(const scene::Scene& scene) {
           .instant = scene.contact.instant == scene::Instant::exact ? contact::Instant::exact
                                                                     : contact::Instant::step,
           .restitution = scene.contact.restitution,
-          .step = 1 / scene.time.rate.value};
+          .step = 1 / scene.time.rate.value,
+          .max_pivots = scene.contact.max_pivots.value_or(std::numeric_limits<int>::max())};
 }
 
 double slowest_wave(const scene::Scene& scene) {
@@ -208,6 +209,9 @@ std::string report(const Summary& s) {
   line("deepest penetration", fmt::format("{:.3g} m", s.max_penetration_m));
   for (const auto& [name, sound] : s.sounds)
     line("sound", fmt::format("{}, full scale {:.3g} m/s", sound.file, sound.full_scale_m_per_s));
+  if (s.limited_steps > 0)
+    line("limited steps",
+         fmt::format("{} by max_pivots, residual up to {:.2g}", s.limited_steps, s.limited_residual));
   line("speed", fmt::format("{:.3g} x real time", s.real_time_factor));
   return text;
 }

@@ -225,6 +225,10 @@ void read_scheme(Table& table, Contact& contact) {
   contact.restitution = restitution.value_or(0);
   if (contact.restitution < 0 || contact.restitution > 1)
     table.complain("restitution", "must be from 0 to 1");
+  if (const auto pivots = table.integer("max_pivots")) {
+    if (*pivots < 1 || *pivots > 1000000000) table.complain("max_pivots", "must be from 1 to 1e9");
+    contact.max_pivots = static_cast<int>(*pivots);
+  }
 }
 
 Contact read_contact(Table& root, const Scene& scene) {

@@ -85,7 +85,8 @@ struct Contact {
   Admittance admittance = Admittance::jump;  ///< of the impulse scheme
   Instant instant = Instant::step;           ///< of the impulse scheme
   double restitution = 0;                    ///< of the impulse scheme, in [0, 1]
-  std::vector<Pair> pairs;                   ///< [contact] itself, or each [[contact.pair]]
+  std::optional<int> max_pivots;  ///< bound on the work of a step, at least 1; none: solved whatever it takes
+  std::vector<Pair> pairs;        ///< [contact] itself, or each [[contact.pair]]
 };
 
 struct Time {

@@ -114,6 +114,7 @@ std::string to_toml(const Scene& scene) {
                         scene.contact.admittance == Admittance::jump ? "jump" : "difference",
                         scene.contact.instant == Instant::step ? "step" : "exact",
                         toml_number(scene.contact.restitution));
+  if (scene.contact.max_pivots) text += fmt::format("max_pivots = {}\n", *scene.contact.max_pivots);
   for (const Pair& pair : scene.contact.pairs) {
     text += fmt::format("\n[[contact.pair]]\nbetween = [{}, {}]\n", toml_string(pair.a), toml_string(pair.b));
     if (pair.direction) text += "direction = " + toml_vector(*pair.direction) + "\n";

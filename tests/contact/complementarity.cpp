@@ -10,27 +10,15 @@
 #include <random>
 
 #include "tests/contact/heap_counter.hpp"
+#include "tests/contact/lcp.hpp"
 
 namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using lcp::violation;
 using ricochet::contact::ComplementaritySolver;
 using ricochet::contact::SolveStatus;
-
-/// Worst violation of 0 ≤ λ ⟂ Sλ − r ≥ 0, relative to |r|_∞ + ‖S‖_∞ |λ|_∞.
-double violation(const MatrixXd& S, const VectorXd& r, const VectorXd& lambda) {
-  const double scale =
-      r.cwiseAbs().maxCoeff() + S.cwiseAbs().rowwise().sum().maxCoeff() * lambda.cwiseAbs().maxCoeff();
-  double worst = 0;
-  for (Eigen::Index i = 0; i < r.size(); ++i) {
-    long double w = -r(i);
-    for (Eigen::Index j = 0; j < r.size(); ++j) w += static_cast<long double>(S(i, j)) * lambda(j);
-    if (lambda(i) < 0) return std::numeric_limits<double>::infinity();
-    worst = std::max(worst, static_cast<double>(lambda(i) > 0 ? std::abs(w) : -w));
-  }
-  return scale > 0 ? worst / scale : worst;
-}
 
 /// w = Sλ − r of a solution, by trying every active set whose rows are independent (a solvable problem has
 /// such a one). w, unlike λ, is the same for every solution of a semidefinite problem.

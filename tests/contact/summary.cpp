@@ -198,9 +198,9 @@ TEST(Json, holds_what_the_summary_holds_and_null_for_what_is_not_known) {
   EXPECT_EQ(json["exit_velocity"]["upper"], (std::vector<double>{1, 2, 3}));
   EXPECT_EQ(json["modes"]["upper"], 50);
   EXPECT_EQ(json["warnings"], std::vector<std::string>{"too fast"});
-  for (const char* key :
-       {"contact_steps", "peak_force_n", "impulse_ns", "energy_drift", "energy_lost_contact",
-        "max_penetration_m", "candidates", "unpaired", "max_active", "real_time_factor", "wall_s"})
+  for (const char* key : {"contact_steps", "peak_force_n", "impulse_ns", "energy_drift",
+                          "energy_lost_contact", "max_penetration_m", "limited_steps", "limited_residual",
+                          "candidates", "unpaired", "max_active", "real_time_factor", "wall_s"})
     EXPECT_EQ(json.at(key), 0) << key;
   EXPECT_EQ(folder.entries(), 1U);  // no temporary file is left
   EXPECT_THAT(complaint_of([&] { write_json(s, folder / "not" / "there.json"); }), HasSubstr("--out"));

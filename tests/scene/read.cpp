@@ -42,6 +42,7 @@ TEST(SceneDefaults, of_all_else_are_those_documented) {
   EXPECT_TRUE(scene.modes.residual_flexibility);
   EXPECT_EQ(scene.modes.relative_residual, 1e-8);
   EXPECT_EQ(scene.contact.scheme, Scheme::compliant);
+  EXPECT_FALSE(scene.contact.max_pivots);
   ASSERT_EQ(scene.contact.pairs.size(), 1U);
   const scene::Pair& pair = scene.contact.pairs[0];
   EXPECT_FALSE(pair.direction || pair.along || pair.spacing || pair.gap || pair.reach);
@@ -129,6 +130,7 @@ TEST(SceneValues, of_contact_are_read_and_its_directions_made_unit) {
   EXPECT_EQ(contact.scheme, Scheme::impulse);
   EXPECT_EQ(contact.admittance, Admittance::difference);
   EXPECT_EQ(contact.restitution, 0.25);
+  EXPECT_EQ(contact.max_pivots, 40);
   ASSERT_EQ(contact.pairs.size(), 2U);
   const scene::Pair& pair = contact.pairs[0];
   EXPECT_EQ(pair.a, "ball");

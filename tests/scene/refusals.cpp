@@ -133,6 +133,7 @@ TEST(Refused, is_a_number_out_of_range) {
   expect_table_lines("contact", {{"spacing = 0", "spacing = 0: must be above 0"},
                                  {"reach = 0", "reach = 0: must be above 0"},
                                  {"gap = -0.1", "gap = -0.1: must not be negative"},
+                                 {"max_pivots = 0", "max_pivots = 0: must be from 1 to 1e9"},
                                  {"direction = [0, 0, 0]", "direction = [0, 0, 0]: must not be zero"},
                                  {"along = [0, 0, 0]", "along = [0, 0, 0]: must not be zero"}});
   for (const auto& [key, line] : std::vector<std::pair<std::string, std::string>>{

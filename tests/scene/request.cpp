@@ -82,8 +82,8 @@ TEST(KernelHash, stays_with_what_it_does_not) {
   const std::string hash = request_of(scene_text).hash;
   for (const char* set :
        {"title=other", "bodies.ball.velocity=[0,-6,0]", "bodies.ball.translate=[1,2,3]", "contact.gap=0.5",
-        "contact.reach=0.5", "contact.scheme=impulse", "time.rate_hz=96000", "time.duration=1",
-        "loads.gravity=[0,0,-9.81]", "output.every=2", "output.snapshot_every=5",
+        "contact.reach=0.5", "contact.scheme=impulse", "contact.max_pivots=20", "time.rate_hz=96000",
+        "time.duration=1", "loads.gravity=[0,0,-9.81]", "output.every=2", "output.snapshot_every=5",
         "obstacles.floor.point=[0,0,1]", "bodies.ball.order=3",
         "bodies.ball.mesh=moved.msh"})  // 3 is the default; the other file holds the same
     EXPECT_EQ(hash_with(set), hash) << set;

@@ -73,6 +73,7 @@ relative_residual = 1e-6
 scheme = "impulse"
 admittance = "difference"
 restitution = 0.25
+max_pivots = 40
 
 [[contact.pair]]
 between = ["ball", "block"]

@@ -43,6 +43,7 @@ void expect_same(const Contact& a, const Contact& b) {
   EXPECT_EQ(a.admittance, b.admittance);
   EXPECT_EQ(a.instant, b.instant);
   EXPECT_EQ(a.restitution, b.restitution);
+  EXPECT_EQ(a.max_pivots, b.max_pivots);
   ASSERT_EQ(a.pairs.size(), b.pairs.size());
   for (std::size_t k = 0; k < a.pairs.size(); ++k) {
     EXPECT_EQ(a.pairs[k].a, b.pairs[k].a);

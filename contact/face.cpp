@@ -1,0 +1,94 @@
+#include "contact/face.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace ricochet::contact {
+namespace {
+
+/// A Schur complement this far below its diagonal is looked at more closely.
+constexpr double suspicious = 1e-8;
+
+Eigen::Map<Eigen::VectorXd> head(std::vector<double>& x, int n) { return {x.data(), n}; }
+
+}  // namespace
+
+Face::Face(int capacity) : stride_(std::max(capacity, 1)) {
+  const auto n = static_cast<std::size_t>(stride_);
+  active_.resize(n);
+  is_active_.resize(n);
+  factor_.resize(n * n);
+  row_.resize(n);
+  d_.resize(n);
+}
+
+void Face::clear() noexcept {
+  for (int k = 0; k < count_; ++k) is_active_[active_[k]] = 0;
+  count_ = 0;
+}
+
+/// j depends on P when its Schur complement dᵀ S d, d_j = 1, d_P = −S_PP⁻¹ S_Pj, is within the round-off of
+/// that sum, n ε (Σ |d_i| √S_ii)².
+bool Face::enter(const Symmetric& S, int j, bool trusted) noexcept {
+  const double* const column = &S.coeffRef(0, j);
+  for (int k = 0; k < count_; ++k) row_[k] = column[active_[k]];
+  auto l = head(row_, count_);
+  factor().triangularView<Eigen::Lower>().solveInPlace(l);
+  const double schur = column[j] - l.squaredNorm();
+  if (!(schur > (trusted ? 0.0 : suspicious * column[j]))) {
+    if (trusted) return false;
+    auto d = head(d_, count_);
+    d = -l;
+    factor().transpose().triangularView<Eigen::Upper>().solveInPlace(d);
+    double sum = std::sqrt(column[j]);
+    for (int k = 0; k < count_; ++k) sum += std::abs(d_[k]) * std::sqrt(S(active_[k], active_[k]));
+    const double n = static_cast<double>(std::max<Eigen::Index>(S.rows(), 10));
+    if (!(schur > 4 * n * std::numeric_limits<double>::epsilon() * sum * sum)) return false;
+  }
+  for (int k = 0; k < count_; ++k) *at(count_, k) = row_[k];
+  *at(count_, count_) = std::sqrt(schur);
+  active_[count_++] = j;
+  is_active_[j] = 1;
+  return true;
+}
+
+/// With row k of L gone, S_PP behind it is L₃₃ L₃₃ᵀ + l lᵀ, l what column k held there: Givens rotations take
+/// l into the columns of L₃₃ one by one, which move up and to the left.
+void Face::leave(int position) noexcept {
+  is_active_[active_[position]] = 0;
+  std::copy(active_.begin() + position + 1, active_.begin() + count_, active_.begin() + position);
+  const int last = --count_;
+  for (int c = 0; c < position; ++c) std::copy(at(position + 1, c), at(last + 1, c), at(position, c));
+  std::copy(at(position + 1, position), at(last + 1, position), row_.data() + position);
+  for (int c = position; c < last; ++c) {
+    const double* const old = at(c + 1, c + 1);
+    double* const fresh = at(c, c);
+    double* const l = row_.data() + c;
+    const double norm = std::hypot(old[0], l[0]), cosine = old[0] / norm, sine = l[0] / norm;
+#pragma GCC ivdep
+    for (int i = 0; i < last - c; ++i) {
+      const double a = old[i], b = l[i];
+      fresh[i] = cosine * a + sine * b;
+      l[i] = cosine * b - sine * a;
+    }
+  }
+}
+
+bool Face::renew(const Symmetric& S, bool trusted) noexcept {
+  const int wanted = count_;
+  for (int k = 0; k < wanted; ++k) is_active_[active_[k]] = 0;
+  count_ = 0;
+  for (int k = 0; k < wanted; ++k)
+    if (active_[k] < S.rows()) enter(S, active_[k], trusted);
+  return count_ == wanted;
+}
+
+void Face::minimise(const Eigen::Ref<const Eigen::VectorXd>& r, std::vector<double>& z) const noexcept {
+  for (int k = 0; k < count_; ++k) z[k] = r(active_[k]);
+  auto x = head(z, count_);
+  factor().triangularView<Eigen::Lower>().solveInPlace(x);
+  factor().transpose().triangularView<Eigen::Upper>().solveInPlace(x);
+}
+
+}  // namespace ricochet::contact

@@ -1,0 +1,227 @@
+// Problems of every kind that contact brings, and worse, against Lemke's method, against solutions known
+// beforehand, and against the conditions of complementarity in extended precision.
+#include <gtest/gtest.h>
+
+#include "contact/complementarity.hpp"
+#include "tests/contact/lcp.hpp"
+
+namespace {
+
+using namespace lcp;
+using ricochet::contact::ComplementaritySolver;
+using ricochet::contact::SolveStatus;
+
+// w_i ≥ −1e-13 is promised; pressed points, w_i = 0, are right to the round-off of a backward stable solve of
+// up to 1000 unknowns.
+constexpr double holds = 1e-12;
+
+/// Status, conditions and objective as Lemke has them. The objective, unlike λ, is the same for all
+/// solutions.
+void expect_as_lemke(ComplementaritySolver& solver, const MatrixXd& S, const VectorXd& r) {
+  VectorXd lambda(r.size());
+  const SolveStatus status = solver.solve(S, r, lambda);
+  const auto other = by_lemke(S, r);
+  ASSERT_EQ(status, other ? SolveStatus::solved : SolveStatus::no_solution) << "S\n"
+                                                                            << S << "\nr " << r.transpose();
+  if (!other) return;
+  ASSERT_LE(violation(S, r, lambda), holds) << "S\n" << S << "\nr " << r.transpose();
+  const Long mine = objective(S, r, lambda), his = objective(S, r, *other);
+  ASSERT_LE(std::abs(mine - his), 1e-11L * (1 + std::abs(his))) << "S\n" << S << "\nr " << r.transpose();
+}
+
+TEST(ComplementarityBench, agrees_with_lemke_on_random_problems_of_any_size_to_sixty) {
+  Random random(1);
+  ComplementaritySolver solver(60);
+  for (int trial = 0; trial < 300; ++trial) {
+    const Index n = 1 + trial % 60;
+    const MatrixXd B = normal_matrix(random, n, n + 5);
+    expect_as_lemke(solver, B * B.transpose(), normal_vector(random, n));
+    if (HasFatalFailure()) return;
+  }
+}
+
+// Small integers: ranks, ties and null directions are exact, so whether there is a solution is a matter of
+// fact. Points come twice, press without force, and lie on nothing (rows of zeros).
+TEST(ComplementarityBench, agrees_with_lemke_on_ten_thousand_singular_problems_solvable_or_not) {
+  Random random(2);
+  std::uniform_int_distribution<int> small(-3, 3), size(1, 12), any(0, 1 << 20);
+  ComplementaritySolver solver(12);
+  int refused = 0;
+  for (int trial = 0; trial < 10000; ++trial) {
+    const Index n = size(random), rank = any(random) % (n + 2);
+    MatrixXd B = MatrixXd::NullaryExpr(n, rank, [&] { return small(random); });
+    VectorXd r = VectorXd::NullaryExpr(n, [&] { return small(random); });
+    if (trial % 2 == 1) r = B * VectorXd::NullaryExpr(rank, [&] { return small(random); });  // solvable
+    for (int twin = any(random) % 3; twin > 0; --twin) {
+      const Index from = any(random) % n, to = any(random) % n;
+      B.row(to) = B.row(from);
+      r(to) = r(from);
+    }
+    expect_as_lemke(solver, B * B.transpose(), r);
+    if (HasFatalFailure()) return;
+    refused += by_lemke(B * B.transpose(), r).has_value() ? 0 : 1;
+  }
+  EXPECT_GT(refused, 1000);
+  EXPECT_LT(refused, 5000);
+}
+
+TEST(ComplementarityBench, finds_the_solution_of_problems_made_from_one) {
+  Random random(3);
+  for (const Index n : {10, 100, 300}) {
+    ComplementaritySolver solver(static_cast<int>(n));
+    for (const double condition : {1e0, 1e3, 1e6, 1e9, 1e12})
+      for (const bool degenerate : {false, true}) {
+        const MatrixXd S = with_condition(random, n, condition);
+        const Known problem = known(random, S, degenerate);
+        VectorXd lambda(n);
+        ASSERT_EQ(solver.solve(S, problem.r, lambda), SolveStatus::solved) << n << ' ' << condition;
+        EXPECT_LE(violation(S, problem.r, lambda), holds) << n << ' ' << condition;
+        // The error e of a λ that violates the conditions by τ obeys eᵀSe ≤ 2 τ |e|_1, and S ≥ 1/condition.
+        const VectorXd error = lambda - problem.lambda;
+        const double tolerance = 1e-12 * scale(S, problem.r, lambda);
+        EXPECT_LE(error.dot(S * error), 2 * tolerance * error.lpNorm<1>() + 1e-15) << n << ' ' << condition;
+        if (condition <= 1e3) {
+          EXPECT_LE(error.cwiseAbs().maxCoeff(), 1e-13 * n * condition);
+        }
+      }
+  }
+}
+
+TEST(ComplementarityBench, holds_for_hilbert_matrices_singular_to_round_off) {
+  Random random(4);
+  for (const Index n : {4, 12, 40, 200, 1000}) {
+    ComplementaritySolver solver(static_cast<int>(n));
+    const MatrixXd S = hilbert(n);
+    for (int trial = 0; trial < (n < 1000 ? 20 : 3); ++trial) {
+      const VectorXd x = normal_vector(random, n).cwiseAbs();  // a push that λ = x would answer
+      const VectorXd gap = trial % 2 == 0 ? VectorXd::Zero(n) : normal_vector(random, n).cwiseAbs().eval();
+      const VectorXd r = S * x - gap;
+      VectorXd lambda(n);
+      ASSERT_EQ(solver.solve(S, r, lambda), SolveStatus::solved) << n << ' ' << trial;
+      EXPECT_LE(violation(S, r, lambda), holds) << n << ' ' << trial;
+    }
+  }
+}
+
+// Stiff and soft places in one problem: w has one unit throughout, and so has its tolerance.
+TEST(ComplementarityBench, holds_for_rows_scaled_over_twelve_decades) {
+  Random random(5);
+  std::uniform_real_distribution<double> exponent(-6, 6);
+  ComplementaritySolver solver(60);
+  for (int trial = 0; trial < 200; ++trial) {
+    const Index n = 2 + trial % 59;
+    const VectorXd D = VectorXd::NullaryExpr(n, [&] { return std::pow(10, exponent(random)); });
+    const MatrixXd S = D.asDiagonal() * with_condition(random, n, 100) * D.asDiagonal();
+    const VectorXd r = D.asDiagonal() * normal_vector(random, n);
+    VectorXd lambda(n);
+    ASSERT_EQ(solver.solve(S, r, lambda), SolveStatus::solved) << trial;
+    ASSERT_LE(violation(S, r, lambda), holds) << trial;
+  }
+}
+
+TEST(ComplementarityBench, holds_for_a_thousand_points_with_a_known_solution) {
+  Random random(6);
+  const Index n = 1000;
+  ComplementaritySolver solver(n);
+  const MatrixXd S = exponential(n);
+  for (const bool degenerate : {false, true}) {
+    const Known problem = known(random, S, degenerate);
+    VectorXd lambda(n);
+    ASSERT_EQ(solver.solve(S, problem.r, lambda), SolveStatus::solved);
+    EXPECT_LE(violation(S, problem.r, lambda), holds);
+    EXPECT_LE((lambda - problem.lambda).cwiseAbs().maxCoeff(), 1e-10);  // condition 400, |λ| = 1, 1000 sums
+  }
+}
+
+// As without residual flexibility: every set of more than 120 points is dependent.
+TEST(ComplementarityBench, holds_for_a_thousand_points_on_a_hundred_and_twenty_modes) {
+  Random random(7);
+  const Index n = 1000, modes = 120;
+  ComplementaritySolver solver(n);
+  for (int trial = 0; trial < 3; ++trial) {
+    const MatrixXd B = normal_matrix(random, n, modes);
+    const MatrixXd S = B * B.transpose();
+    // a motion q that would have to be undone, and gaps: λ exists because q = 0 is a place without contact
+    const VectorXd r = B * normal_vector(random, modes) - normal_vector(random, n).cwiseAbs();
+    VectorXd lambda(n);
+    ASSERT_EQ(solver.solve(S, r, lambda), SolveStatus::solved) << trial;
+    EXPECT_LE(violation(S, r, lambda), holds) << trial;
+    EXPECT_LE((lambda.array() > 0).count(), modes);
+  }
+}
+
+// The same points n/4 times over: any one of a group may push, or all.
+TEST(ComplementarityBench, holds_for_points_that_come_many_times) {
+  Random random(8);
+  const Index n = 200, distinct = 50;
+  ComplementaritySolver solver(n), small(distinct);
+  const MatrixXd s = exponential(distinct);
+  std::vector<Index> of(n);
+  for (Index i = 0; i < n; ++i) of[i] = (7 * i) % distinct;
+  const MatrixXd S = s(of, of);
+  for (int trial = 0; trial < 20; ++trial) {
+    const Known problem = known(random, s, trial % 2 == 1);
+    const VectorXd r = problem.r(of);
+    VectorXd lambda(n);
+    ASSERT_EQ(solver.solve(S, r, lambda), SolveStatus::solved) << trial;
+    EXPECT_LE(violation(S, r, lambda), holds) << trial;
+    VectorXd sum = VectorXd::Zero(distinct);
+    for (Index i = 0; i < n; ++i) sum(of[i]) += lambda(i);
+    EXPECT_LE((sum - problem.lambda).cwiseAbs().maxCoeff(), 1e-10) << trial;  // condition 400
+  }
+}
+
+/// A pressed zone that wanders and breathes, with bumps that flicker: drift of contact from step to step.
+VectorXd drifting(Random& random, Index n, double t) {
+  std::uniform_real_distribution<double> unit(-1, 1);
+  const double middle = 0.5 + 0.25 * std::sin(t), width = 0.13 + 0.05 * std::cos(1.7 * t);
+  return VectorXd::NullaryExpr(n, [&](Index i) {
+    const double x = (static_cast<double>(i) / static_cast<double>(n) - middle) / width;
+    return 1 - x * x + 1e-4 * unit(random) + 0.02 * std::sin(40 * x + 9 * t);
+  });
+}
+
+// 20 000 steps, thousands of points in and out of one factor that is never made anew.
+TEST(ComplementarityBench, keeps_its_factor_through_a_long_drift) {
+  Random random(9);
+  const Index n = 150;
+  const int steps = 20000;
+  const MatrixXd S = exponential(n);
+  ComplementaritySolver keeps(n, {.same_matrix = true}), afresh(n);
+  VectorXd lambda(n), other(n);
+  for (int k = 0; k < steps; ++k) {
+    const VectorXd r = drifting(random, n, 1e-3 * k);
+    ASSERT_EQ(keeps.solve(S, r, lambda), SolveStatus::solved) << k;
+    if (k % 20 != 0) continue;
+    ASSERT_LE(violation(S, r, lambda), 1e-13) << k;
+    afresh.reset();
+    ASSERT_EQ(afresh.solve(S, r, other), SolveStatus::solved) << k;
+    ASSERT_LE((lambda - other).cwiseAbs().maxCoeff(), 1e-10) << k;  // condition 400, |λ| up to 3
+  }
+  const auto& statistics = keeps.statistics();
+  EXPECT_GT(statistics.warm_hits, 0.6 * steps);
+  EXPECT_LT(statistics.warm_hits, 0.95 * steps);
+  EXPECT_GT(statistics.pivots, 5000);
+  EXPECT_EQ(statistics.renewals, 0);
+  EXPECT_EQ(statistics.fallbacks, 0);
+  EXPECT_GT(statistics.max_active, 40);
+}
+
+// Singular all the way: points enter by exchange, and the factor of a dependent set is never kept.
+TEST(ComplementarityBench, keeps_its_factor_where_points_outnumber_modes) {
+  Random random(10);
+  const Index n = 60, modes = 25;
+  const MatrixXd B = normal_matrix(random, n, modes), S = B * B.transpose();
+  ComplementaritySolver keeps(n, {.same_matrix = true});
+  VectorXd lambda(n), q = normal_vector(random, modes);
+  const VectorXd gap = normal_vector(random, n).cwiseAbs();
+  for (int k = 0; k < 3000; ++k) {
+    q = 0.999 * q + 0.03 * normal_vector(random, modes);
+    const VectorXd r = B * q - gap;
+    ASSERT_EQ(keeps.solve(S, r, lambda), SolveStatus::solved) << k;
+    ASSERT_LE(violation(S, r, lambda), holds) << k;
+  }
+  EXPECT_GT(keeps.statistics().pivots, 1000);
+}
+
+}  // namespace

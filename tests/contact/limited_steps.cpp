@@ -1,0 +1,191 @@
+// Bodies stepped with max_pivots: what the forces of a step cut short may cost, and what they may not.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "contact/integrator.hpp"
+#include "tests/contact/heap_counter.hpp"
+#include "tests/support.hpp"
+
+namespace {
+
+using namespace ricochet::contact;
+
+/// A body that flies at an obstacle, or lies on it, with many points that touch at once: modes over three
+/// decades, damped or not, weight, residual flexibility of any size or none.
+Model flying(std::mt19937& random, Eigen::Index points) {
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> unit(0, 1);
+  const Eigen::Index modes = 4 + static_cast<Eigen::Index>(20 * unit(random));
+  Model model;
+  model.omega = model.decay = model.load = model.q0 = model.v0 = Vector::Zero(modes);
+  model.B = Matrix::NullaryExpr(points, modes, [&] { return normal(random); });
+  model.B.col(0).setOnes();
+  for (Eigen::Index n = 1; n < modes; ++n) model.omega(n) = std::pow(10, 1 + 3 * unit(random));
+  if (unit(random) < 0.5) model.decay = 0.05 * model.omega;
+  model.v0(0) = 1;
+  model.load(0) = 10;
+  model.gap = Vector::NullaryExpr(points, [&] { return unit(random) < 0.5 ? 0.0 : 1e-3 * unit(random); });
+  model.static_displacement = Vector::Zero(points);
+  model.R = Matrix::Zero(points, points);
+  if (unit(random) < 0.6) {
+    const Matrix A = Matrix::NullaryExpr(points, points, [&] { return normal(random); });
+    model.R = std::pow(10, -3 - 5 * unit(random)) * A * A.transpose();
+    model.has_residual = true;
+  }
+  model.area = Vector::Ones(points);
+  return model;
+}
+
+// 1e-12 of the energy about: round-off of one step.
+TEST(LimitedStep, never_gains_energy_though_points_are_let_in) {
+  std::mt19937 random(1);
+  std::int64_t limited = 0, held = 0;
+  for (int trial = 0; trial < 120; ++trial) {
+    const Model model = flying(random, 4 + trial % 20);
+    for (const double step : {1e-5, 1e-4, 1e-3}) {
+      Integrator integrator(model, {.step = step, .max_pivots = 1 + trial % 3});
+      double before = integrator.energy().total(), size = before;
+      for (int k = 0; k < 400; ++k) {
+        ASSERT_EQ(integrator.step(), StepStatus::ok);
+        const Energy& energy = integrator.energy();
+        size = std::max(size, energy.kinetic + energy.strain + std::abs(energy.loads));
+        ASSERT_LE(energy.total() - before, 1e-12 * size) << trial << ' ' << step << ' ' << k;
+        before = energy.total();
+        held += (integrator.displacement() - model.gap).maxCoeff() > 1e-9;
+      }
+      limited += integrator.solver().limited;
+    }
+  }
+  EXPECT_GT(limited, 1000);
+  EXPECT_GT(held, 5000);
+}
+
+TEST(LimitedStep, lets_no_point_in_deeper_once_the_forces_are_found) {
+  std::mt19937 random(2);
+  int steps_after = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    const Model model = flying(random, 12);
+    Integrator integrator(model, {.step = 1e-4, .max_pivots = 2});
+    for (int k = 0; k < 400; ++k) {
+      const Vector before = integrator.displacement().cwiseMax(model.gap);
+      const auto limited = integrator.solver().limited;
+      ASSERT_EQ(integrator.step(), StepStatus::ok);
+      if (integrator.solver().limited > limited) continue;
+      EXPECT_EQ(integrator.residual().violation, 0);
+      ASSERT_LE((integrator.displacement() - before).maxCoeff(), 1e-12) << trial << ' ' << k;
+      steps_after += limited > 0;
+    }
+  }
+  EXPECT_GT(steps_after, 1000);
+}
+
+TEST(LimitedStep, ends_without_penetration_after_the_bodies_have_parted) {
+  Model model;
+  model.omega = model.decay = model.load = model.q0 = model.v0 = Vector::Zero(1);
+  model.B = Matrix::Ones(6, 1);
+  model.R = 1e-6 * Matrix::Identity(6, 6);
+  model.has_residual = true;
+  model.static_displacement = Vector::Zero(6);
+  model.gap = Vector::Zero(6);
+  model.area = Vector::Ones(6);
+  model.v0(0) = 1;
+  model.load(0) = 10;  // comes back in 0.2 s after each bounce off R
+  Integrator integrator(model, {.step = 1e-4, .max_pivots = 5});
+  int limited = 0;
+  bool parted = false;
+  for (int k = 0; k < 4000; ++k) {
+    ASSERT_EQ(integrator.step(), StepStatus::ok);
+    const double depth = integrator.displacement().maxCoeff();
+    if (integrator.solver().limited > limited) {
+      limited = static_cast<int>(integrator.solver().limited);
+      parted = false;
+    }
+    parted = parted || depth < 0;
+    if (parted) {
+      ASSERT_LE(depth, 1e-13) << k;
+    }
+  }
+  EXPECT_GT(limited, 0);
+}
+
+TEST(LimitedStep, reports_how_deep_it_let_a_point_in) {
+  std::mt19937 random(3);
+  int seen = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    const Model model = flying(random, 15);
+    Integrator integrator(model, {.step = 1e-4, .max_pivots = 2});
+    for (int k = 0; k < 100; ++k) {
+      ASSERT_EQ(integrator.step(), StepStatus::ok);
+      if (integrator.solver().limited == 0) continue;  // the first limited step, from u ≤ g
+      const double depth = (integrator.displacement() - model.gap).maxCoeff();
+      EXPECT_NEAR(integrator.residual().violation, std::max(depth, 0.0), 1e-15);
+      EXPECT_GE(integrator.residual().scale, depth);
+      ++seen;
+      break;
+    }
+  }
+  EXPECT_GT(seen, 30);
+}
+
+TEST(LimitedStep, never_gains_energy_by_impulses_either) {
+  std::mt19937 random(4);
+  std::int64_t limited = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    const Model model = flying(random, 15);
+    Integrator integrator(
+        model, {.scheme = Scheme::impulse, .restitution = 0.4 * (trial % 3), .step = 1e-4, .max_pivots = 2});
+    double before = integrator.energy().total(), size = before;
+    for (int k = 0; k < 400; ++k) {
+      ASSERT_EQ(integrator.step(), StepStatus::ok);
+      const Energy& energy = integrator.energy();
+      size = std::max(size, energy.kinetic + energy.strain + std::abs(energy.loads));
+      ASSERT_LE(energy.total() - before, 1e-12 * size) << trial << ' ' << k;
+      before = energy.total();
+    }
+    limited += integrator.solver().limited;
+  }
+  EXPECT_GT(limited, 500);
+}
+
+TEST(LimitedStep, is_the_plain_one_where_the_limit_is_not_met) {
+  std::mt19937 random(5);
+  for (const Scheme scheme : {Scheme::compliant, Scheme::impulse}) {
+    const Model model = flying(random, 12);
+    Integrator plain(model, {.scheme = scheme, .step = 1e-4});
+    Integrator wide(model, {.scheme = scheme, .step = 1e-4, .max_pivots = 1000});
+    for (int k = 0; k < 2000; ++k) {
+      ASSERT_EQ(plain.step(), StepStatus::ok);
+      ASSERT_EQ(wide.step(), StepStatus::ok);
+      ASSERT_EQ(plain.q(), wide.q());
+      ASSERT_EQ(plain.force(), wide.force());
+    }
+    EXPECT_EQ(wide.solver().limited, 0);
+    EXPECT_GT(wide.solver().pivots, 10);
+  }
+}
+
+TEST(LimitedStep, needs_a_pivot_at_least) {
+  std::mt19937 random(6);
+  const Model model = flying(random, 3);
+  EXPECT_EQ(ricochet::test::complaint_of([&] { Integrator(model, {.step = 1e-4, .max_pivots = 0}); }),
+            "contact.max_pivots = 0: must be at least 1.");
+}
+
+#if RICOCHET_HEAP_COUNTED
+TEST(LimitedStep, takes_no_memory) {
+  std::mt19937 random(7);
+  const Model model = flying(random, 40);
+  Integrator integrator(model, {.step = 1e-4, .max_pivots = 2});
+  const long before = heap_counter::calls;
+  for (int k = 0; k < 10000; ++k)
+    if (integrator.step() != StepStatus::ok) break;
+  const long after = heap_counter::calls;
+  EXPECT_EQ(after, before);
+  EXPECT_EQ(integrator.steps(), 10000);
+  EXPECT_GT(integrator.solver().limited, 10);
+}
+#endif
+
+}  // namespace
