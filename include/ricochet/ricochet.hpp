@@ -98,7 +98,7 @@ struct ContactPoint {
   double area = 0;             ///< of a's patch [m²]
 };
 
-/// Running ledger [J]: total() + damping + contact stays what it was at t = 0, to round-off.
+/// Running ledger [J]: ledger() stays what it was at t = 0, to round-off.
 struct Energy {
   double kinetic = 0, strain = 0;
   double residual = 0;  ///< of the static response of modes left out
@@ -106,6 +106,7 @@ struct Energy {
   double damping = 0;   ///< taken by damping so far
   double contact = 0;   ///< taken by contact so far
   double total() const { return kinetic + strain + residual - loads; }
+  double ledger() const { return total() + damping + contact; }
 };
 
 /// Where step_block writes, a row a step; null: not wanted.

@@ -30,7 +30,7 @@ Outcome endure(const Scene& scene) {
       break;
     }
     const Energy e = simulation.energy();
-    out.drift = std::max(out.drift, std::abs(e.total() + e.damping + e.contact - initial) / initial);
+    out.drift = std::max(out.drift, std::abs(e.ledger() - initial) / initial);
     out.damping = e.damping / initial;
     const bool before = std::exchange(touching, simulation.active() > 0);
     out.impacts += touching && !before;
