@@ -36,7 +36,7 @@ StepStatus Integrator::step_exact() noexcept {
     next_u_ = now_.s;
     next_u_.noalias() += B_ * next_q_;
     const SolveStatus status = impulses(now_);
-    if (status != SolveStatus::solved) return failure(status);
+    if (!has_forces(status)) return failure(status);
     if (push_by(next_force_) > 0) work += strike(spent);
     impulse_ += next_force_;
     if (!(to < end)) break;

@@ -38,10 +38,6 @@ void check(const Model& model, const StepOptions& o) {
         highest / std::numbers::pi));
 }
 
-bool has_forces(SolveStatus status) {
-  return status == SolveStatus::solved || status == SolveStatus::limited;
-}
-
 }  // namespace
 
 void Integrator::Sum::add(double x) noexcept {
@@ -116,6 +112,10 @@ Integrator::Integrator(const Model& model, const StepOptions& options)
   u_ = s_;
   u_.noalias() += B_ * q_;
   energy_.strain = 0.5 * stiffness_.dot(q_.cwiseAbs2());
+}
+
+bool Integrator::has_forces(SolveStatus status) noexcept {
+  return status == SolveStatus::solved || status == SolveStatus::limited;
 }
 
 StepStatus Integrator::failure(SolveStatus status) noexcept {

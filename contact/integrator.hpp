@@ -109,6 +109,7 @@ class Integrator {
   StepStatus step_compliant() noexcept;
   StepStatus step_impulse() noexcept;
   StepStatus step_exact() noexcept;
+  static bool has_forces(SolveStatus status) noexcept;
   static StepStatus failure(SolveStatus status) noexcept;
   double first_closing(double from, double to) noexcept;
   double safe_time(double passed) noexcept;

@@ -2,12 +2,12 @@
 
 #include <cmath>
 #include <fstream>
-#include <numbers>
 #include <regex>
 #include <set>
 #include <sstream>
 
 #include "kernels/error.hpp"
+#include "kernels/rotation.hpp"
 #include "src/scene/parts.hpp"
 #include "src/scene/write.hpp"
 
@@ -68,29 +68,7 @@ Vector3 own_axis(const std::array<double, 9>& rotation, const Vector3& world) {
 
 }  // namespace
 
-std::array<double, 9> rotation_of(const Body& body) {
-  // Exact for quarter turns.
-  const auto cosine = [](double degrees) {
-    const double r = std::remainder(degrees, 360.0);
-    if (std::abs(r) == 90) return 0.0;
-    return std::cos(r * std::numbers::pi / 180);
-  };
-  const auto sine = [&](double degrees) {
-    return std::remainder(degrees, 180.0) == 0 ? 0.0 : cosine(degrees - 90);
-  };
-  const double cx = cosine(body.rotate_deg[0]), sx = sine(body.rotate_deg[0]);
-  const double cy = cosine(body.rotate_deg[1]), sy = sine(body.rotate_deg[1]);
-  const double cz = cosine(body.rotate_deg[2]), sz = sine(body.rotate_deg[2]);
-  return {cz * cy,
-          cz * sy * sx - sz * cx,
-          cz * sy * cx + sz * sx,
-          sz * cy,
-          sz * sy * sx + cz * cx,
-          sz * sy * cx - cz * sx,
-          -sy,
-          cy * sx,
-          cy * cx};
-}
+std::array<double, 9> rotation_of(const Body& body) { return ricochet::rotation_of(body.rotate_deg); }
 
 KernelRequest kernel_request(const Scene& scene, const Body& body) {
   const std::string file = scene.file.filename().string();

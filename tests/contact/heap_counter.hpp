@@ -1,5 +1,6 @@
-// Counts every call that takes memory from the heap, in the one test file that includes it. It stands in
-// front of malloc itself, because Eigen calls malloc and operator new ends there (glibc).
+// Counts every call that takes memory from the heap, and apart from them those that return some, in the one
+// test file that includes it. It stands in front of malloc itself, because Eigen calls malloc and operator
+// new ends there (glibc).
 #pragma once
 
 #include <atomic>
@@ -7,7 +8,8 @@
 
 namespace heap_counter {
 inline std::atomic<long> calls{0};
-}
+inline std::atomic<long> returns{0};  ///< of memory that was taken: destructors of Eigen free null
+}  // namespace heap_counter
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // those bring a malloc of their own
 #define RICOCHET_HEAP_COUNTED 1
@@ -16,6 +18,7 @@ void* __libc_malloc(std::size_t);
 void* __libc_calloc(std::size_t, std::size_t);
 void* __libc_realloc(void*, std::size_t);
 void* __libc_memalign(std::size_t, std::size_t);
+void __libc_free(void*);
 void* malloc(std::size_t size) noexcept {
   ++heap_counter::calls;
   return __libc_malloc(size);
@@ -31,6 +34,10 @@ void* realloc(void* old, std::size_t size) noexcept {
 void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
   ++heap_counter::calls;
   return __libc_memalign(alignment, size);
+}
+void free(void* memory) noexcept {
+  if (memory) ++heap_counter::returns;
+  __libc_free(memory);
 }
 }
 #else

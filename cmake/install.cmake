@@ -1,0 +1,20 @@
+# What other programs link, as package Ricochet: cmake --install BUILD --component library
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Ricochet)
+
+install(TARGETS ricochet_kernels ricochet_contact ricochet
+  EXPORT RicochetTargets COMPONENT library
+  INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} ${CMAKE_INSTALL_INCLUDEDIR}/ricochet)
+install(FILES include/ricochet/ricochet.hpp include/ricochet/ricochet.h include/ricochet/denormals.hpp
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ricochet COMPONENT library)
+install(FILES kernels/error.hpp kernels/kernel.hpp kernels/units.hpp
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ricochet/kernels COMPONENT library)
+install(EXPORT RicochetTargets NAMESPACE Ricochet:: DESTINATION ${package_dir} COMPONENT library)
+
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/RicochetConfig.cmake.in ${PROJECT_BINARY_DIR}/RicochetConfig.cmake
+  INSTALL_DESTINATION ${package_dir})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/RicochetConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/RicochetConfig.cmake ${PROJECT_BINARY_DIR}/RicochetConfigVersion.cmake
+  DESTINATION ${package_dir} COMPONENT library)

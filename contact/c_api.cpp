@@ -1,0 +1,227 @@
+#include <cstdio>
+#include <exception>
+#include <utility>
+
+#include "ricochet/ricochet.h"
+#include "ricochet/ricochet.hpp"
+
+struct ricochet_kernel {
+  ricochet::SharedKernel kernel;
+};
+struct ricochet_scene {
+  ricochet::Scene scene;
+};
+struct ricochet_simulation {
+  ricochet::Simulation simulation;
+};
+struct ricochet_state {
+  ricochet::Simulation::State state;
+};
+
+namespace {
+
+using ricochet::InputError;
+using ricochet::Vector3;
+
+static_assert(RICOCHET_OK == static_cast<int>(ricochet::StepStatus::ok) &&
+              RICOCHET_NO_SOLUTION == static_cast<int>(ricochet::StepStatus::no_solution) &&
+              RICOCHET_NOT_FINITE == static_cast<int>(ricochet::StepStatus::not_finite));
+static_assert(RICOCHET_VERSION_NUMBER == RICOCHET_PROJECT_VERSION_NUMBER,
+              "ricochet.h and project(Ricochet VERSION …) must agree");
+
+thread_local char last_error[1024] = "";
+
+/// What `action` returns, or `failed` when it throws.
+template <class Result, class Action>
+Result guarded(Result failed, Action action) noexcept {
+  try {
+    return action();
+  } catch (const std::exception& error) {
+    std::snprintf(last_error, sizeof last_error, "%s", error.what());
+  } catch (...) {
+    std::snprintf(last_error, sizeof last_error, "unknown error");
+  }
+  return failed;
+}
+
+/// Runs `action`, which returns nothing.
+template <class Action>
+int checked(Action action) noexcept {
+  return guarded<int>(RICOCHET_REFUSED, [&] {
+    action();
+    return RICOCHET_OK;
+  });
+}
+
+template <class T>
+T& given(T* pointer, const char* what) {
+  if (!pointer)
+    throw InputError(std::string(what) +
+                     " is NULL. Give one, or ask ricochet_error() of the call that made it.");
+  return *pointer;
+}
+
+Vector3 vector(const double* v, const char* what) {
+  given(v, what);
+  return {v[0], v[1], v[2]};
+}
+Vector3 vector_or_zero(const double* v) { return v ? Vector3{v[0], v[1], v[2]} : Vector3{}; }
+std::string text(const char* s, const char* what) { return &given(s, what); }
+std::optional<double> number(const double* x) { return x ? std::optional(*x) : std::nullopt; }
+
+}  // namespace
+
+int ricochet_version(void) { return RICOCHET_VERSION_NUMBER; }
+const char* ricochet_error(void) { return last_error; }
+
+ricochet_kernel* ricochet_kernel_load(const char* path) {
+  return guarded<ricochet_kernel*>(
+      nullptr, [&] { return new ricochet_kernel{ricochet::load_kernel(text(path, "path"))}; });
+}
+void ricochet_kernel_free(ricochet_kernel* kernel) { delete kernel; }
+double ricochet_kernel_mass(const ricochet_kernel* kernel) { return kernel->kernel->mass; }
+size_t ricochet_kernel_modes(const ricochet_kernel* kernel) { return kernel->kernel->modes.size(); }
+size_t ricochet_kernel_candidates(const ricochet_kernel* kernel) { return kernel->kernel->surface.size(); }
+const double* ricochet_kernel_nodes(const ricochet_kernel* kernel) {
+  return kernel->kernel->surface.node.data();
+}
+
+ricochet_scene* ricochet_scene_new(double rate_hz) {
+  return guarded<ricochet_scene*>(nullptr, [&] { return new ricochet_scene{{.rate_hz = rate_hz}}; });
+}
+void ricochet_scene_free(ricochet_scene* scene) { delete scene; }
+
+int ricochet_scene_body(ricochet_scene* scene, const char* name, const ricochet_kernel* kernel,
+                        const double* rotate_deg, const double* translate, const double* velocity) {
+  return checked([&] {
+    given(scene, "scene")
+        .scene.bodies.push_back({.name = text(name, "name"),
+                                 .kernel = given(kernel, "kernel").kernel,
+                                 .rotate_deg = vector_or_zero(rotate_deg),
+                                 .translate = vector_or_zero(translate),
+                                 .velocity = vector_or_zero(velocity)});
+  });
+}
+
+int ricochet_scene_half_space(ricochet_scene* scene, const char* name, const double* point,
+                              const double* normal) {
+  return checked([&] {
+    given(scene, "scene")
+        .scene.obstacles.push_back({text(name, "name"), vector(point, "point"), vector(normal, "normal")});
+  });
+}
+
+int ricochet_scene_pair(ricochet_scene* scene, const char* a, const char* b, const double* direction,
+                        const double* gap, const double* reach) {
+  return checked([&] {
+    ricochet::Pair pair{.a = text(a, "a"), .b = text(b, "b"), .gap = number(gap), .reach = number(reach)};
+    if (direction) pair.direction = vector(direction, "direction");
+    given(scene, "scene").scene.pairs.push_back(std::move(pair));
+  });
+}
+
+int ricochet_scene_pickup(ricochet_scene* scene, const char* body, const char* receiver, size_t candidate,
+                          const double* direction) {
+  return checked([&] {
+    given(scene, "scene")
+        .scene.pickups.push_back({.body = text(body, "body"),
+                                  .receiver = receiver ? receiver : "",
+                                  .candidate = candidate,
+                                  .direction = vector(direction, "direction")});
+  });
+}
+
+int ricochet_scene_gravity(ricochet_scene* scene, const double* gravity) {
+  return checked([&] { given(scene, "scene").scene.gravity = vector(gravity, "gravity"); });
+}
+
+int ricochet_scene_impulse(ricochet_scene* scene, int admittance, double restitution) {
+  return checked([&] {
+    if (admittance != RICOCHET_JUMP && admittance != RICOCHET_DIFFERENCE)
+      throw InputError("admittance = " + std::to_string(admittance) +
+                       ": must be RICOCHET_JUMP or RICOCHET_DIFFERENCE.");
+    ricochet::Scene& s = given(scene, "scene").scene;
+    s.scheme = ricochet::Scheme::impulse;
+    s.admittance =
+        admittance == RICOCHET_JUMP ? ricochet::Admittance::jump : ricochet::Admittance::difference;
+    s.restitution = restitution;
+  });
+}
+
+ricochet_simulation* ricochet_simulation_new(const ricochet_scene* scene) {
+  return guarded<ricochet_simulation*>(
+      nullptr, [&] { return new ricochet_simulation{ricochet::Simulation(given(scene, "scene").scene)}; });
+}
+void ricochet_simulation_free(ricochet_simulation* simulation) { delete simulation; }
+
+int ricochet_simulation_step(ricochet_simulation* simulation) {
+  return static_cast<int>(simulation->simulation.step());
+}
+
+int ricochet_simulation_step_block(ricochet_simulation* simulation, int64_t steps,
+                                   const ricochet_block* block) {
+  ricochet::Block out;
+  if (block) out = {block->velocity, block->total_force, block->force, block->displacement};
+  return static_cast<int>(simulation->simulation.step_block(steps, out).status);
+}
+
+int64_t ricochet_simulation_steps(const ricochet_simulation* simulation) {
+  return simulation->simulation.steps();
+}
+double ricochet_simulation_time(const ricochet_simulation* simulation) {
+  return simulation->simulation.time();
+}
+size_t ricochet_simulation_points(const ricochet_simulation* simulation) {
+  return simulation->simulation.points().size();
+}
+size_t ricochet_simulation_pickups(const ricochet_simulation* simulation) {
+  return simulation->simulation.pickups();
+}
+int ricochet_simulation_active(const ricochet_simulation* simulation) {
+  return simulation->simulation.active();
+}
+const double* ricochet_simulation_force(const ricochet_simulation* simulation) {
+  return simulation->simulation.force().data();
+}
+const double* ricochet_simulation_displacement(const ricochet_simulation* simulation) {
+  return simulation->simulation.displacement().data();
+}
+
+void ricochet_simulation_point(const ricochet_simulation* simulation, size_t point, ricochet_point* out) {
+  const ricochet::ContactPoint& p = simulation->simulation.points()[point];
+  *out = {p.pair,
+          {p.a[0], p.a[1], p.a[2]},
+          {p.b[0], p.b[1], p.b[2]},
+          {p.normal[0], p.normal[1], p.normal[2]},
+          p.gap,
+          p.area};
+}
+
+double ricochet_simulation_pickup_velocity(const ricochet_simulation* simulation, size_t pickup) {
+  return simulation->simulation.pickup_velocity(pickup);
+}
+double ricochet_simulation_pickup_displacement(const ricochet_simulation* simulation, size_t pickup) {
+  return simulation->simulation.pickup_displacement(pickup);
+}
+
+void ricochet_simulation_mean_velocity(const ricochet_simulation* simulation, size_t body, double out[3]) {
+  const Vector3 v = simulation->simulation.mean_velocity(body);
+  for (std::size_t k = 0; k < 3; ++k) out[k] = v[k];
+}
+
+void ricochet_simulation_energy(const ricochet_simulation* simulation, ricochet_energy* out) {
+  const ricochet::Energy e = simulation->simulation.energy();
+  *out = {e.kinetic, e.strain, e.residual, e.loads, e.damping, e.contact};
+}
+
+ricochet_state* ricochet_simulation_save(const ricochet_simulation* simulation) {
+  return guarded<ricochet_state*>(nullptr, [&] { return new ricochet_state{simulation->simulation.save()}; });
+}
+
+int ricochet_simulation_restore(ricochet_simulation* simulation, const ricochet_state* state) {
+  if (state && simulation->simulation.restore(state->state)) return RICOCHET_OK;
+  std::snprintf(last_error, sizeof last_error,
+                "state: is not one of this simulation. Restore what it saved.");
+  return RICOCHET_REFUSED;
+}
+void ricochet_state_free(ricochet_state* state) { delete state; }

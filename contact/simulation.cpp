@@ -1,0 +1,298 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <set>
+
+#include "contact/integrator.hpp"
+#include "contact/model.hpp"
+#include "kernels/rotation.hpp"
+#include "ricochet/ricochet.hpp"
+
+namespace ricochet {
+namespace {
+
+using Eigen::Vector3d;
+
+Vector3d finite(const Vector3& v, const std::string& where) {
+  if (!std::ranges::all_of(v, [](double x) { return std::isfinite(x); }))
+    throw InputError(
+        fmt::format("{} = [{}, {}, {}]: holds what is not a finite number.", where, v[0], v[1], v[2]));
+  return {v[0], v[1], v[2]};
+}
+
+Vector3d unit(const Vector3& v, const std::string& where) {
+  const Vector3d out = finite(v, where);
+  if (!(out.norm() > 0))
+    throw InputError(where + " = [0, 0, 0]: has no direction. Give a vector of any length but 0.");
+  return out.normalized();
+}
+
+void check_names(const Scene& scene) {
+  std::set<std::string> names;
+  const auto add = [&](const std::string& name, const char* list) {
+    if (name.empty()) throw InputError(fmt::format("{}: one has no name. Name each.", list));
+    if (!names.insert(name).second)
+      throw InputError(
+          fmt::format("{}.{}: the name is taken. Bodies and obstacles need names of their own.", list, name));
+  };
+  for (const Body& body : scene.bodies) add(body.name, "bodies");
+  for (const HalfSpace& obstacle : scene.obstacles) add(obstacle.name, "obstacles");
+}
+
+Eigen::Matrix3d rotation(const Body& body) {
+  const auto values = rotation_of(body.rotate_deg);
+  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(values.data());
+}
+
+contact::PlacedBody placed(const Body& body) {
+  const std::string where = "bodies." + body.name;
+  if (!body.kernel) throw InputError(where + ": has no kernel. Load one with load_kernel.");
+  kernels::validate(*body.kernel, where + ".kernel");
+  finite(body.rotate_deg, where + ".rotate_deg");
+  return {.name = body.name,
+          .kernel = body.kernel.get(),
+          .rotation = rotation(body),
+          .translation = finite(body.translate, where + ".translate"),
+          .velocity = finite(body.velocity, where + ".velocity")};
+}
+
+contact::Model model_of(const Scene& scene) {
+  check_names(scene);
+  std::vector<contact::PlacedBody> bodies;
+  for (const Body& body : scene.bodies) bodies.push_back(placed(body));
+  std::vector<contact::HalfSpace> obstacles;
+  for (const HalfSpace& obstacle : scene.obstacles) {
+    const std::string where = "obstacles." + obstacle.name;
+    obstacles.push_back(
+        {obstacle.name, finite(obstacle.point, where + ".point"), unit(obstacle.normal, where + ".normal")});
+  }
+  std::vector<contact::PairRequest> pairs;
+  for (const Pair& pair : scene.pairs) {
+    contact::PairRequest request{pair.a, pair.b, {}, pair.gap, pair.reach};
+    if (pair.direction)
+      request.direction =
+          unit(*pair.direction, fmt::format("contact between \"{}\" and \"{}\": direction", pair.a, pair.b));
+    pairs.push_back(request);
+  }
+  return contact::build_model(std::move(bodies), obstacles, pairs, finite(scene.gravity, "gravity"));
+}
+
+contact::StepOptions step_options(const Scene& scene) {
+  if (!(scene.rate_hz > 0 && std::isfinite(scene.rate_hz)))
+    throw InputError(fmt::format("rate_hz = {}: must be positive and finite.", scene.rate_hz));
+  return {.scheme = scene.scheme == Scheme::impulse ? contact::Scheme::impulse : contact::Scheme::compliant,
+          .admittance = scene.admittance == Admittance::difference ? contact::Admittance::difference
+                                                                   : contact::Admittance::jump,
+          .restitution = scene.restitution,
+          .step = 1 / scene.rate_hz};
+}
+
+/// (3,N) modes at the pickup's place, in the body's own axes; (1,N) along the kernel's only direction.
+Eigen::Map<const contact::Matrix> modes_at(const Pickup& pickup, const kernels::Kernel& kernel,
+                                           const std::string& where) {
+  const Eigen::Index modes = static_cast<Eigen::Index>(kernel.modes.size());
+  if (!pickup.receiver.empty()) {
+    const auto found = std::ranges::find(kernel.receivers, pickup.receiver, &kernels::Receiver::name);
+    if (found == kernel.receivers.end())
+      throw InputError(fmt::format("{}: no receiver \"{}\" in the kernel of \"{}\", which has {}.", where,
+                                   pickup.receiver, pickup.body, kernel.receivers.size()));
+    return {found->shape.data(), 3, modes};
+  }
+  const kernels::Surface& surface = kernel.surface;
+  if (pickup.candidate >= surface.size())
+    throw InputError(fmt::format("{}: candidate = {}: the kernel of \"{}\" has {}, counted from 0.", where,
+                                 pickup.candidate, pickup.body, surface.size()));
+  const Eigen::Index rows = surface.components;
+  return {surface.shape.data() + static_cast<Eigen::Index>(pickup.candidate) * rows * modes, rows, modes};
+}
+
+/// (p,N) velocities of the pickups by q̇.
+contact::Matrix pickups_of(const Scene& scene, const contact::Model& model) {
+  contact::Matrix out =
+      contact::Matrix::Zero(static_cast<Eigen::Index>(scene.pickups.size()), model.omega.size());
+  for (std::size_t k = 0; k < scene.pickups.size(); ++k) {
+    const Pickup& pickup = scene.pickups[k];
+    const std::string where = fmt::format("pickups[{}]", k);
+    const auto body = std::ranges::find(model.bodies, pickup.body, &contact::Model::BodyBlock::name);
+    if (body == model.bodies.end())
+      throw InputError(fmt::format("{}: \"{}\" is not a body. Name one of bodies.", where, pickup.body));
+    const kernels::Kernel& kernel = *body->kernel;
+    const Vector3d own = body->rotation.transpose() * unit(pickup.direction, where + ".direction");
+    const auto modes = modes_at(pickup, kernel, where);
+    auto row = out.row(static_cast<Eigen::Index>(k)).segment(body->first_mode, body->modes);
+    if (modes.rows() == 3) {
+      row = own.transpose() * modes;
+      continue;
+    }
+    const Vector3& d = *kernel.surface.direction;
+    const double along = own.dot(Vector3d(d[0], d[1], d[2]));
+    if (std::abs(along) < 1 - 1e-9)
+      throw InputError(
+          fmt::format("{}.direction: the kernel of \"{}\" holds the motion along [{:.6g}, {:.6g}, "
+                      "{:.6g}] (its own axes) alone. Listen along it.",
+                      where, pickup.body, d[0], d[1], d[2]));
+    row = std::copysign(1.0, along) * modes;
+  }
+  return out;
+}
+
+Vector3 array(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+std::vector<ContactPoint> points_of(const contact::Model& model) {
+  std::vector<ContactPoint> out;
+  for (std::size_t k = 0; k < model.pairs.size(); ++k)
+    for (int i = 0; i < model.pairs[k].points; ++i) {
+      const Eigen::Index row = model.pairs[k].first_point + i;
+      out.push_back({k, array(model.point_a.row(row)), array(model.point_b.row(row)),
+                     array(model.normal.row(row)), model.gap(row), model.area(row)});
+    }
+  return out;
+}
+
+StepStatus status_of(contact::StepStatus status) noexcept {
+  switch (status) {
+    case contact::StepStatus::ok:
+      return StepStatus::ok;
+    case contact::StepStatus::no_solution:
+      return StepStatus::no_solution;
+    case contact::StepStatus::not_finite:
+      break;
+  }
+  return StepStatus::not_finite;
+}
+
+std::span<const double> span_of(const contact::Vector& v) noexcept {
+  return {v.data(), static_cast<std::size_t>(v.size())};
+}
+
+std::uint64_t next_identity() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
+
+}  // namespace
+
+SharedKernel load_kernel(const std::filesystem::path& path) {
+  return std::make_shared<const kernels::Kernel>(kernels::read(path));
+}
+
+struct Simulation::Impl {
+  explicit Impl(const Scene& scene)
+      : model(model_of(scene)),
+        integrator(model, step_options(scene)),
+        pickups(pickups_of(scene, model)),
+        points(points_of(model)) {
+    for (const Body& body : scene.bodies) kernels.push_back(body.kernel);
+  }
+
+  /// Row k of what the last step left.
+  void write(const Block& out, std::int64_t k) const noexcept {
+    const Eigen::Index m = integrator.force().size(), p = pickups.rows();
+    if (out.velocity)
+      for (Eigen::Index i = 0; i < p; ++i) out.velocity[k * p + i] = pickups.row(i).dot(integrator.v());
+    if (out.total_force) out.total_force[k] = integrator.force().sum();
+    if (out.force) std::copy_n(integrator.force().data(), m, out.force + k * m);
+    if (out.displacement) std::copy_n(integrator.displacement().data(), m, out.displacement + k * m);
+  }
+
+  void clear(const Block& out, std::int64_t from, std::int64_t to) const noexcept {
+    const Eigen::Index m = integrator.force().size(), p = pickups.rows();
+    const auto rows = [&](double* values, std::int64_t columns) {
+      if (values) std::fill(values + from * columns, values + to * columns, 0.0);
+    };
+    rows(out.velocity, p);
+    rows(out.total_force, 1);
+    rows(out.force, m);
+    rows(out.displacement, m);
+  }
+
+  std::uint64_t identity = next_identity();
+  std::vector<SharedKernel> kernels;  ///< the model points at them
+  contact::Model model;
+  contact::Integrator integrator;
+  contact::Matrix pickups;  ///< (p,N)
+  std::vector<ContactPoint> points;
+};
+
+struct Simulation::State::Impl {
+  std::uint64_t identity;
+  contact::Integrator integrator;
+};
+
+Simulation::Simulation(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {}
+Simulation::~Simulation() = default;
+Simulation::Simulation(Simulation&&) noexcept = default;
+Simulation& Simulation::operator=(Simulation&&) noexcept = default;
+
+StepStatus Simulation::step() noexcept {
+  const FlushDenormals scope;
+  return status_of(impl_->integrator.step());
+}
+
+BlockResult Simulation::step_block(std::int64_t steps, const Block& out) noexcept {
+  const FlushDenormals scope;
+  BlockResult result;
+  while (result.steps < steps) {
+    result.status = status_of(impl_->integrator.step());
+    if (result.status != StepStatus::ok) {
+      impl_->clear(out, result.steps, steps);
+      break;
+    }
+    impl_->write(out, result.steps++);
+  }
+  return result;
+}
+
+std::int64_t Simulation::steps() const noexcept { return impl_->integrator.steps(); }
+double Simulation::time() const noexcept { return impl_->integrator.time(); }
+
+std::span<const ContactPoint> Simulation::points() const noexcept { return impl_->points; }
+std::span<const double> Simulation::force() const noexcept { return span_of(impl_->integrator.force()); }
+std::span<const double> Simulation::displacement() const noexcept {
+  return span_of(impl_->integrator.displacement());
+}
+int Simulation::active() const noexcept { return impl_->integrator.active(); }
+
+std::size_t Simulation::pickups() const noexcept { return static_cast<std::size_t>(impl_->pickups.rows()); }
+double Simulation::pickup_velocity(std::size_t pickup) const noexcept {
+  return impl_->pickups.row(static_cast<Eigen::Index>(pickup)).dot(impl_->integrator.v());
+}
+double Simulation::pickup_displacement(std::size_t pickup) const noexcept {
+  return impl_->pickups.row(static_cast<Eigen::Index>(pickup)).dot(impl_->integrator.q());
+}
+
+Vector3 Simulation::mean_velocity(std::size_t body) const noexcept {
+  const contact::Model::BodyBlock& block = impl_->model.bodies[body];
+  Vector3 out{};
+  for (Eigen::Index k = 0; k < 3; ++k)
+    out[static_cast<std::size_t>(k)] =
+        block.momentum.row(k).dot(impl_->integrator.v().segment(block.first_mode, block.modes)) / block.mass;
+  return out;
+}
+
+Energy Simulation::energy() const noexcept {
+  const contact::Energy& e = impl_->integrator.energy();
+  return {e.kinetic, e.strain, e.residual, e.loads, e.damping, e.contact};
+}
+
+int Simulation::quasi_static_modes() const noexcept { return impl_->integrator.modes_in_residual(); }
+
+Simulation::State Simulation::save() const {
+  return State(std::make_unique<const State::Impl>(State::Impl{impl_->identity, impl_->integrator}));
+}
+
+// Assigned to, not replaced: the integrator's arrays keep their memory, and what they have room for.
+bool Simulation::restore(const State& state) noexcept {
+  if (!state.impl_ || state.impl_->identity != impl_->identity) return false;
+  impl_->integrator = state.impl_->integrator;
+  return true;
+}
+
+Simulation::State::State(std::unique_ptr<const Impl> impl) : impl_(std::move(impl)) {}
+Simulation::State::~State() = default;
+Simulation::State::State(State&&) noexcept = default;
+Simulation::State& Simulation::State::operator=(State&&) noexcept = default;
+
+}  // namespace ricochet

@@ -1,0 +1,22 @@
+// Kernels written by hand: what ricochet-kernel computes from a mesh, here from formulas.
+#pragma once
+
+#include "ricochet/ricochet.hpp"
+
+namespace strike {
+
+struct Bar {
+  double length = 0.3, height = 0.006, width = 0.03;  ///< [m]
+  double young = 70e9, density = 2700;                ///< [Pa], [kg/m³]: aluminium
+  double loss_factor = 2e-3;
+};
+
+/// A free Euler–Bernoulli bar along x about the origin that moves along z: two rigid modes and `bending`
+/// more. Candidates of contact stand on the middle line of its upper face, from end to end.
+ricochet::SharedKernel bar_kernel(const Bar& bar, int bending = 40, int candidates = 31);
+
+/// A rigid mass that moves along the unit vector `out` and has a springy head, which faces against it.
+/// @param mass  [kg]   @param stiffness  of the head [N/m]
+ricochet::SharedKernel mallet_kernel(double mass, double stiffness, const ricochet::Vector3& out);
+
+}  // namespace strike

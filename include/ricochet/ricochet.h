@@ -1,0 +1,128 @@
+/* Impacts of elastic bodies from their kernels, for C and whatever calls C. The same as ricochet.hpp, where
+ * units and rules are given in full.
+ *
+ *   ricochet_kernel* kernel = ricochet_kernel_load("bar.kernel.h5");
+ *   ricochet_scene* scene = ricochet_scene_new(44100);
+ *   ricochet_scene_body(scene, "bar", kernel, NULL, NULL, down);
+ *   ricochet_scene_half_space(scene, "floor", origin, up);
+ *   ricochet_scene_pair(scene, "bar", "floor", NULL, &gap, NULL);
+ *   ricochet_scene_pickup(scene, "bar", NULL, 0, up);
+ *   ricochet_simulation* simulation = ricochet_simulation_new(scene);
+ *   ricochet_simulation_step_block(simulation, 512, &block);
+ *
+ * What refuses its input returns NULL or RICOCHET_REFUSED; ricochet_error() then says in one line where, what
+ * was found and what to do. Vectors are three doubles in SI units and world axes. rotate_deg, translate,
+ * velocity, direction, gap, reach and receiver may be NULL: not given. Handles of simulations are not
+ * checked. What was made may be freed in any order: a simulation keeps what it needs of its scene and
+ * kernels. */
+#ifndef RICOCHET_H
+#define RICOCHET_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#define RICOCHET_VERSION_MAJOR 0
+#define RICOCHET_VERSION_MINOR 1
+#define RICOCHET_VERSION_PATCH 0
+#define RICOCHET_VERSION_NUMBER \
+  (RICOCHET_VERSION_MAJOR * 10000 + RICOCHET_VERSION_MINOR * 100 + RICOCHET_VERSION_PATCH)
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum {
+  RICOCHET_OK = 0,
+  RICOCHET_NO_SOLUTION = 1, /* no contact forces keep the bodies apart */
+  RICOCHET_NOT_FINITE = 2,  /* the motion stops being finite */
+  RICOCHET_REFUSED = 3      /* see ricochet_error() */
+};
+enum { RICOCHET_JUMP = 0, RICOCHET_DIFFERENCE = 1 }; /* admittance of the impulse scheme */
+
+typedef struct ricochet_kernel ricochet_kernel;
+typedef struct ricochet_scene ricochet_scene;
+typedef struct ricochet_simulation ricochet_simulation;
+typedef struct ricochet_state ricochet_state;
+
+/* Of the library that runs, as RICOCHET_VERSION_NUMBER of the header that was compiled. */
+int ricochet_version(void);
+
+/* Of this thread's last call that failed; "" before the first. Valid until the next that fails. */
+const char* ricochet_error(void);
+
+/* Kernels. Load on one thread at a time; a kernel is constant after that. */
+ricochet_kernel* ricochet_kernel_load(const char* path);
+void ricochet_kernel_free(ricochet_kernel* kernel);
+double ricochet_kernel_mass(const ricochet_kernel* kernel);         /* [kg] */
+size_t ricochet_kernel_modes(const ricochet_kernel* kernel);        /* N */
+size_t ricochet_kernel_candidates(const ricochet_kernel* kernel);   /* M */
+const double* ricochet_kernel_nodes(const ricochet_kernel* kernel); /* (M,3) [m], the body's frame */
+
+/* What is to happen: scheme "compliant" and no gravity unless set otherwise. */
+ricochet_scene* ricochet_scene_new(double rate_hz);
+void ricochet_scene_free(ricochet_scene* scene);
+int ricochet_scene_body(ricochet_scene* scene, const char* name, const ricochet_kernel* kernel,
+                        const double* rotate_deg, const double* translate, const double* velocity);
+int ricochet_scene_half_space(ricochet_scene* scene, const char* name, const double* point,
+                              const double* normal);
+/* direction: a vector; gap, reach: one number [m]. */
+int ricochet_scene_pair(ricochet_scene* scene, const char* a, const char* b, const double* direction,
+                        const double* gap, const double* reach);
+/* A receiver of the kernel by name, or, when that is NULL, a candidate by its number. */
+int ricochet_scene_pickup(ricochet_scene* scene, const char* body, const char* receiver, size_t candidate,
+                          const double* direction);
+int ricochet_scene_gravity(ricochet_scene* scene, const double* gravity);
+int ricochet_scene_impulse(ricochet_scene* scene, int admittance, double restitution);
+
+/* Simulations: one thread at a time each. From here on only ricochet_simulation_new and _save allocate. */
+typedef struct ricochet_block { /* each may be NULL */
+  double* velocity;             /* (n,p) of the pickups [m/s] */
+  double* total_force;          /* (n) [N] */
+  double* force;                /* (n,m) [N] */
+  double* displacement;         /* (n,m) [m] */
+} ricochet_block;
+
+typedef struct ricochet_energy { /* [J] */
+  double kinetic, strain, residual, loads, damping, contact;
+} ricochet_energy;
+
+typedef struct ricochet_point {
+  size_t pair;
+  double a[3], b[3], normal[3]; /* facing places [m]; unit normal out of a */
+  double gap, area;             /* initial [m]; of a's patch [m^2] */
+} ricochet_point;
+
+ricochet_simulation* ricochet_simulation_new(const ricochet_scene* scene);
+void ricochet_simulation_free(ricochet_simulation* simulation);
+
+/* Return RICOCHET_OK, RICOCHET_NO_SOLUTION or RICOCHET_NOT_FINITE. A step that fails changes nothing; rows of
+ * the block from there on are 0. block may be NULL. */
+int ricochet_simulation_step(ricochet_simulation* simulation);
+int ricochet_simulation_step_block(ricochet_simulation* simulation, int64_t steps,
+                                   const ricochet_block* block);
+
+int64_t ricochet_simulation_steps(const ricochet_simulation* simulation);
+double ricochet_simulation_time(const ricochet_simulation* simulation);    /* [s] */
+size_t ricochet_simulation_points(const ricochet_simulation* simulation);  /* m */
+size_t ricochet_simulation_pickups(const ricochet_simulation* simulation); /* p */
+int ricochet_simulation_active(const ricochet_simulation* simulation);     /* points that push */
+/* (m), of the last step; valid until the next. */
+const double* ricochet_simulation_force(const ricochet_simulation* simulation);        /* [N] */
+const double* ricochet_simulation_displacement(const ricochet_simulation* simulation); /* [m] */
+/* point < m, pickup < p, body in the order of ricochet_scene_body: not checked. */
+void ricochet_simulation_point(const ricochet_simulation* simulation, size_t point, ricochet_point* out);
+double ricochet_simulation_pickup_velocity(const ricochet_simulation* simulation, size_t pickup);
+double ricochet_simulation_pickup_displacement(const ricochet_simulation* simulation, size_t pickup);
+void ricochet_simulation_mean_velocity(const ricochet_simulation* simulation, size_t body, double out[3]);
+void ricochet_simulation_energy(const ricochet_simulation* simulation, ricochet_energy* out);
+
+ricochet_state* ricochet_simulation_save(const ricochet_simulation* simulation);
+/* RICOCHET_REFUSED with a state of another simulation. */
+int ricochet_simulation_restore(ricochet_simulation* simulation, const ricochet_state* state);
+void ricochet_state_free(ricochet_state* state);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

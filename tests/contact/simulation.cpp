@@ -1,0 +1,240 @@
+// The library as other programs see it.
+#include "ricochet/ricochet.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+#include <string>
+
+#include "tests/contact/heap_counter.hpp"
+#include "tests/contact/plate.hpp"
+
+namespace {
+
+using namespace ricochet;
+using contact::test::falling;
+using contact::test::plate;
+using contact::test::shared;
+using ricochet::test::complaint_of;
+
+constexpr double length = 10;
+
+/// A rod (ρA = EA = 1, so c = 1 and its impedance is 1) that flies at unit speed along its axis, which
+/// `rotate_deg` turns into −`normal`, and touches a wall at t = 0.
+Scene rod_at_wall(const Vector3& rotate_deg = {0, 0, 0}, const Vector3& normal = {1, 0, 0}) {
+  Scene scene;
+  Vector3 velocity = normal;
+  for (double& x : velocity) x = -x;
+  scene.bodies = {{.name = "rod",
+                   .kernel = shared(contact::test::rod(100, length)),
+                   .rotate_deg = rotate_deg,
+                   .velocity = velocity}};
+  scene.obstacles = {{.name = "wall", .normal = normal}};
+  scene.pairs = {{.a = "rod", .b = "wall", .gap = 0.0}};
+  scene.pickups = {{.body = "rod", .candidate = 1, .direction = normal}};
+  scene.rate_hz = 100;
+  return scene;
+}
+
+double mean(const std::vector<double>& values, double from, double to) {
+  const auto at = [&](double t) { return values.begin() + static_cast<std::ptrdiff_t>(100 * t); };
+  return std::accumulate(at(from), at(to), 0.0) / (100 * (to - from));
+}
+
+// d'Alembert: the force is ρcAv = 1 until the wave is back at t = 2L/c = 20; its front reverses the far end
+// at t = 10. 1 %: 100 modes and 2000 steps for a front.
+TEST(Simulation, of_a_rod_that_meets_a_wall_is_the_wave_solution) {
+  Simulation simulation(rod_at_wall());
+  ASSERT_EQ(simulation.points().size(), 1);
+  EXPECT_EQ(simulation.points()[0].normal, (Vector3{-1, 0, 0}));
+  std::vector<double> far_end(3000), force(3000);
+  const BlockResult done =
+      simulation.step_block(3000, {.velocity = far_end.data(), .total_force = force.data()});
+  EXPECT_EQ(done.status, StepStatus::ok);
+  EXPECT_EQ(done.steps, 3000);
+  EXPECT_NEAR(mean(force, 1, 18), 1, 0.01);
+  EXPECT_EQ(mean(force, 21, 30), 0);
+  EXPECT_NEAR(mean(far_end, 1, 9), -1, 0.01);
+  EXPECT_NEAR(mean(far_end, 11, 19), 1, 0.01);
+  EXPECT_NEAR(simulation.mean_velocity(0)[0], 1, 0.01);
+  EXPECT_NEAR(simulation.pickup_displacement(0), -10 + 20, 0.1);
+}
+
+// 1e-10: round-off of a thousand steps in contact
+TEST(Simulation, is_the_same_for_bodies_turned_with_their_surroundings) {
+  Simulation along_x(rod_at_wall());
+  Simulation along_y(rod_at_wall({0, 0, 90}, {0, 1, 0}));
+  Simulation askew(rod_at_wall({0, 0, 30}, {std::sqrt(3) / 2, 0.5, 0}));
+  for (Simulation* turned : {&along_y, &askew}) {
+    Simulation reference(rod_at_wall());
+    for (int k = 0; k < 1000; ++k) {
+      ASSERT_EQ(reference.step(), StepStatus::ok);
+      ASSERT_EQ(turned->step(), StepStatus::ok);
+      ASSERT_NEAR(reference.force()[0], turned->force()[0], 1e-10);
+      ASSERT_NEAR(reference.pickup_velocity(0), turned->pickup_velocity(0), 1e-10);
+    }
+  }
+}
+
+TEST(Simulation, falls_as_galilei_has_it) {
+  Simulation simulation(falling({.modes = 1}, 1, 0, 9.81));
+  simulation.step_block(4410);
+  EXPECT_NEAR(simulation.time(), 0.1, 1e-15);
+  EXPECT_NEAR(simulation.pickup_displacement(0), -0.5 * 9.81 * 0.01, 1e-12);
+  EXPECT_NEAR(simulation.pickup_velocity(0), -0.981, 1e-12);
+  EXPECT_NEAR(simulation.mean_velocity(0)[2], -0.981, 1e-12);
+  EXPECT_NEAR(simulation.displacement()[2], 0.5 * 9.81 * 0.01, 1e-12);
+  EXPECT_NEAR(simulation.energy().loads, 2 * 9.81 * 0.5 * 9.81 * 0.01, 1e-12);
+  EXPECT_NEAR(simulation.energy().total(), 0, 1e-12);
+}
+
+TEST(Simulation, hears_the_receivers_of_a_kernel) {
+  kernels::Kernel kernel = *plate({.modes = 1});
+  kernel.receivers.resize(1);
+  kernel.receivers[0].name = "mic";
+  kernel.receivers[0].shape = {0, 0, 3 / std::sqrt(2.0)};  // three times the rigid motion
+  Scene scene = falling({}, 1, 0.5, 0);
+  scene.bodies[0].kernel = std::make_shared<const kernels::Kernel>(kernel);
+  scene.pickups = {{.body = "plate", .receiver = "mic", .direction = {0, 0, -7}},
+                   {.body = "plate", .candidate = 2, .direction = {0, 0, -1}}};
+  Simulation simulation(scene);
+  std::vector<double> heard(4);
+  simulation.step_block(2, {.velocity = heard.data()});
+  for (const std::size_t step : {0, 1}) {
+    EXPECT_NEAR(heard[2 * step], 1.5, 1e-14);
+    EXPECT_NEAR(heard[2 * step + 1], 0.5, 1e-14);
+  }
+}
+
+/// The three ways to step.
+std::vector<Scene> schemes(const Scene& compliant) {
+  Scene jump = compliant, difference = compliant;
+  jump.scheme = difference.scheme = Scheme::impulse;
+  difference.admittance = Admittance::difference;
+  return {compliant, jump, difference};
+}
+
+TEST(Simulation, block_is_its_steps_to_the_last_bit) {
+  for (const Scene& scene : schemes(falling({.ratio = 0.01}, 1e-4, 1, 9.81))) {
+    Simulation whole(scene), single(scene);
+    constexpr std::size_t n = 3000, m = 3;
+    std::vector<double> velocity(n), total(n), force(n * m), displacement(n * m);
+    const BlockResult done =
+        whole.step_block(n, {velocity.data(), total.data(), force.data(), displacement.data()});
+    ASSERT_EQ(done.steps, n);
+    int touching = 0;
+    for (std::size_t k = 0; k < n; ++k) {
+      ASSERT_EQ(single.step(), StepStatus::ok);
+      ASSERT_EQ(velocity[k], single.pickup_velocity(0));
+      double sum = 0;
+      for (std::size_t i = 0; i < m; ++i) {
+        ASSERT_EQ(force[k * m + i], single.force()[i]);
+        ASSERT_EQ(displacement[k * m + i], single.displacement()[i]);
+        sum += single.force()[i];
+      }
+      ASSERT_NEAR(total[k], sum, 1e-13 * sum);
+      touching += single.active() > 0;
+    }
+    EXPECT_GT(touching, 20);
+  }
+}
+
+TEST(Simulation, goes_on_from_a_saved_state_to_the_last_bit_and_takes_no_memory_to_return) {
+  for (const Scene& scene : schemes(falling({.ratio = 0.01}, 1e-4, 1, 9.81))) {
+    Simulation simulation(scene);
+    while (simulation.active() == 0) ASSERT_EQ(simulation.step(), StepStatus::ok);
+    const Simulation::State touching = simulation.save();
+    const std::int64_t there = simulation.steps();
+    const auto run_on = [&] {
+      std::vector<double> out(2000);
+      simulation.step_block(2000, {.velocity = out.data()});
+      const Energy e = simulation.energy();
+      out.insert(out.end(), {e.kinetic, e.strain, e.residual, e.loads, e.damping, e.contact});
+      return out;
+    };
+    const std::vector<double> first = run_on();
+    const long before = heap_counter::calls;
+    const bool restored = simulation.restore(touching);
+    const long after = heap_counter::calls;
+    EXPECT_TRUE(restored);
+    EXPECT_EQ(after, before);
+    EXPECT_EQ(simulation.steps(), there);
+    EXPECT_GT(simulation.active(), 0);
+    EXPECT_EQ(run_on(), first);
+
+    Simulation twin(scene);
+    EXPECT_FALSE(twin.restore(touching));
+    EXPECT_EQ(twin.steps(), 0);
+    Simulation moved = std::move(simulation);
+    EXPECT_TRUE(moved.restore(touching));
+  }
+}
+
+TEST(Simulation, fills_the_rest_of_a_block_with_silence_when_a_step_fails) {
+  Simulation simulation(falling({}, 1, 1e200, 0));  // its energy is beyond double precision
+  std::vector<double> velocity(5, 7), force(15, 7);
+  const BlockResult done = simulation.step_block(5, {.velocity = velocity.data(), .force = force.data()});
+  EXPECT_EQ(done.status, StepStatus::not_finite);
+  EXPECT_EQ(done.steps, 0);
+  EXPECT_EQ(simulation.steps(), 0);
+  EXPECT_EQ(velocity, std::vector<double>(5, 0));
+  EXPECT_EQ(force, std::vector<double>(15, 0));
+}
+
+TEST(Simulation, keeps_its_kernels_alive) {
+  Scene scene = falling({}, 1e-4, 1, 9.81);
+  std::weak_ptr<const kernels::Kernel> kernel = scene.bodies[0].kernel;
+  {
+    Simulation simulation(scene);
+    scene = {};
+    EXPECT_FALSE(kernel.expired());
+    EXPECT_EQ(simulation.step(), StepStatus::ok);
+  }
+  EXPECT_TRUE(kernel.expired());
+}
+
+TEST(Simulation, refuses_in_one_line_what_it_cannot_run) {
+  const auto complaint = [](auto change) {
+    Scene scene = falling({}, 1e-4, 1, 9.81);
+    change(scene);
+    return complaint_of([&] { Simulation simulation(scene); });
+  };
+  const auto says = [&](auto change, const std::string& part) {
+    const std::string text = complaint(change);
+    EXPECT_NE(text.find(part), std::string::npos) << part << " in: " << text;
+  };
+  const double nan = std::nan("");
+  says([](Scene& s) { s.bodies[0].kernel = nullptr; }, "bodies.plate: has no kernel");
+  says([](Scene& s) { s.bodies.push_back(s.bodies[0]); }, "bodies.plate: the name is taken");
+  says([](Scene& s) { s.obstacles[0].name = "plate"; }, "obstacles.plate: the name is taken");
+  says([](Scene& s) { s.bodies[0].name = ""; }, "bodies: one has no name");
+  says([&](Scene& s) { s.bodies[0].translate[1] = nan; }, "bodies.plate.translate = [0, nan, 0]");
+  says([](Scene& s) { s.obstacles[0].normal = {}; }, "obstacles.floor.normal = [0, 0, 0]");
+  says([](Scene& s) { s.pairs[0].b = "flour"; }, "\"flour\" is neither a body nor an obstacle");
+  says([](Scene& s) { s.pairs[0].gap = -1.0; }, "gap = -1: must not be negative");
+  says([](Scene& s) { s.pairs[0].direction = Vector3{}; }, "direction = [0, 0, 0]");
+  says([&](Scene& s) { s.gravity[0] = nan; }, "gravity = [nan");
+  says([](Scene& s) { s.rate_hz = 0; }, "rate_hz = 0");
+  says([](Scene& s) { s.pickups[0].body = "plane"; }, "pickups[0]: \"plane\" is not a body");
+  says([](Scene& s) { s.pickups[0].candidate = 3; },
+       "pickups[0]: candidate = 3: the kernel of \"plate\" has 3");
+  says([](Scene& s) { s.pickups[0].receiver = "mic"; }, "no receiver \"mic\"");
+  says([](Scene& s) { s.pickups[0].direction = {1, 0, 0}; }, "along [0, 0, 1]");
+  says([](Scene& s) { s.pickups[0].direction = {}; }, "pickups[0].direction = [0, 0, 0]");
+  says(
+      [](Scene& s) {
+        s.scheme = Scheme::impulse;
+        s.restitution = 2;
+      },
+      "restitution = 2");
+  says(
+      [](Scene& s) {
+        kernels::Kernel damaged = *s.bodies[0].kernel;
+        damaged.surface.shape.pop_back();
+        s.bodies[0].kernel = std::make_shared<const kernels::Kernel>(damaged);
+      },
+      "bodies.plate.kernel: dataset \"/surface/shape\"");
+}
+
+}  // namespace

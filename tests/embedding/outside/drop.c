@@ -1,0 +1,108 @@
+/* Drops the bob of drop.cpp through the C header and compares with Galilei. */
+#include <ricochet/ricochet.h>
+
+#if defined(EIGEN_WORLD_VERSION) || defined(MPI_VERSION) || defined(H5_VERS_MAJOR)
+#error "ricochet.h brings in a library that its users did not ask for"
+#endif
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static int failures = 0;
+
+static void expect(int holds, const char* what) {
+  if (holds) return;
+  fprintf(stderr, "not so: %s (last error: %s)\n", what, ricochet_error());
+  ++failures;
+}
+
+static int near(double x, double y, double tolerance) { return fabs(x - y) <= tolerance; }
+
+static void refusals(const ricochet_kernel* kernel) {
+  const double zero[3] = {0, 0, 0};
+  expect(ricochet_kernel_load("nowhere.h5") == NULL, "a missing file is refused");
+  expect(strstr(ricochet_error(), "nowhere.h5") != NULL, "the refusal names the file");
+  expect(ricochet_kernel_load(NULL) == NULL, "a missing path is refused");
+  expect(ricochet_scene_body(NULL, "bob", kernel, NULL, NULL, NULL) == RICOCHET_REFUSED,
+         "no scene is refused");
+  ricochet_scene* scene = ricochet_scene_new(1000);
+  expect(ricochet_scene_body(scene, "bob", NULL, NULL, NULL, NULL) == RICOCHET_REFUSED,
+         "no kernel is refused");
+  expect(ricochet_scene_half_space(scene, "floor", zero, NULL) == RICOCHET_REFUSED, "no normal is refused");
+  expect(ricochet_scene_impulse(scene, 7, 0) == RICOCHET_REFUSED, "an unknown admittance is refused");
+  expect(ricochet_scene_half_space(scene, "floor", zero, zero) == RICOCHET_OK,
+         "a scene is checked when it is run");
+  expect(ricochet_simulation_new(scene) == NULL, "a normal of length 0 is refused");
+  expect(strstr(ricochet_error(), "obstacles.floor.normal") != NULL, "the refusal names it");
+  ricochet_scene_free(scene);
+}
+
+static ricochet_simulation* drop(const ricochet_kernel* kernel) {
+  const double origin[3] = {0, 0, 0}, up[3] = {0, 0, 1}, down[3] = {0, 0, -1}, gravity[3] = {0, 0, -9.81};
+  const double gap = 1;
+  ricochet_simulation* simulation;
+  ricochet_scene* scene = ricochet_scene_new(1000);
+  expect(ricochet_scene_body(scene, "bob", kernel, NULL, NULL, NULL) == RICOCHET_OK, "body");
+  expect(ricochet_scene_half_space(scene, "floor", origin, up) == RICOCHET_OK, "half-space");
+  expect(ricochet_scene_pair(scene, "bob", "floor", NULL, &gap, NULL) == RICOCHET_OK, "pair");
+  expect(ricochet_scene_pickup(scene, "bob", NULL, 0, down) == RICOCHET_OK, "pickup");
+  expect(ricochet_scene_gravity(scene, gravity) == RICOCHET_OK, "gravity");
+  simulation = ricochet_simulation_new(scene);
+  ricochet_scene_free(scene);
+  return simulation;
+}
+
+int main(int count, char** arguments) {
+  double velocity[400], mean[3];
+  ricochet_block block = {velocity, NULL, NULL, NULL};
+  ricochet_energy energy;
+  ricochet_point point;
+  ricochet_kernel* kernel = ricochet_kernel_load(count > 1 ? arguments[1] : NULL);
+  if (kernel == NULL) {
+    fprintf(stderr, "%s\n", ricochet_error());
+    return 1;
+  }
+  expect(ricochet_version() == RICOCHET_VERSION_NUMBER, "header and library are of one version");
+  expect(ricochet_kernel_mass(kernel) == 4 && ricochet_kernel_modes(kernel) == 1, "the kernel is the bob's");
+  expect(ricochet_kernel_candidates(kernel) == 1 && ricochet_kernel_nodes(kernel)[2] == 0,
+         "it has one point");
+  refusals(kernel);
+  ricochet_simulation* simulation = drop(kernel);
+  ricochet_simulation* other = drop(kernel);
+  ricochet_kernel_free(kernel);
+  if (simulation == NULL || other == NULL) return 1;
+
+  expect(ricochet_simulation_points(simulation) == 1 && ricochet_simulation_pickups(simulation) == 1,
+         "sizes");
+  ricochet_simulation_point(simulation, 0, &point);
+  expect(point.normal[2] == -1 && near(point.gap, 1, 1e-15) && near(point.a[2], 1, 1e-15),
+         "the point is below");
+  expect(ricochet_simulation_step_block(simulation, 400, &block) == RICOCHET_OK, "it makes 400 steps");
+  expect(ricochet_simulation_steps(simulation) == 400, "it has made 400 steps");
+  expect(near(ricochet_simulation_time(simulation), 0.4, 1e-15), "t = 0.4 s");
+  expect(near(velocity[399], 9.81 * 0.4, 1e-12), "v = g t");
+  expect(velocity[399] == ricochet_simulation_pickup_velocity(simulation, 0), "a block is its steps");
+  expect(near(ricochet_simulation_pickup_displacement(simulation, 0), 0.5 * 9.81 * 0.16, 1e-12),
+         "s = g t^2 / 2");
+  ricochet_simulation_mean_velocity(simulation, 0, mean);
+  expect(near(mean[2], -9.81 * 0.4, 1e-12) && mean[0] == 0, "the body is as fast as its point");
+  ricochet_simulation_energy(simulation, &energy);
+  expect(near(energy.kinetic, 2 * 9.81 * 0.4 * 9.81 * 0.4, 1e-11), "m v^2 / 2");
+  expect(near(energy.loads, energy.kinetic, 1e-11), "which is the work of its weight");
+
+  ricochet_state* state = ricochet_simulation_save(simulation);
+  expect(ricochet_simulation_step_block(simulation, 19600, NULL) == RICOCHET_OK, "it goes on");
+  expect(ricochet_simulation_active(simulation) == 1, "it lies on the floor");
+  expect(near(ricochet_simulation_force(simulation)[0], 4 * 9.81, 1e-9), "which carries m g");
+  expect(near(ricochet_simulation_displacement(simulation)[0], 1, 1e-12), "and has not given way");
+  expect(ricochet_simulation_restore(simulation, state) == RICOCHET_OK, "it returns");
+  expect(ricochet_simulation_steps(simulation) == 400, "to where it was");
+  expect(ricochet_simulation_step(simulation) == RICOCHET_OK, "and steps");
+  expect(ricochet_simulation_restore(other, state) == RICOCHET_REFUSED, "a state of another one is refused");
+  ricochet_state_free(state);
+  ricochet_simulation_free(simulation);
+  ricochet_simulation_free(other);
+  ricochet_simulation_free(NULL);
+  return failures;
+}

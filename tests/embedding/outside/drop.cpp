@@ -1,0 +1,75 @@
+// Drops a rigid bob through the C++ header and compares with Galilei; leaves its kernel for drop.c.
+#include <ricochet/ricochet.hpp>
+
+#if defined(EIGEN_WORLD_VERSION) || defined(MPI_VERSION) || defined(H5_VERS_MAJOR) || defined(FMT_VERSION)
+#error "ricochet.hpp brings in a library that its users did not ask for"
+#endif
+#if defined(_XMMINTRIN_H_INCLUDED) || defined(_IMMINTRIN_H_INCLUDED) || defined(__ARM_NEON_H)
+#error "ricochet.hpp brings in SIMD types"
+#endif
+
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+
+namespace {
+
+int failures = 0;
+
+void expect(bool holds, const char* what) {
+  if (holds) return;
+  std::cerr << "not so: " << what << '\n';
+  ++failures;
+}
+
+/// A mass of 4 kg that moves along z, on a spring of 1e5 N/m.
+ricochet::kernels::Kernel bob() {
+  ricochet::kernels::Kernel kernel;
+  kernel.body = kernel.hash = "bob";
+  kernel.mass = 4;
+  kernel.modes.angular_frequency = kernel.modes.decay_rate = kernel.modes.residual = {0};
+  kernel.modes.certificate.count_found = kernel.modes.certificate.count_by_inertia = 1;
+  kernel.modes.certificate.complete = true;
+  kernel.loads.body_force = {0, 0, 2};
+  kernel.loads.rotation = {0, 0, 0};
+  kernel.surface.components = 1;
+  kernel.surface.direction = ricochet::Vector3{0, 0, 1};
+  kernel.surface.node = {0, 0, 0};
+  kernel.surface.normal = {0, 0, -1};
+  kernel.surface.area = {1};
+  kernel.surface.group = {"bottom"};
+  kernel.surface.element_corners = 1;
+  kernel.surface.element = {0};
+  kernel.surface.shape = {0.5};
+  kernel.surface.residual_flexibility = {1e-5};
+  return kernel;
+}
+
+}  // namespace
+
+int main(int, char** arguments) {
+  ricochet::kernels::write(bob(), arguments[1]);
+
+  ricochet::Scene scene;
+  scene.rate_hz = 1000;
+  scene.bodies = {{.name = "bob", .kernel = ricochet::load_kernel(arguments[1])}};
+  scene.obstacles = {{.name = "floor", .normal = {0, 0, 1}}};
+  scene.pairs = {{.a = "bob", .b = "floor", .gap = 1.0}};
+  scene.pickups = {{.body = "bob", .direction = {0, 0, -1}}};
+  scene.gravity = {0, 0, -9.81};
+  ricochet::Simulation simulation(scene);
+  std::vector<double> velocity(400);
+  expect(simulation.step_block(400, {.velocity = velocity.data()}).steps == 400, "it makes 400 steps");
+  expect(std::abs(velocity.back() - 9.81 * 0.4) < 1e-12, "v = g t");
+  expect(std::abs(simulation.displacement()[0] - 0.5 * 9.81 * 0.16) < 1e-12, "s = g t² / 2");
+  for (int k = 0; k < 19600; ++k) expect(simulation.step() == ricochet::StepStatus::ok, "it goes on");
+  expect(std::abs(simulation.force()[0] - 4 * 9.81) < 1e-9, "the floor carries m g in the end");
+
+  try {
+    ricochet::load_kernel("nowhere.h5");
+    expect(false, "a missing file is refused");
+  } catch (const ricochet::InputError& error) {
+    expect(std::string(error.what()).find("nowhere.h5") != std::string::npos, "the refusal names the file");
+  }
+  return failures;
+}
