@@ -35,9 +35,11 @@ struct Summary {
   /// Minus exit over approach relative velocity along the impulse, supported bodies and obstacles at 0.
   /// None without an end, without an approach, or when more than one pair touched.
   std::optional<double> restitution;
-  double energy_drift = 0;  ///< largest departure of the ledger over the largest kinetic + strain + residual
-  double energy_lost_contact = 0;  ///< taken by contact over kinetic + strain when contact started
-  double max_penetration_m = 0;    ///< largest u − g at the end of a step
+  /// Largest departure of the ledger over the largest kinetic + strain + residual; none with table kernels.
+  std::optional<double> energy_drift;
+  /// Taken by contact over kinetic + strain when contact started; none with table kernels.
+  std::optional<double> energy_lost_contact;
+  double max_penetration_m = 0;  ///< largest u − g at the end of a step
   std::map<std::string, int> modes;
   int modes_in_residual = 0;  ///< above half the rate: quasi-static in this run
   int candidates = 0;         ///< paired points m
@@ -48,6 +50,10 @@ struct Summary {
   double real_time_factor = 0;  ///< simulated over elapsed time of the stepping
   double wall_s = 0;
 };
+
+/// Adds a step that ends at `time` to what the forces (m) alone tell: the first members of `out` down to
+/// impulse_ns, and max_active. `touching`: the step before had a force. Returns whether this one has.
+bool count_forces(Summary& out, bool touching, const Vector& force, double time, double step);
 
 /// Watches a run. `observe` is called after each step.
 class SummaryObserver {
@@ -62,7 +68,7 @@ class SummaryObserver {
   Summary summary() const;
 
  private:
-  void touch(const Integrator& integrator);
+  void push(const Vector& force);
   void look_at_validity(const Integrator& integrator);
   std::vector<std::string> warnings() const;
 

@@ -42,6 +42,7 @@ class TableIntegrator {
   /// Advances from t_{k−1} to t_k. `table_ended` when k is beyond `available`; the state then stays.
   StepStatus step() noexcept;
 
+  Scheme scheme() const { return options_.scheme; }
   std::int64_t steps() const { return steps_; }
   double time() const { return static_cast<double>(steps_) * options_.step; }
   const Vector& force() const { return force_; }     ///< (m) λ_k [N] over (t_{k−1}, t_k]; impulses as P/Δ

@@ -16,26 +16,23 @@
 #include "kernels/error.hpp"
 #include "kernels/kernel.hpp"
 #include "src/console/console.hpp"
+#include "src/programs/contact_parts.hpp"
 #include "src/scene/scene.hpp"
 
 namespace ricochet::programs {
-namespace {
 
 namespace fs = std::filesystem;
 using contact::Summary;
-using Clock = std::chrono::steady_clock;
+
+namespace {
 
 Eigen::Vector3d vector(const Vector3& v) { return {v[0], v[1], v[2]}; }
+
+}  // namespace
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
-
-/// Kernels of the scene's bodies, in their order.
-struct Kernels {
-  std::vector<kernels::Kernel> kernel;
-  std::vector<std::string> file;
-};
 
 Kernels read_kernels(const scene::Scene& scene, const fs::path& folder) {
   Kernels out;
@@ -89,6 +86,8 @@ contact::StepOptions step_options(const scene::Scene& scene) {
           .step = 1 / scene.time.rate.value};
 }
 
+namespace {
+
 double slowest_wave(const scene::Scene& scene) {
   double slowest = std::numeric_limits<double>::infinity();
   for (const scene::Body& body : scene.bodies)
@@ -97,15 +96,7 @@ double slowest_wave(const scene::Scene& scene) {
   return std::isfinite(slowest) ? slowest : 0;
 }
 
-/// Contact points and bodies are named to the user by the scene.
-template <class Action>
-auto in_scene(const scene::Scene& scene, Action action) {
-  try {
-    return action();
-  } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}", scene.file.string(), error.what()));
-  }
-}
+}  // namespace
 
 void check(contact::StepStatus status, const scene::Scene& scene, double time) {
   if (status == contact::StepStatus::no_solution)
@@ -119,9 +110,13 @@ void check(contact::StepStatus status, const scene::Scene& scene, double time) {
         fmt::format("{}: the motion stops being finite at t = {:.6g} s", scene.file.string(), time));
 }
 
+namespace {
+
 std::string seconds(const std::optional<double>& value, const char* otherwise) {
   return value ? fmt::format("{:.6g} s", *value) : otherwise;
 }
+
+}  // namespace
 
 std::string report(const Summary& s) {
   std::string text;
@@ -133,7 +128,7 @@ std::string report(const Summary& s) {
     modes += fmt::format("{}{} {}", modes.empty() ? "" : ", ", name, count);
   if (s.modes_in_residual > 0)
     modes += fmt::format(" ({} above half the rate: quasi-static)", s.modes_in_residual);
-  line("modes", modes);
+  if (!modes.empty()) line("modes", modes);
   line("contact points",
        fmt::format("{}, {} face nothing, at most {} touch", s.candidates, s.unpaired, s.max_active));
   if (!s.contact_start_s) {
@@ -147,15 +142,14 @@ std::string report(const Summary& s) {
     for (const auto& [name, v] : s.exit_velocity)
       line("exit velocity", fmt::format("{} [{:.6g}, {:.6g}, {:.6g}] m/s", name, v.x(), v.y(), v.z()));
     if (s.restitution) line("restitution", fmt::format("{:.6g}", *s.restitution));
-    line("energy to contact", fmt::format("{:.3g} %", 100 * s.energy_lost_contact));
+    if (s.energy_lost_contact)
+      line("energy to contact", fmt::format("{:.3g} %", 100 * *s.energy_lost_contact));
   }
-  line("energy drift", fmt::format("{:.2g}", s.energy_drift));
+  if (s.energy_drift) line("energy drift", fmt::format("{:.2g}", *s.energy_drift));
   line("deepest penetration", fmt::format("{:.3g} m", s.max_penetration_m));
   line("speed", fmt::format("{:.3g} x real time", s.real_time_factor));
   return text;
 }
-
-}  // namespace
 
 int run_contact(const console::Options& options, std::ostream& out) {
   const Clock::time_point started = Clock::now();
@@ -166,6 +160,8 @@ int run_contact(const console::Options& options, std::ostream& out) {
   }
   const fs::path folder = options.out.empty() ? options.scene.parent_path() / "out" : options.out;
   console::Console console(options.quiet);
+  if (scene.contact.kernel == scene::ContactKernel::table)
+    return run_table(options, scene, folder, console, out);
 
   console.begin("kernels");
   const Kernels kernels = read_kernels(scene, folder);

@@ -63,7 +63,7 @@ struct Modes {
       flexibility_error;  ///< of the contact surface over [0, up_to]; modes: leave out those it doesn't need
   bool residual_flexibility = true;
   double relative_residual = 1e-8;  ///< bound on each mode's residual
-  double low_rank = 0;  ///< contact: threshold of block low-rank factors; 0: full rank
+  double low_rank = 0;              ///< contact: threshold of block low-rank factors; 0: full rank
 };
 
 /// How one surface meets another. `a` is a body; `b` a body or an obstacle.
@@ -79,7 +79,13 @@ struct Pair {
 enum class Scheme { compliant, impulse };
 enum class Admittance { jump, difference };
 
+/// What answers a contact force: the bodies' modes, or kernels sampled in time and convolved with the forces.
+enum class ContactKernel { modes, table };
+
 struct Contact {
+  ContactKernel kernel = ContactKernel::modes;
+  std::filesystem::path
+      table;  ///< of kernel = table: a file that takes the place of bodies; empty: their modes
   Scheme scheme = Scheme::compliant;
   Admittance admittance = Admittance::jump;  ///< of the impulse scheme
   double restitution = 0;                    ///< of the impulse scheme, in [0, 1]
@@ -104,7 +110,7 @@ struct Output {
 struct Scene {
   std::string title;
   std::filesystem::path file;  ///< as the user named it: errors start with it
-  std::vector<Body> bodies;    ///< in the order of their names
+  std::vector<Body> bodies;    ///< in the order of their names; none with contact.table
   std::vector<Obstacle> obstacles;
   Modes modes;
   Contact contact;
