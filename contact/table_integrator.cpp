@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <span>
 
 #include "kernels/error.hpp"
 
@@ -31,12 +32,13 @@ std::vector<double> difference(const std::vector<double>& x, std::size_t width, 
 
 /// What is convolved with the forces: (L, rows, m), and the block of lag 0 that multiplies the force sought.
 struct Kernel {
-  std::vector<double> values;
+  std::span<const double> values;  ///< the table's own, or `made`
+  std::vector<double> made;
   Eigen::MatrixXd at_once;
   int rows = 0;
 };
 
-Eigen::MatrixXd first_sample(const std::vector<double>& kernel, Eigen::Index m) {
+Eigen::MatrixXd first_sample(std::span<const double> kernel, Eigen::Index m) {
   return Eigen::Map<const Matrix>(kernel.data(), m, m);
 }
 
@@ -49,9 +51,10 @@ Kernel kernel_of(const Table& table, const StepOptions& options) {
       out.values = table.flexibility;
     } else {
       const std::vector<double>& N = table.displacement;
-      out.values.resize(N.size() - width);
-      for (std::size_t k = 0; k < out.values.size(); ++k)
-        out.values[k] = 0.5 * table.step * (N[k] + N[k + width]);
+      out.made.resize(N.size() - width);
+      for (std::size_t k = 0; k < out.made.size(); ++k)
+        out.made[k] = 0.5 * table.step * (N[k] + N[k + width]);
+      out.values = out.made;
     }
     out.at_once = first_sample(out.values, table.points());
     return out;
@@ -64,15 +67,16 @@ Kernel kernel_of(const Table& table, const StepOptions& options) {
                                        ? table.velocity
                                        : difference(table.displacement, width, table.step);
   out.rows = static_cast<int>(2 * m);
-  out.values.reserve(2 * rate.size());
+  out.made.reserve(2 * rate.size());
   const auto append = [&](const std::vector<double>& from, std::size_t at) {
     const auto first = from.begin() + static_cast<std::ptrdiff_t>(at);
-    out.values.insert(out.values.end(), first, first + static_cast<std::ptrdiff_t>(width));
+    out.made.insert(out.made.end(), first, first + static_cast<std::ptrdiff_t>(width));
   };
   for (std::size_t at = 0; at < rate.size(); at += width) {
     append(table.displacement, at);
     append(rate, at);
   }
+  out.values = out.made;
   out.at_once = first_sample(rate, table.points());
   return out;
 }
