@@ -52,7 +52,12 @@ struct StepOptions {
   int max_pivots = std::numeric_limits<int>::max();
 };
 
-enum class StepStatus { ok, no_solution, not_finite };
+enum class StepStatus {
+  ok,
+  no_solution,
+  not_finite,
+  table_ended,  ///< TableIntegrator alone: the step is beyond its table
+};
 
 /// Running energy ledger [J]; kinetic + strain + residual − loads + damping + contact stays what it was at t
 /// = 0. Each term from its own formula.

@@ -64,6 +64,26 @@ double spacing_of(const kernels::Surface& surface) {
 
 }  // namespace
 
+bool count_forces(Summary& out, bool touching, const Vector& force, double time, double step) {
+  const int active = static_cast<int>((force.array() > 0).count());
+  if (active == 0) {
+    if (touching) out.contact_end_s = out.episodes.back().end_s = time - step;
+    return false;
+  }
+  if (!touching) out.episodes.push_back({.start_s = time - step, .end_s = {}});
+  if (!out.contact_start_s) out.contact_start_s = time - step;
+  out.contact_end_s.reset();
+  const double sum = force.sum();
+  Episode& episode = out.episodes.back();
+  episode.impulse_ns += sum * step;
+  episode.peak_force_n = std::max(episode.peak_force_n, sum);
+  out.impulse_ns += sum * step;
+  out.peak_force_n = std::max(out.peak_force_n, sum);
+  out.max_active = std::max(out.max_active, active);
+  ++out.contact_steps;
+  return true;
+}
+
 SummaryObserver::SummaryObserver(const Model& model, double step, double wave_speed)
     : model_(model),
       step_(step),
@@ -95,12 +115,17 @@ void SummaryObserver::observe(const Integrator& integrator) {
   out_.limited_steps = integrator.solver().limited;
   if (const SolveResidual& left = integrator.residual(); left.scale > 0)
     out_.limited_residual = std::max(out_.limited_residual, left.violation / left.scale);
-  if (integrator.active() > 0) {
-    touch(integrator);
-  } else if (touching_) {
-    touching_ = false;
+  const bool untouched = !out_.contact_start_s, touched = touching_;
+  touching_ = count_forces(out_, touched, integrator.force(), integrator.time(), step_);
+  if (touching_ && untouched) {
+    at_start_ = mean_velocities(integrator.time() - step_);
+    energy_at_start_ = energy_before_;
+  }
+  if (touching_) {
+    push(integrator.force());
+    look_at_validity(integrator);
+  } else if (touched) {
     at_end_ = mean_velocities(integrator.time() - step_);
-    out_.contact_end_s = out_.episodes.back().end_s = integrator.time() - step_;
   }
   energy_lost_ = energy.contact;
   energy_before_ = energy.kinetic + energy.strain;
@@ -115,30 +140,12 @@ std::vector<Vector3d> SummaryObserver::mean_velocities(double time) const {
   return out;
 }
 
-void SummaryObserver::touch(const Integrator& integrator) {
-  if (!touching_) out_.episodes.push_back({.start_s = integrator.time() - step_, .end_s = {}});
-  if (!out_.contact_start_s) {
-    out_.contact_start_s = integrator.time() - step_;
-    at_start_ = mean_velocities(integrator.time() - step_);
-    energy_at_start_ = energy_before_;
-  }
-  touching_ = true;
-  out_.contact_end_s.reset();
-  const Vector& force = integrator.force();
-  const double sum = force.sum();
-  Episode& episode = out_.episodes.back();
-  episode.impulse_ns += sum * step_;
-  episode.peak_force_n = std::max(episode.peak_force_n, sum);
-  out_.impulse_ns += sum * step_;
-  out_.peak_force_n = std::max(out_.peak_force_n, sum);
-  out_.max_active = std::max(out_.max_active, integrator.active());
-  ++out_.contact_steps;
+void SummaryObserver::push(const Vector& force) {
   for (std::size_t p = 0; p < impulse_.size(); ++p) {
     const Model::PairBlock& pair = model_.pairs[p];
     impulse_[p] += step_ * model_.normal.middleRows(pair.first_point, pair.points).transpose() *
                    force.segment(pair.first_point, pair.points);
   }
-  look_at_validity(integrator);
 }
 
 void SummaryObserver::look_at_validity(const Integrator& integrator) {
@@ -197,8 +204,8 @@ std::vector<std::string> SummaryObserver::warnings() const {
 
 Summary SummaryObserver::summary() const {
   Summary out = out_;
-  if (largest_energy_ > 0) out.energy_drift = worst_ledger_ / largest_energy_;
-  if (energy_at_start_ > 0) out.energy_lost_contact = energy_lost_ / energy_at_start_;
+  out.energy_drift = largest_energy_ > 0 ? worst_ledger_ / largest_energy_ : 0;
+  out.energy_lost_contact = energy_at_start_ > 0 ? energy_lost_ / energy_at_start_ : 0;
   out.warnings = warnings();
   if (!out.contact_end_s) return out;
 
@@ -240,8 +247,8 @@ void write_json(const Summary& summary, const std::filesystem::path& path) {
                      {"impulse_ns", summary.impulse_ns},
                      {"exit_velocity", exit_velocity},
                      {"restitution", number(summary.restitution)},
-                     {"energy_drift", summary.energy_drift},
-                     {"energy_lost_contact", summary.energy_lost_contact},
+                     {"energy_drift", number(summary.energy_drift)},
+                     {"energy_lost_contact", number(summary.energy_lost_contact)},
                      {"max_penetration_m", summary.max_penetration_m},
                      {"limited_steps", summary.limited_steps},
                      {"limited_residual", summary.limited_residual},

@@ -42,8 +42,10 @@ struct Summary {
   /// Minus exit over approach relative velocity along the impulse, supported bodies and obstacles at 0.
   /// None without an end, without an approach, or when more than one pair touched.
   std::optional<double> restitution;
-  double energy_drift = 0;  ///< largest departure of the ledger over the largest kinetic + strain + residual
-  double energy_lost_contact = 0;  ///< taken by contact over kinetic + strain when contact started
+  /// Largest departure of the ledger over the largest kinetic + strain + residual; none with table kernels.
+  std::optional<double> energy_drift;
+  /// Taken by contact over kinetic + strain when contact started; none with table kernels.
+  std::optional<double> energy_lost_contact;
   double max_penetration_m = 0;    ///< largest u − g at the end of a step
   std::int64_t limited_steps = 0;  ///< steps that max_pivots cut short
   double limited_residual = 0;     ///< worst of them: SolveResidual violation over scale
@@ -59,6 +61,10 @@ struct Summary {
   double wall_s = 0;
 };
 
+/// Adds a step that ends at `time` to what the forces (m) alone tell: the first members of `out` down to
+/// impulse_ns, and max_active. `touching`: the step before had a force. Returns whether this one has.
+bool count_forces(Summary& out, bool touching, const Vector& force, double time, double step);
+
 /// Watches a run. `observe` is called after each step.
 class SummaryObserver {
  public:
@@ -73,7 +79,7 @@ class SummaryObserver {
 
  private:
   std::vector<Eigen::Vector3d> mean_velocities(double time) const;
-  void touch(const Integrator& integrator);
+  void push(const Vector& force);
   void look_at_validity(const Integrator& integrator);
   std::vector<std::string> warnings() const;
 

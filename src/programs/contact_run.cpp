@@ -17,27 +17,24 @@
 #include "kernels/error.hpp"
 #include "kernels/kernel.hpp"
 #include "src/console/console.hpp"
+#include "src/programs/contact_parts.hpp"
 #include "src/scene/scene.hpp"
 #include "src/sound/wav.hpp"
 
 namespace ricochet::programs {
-namespace {
 
 namespace fs = std::filesystem;
 using contact::Summary;
-using Clock = std::chrono::steady_clock;
+
+namespace {
 
 Eigen::Vector3d vector(const Vector3& v) { return {v[0], v[1], v[2]}; }
+
+}  // namespace
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
-
-/// Kernels of the scene's bodies, in their order.
-struct Kernels {
-  std::vector<kernels::Kernel> kernel;
-  std::vector<std::string> file;
-};
 
 Kernels read_kernels(const scene::Scene& scene, const fs::path& folder) {
   Kernels out;
@@ -111,6 +108,8 @@ contact::StepOptions step_options(const scene::Scene& scene) {
           .max_pivots = scene.contact.max_pivots.value_or(std::numeric_limits<int>::max())};
 }
 
+namespace {
+
 double slowest_wave(const scene::Scene& scene) {
   double slowest = std::numeric_limits<double>::infinity();
   for (const scene::Body& body : scene.bodies)
@@ -119,15 +118,7 @@ double slowest_wave(const scene::Scene& scene) {
   return std::isfinite(slowest) ? slowest : 0;
 }
 
-/// Contact points and bodies are named to the user by the scene.
-template <class Action>
-auto in_scene(const scene::Scene& scene, Action action) {
-  try {
-    return action();
-  } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}", scene.file.string(), error.what()));
-  }
-}
+}  // namespace
 
 void check(contact::StepStatus status, const scene::Scene& scene, double time) {
   if (status == contact::StepStatus::no_solution)
@@ -140,6 +131,8 @@ void check(contact::StepStatus status, const scene::Scene& scene, double time) {
     throw SolverError(
         fmt::format("{}: the motion stops being finite at t = {:.6g} s", scene.file.string(), time));
 }
+
+namespace {
 
 /// Velocities of the receivers, step by step, for their sound files.
 class Microphones {
@@ -179,6 +172,8 @@ std::string seconds(const std::optional<double>& value, const char* otherwise) {
   return value ? fmt::format("{:.6g} s", *value) : otherwise;
 }
 
+}  // namespace
+
 std::string report(const Summary& s) {
   std::string text;
   const auto line = [&](const char* name, const std::string& value) {
@@ -189,7 +184,7 @@ std::string report(const Summary& s) {
     modes += fmt::format("{}{} {}", modes.empty() ? "" : ", ", name, count);
   if (s.modes_in_residual > 0)
     modes += fmt::format(" ({} above half the rate: quasi-static)", s.modes_in_residual);
-  line("modes", modes);
+  if (!modes.empty()) line("modes", modes);
   line("contact points",
        fmt::format("{}, {} face nothing, at most {} touch", s.candidates, s.unpaired, s.max_active));
   if (!s.contact_start_s) {
@@ -203,9 +198,10 @@ std::string report(const Summary& s) {
     for (const auto& [name, v] : s.exit_velocity)
       line("exit velocity", fmt::format("{} [{:.6g}, {:.6g}, {:.6g}] m/s", name, v.x(), v.y(), v.z()));
     if (s.restitution) line("restitution", fmt::format("{:.6g}", *s.restitution));
-    line("energy to contact", fmt::format("{:.3g} %", 100 * s.energy_lost_contact));
+    if (s.energy_lost_contact)
+      line("energy to contact", fmt::format("{:.3g} %", 100 * *s.energy_lost_contact));
   }
-  line("energy drift", fmt::format("{:.2g}", s.energy_drift));
+  if (s.energy_drift) line("energy drift", fmt::format("{:.2g}", *s.energy_drift));
   line("deepest penetration", fmt::format("{:.3g} m", s.max_penetration_m));
   for (const auto& [name, sound] : s.sounds)
     line("sound", fmt::format("{}, full scale {:.3g} m/s", sound.file, sound.full_scale_m_per_s));
@@ -216,8 +212,6 @@ std::string report(const Summary& s) {
   return text;
 }
 
-}  // namespace
-
 int run_contact(const console::Options& options, std::ostream& out) {
   const Clock::time_point started = Clock::now();
   const scene::Scene scene = scene::read(options.scene, options.overrides);
@@ -227,6 +221,8 @@ int run_contact(const console::Options& options, std::ostream& out) {
   }
   const fs::path folder = options.out.empty() ? options.scene.parent_path() / "out" : options.out;
   console::Console console(options.quiet);
+  if (scene.contact.kernel == scene::ContactKernel::table)
+    return run_table(options, scene, folder, console, out);
 
   console.begin("kernels");
   const Kernels kernels = read_kernels(scene, folder);

@@ -203,6 +203,17 @@ Pair body_first(const Scene& scene, Pair pair) {
   return pair;
 }
 
+void read_kernel(Table& table, const std::filesystem::path& folder, Contact& contact) {
+  const std::string kernel = table.text("kernel").value_or("modes");
+  if (kernel != "modes" && kernel != "table") table.complain("kernel", "must be \"modes\" or \"table\"");
+  contact.kernel = kernel == "table" ? ContactKernel::table : ContactKernel::modes;
+  const auto file = table.text("table");
+  if (!file) return;
+  if (contact.kernel != ContactKernel::table) table.complain("table", "belongs to kernel = \"table\"");
+  if (file->empty()) table.complain("table", "must name a file of sampled kernels");
+  contact.table = (folder / *file).lexically_normal();
+}
+
 void read_scheme(Table& table, Contact& contact) {
   const std::string scheme = table.text("scheme").value_or("compliant");
   if (scheme != "compliant" && scheme != "impulse")
@@ -235,7 +246,12 @@ Contact read_contact(Table& root, const Scene& scene) {
   Contact contact;
   auto table = root.table("contact");
   if (!table) root.complain("contact", "is missing: give between = [\"body\", \"body\"]");
+  read_kernel(*table, scene.file.parent_path(), contact);
   read_scheme(*table, contact);
+  if (!contact.table.empty()) {
+    table->refuse_unknown();
+    return contact;
+  }
   Pair shared;
   read_pair(*table, scene, shared);
   for (Table& entry : table->array("pair")) {
@@ -279,6 +295,12 @@ void read_output(Table& root, Output& output) {
   table->refuse_unknown();
 }
 
+void refuse_snapshots_of_tables(Table& root, const Scene& scene) {
+  if (scene.contact.kernel == ContactKernel::table && scene.output.snapshot_every > 0)
+    root.table("output")->complain("snapshot_every",
+                                   "contact.kernel = \"table\" has no modal coordinates: leave it out");
+}
+
 }  // namespace
 
 const Body* Scene::find_body(const std::string& name) const {
@@ -310,6 +332,18 @@ Scene read(const std::filesystem::path& file, const std::vector<Override>& overr
   scene.file = file;
   Table root(parsed, name, "");
   scene.title = root.text("title").value_or(file.stem().string());
+  if (parsed["contact"]["table"]) {
+    for (const char* key : {"bodies", "obstacles", "modes", "loads"})
+      if (parsed.contains(key))
+        root.complain(key,
+                      "does not go with contact.table, a file that takes its place: leave one of them out");
+    scene.contact = read_contact(root, scene);
+    read_time(root, scene.time);
+    read_output(root, scene.output);
+    refuse_snapshots_of_tables(root, scene);
+    root.refuse_unknown();
+    return scene;
+  }
   auto bodies = root.table("bodies");
   if (!bodies || bodies->raw().empty())
     root.complain("bodies", "is missing: a scene needs a body, [bodies.NAME]");
@@ -333,6 +367,7 @@ Scene read(const std::filesystem::path& file, const std::vector<Override>& overr
     loads->refuse_unknown();
   }
   read_output(root, scene.output);
+  refuse_snapshots_of_tables(root, scene);
   root.refuse_unknown();
   for (const Body& body : scene.bodies) {
     const bool paired = std::any_of(scene.contact.pairs.begin(), scene.contact.pairs.end(),

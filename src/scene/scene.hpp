@@ -80,7 +80,13 @@ enum class Scheme { compliant, impulse };
 enum class Admittance { jump, difference };
 enum class Instant { step, exact };
 
+/// What answers a contact force: the bodies' modes, or kernels sampled in time and convolved with the forces.
+enum class ContactKernel { modes, table };
+
 struct Contact {
+  ContactKernel kernel = ContactKernel::modes;
+  std::filesystem::path
+      table;  ///< of kernel = table: a file that takes the place of bodies; empty: their modes
   Scheme scheme = Scheme::compliant;
   Admittance admittance = Admittance::jump;  ///< of the impulse scheme
   Instant instant = Instant::step;           ///< of the impulse scheme
@@ -130,7 +136,7 @@ struct Output {
 struct Scene {
   std::string title;
   std::filesystem::path file;  ///< as the user named it: errors start with it
-  std::vector<Body> bodies;    ///< in the order of their names
+  std::vector<Body> bodies;    ///< in the order of their names; none with contact.table
   std::vector<Obstacle> obstacles;
   Modes modes;
   Contact contact;

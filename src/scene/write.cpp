@@ -92,29 +92,49 @@ std::string toml_modes(const Modes& modes) {
                             toml_number(modes.relative_residual));
 }
 
+namespace {
+
+/// As seen from the scene's folder.
+std::string path_of(const Scene& scene, const std::filesystem::path& path) {
+  const auto relative =
+      path.lexically_relative(scene.file.parent_path().empty() ? "." : scene.file.parent_path());
+  return toml_string((relative.empty() ? path : relative).string());
+}
+
+std::string scheme_of(const Contact& contact) {
+  const bool impulse = contact.scheme == Scheme::impulse;
+  std::string text = fmt::format("scheme = \"{}\"\n", impulse ? "impulse" : "compliant");
+  if (impulse)
+    text += fmt::format("admittance = \"{}\"\ninstant = \"{}\"\nrestitution = {}\n",
+                        contact.admittance == Admittance::jump ? "jump" : "difference",
+                        contact.instant == Instant::step ? "step" : "exact",
+                        toml_number(contact.restitution));
+  if (contact.max_pivots) text += fmt::format("max_pivots = {}\n", *contact.max_pivots);
+  return text;
+}
+
+}  // namespace
+
 std::string to_toml(const Scene& scene) {
   std::string text = fmt::format("title = {}\n", toml_string(scene.title));
-  for (const Body& body : scene.bodies) {
-    std::filesystem::path mesh =
-        body.mesh.lexically_relative(scene.file.parent_path().empty() ? "." : scene.file.parent_path());
-    if (mesh.empty()) mesh = body.mesh;
+  if (!scene.contact.table.empty())
+    return text + fmt::format(
+                      "\n[contact]\nkernel = \"table\"\ntable = {}\n{}\n[time]\nrate_hz = {}\nduration = "
+                      "{}\n\n[output]\nevery = {}\nview = {}\n",
+                      path_of(scene, scene.contact.table), scheme_of(scene.contact),
+                      toml_number(scene.time.rate.value), toml_number(scene.time.duration),
+                      scene.output.every, scene.output.view);
+  for (const Body& body : scene.bodies)
     text +=
         fmt::format("\n[bodies.{}]\nmesh = {}\n{}translate = {}\nrotate_deg = {}\nvelocity = {}\n", body.name,
-                    toml_string(mesh.string()), toml_body_matter(body), toml_vector(body.translate),
+                    path_of(scene, body.mesh), toml_body_matter(body), toml_vector(body.translate),
                     toml_vector(body.rotate_deg), toml_vector(body.velocity));
-  }
   for (const Obstacle& o : scene.obstacles)
     text += fmt::format("\n[obstacles.{}]\npoint = {}\nnormal = {}\n", toml_string(o.name),
                         toml_vector(o.point), toml_vector(o.normal));
   text += fmt::format("\n{}\n[contact]\n", toml_modes(scene.modes));
-  const bool impulse = scene.contact.scheme == Scheme::impulse;
-  text += fmt::format("scheme = \"{}\"\n", impulse ? "impulse" : "compliant");
-  if (impulse)
-    text += fmt::format("admittance = \"{}\"\ninstant = \"{}\"\nrestitution = {}\n",
-                        scene.contact.admittance == Admittance::jump ? "jump" : "difference",
-                        scene.contact.instant == Instant::step ? "step" : "exact",
-                        toml_number(scene.contact.restitution));
-  if (scene.contact.max_pivots) text += fmt::format("max_pivots = {}\n", *scene.contact.max_pivots);
+  text += fmt::format("kernel = \"{}\"\n", scene.contact.kernel == ContactKernel::table ? "table" : "modes");
+  text += scheme_of(scene.contact);
   for (const Pair& pair : scene.contact.pairs) {
     text += fmt::format("\n[[contact.pair]]\nbetween = [{}, {}]\n", toml_string(pair.a), toml_string(pair.b));
     if (pair.direction) text += "direction = " + toml_vector(*pair.direction) + "\n";

@@ -280,4 +280,15 @@ TEST(Scenes, that_ship_with_the_meshes_are_read) {
   }
 }
 
+TEST(TableScene, names_a_file_in_its_folder_and_no_bodies) {
+  EXPECT_EQ(scene_of(smallest).contact.kernel, ContactKernel::modes);
+  const Folder folder;
+  const Scene scene = read(folder.write("scenes/scene.toml", tabular));
+  EXPECT_EQ(scene.contact.kernel, ContactKernel::table);
+  EXPECT_EQ(scene.contact.table, folder.path() / "tables/rods.h5");
+  EXPECT_EQ(scene.contact.scheme, Scheme::compliant);
+  EXPECT_THAT(scene.bodies, IsEmpty());
+  EXPECT_THAT(scene.contact.pairs, IsEmpty());
+}
+
 }  // namespace

@@ -277,4 +277,25 @@ TEST(Refused, are_long_values_in_part_and_in_whole_characters) {
                  "modes.count = \"" + start + "…: must be a whole number"}});
 }
 
+TEST(Refused, is_what_table_kernels_have_no_use_for) {
+  const std::string instead =
+      "does not go with contact.table, a file that takes its place: leave one of them out";
+  const std::vector<std::pair<std::string, std::string>> lines = {
+      {"[loads]\ngravity = [0, 0, 1]", "loads = {…}: " + instead},
+      {"[modes]\ncount = 3", "modes = {…}: " + instead},
+      {"[bodies]", "bodies = {…}: " + instead},
+      {"[output]\nsnapshot_every = 2",
+       "output.snapshot_every = 2: contact.kernel = \"table\" has no modal coordinates: leave it out"}};
+  for (const auto& [text, line] : lines)
+    EXPECT_EQ(complaint_about(changed(tabular, "[time]", text + "\n[time]")), "scene.toml: " + line);
+  EXPECT_EQ(complaint_about(changed(tabular, "kernel = \"table\"", "kernel = \"tables\"")),
+            "scene.toml: contact.kernel = \"tables\": must be \"modes\" or \"table\"");
+  EXPECT_EQ(complaint_about(changed(tabular, "kernel = \"table\"", "")),
+            "scene.toml: contact.table = \"../tables/rods.h5\": belongs to kernel = \"table\"");
+  EXPECT_EQ(complaint_about(changed(tabular, "[time]", "between = [\"a\", \"b\"]\n[time]")),
+            "scene.toml: contact.between = [\"a\", \"b\"]: unknown key. The keys here are admittance, "
+            "kernel, restitution, "
+            "scheme, table.");
+}
+
 }  // namespace

@@ -38,6 +38,16 @@ between = ["ball", "floor"]
 duration = 0.01
 )";
 
+/// Kernels of a file take the place of bodies.
+inline const std::string tabular = R"(
+[contact]
+kernel = "table"
+table = "../tables/rods.h5"
+
+[time]
+duration = 0.01
+)";
+
 /// Two bodies, an obstacle and two pairs, with every key given a value that is not its default.
 inline const std::string fullest = R"(
 title = "Ball, block & \"floor\""

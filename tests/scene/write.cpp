@@ -39,6 +39,8 @@ void expect_same(const Body& a, const Body& b) {
 }
 
 void expect_same(const Contact& a, const Contact& b) {
+  EXPECT_EQ(a.kernel, b.kernel);
+  EXPECT_EQ(a.table, b.table);
   EXPECT_EQ(a.scheme, b.scheme);
   EXPECT_EQ(a.admittance, b.admittance);
   EXPECT_EQ(a.instant, b.instant);
@@ -101,6 +103,12 @@ TEST(Resolved, scene_comes_back_as_it_was) {
       body.mesh = scene.file.parent_path() / body.mesh.lexically_relative(folder.path());
     expect_same(back, scene);
   }
+}
+
+TEST(Resolved, scene_of_table_kernels_comes_back) {
+  expect_to_come_back(smallest, {"contact.kernel=table"});
+  expect_to_come_back(tabular);
+  expect_to_come_back(tabular, {"contact.scheme=impulse", "contact.admittance=difference", "output.every=3"});
 }
 
 TEST(Resolved, scene_with_each_law_of_damping_comes_back) {

@@ -1,0 +1,69 @@
+// Sampled kernels of the contact points, for what is not modal: closed forms, measurements, other solvers.
+// TABLE.md is the file format and says what a sample means.
+//
+//   u_k = ũ_k − Σ_l N_l P_{k−l}     impulses P at the instants t_k = kΔ
+//   u_k = ũ_k − Σ_l S_l λ_{k−l}     forces λ, each constant over the step that ends at t_k
+//
+// L samples, K instants of the free motion ũ, m points. All arrays row-major, SI units, signs as in
+// model.hpp.
+#pragma once
+
+#include <Eigen/Dense>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "contact/convolution.hpp"
+#include "contact/integrator.hpp"
+#include "contact/model.hpp"
+
+namespace ricochet::contact {
+
+/// A body whose mass-mean motion follows from the contact forces, because nothing else holds it.
+struct FreeBody {
+  std::string name;
+  double mass = 0;                                     ///< [kg]
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< initial, mass-mean [m/s]
+  Eigen::Vector3d gravity = Eigen::Vector3d::Zero();   ///< [m/s²]
+  Matrix push;  ///< (m,3) force on the body of λ_i = 1: −n_i on side a, n_i on side b, 0 elsewhere
+};
+
+struct Table {
+  double step = 0;                   ///< Δ [s]
+  std::vector<double> displacement;  ///< (L,m,m) N_l = N(lΔ⁻) [m/(N s)]; N_0 = 0
+  /// (L,m,m) Ṅ_l = Ṅ(lΔ⁺) [1/kg]; where N itself jumps, the mean rate (N_{l+1} − N_l)/Δ of the step behind
+  /// lΔ.
+  std::vector<double> velocity;
+  /// (L,m,m) S_l = ∫ N dt from lΔ to (l+1)Δ [m/N], what yields at once added to S_0. May be empty: then
+  /// Δ (N_l + N_{l+1})/2, a quadrature of second order.
+  std::vector<double> flexibility;
+  Tail tail = Tail::none;             ///< of N, Ṅ and S beyond the table
+  std::vector<double> free;           ///< (K,m) ũ_k [m]; empty: the rigid motion of `bodies`
+  std::vector<double> free_velocity;  ///< (K,m) [m/s]; empty: (ũ_{k+1} − ũ_k)/Δ
+  Vector gap;                         ///< (m) [m]
+  Vector area;                        ///< (m) [m²]; empty: unknown
+  std::vector<FreeBody> bodies;
+
+  int points() const { return static_cast<int>(gap.size()); }
+  std::int64_t samples() const;   ///< L
+  std::int64_t instants() const;  ///< K; 0: rigid motion, without end
+};
+
+/// Throws InputError naming `origin` when shapes disagree, a value is not finite, N_0 is not 0, points
+/// overlap at the start, a mass is not positive, or a linear tail is claimed of a kernel that does not end in
+/// one.
+void validate(const Table& table, const std::string& origin);
+
+/// Reads and validates. Throws InputError, one line.
+Table read_table(const std::filesystem::path& path);
+
+/// Writes beside `path` and renames. Throws InputError when the place can't be written.
+void write_table(const Table& table, const std::filesystem::path& path);
+
+/// The model's kernels and free motion, for `steps` steps of the scheme in `options`: what it needs, and no
+/// more (impulse: displacement and velocity; compliant: flexibility, with R and the modes above half the rate
+/// in S_0). Bodies without supports are in `bodies`. Memory: steps·m² numbers, twice for impulse.
+Table table_from_modes(const Model& model, const StepOptions& options, std::int64_t steps);
+
+}  // namespace ricochet::contact

@@ -1,0 +1,244 @@
+#include "contact/table_integrator.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <span>
+
+#include "kernels/error.hpp"
+
+namespace ricochet::contact {
+namespace {
+
+/// Round-off of the convolution: a point within this share of the terms of u − g touches.
+constexpr double touch = 1e-12;
+
+/// As in Integrator: share of A's mean diagonal added to it where A is singular, which picks the P of least
+/// norm.
+constexpr double least_norm = 1e-12;
+
+/// Of the largest entry of lag 0: asymmetry and negative eigenvalues up to here are round-off.
+constexpr double definite = 1e-9;
+
+/// (L − 1, m, m) mean rate over the step behind each sample.
+std::vector<double> difference(const std::vector<double>& x, std::size_t width, double step) {
+  std::vector<double> out(x.size() - width);
+  for (std::size_t k = 0; k < out.size(); ++k) out[k] = (x[k + width] - x[k]) / step;
+  return out;
+}
+
+/// What is convolved with the forces: (L, rows, m), and the block of lag 0 that multiplies the force sought.
+struct Kernel {
+  std::span<const double> values;  ///< the table's own, or `made`
+  std::vector<double> made;
+  Eigen::MatrixXd at_once;
+  int rows = 0;
+};
+
+Eigen::MatrixXd first_sample(std::span<const double> kernel, Eigen::Index m) {
+  return Eigen::Map<const Matrix>(kernel.data(), m, m);
+}
+
+Kernel kernel_of(const Table& table, const StepOptions& options) {
+  const std::size_t m = static_cast<std::size_t>(table.points()), width = m * m;
+  Kernel out;
+  if (options.scheme == Scheme::compliant) {
+    out.rows = static_cast<int>(m);
+    if (!table.flexibility.empty()) {
+      out.values = table.flexibility;
+    } else {
+      const std::vector<double>& N = table.displacement;
+      out.made.resize(N.size() - width);
+      for (std::size_t k = 0; k < out.made.size(); ++k)
+        out.made[k] = 0.5 * table.step * (N[k] + N[k + width]);
+      out.values = out.made;
+    }
+    out.at_once = first_sample(out.values, table.points());
+    return out;
+  }
+  if (table.displacement.empty())
+    throw InputError(
+        "contact.scheme = \"impulse\": the table holds no displacement and velocity. Add them, or use "
+        "\"compliant\".");
+  const std::vector<double> rate = options.admittance == Admittance::jump
+                                       ? table.velocity
+                                       : difference(table.displacement, width, table.step);
+  out.rows = static_cast<int>(2 * m);
+  out.made.reserve(2 * rate.size());
+  const auto append = [&](const std::vector<double>& from, std::size_t at) {
+    const auto first = from.begin() + static_cast<std::ptrdiff_t>(at);
+    out.made.insert(out.made.end(), first, first + static_cast<std::ptrdiff_t>(width));
+  };
+  for (std::size_t at = 0; at < rate.size(); at += width) {
+    append(table.displacement, at);
+    append(rate, at);
+  }
+  out.values = out.made;
+  out.at_once = first_sample(rate, table.points());
+  return out;
+}
+
+/// Lag 0 made exactly symmetric, and definite for impulses.
+Eigen::MatrixXd semidefinite(const Eigen::MatrixXd& lag, bool impulse) {
+  const char* what = impulse ? "the admittance" : "the flexibility of a step";
+  const double largest = lag.cwiseAbs().maxCoeff();
+  if ((lag - lag.transpose()).cwiseAbs().maxCoeff() > definite * largest)
+    throw InputError(fmt::format(
+        "contact.table: {} at lag 0 is not symmetric. Forces and displacements must be dual: average it with "
+        "its transpose if they are.",
+        what));
+  Eigen::MatrixXd S = 0.5 * (lag + lag.transpose());
+  const double lowest =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(S, Eigen::EigenvaluesOnly).eigenvalues()(0);
+  if (lowest < -definite * largest || !(largest > 0))
+    throw InputError(fmt::format(
+        "contact.table: {} at lag 0 has the eigenvalue {:.3g} beside the largest entry {:.3g}: it must "
+        "be positive semidefinite and not 0. Check signs, and what sample 0 means.",
+        what, lowest, largest));
+  return S;
+}
+
+/// Whatever is wrong with the options is the scene's.
+const StepOptions& checked(const StepOptions& options, const Table& table) {
+  if (std::abs(options.step - table.step) > 1e-9 * table.step)
+    throw InputError(fmt::format("time.rate_hz = {:.12g}: the table has a step of {:.12g} s. Set {:.12g}.",
+                                 1 / options.step, table.step, 1 / table.step));
+  if (options.scheme == Scheme::impulse && !(options.restitution >= 0 && options.restitution <= 1))
+    throw InputError(fmt::format("contact.restitution = {}: must be between 0 and 1.", options.restitution));
+  return options;
+}
+
+Convolution convolution_of(const Kernel& kernel, const Table& table, ConvolutionOptions options) {
+  options.tail = table.tail;
+  return {kernel.values, kernel.rows, table.points(), options};
+}
+
+}  // namespace
+
+TableIntegrator::TableIntegrator(const Table& table, const StepOptions& options,
+                                 ConvolutionOptions convolution)
+    : options_(checked(options, table)),
+      free_(table.free),
+      free_velocity_(table.free_velocity),
+      gap_(table.gap),
+      bodies_(table.bodies),
+      solver_(table.points()),
+      convolution_([&] {
+        const Kernel kernel = kernel_of(table, options);
+        S_ = semidefinite(kernel.at_once, options.scheme == Scheme::impulse);
+        if (table.tail == Tail::none)
+          available_ = std::ssize(kernel.values) / (static_cast<std::int64_t>(kernel.rows) * table.points());
+        return convolution_of(kernel, table, convolution);
+      }()) {
+  const Eigen::Index m = table.points();
+  const bool impulse = options.scheme == Scheme::impulse;
+  const std::size_t width = static_cast<std::size_t>(m);
+  if (impulse && !free_.empty() && (options.admittance == Admittance::difference || free_velocity_.empty()))
+    free_velocity_ = difference(free_, width, table.step);
+  if (!free_.empty()) {
+    available_ = std::min(available_, std::ssize(free_) / m - 1);
+    if (impulse) available_ = std::min(available_, std::ssize(free_velocity_) / m - 1);
+  }
+
+  rigid_velocity_ = rigid_acceleration_ = Vector::Zero(m);
+  velocity_.resize(3, static_cast<Eigen::Index>(bodies_.size()));
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    rigid_velocity_ -= bodies_[b].push * bodies_[b].velocity;
+    rigid_acceleration_ -= bodies_[b].push * bodies_[b].gravity;
+    velocity_.col(static_cast<Eigen::Index>(b)) = bodies_[b].velocity;
+  }
+  for (Vector* x : {&force_, &next_u_, &next_force_, &rhs_, &solution_, &rate_, &u_}) x->setZero(m);
+  sub_.setZero(m, m);
+  touching_.reserve(width);
+  free_motion(0, u_);
+}
+
+/// ũ_k.
+void TableIntegrator::free_motion(std::int64_t k, Vector& u) const noexcept {
+  if (free_.empty()) {
+    const double t = static_cast<double>(k) * options_.step;
+    u = t * rigid_velocity_ + (0.5 * t * t) * rigid_acceleration_;
+  } else {
+    u = Eigen::Map<const Vector>(free_.data() + k * gap_.size(), gap_.size());
+  }
+}
+
+/// ũ̇_k, or its mean over the step that follows.
+void TableIntegrator::free_rate(std::int64_t k, Vector& v) const noexcept {
+  if (free_.empty()) {
+    const double later = options_.admittance == Admittance::difference ? 0.5 : 0.0;
+    v = rigid_velocity_ + ((static_cast<double>(k) + later) * options_.step) * rigid_acceleration_;
+  } else {
+    v = Eigen::Map<const Vector>(free_velocity_.data() + k * gap_.size(), gap_.size());
+  }
+}
+
+StepStatus TableIntegrator::step() noexcept {
+  const std::int64_t k = steps_ + 1;
+  if (k > available_) return StepStatus::table_ended;
+  free_motion(k, next_u_);
+  next_force_.setZero();
+  const SolveStatus status = options_.scheme == Scheme::compliant ? compliant() : impulses();
+  if (status == SolveStatus::not_finite) return StepStatus::not_finite;
+  if (status == SolveStatus::no_solution) return StepStatus::no_solution;
+  if (!next_u_.allFinite() || !next_force_.allFinite()) return StepStatus::not_finite;
+
+  convolution_.push(next_force_);
+  active_ = static_cast<int>((next_force_.array() > 0).count());
+  persistency_ = 0;
+  if (options_.scheme == Scheme::impulse)
+    next_force_ /= options_.step;
+  else if (active_ > 0)
+    persistency_ = -next_force_.dot(next_u_ - u_) / options_.step;
+  u_.swap(next_u_);
+  force_.swap(next_force_);
+  steps_ = k;
+  push_bodies();
+  return StepStatus::ok;
+}
+
+SolveStatus TableIntegrator::compliant() noexcept {
+  next_u_ -= convolution_.history();
+  rhs_ = next_u_ - gap_;
+  if ((rhs_.array() < 0).all()) return SolveStatus::solved;
+  const SolveStatus status = solver_.solve(S_, rhs_, next_force_);
+  next_u_.noalias() -= S_ * next_force_;
+  return status;
+}
+
+SolveStatus TableIntegrator::impulses() noexcept {
+  const Eigen::Index m = gap_.size();
+  touching_.clear();
+  for (Eigen::Index i = 0; i < m; ++i) {
+    const double past = convolution_.history()(i),
+                 margin = touch * (std::abs(next_u_(i)) + std::abs(past) + std::abs(gap_(i)));
+    next_u_(i) -= past;
+    if (!(next_u_(i) < gap_(i) - margin)) touching_.push_back(static_cast<int>(i));
+  }
+  if (touching_.empty()) return SolveStatus::solved;
+  free_rate(steps_ + 1, rate_);
+  rate_ -= convolution_.history().tail(m);
+  const Eigen::Index n = static_cast<Eigen::Index>(touching_.size());
+  for (Eigen::Index j = 0; j < n; ++j) {
+    rhs_(j) = (1 + options_.restitution) * rate_(touching_[j]);
+    for (Eigen::Index i = 0; i < n; ++i) sub_(i, j) = S_(touching_[i], touching_[j]);
+  }
+  const SolveStatus status = solver_.solve(sub_.topLeftCorner(n, n), rhs_.head(n), solution_.head(n));
+  for (Eigen::Index j = 0; j < n; ++j) next_force_(touching_[j]) = solution_(j);
+  return status;
+}
+
+/// Newton's law of each body as a whole.
+void TableIntegrator::push_bodies() noexcept {
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    auto v = velocity_.col(static_cast<Eigen::Index>(b));
+    v += options_.step * bodies_[b].gravity;
+    if (active_ > 0)
+      v.noalias() += (options_.step / bodies_[b].mass) * (bodies_[b].push.transpose() * force_);
+  }
+}
+
+}  // namespace ricochet::contact

@@ -1,0 +1,339 @@
+// Table kernels: the closed form of two rods against the wave solution, kernels from modes against modal
+// stepping, files, and what is refused.
+#include "contact/table.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "contact/table_integrator.hpp"
+#include "kernels/hdf5.hpp"
+#include "tests/contact/bodies.hpp"
+#include "tests/contact/heap_counter.hpp"
+#include "tests/support.hpp"
+
+namespace {
+
+using namespace ricochet::contact;
+using namespace ricochet::contact::test;
+using ricochet::test::Folder;
+using ::testing::HasSubstr;
+
+// ---- The rods of tests/contact/rods.cpp, apart by a gap: ρ = A = E = 1, L = 10, Z = 1, v = 1 ----
+
+constexpr double step = 0.01, speed = 1;
+constexpr std::int64_t around = 2000;  ///< steps of 2L/c
+
+/// An impulse on its end moves the end of a rod by 1/Z at once and by 2/Z with each return of the wave.
+Table rods(double gap, std::int64_t samples) {
+  Table table;
+  table.step = step;
+  const auto displacement = [](std::int64_t l) {  // of both rods, just before lΔ
+    return l == 0 ? 0.0 : 2.0 * (1 + 2 * static_cast<double>((l - 1) / around));
+  };
+  for (std::int64_t l = 0; l < samples; ++l) {
+    table.displacement.push_back(displacement(l));
+    table.velocity.push_back((displacement(l + 1) - displacement(l)) / step);
+    table.flexibility.push_back(displacement(l + 1) * step);
+  }
+  table.gap = Vector::Constant(1, gap);
+  table.area = Vector::Ones(1);
+  Matrix push(1, 3);
+  push << -1, 0, 0;
+  table.bodies = {{"moving", 10, {speed, 0, 0}, Vector3d::Zero(), push},
+                  {"resting", 10, Vector3d::Zero(), Vector3d::Zero(), -push}};
+  return table;
+}
+
+/// u(t) of the wave solution (d'Alembert): together from t = g/v for 2L/c.
+double exact_displacement(double gap, double t) {
+  const double start = gap / speed, end = start + 20;
+  return t < start ? speed * t : t < end ? gap : gap - speed * (t - end);
+}
+
+struct Named {
+  const char* name;
+  StepOptions options;
+};
+const std::vector<Named> laws = {
+    {"compliant", {.scheme = Scheme::compliant, .step = step}},
+    {"jump", {.scheme = Scheme::impulse, .admittance = Admittance::jump, .step = step}},
+    {"difference", {.scheme = Scheme::impulse, .admittance = Admittance::difference, .step = step}}};
+
+// 1e-11: round-off of sums of 2000 terms, of lengths up to 30.
+TEST(AnalyticRods, move_as_the_waves_do_under_either_scheme) {
+  const double gap = 1;
+  for (const auto& [name, options] : laws)
+    for (const bool partitioned : {false, true}) {
+      SCOPED_TRACE(name);
+      TableIntegrator rod(rods(gap, 3002), options, {.partitioned = partitioned});
+      // λ of `compliant` acts over the step before its instant, P of `impulse` stands for the step behind it.
+      const double shift = options.scheme == Scheme::impulse ? 0.5 : -0.5;
+      for (std::int64_t k = 1; k <= 3000; ++k) {
+        ASSERT_EQ(rod.step(), StepStatus::ok);
+        ASSERT_NEAR(rod.displacement()(0), exact_displacement(gap, rod.time()), 1e-11) << k;
+        const double when = rod.time() + shift * step;
+        ASSERT_NEAR(rod.force()(0), when > 1 && when < 21 ? 0.5 : 0, 1e-11) << k;
+      }
+      EXPECT_NEAR(rod.velocities()(0, 0), 0, 1e-12);
+      EXPECT_NEAR(rod.velocities()(0, 1), speed, 1e-12);
+    }
+}
+
+// What touches at t = 0 is met at t_1 by the impulse scheme, all else one step later: vΔ of penetration.
+TEST(AnalyticRods, that_touch_at_the_start_are_late_by_a_step_under_impulse_alone) {
+  for (const auto& [name, options] : laws) {
+    SCOPED_TRACE(name);
+    const double late = options.scheme == Scheme::impulse ? step : 0;
+    TableIntegrator rod(rods(0, 3002), options);
+    for (std::int64_t k = 1; k <= 3000; ++k) {
+      ASSERT_EQ(rod.step(), StepStatus::ok);
+      ASSERT_NEAR(rod.displacement()(0), late * speed + exact_displacement(0, rod.time() - late), 1e-11) << k;
+    }
+    EXPECT_NEAR(rod.velocities()(0, 1), speed, 1e-12);
+  }
+}
+
+// The closed form is the sum of the rods' modes: steps of 1, 2, 2 … over Z at 0, 2L/c, 4L/c …, and on average
+// the rigid mode's t/(ρAL). The paper's printed formula has its second Heaviside outside of the sum.
+TEST(AnalyticRods, have_the_kernel_that_their_modes_add_up_to) {
+  const double length = 10;
+  const auto by_modes = [&](double t) {
+    double sum = t / length;
+    const int count = 200000;
+    for (int n = count; n >= 1; --n) {
+      const double omega = n * std::numbers::pi / length, x = n * std::numbers::pi / (count + 1);
+      sum +=
+          2 / length * std::sin(omega * t) / omega * std::sin(x) / x;  // Lanczos' factor stills the ringing
+    }
+    return sum;
+  };
+  const Table table = rods(0, 10001);
+  for (const double t : {3.0, 12.5, 19.0, 21.0, 33.0, 39.0, 41.0, 72.0})
+    EXPECT_NEAR(table.displacement[std::lround(t / step)], 2 * by_modes(t), 1e-4) << t;
+}
+
+// ---- Kernels from modes ----
+
+/// Supported and free modes, damping, weight, R, points that come and go.
+Model lively(unsigned seed, double ratio) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> spread(-1, 1);
+  const Eigen::Index N = 14, m = 4;
+  Model model;
+  model.omega = model.decay = model.load = model.q0 = model.v0 = Vector::Zero(N);
+  model.B = Matrix::NullaryExpr(m, N, [&] { return 0.3 * spread(random); });
+  model.B.col(0).setConstant(1);
+  for (Eigen::Index n = 1; n < N; ++n) model.omega(n) = 350.0 * static_cast<double>(n);
+  model.decay = ratio * model.omega;
+  model.load(0) = 9.81;
+  model.load(3) = -2;
+  model.v0(0) = 1;
+  model.R = 1e-6 * Matrix::Identity(m, m);
+  model.has_residual = true;
+  model.gap = Vector::LinSpaced(m, 1e-3, 1.2e-3);
+  model.static_displacement = Vector::Constant(m, 1e-6);
+  model.area = Vector::Ones(m);
+  return model;
+}
+
+// 1e-9 of the largest: the modal sums and the convolution are different sums of 4000 steps, and each touch
+// carries their differences on.
+TEST(ModalTable, gives_what_modal_stepping_gives_under_both_schemes) {
+  for (const double ratio : {0.0, 0.02})
+    for (const double dt : {1e-4, 1e-3})  // the coarse step moves modes above 3142 rad/s into R
+      for (const auto& [name, law] : laws) {
+        StepOptions options = law;
+        options.step = dt;
+        if (options.admittance == Admittance::difference && dt > 5e-4) continue;  // refused by both
+        SCOPED_TRACE(testing::Message() << name << " ratio " << ratio << " step " << dt);
+        const Model model = lively(2, ratio);
+        const std::int64_t steps = 4000;
+        Integrator modal(model, options);
+        TableIntegrator table(table_from_modes(model, options, steps), options);
+        EXPECT_EQ(table.available(), steps);
+        double force = 0, place = 0, force_error = 0, place_error = 0, power = 0, power_error = 0;
+        int touches = 0;
+        for (std::int64_t k = 1; k <= steps; ++k) {
+          ASSERT_EQ(modal.step(), StepStatus::ok);
+          ASSERT_EQ(table.step(), StepStatus::ok) << k;
+          force = std::max(force, modal.force().maxCoeff());
+          place = std::max(place, modal.displacement().cwiseAbs().maxCoeff());
+          power = std::max(power, std::abs(modal.persistency()));
+          force_error = std::max(force_error, (modal.force() - table.force()).cwiseAbs().maxCoeff());
+          place_error =
+              std::max(place_error, (modal.displacement() - table.displacement()).cwiseAbs().maxCoeff());
+          power_error = std::max(power_error, std::abs(modal.persistency() - table.persistency()));
+          touches += modal.active() > 0;
+        }
+        EXPECT_GT(touches, 20);
+        EXPECT_LT(touches, steps - 10);
+        EXPECT_LT(force_error, 1e-9 * force);
+        EXPECT_LT(place_error, 1e-9 * place);
+        if (options.scheme == Scheme::compliant) {
+          EXPECT_LT(power_error, 1e-9 * power);
+        }
+        EXPECT_EQ(table.step(), StepStatus::table_ended);
+        EXPECT_EQ(table.steps(), steps);
+      }
+}
+
+/// The mass-mean velocities come from the forces here, from the rigid modes there.
+TEST(ModalTable, knows_the_velocities_of_free_bodies) {
+  const ricochet::kernels::Kernel kernel = rod(40, 10);
+  const Model model = build_model({{"left", &kernel, Matrix3d::Identity(), Vector3d::Zero(), {1, 0, 0}},
+                                   {"right", &kernel, Matrix3d::Identity(), {10.25, 0, 0}}},
+                                  {}, {{"left", "right", Vector3d(1, 0, 0), {}, {}}}, {-0.01, 0, 0});
+  for (const auto& [name, law] : laws) {
+    StepOptions options = law;
+    options.step = 0.05;
+    Integrator modal(model, options);
+    TableIntegrator table(table_from_modes(model, options, 500), options);
+    ASSERT_EQ(table.bodies().size(), 2U);
+    for (int k = 0; k < 500; ++k) {
+      ASSERT_EQ(modal.step(), StepStatus::ok);
+      ASSERT_EQ(table.step(), StepStatus::ok);
+      for (int b = 0; b < 2; ++b)
+        ASSERT_NEAR(table.velocities()(0, b), modal.v()(40 * b) / std::sqrt(10), 1e-10) << name << " " << k;
+    }
+  }
+}
+
+/// Without /table/flexibility S is the trapezoidal rule: exact for rigid motion, else an error of Δ². A mass,
+/// alone or with a mode, bounces off in one step under λ; then u = vt − S_{k−1} λ shows S.
+TEST(ModalTable, is_integrated_to_second_order_where_no_flexibility_is_given) {
+  Model model = lively(4, 0.05);
+  for (Vector* x : {&model.gap, &model.static_displacement, &model.load, &model.v0}) x->setZero();
+  model.R.setZero();
+  model.B.setZero();
+  model.B(0, 0) = 1;
+  model.v0(0) = 1;
+  const auto flexibility = [&](double dt, bool sampled) {  // S/Δ over 3 ms
+    const std::int64_t steps = std::lround(0.003 / dt);
+    const StepOptions options{.step = dt}, impulse{.scheme = Scheme::impulse, .step = dt};
+    TableIntegrator integrator(table_from_modes(model, sampled ? impulse : options, steps + sampled),
+                               options);
+    EXPECT_EQ(integrator.available(), steps);
+    Vector out(steps);
+    double force = 0;
+    for (std::int64_t k = 1; k <= steps; ++k) {
+      EXPECT_EQ(integrator.step(), StepStatus::ok);
+      EXPECT_EQ(integrator.active(), k == 1);
+      if (k == 1) force = integrator.force()(0);
+      out(k - 1) = (integrator.time() - integrator.displacement()(0)) / force / dt;
+    }
+    return out;
+  };
+  const auto error = [&](double dt) {
+    return (flexibility(dt, true) - flexibility(dt, false)).cwiseAbs().maxCoeff();
+  };
+  EXPECT_LT(error(1e-4), 1e-15);
+  model.B(0, 1) = 0.7;
+  EXPECT_NEAR(error(1e-4) / error(5e-5), 4, 0.1);
+}
+
+// ---- Files ----
+
+TEST(TableFile, comes_back_as_it_was) {
+  const Folder folder;
+  const auto path = folder / "rods.h5";
+  Table table = rods(0.5, 40);
+  table.free = {0, 0.1, 0.2};
+  table.free_velocity = {1, 1, 1};
+  write_table(table, path);
+  const Table back = read_table(path);
+  EXPECT_EQ(back.step, table.step);
+  EXPECT_EQ(back.displacement, table.displacement);
+  EXPECT_EQ(back.velocity, table.velocity);
+  EXPECT_EQ(back.flexibility, table.flexibility);
+  EXPECT_EQ(back.free, table.free);
+  EXPECT_EQ(back.free_velocity, table.free_velocity);
+  EXPECT_EQ(back.gap, table.gap);
+  EXPECT_EQ(back.area, table.area);
+  EXPECT_EQ(back.tail, Tail::none);
+  ASSERT_EQ(back.bodies.size(), 2U);
+  EXPECT_EQ(back.bodies[1].name, "resting");
+  EXPECT_EQ(back.bodies[1].mass, 10);
+  EXPECT_EQ(back.bodies[0].velocity, table.bodies[0].velocity);
+  EXPECT_EQ(back.bodies[0].push, table.bodies[0].push);
+  EXPECT_EQ(ricochet::kernels::hdf5::Reader(path, "").string_attribute("/table/velocity", "unit"), "1/kg");
+}
+
+std::string refusal(const std::function<void(Table&)>& spoil) {
+  Table table = rods(0.5, 40);
+  spoil(table);
+  const std::string text = complaint_of([&] { validate(table, "rods.h5"); });
+  EXPECT_THAT(text, HasSubstr("rods.h5: "));
+  EXPECT_THAT(text, HasSubstr("TABLE.md"));
+  return text;
+}
+
+TEST(TableFile, is_refused_in_one_line_that_says_why) {
+  EXPECT_THAT(refusal([](Table& t) { t.displacement[0] = 2; }),
+              HasSubstr("/table/displacement[0] is 2, not 0"));
+  EXPECT_THAT(refusal([](Table& t) { t.velocity.pop_back(); }), HasSubstr("differ in length"));
+  EXPECT_THAT(refusal([](Table& t) { t.flexibility.pop_back(); }), HasSubstr("(40, 1, 1)"));
+  EXPECT_THAT(refusal([](Table& t) { t.velocity[3] = NAN; }), HasSubstr("/table/velocity holds values"));
+  EXPECT_THAT(refusal([](Table& t) { t.step = 0; }), HasSubstr("/table/step is 0 s"));
+  EXPECT_THAT(refusal([](Table& t) { t.gap.resize(0); }), HasSubstr("/table/gap is empty"));
+  EXPECT_THAT(refusal([](Table& t) { t.gap(0) = -1; }), HasSubstr("must not be negative"));
+  EXPECT_THAT(refusal([](Table& t) { t.bodies[0].mass = 0; }), HasSubstr("mass of moving is 0 kg"));
+  EXPECT_THAT(refusal([](Table& t) { t.bodies[0].name = "a/b"; }), HasSubstr("letters, digits"));
+  EXPECT_THAT(refusal([](Table& t) { t.bodies.clear(); }), HasSubstr("nothing says how the points move"));
+  EXPECT_THAT(refusal([](Table& t) { t.free = {1, 2}; }), HasSubstr("overlaps by 0.5 m"));
+  EXPECT_THAT(refusal([](Table& t) { t.free = {0}; }), HasSubstr("at least 2 instants"));
+  EXPECT_THAT(refusal([](Table& t) {
+                t.tail = Tail::linear;
+                t.velocity[38] += 1;
+              }),
+              HasSubstr("/table/velocity is said to end in a straight line"));
+  const Folder folder;
+  EXPECT_THAT(complaint_of([&] { read_table(folder / "none.h5"); }), HasSubstr("there is no such file"));
+  EXPECT_THAT(complaint_of([&] { read_table(folder.write("text.h5", "no")); }),
+              HasSubstr("not an HDF5 file"));
+}
+
+TEST(TableIntegrator, refuses_what_the_scheme_cannot_do_with_the_table) {
+  const StepOptions compliant{.step = step}, impulse{.scheme = Scheme::impulse, .step = step};
+  const auto said = [](const Table& table, const StepOptions& options) {
+    return complaint_of([&] { TableIntegrator(table, options); });
+  };
+  EXPECT_THAT(said(rods(0, 40), {.step = 1 / 44100.0}), HasSubstr("time.rate_hz = 44100"));
+  EXPECT_THAT(said(rods(0, 40), {.scheme = Scheme::impulse, .restitution = 2, .step = step}),
+              HasSubstr("restitution = 2"));
+  Table table = rods(0, 40);
+  table.displacement.clear();
+  table.velocity.clear();
+  EXPECT_THAT(said(table, impulse), HasSubstr("no displacement and velocity"));
+  table = rods(0, 40);
+  for (double& x : table.velocity) x = -x;
+  EXPECT_THAT(said(table, impulse), HasSubstr("the admittance at lag 0"));
+  table = table_from_modes(lively(1, 0), {.step = 1e-4}, 10);
+  table.flexibility[1] *= 1.1;
+  EXPECT_THAT(said(table, {.step = 1e-4}), HasSubstr("not symmetric"));
+  table = rods(0, 40);
+  EXPECT_EQ(TableIntegrator(table, compliant).available(), 40);
+  table.tail = Tail::linear;
+  EXPECT_EQ(TableIntegrator(table, compliant).available(), TableIntegrator::endless);
+}
+
+#if RICOCHET_HEAP_COUNTED
+TEST(TableIntegrator, takes_no_memory_in_its_steps) {
+  for (const auto& [name, law] : laws) {
+    StepOptions options = law;
+    options.step = 1e-4;
+    TableIntegrator table(table_from_modes(lively(2, 0), options, 4000), options);
+    int touching = 0;
+    const long before = heap_counter::calls;
+    while (table.step() == StepStatus::ok) touching += table.active() > 0;
+    EXPECT_EQ(heap_counter::calls, before) << name;
+    EXPECT_EQ(table.steps(), 4000);
+    EXPECT_GT(touching, 20);
+  }
+}
+#endif
+
+}  // namespace
