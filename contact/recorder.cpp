@@ -24,9 +24,9 @@ Energy initial_energy(const Model& model) {
 
 }  // namespace
 
-Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOptions& options)
+Recorder::Recorder(const Model& model, double step, const RecorderOptions& options)
     : model_(model),
-      step_(step.step),
+      step_(step),
       every_(options.every),
       snapshot_every_(options.snapshot_every),
       file_(options.path),
@@ -38,6 +38,13 @@ Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOp
     B_a_.block(pair.first_point, a.first_mode, pair.points, a.modes) =
         model.B.block(pair.first_point, a.first_mode, pair.points, a.modes);
   }
+  write_setting(options);
+  make_rows();
+  time_->append(0);
+}
+
+Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOptions& options)
+    : Recorder(model, step.step, options) {
   if (step.scheme == Scheme::compliant) {
     R_a_ = model.R_a;
     // The integrator moves modes above half the rate into R and s; a's share of them follows.
@@ -48,10 +55,6 @@ Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOp
         s_a_ += B_a_.col(n) * (model.load(n) / stiffness);
       }
   }
-  write_setting(options);
-  make_rows();
-
-  time_->append(0);
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const Model::BodyBlock& body = model_.bodies[k];
     bodies_[k].last_momentum = body.momentum * model.v0.segment(body.first_mode, body.modes);
@@ -60,6 +63,18 @@ Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOp
   bodies_row(model.v0, 0);
   energy_row(initial_energy(model), 0);
   if (snapshot_every_ > 0) snapshot_row(0, model.q0);
+}
+
+Recorder::Recorder(const Model& model, const Equilibrium& equilibrium, const RecorderOptions& options)
+    : Recorder(model, 0.0, options) {
+  R_a_ = model.R_a;
+  const Vector rest = Vector::Zero(model.omega.size());
+  push(equilibrium.force, 1);  // for a second, in which momentum does not change
+  bodies_row(rest, 1);
+  energy_row(equilibrium.energy, 0);
+  if (equilibrium.active > 0)
+    contact_row(0, equilibrium.q, rest, equilibrium.displacement, equilibrium.force);
+  if (snapshot_every_ > 0) snapshot_row(0, equilibrium.q);
 }
 
 void Recorder::write_setting(const RecorderOptions& options) {
@@ -116,23 +131,28 @@ void Recorder::make_rows() {
 }
 
 void Recorder::record(const Integrator& integrator) {
-  const Vector& force = integrator.force();
-  if (integrator.active() > 0)
-    for (const Model::PairBlock& pair : model_.pairs) {
-      const Vector3d impulse = step_ * model_.normal.middleRows(pair.first_point, pair.points).transpose() *
-                               force.segment(pair.first_point, pair.points);
-      bodies_[pair.a].contact_impulse -= impulse;
-      if (pair.b >= 0) bodies_[pair.b].contact_impulse += impulse;
-    }
+  if (integrator.active() > 0) push(integrator.force(), step_);
   const std::int64_t k = integrator.steps();
   if (k % every_ == 0) {
     time_->append(integrator.time());
     bodies_row(integrator.v(), static_cast<double>(k - last_row_) * step_);
     energy_row(integrator.energy(), integrator.persistency());
-    if (integrator.active() > 0) contact_row(integrator);
+    if (integrator.active() > 0)
+      contact_row(integrator.time(), integrator.q(), integrator.v(), integrator.displacement(),
+                  integrator.force());
     last_row_ = k;
   }
   if (snapshot_every_ > 0 && k % snapshot_every_ == 0) snapshot_row(integrator.time(), integrator.q());
+}
+
+/// The impulses of contact on the bodies while `force` (m) lasts for `duration` [s].
+void Recorder::push(const Vector& force, double duration) {
+  for (const Model::PairBlock& pair : model_.pairs) {
+    const Vector3d impulse = duration * model_.normal.middleRows(pair.first_point, pair.points).transpose() *
+                             force.segment(pair.first_point, pair.points);
+    bodies_[pair.a].contact_impulse -= impulse;
+    if (pair.b >= 0) bodies_[pair.b].contact_impulse += impulse;
+  }
 }
 
 /// `elapsed` [s] since the row before; 0 for the first one.
@@ -166,19 +186,19 @@ void Recorder::energy_row(const Energy& energy, double persistency) {
 }
 
 /// u = n·u_a − n·u_b, and n·u_a = B_a q + s_a − R_a λ.
-void Recorder::contact_row(const Integrator& integrator) {
-  const Vector& u = integrator.displacement();
-  Vector u_a = B_a_ * integrator.q() + s_a_ - R_a_ * integrator.force();
-  const Vector v_a = B_a_ * integrator.v();
-  Vector u_b = u_a - u, v_b = v_a - model_.B * integrator.v();
+void Recorder::contact_row(double time, const Vector& q, const Vector& v, const Vector& u,
+                           const Vector& force) {
+  Vector u_a = B_a_ * q + s_a_ - R_a_ * force;
+  const Vector v_a = B_a_ * v;
+  Vector u_b = u_a - u, v_b = v_a - model_.B * v;
   for (const Model::PairBlock& pair : model_.pairs)
     if (pair.b < 0) {  // a half-space stays where it is
       u_a.segment(pair.first_point, pair.points) = u.segment(pair.first_point, pair.points);
       u_b.segment(pair.first_point, pair.points).setZero();
       v_b.segment(pair.first_point, pair.points).setZero();
     }
-  contact_.time->append(integrator.time());
-  append(contact_.force, integrator.force());
+  contact_.time->append(time);
+  append(contact_.force, force);
   append(contact_.gap, model_.gap - u);
   append(contact_.displacement_a, u_a);
   append(contact_.displacement_b, u_b);

@@ -205,12 +205,14 @@ Pair body_first(const Scene& scene, Pair pair) {
 
 void read_scheme(Table& table, Contact& contact) {
   const std::string scheme = table.text("scheme").value_or("compliant");
-  if (scheme != "compliant" && scheme != "impulse")
-    table.complain("scheme", "must be \"compliant\" or \"impulse\"");
-  contact.scheme = scheme == "compliant" ? Scheme::compliant : Scheme::impulse;
+  if (scheme != "compliant" && scheme != "impulse" && scheme != "static")
+    table.complain("scheme", "must be \"compliant\", \"impulse\" or \"static\"");
+  contact.scheme = scheme == "compliant" ? Scheme::compliant
+                   : scheme == "impulse" ? Scheme::impulse
+                                         : Scheme::at_rest;
   const auto admittance = table.text("admittance");
   const auto restitution = table.number("restitution");
-  if (contact.scheme == Scheme::compliant && (admittance || restitution))
+  if (contact.scheme != Scheme::impulse && (admittance || restitution))
     table.complain(admittance ? "admittance" : "restitution", "belongs to scheme = \"impulse\"");
   if (admittance && *admittance != "jump" && *admittance != "difference")
     table.complain("admittance", "must be \"jump\" or \"difference\"");
@@ -218,6 +220,11 @@ void read_scheme(Table& table, Contact& contact) {
   contact.restitution = restitution.value_or(0);
   if (contact.restitution < 0 || contact.restitution > 1)
     table.complain("restitution", "must be from 0 to 1");
+  const auto solver = table.text("solver");
+  if (solver && contact.scheme != Scheme::at_rest) table.complain("solver", "belongs to scheme = \"static\"");
+  if (solver && *solver != "exact" && *solver != "uzawa")
+    table.complain("solver", "must be \"exact\" or \"uzawa\"");
+  contact.solver = solver.value_or("exact") == "exact" ? Solver::exact : Solver::uzawa;
 }
 
 Contact read_contact(Table& root, const Scene& scene) {
@@ -242,8 +249,9 @@ Contact read_contact(Table& root, const Scene& scene) {
   return contact;
 }
 
-void read_time(Table& root, Time& time) {
+void read_time(Table& root, bool needed, Time& time) {
   auto table = root.table("time");
+  if (!table && !needed) return;
   if (!table) root.complain("time", "is missing: give duration [s]");
   if (table->has("rate_hz")) time.rate = Hertz{positive(*table, "rate_hz")};
   time.duration = positive(*table, "duration");
@@ -316,7 +324,7 @@ Scene read(const std::filesystem::path& file, const std::vector<Override>& overr
     }
   scene.modes = read_modes(root);
   scene.contact = read_contact(root, scene);
-  read_time(root, scene.time);
+  read_time(root, scene.contact.scheme != Scheme::at_rest, scene.time);
   if (auto loads = root.table("loads")) {
     scene.loads.gravity = loads->vector("gravity").value_or(Vector3{});
     loads->refuse_unknown();

@@ -63,7 +63,7 @@ struct Modes {
       flexibility_error;  ///< of the contact surface over [0, up_to]; modes: leave out those it doesn't need
   bool residual_flexibility = true;
   double relative_residual = 1e-8;  ///< bound on each mode's residual
-  double low_rank = 0;  ///< contact: threshold of block low-rank factors; 0: full rank
+  double low_rank = 0;              ///< contact: threshold of block low-rank factors; 0: full rank
 };
 
 /// How one surface meets another. `a` is a body; `b` a body or an obstacle.
@@ -76,19 +76,21 @@ struct Pair {
   std::optional<double> reach;       ///< [m]
 };
 
-enum class Scheme { compliant, impulse };
+enum class Scheme { compliant, impulse, at_rest };
+enum class Solver { exact, uzawa };
 enum class Admittance { jump, difference };
 
 struct Contact {
   Scheme scheme = Scheme::compliant;
   Admittance admittance = Admittance::jump;  ///< of the impulse scheme
   double restitution = 0;                    ///< of the impulse scheme, in [0, 1]
+  Solver solver = Solver::exact;             ///< of bodies at rest (scheme "static")
   std::vector<Pair> pairs;                   ///< [contact] itself, or each [[contact.pair]]
 };
 
 struct Time {
   Hertz rate{44100};
-  double duration = 0;  ///< [s]
+  double duration = 0;  ///< [s]; 0: not given, as bodies at rest need none
 };
 
 struct Loads {

@@ -107,9 +107,13 @@ std::string to_toml(const Scene& scene) {
     text += fmt::format("\n[obstacles.{}]\npoint = {}\nnormal = {}\n", toml_string(o.name),
                         toml_vector(o.point), toml_vector(o.normal));
   text += fmt::format("\n{}\n[contact]\n", toml_modes(scene.modes));
-  const bool impulse = scene.contact.scheme == Scheme::impulse;
-  text += fmt::format("scheme = \"{}\"\n", impulse ? "impulse" : "compliant");
-  if (impulse)
+  const Scheme scheme = scene.contact.scheme;
+  text += fmt::format("scheme = \"{}\"\n", scheme == Scheme::impulse   ? "impulse"
+                                           : scheme == Scheme::at_rest ? "static"
+                                                                       : "compliant");
+  if (scheme == Scheme::at_rest)
+    text += fmt::format("solver = \"{}\"\n", scene.contact.solver == Solver::uzawa ? "uzawa" : "exact");
+  if (scheme == Scheme::impulse)
     text += fmt::format("admittance = \"{}\"\nrestitution = {}\n",
                         scene.contact.admittance == Admittance::jump ? "jump" : "difference",
                         toml_number(scene.contact.restitution));
@@ -121,12 +125,13 @@ std::string to_toml(const Scene& scene) {
     if (pair.gap) text += "gap = " + toml_number(*pair.gap) + "\n";
     if (pair.reach) text += "reach = " + toml_number(*pair.reach) + "\n";
   }
-  return text + fmt::format(
-                    "\n[time]\nrate_hz = {}\nduration = {}\n\n[loads]\ngravity = {}\n\n[output]\nevery = "
-                    "{}\nview = {}\nsnapshot_every = {}\n",
-                    toml_number(scene.time.rate.value), toml_number(scene.time.duration),
-                    toml_vector(scene.loads.gravity), scene.output.every, scene.output.view,
-                    scene.output.snapshot_every);
+  if (scene.time.duration > 0)
+    text += fmt::format("\n[time]\nrate_hz = {}\nduration = {}\n", toml_number(scene.time.rate.value),
+                        toml_number(scene.time.duration));
+  return text +
+         fmt::format("\n[loads]\ngravity = {}\n\n[output]\nevery = {}\nview = {}\nsnapshot_every = {}\n",
+                     toml_vector(scene.loads.gravity), scene.output.every, scene.output.view,
+                     scene.output.snapshot_every);
 }
 
 std::string slug(const std::string& title) {
