@@ -14,12 +14,11 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 
-constexpr double balanced = 1e-11;   // imbalance of the exact solver: above round-off of sums of 10⁴ forces
-constexpr double held = 1e-8;        // share of a body's load that may stay unbalanced by round-off
-constexpr double unfelt = 1e-12;     // rigid motion that moves no point by more than this share
-constexpr double first_spring = 10;  // of S₀'s norm: soft enough to keep its digits
-constexpr double softest_spring = 1e7;  // of S₀'s norm
-constexpr int most_rounds = 100;        // a soft spring gains a digit a round at least
+constexpr double balanced = 1e-11;  // imbalance of the exact solver: round-off of sums over many points
+constexpr double held = 1e-8;       // share of a body's load that round-off may leave without a hold
+constexpr double unfelt = 1e-12;    // a rigid mode that moves no point by more than this share moves none
+constexpr double first_spring = 10, softest_spring = 1e7;  // of S₀'s norm; the first keep most of its digits
+constexpr int most_rounds = 100;  // each gains a factor of four, or softens the springs for the next
 
 struct Parts {
   MatrixXd S;                       ///< (m,m) S₀
