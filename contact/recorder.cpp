@@ -22,7 +22,7 @@ Energy initial_energy(const Model& model) {
 
 }  // namespace
 
-Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOptions& options)
+Recorder::Recorder(const Model& model, const RecorderOptions& options, const StepOptions& step)
     : model_(model),
       step_(step.step),
       every_(options.every),
@@ -39,6 +39,13 @@ Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOp
         model.B.block(pair.first_point, a.first_mode, pair.points, a.modes);
   }
   for (std::size_t d = 0; d < model.drives.size(); ++d) driven_a_.col(d) = model.drives[d].displacement_a;
+  write_setting(options);
+  make_rows();
+  time_->append(0);
+}
+
+Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOptions& options)
+    : Recorder(model, options, step) {
   if (step.scheme == Scheme::compliant) {
     R_a_ = model.R_a;
     // The integrator moves modes above half the rate into R and s; a's share of them follows.
@@ -54,14 +61,22 @@ Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOp
         }
       }
   }
-  write_setting(options);
-  make_rows();
-
-  time_->append(0);
   bodies_row(model.initial_rates(), 0, 0);
   energy_row(initial_energy(model), 0);
   if (snapshot_every_ > 0) snapshot_row(0, model.q0);
   receivers_row(0);
+}
+
+Recorder::Recorder(const Model& model, const Equilibrium& equilibrium, const RecorderOptions& options)
+    : Recorder(model, options, StepOptions{}) {
+  R_a_ = model.R_a;
+  const Vector rest = Vector::Zero(model.omega.size());
+  push(equilibrium.force, 1);  // for a second, in which momentum does not change
+  bodies_row(rest, 0, 1);
+  energy_row(equilibrium.energy, 0);
+  if (equilibrium.active > 0)
+    contact_row(0, equilibrium.q, rest, equilibrium.displacement, equilibrium.force);
+  if (snapshot_every_ > 0) snapshot_row(0, equilibrium.q);
 }
 
 void Recorder::write_setting(const RecorderOptions& options) {
@@ -127,25 +142,30 @@ void Recorder::make_rows() {
 }
 
 void Recorder::record(const Integrator& integrator) {
-  const Vector& force = integrator.force();
-  if (integrator.active() > 0)
-    for (const Model::PairBlock& pair : model_.pairs) {
-      const Vector3d impulse = step_ * model_.normal.middleRows(pair.first_point, pair.points).transpose() *
-                               force.segment(pair.first_point, pair.points);
-      bodies_[pair.a].contact_impulse -= impulse;
-      if (pair.b >= 0) bodies_[pair.b].contact_impulse += impulse;
-    }
+  if (integrator.active() > 0) push(integrator.force(), step_);
   const std::int64_t k = integrator.steps();
   if (k % every_ == 0) {
     time_->append(integrator.time());
     bodies_row(integrator.v(), static_cast<double>(last_row_) * step_, integrator.time());
     energy_row(integrator.energy(), integrator.persistency());
-    if (integrator.active() > 0) contact_row(integrator);
+    if (integrator.active() > 0)
+      contact_row(integrator.time(), integrator.q(), integrator.v(), integrator.displacement(),
+                  integrator.force());
     last_row_ = k;
   }
   if (snapshot_every_ > 0 && k % snapshot_every_ == 0) snapshot_row(integrator.time(), integrator.q());
   receivers_.observe(integrator);
   receivers_row(integrator.time());
+}
+
+/// The impulses of contact on the bodies while `force` (m) lasts for `duration` [s].
+void Recorder::push(const Vector& force, double duration) {
+  for (const Model::PairBlock& pair : model_.pairs) {
+    const Vector3d impulse = duration * model_.normal.middleRows(pair.first_point, pair.points).transpose() *
+                             force.segment(pair.first_point, pair.points);
+    bodies_[pair.a].contact_impulse -= impulse;
+    if (pair.b >= 0) bodies_[pair.b].contact_impulse += impulse;
+  }
 }
 
 /// `from`: the time of the row before, `to` in the first one.
@@ -191,14 +211,14 @@ void Recorder::energy_row(const Energy& energy, double persistency) {
 }
 
 /// u = n·u_a − n·u_b, and n·u_a = B_a q + s_a − R_a λ with the drives' share in s_a and its rate.
-void Recorder::contact_row(const Integrator& integrator) {
-  const Vector& u = integrator.displacement();
-  Vector u_a = B_a_ * integrator.q() + s_a_ - R_a_ * integrator.force();
-  Vector v_a = B_a_ * integrator.v(), v_relative = model_.B * integrator.v();
+void Recorder::contact_row(double time, const Vector& q, const Vector& v, const Vector& u,
+                           const Vector& force) {
+  Vector u_a = B_a_ * q + s_a_ - R_a_ * force;
+  Vector v_a = B_a_ * v, v_relative = model_.B * v;
   for (std::size_t d = 0; d < model_.drives.size(); ++d) {
     const Model::Drive& drive = model_.drives[d];
-    const double slope = drive.history.slope(integrator.time());
-    u_a += drive.history.at(integrator.time()) * driven_a_.col(d);
+    const double slope = drive.history.slope(time);
+    u_a += drive.history.at(time) * driven_a_.col(d);
     v_a += slope * drive.displacement_a;
     v_relative += slope * drive.displacement;
   }
@@ -209,8 +229,8 @@ void Recorder::contact_row(const Integrator& integrator) {
       u_b.segment(pair.first_point, pair.points).setZero();
       v_b.segment(pair.first_point, pair.points).setZero();
     }
-  contact_.time->append(integrator.time());
-  append(contact_.force, integrator.force());
+  contact_.time->append(time);
+  append(contact_.force, force);
   append(contact_.gap, model_.gap - u);
   append(contact_.displacement_a, u_a);
   append(contact_.displacement_b, u_b);

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "contact/equilibrium.hpp"
 #include "contact/integrator.hpp"
 #include "contact/model.hpp"
 #include "contact/receivers.hpp"
@@ -32,6 +33,9 @@ class Recorder {
   /// Makes the file and writes the row of t = 0. `model` outlives the recorder.
   /// Throws InputError when the file can't be made.
   Recorder(const Model& model, const StepOptions& step, const RecorderOptions& options);
+
+  /// Makes the file and writes bodies at rest as its one row, of t = 0. Throws likewise.
+  Recorder(const Model& model, const Equilibrium& equilibrium, const RecorderOptions& options);
 
   /// After each step of `integrator`, whatever `every` is. Throws InputError when the disk is full.
   void record(const Integrator& integrator);
@@ -60,11 +64,13 @@ class Recorder {
     Rows *total, *kinetic, *strain, *residual, *loads, *damping, *contact, *persistency;
   };
 
+  Recorder(const Model& model, const RecorderOptions& options, const StepOptions& step);
   void write_setting(const RecorderOptions& options);
   void make_rows();
+  void push(const Vector& force, double duration);
   void bodies_row(const Vector& v, double from, double to);
   void energy_row(const Energy& energy, double persistency);
-  void contact_row(const Integrator& integrator);
+  void contact_row(double time, const Vector& q, const Vector& v, const Vector& u, const Vector& force);
   void snapshot_row(double time, const Vector& q);
   void receivers_row(double time);
 

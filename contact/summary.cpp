@@ -17,6 +17,7 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
+using Json = nlohmann::ordered_json;
 
 // Where linear elasticity with pairs fixed in the reference configuration stops being a model of the impact.
 constexpr double fastest_share = 0.02;        // of the wave speed: strains of per cents
@@ -49,6 +50,11 @@ Matrix3d pseudo_inverse(const Matrix3d& inertia) {
   return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
 }
 
+std::string turned(const std::string& body, double angle) {
+  return fmt::format("{} turned by {:.3g} degrees while touching (above {:g}): rotations are linearised",
+                     body, angle * 180 / std::numbers::pi, largest_rotation_deg);
+}
+
 /// Smallest distance of two corners of one surface element; infinite for rods.
 double spacing_of(const kernels::Surface& surface) {
   double smallest = std::numeric_limits<double>::infinity();
@@ -60,6 +66,25 @@ double spacing_of(const kernels::Surface& surface) {
     for (std::size_t i = 0; i < k; ++i)
       for (std::size_t j = 0; j < i; ++j) smallest = std::min(smallest, (node(t + i) - node(t + j)).norm());
   return smallest;
+}
+
+void write(const Json& json, const std::filesystem::path& path) {
+  std::filesystem::path temporary = path;
+  temporary += fmt::format(".{}.partial", ::getpid());
+  std::error_code failed;
+  {
+    std::ofstream file(temporary);
+    file << json.dump(2) << '\n';
+    file.close();
+    if (!file) failed = std::make_error_code(std::errc::io_error);
+  }
+  if (!failed) std::filesystem::rename(temporary, path, failed);
+  if (!failed) return;
+  std::error_code ignored;
+  std::filesystem::remove(temporary, ignored);
+  throw InputError(fmt::format(
+      "{}: cannot write the file. Is the disk full, or the folder read-only? Choose another --out.",
+      path.string()));
 }
 
 }  // namespace
@@ -194,11 +219,7 @@ std::vector<std::string> SummaryObserver::warnings() const {
                     "are fixed in the "
                     "initial configuration",
                     slip_, slip_share_, farthest_share));
-  const double degrees = tilt_ * 180 / std::numbers::pi;
-  if (degrees > largest_rotation_deg)
-    out.push_back(
-        fmt::format("{} turned by {:.3g} degrees while touching (above {:g}): rotations are linearised",
-                    tilted_, degrees, largest_rotation_deg));
+  if (tilt_ * 180 / std::numbers::pi > largest_rotation_deg) out.push_back(turned(tilted_, tilt_));
   return out;
 }
 
@@ -227,7 +248,6 @@ Summary SummaryObserver::summary() const {
 }
 
 void write_json(const Summary& summary, const std::filesystem::path& path) {
-  using Json = nlohmann::ordered_json;
   const auto number = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
   Json episodes = Json::array(), exit_velocity = Json::object(), sounds = Json::object();
   for (const Episode& episode : summary.episodes)
@@ -262,22 +282,64 @@ void write_json(const Summary& summary, const std::filesystem::path& path) {
                      {"warnings", summary.warnings},
                      {"real_time_factor", summary.real_time_factor},
                      {"wall_s", summary.wall_s}};
-  std::filesystem::path temporary = path;
-  temporary += fmt::format(".{}.partial", ::getpid());
-  std::error_code failed;
-  {
-    std::ofstream file(temporary);
-    file << json.dump(2) << '\n';
-    file.close();
-    if (!file) failed = std::make_error_code(std::errc::io_error);
+  write(json, path);
+}
+
+EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium) {
+  EquilibriumSummary out;
+  out.imbalance = equilibrium.imbalance;
+  out.iterations = equilibrium.iterations;
+  out.candidates = static_cast<int>(model.gap.size());
+  if (out.candidates > 0)
+    out.max_penetration_m = std::max(0.0, (equilibrium.displacement - model.gap).maxCoeff());
+  for (const Model::BodyBlock& body : model.bodies) {
+    out.modes[body.name] = body.modes;
+    const double angle = rigid_motion(body, pseudo_inverse(body.inertia), equilibrium.q).rotation.norm();
+    if (equilibrium.active > 0 && angle * 180 / std::numbers::pi > largest_rotation_deg)
+      out.warnings.push_back(turned(body.name, angle));
   }
-  if (!failed) std::filesystem::rename(temporary, path, failed);
-  if (!failed) return;
-  std::error_code ignored;
-  std::filesystem::remove(temporary, ignored);
-  throw InputError(fmt::format(
-      "{}: cannot write the file. Is the disk full, or the folder read-only? Choose another --out.",
-      path.string()));
+  const auto moved = [&](int k) -> Vector3d {
+    const Model::BodyBlock& body = model.bodies[k];
+    return body.momentum * equilibrium.q.segment(body.first_mode, body.modes) / body.mass;
+  };
+  for (const Model::PairBlock& pair : model.pairs) {
+    EquilibriumSummary::Pair figures;
+    const auto force = equilibrium.force.segment(pair.first_point, pair.points).array();
+    const auto area = model.area.segment(pair.first_point, pair.points).array();
+    const Vector3d sum = model.normal.middleRows(pair.first_point, pair.points).transpose() * force.matrix();
+    out.unpaired += pair.unpaired;
+    figures.force_n = sum.norm();
+    figures.contact_points = static_cast<int>((force > 0).count());
+    figures.contact_area_m2 = (force > 0).select(area, 0).sum();
+    if (figures.contact_points > 0) {
+      figures.peak_pressure_pa = (force / area).maxCoeff();
+      const Vector3d nearer = moved(pair.a) - (pair.b < 0 ? Vector3d::Zero() : moved(pair.b));
+      figures.approach_m =
+          nearer.dot(sum.normalized()) - model.gap.segment(pair.first_point, pair.points).minCoeff();
+    }
+    out.pairs.push_back(figures);
+  }
+  return out;
+}
+
+void write_json(const EquilibriumSummary& summary, const std::filesystem::path& path) {
+  Json pairs = Json::array();
+  for (const EquilibriumSummary::Pair& pair : summary.pairs)
+    pairs.push_back({{"force_n", pair.force_n},
+                     {"approach_m", pair.approach_m},
+                     {"contact_points", pair.contact_points},
+                     {"contact_area_m2", pair.contact_area_m2},
+                     {"peak_pressure_pa", pair.peak_pressure_pa}});
+  write({{"pairs", pairs},
+         {"imbalance", summary.imbalance},
+         {"max_penetration_m", summary.max_penetration_m},
+         {"modes", summary.modes},
+         {"candidates", summary.candidates},
+         {"unpaired", summary.unpaired},
+         {"iterations", summary.iterations},
+         {"warnings", summary.warnings},
+         {"wall_s", summary.wall_s}},
+        path);
 }
 
 }  // namespace ricochet::contact

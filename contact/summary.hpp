@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "contact/equilibrium.hpp"
 #include "contact/integrator.hpp"
 #include "contact/model.hpp"
 
@@ -102,7 +103,29 @@ class SummaryObserver {
   std::string tilted_;                ///< that body
 };
 
+/// The figures of bodies at rest.
+struct EquilibriumSummary {
+  struct Pair {
+    double force_n = 0;      ///< |Σ λ_i n_i|
+    double approach_m = 0;   ///< of the centres of mass along Σ λ_i n_i, beyond the smallest initial gap
+    int contact_points = 0;  ///< with λ > 0
+    double contact_area_m2 = 0;  ///< of their patches
+    double peak_pressure_pa = 0;
+  };
+  std::vector<Pair> pairs;
+  double imbalance = 0;
+  double max_penetration_m = 0;  ///< largest u − g
+  std::map<std::string, int> modes;
+  int candidates = 0, unpaired = 0;
+  std::int64_t iterations = 0;
+  std::vector<std::string> warnings;
+  double wall_s = 0;  ///< the caller's to fill
+};
+
+EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium);
+
 /// Writes `summary` beside `path` and renames it. Throws InputError when the place can't be written.
 void write_json(const Summary& summary, const std::filesystem::path& path);
+void write_json(const EquilibriumSummary& summary, const std::filesystem::path& path);
 
 }  // namespace ricochet::contact

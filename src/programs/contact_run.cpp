@@ -10,6 +10,7 @@
 #include <ostream>
 #include <vector>
 
+#include "contact/equilibrium.hpp"
 #include "contact/integrator.hpp"
 #include "contact/model.hpp"
 #include "contact/recorder.hpp"
@@ -212,6 +213,74 @@ std::string report(const Summary& s) {
   return text;
 }
 
+namespace {
+
+std::string report(const contact::EquilibriumSummary& s, const scene::Scene& scene) {
+  std::string text;
+  for (std::size_t p = 0; p < s.pairs.size(); ++p) {
+    const auto& pair = s.pairs[p];
+    text += fmt::format("{} on {}: ", scene.contact.pairs[p].a, scene.contact.pairs[p].b);
+    text += pair.contact_points == 0
+                ? "no contact\n"
+                : fmt::format("{:.6g} N on {} points, {:.4g} m^2, at most {:.4g} Pa; approach {:.6g} m\n",
+                              pair.force_n, pair.contact_points, pair.contact_area_m2, pair.peak_pressure_pa,
+                              pair.approach_m);
+  }
+  return text + fmt::format("imbalance           {:.2g}\ndeepest penetration {:.3g} m\n", s.imbalance,
+                            s.max_penetration_m);
+}
+
+/// Where results go, whatever the scheme.
+struct Target {
+  fs::path result, summary;
+  contact::RecorderOptions recorder;
+};
+
+Target target_of(const scene::Scene& scene, const fs::path& folder, const Kernels& kernels) {
+  Target out;
+  out.result = out.summary = folder / scene::slug(scene.title);
+  out.result += ".result.h5";
+  out.summary += ".summary.json";
+  out.recorder = {.path = out.result,
+                  .title = scene.title,
+                  .scene = scene::to_toml(scene),
+                  .created_by = std::string("ricochet-contact ") + RICOCHET_VERSION,
+                  .kernel_files = kernels.file,
+                  .every = scene.output.every,
+                  .snapshot_every = scene.output.snapshot_every};
+  return out;
+}
+
+void show(const console::Options& options, std::ostream& out, console::Console& console, const Target& target,
+          const std::string& report, const std::vector<std::string>& warnings) {
+  if (!options.quiet)
+    out << console::Console::table(console.phases()) << '\n'
+        << report << fmt::format("\n{}\n{}\n", target.result.string(), target.summary.string());
+  for (const std::string& warning : warnings) console.warn(warning);
+}
+
+void run_at_rest(const scene::Scene& scene, const contact::Model& model, const Target& target,
+                 Clock::time_point started, const console::Options& options, console::Console& console,
+                 std::ostream& out) {
+  console.begin("equilibrium");
+  const contact::Equilibrium equilibrium = in_scene(scene, [&] {
+    using Solver = contact::EquilibriumOptions::Solver;
+    return contact::find_equilibrium(
+        model, {.solver = scene.contact.solver == scene::Solver::uzawa ? Solver::uzawa : Solver::exact});
+  });
+  console.end(fmt::format("{} iterations", equilibrium.iterations));
+
+  console.begin("writing");
+  contact::Recorder(model, equilibrium, target.recorder).commit();
+  contact::EquilibriumSummary summary = contact::summarise(model, equilibrium);
+  summary.wall_s = seconds_since(started);
+  contact::write_json(summary, target.summary);
+  console.end(target.result.filename().string());
+  show(options, out, console, target, report(summary, scene), summary.warnings);
+}
+
+}  // namespace
+
 int run_contact(const console::Options& options, std::ostream& out) {
   const Clock::time_point started = Clock::now();
   const scene::Scene scene = scene::read(options.scene, options.overrides);
@@ -232,24 +301,18 @@ int run_contact(const console::Options& options, std::ostream& out) {
   const contact::Model model = in_scene(scene, [&] { return model_of(scene, kernels); });
   console.end(fmt::format("{} contact points, {} modes", model.gap.size(), model.omega.size()));
 
+  const Target target = target_of(scene, folder, kernels);
+  if (scene.contact.scheme == scene::Scheme::at_rest) {
+    run_at_rest(scene, model, target, started, options, console, out);
+    return 0;
+  }
   const contact::StepOptions step = step_options(scene);
   const std::int64_t steps = std::llround(scene.time.duration * scene.time.rate.value);
-  const fs::path stem = folder / scene::slug(scene.title);
-  fs::path result = stem, summary_file = stem;
-  result += ".result.h5";
-  summary_file += ".summary.json";
 
   console.begin("steps", steps);
   const Clock::time_point stepping = Clock::now();
   contact::Integrator integrator = in_scene(scene, [&] { return contact::Integrator(model, step); });
-  contact::Recorder recorder(model, step,
-                             {.path = result,
-                              .title = scene.title,
-                              .scene = scene::to_toml(scene),
-                              .created_by = std::string("ricochet-contact ") + RICOCHET_VERSION,
-                              .kernel_files = kernels.file,
-                              .every = scene.output.every,
-                              .snapshot_every = scene.output.snapshot_every});
+  contact::Recorder recorder(model, step, target.recorder);
   Microphones microphones = in_scene(scene, [&] { return Microphones(model, steps, scene.time.rate.value); });
   microphones.listen(recorder.receivers());
   contact::SummaryObserver observer(model, step.step, slowest_wave(scene));
@@ -266,17 +329,12 @@ int run_contact(const console::Options& options, std::ostream& out) {
   console.begin("writing");
   recorder.commit();
   Summary summary = observer.summary();
-  summary.sounds = microphones.write(stem);
+  summary.sounds = microphones.write(folder / scene::slug(scene.title));
   summary.real_time_factor = elapsed > 0 ? integrator.time() / elapsed : 0;
   summary.wall_s = seconds_since(started);
-  contact::write_json(summary, summary_file);
-  console.end(result.filename().string());
-
-  if (!options.quiet) {
-    out << console::Console::table(console.phases()) << '\n' << report(summary);
-    out << fmt::format("\n{}\n{}\n", result.string(), summary_file.string());
-  }
-  for (const std::string& warning : summary.warnings) console.warn(warning);
+  contact::write_json(summary, target.summary);
+  console.end(target.result.filename().string());
+  show(options, out, console, target, report(summary), summary.warnings);
   return 0;
 }
 

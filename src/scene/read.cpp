@@ -216,13 +216,15 @@ void read_kernel(Table& table, const std::filesystem::path& folder, Contact& con
 
 void read_scheme(Table& table, Contact& contact) {
   const std::string scheme = table.text("scheme").value_or("compliant");
-  if (scheme != "compliant" && scheme != "impulse")
-    table.complain("scheme", "must be \"compliant\" or \"impulse\"");
-  contact.scheme = scheme == "compliant" ? Scheme::compliant : Scheme::impulse;
+  if (scheme != "compliant" && scheme != "impulse" && scheme != "static")
+    table.complain("scheme", "must be \"compliant\", \"impulse\" or \"static\"");
+  contact.scheme = scheme == "compliant" ? Scheme::compliant
+                   : scheme == "impulse" ? Scheme::impulse
+                                         : Scheme::at_rest;
   const auto admittance = table.text("admittance");
   const auto instant = table.text("instant");
   const auto restitution = table.number("restitution");
-  if (contact.scheme == Scheme::compliant && (admittance || instant || restitution))
+  if (contact.scheme != Scheme::impulse && (admittance || instant || restitution))
     table.complain(admittance ? "admittance"
                    : instant  ? "instant"
                               : "restitution",
@@ -240,6 +242,11 @@ void read_scheme(Table& table, Contact& contact) {
     if (*pivots < 1 || *pivots > 1000000000) table.complain("max_pivots", "must be from 1 to 1e9");
     contact.max_pivots = static_cast<int>(*pivots);
   }
+  const auto solver = table.text("solver");
+  if (solver && contact.scheme != Scheme::at_rest) table.complain("solver", "belongs to scheme = \"static\"");
+  if (solver && *solver != "exact" && *solver != "uzawa")
+    table.complain("solver", "must be \"exact\" or \"uzawa\"");
+  contact.solver = solver.value_or("exact") == "exact" ? Solver::exact : Solver::uzawa;
 }
 
 Contact read_contact(Table& root, const Scene& scene) {
@@ -269,8 +276,9 @@ Contact read_contact(Table& root, const Scene& scene) {
   return contact;
 }
 
-void read_time(Table& root, Time& time) {
+void read_time(Table& root, bool needed, Time& time) {
   auto table = root.table("time");
+  if (!table && !needed) return;
   if (!table) root.complain("time", "is missing: give duration [s]");
   if (table->has("rate_hz")) time.rate = Hertz{positive(*table, "rate_hz")};
   time.duration = positive(*table, "duration");
@@ -361,7 +369,7 @@ Scene read(const std::filesystem::path& file, const std::vector<Override>& overr
     }
   scene.modes = read_modes(root);
   scene.contact = read_contact(root, scene);
-  read_time(root, scene.time);
+  read_time(root, scene.contact.scheme != Scheme::at_rest, scene.time);
   if (auto loads = root.table("loads")) {
     scene.loads.gravity = loads->vector("gravity").value_or(Vector3{});
     loads->refuse_unknown();

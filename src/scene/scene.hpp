@@ -76,7 +76,8 @@ struct Pair {
   std::optional<double> reach;       ///< [m]
 };
 
-enum class Scheme { compliant, impulse };
+enum class Scheme { compliant, impulse, at_rest };
+enum class Solver { exact, uzawa };
 enum class Admittance { jump, difference };
 enum class Instant { step, exact };
 
@@ -91,13 +92,14 @@ struct Contact {
   Admittance admittance = Admittance::jump;  ///< of the impulse scheme
   Instant instant = Instant::step;           ///< of the impulse scheme
   double restitution = 0;                    ///< of the impulse scheme, in [0, 1]
+  Solver solver = Solver::exact;             ///< of bodies at rest (scheme "static")
   std::optional<int> max_pivots;  ///< bound on the work of a step, at least 1; none: solved whatever it takes
   std::vector<Pair> pairs;        ///< [contact] itself, or each [[contact.pair]]
 };
 
 struct Time {
   Hertz rate{44100};
-  double duration = 0;  ///< [s]
+  double duration = 0;  ///< [s]; 0: not given, as bodies at rest need none
 };
 
 /// A force on a surface or at a point, or the displacement of a support: `vector` times a history that is

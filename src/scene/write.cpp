@@ -102,13 +102,17 @@ std::string path_of(const Scene& scene, const std::filesystem::path& path) {
 }
 
 std::string scheme_of(const Contact& contact) {
-  const bool impulse = contact.scheme == Scheme::impulse;
-  std::string text = fmt::format("scheme = \"{}\"\n", impulse ? "impulse" : "compliant");
-  if (impulse)
-    text += fmt::format("admittance = \"{}\"\ninstant = \"{}\"\nrestitution = {}\n",
-                        contact.admittance == Admittance::jump ? "jump" : "difference",
-                        contact.instant == Instant::step ? "step" : "exact",
-                        toml_number(contact.restitution));
+  const Scheme scheme = contact.scheme;
+  std::string text = fmt::format("scheme = \"{}\"\n", scheme == Scheme::impulse   ? "impulse"
+                                                      : scheme == Scheme::at_rest ? "static"
+                                                                                  : "compliant");
+  if (scheme == Scheme::at_rest)
+    text += fmt::format("solver = \"{}\"\n", contact.solver == Solver::uzawa ? "uzawa" : "exact");
+  if (scheme == Scheme::impulse)
+    text +=
+        fmt::format("admittance = \"{}\"\ninstant = \"{}\"\nrestitution = {}\n",
+                    contact.admittance == Admittance::jump ? "jump" : "difference",
+                    contact.instant == Instant::step ? "step" : "exact", toml_number(contact.restitution));
   if (contact.max_pivots) text += fmt::format("max_pivots = {}\n", *contact.max_pivots);
   return text;
 }
@@ -143,12 +147,13 @@ std::string to_toml(const Scene& scene) {
     if (pair.gap) text += "gap = " + toml_number(*pair.gap) + "\n";
     if (pair.reach) text += "reach = " + toml_number(*pair.reach) + "\n";
   }
-  return text + fmt::format(
-                    "\n[time]\nrate_hz = {}\nduration = {}\n\n[loads]\ngravity = {}\n\n[output]\nevery = "
-                    "{}\nview = {}\nsnapshot_every = {}\n",
-                    toml_number(scene.time.rate.value), toml_number(scene.time.duration),
-                    toml_vector(scene.loads.gravity), scene.output.every, scene.output.view,
-                    scene.output.snapshot_every);
+  if (scene.time.duration > 0)
+    text += fmt::format("\n[time]\nrate_hz = {}\nduration = {}\n", toml_number(scene.time.rate.value),
+                        toml_number(scene.time.duration));
+  return text +
+         fmt::format("\n[loads]\ngravity = {}\n\n[output]\nevery = {}\nview = {}\nsnapshot_every = {}\n",
+                     toml_vector(scene.loads.gravity), scene.output.every, scene.output.view,
+                     scene.output.snapshot_every);
 }
 
 std::string slug(const std::string& title) {

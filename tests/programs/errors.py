@@ -134,6 +134,12 @@ class Errors(ProgramTest):
         self.refused(kernel(self.scene, self.out, "modes.count=0"), "modes.count")
         self.assertEqual(before, {path.name: path.read_bytes() for path in self.out.iterdir()})
 
+    def test_equilibrium_that_nothing_holds(self):
+        self.succeed(kernel(self.scene, self.out))
+        at_rest = ["contact.scheme=static", "loads.gravity=[1,0,0]"]
+        self.refused(contact(self.scene, self.out, *at_rest), "scene.toml: bodies.", "no contact forces hold it", "support")
+        self.assertEqual(list(self.out.glob("errors.*")), [])
+
     def test_overlapping_bodies(self):
         self.succeed(kernel(self.scene, self.out))
         self.refused(contact(self.scene, self.out, "bodies.a.translate=[-0.5,0,0]"), "scene.toml")

@@ -61,6 +61,15 @@ TEST(SceneDefaults, of_the_impulse_scheme_are_the_jump_and_no_rebound) {
   EXPECT_EQ(contact.restitution, 0);
 }
 
+TEST(SceneDefaults, of_bodies_at_rest_are_the_exact_solver_and_no_time) {
+  const std::string at_rest = changed(changed(smallest, "[contact]", "[contact]\nscheme = \"static\""),
+                                      "[time]\nduration = 0.01", "");
+  EXPECT_EQ(scene_of(at_rest).contact.scheme, Scheme::at_rest);
+  EXPECT_EQ(scene_of(at_rest).contact.solver, Solver::exact);
+  EXPECT_EQ(scene_of(at_rest).time.duration, 0);
+  EXPECT_EQ(scene_of(at_rest, {"contact.solver=uzawa"}).contact.solver, Solver::uzawa);
+}
+
 TEST(SceneDefaults, of_vectors_fitted_to_contact_are_a_flexibility_within_a_thousandth) {
   const Modes modes = scene_of(smallest, {"modes={ basis = \"contact\", up_to_hz = 2e3 }"}).modes;
   EXPECT_EQ(modes.basis, Basis::contact);

@@ -46,6 +46,7 @@ void expect_same(const Contact& a, const Contact& b) {
   EXPECT_EQ(a.instant, b.instant);
   EXPECT_EQ(a.restitution, b.restitution);
   EXPECT_EQ(a.max_pivots, b.max_pivots);
+  EXPECT_EQ(a.solver, b.solver);
   ASSERT_EQ(a.pairs.size(), b.pairs.size());
   for (std::size_t k = 0; k < a.pairs.size(); ++k) {
     EXPECT_EQ(a.pairs[k].a, b.pairs[k].a);
@@ -94,7 +95,11 @@ void expect_to_come_back(const std::string& text, const std::vector<Override>& o
 TEST(Resolved, scene_comes_back_as_it_was) {
   expect_to_come_back(smallest);
   expect_to_come_back(fullest);
-  for (const char* file : {"/meshes/two-disks/two-disks.toml", "/meshes/two-rods/two-rods.toml"}) {
+  for (const char* solver : {"exact", "uzawa"})
+    expect_to_come_back(changed(smallest, "[time]\nduration = 0.01", ""),
+                        {"contact.scheme=static", std::string("contact.solver=") + solver});
+  for (const char* file : {"/meshes/two-disks/two-disks.toml", "/meshes/two-rods/two-rods.toml",
+                           "/meshes/hertz/resting-ball.toml", "/meshes/hertz/two-balls.toml"}) {
     const Scene scene = read(std::string(RICOCHET_SOURCE) + file);
     const Folder folder;
     const std::string text = to_toml(scene);

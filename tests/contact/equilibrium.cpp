@@ -1,0 +1,295 @@
+// Bodies at rest against statics by hand: standing and stacked rods, a table's legs, enumerated active sets.
+#include "contact/equilibrium.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "contact/recorder.hpp"
+#include "contact/summary.hpp"
+#include "tests/contact/bodies.hpp"
+
+namespace {
+
+using namespace ricochet::contact;
+using namespace ricochet::contact::test;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using ricochet::kernels::Kernel;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+constexpr auto uzawa = EquilibriumOptions::Solver::uzawa;
+constexpr double length = 2, weight = 3;  // the rods have ρA = EA = 1: weight per length
+
+const HalfSpace wall{"wall", Vector3d::Zero(), Vector3d::UnitX()};
+
+Model standing(const Kernel& kernel, double gap, double pull = -weight) {
+  return build_model({{"rod", &kernel, Matrix3d::Identity(), {gap, 0, 0}}}, {wall},
+                     {{"rod", "wall", {}, {}, {}}}, {pull, 0, 0});
+}
+
+TEST(Equilibrium, of_a_rod_on_its_foot_is_that_of_a_column_under_its_own_weight) {
+  const Kernel kernel = rod(5, length);
+  const double gap = 0.25;
+  for (const auto solver : {EquilibriumOptions::Solver::exact, uzawa}) {
+    const Model model = standing(kernel, gap);
+    const Equilibrium at_rest = find_equilibrium(model, {.solver = solver});
+    // 1e-6: the rod's R is a sum of 10⁶ terms, and Uzawa stops at 1e-9 of the gap closed
+    EXPECT_NEAR(at_rest.force.sum(), weight * length, 1e-6);
+    EXPECT_NEAR(at_rest.displacement(0), gap, 1e-6);
+    const EquilibriumSummary figures = summarise(model, at_rest);
+    ASSERT_EQ(figures.pairs.size(), 1U);
+    EXPECT_NEAR(figures.pairs[0].force_n, weight * length, 1e-6);
+    // u(x) = w (L x − x²/2) above the foot: its mean is w L²/3
+    EXPECT_NEAR(figures.pairs[0].approach_m, weight * length * length / 3, 1e-5);
+    EXPECT_EQ(figures.pairs[0].contact_points, 1);
+    EXPECT_LT(figures.imbalance, 1e-6);
+  }
+}
+
+TEST(Equilibrium, of_stacked_rods_loads_the_lower_one_twice) {
+  const Kernel kernel = rod(4, length);
+  const Model model =
+      build_model({{"low", &kernel}, {"top", &kernel, Matrix3d::Identity(), {length + 0.5, 0, 0}}}, {wall},
+                  {{"low", "wall", {}, {}, {}}, {"top", "low", Vector3d(-1, 0, 0), {}, {}}}, {-weight, 0, 0});
+  const EquilibriumSummary figures = summarise(model, find_equilibrium(model));
+  EXPECT_NEAR(figures.pairs[0].force_n, 2 * weight * length, 1e-9);
+  EXPECT_NEAR(figures.pairs[1].force_n, weight * length, 1e-9);
+  // Lower rod: w (L x − x²/2) + w L x, hence mean 5/6 w L² and head 3/2 w L²; the upper one stands on that
+  // head.
+  const double unit = weight * length * length;
+  EXPECT_NEAR(figures.pairs[0].approach_m, 5.0 / 6 * unit, 1e-5);
+  EXPECT_NEAR(figures.pairs[1].approach_m, (3.0 / 2 + 1.0 / 3 - 5.0 / 6) * unit, 1e-5);
+}
+
+TEST(Equilibrium, without_loads_is_no_contact) {
+  const Kernel kernel = rod(5, length);
+  for (const double gap : {0.0, 0.1}) {
+    const Equilibrium at_rest = find_equilibrium(standing(kernel, gap, 0));
+    EXPECT_EQ(at_rest.active, 0);
+    EXPECT_EQ(at_rest.displacement.norm(), 0);
+  }
+}
+
+TEST(Equilibrium, that_cannot_be_is_refused_with_the_force_that_nothing_carries) {
+  const Kernel kernel = rod(5, length);
+  EXPECT_THAT(complaint_of([&] { find_equilibrium(standing(kernel, 0.1, weight)); }),
+              AllOf(StartsWith("bodies.rod: no contact forces hold it at rest: a force of [6, 0, 0] N"),
+                    HasSubstr("give it a support")));
+}
+
+/// A stiff table without thickness: its centre of mass in the origin, three legs, the modes heave and two
+/// tilts.
+Kernel table(const std::vector<Vector3d>& legs, double mass, double radius) {
+  Kernel kernel;
+  kernel.mass = mass;
+  const double inertia = mass * radius * radius;
+  kernel.inertia = {inertia, 0, 0, 0, inertia, 0, 0, 0, 2 * inertia};
+  kernel.modes.angular_frequency.assign(3, 0);
+  kernel.modes.decay_rate.assign(3, 0);
+  for (const Vector3d& x : legs) {
+    add_candidate(kernel, x, -Vector3d::UnitZ(), 1e-4);
+    const double heave = 1 / std::sqrt(mass), tilt = 1 / std::sqrt(inertia);
+    // e_z/√m, e_x × x/√I, e_y × x/√I
+    kernel.surface.shape.insert(kernel.surface.shape.end(), {0, 0, tilt * x.z(),   //
+                                                             0, -tilt * x.z(), 0,  //
+                                                             heave, tilt * x.y(), -tilt * x.x()});
+  }
+  kernel.surface.element = {0, 1, 2};
+  const std::size_t rows = 3 * legs.size();
+  kernel.surface.residual_flexibility.assign(rows * rows, 0);
+  for (std::size_t k = 0; k < rows; ++k) kernel.surface.residual_flexibility[k * rows + k] = 1e-9;
+  kernel.loads.body_force.assign(9, 0);
+  kernel.loads.body_force[6] = std::sqrt(mass);
+  kernel.loads.rotation.assign(9, 0);
+  kernel.loads.rotation[1] = kernel.loads.rotation[5] = std::sqrt(inertia);
+  kernel.loads.body_force_residual.assign(3 * rows, 0);
+  return kernel;
+}
+
+Model on_floor(const Kernel& kernel) {
+  return build_model({{"table", &kernel}}, {{"floor", {0, 0, -1}, Vector3d::UnitZ()}},
+                     {{"table", "floor", {}, {}, {}}}, {0, 0, -10});
+}
+
+TEST(Equilibrium, of_a_table_shares_its_weight_among_three_legs_as_levers_do) {
+  // The origin is 1/6, 1/3 and 1/2 of the legs: so are the forces.
+  const Kernel kernel = table({{2, 2, -1}, {-2, 1, -1}, {2.0 / 3, -4.0 / 3, -1}}, 7, 1.5);
+  const Model model = on_floor(kernel);
+  const Equilibrium at_rest = find_equilibrium(model);
+  EXPECT_NEAR(at_rest.force(0), 70.0 / 6, 1e-9);
+  EXPECT_NEAR(at_rest.force(1), 70.0 / 3, 1e-9);
+  EXPECT_NEAR(at_rest.force(2), 70.0 / 2, 1e-9);
+  EXPECT_NEAR(at_rest.displacement.norm(), 0, 1e-15);
+}
+
+TEST(Equilibrium, of_a_table_whose_weight_lies_beyond_its_legs_is_refused) {
+  const Kernel kernel = table({{2, 2, -1}, {3, 1, -1}, {1, 1, -1}}, 7, 1.5);
+  EXPECT_THAT(complaint_of([&] { find_equilibrium(on_floor(kernel)); }),
+              StartsWith("bodies.table: no contact"));
+}
+
+// ---- Problems without bodies ----
+
+struct Statics {
+  Model model;
+  MatrixXd S, B;
+  VectorXd closing, f;
+};
+
+/// `points` between elastic modes, a residual and rigid modes whose load some forces can carry.
+Statics random_statics(int points, int elastic, int rigid, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  const auto fill = [&](int rows, int columns) {
+    return MatrixXd(MatrixXd::NullaryExpr(rows, columns, [&] { return normal(random); }));
+  };
+  Statics out;
+  Model& model = out.model;
+  model.B = fill(points, rigid + elastic);
+  model.B.leftCols(rigid) = model.B.leftCols(rigid).cwiseAbs();  // pressing anywhere pushes back
+  model.omega.setZero(rigid + elastic);
+  for (int n = rigid; n < rigid + elastic; ++n) model.omega(n) = 1 + n;
+  model.load = fill(rigid + elastic, 1);
+  const VectorXd carried = fill(points, 1).cwiseAbs();
+  model.load.head(rigid) = model.B.leftCols(rigid).transpose() * carried;
+  model.gap = fill(points, 1).cwiseAbs();
+  model.static_displacement = 0.1 * fill(points, 1);
+  model.area = fill(points, 1).cwiseAbs().array() + 0.5;
+  const MatrixXd root = 0.3 * fill(points, points);
+  model.R = root * root.transpose() + 0.05 * MatrixXd::Identity(points, points);
+  out.S = model.R;
+  out.closing = model.static_displacement - model.gap;
+  for (int n = rigid; n < rigid + elastic; ++n) {
+    const VectorXd b = model.B.col(n);
+    out.S += b * b.transpose() / std::pow(model.omega(n), 2);
+    out.closing += b * model.load(n) / std::pow(model.omega(n), 2);
+  }
+  out.B = model.B.leftCols(rigid);
+  out.f = model.load.head(rigid);
+  return out;
+}
+
+/// Each active set's saddle point; the one that is feasible.
+VectorXd by_enumeration(const Statics& statics) {
+  const int m = static_cast<int>(statics.S.rows()), r = static_cast<int>(statics.f.size());
+  for (unsigned set = 0; set < 1U << m; ++set) {
+    std::vector<int> active;
+    for (int i = 0; i < m; ++i)
+      if (set >> i & 1U) active.push_back(i);
+    const int p = static_cast<int>(active.size());
+    if (p < r) continue;
+    MatrixXd saddle = MatrixXd::Zero(p + r, p + r);
+    saddle.topLeftCorner(p, p) = statics.S(active, active);
+    saddle.topRightCorner(p, r) = -statics.B(active, Eigen::all);
+    saddle.bottomLeftCorner(r, p) = statics.B(active, Eigen::all).transpose();
+    VectorXd right(p + r);
+    right << statics.closing(active), statics.f;
+    const VectorXd x = saddle.fullPivLu().solve(right);
+    if (p > 0 && x.head(p).minCoeff() < 0) continue;
+    VectorXd lambda = VectorXd::Zero(m);
+    lambda(active) = x.head(p);
+    if ((statics.S * lambda - statics.closing - statics.B * x.tail(r)).minCoeff() > -1e-10) return lambda;
+  }
+  ADD_FAILURE() << "no active set is feasible";
+  return VectorXd::Zero(m);
+}
+
+TEST(Equilibrium, is_the_one_feasible_active_set_of_all) {
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    const int rigid = static_cast<int>(seed % 4);
+    SCOPED_TRACE(seed);
+    const Statics statics = random_statics(9, 5, rigid, seed);
+    const VectorXd expected = by_enumeration(statics);
+    const double scale = expected.cwiseAbs().maxCoeff() + 1e-3;
+    const Equilibrium exact = find_equilibrium(statics.model);
+    // 1e-9: the balance holds to 1e-11, and forces follow it by the condition of S₀, about 100
+    EXPECT_LT((exact.force - expected).cwiseAbs().maxCoeff(), 1e-9 * scale);
+    // Uzawa stops at 1e-9 of the gap closed, its balance at 1e-7
+    const Equilibrium slow = find_equilibrium(statics.model, {.solver = uzawa});
+    EXPECT_LT((slow.force - expected).cwiseAbs().maxCoeff(), 1e-5 * scale);
+  }
+}
+
+TEST(Equilibrium, of_many_points_meets_its_conditions) {
+  const Statics statics = random_statics(200, 60, 3, 7);
+  const Equilibrium at_rest = find_equilibrium(statics.model);
+  const VectorXd open = statics.model.gap - at_rest.displacement;
+  // Round-off of sums over 200 points.
+  const double scale = statics.S.cwiseAbs().rowwise().sum().maxCoeff() * at_rest.force.maxCoeff();
+  EXPECT_GT(at_rest.active, 3);
+  EXPECT_GE(at_rest.force.minCoeff(), 0);
+  EXPECT_GT(open.minCoeff(), -1e-10 * scale);
+  EXPECT_LT(at_rest.force.cwiseProduct(open).cwiseAbs().maxCoeff(), 1e-10 * scale * at_rest.force.maxCoeff());
+  EXPECT_LT((statics.B.transpose() * at_rest.force - statics.f).norm(), 1e-9 * statics.f.norm());
+}
+
+TEST(Equilibrium, by_uzawa_that_takes_too_long_is_an_error_and_no_result) {
+  const Statics statics = random_statics(9, 5, 1, 3);
+  EXPECT_THROW(find_equilibrium(statics.model, {.solver = uzawa, .uzawa_iterations = 3}),
+               ricochet::SolverError);
+}
+
+// ---- Results ----
+
+/// Rod along x with ρA = E A = 1, held at x = 0, with its head as candidate; flexibility L, sag g L²/2.
+Kernel post(int modes) {
+  Kernel kernel = rod(1, length);
+  kernel.supported = true;
+  kernel.surface.node = {length, 0, 0};
+  kernel.surface.normal = {1, 0, 0};
+  kernel.surface.group = {"head"};
+  kernel.surface.area = {1};
+  kernel.surface.element = {0};
+  kernel.surface.shape.clear();
+  kernel.modes.angular_frequency.clear();
+  kernel.modes.decay_rate.assign(static_cast<std::size_t>(modes), 0);
+  kernel.loads.body_force.assign(3 * static_cast<std::size_t>(modes), 0);
+  kernel.loads.rotation.assign(3 * static_cast<std::size_t>(modes), 0);
+  double flexibility = length, sag = length * length / 2;
+  for (int n = 0; n < modes; ++n) {
+    const double k = (n + 0.5) * std::numbers::pi / length;
+    const double head = std::sqrt(2 / length) * (n % 2 == 0 ? 1 : -1), mean = std::sqrt(2 / length) / k;
+    kernel.modes.angular_frequency.push_back(k);
+    kernel.surface.shape.push_back(head);
+    kernel.loads.body_force[static_cast<std::size_t>(n)] = mean;
+    flexibility -= head * head / (k * k);
+    sag -= head * mean / (k * k);
+  }
+  kernel.surface.residual_flexibility = {flexibility};
+  kernel.loads.body_force_residual = {sag, 0, 0};
+  return kernel;
+}
+
+TEST(EquilibriumResult, holds_one_row_with_forces_displacements_and_what_supports_carry) {
+  const Kernel low = post(6), top = rod(5, length);
+  const Model model = build_model({{"low", &low}, {"top", &top, Matrix3d::Identity(), {length, 0, 0}}}, {},
+                                  {{"top", "low", Vector3d(-1, 0, 0), {}, {}}}, {-weight, 0, 0});
+  const Equilibrium at_rest = find_equilibrium(model);
+  const ricochet::test::Folder folder;
+  Recorder(model, at_rest, {.path = folder / "r.h5", .title = "r", .snapshot_every = 1}).commit();
+  const ricochet::kernels::hdf5::Reader file(folder / "r.h5", "");
+  const auto row = [&](const std::string& name, std::size_t n) { return file.read<double>(name, {1, n}); };
+  EXPECT_EQ(file.read<double>("/time", {1}), std::vector<double>{0});
+  EXPECT_EQ(file.read<double>("/contact/time", {1}), std::vector<double>{0});
+  EXPECT_NEAR(row("/contact/force", 1)[0], weight * length, 1e-9);
+  EXPECT_NEAR(row("/contact/gap", 1)[0], 0, 1e-12);
+  // The head of the post sinks by its own weight and the rod's: w L²/2 + w L · L; n points down.
+  for (const char* side : {"/contact/displacement_a", "/contact/displacement_b"})
+    EXPECT_NEAR(row(side, 1)[0], 1.5 * weight * length * length, 1e-9);
+  EXPECT_NEAR(row("/bodies/low/reaction", 3)[0], 2 * weight * length, 1e-9);
+  EXPECT_EQ(row("/bodies/top/reaction", 3)[0], 0);
+  EXPECT_EQ(row("/bodies/top/velocity", 3)[0], 0);
+  EXPECT_EQ(file.read<double>("/energy/kinetic", {1})[0], 0);
+  // Strain energy of the free rod on a foot: ∫ σ²/2 = w² L³/6, all but what its modes above the fifth hold.
+  const double strain =
+      file.read<double>("/energy/strain", {1})[0] + file.read<double>("/energy/residual", {1})[0];
+  const double whole = weight * weight * std::pow(length, 3) * (1.0 / 6 + 7.0 / 6);  // post: ∫ (2L − x)²/2
+  EXPECT_NEAR(strain, whole, 2e-2 * whole);
+  EXPECT_EQ(row("/snapshots/top", 5).size(), 5U);
+}
+
+}  // namespace
