@@ -29,28 +29,6 @@ std::vector<std::string> geometry_numbers(const scene::Body& body) {
   return numbers;
 }
 
-/// δ of a mode with angular frequency ω, by the body's law of damping.
-double decay_rate(const scene::Damping& damping, double omega) {
-  using Law = scene::Damping::Law;
-  switch (damping.law) {
-    case Law::none:
-      return 0;
-    case Law::ratio:
-      return damping.first * omega;
-    case Law::loss_factor:
-      return damping.first / 2 * omega;
-    case Law::rayleigh:
-      return (damping.first + damping.second * omega * omega) / 2;
-    case Law::viscosity:
-      return damping.first * omega * omega / 2;
-  }
-  return 0;
-}
-
-}  // namespace
-
-namespace {
-
 /// A body on every team of ranks, its factorisation analysed.
 struct Discretised {
   std::unique_ptr<parallel::Teams> teams;
@@ -233,7 +211,7 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::f
   kernel.modes.residual = modes.residual;
   kernel.modes.certificate = modes.certificate;
   for (double omega : modes.angular_frequency)
-    kernel.modes.decay_rate.push_back(decay_rate(body.damping, omega));
+    kernel.modes.decay_rate.push_back(kernels::decay_rate(body.damping, RadPerSecond{omega}));
   surface::trace(teams, mesh, matrices, *made.factor, modes, patches, loads,
                  request.modes.residual_flexibility, request.view, kernel);
   if (request.modes.basis == scene::Basis::modes && request.modes.flexibility_error)

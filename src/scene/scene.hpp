@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "kernels/units.hpp"
+#include "kernels/damping.hpp"
 
 namespace ricochet::scene {
 
@@ -21,12 +21,7 @@ struct Material {
   double area = 0;     ///< cross-section of a rod [m²]; 0: not given (not a rod)
 };
 
-struct Damping {
-  enum class Law { none, ratio, loss_factor, rayleigh, viscosity };
-  Law law = Law::none;
-  double first = 0;   ///< ζ | η | α [1/s] | η [s]
-  double second = 0;  ///< rayleigh: β [s]
-};
+using Damping = kernels::Damping;
 
 struct Body {
   std::string name;
@@ -63,7 +58,7 @@ struct Modes {
       flexibility_error;  ///< of the contact surface over [0, up_to]; modes: leave out those it doesn't need
   bool residual_flexibility = true;
   double relative_residual = 1e-8;  ///< bound on each mode's residual
-  double low_rank = 0;  ///< contact: threshold of block low-rank factors; 0: full rank
+  double low_rank = 0;              ///< contact: threshold of block low-rank factors; 0: full rank
 };
 
 /// How one surface meets another. `a` is a body; `b` a body or an obstacle.
