@@ -135,6 +135,8 @@ struct KernelRequest {
   std::optional<Vector3> direction;  ///< set only when every pair of the body gives the same one
   std::optional<Vector3> along;
   std::optional<double> spacing;
+  /// Numbers of the candidates that are kept, of those of the whole surface; no scene asks for this.
+  std::optional<std::vector<std::int64_t>> points;
   bool view = false;
   std::string mesh_sha256;
   std::string toml;  ///< the request written out, part of the hash
@@ -143,6 +145,9 @@ struct KernelRequest {
 
 /// Throws InputError when two pairs ask different patches of one body, or a mesh file can't be read.
 KernelRequest kernel_request(const Scene& scene, const Body& body);
+
+/// Sets `toml` and `hash` from all else.
+void seal(KernelRequest& request);
 
 /// `<out>/<body>-<first 12 of hash>.kernel.h5`
 std::filesystem::path kernel_path(const std::filesystem::path& out, const KernelRequest& request);
