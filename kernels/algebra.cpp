@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "kernels/band.hpp"
 #include "kernels/error.hpp"
@@ -68,9 +69,10 @@ void take_elements(Surface& surface, const std::vector<std::int64_t>& points) {
       corners.push_back(number[static_cast<std::size_t>(surface.element[e + j])]);
     if (std::ranges::count(corners, -1) == 0) element.insert(element.end(), corners.begin(), corners.end());
   }
-  if (element.empty()) {
+  if (element.empty() || k == 1) {
     surface.element_corners = 1;
-    for (std::size_t i = 0; i < points.size(); ++i) element.push_back(static_cast<std::int64_t>(i));
+    element.resize(points.size());
+    std::iota(element.begin(), element.end(), std::int64_t{0});
   }
   surface.element = std::move(element);
 }

@@ -207,14 +207,17 @@ class Algebra(ProgramTest):
 
     def test_recast_to_points_and_again_to_fewer(self):
         old, _ = self.path(self.out)
-        whole = self.out / "points"
-        self.succeed(self.recast(old, "--points", "3,1,2", "--out", whole))
-        (three,) = whole.glob("*.kernel.h5")
-        self.succeed(self.recast(three, "--points", "1", "--out", self.fresh))
-        (one,) = self.fresh.glob("*.kernel.h5")
-        with h5py.File(old) as a, h5py.File(three) as b, h5py.File(one) as c:
-            np.testing.assert_array_equal(b["surface/node"], a["surface/node"][:][[3, 1, 2]])
-            np.testing.assert_array_equal(c["surface/shape"], a["surface/shape"][:][[1]])
+        first, second, at_once = (self.folder / name for name in ("first", "second", "at-once"))
+        self.succeed(self.recast(old, "--points", "3,2,1", "--out", first))
+        (three,) = first.glob("*.kernel.h5")
+        self.succeed(self.recast(three, "--points", "2,0", "--out", second))
+        self.succeed(self.recast(old, "--points", "1,3", "--out", at_once))
+        (two,), (same,) = second.glob("*.kernel.h5"), at_once.glob("*.kernel.h5")
+        self.assertEqual(two.name, same.name)
+        self.assertEqual(two.read_bytes(), same.read_bytes())
+        with h5py.File(old) as a, h5py.File(two) as b:
+            np.testing.assert_array_equal(b["surface/node"], a["surface/node"][:][[1, 3]])
+            np.testing.assert_array_equal(b["surface/shape"], a["surface/shape"][:][[1, 3]])
 
     def test_recast_refuses_in_one_line(self):
         old, _ = self.path(self.out)

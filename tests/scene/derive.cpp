@@ -201,7 +201,7 @@ TEST(Derived, vectors_fitted_to_contact_serve_the_same_band_of_a_similar_body) {
 
 TEST(Derived, points_are_numbered_as_on_the_whole_surface) {
   KernelRequest whole = request_of_ball(), three = whole, one = whole;
-  three.points = {3, 1, 2};
+  three.points = {3, 2, 1};
   one.points = {1};
   seal(three);
   seal(one);
