@@ -90,7 +90,7 @@ double flexibility_error(const BandModes& coarse, const BandModes& fine, RadPerS
 }
 
 Contributions::Contributions(const BandModes& modes, RadPerSecond band)
-    : count_(modes.lambda.size()), gram_(gram(modes)), ascending_(count_) {
+    : count_(modes.lambda.size()), band_(band), gram_(gram(modes)), ascending_(count_) {
   std::vector<double> share(count_, 0.0);
   for (const Complex square : samples(band)) {
     const auto whole = weights(modes, square, false);
@@ -111,6 +111,15 @@ double Contributions::error_without(const std::vector<bool>& left_out) const {
       if (!left_out[k]) x[k] = 0;
     if (norm_[sample] > 0) worst = std::max(worst, norm_of(x, gram_) / norm_[sample]);
   }
+  return worst;
+}
+
+double Contributions::error_above(RadPerSecond end, double flexibility) const {
+  const double lambda = end.value * end.value;
+  const std::vector<Complex> squares = samples(band_);
+  double worst = 0;
+  for (std::size_t k = 0; k < squares.size(); ++k)
+    worst = std::max(worst, std::abs(squares[k] / (lambda + squares[k])) * flexibility / norm_[k]);
   return worst;
 }
 
@@ -136,20 +145,51 @@ void keep_columns(std::vector<T>& matrix, const std::vector<bool>& keep) {
   matrix.resize(to);
 }
 
-/// Takes modes out of a kernel and adds what they give statically to its residual flexibility.
-void leave_out(Kernel& kernel, const std::vector<bool>& keep) {
-  const std::size_t n = keep.size(), rows = kernel.surface.shape.size() / n;
-  for (std::size_t k = 0; k < n; ++k) {
-    if (keep[k]) continue;
-    const double lambda = std::pow(kernel.modes.angular_frequency[k], 2);
-    const auto trace = [&](std::size_t i) { return kernel.surface.shape[i * n + k]; };
-    for (std::size_t i = 0; i < rows; ++i) {
-      for (std::size_t j = 0; j < rows; ++j)
-        kernel.surface.residual_flexibility[i * rows + j] += trace(i) * trace(j) / lambda;
-      for (std::size_t d = 0; d < 3; ++d)
-        kernel.loads.body_force_residual[i * 3 + d] += trace(i) * kernel.loads.body_force[d * n + k] / lambda;
-    }
+/// The elastic modes of a kernel; rigid ones come first.
+struct Elastic {
+  std::size_t rigid;
+  std::vector<double> lambda, trace;
+  BandModes modes() const { return {lambda, trace}; }
+};
+
+Elastic elastic_of(const Kernel& kernel) {
+  const std::size_t n = kernel.modes.size();
+  const std::vector<double>& omega = kernel.modes.angular_frequency;
+  Elastic elastic{static_cast<std::size_t>(std::ranges::count(omega, 0.0)), {}, {}};
+  if (elastic.rigid == n) return elastic;
+  const std::size_t rows = kernel.surface.shape.size() / n;
+  for (std::size_t k = elastic.rigid; k < n; ++k) {
+    elastic.lambda.push_back(omega[k] * omega[k]);
+    for (std::size_t i = 0; i < rows; ++i) elastic.trace.push_back(kernel.surface.shape[i * n + k]);
   }
+  return elastic;
+}
+
+}  // namespace
+
+void leave_out(Kernel& kernel, const std::vector<bool>& keep) {
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  using Eigen::Index;
+  std::vector<Index> leaving;
+  Eigen::VectorXd inverse(static_cast<Index>(keep.size()));
+  for (std::size_t k = 0; k < keep.size(); ++k) {
+    if (keep[k]) continue;
+    leaving.push_back(static_cast<Index>(k));
+    inverse[static_cast<Index>(k)] = std::pow(kernel.modes.angular_frequency[k], -2);
+  }
+  if (leaving.empty()) return;
+  const auto n = static_cast<Index>(keep.size()), rows = static_cast<Index>(kernel.surface.shape.size()) / n;
+  const Matrix trace = Eigen::Map<const RowMajor>(kernel.surface.shape.data(), rows, n)(Eigen::all, leaving);
+  const Matrix flexible = trace * inverse(leaving).asDiagonal();
+  if (!kernel.surface.residual_flexibility.empty()) {
+    Eigen::Map<RowMajor> r(kernel.surface.residual_flexibility.data(), rows, rows);
+    r.triangularView<Eigen::Lower>() += flexible * trace.transpose();
+    r.triangularView<Eigen::StrictlyUpper>() = r.transpose();
+  }
+  if (!kernel.loads.body_force_residual.empty())
+    Eigen::Map<RowMajor>(kernel.loads.body_force_residual.data(), rows, 3) +=
+        flexible *
+        Eigen::Map<const RowMajor>(kernel.loads.body_force.data(), 3, n)(Eigen::all, leaving).transpose();
   for (std::vector<double>* matrix :
        {&kernel.modes.angular_frequency, &kernel.modes.decay_rate, &kernel.modes.residual,
         &kernel.surface.shape, &kernel.loads.body_force, &kernel.loads.rotation})
@@ -157,21 +197,18 @@ void leave_out(Kernel& kernel, const std::vector<bool>& keep) {
   if (kernel.view) keep_columns(kernel.view->shape, keep);
 }
 
-}  // namespace
+double error_above(const Kernel& kernel, RadPerSecond band, RadPerSecond end) {
+  const std::vector<double>& r = kernel.surface.residual_flexibility;
+  const Eigen::Map<const Eigen::VectorXd> entries(r.data(), static_cast<Eigen::Index>(r.size()));
+  return Contributions(elastic_of(kernel).modes(), band).error_above(end, entries.norm());
+}
 
 double keep_contributing(Kernel& kernel, RadPerSecond band, double error) {
-  const std::size_t n = kernel.modes.size();
-  const auto& omega = kernel.modes.angular_frequency;
-  const auto rigid = static_cast<std::size_t>(std::ranges::count(omega, 0.0));
+  const Elastic elastic = elastic_of(kernel);
+  const std::size_t n = kernel.modes.size(), rigid = elastic.rigid;
   if (rigid == n) return 0;
-  const std::size_t elastic = n - rigid, rows = kernel.surface.shape.size() / n;
-  std::vector<double> lambda(elastic), trace(elastic * rows);
-  for (std::size_t k = 0; k < elastic; ++k) {
-    lambda[k] = omega[rigid + k] * omega[rigid + k];
-    for (std::size_t i = 0; i < rows; ++i) trace[k * rows + i] = kernel.surface.shape[i * n + rigid + k];
-  }
-  const Contributions worth({lambda, trace}, band);
-  std::vector<bool> keep(n, true), without(elastic, false);
+  const Contributions worth(elastic.modes(), band);
+  std::vector<bool> keep(n, true), without(n - rigid, false);
   const std::size_t dispensable = worth.dispensable(worth.ascending(), error);
   for (std::size_t k = 0; k < dispensable; ++k) {
     keep[rigid + worth.ascending()[k]] = false;

@@ -36,17 +36,30 @@ class Contributions {
   /// `flexibility_error` of leaving out some of them. @param left_out  (N)
   double error_without(const std::vector<bool>& left_out) const;
 
+  /// Bound on the error that modes above `end` make whose static flexibility has the Frobenius norm
+  /// `flexibility` [m/N] and is all that stands for them: |1/(λ + s²) − 1/λ| = |s²/(λ + s²)|/λ, largest at
+  /// the end, and terms B_n B_nᵀ have no angle above 90° with each other.
+  double error_above(RadPerSecond end, double flexibility) const;
+
   /// How many of `order`, from its first on, can be left out with at most this error. @param order  (≤ N)
   std::size_t dispensable(const std::vector<std::size_t>& order, double error) const;
 
  private:
   std::size_t count_;
+  RadPerSecond band_;
   std::vector<double> gram_;  ///< (N,N) of the traces
   std::vector<std::vector<std::complex<double>>>
       moving_;                ///< per sample, (N): weights less their static parts
   std::vector<double> norm_;  ///< per sample, of H
   std::vector<std::size_t> ascending_;
 };
+
+/// Takes the modes that are not to be kept out of a kernel and adds what they give statically to its residual
+/// flexibility and response to gravity, where it has these. @param keep  (N); rigid modes have to be kept
+void leave_out(Kernel& kernel, const std::vector<bool>& keep);
+
+/// `Contributions::error_above` of a kernel whose residual flexibility stands for modes above `end`.
+double error_above(const Kernel& kernel, RadPerSecond band, RadPerSecond end);
 
 /// Leaves out the elastic modes that contribute least to the flexibility of the contact surface over
 /// [0, band], as many as keep its error within `error`, and adds their static parts to the residual

@@ -140,6 +140,14 @@ void write(const Kernel& kernel, const std::filesystem::path& path);
 /// Reads and validates. Throws InputError, one line, on a missing, truncated, foreign or inconsistent file.
 Kernel read(const std::filesystem::path& path);
 
+/// What a kernel file says of itself ahead of its data.
+struct Header {
+  std::string hash, scene, mesh_sha256;
+};
+
+/// Cheap. None when `path` is not a kernel file of a format known here.
+std::optional<Header> read_header(const std::filesystem::path& path) noexcept;
+
 /// Only the root attribute `hash`: cheap test of whether `path` is a whole kernel file and whose. Empty when
 /// it is not one.
 std::string read_hash(const std::filesystem::path& path) noexcept;

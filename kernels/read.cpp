@@ -135,14 +135,20 @@ Kernel read(const std::filesystem::path& path) {
   return kernel;
 }
 
-std::string read_hash(const std::filesystem::path& path) noexcept {
+std::optional<Header> read_header(const std::filesystem::path& path) noexcept {
   try {
     const hdf5::Reader file(path, kAdvice);
-    const bool readable = is_kernel(file) && file.integer_attribute("/", "version") <= kVersion;
-    return readable ? file.string_attribute("/", "hash") : "";
+    if (!is_kernel(file) || file.integer_attribute("/", "version") > kVersion) return std::nullopt;
+    return Header{file.string_attribute("/", "hash"), file.string_attribute("/", "scene"),
+                  file.string_attribute("/", "mesh_sha256")};
   } catch (...) {
-    return "";
+    return std::nullopt;
   }
+}
+
+std::string read_hash(const std::filesystem::path& path) noexcept {
+  const auto header = read_header(path);
+  return header ? header->hash : "";
 }
 
 }  // namespace ricochet::kernels

@@ -2,11 +2,31 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <sstream>
+
+#include "src/console/cli.hpp"
 
 namespace ricochet::console {
+
+std::optional<int> status_of_parsing(CLI::App& app, int argc, const char* const* argv, bool speak) {
+  try {
+    app.parse(argc, argv);
+    return std::nullopt;
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) {
+      std::ostringstream text, ignored;
+      app.exit(error, text, ignored);
+      if (speak) fmt::print("{}", text.str());
+      return 0;
+    }
+    std::string message = error.what();
+    std::replace(message.begin(), message.end(), '\n', ' ');
+    if (speak) fmt::print(stderr, "{}: {} (see {} --help)\n", app.get_name(), message, app.get_name());
+    return 2;
+  }
+}
 
 Parsed parse(const Program& program, int argc, const char* const* argv, bool speak) {
   Options options;
@@ -26,21 +46,7 @@ Parsed parse(const Program& program, int argc, const char* const* argv, bool spe
   app.add_flag("--dry-run", options.dry_run, "Print the resolved scene and stop");
   app.add_flag("--quiet", options.quiet, "No progress, no table");
   app.footer("Examples:\n" + program.examples);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    const int code = error.get_exit_code();
-    if (code == 0) {
-      std::ostringstream text, ignored;
-      app.exit(error, text, ignored);
-      if (speak) fmt::print("{}", text.str());
-      return {std::nullopt, 0};
-    }
-    std::string message = error.what();
-    std::replace(message.begin(), message.end(), '\n', ' ');
-    if (speak) fmt::print(stderr, "{}: {} (see {} --help)\n", program.name, message, program.name);
-    return {std::nullopt, 2};
-  }
+  if (const auto status = status_of_parsing(app, argc, argv, speak)) return {std::nullopt, *status};
   options.scene = scene;
   options.out = out.empty() ? options.scene.parent_path() / "out" : std::filesystem::path(out);
   return {options, 0};

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/algebra.hpp"
 #include "src/modes/certify.hpp"
 #include "src/modes/search.hpp"
 
@@ -12,8 +13,7 @@ namespace ricochet::modes {
 
 namespace {
 
-/// Relative distance of eigenvalues that count as one multiple mode.
-constexpr double multiple = 1e-6;
+using kernels::multiple_mode;
 
 /// An eigenvalue that was found: of which slice, which column.
 struct Place {
@@ -33,7 +33,8 @@ std::vector<Place> places_of(const Search& found) {
 /// How many of the elastic modes a request for `wanted` keeps: a multiple mode whole.
 std::size_t kept_of(const std::vector<Place>& places, std::int64_t wanted) {
   auto kept = static_cast<std::size_t>(std::max<std::int64_t>(wanted, 0));
-  while (kept > 0 && kept < places.size() && places[kept].lambda < (1 + multiple) * places[kept - 1].lambda)
+  while (kept > 0 && kept < places.size() &&
+         places[kept].lambda < (1 + multiple_mode) * places[kept - 1].lambda)
     ++kept;
   return std::min(kept, places.size());
 }
@@ -61,7 +62,7 @@ void polish(const Operators& operators, Factorisation& factor, double tolerance,
   }
   if (bad == 0) return;
   // A multiple mode stays together.
-  while (bad < lambda.size() && lambda[bad] < (1 + multiple) * lambda[bad - 1]) ++bad;
+  while (bad < lambda.size() && lambda[bad] < (1 + multiple_mode) * lambda[bad - 1]) ++bad;
   factor.factor(-0.01 * lambda[bad - 1]);
   for (int step = 0; step < 3; ++step) {
     Eigen::MatrixXd x = factor.solve(operators.mass(shape.leftCols(bad)));

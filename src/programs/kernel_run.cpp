@@ -13,6 +13,7 @@
 #include "src/modes/contact_basis.hpp"
 #include "src/modes/search.hpp"
 #include "src/parallel/memory.hpp"
+#include "src/scene/derive.hpp"
 #include "src/scene/parts.hpp"
 #include "src/surface/surface.hpp"
 
@@ -28,28 +29,6 @@ std::vector<std::string> geometry_numbers(const scene::Body& body) {
   }
   return numbers;
 }
-
-/// δ of a mode with angular frequency ω, by the body's law of damping.
-double decay_rate(const scene::Damping& damping, double omega) {
-  using Law = scene::Damping::Law;
-  switch (damping.law) {
-    case Law::none:
-      return 0;
-    case Law::ratio:
-      return damping.first * omega;
-    case Law::loss_factor:
-      return damping.first / 2 * omega;
-    case Law::rayleigh:
-      return (damping.first + damping.second * omega * omega) / 2;
-    case Law::viscosity:
-      return damping.first * omega * omega / 2;
-  }
-  return 0;
-}
-
-}  // namespace
-
-namespace {
 
 /// A body on every team of ranks, its factorisation analysed.
 struct Discretised {
@@ -233,7 +212,7 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::f
   kernel.modes.residual = modes.residual;
   kernel.modes.certificate = modes.certificate;
   for (double omega : modes.angular_frequency)
-    kernel.modes.decay_rate.push_back(decay_rate(body.damping, omega));
+    kernel.modes.decay_rate.push_back(kernels::decay_rate(body.damping, RadPerSecond{omega}));
   surface::trace(teams, mesh, matrices, *made.factor, modes, patches, loads,
                  request.modes.residual_flexibility, request.view, kernel);
   if (request.modes.basis == scene::Basis::modes && request.modes.flexibility_error)
@@ -241,6 +220,25 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::f
   console.end(fmt::format("{} {} kept", kernel.modes.size(), modes.exact ? "modes" : "vectors"));
   return kernel;
 }
+
+namespace {
+
+/// Writes the kernel from another one in the folder, when one allows it. @return what to say of it;
+/// empty when the kernel has to be computed. Collective.
+std::string derive_if_possible(const scene::KernelRequest& request, const std::filesystem::path& folder,
+                               const std::filesystem::path& path, MPI_Comm comm) {
+  std::string from;
+  parallel::on_first_rank(comm, [&] {
+    const auto derived = scene::derive_from_any(folder, request);
+    if (!derived) return;
+    kernels::write(derived->kernel, path);
+    from = fmt::format("derived from {}: ", derived->from.filename().string());
+  });
+  parallel::broadcast(comm, from);
+  return from;
+}
+
+}  // namespace
 
 int run_kernel(const console::Options& options, MPI_Comm comm) {
   const bool first = parallel::rank_of(comm) == 0;
@@ -281,13 +279,16 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
     // Kept until the kernel is there: a run that was killed goes on from it.
     std::filesystem::path checkpoint = path;
     checkpoint.replace_extension().replace_extension(".slices");
-    const kernels::Kernel kernel = compute_kernel(request, checkpoint, comm, console);
-    parallel::on_first_rank(comm, [&] {
-      kernels::write(kernel, path);
+    const std::string from = derive_if_possible(request, options.out, path, comm);
+    if (from.empty()) {
+      const kernels::Kernel kernel = compute_kernel(request, checkpoint, comm, console);
+      parallel::on_first_rank(comm, [&] { kernels::write(kernel, path); });
+    }
+    if (first) {
       std::error_code ignored;
       std::filesystem::remove_all(checkpoint, ignored);
-    });
-    console.say(fmt::format("{}: {}", request.body.name, path.string()));
+    }
+    console.say(fmt::format("{}: {}{}", request.body.name, from, path.string()));
   }
   // Peak memory is that of the rank that needed most.
   if (!console.phases().empty()) console.say(console::Console::table(console.phases()));

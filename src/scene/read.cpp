@@ -93,6 +93,23 @@ std::map<std::string, std::string> read_support(Table& body) {
   return support;
 }
 
+}  // namespace
+
+void read_body_matter(Table& table, Body& body) {
+  body.geometry = table.numbers("geometry");
+  if (const auto order = table.integer("order")) {
+    if (*order < 1 || *order > 10) table.complain("order", "must be from 1 to 10");
+    body.order = static_cast<int>(*order);
+  }
+  if (table.has("scale")) body.scale = positive(table, "scale");
+  body.materials = read_materials(table);
+  body.damping = read_damping(table);
+  body.contact = table.texts("contact");
+  body.support = read_support(table);
+}
+
+namespace {
+
 Body read_body(const std::string& name, Table& table, const std::filesystem::path& folder) {
   Body body;
   body.name = name;
@@ -103,22 +120,15 @@ Body read_body(const std::string& name, Table& table, const std::filesystem::pat
   const auto mesh = table.text("mesh");
   if (!mesh) table.complain("mesh", "is missing: name a .geo, .step, .brep or .msh file");
   body.mesh = (folder / *mesh).lexically_normal();
-  body.geometry = table.numbers("geometry");
-  if (const auto order = table.integer("order")) {
-    if (*order < 1 || *order > 10) table.complain("order", "must be from 1 to 10");
-    body.order = static_cast<int>(*order);
-  }
-  if (table.has("scale")) body.scale = positive(table, "scale");
+  read_body_matter(table, body);
   body.translate = table.vector("translate").value_or(Vector3{});
   body.rotate_deg = table.vector("rotate_deg").value_or(Vector3{});
   body.velocity = table.vector("velocity").value_or(Vector3{});
-  body.materials = read_materials(table);
-  body.damping = read_damping(table);
-  body.contact = table.texts("contact");
-  body.support = read_support(table);
   table.refuse_unknown();
   return body;
 }
+
+}  // namespace
 
 Modes read_modes(Table& root) {
   Modes modes;
@@ -167,6 +177,8 @@ Modes read_modes(Table& root) {
   table->refuse_unknown();
   return modes;
 }
+
+namespace {
 
 /// Keys of one pair; those not given come from `pair`.
 void read_pair(Table& table, const Scene& scene, Pair& pair) {

@@ -102,13 +102,18 @@ KernelRequest kernel_request(const Scene& scene, const Body& body) {
   }
   std::set<std::filesystem::path> seen;
   request.mesh_sha256 = mesh_hash(body.mesh, fmt::format("{}: bodies.{}.mesh", file, body.name), seen);
-  request.toml = toml_body_matter(request.body) + toml_modes(request.modes) + "[contact]\n";
+  seal(request);
+  return request;
+}
+
+void seal(KernelRequest& request) {
+  request.toml = "[body]\n" + toml_body_matter(request.body) + toml_modes(request.modes) + "[contact]\n";
   if (request.direction) request.toml += "direction = " + toml_vector(*request.direction) + "\n";
   if (request.along) request.toml += "along = " + toml_vector(*request.along) + "\n";
   if (request.spacing) request.toml += "spacing = " + toml_number(*request.spacing) + "\n";
+  if (request.points) request.toml += fmt::format("points = [{}]\n", fmt::join(*request.points, ", "));
   request.toml += fmt::format("[output]\nview = {}\n", request.view);
   request.hash = sha256(fmt::format("{}\n{}\n{}", kernel_generation, request.mesh_sha256, request.toml));
-  return request;
 }
 
 std::filesystem::path kernel_path(const std::filesystem::path& out, const KernelRequest& request) {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "kernels/units.hpp"
+#include "kernels/damping.hpp"
 
 namespace ricochet::scene {
 
@@ -21,12 +21,7 @@ struct Material {
   double area = 0;     ///< cross-section of a rod [m²]; 0: not given (not a rod)
 };
 
-struct Damping {
-  enum class Law { none, ratio, loss_factor, rayleigh, viscosity };
-  Law law = Law::none;
-  double first = 0;   ///< ζ | η | α [1/s] | η [s]
-  double second = 0;  ///< rayleigh: β [s]
-};
+using Damping = kernels::Damping;
 
 struct Body {
   std::string name;
@@ -174,6 +169,8 @@ struct KernelRequest {
   std::optional<Vector3> direction;  ///< set only when every pair of the body gives the same one
   std::optional<Vector3> along;
   std::optional<double> spacing;
+  /// Numbers of the candidates that are kept, of those of the whole surface; no scene asks for this.
+  std::optional<std::vector<std::int64_t>> points;
   bool view = false;
   std::vector<Driven> tractions, points,
       motions;                      ///< of this body; vector and history cleared, `at` in its frame
@@ -185,6 +182,9 @@ struct KernelRequest {
 
 /// Throws InputError when two pairs ask different patches of one body, or a mesh file can't be read.
 KernelRequest kernel_request(const Scene& scene, const Body& body);
+
+/// Sets `toml` and `hash` from all else.
+void seal(KernelRequest& request);
 
 /// `<out>/<body>-<first 12 of hash>.kernel.h5`
 std::filesystem::path kernel_path(const std::filesystem::path& out, const KernelRequest& request);

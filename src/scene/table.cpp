@@ -89,6 +89,18 @@ std::optional<std::int64_t> Table::integer(const std::string& key) {
   return node->get();
 }
 
+std::optional<std::vector<std::int64_t>> Table::integers(const std::string& key) {
+  if (!has(key)) return std::nullopt;
+  const auto* list = table_.get(key)->as_array();
+  if (list == nullptr) complain(key, "must be a list of whole numbers");
+  std::vector<std::int64_t> values;
+  for (const toml::node& entry : *list) {
+    if (!entry.is_integer()) complain(key, "must be a list of whole numbers");
+    values.push_back(entry.as_integer()->get());
+  }
+  return values;
+}
+
 std::optional<bool> Table::boolean(const std::string& key) {
   if (!has(key)) return std::nullopt;
   const auto* node = table_.get(key)->as_boolean();

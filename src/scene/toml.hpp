@@ -33,6 +33,7 @@ class Table {
   }
   std::optional<double> number(const std::string& key);
   std::optional<std::int64_t> integer(const std::string& key);
+  std::optional<std::vector<std::int64_t>> integers(const std::string& key);
   std::optional<bool> boolean(const std::string& key);
   std::optional<std::string> text(const std::string& key);
   std::optional<Vector3> vector(const std::string& key);
@@ -65,5 +66,11 @@ class Table {
   std::string file_, where_;
   std::set<std::string> known_;
 };
+
+/// The keys of a body that its kernel depends on, but for its mesh.
+void read_body_matter(Table& table, Body& body);
+
+/// The table [modes] of `root`.
+Modes read_modes(Table& root);
 
 }  // namespace ricochet::scene

@@ -99,6 +99,19 @@ TEST(KernelFile, a_kernel_of_points_without_elements_and_without_modes_comes_bac
   expect_same(kernel, read(folder / "body.kernel.h5"));
 }
 
+TEST(KernelFile, tells_ahead_of_its_data_what_it_is_for) {
+  const Folder folder;
+  const Kernel kernel = sample_kernel(3);
+  write(kernel, folder / "a.kernel.h5");
+  const auto header = read_header(folder / "a.kernel.h5");
+  ASSERT_TRUE(header);
+  EXPECT_EQ(header->hash, kernel.hash);
+  EXPECT_EQ(header->scene, kernel.scene);
+  EXPECT_EQ(header->mesh_sha256, kernel.mesh_sha256);
+  EXPECT_FALSE(read_header(folder.write("torn", "kernel")));
+  EXPECT_FALSE(read_header(folder / "none"));
+}
+
 TEST(KernelFile, equal_kernels_give_equal_bytes) {
   const Folder folder;
   write(sample_kernel(3), folder / "one.h5");

@@ -1,6 +1,7 @@
 add_program_test(programs ranks)
 add_program_test(programs parts)
 add_program_test(programs rods)
+add_program_test(programs algebra)
 add_program_test(programs errors)
 add_program_test(programs restart)
 add_program_test(programs table)

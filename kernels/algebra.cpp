@@ -1,0 +1,205 @@
+#include "kernels/algebra.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "kernels/band.hpp"
+#include "kernels/error.hpp"
+
+namespace ricochet::kernels {
+namespace {
+
+/// What a body's stiffness and mass grow by.
+struct Growth {
+  double stiffness, mass;
+};
+
+Growth growth(const Similarity& f) {
+  if (f.area) return {f.young * *f.area / f.scale, f.density * *f.area * f.scale};
+  return {f.young * f.scale, f.density * f.scale * f.scale * f.scale};
+}
+
+template <class Range>
+void multiply(Range& values, double factor) {
+  for (auto& value : values) value = static_cast<std::decay_t<decltype(value)>>(value * factor);
+}
+
+[[noreturn]] void fail(const Kernel& kernel, const std::string& what) {
+  throw InputError(fmt::format("kernel of \"{}\": {}", kernel.body, what));
+}
+
+/// Its modes are all that lie below the certificate's end.
+void require_all_modes(const Kernel& kernel) {
+  if (kernel.modes.basis != "modes")
+    fail(kernel, "holds vectors fitted to contact, which only serve together: compute another for less");
+  if (kernel.modes.certificate.left_out > 0)
+    fail(kernel,
+         fmt::format("{} modes were left out of it: cut the kernel that has them, or compute it without "
+                     "flexibility_error",
+                     kernel.modes.certificate.left_out));
+}
+
+/// Ends that differ by less are the same but for round-off.
+constexpr double same_end = 1e-9;
+
+/// Rows of a matrix by blocks of `height`, the blocks in another order or number.
+void take_rows(std::vector<double>& matrix, std::size_t width, const std::vector<std::int64_t>& blocks,
+               std::size_t height = 1) {
+  std::vector<double> taken;
+  taken.reserve(blocks.size() * height * width);
+  for (const std::int64_t block : blocks) {
+    const auto from = matrix.begin() + block * static_cast<std::int64_t>(height * width);
+    taken.insert(taken.end(), from, from + static_cast<std::int64_t>(height * width));
+  }
+  matrix = std::move(taken);
+}
+
+/// Elements all of whose corners are among `points`, by their numbers there; else the points themselves.
+void take_elements(Surface& surface, const std::vector<std::int64_t>& points) {
+  std::vector<std::int64_t> number(surface.size(), -1), element;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    number[static_cast<std::size_t>(points[i])] = static_cast<std::int64_t>(i);
+  const auto k = static_cast<std::size_t>(surface.element_corners);
+  for (std::size_t e = 0; e + k <= surface.element.size(); e += k) {
+    std::vector<std::int64_t> corners;
+    for (std::size_t j = 0; j < k; ++j)
+      corners.push_back(number[static_cast<std::size_t>(surface.element[e + j])]);
+    if (std::ranges::count(corners, -1) == 0) element.insert(element.end(), corners.begin(), corners.end());
+  }
+  if (element.empty() || k == 1) {
+    surface.element_corners = 1;
+    element.resize(points.size());
+    std::iota(element.begin(), element.end(), std::int64_t{0});
+  }
+  surface.element = std::move(element);
+}
+
+}  // namespace
+
+double frequency_factor(const Similarity& factors) {
+  const Growth by = growth(factors);
+  return std::sqrt(by.stiffness / by.mass);
+}
+
+Kernel rescaled(Kernel kernel, const Similarity& factors, const Damping& damping) {
+  const auto [k, m] = growth(factors);
+  const double frequency = frequency_factor(factors), s = factors.scale, root = std::sqrt(m);
+  // Each structure by all its members: a new one has to be given its factor here, or this does not compile.
+  auto& [body, hash, scene, mesh_sha256, created_by, dofs, elements, order, mass, centre, inertia, supported,
+         modes, surface, loads, view] = kernel;
+  mass *= m;
+  multiply(centre, s);
+  multiply(inertia, m * s * s);
+  {
+    auto& [basis, omega, decay, residual, certificate] = modes;
+    multiply(omega, frequency);
+    for (std::size_t n = 0; n < omega.size(); ++n) decay[n] = decay_rate(damping, RadPerSecond{omega[n]});
+    auto& [below, upto_hz, by_inertia, found, left_out, complete, orthonormality, error] = certificate;
+    upto_hz *= frequency;
+  }
+  {
+    auto& [components, direction, node, group, normal, area, corners, element, shape, flexibility] = surface;
+    multiply(node, s);
+    multiply(area, factors.area.value_or(s * s));
+    multiply(shape, 1 / root);
+    multiply(flexibility, 1 / k);
+  }
+  auto& [body_force, rotation, body_force_residual] = loads;
+  multiply(body_force, root);
+  multiply(rotation, root * s);
+  multiply(body_force_residual, m / k);
+  if (view) {
+    auto& [node, corners, element, shape] = *view;
+    multiply(node, s);
+    multiply(shape, 1 / root);
+  }
+  return kernel;
+}
+
+Kernel cut_to_band(Kernel kernel, Hertz band) {
+  require_all_modes(kernel);
+  Certificate& certificate = kernel.modes.certificate;
+  if (!(band.value > 0 && band.value <= certificate.upto_hz * (1 + same_end)))
+    fail(kernel, fmt::format("has all modes up to {:.6g} Hz, not up to {:.6g}: cut it lower, or compute more "
+                             "modes",
+                             certificate.upto_hz, band.value));
+  std::vector<bool> keep;
+  for (const double omega : kernel.modes.angular_frequency) keep.push_back(omega <= RadPerSecond(band).value);
+  leave_out(kernel, keep);
+  certificate.upto_hz = std::min(band.value, certificate.upto_hz);
+  certificate.count_by_inertia = certificate.count_found = static_cast<std::int64_t>(kernel.modes.size());
+  certificate.flexibility_error = 0;
+  return kernel;
+}
+
+Kernel cut_to_count(Kernel kernel, std::int64_t count) {
+  require_all_modes(kernel);
+  const std::vector<double>& omega = kernel.modes.angular_frequency;
+  if (count < 1 || static_cast<std::uint64_t>(count) > omega.size())
+    fail(kernel, fmt::format("has {} modes, not {}: ask for fewer, or compute more", omega.size(), count));
+  const auto square = [&](std::size_t n) { return omega[n] * omega[n]; };
+  auto kept = std::max<std::size_t>(static_cast<std::size_t>(count),
+                                    static_cast<std::size_t>(std::ranges::count(omega, 0.0)));
+  while (kept < omega.size() && square(kept) < (1 + multiple_mode) * square(kept - 1)) ++kept;
+  const Hertz end = kept < omega.size()
+                        ? to_hertz(RadPerSecond{std::sqrt((square(kept - 1) + square(kept)) / 2)})
+                        : Hertz{kernel.modes.certificate.upto_hz};
+  return cut_to_band(std::move(kernel), end);
+}
+
+Kernel cut_to_points(Kernel kernel, const std::vector<std::int64_t>& points) {
+  Surface& surface = kernel.surface;
+  const std::size_t m = surface.size(), n = kernel.modes.size(),
+                    c = static_cast<std::size_t>(surface.components);
+  if (points.empty()) fail(kernel, "no candidate point would be left: name one at least");
+  std::vector<bool> named(m, false);
+  for (const std::int64_t i : points) {
+    if (i < 0 || static_cast<std::uint64_t>(i) >= m)
+      fail(kernel, fmt::format("there is no candidate point {}: they go from 0 to {}", i, m - 1));
+    if (named[static_cast<std::size_t>(i)])
+      fail(kernel, fmt::format("candidate point {} is named twice: name it once", i));
+    named[static_cast<std::size_t>(i)] = true;
+  }
+  take_elements(surface, points);
+  std::vector<std::string> group;
+  for (const std::int64_t i : points) group.push_back(surface.group[static_cast<std::size_t>(i)]);
+  surface.group = std::move(group);
+  take_rows(surface.node, 3, points);
+  take_rows(surface.normal, 3, points);
+  take_rows(surface.area, 1, points);
+  take_rows(surface.shape, n, points, c);
+  if (!surface.residual_flexibility.empty()) {
+    std::vector<double> square;
+    for (const std::int64_t i : points)
+      for (std::size_t a = 0; a < c; ++a)
+        for (const std::int64_t j : points)
+          for (std::size_t b = 0; b < c; ++b)
+            square.push_back(surface.residual_flexibility[(static_cast<std::size_t>(i) * c + a) * c * m +
+                                                          static_cast<std::size_t>(j) * c + b]);
+    surface.residual_flexibility = std::move(square);
+  }
+  if (!kernel.loads.body_force_residual.empty()) take_rows(kernel.loads.body_force_residual, 3, points, c);
+  return kernel;
+}
+
+Kernel cut_to_flexibility_error(Kernel kernel, Hertz band, double error) {
+  require_all_modes(kernel);
+  if (kernel.surface.residual_flexibility.empty())
+    fail(kernel, "has no residual flexibility, to which modes could be left: compute it with one");
+  Certificate& certificate = kernel.modes.certificate;
+  const double above = error_above(kernel, RadPerSecond(band), RadPerSecond(Hertz{certificate.upto_hz}));
+  if (!(above < error))
+    fail(kernel, fmt::format("its modes end at {:.6g} Hz, and those above may make an error of {:.2g} up to "
+                             "{:.6g} Hz: allow more, or compute modes further up",
+                             certificate.upto_hz, above, band.value));
+  const std::size_t all = kernel.modes.size();
+  const double made = keep_contributing(kernel, RadPerSecond(band), error - above);
+  certificate.left_out = static_cast<std::int64_t>(all - kernel.modes.size());
+  certificate.flexibility_error = made + above;
+  return kernel;
+}
+
+}  // namespace ricochet::kernels

@@ -1,0 +1,83 @@
+#include "src/programs/recast_run.hpp"
+
+#include <fmt/format.h>
+
+#include <ostream>
+
+#include "kernels/error.hpp"
+#include "src/scene/derive.hpp"
+
+namespace ricochet::programs {
+namespace {
+
+/// The candidates of the whole surface that have these numbers in the kernel.
+std::vector<std::int64_t> of_whole_surface(const scene::KernelRequest& had,
+                                           const std::vector<std::int64_t>& points, std::size_t candidates) {
+  if (!had.points) return points;
+  std::vector<std::int64_t> whole;
+  for (const std::int64_t point : points) {
+    if (point < 0 || static_cast<std::uint64_t>(point) >= candidates)
+      throw InputError(
+          fmt::format("there is no candidate point {}: they go from 0 to {}", point, candidates - 1));
+    whole.push_back((*had.points)[static_cast<std::size_t>(point)]);
+  }
+  return whole;
+}
+
+scene::KernelRequest wanted_of(const scene::KernelRequest& had, const RecastOptions& options,
+                               const kernels::Kernel& kernel) {
+  scene::KernelRequest wanted = had;
+  for (scene::Material& material : wanted.body.materials) {
+    material.young *= options.young;
+    material.density *= options.density;
+  }
+  wanted.body.scale *= options.scale;
+  if (wanted.spacing) *wanted.spacing *= options.scale;
+  if (options.points) wanted.points = of_whole_surface(had, *options.points, kernel.surface.size());
+
+  const double frequency =
+      kernels::frequency_factor({.young = options.young, .density = options.density, .scale = options.scale});
+  scene::Modes& modes = wanted.modes;
+  if (modes.up_to) modes.up_to->value *= frequency;
+  if (options.up_to || options.flexibility_error) {
+    if (!modes.up_to) modes.up_to = Hertz{kernel.modes.certificate.upto_hz * frequency};
+    if (options.up_to) modes.up_to = options.up_to;
+    modes.flexibility_error = options.flexibility_error;
+    modes.count.reset();
+  } else if (options.count) {
+    modes.up_to.reset();
+    modes.flexibility_error.reset();
+    modes.count = options.count;
+  }
+  scene::seal(wanted);
+  return wanted;
+}
+
+}  // namespace
+
+int run_recast(const RecastOptions& options, std::ostream& out) {
+  const std::string file = options.kernel.string();
+  kernels::Kernel kernel = kernels::read(options.kernel);
+  scene::KernelRequest had = scene::request_of({kernel.hash, kernel.scene, kernel.mesh_sha256}, file);
+  had.body.name = kernel.body;
+  const std::size_t modes = kernel.modes.size(), points = kernel.surface.size();
+  scene::KernelRequest wanted;
+  try {
+    wanted = wanted_of(had, options, kernel);
+    kernel = scene::derived(std::move(kernel), had, wanted);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", file, error.what()));
+  }
+  const std::filesystem::path folder = options.out.empty() ? options.kernel.parent_path() : options.out;
+  const std::filesystem::path path = scene::kernel_path(folder, wanted);
+  // What stands in the way shows when the file is written.
+  std::error_code ignored;
+  if (!folder.empty()) std::filesystem::create_directories(folder, ignored);
+  kernels::write(kernel, path);
+  out << fmt::format("{}: {} of {} {}, {} of {} points: {}\n", kernel.body, kernel.modes.size(), modes,
+                     kernel.modes.basis == "modes" ? "modes" : "vectors", kernel.surface.size(), points,
+                     path.string());
+  return 0;
+}
+
+}  // namespace ricochet::programs

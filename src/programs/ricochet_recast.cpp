@@ -1,0 +1,66 @@
+// ricochet-recast KERNEL: the kernel of a similar body, or less of a kernel, without computing modes.
+#include <exception>
+#include <iostream>
+
+#include "kernels/error.hpp"
+#include "src/console/cli.hpp"
+#include "src/programs/recast_run.hpp"
+
+int main(int argc, char** argv) {
+  using namespace ricochet;
+  const std::string name = "ricochet-recast";
+  programs::RecastOptions options;
+  std::string kernel, out;
+  std::vector<std::int64_t> points;
+  double up_to = 0, error = 0;
+  std::int64_t count = 0;
+  CLI::App app{
+      "Writes the kernel of a body of another stiffness, density or size, or a kernel cut to less, "
+      "without computing modes. Scaling comes before cuts.",
+      name};
+  app.set_version_flag("--version", name + " " RICOCHET_VERSION);
+  app.add_option("KERNEL", kernel, "Kernel file of ricochet-kernel")->required();
+  app.add_option("--young-factor", options.young, "Multiplies Young's modulus of each material")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--density-factor", options.density, "Multiplies the density of each material")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--scale-factor", options.scale, "Multiplies all lengths (not the cross-section of a rod)")
+      ->check(CLI::PositiveNumber);
+  CLI::Option* band = app.add_option("--up-to-hz", up_to,
+                                     "Keep the modes up to this frequency of the new body; with "
+                                     "--flexibility-error: the end of the band")
+                          ->check(CLI::PositiveNumber);
+  CLI::Option* number = app.add_option("--count", count, "Keep so many of the lowest modes, rigid included")
+                            ->check(CLI::PositiveNumber)
+                            ->excludes(band);
+  CLI::Option* bound =
+      app.add_option("--flexibility-error", error,
+                     "Leave modes to the residual flexibility that contact hardly feels in the band")
+          ->check(CLI::Range(1e-6, 0.5))
+          ->excludes(number);
+  CLI::Option* places =
+      app.add_option("--points", points, "Keep these candidate points, by their numbers from 0: 0,3,4")
+          ->delimiter(',');
+  app.add_option("--out", out, "Folder of the new kernel (default: that of KERNEL)")->type_name("DIR");
+  app.footer(
+      "Examples:\n"
+      "  ricochet-recast out/upper-0123456789ab.kernel.h5 --young-factor 2 --scale-factor 0.5\n"
+      "  ricochet-recast out/upper-0123456789ab.kernel.h5 --up-to-hz 800 --points 0,2,4\n"
+      "  ricochet-recast out/upper-0123456789ab.kernel.h5 --flexibility-error 1e-2 --up-to-hz 500");
+  if (const auto status = console::status_of_parsing(app, argc, argv)) return *status;
+  options.kernel = kernel;
+  options.out = out;
+  if (*band) options.up_to = Hertz{up_to};
+  if (*number) options.count = count;
+  if (*bound) options.flexibility_error = error;
+  if (*places) options.points = points;
+  try {
+    return programs::run_recast(options, std::cout);
+  } catch (const InputError& failure) {
+    std::cerr << name << ": " << failure.what() << '\n';
+    return 2;
+  } catch (const std::exception& failure) {
+    std::cerr << name << ": " << failure.what() << '\n';
+    return 1;
+  }
+}

@@ -1,0 +1,168 @@
+#include "src/scene/derive.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "src/scene/toml.hpp"
+
+namespace ricochet::scene {
+
+namespace {
+
+/// Numbers that are one but for a few roundings: factors are quotients of what a scene says.
+bool same(double a, double b) { return std::abs(a - b) <= 1e-12 * std::max(std::abs(a), std::abs(b)); }
+
+template <class T>
+bool both_or_neither(const std::optional<T>& a, const std::optional<T>& b) {
+  return a.has_value() == b.has_value();
+}
+
+/// Whether the second material is the first one with these factors.
+bool similar(const Material& had, const Material& wanted, const kernels::Similarity& by) {
+  return had.group == wanted.group && had.poisson == wanted.poisson &&
+         same(had.young * by.young, wanted.young) && same(had.density * by.density, wanted.density) &&
+         same(had.area * by.area.value_or(1), wanted.area);
+}
+
+/// A rod's patches are its ends, as large as its cross-section; to solids an area means nothing.
+bool is_rod(const kernels::Kernel& kernel, const Body& body) {
+  return std::ranges::all_of(kernel.surface.area, [&](double area) {
+    return std::ranges::any_of(body.materials, [&](const Material& m) { return same(m.area, area); });
+  });
+}
+
+[[noreturn]] void fail(const kernels::Kernel& kernel, const std::string& what) {
+  throw InputError(fmt::format("kernel of \"{}\": {}", kernel.body, what));
+}
+
+/// Whether `wanted` asks for all of `had`, with frequencies multiplied.
+bool same_modes(const Modes& had, const Modes& wanted, double frequency) {
+  return both_or_neither(had.up_to, wanted.up_to) &&
+         (!had.up_to || std::abs(had.up_to->value * frequency / wanted.up_to->value - 1) < 1e-9) &&
+         had.count == wanted.count && had.flexibility_error == wanted.flexibility_error;
+}
+
+kernels::Kernel with_modes(kernels::Kernel kernel, const Modes& had, const Modes& wanted, double frequency) {
+  if (had.basis != wanted.basis || had.low_rank != wanted.low_rank ||
+      had.relative_residual > wanted.relative_residual)
+    fail(kernel, "its modes were not computed as asked for: compute them");
+  if (wanted.residual_flexibility && !had.residual_flexibility)
+    fail(kernel, "has no residual flexibility: compute it with one");
+  if (same_modes(had, wanted, frequency) &&
+      (had.basis == Basis::modes || had.residual_flexibility == wanted.residual_flexibility))
+    return kernel;
+  if (had.basis == Basis::contact)
+    fail(kernel, "holds vectors fitted to contact in another band: compute others");
+  if (wanted.flexibility_error)
+    return kernels::cut_to_flexibility_error(std::move(kernel), *wanted.up_to, *wanted.flexibility_error);
+  if (wanted.count) return kernels::cut_to_count(std::move(kernel), *wanted.count);
+  return kernels::cut_to_band(std::move(kernel), *wanted.up_to);
+}
+
+/// Places of the points of `wanted` among the candidates of `had`.
+std::vector<std::int64_t> places(const KernelRequest& had, const KernelRequest& wanted) {
+  if (!had.points) return *wanted.points;
+  std::vector<std::int64_t> places;
+  for (const std::int64_t point : *wanted.points)
+    places.push_back(std::ranges::find(*had.points, point) - had.points->begin());
+  return places;
+}
+
+}  // namespace
+
+KernelRequest request_of(const kernels::Header& header, const std::string& origin) {
+  KernelRequest request;
+  request.mesh_sha256 = header.mesh_sha256;
+  toml::table parsed;
+  try {
+    parsed = toml::parse(header.scene);
+  } catch (const toml::parse_error& error) {
+    throw InputError(
+        one_line(fmt::format("{}: its scene is not TOML ({}). Compute it again with "
+                             "ricochet-kernel.",
+                             origin, error.description())));
+  }
+  Table root(parsed, origin, "");
+  auto body = root.table("body");
+  if (!body) root.complain("body", "is missing. Compute it again with ricochet-kernel.");
+  read_body_matter(*body, request.body);
+  body->refuse_unknown();
+  request.modes = read_modes(root);
+  if (auto contact = root.table("contact")) {
+    request.direction = contact->vector("direction");
+    request.along = contact->vector("along");
+    request.spacing = contact->number("spacing");
+    request.points = contact->integers("points");
+    contact->refuse_unknown();
+  }
+  if (auto output = root.table("output")) {
+    request.view = output->boolean("view").value_or(false);
+    output->refuse_unknown();
+  }
+  root.refuse_unknown();
+  seal(request);
+  if (request.hash != header.hash)
+    throw InputError(
+        fmt::format("{}: is a kernel of another version. Compute it again with ricochet-kernel.", origin));
+  return request;
+}
+
+std::optional<kernels::Similarity> similarity(const KernelRequest& had, const KernelRequest& wanted) {
+  const Body &a = had.body, &b = wanted.body;
+  if (had.mesh_sha256 != wanted.mesh_sha256 || a.geometry != b.geometry || a.order != b.order ||
+      a.contact != b.contact || a.support != b.support || a.materials.size() != b.materials.size() ||
+      had.direction != wanted.direction || had.along != wanted.along ||
+      !both_or_neither(had.spacing, wanted.spacing))
+    return std::nullopt;
+  const Material &one = a.materials.front(), &other = b.materials.front();
+  kernels::Similarity by{
+      .young = other.young / one.young, .density = other.density / one.density, .scale = b.scale / a.scale};
+  if (one.area > 0 && other.area > 0) by.area = other.area / one.area;
+  for (std::size_t k = 0; k < a.materials.size(); ++k)
+    if (!similar(a.materials[k], b.materials[k], by)) return std::nullopt;
+  if (had.spacing && !same(*had.spacing * by.scale, *wanted.spacing)) return std::nullopt;
+  const auto has = [&](std::int64_t point) { return std::ranges::count(*had.points, point) > 0; };
+  if (had.points && !(wanted.points && std::ranges::all_of(*wanted.points, has))) return std::nullopt;
+  return by;
+}
+
+kernels::Kernel derived(kernels::Kernel kernel, const KernelRequest& had, const KernelRequest& wanted) {
+  auto factors = similarity(had, wanted);
+  if (!factors) fail(kernel, "is of another body or other candidates: compute the one that is asked for");
+  if (!is_rod(kernel, had.body)) factors->area.reset();
+  if (wanted.view && !kernel.view) fail(kernel, "has no view: compute it with one");
+  kernel = kernels::rescaled(std::move(kernel), *factors, wanted.body.damping);
+  if (wanted.points && wanted.points != had.points)
+    kernel = kernels::cut_to_points(std::move(kernel), places(had, wanted));
+  kernel = with_modes(std::move(kernel), had.modes, wanted.modes, kernels::frequency_factor(*factors));
+  if (!wanted.modes.residual_flexibility) {
+    kernel.surface.residual_flexibility.clear();
+    kernel.loads.body_force_residual.clear();
+  }
+  if (!wanted.view) kernel.view.reset();
+  kernel.body = wanted.body.name;
+  kernel.hash = wanted.hash;
+  kernel.scene = wanted.toml;
+  return kernel;
+}
+
+std::optional<Derived> derive_from_any(const std::filesystem::path& folder, const KernelRequest& wanted) {
+  std::vector<std::filesystem::path> files;
+  std::error_code failure;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, failure))
+    if (entry.path().filename().string().ends_with(".kernel.h5")) files.push_back(entry.path());
+  std::ranges::sort(files);
+  for (const std::filesystem::path& file : files) {
+    const auto header = kernels::read_header(file);
+    if (!header || header->mesh_sha256 != wanted.mesh_sha256) continue;
+    try {
+      const KernelRequest had = request_of(*header, file.string());
+      if (similarity(had, wanted)) return Derived{derived(kernels::read(file), had, wanted), file};
+    } catch (const InputError&) {
+      // Another one may do, or the kernel is computed.
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace ricochet::scene

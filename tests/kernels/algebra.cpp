@@ -1,0 +1,334 @@
+// Kernels made of others, against those of bars in closed form.
+#include "kernels/algebra.hpp"
+
+#include <Eigen/Dense>
+
+#include "kernels/band.hpp"
+#include "tests/kernels/bar.hpp"
+#include "tests/kernels/sample.hpp"
+
+namespace ricochet::kernels {
+namespace {
+
+using test::Bar;
+using test::complaint_of;
+using test::sample_kernel;
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// Every value within `tolerance` of the largest one of its array.
+template <class Range>
+void expect_close(const Range& found, const Range& expected, const std::string& name, double tolerance) {
+  ASSERT_EQ(found.size(), expected.size()) << name;
+  double largest = 0, off = 0;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    largest = std::max(largest, std::abs(double(expected[i])));
+    off = std::max(off, std::abs(double(found[i]) - double(expected[i])));
+  }
+  EXPECT_LE(off, tolerance * largest) << name;
+}
+
+/// What is left of R and of the sag is a small difference of what they are measured by, the whole.
+void expect_same(const Kernel& found, const Kernel& expected, double whole = 1) {
+  constexpr double round_off = 1e-13;
+  expect_close(found.modes.angular_frequency, expected.modes.angular_frequency, "omega", round_off);
+  expect_close(found.modes.decay_rate, expected.modes.decay_rate, "decay", round_off);
+  EXPECT_EQ(found.modes.residual, expected.modes.residual);
+  const Certificate &c = found.modes.certificate, &e = expected.modes.certificate;
+  EXPECT_NEAR(c.upto_hz, e.upto_hz, round_off * e.upto_hz);
+  EXPECT_EQ(c.count_by_inertia, e.count_by_inertia);
+  EXPECT_EQ(c.count_found, e.count_found);
+  EXPECT_EQ(c.left_out, e.left_out);
+  EXPECT_EQ(c.complete, e.complete);
+  EXPECT_EQ(c.flexibility_error, e.flexibility_error);
+  EXPECT_NEAR(found.mass, expected.mass, round_off * expected.mass);
+  expect_close(found.centre, expected.centre, "centre", round_off);
+  expect_close(found.inertia, expected.inertia, "inertia", round_off);
+  EXPECT_EQ(found.supported, expected.supported);
+  expect_close(found.surface.node, expected.surface.node, "node", round_off);
+  expect_close(found.surface.area, expected.surface.area, "area", round_off);
+  expect_close(found.surface.shape, expected.surface.shape, "shape", round_off);
+  expect_close(found.surface.residual_flexibility, expected.surface.residual_flexibility, "R",
+               round_off * whole);
+  EXPECT_EQ(found.surface.element_corners, expected.surface.element_corners);
+  EXPECT_EQ(found.surface.element, expected.surface.element);
+  EXPECT_EQ(found.surface.group, expected.surface.group);
+  EXPECT_EQ(found.surface.normal, expected.surface.normal);
+  EXPECT_EQ(found.surface.direction, expected.surface.direction);
+  expect_close(found.loads.body_force, expected.loads.body_force, "body force", round_off);
+  expect_close(found.loads.rotation, expected.loads.rotation, "rotation", round_off);
+  if (expected.supported)
+    expect_close(found.loads.body_force_residual, expected.loads.body_force_residual, "sag",
+                 round_off * whole);
+  ASSERT_EQ(found.view.has_value(), expected.view.has_value());
+  if (!found.view) return;
+  expect_close(found.view->node, expected.view->node, "view", round_off);
+  expect_close(found.view->shape, expected.view->shape, "view's shape", 1e-6);  // single precision
+  EXPECT_EQ(found.view->element, expected.view->element);
+}
+
+/// R and sag of 40 modes are differences 200 and 1e5 times smaller than what they are taken from.
+constexpr double of_differences = 1e5;
+
+class BothBars : public testing::TestWithParam<bool> {
+ protected:
+  Bar bar_{.clamped = GetParam()};
+};
+INSTANTIATE_TEST_SUITE_P(FreeAndClamped, BothBars, testing::Bool());
+
+TEST_P(BothBars, as_solids_scale_to_any_stiffness_density_and_size) {
+  Bar other = bar_;
+  other.young *= 7.3;
+  other.density *= 0.21;
+  other.length *= 2.6;
+  other.beside *= 2.6;
+  other.area *= 2.6 * 2.6;
+  const Kernel found = rescaled(bar_.kernel(), {.young = 7.3, .density = 0.21, .scale = 2.6}, {});
+  expect_same(found, other.kernel(), of_differences);
+  EXPECT_NO_THROW(validate(found, "origin"));
+}
+
+TEST_P(BothBars, as_rods_keep_a_cross_section_of_their_own) {
+  Bar other = bar_;
+  other.young *= 0.4;
+  other.density *= 9;
+  other.length *= 0.3;
+  other.beside *= 0.3;
+  other.area *= 1.9;
+  expect_same(rescaled(bar_.kernel(), {.young = 0.4, .density = 9, .scale = 0.3, .area = 1.9}, {}),
+              other.kernel(), of_differences);
+}
+
+TEST(Rescaling, by_one_changes_nothing) {
+  for (const int components : {1, 3}) {
+    const Kernel kernel = sample_kernel(components);
+    // The sample's decay rates are δ = 0.01 n with ω = 100 √n.
+    const Kernel same = rescaled(kernel, {}, {Damping::Law::viscosity, 2e-6});
+    EXPECT_EQ(same.surface.shape, kernel.surface.shape);
+    EXPECT_EQ(same.surface.residual_flexibility, kernel.surface.residual_flexibility);
+    EXPECT_EQ(same.loads.rotation, kernel.loads.rotation);
+    EXPECT_EQ(same.view->shape, kernel.view->shape);
+    EXPECT_EQ(same.modes.residual, kernel.modes.residual);
+    expect_close(same.modes.decay_rate, kernel.modes.decay_rate, "decay", 1e-15);
+  }
+}
+
+// So the body's own law is what counts, whatever the first kernel's was.
+TEST(Rescaling, gives_decay_rates_by_the_law_at_the_new_frequencies) {
+  Bar bar{.clamped = false};
+  bar.decay = [](double) { return 5.0; };
+  const Similarity twice{.young = 4};
+  const auto rates = [&](const Damping& law) { return rescaled(bar.kernel(), twice, law).modes.decay_rate; };
+  using Law = Damping::Law;
+  EXPECT_EQ(rates({}), std::vector<double>(41, 0.0));
+  const double omega = 2 * 3 * std::numbers::pi / 1.7 * std::sqrt(1.5);  // third elastic mode
+  EXPECT_NEAR(rates({Law::ratio, 0.01})[3], 0.01 * omega, 1e-12);
+  EXPECT_NEAR(rates({Law::loss_factor, 0.01})[3], 0.005 * omega, 1e-12);
+  EXPECT_NEAR(rates({Law::viscosity, 1e-3})[3], 5e-4 * omega * omega, 1e-12);
+  EXPECT_NEAR(rates({Law::rayleigh, 2, 1e-3})[3], 1 + 5e-4 * omega * omega, 1e-12);
+  EXPECT_EQ(rates({Law::rayleigh, 2, 1e-3})[0], 1);  // α damps rigid motion too
+}
+
+// N(t) = Σ φ φ sin(ωt)/ω has the unit s/kg: N'(t) = N(t ω'/ω) ω/(ω' m).
+TEST(Rescaling, stretches_kernel_functions_in_time) {
+  const Kernel old = Bar{}.kernel();
+  const Kernel found = rescaled(old, {.young = 3, .density = 1.5, .scale = 2}, {});
+  const auto n = [](const Kernel& kernel, double t) {
+    double sum = 0;
+    for (std::size_t k = 0; k < kernel.modes.size(); ++k)
+      sum += std::pow(kernel.surface.shape[k], 2) * std::sin(kernel.modes.angular_frequency[k] * t) /
+             kernel.modes.angular_frequency[k];
+    return sum;
+  };
+  const double faster = std::sqrt(2.0) / 2, heavier = 1.5 * 8;
+  for (const double t : {0.1, 0.7, 3.0})
+    EXPECT_NEAR(n(found, t), n(old, t * faster) / (faster * heavier), 1e-12);
+}
+
+TEST_P(BothBars, cut_to_a_band_are_those_with_fewer_modes) {
+  for (const std::size_t modes : {39U, 15U, 1U}) {
+    Bar fewer = bar_;
+    fewer.modes = modes;
+    expect_same(cut_to_band(bar_.kernel(), fewer.end()), fewer.kernel(), of_differences);
+  }
+  expect_same(cut_to_band(bar_.kernel(), bar_.end()), bar_.kernel());
+}
+
+/// Σ φ φᵀ/ω² + R of the elastic modes.
+Eigen::MatrixXd flexibility(const Kernel& kernel) {
+  const auto n = static_cast<Eigen::Index>(kernel.modes.size());
+  const auto rows = static_cast<Eigen::Index>(kernel.surface.shape.size()) / n;
+  const Eigen::Map<const RowMajor> shape(kernel.surface.shape.data(), rows, n);
+  Eigen::MatrixXd sum = Eigen::Map<const RowMajor>(kernel.surface.residual_flexibility.data(), rows, rows);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const double omega = kernel.modes.angular_frequency[static_cast<std::size_t>(k)];
+    if (omega > 0) sum += shape.col(k) * shape.col(k).transpose() / (omega * omega);
+  }
+  return sum;
+}
+
+TEST_P(BothBars, yield_to_static_forces_as_before_whatever_is_cut) {
+  Eigen::MatrixXd exact(4, 4);
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j)
+      exact(i, j) = bar_.flexibility((i + 1) * bar_.length / 4, (j + 1) * bar_.length / 4);
+  const auto off = [&](const Kernel& kernel) { return (flexibility(kernel) - exact).norm() / exact.norm(); };
+  EXPECT_LT(off(cut_to_band(bar_.kernel(), {0.9})), 1e-12);
+  EXPECT_LT(off(cut_to_count(bar_.kernel(), 3)), 1e-12);
+  EXPECT_LT(off(cut_to_flexibility_error(bar_.kernel(), {1.0}, 0.05)), 1e-12);
+}
+
+TEST(Cuts, never_take_rigid_modes) {
+  const Bar bar{.clamped = false};
+  for (const Kernel& kernel : {cut_to_band(bar.kernel(), {1e-9}), cut_to_count(bar.kernel(), 1)}) {
+    EXPECT_EQ(kernel.modes.angular_frequency, std::vector<double>{0.0});
+    EXPECT_EQ(kernel.modes.certificate.count_by_inertia, 1);
+    EXPECT_NO_THROW(validate(kernel, "origin"));
+  }
+}
+
+TEST(Cuts, to_a_number_take_a_multiple_mode_whole) {
+  Kernel kernel = Bar{}.kernel();
+  std::vector<double>& omega = kernel.modes.angular_frequency;
+  omega[5] = omega[4] * (1 + 1e-8);
+  EXPECT_EQ(cut_to_count(kernel, 4).modes.size(), 4U);
+  const Kernel cut = cut_to_count(kernel, 5);
+  EXPECT_EQ(cut.modes.size(), 6U);
+  EXPECT_GT(cut.modes.certificate.upto_hz, to_hertz({omega[5]}).value);
+  EXPECT_LT(cut.modes.certificate.upto_hz, to_hertz({omega[6]}).value);
+  EXPECT_EQ(cut_to_count(kernel, 40).modes.certificate.upto_hz, kernel.modes.certificate.upto_hz);
+}
+
+TEST(Cuts, need_no_residual_flexibility_and_no_view) {
+  Kernel kernel = Bar{}.kernel();
+  kernel.surface.residual_flexibility.clear();
+  kernel.loads.body_force_residual.clear();
+  kernel.view.reset();
+  const Kernel cut = cut_to_points(cut_to_count(kernel, 7), {2});
+  EXPECT_EQ(cut.modes.size(), 7U);
+  EXPECT_TRUE(cut.surface.residual_flexibility.empty());
+  EXPECT_NO_THROW(validate(cut, "origin"));
+}
+
+TEST_P(BothBars, cut_to_points_are_those_with_fewer) {
+  Bar fewer = bar_;
+  fewer.at = {0.75, 0.5};
+  Kernel expected = fewer.kernel();
+  expected.surface.element = {1, 0};  // as it was turned
+  expected.view = bar_.kernel().view;
+  expect_same(cut_to_points(bar_.kernel(), {2, 1}), expected);
+  // No two of these are neighbours.
+  fewer.at = {0.25, 0.75};
+  expected = fewer.kernel();
+  expected.surface.element_corners = 1;
+  expected.surface.element = {0, 1};
+  expected.view = bar_.kernel().view;
+  expect_same(cut_to_points(bar_.kernel(), {0, 2}), expected);
+}
+
+TEST(Cuts, to_points_keep_all_components_of_each) {
+  const std::size_t n = 5, m = 4;
+  const Kernel whole = sample_kernel(3, n, m), cut = cut_to_points(whole, {3, 1});
+  EXPECT_NO_THROW(validate(cut, "origin"));
+  const std::size_t row[] = {9, 10, 11, 3, 4, 5};
+  for (std::size_t i = 0; i < 6; ++i) {
+    for (std::size_t k = 0; k < n; ++k)
+      EXPECT_EQ(cut.surface.shape[i * n + k], whole.surface.shape[row[i] * n + k]);
+    for (std::size_t j = 0; j < 6; ++j)
+      EXPECT_EQ(cut.surface.residual_flexibility[i * 6 + j],
+                whole.surface.residual_flexibility[row[i] * 3 * m + row[j]]);
+    for (std::size_t d = 0; d < 3; ++d)
+      EXPECT_EQ(cut.loads.body_force_residual[i * 3 + d], whole.loads.body_force_residual[row[i] * 3 + d]);
+  }
+  EXPECT_EQ(cut.surface.group, (std::vector<std::string>{"upper face", "upper face"}));
+}
+
+/// H(s) of a kernel, R included, on the ray s² = iω².
+Eigen::MatrixXcd response(const Kernel& kernel, double omega) {
+  const auto n = static_cast<Eigen::Index>(kernel.modes.size());
+  const auto rows = static_cast<Eigen::Index>(kernel.surface.shape.size()) / n;
+  const Eigen::Map<const RowMajor> shape(kernel.surface.shape.data(), rows, n);
+  Eigen::MatrixXcd sum = Eigen::Map<const RowMajor>(kernel.surface.residual_flexibility.data(), rows, rows)
+                             .cast<std::complex<double>>();
+  for (Eigen::Index k = 0; k < n; ++k)
+    sum += (shape.col(k) * shape.col(k).transpose()).cast<std::complex<double>>() /
+           std::complex<double>(std::pow(kernel.modes.angular_frequency[static_cast<std::size_t>(k)], 2),
+                                omega * omega);
+  return sum;
+}
+
+/// Largest relative error of a kernel's response up to `band` against that of 2000 modes, whose own is a
+/// thousand times smaller than any bound here.
+double error_of(const Kernel& kernel, RadPerSecond band) {
+  static const Kernel truth = Bar{.modes = 2000}.kernel();
+  double error = 0;
+  for (int k = 1; k <= 24; ++k) {
+    const double omega = band.value * k / 24;
+    const Eigen::MatrixXcd exact = response(truth, omega);
+    error = std::max(error, (response(kernel, omega) - exact).norm() / exact.norm());
+  }
+  return error;
+}
+
+TEST(Cuts, to_a_flexibility_error_make_no_larger_one_than_they_tell) {
+  const Kernel whole = Bar{.modes = 60}.kernel();
+  const RadPerSecond band{Bar{}.omega(6)};
+  std::size_t last = 60;
+  for (const double bound : {0.02, 0.05, 0.2}) {
+    const Kernel cut = cut_to_flexibility_error(whole, to_hertz(band), bound);
+    EXPECT_NO_THROW(validate(cut, "origin"));
+    EXPECT_LT(cut.modes.size(), last);
+    last = cut.modes.size();
+    const Certificate& told = cut.modes.certificate;
+    EXPECT_EQ(told.count_found, 60);
+    EXPECT_EQ(told.left_out, 60 - static_cast<std::int64_t>(last));
+    EXPECT_EQ(told.upto_hz, whole.modes.certificate.upto_hz);
+    EXPECT_LE(told.flexibility_error, bound);
+    EXPECT_LE(error_of(cut, band), told.flexibility_error);
+    EXPECT_GT(error_of(cut, band), told.flexibility_error / 10);  // nor is the figure idle
+  }
+}
+
+// Little of the error is left for modes within the band when those above the end may make almost all of it.
+TEST(Cuts, to_a_flexibility_error_count_what_lies_above_their_modes) {
+  const RadPerSecond band{Bar{}.omega(6)};
+  for (const std::size_t modes : {12U, 20U, 60U}) {
+    const Kernel whole = Bar{.modes = modes}.kernel();
+    const double above = error_above(whole, band, RadPerSecond(Hertz{whole.modes.certificate.upto_hz}));
+    EXPECT_GE(above, error_of(whole, band));
+    EXPECT_LE(above, 5 * error_of(whole, band));  // most of them lie far above: Σ 1/n⁴ is 1/3 of Σ 1/n² / N²
+    const Kernel cut = cut_to_flexibility_error(whole, to_hertz(band), 1.05 * above);
+    EXPECT_LE(cut.modes.certificate.flexibility_error, 1.05 * above);
+    EXPECT_GE(cut.modes.certificate.flexibility_error, above);
+    EXPECT_LE(error_of(cut, band), cut.modes.certificate.flexibility_error);
+  }
+}
+
+template <class Action>
+void expect_refusal(Action action, const std::string& fragment) {
+  const std::string text = complaint_of(action);
+  EXPECT_TRUE(text.starts_with("kernel of \"bar\": ")) << text;
+  EXPECT_NE(text.find(fragment), std::string::npos) << text;
+}
+
+TEST(Cuts, are_refused_where_the_kernel_does_not_hold_what_they_take) {
+  const Kernel whole = Bar{}.kernel();
+  expect_refusal([&] { cut_to_band(whole, {1e3}); }, "all modes up to 14.");
+  expect_refusal([&] { cut_to_band(whole, {0}); }, "not up to 0");
+  expect_refusal([&] { cut_to_count(whole, 41); }, "has 40 modes, not 41");
+  expect_refusal([&] { cut_to_flexibility_error(whole, {14}, 1e-3); }, "may make an error of");
+  expect_refusal([&] { cut_to_points(whole, {0, 4}); }, "no candidate point 4: they go from 0 to 3");
+  expect_refusal([&] { cut_to_points(whole, {-1}); }, "no candidate point -1");
+  expect_refusal([&] { cut_to_points(whole, {1, 1}); }, "named twice");
+  expect_refusal([&] { cut_to_points(whole, {}); }, "name one at least");
+  Kernel bare = whole;
+  bare.surface.residual_flexibility.clear();
+  expect_refusal([&] { cut_to_flexibility_error(bare, {1}, 0.1); }, "no residual flexibility");
+  const Kernel less = cut_to_flexibility_error(whole, {1}, 0.1);
+  expect_refusal([&] { cut_to_band(less, {1}); }, "were left out of it");
+  Kernel fitted = whole;
+  fitted.modes.basis = "contact";
+  expect_refusal([&] { cut_to_count(fitted, 3); }, "vectors fitted to contact");
+}
+
+}  // namespace
+}  // namespace ricochet::kernels

@@ -1,0 +1,245 @@
+"""Kernels derived from others of the folder, by ricochet-kernel or ricochet-recast, are those that modes give."""
+
+import unittest
+
+import h5py
+import numpy as np
+
+from programs import BIN, ProgramTest, Run, contact, kernel
+
+GEO = """
+SetFactory("Built-in");
+Point(1) = {0, 0, 0, 0.4}; Point(2) = {1.1, 0, 0, 0.4}; Point(3) = {1.0, 1.3, 0, 0.4}; Point(4) = {0, 1, 0, 0.4};
+Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 1};
+Curve Loop(1) = {1:4}; Plane Surface(1) = {1};
+block[] = Extrude {0, 0, 0.7} { Surface{1}; };
+Physical Volume("block") = {block[1]};
+Physical Surface("foot") = {1};
+Physical Surface("side") = {block[2]};
+"""
+
+SCENE = """
+title = "Algebra"
+[bodies.block]
+mesh = "block.geo"
+order = 2
+material = { density = 2.0, young = 3.0, poisson = 0.3 }
+contact = "foot"
+[obstacles.floor]
+normal = [0, 0, 1]
+[modes]
+up_to_hz = 1.5
+[contact]
+between = ["block", "floor"]
+spacing = 0.4
+gap = 0.1
+[time]
+rate_hz = 100
+duration = 1.0
+[loads]
+gravity = [0, 0, -1]
+[output]
+view = true
+"""
+
+ROD = """
+Point(1) = {0, 0, 0}; Point(2) = {1, 0, 0}; Line(1) = {1, 2};
+Transfinite Curve{1} = 11;
+Physical Curve("rod") = {1}; Physical Point("left") = {1};
+"""
+
+# Twice as large, of another stiffness and density: frequencies √(1.7 / 0.6) / 2 = 0.842 times the old ones.
+OTHER = ["bodies.block.scale=2", "bodies.block.material.young=5.1", "bodies.block.material.density=1.2",
+         "bodies.block.damping={rayleigh=[0.1,0.01]}", "contact.spacing=0.8"]
+FACTORS = ["--young-factor", 1.7, "--density-factor", 0.6, "--scale-factor", 2]
+FASTER = np.sqrt(1.7 / 0.6) / 2
+
+
+def functions(file):
+    """Σ_n v_n v_nᵀ sin(ω_n t)/ω_n at some times, of all that a kernel holds of its modes: they do not know the choice of
+    vectors within a multiple mode. Each quantity in units of its largest value."""
+    omega, decay = file["modes/angular_frequency"][:], file["modes/decay_rate"][:]
+    sets = [file[name][:].reshape(-1, omega.size) for name in ("surface/shape", "loads/body_force", "loads/rotation")]
+    rows = np.vstack([values / (np.abs(values).max() or 1) for values in sets])
+    times = np.linspace(0.1, 20, 40)[:, None]
+    sine = np.where(omega > 0, np.sin(omega * times) / np.where(omega > 0, omega, 1), times) * np.exp(-decay * times)
+    return np.einsum("in,tn,jn->tij", rows, sine, rows)
+
+
+def flexibility(file):
+    """The largest static displacement of a candidate under a unit force on it, by its elastic modes."""
+    omega = file["modes/angular_frequency"][:]
+    shape = file["surface/shape"][:].reshape(-1, omega.size)[:, omega > 0]
+    return (shape**2 / omega[omega > 0] ** 2).sum(axis=1).max()
+
+
+class Algebra(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.write("block.geo", GEO)
+        self.scene = self.write("algebra.toml", SCENE)
+        self.out, self.fresh = self.folder / "out", self.folder / "fresh"
+
+    def assert_close(self, one, other, bound, name, scale=0):
+        """Within `bound` of the largest value, or of `scale` where that is larger."""
+        one, other = np.asarray(one, dtype=float), np.asarray(other, dtype=float)
+        self.assertEqual(one.shape, other.shape, name)
+        largest = max(np.abs(other).max(initial=0), scale)
+        self.assertLessEqual(np.abs(one - other).max(initial=0), bound * largest, name)
+
+    def assert_same(self, path, computed, bound=1e-8):
+        """That both kernel files say the same, for all a reader can tell."""
+        self.assertEqual(path.name, computed.name)
+        with h5py.File(path) as a, h5py.File(computed) as b:
+            for name in set(b.attrs) - {"mass"}:
+                self.assertEqual(a.attrs[name], b.attrs[name], name)
+            self.assert_close(a.attrs["mass"], b.attrs["mass"], 1e-12, "mass")
+            found, expected = a["modes/certificate"].attrs, b["modes/certificate"].attrs
+            self.assertEqual(set(found), set(expected))
+            for name in ("below", "count_by_inertia", "count_found", "left_out", "complete"):
+                self.assertEqual(found[name], expected[name], name)
+            if b"count = " in b.attrs["scene"]:  # Then the end may be anywhere up to the next mode.
+                self.assertGreater(2 * np.pi * found["upto_hz"], a["modes/angular_frequency"][-1])
+            else:
+                self.assert_close(found["upto_hz"], expected["upto_hz"], 1e-8, "upto_hz")
+            names = {"": [], "/": []}
+            for file, key in ((a, ""), (b, "/")):
+                file.visit(names[key].append)
+            self.assertEqual(sorted(names[""]), sorted(names["/"]))
+            for name in ("body/centre", "body/inertia", "surface/node", "surface/normal", "surface/area", "view/node"):
+                if name in b:
+                    self.assert_close(a[name], b[name], 1e-12, name)
+            for name in ("modes/angular_frequency", "modes/decay_rate"):
+                self.assert_close(a[name], b[name], bound, name)
+            # What is left out may be nothing but round-off of the whole: the sag of a free body, R of fitted vectors.
+            yielding = flexibility(b)
+            name = "surface/residual_flexibility"
+            self.assert_close(a[name], b[name], bound, name, yielding)
+            name = "loads/body_force_residual"
+            self.assert_close(a[name], b[name], bound, name, yielding * b.attrs["mass"])
+            for name in ("surface/element", "surface/group"):
+                np.testing.assert_array_equal(a[name], b[name])
+            self.assert_close(functions(a), functions(b), bound, "kernel functions")
+            if "view" in b:
+                self.assert_close(np.abs(a["view/shape"]), np.abs(b["view/shape"]), 1e-5, "view")  # single precision
+
+    def path(self, folder, *sets):
+        """The one kernel there that the scene asks for with these settings."""
+        before = set(folder.glob("*.kernel.h5"))
+        run = self.succeed(kernel(self.scene, folder, *sets, quiet=False))
+        new = set(folder.glob("*.kernel.h5")) - before
+        self.assertEqual(len(new), 1)
+        return new.pop(), run
+
+    def check(self, before, after, bound=1e-8):
+        """That the second request is derived from the first's kernel, and what it would be if computed."""
+        old, _ = self.path(self.out, *before)
+        derived, run = self.path(self.out, *after)
+        self.assertIn(f"derived from {old.name}", run.out)
+        self.assertNotIn("assembly", run.out + run.err)
+        computed, run = self.path(self.fresh, *after)
+        self.assertIn("assembly", run.out)
+        self.assert_same(derived, computed, bound)
+
+    def test_another_material_and_size_with_all_modes(self):
+        self.check(["modes={count=40}"], [*OTHER, "modes={count=40}"])
+
+    def test_another_material_and_size_cut_to_a_band(self):
+        self.check([], [*OTHER, "modes.up_to_hz=0.9", "output.view=false"])
+
+    def test_a_number_of_modes_out_of_a_band_of_a_supported_body(self):
+        held = "bodies.block.support={side='xyz'}"
+        self.check([held], [held, *OTHER, "modes={count=12}"])
+
+    def test_one_direction_and_modes_that_contact_needs(self):
+        modes = "modes={{up_to_hz={},flexibility_error=0.01}}"
+        down = "contact.direction=[0,0,-1]"
+        self.check([down, modes.format(0.5)], [down, *OTHER, modes.format(0.5 * FASTER)])
+
+    def test_vectors_fitted_to_contact_in_the_same_band(self):
+        modes = 'modes={{basis="contact",up_to_hz={}}}'
+        # The space that they span is the same, but round-off is larger in a basis of many almost equal responses.
+        self.check([modes.format(0.5)], [*OTHER, modes.format(0.5 * FASTER)], bound=1e-6)
+
+    def test_rods_with_a_cross_section(self):
+        self.write("rod.geo", ROD)
+        rod = ["bodies.block.mesh=rod.geo", "bodies.block.contact=left", "contact.direction=[-1,0,0]",
+               "obstacles.floor.normal=[1,0,0]", "modes={count=6}"]
+        material = "bodies.block.material={{density={},young={},area={}}}"
+        self.check([*rod, material.format(1, 1, 1)],
+                   [*rod, OTHER[0], *OTHER[3:], material.format(3, 0.5, 0.2)])
+
+    def test_what_does_not_follow_is_computed(self):
+        self.path(self.out)
+        for sets in (["modes.up_to_hz=2"], ["bodies.block.material.poisson=0.2"], ["contact.spacing=0.5"],
+                     ["bodies.block.material.young=1"]):
+            with self.subTest(sets=sets):
+                _, run = self.path(self.out, *sets)
+                self.assertNotIn("derived", run.out)
+                self.assertIn("assembly", run.out)
+
+    def recast(self, *words):
+        return Run([BIN / "ricochet-recast", *words])
+
+    def test_recast_kernels_serve_the_scenes_that_ask_for_them(self):
+        old, _ = self.path(self.out)
+        other = self.folder / "recast"
+        self.succeed(self.recast(old, *FACTORS, "--up-to-hz", 0.9, "--out", other))
+        (path,) = other.glob("*.kernel.h5")
+        sets = [*OTHER[:3], OTHER[4], "modes.up_to_hz=0.9"]
+        self.assert_same(path, self.path(self.fresh, *sets)[0])
+        self.succeed(contact(self.scene, other, *sets))
+
+    def test_recast_to_a_flexibility_error_says_what_it_left_out(self):
+        old, _ = self.path(self.out)
+        run = self.succeed(self.recast(old, "--up-to-hz", 0.2, "--flexibility-error", 0.1))
+        with h5py.File(old) as file:
+            all_modes = file["modes/angular_frequency"].size
+        self.succeed(contact(self.scene, self.out, "modes.up_to_hz=0.2", "modes.flexibility_error=0.1"))
+        (path,) = set(self.out.glob("*.kernel.h5")) - {old}
+        with h5py.File(path) as file:
+            kept, told = file["modes/angular_frequency"].size, file["modes/certificate"].attrs
+            self.assertLess(kept, all_modes)
+            self.assertEqual(told["left_out"], all_modes - kept)
+            self.assertLessEqual(told["flexibility_error"], 0.1)
+        self.assertIn(f"{kept} of {all_modes} modes", run.out)
+        self.assertIn(str(path), run.out)
+
+    def test_recast_to_points_and_again_to_fewer(self):
+        old, _ = self.path(self.out)
+        first, second, at_once = (self.folder / name for name in ("first", "second", "at-once"))
+        self.succeed(self.recast(old, "--points", "3,2,1", "--out", first))
+        (three,) = first.glob("*.kernel.h5")
+        self.succeed(self.recast(three, "--points", "2,0", "--out", second))
+        self.succeed(self.recast(old, "--points", "1,3", "--out", at_once))
+        (two,), (same,) = second.glob("*.kernel.h5"), at_once.glob("*.kernel.h5")
+        self.assertEqual(two.name, same.name)
+        self.assertEqual(two.read_bytes(), same.read_bytes())
+        with h5py.File(old) as a, h5py.File(two) as b:
+            np.testing.assert_array_equal(b["surface/node"], a["surface/node"][:][[1, 3]])
+            np.testing.assert_array_equal(b["surface/shape"], a["surface/shape"][:][[1, 3]])
+
+    def test_recast_refuses_in_one_line(self):
+        old, _ = self.path(self.out)
+        before = set(self.folder.rglob("*"))
+        for words, fragments in (
+            ([old, "--up-to-hz", 3], [str(old), "all modes up to 1.5 Hz, not up to 3"]),
+            ([old, "--young-factor", 0.5, "--up-to-hz", 1.4], ["up to 1.06066 Hz"]),
+            ([old, "--points", "0,400"], [str(old), "no candidate point 400"]),
+            ([old, "--flexibility-error", 1e-4], [str(old), "may make an error of"]),
+            ([old, "--count", 3, "--up-to-hz", 1], ["--count", "--up-to-hz"]),
+            ([old, "--density-factor", 0], ["--density-factor"]),
+            ([self.scene], [str(self.scene), "not an HDF5 file"]),
+            ([self.folder / "none.h5"], ["none.h5"]),
+        ):
+            with self.subTest(words=words):
+                run = self.recast(*words)
+                self.assertEqual(run.status, 2, run.err)
+                self.assertEqual(len(run.err.splitlines()), 1, run.err)
+                for fragment in fragments:
+                    self.assertIn(fragment, run.err)
+        self.assertEqual(before, set(self.folder.rglob("*")))
+
+
+if __name__ == "__main__":
+    unittest.main()

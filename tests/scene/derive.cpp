@@ -1,0 +1,231 @@
+// Which kernels follow from which: all that does, and nothing else.
+#include "src/scene/derive.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include "tests/kernels/bar.hpp"
+#include "tests/scene/scenes.hpp"
+
+namespace {
+
+using namespace ricochet;
+using namespace ricochet::scene;
+using namespace ricochet::scene::test;
+using kernels::Kernel;
+using kernels::test::Bar;
+using ::testing::DoubleNear;
+using ::testing::HasSubstr;
+using ::testing::Optional;
+
+const std::string scene_text =
+    changed(changed(smallest, "count = 10", "up_to_hz = 14.0"), "[contact]", R"([contact]
+direction = [0, 0, -1]
+along = [1, 0, 0]
+spacing = 0.01)");
+
+/// What the scene's ball asks for with these overrides.
+KernelRequest request_of_ball(const std::vector<Override>& overrides = {}) {
+  const Folder folder;
+  folder.write("ball.msh", "a mesh");
+  folder.write("other.msh", "another mesh");
+  const Scene scene = read(folder.write("scene.toml", scene_text), overrides);
+  return kernel_request(scene, scene.bodies[0]);
+}
+
+std::optional<kernels::Similarity> similarity_with(const std::vector<Override>& overrides) {
+  return similarity(request_of_ball(), request_of_ball(overrides));
+}
+
+/// A bar that passes for the ball; its 40 modes reach up to 14.4 Hz.
+Kernel kernel_of(const KernelRequest& request) {
+  Kernel kernel = Bar{}.kernel();
+  kernel.hash = request.hash;
+  kernel.scene = request.toml;
+  kernel.mesh_sha256 = request.mesh_sha256;
+  return kernel;
+}
+
+Kernel derived_with(const std::vector<Override>& overrides, const std::vector<Override>& before = {}) {
+  const KernelRequest had = request_of_ball(before), wanted = request_of_ball(overrides);
+  return derived(kernel_of(had), had, wanted);
+}
+
+std::string refusal_of(const std::vector<Override>& overrides, const std::vector<Override>& before = {}) {
+  return complaint_of([&] { derived_with(overrides, before); });
+}
+
+TEST(KernelFiles, tell_the_request_they_answer) {
+  for (const char* set :
+       {"title=any",
+        "bodies.ball.material={steel={density=7800,young=2e11,poisson=0.3},cork={density=240,young=2e7}}",
+        "bodies.ball.material={density=1,young=2,area=3}", "bodies.ball.damping={rayleigh=[1,2]}",
+        "bodies.ball.support={\"symmetry plane\"=\"x\"}", "bodies.ball.contact=[\"rim\",\"a \\\"cap\\\"\"]",
+        "bodies.ball.geometry={\"number of turns\"=2,size=4e-3}", "modes={count=7}",
+        "modes={basis=\"contact\",up_to_hz=3,low_rank=1e-9}", "output.view=true"}) {
+    KernelRequest request = request_of_ball({set});
+    if (std::string(set) == "output.view=true") request.points = {4, 0, 2};
+    seal(request);
+    const KernelRequest told = request_of({request.hash, request.toml, request.mesh_sha256}, "FILE");
+    EXPECT_EQ(told.toml, request.toml);
+    EXPECT_EQ(told.points, request.points);
+  }
+}
+
+TEST(KernelFiles, of_other_versions_are_not_understood) {
+  const KernelRequest request = request_of_ball();
+  const auto complaint = [&](const std::string& hash, const std::string& toml) {
+    return complaint_of([&] { request_of({hash, toml, request.mesh_sha256}, "FILE"); });
+  };
+  EXPECT_THAT(complaint(std::string(64, '0'), request.toml),
+              HasSubstr("FILE: is a kernel of another version"));
+  EXPECT_THAT(complaint(request.hash, "]"), HasSubstr("FILE: its scene is not TOML"));
+  EXPECT_THAT(complaint(request.hash, "[modes]\ncount = 3"), HasSubstr("FILE: body: is missing"));
+  EXPECT_THAT(complaint(request.hash, request.toml + "[magnets]\n"), HasSubstr("unknown key"));
+}
+
+TEST(Similar, bodies_differ_by_factors_of_stiffness_density_and_size) {
+  const auto by = similarity_with({"bodies.ball.material.young=3e9", "bodies.ball.material.density=500",
+                                   "bodies.ball.scale=2", "contact.spacing=0.02"});
+  ASSERT_TRUE(by);
+  EXPECT_DOUBLE_EQ(by->young, 3);
+  EXPECT_DOUBLE_EQ(by->density, 0.5);
+  EXPECT_DOUBLE_EQ(by->scale, 2);
+  EXPECT_FALSE(by->area);
+}
+
+TEST(Similar, bodies_may_differ_in_all_that_is_not_shape) {
+  for (const char* set : {"bodies.ball.damping.ratio=0.1", "bodies.ball.translate=[1,2,3]", "modes={count=3}",
+                          "output.view=true", "contact.direction=[0,0,1]", "bodies.ball.mesh=ball.msh"})
+    EXPECT_TRUE(similarity_with({set})) << set;
+}
+
+TEST(Similar, bodies_do_not_differ_in_anything_else) {
+  for (const char* set :
+       {"bodies.ball.material.poisson=0.1", "bodies.ball.order=2", "bodies.ball.mesh=other.msh",
+        "bodies.ball.geometry.size=1", "bodies.ball.contact=other", "bodies.ball.support.clamp=x",
+        "contact.direction=[0,1,0]", "contact.along=[0,1,0]", "contact.spacing=0.02", "bodies.ball.scale=2",
+        "bodies.ball.material.area=1"})
+    EXPECT_FALSE(similarity_with({set})) << set;
+}
+
+TEST(Similar, bodies_of_several_materials_have_common_factors) {
+  const auto with = [](const char* young) {
+    return request_of_ball(
+        {fmt::format("bodies.ball.material={{a={{density=1,young=3}},b={{density=2,young={}}}}}", young)});
+  };
+  const KernelRequest had = with("5");
+  KernelRequest wanted = had;
+  for (Material& material : wanted.body.materials) material.young *= 1.1;
+  ASSERT_TRUE(similarity(had, wanted));
+  EXPECT_DOUBLE_EQ(similarity(had, wanted)->young, 1.1);
+  EXPECT_FALSE(similarity(had, with("6")));
+}
+
+TEST(Derived, kernels_answer_the_new_request) {
+  const Kernel kernel =
+      derived_with({"bodies.ball.material.young=4e9", "bodies.ball.damping.ratio=0.01", "modes.up_to_hz=28"});
+  const KernelRequest wanted = request_of_ball(
+      {"bodies.ball.material.young=4e9", "bodies.ball.damping.ratio=0.01", "modes.up_to_hz=28"});
+  EXPECT_EQ(kernel.hash, wanted.hash);
+  EXPECT_EQ(kernel.scene, wanted.toml);
+  EXPECT_EQ(kernel.body, "ball");
+  EXPECT_FALSE(kernel.view);  // which the bar has
+  EXPECT_EQ(kernel.modes.size(), 40U);
+  const Bar bar;
+  EXPECT_THAT(kernel.modes.angular_frequency[3], DoubleNear(2 * bar.omega(4), 1e-12));
+  EXPECT_THAT(kernel.modes.decay_rate[3], DoubleNear(0.02 * bar.omega(4), 1e-13));
+}
+
+// A solid's area has no meaning; a rod's patches are as large as it.
+TEST(Derived, kernels_of_rods_keep_their_cross_section) {
+  const auto masses = [](const char* area) {
+    const KernelRequest had = request_of_ball({fmt::format("bodies.ball.material.area={}", area)});
+    KernelRequest wanted = had;
+    wanted.body.scale = 2;
+    *wanted.spacing *= 2;
+    wanted.modes.up_to->value /= 2;
+    seal(wanted);
+    const Kernel before = kernel_of(had);
+    return derived(before, had, wanted).mass / before.mass;
+  };
+  EXPECT_DOUBLE_EQ(masses("0.3"), 2);  // the bar's
+  EXPECT_DOUBLE_EQ(masses("0.4"), 8);
+}
+
+TEST(Derived, kernels_hold_the_modes_that_are_asked_for) {
+  const Bar bar;
+  const auto modes = [](const char* wanted, const char* had = "title=any") {
+    return derived_with({wanted}, {had}).modes.size();
+  };
+  EXPECT_EQ(modes("modes.up_to_hz=14.3"), 40U);  // beyond what was asked for then, and covered
+  EXPECT_EQ(modes("modes.up_to_hz=7"), 19U);     // modes at (n - 1/2) 0.36 Hz
+  EXPECT_EQ(modes("modes={count=7}"), 7U);
+  EXPECT_EQ(modes("modes={count=7}", "modes={count=40}"), 7U);
+  EXPECT_EQ(modes("modes={up_to_hz=7}", "modes={count=40}"), 19U);
+  EXPECT_LT(modes("modes={up_to_hz=1.4,flexibility_error=0.1}"), 10U);
+  EXPECT_EQ(modes("modes={up_to_hz=14,flexibility_error=1e-3}", "modes={up_to_hz=14,flexibility_error=1e-3}"),
+            40U);
+  EXPECT_EQ(modes("modes.relative_residual=1e-7"), 40U);
+  const Kernel bare = derived_with({"modes.residual_flexibility=false"});
+  EXPECT_TRUE(bare.surface.residual_flexibility.empty());
+  EXPECT_TRUE(bare.loads.body_force_residual.empty());
+}
+
+TEST(Derived, kernels_do_not_hold_more_than_the_old_one) {
+  EXPECT_THAT(refusal_of({"modes.up_to_hz=15"}), HasSubstr("has all modes up to 14.4"));
+  EXPECT_THAT(refusal_of({"bodies.ball.material.young=5e8"}), HasSubstr("has all modes up to 10."));
+  EXPECT_THAT(refusal_of({"modes={count=41}"}), HasSubstr("has 40 modes, not 41"));
+  EXPECT_THAT(refusal_of({"modes={up_to_hz=14,flexibility_error=1e-3}"}), HasSubstr("may make an error"));
+  EXPECT_THAT(refusal_of({"modes.relative_residual=1e-9"}), HasSubstr("not computed as asked for"));
+  EXPECT_THAT(refusal_of({}, {"modes.residual_flexibility=false"}), HasSubstr("no residual flexibility"));
+  EXPECT_THAT(refusal_of({"modes={basis=\"contact\",up_to_hz=14}"}), HasSubstr("not computed as asked for"));
+  EXPECT_THAT(refusal_of({"bodies.ball.order=2"}), HasSubstr("another body"));
+  const KernelRequest had = request_of_ball(), wanted = request_of_ball({"output.view=true"});
+  Kernel kernel = kernel_of(had);
+  kernel.view.reset();
+  EXPECT_THAT(complaint_of([&] { derived(kernel, had, wanted); }), HasSubstr("has no view"));
+}
+
+TEST(Derived, vectors_fitted_to_contact_serve_the_same_band_of_a_similar_body) {
+  const auto of = [](const char* young, const char* band) {
+    return request_of_ball({fmt::format("bodies.ball.material.young={}", young),
+                            fmt::format("modes={{basis=\"contact\",up_to_hz={}}}", band)});
+  };
+  const KernelRequest had = of("1e9", "5");
+  Kernel kernel = kernel_of(had);
+  kernel.modes.basis = "contact";
+  EXPECT_EQ(derived(kernel, had, of("9e9", "15")).modes.size(), 40U);
+  EXPECT_THAT(complaint_of([&] { derived(kernel, had, of("9e9", "14")); }), HasSubstr("another band"));
+}
+
+TEST(Derived, points_are_numbered_as_on_the_whole_surface) {
+  KernelRequest whole = request_of_ball(), three = whole, one = whole;
+  three.points = {3, 2, 1};
+  one.points = {1};
+  seal(three);
+  seal(one);
+  const Kernel cut = derived(kernel_of(whole), whole, three), again = derived(cut, three, one);
+  EXPECT_THAT(again.surface.node, ::testing::ElementsAre(0.5 * 1.7, 0.4, 0));
+  EXPECT_FALSE(similarity(three, whole));
+  EXPECT_FALSE(similarity(one, three));
+}
+
+TEST(Folders, hold_kernels_to_derive_from_among_other_files) {
+  const Folder folder;
+  const KernelRequest had = request_of_ball(), wanted = request_of_ball({"modes.up_to_hz=7"});
+  EXPECT_FALSE(derive_from_any(folder.path(), wanted));
+  EXPECT_FALSE(derive_from_any(folder / "not there", wanted));
+  folder.write("a.kernel.h5", "torn");
+  kernels::write(kernel_of(request_of_ball({"bodies.ball.order=2"})), folder / "b.kernel.h5");
+  kernels::write(kernel_of(request_of_ball({"modes={count=3}", "modes.relative_residual=1e-3"})),
+                 folder / "c.kernel.h5");
+  EXPECT_FALSE(derive_from_any(folder.path(), wanted));
+  kernels::write(kernel_of(had), folder / "d.kernel.h5");
+  const auto found = derive_from_any(folder.path(), wanted);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->from, folder / "d.kernel.h5");
+  EXPECT_EQ(found->kernel.hash, wanted.hash);
+}
+
+}  // namespace
