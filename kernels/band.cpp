@@ -136,24 +136,50 @@ void keep_columns(std::vector<T>& matrix, const std::vector<bool>& keep) {
   matrix.resize(to);
 }
 
-/// Takes modes out of a kernel and adds what they give statically to its residual flexibility.
+/// Block `at` of the `blocks` side by side in a matrix of columns (rows, blocks · width):
+/// += left_k right_kᵀ / λ with left (rows, n), right (width, n). An empty matrix stays empty.
+void add_product(std::vector<double>& matrix, const std::vector<double>& left,
+                 const std::vector<double>& right, std::size_t k, std::size_t n, double lambda,
+                 std::size_t at = 0, std::size_t blocks = 1) {
+  const std::size_t width = right.size() / n;
+  for (std::size_t i = 0; i < matrix.size() / (width * blocks); ++i)
+    for (std::size_t j = 0; j < width; ++j)
+      matrix[(i * blocks + at) * width + j] += left[i * n + k] * right[j * n + k] / lambda;
+}
+
+/// Takes modes out of a kernel and adds what they give statically to its residual flexibility. A support that
+/// moves takes along what it moved of them: Ψ − ΦΓ grows by φ_k Γ_k.
 void leave_out(Kernel& kernel, const std::vector<bool>& keep) {
-  const std::size_t n = keep.size(), rows = kernel.surface.shape.size() / n;
+  const std::size_t n = keep.size(), loads = kernel.applied.size(), motions = kernel.motions.size();
+  const std::vector<double>&shape = kernel.surface.shape, &gravity = kernel.loads.body_force;
   for (std::size_t k = 0; k < n; ++k) {
     if (keep[k]) continue;
     const double lambda = std::pow(kernel.modes.angular_frequency[k], 2);
-    const auto trace = [&](std::size_t i) { return kernel.surface.shape[i * n + k]; };
-    for (std::size_t i = 0; i < rows; ++i) {
-      for (std::size_t j = 0; j < rows; ++j)
-        kernel.surface.residual_flexibility[i * rows + j] += trace(i) * trace(j) / lambda;
-      for (std::size_t d = 0; d < 3; ++d)
-        kernel.loads.body_force_residual[i * 3 + d] += trace(i) * kernel.loads.body_force[d * n + k] / lambda;
+    add_product(kernel.surface.residual_flexibility, shape, shape, k, n, lambda);
+    add_product(kernel.loads.body_force_residual, shape, gravity, k, n, lambda);
+    for (Load& load : kernel.applied) add_product(load.residual, shape, load.participation, k, n, lambda);
+    for (Motion& motion : kernel.motions) {
+      add_product(motion.residual, shape, motion.participation, k, n, 1);
+      add_product(motion.momentum, gravity, motion.participation, k, n, 1);
+    }
+    for (Receiver& receiver : kernel.receivers) {
+      add_product(receiver.residual_flexibility, receiver.shape, shape, k, n, lambda);
+      add_product(receiver.body_force_residual, receiver.shape, gravity, k, n, lambda);
+      for (std::size_t l = 0; l < loads; ++l)
+        add_product(receiver.load_residual, receiver.shape, kernel.applied[l].participation, k, n, lambda, l,
+                    loads);
+      for (std::size_t s = 0; s < motions; ++s)
+        add_product(receiver.motion_residual, receiver.shape, kernel.motions[s].participation, k, n, 1, s,
+                    motions);
     }
   }
   for (std::vector<double>* matrix :
        {&kernel.modes.angular_frequency, &kernel.modes.decay_rate, &kernel.modes.residual,
         &kernel.surface.shape, &kernel.loads.body_force, &kernel.loads.rotation})
     keep_columns(*matrix, keep);
+  for (Load& load : kernel.applied) keep_columns(load.participation, keep);
+  for (Motion& motion : kernel.motions) keep_columns(motion.participation, keep);
+  for (Receiver& receiver : kernel.receivers) keep_columns(receiver.shape, keep);
   if (kernel.view) keep_columns(kernel.view->shape, keep);
 }
 

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "src/scene/toml.hpp"
+#include "src/scene/loads.hpp"
 
 namespace ricochet::scene {
 
@@ -253,7 +253,8 @@ void read_time(Table& root, Time& time) {
   table->refuse_unknown();
 }
 
-void read_output(Table& root, Output& output) {
+void read_output(Table& root, Scene& scene) {
+  Output& output = scene.output;
   auto table = root.table("output");
   if (!table) return;
   if (const auto every = table->integer("every")) {
@@ -265,6 +266,7 @@ void read_output(Table& root, Output& output) {
     if (*every < 0) table->complain("snapshot_every", "must not be negative");
     output.snapshot_every = *every;
   }
+  output.receivers = read_receivers(*table, scene);
   table->refuse_unknown();
 }
 
@@ -317,11 +319,8 @@ Scene read(const std::filesystem::path& file, const std::vector<Override>& overr
   scene.modes = read_modes(root);
   scene.contact = read_contact(root, scene);
   read_time(root, scene.time);
-  if (auto loads = root.table("loads")) {
-    scene.loads.gravity = loads->vector("gravity").value_or(Vector3{});
-    loads->refuse_unknown();
-  }
-  read_output(root, scene.output);
+  read_loads(root, scene);
+  read_output(root, scene);
   root.refuse_unknown();
   for (const Body& body : scene.bodies) {
     const bool paired = std::any_of(scene.contact.pairs.begin(), scene.contact.pairs.end(),

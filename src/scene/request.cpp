@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "kernels/error.hpp"
+#include "src/scene/loads.hpp"
 #include "src/scene/parts.hpp"
 #include "src/scene/write.hpp"
 
@@ -129,6 +130,8 @@ KernelRequest kernel_request(const Scene& scene, const Body& body) {
   if (request.along) request.toml += "along = " + toml_vector(*request.along) + "\n";
   if (request.spacing) request.toml += "spacing = " + toml_number(*request.spacing) + "\n";
   request.toml += fmt::format("[output]\nview = {}\n", request.view);
+  take_sources(scene, body, request);
+  request.toml += toml_sources(request);
   request.hash = sha256(fmt::format("{}\n{}\n{}", kernel_generation, request.mesh_sha256, request.toml));
   return request;
 }

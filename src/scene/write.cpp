@@ -92,17 +92,49 @@ std::string toml_modes(const Modes& modes) {
                             toml_number(modes.relative_residual));
 }
 
+namespace {
+
+/// As the scene may name it: from its own folder.
+std::string from_folder(const Scene& scene, const std::filesystem::path& path) {
+  const std::filesystem::path relative =
+      path.lexically_relative(scene.file.parent_path().empty() ? "." : scene.file.parent_path());
+  return toml_string((relative.empty() ? path : relative).string());
+}
+
+std::string loads_of(const Scene& scene) {
+  std::string text = "\n[loads]\ngravity = " + toml_vector(scene.loads.gravity) + "\n";
+  for (const auto& [table, list] :
+       {std::pair{"traction", &scene.loads.tractions}, std::pair{"point", &scene.loads.points},
+        std::pair{"motion", &scene.loads.motions}})
+    for (const Driven& driven : *list) {
+      text += fmt::format("\n[[loads.{}]]\nname = {}\nbody = {}\n{}\nvector = {}\n", table,
+                          toml_string(driven.name), toml_string(driven.body),
+                          list == &scene.loads.points ? "at = " + toml_vector(driven.at)
+                                                      : "group = " + toml_string(driven.group),
+                          toml_vector(driven.vector));
+      if (!driven.history.empty()) text += "history = " + from_folder(scene, driven.history) + "\n";
+    }
+  return text;
+}
+
+std::string output_of(const Output& output) {
+  std::string text = fmt::format("\n[output]\nevery = {}\nview = {}\nsnapshot_every = {}\n", output.every,
+                                 output.view, output.snapshot_every);
+  for (const Receiver& receiver : output.receivers)
+    text += fmt::format("\n[[output.receiver]]\nname = {}\nbody = {}\nat = {}\n", toml_string(receiver.name),
+                        toml_string(receiver.body), toml_vector(receiver.at));
+  return text;
+}
+
+}  // namespace
+
 std::string to_toml(const Scene& scene) {
   std::string text = fmt::format("title = {}\n", toml_string(scene.title));
-  for (const Body& body : scene.bodies) {
-    std::filesystem::path mesh =
-        body.mesh.lexically_relative(scene.file.parent_path().empty() ? "." : scene.file.parent_path());
-    if (mesh.empty()) mesh = body.mesh;
+  for (const Body& body : scene.bodies)
     text +=
         fmt::format("\n[bodies.{}]\nmesh = {}\n{}translate = {}\nrotate_deg = {}\nvelocity = {}\n", body.name,
-                    toml_string(mesh.string()), toml_body_matter(body), toml_vector(body.translate),
+                    from_folder(scene, body.mesh), toml_body_matter(body), toml_vector(body.translate),
                     toml_vector(body.rotate_deg), toml_vector(body.velocity));
-  }
   for (const Obstacle& o : scene.obstacles)
     text += fmt::format("\n[obstacles.{}]\npoint = {}\nnormal = {}\n", toml_string(o.name),
                         toml_vector(o.point), toml_vector(o.normal));
@@ -121,12 +153,10 @@ std::string to_toml(const Scene& scene) {
     if (pair.gap) text += "gap = " + toml_number(*pair.gap) + "\n";
     if (pair.reach) text += "reach = " + toml_number(*pair.reach) + "\n";
   }
-  return text + fmt::format(
-                    "\n[time]\nrate_hz = {}\nduration = {}\n\n[loads]\ngravity = {}\n\n[output]\nevery = "
-                    "{}\nview = {}\nsnapshot_every = {}\n",
-                    toml_number(scene.time.rate.value), toml_number(scene.time.duration),
-                    toml_vector(scene.loads.gravity), scene.output.every, scene.output.view,
-                    scene.output.snapshot_every);
+  return text +
+         fmt::format("\n[time]\nrate_hz = {}\nduration = {}\n", toml_number(scene.time.rate.value),
+                     toml_number(scene.time.duration)) +
+         loads_of(scene) + output_of(scene.output);
 }
 
 std::string slug(const std::string& title) {
