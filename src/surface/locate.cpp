@@ -60,15 +60,21 @@ struct Map {
   }
 };
 
-/// The place of an element nearest to `point`: by Newton's method where that is inside, else by projected
-/// gradients.
-Vector3d nearest_in(Map& map, const Vector3d& point) {
+Vector3d centre_of(const mesh::ReferenceElement& element) {
+  Vector3d centre = Vector3d::Zero();
+  for (int a = 0; a < element.corners; ++a)
+    for (int d = 0; d < element.dim; ++d)
+      centre[d] += element.node[static_cast<std::size_t>(a * element.dim + d)] / element.corners;
+  return centre;
+}
+
+/// Where in an element `point` lies, by Newton's method; the nearest place of its own coordinates where that
+/// is outside.
+Vector3d by_newton(Map& map, const Vector3d& point) {
   const int dim = map.element.dim;
-  Vector3d xi = Vector3d::Zero(), centre = Vector3d::Zero();
-  for (int a = 0; a < map.element.corners; ++a)
-    for (int d = 0; d < dim; ++d)
-      centre[d] += map.element.node[static_cast<std::size_t>(a * dim + d)] / map.element.corners;
-  xi = centre;
+  const Vector3d centre = centre_of(map.element);
+  Vector3d xi = centre;
+  // Outside an element that is bent it may diverge.
   for (int step = 0; step < 30 && (xi - centre).norm() < 4; ++step) {
     const Vector3d off = point - map(xi);
     const Eigen::VectorXd move =
@@ -77,14 +83,17 @@ Vector3d nearest_in(Map& map, const Vector3d& point) {
     if (!(move.norm() > 1e-14)) break;
   }
   if (!xi.allFinite()) xi = centre;
-  Vector3d inside = xi;
-  to_element(map.element, inside);
-  if ((inside - xi).norm() < 1e-9) return inside;
-  xi = inside;
+  to_element(map.element, xi);
+  return xi;
+}
+
+/// The place of an element nearest to `point`, by projected gradients.
+Vector3d by_gradients(Map& map, const Vector3d& point) {
+  Vector3d xi = by_newton(map, point);
   for (int step = 0; step < 200; ++step) {
     const Vector3d off = point - map(xi);
     Vector3d next = xi;
-    next.head(dim) += map.jacobian.transpose() * off / map.jacobian.squaredNorm();
+    next.head(map.element.dim) += map.jacobian.transpose() * off / map.jacobian.squaredNorm();
     to_element(map.element, next);
     const double move = (next - xi).norm();
     xi = next;
@@ -123,30 +132,45 @@ std::vector<Near> by_distance(const mesh::Mesh& mesh, const Vector3d& point) {
   return all;
 }
 
-/// The nearest place in this rank's own elements.
-Located locate_here(const mesh::Mesh& mesh, const Vector3d& point, double round_off) {
+/// Takes the place `xi` of an element if it is nearer than what was found before.
+void take_nearer(Map& map, const Vector3d& xi, const Vector3d& point, const mesh::Mesh& mesh,
+                 const std::int64_t* nodes, Located& best) {
+  const Vector3d place = map(xi);
+  const double distance = (place - point).norm();
+  if (distance >= best.distance) return;
+  best.distance = distance;
+  best.place = {place[0], place[1], place[2]};
+  best.node.clear();
+  for (Eigen::Index a = 0; a < map.position.cols(); ++a)
+    best.node.push_back(mesh.node[static_cast<std::size_t>(nodes[a])]);
+  best.weight.assign(map.shape.data(), map.shape.data() + map.shape.size());
+}
+
+/// Looks through this rank's own elements: first for one that holds the point; only where no rank has one for
+/// the nearest place. Collective.
+Located locate_here(const mesh::Mesh& mesh, const Vector3d& point) {
   std::vector<mesh::ReferenceElement> references;
   for (const mesh::Block& block : mesh.blocks) references.push_back(mesh::reference_element(block.gmsh_type));
+  const std::vector<Near> near = by_distance(mesh, point);
+  const double round_off = 1e-13 * size_of(mesh);
   Located best;
   best.distance = infinity;
-  for (const Near& near : by_distance(mesh, point)) {
-    if (near.distance >= best.distance || best.distance <= round_off) break;
-    const mesh::Block& block = mesh.blocks[near.block];
-    const std::int64_t* nodes = &block.node[near.element * static_cast<std::size_t>(block.nodes_per_element)];
-    Map map{references[near.block], {}};
-    map.position.resize(3, block.nodes_per_element);
-    for (int a = 0; a < block.nodes_per_element; ++a)
-      map.position.col(a) = Vector3d(&mesh.position[3 * static_cast<std::size_t>(nodes[a])]);
-    const Vector3d place = map(nearest_in(map, point));
-    const double distance = (place - point).norm();
-    if (distance >= best.distance) continue;
-    best.distance = distance;
-    best.place = {place[0], place[1], place[2]};
-    best.node.clear();
-    for (int a = 0; a < block.nodes_per_element; ++a)
-      best.node.push_back(mesh.node[static_cast<std::size_t>(nodes[a])]);
-    best.weight.assign(map.shape.data(), map.shape.data() + map.shape.size());
-  }
+  const auto search = [&](auto&& place_in, double most) {
+    for (const Near& one : near) {
+      if (one.distance > most || one.distance >= best.distance || best.distance <= round_off) break;
+      const mesh::Block& block = mesh.blocks[one.block];
+      const std::int64_t* nodes =
+          &block.node[one.element * static_cast<std::size_t>(block.nodes_per_element)];
+      Map map{references[one.block], {}};
+      map.position.resize(3, block.nodes_per_element);
+      for (int a = 0; a < block.nodes_per_element; ++a)
+        map.position.col(a) = Vector3d(&mesh.position[3 * static_cast<std::size_t>(nodes[a])]);
+      take_nearer(map, place_in(map, point), point, mesh, nodes, best);
+    }
+  };
+  search(by_newton, 0);
+  const double somewhere = -parallel::largest(mesh.comm, -best.distance);
+  if (somewhere > round_off) search(by_gradients, infinity);
   return best;
 }
 
@@ -168,7 +192,7 @@ double size_of(const mesh::Mesh& mesh) {
 }
 
 Located locate(const mesh::Mesh& mesh, const Vector3& point) {
-  Located found = locate_here(mesh, Vector3d(point.data()), 1e-13 * size_of(mesh));
+  Located found = locate_here(mesh, Vector3d(point.data()));
   struct {
     double distance;
     int rank;
