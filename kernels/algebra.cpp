@@ -89,7 +89,7 @@ Kernel rescaled(Kernel kernel, const Similarity& factors, const Damping& damping
   const double frequency = frequency_factor(factors), s = factors.scale, root = std::sqrt(m);
   // Each structure by all its members: a new one has to be given its factor here, or this does not compile.
   auto& [body, hash, scene, mesh_sha256, created_by, dofs, elements, order, mass, centre, inertia, supported,
-         modes, surface, loads, view] = kernel;
+         modes, surface, loads, applied, motions, receivers, view] = kernel;
   mass *= m;
   multiply(centre, s);
   multiply(inertia, m * s * s);
@@ -111,6 +111,28 @@ Kernel rescaled(Kernel kernel, const Similarity& factors, const Damping& damping
   multiply(body_force, root);
   multiply(rotation, root * s);
   multiply(body_force_residual, m / k);
+  const double on_surface = factors.area.value_or(s * s);
+  const auto per_unit = [&](const Load& load) { return load.unit == "Pa" ? on_surface : 1.0; };
+  for (Load& load : applied) {
+    auto& [name, unit, participation, total, moment, residual] = load;
+    const double unit_force = per_unit(load);
+    multiply(participation, unit_force / root);
+    multiply(total, unit_force);
+    multiply(moment, unit_force * s);
+    multiply(residual, unit_force / k);
+  }
+  for (auto& [name, participation, residual, momentum] : motions) {
+    multiply(participation, root);
+    multiply(momentum, m);
+  }
+  for (auto& [name, point, shape, by_contact, by_gravity, by_loads, by_motions] : receivers) {
+    multiply(point, s);
+    multiply(shape, 1 / root);
+    multiply(by_contact, 1 / k);
+    multiply(by_gravity, m / k);
+    for (std::size_t j = 0; j < by_loads.size(); ++j)
+      by_loads[j] *= per_unit(applied[j / 3 % applied.size()]) / k;
+  }
   if (view) {
     auto& [node, corners, element, shape] = *view;
     multiply(node, s);
@@ -154,6 +176,8 @@ Kernel cut_to_points(Kernel kernel, const std::vector<std::int64_t>& points) {
   Surface& surface = kernel.surface;
   const std::size_t m = surface.size(), n = kernel.modes.size(),
                     c = static_cast<std::size_t>(surface.components);
+  if (!kernel.applied.empty() || !kernel.motions.empty() || !kernel.receivers.empty())
+    fail(kernel, "has loads, supports that move or receivers: compute it with those points");
   if (points.empty()) fail(kernel, "no candidate point would be left: name one at least");
   std::vector<bool> named(m, false);
   for (const std::int64_t i : points) {

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <set>
 #include <span>
 #include <string_view>
 
@@ -140,7 +142,61 @@ void validate_surface(const Surface& surface, std::size_t modes, const Validator
         check.fail(name, fmt::format("is not symmetric at ({}, {}).", i, j));
 }
 
+/// A dataset that is there as a whole or not at all.
+void finite_or_none(const Validator& check, const std::string& name, const std::vector<double>& values,
+                    std::size_t expected) {
+  if (!values.empty()) check.finite(name, values, expected);
+}
+
+void validate_names(const auto& items, const std::string& group, const Validator& check) {
+  std::set<std::string> names;
+  for (const auto& item : items) {
+    if (!is_free_name(item.name))
+      check.fail(fmt::format("group \"{}\"", group), fmt::format("has the name \"{}\".", item.name));
+    if (!names.insert(item.name).second)
+      check.fail(fmt::format("group \"{}\"", group), fmt::format("has \"{}\" twice.", item.name));
+  }
+}
+
+void validate_sources(const Kernel& kernel, const Validator& check) {
+  const std::size_t n = kernel.modes.size(),
+                    rows = static_cast<std::size_t>(kernel.surface.components) * kernel.surface.size();
+  validate_names(kernel.applied, "/loads", check);
+  validate_names(kernel.motions, "/motions", check);
+  validate_names(kernel.receivers, "/receivers", check);
+  for (const Load& load : kernel.applied) {
+    const std::string data = "dataset \"/load_data/" + load.name;
+    if (load.unit != "Pa" && load.unit != "N")
+      check.fail("dataset \"/loads/" + load.name + "\"", "is of neither a traction nor a force.");
+    check.finite("dataset \"/loads/" + load.name + "\"", load.participation, 3 * n);
+    check.finite(data + "/total\"", load.total, 9);
+    check.finite(data + "/moment\"", load.moment, 9);
+    finite_or_none(check, data + "/residual\"", load.residual, 3 * rows);
+  }
+  for (const Motion& motion : kernel.motions) {
+    const std::string data = "dataset \"/motions/" + motion.name;
+    check.finite(data + "/participation\"", motion.participation, 3 * n);
+    check.finite(data + "/residual\"", motion.residual, 3 * rows);
+    check.finite(data + "/momentum\"", motion.momentum, 9);
+  }
+  for (const Receiver& receiver : kernel.receivers) {
+    const std::string data = "dataset \"/receiver_data/" + receiver.name;
+    check.finite("dataset \"/receivers/" + receiver.name + "\"", receiver.shape, 3 * n);
+    check.finite(data + "/point\"", std::vector<double>(receiver.point.begin(), receiver.point.end()), 3);
+    finite_or_none(check, data + "/residual_flexibility\"", receiver.residual_flexibility, 3 * rows);
+    finite_or_none(check, data + "/body_force_residual\"", receiver.body_force_residual, 9);
+    finite_or_none(check, data + "/load_residual\"", receiver.load_residual, 9 * kernel.applied.size());
+    check.finite(data + "/motion_residual\"", receiver.motion_residual, 9 * kernel.motions.size());
+  }
+}
+
 }  // namespace
+
+bool is_free_name(const std::string& name) {
+  constexpr std::array taken = {".", "..", "body_force", "body_force_residual", "rotation"};
+  return !name.empty() && name.size() <= 100 && std::ranges::find(taken, name) == taken.end() &&
+         std::ranges::none_of(name, [](unsigned char c) { return c == '/' || c < 32 || c == 127; });
+}
 
 void validate(const Kernel& kernel, const std::string& origin) {
   const Validator check(origin);
@@ -153,6 +209,7 @@ void validate(const Kernel& kernel, const std::string& origin) {
   if (!kernel.loads.body_force_residual.empty())
     check.finite("dataset \"/loads/body_force_residual\"", kernel.loads.body_force_residual,
                  3 * static_cast<std::size_t>(kernel.surface.components) * kernel.surface.size());
+  validate_sources(kernel, check);
   if (kernel.view) {
     const std::size_t nodes = kernel.view->node.size() / 3;
     check.finite("dataset \"/view/node\"", kernel.view->node, 3 * nodes);

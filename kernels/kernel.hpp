@@ -128,6 +128,10 @@ struct Kernel {
   std::optional<View> view;
 };
 
+/// Whether a load, a motion or a receiver may have this name, which becomes that of a dataset: not empty, at
+/// most 100 bytes, no "/" and no control characters, not "." or a name that the file's loads have already.
+bool is_free_name(const std::string& name);
+
 /// Throws InputError naming `origin` when shapes disagree, a value is not finite, areas or frequencies are
 /// negative, an index leaves its range or normals are not unit vectors. Loaders call it, so that nothing past
 /// them needs to.

@@ -111,6 +111,61 @@ Loads read_loads(const hdf5::Reader& file, const Surface& surface, std::size_t n
   return loads;
 }
 
+/// Names in a list that may be missing. They become those of datasets, so they are checked before.
+std::vector<std::string> read_names(const hdf5::Reader& file, const std::string& list) {
+  if (!file.exists(list)) return {};
+  const hdf5::Shape shape = file.shape(list);
+  if (shape.size() != 1) file.fail(fmt::format("dataset \"{}\" is not a list.", list));
+  std::vector<std::string> names = file.read_strings(list, shape[0]);
+  for (const std::string& name : names)
+    if (!is_free_name(name)) file.fail(fmt::format("dataset \"{}\" holds a name that can't be one.", list));
+  return names;
+}
+
+std::vector<double> read_if_there(const hdf5::Reader& file, const std::string& dataset,
+                                  const hdf5::Shape& shape) {
+  return file.exists(dataset) ? file.read<double>(dataset, shape) : std::vector<double>{};
+}
+
+/// Loads with histories, motions of supports, receivers.
+void read_sources(const hdf5::Reader& file, Kernel& kernel) {
+  const std::size_t m = kernel.surface.size(), n = kernel.modes.size();
+  const bool directed = kernel.surface.direction.has_value();
+  const hdf5::Shape on_surface = directed ? hdf5::Shape{m, 3} : hdf5::Shape{m, 3, 3};
+  for (const std::string& name : read_names(file, "/names/loads")) {
+    const std::string dataset = "/loads/" + name, data = "/load_data/" + name;
+    Load load;
+    load.name = name;
+    load.participation = file.read<double>(dataset, {3, n});
+    const std::string unit = file.string_attribute(dataset, "unit");
+    load.unit = unit == kTractionUnit ? "Pa" : unit == kForceUnit ? "N" : "";
+    load.total = file.read<double>(data + "/total", {3, 3});
+    load.moment = file.read<double>(data + "/moment", {3, 3});
+    load.residual = read_if_there(file, data + "/residual", on_surface);
+    kernel.applied.push_back(std::move(load));
+  }
+  for (const std::string& name : read_names(file, "/names/motions")) {
+    const std::string data = "/motions/" + name;
+    kernel.motions.push_back({name, file.read<double>(data + "/participation", {3, n}),
+                              file.read<double>(data + "/residual", on_surface),
+                              file.read<double>(data + "/momentum", {3, 3})});
+  }
+  const std::size_t loads = kernel.applied.size(), motions = kernel.motions.size();
+  for (const std::string& name : read_names(file, "/names/receivers")) {
+    const std::string data = "/receiver_data/" + name;
+    Receiver receiver;
+    receiver.name = name;
+    receiver.shape = file.read<double>("/receivers/" + name, {3, n});
+    std::ranges::copy(file.read<double>(data + "/point", {3}), receiver.point.begin());
+    receiver.residual_flexibility = read_if_there(file, data + "/residual_flexibility",
+                                                  directed ? hdf5::Shape{3, m} : hdf5::Shape{3, m, 3});
+    receiver.body_force_residual = read_if_there(file, data + "/body_force_residual", {3, 3});
+    receiver.load_residual = read_if_there(file, data + "/load_residual", {3, loads, 3});
+    receiver.motion_residual = read_if_there(file, data + "/motion_residual", {3, motions, 3});
+    kernel.receivers.push_back(std::move(receiver));
+  }
+}
+
 View read_view(const hdf5::Reader& file, std::size_t n) {
   View view;
   view.node = file.read<double>("/view/node", {any, 3});
@@ -130,6 +185,7 @@ Kernel read(const std::filesystem::path& path) {
   const std::size_t n = kernel.modes.size();
   kernel.surface = read_surface(file, n);
   kernel.loads = read_loads(file, kernel.surface, n);
+  read_sources(file, kernel);
   if (file.exists("/view")) kernel.view = read_view(file, n);
   validate(kernel, path.string());
   return kernel;

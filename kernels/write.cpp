@@ -64,6 +64,54 @@ void write_loads(hdf5::Writer& file, const Kernel& kernel) {
     file.write("/loads/body_force_residual", kernel.loads.body_force_residual, residual, "s^2");
 }
 
+template <class Item>
+void write_names(hdf5::Writer& file, const std::string& dataset, const std::vector<Item>& items) {
+  std::vector<std::string> names;
+  for (const Item& item : items) names.push_back(item.name);
+  if (!names.empty()) file.write_strings(dataset, names);
+}
+
+/// Nothing where there are no values.
+void write_some(hdf5::Writer& file, const std::string& dataset, const std::vector<double>& values,
+                const hdf5::Shape& shape, const std::string& unit) {
+  if (!values.empty()) file.write(dataset, values, shape, unit);
+}
+
+void write_sources(hdf5::Writer& file, const Kernel& kernel) {
+  const std::size_t m = kernel.surface.size(), n = kernel.modes.size();
+  const bool directed = kernel.surface.direction.has_value();
+  const hdf5::Shape on_surface = directed ? hdf5::Shape{m, 3} : hdf5::Shape{m, 3, 3};
+  write_names(file, "/names/loads", kernel.applied);
+  write_names(file, "/names/motions", kernel.motions);
+  write_names(file, "/names/receivers", kernel.receivers);
+  for (const Load& load : kernel.applied) {
+    const bool traction = load.unit == "Pa";
+    const std::string data = "/load_data/" + load.name;
+    file.write("/loads/" + load.name, load.participation, {3, n}, traction ? kTractionUnit : kForceUnit);
+    file.write(data + "/total", load.total, {3, 3}, traction ? "m^2" : "1");
+    file.write(data + "/moment", load.moment, {3, 3}, traction ? "m^3" : "m");
+    write_some(file, data + "/residual", load.residual, on_surface, "m/" + load.unit);
+  }
+  for (const Motion& motion : kernel.motions) {
+    const std::string data = "/motions/" + motion.name;
+    file.write(data + "/participation", motion.participation, {3, n}, "kg^1/2");
+    file.write(data + "/residual", motion.residual, on_surface, "1");
+    file.write(data + "/momentum", motion.momentum, {3, 3}, "kg");
+  }
+  const std::size_t loads = kernel.applied.size(), motions = kernel.motions.size();
+  for (const Receiver& receiver : kernel.receivers) {
+    const std::string data = "/receiver_data/" + receiver.name;
+    file.write("/receivers/" + receiver.name, receiver.shape, {3, n}, "kg^-1/2");
+    file.write<double>(data + "/point", receiver.point, {3}, "m");
+    write_some(file, data + "/residual_flexibility", receiver.residual_flexibility,
+               directed ? hdf5::Shape{3, m} : hdf5::Shape{3, m, 3}, "m/N");
+    write_some(file, data + "/body_force_residual", receiver.body_force_residual, {3, 3}, "s^2");
+    write_some(file, data + "/load_residual", receiver.load_residual, {3, loads, 3},
+               "m per unit of the load");
+    write_some(file, data + "/motion_residual", receiver.motion_residual, {3, motions, 3}, "1");
+  }
+}
+
 void write_view(hdf5::Writer& file, const View& view, std::size_t n) {
   const std::size_t nodes = view.node.size() / 3, corners = static_cast<std::size_t>(view.element_corners);
   file.write("/view/node", view.node, {nodes, 3}, "m");
@@ -80,6 +128,7 @@ void write(const Kernel& kernel, const std::filesystem::path& path) {
   write_modes(file, kernel.modes);
   write_surface(file, kernel.surface, kernel.modes.size());
   write_loads(file, kernel);
+  write_sources(file, kernel);
   if (kernel.view) write_view(file, *kernel.view, kernel.modes.size());
   file.commit();
 }

@@ -12,7 +12,6 @@ namespace {
 using mesh::Basis;
 using mesh::Block;
 using mesh::Mesh;
-using ElementMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// Quadrature degree. Straight simplices have constant Jacobians, so 2p integrates the mass exactly;
 /// elsewhere the Jacobian adds degrees, and 2p + 2 keeps the patch test exact up to order 4 (cofactors have
@@ -240,7 +239,7 @@ void finish_inertia(MPI_Comm comm, std::array<double, 10>& moments, Body& body) 
 }  // namespace
 
 Body assemble(const Mesh& mesh, const std::vector<scene::Material>& materials, const std::string& file,
-              const parallel::Progress& progress) {
+              const parallel::Progress& progress, const std::vector<std::string>& moved) {
   Body body;
   const int c = mesh.components();
   body.local_rows = mesh.owned_nodes * c;
@@ -250,6 +249,7 @@ Body assemble(const Mesh& mesh, const std::vector<scene::Material>& materials, c
   body.mass = create(mesh, pattern);
   body.rigid_load = Eigen::MatrixXd::Zero(body.local_rows, 6);
 
+  Imposing imposing(mesh, moved);
   std::array<double, 10> moments{};
   std::string complaint;
   double stiffest = 0;
@@ -287,6 +287,7 @@ Body assemble(const Mesh& mesh, const std::vector<scene::Material>& materials, c
           for (int m = 0; m < 6; ++m) rigid(c * a + k, m) = rigid_value(mesh, m, x, k);
       }
       const Eigen::MatrixXd load = mass * rigid;
+      imposing.add(nodes, n, element.K, mass, load);
       for (int a = 0; a < n; ++a)
         for (int k = 0; k < c; ++k) {
           if (!mesh.is_fixed(static_cast<std::size_t>(nodes[a]), k)) continue;
@@ -325,6 +326,7 @@ Body assemble(const Mesh& mesh, const std::vector<scene::Material>& materials, c
   }
   parallel::agree(mesh.comm, complaint);
   finish_inertia(mesh.comm, moments, body);
+  body.imposed = imposing.take();
   body.wave_speed = parallel::largest(mesh.comm, body.wave_speed);
 
   // The value on held rows only has to be positive; the stiffest diagonal keeps the conditioning.

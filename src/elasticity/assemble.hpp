@@ -8,6 +8,7 @@
 
 #include <Eigen/Dense>
 
+#include "src/elasticity/imposed.hpp"
 #include "src/mesh/mesh.hpp"
 #include "src/parallel/parallel.hpp"
 
@@ -25,12 +26,13 @@ struct Body {
   Vector3 centre{};                 ///< [m]
   std::array<double, 9> inertia{};  ///< about the centre [kg m²]
   double wave_speed = 0;            ///< largest sqrt(E/ρ) [m/s]
+  Imposed imposed;                  ///< by supports that move
 };
 
-/// Collective. Needs a GmshSession. `file` names the mesh in messages.
+/// Collective. Needs a GmshSession. `file` names the mesh in messages; `moved`: as of Imposing.
 /// Throws InputError (on all ranks): an element with a Jacobian that is not positive, with its tag and place.
 Body assemble(const mesh::Mesh& mesh, const std::vector<scene::Material>& materials, const std::string& file,
-              const parallel::Progress& progress = {});
+              const parallel::Progress& progress = {}, const std::vector<std::string>& moved = {});
 
 /// Rigid motions that the supports leave free, M-orthonormal; one column each: six for a free body, one for a
 /// free rod, and as many for each of its parts when it has several that share no node. Of a free part,

@@ -74,7 +74,7 @@ Block triangles_of(const Faces& outside) {
   return skin;
 }
 
-void orient(Block& facets, int order, const Faces& outside, const scene::Body& body) {
+void orient(Block& facets, int order, const Faces& outside, const scene::Body& body, const std::string& key) {
   const ReferenceElement reference = reference_element(facets.gmsh_type);
   if (reference.order != order) throw mixed_orders(body);
   const std::vector<int> to = mirrored(reference);
@@ -82,9 +82,9 @@ void orient(Block& facets, int order, const Faces& outside, const scene::Body& b
     const auto nodes = facets.node.begin() + static_cast<std::ptrdiff_t>(e * reference.nodes);
     const auto face = outside.find(sorted({nodes, nodes + reference.corners}));
     if (face == outside.end())
-      throw InputError(fmt::format(
-          "{}: facet {} of bodies.{}.contact is not on the body's surface: contact surfaces bound the body",
-          body.mesh.filename().string(), facets.tag[e], body.name));
+      throw InputError(
+          fmt::format("{}: facet {} of {} is not on the body's surface: name a group that bounds the body",
+                      body.mesh.filename().string(), facets.tag[e], key));
     const Corners& outward = face->second;
     const auto first =
         static_cast<std::size_t>(std::find(outward.begin(), outward.end(), nodes[0]) - outward.begin());

@@ -23,8 +23,8 @@ void add_face(Faces& outside, Corners outward);
 /// The faces cut into triangles.
 Block triangles_of(const Faces& outside);
 
-/// Turns each facet of `body`'s contact surface outward. Throws InputError where one does not lie outside, or
-/// where they are not of the `order` of the body's elements.
-void orient(Block& facets, int order, const Faces& outside, const scene::Body& body);
+/// Turns each facet of a surface of `body` outward. Throws InputError naming the scene's `key` where one does
+/// not lie outside, or where they are not of the `order` of the body's elements.
+void orient(Block& facets, int order, const Faces& outside, const scene::Body& body, const std::string& key);
 
 }  // namespace ricochet::mesh

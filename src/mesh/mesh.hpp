@@ -34,21 +34,29 @@ struct FacetMesh {
       end_normal;  ///< (n,3) rods: outward axis times cross-section at an end [m²]; otherwise empty
 };
 
+/// Parts of a body that its mesh is asked for beside the contact surface.
+struct Asked {
+  std::vector<std::string> loaded;  ///< surfaces (points of a rod) that tractions act on, each once
+  std::vector<std::string> moved;   ///< supports that move, each once
+};
+
 /// All of a body's mesh, on rank 0 while reading.
 struct GlobalMesh {
   int dim = 3;  ///< 3, or 1 for a rod
   int order = 1;
   std::vector<double> position;  ///< (n,3) [m], scaled
   std::vector<Block> blocks;
-  std::vector<unsigned> fixed;  ///< (n) bit c: component c is held by a support
-  Vector3 axis{1, 0, 0};        ///< rods: unit vector along the body
-  FacetMesh contact, skin;      ///< `node` holds indices into `position`
+  std::vector<unsigned>
+      fixed;  ///< (n) bit c: component c is held by a support; bit 3 + s: lies in support Asked::moved[s]
+  Vector3 axis{1, 0, 0};            ///< rods: unit vector along the body
+  FacetMesh contact, loaded, skin;  ///< `node` holds indices into `position`; label: of Asked::loaded
 };
 
 /// Reads a mesh or meshes a geometry. Rank 0 only; needs a GmshSession made with the body's geometry values.
 /// Throws InputError: unreadable file, missing physical group, no volume elements, contact facets inside the
 /// body, an order that gmsh could not reach, a bent rod.
-GlobalMesh read_mesh(const scene::Body& body, const parallel::Progress& progress = {});
+GlobalMesh read_mesh(const scene::Body& body, const parallel::Progress& progress = {},
+                     const Asked& asked = {});
 
 /// One rank's part. Each rank holds every element that touches a node it owns, so that assembly needs no
 /// communication; an element is `own` on one rank only (integrals over the body count it there).
@@ -61,16 +69,19 @@ struct Mesh {
   std::vector<std::int64_t> node;                ///< (n_local) global numbers, ascending
   std::vector<std::int64_t> canonical;           ///< (n_local) 0 … total_nodes − 1, whatever the ranks
   std::vector<double> position;                  ///< (n_local,3) [m]
-  std::vector<std::int64_t> fixed;               ///< (n_local) bit c: component c held
+  std::vector<std::int64_t> fixed;               ///< (n_local) as in GlobalMesh
   std::vector<std::int64_t> part;                ///< (n_local) which connected part of the body
   std::int64_t parts = 1;                        ///< connected parts: elements that share no node
   std::vector<Block> blocks;                     ///< node indices are local
   std::vector<std::vector<std::int64_t>> own;    ///< per block: 1 where the element is this rank's own
-  FacetMesh contact;                             ///< global node numbers, the same on every rank
+  FacetMesh contact, loaded;                     ///< global node numbers, the same on every rank
   FacetMesh skin;                                ///< global node numbers, on rank 0 alone
 
   int components() const { return dim == 3 ? 3 : 1; }
   /// Supports as displacement components of this body: a rod has one, along its axis.
+  bool is_moved(std::size_t local_node, std::size_t support) const {
+    return (fixed[local_node] >> (3 + support)) & 1;
+  }
   bool is_fixed(std::size_t local_node, int component) const { return (fixed[local_node] >> component) & 1; }
 };
 

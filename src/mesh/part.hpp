@@ -10,6 +10,9 @@
 
 namespace ricochet::mesh {
 
+/// The scene's key of surfaces that tractions act on, in messages.
+inline constexpr const char* traction_key = "loads.traction.group";
+
 /// What a part has of a group that the scene names.
 struct GroupUse {
   std::array<bool, 4> found{};  ///< by dimension
@@ -22,16 +25,16 @@ struct Part {
   int order = 0;                    ///< 0: no elements of the body
   std::vector<std::int64_t> tag;    ///< (n) of the nodes
   std::vector<double> position;     ///< (n,3) [m], scaled
-  std::vector<std::int64_t> fixed;  ///< (n) bit c: component c is held by a support of this part
+  std::vector<std::int64_t> fixed;  ///< (n) as in GlobalMesh, by supports of this part
   std::vector<Block> blocks;
-  std::vector<Block> contact;    ///< facets, not yet turned outward
-  Faces outside;                 ///< where the part ends: at the body's surface, or at another part
-  std::vector<GroupUse> groups;  ///< of the materials, the contact surface, the supports, as in the scene
+  std::vector<Block> contact, loaded;  ///< facets, not yet turned outward
+  Faces outside;                       ///< where the part ends: at the body's surface, or at another part
+  std::vector<GroupUse> groups;  ///< of the materials, the contact surface, loaded surfaces, the supports
 };
 
 /// Reads the file body.mesh as one of `parts`; needs a GmshSession. Throws InputError as read_mesh does, but
 /// not for groups that the part does not have.
-Part read_part(const scene::Body& body, int parts);
+Part read_part(const scene::Body& body, int parts, const Asked& asked);
 
 /// Throws InputError when a tag occurs twice in `blocks`, which are the body's `key`.
 void refuse_repeated(const std::vector<Block>& blocks, const char* what, const char* key,

@@ -144,6 +144,7 @@ void broadcast(GlobalMesh& global, MPI_Comm comm) {
   broadcast(comm, global.position);
   broadcast_blocks(global.blocks, comm);
   broadcast(global.contact, comm);
+  broadcast(global.loaded, comm);
   broadcast(global.skin, comm);
 }
 
@@ -173,6 +174,7 @@ Mesh distribute(GlobalMesh&& global, MPI_Comm comm) {
     for (const Block& block : global.blocks)
       types.insert(types.end(), {block.gmsh_type, block.nodes_per_element});
     renumber(global.contact, global, numbering, !global.contact.end_normal.empty());
+    renumber(global.loaded, global, numbering, !global.loaded.end_normal.empty());
     renumber(global.skin, global, numbering, false);
   });
   const auto header = scatter(comm, parcels.header);
@@ -252,6 +254,8 @@ Mesh distribute(GlobalMesh&& global, MPI_Comm comm) {
 
   mesh.contact = std::move(global.contact);
   broadcast(mesh.contact, comm);
+  mesh.loaded = std::move(global.loaded);
+  broadcast(mesh.loaded, comm);
   mesh.skin = std::move(global.skin);
   return mesh;
 }

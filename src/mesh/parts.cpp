@@ -257,27 +257,32 @@ FacetMesh numbered(std::vector<Block> blocks, const scene::Body& body, const Par
   return facets;
 }
 
-/// The surfaces of the whole body: contact on every rank, the skin on rank 0.
+/// The surfaces of the whole body: contact and loaded ones on every rank, the skin on rank 0.
 void collect_surfaces(MPI_Comm comm, const scene::Body& body, const Part& share, const Nodes& nodes,
                       Mesh& mesh) {
   const Faces outside = gather_outside(comm, share.outside);
-  std::vector<Block> contact = gather_facets(comm, share.contact), skin;
+  std::vector<Block> contact = gather_facets(comm, share.contact), loaded = gather_facets(comm, share.loaded),
+                     skin;
   parallel::on_first_rank(comm, [&] {
     refuse_repeated(contact, "facet", "contact", body);
-    for (Block& block : contact) orient(block, mesh.order, outside, body);
+    for (Block& block : contact) orient(block, mesh.order, outside, body, "bodies." + body.name + ".contact");
+    for (Block& block : loaded) orient(block, mesh.order, outside, body, traction_key);
     skin.push_back(triangles_of(outside));
   });
-  if (parallel::rank_of(comm) != 0) contact.clear();
-  mesh.contact = numbered(std::move(contact), body, share, nodes, comm);
-  broadcast(mesh.contact, comm);
+  for (auto [blocks, facets] : {std::pair{&contact, &mesh.contact}, std::pair{&loaded, &mesh.loaded}}) {
+    if (parallel::rank_of(comm) != 0) blocks->clear();
+    *facets = numbered(std::move(*blocks), body, share, nodes, comm);
+    broadcast(*facets, comm);
+  }
   mesh.skin = numbered(std::move(skin), body, share, nodes, comm);
   if (parallel::rank_of(comm) != 0) mesh.skin = {};
 }
 
 }  // namespace
 
-Mesh read_parts(const scene::Body& body, MPI_Comm team, const parallel::Progress& progress) {
-  const Part share = read_share(body, team, progress);
+Mesh read_parts(const scene::Body& body, MPI_Comm team, const parallel::Progress& progress,
+                const Asked& asked) {
+  const Part share = read_share(body, asked, team, progress);
   const Nodes nodes = number_nodes(team, share);
   Mesh mesh;
   mesh.comm = team;

@@ -23,7 +23,8 @@ using Tags = std::vector<std::size_t>;
 /// gmsh's model of one body, with the lookups that reading needs.
 class Reader {
  public:
-  explicit Reader(const scene::Body& body) : body_(body), file_(body.mesh.filename().string()) {}
+  Reader(const scene::Body& body, const Asked& asked)
+      : body_(body), asked_(asked), file_(body.mesh.filename().string()) {}
 
   GlobalMesh read(const parallel::Progress& progress) {
     with_gmsh_errors(file_, [&] {
@@ -41,7 +42,8 @@ class Reader {
       else
         collect_skin();
       reached(3);
-      collect_contact();
+      collect_facets();
+      turn_outward();
       mark_supports();
       drop_unused_nodes();
       reached(4);
@@ -70,8 +72,8 @@ class Reader {
 
  private:
   /// Entities of a group, which a part of a mesh may lack.
-  std::vector<int> entities(int dim, const std::string& group, const char* use) {
-    if (!partial_) return entities_of(dim, group, file_, fmt::format("bodies.{}.{}", body_.name, use));
+  std::vector<int> entities(int dim, const std::string& group, const std::string& key) {
+    if (!partial_) return entities_of(dim, group, file_, key);
     std::vector<int> found = find_entities(dim, group);
     GroupUse& of_this = groups_.emplace_back();
     of_this.found[static_cast<std::size_t>(dim)] = !found.empty();
@@ -165,7 +167,7 @@ class Reader {
         append(mesh_.blocks, mesh_.dim, -1, static_cast<std::int64_t>(m));
         continue;
       }
-      for (int entity : entities(mesh_.dim, group, "material"))
+      for (int entity : entities(mesh_.dim, group, key_of("material")))
         append(mesh_.blocks, mesh_.dim, entity, static_cast<std::int64_t>(m));
     }
     for (const scene::Material& material : body_.materials)
@@ -214,21 +216,40 @@ class Reader {
     mesh_.skin.blocks.push_back(triangles_of(outside_));
   }
 
+  std::string key_of(const char* use) const { return fmt::format("bodies.{}.{}", body_.name, use); }
+
   void collect_facets() {
     const int dim = mesh_.dim - 1;
-    for (std::size_t g = 0; g < body_.contact.size(); ++g)
-      for (int entity : entities(dim, body_.contact[g], "contact"))
-        append(mesh_.contact.blocks, dim, entity, static_cast<std::int64_t>(g));
+    const auto collect = [&](const std::vector<std::string>& groups, const std::string& key,
+                             FacetMesh& facets) {
+      for (std::size_t g = 0; g < groups.size(); ++g)
+        for (int entity : entities(dim, groups[g], key))
+          append(facets.blocks, dim, entity, static_cast<std::int64_t>(g));
+    };
+    collect(body_.contact, key_of("contact"), mesh_.contact);
     refuse_repeated(mesh_.contact.blocks, dim == 2 ? "facet" : "point", "contact", body_);
+    collect(asked_.loaded, traction_key, mesh_.loaded);
   }
 
-  void collect_contact() {
-    collect_facets();
-    for (Block& block : mesh_.contact.blocks)
-      if (mesh_.dim == 3)
-        orient(block, mesh_.order, outside_, body_);
-      else
-        orient_ends(mesh_, block, body_);
+  void turn_outward() {
+    const auto turn = [&](FacetMesh& facets, const std::string& key) {
+      if (mesh_.dim == 1 && !facets.blocks.empty()) orient_ends(mesh_, facets, body_, key);
+      for (Block& block : facets.blocks)
+        if (mesh_.dim == 3) orient(block, mesh_.order, outside_, body_, key);
+    };
+    turn(mesh_.contact, key_of("contact"));
+    turn(mesh_.loaded, traction_key);
+  }
+
+  /// Of nodes in a support, where it moves.
+  unsigned moved_bit(const std::string& support) const {
+    const auto found = std::find(asked_.moved.begin(), asked_.moved.end(), support);
+    if (found == asked_.moved.end()) return 0;
+    const auto bit = 3 + static_cast<unsigned>(found - asked_.moved.begin());
+    if (bit >= 32)
+      throw InputError(fmt::format("{}: more than 29 supports of bodies.{} move: join some in one group",
+                                   file_, body_.name));
+    return 1U << bit;
   }
 
   void mark_supports() {
@@ -239,16 +260,16 @@ class Reader {
       int dim = mesh_.dim;
       while (dim >= 0 && find_entities(dim, name).empty()) --dim;
       if (dim < 0) dim = mesh_.dim - 1;  // for the complaint
-      unsigned bits = 0;
+      unsigned bits = moved_bit(name);
       if (mesh_.dim == 3) {
         for (char component : components) bits |= 1u << (component - 'x');
       } else {
         // A rod moves along its axis only: holding any component the axis has holds it.
         for (char component : components)
-          if (std::abs(mesh_.axis[component - 'x']) > 1e-12) bits = 1;
+          if (std::abs(mesh_.axis[component - 'x']) > 1e-12) bits |= 1;
       }
       bool any = false;
-      for (int entity : entities(dim, name, "support")) {
+      for (int entity : entities(dim, name, key_of("support"))) {
         std::vector<int> types;
         std::vector<Tags> tags, nodes;
         gmsh::model::mesh::getElements(types, tags, nodes, dim, entity);
@@ -276,16 +297,17 @@ class Reader {
       if (rank[n] < 0) continue;
       for (int c = 0; c < 3; ++c) mesh_.position[3 * next + c] = mesh_.position[3 * n + c];
       mesh_.fixed[next] = mesh_.fixed[n];
-      if (!mesh_.contact.end_normal.empty())
-        for (int c = 0; c < 3; ++c)
-          mesh_.contact.end_normal[3 * next + c] = mesh_.contact.end_normal[3 * n + c];
+      for (FacetMesh* facets : {&mesh_.contact, &mesh_.loaded})
+        for (std::size_t c = 0; c < 3 && !facets->end_normal.empty(); ++c)
+          facets->end_normal[3 * static_cast<std::size_t>(next) + c] = facets->end_normal[3 * n + c];
       rank[n] = next++;
     }
     mesh_.position.resize(3 * static_cast<std::size_t>(next));
     mesh_.fixed.resize(static_cast<std::size_t>(next));
-    if (!mesh_.contact.end_normal.empty())
-      mesh_.contact.end_normal.resize(3 * static_cast<std::size_t>(next));
-    for (std::vector<Block>* blocks : {&mesh_.blocks, &mesh_.contact.blocks, &mesh_.skin.blocks})
+    for (FacetMesh* facets : {&mesh_.contact, &mesh_.loaded})
+      if (!facets->end_normal.empty()) facets->end_normal.resize(3 * static_cast<std::size_t>(next));
+    for (std::vector<Block>* blocks :
+         {&mesh_.blocks, &mesh_.contact.blocks, &mesh_.loaded.blocks, &mesh_.skin.blocks})
       for (Block& block : *blocks)
         for (std::int64_t& node : block.node) {
           node = rank[static_cast<std::size_t>(node)];
@@ -318,12 +340,14 @@ class Reader {
     }
     part.blocks = std::move(mesh_.blocks);
     part.contact = std::move(mesh_.contact.blocks);
-    for (std::vector<Block>* blocks : {&part.blocks, &part.contact})
+    part.loaded = std::move(mesh_.loaded.blocks);
+    for (std::vector<Block>* blocks : {&part.blocks, &part.contact, &part.loaded})
       for (Block& block : *blocks) use_tags(block.node);
     return part;
   }
 
   const scene::Body& body_;
+  const Asked& asked_;
   std::string file_;
   bool meshed_before_ = false, partial_ = false;
   GlobalMesh mesh_;
@@ -335,10 +359,12 @@ class Reader {
 
 }  // namespace
 
-GlobalMesh read_mesh(const scene::Body& body, const parallel::Progress& progress) {
-  return Reader(body).read(progress);
+GlobalMesh read_mesh(const scene::Body& body, const parallel::Progress& progress, const Asked& asked) {
+  return Reader(body, asked).read(progress);
 }
 
-Part read_part(const scene::Body& body, int parts) { return Reader(body).read_part(parts); }
+Part read_part(const scene::Body& body, int parts, const Asked& asked) {
+  return Reader(body, asked).read_part(parts);
+}
 
 }  // namespace ricochet::mesh

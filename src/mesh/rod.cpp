@@ -51,9 +51,11 @@ void find_axis(GlobalMesh& mesh, const std::string& file) {
   }
 }
 
-void orient_ends(GlobalMesh& mesh, const Block& points, const scene::Body& body) {
-  mesh.contact.end_normal.assign(mesh.position.size(), 0);
-  for (std::int64_t end : points.node) {
+void orient_ends(const GlobalMesh& mesh, FacetMesh& facets, const scene::Body& body, const std::string& key) {
+  facets.end_normal.assign(mesh.position.size(), 0);
+  std::vector<std::int64_t> ends;
+  for (const Block& points : facets.blocks) ends.insert(ends.end(), points.node.begin(), points.node.end());
+  for (std::int64_t end : ends) {
     int touching = 0;
     for (const Block& lines : mesh.blocks)
       for (std::size_t e = 0; e < lines.size(); ++e) {
@@ -65,13 +67,11 @@ void orient_ends(GlobalMesh& mesh, const Block& points, const scene::Body& body)
         double side = 0;
         for (int c = 0; c < 3; ++c)
           side += (mesh.position[3 * end + c] - mesh.position[3 * other + c]) * mesh.axis[c];
-        for (int c = 0; c < 3; ++c)
-          mesh.contact.end_normal[3 * end + c] = (side > 0 ? area : -area) * mesh.axis[c];
+        for (int c = 0; c < 3; ++c) facets.end_normal[3 * end + c] = (side > 0 ? area : -area) * mesh.axis[c];
       }
     if (touching != 1)
-      throw InputError(
-          fmt::format("{}: bodies.{}.contact has a point that is not an end of the rod: name its ends",
-                      body.mesh.filename().string(), body.name));
+      throw InputError(fmt::format("{}: {} has a point that is not an end of the rod: name its ends",
+                                   body.mesh.filename().string(), key));
   }
 }
 

@@ -11,8 +11,9 @@ namespace ricochet::mesh {
 /// Sets `mesh.axis`. Throws InputError for a rod that is bent or not one chain.
 void find_axis(GlobalMesh& mesh, const std::string& file);
 
-/// Sets `mesh.contact.end_normal` at the contact points. Throws InputError for one that is not an end.
-void orient_ends(GlobalMesh& mesh, const Block& points, const scene::Body& body);
+/// Sets `facets.end_normal` at its points. Throws InputError naming the scene's `key` for one that is not an
+/// end.
+void orient_ends(const GlobalMesh& mesh, FacetMesh& facets, const scene::Body& body, const std::string& key);
 
 /// The skin of a rod: a line for each element.
 Block lines_of(const std::vector<Block>& blocks);

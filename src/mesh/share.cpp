@@ -16,18 +16,19 @@ namespace {
 using parallel::agree;
 
 /// A group that the scene names, in the order of Part::groups.
-struct Asked {
+struct NamedGroup {
   std::string name, key;
   int dim = 0;
   bool support = false;
 };
 
-std::vector<Asked> asked_groups(const scene::Body& body) {
+std::vector<NamedGroup> named_groups(const scene::Body& body, const Asked& wanted) {
   const std::string start = "bodies." + body.name + '.';
-  std::vector<Asked> asked;
+  std::vector<NamedGroup> asked;
   for (const scene::Material& material : body.materials)
     if (!material.group.empty()) asked.push_back({material.group, start + "material", 3});
   for (const std::string& name : body.contact) asked.push_back({name, start + "contact", 2});
+  for (const std::string& name : wanted.loaded) asked.push_back({name, traction_key, 2});
   for (const auto& [name, components] : body.support) asked.push_back({name, start + "support", 2, true});
   return asked;
 }
@@ -66,6 +67,7 @@ void append(Part& share, Part part, const scene::Body& body) {
   append(share.fixed, part.fixed);
   append(share.blocks, part.blocks);
   append(share.contact, part.contact);
+  append(share.loaded, part.loaded);
   for (auto& [key, outward] : part.outside) add_face(share.outside, std::move(outward));
   for (std::size_t g = 0; g < part.groups.size(); ++g) {
     GroupUse &all = share.groups[g], &one = part.groups[g];
@@ -141,8 +143,8 @@ std::vector<std::string> gather_names(MPI_Comm comm, const std::vector<std::stri
 }
 
 /// Throws on every rank unless each group that the scene names is in some part. Collective.
-void check_groups(const scene::Body& body, const std::vector<GroupUse>& uses, MPI_Comm comm) {
-  const std::vector<Asked> asked = asked_groups(body);
+void check_groups(const scene::Body& body, const std::vector<NamedGroup>& asked,
+                  const std::vector<GroupUse>& uses, MPI_Comm comm) {
   constexpr std::size_t dims = 4;
   std::vector<double> parts;  // per group: ranks that found it in each dimension, ranks where it holds nodes
   for (const GroupUse& use : uses) {
@@ -199,9 +201,11 @@ void check_fit(const scene::Body& body, const Part& share, MPI_Comm comm) {
 
 }  // namespace
 
-Part read_share(const scene::Body& body, MPI_Comm comm, const parallel::Progress& progress) {
+Part read_share(const scene::Body& body, const Asked& wanted, MPI_Comm comm,
+                const parallel::Progress& progress) {
+  const std::vector<NamedGroup> groups = named_groups(body, wanted);
   Part share;
-  share.groups.resize(asked_groups(body).size());
+  share.groups.resize(groups.size());
   std::string complaint;
   try {
     const std::vector<std::filesystem::path> files = scene::part_files(body.mesh);
@@ -211,7 +215,7 @@ Part read_share(const scene::Body& body, MPI_Comm comm, const parallel::Progress
     scene::Body one = body;
     for (std::size_t part = first; part < last; ++part) {
       one.mesh = files[part];
-      append(share, read_part(one, static_cast<int>(files.size())), body);
+      append(share, read_part(one, static_cast<int>(files.size()), wanted), body);
       if (progress)
         progress(static_cast<std::int64_t>(part + 1 - first), static_cast<std::int64_t>(last - first));
     }
@@ -223,7 +227,7 @@ Part read_share(const scene::Body& body, MPI_Comm comm, const parallel::Progress
     complaint = error.what();
   }
   agree(comm, complaint);
-  check_groups(body, share.groups, comm);
+  check_groups(body, groups, share.groups, comm);
   check_fit(body, share, comm);
   return share;
 }

@@ -23,10 +23,6 @@ using Eigen::VectorXd;
 constexpr int blocks_near_zero = 4;
 constexpr double blocks_worth_a_shift = 2;
 
-/// The first shift in units of −ω_band²: K − σM is definite, rigid modes are harmless, and to the body it is
-/// zero.
-constexpr double near_zero = 1e-5;
-
 /// Share of the error asked for that the loads' responses left out of the first block may make.
 constexpr double compression = 0.05, compression_left = 1 - compression;
 
@@ -146,6 +142,11 @@ void balance(const Operators& operators, MatrixXd& response, Index seen) {
 
 }  // namespace
 
+double shift_near_zero(Hertz band) {
+  const double omega = RadPerSecond(band).value;
+  return -1e-5 * omega * omega;
+}
+
 ModeSet contact_basis(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
                       Factorisation& factor, const MatrixXd& loads, Index seen, const ContactRequest& request,
                       const Progress& progress) {
@@ -166,7 +167,7 @@ ModeSet contact_basis(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
     second = second || turn;
     if (number == 0 || turn) {
       if (progress.begin) progress.begin(turn ? "contact basis, second shift" : "contact basis");
-      factor.factor(turn ? -square : -near_zero * square);
+      factor.factor(turn ? -square : shift_near_zero(request.band));
     }
     MatrixXd next = shared_solve(teams, factor, number == 0 || turn ? elastic_loads : operators.mass(block));
     if (number == 0 || turn) balance(operators, next, seen);
@@ -220,7 +221,7 @@ ModeSet contact_basis(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
   for (Index j = first; j < behind; ++j) set.index.push_back(r + j);
   fix_signs(operators, set.shape);
   set.cut = square;
-  set.static_shift = -near_zero * square;
+  set.static_shift = shift_near_zero(request.band);
   if (bound > 0) error += compression * request.flexibility_error;
   certify_basis(teams, operators, request.band, error, set);
   return set;

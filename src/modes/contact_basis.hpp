@@ -12,6 +12,10 @@ struct ContactRequest {
   bool residual_flexibility = true;  ///< what is left out statically will be added by the user of the basis
 };
 
+/// The first shift of contact_basis [rad²/s²]: K − σM is definite, rigid modes are harmless, and to the body
+/// it is zero.
+double shift_near_zero(Hertz band);
+
 /// Ritz vectors of K φ = ω² M φ from the block rational Krylov space of (K − σM)⁻¹ M started by the loads'
 /// responses (K − σM)⁻¹ L: four blocks about σ ≈ 0, further ones about σ = −ω_band². Rigid modes come first,
 /// exact.

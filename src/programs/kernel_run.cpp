@@ -36,6 +36,7 @@ struct Discretised {
   mesh::Mesh mesh;
   elasticity::Body matrices;
   std::unique_ptr<modes::Factorisation> factor;
+  surface::Sources sources;          ///< loads with histories, moving supports, receivers
   std::int64_t modes_per_shift = 0;  ///< for the search for modes
 };
 
@@ -46,12 +47,12 @@ mesh::Mesh hand_out(mesh::GlobalMesh whole, const parallel::Teams& teams) {
 }
 
 /// The parts of a split mesh, read by each team. Collective over all teams.
-mesh::Mesh read_parts(const scene::Body& body, const parallel::Teams& teams,
+mesh::Mesh read_parts(const scene::Body& body, const mesh::Asked& asked, const parallel::Teams& teams,
                       const parallel::Progress& progress) {
   mesh::Mesh mesh;
   std::string complaint;
   try {
-    mesh = mesh::read_parts(body, teams.team(), progress);
+    mesh = mesh::read_parts(body, teams.team(), progress, asked);
   } catch (const InputError& error) {
     complaint = error.what();
   }
@@ -69,27 +70,31 @@ Discretised discretise(const scene::KernelRequest& request, MPI_Comm comm, conso
   const std::string file = body.mesh.filename().string();
   const auto bar = [&](std::int64_t done, std::int64_t total) { console.advance(done, total); };
   console.begin(body.name + ": mesh");
+  const mesh::Asked asked = surface::asked_of(request);
+  std::vector<std::string> moved;
+  for (const std::string& support : asked.moved) moved.push_back(body.support.at(support));
   mesh::GlobalMesh global;
   std::vector<char> split(1, 0);
   parallel::on_first_rank(comm, [&] {
     split[0] = scene::part_files(body.mesh).empty() ? 0 : 1;
-    if (split[0] == 0) global = mesh::read_mesh(body, bar);
+    if (split[0] == 0) global = mesh::read_mesh(body, bar, asked);
   });
   parallel::broadcast(comm, split);
   const int ranks = parallel::size_of(comm);
   const int most = request.modes.basis == scene::Basis::contact ? 1 : ranks;
   for (int count = most;; --count) {
     if (ranks % count != 0) continue;
-    Discretised made{std::make_unique<parallel::Teams>(comm, count), {}, {}, {}};
+    Discretised made{std::make_unique<parallel::Teams>(comm, count), {}, {}, {}, {}};
     const parallel::Teams& teams = *made.teams;
     if (split[0] != 0)
-      made.mesh = read_parts(body, teams, bar);
+      made.mesh = read_parts(body, asked, teams, bar);
     else  // Fewer teams may have to be tried.
       made.mesh = hand_out(count > 1 ? global : std::move(global), teams);
     console.end(fmt::format("{} elements, {} nodes", made.mesh.total_elements, made.mesh.total_nodes));
 
     console.begin(body.name + ": assembly");
-    made.matrices = elasticity::assemble(made.mesh, body.materials, file, bar);
+    made.sources = surface::make_sources(made.mesh, request);
+    made.matrices = elasticity::assemble(made.mesh, body.materials, file, bar, moved);
     made.factor = std::make_unique<modes::Factorisation>(made.matrices.stiffness, made.matrices.mass,
                                                          request.modes.low_rank);
     const double room = parallel::available_mib(comm);
@@ -119,17 +124,25 @@ Discretised discretise(const scene::KernelRequest& request, MPI_Comm comm, conso
 /// left out of what it found.
 constexpr double beyond_search = 0.5, left_out = 0.5;
 
-modes::ModeSet find_modes(const scene::KernelRequest& request, const Discretised& made,
+/// Modes or vectors, and the lifts of supports that move.
+modes::ModeSet find_modes(const scene::KernelRequest& request, Discretised& made,
                           const Eigen::MatrixXd& loads, const std::filesystem::path& checkpoint,
                           console::Console& console) {
   const scene::Modes& wanted = request.modes;
+  const auto lift = [&](double sigma) {
+    made.sources.lift = modes::static_lift(*made.teams, made.mesh, made.matrices, *made.factor, sigma);
+  };
+  const bool fitted = wanted.basis == scene::Basis::contact || wanted.flexibility_error;
+  if (fitted) lift(modes::shift_near_zero(*wanted.up_to));
   const modes::Progress progress{
       .begin = [&](const std::string& phase) { console.begin(request.body.name + ": " + phase); },
       .at = [&](std::int64_t done, std::int64_t total) { console.advance(done, total); }};
   const auto contact_basis = [&](double error, std::optional<std::int64_t> count) {
-    // Gravity moves a supported body's surface too.
-    Eigen::MatrixXd all(loads.rows(), loads.cols() + 3);
-    all << loads, made.matrices.rigid_load.leftCols(3);
+    // Gravity moves a supported body's surface too; a support that moves, by the inertia of its lift.
+    const surface::Sources& sources = made.sources;
+    Eigen::MatrixXd all(loads.rows(), loads.cols() + 3 + sources.receiver.cols() + sources.load.cols() +
+                                          sources.lift.inertia.cols());
+    all << loads, made.matrices.rigid_load.leftCols(3), sources.receiver, sources.load, sources.lift.inertia;
     return modes::contact_basis(*made.teams, made.mesh, made.matrices, *made.factor, all, loads.cols(),
                                 {.band = *wanted.up_to,
                                  .flexibility_error = error,
@@ -146,13 +159,15 @@ modes::ModeSet find_modes(const scene::KernelRequest& request, const Discretised
     up_to = modes::needed_up_to(*made.teams, made.mesh, contact_basis(error, {}), loads, loads.cols(),
                                 *wanted.up_to, error);
   }
-  return modes::compute_modes(*made.teams, made.mesh, made.matrices, *made.factor,
-                              {.up_to = up_to,
-                               .count = wanted.count,
-                               .relative_residual = wanted.relative_residual,
-                               .modes_per_shift = made.modes_per_shift,
-                               .checkpoint = checkpoint},
-                              progress);
+  modes::ModeSet modes = modes::compute_modes(*made.teams, made.mesh, made.matrices, *made.factor,
+                                              {.up_to = up_to,
+                                               .count = wanted.count,
+                                               .relative_residual = wanted.relative_residual,
+                                               .modes_per_shift = made.modes_per_shift,
+                                               .checkpoint = checkpoint},
+                                              progress);
+  if (!fitted) lift(modes.static_shift);
+  return modes;
 }
 
 std::string told(const scene::KernelRequest& request, const modes::ModeSet& modes) {
@@ -178,7 +193,7 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::f
                                MPI_Comm comm, console::Console& console) {
   const scene::Body& body = request.body;
   const mesh::GmshSession gmsh(geometry_numbers(body));
-  const Discretised made = discretise(request, comm, console);
+  Discretised made = discretise(request, comm, console);
   const parallel::Teams& teams = *made.teams;
   const mesh::Mesh& mesh = made.mesh;
   const elasticity::Body& matrices = made.matrices;
@@ -214,7 +229,7 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::f
   for (double omega : modes.angular_frequency)
     kernel.modes.decay_rate.push_back(kernels::decay_rate(body.damping, RadPerSecond{omega}));
   surface::trace(teams, mesh, matrices, *made.factor, modes, patches, loads,
-                 request.modes.residual_flexibility, request.view, kernel);
+                 request.modes.residual_flexibility, request.view, kernel, made.sources);
   if (request.modes.basis == scene::Basis::modes && request.modes.flexibility_error)
     leave_to_residual(request, kernel);
   console.end(fmt::format("{} {} kept", kernel.modes.size(), modes.exact ? "modes" : "vectors"));

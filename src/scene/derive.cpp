@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "src/scene/loads.hpp"
 #include "src/scene/toml.hpp"
 
 namespace ricochet::scene {
@@ -83,6 +84,10 @@ KernelRequest request_of(const kernels::Header& header, const std::string& origi
                              origin, error.description())));
   }
   Table root(parsed, origin, "");
+  for (const char* sources : {"loads", "receiver"})
+    if (parsed.contains(sources))
+      root.complain(
+          sources, "kernels with loads, supports that move or receivers fit one scene only: compute another");
   auto body = root.table("body");
   if (!body) root.complain("body", "is missing. Compute it again with ricochet-kernel.");
   read_body_matter(*body, request.body);
@@ -108,6 +113,7 @@ KernelRequest request_of(const kernels::Header& header, const std::string& origi
 }
 
 std::optional<kernels::Similarity> similarity(const KernelRequest& had, const KernelRequest& wanted) {
+  if (!toml_sources(wanted).empty()) return std::nullopt;
   const Body &a = had.body, &b = wanted.body;
   if (had.mesh_sha256 != wanted.mesh_sha256 || a.geometry != b.geometry || a.order != b.order ||
       a.contact != b.contact || a.support != b.support || a.materials.size() != b.materials.size() ||

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "src/scene/toml.hpp"
+#include "src/scene/loads.hpp"
 
 namespace ricochet::scene {
 
@@ -300,7 +300,8 @@ void read_time(Table& root, bool needed, Time& time) {
   table->refuse_unknown();
 }
 
-void read_output(Table& root, Output& output) {
+void read_output(Table& root, Scene& scene) {
+  Output& output = scene.output;
   auto table = root.table("output");
   if (!table) return;
   if (const auto every = table->integer("every")) {
@@ -312,13 +313,23 @@ void read_output(Table& root, Output& output) {
     if (*every < 0) table->complain("snapshot_every", "must not be negative");
     output.snapshot_every = *every;
   }
+  output.receivers = read_receivers(*table, scene);
   table->refuse_unknown();
 }
 
-void refuse_snapshots_of_tables(Table& root, const Scene& scene) {
-  if (scene.contact.kernel == ContactKernel::table && scene.output.snapshot_every > 0)
+/// Output and loads that a table or bodies at rest know nothing of.
+void refuse_what_does_not_go(Table& root, const Scene& scene) {
+  const bool table = scene.contact.kernel == ContactKernel::table;
+  if (table && scene.output.snapshot_every > 0)
     root.table("output")->complain("snapshot_every",
                                    "contact.kernel = \"table\" has no modal coordinates: leave it out");
+  if (!table && scene.contact.scheme != Scheme::at_rest) return;
+  const char* with = table ? "contact.kernel = \"table\"" : "contact.scheme = \"static\"";
+  const Loads& loads = scene.loads;
+  if (!loads.tractions.empty() || !loads.points.empty() || !loads.motions.empty())
+    root.table("loads")->complain("", fmt::format("{} takes gravity alone: leave the others out", with));
+  if (!scene.output.receivers.empty())
+    root.table("output")->complain("receiver", fmt::format("{} has none: leave it out", with));
 }
 
 }  // namespace
@@ -358,9 +369,9 @@ Scene read(const std::filesystem::path& file, const std::vector<Override>& overr
         root.complain(key,
                       "does not go with contact.table, a file that takes its place: leave one of them out");
     scene.contact = read_contact(root, scene);
-    read_time(root, scene.time);
-    read_output(root, scene.output);
-    refuse_snapshots_of_tables(root, scene);
+    read_time(root, true, scene.time);
+    read_output(root, scene);
+    refuse_what_does_not_go(root, scene);
     root.refuse_unknown();
     return scene;
   }
@@ -382,12 +393,9 @@ Scene read(const std::filesystem::path& file, const std::vector<Override>& overr
   scene.modes = read_modes(root);
   scene.contact = read_contact(root, scene);
   read_time(root, scene.contact.scheme != Scheme::at_rest, scene.time);
-  if (auto loads = root.table("loads")) {
-    scene.loads.gravity = loads->vector("gravity").value_or(Vector3{});
-    loads->refuse_unknown();
-  }
-  read_output(root, scene.output);
-  refuse_snapshots_of_tables(root, scene);
+  read_loads(root, scene);
+  read_output(root, scene);
+  refuse_what_does_not_go(root, scene);
   root.refuse_unknown();
   for (const Body& body : scene.bodies) {
     const bool paired = std::any_of(scene.contact.pairs.begin(), scene.contact.pairs.end(),

@@ -8,6 +8,7 @@
 
 #include "kernels/error.hpp"
 #include "kernels/rotation.hpp"
+#include "src/scene/loads.hpp"
 #include "src/scene/parts.hpp"
 #include "src/scene/write.hpp"
 
@@ -102,6 +103,7 @@ KernelRequest kernel_request(const Scene& scene, const Body& body) {
   }
   std::set<std::filesystem::path> seen;
   request.mesh_sha256 = mesh_hash(body.mesh, fmt::format("{}: bodies.{}.mesh", file, body.name), seen);
+  take_sources(scene, body, request);
   seal(request);
   return request;
 }
@@ -113,6 +115,7 @@ void seal(KernelRequest& request) {
   if (request.spacing) request.toml += "spacing = " + toml_number(*request.spacing) + "\n";
   if (request.points) request.toml += fmt::format("points = [{}]\n", fmt::join(*request.points, ", "));
   request.toml += fmt::format("[output]\nview = {}\n", request.view);
+  request.toml += toml_sources(request);
   request.hash = sha256(fmt::format("{}\n{}\n{}", kernel_generation, request.mesh_sha256, request.toml));
 }
 

@@ -117,6 +117,31 @@ std::string scheme_of(const Contact& contact) {
   return text;
 }
 
+std::string loads_of(const Scene& scene) {
+  std::string text = "\n[loads]\ngravity = " + toml_vector(scene.loads.gravity) + "\n";
+  for (const auto& [table, list] :
+       {std::pair{"traction", &scene.loads.tractions}, std::pair{"point", &scene.loads.points},
+        std::pair{"motion", &scene.loads.motions}})
+    for (const Driven& driven : *list) {
+      text += fmt::format("\n[[loads.{}]]\nname = {}\nbody = {}\n{}\nvector = {}\n", table,
+                          toml_string(driven.name), toml_string(driven.body),
+                          list == &scene.loads.points ? "at = " + toml_vector(driven.at)
+                                                      : "group = " + toml_string(driven.group),
+                          toml_vector(driven.vector));
+      if (!driven.history.empty()) text += "history = " + path_of(scene, driven.history) + "\n";
+    }
+  return text;
+}
+
+std::string output_of(const Output& output) {
+  std::string text = fmt::format("\n[output]\nevery = {}\nview = {}\nsnapshot_every = {}\n", output.every,
+                                 output.view, output.snapshot_every);
+  for (const Receiver& receiver : output.receivers)
+    text += fmt::format("\n[[output.receiver]]\nname = {}\nbody = {}\nat = {}\n", toml_string(receiver.name),
+                        toml_string(receiver.body), toml_vector(receiver.at));
+  return text;
+}
+
 }  // namespace
 
 std::string to_toml(const Scene& scene) {
@@ -150,10 +175,7 @@ std::string to_toml(const Scene& scene) {
   if (scene.time.duration > 0)
     text += fmt::format("\n[time]\nrate_hz = {}\nduration = {}\n", toml_number(scene.time.rate.value),
                         toml_number(scene.time.duration));
-  return text +
-         fmt::format("\n[loads]\ngravity = {}\n\n[output]\nevery = {}\nview = {}\nsnapshot_every = {}\n",
-                     toml_vector(scene.loads.gravity), scene.output.every, scene.output.view,
-                     scene.output.snapshot_every);
+  return text + loads_of(scene) + output_of(scene.output);
 }
 
 std::string slug(const std::string& title) {

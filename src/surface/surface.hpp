@@ -5,12 +5,12 @@
 
 #include "kernels/kernel.hpp"
 #include "src/mesh/mesh.hpp"
-#include "src/modes/modes.hpp"
+#include "src/modes/lift.hpp"
 
 namespace ricochet::surface {
 
 /// One weight of a patch: candidate i spreads a unit force on the nodes, C(node, i) = (1/A_i) ∫ w_i N_node
-/// ds.
+/// ds. Loads and receivers spread likewise, numbered in their order.
 struct Weight {
   std::int64_t node;  ///< global
   int candidate;
@@ -39,10 +39,39 @@ Patches make_patches(const mesh::Mesh& mesh, const std::vector<std::string>& gro
 /// `direction` (c = 1). Held components carry none. @return (local rows, c M) [N]
 Eigen::MatrixXd patch_loads(const mesh::Mesh& mesh, const Patches& patches);
 
-/// Fills shape, residual flexibility and loads of a kernel, and its view when asked; the same on every rank
-/// but for the view, which is on rank 0. `loads` are those of the patches. Collective.
+/// What else than contact acts on the body or is seen of it, the same on every rank but for rows of the mesh.
+struct Sources {
+  std::vector<kernels::Load> loads;          ///< name, unit, total and moment
+  std::vector<kernels::Motion> motions;      ///< names
+  std::vector<std::size_t> support;          ///< of each motion: which of mesh::Asked::moved
+  std::vector<kernels::Receiver> receivers;  ///< names and points
+  std::vector<Weight> at_receivers;
+  Eigen::MatrixXd load;      ///< (local rows, 3 each): unit traction or force in each component; held 0
+  Eigen::MatrixXd receiver;  ///< likewise, of a unit force at each receiver
+  modes::Lift lift;          ///< of the supports that move; filled in when there are factors
+};
+
+/// What the body's mesh is asked for by a request.
+mesh::Asked asked_of(const scene::KernelRequest& request);
+
+/// All but the lift. `mesh` was read with asked_of(request). Needs a GmshSession. Collective.
+/// Throws InputError when a point is farther from the body than 1e-6 of its size.
+Sources make_sources(const mesh::Mesh& mesh, const scene::KernelRequest& request);
+
+enum class HeldRows { zero, filled };
+
+/// Unit forces at places that spread them by weights: column 3·i + k is component k at place i, or column i
+/// that along `direction`. With held rows filled its transpose gives the displacement of the places from that
+/// of all nodes. @return (local rows, columns) [N]
+Eigen::MatrixXd spread(const mesh::Mesh& mesh, const std::vector<Weight>& weights, std::size_t places,
+                       const std::optional<Vector3>& direction, HeldRows held);
+
+/// Fills shape, residual flexibility and loads of a kernel, what it has of `sources`, and its view when
+/// asked; the same on every rank but for the view, which is on rank 0. `loads` are those of the patches.
+/// Collective.
 void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
            modes::Factorisation& factor, const modes::ModeSet& modes, const Patches& patches,
-           const Eigen::MatrixXd& loads, bool residual, bool view, kernels::Kernel& kernel);
+           const Eigen::MatrixXd& loads, bool residual, bool view, kernels::Kernel& kernel,
+           const Sources& sources);
 
 }  // namespace ricochet::surface

@@ -15,11 +15,9 @@ std::vector<double> flat(const Eigen::MatrixXd& matrix) {
   return values;
 }
 
-/// Share of a displacement component of the mesh in the kernel's component k.
-double component(const mesh::Mesh& mesh, const kernels::Surface& surface, int mesh_component, int k) {
-  const Vector3 out = surface.components == 3
-                          ? Vector3{k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0}
-                          : *surface.direction;
+/// Share of a displacement component of the mesh in component k, or in that along a direction.
+double component(const mesh::Mesh& mesh, const std::optional<Vector3>& direction, int mesh_component, int k) {
+  const Vector3 out = direction.value_or(Vector3{k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0});
   if (mesh.dim == 3) return out[static_cast<std::size_t>(mesh_component)];
   return out[0] * mesh.axis[0] + out[1] * mesh.axis[1] + out[2] * mesh.axis[2];
 }
@@ -61,46 +59,110 @@ void gather_view(const parallel::Teams& teams, const mesh::Mesh& mesh, const mod
   if (first) kernel.view = std::move(view);
 }
 
+/// Static parts of what the modes leave out, from the responses at candidates and receivers (rows) to forces
+/// there, gravity and the loads (columns).
+void take_residuals(const Eigen::MatrixXd& response, Eigen::Index candidates, const Sources& sources,
+                    kernels::Kernel& kernel) {
+  const Eigen::Index seen = response.rows(), loads = sources.load.cols();
+  const Eigen::MatrixXd square = response.topLeftCorner(candidates, candidates);
+  kernel.surface.residual_flexibility = flat((square + square.transpose()) / 2);
+  kernel.loads.body_force_residual = flat(response.block(0, seen, candidates, 3));
+  for (std::size_t l = 0; l < kernel.applied.size(); ++l)
+    kernel.applied[l].residual =
+        flat(response.block(0, seen + 3 + static_cast<Eigen::Index>(3 * l), candidates, 3));
+  for (std::size_t r = 0; r < kernel.receivers.size(); ++r) {
+    kernels::Receiver& receiver = kernel.receivers[r];
+    const auto rows = response.middleRows(candidates + static_cast<Eigen::Index>(3 * r), 3);
+    receiver.residual_flexibility = flat(rows.leftCols(candidates));
+    receiver.body_force_residual = flat(rows.middleCols(seen, 3));
+    receiver.load_residual = flat(rows.rightCols(loads));
+  }
+}
+
+/// u = (Ψ − ΦΓ) ū + Φ p of the supports that move. @param shape, body_force, heard  (rows, N): of the modes
+/// at the candidates, under gravity, at the receivers
+void trace_motions(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
+                   const modes::ModeSet& modes, const Patches& patches, const Eigen::MatrixXd& shape,
+                   const Eigen::MatrixXd& body_force, const Eigen::MatrixXd& heard, const Sources& sources,
+                   kernels::Kernel& kernel) {
+  if (sources.motions.empty()) return;
+  const modes::Lift& lift = sources.lift;
+  const Eigen::MatrixXd at_candidates = spread(mesh, patches.weights, patches.geometry.size(),
+                                               patches.geometry.direction, HeldRows::filled),
+                        at_receivers = spread(mesh, sources.at_receivers, sources.receivers.size(), {},
+                                              HeldRows::filled);
+  const Eigen::MatrixXd candidates = modes::inner(mesh.comm, at_candidates, lift.shape),
+                        receivers = modes::inner(mesh.comm, at_receivers, lift.shape),
+                        momentum = modes::inner(mesh.comm, body.rigid_load.leftCols(3), lift.shape) +
+                                   body.imposed.momentum,
+                        gamma = modes.gather(teams, modes::inner(mesh.comm, lift.inertia, modes.shape));
+  Eigen::MatrixXd left(receivers.rows(), static_cast<Eigen::Index>(3 * sources.motions.size()));
+  for (std::size_t s = 0; s < sources.motions.size(); ++s) {
+    const auto from = static_cast<Eigen::Index>(3 * sources.support[s]);
+    const Eigen::MatrixXd of_support = gamma.middleRows(from, 3);
+    kernels::Motion motion = sources.motions[s];
+    motion.participation = flat(of_support);
+    motion.residual = flat(candidates.middleCols(from, 3) - shape * of_support.transpose());
+    motion.momentum = flat(momentum.middleCols(from, 3) - body_force * of_support.transpose());
+    kernel.motions.push_back(std::move(motion));
+    left.middleCols(static_cast<Eigen::Index>(3 * s), 3) =
+        receivers.middleCols(from, 3) - heard * of_support.transpose();
+  }
+  for (std::size_t r = 0; r < kernel.receivers.size(); ++r)
+    kernel.receivers[r].motion_residual = flat(left.middleRows(static_cast<Eigen::Index>(3 * r), 3));
+}
+
 }  // namespace
 
-Eigen::MatrixXd patch_loads(const mesh::Mesh& mesh, const Patches& patches) {
-  const int c = mesh.components(), out = patches.geometry.components;
+Eigen::MatrixXd spread(const mesh::Mesh& mesh, const std::vector<Weight>& weights, std::size_t places,
+                       const std::optional<Vector3>& direction, HeldRows held) {
+  const int c = mesh.components(), out = direction ? 1 : 3;
   Eigen::MatrixXd loads =
-      Eigen::MatrixXd::Zero(mesh.owned_nodes * c, static_cast<Eigen::Index>(patches.geometry.size()) * out);
-  for (const Weight& weight : patches.weights) {
+      Eigen::MatrixXd::Zero(mesh.owned_nodes * c, static_cast<Eigen::Index>(places) * out);
+  for (const Weight& weight : weights) {
     const std::int64_t row = weight.node - mesh.first_node;
     if (row < 0 || row >= mesh.owned_nodes) continue;
     const auto local = static_cast<std::size_t>(
         std::lower_bound(mesh.node.begin(), mesh.node.end(), weight.node) - mesh.node.begin());
     for (int d = 0; d < c; ++d) {
-      if (mesh.is_fixed(local, d)) continue;
+      if (held == HeldRows::zero && mesh.is_fixed(local, d)) continue;
       for (int k = 0; k < out; ++k)
-        loads(row * c + d, weight.candidate * out + k) +=
-            weight.value * component(mesh, patches.geometry, d, k);
+        loads(row * c + d, weight.candidate * out + k) += weight.value * component(mesh, direction, d, k);
     }
   }
   return loads;
 }
 
+Eigen::MatrixXd patch_loads(const mesh::Mesh& mesh, const Patches& patches) {
+  return spread(mesh, patches.weights, patches.geometry.size(), patches.geometry.direction, HeldRows::zero);
+}
+
 void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
            modes::Factorisation& factor, const modes::ModeSet& modes, const Patches& patches,
-           const Eigen::MatrixXd& loads, bool residual, bool view, kernels::Kernel& kernel) {
+           const Eigen::MatrixXd& loads, bool residual, bool view, kernels::Kernel& kernel,
+           const Sources& sources) {
   kernel.surface = patches.geometry;
   const auto seen_by_modes = [&](const Eigen::MatrixXd& load) {
     return modes.gather(teams, modes::inner(mesh.comm, load, modes.shape));
   };
-  kernel.surface.shape = flat(seen_by_modes(loads));
-  const Eigen::MatrixXd participation = seen_by_modes(body.rigid_load);
+  const Eigen::MatrixXd shape = seen_by_modes(loads), participation = seen_by_modes(body.rigid_load);
+  kernel.surface.shape = flat(shape);
   kernel.loads.body_force = flat(participation.topRows(3));
   kernel.loads.rotation = flat(participation.bottomRows(3));
+  kernel.applied = sources.loads;
+  kernel.receivers = sources.receivers;
+  const Eigen::MatrixXd applied = seen_by_modes(sources.load), heard = seen_by_modes(sources.receiver);
+  for (std::size_t l = 0; l < kernel.applied.size(); ++l)
+    kernel.applied[l].participation = flat(applied.middleRows(static_cast<Eigen::Index>(3 * l), 3));
+  for (std::size_t r = 0; r < kernel.receivers.size(); ++r)
+    kernel.receivers[r].shape = flat(heard.middleRows(static_cast<Eigen::Index>(3 * r), 3));
+  trace_motions(teams, mesh, body, modes, patches, shape, participation.topRows(3), heard, sources, kernel);
   if (residual) {
-    Eigen::MatrixXd all(loads.rows(), loads.cols() + 3);
-    all << loads, body.rigid_load.leftCols(3);
-    const Eigen::MatrixXd response =
-        modes::residual_response(teams, mesh, body, factor, modes, all, loads.cols());
-    const Eigen::MatrixXd square = response.leftCols(loads.cols());
-    kernel.surface.residual_flexibility = flat((square + square.transpose()) / 2);
-    kernel.loads.body_force_residual = flat(response.rightCols(3));
+    const Eigen::Index seen = loads.cols() + sources.receiver.cols();
+    Eigen::MatrixXd all(loads.rows(), seen + 3 + sources.load.cols());
+    all << loads, sources.receiver, body.rigid_load.leftCols(3), sources.load;
+    take_residuals(modes::residual_response(teams, mesh, body, factor, modes, all, seen), loads.cols(),
+                   sources, kernel);
   }
   if (view) gather_view(teams, mesh, modes, kernel);
 }

@@ -174,11 +174,33 @@ TEST_F(Damage, an_attribute_of_another_kind_is_refused) {
 
 TEST_F(Damage, a_value_that_is_not_a_number_is_refused_wherever_it_stands) {
   const std::string whole = bytes_of(path_);
-  for (const std::string name :
-       {"/body/centre", "/body/inertia", "/modes/angular_frequency", "/modes/decay_rate", "/modes/residual",
-        "/surface/node", "/surface/normal", "/surface/area", "/surface/shape",
-        "/surface/residual_flexibility", "/loads/body_force", "/loads/rotation", "/loads/body_force_residual",
-        "/view/node"}) {
+  for (const std::string name : {"/body/centre",
+                                 "/body/inertia",
+                                 "/modes/angular_frequency",
+                                 "/modes/decay_rate",
+                                 "/modes/residual",
+                                 "/surface/node",
+                                 "/surface/normal",
+                                 "/surface/area",
+                                 "/surface/shape",
+                                 "/surface/residual_flexibility",
+                                 "/loads/body_force",
+                                 "/loads/rotation",
+                                 "/loads/body_force_residual",
+                                 "/loads/point 1",
+                                 "/load_data/upper face/total",
+                                 "/load_data/upper face/moment",
+                                 "/load_data/point 1/residual",
+                                 "/motions/f\u00fc\u00dfe/participation",
+                                 "/motions/f\u00fc\u00dfe/residual",
+                                 "/motions/f\u00fc\u00dfe/momentum",
+                                 "/receivers/rotations",
+                                 "/receiver_data/rotations/point",
+                                 "/receiver_data/rotations/residual_flexibility",
+                                 "/receiver_data/rotations/body_force_residual",
+                                 "/receiver_data/rotations/load_residual",
+                                 "/receiver_data/rotations/motion_residual",
+                                 "/view/node"}) {
     put_bytes(path_, whole);
     poke(name, 2, std::nan(""));
     expect_refused({"dataset \"" + name + "\" holds nan at place 2"});

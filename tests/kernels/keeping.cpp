@@ -139,12 +139,48 @@ TEST_P(Keeping, what_contributes_leaves_static_responses_as_they_were) {
                force.rightCols(modes.size()).transpose() +
            array_of(kernel.loads.body_force_residual, 3);
   };
+  // Of places seen, by Σ over the modes of (seen · acting)/λ, and what is left to the rest.
+  const auto responses = [&](const Kernel& kernel) {
+    const std::size_t n = kernel.modes.size();
+    const MatrixXd inverse = elastic_modes(kernel).lambda.cwiseInverse().asDiagonal();
+    const auto elastic = [&](const std::vector<double>& values) -> MatrixXd {
+      return array_of(values, n).rightCols(inverse.rows());
+    };
+    std::vector<MatrixXd> all;
+    const Kernel& k = kernel;
+    for (std::size_t l = 0; l < k.applied.size(); ++l) {
+      const MatrixXd acting = inverse * elastic(k.applied[l].participation).transpose();
+      all.push_back(elastic(k.surface.shape) * acting + array_of(k.applied[l].residual, 3));
+      for (const Receiver& receiver : k.receivers)
+        all.push_back(elastic(receiver.shape) * acting +
+                      array_of(receiver.load_residual, 6).middleCols(3 * static_cast<Index>(l), 3));
+    }
+    for (const Receiver& receiver : k.receivers) {
+      all.push_back(elastic(receiver.shape) * inverse * elastic(k.surface.shape).transpose() +
+                    array_of(receiver.residual_flexibility, rows));
+      all.push_back(elastic(receiver.shape) * inverse * elastic(k.loads.body_force).transpose() +
+                    array_of(receiver.body_force_residual, 3));
+      // A support that moves slowly takes along what it did before: Ψ = (Ψ − ΦΓ) + ΦΓ.
+      all.push_back(elastic(receiver.shape) * elastic(k.motions[0].participation).transpose() +
+                    array_of(receiver.motion_residual, 3));
+    }
+    all.push_back(elastic(k.surface.shape) * elastic(k.motions[0].participation).transpose() +
+                  array_of(k.motions[0].residual, 3));
+    all.push_back(elastic(k.loads.body_force) * elastic(k.motions[0].participation).transpose() +
+                  array_of(k.motions[0].momentum, 3));
+    return all;
+  };
   const MatrixXd before = flexibility(whole_), sunk = under_gravity(whole_);
+  const std::vector<MatrixXd> moved = responses(whole_);
   for (const double bound : {1e-3, 0.05, 100.0}) {
     const Kernel kernel = kept(bound);
     ASSERT_LT(kernel.modes.size(), whole_.modes.size() - 4);
     EXPECT_LT((flexibility(kernel) - before).norm(), 1e-12 * before.norm());
     EXPECT_LT((under_gravity(kernel) - sunk).norm(), 1e-12 * sunk.norm());
+    const std::vector<MatrixXd> now = responses(kernel);
+    ASSERT_EQ(now.size(), moved.size());
+    for (std::size_t i = 0; i < now.size(); ++i)
+      EXPECT_LT((now[i] - moved[i]).norm(), 1e-12 * moved[i].norm()) << i;
   }
 }
 
@@ -166,6 +202,9 @@ TEST_P(Keeping, what_contributes_keeps_whole_columns) {
   expect_columns(kernel.surface.shape, whole_.surface.shape, static_cast<std::size_t>(4 * GetParam()));
   expect_columns(kernel.loads.body_force, whole_.loads.body_force, 3);
   expect_columns(kernel.loads.rotation, whole_.loads.rotation, 3);
+  expect_columns(kernel.applied[1].participation, whole_.applied[1].participation, 3);
+  expect_columns(kernel.motions[0].participation, whole_.motions[0].participation, 3);
+  expect_columns(kernel.receivers[1].shape, whole_.receivers[1].shape, 3);
   expect_columns(kernel.view->shape, whole_.view->shape, 9);
   EXPECT_EQ(kernel.view->node, whole_.view->node);
   EXPECT_EQ(kernel.surface.node, whole_.surface.node);

@@ -97,6 +97,31 @@ inline Kernel sample_kernel(int components, std::size_t n = 5, std::size_t m = 4
   view.element = {0, 1, 2, 2, 1, 0};
   for (std::size_t i = 0; i < 9 * n; ++i) view.shape.push_back(static_cast<float>(normal(random)));
   kernel.view = view;
+
+  for (const auto& [name, unit] : {std::pair{"upper face", "Pa"}, std::pair{"point 1", "N"}}) {
+    Load& load = kernel.applied.emplace_back();
+    load.name = name;
+    load.unit = unit;
+    fill(load.participation, 3 * n);
+    fill(load.total, 9);
+    fill(load.moment, 9);
+    fill(load.residual, c * m * 3);
+  }
+  Motion& motion = kernel.motions.emplace_back();
+  motion.name = "f\u00fc\u00dfe";
+  fill(motion.participation, 3 * n);
+  fill(motion.residual, c * m * 3);
+  fill(motion.momentum, 9);
+  for (const char* name : {"upper face", "rotations"}) {
+    Receiver& receiver = kernel.receivers.emplace_back();
+    receiver.name = name;
+    receiver.point = {normal(random), normal(random), normal(random)};
+    fill(receiver.shape, 3 * n);
+    fill(receiver.residual_flexibility, 3 * c * m);
+    fill(receiver.body_force_residual, 9);
+    fill(receiver.load_residual, 3 * 3 * 2);
+    fill(receiver.motion_residual, 9);
+  }
   return kernel;
 }
 

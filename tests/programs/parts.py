@@ -7,7 +7,7 @@ import unittest
 import h5py
 import numpy as np
 
-from programs import ProgramTest, displacement_kernel, kernel
+from programs import ProgramTest, displacement_kernel, kernel, static_responses
 
 CELLS = (3, 3, 4)
 
@@ -28,6 +28,22 @@ between = ["{name}", "wall"]
 direction = [0, 0, 1]
 [time]
 duration = 1.0
+[[loads.traction]]
+body = "{name}"
+group = "top"
+vector = [0, 0, 1]
+[[loads.point]]
+body = "{name}"
+at = [0.5, 0.6, 0.5]
+vector = [1, 0, 0]
+[[loads.motion]]
+body = "{name}"
+group = "foot"
+vector = [1, 1, 1]
+[[output.receiver]]
+name = "mic"
+body = "{name}"
+at = [0.3, 0.9, 0.4]
 """
 
 
@@ -104,6 +120,10 @@ class Parts(ProgramTest):
         )
         self.assertGreater(np.abs(one).max(), 1e-3)
         self.assertLess(np.abs(one - other).max(), 1e-8 * np.abs(one).max())
+        one, other = static_responses(whole), static_responses(split)
+        self.assertEqual(len(one), 9)
+        for key, value in one.items():
+            self.assertLess(np.abs(other[key] - value).max(), 1e-8 * max(np.abs(value).max(), 1e-3), key)
 
     def test_a_missing_part_ends_in_one_line(self):
         nodes, elements = grid()

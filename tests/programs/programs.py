@@ -47,6 +47,30 @@ def displacement_kernel(path, times):
     return np.einsum("in,tn,jn->tij", shape, sine, shape)
 
 
+def static_responses(path):
+    """What loads, gravity and supports that move do slowly at the receivers of a kernel file, by name: modes and static
+    parts of what is left out together; and sums over modes that do not depend on how multiple ones are turned."""
+    with h5py.File(path) as file:
+        omega, gravity = file["modes/angular_frequency"][:], file["loads/body_force"][:]
+        compliance = np.where(omega > 0, 1 / np.where(omega > 0, omega, 1) ** 2, 0)
+        names = {kind: [name.decode() for name in file[f"names/{kind}"][:]] for kind in file["names"]}
+        motions = {name: file[f"motions/{name}/participation"][:] for name in names["motions"]}
+        found = {}
+        for receiver in names["receivers"]:
+            shape, data = file[f"receivers/{receiver}"][:], file[f"receiver_data/{receiver}"]
+            found[receiver, "gravity"] = (shape * compliance) @ gravity.T + data["body_force_residual"][:]
+            for number, name in enumerate(names["loads"]):
+                part = file[f"loads/{name}"][:]
+                found[receiver, name] = (shape * compliance) @ part.T + data["load_residual"][:, number]
+            for number, (name, part) in enumerate(motions.items()):
+                found[receiver, "moved " + name] = shape @ part.T + data["motion_residual"][:, number]
+        for name in names["loads"]:
+            found[name, "total"], found[name, "moment"] = (file[f"load_data/{name}/{of}"][:] for of in ("total", "moment"))
+        for name, part in motions.items():
+            found[name, "with gravity"] = gravity @ part.T + file[f"motions/{name}/momentum"][:]
+    return found
+
+
 class ProgramTest(unittest.TestCase):
     """A test with a folder of its own, `self.folder`, gone afterwards."""
 

@@ -5,7 +5,7 @@ import unittest
 import h5py
 import numpy as np
 
-from programs import ProgramTest, displacement_kernel, kernel
+from programs import ProgramTest, displacement_kernel, kernel, static_responses
 
 GEO = """
 SetFactory("Built-in");
@@ -16,6 +16,7 @@ block[] = Extrude {0, 0, 0.7} { Surface{1}; };
 Physical Volume("block") = {block[1]};
 Physical Surface("foot") = {1};
 Physical Surface("top") = {block[0]};
+Physical Surface("side") = {block[2]};
 """
 
 SCENE = """
@@ -31,7 +32,7 @@ mesh = "block.geo"
 order = 2
 material = { density = 2.0, young = 3.0, poisson = 0.3 }
 contact = "top"
-support = { foot = "xyz" }
+support = { foot = "xyz", side = "y" }
 [modes]
 count = 40
 [contact]
@@ -39,6 +40,26 @@ between = ["free", "held"]
 direction = [0, 0, -1]
 [time]
 duration = 1.0
+[[loads.traction]]
+body = "held"
+group = "top"
+vector = [0, 0, 1]
+[[loads.point]]
+body = "held"
+at = [0.7, 0.8, 0.35]
+vector = [1, 0, 0]
+[[loads.motion]]
+body = "held"
+group = "foot"
+vector = [1, 1, 1]
+[[loads.motion]]
+body = "held"
+group = "side"
+vector = [0, 1, 0]
+[[output.receiver]]
+name = "mic"
+body = "held"
+at = [0.2, 0.9, 0.4]
 """
 
 
@@ -73,6 +94,12 @@ class Ranks(ProgramTest):
                         # A uniform acceleration bends no free body: there the second is round-off of 1 s².
                         scale = max(np.abs(a[name][:]).max(), 1e-6)
                         self.assertLess(np.abs(a[name][:] - b[name][:]).max(), 1e-8 * scale)
+        paths = [next((self.folder / str(ranks)).glob("held-*.kernel.h5")) for ranks in (1, 2, 3)]
+        one, *others = (static_responses(path) for path in paths)
+        self.assertEqual(len(one), 11)
+        for other in others:
+            for key, value in one.items():
+                self.assertLess(np.abs(other[key] - value).max(), 1e-8 * max(np.abs(value).max(), 1e-3), key)
 
 
 if __name__ == "__main__":

@@ -1,2 +1,4 @@
 add_mpi_test(surface patches)
+add_mpi_test(surface lift)
+add_mpi_test(surface sources)
 add_mpi_test(surface trace)

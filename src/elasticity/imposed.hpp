@@ -1,0 +1,46 @@
+// What supports that move do to a body: the coupling that held rows lose in K and M.
+#pragma once
+
+#include <Eigen/Dense>
+#include <string>
+#include <vector>
+
+#include "src/mesh/mesh.hpp"
+
+namespace ricochet::elasticity {
+
+/// For S supports, three columns each: unit displacements along the body's x, y and z. A column is 0 where
+/// the support does not hold that component. f: free rows, s: held ones.
+struct Imposed {
+  Eigen::MatrixXd shape;     ///< (local rows, 3S) E: the displacement of held rows; free rows 0
+  Eigen::MatrixXd force;     ///< (local rows, 3S) −K_fs E [N/m]; held rows 0
+  Eigen::MatrixXd inertia;   ///< (local rows, 3S) M_fs E [kg]; held rows 0
+  Eigen::MatrixXd momentum;  ///< (3,3S) e_iᵀ M E over held rows, the same on every rank [kg]
+};
+
+using ElementMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// Sums the elements of one rank up.
+class Imposing {
+ public:
+  /// @param moved  components that each support of mesh::Asked::moved holds, some of "xyz"
+  Imposing(const mesh::Mesh& mesh, const std::vector<std::string>& moved);
+
+  /// @param nodes        local, of one element
+  /// @param K, M         (cn, cn), before supports
+  /// @param translation  (cn, ≥ 3) M times e_x, e_y, e_z
+  void add(const std::int64_t* nodes, int count, const ElementMatrix& K, const ElementMatrix& M,
+           const Eigen::MatrixXd& translation);
+
+  /// Collective.
+  Imposed take();
+
+ private:
+  Eigen::RowVectorXd row(std::size_t local_node, int component) const;
+
+  const mesh::Mesh& mesh_;
+  const std::vector<std::string>& moved_;
+  Imposed sum_;
+};
+
+}  // namespace ricochet::elasticity

@@ -1,0 +1,72 @@
+#include "src/modes/lift.hpp"
+
+#include <algorithm>
+
+namespace ricochet::modes {
+
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// xᵀy of each column.
+VectorXd dots(MPI_Comm comm, const MatrixXd& x, const MatrixXd& y) {
+  VectorXd values = x.cwiseProduct(y).colwise().sum().transpose();
+  parallel::sum(comm, values.data(), static_cast<std::size_t>(values.size()));
+  return values;
+}
+
+/// a/b, 0 where there is nothing left to divide.
+VectorXd quotients(const VectorXd& a, const VectorXd& b) {
+  return (b.array() > 0).select(a.array() / b.array(), 0.0);
+}
+
+/// K X = F by conjugate gradients, all columns side by side; X is M-orthogonal to the rigid modes.
+MatrixXd solve_statically(const parallel::Teams& teams, const Operators& operators, Factorisation& factor,
+                          const MatrixXd& force) {
+  const auto precondition = [&](const MatrixXd& rest) {
+    MatrixXd z = shared_solve(teams, factor, rest);
+    z -= operators.rigid * inner(operators.comm, operators.rigid_momentum, z);
+    return z;
+  };
+  // In the norm of strain energy.
+  constexpr double tolerance = 1e-12;
+  constexpr int most = 500;
+  MatrixXd x = MatrixXd::Zero(force.rows(), force.cols()), rest = force, z = precondition(rest), p = z;
+  VectorXd energy = dots(operators.comm, rest, z);
+  for (int step = 0; step < most; ++step) {
+    const MatrixXd product = operators.stiffness(p);
+    const VectorXd alpha = quotients(energy, dots(operators.comm, p, product));
+    x += p * alpha.asDiagonal();
+    rest -= product * alpha.asDiagonal();
+    z = precondition(rest);
+    const VectorXd before = energy;
+    energy = dots(operators.comm, rest, z);
+    const VectorXd whole = dots(operators.comm, force, x);
+    int done = (energy.array() <= tolerance * tolerance * whole.array().abs()).all() ? 1 : 0;
+    MPI_Bcast(&done, 1, MPI_INT, 0, teams.world());
+    if (done != 0) return x;
+    p = z + p * quotients(energy, before).asDiagonal();
+  }
+  throw SolverError("the static lift of a support that moves did not converge: is the mesh distorted?");
+}
+
+}  // namespace
+
+Lift static_lift(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
+                 Factorisation& factor, double sigma) {
+  const elasticity::Imposed& imposed = body.imposed;
+  Lift lift{imposed.shape, imposed.inertia};
+  if (imposed.shape.cols() == 0) return lift;
+  const Operators operators(mesh, body);
+  factor.factor(sigma);
+  const MatrixXd free = solve_statically(teams, operators, factor, imposed.force);
+  lift.shape += free;
+  lift.inertia += operators.mass(free);
+  const MatrixXd rigid = inner(mesh.comm, operators.rigid, lift.inertia);
+  lift.shape -= operators.rigid * rigid;
+  lift.inertia -= operators.rigid_momentum * rigid;
+  return lift;
+}
+
+}  // namespace ricochet::modes

@@ -1,0 +1,179 @@
+#include "src/scene/loads.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernels/kernel.hpp"
+#include "src/scene/write.hpp"
+
+namespace ricochet::scene {
+
+namespace {
+
+/// The value of `key`, which must be given.
+std::string required_text(Table& table, const std::string& key, const char* what) {
+  const auto text = table.text(key);
+  if (!text) table.complain(key, std::string("is missing: ") + what);
+  return *text;
+}
+
+Vector3 required_vector(Table& table, const std::string& key, const char* what) {
+  const auto vector = table.vector(key);
+  if (!vector) table.complain(key, std::string("is missing: ") + what);
+  return *vector;
+}
+
+std::string read_body(Table& table, const Scene& scene) {
+  const std::string name = required_text(table, "body", "name the body");
+  if (scene.find_body(name) == nullptr) table.complain("body", "there is no body \"" + name + "\"");
+  return name;
+}
+
+std::string read_name(Table& table, const std::string& fallback) {
+  const std::string name = table.text("name").value_or(fallback);
+  if (!kernels::is_free_name(name))
+    table.complain("name", "\"" + name +
+                               "\" can't be a name: it needs characters other than \"/\", and differs from "
+                               "body_force, body_force_residual and rotation");
+  return name;
+}
+
+Vector3 in_body(const std::array<double, 9>& rotation, const Vector3& world) {
+  Vector3 own{};
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t j = 0; j < 3; ++j) own[k] += rotation[3 * j + k] * world[j];
+  return own;
+}
+
+/// A support moves along the components that it holds.
+void check_motion(Table& table, const Body& body, const Driven& motion) {
+  const auto support = body.support.find(motion.group);
+  if (support == body.support.end()) {
+    std::string all;
+    for (const auto& [group, components] : body.support) all += (all.empty() ? "\"" : ", \"") + group + "\"";
+    table.complain("group", all.empty()
+                                ? "bodies." + body.name + " has no support: give it one, support = { … }"
+                                : "is not a support of bodies." + body.name + ": those are " + all);
+  }
+  const Vector3 own = in_body(rotation_of(body), motion.vector);
+  const double length = std::hypot(own[0], own[1], own[2]);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const char component = "xyz"[k];
+    if (std::abs(own[k]) > 1e-9 * length && support->second.find(component) == std::string::npos)
+      table.complain("vector",
+                     fmt::format("moves \"{}\" along the body's {}, which it does not hold (it holds "
+                                 "\"{}\"): add it to bodies.{}.support, or move along what is held",
+                                 motion.group, component, support->second, body.name));
+  }
+}
+
+enum class Kind { traction, point, motion };
+
+Driven read_driven(Table& table, Kind kind, std::size_t number, const Scene& scene) {
+  Driven driven;
+  driven.body = read_body(table, scene);
+  if (kind == Kind::point)
+    driven.at = required_vector(table, "at", "where the force acts, [x, y, z] in world axes");
+  else
+    driven.group =
+        required_text(table, "group", kind == Kind::traction ? "name a physical surface" : "name a support");
+  driven.name = read_name(table, kind == Kind::point ? fmt::format("point {}", number + 1) : driven.group);
+  driven.vector = required_vector(table, "vector",
+                                  kind == Kind::traction ? "[x, y, z] in Pa, world axes"
+                                  : kind == Kind::point  ? "[x, y, z] in N, world axes"
+                                                         : "[x, y, z] in m, world axes");
+  if (kind == Kind::motion) check_motion(table, *scene.find_body(driven.body), driven);
+  if (const auto history = table.text("history")) {
+    driven.history = (scene.file.parent_path() / *history).lexically_normal();
+    if (!std::filesystem::is_regular_file(driven.history))
+      table.complain("history", "no such file: give a CSV of times [s] and factors, or leave it out");
+  }
+  table.refuse_unknown();
+  return driven;
+}
+
+void refuse_second(const Table& table, const std::vector<Driven>& before, const Driven& driven) {
+  for (const Driven& other : before)
+    if (other.body == driven.body && other.name == driven.name)
+      table.complain("name",
+                     fmt::format("bodies.{} has a load or motion \"{}\" already: give each its own name",
+                                 driven.body, driven.name));
+}
+
+void move_to_frame(const Body& body, Vector3& at) {
+  for (std::size_t k = 0; k < 3; ++k) at[k] -= body.translate[k];
+  at = in_body(rotation_of(body), at);
+  // Round-off must not change hashes.
+  for (double& x : at) x = std::round(x * 1e12) / 1e12;
+}
+
+}  // namespace
+
+void read_loads(Table& root, Scene& scene) {
+  auto table = root.table("loads");
+  if (!table) return;
+  Loads& loads = scene.loads;
+  loads.gravity = table->vector("gravity").value_or(Vector3{});
+  std::vector<Driven> all;
+  for (const auto& [key, kind, target] :
+       {std::tuple{"traction", Kind::traction, &loads.tractions},
+        std::tuple{"point", Kind::point, &loads.points}, std::tuple{"motion", Kind::motion, &loads.motions}})
+    for (Table& entry : table->array(key)) {
+      target->push_back(read_driven(entry, kind, target->size(), scene));
+      refuse_second(entry, all, target->back());
+      all.push_back(target->back());
+    }
+  table->refuse_unknown();
+}
+
+std::vector<Receiver> read_receivers(Table& output, const Scene& scene) {
+  std::vector<Receiver> receivers;
+  for (Table& entry : output.array("receiver")) {
+    Receiver receiver;
+    if (!entry.has("name")) entry.complain("name", "is missing: it names the receiver's histories");
+    receiver.name = read_name(entry, "");
+    receiver.body = read_body(entry, scene);
+    receiver.at = required_vector(entry, "at", "the point of the body, [x, y, z] in world axes");
+    entry.refuse_unknown();
+    if (std::any_of(receivers.begin(), receivers.end(),
+                    [&](const Receiver& other) { return other.name == receiver.name; }))
+      entry.complain("name", "another receiver has this name: give each its own");
+    receivers.push_back(receiver);
+  }
+  return receivers;
+}
+
+void take_sources(const Scene& all, const Body& placed, KernelRequest& request) {
+  for (const auto& [from, to] :
+       {std::pair{&all.loads.tractions, &request.tractions}, std::pair{&all.loads.points, &request.points},
+        std::pair{&all.loads.motions, &request.motions}})
+    for (Driven driven : *from) {
+      if (driven.body != placed.name) continue;
+      driven.vector = {};
+      driven.history.clear();
+      if (from == &all.loads.points) move_to_frame(placed, driven.at);
+      to->push_back(driven);
+    }
+  for (Receiver receiver : all.output.receivers) {
+    if (receiver.body != placed.name) continue;
+    move_to_frame(placed, receiver.at);
+    request.receivers.push_back(receiver);
+  }
+}
+
+std::string toml_sources(const KernelRequest& request) {
+  std::string text;
+  for (const auto& [table, list] :
+       {std::pair{"traction", &request.tractions}, std::pair{"point", &request.points},
+        std::pair{"motion", &request.motions}})
+    for (const Driven& driven : *list)
+      text += fmt::format("[[loads.{}]]\nname = {}\n{}\n", table, toml_string(driven.name),
+                          list == &request.points ? "at = " + toml_vector(driven.at)
+                                                  : "group = " + toml_string(driven.group));
+  for (const Receiver& receiver : request.receivers)
+    text += fmt::format("[[output.receiver]]\nname = {}\nat = {}\n", toml_string(receiver.name),
+                        toml_vector(receiver.at));
+  return text;
+}
+
+}  // namespace ricochet::scene

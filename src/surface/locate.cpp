@@ -1,0 +1,220 @@
+#include "src/surface/locate.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numeric>
+
+namespace ricochet::surface {
+
+namespace {
+
+using Eigen::Vector3d;
+using mesh::Family;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// The nearest point of the triangle or tetrahedron ξ ≥ 0, Σ ξ ≤ 1.
+void to_simplex(double* xi, int dim) {
+  const auto cut = [&](double level) {
+    double sum = 0;
+    for (int d = 0; d < dim; ++d) sum += std::max(xi[d] - level, 0.0);
+    return sum;
+  };
+  double level = 0;
+  if (cut(0) > 1) {
+    std::vector<double> sorted(xi, xi + dim);
+    std::sort(sorted.begin(), sorted.end(), std::greater<>());
+    double sum = 0;
+    for (int d = 0; d < dim; ++d) {
+      sum += sorted[static_cast<std::size_t>(d)];
+      if (const double next = (sum - 1) / (d + 1); sorted[static_cast<std::size_t>(d)] > next) level = next;
+    }
+  }
+  for (int d = 0; d < dim; ++d) xi[d] = std::max(xi[d] - level, 0.0);
+}
+
+void to_element(const mesh::ReferenceElement& element, Vector3d& xi) {
+  int first = 0;
+  if (element.family == Family::tetrahedron) first = 3;
+  if (element.family == Family::prism) first = 2;
+  to_simplex(xi.data(), first);
+  for (int d = first; d < element.dim; ++d) xi[d] = std::clamp(xi[d], -1.0, 1.0);
+}
+
+/// One element's map from local coordinates.
+struct Map {
+  const mesh::ReferenceElement& element;
+  Eigen::Matrix<double, 3, Eigen::Dynamic> position;  ///< (3, nodes)
+  Eigen::VectorXd shape{};                            ///< at the place last asked for
+  Eigen::MatrixXd jacobian{};                         ///< (3, dim)
+
+  Vector3d operator()(const Vector3d& xi) {
+    const mesh::Basis basis = mesh::basis_at(element, {xi[0], xi[1], xi[2]});
+    shape = Eigen::Map<const Eigen::VectorXd>(basis.value.data(), basis.nodes);
+    jacobian = position * Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>>(
+                              basis.gradient.data(), basis.nodes, 3)
+                              .leftCols(element.dim);
+    return position * shape;
+  }
+};
+
+Vector3d centre_of(const mesh::ReferenceElement& element) {
+  Vector3d centre = Vector3d::Zero();
+  for (int a = 0; a < element.corners; ++a)
+    for (int d = 0; d < element.dim; ++d)
+      centre[d] += element.node[static_cast<std::size_t>(a * element.dim + d)] / element.corners;
+  return centre;
+}
+
+/// Where in an element `point` lies, by Newton's method; the nearest place of its own coordinates where that
+/// is outside.
+Vector3d by_newton(Map& map, const Vector3d& point) {
+  const int dim = map.element.dim;
+  const Vector3d centre = centre_of(map.element);
+  Vector3d xi = centre;
+  // Outside an element that is bent it may diverge.
+  for (int step = 0; step < 30 && (xi - centre).norm() < 4; ++step) {
+    const Vector3d off = point - map(xi);
+    const Eigen::VectorXd move =
+        (map.jacobian.transpose() * map.jacobian).ldlt().solve(map.jacobian.transpose() * off);
+    xi.head(dim) += move;
+    if (!(move.norm() > 1e-14)) break;
+  }
+  if (!xi.allFinite()) xi = centre;
+  to_element(map.element, xi);
+  return xi;
+}
+
+/// The place of an element nearest to `point`, by projected gradients.
+Vector3d by_gradients(Map& map, const Vector3d& point) {
+  Vector3d xi = by_newton(map, point);
+  for (int step = 0; step < 200; ++step) {
+    const Vector3d off = point - map(xi);
+    Vector3d next = xi;
+    next.head(map.element.dim) += map.jacobian.transpose() * off / map.jacobian.squaredNorm();
+    to_element(map.element, next);
+    const double move = (next - xi).norm();
+    xi = next;
+    if (move < 1e-12) break;
+  }
+  return xi;
+}
+
+/// An element, and how far the point is from the box around it at least.
+struct Near {
+  double distance;
+  std::size_t block, element;
+};
+
+std::vector<Near> by_distance(const mesh::Mesh& mesh, const Vector3d& point) {
+  std::vector<Near> all;
+  for (std::size_t b = 0; b < mesh.blocks.size(); ++b) {
+    const mesh::Block& block = mesh.blocks[b];
+    const auto n = static_cast<std::size_t>(block.nodes_per_element);
+    for (std::size_t e = 0; e < block.size(); ++e) {
+      if (mesh.own[b][e] == 0) continue;
+      Vector3d low = Vector3d::Constant(infinity), high = -low;
+      for (std::size_t a = 0; a < n; ++a) {
+        const Vector3d x(&mesh.position[3 * static_cast<std::size_t>(block.node[e * n + a])]);
+        low = low.cwiseMin(x);
+        high = high.cwiseMax(x);
+      }
+      // Curved elements bulge out of the box around their nodes.
+      const double bulge = mesh.order > 1 ? 0.25 * (high - low).norm() : 0;
+      const double distance = (low - point).cwiseMax(point - high).cwiseMax(0.0).norm();
+      all.push_back({std::max(distance - bulge, 0.0), b, e});
+    }
+  }
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Near& a, const Near& b) { return a.distance < b.distance; });
+  return all;
+}
+
+/// Takes the place `xi` of an element if it is nearer than what was found before.
+void take_nearer(Map& map, const Vector3d& xi, const Vector3d& point, const mesh::Mesh& mesh,
+                 const std::int64_t* nodes, Located& best) {
+  const Vector3d place = map(xi);
+  const double distance = (place - point).norm();
+  if (distance >= best.distance) return;
+  best.distance = distance;
+  best.place = {place[0], place[1], place[2]};
+  best.node.clear();
+  for (Eigen::Index a = 0; a < map.position.cols(); ++a)
+    best.node.push_back(mesh.node[static_cast<std::size_t>(nodes[a])]);
+  best.weight.assign(map.shape.data(), map.shape.data() + map.shape.size());
+}
+
+/// Looks through this rank's own elements: first for one that holds the point; only where no rank has one for
+/// the nearest place. Collective.
+Located locate_here(const mesh::Mesh& mesh, const Vector3d& point) {
+  std::vector<mesh::ReferenceElement> references;
+  for (const mesh::Block& block : mesh.blocks) references.push_back(mesh::reference_element(block.gmsh_type));
+  const std::vector<Near> near = by_distance(mesh, point);
+  const double round_off = 1e-13 * size_of(mesh);
+  Located best;
+  best.distance = infinity;
+  const auto search = [&](auto&& place_in, double most) {
+    for (const Near& one : near) {
+      if (one.distance > most || one.distance >= best.distance || best.distance <= round_off) break;
+      const mesh::Block& block = mesh.blocks[one.block];
+      const std::int64_t* nodes =
+          &block.node[one.element * static_cast<std::size_t>(block.nodes_per_element)];
+      Map map{references[one.block], {}};
+      map.position.resize(3, block.nodes_per_element);
+      for (int a = 0; a < block.nodes_per_element; ++a)
+        map.position.col(a) = Vector3d(&mesh.position[3 * static_cast<std::size_t>(nodes[a])]);
+      take_nearer(map, place_in(map, point), point, mesh, nodes, best);
+    }
+  };
+  search(by_newton, 0);
+  const double somewhere = -parallel::largest(mesh.comm, -best.distance);
+  if (somewhere > round_off) search(by_gradients, infinity);
+  return best;
+}
+
+}  // namespace
+
+double size_of(const mesh::Mesh& mesh) {
+  Vector3d low = Vector3d::Constant(infinity), high = -low;
+  for (std::size_t i = 0; i < mesh.node.size(); ++i) {
+    const Vector3d x(&mesh.position[3 * i]);
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  double square = 0;
+  for (int c = 0; c < 3; ++c) {
+    const double extent = parallel::largest(mesh.comm, high[c]) + parallel::largest(mesh.comm, -low[c]);
+    square += extent * extent;
+  }
+  return std::sqrt(square);
+}
+
+Located locate(const mesh::Mesh& mesh, const Vector3& point) {
+  Located found = locate_here(mesh, Vector3d(point.data()));
+  struct {
+    double distance;
+    int rank;
+  } nearest{found.distance, parallel::rank_of(mesh.comm)};
+  MPI_Allreduce(MPI_IN_PLACE, &nearest, 1, MPI_DOUBLE_INT, MPI_MINLOC, mesh.comm);
+  const bool here = nearest.rank == parallel::rank_of(mesh.comm);
+  const auto count = static_cast<std::size_t>(
+      parallel::sum(mesh.comm, here ? static_cast<std::int64_t>(found.node.size()) : 0));
+  // One rank adds more than 0: node and weight of each, the place.
+  std::vector<double> values(2 * count + 3, 0.0);
+  if (here) {
+    std::copy(found.node.begin(), found.node.end(), values.begin());
+    std::copy(found.weight.begin(), found.weight.end(), values.begin() + static_cast<std::ptrdiff_t>(count));
+    std::copy(found.place.begin(), found.place.end(), values.end() - 3);
+  }
+  parallel::sum(mesh.comm, values.data(), values.size());
+  found.distance = nearest.distance;
+  found.node.clear();
+  for (std::size_t a = 0; a < count; ++a) found.node.push_back(static_cast<std::int64_t>(values[a]));
+  found.weight.assign(values.begin() + static_cast<std::ptrdiff_t>(count), values.end() - 3);
+  std::copy(values.end() - 3, values.end(), found.place.begin());
+  return found;
+}
+
+}  // namespace ricochet::surface

@@ -1,0 +1,148 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "src/surface/locate.hpp"
+#include "src/surface/surface.hpp"
+
+namespace ricochet::surface {
+
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+std::vector<double> rows_of(const Matrix3d& matrix) {
+  const Matrix3d columns = matrix.transpose();
+  return {columns.data(), columns.data() + columns.size()};
+}
+
+/// A load with its resultants, where weights sum to `total` and, times positions, to `first`: of a rod that
+/// along its axis.
+kernels::Load load_of(const mesh::Mesh& mesh, const std::string& name, const char* unit, double total,
+                      const Vector3d& first) {
+  const Vector3d axis(mesh.axis.data());
+  const Matrix3d moved = mesh.dim == 3 ? Matrix3d(Matrix3d::Identity()) : Matrix3d(axis * axis.transpose());
+  Matrix3d moment;
+  for (int k = 0; k < 3; ++k) moment.col(k) = first.cross(moved.col(k));
+  return {name, unit, {}, rows_of(total * moved), rows_of(moment), {}};
+}
+
+/// What adds up of one surface.
+struct Surface {
+  std::map<std::int64_t, double> weight;  ///< of global nodes: ∫ N ds
+  double area = 0;
+  Vector3d first = Vector3d::Zero();  ///< ∫ x ds
+};
+
+/// Surfaces of Asked::loaded, by their labels.
+std::vector<Surface> integrate(const mesh::FacetMesh& facets, std::size_t surfaces) {
+  std::vector<Surface> sums(surfaces);
+  const auto position = [&](std::int64_t node) {
+    return Vector3d(&facets.position[3 * static_cast<std::size_t>(node)]);
+  };
+  const auto add = [&](std::int64_t label, std::int64_t node, double weight) {
+    Surface& sum = sums[static_cast<std::size_t>(label)];
+    sum.weight[facets.node[static_cast<std::size_t>(node)]] += weight;
+    sum.area += weight;
+    sum.first += weight * position(node);
+  };
+  for (const mesh::Block& block : facets.blocks) {
+    const auto n = static_cast<std::size_t>(block.nodes_per_element);
+    if (n == 1) {  // the end of a rod
+      for (std::size_t e = 0; e < block.size(); ++e) {
+        const auto i = static_cast<std::size_t>(block.node[e]);
+        add(block.label[e], block.node[e], Vector3d(&facets.end_normal[3 * i]).norm());
+      }
+      continue;
+    }
+    const auto reference = mesh::reference_element(block.gmsh_type);
+    // Shape function × measure; the measure of a curved facet is no polynomial, hence some more.
+    const auto rule = mesh::quadrature_of(reference.family, 3 * reference.order + 1);
+    const auto basis = mesh::basis_at(reference, rule.local);
+    for (std::size_t e = 0; e < block.size(); ++e) {
+      const std::int64_t* nodes = &block.node[e * n];
+      for (std::size_t q = 0; q < rule.size(); ++q) {
+        Vector3d along_u = Vector3d::Zero(), along_v = along_u;
+        for (std::size_t a = 0; a < n; ++a) {
+          along_u += basis.gradient[3 * (q * n + a)] * position(nodes[a]);
+          along_v += basis.gradient[3 * (q * n + a) + 1] * position(nodes[a]);
+        }
+        const double measure = along_u.cross(along_v).norm() * rule.weight[q];
+        for (std::size_t a = 0; a < n; ++a) add(block.label[e], nodes[a], measure * basis.value[q * n + a]);
+      }
+    }
+  }
+  return sums;
+}
+
+/// Where `list` has `name`; at its end, which it then is added to.
+std::size_t place_of(std::vector<std::string>& list, const std::string& name) {
+  const auto found = std::find(list.begin(), list.end(), name);
+  if (found == list.end()) list.push_back(name);
+  return static_cast<std::size_t>(std::find(list.begin(), list.end(), name) - list.begin());
+}
+
+/// The place of a point that the scene calls `key` `name`. Collective.
+Located on_body(const mesh::Mesh& mesh, const scene::Body& body, const char* key, const std::string& name,
+                const Vector3& at, double tolerance) {
+  Located found = locate(mesh, at);
+  if (!(found.distance <= tolerance))
+    throw InputError(
+        fmt::format("{}: {} \"{}\" lies {:.4g} m off bodies.{}, at ({:.6g}, {:.6g}, {:.6g}) m in its own "
+                    "axes: move it to the "
+                    "nearest place, ({:.6g}, {:.6g}, {:.6g})",
+                    body.mesh.filename().string(), key, name, found.distance, body.name, at[0], at[1], at[2],
+                    found.place[0], found.place[1], found.place[2]));
+  return found;
+}
+
+}  // namespace
+
+mesh::Asked asked_of(const scene::KernelRequest& request) {
+  mesh::Asked asked;
+  for (const scene::Driven& traction : request.tractions) place_of(asked.loaded, traction.group);
+  for (const scene::Driven& motion : request.motions) place_of(asked.moved, motion.group);
+  return asked;
+}
+
+Sources make_sources(const mesh::Mesh& mesh, const scene::KernelRequest& request) {
+  Sources sources;
+  std::vector<Weight> at_loads;
+  mesh::Asked asked = asked_of(request);
+  const std::vector<Surface> surfaces = integrate(mesh.loaded, asked.loaded.size());
+  for (const scene::Driven& traction : request.tractions) {
+    const Surface& surface = surfaces[place_of(asked.loaded, traction.group)];
+    for (const auto& [node, weight] : surface.weight)
+      at_loads.push_back({node, static_cast<int>(sources.loads.size()), weight});
+    sources.loads.push_back(load_of(mesh, traction.name, "Pa", surface.area, surface.first));
+  }
+  const double tolerance = request.points.empty() && request.receivers.empty() ? 0 : 1e-6 * size_of(mesh);
+  const auto put = [&](const Located& place, std::size_t number, std::vector<Weight>& weights) {
+    for (std::size_t a = 0; a < place.node.size(); ++a)
+      weights.push_back({place.node[a], static_cast<int>(number), place.weight[a]});
+  };
+  for (const scene::Driven& point : request.points) {
+    const Located place = on_body(mesh, request.body, "loads.point", point.name, point.at, tolerance);
+    put(place, sources.loads.size(), at_loads);
+    sources.loads.push_back(load_of(mesh, point.name, "N", 1, Vector3d(place.place.data())));
+  }
+  for (const scene::Receiver& receiver : request.receivers) {
+    const Located place =
+        on_body(mesh, request.body, "output.receiver", receiver.name, receiver.at, tolerance);
+    put(place, sources.receivers.size(), sources.at_receivers);
+    sources.receivers.emplace_back();
+    sources.receivers.back().name = receiver.name;
+    sources.receivers.back().point = place.place;
+  }
+  for (const scene::Driven& motion : request.motions) {
+    sources.motions.push_back({motion.name, {}, {}, {}});
+    sources.support.push_back(place_of(asked.moved, motion.group));
+  }
+  sources.load = spread(mesh, at_loads, sources.loads.size(), {}, HeldRows::zero);
+  sources.receiver = spread(mesh, sources.at_receivers, sources.receivers.size(), {}, HeldRows::zero);
+  return sources;
+}
+
+}  // namespace ricochet::surface

@@ -1,0 +1,228 @@
+// Loads with histories, moving supports and receivers: as read, as refused, as written, and as kernels see
+// them.
+#include <gmock/gmock.h>
+
+#include "src/scene/write.hpp"
+#include "tests/scene/scenes.hpp"
+
+namespace {
+
+using namespace ricochet;
+using namespace ricochet::scene;
+using namespace ricochet::scene::test;
+using ::testing::DoubleNear;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+const std::string held =
+    changed(smallest, "contact = \"skin\"", "contact = \"skin\"\nsupport = { foot = \"xz\", side = \"y\" }");
+
+const std::string sources = R"(
+[[loads.traction]]
+body = "ball"
+group = "cap"
+vector = [0, 0, -2e3]
+history = "push.csv"
+
+[[loads.traction]]
+body = "ball"
+group = "cap"
+name = "cap again"
+vector = [1, 0, 0]
+
+[[loads.point]]
+body = "ball"
+at = [0.1, 0.2, 0.3]
+vector = [0, 5, 0]
+
+[[loads.point]]
+body = "ball"
+at = [0, 0, 0.3]
+vector = [0, 5, 0]
+
+[[loads.motion]]
+body = "ball"
+group = "foot"
+vector = [1e-3, 0, -2e-3]
+history = "push.csv"
+
+[[output.receiver]]
+name = "mic é"
+body = "ball"
+at = [0.4, 0.5, -0.6]
+)";
+
+/// The scene with all of them, read where its history is.
+Scene driven_scene(const std::vector<Override>& overrides = {}, const std::string& text = held + sources) {
+  const Folder folder;
+  folder.write("push.csv", "0, 1\n");
+  folder.write("ball.msh", "a mesh");
+  return read(folder.write("scene.toml", text), overrides);
+}
+
+KernelRequest driven_request(const std::vector<Override>& overrides = {},
+                             const std::string& text = held + sources) {
+  const Folder folder;
+  folder.write("push.csv", "0, 1\n");
+  folder.write("ball.msh", "a mesh");
+  const Scene scene = read(folder.write("scene.toml", text), overrides);
+  return kernel_request(scene, scene.bodies[0]);
+}
+
+TEST(Sources, are_read_and_named_after_their_group_or_number) {
+  const Scene scene = driven_scene();
+  ASSERT_EQ(scene.loads.tractions.size(), 2U);
+  EXPECT_EQ(scene.loads.tractions[0].name, "cap");
+  EXPECT_EQ(scene.loads.tractions[0].group, "cap");
+  EXPECT_EQ(scene.loads.tractions[0].body, "ball");
+  EXPECT_THAT(scene.loads.tractions[0].vector, ElementsAre(0, 0, -2000));
+  EXPECT_EQ(scene.loads.tractions[0].history, scene.file.parent_path() / "push.csv");
+  EXPECT_EQ(scene.loads.tractions[1].name, "cap again");
+  EXPECT_TRUE(scene.loads.tractions[1].history.empty());
+  ASSERT_EQ(scene.loads.points.size(), 2U);
+  EXPECT_EQ(scene.loads.points[0].name, "point 1");
+  EXPECT_THAT(scene.loads.points[0].at, ElementsAre(0.1, 0.2, 0.3));
+  EXPECT_EQ(scene.loads.points[1].name, "point 2");
+  ASSERT_EQ(scene.loads.motions.size(), 1U);
+  EXPECT_EQ(scene.loads.motions[0].name, "foot");
+  EXPECT_THAT(scene.loads.motions[0].vector, ElementsAre(1e-3, 0, -2e-3));
+  ASSERT_EQ(scene.output.receivers.size(), 1U);
+  EXPECT_EQ(scene.output.receivers[0].name, "mic é");
+  EXPECT_EQ(scene.output.receivers[0].body, "ball");
+  EXPECT_THAT(scene.output.receivers[0].at, ElementsAre(0.4, 0.5, -0.6));
+}
+
+TEST(Sources, are_refused_in_one_line) {
+  const std::tuple<const char*, const char*> refusals[] = {
+      {"loads.traction[0].body=cube", "loads.traction[0].body = \"cube\": there is no body \"cube\""},
+      {"loads.traction[0].vector=[1,2]",
+       "loads.traction[0].vector = [1, 2]: must be three numbers, [x, y, z]"},
+      {"loads.traction[0].at=[1,2,3]",
+       "loads.traction[0].at = [1, 2, 3]: unknown key. The keys here are body, group, history, name, "
+       "vector."},
+      {"loads.traction[1].name=cap",
+       "loads.traction[1].name = \"cap\": bodies.ball has a load or motion \"cap\" already: give each its "
+       "own "
+       "name"},
+      {"loads.motion[0].name=cap",
+       "loads.motion[0].name = \"cap\": bodies.ball has a load or motion \"cap\" already: give each its own "
+       "name"},
+      {"loads.point[1].name=a/b",
+       "loads.point[1].name = \"a/b\": \"a/b\" can't be a name: it needs characters other than \"/\", and "
+       "differs from body_force, body_force_residual and rotation"},
+      {"loads.motion[0].group=cap",
+       "loads.motion[0].group = \"cap\": is not a support of bodies.ball: those are \"foot\", \"side\""},
+      {"loads.motion[0].vector=[0,1,0]",
+       "loads.motion[0].vector = [0, 1, 0]: moves \"foot\" along the body's y, which it does not hold (it "
+       "holds "
+       "\"xz\"): add it to bodies.ball.support, or move along what is held"},
+      {"loads.motion[0].history=gone.csv",
+       "loads.motion[0].history = \"gone.csv\": no such file: give a CSV of times [s] and factors, or leave "
+       "it "
+       "out"},
+      {"output.receiver[0].body=cube", "output.receiver[0].body = \"cube\": there is no body \"cube\""},
+      {"output.receiver[0].gain=2",
+       "output.receiver[0].gain = 2: unknown key. The keys here are at, body, name."}};
+  for (const auto& [set, line] : refusals)
+    EXPECT_EQ(complaint_of([&, set = set] { driven_scene({set}); }), std::string("scene.toml: ") + line);
+  EXPECT_EQ(
+      complaint_of([] {
+        driven_scene({}, held + sources +
+                             "[[output.receiver]]\nname = \"mic é\"\nbody = \"ball\"\n"
+                             "at = [0, 0, 0]\n");
+      }),
+      "scene.toml: output.receiver[1].name = \"mic é\": another receiver has this name: give each its own");
+  EXPECT_EQ(complaint_of([] { driven_scene({}, changed(held + sources, "at = [0, 0, 0.3]\n", "")); }),
+            "scene.toml: loads.point[1].at: is missing: where the force acts, [x, y, z] in world axes");
+  EXPECT_EQ(
+      complaint_of([] { driven_scene({"bodies.ball.support={}"}); }),
+      "scene.toml: loads.motion[0].group = \"foot\": bodies.ball has no support: give it one, support = { "
+      "… }");
+}
+
+// A support holds components in the axes of the mesh, and moves in those of the world.
+TEST(Motions, of_a_turned_body_are_along_what_its_support_holds) {
+  const std::vector<Override> turned{"bodies.ball.rotate_deg=[0,0,90]"};  // the body's x is the world's y
+  EXPECT_NO_THROW(driven_scene({turned[0], "loads.motion[0].vector=[0,1,-1]"}));
+  EXPECT_THAT(complaint_of([&] {
+                driven_scene({turned[0], "loads.motion[0].vector=[1,0,0]"});
+              }),
+              HasSubstr("along the body's y, which it does not hold"));
+}
+
+void expect_same(const std::vector<Driven>& a, const std::vector<Driven>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    EXPECT_EQ(a[k].name, b[k].name);
+    EXPECT_EQ(a[k].body, b[k].body);
+    EXPECT_EQ(a[k].group, b[k].group);
+    EXPECT_EQ(a[k].at, b[k].at);
+    EXPECT_EQ(a[k].vector, b[k].vector);
+    EXPECT_EQ(a[k].history, b[k].history);
+  }
+}
+
+TEST(Sources, come_back_from_the_resolved_scene) {
+  const Folder folder;
+  folder.write("push.csv", "0, 1\n");
+  const Scene scene = read(folder.write("scene.toml", held + sources));
+  EXPECT_THAT(to_toml(scene), HasSubstr("history = \"push.csv\"\n"));
+  const Scene back = read(folder.write("resolved.toml", to_toml(scene)));
+  expect_same(back.loads.tractions, scene.loads.tractions);
+  expect_same(back.loads.points, scene.loads.points);
+  expect_same(back.loads.motions, scene.loads.motions);
+  ASSERT_EQ(back.output.receivers.size(), 1U);
+  EXPECT_EQ(back.output.receivers[0].name, "mic é");
+  EXPECT_EQ(back.output.receivers[0].body, "ball");
+  EXPECT_EQ(back.output.receivers[0].at, scene.output.receivers[0].at);
+}
+
+TEST(KernelHash, does_not_know_of_sources_where_there_are_none) {
+  EXPECT_THAT(driven_request({}, held).toml, Not(HasSubstr("loads")));
+  const std::string elsewhere = changed(held, "[obstacles.floor]", R"([bodies.plate]
+mesh = "ball.msh"
+material = { density = 1000, young = 1e9 }
+contact = "skin"
+
+[[loads.point]]
+body = "plate"
+at = [0, 0, 0]
+vector = [0, 0, 1]
+
+[[contact.pair]]
+between = ["ball", "plate"]
+
+[obstacles.floor])");
+  EXPECT_EQ(driven_request({}, changed(elsewhere, "between = [\"ball\", \"floor\"]", "")).hash,
+            driven_request({}, held).hash);
+}
+
+TEST(KernelHash, moves_with_places_of_sources_and_stays_with_what_they_do_there) {
+  const std::string hash = driven_request().hash;
+  EXPECT_NE(driven_request({}, held).hash, hash);
+  for (const char* set :
+       {"loads.traction[0].group=rim", "loads.traction[1].name=other", "loads.point[0].at=[0,0,1]",
+        "loads.motion[0].name=shaker", "output.receiver[0].at=[0,0,0]", "output.receiver[0].name=ear"})
+    EXPECT_NE(driven_request({set}).hash, hash) << set;
+  for (const char* set : {"loads.traction[0].vector=[1,1,1]", "loads.traction[1].history=push.csv",
+                          "loads.point[0].vector=[1,1,1]", "loads.motion[0].vector=[1,0,0]"})
+    EXPECT_EQ(driven_request({set}).hash, hash) << set;
+}
+
+// Turned by 90 degrees about x and then z, the body's x, y, z are the world's y, z, x.
+TEST(KernelRequests, hold_places_in_the_bodys_own_frame) {
+  const KernelRequest request =
+      driven_request({"bodies.ball.rotate_deg=[90,0,90]", "bodies.ball.translate=[1,2,3]",
+                      "loads.motion[0].vector=[0,1,0]"});
+  ASSERT_EQ(request.points.size(), 2U);
+  EXPECT_THAT(request.points[0].at,
+              ElementsAre(DoubleNear(-1.8, 1e-12), DoubleNear(-2.7, 1e-12), DoubleNear(-0.9, 1e-12)));
+  EXPECT_THAT(request.points[0].vector, ElementsAre(0, 0, 0));
+  EXPECT_TRUE(request.tractions.at(0).history.empty());
+  ASSERT_EQ(request.receivers.size(), 1U);
+  EXPECT_THAT(request.receivers[0].at,
+              ElementsAre(DoubleNear(-1.5, 1e-12), DoubleNear(-3.6, 1e-12), DoubleNear(-0.6, 1e-12)));
+}
+
+}  // namespace

@@ -1,0 +1,178 @@
+// Tractions, point forces and receivers on the mesh, and supports that move all of a body, against closed
+// forms.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support.hpp"
+#include "tests/surface/made.hpp"
+
+namespace ricochet {
+namespace {
+
+using namespace test;
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr double placed = 1e-11;  // gmsh divides a line evenly to about 2e-12
+
+// A surface may be loaded and touch; one group may carry two tractions.
+TEST(Traction, of_a_surface_is_its_area_times_the_vector) {
+  for (const char* kind : {"tet", "hex", "prism"}) {
+    scene::KernelRequest request = request_of({"top"}, {});
+    request.tractions = {load("push", "top"), load("sides", "sides"), load("again", "top")};
+    const double lean = 0.4, width = 1 - lean, area = width * width;
+    Made made(std::string(kind) == "prism" ? test::prism_geo(2) : test::block_geo(kind, 2, lean), 2, request);
+    const bool leans = std::string(kind) != "prism";
+    const double top = leans ? area : 1, slope = leans ? std::hypot(1, lean / 2) : 1,
+                 sides = 4 * slope * (leans ? (1 + width) / 2 : 1);
+    const auto& loads = made.sources.loads;
+    ASSERT_EQ(loads.size(), 3U);
+    EXPECT_EQ(loads[0].unit, "Pa");
+    EXPECT_LT((rows(loads[0].total, 3) - top * Matrix3d::Identity()).norm(), placed) << kind;
+    EXPECT_LT((rows(loads[1].total, 3) - sides * Matrix3d::Identity()).norm(), placed) << kind;
+    EXPECT_EQ(loads[2].total, loads[0].total);
+    // Σ x × f about the origin, the surface's centre being (½, ½, 1).
+    const Point centre(0.5, 0.5, 1);
+    for (int k = 0; k < 3; ++k)
+      EXPECT_LT((rows(loads[0].moment, 3).col(k) - top * centre.cross(Point::Unit(k))).norm(), placed);
+    // ∫ u ds of a linear field.
+    modes::Factorisation factor(made.matrices.stiffness, made.matrices.mass);
+    kernels::Kernel kernel;
+    surface::trace(test::one_team(), made.mesh, made.matrices, factor, made.linear_fields(), made.patches,
+                   surface::patch_loads(made.mesh, made.patches), false, false, kernel, made.sources);
+    const MatrixXd part = rows(kernel.applied[0].participation, 3);
+    const Point exact = top * (gradient * centre + offset);
+    EXPECT_LT((part.col(0) - exact).norm(), placed) << kind;
+    EXPECT_LT((part.col(1) + 2 * exact).norm(), placed) << kind;
+    EXPECT_TRUE(kernel.applied[0].residual.empty());
+  }
+}
+
+TEST(Receiver, of_a_linear_field_is_its_value_wherever_it_stands) {
+  for (const char* kind : {"tet", "hex", "prism"})
+    for (int order : {1, 2, 3}) {
+      scene::KernelRequest request = request_of({"top"}, {});
+      // Inside, at a corner, on an edge, on a face that leans, a hair outside.
+      const Vector3 places[] = {
+          {0.41, 0.53, 0.37}, {0, 0, 0}, {0.5, 0, 0}, {0.1, 0.5, 0.5}, {0.3, 0.6, 1 + 1e-7}};
+      for (const Vector3& at : places) request.receivers.push_back(receiver("mic", at));
+      request.points = {load("tap", "", places[0])};
+      Made made(std::string(kind) == "prism" ? test::prism_geo(2) : test::block_geo(kind, 2, 0.4), order,
+                request);
+      modes::Factorisation factor(made.matrices.stiffness, made.matrices.mass);
+      kernels::Kernel kernel;
+      surface::trace(test::one_team(), made.mesh, made.matrices, factor, made.linear_fields(), made.patches,
+                     surface::patch_loads(made.mesh, made.patches), false, false, kernel, made.sources);
+      ASSERT_EQ(kernel.receivers.size(), 5U);
+      for (std::size_t r = 0; r < 5; ++r) {
+        const Point exact = gradient * Point(places[r].data()) + offset;
+        EXPECT_LT((rows(kernel.receivers[r].shape, 3).col(0) - exact).norm(), r == 4 ? 2e-7 : placed)
+            << kind << order << " " << r;
+      }
+      EXPECT_EQ(kernel.applied[0].unit, "N");
+      const Point exact = gradient * Point(places[0].data()) + offset;
+      EXPECT_LT((rows(kernel.applied[0].participation, 3).col(0) - exact).norm(), placed);
+      EXPECT_LT((rows(kernel.applied[0].total, 3) - Matrix3d::Identity()).norm(), 1e-14);
+      for (int k = 0; k < 3; ++k)
+        EXPECT_LT(
+            (rows(kernel.applied[0].moment, 3).col(k) - Point(places[0].data()).cross(Point::Unit(k))).norm(),
+            placed);
+    }
+}
+
+TEST(Receiver, off_the_body_is_refused_with_its_distance_and_the_nearest_place) {
+  scene::KernelRequest request = request_of({"top"}, {});
+  request.receivers = {receiver("mic", {0.25, 0.5, 1.5})};
+  const std::string said = test::complaint_of([&] { Made(test::block_geo("hex", 2, 0), 2, request); });
+  EXPECT_THAT(said, AllOf(HasSubstr("output.receiver \"mic\" lies 0.5 m off bodies.body"),
+                          HasSubstr("nearest place, (0.25, 0.5, 1)")));
+  request.receivers.clear();
+  request.points = {load("tap", "", {1 + 1e-4, 0.5, 0.5})};
+  EXPECT_THAT(test::complaint_of([&] { Made(test::block_geo("tet", 2, 0), 2, request); }),
+              HasSubstr("loads.point \"tap\" lies 0.0001 m off"));
+}
+
+TEST(Traction, on_a_surface_that_is_not_there_names_those_that_are) {
+  scene::KernelRequest request = request_of({"top"}, {});
+  request.tractions = {load("push", "rim")};
+  EXPECT_THAT(test::complaint_of([&] { Made(test::block_geo("hex", 1, 0), 1, request); }),
+              AllOf(HasSubstr("no physical surface \"rim\""), HasSubstr("change loads.traction.group")));
+}
+
+/// A column without lateral contraction, clamped at z = 0: tension, weight and the lift are polynomials that
+/// its elements hold exactly.
+class Column : public testing::TestWithParam<bool> {
+ protected:
+  static constexpr double young = 3, density = 2;
+  Column() : made_(test::block_geo("hex", 2, 0), 2, request(), 0) {
+    kernel_ = GetParam() ? made_.fitted_kernel(Hertz{0.5}) : made_.kernel({.count = 25});
+  }
+  static scene::KernelRequest request() {
+    scene::KernelRequest request = request_of({"top"}, {{"bottom", "xyz"}});
+    request.tractions = {load("pull", "top")};
+    request.points = {load("tap", "", {0.5, 0.5, 1})};
+    request.motions = {load("shaker", "bottom")};
+    request.receivers = {receiver("low", {0.3, 0.6, 0.25}), receiver("foot", {0.5, 0.5, 0})};
+    return request;
+  }
+  Made made_;
+  kernels::Kernel kernel_;
+};
+INSTANTIATE_TEST_SUITE_P(ModesAndVectors, Column, testing::Bool(),
+                         [](const auto& it) { return it.param ? "vectors" : "modes"; });
+
+TEST_P(Column, under_tension_stretches_evenly_when_modes_and_residual_add) {
+  const kernels::Load& pull = kernel_.applied[0];
+  const MatrixXd part = rows(pull.participation, 3);
+  const MatrixXd top =
+      modal(kernel_, shape_of(kernel_), part) + rows(pull.residual, 3 * kernel_.surface.size());
+  for (std::size_t i = 0; i < kernel_.surface.size(); ++i)
+    EXPECT_LT((top.block<3, 1>(static_cast<Eigen::Index>(3 * i), 2) - Point(0, 0, 1 / young)).norm(), 1e-9);
+  const kernels::Receiver &low = kernel_.receivers[0], &foot = kernel_.receivers[1];
+  const MatrixXd there = modal(kernel_, rows(low.shape, 3), part) + rows(low.load_residual, 3).leftCols(3);
+  EXPECT_LT((there.col(2) - Point(0, 0, 0.25 / young)).norm(), 1e-9);
+  const MatrixXd held = modal(kernel_, rows(foot.shape, 3), part) + rows(foot.load_residual, 3).leftCols(3);
+  EXPECT_LT(held.norm(), 1e-12);
+}
+
+TEST_P(Column, under_its_weight_is_compressed_by_what_stands_above) {
+  const kernels::Receiver& low = kernel_.receivers[0];
+  const MatrixXd sunk = modal(kernel_, rows(low.shape, 3), rows(kernel_.loads.body_force, 3)) +
+                        rows(low.body_force_residual, 3);
+  const double z = 0.25;
+  EXPECT_LT((sunk.col(2) - Point(0, 0, density / young * (z - z * z / 2))).norm(), 1e-9);
+}
+
+TEST_P(Column, hears_at_a_receiver_what_the_receiver_would_do_to_it) {
+  // Reciprocity: under a force spread evenly over the top, that is under all patches by their areas.
+  const kernels::Receiver& low = kernel_.receivers[0];
+  const MatrixXd all =
+      modal(kernel_, rows(low.shape, 3), shape_of(kernel_)) + rows(low.residual_flexibility, 3);
+  Point sum = Point::Zero();
+  for (std::size_t i = 0; i < kernel_.surface.size(); ++i)
+    sum += kernel_.surface.area[i] * all.col(static_cast<Eigen::Index>(3 * i + 2));
+  EXPECT_LT((sum - Point(0, 0, 0.25 / young)).norm(), 1e-9);
+}
+
+TEST_P(Column, follows_the_only_support_that_moves_as_a_rigid_body) {
+  const kernels::Motion& shaker = kernel_.motions[0];
+  const MatrixXd gamma = rows(shaker.participation, 3), shape = shape_of(kernel_);
+  // Ψ = I, so Γ is what gravity would do, and Ψ = (Ψ − ΦΓ) + ΦΓ.
+  EXPECT_LT((gamma - rows(kernel_.loads.body_force, 3)).norm(), 1e-9);
+  const MatrixXd top = shape * gamma.transpose() + rows(shaker.residual, 3 * kernel_.surface.size());
+  for (std::size_t i = 0; i < kernel_.surface.size(); ++i)
+    EXPECT_LT((top.middleRows(static_cast<Eigen::Index>(3 * i), 3) - Matrix3d::Identity()).norm(), 1e-9);
+  for (const kernels::Receiver& receiver : kernel_.receivers)
+    EXPECT_LT((rows(receiver.shape, 3) * gamma.transpose() + rows(receiver.motion_residual, 3) -
+               Matrix3d::Identity())
+                  .norm(),
+              1e-9);
+  // The mass is 2.
+  const MatrixXd momentum = rows(kernel_.loads.body_force, 3) * gamma.transpose() + rows(shaker.momentum, 3);
+  EXPECT_LT((momentum - density * Matrix3d::Identity()).norm(), 1e-9);
+}
+
+}  // namespace
+}  // namespace ricochet
