@@ -48,6 +48,8 @@ void Integrator::Sum::add(double x) noexcept {
 
 Integrator::Integrator(const Model& model, const StepOptions& options)
     : options_(options),
+      omega_(model.omega),
+      decay_(model.decay),
       stiffness_(model.omega.cwiseAbs2()),
       load_(model.load),
       B_(model.B),
@@ -112,6 +114,7 @@ Integrator::Integrator(const Model& model, const StepOptions& options)
   u_ = s_;
   u_.noalias() += B_ * q_;
   energy_.strain = 0.5 * stiffness_.dot(q_.cwiseAbs2());
+  if (options.scheme == Scheme::compliant && options.block > 1 && m > 0 && !drives_.any()) make_block();
 }
 
 bool Integrator::has_forces(SolveStatus status) noexcept {
@@ -200,6 +203,8 @@ StepStatus Integrator::commit(double contact_work, double residual, double power
 /// 0 ≤ λ ⟂ S λ − (û − g) ≥ 0,  û = B q̂ + s with q̂ the motion without contact,  S = B c Bᵀ + R;
 /// g̃ for g while points are left beyond it
 StepStatus Integrator::step_compliant() noexcept {
+  if (auto* block = std::get_if<Block<double>>(&block_)) return step_ahead(*block);
+  if (auto* block = std::get_if<Block<float>>(&block_)) return step_ahead(*block);
   if (drives_.any()) drives_.step(steps_ + 1, now_);
   free_motion(q_, v_, now_);
   next_q_ = q_ + dq_;

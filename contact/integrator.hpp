@@ -17,8 +17,11 @@
 
 #include <Eigen/Dense>
 #include <limits>
+#include <memory>
+#include <variant>
 #include <vector>
 
+#include "contact/block.hpp"
 #include "contact/complementarity.hpp"
 #include "contact/drives.hpp"
 #include "contact/model.hpp"
@@ -42,6 +45,8 @@ enum class Instant {
           ///< gap
 };
 
+enum class Precision { float64, float32 };
+
 struct StepOptions {
   Scheme scheme = Scheme::compliant;
   Admittance admittance = Admittance::jump;
@@ -50,6 +55,14 @@ struct StepOptions {
   double step = 0;                  ///< Δ [s]
   /// Bound on the work of a step: changes of a point between touching and open that its solve may make.
   int max_pivots = std::numeric_limits<int>::max();
+  /// Steps that the compliant scheme looks ahead by one matrix product while loads are constant; 1: none. The
+  /// result is the same to round-off.
+  int block = 8;
+  /// Of the products of a block. State, contact and rigid motion stay in double precision.
+  Precision precision = Precision::float64;
+  /// Keep q, q̇ and the energy ledger after each step. Without it blocks keep them for their ends only,
+  /// without what damping and contact took, and are faster: only forces are known after each step.
+  bool every_state = true;
 };
 
 enum class StepStatus {
@@ -87,10 +100,11 @@ class Integrator {
   std::int64_t steps() const { return steps_; }
   double time() const { return static_cast<double>(steps_) * options_.step; }
 
-  const Vector& q() const { return q_; }             ///< (N) relative to the lift of moving supports
-  const Vector& v() const { return v_; }             ///< (N) q̇
-  const Vector& force() const { return force_; }     ///< (m) λ_k [N] over (t_{k−1}, t_k]; impulses as P/Δ
-  const Vector& displacement() const { return u_; }  ///< (m) u at t_k, residual included [m]
+  const Vector& q() const { return q_; }          ///< (N) relative to the lift of moving supports
+  const Vector& v() const { return v_; }          ///< (N) q̇
+  const Vector& force() const { return force_; }  ///< (m) λ_k [N] over (t_{k−1}, t_k]; impulses as P/Δ
+  /// (m) u at t_k, residual included [m]. Within blocks it is computed when asked for.
+  const Vector& displacement() const noexcept;
   const Energy& energy() const { return energy_; }
   int active() const { return active_; }  ///< points with λ > 0 in this step
   /// Power through the contact, σ_n u̇_n of (16), mean of the step [W]: compliant −λᵀ(u_k − u_{k−1})/Δ;
@@ -112,6 +126,13 @@ class Integrator {
 
   void free_motion(const Vector& q, const Vector& v, const Drives::Stretch& over) noexcept;
   StepStatus step_compliant() noexcept;
+  void make_block();
+  template <class T>
+  StepStatus step_ahead(Block<T>& block) noexcept;
+  StepStatus finish_ahead(double power) noexcept;
+  template <class T>
+  StepStatus skip_state(Block<T>& block, int active, double power) noexcept;
+  double energy_in_residual(const Vector& force) noexcept;
   StepStatus step_impulse() noexcept;
   StepStatus step_exact() noexcept;
   static bool has_forces(SolveStatus status) noexcept;
@@ -129,7 +150,7 @@ class Integrator {
 
   StepOptions options_;
   // constant (N): step coefficients, 2δ∫S², 4δ∫SS', 2δ∫S'²
-  Vector stiffness_, load_, q0_, b_, c_, e_, h_, damp_ss_, damp_sr_, damp_rr_;
+  Vector omega_, decay_, stiffness_, load_, q0_, b_, c_, e_, h_, damp_ss_, damp_sr_, damp_rr_;
   Matrix B_;           ///< (m,N), columns of modes moved into R are 0
   Vector gap_, norm_;  ///< (m) g, |B_i|
   Eigen::MatrixXd R_;  ///< (m,m)
@@ -138,10 +159,13 @@ class Integrator {
   int dropped_ = 0;
   ComplementaritySolver solver_;
   Drives drives_;
+  std::variant<std::monostate, Block<double>, Block<float>> block_;
 
   // state
   std::int64_t steps_ = 0;
-  Vector q_, v_, force_, u_;
+  Vector q_, v_, force_;
+  mutable Vector u_;
+  mutable bool u_is_current_ = true;
   Energy energy_;
   Sum damping_, contact_, driven_;
   Vector s_;  ///< (m) s at t_k
@@ -159,7 +183,7 @@ class Integrator {
   Vector rhs_;                   ///< (m) right-hand side, of the touching points alone under `impulse`
   Vector solution_;              ///< (m) likewise
   Eigen::MatrixXd sub_;          ///< (m,m) A of the touching points
-  std::vector<int> touching_;    ///< points with u ≥ g at t_k
+  std::vector<int> touching_;    ///< points with u ≥ g at t_k, or that push
 
   // of exact instants
   std::vector<int> open_;       ///< points that may still close in this step

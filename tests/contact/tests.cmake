@@ -1,3 +1,4 @@
+add_serial_test(contact block ricochet_contact)
 add_serial_test(contact complementarity ricochet_contact)
 add_serial_test(contact drives ricochet_contact)
 add_serial_test(contact histories ricochet_contact)

@@ -1,0 +1,107 @@
+// Steps of the compliant scheme by blocks.
+#include <cmath>
+
+#include "contact/integrator.hpp"
+
+namespace ricochet::contact {
+
+void Integrator::make_block() {
+  StepSystem system;
+  system.omega = omega_;
+  system.decay = decay_;
+  system.stiffness = stiffness_;
+  system.load = load_;
+  system.b = b_;
+  system.c = c_;
+  system.e = e_;
+  system.h = h_;
+  system.B = B_;
+  system.s = s_;
+  system.gap = gap_;
+  system.R = R_;
+  system.S = S_;
+  auto shared = std::make_shared<const StepSystem>(std::move(system));
+  if (options_.precision == Precision::float64)
+    block_.emplace<Block<double>>(std::move(shared), options_.block, options_.step);
+  else
+    block_.emplace<Block<float>>(std::move(shared), options_.block, options_.step);
+}
+
+/// As step_compliant, from the displacements of those points that could close.
+template <class T>
+StepStatus Integrator::step_ahead(Block<T>& block) noexcept {
+  if (block.over()) block.start(q_, v_, force_);
+  const SolveStatus solved = block.step(solver_, deep_, next_force_);
+  if (!has_forces(solved)) return failure(solved);
+  double power = 0;
+  for (int i : block.pushing()) power -= next_force_(i) * (block.displacement(i) - block.before(i));
+  power /= options_.step;
+  const StepStatus status = options_.every_state
+                                ? finish_ahead(power)
+                                : skip_state(block, static_cast<int>(block.pushing().size()), power);
+  if (status != StepStatus::ok) return status;
+  residual_ = solved == SolveStatus::limited ? solver_.residual() : SolveResidual{};
+  deep_ = (deep_ || solved == SolveStatus::limited) && block.any_beyond();
+  u_is_current_ = false;
+  return status;
+}
+
+template StepStatus Integrator::step_ahead(Block<double>&) noexcept;
+template StepStatus Integrator::step_ahead(Block<float>&) noexcept;
+
+/// The state under next_force_, and the ledger.
+StepStatus Integrator::finish_ahead(double power) noexcept {
+  free_motion(q_, v_, now_);
+  const int active = push_by(next_force_);
+  double work = 0;
+  if (active > 0) {
+    dq_.array() -= c_.array() * push_.array();
+    g_ -= push_;
+    work = push_.dot(dq_);
+  }
+  next_q_ = q_ + dq_;
+  next_v_.array() = e_.array() * v_.array() + h_.array() * g_.array();
+  return commit(work, energy_in_residual(next_force_), power, active, drive_work());
+}
+
+/// The force alone, and the state when the block is over.
+template <class T>
+StepStatus Integrator::skip_state(Block<T>& block, int active, double power) noexcept {
+  if (block.over()) {
+    block.advance(q_, v_);
+    if (!std::isfinite(q_.squaredNorm() + v_.squaredNorm())) return StepStatus::not_finite;
+    energy_.kinetic = 0.5 * v_.squaredNorm();
+    energy_.strain = 0.5 * (stiffness_.array() * q_.array().square()).sum();
+    energy_.loads = (load_.array() * (q_.array() - q0_.array())).sum();
+    energy_.residual = energy_in_residual(next_force_);
+  }
+  force_.swap(next_force_);
+  active_ = active;
+  persistency_ = power;
+  ++steps_;
+  return StepStatus::ok;
+}
+
+/// ½ λᵀ R λ
+double Integrator::energy_in_residual(const Vector& force) noexcept {
+  touching_.clear();
+  for (Eigen::Index i = 0; i < force.size(); ++i)
+    if (force(i) != 0) touching_.push_back(static_cast<int>(i));
+  double energy = 0;
+  for (int j : touching_)
+    for (int i : touching_) energy += 0.5 * force(j) * R_(i, j) * force(i);
+  return energy;
+}
+
+const Vector& Integrator::displacement() const noexcept {
+  if (!u_is_current_) {
+    u_ = s_;
+    u_.noalias() += B_ * q_;
+    for (Eigen::Index i = 0; i < force_.size(); ++i)
+      if (force_(i) != 0) u_ -= force_(i) * R_.col(i);
+    u_is_current_ = true;
+  }
+  return u_;
+}
+
+}  // namespace ricochet::contact

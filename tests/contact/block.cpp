@@ -1,0 +1,241 @@
+// Blocks of steps against plain ones: the same forces and motion to round-off, whatever is left out of sight.
+#include "contact/block.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "benchmarks/plates.hpp"
+#include "contact/integrator.hpp"
+#include "tests/contact/heap_counter.hpp"
+
+namespace {
+
+using namespace ricochet;
+using namespace ricochet::contact;
+
+constexpr double step = 1 / 44100.0;
+
+/// A damped body of one rigid and `modes` − 1 elastic modes that its weight drops on a rigid floor; its
+/// points lie up to `spread` above the lowest.
+Model dropped(Eigen::Index modes, Eigen::Index points, double spread, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  Model model;
+  for (Vector* x : {&model.omega, &model.decay, &model.load, &model.q0, &model.v0}) x->setZero(modes);
+  model.B.setZero(points, modes);
+  model.R.setZero(points, points);
+  model.static_displacement.setZero(points);
+  model.area.setOnes(points);
+  model.gap.setZero(points);
+  model.B.col(0).setConstant(0.7);
+  model.load(0) = 14;
+  model.v0(0) = 0.1;
+  for (Eigen::Index i = 0; i < points; ++i)
+    model.gap(i) = 1e-5 + spread * static_cast<double>(i) / static_cast<double>(points);
+  for (Eigen::Index n = 1; n < modes; ++n) {
+    // The highest lie above half the rate: they move into R.
+    model.omega(n) = 2e5 * std::pow(static_cast<double>(n) / static_cast<double>(modes), 2) + 500;
+    model.decay(n) = 5 + 1e-4 * model.omega(n);
+    for (Eigen::Index i = 0; i < points; ++i) model.B(i, n) = uniform(random);
+  }
+  model.R.diagonal().setConstant(1e-9);
+  model.has_residual = true;
+  return model;
+}
+
+struct Difference {
+  double force = 0, motion = 0, displacement = 0;  ///< largest, relative
+  int touches = 0;
+};
+
+/// `steps` of both, compared after each where the state is kept and after each block where it is not.
+Difference compare(const Model& model, StepOptions options, int steps) {
+  StepOptions plain = options;
+  plain.block = 1;
+  plain.every_state = true;
+  Integrator expected(model, plain), found(model, options);
+  double force = 0, motion = 0, displacement = 0;
+  Difference worst;
+  for (int k = 1; k <= steps; ++k) {
+    EXPECT_EQ(expected.step(), StepStatus::ok);
+    EXPECT_EQ(found.step(), StepStatus::ok);
+    force = std::max(force, expected.force().maxCoeff());
+    worst.force = std::max(worst.force, (expected.force() - found.force()).cwiseAbs().maxCoeff());
+    worst.touches += expected.active() > 0 ? 1 : 0;
+    if (!options.every_state && k % options.block != 0) continue;
+    motion = std::max(motion, expected.v().norm());
+    worst.motion = std::max(worst.motion, (expected.v() - found.v()).norm());
+    displacement = std::max(displacement, expected.displacement().cwiseAbs().maxCoeff());
+    worst.displacement =
+        std::max(worst.displacement, (expected.displacement() - found.displacement()).cwiseAbs().maxCoeff());
+  }
+  worst.force /= force;
+  worst.motion /= motion;
+  worst.displacement /= displacement;
+  return worst;
+}
+
+// 1e-9: each impact amplifies round-off, by some 1e4 over these steps.
+TEST(Blocks, give_the_forces_and_motion_of_plain_steps) {
+  for (const int block : {2, 3, 8, 16, 21, 64})
+    for (const bool every_state : {true, false})
+      for (const double spread : {0.0, 1e-4, 1e-1}) {
+        const Model model = dropped(60, 12, spread, 3);
+        const Difference difference =
+            compare(model, {.step = step, .block = block, .every_state = every_state}, 480);
+        EXPECT_LT(difference.force, 1e-9) << block << ' ' << spread;
+        EXPECT_LT(difference.motion, 1e-9) << block << ' ' << spread;
+        EXPECT_LT(difference.displacement, 1e-9) << block << ' ' << spread;
+        EXPECT_GT(difference.touches, 3) << block << ' ' << spread;
+      }
+}
+
+TEST(Blocks, give_those_of_two_plates_that_stay_in_contact) {
+  const Model model = benchmarks::plates(6, 5, 80);
+  const Difference difference = compare(model, {.step = step, .every_state = false}, 4096);
+  EXPECT_LT(difference.force, 1e-7);
+  EXPECT_LT(difference.motion, 1e-7);
+  EXPECT_GT(difference.touches, 2000);
+}
+
+// Forces of a contact that chatters depend on all that happened: the impulse of the first 500 steps is
+// compared.
+TEST(Blocks, in_single_precision_give_the_impulse_to_1e_4) {
+  const Model model = benchmarks::plates(6, 5, 80);
+  double impulse[2] = {0, 0};
+  for (const Precision precision : {Precision::float64, Precision::float32}) {
+    Integrator integrator(model, {.step = step, .precision = precision, .every_state = false});
+    for (int k = 0; k < 512; ++k) {
+      ASSERT_EQ(integrator.step(), StepStatus::ok);
+      impulse[precision == Precision::float32] += integrator.force().sum() * step;
+    }
+  }
+  EXPECT_GT(impulse[0], 0);
+  EXPECT_NEAR(impulse[1] / impulse[0], 1, 1e-4);
+}
+
+TEST(Blocks, take_no_memory) {
+  const Model model = dropped(60, 12, 1e-4, 5);
+  for (const bool every_state : {true, false}) {
+    Integrator integrator(model, {.step = step, .every_state = every_state});
+    const auto before = heap_counter::calls.load();
+    for (int k = 0; k < 5000; ++k) ASSERT_EQ(integrator.step(), StepStatus::ok);
+    EXPECT_EQ(heap_counter::calls.load(), before);
+  }
+}
+
+TEST(Blocks, are_not_taken_beyond_a_step_that_fails) {
+  Model model = dropped(5, 2, 0, 1);
+  model.v0(0) = std::numeric_limits<double>::quiet_NaN();
+  for (const bool every_state : {true, false}) {
+    Integrator integrator(model, {.step = step, .every_state = every_state});
+    StepStatus status = StepStatus::ok;
+    for (int k = 0; k < 16 && status == StepStatus::ok; ++k) status = integrator.step();
+    EXPECT_EQ(status, StepStatus::not_finite);
+  }
+}
+
+/// Random numbers, of which those of padding are 0.
+template <class T>
+std::vector<T> noise(std::size_t rows, std::size_t columns, std::size_t used, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<T> uniform(-1, 1);
+  std::vector<T> out(rows * columns, T(0));
+  for (std::size_t i = 0; i < rows; ++i)
+    for (std::size_t j = 0; j < used; ++j) out[i * columns + j] = uniform(random);
+  return out;
+}
+
+template <class T>
+const simd::Loops<T>& loops_of(const simd::InstructionSet& set);
+template <>
+const simd::Loops<double>& loops_of(const simd::InstructionSet& set) {
+  return set.in_double;
+}
+template <>
+const simd::Loops<float>& loops_of(const simd::InstructionSet& set) {
+  return set.in_float;
+}
+
+/// All loops of one precision against one sum after the other in long double.
+template <class T>
+void check_loops(const simd::InstructionSet& set) {
+  SCOPED_TRACE(set.name);
+  const simd::Loops<T>& loops = loops_of<T>(set);
+  const T tolerance = 100 * std::numeric_limits<T>::epsilon();
+  constexpr std::size_t modes = 48, used = 41, points = 7, steps = 5, lags = 8, stride = 14;
+  const auto B = noise<T>(points, modes, used, 1), x = noise<T>(steps, modes, used, 2);
+  const std::vector<int> rows{5, 0, 3, 6, 2};
+
+  std::vector<double> u(points * stride, 1.0);
+  loops.displacement(modes, B.data(), rows.data(), rows.size(), x.data(), steps, u.data(), stride);
+  std::vector<long double> exact(u.size(), 1.0L);
+  for (int i : rows)
+    for (std::size_t l = 0; l < steps; ++l)
+      for (std::size_t n = 0; n < modes; ++n)
+        exact[i * stride + l] += static_cast<long double>(B[i * modes + n]) * x[l * modes + n];
+  for (std::size_t k = 0; k < u.size(); ++k) EXPECT_NEAR(u[k], static_cast<double>(exact[k]), tolerance) << k;
+
+  const auto force = noise<T>(points, lags, steps, 3);
+  std::vector<T> push(steps * modes, T(9));
+  loops.push(modes, B.data(), rows.data(), rows.size(), force.data(), lags, steps, push.data());
+  for (std::size_t l = 0; l < steps; ++l)
+    for (std::size_t n = 0; n < modes; ++n) {
+      long double sum = 0;
+      for (int i : rows) sum += static_cast<long double>(force[i * lags + l]) * B[i * modes + n];
+      EXPECT_NEAR(push[l * modes + n], static_cast<double>(sum), tolerance);
+    }
+
+  const auto lag = noise<T>(points * points, lags, lags, 4);
+  const std::vector<int> pushing{4, 1, 6, 0, 3};
+  const std::vector<T> strength{T(0.5), T(2), T(-1), T(3), T(0.25)};
+  std::vector<T> scratch(points * lags);
+  std::fill(u.begin(), u.end(), 0.0);
+  loops.near(lag.data(), points, lags, lags, pushing.data(), strength.data(), pushing.size(), rows.data(),
+             rows.size(), scratch.data(), u.data() + 1, stride);
+  for (int i : rows)
+    for (std::size_t l = 0; l < lags; ++l) {
+      double sum = 0;
+      for (std::size_t k = 0; k < pushing.size(); ++k)
+        sum -= static_cast<double>(strength[k]) * lag[(pushing[k] * points + i) * lags + l];
+      EXPECT_NEAR(u[i * stride + 1 + l], sum, tolerance);
+    }
+
+  const auto c = noise<double>(8, modes, used, 5);
+  const double* k = c.data();
+  const simd::Modes system{modes, k, k + modes, k + 2 * modes, k + 3 * modes, k + 4 * modes, k + 5 * modes};
+  std::vector<double> q(k + 6 * modes, k + 7 * modes), v(k + 7 * modes, k + 8 * modes);
+  std::vector<T> free((steps + 1) * modes);
+  loops.free_motion(system, steps, q.data(), v.data(), free.data());
+  const auto off = noise<T>(steps, modes, used, 6);
+  std::vector<double> moved = q, rate = v;
+  loops.pushed_motion(system, steps, off.data(), moved.data(), rate.data());
+  for (std::size_t n = 0; n < used; ++n)
+    for (const bool pushed : {false, true}) {
+      long double y = q[n], w = v[n];
+      for (std::size_t l = 0; l < steps; ++l) {
+        const long double g = system.load[n] - (pushed ? off[l * modes + n] : T(0)) - system.stiffness[n] * y;
+        y += system.b[n] * w + system.c[n] * g;
+        w = system.e[n] * w + system.h[n] * g;
+        if (pushed) continue;
+        EXPECT_NEAR(free[(l + 1) * modes + n], static_cast<double>(y), 10 * tolerance);
+      }
+      if (!pushed) continue;
+      EXPECT_NEAR(moved[n], static_cast<double>(y), 1e-12);
+      EXPECT_NEAR(rate[n], static_cast<double>(w), 1e-12);
+    }
+}
+
+TEST(Loops, of_every_instruction_set_here_give_the_sums_they_stand_for) {
+  std::size_t count = 0;
+  const simd::InstructionSet* const* sets = simd::available(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    check_loops<double>(*sets[k]);
+    check_loops<float>(*sets[k]);
+  }
+}
+
+}  // namespace
