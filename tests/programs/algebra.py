@@ -157,6 +157,9 @@ class Algebra(ProgramTest):
         down = "contact.direction=[0,0,-1]"
         self.check([down, modes.format(0.5)], [down, *OTHER, modes.format(0.5 * FASTER)])
 
+    def test_one_direction_of_a_turned_body_out_of_all(self):
+        self.check([], [*OTHER, "bodies.block.rotate_deg=[0,0,30]", "contact.direction=[0,0.6,-0.8]", "modes.up_to_hz=1"])
+
     def test_vectors_fitted_to_contact_in_the_same_band(self):
         modes = 'modes={{basis="contact",up_to_hz={}}}'
         self.check([modes.format(0.5)], [*OTHER, modes.format(0.5 * FASTER)])
