@@ -209,6 +209,30 @@ Kernel cut_to_points(Kernel kernel, const std::vector<std::int64_t>& points) {
   return kernel;
 }
 
+Kernel cut_to_direction(Kernel kernel, const Vector3& direction) {
+  Surface& surface = kernel.surface;
+  if (surface.components != 3)
+    fail(kernel, "holds one direction only: compute one without contact.direction");
+  const std::size_t m = surface.size();
+  // Of each three rows of `width` numbers one.
+  const auto along = [&](std::vector<double>& matrix, std::size_t width) {
+    std::vector<double> sums(matrix.size() / 3, 0.0);
+    for (std::size_t row = 0; row * width < matrix.size(); ++row)
+      for (std::size_t j = 0; j < width; ++j)
+        sums[row / 3 * width + j] += direction[row % 3] * matrix[row * width + j];
+    matrix = std::move(sums);
+  };
+  along(surface.shape, kernel.modes.size());
+  if (!surface.residual_flexibility.empty()) {
+    along(surface.residual_flexibility, 3 * m);
+    along(surface.residual_flexibility, 1);
+  }
+  along(kernel.loads.body_force_residual, 3);
+  surface.components = 1;
+  surface.direction = direction;
+  return kernel;
+}
+
 Kernel cut_to_flexibility_error(Kernel kernel, Hertz band, double error) {
   require_all_modes(kernel);
   if (kernel.surface.residual_flexibility.empty())

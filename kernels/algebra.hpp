@@ -54,6 +54,10 @@ Kernel cut_to_count(Kernel kernel, std::int64_t count);
 /// the candidates, comes twice, or there is none.
 Kernel cut_to_points(Kernel kernel, const std::vector<std::int64_t>& points);
 
+/// Of a kernel with three components the one along this unit vector. Throws InputError when it has one
+/// already.
+Kernel cut_to_direction(Kernel kernel, const Vector3& direction);
+
 /// The modes that contact needs: of a kernel that has them all up to its certificate's end, those that
 /// contribute least over [0, band] are left to the residual flexibility, as many as keep the error of the
 /// flexibility of the contact surface within `error` (above 0). What the modes above the end may add is

@@ -40,7 +40,9 @@ int main(int argc, char** argv) {
           ->excludes(number);
   CLI::Option* places =
       app.add_option("--points", points, "Keep these candidate points, by their numbers from 0: 0,3,4")
-          ->delimiter(',');
+          ->delimiter(',')
+          ->allow_extra_args(false)
+          ->type_name("I,J,…");
   app.add_option("--out", out, "Folder of the new kernel (default: that of KERNEL)")->type_name("DIR");
   app.footer(
       "Examples:\n"

@@ -38,22 +38,25 @@ bool is_rod(const kernels::Kernel& kernel, const Body& body) {
 
 /// Whether `wanted` asks for all of `had`, with frequencies multiplied.
 bool same_modes(const Modes& had, const Modes& wanted, double frequency) {
-  return both_or_neither(had.up_to, wanted.up_to) &&
+  // Vectors are fitted to the static response, too, that they leave.
+  return (had.basis == Basis::modes || had.residual_flexibility == wanted.residual_flexibility) &&
+         both_or_neither(had.up_to, wanted.up_to) &&
          (!had.up_to || std::abs(had.up_to->value * frequency / wanted.up_to->value - 1) < 1e-9) &&
          had.count == wanted.count && had.flexibility_error == wanted.flexibility_error;
 }
 
-kernels::Kernel with_modes(kernels::Kernel kernel, const Modes& had, const Modes& wanted, double frequency) {
+/// @param fitted  whether what was fitted to the candidates is fitted to those wanted
+kernels::Kernel with_modes(kernels::Kernel kernel, const Modes& had, const Modes& wanted, double frequency,
+                           bool fitted) {
   if (had.basis != wanted.basis || had.low_rank != wanted.low_rank ||
       had.relative_residual > wanted.relative_residual)
     fail(kernel, "its modes were not computed as asked for: compute them");
   if (wanted.residual_flexibility && !had.residual_flexibility)
     fail(kernel, "has no residual flexibility: compute it with one");
-  if (same_modes(had, wanted, frequency) &&
-      (had.basis == Basis::modes || had.residual_flexibility == wanted.residual_flexibility))
-    return kernel;
+  const bool any_fit = had.basis == Basis::modes && !had.flexibility_error;
+  if (same_modes(had, wanted, frequency) && (fitted || any_fit)) return kernel;
   if (had.basis == Basis::contact)
-    fail(kernel, "holds vectors fitted to contact in another band: compute others");
+    fail(kernel, "holds vectors fitted to contact in another band or direction: compute others");
   if (wanted.flexibility_error)
     return kernels::cut_to_flexibility_error(std::move(kernel), *wanted.up_to, *wanted.flexibility_error);
   if (wanted.count) return kernels::cut_to_count(std::move(kernel), *wanted.count);
@@ -117,7 +120,7 @@ std::optional<kernels::Similarity> similarity(const KernelRequest& had, const Ke
   const Body &a = had.body, &b = wanted.body;
   if (had.mesh_sha256 != wanted.mesh_sha256 || a.geometry != b.geometry || a.order != b.order ||
       a.contact != b.contact || a.support != b.support || a.materials.size() != b.materials.size() ||
-      had.direction != wanted.direction || had.along != wanted.along ||
+      (had.direction && had.direction != wanted.direction) || had.along != wanted.along ||
       !both_or_neither(had.spacing, wanted.spacing))
     return std::nullopt;
   const Material &one = a.materials.front(), &other = b.materials.front();
@@ -138,9 +141,12 @@ kernels::Kernel derived(kernels::Kernel kernel, const KernelRequest& had, const 
   if (!is_rod(kernel, had.body)) factors->area.reset();
   if (wanted.view && !kernel.view) fail(kernel, "has no view: compute it with one");
   kernel = kernels::rescaled(std::move(kernel), *factors, wanted.body.damping);
+  const bool turned = had.direction != wanted.direction;
+  if (turned) kernel = kernels::cut_to_direction(std::move(kernel), *wanted.direction);
   if (wanted.points && wanted.points != had.points)
     kernel = kernels::cut_to_points(std::move(kernel), places(had, wanted));
-  kernel = with_modes(std::move(kernel), had.modes, wanted.modes, kernels::frequency_factor(*factors));
+  kernel =
+      with_modes(std::move(kernel), had.modes, wanted.modes, kernels::frequency_factor(*factors), !turned);
   if (!wanted.modes.residual_flexibility) {
     kernel.surface.residual_flexibility.clear();
     kernel.loads.body_force_residual.clear();

@@ -11,7 +11,8 @@ namespace ricochet::scene {
 KernelRequest request_of(const kernels::Header& header, const std::string& origin);
 
 /// Factors that turn the body of `had` into that of `wanted`, for the same candidates; none when bodies or
-/// candidates differ in more. Candidates may be fewer. Damping, modes and view are not looked at.
+/// candidates differ in more. Candidates may be fewer, and one direction may be wanted of all. Damping, modes
+/// and view are not looked at.
 std::optional<kernels::Similarity> similarity(const KernelRequest& had, const KernelRequest& wanted);
 
 /// The kernel that `wanted` asks for, from one that answers `had`. Throws InputError, one line that begins

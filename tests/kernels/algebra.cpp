@@ -242,6 +242,29 @@ TEST(Cuts, to_points_keep_all_components_of_each) {
   EXPECT_EQ(cut.surface.group, (std::vector<std::string>{"upper face", "upper face"}));
 }
 
+TEST(Cuts, to_a_direction_keep_the_component_along_it) {
+  const std::size_t n = 5, m = 4;
+  const Kernel whole = sample_kernel(3, n, m);
+  const Vector3 d{0.6, 0, -0.8};
+  const Kernel cut = cut_to_direction(whole, d);
+  EXPECT_NO_THROW(validate(cut, "origin"));
+  EXPECT_EQ(cut.surface.direction, d);
+  // A unit force along d on patch i, in the three components of each patch.
+  Eigen::MatrixXd load = Eigen::MatrixXd::Zero(12, 4);
+  for (Eigen::Index i = 0; i < 4; ++i) load.block<3, 1>(3 * i, i) << 0.6, 0, -0.8;
+  const auto matrix = [](const std::vector<double>& values, Eigen::Index rows) -> RowMajor {
+    return Eigen::Map<const RowMajor>(values.data(), rows, static_cast<Eigen::Index>(values.size()) / rows);
+  };
+  const auto expect_projected = [&](const RowMajor& found, const Eigen::MatrixXd& expected) {
+    EXPECT_LT((found - expected).norm(), 1e-14 * expected.norm());
+  };
+  expect_projected(matrix(cut.surface.shape, 4), load.transpose() * matrix(whole.surface.shape, 12));
+  expect_projected(matrix(cut.surface.residual_flexibility, 4),
+                   load.transpose() * matrix(whole.surface.residual_flexibility, 12) * load);
+  expect_projected(matrix(cut.loads.body_force_residual, 4),
+                   load.transpose() * matrix(whole.loads.body_force_residual, 12));
+}
+
 /// H(s) of a kernel, R included, on the ray s² = iω².
 Eigen::MatrixXcd response(const Kernel& kernel, double omega) {
   const auto n = static_cast<Eigen::Index>(kernel.modes.size());
@@ -325,6 +348,7 @@ TEST(Cuts, are_refused_where_the_kernel_does_not_hold_what_they_take) {
   expect_refusal([&] { cut_to_flexibility_error(bare, {1}, 0.1); }, "no residual flexibility");
   const Kernel less = cut_to_flexibility_error(whole, {1}, 0.1);
   expect_refusal([&] { cut_to_band(less, {1}); }, "were left out of it");
+  expect_refusal([&] { cut_to_direction(whole, {1, 0, 0}); }, "holds one direction only");
   Kernel fitted = whole;
   fitted.modes.basis = "contact";
   expect_refusal([&] { cut_to_count(fitted, 3); }, "vectors fitted to contact");

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/kernels/bar.hpp"
+#include "tests/kernels/sample.hpp"
 #include "tests/scene/scenes.hpp"
 
 namespace {
@@ -197,6 +198,31 @@ TEST(Derived, vectors_fitted_to_contact_serve_the_same_band_of_a_similar_body) {
   kernel.modes.basis = "contact";
   EXPECT_EQ(derived(kernel, had, of("9e9", "15")).modes.size(), 40U);
   EXPECT_THAT(complaint_of([&] { derived(kernel, had, of("9e9", "14")); }), HasSubstr("another band"));
+}
+
+// One direction out of all three components; but what is fitted to all is not fitted to one.
+TEST(Derived, kernels_in_one_direction_serve_no_other_and_those_in_all_serve_each) {
+  const std::string open = changed(scene_text, "direction = [0, 0, -1]\n", "");
+  const auto ask = [&](const std::string& text, const char* modes) {
+    const Folder folder;
+    folder.write("ball.msh", "a mesh");
+    const Scene scene = read(folder.write("scene.toml", text), {modes});
+    return kernel_request(scene, scene.bodies[0]);
+  };
+  for (const char* modes : {"modes={count=5}", "modes={basis=\"contact\",up_to_hz=14}",
+                            "modes={up_to_hz=14,flexibility_error=1e-3}"}) {
+    const KernelRequest all = ask(open, modes), one = ask(scene_text, modes);
+    EXPECT_FALSE(similarity(one, all));
+    ASSERT_TRUE(similarity(all, one));
+    Kernel kernel = kernels::test::sample_kernel(3);
+    kernel.modes.basis = all.modes.basis == Basis::contact ? "contact" : "modes";
+    const auto derive = [&] { return derived(kernel, all, one); };
+    if (all.modes.count)
+      EXPECT_EQ(derive().surface.direction, one.direction);
+    else
+      EXPECT_THAT(complaint_of(derive),
+                  ::testing::AnyOf(HasSubstr("direction"), HasSubstr("were left out of it")));
+  }
 }
 
 TEST(Derived, points_are_numbered_as_on_the_whole_surface) {
