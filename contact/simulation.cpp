@@ -158,6 +158,7 @@ StepStatus status_of(contact::StepStatus status) noexcept {
     case contact::StepStatus::no_solution:
       return StepStatus::no_solution;
     case contact::StepStatus::not_finite:
+    case contact::StepStatus::table_ended:  // of table kernels, which a Simulation has none of
       break;
   }
   return StepStatus::not_finite;

@@ -145,7 +145,7 @@ std::vector<Receiver> read_receivers(Table& output, const Scene& scene) {
 
 void take_sources(const Scene& all, const Body& placed, KernelRequest& request) {
   for (const auto& [from, to] :
-       {std::pair{&all.loads.tractions, &request.tractions}, std::pair{&all.loads.points, &request.points},
+       {std::pair{&all.loads.tractions, &request.tractions}, std::pair{&all.loads.points, &request.point_forces},
         std::pair{&all.loads.motions, &request.motions}})
     for (Driven driven : *from) {
       if (driven.body != placed.name) continue;
@@ -164,11 +164,11 @@ void take_sources(const Scene& all, const Body& placed, KernelRequest& request) 
 std::string toml_sources(const KernelRequest& request) {
   std::string text;
   for (const auto& [table, list] :
-       {std::pair{"traction", &request.tractions}, std::pair{"point", &request.points},
+       {std::pair{"traction", &request.tractions}, std::pair{"point", &request.point_forces},
         std::pair{"motion", &request.motions}})
     for (const Driven& driven : *list)
       text += fmt::format("[[loads.{}]]\nname = {}\n{}\n", table, toml_string(driven.name),
-                          list == &request.points ? "at = " + toml_vector(driven.at)
+                          list == &request.point_forces ? "at = " + toml_vector(driven.at)
                                                   : "group = " + toml_string(driven.group));
   for (const Receiver& receiver : request.receivers)
     text += fmt::format("[[output.receiver]]\nname = {}\nat = {}\n", toml_string(receiver.name),

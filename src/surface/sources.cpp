@@ -118,12 +118,12 @@ Sources make_sources(const mesh::Mesh& mesh, const scene::KernelRequest& request
       at_loads.push_back({node, static_cast<int>(sources.loads.size()), weight});
     sources.loads.push_back(load_of(mesh, traction.name, "Pa", surface.area, surface.first));
   }
-  const double tolerance = request.points.empty() && request.receivers.empty() ? 0 : 1e-6 * size_of(mesh);
+  const double tolerance = request.point_forces.empty() && request.receivers.empty() ? 0 : 1e-6 * size_of(mesh);
   const auto put = [&](const Located& place, std::size_t number, std::vector<Weight>& weights) {
     for (std::size_t a = 0; a < place.node.size(); ++a)
       weights.push_back({place.node[a], static_cast<int>(number), place.weight[a]});
   };
-  for (const scene::Driven& point : request.points) {
+  for (const scene::Driven& point : request.point_forces) {
     const Located place = on_body(mesh, request.body, "loads.point", point.name, point.at, tolerance);
     put(place, sources.loads.size(), at_loads);
     sources.loads.push_back(load_of(mesh, point.name, "N", 1, Vector3d(place.place.data())));
