@@ -233,13 +233,16 @@ TEST(Refused, is_a_pair_that_is_not_two_bodies_there_are) {
 
 TEST(Refused, is_a_scheme_there_is_not) {
   expect_table_lines(
-      "contact", {{"scheme = \"penalty\"", "scheme = \"penalty\": must be \"compliant\" or \"impulse\""},
-                  {"admittance = \"jump\"", "admittance = \"jump\": belongs to scheme = \"impulse\""},
-                  {"restitution = 0.5", "restitution = 0.5: belongs to scheme = \"impulse\""},
-                  {"scheme = \"impulse\"\nadmittance = \"leap\"",
-                   "admittance = \"leap\": must be \"jump\" or \"difference\""},
-                  {"scheme = \"impulse\"\nrestitution = 1.5", "restitution = 1.5: must be from 0 to 1"},
-                  {"scheme = \"impulse\"\nrestitution = -0.5", "restitution = -0.5: must be from 0 to 1"}});
+      "contact",
+      {{"scheme = \"penalty\"", "scheme = \"penalty\": must be \"compliant\" or \"impulse\""},
+       {"admittance = \"jump\"", "admittance = \"jump\": belongs to scheme = \"impulse\""},
+       {"restitution = 0.5", "restitution = 0.5: belongs to scheme = \"impulse\""},
+       {"instant = \"exact\"", "instant = \"exact\": belongs to scheme = \"impulse\""},
+       {"scheme = \"impulse\"\ninstant = \"now\"", "instant = \"now\": must be \"step\" or \"exact\""},
+       {"scheme = \"impulse\"\nadmittance = \"leap\"",
+        "admittance = \"leap\": must be \"jump\" or \"difference\""},
+       {"scheme = \"impulse\"\nrestitution = 1.5", "restitution = 1.5: must be from 0 to 1"},
+       {"scheme = \"impulse\"\nrestitution = -0.5", "restitution = -0.5: must be from 0 to 1"}});
 }
 
 TEST(Refused, is_a_name_that_can_not_be_a_files_or_is_taken) {

@@ -72,6 +72,7 @@ relative_residual = 1e-6
 [contact]
 scheme = "impulse"
 admittance = "difference"
+instant = "exact"
 restitution = 0.25
 
 [[contact.pair]]
