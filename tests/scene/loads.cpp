@@ -215,10 +215,10 @@ TEST(KernelRequests, hold_places_in_the_bodys_own_frame) {
   const KernelRequest request =
       driven_request({"bodies.ball.rotate_deg=[90,0,90]", "bodies.ball.translate=[1,2,3]",
                       "loads.motion[0].vector=[0,1,0]"});
-  ASSERT_EQ(request.points.size(), 2U);
-  EXPECT_THAT(request.points[0].at,
+  ASSERT_EQ(request.point_forces.size(), 2U);
+  EXPECT_THAT(request.point_forces[0].at,
               ElementsAre(DoubleNear(-1.8, 1e-12), DoubleNear(-2.7, 1e-12), DoubleNear(-0.9, 1e-12)));
-  EXPECT_THAT(request.points[0].vector, ElementsAre(0, 0, 0));
+  EXPECT_THAT(request.point_forces[0].vector, ElementsAre(0, 0, 0));
   EXPECT_TRUE(request.tractions.at(0).history.empty());
   ASSERT_EQ(request.receivers.size(), 1U);
   EXPECT_THAT(request.receivers[0].at,

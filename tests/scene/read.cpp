@@ -58,6 +58,7 @@ TEST(SceneDefaults, of_the_impulse_scheme_are_the_jump_and_no_rebound) {
   const Contact contact = scene_of(changed(smallest, "[contact]", "[contact]\nscheme = \"impulse\"")).contact;
   EXPECT_EQ(contact.scheme, Scheme::impulse);
   EXPECT_EQ(contact.admittance, Admittance::jump);
+  EXPECT_EQ(contact.instant, Instant::step);
   EXPECT_EQ(contact.restitution, 0);
 }
 
@@ -138,6 +139,7 @@ TEST(SceneValues, of_contact_are_read_and_its_directions_made_unit) {
   const Contact contact = scene_of(fullest).contact;
   EXPECT_EQ(contact.scheme, Scheme::impulse);
   EXPECT_EQ(contact.admittance, Admittance::difference);
+  EXPECT_EQ(contact.instant, Instant::exact);
   EXPECT_EQ(contact.restitution, 0.25);
   EXPECT_EQ(contact.max_pivots, 40);
   ASSERT_EQ(contact.pairs.size(), 2U);

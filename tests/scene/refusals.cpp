@@ -241,6 +241,8 @@ TEST(Refused, is_a_scheme_there_is_not) {
        {"scheme = \"static\"\nrestitution = 0.5", "restitution = 0.5: belongs to scheme = \"impulse\""},
        {"admittance = \"jump\"", "admittance = \"jump\": belongs to scheme = \"impulse\""},
        {"restitution = 0.5", "restitution = 0.5: belongs to scheme = \"impulse\""},
+       {"instant = \"exact\"", "instant = \"exact\": belongs to scheme = \"impulse\""},
+       {"scheme = \"impulse\"\ninstant = \"now\"", "instant = \"now\": must be \"step\" or \"exact\""},
        {"scheme = \"impulse\"\nadmittance = \"leap\"",
         "admittance = \"leap\": must be \"jump\" or \"difference\""},
        {"scheme = \"impulse\"\nrestitution = 1.5", "restitution = 1.5: must be from 0 to 1"},

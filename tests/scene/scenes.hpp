@@ -82,6 +82,7 @@ relative_residual = 1e-6
 [contact]
 scheme = "impulse"
 admittance = "difference"
+instant = "exact"
 restitution = 0.25
 max_pivots = 40
 

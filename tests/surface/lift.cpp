@@ -17,7 +17,7 @@ scene::KernelRequest squeezed() {
   scene::KernelRequest request = request_of({"sides"}, {{"bottom", "xyz"}, {"top", "z"}});
   request.direction = Vector3{0.6, 0, 0.8};
   request.motions = {load("bottom", "bottom"), load("press", "top"), load("bottom again", "bottom")};
-  request.points = {load("tap", "", {1, 0.5, 0.5})};
+  request.point_forces = {load("tap", "", {1, 0.5, 0.5})};
   request.receivers = {receiver("mic", {0, 0.5, 0.5}), receiver("edge", {0, 0.5, 0})};
   return request;
 }

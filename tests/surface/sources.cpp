@@ -58,7 +58,7 @@ TEST(Receiver, of_a_linear_field_is_its_value_wherever_it_stands) {
       const Vector3 places[] = {
           {0.41, 0.53, 0.37}, {0, 0, 0}, {0.5, 0, 0}, {0.1, 0.5, 0.5}, {0.3, 0.6, 1 + 1e-7}};
       for (const Vector3& at : places) request.receivers.push_back(receiver("mic", at));
-      request.points = {load("tap", "", places[0])};
+      request.point_forces = {load("tap", "", places[0])};
       Made made(std::string(kind) == "prism" ? test::prism_geo(2) : test::block_geo(kind, 2, 0.4), order,
                 request);
       modes::Factorisation factor(made.matrices.stiffness, made.matrices.mass);
@@ -89,7 +89,7 @@ TEST(Receiver, off_the_body_is_refused_with_its_distance_and_the_nearest_place) 
   EXPECT_THAT(said, AllOf(HasSubstr("output.receiver \"mic\" lies 0.5 m off bodies.body"),
                           HasSubstr("nearest place, (0.25, 0.5, 1)")));
   request.receivers.clear();
-  request.points = {load("tap", "", {1 + 1e-4, 0.5, 0.5})};
+  request.point_forces = {load("tap", "", {1 + 1e-4, 0.5, 0.5})};
   EXPECT_THAT(test::complaint_of([&] { Made(test::block_geo("tet", 2, 0), 2, request); }),
               HasSubstr("loads.point \"tap\" lies 0.0001 m off"));
 }
@@ -112,7 +112,7 @@ class Column : public testing::TestWithParam<bool> {
   static scene::KernelRequest request() {
     scene::KernelRequest request = request_of({"top"}, {{"bottom", "xyz"}});
     request.tractions = {load("pull", "top")};
-    request.points = {load("tap", "", {0.5, 0.5, 1})};
+    request.point_forces = {load("tap", "", {0.5, 0.5, 1})};
     request.motions = {load("shaker", "bottom")};
     request.receivers = {receiver("low", {0.3, 0.6, 0.25}), receiver("foot", {0.5, 0.5, 0})};
     return request;

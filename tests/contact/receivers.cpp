@@ -1,0 +1,185 @@
+// What receivers see, and what supports carry, of bars that waves and statics tell everything about.
+#include "contact/receivers.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "contact/recorder.hpp"
+#include "tests/contact/bodies.hpp"
+
+namespace {
+
+using namespace ricochet::contact;
+using namespace ricochet::contact::test;
+using ricochet::kernels::Kernel;
+using ricochet::kernels::hdf5::Reader;
+using ricochet::test::Folder;
+
+constexpr double length = 10;
+
+Kernel damped_bar(int modes, double decay) {
+  Kernel bar = clamped_bar(modes, length);
+  bar.modes.decay_rate.assign(static_cast<std::size_t>(modes), decay);
+  return bar;
+}
+
+/// The bar along y, `gap` below a wall.
+Model upright(const Kernel& bar, double gap, const std::vector<DriveRequest>& drives, double gravity = 0) {
+  return build_model({{"bar", &bar, turn(std::numbers::pi / 2, {0, 0, 1})}},
+                     {{"wall", Vector3d(0, length + gap, 0), Vector3d(0, -1, 0)}},
+                     {{"bar", "wall", {}, {}, 20 * length}}, {0, gravity, 0}, drives);
+}
+
+DriveRequest foot(double travel, const History& history) {
+  return {"bar", "foot", true, {0, travel, 0}, history};
+}
+DriveRequest tip(double force, const History& history) {
+  return {"bar", "tip", false, {0, force, 0}, history};
+}
+
+// The foot leaves at speed V: u = V Σ (−1)^j [(t − x − 2jL)₊ + (t − 2L + x − 2jL)₊]. 3e-3 V L: the modes blur
+// fronts.
+TEST(Receiver, of_a_bar_whose_foot_moves_sees_the_waves_pass) {
+  const Kernel bar = clamped_bar(200, length);
+  const double speed = 0.3, step = 0.07, x = length / 2;
+  const StepOptions options{.scheme = Scheme::impulse, .step = step};
+  const Model model = upright(bar, 100, {foot(speed, {{0, 1000}, {0, 1000}})});
+  Integrator integrator(model, options);
+  Receivers receivers(model, options);
+  EXPECT_NEAR(receivers[0].velocity.norm(), 0, 3e-3 * speed);
+  for (int k = 1; k <= 1000; ++k) {
+    ASSERT_EQ(integrator.step(), StepStatus::ok);
+    receivers.observe(integrator);
+    const double t = integrator.time();
+    double u = 0, rate = 0, nearest = 1e9;
+    for (int j = 0; 2 * j * length < t; ++j)
+      for (const double front : {x + 2 * j * length, 2 * length - x + 2 * j * length}) {
+        u += (j % 2 == 0 ? speed : -speed) * std::max(0.0, t - front);
+        rate += t > front ? (j % 2 == 0 ? speed : -speed) : 0;
+        nearest = std::min(nearest, std::abs(t - front));
+      }
+    EXPECT_NEAR(receivers[0].displacement.y(), u, 3e-3 * speed * length) << t;
+    if (nearest > 1) {
+      EXPECT_NEAR(receivers[0].velocity.y(), rate, 0.15 * speed) << t;
+    }
+    EXPECT_NEAR(receivers[0].displacement.x(), 0, 1e-12);
+  }
+}
+
+// Under weight, load, a foot displaced and a wall all at once, at rest; whichever modes are stepped or
+// static.
+TEST(Receiver, sees_the_static_displacement_of_all_forces_and_supports) {
+  const double weight = 1e-3, force = 4e-3, travel = 0.02, gap = 0.05, x = length / 2;
+  const double pressed = (travel + weight * length * length / 2 + force * length - gap) / length;
+  ASSERT_GT(pressed, 0);
+  const double expected = travel + weight * x * (2 * length - x) / 2 + (force - pressed) * x;
+  for (const double step : {0.1, 5.0}) {
+    const Kernel bar = damped_bar(20, 0.3);
+    const Model model =
+        upright(bar, gap, {tip(force, {{0, 7.3}, {0, 1}}), foot(travel, {{2, 11}, {0, 1}})}, weight);
+    const StepOptions options{.scheme = Scheme::compliant, .step = step};
+    Integrator integrator(model, options);
+    Receivers receivers(model, options);
+    while (integrator.time() < 600) {
+      ASSERT_EQ(integrator.step(), StepStatus::ok);
+      receivers.observe(integrator);
+    }
+    EXPECT_EQ(integrator.modes_in_residual() > 0, step > 1);
+    EXPECT_NEAR(integrator.force()(0), pressed, 1e-9);
+    EXPECT_NEAR(receivers[0].displacement.y(), expected, 1e-9) << step;
+    EXPECT_NEAR(receivers[0].velocity.norm(), 0, 1e-9);
+    EXPECT_NEAR(receivers[0].acceleration.norm(), 0, 1e-9);
+  }
+}
+
+// Central differences, between knots: error of (ωΔ)²/6 = 2e-5 of the largest mode's share.
+TEST(Receiver, has_velocity_and_acceleration_that_are_the_rates_of_its_displacement) {
+  const Kernel bar = damped_bar(3, 0.02);
+  const double step = 0.01;
+  const StepOptions options{.step = step};
+  const Model model =
+      upright(bar, 100, {tip(0.4, {{0, 3, 9}, {0, 1, -1}}), foot(0.3, {{0, 5, 20}, {0, 1, 0}})}, 0.1);
+  Integrator integrator(model, options);
+  Receivers receivers(model, options);
+  std::vector<ReceiverMotion> seen{receivers[0]};
+  for (int k = 0; k < 3000; ++k) {
+    ASSERT_EQ(integrator.step(), StepStatus::ok);
+    receivers.observe(integrator);
+    seen.push_back(receivers[0]);
+  }
+  for (std::size_t k = 1; k + 1 < seen.size(); ++k) {
+    if (std::ranges::any_of(std::array{300, 500, 900, 2000},
+                            [&](int knot) { return std::abs(static_cast<int>(k) - knot) < 2; }))
+      continue;
+    const Vector3d v = (seen[k + 1].displacement - seen[k - 1].displacement) / (2 * step);
+    const Vector3d a = (seen[k + 1].velocity - seen[k - 1].velocity) / (2 * step);
+    ASSERT_LT((seen[k].velocity - v).norm(), 1e-4) << k;
+    ASSERT_LT((seen[k].acceleration - a).norm(), 1e-4) << k;
+  }
+}
+
+std::vector<double> run(const Model& model, const StepOptions& options, int steps, int every,
+                        const Folder& folder, const std::string& dataset) {
+  Recorder recorder(model, options, {.path = folder / "bar.result.h5", .every = every});
+  Integrator integrator(model, options);
+  for (int k = 0; k < steps; ++k) {
+    EXPECT_EQ(integrator.step(), StepStatus::ok);
+    recorder.record(integrator);
+  }
+  recorder.commit();
+  return Reader(folder / "bar.result.h5", "").read<double>(dataset, {ricochet::kernels::hdf5::any, 3});
+}
+
+TEST(Result, holds_receivers_at_every_step_whatever_rows_are_written) {
+  const Folder folder;
+  const Kernel bar = damped_bar(5, 0.1);
+  const Model model = upright(bar, 100, {tip(0.4, {{0, 3}, {0, 1}})});
+  const auto rows = run(model, {.step = 0.1}, 40, 7, folder, "/receivers/mic/velocity");
+  const Reader file(folder / "bar.result.h5", "");
+  ASSERT_EQ(rows.size(), 3U * 41);
+  EXPECT_EQ(file.string_attribute("/receivers/mic/displacement", "unit"), "m");
+  EXPECT_EQ(file.string_attribute("/receivers/mic/acceleration", "unit"), "m/s^2");
+  EXPECT_EQ(file.string_attribute("/receivers/mic", "body"), "bar");
+  EXPECT_NEAR(file.doubles_attribute("/receivers/mic", "point", 3)[1], length / 2, 1e-15);
+  EXPECT_NEAR(file.read<double>("/receivers/time", {41})[40], 4, 1e-12);
+  EXPECT_EQ(file.shape("/time")[0], 6U);
+  EXPECT_GT(rows.back() * rows.back() + rows[121] * rows[121], 0);
+}
+
+// A hanging bar with a load at its tip: at rest its support carries both. With the wall, what the wall
+// leaves.
+TEST(Reaction, of_a_hanging_bar_is_its_weight_and_its_load_less_what_a_wall_carries) {
+  for (const double gap : {50.0, 0.01})
+    for (const int every : {1, 13}) {
+      const Folder folder;
+      const Kernel bar = damped_bar(20, 0.3);
+      const double weight = 1e-3, force = 4e-3;
+      const Model model = upright(bar, gap, {tip(force, {{0.33, 7.77}, {0, 1}})}, weight);
+      const auto reaction = run(model, {.step = 0.1}, 7800, every, folder, "/bodies/bar/reaction");
+      const double wall = std::max(0.0, (weight * length * length / 2 + force * length - gap) / length);
+      EXPECT_NEAR(reaction[reaction.size() - 2], -(weight * length + force - wall), 1e-9)
+          << gap << " " << every;
+    }
+}
+
+// From rest to the speed V of its foot: the reaction's impulse is m V, whatever vibrates on the way.
+TEST(Reaction, of_a_foot_that_moves_gives_the_bar_its_momentum) {
+  for (const int modes : {2, 20}) {
+    const Folder folder;
+    const Kernel bar = damped_bar(modes, 0.3);
+    const double speed = 0.02, step = 0.1;
+    const Model model = upright(bar, 100, {foot(speed, {{1.03, 1001.03}, {0, 1000}})});
+    const auto reaction = run(model, {.step = step}, 6000, 1, folder, "/bodies/bar/reaction");
+    double impulse = 0;
+    for (std::size_t k = 1; k < reaction.size(); k += 3) impulse += reaction[k] * step;
+    EXPECT_NEAR(impulse, length * speed, 1e-9) << modes;
+    const auto velocity =
+        Reader(folder / "bar.result.h5", "").read<double>("/bodies/bar/velocity", {6001, 3});
+    EXPECT_NEAR(velocity[velocity.size() - 2], speed, 1e-9);
+  }
+}
+
+}  // namespace
