@@ -52,6 +52,7 @@ void expect_same(const Kernel& a, const Kernel& b) {
   EXPECT_EQ(a.surface.components, b.surface.components);
   EXPECT_EQ(a.surface.direction, b.surface.direction);
   EXPECT_TRUE(same_bits(a.surface.node, b.surface.node));
+  EXPECT_TRUE(same_bits(a.surface.centroid, b.surface.centroid));
   EXPECT_EQ(a.surface.group, b.surface.group);
   EXPECT_TRUE(same_bits(a.surface.normal, b.surface.normal));
   EXPECT_TRUE(same_bits(a.surface.area, b.surface.area));
