@@ -58,7 +58,7 @@ struct Pairing {
   struct Point {
     int candidate = 0;             ///< index into a's surface
     Eigen::Vector3d a, b, normal;  ///< x_i, y_i [m], n_i out of a
-    double gap = 0;                ///< g_i = n_i·(y_i − x_i) [m]
+    double gap = 0;                ///< g_i between the means of the patches, about n_i·(y_i − x_i) [m]
     double area = 0;               ///< [m²], of a's patch
     std::vector<std::pair<int, double>>
         weights;  ///< W: candidates of b around y_i; weights ≥ 0, sum 1; empty for a half-space

@@ -30,10 +30,15 @@ constexpr double overlap_slack = 1e-12;
 /// Change of n_i below which the search for a mutual normal has settled, and the one it must reach.
 constexpr double settled = 1e-13, settled_enough = 1e-6;
 
+/// Cosine between mutual normal and direction below which patches only glance off each other: their gap is
+/// not stretched further.
+constexpr double steepest = 0.5;
+
 /// Candidate surface of a body, in the world.
 struct Surface {
   int corners = 3;
   std::vector<Vector3d> node, normal;
+  std::vector<Vector3d> offset;  ///< of each patch's centroid from its node [m]
   struct Element {
     std::array<int, 3> corner{};
     Vector3d centre = Vector3d::Zero();
@@ -59,6 +64,10 @@ Surface surface_of(const PlacedBody& body) {
   for (std::size_t i = 0; i < from.size(); ++i) {
     to.node.push_back(body.rotation * Eigen::Map<const Vector3d>(&from.node[3 * i]) + body.translation);
     to.normal.push_back(body.rotation * Eigen::Map<const Vector3d>(&from.normal[3 * i]));
+    to.offset.emplace_back(Vector3d::Zero());
+    if (!from.centroid.empty())
+      to.offset.back() = body.rotation * (Eigen::Map<const Vector3d>(&from.centroid[3 * i]) -
+                                          Eigen::Map<const Vector3d>(&from.node[3 * i]));
     box.extend(to.node.back());
     to.farthest = std::max(to.farthest, to.node.back().cwiseAbs().maxCoeff());
   }
@@ -226,6 +235,16 @@ std::optional<std::pair<Place, Vector3d>> along_mutual_normal(const Surface& b, 
   return std::pair(*y, n);
 }
 
+/// What the gap along n between the means of the patches has over that between their nodes, as displacements
+/// are means too. Lopsided patches stand off their nodes sideways; the surfaces meet across their mutual
+/// normal, so that only what lies along it separates them.
+double between_means(const Surface& a, std::size_t i, const Surface& b, const Place& y, const Vector3d& n) {
+  Vector3d apart = -a.offset[i];
+  for (int j = 0; j < b.corners; ++j) apart += y.weight[j] * b.offset[static_cast<std::size_t>(y.corner[j])];
+  const Vector3d mutual = (a.normal[i] - y.normal).normalized();
+  return mutual.dot(apart) / std::max(mutual.dot(n), steepest);
+}
+
 std::string title(const PairRequest& request) {
   return fmt::format("contact between \"{}\" and \"{}\"", request.a, request.b);
 }
@@ -263,8 +282,8 @@ Pairing find_pairs(const PlacedBody& a, const Surface& b, const std::optional<Ve
       ++out.unpaired;
       continue;
     }
-    Pairing::Point point{static_cast<int>(i),       x, y->point, n, n.dot(y->point - x),
-                         a.kernel->surface.area[i], {}};
+    const double gap = n.dot(y->point - x) + between_means(from, i, b, *y, n);
+    Pairing::Point point{static_cast<int>(i), x, y->point, n, gap, a.kernel->surface.area[i], {}};
     for (int j = 0; j < b.corners; ++j)
       if (y->weight[j] > 0) point.weights.emplace_back(y->corner[j], y->weight[j]);
     out.points.push_back(std::move(point));
@@ -281,9 +300,14 @@ Pairing find_pairs(const PlacedBody& a, const HalfSpace& b) {
       ++out.unpaired;
       continue;
     }
-    const double gap = n.dot(b.point - from.node[i]);
-    out.points.push_back(
-        {static_cast<int>(i), from.node[i], from.node[i] + gap * n, n, gap, a.kernel->surface.area[i], {}});
+    const double height = n.dot(b.point - from.node[i]);
+    out.points.push_back({static_cast<int>(i),
+                          from.node[i],
+                          from.node[i] + height * n,
+                          n,
+                          height - n.dot(from.offset[i]),
+                          a.kernel->surface.area[i],
+                          {}});
   }
   return out;
 }

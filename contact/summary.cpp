@@ -314,8 +314,7 @@ EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium)
     if (figures.contact_points > 0) {
       figures.peak_pressure_pa = (force / area).maxCoeff();
       const Vector3d nearer = moved(pair.a) - (pair.b < 0 ? Vector3d::Zero() : moved(pair.b));
-      figures.approach_m =
-          nearer.dot(sum.normalized()) - model.gap.segment(pair.first_point, pair.points).minCoeff();
+      figures.approach_m = nearer.dot(sum.normalized());
     }
     out.pairs.push_back(figures);
   }

@@ -106,9 +106,9 @@ class SummaryObserver {
 /// The figures of bodies at rest.
 struct EquilibriumSummary {
   struct Pair {
-    double force_n = 0;      ///< |Σ λ_i n_i|
-    double approach_m = 0;   ///< of the centres of mass along Σ λ_i n_i, beyond the smallest initial gap
-    int contact_points = 0;  ///< with λ > 0
+    double force_n = 0;          ///< |Σ λ_i n_i|
+    double approach_m = 0;       ///< of the centres of mass since the start, along Σ λ_i n_i
+    int contact_points = 0;      ///< with λ > 0
     double contact_area_m2 = 0;  ///< of their patches
     double peak_pressure_pa = 0;
   };

@@ -31,6 +31,12 @@ void multiply(Range& values, double factor) {
   throw InputError(fmt::format("kernel of \"{}\": {}", kernel.body, what));
 }
 
+/// What loads, supports and receivers know of the candidates is not cut with them.
+void refuse_sources(const Kernel& kernel) {
+  if (!kernel.applied.empty() || !kernel.motions.empty() || !kernel.receivers.empty())
+    fail(kernel, "has loads, supports that move or receivers: compute the one that is asked for");
+}
+
 /// Its modes are all that lie below the certificate's end.
 void require_all_modes(const Kernel& kernel) {
   if (kernel.modes.basis != "modes")
@@ -101,8 +107,10 @@ Kernel rescaled(Kernel kernel, const Similarity& factors, const Damping& damping
     upto_hz *= frequency;
   }
   {
-    auto& [components, direction, node, group, normal, area, corners, element, shape, flexibility] = surface;
+    auto& [components, direction, node, centroid, group, normal, area, corners, element, shape, flexibility] =
+        surface;
     multiply(node, s);
+    multiply(centroid, s);
     multiply(area, factors.area.value_or(s * s));
     multiply(shape, 1 / root);
     multiply(flexibility, 1 / k);
@@ -176,8 +184,7 @@ Kernel cut_to_points(Kernel kernel, const std::vector<std::int64_t>& points) {
   Surface& surface = kernel.surface;
   const std::size_t m = surface.size(), n = kernel.modes.size(),
                     c = static_cast<std::size_t>(surface.components);
-  if (!kernel.applied.empty() || !kernel.motions.empty() || !kernel.receivers.empty())
-    fail(kernel, "has loads, supports that move or receivers: compute it with those points");
+  refuse_sources(kernel);
   if (points.empty()) fail(kernel, "no candidate point would be left: name one at least");
   std::vector<bool> named(m, false);
   for (const std::int64_t i : points) {
@@ -192,6 +199,7 @@ Kernel cut_to_points(Kernel kernel, const std::vector<std::int64_t>& points) {
   for (const std::int64_t i : points) group.push_back(surface.group[static_cast<std::size_t>(i)]);
   surface.group = std::move(group);
   take_rows(surface.node, 3, points);
+  if (!surface.centroid.empty()) take_rows(surface.centroid, 3, points);
   take_rows(surface.normal, 3, points);
   take_rows(surface.area, 1, points);
   take_rows(surface.shape, n, points, c);
@@ -210,6 +218,7 @@ Kernel cut_to_points(Kernel kernel, const std::vector<std::int64_t>& points) {
 }
 
 Kernel cut_to_direction(Kernel kernel, const Vector3& direction) {
+  refuse_sources(kernel);
   Surface& surface = kernel.surface;
   if (surface.components != 3)
     fail(kernel, "holds one direction only: compute one without contact.direction");

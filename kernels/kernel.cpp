@@ -123,6 +123,7 @@ void validate_surface(const Surface& surface, std::size_t modes, const Validator
   check.each<double>(
       "dataset \"/surface/area\"", surface.area, [](double a) { return a > 0; }, "positive");
   check.finite("dataset \"/surface/node\"", surface.node, 3 * m);
+  if (!surface.centroid.empty()) check.finite("dataset \"/surface/centroid\"", surface.centroid, 3 * m);
   check.length("dataset \"/surface/group\"", surface.group.size(), m);
   check.finite("dataset \"/surface/normal\"", surface.normal, 3 * m);
   check.unit("dataset \"/surface/normal\"", surface.normal);

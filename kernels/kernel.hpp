@@ -44,7 +44,8 @@ struct Modes {
 struct Surface {
   int components = 3;                 ///< c
   std::optional<Vector3> direction;   ///< unit vector of the stored component when c = 1
-  std::vector<double> node;           ///< (M,3) centre of each patch [m]
+  std::vector<double> node;           ///< (M,3) where each hat stands [m]
+  std::vector<double> centroid;       ///< (M,3) (1/A_i) ∫ w_i x ds [m]; empty: as node
   std::vector<std::string> group;     ///< (M) physical surface each belongs to
   std::vector<double> normal;         ///< (M,3) outward unit normal
   std::vector<double> area;           ///< (M) A_i [m²]

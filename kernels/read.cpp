@@ -83,6 +83,7 @@ Surface read_surface(const hdf5::Reader& file, std::size_t n) {
   surface.area = file.read<double>("/surface/area", {any});
   const std::size_t m = surface.size();
   surface.node = file.read<double>("/surface/node", {m, 3});
+  if (file.exists("/surface/centroid")) surface.centroid = file.read<double>("/surface/centroid", {m, 3});
   surface.group = file.read_strings("/surface/group", m);
   surface.normal = file.read<double>("/surface/normal", {m, 3});
   surface.element = file.read<std::int64_t>("/surface/element", {any, any});

@@ -45,6 +45,7 @@ void write_surface(hdf5::Writer& file, const Surface& surface, std::size_t n) {
   const std::size_t corners = static_cast<std::size_t>(surface.element_corners);
   const bool directed = surface.direction.has_value();
   file.write("/surface/node", surface.node, {m, 3}, "m");
+  if (!surface.centroid.empty()) file.write("/surface/centroid", surface.centroid, {m, 3}, "m");
   file.write_strings("/surface/group", surface.group);
   file.write("/surface/normal", surface.normal, {m, 3}, "1");
   file.write("/surface/area", surface.area, {m}, "m^2");

@@ -267,6 +267,7 @@ Patches make_patches(const mesh::Mesh& mesh, const std::vector<std::string>& gro
   kernels::Surface& surface = patches.geometry;
   const std::size_t m = merge.centre.size();
   std::vector<Eigen::Vector3d> normal(m, Eigen::Vector3d::Zero());
+  std::vector<Eigen::Vector3d> centroid(m, Eigen::Vector3d::Zero());
   std::vector<std::map<std::int64_t, double>> load(m);
   surface.area.assign(m, 0);
   surface.group.assign(m, "");
@@ -280,8 +281,10 @@ Patches make_patches(const mesh::Mesh& mesh, const std::vector<std::string>& gro
     }
   for (std::size_t k = 0; k < m; ++k) {
     normal[k].normalize();
+    for (const auto& [node, w] : load[k]) centroid[k] += w * fine.position[static_cast<std::size_t>(node)];
     for (int d = 0; d < 3; ++d) {
       surface.node.push_back(merge.centre[k][d]);
+      surface.centroid.push_back(centroid[k][d] / surface.area[k]);
       surface.normal.push_back(normal[k][d]);
     }
     for (const auto& [node, w] : load[k])

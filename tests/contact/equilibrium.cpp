@@ -43,8 +43,8 @@ TEST(Equilibrium, of_a_rod_on_its_foot_is_that_of_a_column_under_its_own_weight)
     const EquilibriumSummary figures = summarise(model, at_rest);
     ASSERT_EQ(figures.pairs.size(), 1U);
     EXPECT_NEAR(figures.pairs[0].force_n, weight * length, 1e-6);
-    // u(x) = w (L x − x²/2) above the foot: its mean is w L²/3
-    EXPECT_NEAR(figures.pairs[0].approach_m, weight * length * length / 3, 1e-5);
+    // the gap, and u(x) = w (L x − x²/2) above the foot: its mean is w L²/3
+    EXPECT_NEAR(figures.pairs[0].approach_m, gap + weight * length * length / 3, 1e-5);
     EXPECT_EQ(figures.pairs[0].contact_points, 1);
     EXPECT_LT(figures.imbalance, 1e-6);
   }
@@ -62,7 +62,7 @@ TEST(Equilibrium, of_stacked_rods_loads_the_lower_one_twice) {
   // head.
   const double unit = weight * length * length;
   EXPECT_NEAR(figures.pairs[0].approach_m, 5.0 / 6 * unit, 1e-5);
-  EXPECT_NEAR(figures.pairs[1].approach_m, (3.0 / 2 + 1.0 / 3 - 5.0 / 6) * unit, 1e-5);
+  EXPECT_NEAR(figures.pairs[1].approach_m, 0.5 + (3.0 / 2 + 1.0 / 3 - 5.0 / 6) * unit, 1e-5);
 }
 
 TEST(Equilibrium, without_loads_is_no_contact) {

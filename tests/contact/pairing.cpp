@@ -292,6 +292,57 @@ TEST(Reach, drops_pairs_that_start_too_far_apart) {
               HasSubstr("the closest pair is 0.1 m apart"));
 }
 
+/// The kernel with patches whose means lie off their nodes, by up to `far` in each component that `way`
+/// keeps.
+Kernel lopsided(Kernel kernel, double far, const Vector3d& way) {
+  kernel.surface.centroid = kernel.surface.node;
+  for (std::size_t k = 0; k < kernel.surface.centroid.size(); ++k)
+    kernel.surface.centroid[k] +=
+        far * way(static_cast<Eigen::Index>(k % 3)) * std::sin(1.7 * static_cast<double>(k));
+  return kernel;
+}
+
+TEST(Means, of_patches_set_the_gap_to_a_wall) {
+  const Kernel kernel = lopsided(cap(6, 1), 0.02, {1, 1, 1});
+  const Matrix3d Q = turn(0.2, {1, 2, 0.5});
+  const PlacedBody a{"a", &kernel, Q, {0.1, 0.2, 0.3}};
+  const Pairing pairing = pair(a, HalfSpace{"wall", 2 * up, -up}, {"a", "wall", {}, {}, {}});
+  ASSERT_EQ(pairing.points.size(), kernel.surface.size());
+  for (const auto& point : pairing.points) {
+    const Vector3d mean = Q * Eigen::Map<const Vector3d>(&kernel.surface.centroid[3 * point.candidate]);
+    EXPECT_NEAR(point.gap, 2 - 0.3 - mean.z(), round_off);
+    EXPECT_NEAR(point.b.z(), 2, round_off);
+  }
+}
+
+TEST(Means, of_patches_in_the_planes_of_flat_sheets_leave_the_gap_as_it_is) {
+  const Kernel lower = lopsided(square(5, 4), 0.05, {1, 1, 0}),
+               upper = lopsided(square(7, 3), 0.05, {1, 1, 0});
+  // Along a direction 30 degrees off the sheets' normal, where sideways is not across it.
+  const Matrix3d Q = turn(std::numbers::pi / 6, {1, 0, 0});
+  const PlacedBody a{"a", &lower, Q};
+  PlacedBody b = above(upper, 0.3);
+  b.rotation = Q * b.rotation;
+  b.translation = Q * b.translation;
+  for (const PairRequest& request : {along(up), freely}) {
+    const Pairing pairing = pair(a, b, request);
+    EXPECT_GT(pairing.points.size(), 10U);
+    for (const auto& point : pairing.points)
+      EXPECT_NEAR(point.gap, 0.3 / (request.direction ? std::cos(std::numbers::pi / 6) : 1), round_off);
+  }
+}
+
+TEST(Means, of_patches_beneath_their_nodes_open_the_gap) {
+  Kernel lower = square(3, 3), upper = square(4, 2);
+  for (Kernel* kernel : {&lower, &upper}) {
+    kernel->surface.centroid = kernel->surface.node;
+    const double depth = kernel == &lower ? 0.01 : 0.02;
+    for (std::size_t i = 0; i < kernel->surface.size(); ++i) kernel->surface.centroid[3 * i + 2] -= depth;
+  }
+  for (const auto& point : pair({"a", &lower}, above(upper, 0.3), freely).points)
+    EXPECT_NEAR(point.gap, 0.33, round_off);
+}
+
 TEST(Overlap, is_refused_with_its_depth) {
   const Kernel lower = square(2, 2), upper = square(2, 2);
   const std::string text = complaint_of([&] { pair({"a", &lower}, above(upper, -0.02), along(up)); });

@@ -52,6 +52,7 @@ void expect_same(const Kernel& a, const Kernel& b) {
   EXPECT_EQ(a.surface.components, b.surface.components);
   EXPECT_EQ(a.surface.direction, b.surface.direction);
   EXPECT_TRUE(same_bits(a.surface.node, b.surface.node));
+  EXPECT_TRUE(same_bits(a.surface.centroid, b.surface.centroid));
   EXPECT_EQ(a.surface.group, b.surface.group);
   EXPECT_TRUE(same_bits(a.surface.normal, b.surface.normal));
   EXPECT_TRUE(same_bits(a.surface.area, b.surface.area));
@@ -187,8 +188,8 @@ TEST(KernelFile, every_dataset_of_numbers_has_a_unit_and_no_object_a_time) {
   int seen = 0;
   H5Ovisit(file, H5_INDEX_NAME, H5_ITER_NATIVE, check_object, &seen);
   H5Fclose(file);
-  // The datasets FORMAT.md lists, but for names: 17, 4 of each load, 3 of a motion, 6 of each receiver.
-  EXPECT_EQ(seen, 17 + 2 * 4 + 3 + 2 * 6);
+  // The datasets FORMAT.md lists, but for names: 18, 4 of each load, 3 of a motion, 6 of each receiver.
+  EXPECT_EQ(seen, 18 + 2 * 4 + 3 + 2 * 6);
 }
 
 TEST(KernelFile, another_program_finds_the_shape_as_points_by_components_by_modes) {

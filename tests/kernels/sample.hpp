@@ -71,6 +71,7 @@ inline Kernel sample_kernel(int components, std::size_t n = 5, std::size_t m = 4
   surface.components = components;
   if (components == 1) surface.direction = Vector3{0, -0.6, 0.8};
   fill(surface.node, 3 * m);
+  fill(surface.centroid, 3 * m);
   for (std::size_t i = 0; i < m; ++i) {
     surface.group.push_back(i % 2 == 0 ? "rim" : "upper face");
     surface.normal.insert(surface.normal.end(), {std::cos(double(i)), -0.0, std::sin(double(i))});

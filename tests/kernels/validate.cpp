@@ -75,6 +75,8 @@ INSTANTIATE_TEST_SUITE_P(
                    k.surface.direction = Vector3{0, 0, 1};
                },
                "direction"},
+        Breach{"centroids_have_three_coordinates", [](Kernel& k) { k.surface.centroid.pop_back(); },
+               "/surface/centroid"},
         Breach{"nodes_have_three_coordinates", [](Kernel& k) { k.surface.node.pop_back(); }, "/surface/node"},
         Breach{"groups_are_as_many_as_points", [](Kernel& k) { k.surface.group.pop_back(); },
                "/surface/group"},

@@ -33,6 +33,7 @@ Made make(const std::string& geo, int order, const std::vector<std::string>& con
   const auto alone = mesh::distribute(mesh::read_mesh(body), PETSC_COMM_SELF);
   const Patches same = surface::make_patches(alone, contact, options);
   EXPECT_EQ(made.patches.geometry.node, same.geometry.node);
+  EXPECT_EQ(made.patches.geometry.centroid, same.geometry.centroid);
   EXPECT_EQ(made.patches.geometry.normal, same.geometry.normal);
   EXPECT_EQ(made.patches.geometry.area, same.geometry.area);
   EXPECT_EQ(made.patches.geometry.group, same.geometry.group);
@@ -105,6 +106,7 @@ TEST(Patches, of_flat_triangles_mean_a_linear_field_by_its_value_at_their_centro
     for (std::size_t i = 0; i < area.size(); ++i) {
       EXPECT_NEAR(geometry.area[i], area[i], 1e-14);
       EXPECT_NEAR(ones[i], 1, 1e-13);
+      EXPECT_NEAR((row(geometry.centroid, i) - centroid[i]).norm(), 0, 1e-13);
       EXPECT_NEAR(linear[i], 0.3 - 2 * centroid[i][0] + 5 * centroid[i][1] + centroid[i][2], 1e-12);
       // Gradients of order 4 sum to zero within some 1e-13.
       EXPECT_NEAR((row(geometry.normal, i) - Point(0, 0, 1)).norm(), 0, 1e-12);
