@@ -29,12 +29,18 @@ std::string read_body(Table& table, const Scene& scene) {
   return name;
 }
 
+/// Of a name that kernels are to have.
+void check_name(const Table& table, const std::string& key, const std::string& name) {
+  if (!kernels::is_free_name(name))
+    table.complain(key,
+                   "\"" + name +
+                       "\" can't be a name: give 1 to 100 bytes without \"/\" and control characters, and "
+                       "not body_force, body_force_residual or rotation");
+}
+
 std::string read_name(Table& table, const std::string& fallback) {
   const std::string name = table.text("name").value_or(fallback);
-  if (!kernels::is_free_name(name))
-    table.complain("name", "\"" + name +
-                               "\" can't be a name: it needs characters other than \"/\", and differs from "
-                               "body_force, body_force_residual and rotation");
+  check_name(table, "name", name);
   return name;
 }
 
@@ -55,6 +61,7 @@ void check_motion(Table& table, const Body& body, const Driven& motion) {
                                 ? "bodies." + body.name + " has no support: give it one, support = { … }"
                                 : "is not a support of bodies." + body.name + ": those are " + all);
   }
+  check_name(table, "group", motion.group);
   const Vector3 own = in_body(rotation_of(body), motion.vector);
   const double length = std::hypot(own[0], own[1], own[2]);
   for (std::size_t k = 0; k < 3; ++k) {
@@ -152,7 +159,11 @@ void take_sources(const Scene& all, const Body& placed, KernelRequest& request) 
       driven.vector = {};
       driven.history.clear();
       if (from == &all.loads.points) move_to_frame(placed, driven.at);
-      to->push_back(driven);
+      // A support moves in one way for all its histories.
+      if (from == &all.loads.motions) driven.name = driven.group;
+      if (std::none_of(to->begin(), to->end(),
+                       [&](const Driven& other) { return other.name == driven.name; }))
+        to->push_back(driven);
     }
   for (Receiver receiver : all.output.receivers) {
     if (receiver.body != placed.name) continue;

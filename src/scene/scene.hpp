@@ -172,7 +172,7 @@ struct KernelRequest {
   /// Numbers of the candidates that are kept, of those of the whole surface; no scene asks for this.
   std::optional<std::vector<std::int64_t>> points;
   bool view = false;
-  std::vector<Driven> tractions, points,
+  std::vector<Driven> tractions, point_forces,
       motions;                      ///< of this body; vector and history cleared, `at` in its frame
   std::vector<Receiver> receivers;  ///< of this body; `at` in its frame
   std::string mesh_sha256;

@@ -136,10 +136,7 @@ Sources make_sources(const mesh::Mesh& mesh, const scene::KernelRequest& request
     sources.receivers.back().name = receiver.name;
     sources.receivers.back().point = place.place;
   }
-  for (const scene::Driven& motion : request.motions) {
-    sources.motions.push_back({motion.name, {}, {}, {}});
-    sources.support.push_back(place_of(asked.moved, motion.group));
-  }
+  for (const std::string& support : asked.moved) sources.motions.push_back({support, {}, {}, {}});
   sources.load = spread(mesh, at_loads, sources.loads.size(), {}, HeldRows::zero);
   sources.receiver = spread(mesh, sources.at_receivers, sources.receivers.size(), {}, HeldRows::zero);
   return sources;

@@ -42,8 +42,7 @@ Eigen::MatrixXd patch_loads(const mesh::Mesh& mesh, const Patches& patches);
 /// What else than contact acts on the body or is seen of it, the same on every rank but for rows of the mesh.
 struct Sources {
   std::vector<kernels::Load> loads;          ///< name, unit, total and moment
-  std::vector<kernels::Motion> motions;      ///< names
-  std::vector<std::size_t> support;          ///< of each motion: which of mesh::Asked::moved
+  std::vector<kernels::Motion> motions;      ///< names, in the order of mesh::Asked::moved
   std::vector<kernels::Receiver> receivers;  ///< names and points
   std::vector<Weight> at_receivers;
   Eigen::MatrixXd load;      ///< (local rows, 3 each): unit traction or force in each component; held 0

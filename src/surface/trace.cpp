@@ -96,20 +96,18 @@ void trace_motions(const parallel::Teams& teams, const mesh::Mesh& mesh, const e
                         momentum = modes::inner(mesh.comm, body.rigid_load.leftCols(3), lift.shape) +
                                    body.imposed.momentum,
                         gamma = modes.gather(teams, modes::inner(mesh.comm, lift.inertia, modes.shape));
-  Eigen::MatrixXd left(receivers.rows(), static_cast<Eigen::Index>(3 * sources.motions.size()));
-  for (std::size_t s = 0; s < sources.motions.size(); ++s) {
-    const auto from = static_cast<Eigen::Index>(3 * sources.support[s]);
-    const Eigen::MatrixXd of_support = gamma.middleRows(from, 3);
-    kernels::Motion motion = sources.motions[s];
-    motion.participation = flat(of_support);
-    motion.residual = flat(candidates.middleCols(from, 3) - shape * of_support.transpose());
-    motion.momentum = flat(momentum.middleCols(from, 3) - body_force * of_support.transpose());
-    kernel.motions.push_back(std::move(motion));
-    left.middleCols(static_cast<Eigen::Index>(3 * s), 3) =
-        receivers.middleCols(from, 3) - heard * of_support.transpose();
+  const Eigen::MatrixXd on_candidates = candidates - shape * gamma.transpose(),
+                        on_receivers = receivers - heard * gamma.transpose(),
+                        in_momentum = momentum - body_force * gamma.transpose();
+  kernel.motions = sources.motions;
+  for (std::size_t s = 0; s < kernel.motions.size(); ++s) {
+    const auto from = static_cast<Eigen::Index>(3 * s);
+    kernel.motions[s].participation = flat(gamma.middleRows(from, 3));
+    kernel.motions[s].residual = flat(on_candidates.middleCols(from, 3));
+    kernel.motions[s].momentum = flat(in_momentum.middleCols(from, 3));
   }
   for (std::size_t r = 0; r < kernel.receivers.size(); ++r)
-    kernel.receivers[r].motion_residual = flat(left.middleRows(static_cast<Eigen::Index>(3 * r), 3));
+    kernel.receivers[r].motion_residual = flat(on_receivers.middleRows(static_cast<Eigen::Index>(3 * r), 3));
 }
 
 }  // namespace

@@ -109,8 +109,8 @@ TEST(Sources, are_refused_in_one_line) {
        "loads.motion[0].name = \"cap\": bodies.ball has a load or motion \"cap\" already: give each its own "
        "name"},
       {"loads.point[1].name=a/b",
-       "loads.point[1].name = \"a/b\": \"a/b\" can't be a name: it needs characters other than \"/\", and "
-       "differs from body_force, body_force_residual and rotation"},
+       "loads.point[1].name = \"a/b\": \"a/b\" can't be a name: give 1 to 100 bytes without \"/\" and "
+       "control characters, and not body_force, body_force_residual or rotation"},
       {"loads.motion[0].group=cap",
        "loads.motion[0].group = \"cap\": is not a support of bodies.ball: those are \"foot\", \"side\""},
       {"loads.motion[0].vector=[0,1,0]",
@@ -203,11 +203,21 @@ TEST(KernelHash, moves_with_places_of_sources_and_stays_with_what_they_do_there)
   EXPECT_NE(driven_request({}, held).hash, hash);
   for (const char* set :
        {"loads.traction[0].group=rim", "loads.traction[1].name=other", "loads.point[0].at=[0,0,1]",
-        "loads.motion[0].name=shaker", "output.receiver[0].at=[0,0,0]", "output.receiver[0].name=ear"})
+        "output.receiver[0].at=[0,0,0]", "output.receiver[0].name=ear"})
     EXPECT_NE(driven_request({set}).hash, hash) << set;
-  for (const char* set : {"loads.traction[0].vector=[1,1,1]", "loads.traction[1].history=push.csv",
-                          "loads.point[0].vector=[1,1,1]", "loads.motion[0].vector=[1,0,0]"})
+  for (const char* set :
+       {"loads.traction[0].vector=[1,1,1]", "loads.traction[1].history=push.csv",
+        "loads.point[0].vector=[1,1,1]", "loads.motion[0].vector=[1,0,0]", "loads.motion[0].name=shaker"})
     EXPECT_EQ(driven_request({set}).hash, hash) << set;
+}
+
+TEST(KernelRequests, hold_a_support_once_however_many_histories_move_it) {
+  const std::string again =
+      "[[loads.motion]]\nbody = \"ball\"\ngroup = \"foot\"\nname = \"again\"\nvector = [0, 0, 1]\n";
+  const KernelRequest request = driven_request({}, held + sources + again);
+  ASSERT_EQ(request.motions.size(), 1U);
+  EXPECT_EQ(request.motions[0].name, "foot");
+  EXPECT_EQ(request.hash, driven_request().hash);
 }
 
 // Turned by 90 degrees about x and then z, the body's x, y, z are the world's y, z, x.
