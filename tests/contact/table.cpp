@@ -97,6 +97,25 @@ TEST(AnalyticRods, that_touch_at_the_start_are_late_by_a_step_under_impulse_alon
   }
 }
 
+TEST(AnalyticRods, may_be_given_their_free_motion_by_samples) {
+  for (const auto& [name, options] : laws) {
+    SCOPED_TRACE(name);
+    Table sampled = rods(1, 3002);
+    for (int k = 0; k < 3002; ++k) sampled.free.push_back(speed * k * step);
+    sampled.bodies.clear();
+    validate(sampled, "rods");
+    TableIntegrator rod(sampled, options), reference(rods(1, 3002), options);
+    // a rate made from two instants uses up one
+    EXPECT_EQ(rod.available(), options.scheme == Scheme::impulse ? 3000 : 3001);
+    while (rod.step() == StepStatus::ok) {
+      ASSERT_EQ(reference.step(), StepStatus::ok);
+      ASSERT_NEAR(rod.displacement()(0), reference.displacement()(0), 1e-11);
+      ASSERT_NEAR(rod.force()(0), reference.force()(0), 1e-10);
+    }
+    EXPECT_EQ(rod.steps(), rod.available());
+  }
+}
+
 // The closed form is the sum of the rods' modes: steps of 1, 2, 2 … over Z at 0, 2L/c, 4L/c …, and on average
 // the rigid mode's t/(ρAL). The paper's printed formula has its second Heaviside outside of the sum.
 TEST(AnalyticRods, have_the_kernel_that_their_modes_add_up_to) {
