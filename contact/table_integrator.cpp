@@ -126,6 +126,7 @@ TableIntegrator::TableIntegrator(const Table& table, const StepOptions& options,
       gap_(table.gap),
       bodies_(table.bodies),
       solver_(table.points()),
+      // S_ and available_, declared before it, come from the same arrays.
       convolution_([&] {
         const Kernel kernel = kernel_of(table, options);
         S_ = semidefinite(kernel.at_once, options.scheme == Scheme::impulse);

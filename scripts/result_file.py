@@ -61,7 +61,7 @@ class File:
 
 
 class Result:
-    """What the pictures need of a result."""
+    """What the pictures need of a result. Of one by table kernels `energy` and `sides` are None: not known."""
 
     TERMS = ["kinetic", "strain", "residual", "loads", "damping", "contact"]
 
@@ -73,18 +73,23 @@ class Result:
         steps = len(self.time)
         if steps < 2:
             raise BadInput(f"{path}: holds {steps} steps: nothing to draw. Give [time] a longer duration.")
-        self.energy = {name: f.array(f"/energy/{name}", steps) for name in ["total"] + self.TERMS}
+        by_table = not f.has("/energy/total") and f.has("/contact/gap")
+        self.energy = None if by_table else {name: f.array(f"/energy/{name}", steps)
+                                             for name in ["total"] + self.TERMS}
         self.bodies = f.names("/bodies")
         self.velocity = {body: f.array(f"/bodies/{body}/velocity", steps, 3) for body in self.bodies}
         self.gap = f.array("/contact/initial_gap", None)
         points = len(self.gap)
-        self.point = f.array("/contact/point_a", points, 3)
-        self.normal = f.array("/contact/normal", points, 3)
+        if not by_table:
+            self.point = f.array("/contact/point_a", points, 3)
+            self.normal = f.array("/contact/normal", points, 3)
         self.contact_time = f.array("/contact/time", None)
         rows = len(self.contact_time)
         self.force = f.array("/contact/force", rows, points)
-        self.sides = {name: f.array(f"/contact/{name}", rows, points)
-                      for name in ["displacement_a", "displacement_b", "velocity_a", "velocity_b"]}
+        self.gap_now = f.array("/contact/gap", rows, points)
+        self.sides = None if by_table else {
+            name: f.array(f"/contact/{name}", rows, points)
+            for name in ["displacement_a", "displacement_b", "velocity_a", "velocity_b"]}
         self.episodes = self._episodes()
 
     def _episodes(self):

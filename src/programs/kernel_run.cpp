@@ -283,6 +283,7 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
 
   console::Console console(options.quiet || !first,
                            [comm] { return parallel::largest(comm, console::peak_memory_mib()); });
+  if (requests.empty()) console.say("the scene takes its kernels from contact.table: nothing to compute");
   for (const scene::KernelRequest& request : requests) {
     const std::filesystem::path path = scene::kernel_path(options.out, request);
     std::vector<char> there{first && kernels::read_hash(path) == request.hash};

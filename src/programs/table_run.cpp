@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <ostream>
 
@@ -97,8 +98,12 @@ int run_table(const console::Options& options, const scene::Scene& scene, const 
   console.begin("writing");
   recorder.commit();
   contact::Summary summary = observer.summary();
-  if (model)
+  if (model) {
     for (const contact::Model::BodyBlock& body : model->bodies) summary.modes[body.name] = body.modes;
+    if (step.scheme == contact::Scheme::compliant)
+      summary.modes_in_residual =
+          static_cast<int>((model->omega.array() * step.step > std::numbers::pi).count());
+  }
   summary.real_time_factor = elapsed > 0 ? integrator.time() / elapsed : 0;
   summary.wall_s = seconds_since(started);
   contact::write_json(summary, summary_file);

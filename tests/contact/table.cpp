@@ -97,6 +97,25 @@ TEST(AnalyticRods, that_touch_at_the_start_are_late_by_a_step_under_impulse_alon
   }
 }
 
+TEST(AnalyticRods, may_be_given_their_free_motion_by_samples) {
+  for (const auto& [name, options] : laws) {
+    SCOPED_TRACE(name);
+    Table sampled = rods(1, 3002);
+    for (int k = 0; k < 3002; ++k) sampled.free.push_back(speed * k * step);
+    sampled.bodies.clear();
+    validate(sampled, "rods");
+    TableIntegrator rod(sampled, options), reference(rods(1, 3002), options);
+    // a rate made from two instants uses up one
+    EXPECT_EQ(rod.available(), options.scheme == Scheme::impulse ? 3000 : 3001);
+    while (rod.step() == StepStatus::ok) {
+      ASSERT_EQ(reference.step(), StepStatus::ok);
+      ASSERT_NEAR(rod.displacement()(0), reference.displacement()(0), 1e-11);
+      ASSERT_NEAR(rod.force()(0), reference.force()(0), 1e-10);
+    }
+    EXPECT_EQ(rod.steps(), rod.available());
+  }
+}
+
 // The closed form is the sum of the rods' modes: steps of 1, 2, 2 … over Z at 0, 2L/c, 4L/c …, and on average
 // the rigid mode's t/(ρAL). The paper's printed formula has its second Heaviside outside of the sum.
 TEST(AnalyticRods, have_the_kernel_that_their_modes_add_up_to) {
@@ -114,6 +133,37 @@ TEST(AnalyticRods, have_the_kernel_that_their_modes_add_up_to) {
   const Table table = rods(0, 10001);
   for (const double t : {3.0, 12.5, 19.0, 21.0, 33.0, 39.0, 41.0, 72.0})
     EXPECT_NEAR(table.displacement[std::lround(t / step)], 2 * by_modes(t), 1e-4) << t;
+}
+
+// A mass that lies on the floor under its weight: nothing moves under "compliant"; "difference" meets it a
+// step late and holds it there; "jump" cancels its velocity at each instant, and it creeps by ½gΔ² in each
+// step.
+TEST(RigidTable, rests_under_its_weight) {
+  const double mass = 2, g = 9.81;
+  Table table;
+  table.step = step;
+  for (int l = 0; l < 100; ++l) {
+    table.displacement.push_back(l * step / mass);
+    table.velocity.push_back(1 / mass);
+  }
+  table.tail = Tail::linear;
+  table.gap = Vector::Zero(1);
+  Matrix push(1, 3);
+  push << 0, 0, 1;
+  table.bodies = {{"mass", mass, Vector3d::Zero(), {0, 0, -g}, push}};
+  validate(table, "mass");
+  for (const auto& [name, options] : laws) {
+    SCOPED_TRACE(name);
+    TableIntegrator integrator(table, options);
+    const bool creeps = std::string(name) == "jump", late = options.scheme == Scheme::impulse;
+    for (int k = 1; k <= 500; ++k) {
+      ASSERT_EQ(integrator.step(), StepStatus::ok);
+      const double fall = 0.5 * g * step * step, place = creeps ? k * fall : late ? fall : 0;
+      ASSERT_NEAR(integrator.displacement()(0), place, 1e-10);  // it would have fallen 122 m
+      const double first = std::string(name) == "difference" && k == 1 ? 1.5 : 1;  // of v̂ = g (t_1 + Δ/2)
+      ASSERT_NEAR(integrator.force()(0), first * mass * g, 1e-6);  // round-off of u over Δ², which adds up
+    }
+  }
 }
 
 // ---- Kernels from modes ----

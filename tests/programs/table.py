@@ -65,6 +65,11 @@ class AnalyticRods(ProgramTest):
                 self.assertAlmostEqual(np.median(result["contact/force"]), 3, delta=1e-9)
                 self.assertAlmostEqual(summary["impulse_ns"], 4, delta=3 * 0.01)
 
+    def test_needs_no_kernels(self):
+        run = self.succeed(kernel(SCENE, self.folder / "kernels", quiet=False))
+        self.assertIn("nothing to compute", run.out + run.err)
+        self.assertEqual(list(self.folder.glob("kernels/*")), [])
+
     def test_refusals_are_one_line(self):
         table = self.table("--duration", "5")
         with h5py.File(table) as file:
