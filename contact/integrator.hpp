@@ -7,8 +7,8 @@
 // Where there are more points than modes P itself is not unique; the one of least norm is taken.
 //
 // compliant: its energy theorem asks for u ≤ g at the start, the static displacement s included. A step that
-// max_pivots cut short may end beyond g; until all points are back, g̃ = max(g, u) at a step's start takes the
-// place of g: such a point is not let in deeper, and not pushed out, which would do work.
+// max_pivots cut short may end beyond g; from then on g̃ = max(g, u) at a step's start takes the place of g: a
+// point beyond g is not let in deeper, and not pushed out, which would do work.
 #pragma once
 
 #include <Eigen/Dense>
@@ -120,7 +120,6 @@ class Integrator {
   int active_ = 0;
   double persistency_ = 0;
   SolveResidual residual_;
-  bool deep_ = false;  ///< a limited step left points beyond g, and not all are back
 
   // of the step under way: nothing above changes before it is known to succeed
   Vector g_, dq_, push_;        ///< (N) f − ω²q, q⁺ − q, Bᵀλ
