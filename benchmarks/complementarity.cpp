@@ -1,8 +1,8 @@
 // One solve of the complementarity problem of a time step, while a quarter of the points stay in contact.
 //
 //   hold     the same points push in every step
-//   drift    the pressed zone wanders: points enter and leave at its ends, about one in eight steps
-//   flat     all of a quarter of the points hit in one step, from nothing
+//   drift    the pressed zone wanders: a point enters or leaves in every fourth step
+//   flat     a quarter of the points hit in one step, from nothing
 //
 // budget: one sample at 44.1 kHz is 22.7 us.
 #include <benchmark/benchmark.h>

@@ -31,7 +31,7 @@ void Integrator::make_block() {
 template <class T>
 StepStatus Integrator::step_ahead(Block<T>& block) noexcept {
   if (block.over()) block.start(q_, v_, force_);
-  const SolveStatus solved = block.step(solver_, deep_, next_force_);
+  const SolveStatus solved = block.step(solver_, next_force_);
   if (!has_forces(solved)) return failure(solved);
   double power = 0;
   for (int i : block.pushing()) power -= next_force_(i) * (block.displacement(i) - block.before(i));
@@ -41,7 +41,6 @@ StepStatus Integrator::step_ahead(Block<T>& block) noexcept {
                                 : skip_state(block, static_cast<int>(block.pushing().size()), power);
   if (status != StepStatus::ok) return status;
   residual_ = solved == SolveStatus::limited ? solver_.residual() : SolveResidual{};
-  deep_ = (deep_ || solved == SolveStatus::limited) && block.any_beyond();
   u_is_current_ = false;
   return status;
 }

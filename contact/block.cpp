@@ -282,7 +282,8 @@ void Block<T>::gather() noexcept {
 }
 
 template <class T>
-SolveStatus Block<T>::step(ComplementaritySolver& solver, bool deep, Vector& force) noexcept {
+SolveStatus Block<T>::step(ComplementaritySolver& solver, Vector& force) noexcept {
+  const bool deep = solver.statistics().limited > 0;
   const int l = taken_ + 1;
   double changed = 0;
   SolveStatus status = SolveStatus::solved;
@@ -334,11 +335,6 @@ SolveStatus Block<T>::step(ComplementaritySolver& solver, bool deep, Vector& for
                  u_.data() + l, stride_);
   taken_ = l;
   return status;
-}
-
-template <class T>
-bool Block<T>::any_beyond() const noexcept {
-  return std::ranges::any_of(watched_, [&](int i) { return u_[at(i, taken_)] > system_->gap(i); });
 }
 
 template <class T>

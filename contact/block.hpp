@@ -43,11 +43,9 @@ class Block {
   /// Starts a block from q, q̇ (N) under the force λ (m) of the step before.
   void start(const Vector& q, const Vector& v, const Vector& force) noexcept;
 
-  /// Solves the next step; `force` (m) out. A step that fails changes nothing. `deep`: points beyond their
-  /// gap are let stay where they are, not pushed back.
-  SolveStatus step(ComplementaritySolver& solver, bool deep, Vector& force) noexcept;
-  /// Whether a point was beyond its gap at the end of the last step.
-  bool any_beyond() const noexcept;
+  /// Solves the next step; `force` (m) out. A step that fails changes nothing. Once the solver has cut a step
+  /// short, points beyond their gap are let stay where they are, not pushed back.
+  SolveStatus step(ComplementaritySolver& solver, Vector& force) noexcept;
 
   /// The motion under the forces of the steps taken so far; q, q̇ (N) in: of the block's start, out: now.
   void advance(Vector& q, Vector& v) noexcept;

@@ -11,7 +11,6 @@ constexpr double round_off = 1e-13;  // of w, relative to |r|_∞ + ‖S‖_∞ 
 constexpr double negative =
     1e-14;  // λ_i above −negative |λ|_∞ counts as 0: moves w by less than its tolerance
 constexpr int patience_of_pivots = 10;  // p_max: block pivots allowed without progress
-constexpr int looked_after = 64;        // indices dropped: 64 ε is still below the tolerance of w
 
 double largest_of(const std::vector<double>& x, int n) {
   double largest = 0;
@@ -35,7 +34,6 @@ void ComplementaritySolver::reset() noexcept {
   face_.clear();
   weight_.setZero();
   known_ = 0;
-  rotations_ = 0;
   warm_ = stopped_ = descending_ = false;
   changed_ = true;
 }
@@ -48,16 +46,15 @@ bool ComplementaritySolver::know(const Symmetric& S) noexcept {
   seen_.push.setZero();
   seen_.sum = seen_.square = seen_.tolerance = 0;
   root_.head(known_) = S.diagonal().cwiseMax(0).cwiseSqrt();
-  if (!renew(S, false)) warm_ = descending_ = false;
+  if (!renew(S)) warm_ = descending_ = false;
   return true;
 }
 
-bool ComplementaritySolver::renew(const Symmetric& S, bool trusted) noexcept {
+bool ComplementaritySolver::renew(const Symmetric& S) noexcept {
   if (face_.size() > 0) ++statistics_.renewals;
-  const bool whole = face_.renew(S, trusted);
+  const bool whole = face_.renew(S);
   weight_.setZero();
   for (int k = 0; k < face_.size(); ++k) weight_.head(S.rows()) += S.col(face_[k]).cwiseAbs();
-  rotations_ = 0;
   changed_ = true;
   return whole;
 }
@@ -76,12 +73,9 @@ void ComplementaritySolver::drop(const Symmetric& S, int position) noexcept {
   std::copy(x_.begin() + position + 1, x_.begin() + face_.size(), x_.begin() + position);
   face_.leave(position);
   changed_ = true;
-  ++rotations_;
   ++statistics_.pivots;
   --left_;
-  if (face_.size() > 0) return;
-  weight_.setZero();
-  rotations_ = 0;
+  if (face_.size() == 0) weight_.setZero();
 }
 
 /// w = S λ − r and its tolerance, for λ_P = on_face a minimiser on its face. Rows that can't be negative are
@@ -108,12 +102,10 @@ bool ComplementaritySolver::evaluate(const Symmetric& S, const Right& r,
   const double slack = (sum + seen_.sum) * (tolerance_ + seen_.tolerance);
   const double from_zero = std::sqrt(std::max(work, 0.0) + slack);
   const double from_seen = std::sqrt(std::max(work - 2 * common + seen_.square, 0.0) + 4 * slack);
-  const bool look_at_face = rotations_ >= looked_after;
   rows_.clear();
   for (int i = 0; i < n; ++i)
-    if (face_.contains(i)
-            ? look_at_face
-            : r(i) > -root_(i) * from_zero && r(i) > seen_.push(i) - seen_.tolerance - root_(i) * from_seen)
+    if (r(i) > -root_(i) * from_zero && r(i) > seen_.push(i) - seen_.tolerance - root_(i) * from_seen &&
+        !face_.contains(i))
       rows_.push_back(i);
 
   if (4 * rows_.size() > static_cast<std::size_t>(n)) {  // a row gathered costs about four of whole columns
@@ -144,15 +136,6 @@ bool ComplementaritySolver::evaluate(const Symmetric& S, const Right& r,
     }
   }
   return std::isfinite(w.sum());
-}
-
-/// Rotations leave round-off behind, a few ε each: now and then w_P is looked at for it.
-bool ComplementaritySolver::is_worn_out() noexcept {
-  if (rotations_ < looked_after) return false;
-  rotations_ = 0;
-  for (int k = 0; k < face_.size(); ++k)
-    if (std::abs(w_(face_[k])) > tolerance_) return true;
-  return false;
 }
 
 /// leaving_: positions with λ < 0; entering_: indices with w < 0.
@@ -189,10 +172,6 @@ SolveStatus ComplementaritySolver::pivot(const Symmetric& S, const Right& r) noe
   while (true) {
     face_.minimise(r, z_);
     if (!evaluate(S, r, z_)) return SolveStatus::not_finite;
-    if (is_worn_out()) {
-      if (!renew(S, true)) return SolveStatus::no_solution;
-      continue;
-    }
     find_infeasible(n);
     const int infeasible = static_cast<int>(leaving_.size() + entering_.size());
     if (infeasible == 0) {
@@ -305,11 +284,6 @@ SolveStatus ComplementaritySolver::descend(const Symmetric& S, const Right& r) n
         refused_[entered_] = 1;
     }
     if (!evaluate(S, r, x_)) return SolveStatus::not_finite;
-    entered_ = -1;
-    if (is_worn_out()) {
-      regular = renew(S, true);
-      continue;
-    }
     do {
       entered_ = -1;
       for (int i = 0; i < n; ++i)

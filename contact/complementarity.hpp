@@ -41,7 +41,7 @@ struct SolveStatistics {
   std::int64_t pivots = 0;     ///< indices that changed sides
   std::int64_t rounds = 0;     ///< block pivots
   std::int64_t fallbacks = 0;  ///< finite fallback entered
-  std::int64_t renewals = 0;   ///< factors made anew, O(p³)
+  std::int64_t renewals = 0;   ///< factors made anew for another matrix, O(p³)
   std::int64_t limited = 0;    ///< stopped by max_pivots
   int max_active = 0;
 };
@@ -73,13 +73,12 @@ class ComplementaritySolver {
   using Right = Eigen::Ref<const Eigen::VectorXd>;
 
   bool know(const Symmetric& S) noexcept;
-  bool renew(const Symmetric& S, bool trusted) noexcept;
+  bool renew(const Symmetric& S) noexcept;
   bool enter(const Symmetric& S, int j, bool trusted) noexcept;
   void drop(const Symmetric& S, int position) noexcept;
   SolveStatus pivot(const Symmetric& S, const Right& r) noexcept;
   SolveStatus descend(const Symmetric& S, const Right& r) noexcept;
   bool evaluate(const Symmetric& S, const Right& r, const std::vector<double>& on_face) noexcept;
-  bool is_worn_out() noexcept;
   void find_infeasible(int n) noexcept;
   void cut_to_budget() noexcept;
   bool move_on_face(const Symmetric& S, const Right& r) noexcept;
@@ -104,7 +103,6 @@ class ComplementaritySolver {
   bool descending_ = false;        ///< and that in `descend`: x_ is feasible
   int entered_ = -1;               ///< index that `descend` let in last
   bool changed_ = true;            ///< P, since heaviest_
-  int rotations_ = 0;              ///< indices that left P since w_P was last looked at
   int left_ = 0;                   ///< pivots
   int fewest_ = 0, patience_ = 0;  ///< least number of infeasible indices; rounds left without a new one
   std::vector<char> refused_;      ///< (n) dependent rows found consistent

@@ -75,12 +75,12 @@ void Face::leave(int position) noexcept {
   }
 }
 
-bool Face::renew(const Symmetric& S, bool trusted) noexcept {
+bool Face::renew(const Symmetric& S) noexcept {
   const int wanted = count_;
   for (int k = 0; k < wanted; ++k) is_active_[active_[k]] = 0;
   count_ = 0;
   for (int k = 0; k < wanted; ++k)
-    if (active_[k] < S.rows()) enter(S, active_[k], trusted);
+    if (active_[k] < S.rows()) enter(S, active_[k], false);
   return count_ == wanted;
 }
 

@@ -23,12 +23,15 @@ class Face {
   /// round-off. `trusted`: P ∪ j is known to be regular, so any positive Schur complement will do. O(p²).
   bool enter(const Symmetric& S, int j, bool trusted) noexcept;
 
-  /// Takes out the index at `position`; those behind it move up by one. O(p²).
+  /// Takes out the index at `position`; those behind it move up by one. O(p²). However long the factor is
+  /// kept, it doesn't wear out: only rows that entered later are rotated, and an index that comes back is the
+  /// latest, so a row is rotated for each older one at most, which is as much round-off as in a factor made
+  /// anew.
   void leave(int position) noexcept;
 
-  /// Keeps P, or what is independent of it (`trusted` as above), and makes the factor anew. O(p³). False when
-  /// something was left out.
-  bool renew(const Symmetric& S, bool trusted) noexcept;
+  /// Makes the factor anew, of another matrix, and leaves out what depends on the indices before it or lies
+  /// beyond n; false when that was so. O(p³).
+  bool renew(const Symmetric& S) noexcept;
 
   /// z = S_PP⁻¹ r_P. O(p²).
   void minimise(const Eigen::Ref<const Eigen::VectorXd>& r, std::vector<double>& z) const noexcept;

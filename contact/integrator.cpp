@@ -201,7 +201,7 @@ StepStatus Integrator::commit(double contact_work, double residual, double power
 }
 
 /// 0 ≤ λ ⟂ S λ − (û − g) ≥ 0,  û = B q̂ + s with q̂ the motion without contact,  S = B c Bᵀ + R;
-/// g̃ for g while points are left beyond it
+/// g̃ for g once a step was cut short
 StepStatus Integrator::step_compliant() noexcept {
   if (auto* block = std::get_if<Block<double>>(&block_)) return step_ahead(*block);
   if (auto* block = std::get_if<Block<float>>(&block_)) return step_ahead(*block);
@@ -211,12 +211,11 @@ StepStatus Integrator::step_compliant() noexcept {
   next_u_ = now_.s;
   next_u_.noalias() += B_ * next_q_;
   rhs_ = next_u_ - gap_;
-  if (deep_) rhs_ -= (u_ - gap_).cwiseMax(0);
+  if (solver_.statistics().limited > 0) rhs_ -= (u_ - gap_).cwiseMax(0);
   next_force_.setZero();
-  SolveStatus status = SolveStatus::solved;
   SolveResidual residue;
   if (!(rhs_.array() < 0).all()) {  // NaN included
-    status = solver_.solve(S_, rhs_, next_force_);
+    const SolveStatus status = solver_.solve(S_, rhs_, next_force_);
     if (!has_forces(status)) return failure(status);
     residue = solver_.residual();
   }
@@ -241,9 +240,7 @@ StepStatus Integrator::step_compliant() noexcept {
   Drives::Work spent = drive_work();
   spent.drives += against_s;
   const StepStatus done = commit(work, residual, power, active, spent);
-  if (done != StepStatus::ok) return done;
-  residual_ = residue;
-  deep_ = (deep_ || status == SolveStatus::limited) && (u_.array() > gap_.array()).any();
+  if (done == StepStatus::ok) residual_ = residue;
   return done;
 }
 

@@ -11,8 +11,8 @@
 // once a step at most.
 //
 // compliant: its energy theorem asks for u ≤ g at the start, the static displacement s included. A step that
-// max_pivots cut short may end beyond g; until all points are back, g̃ = max(g, u) at a step's start takes the
-// place of g: such a point is not let in deeper, and not pushed out, which would do work.
+// max_pivots cut short may end beyond g; from then on g̃ = max(g, u) at a step's start takes the place of g: a
+// point beyond g is not let in deeper, and not pushed out, which would do work.
 #pragma once
 
 #include <Eigen/Dense>
@@ -172,7 +172,6 @@ class Integrator {
   int active_ = 0;
   double persistency_ = 0;
   SolveResidual residual_;
-  bool deep_ = false;  ///< a limited step left points beyond g, and not all are back
 
   // of the step under way: nothing above changes before it is known to succeed
   Drives::Stretch now_, ahead_;  ///< the drives in this step; in the one after it

@@ -81,17 +81,23 @@ TEST(LimitedStep, lets_no_point_in_deeper_once_the_forces_are_found) {
   EXPECT_GT(steps_after, 1000);
 }
 
-TEST(LimitedStep, ends_without_penetration_after_the_bodies_have_parted) {
+/// 1 kg of weight 10 N that lies on six points of flexibility R [m/N].
+Model on_six_points(double R) {
   Model model;
   model.omega = model.decay = model.load = model.q0 = model.v0 = Vector::Zero(1);
   model.B = Matrix::Ones(6, 1);
-  model.R = 1e-6 * Matrix::Identity(6, 6);
+  model.R = R * Matrix::Identity(6, 6);
   model.has_residual = true;
   model.static_displacement = Vector::Zero(6);
   model.gap = Vector::Zero(6);
   model.area = Vector::Ones(6);
-  model.v0(0) = 1;
-  model.load(0) = 10;  // comes back in 0.2 s after each bounce off R
+  model.load(0) = 10;
+  return model;
+}
+
+TEST(LimitedStep, ends_without_penetration_after_the_bodies_have_parted) {
+  Model model = on_six_points(1e-6);
+  model.v0(0) = 1;  // comes back in 0.2 s after each bounce off R
   Integrator integrator(model, {.step = 1e-4, .max_pivots = 5});
   int limited = 0;
   bool parted = false;
@@ -108,6 +114,23 @@ TEST(LimitedStep, ends_without_penetration_after_the_bodies_have_parted) {
     }
   }
   EXPECT_GT(limited, 0);
+}
+
+// Sinks in by R times its weight, without a bounce. 1e-15: 20 000 round-offs of that, 1.7e-4.
+TEST(LimitedStep, rests_as_deep_as_it_was_left) {
+  Model model = on_six_points(1e-4);
+  model.decay(0) = 200;
+  Integrator integrator(model, {.step = 1e-4, .max_pivots = 5});
+  ASSERT_EQ(integrator.step(), StepStatus::ok);
+  ASSERT_EQ(integrator.solver().limited, 1);
+  const double depth = integrator.displacement().maxCoeff();
+  EXPECT_GT(depth, 1e-8);
+  for (int k = 0; k < 20000; ++k) {
+    ASSERT_EQ(integrator.step(), StepStatus::ok);
+    ASSERT_NEAR(integrator.displacement().maxCoeff(), depth, 1e-15) << k;
+  }
+  EXPECT_EQ(integrator.solver().limited, 1);
+  EXPECT_NEAR(integrator.force().sum(), 10, 1e-6);
 }
 
 TEST(LimitedStep, reports_how_deep_it_let_a_point_in) {
