@@ -3,8 +3,8 @@
 // Modal coordinates are relative to the quasi-static lift of the moving supports: with the support's
 // displacement ū(t), its lift Ψ and Γ = Φᵀ M Ψ,
 //   u = Ψ ū + Φ q,   q̈ + 2δ q̇ + ω² q = f(t) − Γ d²ū/dt²
-// Histories are piecewise linear, so Γ ü is a jump −Γ K of q̇ at each knot where the slope changes by K, and f
-// is made of ramps that begin at knots. The rates of the body itself are q̇ + Γ dū/dt.
+// Histories are piecewise linear, so −Γ d²ū/dt² is a jump −Γ K of q̇ at each knot where the slope changes by
+// K, and f is made of ramps that begin at knots. The rates of the body itself are q̇ + Γ dū/dt.
 #pragma once
 
 #include <cstdint>
@@ -35,9 +35,7 @@ class Drives {
     double drives = 0;   ///< ∫ f·q̇ of the loads with histories, ∫ Γ (dū/dt) q̈ of the supports
   };
 
-  /// @param static_modes  modes that steps do not sample answer at once: they have no q, and their share of
-  /// the
-  ///                      loads is in s
+  /// @param static_modes  modes that steps do not sample answer at once: no q, and their loads in s
   Drives(const Model& model, double step, bool static_modes);
 
   bool any() const { return !drives_.empty(); }

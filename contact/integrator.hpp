@@ -8,7 +8,7 @@
 //
 // impulse with exact instants: where points that were open at t_{k−1} close within the step, free motion ends
 // at the first such instant, impulses follow, and the rest of the step goes on from there. Each point closes
-// once a step at most.
+// once a step at most. What touches at t_0 is met there.
 //
 // compliant: its energy theorem asks for u ≤ g at the start, the static displacement s included. A step that
 // max_pivots cut short may end beyond g; from then on g̃ = max(g, u) at a step's start takes the place of g: a

@@ -236,6 +236,7 @@ Model build_model(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& 
       }
     drive(model, static_cast<int>(k), P, drives);
   }
+  refuse_overlap(model);
   for (std::size_t k = 0; k < bodies.size(); ++k)
     listen(model, static_cast<int>(k), selection(bodies[k], static_cast<int>(k), meetings, points));
   return model;

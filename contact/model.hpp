@@ -154,7 +154,7 @@ struct Model {
 
 /// Places, pairs and stacks. Bodies keep their order; a body that no pair names is an error.
 /// Throws InputError as `pair` does, and for a drive that its body's kernel has not got, or a support that
-/// would jump.
+/// would jump, or makes bodies overlap at the start.
 Model build_model(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& obstacles,
                   const std::vector<PairRequest>& pairs, const Eigen::Vector3d& gravity,
                   const std::vector<DriveRequest>& drives = {});

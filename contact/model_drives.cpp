@@ -131,6 +131,20 @@ void listen(Model& model, int k, const Selection& P) {
   }
 }
 
+void refuse_overlap(const Model& model) {
+  Vector lifted = Vector::Zero(model.gap.size());
+  for (const Model::Drive& drive : model.drives)
+    if (drive.support) lifted += drive.history.at(0) * drive.displacement;
+  const double depth = lifted.size() > 0 ? (lifted - model.gap).maxCoeff() : 0;
+  // 1e-9: of the lift, above the round-off of modes that sum up to it
+  if (depth > 1e-9 * lifted.cwiseAbs().maxCoeff())
+    throw InputError(
+        fmt::format("loads.motion: supports displaced at t = 0 press the bodies {:.6g} m into each other "
+                    "before they start. Begin "
+                    "the history with 0, or start farther apart (contact.gap, bodies.*.translate).",
+                    depth));
+}
+
 Vector Model::initial_rates() const {
   Vector out = v0;
   for (const Drive& drive : drives)

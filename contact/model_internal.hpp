@@ -14,6 +14,9 @@ using Selection = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 /// such load or motion, or when a support would jump.
 void drive(Model& model, int k, const Selection& P, const std::vector<DriveRequest>& drives);
 
+/// Throws InputError when supports that are displaced at t = 0 make bodies overlap.
+void refuse_overlap(const Model& model);
+
 /// Adds the receivers of body k. The drives of all bodies before it, and its own, are there.
 void listen(Model& model, int k, const Selection& P);
 

@@ -348,7 +348,7 @@ TEST(Pairs, of_one_body_are_coupled_through_its_residual_flexibility) {
   EXPECT_GT(integrator.force().minCoeff(), 0.1);
 }
 
-TEST(Drives, that_a_kernel_has_not_got_or_that_jump_are_refused) {
+TEST(Drives, that_a_kernel_has_not_got_or_that_jump_or_overlap_are_refused) {
   const Kernel bar = clamped_bar(3, length);
   EXPECT_THAT(complaint_of([&] {
                 bar_at_wall(bar, 1, {{"bar", "top", false, {1, 0, 0}, {}}});
@@ -366,6 +366,11 @@ TEST(Drives, that_a_kernel_has_not_got_or_that_jump_are_refused) {
                 bar_at_wall(bar, 1, {{"bar", "foot", true, {1, 0, 0}, {{0.5, 1}, {0.1, 0}}}});
               }),
               HasSubstr("would jump"));
+  bar_at_wall(bar, 1, {{"bar", "foot", true, {1, 0, 0}, {}}});
+  EXPECT_THAT(complaint_of([&] {
+                bar_at_wall(bar, 1, {{"bar", "foot", true, {1.25, 0, 0}, {}}});
+              }),
+              HasSubstr("press the bodies 0.25 m into each other"));
 }
 
 #if RICOCHET_HEAP_COUNTED

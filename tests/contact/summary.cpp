@@ -185,6 +185,7 @@ TEST(Json, holds_what_the_summary_holds_and_null_for_what_is_not_known) {
                 {.start_s = 1, .end_s = {}}};
   s.exit_velocity["upper"] = {1, 2, 3};
   s.modes["upper"] = 50;
+  s.sounds["mic"] = {"x.mic.wav", 0.25, 48000};
   s.warnings = {"too fast"};
   write_json(s, folder / "x.summary.json");
   std::ifstream file(folder / "x.summary.json");
@@ -198,6 +199,8 @@ TEST(Json, holds_what_the_summary_holds_and_null_for_what_is_not_known) {
   EXPECT_TRUE(json["episodes"][1]["end_s"].is_null());
   EXPECT_EQ(json["exit_velocity"]["upper"], (std::vector<double>{1, 2, 3}));
   EXPECT_EQ(json["modes"]["upper"], 50);
+  EXPECT_EQ(json["sounds"]["mic"]["file"], "x.mic.wav");
+  EXPECT_EQ(json["sounds"]["mic"]["full_scale_m_per_s"], 0.25);
   EXPECT_EQ(json["warnings"], std::vector<std::string>{"too fast"});
   for (const char* key : {"contact_steps", "peak_force_n", "impulse_ns", "max_penetration_m", "limited_steps",
                           "limited_residual", "candidates", "unpaired", "max_active", "real_time_factor", "wall_s"})
