@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "src/surface/locate.hpp"
@@ -88,14 +89,14 @@ std::size_t place_of(std::vector<std::string>& list, const std::string& name) {
 Located on_body(const mesh::Mesh& mesh, const scene::Body& body, const char* key, const std::string& name,
                 const Vector3& at, double tolerance) {
   Located found = locate(mesh, at);
-  if (!(found.distance <= tolerance))
-    throw InputError(
-        fmt::format("{}: {} \"{}\" lies {:.4g} m off bodies.{}, at ({:.6g}, {:.6g}, {:.6g}) m in its own "
-                    "axes: move it to the "
-                    "nearest place, ({:.6g}, {:.6g}, {:.6g})",
-                    body.mesh.filename().string(), key, name, found.distance, body.name, at[0], at[1], at[2],
-                    found.place[0], found.place[1], found.place[2]));
-  return found;
+  if (found.distance <= tolerance) return found;
+  for (double& x : found.place)
+    if (std::abs(x) < 1e-3 * tolerance) x = 0;
+  throw InputError(fmt::format(
+      "{}: {} \"{}\" lies {:.4g} m off bodies.{}, at ({:.6g}, {:.6g}, {:.6g}) m in its own axes: move it to "
+      "the nearest place, ({:.6g}, {:.6g}, {:.6g})",
+      body.mesh.filename().string(), key, name, found.distance, body.name, at[0], at[1], at[2],
+      found.place[0], found.place[1], found.place[2]));
 }
 
 }  // namespace

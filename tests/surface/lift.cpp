@@ -190,7 +190,8 @@ TEST(Lift, of_a_hinge_does_not_drive_the_turning_that_it_leaves_free) {
   scene::KernelRequest request = request_of({"top"}, {{"hinge", "xyz"}});
   request.motions = {load("hinge", "hinge")};
   request.receivers = {receiver("mic", {0.3, 0.4, 0.8})};
-  Made made(test::block_geo("hex", 2, 0) + "Physical Curve(\"hinge\") = {1};\n", 2, request);
+  // Linear elements: in quadratic ones M happens not to couple the hinge's nodes to turning about it.
+  Made made(test::block_geo("hex", 2, 0) + "Physical Curve(\"hinge\") = {1};\n", 1, request);
   const kernels::Kernel kernel = made.kernel({.count = 8});
   const MatrixXd gamma = rows(kernel.motions[0].participation, 3);
   ASSERT_EQ(kernel.modes.angular_frequency[0], 0);
