@@ -71,7 +71,7 @@ struct Pair {
   std::optional<double> reach;       ///< [m]
 };
 
-enum class Scheme { compliant, impulse, at_rest };
+enum class Scheme { compliant, impulse, at_rest };  ///< at_rest: "static"
 enum class Solver { exact, uzawa };
 enum class Admittance { jump, difference };
 enum class Instant { step, exact };
