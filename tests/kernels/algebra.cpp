@@ -12,6 +12,7 @@ namespace {
 
 using test::Bar;
 using test::complaint_of;
+using test::plain_kernel;
 using test::sample_kernel;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
@@ -227,7 +228,7 @@ TEST_P(BothBars, cut_to_points_are_those_with_fewer) {
 
 TEST(Cuts, to_points_keep_all_components_of_each) {
   const std::size_t n = 5, m = 4;
-  const Kernel whole = sample_kernel(3, n, m), cut = cut_to_points(whole, {3, 1});
+  const Kernel whole = plain_kernel(3, n, m), cut = cut_to_points(whole, {3, 1});
   EXPECT_NO_THROW(validate(cut, "origin"));
   const std::size_t row[] = {9, 10, 11, 3, 4, 5};
   for (std::size_t i = 0; i < 6; ++i) {
@@ -242,9 +243,57 @@ TEST(Cuts, to_points_keep_all_components_of_each) {
   EXPECT_EQ(cut.surface.group, (std::vector<std::string>{"upper face", "upper face"}));
 }
 
+/// Static answer of row r of the receiver to column e: what its residual says and what modes say, Σ φ f/ω².
+double answer(const Kernel& kernel, std::size_t r, const std::vector<double>& residual, std::size_t width,
+              std::size_t column, const std::vector<double>& force, std::size_t e) {
+  const std::size_t n = kernel.modes.size();
+  double sum = residual[r * width + column];
+  for (std::size_t k = 0; k < n; ++k)
+    if (const double omega = kernel.modes.angular_frequency[k]; omega > 0)
+      sum += kernel.receivers[0].shape[r * n + k] * force[e * n + k] / (omega * omega);
+  return sum;
+}
+
+// Young 3, density 5, scale 2: a force moves a similar body by 1/(3·2), a pressure by 2²/(3·2), its own
+// weight by 5·2³/(3·2). A support's lift is geometry alone: Γ is as √mass.
+TEST(Rescaling, lets_sources_move_a_body_as_its_size_and_stiffness_say) {
+  const Kernel had = sample_kernel(3), made = rescaled(had, {.young = 3, .density = 5, .scale = 2}, {});
+  const std::size_t loads = had.applied.size();
+  for (std::size_t l = 0; l < loads; ++l) {
+    const double factor = had.applied[l].unit == "Pa" ? 4.0 / 6 : 1.0 / 6;
+    const auto of = [&](const Kernel& kernel) {
+      return answer(kernel, 1, kernel.receivers[0].load_residual, 3 * loads, 3 * l + 2,
+                    kernel.applied[l].participation, 2);
+    };
+    EXPECT_NEAR(of(made), factor * of(had), 1e-12 * std::abs(of(had)));
+    EXPECT_NEAR(made.applied[l].total[4], (had.applied[l].unit == "Pa" ? 4 : 1) * had.applied[l].total[4],
+                1e-12);
+  }
+  const auto under_weight = [&](const Kernel& kernel) {
+    return answer(kernel, 2, kernel.receivers[0].body_force_residual, 3, 0, kernel.loads.body_force, 0);
+  };
+  EXPECT_NEAR(under_weight(made), 40.0 / 6 * under_weight(had), 1e-12 * std::abs(under_weight(had)));
+  const auto moved_by = [](const Kernel& kernel) {  // Ψ at the receiver: ΦΓ and the rest
+    const std::size_t n = kernel.modes.size();
+    double sum = kernel.receivers[0].motion_residual[0];
+    for (std::size_t k = 0; k < n; ++k)
+      sum += kernel.receivers[0].shape[k] * kernel.motions[0].participation[k];
+    return sum;
+  };
+  EXPECT_NEAR(moved_by(made), moved_by(had), 1e-12 * std::abs(moved_by(had)));
+}
+
+TEST(Cuts, of_candidates_are_refused_where_loads_or_receivers_know_of_them) {
+  for (const std::string& line :
+       {complaint_of([] { cut_to_points(sample_kernel(3), {0}); }), complaint_of([] {
+          cut_to_direction(sample_kernel(3), {1, 0, 0});
+        })})
+    EXPECT_NE(line.find("has loads, supports that move or receivers"), std::string::npos) << line;
+}
+
 TEST(Cuts, to_a_direction_keep_the_component_along_it) {
   const std::size_t n = 5, m = 4;
-  const Kernel whole = sample_kernel(3, n, m);
+  const Kernel whole = plain_kernel(3, n, m);
   const Vector3 d{0.6, 0, -0.8};
   const Kernel cut = cut_to_direction(whole, d);
   EXPECT_NO_THROW(validate(cut, "origin"));

@@ -126,4 +126,13 @@ inline Kernel sample_kernel(int components, std::size_t n = 5, std::size_t m = 4
   return kernel;
 }
 
+/// The same without loads, supports that move and receivers.
+inline Kernel plain_kernel(int components = 3, std::size_t n = 5, std::size_t m = 4) {
+  Kernel kernel = sample_kernel(components, n, m);
+  kernel.applied.clear();
+  kernel.motions.clear();
+  kernel.receivers.clear();
+  return kernel;
+}
+
 }  // namespace ricochet::kernels::test

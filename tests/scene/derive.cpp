@@ -214,7 +214,7 @@ TEST(Derived, kernels_in_one_direction_serve_no_other_and_those_in_all_serve_eac
     const KernelRequest all = ask(open, modes), one = ask(scene_text, modes);
     EXPECT_FALSE(similarity(one, all));
     ASSERT_TRUE(similarity(all, one));
-    Kernel kernel = kernels::test::sample_kernel(3);
+    Kernel kernel = kernels::test::plain_kernel(3);
     kernel.modes.basis = all.modes.basis == Basis::contact ? "contact" : "modes";
     const auto derive = [&] { return derived(kernel, all, one); };
     if (all.modes.count)

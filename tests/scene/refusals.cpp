@@ -300,8 +300,7 @@ TEST(Refused, is_what_table_kernels_have_no_use_for) {
             "scene.toml: contact.table = \"../tables/rods.h5\": belongs to kernel = \"table\"");
   EXPECT_EQ(complaint_about(changed(tabular, "[time]", "between = [\"a\", \"b\"]\n[time]")),
             "scene.toml: contact.between = [\"a\", \"b\"]: unknown key. The keys here are admittance, "
-            "kernel, restitution, "
-            "scheme, table.");
+            "instant, kernel, max_pivots, restitution, scheme, solver, table.");
 }
 
 }  // namespace
