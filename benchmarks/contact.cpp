@@ -40,10 +40,10 @@ struct Variant {
   bool every_state;
 };
 constexpr Variant variants[] = {
-    {"plain", 1, Precision::float64, true},
-    {"blocks", 8, Precision::float64, true},
-    {"blocks, forces only", 8, Precision::float64, false},
-    {"blocks, forces only, single", 8, Precision::float32, false},
+    {"single steps", 1, Precision::float64, true},
+    {"blocks", 0, Precision::float64, true},
+    {"blocks, forces only", 0, Precision::float64, false},
+    {"blocks, forces only, single", 0, Precision::float32, false},
 };
 
 std::string name_of(const Size& size, const Variant& variant) {

@@ -5,7 +5,15 @@
 
 namespace ricochet::contact {
 
+/// Near history grows with the block and with the square of the points, far history only with the modes:
+/// where there are few points longer blocks pay.
+constexpr Eigen::Index few_points = 64;
+constexpr int long_block = 16, short_block = 8;
+
 void Integrator::make_block() {
+  const int steps = options_.block > 0          ? options_.block
+                    : gap_.size() <= few_points ? long_block
+                                                : short_block;
   StepSystem system;
   system.omega = omega_;
   system.decay = decay_;
@@ -22,9 +30,9 @@ void Integrator::make_block() {
   system.S = S_;
   auto shared = std::make_shared<const StepSystem>(std::move(system));
   if (options_.precision == Precision::float64)
-    block_.emplace<Block<double>>(std::move(shared), options_.block, options_.step);
+    block_.emplace<Block<double>>(std::move(shared), steps, options_.step);
   else
-    block_.emplace<Block<float>>(std::move(shared), options_.block, options_.step);
+    block_.emplace<Block<float>>(std::move(shared), steps, options_.step);
 }
 
 /// As step_compliant, from the displacements of those points that could close.
@@ -69,10 +77,7 @@ StepStatus Integrator::skip_state(Block<T>& block, int active, double power) noe
   if (block.over()) {
     block.advance(q_, v_);
     if (!std::isfinite(q_.squaredNorm() + v_.squaredNorm())) return StepStatus::not_finite;
-    energy_.kinetic = 0.5 * v_.squaredNorm();
-    energy_.strain = 0.5 * (stiffness_.array() * q_.array().square()).sum();
-    energy_.loads = (load_.array() * (q_.array() - q0_.array())).sum();
-    energy_.residual = energy_in_residual(next_force_);
+    energy_is_current_ = false;
   }
   force_.swap(next_force_);
   active_ = active;
@@ -82,14 +87,28 @@ StepStatus Integrator::skip_state(Block<T>& block, int active, double power) noe
 }
 
 /// ½ λᵀ R λ
-double Integrator::energy_in_residual(const Vector& force) noexcept {
-  touching_.clear();
-  for (Eigen::Index i = 0; i < force.size(); ++i)
-    if (force(i) != 0) touching_.push_back(static_cast<int>(i));
+double Integrator::energy_in_residual(const Vector& force) const noexcept {
   double energy = 0;
-  for (int j : touching_)
-    for (int i : touching_) energy += 0.5 * force(j) * R_(i, j) * force(i);
+  for (Eigen::Index j = 0; j < force.size(); ++j) {
+    if (force(j) == 0) continue;
+    for (Eigen::Index i = 0; i < force.size(); ++i)
+      if (force(i) != 0) energy += 0.5 * force(j) * R_(i, j) * force(i);
+  }
   return energy;
+}
+
+const Energy& Integrator::energy() const noexcept {
+  if (energy_is_current_) return energy_;
+  energy_.kinetic = 0.5 * v_.squaredNorm();
+  energy_.strain = 0.5 * (stiffness_.array() * q_.array().square()).sum();
+  energy_.loads = (load_.array() * (q_.array() - q0_.array())).sum();
+  const auto residual = [&](const auto& block) {
+    energy_.residual = energy_in_residual(block.over() ? force_ : block.held_force());
+  };
+  if (const auto* block = std::get_if<Block<double>>(&block_)) residual(*block);
+  if (const auto* block = std::get_if<Block<float>>(&block_)) residual(*block);
+  energy_is_current_ = true;
+  return energy_;
 }
 
 const Vector& Integrator::displacement() const noexcept {

@@ -48,7 +48,7 @@ Block<T>::Block(std::shared_ptr<const StepSystem> shared, int steps, double step
       taken_(steps),
       modes_(simd::padded(static_cast<std::size_t>(system_->omega.size()))),
       lags_(simd::padded(static_cast<std::size_t>(steps), simd::step_pad)),
-      stride_(lags_ + static_cast<std::size_t>(steps) + 1),
+      stride_(lags_ + static_cast<std::size_t>(steps)),
       stiffness_(padded(system_->stiffness, modes_)),
       load_(padded(system_->load, modes_)),
       b_(padded(system_->b, modes_)),
@@ -71,14 +71,16 @@ Block<T>::Block(std::shared_ptr<const StepSystem> shared, int steps, double step
       B_[i * modes_ + static_cast<std::size_t>(n)] = static_cast<T>(B(i, n));
   }
   std::sort(elastic.begin(), elastic.end(), [&](int a, int b) { return system.omega(a) < system.omega(b); });
-  band_.assign(static_cast<std::size_t>(N), -1);
+  band_.resize(bands);
   reach_.setZero(points_, bands);
   rest_ = system.s;
+  softness_.setZero(N);
   flexibility_ = system.R;
   for (std::size_t k = 0; k < elastic.size(); ++k) {
     const int n = elastic[k], band = static_cast<int>(k * bands / elastic.size());
-    band_[static_cast<std::size_t>(n)] = band;
+    band_[static_cast<std::size_t>(band)].push_back(n);
     reach_.col(band) += B.col(n).cwiseAbs2() / system.stiffness(n);
+    softness_(n) = 1 / system.stiffness(n);
     rest_ += B.col(n) * (system.load(n) / system.stiffness(n));
     flexibility_ += B.col(n) * B.col(n).transpose() / system.stiffness(n);
   }
@@ -102,15 +104,17 @@ Block<T>::Block(std::shared_ptr<const StepSystem> shared, int steps, double step
   const auto L = static_cast<std::size_t>(steps);
   q_.assign(modes_, 0.0);
   v_.assign(modes_, 0.0);
-  x_.assign((L + 1) * modes_, T(0));
+  x_.assign(L * modes_, T(0));
   push_.assign(L * modes_, T(0));
-  rigid_motion_.setZero(steps + 1);
+  rigid_motion_.setZero(steps);
+  energy_.setZero(N);
   u_.assign(m * stride_, 0.0);
   changes_.assign(m * lags_, T(0));
   sum_.assign(m * lags_, T(0));
   amplitude_.setZero(bands);
-  for (Vector* x : {&held_force_, &held_rest_, &held_push_, &margin_, &rhs_, &solution_}) x->setZero(points_);
-  for (std::vector<char>* x : {&is_predicted_, &is_watched_, &has_changed_}) x->assign(m, 0);
+  for (Vector* x : {&ended_, &held_force_, &held_rest_, &held_push_, &margin_, &rhs_, &solution_})
+    x->setZero(points_);
+  for (std::vector<char>* x : {&was_watched_, &is_predicted_, &is_watched_, &has_changed_}) x->assign(m, 0);
   for (std::vector<int>* x :
        {&predicted_, &watched_, &gathered_, &have_changed_, &pushing_, &changed_, &held_})
     x->reserve(m);
@@ -131,7 +135,7 @@ void Block<T>::hold(const Vector& force) noexcept {
     changes_[static_cast<std::size_t>(j) * lags_] = static_cast<T>(force(j));
   }
   loops_->push(modes_, B_.data(), held_.data(), held_.size(), changes_.data(), lags_, 1, push_.data());
-  for (std::size_t n = 0; n < band_.size(); ++n)
+  for (std::size_t n = 0; n < static_cast<std::size_t>(system_->load.size()); ++n)
     load_[n] = system_->load(static_cast<Eigen::Index>(n)) - static_cast<double>(push_[n]);
   for (int n : rigid_)
     for (int j : held_) load_[static_cast<std::size_t>(n)] -= force(j) * system_->B(j, n);
@@ -140,6 +144,8 @@ void Block<T>::hold(const Vector& force) noexcept {
 
 template <class T>
 void Block<T>::start(const Vector& q, const Vector& v, const Vector& force) noexcept {
+  was_watched_ = is_watched_;
+  for (int i : watched_) ended_(i) = u_[at(i, taken_)];
   taken_ = 0;
   last_total_ = total_;
   total_ = 0;
@@ -169,21 +175,20 @@ void Block<T>::start(const Vector& q, const Vector& v, const Vector& force) noex
 /// u_ of all points as if they were rigid.
 template <class T>
 void Block<T>::predict_rigid(const Vector& q, const Vector& v) noexcept {
-  for (int i = 0; i < points_; ++i) std::fill_n(&u_[at(i, 0)], length_ + 1, system_->s(i));
+  for (int i = 0; i < points_; ++i) std::fill_n(&u_[at(i, 1)], length_, system_->s(i));
   for (std::size_t r = 0; r < rigid_.size(); ++r) {
     const int n = rigid_[r];
     const double load = load_[static_cast<std::size_t>(n)];
     double x = q(n), rate = v(n);
-    for (int l = 0;; ++l) {
-      rigid_motion_(l) = x;
-      if (l == length_) break;
+    for (int l = 0; l < length_; ++l) {
       x += system_->b(n) * rate + system_->c(n) * load;
       rate = system_->e(n) * rate + system_->h(n) * load;
+      rigid_motion_(l) = x;
     }
     for (int i = 0; i < points_; ++i) {
       const double B = system_->B(i, n);
-      double* u = &u_[at(i, 0)];
-      for (int l = 0; l <= length_; ++l) u[l] += B * rigid_motion_(l);
+      double* u = &u_[at(i, 1)];
+      for (int l = 0; l < length_; ++l) u[l] += B * rigid_motion_(l);
     }
   }
 }
@@ -193,19 +198,20 @@ void Block<T>::predict_rigid(const Vector& q, const Vector& v) noexcept {
 /// rigid motion.
 template <class T>
 void Block<T>::bound_by_energy(const Vector& q, const Vector& v) noexcept {
-  amplitude_.setZero();
-  for (Eigen::Index n = 0; n < q.size(); ++n) {
-    const int band = band_[static_cast<std::size_t>(n)];
-    if (band < 0) continue;
-    const double y = q(n) - load_[static_cast<std::size_t>(n)] / system_->stiffness(n);
-    amplitude_(band) += system_->stiffness(n) * y * y + v(n) * v(n);
+  const Eigen::Index N = q.size();
+  const auto load = Eigen::Map<const Vector>(load_.data(), N).array();
+  energy_ = system_->stiffness.array() * (q.array() - load * softness_.array()).square() + v.array().square();
+  for (int band = 0; band < bands; ++band) {
+    double sum = 0;
+    for (int n : band_[static_cast<std::size_t>(band)]) sum += energy_(n);
+    amplitude_(band) = sum;
   }
   amplitude_ = amplitude_.cwiseSqrt();
   margin_ = system_->gap - held_rest_;
   margin_.noalias() -= reach_ * amplitude_;
   for (int i = 0; i < points_; ++i) {
-    const double* u = &u_[at(i, 0)];
-    margin_(i) -= *std::max_element(u + 1, u + length_ + 1) - system_->s(i);
+    const double* u = &u_[at(i, 1)];
+    margin_(i) -= *std::max_element(u, u + length_) - system_->s(i);
   }
 }
 
@@ -213,14 +219,14 @@ void Block<T>::bound_by_energy(const Vector& q, const Vector& v) noexcept {
 template <class T>
 void Block<T>::predict(std::span<const int> rows) noexcept {
   loops_->displacement(modes_, B_.data(), rows.data(), rows.size(), x_.data(),
-                       static_cast<std::size_t>(length_) + 1, u_.data(), stride_);
+                       static_cast<std::size_t>(length_), u_.data(), stride_);
   for (int i : rows) {
     is_predicted_[static_cast<std::size_t>(i)] = 1;
     double residual = 0;
     for (int j : held_) residual += system_->R(j, i) * held_force_(j);
-    double* u = &u_[at(i, 0)];
-    for (int l = 0; l <= length_; ++l) u[l] -= residual;
-    margin_(i) = system_->gap(i) - *std::max_element(u + 1, u + length_ + 1);
+    double* u = &u_[at(i, 1)];
+    for (int l = 0; l < length_; ++l) u[l] -= residual;
+    margin_(i) = system_->gap(i) - *std::max_element(u, u + length_);
   }
 }
 
@@ -251,7 +257,7 @@ void Block<T>::watch(int point) noexcept {
   is_watched_[i] = 1;
   watched_.push_back(point);
   held_push_(point) = 0;
-  for (int j : held_) held_push_(point) += system_->S(point, j) * held_force_(j);
+  for (int j : held_) held_push_(point) += system_->S(j, point) * held_force_(j);
   for (int j : have_changed_) {
     const T* lag = &lag_[(static_cast<std::size_t>(j) * static_cast<std::size_t>(points_) + i) * lags_];
     for (int k = 1; k <= taken_; ++k) {
@@ -281,6 +287,17 @@ void Block<T>::gather() noexcept {
   is_new_problem_ = true;
 }
 
+/// u when the block started.
+template <class T>
+double Block<T>::at_start(int point) const noexcept {
+  if (was_watched_[static_cast<std::size_t>(point)] != 0) return ended_(point);
+  double u = system_->s(point);
+  for (int j : held_) u -= system_->R(j, point) * held_force_(j);
+  for (Eigen::Index n = 0; n < system_->B.cols(); ++n)
+    u += system_->B(point, n) * q_[static_cast<std::size_t>(n)];
+  return u;
+}
+
 template <class T>
 SolveStatus Block<T>::step(ComplementaritySolver& solver, Vector& force) noexcept {
   const bool deep = solver.statistics().limited > 0;
@@ -292,7 +309,9 @@ SolveStatus Block<T>::step(ComplementaritySolver& solver, Vector& force) noexcep
     bool closed = false;
     for (Eigen::Index k = 0; k < n; ++k) {
       rhs_(k) = u_[at(watched_[k], l)] + held_push_(watched_[k]) - system_->gap(watched_[k]);
-      if (deep) rhs_(k) -= std::max(0.0, u_[at(watched_[k], taken_)] - system_->gap(watched_[k]));
+      if (deep)
+        rhs_(k) -= std::max(0.0, (taken_ > 0 ? u_[at(watched_[k], taken_)] : at_start(watched_[k])) -
+                                     system_->gap(watched_[k]));
       closed = closed || !(rhs_(k) < 0);  // NaN included
     }
     if (closed) {
@@ -332,7 +351,7 @@ SolveStatus Block<T>::step(ComplementaritySolver& solver, Vector& force) noexcep
     loops_->near(lag_.data(), static_cast<std::size_t>(points_), lags_,
                  simd::padded(static_cast<std::size_t>(length_ - l + 1), simd::step_pad), changed_.data(),
                  change_.data(), changed_.size(), watched_.data(), watched_.size(), sum_.data(),
-                 u_.data() + l, stride_);
+                 u_.data() + taken_, stride_);
   taken_ = l;
   return status;
 }

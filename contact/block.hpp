@@ -53,18 +53,21 @@ class Block {
   int length() const { return length_; }
   int taken() const { return taken_; }
   bool over() const { return taken_ == length_; }
+  const Vector& held_force() const { return held_force_; }  ///< (m) λ̄
   /// Points with λ > 0 in the last step.
   std::span<const int> pushing() const { return pushing_; }
   /// u_i at the end of the last step, and `before` it, of a point that pushes [m].
   double displacement(int i) const { return u_[at(i, taken_)]; }
-  double before(int i) const { return u_[at(i, taken_ - 1)]; }
+  double before(int i) const noexcept { return taken_ > 1 ? u_[at(i, taken_ - 1)] : at_start(i); }
   /// Points that the last step watched, of all.
   int watched() const { return static_cast<int>(watched_.size()); }
 
  private:
-  std::size_t at(int point, int column) const {
-    return static_cast<std::size_t>(point) * stride_ + static_cast<std::size_t>(column);
+  /// Of u_: a point after step l = 1…L.
+  std::size_t at(int point, int l) const {
+    return static_cast<std::size_t>(point) * stride_ + static_cast<std::size_t>(l - 1);
   }
+  double at_start(int point) const noexcept;
   void hold(const Vector& force) noexcept;
   void predict_rigid(const Vector& q, const Vector& v) noexcept;
   void bound_by_energy(const Vector& q, const Vector& v) noexcept;
@@ -90,20 +93,24 @@ class Block {
   std::vector<T> B_;                                      ///< (points, modes_), rigid modes 0
   std::vector<T> lag_;                                    ///< (points, points, lags_) S_d
   std::vector<int> rigid_;                                ///< modes with ω = 0
-  std::vector<int> band_;                                 ///< (N) of a mode; −1 for rigid ones
+  std::vector<std::vector<int>> band_;                    ///< elastic modes of a band of frequency
   Eigen::MatrixXd reach_;                                 ///< (points, bands) (Σ B²/ω²)^½ of a band
+  Vector softness_;                                       ///< (N) 1/ω² of elastic modes
   Vector rest_, influence_;      ///< (points) s + Σ B f/ω² of elastic modes; largest |S_d,ij|
   Eigen::MatrixXd flexibility_;  ///< (points, points) R + Σ B Bᵀ/ω² of elastic modes
   // of this block; load_ has λ̄ in it
-  Vector held_force_;             ///< (points) λ̄
-  Vector held_rest_, held_push_;  ///< (points) rest_ under λ̄; S_0 λ̄ of watched ones
-  std::vector<double> q_, v_;     ///< (modes_)
-  std::vector<T> x_, push_;       ///< (L+1, modes_), (L, modes_)
-  Vector rigid_motion_;           ///< (L+1) of one mode
-  std::vector<double> u_;         ///< (points, stride_) column l: after step l
-  std::vector<T> changes_;        ///< (points, lags_) λ − λ̄
-  std::vector<T> sum_;            ///< (points, lags_) scratch
-  Vector amplitude_, margin_;     ///< (bands); (points) g − ū at least
+  Vector held_force_;              ///< (points) λ̄
+  Vector held_rest_, held_push_;   ///< (points) rest_ under λ̄; S_0 λ̄ of watched ones
+  std::vector<double> q_, v_;      ///< (modes_)
+  std::vector<T> x_, push_;        ///< (L, modes_)
+  Vector energy_;                  ///< (N) twice that of a mode about its rest
+  Vector rigid_motion_;            ///< (L) of one mode
+  std::vector<double> u_;          ///< (points, stride_), see at()
+  std::vector<T> changes_;         ///< (points, lags_) λ − λ̄
+  std::vector<T> sum_;             ///< (points, lags_) scratch
+  Vector amplitude_, margin_;      ///< (bands); (points) g − ū at least
+  Vector ended_;                   ///< (points) u at the end of the block before, of those it watched
+  std::vector<char> was_watched_;  ///< (points)
   std::vector<char> is_predicted_, is_watched_, has_changed_;  ///< (points)
   std::vector<int> held_, predicted_, watched_, gathered_;     ///< gathered: the points of S_
   std::vector<int> have_changed_, pushing_, changed_;  ///< λ ≠ λ̄ in the block; λ > 0, λ ≠ λ̄ in the last step

@@ -10,6 +10,9 @@ namespace {
 /// A Schur complement this far below its diagonal is looked at more closely.
 constexpr double suspicious = 1e-8;
 
+/// Up to this many indices plain loops are faster than Eigen's blocked ones.
+constexpr int few = 24;
+
 Eigen::Map<Eigen::VectorXd> head(std::vector<double>& x, int n) { return {x.data(), n}; }
 
 }  // namespace
@@ -87,8 +90,21 @@ bool Face::renew(const Symmetric& S) noexcept {
 void Face::minimise(const Eigen::Ref<const Eigen::VectorXd>& r, std::vector<double>& z) const noexcept {
   for (int k = 0; k < count_; ++k) z[k] = r(active_[k]);
   auto x = head(z, count_);
-  factor().triangularView<Eigen::Lower>().solveInPlace(x);
-  factor().transpose().triangularView<Eigen::Upper>().solveInPlace(x);
+  if (count_ > few) {
+    factor().triangularView<Eigen::Lower>().solveInPlace(x);
+    factor().transpose().triangularView<Eigen::Upper>().solveInPlace(x);
+    return;
+  }
+  for (int c = 0; c < count_; ++c) {
+    const double* const l = factor_.data() + c * stride_;
+    z[c] /= l[c];
+    for (int k = c + 1; k < count_; ++k) z[k] -= l[k] * z[c];
+  }
+  for (int c = count_ - 1; c >= 0; --c) {
+    const double* const l = factor_.data() + c * stride_;
+    for (int k = c + 1; k < count_; ++k) z[c] -= l[k] * z[k];
+    z[c] /= l[c];
+  }
 }
 
 }  // namespace ricochet::contact

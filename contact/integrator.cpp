@@ -114,7 +114,7 @@ Integrator::Integrator(const Model& model, const StepOptions& options)
   u_ = s_;
   u_.noalias() += B_ * q_;
   energy_.strain = 0.5 * stiffness_.dot(q_.cwiseAbs2());
-  if (options.scheme == Scheme::compliant && options.block > 1 && m > 0 && !drives_.any()) make_block();
+  if (options.scheme == Scheme::compliant && options.block != 1 && m > 0 && !drives_.any()) make_block();
 }
 
 bool Integrator::has_forces(SolveStatus status) noexcept {

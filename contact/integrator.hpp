@@ -55,9 +55,9 @@ struct StepOptions {
   double step = 0;                  ///< Δ [s]
   /// Bound on the work of a step: changes of a point between touching and open that its solve may make.
   int max_pivots = std::numeric_limits<int>::max();
-  /// Steps that the compliant scheme looks ahead by one matrix product while loads are constant; 1: none. The
-  /// result is the same to round-off.
-  int block = 8;
+  /// Steps that the compliant scheme looks ahead by one matrix product while loads are constant; 1: none, 0:
+  /// as suits the number of points. The result is the same to round-off.
+  int block = 0;
   /// Of the products of a block. State, contact and rigid motion stay in double precision.
   Precision precision = Precision::float64;
   /// Keep q, q̇ and the energy ledger after each step. Without it blocks keep them for their ends only,
@@ -105,7 +105,7 @@ class Integrator {
   const Vector& force() const { return force_; }  ///< (m) λ_k [N] over (t_{k−1}, t_k]; impulses as P/Δ
   /// (m) u at t_k, residual included [m]. Within blocks it is computed when asked for.
   const Vector& displacement() const noexcept;
-  const Energy& energy() const { return energy_; }
+  const Energy& energy() const noexcept;
   int active() const { return active_; }  ///< points with λ > 0 in this step
   /// Power through the contact, σ_n u̇_n of (16), mean of the step [W]: compliant −λᵀ(u_k − u_{k−1})/Δ;
   /// impulse −Pᵀ(u̇⁻ + u̇⁺)/(2Δ), the velocities just before and after the impulses.
@@ -132,7 +132,7 @@ class Integrator {
   StepStatus finish_ahead(double power) noexcept;
   template <class T>
   StepStatus skip_state(Block<T>& block, int active, double power) noexcept;
-  double energy_in_residual(const Vector& force) noexcept;
+  double energy_in_residual(const Vector& force) const noexcept;
   StepStatus step_impulse() noexcept;
   StepStatus step_exact() noexcept;
   static bool has_forces(SolveStatus status) noexcept;
@@ -166,7 +166,8 @@ class Integrator {
   Vector q_, v_, force_;
   mutable Vector u_;
   mutable bool u_is_current_ = true;
-  Energy energy_;
+  mutable Energy energy_;
+  mutable bool energy_is_current_ = true;
   Sum damping_, contact_, driven_;
   Vector s_;  ///< (m) s at t_k
   int active_ = 0;
@@ -182,7 +183,7 @@ class Integrator {
   Vector rhs_;                   ///< (m) right-hand side, of the touching points alone under `impulse`
   Vector solution_;              ///< (m) likewise
   Eigen::MatrixXd sub_;          ///< (m,m) A of the touching points
-  std::vector<int> touching_;    ///< points with u ≥ g at t_k, or that push
+  std::vector<int> touching_;    ///< points with u ≥ g at t_k
 
   // of exact instants
   std::vector<int> open_;       ///< points that may still close in this step

@@ -22,7 +22,7 @@ struct Modes {
 /// A and B of one precision.
 template <class T>
 struct Loops {
-  /// Motion without contact: x (steps+1, modes) = q at the start and after each step.
+  /// Motion without contact: x (steps, modes) = q after each step.
   void (*free_motion)(const Modes& m, std::size_t steps, const double* q, const double* v, T* x);
   /// Motion under the modal forces `push` (steps, modes), taken off the load: q and v (modes) in place.
   void (*pushed_motion)(const Modes& m, std::size_t steps, const T* push, double* q, double* v);

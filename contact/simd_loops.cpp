@@ -58,10 +58,9 @@ void free_motion(const Modes& m, std::size_t steps, const double* q0, const doub
   for (std::size_t n = 0; n < m.modes; n += Double::size) {
     const Coefficients mode(m, n);
     Double::type q = Double::load(q0 + n), v = Double::load(v0 + n);
-    for (std::size_t l = 0;; ++l) {
-      Narrow<T>::store(x + l * m.modes + n, __builtin_convertvector(q, typename Narrow<T>::type));
-      if (l == steps) break;
+    for (std::size_t l = 0; l < steps; ++l) {
       mode.step(q, v, mode.load);
+      Narrow<T>::store(x + l * m.modes + n, __builtin_convertvector(q, typename Narrow<T>::type));
     }
   }
 }

@@ -86,7 +86,8 @@ contact::StepOptions step_options(const Scene& scene) {
           .admittance = scene.admittance == Admittance::difference ? contact::Admittance::difference
                                                                    : contact::Admittance::jump,
           .restitution = scene.restitution,
-          .step = 1 / scene.rate_hz};
+          .step = 1 / scene.rate_hz,
+          .precision = scene.single_precision ? contact::Precision::float32 : contact::Precision::float64};
 }
 
 /// (3,N) modes at the pickup's place, in the body's own axes; (1,N) along the kernel's only direction.

@@ -81,8 +81,9 @@ struct Scene {
   Vector3 gravity{};  ///< [m/s²]
   Scheme scheme = Scheme::compliant;
   Admittance admittance = Admittance::jump;
-  double restitution = 0;  ///< of the impulse scheme, in [0, 1]
-  double rate_hz = 44100;  ///< steps a second
+  double restitution = 0;         ///< of the impulse scheme, in [0, 1]
+  double rate_hz = 44100;         ///< steps a second
+  bool single_precision = false;  ///< of the products of the compliant scheme: faster, forces to about 1e-5
 };
 
 enum class StepStatus {

@@ -152,8 +152,8 @@ std::vector<Receiver> read_receivers(Table& output, const Scene& scene) {
 
 void take_sources(const Scene& all, const Body& placed, KernelRequest& request) {
   for (const auto& [from, to] :
-       {std::pair{&all.loads.tractions, &request.tractions}, std::pair{&all.loads.points, &request.point_forces},
-        std::pair{&all.loads.motions, &request.motions}})
+       {std::pair{&all.loads.tractions, &request.tractions},
+        std::pair{&all.loads.points, &request.point_forces}, std::pair{&all.loads.motions, &request.motions}})
     for (Driven driven : *from) {
       if (driven.body != placed.name) continue;
       driven.vector = {};
@@ -180,7 +180,7 @@ std::string toml_sources(const KernelRequest& request) {
     for (const Driven& driven : *list)
       text += fmt::format("[[loads.{}]]\nname = {}\n{}\n", table, toml_string(driven.name),
                           list == &request.point_forces ? "at = " + toml_vector(driven.at)
-                                                  : "group = " + toml_string(driven.group));
+                                                        : "group = " + toml_string(driven.group));
   for (const Receiver& receiver : request.receivers)
     text += fmt::format("[[output.receiver]]\nname = {}\nat = {}\n", toml_string(receiver.name),
                         toml_vector(receiver.at));

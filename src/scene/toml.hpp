@@ -73,4 +73,13 @@ void read_body_matter(Table& table, Body& body);
 /// The table [modes] of `root`.
 Modes read_modes(Table& root);
 
+/// [contact], once the scene's bodies and obstacles are known.
+Contact read_contact(Table& root, const Scene& scene);
+
+/// `given` at length 1; complains about one of length 0.
+Vector3 unit(Table& table, const std::string& key, const Vector3& given);
+
+/// A number that must be there and above 0.
+double positive(Table& table, const std::string& key);
+
 }  // namespace ricochet::scene

@@ -95,7 +95,7 @@ TEST(Blocks, give_the_forces_and_motion_of_plain_steps) {
 
 TEST(Blocks, give_those_of_two_plates_that_stay_in_contact) {
   const Model model = benchmarks::plates(6, 5, 80);
-  const Difference difference = compare(model, {.step = step, .every_state = false}, 4096);
+  const Difference difference = compare(model, {.step = step, .block = 16, .every_state = false}, 4096);
   EXPECT_LT(difference.force, 1e-7);
   EXPECT_LT(difference.motion, 1e-7);
   EXPECT_GT(difference.touches, 2000);
@@ -208,7 +208,7 @@ void check_loops(const simd::InstructionSet& set) {
   const double* k = c.data();
   const simd::Modes system{modes, k, k + modes, k + 2 * modes, k + 3 * modes, k + 4 * modes, k + 5 * modes};
   std::vector<double> q(k + 6 * modes, k + 7 * modes), v(k + 7 * modes, k + 8 * modes);
-  std::vector<T> free((steps + 1) * modes);
+  std::vector<T> free(steps * modes);
   loops.free_motion(system, steps, q.data(), v.data(), free.data());
   const auto off = noise<T>(steps, modes, used, 6);
   std::vector<double> moved = q, rate = v;
@@ -221,7 +221,7 @@ void check_loops(const simd::InstructionSet& set) {
         y += system.b[n] * w + system.c[n] * g;
         w = system.e[n] * w + system.h[n] * g;
         if (pushed) continue;
-        EXPECT_NEAR(free[(l + 1) * modes + n], static_cast<double>(y), 10 * tolerance);
+        EXPECT_NEAR(free[l * modes + n], static_cast<double>(y), 10 * tolerance);
       }
       if (!pushed) continue;
       EXPECT_NEAR(moved[n], static_cast<double>(y), 1e-12);

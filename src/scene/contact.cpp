@@ -1,0 +1,121 @@
+// [contact]: who meets whom, and how.
+#include <algorithm>
+#include <optional>
+
+#include "src/scene/toml.hpp"
+
+namespace ricochet::scene {
+
+namespace {
+
+/// Keys of one pair; those not given come from `pair`.
+void read_pair(Table& table, const Scene& scene, Pair& pair) {
+  const auto names = table.texts("between");
+  if (!names.empty()) {
+    if (names.size() != 2) table.complain("between", "must name two bodies, or a body and an obstacle");
+    pair.a = names[0];
+    pair.b = names[1];
+  }
+  for (const auto& [key, target] : {std::pair{"direction", &pair.direction}, std::pair{"along", &pair.along}})
+    if (const auto given = table.vector(key)) *target = unit(table, key, *given);
+  if (table.has("spacing")) pair.spacing = positive(table, "spacing");
+  if (table.has("reach")) pair.reach = positive(table, "reach");
+  if (const auto gap = table.number("gap")) {
+    if (*gap < 0) table.complain("gap", "must not be negative");
+    pair.gap = *gap;
+  }
+  if (names.empty()) return;
+  if (pair.a == pair.b) table.complain("between", "must name two different bodies");
+  for (const std::string& name : names)
+    if (scene.find_body(name) == nullptr && scene.find_obstacle(name) == nullptr)
+      table.complain("between", "there is no body or obstacle \"" + name + "\"");
+  if (scene.find_body(pair.a) == nullptr && scene.find_body(pair.b) == nullptr)
+    table.complain("between", "one of the two must be a body");
+}
+
+/// The pair with its body first. Only once all its keys are known: those of [contact] are out of the first
+/// that the pair itself names.
+Pair body_first(const Scene& scene, Pair pair) {
+  if (scene.find_body(pair.a) != nullptr) return pair;
+  std::swap(pair.a, pair.b);
+  if (pair.direction)
+    for (double& x : *pair.direction) x = x == 0 ? 0 : -x;
+  return pair;
+}
+
+void read_kernel(Table& table, const std::filesystem::path& folder, Contact& contact) {
+  const std::string kernel = table.text("kernel").value_or("modes");
+  if (kernel != "modes" && kernel != "table") table.complain("kernel", "must be \"modes\" or \"table\"");
+  contact.kernel = kernel == "table" ? ContactKernel::table : ContactKernel::modes;
+  const auto file = table.text("table");
+  if (!file) return;
+  if (contact.kernel != ContactKernel::table) table.complain("table", "belongs to kernel = \"table\"");
+  if (file->empty()) table.complain("table", "must name a file of sampled kernels");
+  contact.table = (folder / *file).lexically_normal();
+}
+
+void read_scheme(Table& table, Contact& contact) {
+  const std::string scheme = table.text("scheme").value_or("compliant");
+  if (scheme != "compliant" && scheme != "impulse" && scheme != "static")
+    table.complain("scheme", "must be \"compliant\", \"impulse\" or \"static\"");
+  contact.scheme = scheme == "compliant" ? Scheme::compliant
+                   : scheme == "impulse" ? Scheme::impulse
+                                         : Scheme::at_rest;
+  const auto admittance = table.text("admittance");
+  const auto instant = table.text("instant");
+  const auto restitution = table.number("restitution");
+  if (contact.scheme != Scheme::impulse && (admittance || instant || restitution))
+    table.complain(admittance ? "admittance"
+                   : instant  ? "instant"
+                              : "restitution",
+                   "belongs to scheme = \"impulse\"");
+  if (admittance && *admittance != "jump" && *admittance != "difference")
+    table.complain("admittance", "must be \"jump\" or \"difference\"");
+  contact.admittance = admittance.value_or("jump") == "jump" ? Admittance::jump : Admittance::difference;
+  if (instant && *instant != "step" && *instant != "exact")
+    table.complain("instant", "must be \"step\" or \"exact\"");
+  contact.instant = instant.value_or("step") == "step" ? Instant::step : Instant::exact;
+  contact.restitution = restitution.value_or(0);
+  if (contact.restitution < 0 || contact.restitution > 1)
+    table.complain("restitution", "must be from 0 to 1");
+  if (const auto pivots = table.integer("max_pivots")) {
+    if (*pivots < 1 || *pivots > 1000000000) table.complain("max_pivots", "must be from 1 to 1e9");
+    contact.max_pivots = static_cast<int>(*pivots);
+  }
+  const auto solver = table.text("solver");
+  if (solver && contact.scheme != Scheme::at_rest) table.complain("solver", "belongs to scheme = \"static\"");
+  if (solver && *solver != "exact" && *solver != "uzawa")
+    table.complain("solver", "must be \"exact\" or \"uzawa\"");
+  contact.solver = solver.value_or("exact") == "exact" ? Solver::exact : Solver::uzawa;
+}
+
+}  // namespace
+
+Contact read_contact(Table& root, const Scene& scene) {
+  Contact contact;
+  auto table = root.table("contact");
+  if (!table) root.complain("contact", "is missing: give between = [\"body\", \"body\"]");
+  read_kernel(*table, scene.file.parent_path(), contact);
+  read_scheme(*table, contact);
+  if (!contact.table.empty()) {
+    table->refuse_unknown();
+    return contact;
+  }
+  Pair shared;
+  read_pair(*table, scene, shared);
+  for (Table& entry : table->array("pair")) {
+    Pair pair = shared;
+    read_pair(entry, scene, pair);
+    entry.refuse_unknown();
+    if (pair.a.empty()) entry.complain("between", "is missing");
+    contact.pairs.push_back(body_first(scene, pair));
+  }
+  table->refuse_unknown();
+  if (contact.pairs.empty()) {
+    if (shared.a.empty()) table->complain("between", "is missing: name the two that may touch");
+    contact.pairs.push_back(body_first(scene, shared));
+  }
+  return contact;
+}
+
+}  // namespace ricochet::scene
