@@ -83,7 +83,7 @@ struct Scene {
   Admittance admittance = Admittance::jump;
   double restitution = 0;         ///< of the impulse scheme, in [0, 1]
   double rate_hz = 44100;         ///< steps a second
-  bool single_precision = false;  ///< of the products of the compliant scheme: faster, forces to about 1e-5
+  bool single_precision = false;  ///< of products of the compliant scheme: faster, less exact
 };
 
 enum class StepStatus {
