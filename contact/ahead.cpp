@@ -44,10 +44,17 @@ StepStatus Integrator::step_ahead(Block<T>& block) noexcept {
   double power = 0;
   for (int i : block.pushing()) power -= next_force_(i) * (block.displacement(i) - block.before(i));
   power /= options_.step;
-  const StepStatus status = options_.every_state
-                                ? finish_ahead(power)
-                                : skip_state(block, static_cast<int>(block.pushing().size()), power);
-  if (status != StepStatus::ok) return status;
+  StepStatus status = StepStatus::ok;
+  if (options_.every_state) {
+    free_motion(q_, v_, now_);
+    status = move_under_force(0, power);
+  } else {
+    status = skip_state(block, static_cast<int>(block.pushing().size()), power);
+  }
+  if (status != StepStatus::ok) {
+    block.take_back();
+    return status;
+  }
   residual_ = solved == SolveStatus::limited ? solver_.residual() : SolveResidual{};
   u_is_current_ = false;
   return status;
@@ -56,27 +63,14 @@ StepStatus Integrator::step_ahead(Block<T>& block) noexcept {
 template StepStatus Integrator::step_ahead(Block<double>&) noexcept;
 template StepStatus Integrator::step_ahead(Block<float>&) noexcept;
 
-/// The state under next_force_, and the ledger.
-StepStatus Integrator::finish_ahead(double power) noexcept {
-  free_motion(q_, v_, now_);
-  const int active = push_by(next_force_);
-  double work = 0;
-  if (active > 0) {
-    dq_.array() -= c_.array() * push_.array();
-    g_ -= push_;
-    work = push_.dot(dq_);
-  }
-  next_q_ = q_ + dq_;
-  next_v_.array() = e_.array() * v_.array() + h_.array() * g_.array();
-  return commit(work, energy_in_residual(next_force_), power, active, drive_work());
-}
-
 /// The force alone, and the state when the block is over.
 template <class T>
 StepStatus Integrator::skip_state(Block<T>& block, int active, double power) noexcept {
   if (block.over()) {
-    block.advance(q_, v_);
-    if (!std::isfinite(q_.squaredNorm() + v_.squaredNorm())) return StepStatus::not_finite;
+    block.advance(next_q_, next_v_);
+    if (!std::isfinite(next_q_.squaredNorm() + next_v_.squaredNorm())) return StepStatus::not_finite;
+    q_.swap(next_q_);
+    v_.swap(next_v_);
     energy_is_current_ = false;
   }
   force_.swap(next_force_);

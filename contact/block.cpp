@@ -357,6 +357,13 @@ SolveStatus Block<T>::step(ComplementaritySolver& solver, Vector& force) noexcep
 }
 
 template <class T>
+void Block<T>::take_back() noexcept {
+  taken_ = length_;
+  for (int i : watched_) is_watched_[static_cast<std::size_t>(i)] = 0;
+  watched_.clear();
+}
+
+template <class T>
 void Block<T>::advance(Vector& q, Vector& v) noexcept {
   const auto steps = static_cast<std::size_t>(taken_);
   loops_->push(modes_, B_.data(), have_changed_.data(), have_changed_.size(), changes_.data(), lags_, steps,

@@ -47,7 +47,10 @@ class Block {
   /// short, points beyond their gap are let stay where they are, not pushed back.
   SolveStatus step(ComplementaritySolver& solver, Vector& force) noexcept;
 
-  /// The motion under the forces of the steps taken so far; q, q̇ (N) in: of the block's start, out: now.
+  /// Forgets the block: the next one starts from the state that the last step failed to leave.
+  void take_back() noexcept;
+
+  /// q, q̇ (N) under the forces of the steps taken so far.
   void advance(Vector& q, Vector& v) noexcept;
 
   int length() const { return length_; }

@@ -219,29 +219,32 @@ StepStatus Integrator::step_compliant() noexcept {
     if (!has_forces(status)) return failure(status);
     residue = solver_.residual();
   }
+  for (Eigen::Index i = 0; i < next_force_.size(); ++i) {
+    const double lambda = next_force_(i);
+    if (lambda != 0) next_u_ -= lambda * S_.col(i);  // B q⁺ + s − R λ
+  }
+  const double power = -next_force_.dot(next_u_ - u_) / options_.step;
+  const double against_s = next_force_.dot(now_.s - s_);
+  const StepStatus done = move_under_force(against_s, power);
+  if (done == StepStatus::ok) residual_ = residue;
+  return done;
+}
+
+/// From q⁺ − q and g of the motion without contact to the state under next_force_, and the ledger.
+StepStatus Integrator::move_under_force(double against_s, double power) noexcept {
   const int active = push_by(next_force_);
-  double work = 0, residual = 0, power = 0, against_s = 0;
+  double work = against_s;
   if (active > 0) {
     dq_.array() -= c_.array() * push_.array();
     g_ -= push_;
-    next_q_ = q_ + dq_;
-    against_s = next_force_.dot(now_.s - s_);
-    work = push_.dot(dq_) + against_s;
-    for (Eigen::Index i = 0; i < next_force_.size(); ++i) {
-      const double lambda = next_force_(i);
-      if (lambda == 0) continue;
-      next_u_ -= lambda * S_.col(i);  // B q⁺ + s − R λ
-      residual += 0.5 * lambda * R_.col(i).dot(next_force_);
-    }
-    power = -next_force_.dot(next_u_ - u_) / options_.step;
+    work += push_.dot(dq_);
   }
+  next_q_ = q_ + dq_;
   next_v_.array() = e_.array() * v_.array() + h_.array() * g_.array();
   if (drives_.any()) next_v_ += now_.v;
   Drives::Work spent = drive_work();
   spent.drives += against_s;
-  const StepStatus done = commit(work, residual, power, active, spent);
-  if (done == StepStatus::ok) residual_ = residue;
-  return done;
+  return commit(work, energy_in_residual(next_force_), power, active, spent);
 }
 
 /// Free motion to t_k, then q̇⁺ = q̇⁻ − Bᵀ P.

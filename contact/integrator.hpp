@@ -129,7 +129,7 @@ class Integrator {
   void make_block();
   template <class T>
   StepStatus step_ahead(Block<T>& block) noexcept;
-  StepStatus finish_ahead(double power) noexcept;
+  StepStatus move_under_force(double against_s, double power) noexcept;
   template <class T>
   StepStatus skip_state(Block<T>& block, int active, double power) noexcept;
   double energy_in_residual(const Vector& force) const noexcept;
