@@ -93,6 +93,29 @@ TEST(Blocks, give_the_forces_and_motion_of_plain_steps) {
       }
 }
 
+// The tap at point 0 is too weak to bring point 1 into sight, the blow at point 2 is not; both turn point 1
+// into the floor before the block ends.
+TEST(Blocks, make_up_for_earlier_forces_at_points_that_come_into_sight) {
+  Model model = dropped(3, 3, 0, 1);
+  model.omega.setZero();
+  model.decay.setZero();
+  model.load.setZero();
+  model.B << 0, 0, 1, 1, -1.5, -0.5, 1, 1, 0;
+  model.v0 << 0.26, 0, 0.01;
+  model.gap << 5e-7, 4.3e-4, 4.7e-5;
+  const StepOptions options{.step = step, .block = 64};
+  Integrator integrator(model, options);
+  for (int k = 0; k < 64; ++k) {
+    ASSERT_EQ(integrator.step(), StepStatus::ok);
+    if (integrator.force()(1) > 0) break;
+  }
+  EXPECT_GT(integrator.force()(1), 0);
+  EXPECT_GT(integrator.steps(), 30);
+  const Difference difference = compare(model, options, 64);
+  EXPECT_LT(difference.force, 1e-9);
+  EXPECT_LT(difference.motion, 1e-9);
+}
+
 TEST(Blocks, give_those_of_two_plates_that_stay_in_contact) {
   const Model model = benchmarks::plates(6, 5, 80);
   const Difference difference = compare(model, {.step = step, .block = 16, .every_state = false}, 4096);
