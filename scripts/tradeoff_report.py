@@ -45,13 +45,13 @@ class Point:
             (", single" if self.impact.precision == "single" else "")
 
 
-def pareto(points, cost):
-    """Those that no other one beats in both cost and error, by rising cost."""
+def pareto(points, cost, floor):
+    """Those that no other one beats in both cost and error, by rising cost. Errors below `floor` can't be told apart."""
     front, least = [], math.inf
     for point in sorted((p for p in points if math.isfinite(p.error)), key=lambda p: (cost(p), p.error)):
-        if point.error < least:
+        if max(point.error, floor) < least:
             front.append(point)
-            least = point.error
+            least = max(point.error, floor)
     return front
 
 
@@ -118,7 +118,7 @@ def draw(points, floor, error, impacts, title, path):
                 if own:
                     ax.plot([cost(p) for p in own], [p.error for p in own], marker, color=colour, ms=4, alpha=0.6,
                             mew=0, label=f"{scheme}, {family}")
-        front = pareto(points, cost)
+        front = pareto(points, cost, floor)
         ax.step([cost(p) for p in front], [p.error for p in front], "k-", where="post", lw=1, label="Pareto front")
         ax.axhline(error, color="0.5", lw=0.8, ls="--")
         ax.axhspan(1e-12, floor, color="0.9", lw=0)
