@@ -247,7 +247,9 @@ Summary SummaryObserver::summary() const {
   return out;
 }
 
-void write_json(const Summary& summary, const std::filesystem::path& path) {
+namespace {
+
+Json json_of(const Summary& summary) {
   const auto number = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
   Json episodes = Json::array(), exit_velocity = Json::object(), sounds = Json::object();
   for (const Episode& episode : summary.episodes)
@@ -259,31 +261,36 @@ void write_json(const Summary& summary, const std::filesystem::path& path) {
   for (const auto& [name, sound] : summary.sounds)
     sounds[name] = {
         {"file", sound.file}, {"full_scale_m_per_s", sound.full_scale_m_per_s}, {"rate_hz", sound.rate_hz}};
-  const Json json = {{"contact_start_s", number(summary.contact_start_s)},
-                     {"contact_end_s", number(summary.contact_end_s)},
-                     {"contact_steps", summary.contact_steps},
-                     {"episodes", episodes},
-                     {"peak_force_n", summary.peak_force_n},
-                     {"impulse_ns", summary.impulse_ns},
-                     {"exit_velocity", exit_velocity},
-                     {"restitution", number(summary.restitution)},
-                     {"energy_drift", number(summary.energy_drift)},
-                     {"energy_lost_contact", number(summary.energy_lost_contact)},
-                     {"max_penetration_m", summary.max_penetration_m},
-                     {"limited_steps", summary.limited_steps},
-                     {"limited_residual", summary.limited_residual},
-                     {"modes", summary.modes},
-                     {"modes_in_residual", summary.modes_in_residual},
-                     {"candidates", summary.candidates},
-                     {"unpaired", summary.unpaired},
-                     {"max_active", summary.max_active},
-                     {"error_estimate", number(summary.error_estimate)},
-                     {"sounds", sounds},
-                     {"warnings", summary.warnings},
-                     {"real_time_factor", summary.real_time_factor},
-                     {"wall_s", summary.wall_s}};
-  write(json, path);
+  return {{"contact_start_s", number(summary.contact_start_s)},
+          {"contact_end_s", number(summary.contact_end_s)},
+          {"contact_steps", summary.contact_steps},
+          {"episodes", episodes},
+          {"peak_force_n", summary.peak_force_n},
+          {"impulse_ns", summary.impulse_ns},
+          {"exit_velocity", exit_velocity},
+          {"restitution", number(summary.restitution)},
+          {"energy_drift", number(summary.energy_drift)},
+          {"energy_lost_contact", number(summary.energy_lost_contact)},
+          {"max_penetration_m", summary.max_penetration_m},
+          {"limited_steps", summary.limited_steps},
+          {"limited_residual", summary.limited_residual},
+          {"modes", summary.modes},
+          {"modes_in_residual", summary.modes_in_residual},
+          {"candidates", summary.candidates},
+          {"unpaired", summary.unpaired},
+          {"max_active", summary.max_active},
+          {"error_estimate", number(summary.error_estimate)},
+          {"sounds", sounds},
+          {"warnings", summary.warnings},
+          {"real_time_factor", summary.real_time_factor},
+          {"wall_s", summary.wall_s}};
 }
+
+}  // namespace
+
+std::string json_text(const Summary& summary) { return json_of(summary).dump(); }
+
+void write_json(const Summary& summary, const std::filesystem::path& path) { write(json_of(summary), path); }
 
 EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium) {
   EquilibriumSummary out;

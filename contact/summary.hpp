@@ -124,6 +124,9 @@ struct EquilibriumSummary {
 
 EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium);
 
+/// As in summary.json.
+std::string json_text(const Summary& summary);
+
 /// Writes `summary` beside `path` and renames it. Throws InputError when the place can't be written.
 void write_json(const Summary& summary, const std::filesystem::path& path);
 void write_json(const EquilibriumSummary& summary, const std::filesystem::path& path);

@@ -45,6 +45,8 @@ Parsed parse(const Program& program, int argc, const char* const* argv, bool spe
       ->type_name("DIR");
   app.add_flag("--dry-run", options.dry_run, "Print the resolved scene and stop");
   app.add_flag("--quiet", options.quiet, "No progress, no table");
+  if (program.batch)
+    app.add_flag("--batch", options.batch, "Answer requests on standard input, a line of JSON each");
   app.footer("Examples:\n" + program.examples);
   if (const auto status = status_of_parsing(app, argc, argv, speak)) return {std::nullopt, *status};
   options.scene = scene;

@@ -14,6 +14,7 @@ struct Options {
   std::filesystem::path out;           ///< --out, else `out/` beside the scene
   bool dry_run = false;                ///< print the resolved scene and stop
   bool quiet = false;
+  bool batch = false;  ///< ricochet-contact: requests on standard input, answers on standard output
 };
 
 /// Which program asks: name, one-line purpose, and examples for --help.
@@ -21,6 +22,7 @@ struct Program {
   std::string name;
   std::string purpose;
   std::string examples;
+  bool batch = false;  ///< has --batch
 };
 
 /// Parsed options, or the exit status when nothing is left to do (--help, --version: 0; bad arguments: 2,

@@ -6,6 +6,8 @@
 #include <chrono>
 #include <filesystem>
 #include <iosfwd>
+#include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -25,10 +27,19 @@ double seconds_since(Clock::time_point start);
 
 /// Kernels of the scene's bodies, in their order.
 struct Kernels {
-  std::vector<kernels::Kernel> kernel;
+  std::vector<std::shared_ptr<const kernels::Kernel>> kernel;
   std::vector<std::string> file;
 };
-Kernels read_kernels(const scene::Scene& scene, const std::filesystem::path& folder);
+
+/// Kernels of the run before, by path.
+using KernelCache = std::map<std::filesystem::path, std::shared_ptr<const kernels::Kernel>>;
+
+/// Those in `cache` are not read again; afterwards it holds the scene's alone.
+Kernels read_kernels(const scene::Scene& scene, const std::filesystem::path& folder,
+                     KernelCache* cache = nullptr);
+
+/// √(E/ρ) [m/s], the least of all bodies; 0 without bodies.
+double slowest_wave(const scene::Scene& scene);
 
 contact::Model model_of(const scene::Scene& scene, const Kernels& kernels);
 contact::StepOptions step_options(const scene::Scene& scene);

@@ -37,21 +37,27 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-Kernels read_kernels(const scene::Scene& scene, const fs::path& folder) {
+Kernels read_kernels(const scene::Scene& scene, const fs::path& folder, KernelCache* cache) {
   Kernels out;
+  KernelCache kept;
   for (const scene::Body& body : scene.bodies) {
     const scene::KernelRequest request = scene::kernel_request(scene, body);
     const fs::path path = scene::kernel_path(folder, request);
     if (!fs::exists(path))
       throw InputError(fmt::format("{}: no kernel for body \"{}\" at {}. Run ricochet-kernel {} first.",
                                    scene.file.string(), body.name, path.string(), scene.file.string()));
-    out.kernel.push_back(kernels::read(path));
-    if (out.kernel.back().hash != request.hash)
+    std::shared_ptr<const kernels::Kernel> kernel;
+    if (cache && cache->contains(path)) kernel = cache->at(path);
+    if (!kernel) kernel = std::make_shared<const kernels::Kernel>(kernels::read(path));
+    if (kernel->hash != request.hash)
       throw InputError(
           fmt::format("{}: is a kernel of another scene, not of body \"{}\". Run ricochet-kernel {} again.",
                       path.string(), body.name, scene.file.string()));
+    out.kernel.push_back(kernel);
     out.file.push_back(path.filename().string());
+    kept[path] = kernel;
   }
+  if (cache) *cache = std::move(kept);
   return out;
 }
 
@@ -78,7 +84,7 @@ contact::Model model_of(const scene::Scene& scene, const Kernels& kernels) {
     const auto rotation = scene::rotation_of(body);
     bodies.push_back(
         {.name = body.name,
-         .kernel = &kernels.kernel[k],
+         .kernel = kernels.kernel[k].get(),
          .rotation = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rotation.data()),
          .translation = vector(body.translate),
          .velocity = vector(body.velocity)});
@@ -109,8 +115,6 @@ contact::StepOptions step_options(const scene::Scene& scene) {
           .max_pivots = scene.contact.max_pivots.value_or(std::numeric_limits<int>::max())};
 }
 
-namespace {
-
 double slowest_wave(const scene::Scene& scene) {
   double slowest = std::numeric_limits<double>::infinity();
   for (const scene::Body& body : scene.bodies)
@@ -118,8 +122,6 @@ double slowest_wave(const scene::Scene& scene) {
       slowest = std::min(slowest, std::sqrt(material.young / material.density));
   return std::isfinite(slowest) ? slowest : 0;
 }
-
-}  // namespace
 
 void check(contact::StepStatus status, const scene::Scene& scene, double time) {
   if (status == contact::StepStatus::no_solution)

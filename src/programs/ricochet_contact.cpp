@@ -4,6 +4,7 @@
 
 #include "kernels/error.hpp"
 #include "src/console/options.hpp"
+#include "src/programs/batch_run.hpp"
 #include "src/programs/contact_run.hpp"
 
 int main(int argc, char** argv) {
@@ -17,10 +18,12 @@ int main(int argc, char** argv) {
           "  ricochet-kernel two-disks.toml && ricochet-contact two-disks.toml\n"
           "  ricochet-contact --set title=fast --set bodies.upper.velocity=[0,-6,0] two-disks.toml\n"
           "  ricochet-contact --set contact.scheme=impulse --set time.rate_hz=96000 two-disks.toml\n"
-          "  ricochet-contact --dry-run two-disks.toml"};
+          "  ricochet-contact --dry-run two-disks.toml",
+      .batch = true};
   const console::Parsed parsed = console::parse(program, argc, argv);
   if (!parsed.options) return parsed.status;
   try {
+    if (parsed.options->batch) return programs::run_batch(*parsed.options, std::cin, std::cout);
     return programs::run_contact(*parsed.options, std::cout);
   } catch (const InputError& error) {
     std::cerr << program.name << ": " << error.what() << '\n';

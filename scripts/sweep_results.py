@@ -1,0 +1,168 @@
+"""What a sweep found: its journal, its tables, its pictures."""
+import csv
+import json
+import math
+import os
+
+import h5py
+import numpy as np
+
+from result_file import BadInput
+
+
+class Journal:
+    """A line of JSON for each impact that is finished, {"key", "status", "summary" or "error"}. What was written stays,
+    whatever ends the sweep; half a line at the end is cut off."""
+
+    def __init__(self, path):
+        self.path, self.rows = path, {}
+        path.parent.mkdir(parents=True, exist_ok=True)
+        whole = path.read_bytes() if path.exists() else b""
+        whole = whole[:whole.rfind(b"\n") + 1]
+        for line in whole.decode().splitlines():
+            row = json.loads(line)
+            self.rows[row["key"]] = row
+        self.file = open(path, "ab")
+        self.file.truncate(len(whole))
+
+    def add(self, row):
+        self.rows[row["key"]] = row
+        self.file.write(json.dumps(row).encode() + b"\n")
+        self.file.flush()
+
+    def sync(self):
+        os.fsync(self.file.fileno())
+
+
+def outputs(summary):
+    """The numbers of a summary by name: "restitution", "exit_velocity.upper.y", "episodes" (how many)."""
+    found = {}
+    for name, value in summary.items():
+        if name == "episodes":
+            found[name] = len(value)
+        elif name == "warnings":
+            found["warnings"] = len(value)
+        elif isinstance(value, dict):
+            for key, item in value.items():
+                if isinstance(item, list):
+                    found |= {f"{name}.{key}.{axis}": v for axis, v in zip("xyz", item)}
+                elif isinstance(item, (int, float)):
+                    found[f"{name}.{key}"] = item
+        elif value is None or isinstance(value, (int, float)):
+            found[name] = math.nan if value is None else value
+    return found
+
+
+class Table:
+    """Inputs and outputs of all settings as columns of equal length; a setting that was refused has NaN outputs."""
+
+    def __init__(self, study, rows):
+        """`rows`: of the journal in the order of the study's settings, None where there is none yet."""
+        self.title, self.scene = study.title, study.scene
+        self.inputs = {key: [setting[key] for setting in study.settings] for key in study.keys}
+        self.status = [-1 if row is None else row["status"] for row in rows]
+        self.error = ["" if row is None else row.get("error", "") for row in rows]
+        found = [outputs(row["summary"]) if row and "summary" in row else {} for row in rows]
+        names = list(dict.fromkeys(name for columns in found for name in columns))
+        self.outputs = {name: [columns.get(name, math.nan) for columns in found] for name in names}
+
+    def write_csv(self, path):
+        partial = path.with_name(path.name + ".partial")
+        with open(partial, "w", newline="") as file:
+            table = csv.writer(file)
+            table.writerow([*self.inputs, *self.outputs, "status", "error"])
+            text = [[value if isinstance(value, (int, float, str)) else json.dumps(value) for value in column]
+                    for column in self.inputs.values()]
+            table.writerows(zip(*text, *self.outputs.values(), self.status, self.error))
+        partial.rename(path)
+
+    def write_hdf5(self, path):
+        """/inputs/KEY, /outputs/NAME, /status, /error, all (settings); texts and lists as JSON."""
+        partial = path.with_name(path.name + ".partial")
+        with h5py.File(partial, "w") as file:
+            file.attrs["format"], file.attrs["version"] = "ricochet-sweep", 1
+            file.attrs["title"], file.attrs["scene"] = self.title, str(self.scene)
+            for key, column in self.inputs.items():
+                file.create_dataset(f"inputs/{key.replace('/', '_')}", data=as_array(column))
+            for name, column in self.outputs.items():
+                file.create_dataset(f"outputs/{name}", data=np.array(column, dtype=float))
+            file["status"] = np.array(self.status, dtype=np.int8)
+            file.create_dataset("error", data=self.error, dtype=h5py.string_dtype())
+        partial.rename(path)
+
+    def column(self, name):
+        columns = self.inputs | self.outputs
+        if name not in columns:
+            raise BadInput(f"\"{name}\" is no column of this sweep: it has {', '.join(columns)}")
+        return columns[name]
+
+
+def as_array(column):
+    numeric = all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in column)
+    if numeric:
+        return np.array(column, dtype=float)
+    return np.array([value if isinstance(value, str) else json.dumps(value) for value in column], dtype=h5py.string_dtype())
+
+
+def axis(values):
+    """Places on an axis, and the labels of what is not a number."""
+    if all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values):
+        return np.array(values, dtype=float), None
+    labels = [value if isinstance(value, str) else json.dumps(value) for value in values]
+    names = list(dict.fromkeys(labels))
+    return np.array([names.index(label) for label in labels], dtype=float), names
+
+
+def looks_logarithmic(values):
+    """Positive, over more than a decade, and spread evenly rather by ratio."""
+    values = np.unique(values[np.isfinite(values)])
+    return len(values) > 2 and values[0] > 0 and values[-1] > 12 * values[0] and \
+        np.median(values) < 0.3 * (values[0] + values[-1])
+
+
+def draw(table, output, against, path):
+    """One input: points, joined where the study has nothing else; two: colour over both."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    z, _ = axis(table.column(output))
+    places = [axis(table.column(name)) for name in against]
+    there = np.isfinite(z)
+    if not there.any():
+        raise BadInput(f"no finished impact has a value of \"{output}\": there is nothing to draw")
+    fig, ax = plt.subplots(figsize=(6.4, 4.4), constrained_layout=True)
+    x, labels = places[0]
+    if len(places) == 1:
+        lonely = len(set(x[there])) == there.sum()
+        order = np.argsort(x[there])
+        ax.plot(x[there][order], z[there][order], "o-" if lonely else ".", ms=4, lw=1, alpha=1 if lonely else 0.5)
+        ax.set_ylabel(output)
+    else:
+        y, y_labels = places[1]
+        xs, ys = np.unique(x), np.unique(y)
+        if len(xs) * len(ys) <= 4 * len(x):  # a grid, perhaps with other inputs varied too: their mean
+            total, count = np.zeros((len(ys), len(xs))), np.zeros((len(ys), len(xs)))
+            at = np.searchsorted(ys, y[there]), np.searchsorted(xs, x[there])
+            np.add.at(total, at, z[there])
+            np.add.at(count, at, 1)
+            mean = np.divide(total, count, out=np.full_like(total, np.nan), where=count > 0)
+            shown = ax.pcolormesh(xs, ys, mean, shading="nearest")
+        else:
+            shown = ax.scatter(x[there], y[there], c=z[there], s=14)
+        fig.colorbar(shown, label=output)
+        ax.set_ylabel(against[1])
+        scale(ax.set_yscale, ax.set_yticks, y, y_labels)
+    scale(ax.set_xscale, ax.set_xticks, x, labels)
+    ax.set(xlabel=against[0], title=table.title)
+    if len(places) == 1:
+        ax.grid(lw=0.3)
+    fig.savefig(path, dpi=120)
+
+
+def scale(set_scale, set_ticks, values, labels):
+    if labels:
+        set_ticks(range(len(labels)), labels)
+    elif looks_logarithmic(values):
+        set_scale("log")

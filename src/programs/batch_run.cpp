@@ -1,0 +1,97 @@
+#include "src/programs/batch_run.hpp"
+
+#include <cmath>
+#include <filesystem>
+#include <istream>
+#include <nlohmann/json.hpp>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "contact/integrator.hpp"
+#include "contact/summary.hpp"
+#include "kernels/error.hpp"
+#include "src/programs/contact_parts.hpp"
+#include "src/scene/scene.hpp"
+
+namespace ricochet::programs {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+namespace {
+
+class Batch {
+ public:
+  explicit Batch(const console::Options& options) : options_(options) {}
+
+  Json answer(const std::string& line) {
+    try {
+      const Json request = Json::parse(line, nullptr, false);
+      if (!request.is_object())
+        throw InputError("--batch: a request must be a line with a JSON object, as in {\"set\": []}");
+      std::vector<std::string> overrides = options_.overrides;
+      for (const Json& word : request.value("set", Json::array()))
+        overrides.push_back(word.get<std::string>());
+      const scene::Scene scene = scene::read(options_.scene, overrides);
+      if (request.value("kernels", false)) return {{"status", 0}, {"kernels", needed(scene)}};
+      return {{"status", 0}, {"summary", Json::parse(impact(scene))}};
+    } catch (const InputError& error) {
+      return {{"status", 2}, {"error", error.what()}};
+    } catch (const Json::exception&) {
+      return {{"status", 2},
+              {"error", "--batch: \"set\" must be a list of texts KEY=VALUE, \"kernels\" true or false"}};
+    } catch (const std::exception& error) {
+      return {{"status", 1}, {"error", error.what()}};
+    }
+  }
+
+ private:
+  Json needed(const scene::Scene& scene) const {
+    Json out = Json::array();
+    for (const scene::Body& body : scene.bodies) {
+      const fs::path path = scene::kernel_path(options_.out, scene::kernel_request(scene, body));
+      out.push_back({{"file", path.filename().string()}, {"there", fs::exists(path)}});
+    }
+    return out;
+  }
+
+  std::string impact(const scene::Scene& scene) {
+    if (scene.contact.kernel == scene::ContactKernel::table || scene.contact.scheme == scene::Scheme::at_rest)
+      throw InputError(
+          fmt::format("{}: --batch runs impacts by modes: leave out contact.kernel = \"table\" and "
+                      "contact.scheme = \"static\"",
+                      scene.file.string()));
+    const Clock::time_point started = Clock::now();
+    const Kernels kernels = read_kernels(scene, options_.out, &cache_);
+    const contact::Model model = in_scene(scene, [&] { return model_of(scene, kernels); });
+    const contact::StepOptions step = step_options(scene);
+    const std::int64_t steps = std::llround(scene.time.duration * scene.time.rate.value);
+    const Clock::time_point stepping = Clock::now();
+    contact::Integrator integrator = in_scene(scene, [&] { return contact::Integrator(model, step); });
+    contact::SummaryObserver observer(model, step.step, slowest_wave(scene));
+    for (std::int64_t k = 1; k <= steps; ++k) {
+      check(integrator.step(), scene, static_cast<double>(k) * step.step);
+      observer.observe(integrator);
+    }
+    const double elapsed = seconds_since(stepping);
+    contact::Summary summary = observer.summary();
+    summary.real_time_factor = elapsed > 0 ? integrator.time() / elapsed : 0;
+    summary.wall_s = seconds_since(started);
+    return contact::json_text(summary);
+  }
+
+  const console::Options& options_;
+  KernelCache cache_;
+};
+
+}  // namespace
+
+int run_batch(const console::Options& options, std::istream& in, std::ostream& out) {
+  Batch batch(options);
+  for (std::string line; std::getline(in, line);)
+    if (!line.empty()) out << batch.answer(line).dump() << std::endl;  // flushed: the caller waits for it
+  return 0;
+}
+
+}  // namespace ricochet::programs

@@ -1,0 +1,24 @@
+// Many impacts of one scene in one process: what scripts/sweep drives.
+#pragma once
+
+#include <iosfwd>
+
+#include "src/console/options.hpp"
+
+namespace ricochet::programs {
+
+/// Reads requests from `in`, a line of JSON each, and answers each by a line on `out`, until `in` ends:
+///
+///     {"set": ["bodies.upper.velocity=[0,-6,0]"]}                    the impact, with these overrides behind
+///     options'
+///     {"set": [], "kernels": true}                                   only what kernels it needs
+///
+///     {"status": 0, "summary": {…}}                                  keys of summary.json
+///     {"status": 0, "kernels": [{"file": "…", "there": true}, …]}
+///     {"status": 2, "error": "…"}                                    refused; 1: the computation broke down
+///
+/// A kernel is read once and kept while impacts need it. Results are not written. A request that is no JSON
+/// object is answered by status 2. Returns 0.
+int run_batch(const console::Options& options, std::istream& in, std::ostream& out);
+
+}  // namespace ricochet::programs

@@ -1,0 +1,143 @@
+"""scripts/sweep: the settings of a study, that kernels are shared, that a kill loses nothing, what it writes and refuses."""
+
+import csv
+import itertools
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import unittest
+
+import h5py
+import numpy as np
+
+from programs import BIN, MESHES, SOURCE, ProgramTest, Run, contact
+
+sys.path.append(str(SOURCE / "scripts"))
+from result_file import BadInput
+from sweep_study import Study
+
+
+class SweepTest(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        for path in (MESHES / "two-rods").glob("*.*"):
+            shutil.copy(path, self.folder)
+        self.out = self.folder / "out"
+
+    def study(self, text, scene="two-rods.toml"):
+        return self.write("study.toml", f'scene = "{scene}"\ntitle = "Rods"\n{text}')
+
+    def sweep(self, study, *more):
+        return [SOURCE / "scripts" / "sweep", study, "--ranks", "1", *more]
+
+    def rows(self):
+        with open(self.out / "rods.sweep.csv") as file:
+            return list(csv.DictReader(file))
+
+
+GRID = """
+[set]
+"modes.count" = 20
+"time.rate_hz" = 20.0
+[grid.bodies.moving]
+"velocity[0]" = [0.5, 1.0]
+"material.young" = { from = 1.0, to = 4.0, steps = 2 }
+[random]
+count = 3
+"contact.gap" = { uniform = [0.0, 0.1] }
+"""
+
+
+class Studies(SweepTest):
+    def settings(self, text):
+        return Study(self.study(text)).settings
+
+    def test_a_grid_holds_each_combination_once_and_draws_repeat_with_the_seed(self):
+        settings = self.settings(GRID)
+        self.assertEqual(settings, self.settings(GRID))
+        self.assertEqual(len(settings), 2 * 2 * 3)
+        pairs = [(s["bodies.moving.velocity[0]"], s["bodies.moving.material.young"]) for s in settings[::3]]
+        self.assertEqual(pairs, list(itertools.product([0.5, 1.0], [1.0, 4.0])))
+        self.assertTrue(all(0 <= s["contact.gap"] <= 0.1 for s in settings))
+        self.assertNotEqual(settings[0]["contact.gap"], self.settings(GRID.replace("count = 3", "count = 3\nseed = 7"))[0]["contact.gap"])
+
+    def test_lists_are_walked_through_together_and_ranges_by_ratio(self):
+        settings = self.settings('[list]\n"time.rate_hz" = { from = 1.0, to = 100.0, steps = 3, scale = "log" }\n'
+                                 '"contact.scheme" = ["compliant", "impulse", "impulse"]')
+        np.testing.assert_allclose([s["time.rate_hz"] for s in settings], [1, 10, 100], rtol=1e-14)
+        self.assertEqual([s["contact.scheme"] for s in settings], ["compliant", "impulse", "impulse"])
+
+    def test_what_is_wrong_with_a_study_is_said_in_one_line(self):
+        for text, part in [("", "varies nothing"), ("[grid]\na = 3", 'grid."a" = 3'), ("[rows]\na = [1]", 'unknown key "rows"'),
+                           ("[list]\na = [1]\nb = [1, 2]", "as many values"), ("[random]\na = {uniform = [0, 1]}", "count"),
+                           ("[random]\ncount = 2\na = {log_uniform = [-1, 1]}", "of one sign"),
+                           ("[grid]\na = [1]\n[list]\na = [2]", "varied twice"),
+                           ("[grid]\na = {from = -1, to = 1, steps = 3, scale = 'log'}", "same sign"), ("[grid", "is not TOML")]:
+            with self.assertRaisesRegex(BadInput, part):
+                self.settings(text)
+            done = Run(self.sweep(self.study(text)))
+            self.assertEqual((done.status, done.err.count("\n")), (2, 1), done.err)
+            self.assertFalse(self.out.exists())
+
+
+class Sweeps(SweepTest):
+    def test_each_impact_is_that_of_the_program_alone_and_kernels_are_shared(self):
+        self.succeed(Run(self.sweep(self.study(GRID), "--plot", "impulse_ns")))
+        rows = self.rows()
+        self.assertEqual(len(rows), 12)
+        self.assertEqual(len(list(self.out.glob("*.kernel.h5"))), 3)  # two of "moving", one of "resting"
+        self.assertTrue((self.out / "rods.impulse_ns.png").is_file())
+        for row in (rows[0], rows[-1]):
+            sets = ["modes.count=20", "time.rate_hz=20.0", "title=alone"]
+            sets += [f"{key}={row[key]}" for key in ("bodies.moving.velocity[0]", "bodies.moving.material.young", "contact.gap")]
+            self.succeed(contact(self.folder / "two-rods.toml", self.out, *sets))
+            summary = json.loads((self.out / "alone.summary.json").read_text())
+            self.assertEqual(float(row["impulse_ns"]), summary["impulse_ns"])
+            self.assertEqual(float(row["exit_velocity.moving.x"]), summary["exit_velocity"]["moving"][0])
+        with h5py.File(self.out / "rods.sweep.h5") as file:
+            self.assertEqual(list(file["outputs/impulse_ns"][:]), [float(row["impulse_ns"]) for row in rows])
+            self.assertEqual(list(file["inputs/contact.gap"][:]), [float(row["contact.gap"]) for row in rows])
+            self.assertTrue((file["status"][:] == 0).all())
+
+    def test_after_kills_nothing_finished_is_run_again_and_nothing_is_lost(self):
+        study = self.study(GRID.replace("count = 3", "count = 40"))
+        journal, before = self.out / "rods.sweep.jsonl", b""
+        for enough in (5, 60):
+            process = subprocess.Popen([str(word) for word in self.sweep(study)], stdout=subprocess.DEVNULL,
+                                       start_new_session=True, env=os.environ | {"RICOCHET_BIN": str(BIN)})
+            while process.poll() is None and (not journal.exists() or journal.read_bytes().count(b"\n") < enough):
+                time.sleep(0.01)
+            os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+            found = journal.read_bytes()
+            self.assertTrue(found.startswith(before))
+            before = found[:found.rfind(b"\n") + 1]
+        self.succeed(Run(self.sweep(study)))
+        found = journal.read_bytes()
+        self.assertTrue(found.startswith(before))
+        keys = [json.loads(line)["key"] for line in found.splitlines()]
+        self.assertEqual((len(keys), len(set(keys))), (160, 160))
+        self.assertEqual([row["status"] for row in self.rows()], ["0"] * 160)
+        self.succeed(Run(self.sweep(study)))
+        self.assertEqual(journal.read_bytes(), found)
+
+    def test_settings_that_are_refused_are_rows_that_say_why(self):
+        text = GRID.replace("[0.5, 1.0]", "[0.5, inf]")
+        self.succeed(Run(self.sweep(self.study(text))))
+        status = [(row["bodies.moving.velocity[0]"], row["status"], row["error"]) for row in self.rows()]
+        self.assertEqual({entry[:2] for entry in status}, {("0.5", "0"), ("inf", "2")})
+        self.assertIn("bodies.moving.velocity", status[-1][2])
+
+    def test_a_study_none_of_whose_settings_can_run_is_refused_before_anything_is_computed(self):
+        done = Run(self.sweep(self.study('[grid]\n"bodies.moving.mass" = [1, 2]')))
+        self.assertEqual(done.status, 2)
+        self.assertIn("mass", done.err)
+        self.assertEqual(list(self.out.glob("*.kernel.h5")), [])
+
+
+if __name__ == "__main__":
+    unittest.main()
