@@ -2,6 +2,7 @@
 
 import os
 import re
+import shlex
 import subprocess
 import sys
 import tomllib
@@ -20,7 +21,10 @@ class Failed(Exception):
 
 
 def mpirun(ranks):
-    """The start of a command on `ranks` ranks, one thread each; mpirun lets root in only when told to."""
+    """The start of a command on `ranks` ranks, one thread each. $RICOCHET_LAUNCHER, such as "srun --mpi=pmix -n {ranks}",
+    takes the place of mpirun, which lets root in only when told to."""
+    if launcher := os.environ.get("RICOCHET_LAUNCHER"):
+        return shlex.split(launcher.replace("{ranks}", str(ranks)))
     command = ["mpirun", "--oversubscribe", "-n", str(ranks)]
     return command + ["--allow-run-as-root"] * (os.geteuid() == 0)
 

@@ -1,8 +1,10 @@
 """What a sweep found: its journal, its tables, its pictures."""
 import csv
+import glob
 import json
 import math
 import os
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -11,19 +13,21 @@ from result_file import BadInput
 
 
 class Journal:
-    """A line of JSON for each impact that is finished, {"key", "status", "summary" or "error"}. What was written stays,
-    whatever ends the sweep; half a line at the end is cut off."""
+    """A line of JSON for each impact that is finished, {"key", "status", "summary" or "error"}, in <stem>.sweep.jsonl; a
+    part of a sweep has <stem>.sweep.K-of-N.jsonl of its own beside it, and all read all. What was written stays, whatever
+    ends the sweep; half a line at the end of one's own is cut off."""
 
-    def __init__(self, path):
-        self.path, self.rows = path, {}
-        path.parent.mkdir(parents=True, exist_ok=True)
-        whole = path.read_bytes() if path.exists() else b""
-        whole = whole[:whole.rfind(b"\n") + 1]
-        for line in whole.decode().splitlines():
-            row = json.loads(line)
-            self.rows[row["key"]] = row
+    def __init__(self, stem, part=None):
+        stem.parent.mkdir(parents=True, exist_ok=True)
+        path = Path(f"{stem}.sweep.{part[0]}-of-{part[1]}.jsonl" if part else f"{stem}.sweep.jsonl")
+        self.rows = {}
+        for other in sorted(stem.parent.glob(f"{glob.escape(stem.name)}.sweep*.jsonl")):
+            for line in whole_lines(other).decode().splitlines():
+                row = json.loads(line)
+                self.rows[row["key"]] = row
+        own = len(whole_lines(path)) if path.exists() else 0
         self.file = open(path, "ab")
-        self.file.truncate(len(whole))
+        self.file.truncate(own)
 
     def add(self, row):
         self.rows[row["key"]] = row
@@ -32,6 +36,11 @@ class Journal:
 
     def sync(self):
         os.fsync(self.file.fileno())
+
+
+def whole_lines(path):
+    content = path.read_bytes()
+    return content[:content.rfind(b"\n") + 1]
 
 
 def outputs(summary):
