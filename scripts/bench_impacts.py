@@ -16,7 +16,7 @@ class Impacts:
     def __init__(self, options, folder):
         self.scene, self.body, self.speeds, self.settings = options.scene, options.body, options.speeds, options.set
         self.ranks, self.folder = options.ranks, folder
-        resolved = tomllib.loads(programs.resolved(self.scene, bench_runs.with_set(self.settings)))
+        resolved = tomllib.loads(programs.resolved(self.scene, programs.with_set(self.settings)))
         self.bodies = sorted(resolved["bodies"])
         if self.body not in self.bodies:
             print(f"{self.scene}: there is no body \"{self.body}\": give --body", file=sys.stderr)
@@ -29,7 +29,7 @@ class Impacts:
 
     def words(self, modes, *more):
         own = [f"modes={modes}", "output.view=false", "output.snapshot_every=0"]
-        return ["--quiet", "--out", self.folder, *bench_runs.with_set([*own, *self.settings, *more])]
+        return ["--quiet", "--out", self.folder, *programs.with_set([*own, *self.settings, *more])]
 
     def compute(self, modes):
         """Vectors of each body, the largest estimate of their flexibility's error, and by speed the rebound velocity

@@ -27,10 +27,6 @@ def build(*targets):
         raise programs.Failed(done.returncode)
 
 
-def with_set(settings):
-    return [word for setting in settings for word in ("--set", setting)]
-
-
 class Case:
     """A body of a scene, meshed with elements of an order and a size (None: the scene's own)."""
 
@@ -42,7 +38,7 @@ class Case:
         own = [f"modes={modes}"]
         own += [f"bodies.{self.body}.order={self.order}"] if self.order else []
         own += [f"bodies.{self.body}.geometry.size={self.size}"] if self.size else []
-        return [self.scene, self.body, *with_set(own + self.settings)]
+        return [self.scene, self.body, *programs.with_set(own + self.settings)]
 
 
 def text(command):

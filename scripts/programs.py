@@ -1,15 +1,27 @@
 """Runs Ricochet's programs from scripts: under mpirun where it is due, with the folders and names that they use."""
 
+import json
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-BIN = Path(os.environ.get("RICOCHET_BIN", ROOT / "build" / "bin"))
+
+
+def folder_of_programs():
+    """$RICOCHET_BIN, what scripts/build made beside these scripts, or what is installed."""
+    built, installed = ROOT / "build" / "bin", shutil.which("ricochet-contact")
+    if "RICOCHET_BIN" in os.environ or built.is_dir() or not installed:
+        return Path(os.environ.get("RICOCHET_BIN", built))
+    return Path(installed).parent
+
+
+BIN = folder_of_programs()
 
 
 class Failed(Exception):
@@ -39,6 +51,22 @@ def call(command, capture=False):
     if done.returncode != 0:
         raise Failed(done.returncode)
     return done.stdout
+
+
+def with_set(settings):
+    """As words of a command."""
+    return [word for setting in settings for word in ("--set", setting)]
+
+
+def toml(value):
+    if isinstance(value, dict):
+        return "{" + ",".join(f"{key}={toml(item)}" for key, item in value.items()) + "}"
+    return json.dumps(value)
+
+
+def settings(changes):
+    """KEY=VALUE, as --set takes it, of Python values by key."""
+    return [f"{key}={toml(value)}" for key, value in changes.items()]
 
 
 def kernel(scene, arguments=(), ranks=2):

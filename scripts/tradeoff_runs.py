@@ -13,7 +13,6 @@ import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
-import bench_runs
 import programs
 
 SCHEMES = {"compliant": {"contact.scheme": "compliant"},
@@ -21,15 +20,8 @@ SCHEMES = {"compliant": {"contact.scheme": "compliant"},
            "difference": {"contact.scheme": "impulse", "contact.admittance": "difference"}}
 
 
-def toml(value):
-    """A Python value as TOML: what --set takes."""
-    if isinstance(value, dict):
-        return "{" + ",".join(f"{key}={toml(item)}" for key, item in value.items()) + "}"
-    return json.dumps(value)
-
-
 def words(changes):
-    return bench_runs.with_set([f"{key}={toml(value)}" for key, value in changes.items()])
+    return programs.with_set(programs.settings(changes))
 
 
 @dataclass(frozen=True)
@@ -79,7 +71,7 @@ class Scene:
 
     def __init__(self, path, settings, band=None):
         self.path, self.settings = path, settings
-        self.text = programs.resolved(path, bench_runs.with_set(settings))
+        self.text = programs.resolved(path, programs.with_set(settings))
         table = tomllib.loads(self.text)
         self.table = table
         self.meshed = [name for name, body in table["bodies"].items()
@@ -137,7 +129,7 @@ class Runner:
         shutil.rmtree(folder, ignore_errors=True)  # a time is of a whole run only
         changes = kernel.changes(self.scene)
         command = programs.mpirun(self.ranks) + [programs.BIN / "ricochet-kernel", self.scene.path, "--out", folder,
-                                                 *bench_runs.with_set(self.scene.settings), *words(changes)]
+                                                 *programs.with_set(self.scene.settings), *words(changes)]
         done = timed(command)
         row = {"key": key, "kernel": changes, "kernel_s": done.seconds}
         if done.status != 0:
@@ -154,7 +146,7 @@ class Runner:
             return self.store.rows[key]
         folder = self.folder / self.kernel_key(kernel)
         command = [programs.BIN / "ricochet-contact", self.scene.path, "--quiet", "--out", folder,
-                   *bench_runs.with_set(self.scene.settings), *words(changes | {"title": "impact"})]
+                   *programs.with_set(self.scene.settings), *words(changes | {"title": "impact"})]
         best, duration = None, self.scene.table["time"]["duration"]
         for _ in range(self.repeats):
             done = timed(command)
