@@ -18,3 +18,4 @@ configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/RicochetConfig.cmake.in 
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/RicochetConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/RicochetConfig.cmake ${PROJECT_BINARY_DIR}/RicochetConfigVersion.cmake
   DESTINATION ${package_dir} COMPONENT library)
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libricochet-dev COMPONENT library RENAME copyright)
