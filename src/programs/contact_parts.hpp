@@ -1,8 +1,6 @@
 // What runs by modes and runs by table kernels share.
 #pragma once
 
-#include <fmt/format.h>
-
 #include <chrono>
 #include <filesystem>
 #include <iosfwd>
@@ -12,10 +10,10 @@
 #include "contact/integrator.hpp"
 #include "contact/model.hpp"
 #include "contact/summary.hpp"
-#include "kernels/error.hpp"
 #include "kernels/kernel.hpp"
 #include "src/console/console.hpp"
 #include "src/console/options.hpp"
+#include "src/programs/placing.hpp"
 #include "src/scene/scene.hpp"
 
 namespace ricochet::programs {
@@ -28,20 +26,12 @@ struct Kernels {
   std::vector<kernels::Kernel> kernel;
   std::vector<std::string> file;
 };
+
+/// Of several kernels that differ in the candidates that they hold, the one with the fewest that are enough.
 Kernels read_kernels(const scene::Scene& scene, const std::filesystem::path& folder);
 
 contact::Model model_of(const scene::Scene& scene, const Kernels& kernels);
 contact::StepOptions step_options(const scene::Scene& scene);
-
-/// Contact points and bodies are named to the user by the scene.
-template <class Action>
-auto in_scene(const scene::Scene& scene, Action action) {
-  try {
-    return action();
-  } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}", scene.file.string(), error.what()));
-  }
-}
 
 /// Throws what a step that failed at `time` [s] means.
 void check(contact::StepStatus status, const scene::Scene& scene, double time);

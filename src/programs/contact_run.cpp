@@ -37,20 +37,52 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+namespace {
+
+/// Files that hold all candidates of a body, or some.
+std::vector<KernelFile> files_of(const scene::Scene& scene, const scene::Body& body, const fs::path& folder) {
+  const scene::KernelRequest request = scene::kernel_request(scene, body);
+  const fs::path path = scene::kernel_path(folder, request);
+  const bool limited = is_limited(scene, body);
+  std::vector<KernelFile> files;
+  if (limited)
+    files = kernel_files(folder, request);
+  else if (fs::exists(path))
+    files.push_back({path, {}});
+  if (files.empty())
+    throw InputError(fmt::format(
+        "{}: no kernel for body \"{}\" {}. Run ricochet-kernel {} first.", scene.file.string(), body.name,
+        limited ? "in " + folder.string() : "at " + path.string(), scene.file.string()));
+  return files;
+}
+
+}  // namespace
+
 Kernels read_kernels(const scene::Scene& scene, const fs::path& folder) {
+  std::vector<std::vector<KernelFile>> files;
+  for (const scene::Body& body : scene.bodies) files.push_back(files_of(scene, body, folder));
   Kernels out;
-  for (const scene::Body& body : scene.bodies) {
-    const scene::KernelRequest request = scene::kernel_request(scene, body);
-    const fs::path path = scene::kernel_path(folder, request);
-    if (!fs::exists(path))
-      throw InputError(fmt::format("{}: no kernel for body \"{}\" at {}. Run ricochet-kernel {} first.",
-                                   scene.file.string(), body.name, path.string(), scene.file.string()));
+  for (std::size_t k = 0; k < files.size(); ++k) {
+    const fs::path& path = files[k].front().path;
     out.kernel.push_back(kernels::read(path));
-    if (out.kernel.back().hash != request.hash)
+    out.file.push_back(path.filename().string());
+    if (!is_limited(scene, scene.bodies[k]) &&
+        out.kernel.back().hash != scene::kernel_request(scene, scene.bodies[k]).hash)
       throw InputError(
           fmt::format("{}: is a kernel of another scene, not of body \"{}\". Run ricochet-kernel {} again.",
-                      path.string(), body.name, scene.file.string()));
-    out.file.push_back(path.filename().string());
+                      path.string(), scene.bodies[k].name, scene.file.string()));
+  }
+  if (std::ranges::all_of(files, [](const auto& of_body) { return of_body.size() == 1; })) return out;
+
+  std::vector<kernels::WholeSurface> surfaces;
+  for (const kernels::Kernel& kernel : out.kernel) surfaces.push_back(kernels::whole_surface(kernel.surface));
+  const std::vector<Points> points = points_within_reach(scene, surfaces);
+  for (std::size_t k = 0; k < files.size(); ++k) {
+    const auto enough =
+        std::ranges::find_if(files[k], [&](const KernelFile& file) { return file.holds(points[k]); });
+    if (enough == files[k].begin() || enough == files[k].end()) continue;
+    out.kernel[k] = kernels::read(enough->path);
+    out.file[k] = enough->path.filename().string();
   }
   return out;
 }
@@ -72,28 +104,8 @@ std::vector<contact::DriveRequest> drives_of(const scene::Scene& scene) {
 }
 
 contact::Model model_of(const scene::Scene& scene, const Kernels& kernels) {
-  std::vector<contact::PlacedBody> bodies;
-  for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
-    const scene::Body& body = scene.bodies[k];
-    const auto rotation = scene::rotation_of(body);
-    bodies.push_back(
-        {.name = body.name,
-         .kernel = &kernels.kernel[k],
-         .rotation = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rotation.data()),
-         .translation = vector(body.translate),
-         .velocity = vector(body.velocity)});
-  }
-  std::vector<contact::HalfSpace> obstacles;
-  for (const scene::Obstacle& obstacle : scene.obstacles)
-    obstacles.push_back({obstacle.name, vector(obstacle.point), vector(obstacle.normal)});
-  std::vector<contact::PairRequest> pairs;
-  for (const scene::Pair& pair : scene.contact.pairs) {
-    contact::PairRequest request{pair.a, pair.b, {}, pair.gap, pair.reach};
-    if (pair.direction) request.direction = vector(*pair.direction);
-    pairs.push_back(request);
-  }
-  return contact::build_model(std::move(bodies), obstacles, pairs, vector(scene.loads.gravity),
-                              drives_of(scene));
+  return contact::build_model(placed_bodies(scene, kernels.kernel), half_spaces(scene), pair_requests(scene),
+                              vector(scene.loads.gravity), drives_of(scene));
 }
 
 contact::StepOptions step_options(const scene::Scene& scene) {

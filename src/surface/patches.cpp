@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "kernels/algebra.hpp"
 #include "src/mesh/lattice.hpp"
 #include "src/surface/surface.hpp"
 
@@ -295,6 +296,20 @@ Patches make_patches(const mesh::Mesh& mesh, const std::vector<std::string>& gro
   surface.components = options.direction ? 1 : 3;
   surface.direction = options.direction;
   return patches;
+}
+
+void keep(Patches& patches, const std::vector<std::int64_t>& points) {
+  kernels::WholeSurface whole = kernels::whole_surface(patches.geometry);
+  std::vector<int> number(whole.area.size(), -1);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    number[static_cast<std::size_t>(points[i])] = static_cast<int>(i);
+  std::erase_if(patches.weights,
+                [&](const Weight& weight) { return number[static_cast<std::size_t>(weight.candidate)] < 0; });
+  for (Weight& weight : patches.weights)
+    weight.candidate = number[static_cast<std::size_t>(weight.candidate)];
+  kernels::keep_candidates(patches.geometry, points);
+  whole.held = points;
+  patches.geometry.whole = std::move(whole);
 }
 
 }  // namespace ricochet::surface

@@ -35,6 +35,10 @@ struct PatchOptions {
 Patches make_patches(const mesh::Mesh& mesh, const std::vector<std::string>& groups,
                      const PatchOptions& options);
 
+/// Leaves out all candidates but `points` (ascending). Patches and loads of those that stay are as before,
+/// and the surface remembers them all (kernels::WholeSurface).
+void keep(Patches& patches, const std::vector<std::int64_t>& points);
+
 /// Loads of the patches: column c·i + k is a unit force on patch i in component k (c = 3), or along
 /// `direction` (c = 1). Held components carry none. @return (local rows, c M) [N]
 Eigen::MatrixXd patch_loads(const mesh::Mesh& mesh, const Patches& patches);
