@@ -83,6 +83,12 @@ std::vector<Points> needed_points(const scene::Scene& scene,
     return points;
   std::vector<kernels::WholeSurface> surfaces;
   for (const scene::KernelRequest& request : requests) {
+    const auto alike =
+        std::ranges::find(requests, request.hash, &scene::KernelRequest::hash) - requests.begin();
+    if (static_cast<std::size_t>(alike) < surfaces.size()) {
+      surfaces.push_back(surfaces[static_cast<std::size_t>(alike)]);
+      continue;
+    }
     std::optional<kernels::WholeSurface> known;
     if (parallel::rank_of(comm) == 0) known = surface_of_kernel(programs::kernel_files(folder, request));
     std::vector<char> is_known{known.has_value()};
