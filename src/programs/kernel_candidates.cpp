@@ -27,7 +27,9 @@ Source open_source(const scene::Body& body, const mesh::Asked& asked, MPI_Comm c
   std::vector<char> in_parts(1, 0);
   parallel::on_first_rank(comm, [&] {
     in_parts[0] = scene::part_files(body.mesh).empty() ? 0 : 1;
-    if (in_parts[0] == 0) source.whole = mesh::read_mesh(body, progress, asked);
+    if (in_parts[0] != 0) return;
+    source.whole = mesh::read_mesh(body, progress, asked);
+    mesh::forget_meshes();
   });
   parallel::broadcast(comm, in_parts);
   source.in_parts = in_parts[0] != 0;
