@@ -189,7 +189,7 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::f
   console.end(request.points ? fmt::format("{} of {} within reach", patches.geometry.size(), all)
                              : fmt::format("{} on the contact surface", all));
 
-  const Eigen::MatrixXd loads = surface::patch_loads(mesh, patches);
+  Eigen::MatrixXd loads = surface::patch_loads(mesh, patches);
   const modes::ModeSet modes = find_modes(request, made, loads, checkpoint, console);
   console.end(told(request, modes));
 
@@ -213,7 +213,7 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::f
   kernel.modes.certificate = modes.certificate;
   for (double omega : modes.angular_frequency)
     kernel.modes.decay_rate.push_back(kernels::decay_rate(body.damping, RadPerSecond{omega}));
-  surface::trace(teams, mesh, matrices, *made.factor, modes, patches, loads,
+  surface::trace(teams, mesh, matrices, *made.factor, modes, patches, std::move(loads),
                  request.modes.residual_flexibility, request.view, kernel, made.sources);
   if (request.modes.basis == scene::Basis::modes && request.modes.flexibility_error)
     leave_to_residual(request, kernel);

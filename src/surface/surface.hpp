@@ -74,7 +74,6 @@ Eigen::MatrixXd spread(const mesh::Mesh& mesh, const std::vector<Weight>& weight
 /// Collective.
 void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
            modes::Factorisation& factor, const modes::ModeSet& modes, const Patches& patches,
-           const Eigen::MatrixXd& loads, bool residual, bool view, kernels::Kernel& kernel,
-           const Sources& sources);
+           Eigen::MatrixXd loads, bool residual, bool view, kernels::Kernel& kernel, const Sources& sources);
 
 }  // namespace ricochet::surface
