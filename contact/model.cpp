@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/meeting.hpp"
 #include "contact/model_internal.hpp"
 #include "kernels/error.hpp"
 
@@ -19,76 +20,6 @@ constexpr double rigid_slack = 1e-6;
 /// Loads of a kernel as (3,N).
 auto three_rows(const std::vector<double>& values, int modes) {
   return Eigen::Map<const Matrix>(values.data(), 3, modes);
-}
-
-int index_of(const std::string& name, const std::vector<PlacedBody>& bodies) {
-  const auto found =
-      std::find_if(bodies.begin(), bodies.end(), [&](const auto& b) { return b.name == name; });
-  return found == bodies.end() ? -1 : static_cast<int>(found - bodies.begin());
-}
-
-/// A pair with its names looked up.
-struct Meeting {
-  PairRequest request;
-  int a = 0, b = -1;
-  const HalfSpace* obstacle = nullptr;
-  Pairing pairing;
-
-  Pairing find(const std::vector<PlacedBody>& bodies, const PairRequest& as) const {
-    return obstacle ? pair(bodies[a], *obstacle, as) : pair(bodies[a], bodies[b], as);
-  }
-};
-
-Meeting look_up(const PairRequest& request, const std::vector<PlacedBody>& bodies,
-                const std::vector<HalfSpace>& obstacles) {
-  Meeting out{request, index_of(request.a, bodies), index_of(request.b, bodies), nullptr, {}};
-  for (const HalfSpace& obstacle : obstacles)
-    if (obstacle.name == request.b) out.obstacle = &obstacle;
-  if (out.a < 0)
-    throw InputError(fmt::format(
-        "contact.between: \"{}\" is not a body. The first name must be one of bodies.*.", request.a));
-  if (out.b < 0 && !out.obstacle)
-    throw InputError(fmt::format(
-        "contact.between: \"{}\" is neither a body nor an obstacle. Name one of bodies.* or obstacles.*.",
-        request.b));
-  if (out.a == out.b)
-    throw InputError(fmt::format("contact.between: \"{}\" can't meet itself. Name two bodies.", request.a));
-  return out;
-}
-
-/// Moves the bodies whose pairs ask for a gap, then pairs all. A body that two pairs move in different ways
-/// has no place that serves both.
-std::vector<Meeting> meet(std::vector<PlacedBody>& bodies, const std::vector<HalfSpace>& obstacles,
-                          const std::vector<PairRequest>& requests) {
-  std::vector<Meeting> out;
-  for (const PairRequest& request : requests) out.push_back(look_up(request, bodies, obstacles));
-  for (std::size_t k = 0; k < bodies.size(); ++k)
-    if (std::none_of(out.begin(), out.end(), [&](const Meeting& meeting) {
-          return meeting.a == static_cast<int>(k) || meeting.b == static_cast<int>(k);
-        }))
-      throw InputError(fmt::format(
-          "bodies.{}: no pair names it, so nothing would ever touch it. Add it to contact, or take it out.",
-          bodies[k].name));
-  for (const Meeting& meeting : out)
-    if (meeting.request.gap) bodies[meeting.a].translation += meeting.find(bodies, meeting.request).shift;
-  for (Meeting& meeting : out) {
-    PairRequest placed = meeting.request;
-    placed.gap.reset();
-    meeting.pairing = meeting.find(bodies, placed);
-    if (!meeting.request.gap) continue;
-    double nearest = meeting.pairing.points.front().gap, farthest = nearest;
-    for (const auto& point : meeting.pairing.points) {
-      nearest = std::min(nearest, point.gap);
-      farthest = std::max({farthest, point.gap, point.a.cwiseAbs().maxCoeff()});
-    }
-    // 1e-9: above the round-off of two placements, far below any gap that matters
-    if (std::abs(nearest - *meeting.request.gap) > 1e-9 * (farthest + *meeting.request.gap))
-      throw InputError(
-          fmt::format("contact between \"{}\" and \"{}\": gap = {} m, but another pair's gap moves one of "
-                      "them to {:.6g} m. Leave one gap out.",
-                      meeting.request.a, meeting.request.b, *meeting.request.gap, nearest));
-  }
-  return out;
 }
 
 Model::BodyBlock block_of(const PlacedBody& body, int first_mode, const Vector3d& gravity) {
@@ -176,7 +107,8 @@ Model build_model(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& 
   int points = 0, modes = 0;
   for (const Meeting& meeting : meetings) {
     const int count = static_cast<int>(meeting.pairing.points.size());
-    model.pairs.push_back({points, count, meeting.pairing.unpaired, meeting.a, meeting.b});
+    model.pairs.push_back({points, count, meeting.pairing.unpaired, meeting.a, meeting.b, {}});
+    if (meeting.pairing.beyond_reach > 0) model.pairs.back().reach = meeting.request.reach;
     points += count;
   }
   for (const PlacedBody& body : bodies) {

@@ -56,7 +56,7 @@ struct DriveRequest {
 /// Candidates of a that face a place on b (world frame, after `gap` has moved a).
 struct Pairing {
   struct Point {
-    int candidate = 0;             ///< index into a's surface
+    int candidate = 0;             ///< of those that a's kernel holds
     Eigen::Vector3d a, b, normal;  ///< x_i, y_i [m], n_i out of a
     double gap = 0;                ///< g_i between the means of the patches, about n_i·(y_i − x_i) [m]
     double area = 0;               ///< [m²], of a's patch
@@ -64,15 +64,17 @@ struct Pairing {
         weights;  ///< W: candidates of b around y_i; weights ≥ 0, sum 1; empty for a half-space
   };
   std::vector<Point> points;
-  int unpaired = 0;  ///< candidates of a dropped because they face nothing or lie beyond reach
+  int unpaired = 0;      ///< candidates of a dropped because they face nothing or lie beyond reach
+  int beyond_reach = 0;  ///< of these: beyond reach
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  ///< how far `gap` moved a
 };
 
 /// Pairs a's candidates with b's surface. With `direction`, along it; otherwise each point is projected along
 /// n_i = (n_a − n_b)/|n_a − n_b|, found by iteration from the closest point. A place on b is a point of its
 /// candidate mesh (triangles, segments, points), met within 1e-6 of the element's size beyond its edges.
-/// Throws InputError when nothing faces anything, when bodies overlap (with the depth), or when a kernel
-/// holds one component only and the direction asked for is another one.
+/// Pairs are found on whole surfaces, whatever part of their candidates the kernels hold. Throws InputError
+/// when nothing faces anything, when bodies overlap (with the depth), when a kernel holds one component only
+/// and the direction asked for is another one, or does not hold a candidate that is paired.
 Pairing pair(const PlacedBody& a, const PlacedBody& b, const PairRequest& request);
 Pairing pair(const PlacedBody& a, const HalfSpace& b, const PairRequest& request);
 
@@ -110,7 +112,8 @@ struct Model {
 
   struct PairBlock {
     int first_point = 0, points = 0, unpaired = 0;
-    int a = 0, b = -1;  ///< index into bodies; b = −1: a half-space
+    int a = 0, b = -1;            ///< index into bodies; b = −1: a half-space
+    std::optional<double> reach;  ///< [m] where some points were left out as beyond it
   };
   std::vector<PairBlock> pairs;
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
@@ -151,6 +154,13 @@ struct Model {
   /// The same of angular momentum about the world's origin, by the modes alone [kg m²/s].
   Eigen::Vector3d angular_momentum(int body, const Vector& v, double t) const;
 };
+
+/// The candidates of each body that its pairs make use of, ascending, as its kernel numbers them. Bodies are
+/// placed and paired like those of build_model; of their kernels only the surface is looked at, without
+/// modes.
+std::vector<std::vector<std::int64_t>> paired_candidates(std::vector<PlacedBody> bodies,
+                                                         const std::vector<HalfSpace>& obstacles,
+                                                         const std::vector<PairRequest>& pairs);
 
 /// Places, pairs and stacks. Bodies keep their order; a body that no pair names is an error.
 /// Throws InputError as `pair` does, and for a drive that its body's kernel has not got, or a support that

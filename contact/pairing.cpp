@@ -1,14 +1,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <tuple>
 #include <vector>
 
 #include "contact/model.hpp"
+#include "contact/places.hpp"
 #include "kernels/error.hpp"
 
 namespace ricochet::contact {
@@ -20,225 +19,18 @@ using Eigen::Vector3d;
 /// round-off.
 constexpr double facing_slack = 1e-6;
 
-/// A line meets an element up to this share of its size beyond the edges, so that none slips between two
-/// elements.
-constexpr double edge_slack = 1e-6;
-
 /// Depths below this share of the bodies' size are round-off of a touching placement.
 constexpr double overlap_slack = 1e-12;
-
-/// Change of n_i below which the search for a mutual normal has settled, and the one it must reach.
-constexpr double settled = 1e-13, settled_enough = 1e-6;
 
 /// Cosine between mutual normal and direction below which patches only glance off each other: their gap is
 /// not stretched further.
 constexpr double steepest = 0.5;
 
-/// Candidate surface of a body, in the world.
-struct Surface {
-  int corners = 3;
-  std::vector<Vector3d> node, normal;
-  std::vector<Vector3d> offset;  ///< of each patch's centroid from its node [m]
-  struct Element {
-    std::array<int, 3> corner{};
-    Vector3d centre = Vector3d::Zero();
-    double size = 0;  ///< longest edge [m]
-  };
-  std::vector<Element> element;
-  double extent = 0;    ///< diagonal of the nodes' bounding box [m]
-  double farthest = 0;  ///< largest |coordinate| [m]
-};
-
-/// A place on a candidate surface.
-struct Place {
-  Vector3d point, normal;
-  std::array<int, 3> corner{};
-  std::array<double, 3> weight{};
-};
-
-Surface surface_of(const PlacedBody& body) {
-  const kernels::Surface& from = body.kernel->surface;
-  Surface to;
-  to.corners = from.element_corners;
-  Eigen::AlignedBox3d box;
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    to.node.push_back(body.rotation * Eigen::Map<const Vector3d>(&from.node[3 * i]) + body.translation);
-    to.normal.push_back(body.rotation * Eigen::Map<const Vector3d>(&from.normal[3 * i]));
-    to.offset.emplace_back(Vector3d::Zero());
-    if (!from.centroid.empty())
-      to.offset.back() = body.rotation * (Eigen::Map<const Vector3d>(&from.centroid[3 * i]) -
-                                          Eigen::Map<const Vector3d>(&from.node[3 * i]));
-    box.extend(to.node.back());
-    to.farthest = std::max(to.farthest, to.node.back().cwiseAbs().maxCoeff());
-  }
-  if (!box.isEmpty()) to.extent = box.diagonal().norm();
-  const std::size_t k = static_cast<std::size_t>(to.corners);
-  for (std::size_t t = 0; t + k <= from.element.size(); t += k) {
-    Surface::Element element;
-    for (std::size_t j = 0; j < k; ++j) {
-      element.corner[j] = static_cast<int>(from.element[t + j]);
-      element.centre += to.node[element.corner[j]] / static_cast<double>(k);
-      for (std::size_t i = 0; i < j; ++i)
-        element.size =
-            std::max(element.size, (to.node[element.corner[i]] - to.node[element.corner[j]]).norm());
-    }
-    to.element.push_back(element);
-  }
-  return to;
-}
-
-/// What round-off is measured by [m]. Rods have one point each and no extent; then a metre counts, and how
-/// far out they are.
-double size_of(const Surface& a, const Surface& b) {
-  const double extent = std::max(a.extent, b.extent);
-  return extent > 0 ? extent : 1 + std::max(a.farthest, b.farthest);
-}
-
-/// The place of these weights, clipped to [0, 1]. None where the corners' normals cancel.
-std::optional<Place> place(const Surface& b, const Surface::Element& element, std::array<double, 3> weight) {
-  Place out{Vector3d::Zero(), Vector3d::Zero(), element.corner, weight};
-  double sum = 0;
-  for (double& w : out.weight) sum += w = std::clamp(w, 0.0, 1.0);
-  for (int j = 0; j < b.corners; ++j) {
-    out.weight[j] /= sum;
-    out.point += out.weight[j] * b.node[out.corner[j]];
-    out.normal += out.weight[j] * b.normal[out.corner[j]];
-  }
-  const double length = out.normal.norm();
-  if (!(length > 1e-9)) return std::nullopt;
-  out.normal /= length;
-  return out;
-}
-
-/// Where the line x + t d meets an element.
-///
-/// Triangles: projection along d. Segments stand for strips that extend sideways, so the place is the one
-/// abreast of the line along the segment as seen along d, and the line may pass beside it by half the
-/// segment's length. Points: met within 1e-6 of `size`.
-std::optional<Place> meet(const Surface& b, const Surface::Element& element, const Vector3d& x,
-                          const Vector3d& d, double size) {
-  const Vector3d& p = b.node[element.corner[0]];
-  const auto across = [&](const Vector3d& v) -> Vector3d { return v - v.dot(d) * d; };
-  if (b.corners == 1) {
-    if (across(x - p).norm() > edge_slack * size) return std::nullopt;
-    return place(b, element, {1, 0, 0});
-  }
-  const double reach = element.size * (1 + edge_slack);
-  if (across(x - element.centre).squaredNorm() > reach * reach) return std::nullopt;
-  const Vector3d r = x - p, e1 = b.node[element.corner[1]] - p;
-  if (b.corners == 2) {
-    const Vector3d tangent = across(e1);
-    const double length = tangent.norm();
-    if (length <= 1e-9 * element.size) return std::nullopt;
-    const double s = tangent.dot(r) / (length * length);
-    const double margin = std::min(edge_slack * element.size / length, 0.5);
-    if (s < -margin || s > 1 + margin) return std::nullopt;
-    if ((across(r) - s * tangent).norm() > 0.5 * element.size) return std::nullopt;
-    return place(b, element, {1 - s, s, 0});
-  }
-  // r + t d = u e1 + v e2
-  const Vector3d e2 = b.node[element.corner[2]] - p;
-  const Vector3d normal = e1.cross(e2);
-  const double determinant = normal.dot(d);
-  if (std::abs(determinant) <= 1e-9 * normal.norm()) return std::nullopt;
-  const double u = r.dot(e2.cross(d)) / determinant, v = r.dot(d.cross(e1)) / determinant;
-  const double margin = std::min(edge_slack * element.size * element.size / std::abs(determinant), 0.5);
-  if (u < -margin || v < -margin || u + v > 1 + margin) return std::nullopt;
-  return place(b, element, {1 - u - v, u, v});
-}
-
-/// Weights of the point of an element that is closest to x.
-/// Source: Ericson, Real-Time Collision Detection, 2005, 5.1.5, by Voronoi regions.
-std::array<double, 3> closest(const Surface& b, const Surface::Element& element, const Vector3d& x) {
-  const Vector3d& p = b.node[element.corner[0]];
-  if (b.corners == 1) return {1, 0, 0};
-  const Vector3d e1 = b.node[element.corner[1]] - p, r = x - p;
-  const double d1 = e1.dot(r), l1 = e1.squaredNorm();
-  if (b.corners == 2) {
-    const double s = l1 > 0 ? std::clamp(d1 / l1, 0.0, 1.0) : 0;
-    return {1 - s, s, 0};
-  }
-  const Vector3d e2 = b.node[element.corner[2]] - p;
-  const double d2 = e2.dot(r);
-  if (d1 <= 0 && d2 <= 0) return {1, 0, 0};
-  const double d3 = d1 - l1, d4 = d2 - e1.dot(e2);
-  if (d3 >= 0 && d4 <= d3) return {0, 1, 0};
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return {1 - d1 / (d1 - d3), d1 / (d1 - d3), 0};
-  const double d5 = d1 - e1.dot(e2), d6 = d2 - e2.squaredNorm();
-  if (d6 >= 0 && d5 <= d6) return {0, 0, 1};
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return {1 - d2 / (d2 - d6), 0, d2 / (d2 - d6)};
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
-    const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-    return {0, 1 - w, w};
-  }
-  const double sum = va + vb + vc;
-  return {va / sum, vb / sum, vc / sum};
-}
-
-std::optional<Place> closest_place(const Surface& b, const Vector3d& x) {
-  std::optional<Place> best;
-  double distance = std::numeric_limits<double>::infinity();
-  for (const Surface::Element& element : b.element) {
-    if ((x - element.centre).norm() - element.size >= distance) continue;
-    const auto found = place(b, element, closest(b, element, x));
-    if (!found || (found->point - x).norm() >= distance) continue;
-    distance = (found->point - x).norm();
-    best = found;
-  }
-  return best;
-}
-
-/// Of the places where the line x + t d meets b and `faces` holds, the one with the smallest |t|.
-template <class Faces>
-std::optional<Place> first_along(const Surface& b, const Vector3d& x, const Vector3d& d, double size,
-                                 Faces faces) {
-  std::optional<Place> best;
-  double distance = std::numeric_limits<double>::infinity();
-  for (const Surface::Element& element : b.element) {
-    const auto found = meet(b, element, x, d, size);
-    if (!found || !faces(*found)) continue;
-    const double t = std::abs(d.dot(found->point - x));
-    if (t >= distance) continue;
-    distance = t;
-    best = found;
-  }
-  return best;
-}
-
-/// The place on b that x faces along the mutual normal n = (n_a − n_b)/|n_a − n_b|, which depends on the
-/// place: fixed-point iteration from the closest one. Each round shrinks the error about as the gap compares
-/// with b's diameter. A line that misses b on the way is led back to it; the last one must meet it.
-std::optional<std::pair<Place, Vector3d>> along_mutual_normal(const Surface& b, const Vector3d& x,
-                                                              const Vector3d& n_a, double size) {
-  const auto faces = [&](const Place& y) { return n_a.dot(y.normal) < 0; };
-  auto y = closest_place(b, x);
-  if (!y || !faces(*y)) return std::nullopt;
-  Vector3d n = (n_a - y->normal).normalized();
-  double change = 0;
-  bool met = false;
-  for (int round = 0; round < 20; ++round) {
-    const double gap = n.dot(y->point - x);
-    auto found = first_along(b, x, n, size, faces);
-    met = found.has_value();
-    if (!met) found = closest_place(b, x + gap * n);
-    if (!found || !faces(*found)) return std::nullopt;
-    y = found;
-    const Vector3d next = (n_a - y->normal).normalized();
-    change = (next - n).norm();
-    if (change < settled) break;
-    n = next;
-  }
-  if (!met || change > settled_enough) return std::nullopt;
-  return std::pair(*y, n);
-}
-
 /// What the gap along n between the means of the patches has over that between their nodes, as displacements
 /// are means too. Lopsided patches stand off their nodes sideways; the surfaces meet across their mutual
 /// normal, so that only what lies along it separates them.
-double between_means(const Surface& a, std::size_t i, const Surface& b, const Place& y, const Vector3d& n) {
+double between_means(const WorldSurface& a, std::size_t i, const WorldSurface& b, const Place& y,
+                     const Vector3d& n) {
   Vector3d apart = -a.offset[i];
   for (int j = 0; j < b.corners; ++j) apart += y.weight[j] * b.offset[static_cast<std::size_t>(y.corner[j])];
   const Vector3d mutual = (a.normal[i] - y.normal).normalized();
@@ -265,8 +57,8 @@ void check_component(const PlacedBody& body, const std::optional<Vector3d>& norm
 }
 
 /// Pairs for a given place of a, before gap, reach and overlap are looked at.
-Pairing find_pairs(const PlacedBody& a, const Surface& b, const std::optional<Vector3d>& direction) {
-  const Surface from = surface_of(a);
+Pairing find_pairs(const PlacedBody& a, const WorldSurface& b, const std::optional<Vector3d>& direction) {
+  const WorldSurface from = surface_of(a);
   const double size = size_of(from, b);
   Pairing out;
   for (std::size_t i = 0; i < from.node.size(); ++i) {
@@ -283,7 +75,7 @@ Pairing find_pairs(const PlacedBody& a, const Surface& b, const std::optional<Ve
       continue;
     }
     const double gap = n.dot(y->point - x) + between_means(from, i, b, *y, n);
-    Pairing::Point point{static_cast<int>(i), x, y->point, n, gap, a.kernel->surface.area[i], {}};
+    Pairing::Point point{static_cast<int>(i), x, y->point, n, gap, from.area[i], {}};
     for (int j = 0; j < b.corners; ++j)
       if (y->weight[j] > 0) point.weights.emplace_back(y->corner[j], y->weight[j]);
     out.points.push_back(std::move(point));
@@ -292,7 +84,7 @@ Pairing find_pairs(const PlacedBody& a, const Surface& b, const std::optional<Ve
 }
 
 Pairing find_pairs(const PlacedBody& a, const HalfSpace& b) {
-  const Surface from = surface_of(a);
+  const WorldSurface from = surface_of(a);
   const Vector3d n = -b.normal;
   Pairing out;
   for (std::size_t i = 0; i < from.node.size(); ++i) {
@@ -306,7 +98,7 @@ Pairing find_pairs(const PlacedBody& a, const HalfSpace& b) {
                           from.node[i] + height * n,
                           n,
                           height - n.dot(from.offset[i]),
-                          a.kernel->surface.area[i],
+                          from.area[i],
                           {}});
   }
   return out;
@@ -363,8 +155,9 @@ Pairing arrange(PlacedBody a, const PairRequest& request, double size, Find find
                     title(request), -nearest.gap, text(nearest.a)));
   for (auto& point : out.points) point.gap = std::max(point.gap, 0.0);
   if (request.reach) {
-    out.unpaired += static_cast<int>(
+    out.beyond_reach = static_cast<int>(
         std::erase_if(out.points, [&](const auto& point) { return !(point.gap < *request.reach); }));
+    out.unpaired += out.beyond_reach;
     if (out.points.empty())
       throw InputError(fmt::format(
           "{}: reach = {} m: the closest pair is {:.6g} m apart. Raise it above that, or set contact.gap.",
@@ -373,14 +166,47 @@ Pairing arrange(PlacedBody a, const PairRequest& request, double size, Find find
   return out;
 }
 
+/// From numbers of the whole surface to those that a kernel gives the candidates it holds.
+class Numbers {
+ public:
+  explicit Numbers(const PlacedBody& body) : body_(body) {
+    const auto& whole = body.kernel->surface.whole;
+    if (!whole) return;
+    held_.assign(whole->area.size(), -1);
+    for (std::size_t i = 0; i < whole->held.size(); ++i)
+      held_[static_cast<std::size_t>(whole->held[i])] = static_cast<int>(i);
+  }
+
+  int operator()(int candidate, const PairRequest& request) const {
+    if (held_.empty()) return candidate;
+    const int held = held_[static_cast<std::size_t>(candidate)];
+    if (held >= 0) return held;
+    throw InputError(fmt::format(
+        "{}: the kernel of \"{}\" was made for less: it lacks candidate {} of {}, which is to meet \"{}\". "
+        "Run ricochet-kernel for this scene, or lower contact.reach.",
+        title(request), body_.name, candidate, held_.size(),
+        body_.name == request.a ? request.b : request.a));
+  }
+
+ private:
+  const PlacedBody& body_;
+  std::vector<int> held_;
+};
+
 }  // namespace
 
 Pairing pair(const PlacedBody& a, const PlacedBody& b, const PairRequest& request) {
   check_component(a, request.direction, request);
   check_component(b, request.direction, request);
-  const Surface onto = surface_of(b);
-  return arrange(a, request, size_of(surface_of(a), onto),
-                 [&](const PlacedBody& moved) { return find_pairs(moved, onto, request.direction); });
+  const WorldSurface onto = surface_of(b);
+  Pairing out = arrange(a, request, size_of(surface_of(a), onto),
+                        [&](const PlacedBody& moved) { return find_pairs(moved, onto, request.direction); });
+  const Numbers of_a(a), of_b(b);
+  for (Pairing::Point& point : out.points) {
+    point.candidate = of_a(point.candidate, request);
+    for (auto& [candidate, weight] : point.weights) candidate = of_b(candidate, request);
+  }
+  return out;
 }
 
 Pairing pair(const PlacedBody& a, const HalfSpace& b, const PairRequest& request) {
@@ -390,9 +216,12 @@ Pairing pair(const PlacedBody& a, const HalfSpace& b, const PairRequest& request
                     "direction out, or set {}.",
                     title(request), text(*request.direction), text(-b.normal)));
   check_component(a, Vector3d(-b.normal), request);
-  const Surface from = surface_of(a);
-  return arrange(a, request, size_of(from, from),
-                 [&](const PlacedBody& moved) { return find_pairs(moved, b); });
+  const WorldSurface from = surface_of(a);
+  Pairing out =
+      arrange(a, request, size_of(from, from), [&](const PlacedBody& moved) { return find_pairs(moved, b); });
+  const Numbers of_a(a);
+  for (Pairing::Point& point : out.points) point.candidate = of_a(point.candidate, request);
+  return out;
 }
 
 }  // namespace ricochet::contact

@@ -55,8 +55,18 @@ std::string turned(const std::string& body, double angle) {
                      body, angle * 180 / std::numbers::pi, largest_rotation_deg);
 }
 
+/// Bodies that come nearer than points which were left out may bring these together.
+std::string beyond_reach(const Model& model, const Model::PairBlock& pair, double nearer) {
+  return fmt::format(
+      "{} came {:.4g} m nearer to what it touches, beyond reach = {:g} m: points that reach left out may "
+      "touch, too",
+      model.bodies[pair.a].name, nearer, *pair.reach);
+}
+
 /// Smallest distance of two corners of one surface element; infinite for rods.
-double spacing_of(const kernels::Surface& surface) {
+/// @param surface  kernels::Surface or kernels::WholeSurface
+template <class Any>
+double spacing_of(const Any& surface) {
   double smallest = std::numeric_limits<double>::infinity();
   const std::size_t k = static_cast<std::size_t>(surface.element_corners);
   const auto node = [&](std::size_t corner) {
@@ -121,8 +131,10 @@ SummaryObserver::SummaryObserver(const Model& model, double step, double wave_sp
   }
   for (const Model::PairBlock& pair : model.pairs) {
     out_.unpaired += pair.unpaired;
-    spacing_.push_back(spacing_of(model.bodies[pair.a].kernel->surface));
+    const kernels::Surface& surface = model.bodies[pair.a].kernel->surface;
+    spacing_.push_back(surface.whole ? spacing_of(*surface.whole) : spacing_of(surface));
   }
+  nearer_.assign(model.pairs.size(), 0);
   out_.candidates = static_cast<int>(model.gap.size());
   energy_before_ =
       0.5 * model.v0.squaredNorm() + 0.5 * (model.omega.array() * model.q0.array()).square().sum();
@@ -192,8 +204,11 @@ void SummaryObserver::look_at_validity(const Integrator& integrator) {
   for (std::size_t p = 0; p < model_.pairs.size(); ++p) {
     const Model::PairBlock& pair = model_.pairs[p];
     for (int i = pair.first_point; i < pair.first_point + pair.points; ++i) {
-      if (!(integrator.force()(i) > 0)) continue;
+      const bool pressed = integrator.force()(i) > 0;
+      if (!pressed && !pair.reach) continue;
       const Vector3d n = model_.normal.row(i).transpose();
+      nearer_[p] = std::max(nearer_[p], n.dot(relative(moved, pair, i)));
+      if (!pressed) continue;
       if (out_.contact_steps == 1) approach_ = std::max(approach_, n.dot(relative(speed, pair, i)));
       const Vector3d shift = relative(moved, pair, i);
       const double slip = (shift - shift.dot(n) * n).norm();
@@ -220,6 +235,9 @@ std::vector<std::string> SummaryObserver::warnings() const {
                     "initial configuration",
                     slip_, slip_share_, farthest_share));
   if (tilt_ * 180 / std::numbers::pi > largest_rotation_deg) out.push_back(turned(tilted_, tilt_));
+  for (std::size_t p = 0; p < model_.pairs.size(); ++p)
+    if (model_.pairs[p].reach && nearer_[p] >= *model_.pairs[p].reach)
+      out.push_back(beyond_reach(model_, model_.pairs[p], nearer_[p]));
   return out;
 }
 
@@ -322,6 +340,8 @@ EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium)
       figures.peak_pressure_pa = (force / area).maxCoeff();
       const Vector3d nearer = moved(pair.a) - (pair.b < 0 ? Vector3d::Zero() : moved(pair.b));
       figures.approach_m = nearer.dot(sum.normalized());
+      if (pair.reach && figures.approach_m >= *pair.reach)
+        out.warnings.push_back(beyond_reach(model, pair, figures.approach_m));
     }
     out.pairs.push_back(figures);
   }

@@ -98,6 +98,7 @@ class SummaryObserver {
   double energy_before_ = 0;  ///< kinetic + strain at the end of the step before
   double energy_at_start_ = 0, energy_lost_ = 0;
   double approach_ = 0;  ///< largest normal approach speed of a point in the first step of contact [m/s]
+  std::vector<double> nearer_;  ///< by pair, farthest that its points moved rigidly towards each other [m]
   double slip_ = 0, slip_share_ = 0;  ///< worst tangential motion [m] and its share of the spacing
   double tilt_ = 0;                   ///< largest rotation of a free body while touching [rad]
   std::string tilted_;                ///< that body

@@ -107,13 +107,19 @@ Kernel rescaled(Kernel kernel, const Similarity& factors, const Damping& damping
     upto_hz *= frequency;
   }
   {
-    auto& [components, direction, node, centroid, group, normal, area, corners, element, shape, flexibility] =
-        surface;
+    auto& [components, direction, node, centroid, group, normal, area, corners, element, shape, flexibility,
+           whole] = surface;
     multiply(node, s);
     multiply(centroid, s);
     multiply(area, factors.area.value_or(s * s));
     multiply(shape, 1 / root);
     multiply(flexibility, 1 / k);
+    if (whole) {
+      auto& [all_node, all_centroid, all_normal, all_area, all_corners, all_element, held] = *whole;
+      multiply(all_node, s);
+      multiply(all_centroid, s);
+      multiply(all_area, factors.area.value_or(s * s));
+    }
   }
   auto& [body_force, rotation, body_force_residual] = loads;
   multiply(body_force, root);
@@ -180,6 +186,18 @@ Kernel cut_to_count(Kernel kernel, std::int64_t count) {
   return cut_to_band(std::move(kernel), end);
 }
 
+void keep_candidates(Surface& surface, const std::vector<std::int64_t>& points) {
+  take_elements(surface, points);
+  surface.whole.reset();
+  std::vector<std::string> group;
+  for (const std::int64_t i : points) group.push_back(surface.group[static_cast<std::size_t>(i)]);
+  surface.group = std::move(group);
+  take_rows(surface.node, 3, points);
+  if (!surface.centroid.empty()) take_rows(surface.centroid, 3, points);
+  take_rows(surface.normal, 3, points);
+  take_rows(surface.area, 1, points);
+}
+
 Kernel cut_to_points(Kernel kernel, const std::vector<std::int64_t>& points) {
   Surface& surface = kernel.surface;
   const std::size_t m = surface.size(), n = kernel.modes.size(),
@@ -194,14 +212,7 @@ Kernel cut_to_points(Kernel kernel, const std::vector<std::int64_t>& points) {
       fail(kernel, fmt::format("candidate point {} is named twice: name it once", i));
     named[static_cast<std::size_t>(i)] = true;
   }
-  take_elements(surface, points);
-  std::vector<std::string> group;
-  for (const std::int64_t i : points) group.push_back(surface.group[static_cast<std::size_t>(i)]);
-  surface.group = std::move(group);
-  take_rows(surface.node, 3, points);
-  if (!surface.centroid.empty()) take_rows(surface.centroid, 3, points);
-  take_rows(surface.normal, 3, points);
-  take_rows(surface.area, 1, points);
+  keep_candidates(surface, points);
   take_rows(surface.shape, n, points, c);
   if (!surface.residual_flexibility.empty()) {
     std::vector<double> square;

@@ -50,9 +50,13 @@ Kernel cut_to_band(Kernel kernel, Hertz band);
 Kernel cut_to_count(Kernel kernel, std::int64_t count);
 
 /// The candidate points of these indices, in this order. Surface elements stay where all their corners do;
-/// when none does, the points stand alone (one corner each). Throws InputError when an index is not one of
-/// the candidates, comes twice, or there is none.
+/// when none does, the points stand alone (one corner each). What they were cut from is forgotten. Throws
+/// InputError when an index is not one of the candidates, comes twice, or there is none.
 Kernel cut_to_points(Kernel kernel, const std::vector<std::int64_t>& points);
+
+/// The same of the geometry alone: node to element, and no `whole`. `points` are indices of candidates, each
+/// at most once.
+void keep_candidates(Surface& surface, const std::vector<std::int64_t>& points);
 
 /// Of a kernel with three components the one along this unit vector. Throws InputError when it has one
 /// already.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <set>
 #include <span>
 #include <string_view>
@@ -109,6 +110,38 @@ void validate_modes(const Modes& modes, const Validator& check) {
     check.fail("group \"/modes/certificate\"", "holds a number that is negative or not finite.");
 }
 
+/// @param surface  Surface or WholeSurface, @param of its datasets' group
+template <class Any>
+void validate_candidates(const Any& surface, const std::string& of, const Validator& check) {
+  const std::size_t m = surface.area.size();
+  const auto name = [&](const char* dataset) { return fmt::format("dataset \"{}/{}\"", of, dataset); };
+  check.finite(name("area"), surface.area, m);
+  check.template each<double>(
+      name("area"), surface.area, [](double a) { return a > 0; }, "positive");
+  check.finite(name("node"), surface.node, 3 * m);
+  if (!surface.centroid.empty()) check.finite(name("centroid"), surface.centroid, 3 * m);
+  check.finite(name("normal"), surface.normal, 3 * m);
+  check.unit(name("normal"), surface.normal);
+  check.elements(name("element"), surface.element, surface.element_corners, 1, m);
+}
+
+void validate_whole(const Surface& surface, const Validator& check) {
+  const WholeSurface& whole = *surface.whole;
+  validate_candidates(whole, "/surface/whole", check);
+  const std::string held = "dataset \"/surface/whole/held\"";
+  check.length(held, whole.held.size(), surface.size());
+  const std::size_t all = whole.area.size();
+  check.each<std::int64_t>(
+      held, whole.held, [all](std::int64_t i) { return i >= 0 && static_cast<std::uint64_t>(i) < all; },
+      fmt::format("an index below {}", all));
+  for (std::size_t i = 0; i < whole.held.size(); ++i) {
+    if (i > 0 && whole.held[i - 1] >= whole.held[i]) check.fail(held, "is not ascending.");
+    if (!std::equal(&surface.node[3 * i], &surface.node[3 * i] + 3,
+                    &whole.node[3 * static_cast<std::size_t>(whole.held[i])]))
+      check.fail(held, fmt::format("names another candidate than that of row {}.", i));
+  }
+}
+
 void validate_surface(const Surface& surface, std::size_t modes, const Validator& check) {
   const std::size_t m = surface.size();
   if (surface.components != 3 && surface.components != 1)
@@ -119,15 +152,9 @@ void validate_surface(const Surface& surface, std::size_t modes, const Validator
                "must have a direction when it holds one component, and only then.");
   if (surface.direction) check.unit("attribute \"direction\" of \"/surface/shape\"", *surface.direction);
   const std::size_t c = static_cast<std::size_t>(surface.components);
-  check.finite("dataset \"/surface/area\"", surface.area, m);
-  check.each<double>(
-      "dataset \"/surface/area\"", surface.area, [](double a) { return a > 0; }, "positive");
-  check.finite("dataset \"/surface/node\"", surface.node, 3 * m);
-  if (!surface.centroid.empty()) check.finite("dataset \"/surface/centroid\"", surface.centroid, 3 * m);
+  validate_candidates(surface, "/surface", check);
   check.length("dataset \"/surface/group\"", surface.group.size(), m);
-  check.finite("dataset \"/surface/normal\"", surface.normal, 3 * m);
-  check.unit("dataset \"/surface/normal\"", surface.normal);
-  check.elements("dataset \"/surface/element\"", surface.element, surface.element_corners, 1, m);
+  if (surface.whole) validate_whole(surface, check);
   check.finite("dataset \"/surface/shape\"", surface.shape, m * c * modes);
 
   const std::vector<double>& r = surface.residual_flexibility;
@@ -192,6 +219,20 @@ void validate_sources(const Kernel& kernel, const Validator& check) {
 }
 
 }  // namespace
+
+WholeSurface whole_surface(const Surface& surface) {
+  if (surface.whole) return *surface.whole;
+  WholeSurface out{surface.node,
+                   surface.centroid,
+                   surface.normal,
+                   surface.area,
+                   surface.element_corners,
+                   surface.element,
+                   {}};
+  out.held.resize(surface.size());
+  std::iota(out.held.begin(), out.held.end(), std::int64_t{0});
+  return out;
+}
 
 bool is_free_name(const std::string& name) {
   constexpr std::array taken = {".", "..", "body_force", "body_force_residual", "rotation"};

@@ -40,6 +40,16 @@ struct Modes {
   std::size_t size() const { return angular_frequency.size(); }
 };
 
+/// All candidates of a surface some of which were left out of a kernel: pairs are found among these.
+/// W of them, T elements of k corners.
+struct WholeSurface {
+  std::vector<double> node, centroid, normal;  ///< (W,3) as in Surface
+  std::vector<double> area;                    ///< (W) [m²]
+  int element_corners = 3;                     ///< k
+  std::vector<std::int64_t> element;           ///< (T,k)
+  std::vector<std::int64_t> held;              ///< (M) the candidates that the kernel holds, ascending
+};
+
 /// Candidate contact patches (hats w_i ≥ 0 with Σ w_i = 1, A_i = ∫ w_i ds).
 struct Surface {
   int components = 3;                 ///< c
@@ -53,9 +63,13 @@ struct Surface {
   std::vector<std::int64_t> element;  ///< (T,k) by candidate index
   std::vector<double> shape;          ///< (M,c,N) φ_i = (1/A_i) ∫ w_i φ ds [kg^-1/2]
   std::vector<double>
-      residual_flexibility;  ///< (cM,cM) R [m/N], index c·i + component; empty when not asked for
+      residual_flexibility;           ///< (cM,cM) R [m/N], index c·i + component; empty when not asked for
+  std::optional<WholeSurface> whole;  ///< where candidates out of reach were left out; none: these are all
   std::size_t size() const { return area.size(); }
 };
+
+/// All candidates: those of `whole`, or, where none were left out, of the surface itself.
+WholeSurface whole_surface(const Surface& surface);
 
 struct Loads {
   std::vector<double> body_force;  ///< (3,N) φᵀ M e_i [kg^1/2]: uniform acceleration fields, momentum
@@ -148,6 +162,7 @@ Kernel read(const std::filesystem::path& path);
 /// What a kernel file says of itself ahead of its data.
 struct Header {
   std::string hash, scene, mesh_sha256;
+  std::optional<std::vector<std::int64_t>> held{};  ///< of WholeSurface; none: no candidate was left out
 };
 
 /// Cheap. None when `path` is not a kernel file of a format known here.

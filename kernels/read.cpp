@@ -78,6 +78,25 @@ Modes read_modes(const hdf5::Reader& file) {
   return modes;
 }
 
+/// Corners of the elements that a dataset holds; 4 stands for more.
+int corners_of(const hdf5::Reader& file, const std::string& dataset) {
+  return static_cast<int>(std::min<std::size_t>(file.shape(dataset)[1], 4));
+}
+
+WholeSurface read_whole(const hdf5::Reader& file) {
+  const std::string group = "/surface/whole";
+  WholeSurface whole;
+  whole.area = file.read<double>(group + "/area", {any});
+  const std::size_t w = whole.area.size();
+  whole.node = file.read<double>(group + "/node", {w, 3});
+  if (file.exists(group + "/centroid")) whole.centroid = file.read<double>(group + "/centroid", {w, 3});
+  whole.normal = file.read<double>(group + "/normal", {w, 3});
+  whole.element = file.read<std::int64_t>(group + "/element", {any, any});
+  whole.element_corners = corners_of(file, group + "/element");
+  whole.held = file.read<std::int64_t>(group + "/held", {any});
+  return whole;
+}
+
 Surface read_surface(const hdf5::Reader& file, std::size_t n) {
   Surface surface;
   surface.area = file.read<double>("/surface/area", {any});
@@ -87,7 +106,7 @@ Surface read_surface(const hdf5::Reader& file, std::size_t n) {
   surface.group = file.read_strings("/surface/group", m);
   surface.normal = file.read<double>("/surface/normal", {m, 3});
   surface.element = file.read<std::int64_t>("/surface/element", {any, any});
-  surface.element_corners = static_cast<int>(std::min<std::size_t>(file.shape("/surface/element")[1], 4));
+  surface.element_corners = corners_of(file, "/surface/element");
   if (file.has_attribute("/surface/shape", "direction")) {
     surface.components = 1;
     const std::vector<double> direction = file.doubles_attribute("/surface/shape", "direction", 3);
@@ -98,6 +117,7 @@ Surface read_surface(const hdf5::Reader& file, std::size_t n) {
   const std::size_t rows = static_cast<std::size_t>(surface.components) * m;
   if (file.exists("/surface/residual_flexibility"))
     surface.residual_flexibility = file.read<double>("/surface/residual_flexibility", {rows, rows});
+  if (file.exists("/surface/whole")) surface.whole = read_whole(file);
   return surface;
 }
 
@@ -171,7 +191,7 @@ View read_view(const hdf5::Reader& file, std::size_t n) {
   View view;
   view.node = file.read<double>("/view/node", {any, 3});
   view.element = file.read<std::int64_t>("/view/element", {any, any});
-  view.element_corners = static_cast<int>(std::min<std::size_t>(file.shape("/view/element")[1], 4));
+  view.element_corners = corners_of(file, "/view/element");
   view.shape = file.read<float>("/view/shape", {view.node.size() / 3, 3, n});
   return view;
 }
@@ -196,8 +216,10 @@ std::optional<Header> read_header(const std::filesystem::path& path) noexcept {
   try {
     const hdf5::Reader file(path, kAdvice);
     if (!is_kernel(file) || file.integer_attribute("/", "version") > kVersion) return std::nullopt;
-    return Header{file.string_attribute("/", "hash"), file.string_attribute("/", "scene"),
+    Header header{file.string_attribute("/", "hash"), file.string_attribute("/", "scene"),
                   file.string_attribute("/", "mesh_sha256")};
+    if (file.exists("/surface/whole")) header.held = file.read<std::int64_t>("/surface/whole/held", {any});
+    return header;
   } catch (...) {
     return std::nullopt;
   }

@@ -40,6 +40,17 @@ void write_modes(hdf5::Writer& file, const Modes& modes) {
   file.attribute(certificate, "flexibility_error", modes.certificate.flexibility_error);
 }
 
+void write_whole(hdf5::Writer& file, const WholeSurface& whole) {
+  const std::size_t w = whole.area.size(), corners = static_cast<std::size_t>(whole.element_corners);
+  const std::string group = "/surface/whole";
+  file.write(group + "/node", whole.node, {w, 3}, "m");
+  if (!whole.centroid.empty()) file.write(group + "/centroid", whole.centroid, {w, 3}, "m");
+  file.write(group + "/normal", whole.normal, {w, 3}, "1");
+  file.write(group + "/area", whole.area, {w}, "m^2");
+  file.write(group + "/element", whole.element, {whole.element.size() / corners, corners}, "1");
+  file.write(group + "/held", whole.held, {whole.held.size()}, "1");
+}
+
 void write_surface(hdf5::Writer& file, const Surface& surface, std::size_t n) {
   const std::size_t m = surface.size(), rows = static_cast<std::size_t>(surface.components) * m;
   const std::size_t corners = static_cast<std::size_t>(surface.element_corners);
@@ -54,6 +65,7 @@ void write_surface(hdf5::Writer& file, const Surface& surface, std::size_t n) {
   if (directed) file.attribute("/surface/shape", "direction", *surface.direction);
   if (!surface.residual_flexibility.empty())
     file.write("/surface/residual_flexibility", surface.residual_flexibility, {rows, rows}, "m/N");
+  if (surface.whole) write_whole(file, *surface.whole);
 }
 
 void write_loads(hdf5::Writer& file, const Kernel& kernel) {

@@ -17,4 +17,6 @@ GmshSession::GmshSession(const std::vector<std::string>& numbers) {
 
 GmshSession::~GmshSession() { gmsh::finalize(); }
 
+void forget_meshes() { gmsh::clear(); }
+
 }  // namespace ricochet::mesh

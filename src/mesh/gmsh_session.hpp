@@ -16,6 +16,10 @@ class GmshSession {
   GmshSession& operator=(const GmshSession&) = delete;
 };
 
+/// Frees what gmsh holds of the meshes read so far; shape functions and quadrature need none. Needs a
+/// GmshSession.
+void forget_meshes();
+
 /// Calls `task`, turning whatever gmsh throws into an InputError "`where`: gmsh: message".
 template <class Task>
 void with_gmsh_errors(const std::string& where, Task&& task);

@@ -1,6 +1,15 @@
+#include <algorithm>
+
 #include "src/modes/modes.hpp"
 
 namespace ricochet::modes {
+
+namespace {
+
+/// Of a team: some of MUMPS's blocks of right-hand sides.
+constexpr Eigen::Index columns_at_once = 256;
+
+}  // namespace
 
 Eigen::MatrixXd residual_response(const parallel::Teams& teams, const mesh::Mesh& mesh,
                                   const elasticity::Body& body, Factorisation& factor, const ModeSet& modes,
@@ -36,10 +45,20 @@ Eigen::MatrixXd residual_response(const parallel::Teams& teams, const mesh::Mesh
   };
   // P f = f − M Φ Φᵀ f removes the kept modes from a load, Pᵀ u = u − Φ (MΦ)ᵀ u from a displacement; each
   // team knows some of the modes.
-  const auto respond = [&](const Eigen::MatrixXd& force) -> Eigen::MatrixXd {
+  const auto respond_to = [&](const Eigen::Ref<const Eigen::MatrixXd>& force) -> Eigen::MatrixXd {
     const Eigen::MatrixXd rest = force - over_teams(inertia * inner(mesh.comm, modes.shape, force));
     const Eigen::MatrixXd u = shared_solve(teams, factor, rest);
     return u - over_teams(modes.shape * inner(mesh.comm, inertia, u));
+  };
+  // What is in between exists of some columns only: all of it would be several times the loads.
+  const Eigen::Index width = columns_at_once * teams.count();
+  const auto respond = [&](const Eigen::MatrixXd& force) {
+    Eigen::MatrixXd out(force.rows(), force.cols());
+    for (Eigen::Index from = 0; from < force.cols(); from += width) {
+      const Eigen::Index columns = std::min(width, force.cols() - from);
+      out.middleCols(from, columns) = respond_to(force.middleCols(from, columns));
+    }
+    return out;
   };
   // Term k is (−σ)^k Cᵀ X_k with X_k = ((K − σM)⁻¹ M)^k (K − σM)⁻¹ P L. As the operator is symmetric and L
   // begins with C, Cᵀ X_{i+j+1} = X_iᵀ M X_j over the leading columns: two solves give four terms.

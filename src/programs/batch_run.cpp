@@ -47,11 +47,13 @@ class Batch {
   }
 
  private:
-  Json needed(const scene::Scene& scene) const {
+  Json needed(const scene::Scene& scene) {
     Json out = Json::array();
-    for (const scene::Body& body : scene.bodies) {
-      const fs::path path = scene::kernel_path(options_.out, scene::kernel_request(scene, body));
-      out.push_back({{"file", path.filename().string()}, {"there", fs::exists(path)}});
+    const std::vector<StoredKernel> stored = find_kernels(scene, options_.out, cache_);
+    for (std::size_t k = 0; k < stored.size(); ++k) {
+      const fs::path whole = scene::kernel_path(options_.out, scene::kernel_request(scene, scene.bodies[k]));
+      const fs::path& path = stored[k].enough ? stored[k].path : whole;
+      out.push_back({{"file", path.filename().string()}, {"there", stored[k].enough}});
     }
     return out;
   }
@@ -63,7 +65,7 @@ class Batch {
                       "contact.scheme = \"static\"",
                       scene.file.string()));
     const Clock::time_point started = Clock::now();
-    const Kernels kernels = read_kernels(scene, options_.out, &cache_);
+    const Kernels kernels = read_kernels(scene, options_.out, cache_);
     const contact::Model model = in_scene(scene, [&] { return model_of(scene, kernels); });
     const contact::StepOptions step = step_options(scene);
     const std::int64_t steps = std::llround(scene.time.duration * scene.time.rate.value);

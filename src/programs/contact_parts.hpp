@@ -1,23 +1,19 @@
 // What runs by modes and runs by table kernels share.
 #pragma once
 
-#include <fmt/format.h>
-
 #include <chrono>
 #include <filesystem>
 #include <iosfwd>
-#include <map>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "contact/integrator.hpp"
 #include "contact/model.hpp"
 #include "contact/summary.hpp"
-#include "kernels/error.hpp"
-#include "kernels/kernel.hpp"
 #include "src/console/console.hpp"
 #include "src/console/options.hpp"
+#include "src/programs/placing.hpp"
+#include "src/programs/stored_kernels.hpp"
 #include "src/scene/scene.hpp"
 
 namespace ricochet::programs {
@@ -25,34 +21,11 @@ namespace ricochet::programs {
 using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start);
 
-/// Kernels of the scene's bodies, in their order.
-struct Kernels {
-  std::vector<std::shared_ptr<const kernels::Kernel>> kernel;
-  std::vector<std::string> file;
-};
-
-/// Kernels of the run before, by path.
-using KernelCache = std::map<std::filesystem::path, std::shared_ptr<const kernels::Kernel>>;
-
-/// Those in `cache` are not read again; afterwards it holds the scene's alone.
-Kernels read_kernels(const scene::Scene& scene, const std::filesystem::path& folder,
-                     KernelCache* cache = nullptr);
-
 /// √(E/ρ) [m/s], the least of all bodies; 0 without bodies.
 double slowest_wave(const scene::Scene& scene);
 
 contact::Model model_of(const scene::Scene& scene, const Kernels& kernels);
 contact::StepOptions step_options(const scene::Scene& scene);
-
-/// Contact points and bodies are named to the user by the scene.
-template <class Action>
-auto in_scene(const scene::Scene& scene, Action action) {
-  try {
-    return action();
-  } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}", scene.file.string(), error.what()));
-  }
-}
 
 /// Throws what a step that failed at `time` [s] means.
 void check(contact::StepStatus status, const scene::Scene& scene, double time);

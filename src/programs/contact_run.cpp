@@ -37,30 +37,6 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-Kernels read_kernels(const scene::Scene& scene, const fs::path& folder, KernelCache* cache) {
-  Kernels out;
-  KernelCache kept;
-  for (const scene::Body& body : scene.bodies) {
-    const scene::KernelRequest request = scene::kernel_request(scene, body);
-    const fs::path path = scene::kernel_path(folder, request);
-    if (!fs::exists(path))
-      throw InputError(fmt::format("{}: no kernel for body \"{}\" at {}. Run ricochet-kernel {} first.",
-                                   scene.file.string(), body.name, path.string(), scene.file.string()));
-    std::shared_ptr<const kernels::Kernel> kernel;
-    if (cache && cache->contains(path)) kernel = cache->at(path);
-    if (!kernel) kernel = std::make_shared<const kernels::Kernel>(kernels::read(path));
-    if (kernel->hash != request.hash)
-      throw InputError(
-          fmt::format("{}: is a kernel of another scene, not of body \"{}\". Run ricochet-kernel {} again.",
-                      path.string(), body.name, scene.file.string()));
-    out.kernel.push_back(kernel);
-    out.file.push_back(path.filename().string());
-    kept[path] = kernel;
-  }
-  if (cache) *cache = std::move(kept);
-  return out;
-}
-
 std::vector<contact::DriveRequest> drives_of(const scene::Scene& scene) {
   std::vector<contact::DriveRequest> out;
   const auto add = [&](const std::vector<scene::Driven>& all, bool support) {
@@ -78,28 +54,10 @@ std::vector<contact::DriveRequest> drives_of(const scene::Scene& scene) {
 }
 
 contact::Model model_of(const scene::Scene& scene, const Kernels& kernels) {
-  std::vector<contact::PlacedBody> bodies;
-  for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
-    const scene::Body& body = scene.bodies[k];
-    const auto rotation = scene::rotation_of(body);
-    bodies.push_back(
-        {.name = body.name,
-         .kernel = kernels.kernel[k].get(),
-         .rotation = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rotation.data()),
-         .translation = vector(body.translate),
-         .velocity = vector(body.velocity)});
-  }
-  std::vector<contact::HalfSpace> obstacles;
-  for (const scene::Obstacle& obstacle : scene.obstacles)
-    obstacles.push_back({obstacle.name, vector(obstacle.point), vector(obstacle.normal)});
-  std::vector<contact::PairRequest> pairs;
-  for (const scene::Pair& pair : scene.contact.pairs) {
-    contact::PairRequest request{pair.a, pair.b, {}, pair.gap, pair.reach};
-    if (pair.direction) request.direction = vector(*pair.direction);
-    pairs.push_back(request);
-  }
-  return contact::build_model(std::move(bodies), obstacles, pairs, vector(scene.loads.gravity),
-                              drives_of(scene));
+  std::vector<const kernels::Kernel*> pointers;
+  for (const auto& kernel : kernels.kernel) pointers.push_back(kernel.get());
+  return contact::build_model(placed_bodies(scene, pointers), half_spaces(scene), pair_requests(scene),
+                              vector(scene.loads.gravity), drives_of(scene));
 }
 
 contact::StepOptions step_options(const scene::Scene& scene) {
@@ -296,7 +254,8 @@ int run_contact(const console::Options& options, std::ostream& out) {
     return run_table(options, scene, folder, console, out);
 
   console.begin("kernels");
-  const Kernels kernels = read_kernels(scene, folder);
+  KernelCache cache;
+  const Kernels kernels = read_kernels(scene, folder, cache);
   console.end(fmt::format("{} bodies", kernels.kernel.size()));
 
   console.begin("pairing");

@@ -13,22 +13,12 @@
 #include "src/modes/contact_basis.hpp"
 #include "src/modes/search.hpp"
 #include "src/parallel/memory.hpp"
+#include "src/programs/kernel_candidates.hpp"
 #include "src/scene/derive.hpp"
-#include "src/scene/parts.hpp"
-#include "src/surface/surface.hpp"
 
 namespace ricochet {
 
 namespace {
-
-std::vector<std::string> geometry_numbers(const scene::Body& body) {
-  std::vector<std::string> numbers;
-  for (const auto& [name, value] : body.geometry) {
-    numbers.push_back(name);
-    numbers.push_back(fmt::format("{}", value));
-  }
-  return numbers;
-}
 
 /// A body on every team of ranks, its factorisation analysed.
 struct Discretised {
@@ -73,23 +63,17 @@ Discretised discretise(const scene::KernelRequest& request, MPI_Comm comm, conso
   const mesh::Asked asked = surface::asked_of(request);
   std::vector<std::string> moved;
   for (const std::string& support : asked.moved) moved.push_back(body.support.at(support));
-  mesh::GlobalMesh global;
-  std::vector<char> split(1, 0);
-  parallel::on_first_rank(comm, [&] {
-    split[0] = scene::part_files(body.mesh).empty() ? 0 : 1;
-    if (split[0] == 0) global = mesh::read_mesh(body, bar, asked);
-  });
-  parallel::broadcast(comm, split);
+  Source source = open_source(body, asked, comm, bar);
   const int ranks = parallel::size_of(comm);
   const int most = request.modes.basis == scene::Basis::contact ? 1 : ranks;
   for (int count = most;; --count) {
     if (ranks % count != 0) continue;
     Discretised made{std::make_unique<parallel::Teams>(comm, count), {}, {}, {}, {}};
     const parallel::Teams& teams = *made.teams;
-    if (split[0] != 0)
+    if (source.in_parts)
       made.mesh = read_parts(body, asked, teams, bar);
     else  // Fewer teams may have to be tried.
-      made.mesh = hand_out(count > 1 ? global : std::move(global), teams);
+      made.mesh = hand_out(count > 1 ? source.whole : std::move(source.whole), teams);
     console.end(fmt::format("{} elements, {} nodes", made.mesh.total_elements, made.mesh.total_nodes));
 
     console.begin(body.name + ": assembly");
@@ -199,12 +183,13 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::f
   const elasticity::Body& matrices = made.matrices;
 
   console.begin(body.name + ": candidates");
-  const surface::Patches patches = surface::make_patches(
-      mesh, body.contact,
-      {.direction = request.direction, .along = request.along, .spacing = request.spacing});
-  console.end(fmt::format("{} on the contact surface", patches.geometry.size()));
+  surface::Patches patches = patches_of(request, mesh);
+  const std::size_t all = patches.geometry.size();
+  if (request.points) surface::keep(patches, *request.points);
+  console.end(request.points ? fmt::format("{} of {} within reach", patches.geometry.size(), all)
+                             : fmt::format("{} on the contact surface", all));
 
-  const Eigen::MatrixXd loads = surface::patch_loads(mesh, patches);
+  Eigen::MatrixXd loads = surface::patch_loads(mesh, patches);
   const modes::ModeSet modes = find_modes(request, made, loads, checkpoint, console);
   console.end(told(request, modes));
 
@@ -228,7 +213,7 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::f
   kernel.modes.certificate = modes.certificate;
   for (double omega : modes.angular_frequency)
     kernel.modes.decay_rate.push_back(kernels::decay_rate(body.damping, RadPerSecond{omega}));
-  surface::trace(teams, mesh, matrices, *made.factor, modes, patches, loads,
+  surface::trace(teams, mesh, matrices, *made.factor, modes, patches, std::move(loads),
                  request.modes.residual_flexibility, request.view, kernel, made.sources);
   if (request.modes.basis == scene::Basis::modes && request.modes.flexibility_error)
     leave_to_residual(request, kernel);
@@ -284,18 +269,27 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
   console::Console console(options.quiet || !first,
                            [comm] { return parallel::largest(comm, console::peak_memory_mib()); });
   if (requests.empty()) console.say("the scene takes its kernels from contact.table: nothing to compute");
-  for (const scene::KernelRequest& request : requests) {
-    const std::filesystem::path path = scene::kernel_path(options.out, request);
-    std::vector<char> there{first && kernels::read_hash(path) == request.hash};
+  const std::vector<Points> points = needed_points(scene, requests, options.out, comm, console);
+  for (std::size_t k = 0; k < requests.size(); ++k) {
+    scene::KernelRequest request = with_points(requests[k], points[k]);
+    std::string there;
+    if (first)
+      for (const programs::KernelFile& file : programs::kernel_files(options.out, requests[k]))
+        if (there.empty() && file.holds(points[k])) there = file.path.string();
     parallel::broadcast(comm, there);
-    if (there[0] != 0) {
-      console.say(fmt::format("{}: already there: {}", request.body.name, path.string()));
+    if (!there.empty()) {
+      console.say(fmt::format("{}: already there: {}", request.body.name, there));
       continue;
+    }
+    std::filesystem::path path = scene::kernel_path(options.out, request);
+    const std::string from = derive_if_possible(request, options.out, path, comm);
+    if (from.empty()) {
+      request = with_points(requests[k], worth_computing(requests, points, k));
+      path = scene::kernel_path(options.out, request);
     }
     // Kept until the kernel is there: a run that was killed goes on from it.
     std::filesystem::path checkpoint = path;
     checkpoint.replace_extension().replace_extension(".slices");
-    const std::string from = derive_if_possible(request, options.out, path, comm);
     if (from.empty()) {
       const kernels::Kernel kernel = compute_kernel(request, checkpoint, comm, console);
       parallel::on_first_rank(comm, [&] { kernels::write(kernel, path); });

@@ -33,7 +33,10 @@ scene::KernelRequest wanted_of(const scene::KernelRequest& had, const RecastOpti
   }
   wanted.body.scale *= options.scale;
   if (wanted.spacing) *wanted.spacing *= options.scale;
-  if (options.points) wanted.points = of_whole_surface(had, *options.points, kernel.surface.size());
+  if (options.points) {
+    wanted.points = of_whole_surface(had, *options.points, kernel.surface.size());
+    wanted.within_reach = false;
+  }
 
   const double frequency =
       kernels::frequency_factor({.young = options.young, .density = options.density, .scale = options.scale});
@@ -58,7 +61,9 @@ scene::KernelRequest wanted_of(const scene::KernelRequest& had, const RecastOpti
 int run_recast(const RecastOptions& options, std::ostream& out) {
   const std::string file = options.kernel.string();
   kernels::Kernel kernel = kernels::read(options.kernel);
-  scene::KernelRequest had = scene::request_of({kernel.hash, kernel.scene, kernel.mesh_sha256}, file);
+  kernels::Header header{kernel.hash, kernel.scene, kernel.mesh_sha256};
+  if (kernel.surface.whole) header.held = kernel.surface.whole->held;
+  scene::KernelRequest had = scene::request_of(header, file);
   had.body.name = kernel.body;
   const std::size_t modes = kernel.modes.size(), points = kernel.surface.size();
   scene::KernelRequest wanted;

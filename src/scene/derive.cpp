@@ -101,6 +101,10 @@ KernelRequest request_of(const kernels::Header& header, const std::string& origi
     request.along = contact->vector("along");
     request.spacing = contact->number("spacing");
     request.points = contact->integers("points");
+    if (contact->text("within_reach")) {
+      request.within_reach = true;
+      request.points = header.held;
+    }
     contact->refuse_unknown();
   }
   if (auto output = root.table("output")) {
@@ -132,6 +136,7 @@ std::optional<kernels::Similarity> similarity(const KernelRequest& had, const Ke
   if (had.spacing && !same(*had.spacing * by.scale, *wanted.spacing)) return std::nullopt;
   const auto has = [&](std::int64_t point) { return std::ranges::count(*had.points, point) > 0; };
   if (had.points && !(wanted.points && std::ranges::all_of(*wanted.points, has))) return std::nullopt;
+  if (wanted.within_reach && had.points && !had.within_reach) return std::nullopt;
   return by;
 }
 
@@ -143,8 +148,14 @@ kernels::Kernel derived(kernels::Kernel kernel, const KernelRequest& had, const 
   kernel = kernels::rescaled(std::move(kernel), *factors, wanted.body.damping);
   const bool turned = had.direction != wanted.direction;
   if (turned) kernel = kernels::cut_to_direction(std::move(kernel), *wanted.direction);
-  if (wanted.points && wanted.points != had.points)
+  if (wanted.points && (wanted.points != had.points || wanted.within_reach != had.within_reach)) {
+    kernels::WholeSurface whole = kernels::whole_surface(kernel.surface);
     kernel = kernels::cut_to_points(std::move(kernel), places(had, wanted));
+    if (wanted.within_reach) {
+      whole.held = *wanted.points;
+      kernel.surface.whole = std::move(whole);
+    }
+  }
   kernel =
       with_modes(std::move(kernel), had.modes, wanted.modes, kernels::frequency_factor(*factors), !turned);
   if (!wanted.modes.residual_flexibility) {

@@ -113,7 +113,12 @@ void seal(KernelRequest& request) {
   if (request.direction) request.toml += "direction = " + toml_vector(*request.direction) + "\n";
   if (request.along) request.toml += "along = " + toml_vector(*request.along) + "\n";
   if (request.spacing) request.toml += "spacing = " + toml_number(*request.spacing) + "\n";
-  if (request.points) request.toml += fmt::format("points = [{}]\n", fmt::join(*request.points, ", "));
+  if (request.points) {
+    const std::string points = fmt::format("{}", fmt::join(*request.points, ", "));
+    // A list of thousands would be too long for an attribute; the kernel holds it as a dataset.
+    request.toml += request.within_reach ? fmt::format("within_reach = \"{}\"\n", sha256(points))
+                                         : fmt::format("points = [{}]\n", points);
+  }
   request.toml += fmt::format("[output]\nview = {}\n", request.view);
   request.toml += toml_sources(request);
   request.hash = sha256(fmt::format("{}\n{}\n{}", kernel_generation, request.mesh_sha256, request.toml));

@@ -169,8 +169,12 @@ struct KernelRequest {
   std::optional<Vector3> direction;  ///< set only when every pair of the body gives the same one
   std::optional<Vector3> along;
   std::optional<double> spacing;
-  /// Numbers of the candidates that are kept, of those of the whole surface; no scene asks for this.
+  /// Numbers of the candidates that are kept, of those of the whole surface; none: all.
   std::optional<std::vector<std::int64_t>> points;
+  /// Why only these: pairs are still found on the whole surface, and they are what `reach` leaves
+  /// (ascending). Otherwise they are somebody's choice, and all that is left of the surface; no scene asks
+  /// for this.
+  bool within_reach = false;
   bool view = false;
   std::vector<Driven> tractions, point_forces,
       motions;                      ///< of this body; vector and history cleared, `at` in its frame

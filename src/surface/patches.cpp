@@ -3,9 +3,13 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
+#include <queue>
 #include <set>
 
+#include "kernels/algebra.hpp"
 #include "src/mesh/lattice.hpp"
+#include "src/surface/grid.hpp"
 #include "src/surface/surface.hpp"
 
 namespace ricochet::surface {
@@ -139,14 +143,18 @@ Merge merge_lines(const Fine& fine, const Eigen::Vector3d& along) {
   const double tolerance = 1e-6 * size;
   Merge merge;
   std::vector<Eigen::Vector3d> foot, facing;
+  Grid feet(size > 0 ? 100 * tolerance : 1);
   std::vector<std::pair<double, double>> range;
   std::vector<int> line(fine.position.size());
   for (std::size_t i = 0; i < fine.position.size(); ++i) {
     const double height = fine.position[i].dot(along);
     const Eigen::Vector3d x = fine.position[i] - height * along;
-    std::size_t k = 0;
-    while (k < foot.size() && ((foot[k] - x).norm() > tolerance || facing[k].dot(fine.normal[i]) <= 0)) ++k;
+    std::size_t k = foot.size();
+    feet.near(x, tolerance, [&](std::size_t j) {
+      if (j < k && (foot[j] - x).norm() <= tolerance && facing[j].dot(fine.normal[i]) > 0) k = j;
+    });
     if (k == foot.size()) {
+      feet.add(k, x);
       foot.push_back(x);
       facing.push_back(fine.normal[i]);
       range.emplace_back(height, height);
@@ -160,56 +168,124 @@ Merge merge_lines(const Fine& fine, const Eigen::Vector3d& along) {
   return merge;
 }
 
-/// Centres no closer than `spacing`, chosen by an advancing front from the lowest corner, so that a row of
-/// points is walked end to end; every point shares itself among the centres near it by linear hats of that
+/// Points of a surface and the advancing front by which some are chosen, none closer than `spacing`: next is
+/// the one that is nearest to those chosen, of several the lowest corner, so that a row of points is walked
+/// end to end.
+class Front {
+ public:
+  Front(const std::vector<Eigen::Vector3d>& point, const std::vector<Eigen::Vector3d>& normal, double spacing)
+      : point_(point),
+        normal_(normal),
+        spacing_(spacing),
+        near_(3 * spacing),
+        grid_(near_),
+        nearest_(point.size(), infinity),
+        by_corner_(point.size()),
+        rank_(point.size()) {
+    for (std::size_t i = 0; i < point.size(); ++i) grid_.add(i, point[i]);
+    std::vector<std::array<std::int64_t, 3>> place;
+    for (const Eigen::Vector3d& x : point) place.push_back({level(x[0]), level(x[1]), level(x[2])});
+    std::iota(by_corner_.begin(), by_corner_.end(), std::size_t{0});
+    std::stable_sort(by_corner_.begin(), by_corner_.end(),
+                     [&](std::size_t a, std::size_t b) { return place[a] < place[b]; });
+    for (std::size_t k = 0; k < by_corner_.size(); ++k) rank_[by_corner_[k]] = k;
+  }
+
+  /// The points chosen, in their order.
+  std::vector<std::size_t> choose() {
+    std::vector<std::size_t> chosen;
+    std::size_t next = by_corner_[0];
+    for (std::size_t far = 0; next < point_.size();) {
+      chosen.push_back(next);
+      grid_.near(point_[next], near_, [&](std::size_t i) { meet(i, next); });
+      next = next_near();
+      if (next < point_.size()) continue;
+      // An island: only now it matters how far the other points are.
+      std::vector<std::size_t> rest;
+      for (std::size_t i = 0; i < point_.size(); ++i)
+        if (is_free(i)) rest.push_back(i);
+      for (; far < chosen.size(); ++far)
+        for (const std::size_t i : rest) meet(i, chosen[far]);
+      next = next_of_all();
+    }
+    return chosen;
+  }
+
+  /// Opposite faces of a thin body are far from each other however close they lie.
+  double distance(std::size_t i, std::size_t j) const {
+    return normal_[i].dot(normal_[j]) <= 0 ? infinity : (point_[i] - point_[j]).norm();
+  }
+
+ private:
+  static constexpr double infinity = std::numeric_limits<double>::infinity();
+  using Entry = std::pair<std::int64_t, std::size_t>;  ///< level of the distance, rank
+
+  /// Lengths of one level are equal but for round-off.
+  std::int64_t level(double length) const { return std::llround(length / (1e-9 * spacing_)); }
+  bool is_free(std::size_t i) const { return nearest_[i] >= spacing_ * (1 - 1e-6); }
+
+  void meet(std::size_t i, std::size_t chosen) {
+    const double d = distance(i, chosen);
+    if (!(d < nearest_[i])) return;
+    nearest_[i] = d;
+    if (is_free(i) && d < near_) front_.emplace(level(d), rank_[i]);
+  }
+
+  /// Of the free points not far from those chosen; none: their number.
+  std::size_t next_near() {
+    while (!front_.empty()) {
+      const auto [at, rank] = front_.top();
+      front_.pop();
+      const std::size_t i = by_corner_[rank];
+      if (is_free(i) && level(nearest_[i]) == at) return i;
+    }
+    return point_.size();
+  }
+
+  /// Of all free points; where all face away from those chosen, the first.
+  std::size_t next_of_all() const {
+    std::size_t best = point_.size();
+    Entry lowest;
+    for (std::size_t i = 0; i < point_.size(); ++i) {
+      if (!is_free(i)) continue;
+      const Entry entry = nearest_[i] < infinity ? Entry(level(nearest_[i]), rank_[i])
+                                                 : Entry(std::numeric_limits<std::int64_t>::max(), i);
+      if (best < point_.size() && lowest < entry) continue;
+      best = i;
+      lowest = entry;
+    }
+    return best;
+  }
+
+  const std::vector<Eigen::Vector3d>&point_, &normal_;
+  double spacing_, near_;
+  Grid grid_;
+  std::vector<double>
+      nearest_;  ///< distance of each point to those chosen, as far as it is known to be small
+  std::vector<std::size_t> by_corner_, rank_;  ///< the points, lowest corner first, and their places there
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> front_;  ///< and distances that are outdated
+};
+
+/// Centres no closer than `spacing`; every point shares itself among those near it by linear hats of that
 /// radius.
 Merge thin(const Merge& points, const std::vector<Eigen::Vector3d>& normal, double spacing) {
-  const std::size_t n = points.centre.size();
-  const auto before = [&](std::size_t a, std::size_t b) {
-    for (int k = 0; k < 3; ++k)
-      if (std::abs(points.centre[a][k] - points.centre[b][k]) > 1e-9 * spacing)
-        return points.centre[a][k] < points.centre[b][k];
-    return a < b;
-  };
-  std::size_t next = 0;
-  for (std::size_t i = 1; i < n; ++i)
-    if (before(i, next)) next = i;
-  std::vector<double> nearest(n, std::numeric_limits<double>::infinity());
+  Front front(points.centre, normal, spacing);
+  const std::vector<std::size_t> chosen = front.choose();
   Merge merge;
-  std::vector<std::size_t> chosen;
-  // Opposite faces of a thin body are far from each other however close they lie.
-  const auto distance = [&](std::size_t i, std::size_t j) {
-    return normal[i].dot(normal[j]) <= 0 ? std::numeric_limits<double>::infinity()
-                                         : (points.centre[i] - points.centre[j]).norm();
-  };
-  while (next < n) {
-    chosen.push_back(next);
-    merge.centre.push_back(points.centre[next]);
-    for (std::size_t i = 0; i < n; ++i) nearest[i] = std::min(nearest[i], distance(i, next));
-    std::size_t best = n;
-    for (std::size_t i = 0; i < n; ++i) {
-      if (nearest[i] < spacing * (1 - 1e-6)) continue;
-      if (best == n || nearest[i] < nearest[best] - 1e-9 * spacing ||
-          (nearest[i] < nearest[best] + 1e-9 * spacing && before(i, best)))
-        best = i;
-    }
-    next = best;
+  Grid centres(spacing);
+  for (std::size_t c = 0; c < chosen.size(); ++c) {
+    merge.centre.push_back(points.centre[chosen[c]]);
+    centres.add(c, merge.centre.back());
   }
-  std::vector<std::vector<std::pair<int, double>>> share(n);
-  for (std::size_t i = 0; i < n; ++i) {
+  std::vector<std::vector<std::pair<int, double>>> share(points.centre.size());
+  for (std::size_t i = 0; i < share.size(); ++i) {
+    centres.near(points.centre[i], spacing, [&](std::size_t c) {
+      const double d = front.distance(i, chosen[c]);
+      if (d < spacing) share[i].emplace_back(static_cast<int>(c), 1 - d / spacing);
+    });
+    std::sort(share[i].begin(), share[i].end());
     double total = 0;
-    std::pair<double, int> closest{std::numeric_limits<double>::infinity(), 0};
-    for (std::size_t c = 0; c < chosen.size(); ++c) {
-      const double d = distance(i, chosen[c]);
-      closest = std::min(closest, {d, static_cast<int>(c)});
-      if (d >= spacing) continue;
-      share[i].emplace_back(static_cast<int>(c), 1 - d / spacing);
-      total += 1 - d / spacing;
-    }
-    if (share[i].empty()) {
-      share[i].emplace_back(closest.second, 1.0);
-      total = 1;
-    }
+    for (const auto& [c, s] : share[i]) total += s;
     for (auto& [c, s] : share[i]) s /= total;
   }
   for (const auto& old : points.share) merge.share.push_back(share[static_cast<std::size_t>(old[0].first)]);
@@ -295,6 +371,20 @@ Patches make_patches(const mesh::Mesh& mesh, const std::vector<std::string>& gro
   surface.components = options.direction ? 1 : 3;
   surface.direction = options.direction;
   return patches;
+}
+
+void keep(Patches& patches, const std::vector<std::int64_t>& points) {
+  kernels::WholeSurface whole = kernels::whole_surface(patches.geometry);
+  std::vector<int> number(whole.area.size(), -1);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    number[static_cast<std::size_t>(points[i])] = static_cast<int>(i);
+  std::erase_if(patches.weights,
+                [&](const Weight& weight) { return number[static_cast<std::size_t>(weight.candidate)] < 0; });
+  for (Weight& weight : patches.weights)
+    weight.candidate = number[static_cast<std::size_t>(weight.candidate)];
+  kernels::keep_candidates(patches.geometry, points);
+  whole.held = points;
+  patches.geometry.whole = std::move(whole);
 }
 
 }  // namespace ricochet::surface

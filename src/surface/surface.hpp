@@ -35,6 +35,10 @@ struct PatchOptions {
 Patches make_patches(const mesh::Mesh& mesh, const std::vector<std::string>& groups,
                      const PatchOptions& options);
 
+/// Leaves out all candidates but `points` (ascending). Patches and loads of those that stay are as before,
+/// and the surface remembers them all (kernels::WholeSurface).
+void keep(Patches& patches, const std::vector<std::int64_t>& points);
+
 /// Loads of the patches: column c·i + k is a unit force on patch i in component k (c = 3), or along
 /// `direction` (c = 1). Held components carry none. @return (local rows, c M) [N]
 Eigen::MatrixXd patch_loads(const mesh::Mesh& mesh, const Patches& patches);
@@ -70,7 +74,6 @@ Eigen::MatrixXd spread(const mesh::Mesh& mesh, const std::vector<Weight>& weight
 /// Collective.
 void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
            modes::Factorisation& factor, const modes::ModeSet& modes, const Patches& patches,
-           const Eigen::MatrixXd& loads, bool residual, bool view, kernels::Kernel& kernel,
-           const Sources& sources);
+           Eigen::MatrixXd loads, bool residual, bool view, kernels::Kernel& kernel, const Sources& sources);
 
 }  // namespace ricochet::surface

@@ -137,8 +137,7 @@ Eigen::MatrixXd patch_loads(const mesh::Mesh& mesh, const Patches& patches) {
 
 void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
            modes::Factorisation& factor, const modes::ModeSet& modes, const Patches& patches,
-           const Eigen::MatrixXd& loads, bool residual, bool view, kernels::Kernel& kernel,
-           const Sources& sources) {
+           Eigen::MatrixXd loads, bool residual, bool view, kernels::Kernel& kernel, const Sources& sources) {
   kernel.surface = patches.geometry;
   const auto seen_by_modes = [&](const Eigen::MatrixXd& load) {
     return modes.gather(teams, modes::inner(mesh.comm, load, modes.shape));
@@ -156,11 +155,12 @@ void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticit
     kernel.receivers[r].shape = flat(heard.middleRows(static_cast<Eigen::Index>(3 * r), 3));
   trace_motions(teams, mesh, body, modes, patches, shape, participation.topRows(3), heard, sources, kernel);
   if (residual) {
-    const Eigen::Index seen = loads.cols() + sources.receiver.cols();
+    const Eigen::Index candidates = loads.cols(), seen = candidates + sources.receiver.cols();
     Eigen::MatrixXd all(loads.rows(), seen + 3 + sources.load.cols());
     all << loads, sources.receiver, body.rigid_load.leftCols(3), sources.load;
-    take_residuals(modes::residual_response(teams, mesh, body, factor, modes, all, seen), loads.cols(),
-                   sources, kernel);
+    loads.resize(0, 0);
+    take_residuals(modes::residual_response(teams, mesh, body, factor, modes, all, seen), candidates, sources,
+                   kernel);
   }
   if (view) gather_view(teams, mesh, modes, kernel);
 }

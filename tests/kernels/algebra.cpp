@@ -3,7 +3,6 @@
 
 #include <Eigen/Dense>
 
-#include "kernels/band.hpp"
 #include "tests/kernels/bar.hpp"
 #include "tests/kernels/sample.hpp"
 
@@ -312,67 +311,6 @@ TEST(Cuts, to_a_direction_keep_the_component_along_it) {
                    load.transpose() * matrix(whole.surface.residual_flexibility, 12) * load);
   expect_projected(matrix(cut.loads.body_force_residual, 4),
                    load.transpose() * matrix(whole.loads.body_force_residual, 12));
-}
-
-/// H(s) of a kernel, R included, on the ray s² = iω².
-Eigen::MatrixXcd response(const Kernel& kernel, double omega) {
-  const auto n = static_cast<Eigen::Index>(kernel.modes.size());
-  const auto rows = static_cast<Eigen::Index>(kernel.surface.shape.size()) / n;
-  const Eigen::Map<const RowMajor> shape(kernel.surface.shape.data(), rows, n);
-  Eigen::MatrixXcd sum = Eigen::Map<const RowMajor>(kernel.surface.residual_flexibility.data(), rows, rows)
-                             .cast<std::complex<double>>();
-  for (Eigen::Index k = 0; k < n; ++k)
-    sum += (shape.col(k) * shape.col(k).transpose()).cast<std::complex<double>>() /
-           std::complex<double>(std::pow(kernel.modes.angular_frequency[static_cast<std::size_t>(k)], 2),
-                                omega * omega);
-  return sum;
-}
-
-/// Largest relative error of a kernel's response up to `band` against that of 2000 modes, whose own is a
-/// thousand times smaller than any bound here.
-double error_of(const Kernel& kernel, RadPerSecond band) {
-  static const Kernel truth = Bar{.modes = 2000}.kernel();
-  double error = 0;
-  for (int k = 1; k <= 24; ++k) {
-    const double omega = band.value * k / 24;
-    const Eigen::MatrixXcd exact = response(truth, omega);
-    error = std::max(error, (response(kernel, omega) - exact).norm() / exact.norm());
-  }
-  return error;
-}
-
-TEST(Cuts, to_a_flexibility_error_make_no_larger_one_than_they_tell) {
-  const Kernel whole = Bar{.modes = 60}.kernel();
-  const RadPerSecond band{Bar{}.omega(6)};
-  std::size_t last = 60;
-  for (const double bound : {0.02, 0.05, 0.2}) {
-    const Kernel cut = cut_to_flexibility_error(whole, to_hertz(band), bound);
-    EXPECT_NO_THROW(validate(cut, "origin"));
-    EXPECT_LT(cut.modes.size(), last);
-    last = cut.modes.size();
-    const Certificate& told = cut.modes.certificate;
-    EXPECT_EQ(told.count_found, 60);
-    EXPECT_EQ(told.left_out, 60 - static_cast<std::int64_t>(last));
-    EXPECT_EQ(told.upto_hz, whole.modes.certificate.upto_hz);
-    EXPECT_LE(told.flexibility_error, bound);
-    EXPECT_LE(error_of(cut, band), told.flexibility_error);
-    EXPECT_GT(error_of(cut, band), told.flexibility_error / 10);  // nor is the figure idle
-  }
-}
-
-// Little of the error is left for modes within the band when those above the end may make almost all of it.
-TEST(Cuts, to_a_flexibility_error_count_what_lies_above_their_modes) {
-  const RadPerSecond band{Bar{}.omega(6)};
-  for (const std::size_t modes : {12U, 20U, 60U}) {
-    const Kernel whole = Bar{.modes = modes}.kernel();
-    const double above = error_above(whole, band, RadPerSecond(Hertz{whole.modes.certificate.upto_hz}));
-    EXPECT_GE(above, error_of(whole, band));
-    EXPECT_LE(above, 5 * error_of(whole, band));  // most of them lie far above: Σ 1/n⁴ is 1/3 of Σ 1/n² / N²
-    const Kernel cut = cut_to_flexibility_error(whole, to_hertz(band), 1.05 * above);
-    EXPECT_LE(cut.modes.certificate.flexibility_error, 1.05 * above);
-    EXPECT_GE(cut.modes.certificate.flexibility_error, above);
-    EXPECT_LE(error_of(cut, band), cut.modes.certificate.flexibility_error);
-  }
 }
 
 template <class Action>

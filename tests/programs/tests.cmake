@@ -1,5 +1,6 @@
 add_program_test(programs ranks)
 add_program_test(programs parts)
+add_program_test(programs reach)
 add_program_test(programs rods)
 add_program_test(programs algebra)
 add_program_test(programs driven)

@@ -237,6 +237,33 @@ TEST(Derived, points_are_numbered_as_on_the_whole_surface) {
   EXPECT_FALSE(similarity(one, three));
 }
 
+TEST(Derived, points_within_reach_come_with_the_whole_surface_and_out_of_it) {
+  const KernelRequest whole = request_of_ball();
+  const auto near = [&](const std::vector<std::int64_t>& points, bool within_reach = true) {
+    KernelRequest request = whole;
+    request.points = points;
+    request.within_reach = within_reach;
+    seal(request);
+    return request;
+  };
+  const KernelRequest three = near({1, 2, 3}), two = near({1, 3}), chosen = near({1, 2, 3}, false);
+  EXPECT_NE(three.hash, chosen.hash);
+  EXPECT_NE(three.hash, two.hash);
+  const KernelRequest told = request_of({three.hash, three.toml, three.mesh_sha256, {{1, 2, 3}}}, "FILE");
+  EXPECT_EQ(told.points, three.points);
+  EXPECT_TRUE(told.within_reach);
+
+  const Kernel all = kernel_of(whole), cut = derived(all, whole, three), again = derived(cut, three, two);
+  ASSERT_TRUE(again.surface.whole);
+  EXPECT_EQ(again.surface.whole->node, all.surface.node);
+  EXPECT_EQ(again.surface.whole->held, two.points);
+  EXPECT_THAT(again.surface.node,
+              ::testing::ElementsAreArray(derived(all, whole, near({1, 3}, false)).surface.node));
+  EXPECT_FALSE(derived(cut, three, near({1, 3}, false)).surface.whole);
+  EXPECT_FALSE(similarity(two, three));
+  EXPECT_FALSE(similarity(chosen, two));  // which has forgotten its surface
+}
+
 TEST(Folders, hold_kernels_to_derive_from_among_other_files) {
   const Folder folder;
   const KernelRequest had = request_of_ball(), wanted = request_of_ball({"modes.up_to_hz=7"});

@@ -241,6 +241,43 @@ TEST(Spacing, keeps_centres_apart_covers_the_surface_and_its_linear_fields) {
   }
 }
 
+TEST(Keep, leaves_patches_and_loads_of_those_that_stay_as_they_are) {
+  const mesh::GmshSession gmsh;
+  for (const PatchOptions& options :
+       {PatchOptions{}, PatchOptions{.along = Vector3{0, 1, 0}, .spacing = 0.3}}) {
+    Made made = make(test::block_geo("tet", 4, 0), 2, {"top"}, options);
+    const kernels::Surface before = made.patches.geometry;
+    const Eigen::MatrixXd loads = surface::patch_loads(made.mesh, made.patches);
+    std::vector<std::int64_t> points;
+    for (std::size_t i = 0; i < before.size(); ++i)
+      if (before.node[3 * i] > 0.45) points.push_back(static_cast<std::int64_t>(i));
+    ASSERT_GT(points.size(), 1U);
+    ASSERT_LT(points.size(), before.size());
+    surface::keep(made.patches, points);
+    const kernels::Surface& geometry = made.patches.geometry;
+    const Eigen::MatrixXd kept = surface::patch_loads(made.mesh, made.patches);
+    ASSERT_EQ(geometry.size(), points.size());
+    ASSERT_EQ(kept.cols(), 3 * static_cast<Eigen::Index>(points.size()));
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const auto i = static_cast<std::size_t>(points[k]);
+      EXPECT_EQ(geometry.area[k], before.area[i]);
+      EXPECT_EQ(row(geometry.centroid, k), row(before.centroid, i));
+      EXPECT_EQ(row(geometry.normal, k), row(before.normal, i));
+      EXPECT_EQ(geometry.group[k], before.group[i]);
+      EXPECT_EQ(kept.middleCols(3 * static_cast<Eigen::Index>(k), 3), loads.middleCols(3 * points[k], 3));
+    }
+    ASSERT_TRUE(geometry.whole);
+    EXPECT_EQ(geometry.whole->node, before.node);
+    EXPECT_EQ(geometry.whole->element, before.element);
+    EXPECT_EQ(geometry.whole->held, points);
+    // No element but those between candidates that stay, by their new numbers.
+    ASSERT_FALSE(geometry.element.empty());
+    EXPECT_LT(geometry.element.size(), before.element.size());
+    for (const std::int64_t corner : geometry.element)
+      EXPECT_LT(corner, static_cast<std::int64_t>(points.size()));
+  }
+}
+
 TEST(Patches, of_a_body_without_contact_groups_are_refused) {
   const mesh::GmshSession gmsh;
   const test::SharedFile file(".geo", test::block_geo("hex", 1, 0));

@@ -1,0 +1,28 @@
+// Bodies in their places at the start, and who meets whom there.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "contact/model.hpp"
+
+namespace ricochet::contact {
+
+/// Place of a body in the list; −1: not there.
+int index_of(const std::string& name, const std::vector<PlacedBody>& bodies);
+
+/// A pair with its names looked up.
+struct Meeting {
+  PairRequest request;
+  int a = 0, b = -1;
+  const HalfSpace* obstacle = nullptr;
+  Pairing pairing;
+};
+
+/// Moves the bodies whose pairs ask for a gap, then pairs all. A body that two pairs move in different ways
+/// has no place that serves both.
+/// Throws InputError like build_model.
+std::vector<Meeting> meet(std::vector<PlacedBody>& bodies, const std::vector<HalfSpace>& obstacles,
+                          const std::vector<PairRequest>& requests);
+
+}  // namespace ricochet::contact

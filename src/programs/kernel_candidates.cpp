@@ -1,0 +1,132 @@
+#include "src/programs/kernel_candidates.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+
+#include "src/mesh/gmsh_session.hpp"
+#include "src/mesh/parts.hpp"
+#include "src/scene/derive.hpp"
+#include "src/scene/parts.hpp"
+
+namespace ricochet {
+
+std::vector<std::string> geometry_numbers(const scene::Body& body) {
+  std::vector<std::string> numbers;
+  for (const auto& [name, value] : body.geometry) {
+    numbers.push_back(name);
+    numbers.push_back(fmt::format("{}", value));
+  }
+  return numbers;
+}
+
+Source open_source(const scene::Body& body, const mesh::Asked& asked, MPI_Comm comm,
+                   const parallel::Progress& progress) {
+  Source source;
+  std::vector<char> in_parts(1, 0);
+  parallel::on_first_rank(comm, [&] {
+    in_parts[0] = scene::part_files(body.mesh).empty() ? 0 : 1;
+    if (in_parts[0] != 0) return;
+    source.whole = mesh::read_mesh(body, progress, asked);
+    mesh::forget_meshes();
+  });
+  parallel::broadcast(comm, in_parts);
+  source.in_parts = in_parts[0] != 0;
+  return source;
+}
+
+surface::Patches patches_of(const scene::KernelRequest& request, const mesh::Mesh& mesh) {
+  return surface::make_patches(
+      mesh, request.body.contact,
+      {.direction = request.direction, .along = request.along, .spacing = request.spacing});
+}
+
+namespace {
+
+/// A body's candidates by its mesh alone, which is gone afterwards: on rank 0. Collective.
+kernels::WholeSurface surface_of_mesh(const scene::KernelRequest& request, MPI_Comm comm,
+                                      console::Console& console) {
+  const scene::Body& body = request.body;
+  const mesh::GmshSession gmsh(geometry_numbers(body));
+  console.begin(body.name + ": surface");
+  Source source = open_source(body, {}, comm, {});
+  const auto surface_of = [&](const mesh::Mesh& mesh) {
+    return kernels::whole_surface(patches_of(request, mesh).geometry);
+  };
+  kernels::WholeSurface surface;
+  if (source.in_parts)
+    surface = surface_of(mesh::read_parts(body, comm));
+  else
+    parallel::on_first_rank(
+        comm, [&] { surface = surface_of(mesh::distribute(std::move(source.whole), MPI_COMM_SELF)); });
+  console.end(fmt::format("{} candidates", surface.area.size()));
+  return surface;
+}
+
+/// The candidates of a body by a kernel in the folder. @param files  of kernel_files
+std::optional<kernels::WholeSurface> surface_of_kernel(const std::vector<programs::KernelFile>& files) {
+  for (const programs::KernelFile& file : files) try {
+      return kernels::whole_surface(kernels::read(file.path).surface);
+    } catch (const InputError&) {
+      // Another one may do, or the mesh is read.
+    }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::vector<Points> needed_points(const scene::Scene& scene,
+                                  const std::vector<scene::KernelRequest>& requests,
+                                  const std::filesystem::path& folder, MPI_Comm comm,
+                                  console::Console& console) {
+  std::vector<Points> points(requests.size());
+  if (std::ranges::none_of(scene.bodies, [&](const auto& body) { return programs::is_limited(scene, body); }))
+    return points;
+  std::vector<kernels::WholeSurface> surfaces;
+  for (const scene::KernelRequest& request : requests) {
+    const auto alike =
+        std::ranges::find(requests, request.hash, &scene::KernelRequest::hash) - requests.begin();
+    if (static_cast<std::size_t>(alike) < surfaces.size()) {
+      surfaces.push_back(surfaces[static_cast<std::size_t>(alike)]);
+      continue;
+    }
+    std::optional<kernels::WholeSurface> known;
+    if (parallel::rank_of(comm) == 0) known = surface_of_kernel(programs::kernel_files(folder, request));
+    std::vector<char> is_known{known.has_value()};
+    parallel::broadcast(comm, is_known);
+    surfaces.push_back(is_known[0] != 0 ? known.value_or(kernels::WholeSurface{})
+                                        : surface_of_mesh(request, comm, console));
+  }
+  parallel::on_first_rank(comm, [&] { points = programs::points_within_reach(scene, surfaces); });
+  for (Points& of_body : points) {
+    std::vector<char> limited{of_body.has_value()};
+    parallel::broadcast(comm, limited);
+    std::vector<std::int64_t> numbers = of_body.value_or(std::vector<std::int64_t>{});
+    parallel::broadcast(comm, numbers);
+    if (limited[0] != 0) of_body = std::move(numbers);
+  }
+  return points;
+}
+
+scene::KernelRequest with_points(scene::KernelRequest request, const Points& points) {
+  request.points = points;
+  request.within_reach = points.has_value();
+  scene::seal(request);
+  return request;
+}
+
+Points worth_computing(const std::vector<scene::KernelRequest>& requests, const std::vector<Points>& points,
+                       std::size_t k) {
+  Points out = points[k];
+  for (std::size_t later = k + 1; later < requests.size() && out; ++later) {
+    if (!scene::similarity(requests[k], requests[later])) continue;
+    if (!points[later]) return std::nullopt;
+    std::vector<std::int64_t> both;
+    std::ranges::set_union(*out, *points[later], std::back_inserter(both));
+    out = std::move(both);
+  }
+  return out;
+}
+
+}  // namespace ricochet

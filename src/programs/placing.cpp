@@ -1,0 +1,112 @@
+#include "src/programs/placing.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace ricochet::programs {
+namespace {
+
+namespace fs = std::filesystem;
+
+Eigen::Vector3d vector(const Vector3& v) { return {v[0], v[1], v[2]}; }
+
+/// As much of a kernel as pairs are found by.
+kernels::Kernel surface_alone(const kernels::WholeSurface& from) {
+  kernels::Kernel kernel;
+  kernels::Surface& to = kernel.surface;
+  to.node = from.node;
+  to.centroid = from.centroid;
+  to.normal = from.normal;
+  to.area = from.area;
+  to.element_corners = from.element_corners;
+  to.element = from.element;
+  return kernel;
+}
+
+}  // namespace
+
+std::vector<contact::PlacedBody> placed_bodies(const scene::Scene& scene,
+                                               const std::vector<const kernels::Kernel*>& kernels) {
+  std::vector<contact::PlacedBody> bodies;
+  for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
+    const scene::Body& body = scene.bodies[k];
+    const auto rotation = scene::rotation_of(body);
+    bodies.push_back(
+        {.name = body.name,
+         .kernel = kernels[k],
+         .rotation = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rotation.data()),
+         .translation = vector(body.translate),
+         .velocity = vector(body.velocity)});
+  }
+  return bodies;
+}
+
+std::vector<contact::HalfSpace> half_spaces(const scene::Scene& scene) {
+  std::vector<contact::HalfSpace> obstacles;
+  for (const scene::Obstacle& obstacle : scene.obstacles)
+    obstacles.push_back({obstacle.name, vector(obstacle.point), vector(obstacle.normal)});
+  return obstacles;
+}
+
+std::vector<contact::PairRequest> pair_requests(const scene::Scene& scene) {
+  std::vector<contact::PairRequest> pairs;
+  for (const scene::Pair& pair : scene.contact.pairs) {
+    contact::PairRequest request{pair.a, pair.b, {}, pair.gap, pair.reach};
+    if (pair.direction) request.direction = vector(*pair.direction);
+    pairs.push_back(request);
+  }
+  return pairs;
+}
+
+bool is_limited(const scene::Scene& scene, const scene::Body& body) {
+  return std::ranges::all_of(scene.contact.pairs, [&](const scene::Pair& pair) {
+    return pair.reach || (pair.a != body.name && pair.b != body.name);
+  });
+}
+
+std::vector<Points> points_within_reach(const scene::Scene& scene,
+                                        const std::vector<kernels::WholeSurface>& surfaces) {
+  std::vector<kernels::Kernel> kernels;
+  for (const kernels::WholeSurface& surface : surfaces) kernels.push_back(surface_alone(surface));
+  std::vector<const kernels::Kernel*> pointers;
+  for (const kernels::Kernel& kernel : kernels) pointers.push_back(&kernel);
+  auto paired = in_scene(scene, [&] {
+    return contact::paired_candidates(placed_bodies(scene, pointers), half_spaces(scene),
+                                      pair_requests(scene));
+  });
+  std::vector<Points> out(surfaces.size());
+  for (std::size_t k = 0; k < surfaces.size(); ++k)
+    if (is_limited(scene, scene.bodies[k]) && paired[k].size() < surfaces[k].area.size())
+      out[k] = std::move(paired[k]);
+  return out;
+}
+
+bool KernelFile::holds(const Points& points) const {
+  return !held || (points && std::ranges::includes(*held, *points));
+}
+
+std::vector<KernelFile> kernel_files(const fs::path& folder, const scene::KernelRequest& whole) {
+  std::vector<KernelFile> out;
+  std::error_code failure;
+  for (const auto& entry : fs::directory_iterator(folder, failure)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(whole.body.name + "-") || !name.ends_with(".kernel.h5")) continue;
+    const auto header = kernels::read_header(entry.path());
+    if (!header) continue;
+    scene::KernelRequest request = whole;
+    request.points = header->held;
+    request.within_reach = header->held.has_value();
+    scene::seal(request);
+    if (request.hash == header->hash && entry.path() == scene::kernel_path(folder, request))
+      out.push_back({entry.path(), header->held});
+  }
+  const auto candidates = [](const KernelFile& file) {
+    return file.held ? file.held->size() : std::numeric_limits<std::size_t>::max();
+  };
+  std::ranges::sort(out, [&](const KernelFile& a, const KernelFile& b) {
+    return std::pair(candidates(a), a.path) < std::pair(candidates(b), b.path);
+  });
+  return out;
+}
+
+}  // namespace ricochet::programs

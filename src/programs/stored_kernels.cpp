@@ -1,0 +1,85 @@
+#include "src/programs/stored_kernels.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "kernels/error.hpp"
+#include "src/programs/placing.hpp"
+
+namespace ricochet::programs {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Files that hold all candidates of a body, or some.
+std::vector<KernelFile> files_of(const scene::Scene& scene, const scene::Body& body,
+                                 const scene::KernelRequest& request, const fs::path& folder) {
+  if (is_limited(scene, body)) return kernel_files(folder, request);
+  const fs::path path = scene::kernel_path(folder, request);
+  if (!fs::exists(path)) return {};
+  return {{path, {}}};
+}
+
+std::shared_ptr<const kernels::Kernel> read(const fs::path& path, KernelCache& cache) {
+  std::shared_ptr<const kernels::Kernel>& kernel = cache[path];
+  if (!kernel) kernel = std::make_shared<const kernels::Kernel>(kernels::read(path));
+  return kernel;
+}
+
+}  // namespace
+
+std::vector<StoredKernel> find_kernels(const scene::Scene& scene, const fs::path& folder,
+                                       KernelCache& cache) {
+  std::vector<std::vector<KernelFile>> files;
+  std::vector<StoredKernel> out;
+  for (const scene::Body& body : scene.bodies) {
+    const scene::KernelRequest request = scene::kernel_request(scene, body);
+    files.push_back(files_of(scene, body, request, folder));
+    const bool none = files.back().empty();
+    out.push_back({none ? scene::kernel_path(folder, request) : files.back().front().path, !none});
+  }
+  const auto whole = [](const auto& of_body) { return of_body.size() == 1 && !of_body.front().held; };
+  const auto none = [](const auto& of_body) { return of_body.empty(); };
+  if (std::ranges::all_of(files, whole) || std::ranges::any_of(files, none)) return out;
+
+  std::vector<kernels::WholeSurface> surfaces;
+  for (const StoredKernel& stored : out)
+    surfaces.push_back(kernels::whole_surface(read(stored.path, cache)->surface));
+  const std::vector<Points> points = points_within_reach(scene, surfaces);
+  for (std::size_t k = 0; k < files.size(); ++k) {
+    const auto enough =
+        std::ranges::find_if(files[k], [&](const KernelFile& file) { return file.holds(points[k]); });
+    out[k].enough = enough != files[k].end();
+    if (out[k].enough) out[k].path = enough->path;
+  }
+  return out;
+}
+
+Kernels read_kernels(const scene::Scene& scene, const fs::path& folder, KernelCache& cache) {
+  const std::vector<StoredKernel> stored = find_kernels(scene, folder, cache);
+  Kernels out;
+  KernelCache kept;
+  for (std::size_t k = 0; k < stored.size(); ++k) {
+    const scene::Body& body = scene.bodies[k];
+    const fs::path& path = stored[k].path;
+    const bool limited = is_limited(scene, body);
+    if (!stored[k].enough && !fs::exists(path))
+      throw InputError(fmt::format(
+          "{}: no kernel for body \"{}\" {}. Run ricochet-kernel {} first.", scene.file.string(), body.name,
+          limited ? "in " + folder.string() : "at " + path.string(), scene.file.string()));
+    const auto kernel = read(path, cache);
+    if (!limited && kernel->hash != scene::kernel_request(scene, body).hash)
+      throw InputError(
+          fmt::format("{}: is a kernel of another scene, not of body \"{}\". Run ricochet-kernel {} again.",
+                      path.string(), body.name, scene.file.string()));
+    out.kernel.push_back(kernel);
+    out.file.push_back(path.filename().string());
+    kept[path] = kernel;
+  }
+  cache = std::move(kept);
+  return out;
+}
+
+}  // namespace ricochet::programs

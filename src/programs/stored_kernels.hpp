@@ -1,0 +1,40 @@
+// Kernels of a scene's bodies from the folder where ricochet-kernel left them.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "kernels/kernel.hpp"
+#include "src/scene/scene.hpp"
+
+namespace ricochet::programs {
+
+/// Kernels of the scene's bodies, in their order.
+struct Kernels {
+  std::vector<std::shared_ptr<const kernels::Kernel>> kernel;
+  std::vector<std::string> file;
+};
+
+/// Kernels of the run before, by path: what stays the same is not read again.
+using KernelCache = std::map<std::filesystem::path, std::shared_ptr<const kernels::Kernel>>;
+
+/// The file of a body's kernel; of several that differ in the candidates that they hold, the one with the
+/// fewest that are enough. Where there is none, the name of a kernel with all candidates; where none has
+/// enough, the one with the fewest.
+struct StoredKernel {
+  std::filesystem::path path;
+  bool enough = false;
+};
+
+/// Of each body. Throws InputError like contact::pair where a reach has to be looked at.
+std::vector<StoredKernel> find_kernels(const scene::Scene& scene, const std::filesystem::path& folder,
+                                       KernelCache& cache);
+
+/// Throws InputError when there is none for a body, or one of another scene. One that holds too few
+/// candidates is read: pairing tells. Afterwards `cache` holds the scene's kernels alone.
+Kernels read_kernels(const scene::Scene& scene, const std::filesystem::path& folder, KernelCache& cache);
+
+}  // namespace ricochet::programs

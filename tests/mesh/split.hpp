@@ -1,0 +1,70 @@
+// Meshes in one file and in several, in a folder that all ranks use.
+#pragma once
+
+#include <gmsh.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "src/mesh/gmsh_session.hpp"
+#include "src/parallel/parallel.hpp"
+
+namespace ricochet::test {
+
+inline int me() { return parallel::rank_of(PETSC_COMM_WORLD); }
+
+/// A folder that one rank makes and all use; gone at the end of the scope.
+class SharedFolder {
+ public:
+  SharedFolder() {
+    std::string name;
+    if (me() == 0) {
+      name = (std::filesystem::temp_directory_path() / "ricochet-parts-XXXXXX").string();
+      EXPECT_NE(mkdtemp(name.data()), nullptr);
+    }
+    parallel::broadcast(PETSC_COMM_WORLD, name);
+    path_ = name;
+  }
+  ~SharedFolder() {
+    MPI_Barrier(PETSC_COMM_WORLD);
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  /// `task` on one rank, when all have come here and before any goes on.
+  template <class Task>
+  void once(Task&& task) const {
+    MPI_Barrier(PETSC_COMM_WORLD);
+    if (me() == 0) task();
+    MPI_Barrier(PETSC_COMM_WORLD);
+  }
+  void write(const std::string& name, const std::string& text) const {
+    once([&] { std::ofstream(path_ / name) << text; });
+  }
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// whole.msh, and the same in `parts` files: split_1.msh…
+inline void write_both(const SharedFolder& folder, const std::string& geo, int order, int parts) {
+  folder.write("body.geo", geo);
+  folder.once([&] {
+    const mesh::GmshSession gmsh;
+    gmsh::open((folder / "body.geo").string());
+    gmsh::model::mesh::generate(3);
+    gmsh::model::mesh::setOrder(order);
+    gmsh::write((folder / "whole.msh").string());
+    if (parts == 1) {
+      std::filesystem::copy_file(folder / "whole.msh", folder / "split_1.msh");
+      return;
+    }
+    gmsh::model::mesh::partition(parts);
+    gmsh::option::setNumber("Mesh.PartitionSplitMeshFiles", 1);
+    gmsh::write((folder / "split.msh").string());
+  });
+}
+
+}  // namespace ricochet::test

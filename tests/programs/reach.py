@@ -1,0 +1,193 @@
+"""Kernels without the candidates that reach leaves out do what whole ones do, and are found and made anew as needed."""
+
+import unittest
+
+import h5py
+import numpy as np
+
+from parts import grid, msh
+from programs import ProgramTest, contact, displacement_kernel, kernel
+
+GEO = """
+SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 1, 1, 0.7};
+MeshSize{:} = 0.3;
+Physical Volume("block") = {1};
+Physical Surface("foot") = {5};
+"""
+
+# One edge of the upper block is 0.052 m farther from the lower one than the other.
+SCENE = """
+title = "Reach"
+[bodies.upper]
+mesh = "block.geo"
+order = 2
+material = { density = 2.0, young = 3.0, poisson = 0.3 }
+rotate_deg = [0, 3, 0]
+translate = [0, 0, 0.1]
+velocity = [0, 0, -0.05]
+contact = "foot"
+[bodies.lower]
+mesh = "block.geo"
+order = 2
+material = { density = 2.0, young = 3.0, poisson = 0.3 }
+rotate_deg = [180, 0, 0]
+translate = [0.05, 1.02, 0]
+contact = "foot"
+[modes]
+count = 30
+[contact]
+between = ["upper", "lower"]
+gap = 0.01
+reach = 0.03
+[time]
+rate_hz = 200
+duration = 1.5
+"""
+
+WALL = """
+title = "Parts"
+[bodies.NAME]
+mesh = "NAME.msh"
+material = { density = 2.0, young = 3.0, poisson = 0.3 }
+contact = "top"
+[obstacles.wall]
+point = [0, 0, 1.5]
+normal = [0.1, 0, -1]
+[modes]
+count = 30
+[contact]
+between = ["NAME", "wall"]
+reach = 0.4
+[time]
+duration = 1.0
+"""
+
+
+def held(path):
+    with h5py.File(path) as file:
+        return file["surface/whole/held"][:] if "surface/whole" in file else None
+
+
+class Reach(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.write("block.geo", GEO)
+        self.scene = self.write("reach.toml", SCENE)
+        self.whole = self.write("whole.toml", SCENE.replace("reach = 0.03", ""))
+        self.out, self.fresh = self.folder / "out", self.folder / "fresh"
+
+    def kernels(self, folder):
+        return {path.name for path in folder.glob("*.kernel.h5")}
+
+    def one(self, folder, body):
+        (path,) = folder.glob(f"{body}-*.kernel.h5")
+        return path
+
+    def forces(self, folder, *sets):
+        self.succeed(contact(self.scene, folder, *sets))
+        with h5py.File(folder / "reach.result.h5") as file:
+            return file["contact/force"][:], file["contact/initial_gap"][:], file["contact/point_b"][:]
+
+    def test_impacts_are_those_of_whole_kernels(self):
+        self.succeed(kernel(self.scene, self.out))
+        self.succeed(kernel(self.whole, self.fresh))
+        for body in ("upper", "lower"):
+            with h5py.File(self.one(self.out, body)) as some, h5py.File(self.one(self.fresh, body)) as every:
+                points = some["surface/whole/held"][:]
+                self.assertNotIn("surface/whole", every)
+                self.assertLess(2, len(points))
+                self.assertLess(len(points), 0.7 * len(every["surface/area"]))
+                np.testing.assert_array_equal(some["surface/whole/node"][:], every["surface/node"][:])
+                np.testing.assert_array_equal(some["surface/area"][:], every["surface/area"][:][points])
+                rows = (3 * points[:, None] + np.arange(3)).ravel()
+                expected = every["surface/residual_flexibility"][:][np.ix_(rows, rows)]
+                found = some["surface/residual_flexibility"][:]
+                self.assertLess(np.abs(found - expected).max(), 1e-9 * np.abs(expected).max())
+        for found, expected in zip(self.forces(self.out), self.forces(self.fresh)):
+            self.assertEqual(found.shape, expected.shape)
+            self.assertGreater(np.abs(expected).max(), 0)
+            # Flexibilities agree to 1e-9; forces follow by their condition, and over 300 steps.
+            self.assertLess(np.abs(found - expected).max(), 1e-6 * np.abs(expected).max())
+
+    def test_one_two_and_three_ranks_leave_out_the_same(self):
+        for ranks in (1, 2, 3):
+            self.succeed(kernel(self.scene, self.folder / str(ranks), ranks=ranks))
+        self.same_on_all_ranks("upper", "lower")
+
+    def test_a_mesh_in_parts_leaves_out_the_same_on_any_number_of_ranks(self):
+        nodes, elements = grid()
+        for part in range(3):
+            chosen = [e for e in range(len(elements)) if e // 4 % 3 == part]
+            self.write(f"split_{part + 1}.msh", msh(nodes, elements, chosen))
+        scene = self.write("split.toml", WALL.replace("NAME", "split"))
+        for ranks in (1, 2, 3):
+            self.succeed(kernel(scene, self.folder / str(ranks), ranks=ranks))
+        self.same_on_all_ranks("split")
+
+    def same_on_all_ranks(self, *bodies):
+        times = np.linspace(0, 20, 40)
+        for body in bodies:
+            one, *others = [self.one(self.folder / str(ranks), body) for ranks in (1, 2, 3)]
+            self.assertIsNotNone(held(one))
+            expected = displacement_kernel(one, times)
+            for other in others:
+                self.assertEqual(other.name, one.name)
+                found = displacement_kernel(other, times)
+                self.assertLess(np.abs(found - expected).max(), 1e-8 * np.abs(expected).max())
+
+    def test_kernels_serve_what_needs_no_other_points_and_are_computed_anew_for_what_does(self):
+        self.succeed(kernel(self.scene, self.out))
+        before = self.kernels(self.out)
+        for sets in (["contact.reach=0.02"], ["bodies.upper.velocity=[0,0,-1]"], ["bodies.upper.translate=[0,0,0.3]"]):
+            run = self.succeed(kernel(self.scene, self.out, *sets, quiet=False))
+            self.assertEqual(run.out.count("already there"), 2, run.out)
+            self.assertNotIn("surface", run.out)
+            self.succeed(contact(self.scene, self.out, *sets))
+        for sets in (["contact.reach=0.06"], ["bodies.upper.rotate_deg=[0,-3,0]"]):
+            run = contact(self.scene, self.out, *sets)
+            self.assertEqual(run.status, 2)
+            self.assertEqual(len(run.err.splitlines()), 1, run.err)
+            self.assertIn("was made for less", run.err)
+            self.assertIn("Run ricochet-kernel", run.err)
+            self.assertEqual(self.kernels(self.out), before)
+        run = self.succeed(kernel(self.scene, self.out, "contact.reach=0.06", quiet=False))
+        self.assertIn("assembly", run.out)
+        self.assertGreater(len(self.kernels(self.out)), len(before))
+        # Now there are kernels to choose from.
+        for sets in ([], ["contact.reach=0.06"]):
+            self.succeed(contact(self.scene, self.out, *sets))
+
+    def test_a_whole_kernel_serves_every_reach(self):
+        self.succeed(kernel(self.whole, self.out))
+        before = self.kernels(self.out)
+        run = self.succeed(kernel(self.scene, self.out, quiet=False))
+        self.assertEqual(run.out.count("already there"), 2, run.out)
+        self.assertEqual(self.kernels(self.out), before)
+
+    def test_equal_bodies_are_computed_once_for_the_points_of_both(self):
+        run = self.succeed(kernel(self.scene, self.out, quiet=False))
+        both, some = self.one(self.out, "lower"), self.one(self.out, "upper")
+        self.assertIn(f"upper: derived from {both.name}", run.out)
+        self.assertLess(set(held(some)), set(held(both)))
+        # Of two bodies that are not alike each is computed for itself.
+        other = "bodies.lower.material.poisson=0.29"
+        run = self.succeed(kernel(self.scene, self.fresh, other, quiet=False))
+        self.assertNotIn("derived", run.out)
+        alone = self.one(self.fresh, "upper")
+        self.assertEqual(alone.name, some.name)
+        times = np.linspace(0, 20, 40)
+        found, expected = displacement_kernel(some, times), displacement_kernel(alone, times)
+        self.assertLess(np.abs(found - expected).max(), 1e-8 * np.abs(expected).max())
+
+    def test_nothing_within_reach_is_refused_before_modes_are_computed(self):
+        run = kernel(self.scene, self.out, "contact.reach=0.005")
+        self.assertEqual(run.status, 2)
+        (line,) = [line for line in run.err.splitlines() if line.startswith("ricochet-kernel:")]  # mpirun has its say, too
+        for fragment in ("reach = 0.005 m", "0.01 m apart"):
+            self.assertIn(fragment, line)
+        self.assertEqual(self.kernels(self.out), set())
+
+
+if __name__ == "__main__":
+    unittest.main()
