@@ -30,7 +30,8 @@ struct Kernels {
 };
 Kernels read_kernels(const scene::Scene& scene, const std::filesystem::path& folder);
 
-contact::Model model_of(const scene::Scene& scene, const Kernels& kernels);
+/// @param kernels  of the scene's bodies; the model refers to them
+contact::Model model_of(const scene::Scene& scene, const std::vector<kernels::Kernel>& kernels);
 contact::StepOptions step_options(const scene::Scene& scene);
 
 /// Contact points and bodies are named to the user by the scene.

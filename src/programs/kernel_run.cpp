@@ -13,6 +13,7 @@
 #include "src/modes/contact_basis.hpp"
 #include "src/modes/search.hpp"
 #include "src/parallel/memory.hpp"
+#include "src/programs/choose_modes.hpp"
 #include "src/scene/derive.hpp"
 #include "src/scene/parts.hpp"
 #include "src/surface/surface.hpp"
@@ -20,15 +21,6 @@
 namespace ricochet {
 
 namespace {
-
-std::vector<std::string> geometry_numbers(const scene::Body& body) {
-  std::vector<std::string> numbers;
-  for (const auto& [name, value] : body.geometry) {
-    numbers.push_back(name);
-    numbers.push_back(fmt::format("{}", value));
-  }
-  return numbers;
-}
 
 /// A body on every team of ranks, its factorisation analysed.
 struct Discretised {
@@ -264,7 +256,12 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
   try {
     scene = scene::read(options.scene, options.overrides);
     if (!options.dry_run)
-      for (const scene::Body& body : scene.bodies) requests.push_back(scene::kernel_request(scene, body));
+      for (const scene::Body& body : scene.bodies) {
+        requests.push_back(scene::kernel_request(scene, body));
+        // The error of the mesh is estimated from another order.
+        if (!scene.accuracy) continue;
+        if (const auto other = scene::other_order(requests.back())) requests.push_back(*other);
+      }
   } catch (const InputError& error) {
     complaint = error.what();
   }
@@ -284,7 +281,8 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
   console::Console console(options.quiet || !first,
                            [comm] { return parallel::largest(comm, console::peak_memory_mib()); });
   if (requests.empty()) console.say("the scene takes its kernels from contact.table: nothing to compute");
-  for (const scene::KernelRequest& request : requests) {
+  std::optional<scene::Modes> chosen;
+  for (scene::KernelRequest& request : requests) {
     const std::filesystem::path path = scene::kernel_path(options.out, request);
     std::vector<char> there{first && kernels::read_hash(path) == request.hash};
     parallel::broadcast(comm, there);
@@ -297,6 +295,10 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
     checkpoint.replace_extension().replace_extension(".slices");
     const std::string from = derive_if_possible(request, options.out, path, comm);
     if (from.empty()) {
+      if (request.modes.accuracy) {
+        if (!chosen) chosen = chosen_modes(scene, comm);
+        request.modes = *chosen;
+      }
       const kernels::Kernel kernel = compute_kernel(request, checkpoint, comm, console);
       parallel::on_first_rank(comm, [&] { kernels::write(kernel, path); });
     }
