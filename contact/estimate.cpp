@@ -11,9 +11,6 @@
 namespace ricochet::contact {
 namespace {
 
-/// The force of a touch that lasts T holds little above so many times 1/T.
-constexpr double band_of_a_touch = 3;
-
 /// Relative change of frequencies by which small errors of theirs are made visible.
 constexpr double visible = 1e-3;
 
@@ -23,8 +20,13 @@ constexpr double double_over_single = 0x1p-29, single_round_off = 0x1p-24;
 /// What the element order before changed, the next one changes by this share: measured on disks and balls.
 constexpr double gain_of_an_order = 1.0 / 3;
 
-/// What halving once more would bring in all, over what it brought last: ρ + ρ² + …
-double still_to_come(double pace) { return pace / (1 - pace); }
+/// What doubling again and again would change: the last change that it made, d, times ρ + ρ² + … with the ratio ρ
+/// of d to the change before. Both hold accidents, so d is not taken for less than a quarter of the one before.
+/// @param slowest  bound of ρ
+double still_to_come(double change, double before, double slowest) {
+  const double last = std::max(change, before / 4), pace = before > 0 ? std::min(last / before, slowest) : slowest;
+  return last * pace / (1 - pace);
+}
 
 /// Errors of ω, relative: half of Kato and Temple's r² λ/gap of λ, and never more than half of the residual r.
 std::vector<double> frequency_errors(const kernels::Modes& modes, double low_rank) {
@@ -126,36 +128,25 @@ std::optional<double> Estimator::precision(const StepOptions& options) {
 
 std::optional<double> Estimator::modes(const StepOptions& options, const Outcome& base) {
   if (subject_.at_rest && model_.has_residual) return 0;
-  const double touch = outcome(options) ? outcome(options)->longest_touch : 0;
-  double error[2] = {0, 0}, left = 0;
-  std::vector<kernels::Kernel> halved;
-  bool fewer = false;
+  std::vector<kernels::Kernel> half, quarter;
+  bool fitted = false, fewer = false;
   for (const kernels::Kernel& kernel : subject_.kernels) {
     const kernels::Modes& modes = kernel.modes;
-    if (modes.size() == 0) continue;
+    fitted = fitted || modes.basis == "contact";
     const double highest = modes.basis == "contact" ? RadPerSecond(Hertz{modes.certificate.upto_hz}).value
-                                                    : modes.angular_frequency.back();
-    const RadPerSecond band =
-        touch > 0 ? RadPerSecond(Hertz{band_of_a_touch / touch}) : RadPerSecond{highest};
-    for (int level = 0; level < 2; ++level) {
-      kernels::Kernel cut = kernel;
-      error[level] = std::max(error[level],
-                              kernels::leave_out_above(cut, RadPerSecond{highest / (level == 0 ? 2 : 4)}, band));
-      if (level > 0) continue;
-      fewer = fewer || cut.modes.size() < modes.size();
-      halved.push_back(std::move(cut));
-    }
-    left = std::max(left, modes.certificate.flexibility_error);
+                           : modes.size() > 0       ? modes.angular_frequency.back()
+                                                    : 0;
+    half.push_back(kernels::up_to(kernel, RadPerSecond{highest / 2}));
+    quarter.push_back(kernels::up_to(kernel, RadPerSecond{highest / 4}));
+    fewer = fewer || half.back().modes.size() < modes.size();
   }
   if (!fewer) return std::nullopt;
-  const auto without = mean(halved, options);
-  if (!without) return std::nullopt;
-  const double change = distance(base, *without);
-  if (error[0] == 0) return change;
-  // The error falls by 2 to 8 with each doubling: as 1/N without residual flexibility, to 1/N³ with it.
-  const double pace =
-      model_.has_residual ? std::clamp(error[0] / std::max(error[1] - error[0], 1e-300), 0.125, 0.5) : 0.5;
-  return change * std::min(1.0, std::max(still_to_come(pace), left / error[0]));
+  const auto once = mean(half, options);
+  if (!once) return std::nullopt;
+  const auto twice = mean(quarter, options);
+  const double change = distance(base, *once), before = twice ? distance(*once, *twice) : 0;
+  // A shock changes as N^-½ with the number of modes; vectors come closer in leaps.
+  return std::max(still_to_come(change, before, 2.0 / 3), fitted ? change : 0);
 }
 
 std::optional<double> Estimator::spacing(const StepOptions& options, const Outcome& base) const {
@@ -163,14 +154,9 @@ std::optional<double> Estimator::spacing(const StepOptions& options, const Outco
   if (wide.gap.size() == model_.gap.size()) return 0;
   const auto once = mean(wide, options);
   if (!once) return std::nullopt;
-  const double change = distance(base, *once);
-  double pace = 0.5;
   const Model wider = thinned(wide);
-  if (wider.gap.size() < wide.gap.size()) {
-    const auto twice = mean(wider, options);
-    if (twice) pace = std::clamp(change / std::max(distance(*once, *twice), 1e-300), 0.25, 0.5);
-  }
-  return change * still_to_come(pace);
+  const auto twice = wider.gap.size() < wide.gap.size() ? mean(wider, options) : std::nullopt;
+  return still_to_come(distance(base, *once), twice ? distance(*once, *twice) : 0, 0.5);
 }
 
 std::optional<double> Estimator::mesh(const StepOptions& options, const Outcome& base) const {

@@ -5,14 +5,14 @@
 // averages what hangs on the step in which a point happens to touch:
 //
 //   step         max(4/3 |r(Δ) − r(Δ/4)|, |r(Δ) − r(Δ/2)|): exact for errors of first order in Δ
-//   modes        |⟨r⟩ − ⟨r of the modes up to half the highest⟩| times e/e₂
-//   spacing      |⟨r⟩ − ⟨r of points twice as far apart⟩| ρ/(1 − ρ), ρ that change over the next one's
+//   modes        |⟨r⟩ − ⟨r of the modes up to half the highest⟩| times ρ/(1 − ρ)
+//   spacing      |⟨r⟩ − ⟨r of points twice as far apart⟩| times ρ/(1 − ρ)
 //   mesh         |⟨r⟩ − ⟨r of elements of another order⟩|; a third of it where the other order is lower
 //   eigensolver  |⟨r⟩ − ⟨r with frequencies off by A times their errors⟩| / A, A making the largest 1e-3
 //   precision    |⟨r⟩ − ⟨r in single precision⟩|; in double precision 2⁻²⁹ of it, the ratio of their round-offs
 //
-// e is the error of the flexibility of the contact surface (kernels/band.hpp) that is left in the kernels, e₂
-// the one that going to half the highest frequency makes.
+// ρ is that change over the one that halving the modes, or doubling the distance, once more makes; at most ⅔
+// (spacing ½), and where it is below ¼ the change is taken for a quarter of the other one. Vectors fitted to contact are halved by the band they are for, and ρ is not below ½.
 #pragma once
 
 #include <functional>

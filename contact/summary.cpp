@@ -105,8 +105,8 @@ void write(const Json& json, const std::filesystem::path& path) {
 double ErrorEstimate::total() const {
   double sum = 0;
   for (const auto& share : {mesh, modes, step, eigensolver, precision, spacing})
-    sum += std::pow(share.value_or(0), 2);
-  return std::sqrt(sum);
+    sum += share.value_or(0);
+  return sum;
 }
 
 bool count_forces(Summary& out, bool touching, const Vector& force, double time, double step) {

@@ -27,7 +27,7 @@ struct Episode {
 /// Shares in the relative error of the main results (outcome.hpp); none where there is nothing to tell it by.
 struct ErrorEstimate {
   std::optional<double> mesh, modes, step, eigensolver, precision, spacing;
-  double total() const;  ///< root of the sum of the squares of those known
+  double total() const;  ///< sum of those known
 };
 
 /// A WAV file of a receiver's velocity.

@@ -234,16 +234,11 @@ void leave_out(Kernel& kernel, const std::vector<bool>& keep) {
   if (kernel.view) keep_columns(kernel.view->shape, keep);
 }
 
-double leave_out_above(Kernel& kernel, RadPerSecond end, RadPerSecond band) {
-  const Elastic elastic = elastic_of(kernel);
-  std::vector<bool> keep, without;
-  for (const double omega : kernel.modes.angular_frequency) {
-    keep.push_back(omega <= end.value);
-    if (keep.size() > elastic.rigid) without.push_back(!keep.back());
-  }
-  if (std::ranges::count(without, true) == 0) return 0;
+Kernel up_to(Kernel kernel, RadPerSecond end) {
+  std::vector<bool> keep;
+  for (const double omega : kernel.modes.angular_frequency) keep.push_back(omega <= end.value);
   leave_out(kernel, keep);
-  return Contributions(elastic.modes(), band).error_without(without);
+  return kernel;
 }
 
 double error_above(const Kernel& kernel, RadPerSecond band, RadPerSecond end) {

@@ -58,9 +58,9 @@ class Contributions {
 /// flexibility and response to gravity, where it has these. @param keep  (N); rigid modes have to be kept
 void leave_out(Kernel& kernel, const std::vector<bool>& keep);
 
-/// Leaves out the elastic modes above `end`. Returns the error over [0, band] that this makes where their static
-/// part stays in the residual flexibility.
-double leave_out_above(Kernel& kernel, RadPerSecond end, RadPerSecond band);
+/// The kernel without its elastic modes, or vectors, above `end`, by `leave_out`; unlike a cut it need not have had
+/// all modes below, and its certificate stays as it was.
+Kernel up_to(Kernel kernel, RadPerSecond end);
 
 /// `Contributions::error_above` of a kernel whose residual flexibility stands for modes above `end`.
 double error_above(const Kernel& kernel, RadPerSecond band, RadPerSecond end);

@@ -144,12 +144,12 @@ void open_file(const scene::Body& body) {
 
 }  // namespace
 
-double length_of(const scene::Body& body) {
+Extent extent_of(const scene::Body& body) {
   open_file(body);
   double low[3], high[3], longest = 0;
   gmsh::model::getBoundingBox(-1, -1, low[0], low[1], low[2], high[0], high[1], high[2]);
   for (int k = 0; k < 3; ++k) longest = std::max(longest, high[k] - low[k]);
-  return longest * body.scale;
+  return {longest * body.scale, gmsh::model::getDimension()};
 }
 
 bool open_model(const scene::Body& body) {

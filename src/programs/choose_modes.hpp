@@ -8,7 +8,7 @@
 namespace ricochet {
 
 /// Band and flexibility error for the scene's `modes.accuracy`, the same for all bodies: of the body that a wave
-/// crosses fastest, as contact lasts about as long. What the scene gives stays. Collective; throws InputError on
+/// crosses fastest, as contact lasts about as long. Modes for rods, vectors fitted to contact for solids. Collective; throws InputError on
 /// every rank.
 scene::Modes chosen_modes(const scene::Scene& scene, MPI_Comm comm);
 
