@@ -21,10 +21,10 @@ constexpr double double_over_single = 0x1p-29, single_round_off = 0x1p-24;
 constexpr double gain_of_an_order = 1.0 / 3;
 
 /// What doubling again and again would change: the last change that it made, d, times ρ + ρ² + … with the ratio ρ
-/// of d to the change before. Both hold accidents, so d is not taken for less than a quarter of the one before.
-/// @param slowest  bound of ρ
-double still_to_come(double change, double before, double slowest) {
-  const double last = std::max(change, before / 4), pace = before > 0 ? std::min(last / before, slowest) : slowest;
+/// of d to the change before, ½ where that is not known. Both hold accidents: ρ is at most ½, and d not taken for less
+/// than a quarter of the one before.
+double still_to_come(double change, double before) {
+  const double last = std::max(change, before / 4), pace = before > 0 ? std::min(last / before, 0.5) : 0.5;
   return last * pace / (1 - pace);
 }
 
@@ -145,8 +145,8 @@ std::optional<double> Estimator::modes(const StepOptions& options, const Outcome
   if (!once) return std::nullopt;
   const auto twice = mean(quarter, options);
   const double change = distance(base, *once), before = twice ? distance(*once, *twice) : 0;
-  // A shock changes as N^-½ with the number of modes; vectors come closer in leaps.
-  return std::max(still_to_come(change, before, 2.0 / 3), fitted ? change : 0);
+  // Vectors fitted to contact come closer in leaps.
+  return fitted ? std::max(change, before / 4) : still_to_come(change, before);
 }
 
 std::optional<double> Estimator::spacing(const StepOptions& options, const Outcome& base) const {
@@ -156,7 +156,7 @@ std::optional<double> Estimator::spacing(const StepOptions& options, const Outco
   if (!once) return std::nullopt;
   const Model wider = thinned(wide);
   const auto twice = wider.gap.size() < wide.gap.size() ? mean(wider, options) : std::nullopt;
-  return still_to_come(distance(base, *once), twice ? distance(*once, *twice) : 0, 0.5);
+  return still_to_come(distance(base, *once), twice ? distance(*once, *twice) : 0);
 }
 
 std::optional<double> Estimator::mesh(const StepOptions& options, const Outcome& base) const {

@@ -11,8 +11,8 @@
 //   eigensolver  |⟨r⟩ − ⟨r with frequencies off by A times their errors⟩| / A, A making the largest 1e-3
 //   precision    |⟨r⟩ − ⟨r in single precision⟩|; in double precision 2⁻²⁹ of it, the ratio of their round-offs
 //
-// ρ is that change over the one that halving the modes, or doubling the distance, once more makes; at most ⅔
-// (spacing ½), and where it is below ¼ the change is taken for a quarter of the other one. Vectors fitted to contact are halved by the band they are for, and ρ is not below ½.
+// ρ is that change over the one that halving the modes, or doubling the distance, once more makes; at most ½,
+// and where it is below ¼ the change is taken for a quarter of the other one. Vectors fitted to contact are halved by the band they are for, and ρ is ½.
 #pragma once
 
 #include <functional>
