@@ -129,24 +129,29 @@ std::optional<double> Estimator::precision(const StepOptions& options) {
 std::optional<double> Estimator::modes(const StepOptions& options, const Outcome& base) {
   if (subject_.at_rest && model_.has_residual) return 0;
   std::vector<kernels::Kernel> half, quarter;
-  bool fitted = false, fewer = false;
+  bool fewer = false, fitted = false;
+  double left = 0, made = 0;
   for (const kernels::Kernel& kernel : subject_.kernels) {
     const kernels::Modes& modes = kernel.modes;
-    fitted = fitted || modes.basis == "contact";
-    const double highest = modes.basis == "contact" ? RadPerSecond(Hertz{modes.certificate.upto_hz}).value
-                           : modes.size() > 0       ? modes.angular_frequency.back()
-                                                    : 0;
-    half.push_back(kernels::up_to(kernel, RadPerSecond{highest / 2}));
-    quarter.push_back(kernels::up_to(kernel, RadPerSecond{highest / 4}));
+    const bool fit = modes.basis == "contact";
+    const RadPerSecond end = fit                ? RadPerSecond(Hertz{modes.certificate.upto_hz})
+                             : modes.size() > 0 ? RadPerSecond{modes.angular_frequency.back()}
+                                                : RadPerSecond{0};
+    half.push_back(kernels::up_to(kernel, RadPerSecond{end.value / 2}));
+    quarter.push_back(kernels::up_to(kernel, RadPerSecond{end.value / 4}));
     fewer = fewer || half.back().modes.size() < modes.size();
+    fitted = fitted || fit;
+    if (!fit) continue;
+    left = std::max(left, modes.certificate.flexibility_error);
+    made = std::max(made, kernels::error_up_to(kernel, RadPerSecond{end.value / 2}, end));
   }
   if (!fewer) return std::nullopt;
   const auto once = mean(half, options);
   if (!once) return std::nullopt;
+  const double change = distance(base, *once);
+  if (fitted) return left < made ? change * left / made : change;
   const auto twice = mean(quarter, options);
-  const double change = distance(base, *once), before = twice ? distance(*once, *twice) : 0;
-  // Vectors fitted to contact come closer in leaps.
-  return fitted ? std::max(change, before / 4) : still_to_come(change, before);
+  return still_to_come(change, twice ? distance(*once, *twice) : 0);
 }
 
 std::optional<double> Estimator::spacing(const StepOptions& options, const Outcome& base) const {

@@ -12,7 +12,9 @@
 //   precision    |⟨r⟩ − ⟨r in single precision⟩|; in double precision 2⁻²⁹ of it, the ratio of their round-offs
 //
 // ρ is that change over the one that halving the modes, or doubling the distance, once more makes; at most ½,
-// and where it is below ¼ the change is taken for a quarter of the other one. Vectors fitted to contact are halved by the band they are for, and ρ is ½.
+// and where it is below ¼ the change is taken for a quarter of the other one. Of vectors
+// fitted to contact those above half of their band go, and instead of ρ/(1 − ρ) stands the error of the flexibility
+// over the band (kernels/band.hpp) that they were made with, over the one that leaving these out makes.
 #pragma once
 
 #include <functional>

@@ -241,6 +241,14 @@ Kernel up_to(Kernel kernel, RadPerSecond end) {
   return kernel;
 }
 
+double error_up_to(const Kernel& kernel, RadPerSecond end, RadPerSecond band) {
+  const Elastic elastic = elastic_of(kernel);
+  std::vector<bool> without;
+  for (const double lambda : elastic.lambda) without.push_back(lambda > end.value * end.value);
+  if (without.empty()) return 0;
+  return Contributions(elastic.modes(), band).error_without(without);
+}
+
 double error_above(const Kernel& kernel, RadPerSecond band, RadPerSecond end) {
   const std::vector<double>& r = kernel.surface.residual_flexibility;
   const Eigen::Map<const Eigen::VectorXd> entries(r.data(), static_cast<Eigen::Index>(r.size()));

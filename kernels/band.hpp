@@ -62,6 +62,9 @@ void leave_out(Kernel& kernel, const std::vector<bool>& keep);
 /// all modes below, and its certificate stays as it was.
 Kernel up_to(Kernel kernel, RadPerSecond end);
 
+/// `flexibility_error` of `up_to`, where the static part of what goes stays.
+double error_up_to(const Kernel& kernel, RadPerSecond end, RadPerSecond band);
+
 /// `Contributions::error_above` of a kernel whose residual flexibility stands for modes above `end`.
 double error_above(const Kernel& kernel, RadPerSecond band, RadPerSecond end);
 
