@@ -50,6 +50,13 @@ std::vector<double> frequency_errors(const kernels::Modes& modes, double low_ran
   return error;
 }
 
+/// This share of the highest frequency; of vectors fitted to contact, of their band.
+RadPerSecond end_of(const kernels::Kernel& kernel, double share) {
+  const kernels::Modes& modes = kernel.modes;
+  if (modes.basis == "contact") return RadPerSecond{share * RadPerSecond(Hertz{modes.certificate.upto_hz}).value};
+  return RadPerSecond{modes.size() > 0 ? share * modes.angular_frequency.back() : 0};
+}
+
 /// Frequencies off by `factor` times their errors, up or down.
 void detune(kernels::Modes& modes, const std::vector<double>& error, double factor) {
   std::minstd_rand random;
@@ -128,30 +135,31 @@ std::optional<double> Estimator::precision(const StepOptions& options) {
 
 std::optional<double> Estimator::modes(const StepOptions& options, const Outcome& base) {
   if (subject_.at_rest && model_.has_residual) return 0;
-  std::vector<kernels::Kernel> half, quarter;
+  // By the share of the highest frequency, or of the band, that is kept.
+  const auto cut = [&](double share) {
+    std::vector<kernels::Kernel> out;
+    for (const kernels::Kernel& kernel : subject_.kernels) out.push_back(kernels::up_to(kernel, end_of(kernel, share)));
+    return out;
+  };
+  const std::vector<kernels::Kernel> half = cut(0.5);
   bool fewer = false, fitted = false;
   double left = 0, made = 0;
-  for (const kernels::Kernel& kernel : subject_.kernels) {
-    const kernels::Modes& modes = kernel.modes;
-    const bool fit = modes.basis == "contact";
-    const RadPerSecond end = fit                ? RadPerSecond(Hertz{modes.certificate.upto_hz})
-                             : modes.size() > 0 ? RadPerSecond{modes.angular_frequency.back()}
-                                                : RadPerSecond{0};
-    half.push_back(kernels::up_to(kernel, RadPerSecond{end.value / 2}));
-    quarter.push_back(kernels::up_to(kernel, RadPerSecond{end.value / 4}));
-    fewer = fewer || half.back().modes.size() < modes.size();
-    fitted = fitted || fit;
-    if (!fit) continue;
-    left = std::max(left, modes.certificate.flexibility_error);
-    made = std::max(made, kernels::error_up_to(kernel, RadPerSecond{end.value / 2}, end));
+  for (std::size_t k = 0; k < half.size(); ++k) {
+    const kernels::Kernel& kernel = subject_.kernels[k];
+    fewer = fewer || half[k].modes.size() < kernel.modes.size();
+    if (kernel.modes.basis != "contact") continue;
+    fitted = true;
+    left = std::max(left, kernel.modes.certificate.flexibility_error);
+    made = std::max(made, kernels::error_up_to(kernel, end_of(kernel, 0.5), end_of(kernel, 1)));
   }
   if (!fewer) return std::nullopt;
   const auto once = mean(half, options);
   if (!once) return std::nullopt;
   const double change = distance(base, *once);
   if (fitted) return left < made ? change * left / made : change;
-  const auto twice = mean(quarter, options);
-  return still_to_come(change, twice ? distance(*once, *twice) : 0);
+  const auto nearly = mean(cut(0.75), options), twice = mean(cut(0.25), options);
+  return still_to_come(std::max(change, nearly ? distance(base, *nearly) : 0),
+                       twice ? distance(*once, *twice) : 0);
 }
 
 std::optional<double> Estimator::spacing(const StepOptions& options, const Outcome& base) const {

@@ -5,7 +5,7 @@
 // averages what hangs on the step in which a point happens to touch:
 //
 //   step         max(4/3 |r(Δ) − r(Δ/4)|, |r(Δ) − r(Δ/2)|): exact for errors of first order in Δ
-//   modes        |⟨r⟩ − ⟨r of the modes up to half the highest⟩| times ρ/(1 − ρ)
+//   modes        |⟨r⟩ − ⟨r of the modes up to half, or three quarters, of the highest⟩| times ρ/(1 − ρ)
 //   spacing      |⟨r⟩ − ⟨r of points twice as far apart⟩| times ρ/(1 − ρ)
 //   mesh         |⟨r⟩ − ⟨r of elements of another order⟩|; a third of it where the other order is lower
 //   eigensolver  |⟨r⟩ − ⟨r with frequencies off by A times their errors⟩| / A, A making the largest 1e-3
