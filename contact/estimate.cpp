@@ -20,15 +20,16 @@ constexpr double double_over_single = 0x1p-29, single_round_off = 0x1p-24;
 /// What the element order before changed, the next one changes by this share: measured on disks and balls.
 constexpr double gain_of_an_order = 1.0 / 3;
 
-/// What doubling again and again would change: the last change that it made, d, times ρ + ρ² + … with the ratio ρ
-/// of d to the change before, ½ where that is not known. Both hold accidents: ρ is at most ½, and d not taken for less
-/// than a quarter of the one before.
+/// What doubling again and again would change: the last change that it made, d, times ρ + ρ² + … with the
+/// ratio ρ of d to the change before, ½ where that is not known. Both hold accidents: ρ is at most ½, and d
+/// not taken for less than a quarter of the one before.
 double still_to_come(double change, double before) {
   const double last = std::max(change, before / 4), pace = before > 0 ? std::min(last / before, 0.5) : 0.5;
   return last * pace / (1 - pace);
 }
 
-/// Errors of ω, relative: half of Kato and Temple's r² λ/gap of λ, and never more than half of the residual r.
+/// Errors of ω, relative: half of Kato and Temple's r² λ/gap of λ, and never more than half of the residual
+/// r.
 std::vector<double> frequency_errors(const kernels::Modes& modes, double low_rank) {
   const std::vector<double>& omega = modes.angular_frequency;
   std::vector<double> error(omega.size(), 0.0);
@@ -53,7 +54,8 @@ std::vector<double> frequency_errors(const kernels::Modes& modes, double low_ran
 /// This share of the highest frequency; of vectors fitted to contact, of their band.
 RadPerSecond end_of(const kernels::Kernel& kernel, double share) {
   const kernels::Modes& modes = kernel.modes;
-  if (modes.basis == "contact") return RadPerSecond{share * RadPerSecond(Hertz{modes.certificate.upto_hz}).value};
+  if (modes.basis == "contact")
+    return RadPerSecond{share * RadPerSecond(Hertz{modes.certificate.upto_hz}).value};
   return RadPerSecond{modes.size() > 0 ? share * modes.angular_frequency.back() : 0};
 }
 
@@ -66,7 +68,8 @@ void detune(kernels::Modes& modes, const std::vector<double>& error, double fact
 
 }  // namespace
 
-Estimator::Estimator(Subject subject) : subject_(std::move(subject)), model_(subject_.place(subject_.kernels)) {}
+Estimator::Estimator(Subject subject)
+    : subject_(std::move(subject)), model_(subject_.place(subject_.kernels)) {}
 
 std::optional<Outcome> Estimator::run(const Model& model, const StepOptions& options) const {
   if (subject_.at_rest) return rest(model);
@@ -76,7 +79,8 @@ std::optional<Outcome> Estimator::run(const Model& model, const StepOptions& opt
 const std::optional<Outcome>& Estimator::outcome(const StepOptions& options) {
   const std::pair key{options.step, options.precision};
   const auto known = outcomes_.find(key);
-  return known != outcomes_.end() ? known->second : outcomes_.emplace(key, run(model_, options)).first->second;
+  return known != outcomes_.end() ? known->second
+                                  : outcomes_.emplace(key, run(model_, options)).first->second;
 }
 
 namespace {
@@ -109,7 +113,8 @@ std::optional<Outcome> Estimator::mean(const std::vector<kernels::Kernel>& kerne
 
 std::optional<double> Estimator::step(const StepOptions& options) {
   if (subject_.at_rest) return 0;
-  const auto whole = outcome(options), half = outcome(divided(options, 2)), quarter = outcome(divided(options, 4));
+  const auto whole = outcome(options), half = outcome(divided(options, 2)),
+             quarter = outcome(divided(options, 4));
   if (!whole || !half || !quarter) return std::nullopt;
   return std::max(4.0 / 3 * distance(*whole, *quarter), distance(*whole, *half));
 }
@@ -138,7 +143,8 @@ std::optional<double> Estimator::modes(const StepOptions& options, const Outcome
   // By the share of the highest frequency, or of the band, that is kept.
   const auto cut = [&](double share) {
     std::vector<kernels::Kernel> out;
-    for (const kernels::Kernel& kernel : subject_.kernels) out.push_back(kernels::up_to(kernel, end_of(kernel, share)));
+    for (const kernels::Kernel& kernel : subject_.kernels)
+      out.push_back(kernels::up_to(kernel, end_of(kernel, share)));
     return out;
   };
   const std::vector<kernels::Kernel> half = cut(0.5);
@@ -183,7 +189,8 @@ std::optional<double> Estimator::eigensolver(const StepOptions& options, const O
   std::vector<kernels::Kernel> kernels = subject_.kernels;
   double largest = 0;
   for (const kernels::Kernel& kernel : kernels)
-    for (const double error : frequency_errors(kernel.modes, subject_.low_rank)) largest = std::max(largest, error);
+    for (const double error : frequency_errors(kernel.modes, subject_.low_rank))
+      largest = std::max(largest, error);
   if (largest == 0) return 0;
   const double factor = visible / largest;
   for (kernels::Kernel& kernel : kernels)

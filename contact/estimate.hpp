@@ -1,20 +1,22 @@
 // How far a run's main results (outcome.hpp) may be off, and through what: the scene is run again with one
 // approximation made coarser or finer at a time.
 //
-// With r the outcome and |·| its relative distance, Δ the step and ⟨·⟩ the mean over the steps Δ and Δ/2, which
-// averages what hangs on the step in which a point happens to touch:
+// With r the outcome and |·| its relative distance, Δ the step and ⟨·⟩ the mean over the steps Δ and Δ/2,
+// which averages what hangs on the step in which a point happens to touch:
 //
 //   step         max(4/3 |r(Δ) − r(Δ/4)|, |r(Δ) − r(Δ/2)|): exact for errors of first order in Δ
 //   modes        |⟨r⟩ − ⟨r of the modes up to half, or three quarters, of the highest⟩| times ρ/(1 − ρ)
 //   spacing      |⟨r⟩ − ⟨r of points twice as far apart⟩| times ρ/(1 − ρ)
 //   mesh         |⟨r⟩ − ⟨r of elements of another order⟩|; a third of it where the other order is lower
 //   eigensolver  |⟨r⟩ − ⟨r with frequencies off by A times their errors⟩| / A, A making the largest 1e-3
-//   precision    |⟨r⟩ − ⟨r in single precision⟩|; in double precision 2⁻²⁹ of it, the ratio of their round-offs
+//   precision    |⟨r⟩ − ⟨r in single precision⟩|; in double precision 2⁻²⁹ of it, the ratio of their
+//   round-offs
 //
 // ρ is that change over the one that halving the modes, or doubling the distance, once more makes; at most ½,
 // and where it is below ¼ the change is taken for a quarter of the other one. Of vectors
-// fitted to contact those above half of their band go, and instead of ρ/(1 − ρ) stands the error of the flexibility
-// over the band (kernels/band.hpp) that they were made with, over the one that leaving these out makes.
+// fitted to contact those above half of their band go, and instead of ρ/(1 − ρ) stands the error of the
+// flexibility over the band (kernels/band.hpp) that they were made with, over the one that leaving these out
+// makes.
 #pragma once
 
 #include <functional>

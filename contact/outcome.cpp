@@ -23,17 +23,20 @@ std::vector<Mover> movers(const Model& model) {
   for (std::size_t k = 0; k < model.bodies.size(); ++k) {
     const Model::BodyBlock& body = model.bodies[k];
     const auto omega = model.omega.segment(body.first_mode, body.modes).array();
-    if (const Eigen::Index rigid = (omega == 0).count(); rigid > 0) out.push_back({static_cast<int>(k), rigid});
+    if (const Eigen::Index rigid = (omega == 0).count(); rigid > 0)
+      out.push_back({static_cast<int>(k), rigid});
   }
   return out;
 }
 
-/// By body [m/s]; 0 where a support holds it. Rigid modes carry all momentum of a free body, and no vibration.
+/// By body [m/s]; 0 where a support holds it. Rigid modes carry all momentum of a free body, and no
+/// vibration.
 std::vector<Vector3d> velocities(const Model& model, const std::vector<Mover>& movers, const Vector& v) {
   std::vector<Vector3d> out(model.bodies.size(), Vector3d::Zero());
   for (const Mover& mover : movers) {
     const Model::BodyBlock& body = model.bodies[mover.body];
-    out[mover.body] = body.momentum.leftCols(mover.rigid) * v.segment(body.first_mode, mover.rigid) / body.mass;
+    out[mover.body] =
+        body.momentum.leftCols(mover.rigid) * v.segment(body.first_mode, mover.rigid) / body.mass;
   }
   return out;
 }
@@ -56,8 +59,8 @@ double distance(const Outcome& a, const Outcome& b) {
   for (Eigen::Index i = 0; i < a.value.size(); ++i) {
     const double apart = std::abs(a.value[i] - b.value[i]);
     if (apart > 0)
-      largest = std::max(largest,
-                         a.scale[i] > 0 ? apart / a.scale[i] : std::numeric_limits<double>::infinity());
+      largest =
+          std::max(largest, a.scale[i] > 0 ? apart / a.scale[i] : std::numeric_limits<double>::infinity());
   }
   return largest;
 }
@@ -65,7 +68,8 @@ double distance(const Outcome& a, const Outcome& b) {
 std::optional<Outcome> impact(const Model& model, const StepOptions& options, std::int64_t steps) {
   Integrator integrator(model, options);
   const std::vector<Mover> moving = movers(model);
-  std::vector<Vector3d> before = velocities(model, moving, model.initial_rates()), start = before, end = before;
+  std::vector<Vector3d> before = velocities(model, moving, model.initial_rates()), start = before,
+                        end = before;
   double impulse = 0, longest = 0;
   std::int64_t touch = 0;
   bool touched = false;

@@ -104,8 +104,7 @@ void write(const Json& json, const std::filesystem::path& path) {
 
 double ErrorEstimate::total() const {
   double sum = 0;
-  for (const auto& share : {mesh, modes, step, eigensolver, precision, spacing})
-    sum += share.value_or(0);
+  for (const auto& share : {mesh, modes, step, eigensolver, precision, spacing}) sum += share.value_or(0);
   return sum;
 }
 

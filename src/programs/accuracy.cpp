@@ -15,8 +15,8 @@ using contact::ErrorEstimate;
 /// Shares of the error asked for that the step may have, and single precision.
 constexpr double of_step = 0.5, of_precision = 0.05;
 
-/// The first step tried takes so many a period at the end of the kernels' band, and a run as many at least; it is
-/// halved as long as a run takes no more than so many.
+/// The first step tried takes so many a period at the end of the kernels' band, and a run as many at least;
+/// it is halved as long as a run takes no more than so many.
 constexpr double steps_a_period = 4, fewest_steps = 200, most_steps = 5e5;
 
 struct Cause {
@@ -43,14 +43,16 @@ std::vector<std::string> warnings(const ErrorEstimate& estimate, double accuracy
     if (cause.share.value_or(0) > *worst.share) worst = cause;
   }
   if (estimate.total() > accuracy)
-    out.push_back(fmt::format("the error is estimated at {:.2g}, above accuracy = {:g}, most of it ({:.2g}) by the "
-                              "{}: it takes {}",
-                              estimate.total(), accuracy, *worst.share, worst.name, worst.advice));
+    out.push_back(
+        fmt::format("the error is estimated at {:.2g}, above accuracy = {:g}, most of it ({:.2g}) by the "
+                    "{}: it takes {}",
+                    estimate.total(), accuracy, *worst.share, worst.name, worst.advice));
   if (!unknown.empty())
     out.push_back(fmt::format("the error estimate leaves out: {}{}", unknown,
-                              estimate.mesh ? ""
-                                            : " (for that of the mesh, run ricochet-kernel with this accuracy; "
-                                              "mesh files have one order only)"));
+                              estimate.mesh
+                                  ? ""
+                                  : " (for that of the mesh, run ricochet-kernel with this accuracy; "
+                                    "mesh files have one order only)"));
   return out;
 }
 
@@ -72,16 +74,18 @@ Hertz band(const Kernels& kernels) {
   Hertz highest{0};
   for (const kernels::Kernel& kernel : kernels.kernel) {
     const kernels::Modes& modes = kernel.modes;
-    const Hertz end = modes.basis == "contact"      ? Hertz{modes.certificate.upto_hz}
-                      : modes.angular_frequency.empty() ? Hertz{0}
-                                                        : to_hertz(RadPerSecond{modes.angular_frequency.back()});
+    const Hertz end = modes.basis == "contact" ? Hertz{modes.certificate.upto_hz}
+                      : modes.angular_frequency.empty()
+                          ? Hertz{0}
+                          : to_hertz(RadPerSecond{modes.angular_frequency.back()});
     highest.value = std::max(highest.value, end.value);
   }
   return highest;
 }
 
 void choose_rate(scene::Scene& scene, const Kernels& kernels, contact::Estimator& estimator) {
-  double steps = std::max(fewest_steps, std::ceil(steps_a_period * band(kernels).value * scene.time.duration));
+  double steps =
+      std::max(fewest_steps, std::ceil(steps_a_period * band(kernels).value * scene.time.duration));
   const auto set = [&] { scene.time.rate = Hertz{std::min(steps, most_steps) / scene.time.duration}; };
   for (set(); steps < most_steps; steps *= 2, set()) {
     const auto share = in_scene(scene, [&] { return estimator.step(step_options(scene)); });
@@ -105,7 +109,8 @@ Judged choose_and_judge(scene::Scene& scene, const Kernels& kernels, const std::
   if (!scene.contact.precision) {
     scene.contact.precision = scene::Precision::float32;
     const auto share = in_scene(scene, [&] { return estimator.precision(step_options(scene)); });
-    if (!share || *share > of_precision * *scene.accuracy) scene.contact.precision = scene::Precision::float64;
+    if (!share || *share > of_precision * *scene.accuracy)
+      scene.contact.precision = scene::Precision::float64;
   }
   const contact::StepOptions step = step_options(scene);
   const auto outcome = in_scene(scene, [&] { return estimator.outcome(step); });

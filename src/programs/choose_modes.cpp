@@ -13,8 +13,9 @@
 namespace ricochet {
 namespace {
 
-/// How often waves cross the body within the shortest period of the band at an accuracy of 1e-2; with its inverse it
-/// grows, as the square root for solids. The ends of rods meet with a shock, of which all modes take a share.
+/// How often waves cross the body within the shortest period of the band at an accuracy of 1e-2; with its
+/// inverse it grows, as the square root for solids. The ends of rods meet with a shock, of which all modes
+/// take a share.
 constexpr double crossings = 2, crossings_of_rods = 15, reference = 1e-2;
 
 /// What accuracy needs of the flexibility: impacts feel a few times less than the error of it.
@@ -35,9 +36,10 @@ Waves waves(const scene::Scene& scene, const scene::Body& body) {
   for (const scene::Material& material : body.materials)
     speed = std::max(speed, std::sqrt(material.young / material.density));
   if (!(extent.length > 0))
-    throw InputError(fmt::format("{}: bodies.{}: no size is found in {}, so accuracy can't choose modes: give "
-                                 "modes.up_to_hz or modes.count",
-                                 scene.file.string(), body.name, body.mesh.filename().string()));
+    throw InputError(
+        fmt::format("{}: bodies.{}: no size is found in {}, so accuracy can't choose modes: give "
+                    "modes.up_to_hz or modes.count",
+                    scene.file.string(), body.name, body.mesh.filename().string()));
   return {speed / extent.length, extent.dimension == 1};
 }
 

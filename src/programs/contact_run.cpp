@@ -265,8 +265,8 @@ void show(const console::Options& options, std::ostream& out, console::Console& 
 }
 
 void run_at_rest(const scene::Scene& scene, const contact::Model& model, const Judged& judged,
-                 const Target& target, Clock::time_point started, const console::Options& options, console::Console& console,
-                 std::ostream& out) {
+                 const Target& target, Clock::time_point started, const console::Options& options,
+                 console::Console& console, std::ostream& out) {
   console.begin("equilibrium");
   const contact::Equilibrium equilibrium = in_scene(scene, [&] {
     using Solver = contact::EquilibriumOptions::Solver;

@@ -81,7 +81,8 @@ void read_scheme(Table& table, const Scene& scene, Contact& contact) {
   const auto precision = table.text("precision");
   if (precision && *precision != "double" && *precision != "single")
     table.complain("precision", "must be \"double\" or \"single\"");
-  if (precision == "single" && (contact.scheme != Scheme::compliant || contact.kernel == ContactKernel::table))
+  if (precision == "single" &&
+      (contact.scheme != Scheme::compliant || contact.kernel == ContactKernel::table))
     table.complain("precision", "\"single\" goes with scheme = \"compliant\" by modes");
   if (precision) contact.precision = *precision == "double" ? Precision::float64 : Precision::float32;
   if (!precision && scene.accuracy && contact.scheme == Scheme::compliant) contact.precision.reset();

@@ -136,8 +136,9 @@ void seal(KernelRequest& request) {
   if (request.points) request.toml += fmt::format("points = [{}]\n", fmt::join(*request.points, ", "));
   request.toml += fmt::format("[output]\nview = {}\n", request.view);
   if (request.modes.accuracy)
-    request.toml += fmt::format("[accuracy]\nwanted = {}\nbeside = [{}]\n", toml_number(*request.modes.accuracy),
-                                fmt::join(quoted(request.beside), ", "));
+    request.toml +=
+        fmt::format("[accuracy]\nwanted = {}\nbeside = [{}]\n", toml_number(*request.modes.accuracy),
+                    fmt::join(quoted(request.beside), ", "));
   request.toml += toml_sources(request);
   request.hash = sha256(fmt::format("{}\n{}\n{}", kernel_generation, request.mesh_sha256, request.toml));
 }

@@ -87,10 +87,10 @@ struct Contact {
   std::filesystem::path
       table;  ///< of kernel = table: a file that takes the place of bodies; empty: their modes
   Scheme scheme = Scheme::compliant;
-  Admittance admittance = Admittance::jump;  ///< of the impulse scheme
-  Instant instant = Instant::step;           ///< of the impulse scheme
-  double restitution = 0;                    ///< of the impulse scheme, in [0, 1]
-  Solver solver = Solver::exact;             ///< of bodies at rest (scheme "static")
+  Admittance admittance = Admittance::jump;                 ///< of the impulse scheme
+  Instant instant = Instant::step;                          ///< of the impulse scheme
+  double restitution = 0;                                   ///< of the impulse scheme, in [0, 1]
+  Solver solver = Solver::exact;                            ///< of bodies at rest (scheme "static")
   std::optional<Precision> precision = Precision::float64;  ///< of compliant; none: accuracy chooses it
   std::optional<int> max_pivots;  ///< bound on the work of a step, at least 1; none: solved whatever it takes
   std::vector<Pair> pairs;        ///< [contact] itself, or each [[contact.pair]]
@@ -99,7 +99,7 @@ struct Contact {
 struct Time {
   Hertz rate{44100};
   bool rate_by_accuracy = false;  ///< not given: the scene's accuracy chooses it
-  double duration = 0;  ///< [s]; 0: not given, as bodies at rest need none
+  double duration = 0;            ///< [s]; 0: not given, as bodies at rest need none
 };
 
 /// A force on a surface or at a point, or the displacement of a support: `vector` times a history that is
@@ -140,7 +140,7 @@ struct Scene {
   std::filesystem::path file;  ///< as the user named it: errors start with it
   /// Relative error that the main results may have: chooses what is left open, and errors are estimated.
   std::optional<double> accuracy;
-  std::vector<Body> bodies;    ///< in the order of their names; none with contact.table
+  std::vector<Body> bodies;  ///< in the order of their names; none with contact.table
   std::vector<Obstacle> obstacles;
   Modes modes;
   Contact contact;
@@ -191,8 +191,8 @@ struct KernelRequest {
 /// Throws InputError when two pairs ask different patches of one body, or a mesh file can't be read.
 KernelRequest kernel_request(const Scene& scene, const Body& body);
 
-/// The same of elements of the next lower order, or of order 2 in the place of 1: what the mesh does to results
-/// shows beside it. None for a mesh file, which has an order of its own.
+/// The same of elements of the next lower order, or of order 2 in the place of 1: what the mesh does to
+/// results shows beside it. None for a mesh file, which has an order of its own.
 std::optional<KernelRequest> other_order(const KernelRequest& request);
 
 /// Sets `toml` and `hash` from all else.

@@ -114,8 +114,8 @@ std::string scheme_of(const Contact& contact) {
                     contact.admittance == Admittance::jump ? "jump" : "difference",
                     contact.instant == Instant::step ? "step" : "exact", toml_number(contact.restitution));
   if (contact.precision)
-    text += fmt::format("precision = \"{}\"\n",
-                        *contact.precision == Precision::float64 ? "double" : "single");
+    text +=
+        fmt::format("precision = \"{}\"\n", *contact.precision == Precision::float64 ? "double" : "single");
   if (contact.max_pivots) text += fmt::format("max_pivots = {}\n", *contact.max_pivots);
   return text;
 }
@@ -177,9 +177,10 @@ std::string to_toml(const Scene& scene) {
     if (pair.reach) text += "reach = " + toml_number(*pair.reach) + "\n";
   }
   if (scene.time.duration > 0)
-    text += fmt::format("\n[time]\n{}duration = {}\n",
-                        scene.time.rate_by_accuracy ? "" : fmt::format("rate_hz = {}\n", toml_number(scene.time.rate.value)),
-                        toml_number(scene.time.duration));
+    text += fmt::format(
+        "\n[time]\n{}duration = {}\n",
+        scene.time.rate_by_accuracy ? "" : fmt::format("rate_hz = {}\n", toml_number(scene.time.rate.value)),
+        toml_number(scene.time.duration));
   return text + loads_of(scene) + output_of(scene.output);
 }
 

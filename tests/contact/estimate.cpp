@@ -1,5 +1,6 @@
-// Error estimates against true errors, where one approximation alone is to blame: rods from their exact modes, whose
-// collision d'Alembert's waves solve (they exchange their velocities, and the impulse is that of one rod).
+// Error estimates against true errors, where one approximation alone is to blame: rods from their exact
+// modes, whose collision d'Alembert's waves solve (they exchange their velocities, and the impulse is that of
+// one rod).
 #include "contact/estimate.hpp"
 
 #include <gmock/gmock.h>
@@ -16,9 +17,10 @@ using ricochet::kernels::Kernel;
 constexpr double length = 10, speed = 1, duration = 30;
 
 Model collision(const std::vector<Kernel>& rods) {
-  return build_model({{.name = "a", .kernel = rods.data(), .translation = {-length, 0, 0}, .velocity = {speed, 0, 0}},
-                      {.name = "b", .kernel = &rods[1]}},
-                     {}, {PairRequest{"a", "b", Vector3d(1, 0, 0), {}, {}}}, {0, 0, 0});
+  return build_model(
+      {{.name = "a", .kernel = rods.data(), .translation = {-length, 0, 0}, .velocity = {speed, 0, 0}},
+       {.name = "b", .kernel = &rods[1]}},
+      {}, {PairRequest{"a", "b", Vector3d(1, 0, 0), {}, {}}}, {0, 0, 0});
 }
 
 std::vector<Kernel> rods(int modes) { return {rod(modes, length), rod(modes, length)}; }
@@ -124,14 +126,17 @@ TEST(PrecisionShare, of_double_is_that_of_single_in_their_round_offs) {
                in_single = *estimator.precision({.step = 0.02, .precision = Precision::float32});
   EXPECT_GT(in_single, 0);
   EXPECT_LT(in_single, 1e-3);
-  EXPECT_NEAR(in_double / in_single, std::ldexp(1, -29), 1e-6 * std::ldexp(1, -29));  // relative to one or the other
+  EXPECT_NEAR(in_double / in_single, std::ldexp(1, -29),
+              1e-6 * std::ldexp(1, -29));  // relative to one or the other
 }
 
-// Meshes too coarse by some per cent of each frequency, the more the higher; the next order has none of it left.
+// Meshes too coarse by some per cent of each frequency, the more the higher; the next order has none of it
+// left.
 TEST(MeshShare, is_what_other_elements_change_or_a_third_of_it) {
   std::vector<Kernel> coarse = rods(16);
   for (Kernel& kernel : coarse)
-    for (std::size_t n = 0; n < 16; ++n) kernel.modes.angular_frequency[n] *= 1 + 1e-4 * static_cast<double>(n * n);
+    for (std::size_t n = 0; n < 16; ++n)
+      kernel.modes.angular_frequency[n] *= 1 + 1e-4 * static_cast<double>(n * n);
   const auto share = [&](bool lower) {
     Subject with = subject(16);
     with.other_order = coarse;
@@ -143,11 +148,13 @@ TEST(MeshShare, is_what_other_elements_change_or_a_third_of_it) {
     change += (impact(collision(coarse), {.step = step}, steps)->value[0] -
                impact(collision(rods(16)), {.step = step}, steps)->value[0]) /
               2;
-  EXPECT_NEAR(share(false), std::abs(change) / (length * speed), 1e-2 * share(false));  // of the impulse, as rated
+  EXPECT_NEAR(share(false), std::abs(change) / (length * speed),
+              1e-2 * share(false));  // of the impulse, as rated
   EXPECT_DOUBLE_EQ(share(true), share(false) / 3);
 }
 
-/// A block that falls flat on a floor: a rigid mode, and elastic ones that bulge its face; more of it the wider the patch.
+/// A block that falls flat on a floor: a rigid mode, and elastic ones that bulge its face; more of it the
+/// wider the patch.
 Kernel block(int points) {
   Kernel kernel = square(points - 1, 1);
   const std::size_t m = kernel.surface.size(), n = 12;
@@ -159,7 +166,8 @@ Kernel block(int points) {
   for (std::size_t i = 0; i < m; ++i)
     for (std::size_t k = 0; k < n; ++k)
       kernel.surface.shape[(3 * i + 2) * n + k] =
-          std::cos(std::numbers::pi * static_cast<double>(k) * kernel.surface.node[3 * i]) * (k == 0 ? 1 : std::sqrt(2));
+          std::cos(std::numbers::pi * static_cast<double>(k) * kernel.surface.node[3 * i]) *
+          (k == 0 ? 1 : std::sqrt(2));
   for (std::size_t i = 0; i < 3 * m; ++i) kernel.surface.residual_flexibility[i * (3 * m + 1)] = 1e-5;
   kernel.loads.body_force.assign(3 * n, 0);
   kernel.loads.body_force[2 * n] = 1;
@@ -179,14 +187,17 @@ TEST(SpacingShare, falls_with_the_distance_of_the_points) {
                        {PairRequest{"block", "floor", {}, 0.001, {}}}, {0, 0, 0});
   };
   const auto share = [&](int points) {
-    return *Estimator({.place = place, .kernels = {block(points)}, .duration = 0.5}).estimate({.step = 1e-4}).spacing;
+    return *Estimator({.place = place, .kernels = {block(points)}, .duration = 0.5})
+                .estimate({.step = 1e-4})
+                .spacing;
   };
   EXPECT_GT(share(5), 3 * share(65));
   EXPECT_GT(share(65), 0);
 }
 
 TEST(Total, is_the_sum_of_the_shares_that_are_known) {
-  const ErrorEstimate estimate{.mesh = {}, .modes = 1, .step = 2, .eigensolver = 4, .precision = 8, .spacing = {}};
+  const ErrorEstimate estimate{
+      .mesh = {}, .modes = 1, .step = 2, .eigensolver = 4, .precision = 8, .spacing = {}};
   EXPECT_EQ(estimate.total(), 15);
 }
 

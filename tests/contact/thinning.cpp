@@ -27,8 +27,9 @@ Model sheet_on_floor(const ricochet::kernels::Kernel& bare, ricochet::kernels::K
     for (std::size_t j = 0; j < m; ++j)
       kernel.surface.residual_flexibility.push_back(std::exp(-10 * (at(i) - at(j)).squaredNorm()));
   kernel.loads.body_force_residual.assign(3 * m, 0);
-  return build_model({{.name = "sheet", .kernel = &kernel, .rotation = upside_down(), .translation = {0, 1, 1}}},
-                     {{.name = "floor", .normal = {0, 0, 1}}}, {PairRequest{"sheet", "floor", {}, {}, {}}}, {0, 0, 0});
+  return build_model(
+      {{.name = "sheet", .kernel = &kernel, .rotation = upside_down(), .translation = {0, 1, 1}}},
+      {{.name = "floor", .normal = {0, 0, 1}}}, {PairRequest{"sheet", "floor", {}, {}, {}}}, {0, 0, 0});
 }
 
 double nearest(const Model& model) {
@@ -61,7 +62,8 @@ TEST(Thinned, surface_is_as_large_and_moves_rigidly_as_it_did) {
   EXPECT_LT((wide.normal.rowwise() - fine.normal.row(0)).cwiseAbs().maxCoeff(), 1e-13);
 }
 
-// The same pressure everywhere, as the forces λ_i = A_i of the fine and λ_I = A_I of the wide patches, does the same work.
+// The same pressure everywhere, as the forces λ_i = A_i of the fine and λ_I = A_I of the wide patches, does
+// the same work.
 TEST(Thinned, surface_yields_to_a_uniform_pressure_as_it_did) {
   ricochet::kernels::Kernel kernel;
   const Model fine = sheet_on_floor(square(9, 7), kernel), wide = thinned(fine);
@@ -71,8 +73,9 @@ TEST(Thinned, surface_yields_to_a_uniform_pressure_as_it_did) {
 
 TEST(Thinned, point_that_stands_alone_stays) {
   const ricochet::kernels::Kernel one = rod(3, 10), other = rod(3, 10);
-  const Model model = build_model({{.name = "a", .kernel = &one, .translation = {-10, 0, 0}}, {.name = "b", .kernel = &other}}, {},
-                                  {PairRequest{"a", "b", Vector3d(1, 0, 0), {}, {}}}, {0, 0, 0});
+  const Model model = build_model(
+      {{.name = "a", .kernel = &one, .translation = {-10, 0, 0}}, {.name = "b", .kernel = &other}}, {},
+      {PairRequest{"a", "b", Vector3d(1, 0, 0), {}, {}}}, {0, 0, 0});
   const Model same = thinned(model);
   EXPECT_EQ(same.gap.size(), model.gap.size());
   EXPECT_EQ(same.B, model.B);

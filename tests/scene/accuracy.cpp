@@ -1,4 +1,5 @@
-// `accuracy` chooses what a scene leaves open, and nothing that it gives; kernels chosen for it are of this scene alone.
+// `accuracy` chooses what a scene leaves open, and nothing that it gives; kernels chosen for it are of this
+// scene alone.
 #include <gmock/gmock.h>
 
 #include "src/scene/derive.hpp"
@@ -26,7 +27,8 @@ std::vector<Override> with_accuracy(std::vector<Override> more = {}) {
 }
 
 /// Request of the body of this number, block first after ball.
-KernelRequest request_of(const std::vector<Override>& overrides, std::size_t body = 1, const std::string& ball = "a ball") {
+KernelRequest request_of(const std::vector<Override>& overrides, std::size_t body = 1,
+                         const std::string& ball = "a ball") {
   const Folder folder;
   folder.write("ball.msh", ball);
   folder.write("block.geo", "a block");
@@ -55,8 +57,8 @@ TEST(Accuracy, chooses_what_is_not_given) {
 }
 
 TEST(Accuracy, leaves_what_is_given) {
-  const Scene scene = scene_of(
-      smallest, with_accuracy({"time.rate_hz=1e3", "contact.precision=single", "time.duration=1"}));
+  const Scene scene =
+      scene_of(smallest, with_accuracy({"time.rate_hz=1e3", "contact.precision=single", "time.duration=1"}));
   EXPECT_FALSE(scene.modes.accuracy);
   EXPECT_EQ(scene.modes.count, 10);
   EXPECT_EQ(scene.modes.basis, Basis::modes);
@@ -81,11 +83,13 @@ TEST(Accuracy, comes_back_from_the_resolved_scene) {
 
 TEST(Accuracy, is_refused_in_one_line_where_it_means_nothing) {
   for (const char* value : {"0", "1", "-1e-2", "1e-9"})
-    EXPECT_THAT(complaint_about(smallest, {std::string("accuracy=") + value}), HasSubstr("must be from 1e-6 to 0.5"));
+    EXPECT_THAT(complaint_about(smallest, {std::string("accuracy=") + value}),
+                HasSubstr("must be from 1e-6 to 0.5"));
   EXPECT_THAT(complaint_about(tabular, {"accuracy=1e-2"}), HasSubstr("accuracy"));
   EXPECT_THAT(complaint_about(open_scene), HasSubstr("accuracy"));  // what a scene without [modes] lacks
-  EXPECT_THAT(complaint_about(open_scene, with_accuracy({"modes={basis=\"modes\",residual_flexibility=false}"})),
-              HasSubstr("residual_flexibility"));
+  EXPECT_THAT(
+      complaint_about(open_scene, with_accuracy({"modes={basis=\"modes\",residual_flexibility=false}"})),
+      HasSubstr("residual_flexibility"));
 }
 
 TEST(Precision, goes_with_steps_of_compliant_by_modes_alone) {
@@ -113,7 +117,9 @@ TEST(KernelOfAccuracy, is_any_other_where_modes_are_given) {
 TEST(KernelOfAccuracy, is_not_derived_from_another) {
   const KernelRequest wanted = request_of(with_accuracy());
   EXPECT_FALSE(similarity(request_of({"modes.count=10"}), wanted));
-  EXPECT_THAT(complaint_of([&] { scene::request_of({wanted.hash, wanted.toml, wanted.mesh_sha256}, "x.kernel.h5"); }),
+  EXPECT_THAT(complaint_of([&] {
+                scene::request_of({wanted.hash, wanted.toml, wanted.mesh_sha256}, "x.kernel.h5");
+              }),
               HasSubstr("accuracy"));
 }
 
@@ -127,6 +133,8 @@ TEST(OtherOrder, is_the_next_lower_one_or_2_for_1) {
   }
 }
 
-TEST(OtherOrder, does_not_exist_for_a_mesh_file) { EXPECT_FALSE(other_order(request_of(with_accuracy(), 0))); }
+TEST(OtherOrder, does_not_exist_for_a_mesh_file) {
+  EXPECT_FALSE(other_order(request_of(with_accuracy(), 0)));
+}
 
 }  // namespace
