@@ -78,6 +78,19 @@ double spacing_of(const Any& surface) {
   return smallest;
 }
 
+Json number(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+
+Json shares(const std::optional<ErrorEstimate>& estimate) {
+  if (!estimate) return nullptr;
+  return {{"total", estimate->total()},
+          {"mesh", number(estimate->mesh)},
+          {"modes", number(estimate->modes)},
+          {"step", number(estimate->step)},
+          {"eigensolver", number(estimate->eigensolver)},
+          {"precision", number(estimate->precision)},
+          {"spacing", number(estimate->spacing)}};
+}
+
 void write(const Json& json, const std::filesystem::path& path) {
   std::filesystem::path temporary = path;
   temporary += fmt::format(".{}.partial", ::getpid());
@@ -98,6 +111,12 @@ void write(const Json& json, const std::filesystem::path& path) {
 }
 
 }  // namespace
+
+double ErrorEstimate::total() const {
+  double sum = 0;
+  for (const auto& share : {mesh, modes, step, eigensolver, precision, spacing}) sum += share.value_or(0);
+  return sum;
+}
 
 bool count_forces(Summary& out, bool touching, const Vector& force, double time, double step) {
   const int active = static_cast<int>((force.array() > 0).count());
@@ -268,7 +287,6 @@ Summary SummaryObserver::summary() const {
 namespace {
 
 Json json_of(const Summary& summary) {
-  const auto number = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
   Json episodes = Json::array(), exit_velocity = Json::object(), sounds = Json::object();
   for (const Episode& episode : summary.episodes)
     episodes.push_back({{"start_s", episode.start_s},
@@ -297,7 +315,7 @@ Json json_of(const Summary& summary) {
           {"candidates", summary.candidates},
           {"unpaired", summary.unpaired},
           {"max_active", summary.max_active},
-          {"error_estimate", number(summary.error_estimate)},
+          {"error_estimate", shares(summary.error_estimate)},
           {"sounds", sounds},
           {"warnings", summary.warnings},
           {"real_time_factor", summary.real_time_factor},
@@ -363,6 +381,7 @@ void write_json(const EquilibriumSummary& summary, const std::filesystem::path& 
          {"candidates", summary.candidates},
          {"unpaired", summary.unpaired},
          {"iterations", summary.iterations},
+         {"error_estimate", shares(summary.error_estimate)},
          {"warnings", summary.warnings},
          {"wall_s", summary.wall_s}},
         path);

@@ -24,6 +24,12 @@ struct Episode {
   double peak_force_n = 0;      ///< largest Σ_i λ_i of a step
 };
 
+/// Shares in the relative error of the main results (outcome.hpp); none where there is nothing to tell it by.
+struct ErrorEstimate {
+  std::optional<double> mesh, modes, step, eigensolver, precision, spacing;
+  double total() const;  ///< sum of those known
+};
+
 /// A WAV file of a receiver's velocity.
 struct Sound {
   std::string file;
@@ -55,8 +61,8 @@ struct Summary {
   int candidates = 0;         ///< paired points m
   int unpaired = 0;
   int max_active = 0;
-  std::optional<double> error_estimate;  ///< none: not estimated
-  std::map<std::string, Sound> sounds;   ///< by receiver; the caller's to fill
+  std::optional<ErrorEstimate> error_estimate;  ///< none: not estimated; the caller's to fill
+  std::map<std::string, Sound> sounds;          ///< by receiver; the caller's to fill
   std::vector<std::string> warnings;
   double real_time_factor = 0;  ///< simulated over elapsed time of the stepping
   double wall_s = 0;
@@ -119,6 +125,7 @@ struct EquilibriumSummary {
   std::map<std::string, int> modes;
   int candidates = 0, unpaired = 0;
   std::int64_t iterations = 0;
+  std::optional<ErrorEstimate> error_estimate;  ///< the caller's to fill
   std::vector<std::string> warnings;
   double wall_s = 0;  ///< the caller's to fill
 };

@@ -234,6 +234,21 @@ void leave_out(Kernel& kernel, const std::vector<bool>& keep) {
   if (kernel.view) keep_columns(kernel.view->shape, keep);
 }
 
+Kernel up_to(Kernel kernel, RadPerSecond end) {
+  std::vector<bool> keep;
+  for (const double omega : kernel.modes.angular_frequency) keep.push_back(omega <= end.value);
+  leave_out(kernel, keep);
+  return kernel;
+}
+
+double error_up_to(const Kernel& kernel, RadPerSecond end, RadPerSecond band) {
+  const Elastic elastic = elastic_of(kernel);
+  std::vector<bool> without;
+  for (const double lambda : elastic.lambda) without.push_back(lambda > end.value * end.value);
+  if (without.empty()) return 0;
+  return Contributions(elastic.modes(), band).error_without(without);
+}
+
 double error_above(const Kernel& kernel, RadPerSecond band, RadPerSecond end) {
   const std::vector<double>& r = kernel.surface.residual_flexibility;
   const Eigen::Map<const Eigen::VectorXd> entries(r.data(), static_cast<Eigen::Index>(r.size()));

@@ -58,6 +58,13 @@ class Contributions {
 /// flexibility and response to gravity, where it has these. @param keep  (N); rigid modes have to be kept
 void leave_out(Kernel& kernel, const std::vector<bool>& keep);
 
+/// The kernel without its elastic modes, or vectors, above `end`, by `leave_out`; unlike a cut it need not
+/// have had all modes below, and its certificate stays as it was.
+Kernel up_to(Kernel kernel, RadPerSecond end);
+
+/// `flexibility_error` of `up_to`, where the static part of what goes stays.
+double error_up_to(const Kernel& kernel, RadPerSecond end, RadPerSecond band);
+
 /// `Contributions::error_above` of a kernel whose residual flexibility stands for modes above `end`.
 double error_above(const Kernel& kernel, RadPerSecond band, RadPerSecond end);
 

@@ -30,7 +30,7 @@ std::optional<int> status_of_parsing(CLI::App& app, int argc, const char* const*
 
 Parsed parse(const Program& program, int argc, const char* const* argv, bool speak) {
   Options options;
-  std::string scene, out;
+  std::string scene, out, accuracy;
   CLI::App app{program.purpose, program.name};
   app.set_version_flag("--version", program.name + " " RICOCHET_VERSION);
   app.add_option("SCENE", scene, "Scene file (TOML)")->required();
@@ -41,6 +41,10 @@ Parsed parse(const Program& program, int argc, const char* const* argv, bool spe
       ->take_all()
       ->expected(1)
       ->allow_extra_args(false);
+  app.add_option("--accuracy", accuracy,
+                 "Relative error that the main results may have: chooses what the scene leaves open, and "
+                 "estimates errors; as --set accuracy=X")
+      ->type_name("X");
   app.add_option("--out", out, "Folder of kernels and results (default: out/ beside the scene)")
       ->type_name("DIR");
   app.add_flag("--dry-run", options.dry_run, "Print the resolved scene and stop");
@@ -49,6 +53,7 @@ Parsed parse(const Program& program, int argc, const char* const* argv, bool spe
     app.add_flag("--batch", options.batch, "Answer requests on standard input, a line of JSON each");
   app.footer("Examples:\n" + program.examples);
   if (const auto status = status_of_parsing(app, argc, argv, speak)) return {std::nullopt, *status};
+  if (!accuracy.empty()) options.overrides.push_back("accuracy=" + accuracy);
   options.scene = scene;
   options.out = out.empty() ? options.scene.parent_path() / "out" : std::filesystem::path(out);
   return {options, 0};

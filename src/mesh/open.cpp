@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 #include <gmsh.h>
 
+#include <algorithm>
 #include <cctype>
 #include <fstream>
 #include <regex>
@@ -129,7 +130,9 @@ std::set<std::string> parameters_of(const std::filesystem::path& geo) {
   return names;
 }
 
-bool open_model(const scene::Body& body) {
+namespace {
+
+void open_file(const scene::Body& body) {
   const std::string file = body.mesh.filename().string();
   if (!std::filesystem::is_regular_file(body.mesh) || !std::ifstream(body.mesh))
     throw InputError(fmt::format("{}: no such file, or not readable: check bodies.{}.mesh = \"{}\"", file,
@@ -137,6 +140,20 @@ bool open_model(const scene::Body& body) {
   check_parameters(body);
   if (body.mesh.extension() == ".msh") check_whole(body.mesh);
   gmsh::open(body.mesh.string());
+}
+
+}  // namespace
+
+Extent extent_of(const scene::Body& body) {
+  open_file(body);
+  double low[3], high[3], longest = 0;
+  gmsh::model::getBoundingBox(-1, -1, low[0], low[1], low[2], high[0], high[1], high[2]);
+  for (int k = 0; k < 3; ++k) longest = std::max(longest, high[k] - low[k]);
+  return {longest * body.scale, gmsh::model::getDimension()};
+}
+
+bool open_model(const scene::Body& body) {
+  open_file(body);
   if (body.mesh.extension() == ".msh" || (body.mesh.extension() != ".geo" && holds_elements())) return true;
   gmsh::model::mesh::generate(gmsh::model::getDimension());
   gmsh::model::mesh::setOrder(body.order);

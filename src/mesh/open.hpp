@@ -15,6 +15,13 @@ namespace ricochet::mesh {
 /// .msh that is no mesh or cut off, a `geometry` name that the file does not define.
 bool open_model(const scene::Body& body);
 
+/// A body's geometry or mesh, without meshing it. Needs and throws what open_model does.
+struct Extent {
+  double length = 0;  ///< longest side of the box around it [m]
+  int dimension = 3;  ///< 1: a rod
+};
+Extent extent_of(const scene::Body& body);
+
 /// What `geometry` can set in a .geo: the names in its DefineConstant lists and those it asks for by Exists,
 /// its Includes read too.
 std::set<std::string> parameters_of(const std::filesystem::path& geo);

@@ -66,7 +66,7 @@ class Batch {
                       scene.file.string()));
     const Clock::time_point started = Clock::now();
     const Kernels kernels = read_kernels(scene, options_.out, cache_);
-    const contact::Model model = in_scene(scene, [&] { return model_of(scene, kernels); });
+    const contact::Model model = in_scene(scene, [&] { return model_of(scene, kernels.pointers()); });
     const contact::StepOptions step = step_options(scene);
     const std::int64_t steps = std::llround(scene.time.duration * scene.time.rate.value);
     const Clock::time_point stepping = Clock::now();

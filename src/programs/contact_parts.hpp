@@ -24,7 +24,8 @@ double seconds_since(Clock::time_point start);
 /// √(E/ρ) [m/s], the least of all bodies; 0 without bodies.
 double slowest_wave(const scene::Scene& scene);
 
-contact::Model model_of(const scene::Scene& scene, const Kernels& kernels);
+/// @param kernels  of the scene's bodies; the model refers to them
+contact::Model model_of(const scene::Scene& scene, const std::vector<const kernels::Kernel*>& kernels);
 contact::StepOptions step_options(const scene::Scene& scene);
 
 /// Throws what a step that failed at `time` [s] means.

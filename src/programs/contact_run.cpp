@@ -18,6 +18,7 @@
 #include "kernels/error.hpp"
 #include "kernels/kernel.hpp"
 #include "src/console/console.hpp"
+#include "src/programs/accuracy.hpp"
 #include "src/programs/contact_parts.hpp"
 #include "src/scene/scene.hpp"
 #include "src/sound/wav.hpp"
@@ -53,10 +54,8 @@ std::vector<contact::DriveRequest> drives_of(const scene::Scene& scene) {
   return out;
 }
 
-contact::Model model_of(const scene::Scene& scene, const Kernels& kernels) {
-  std::vector<const kernels::Kernel*> pointers;
-  for (const auto& kernel : kernels.kernel) pointers.push_back(kernel.get());
-  return contact::build_model(placed_bodies(scene, pointers), half_spaces(scene), pair_requests(scene),
+contact::Model model_of(const scene::Scene& scene, const std::vector<const kernels::Kernel*>& kernels) {
+  return contact::build_model(placed_bodies(scene, kernels), half_spaces(scene), pair_requests(scene),
                               vector(scene.loads.gravity), drives_of(scene));
 }
 
@@ -70,7 +69,9 @@ contact::StepOptions step_options(const scene::Scene& scene) {
                                                                     : contact::Instant::step,
           .restitution = scene.contact.restitution,
           .step = 1 / scene.time.rate.value,
-          .max_pivots = scene.contact.max_pivots.value_or(std::numeric_limits<int>::max())};
+          .max_pivots = scene.contact.max_pivots.value_or(std::numeric_limits<int>::max()),
+          .precision = scene.contact.precision == scene::Precision::float32 ? contact::Precision::float32
+                                                                            : contact::Precision::float64};
 }
 
 double slowest_wave(const scene::Scene& scene) {
@@ -162,6 +163,7 @@ std::string report(const Summary& s) {
     if (s.energy_lost_contact)
       line("energy to contact", fmt::format("{:.3g} %", 100 * *s.energy_lost_contact));
   }
+  if (s.error_estimate) line("error estimate", told(*s.error_estimate));
   if (s.energy_drift) line("energy drift", fmt::format("{:.2g}", *s.energy_drift));
   line("deepest penetration", fmt::format("{:.3g} m", s.max_penetration_m));
   for (const auto& [name, sound] : s.sounds)
@@ -186,6 +188,7 @@ std::string report(const contact::EquilibriumSummary& s, const scene::Scene& sce
                               pair.force_n, pair.contact_points, pair.contact_area_m2, pair.peak_pressure_pa,
                               pair.approach_m);
   }
+  if (s.error_estimate) text += fmt::format("error estimate      {}\n", told(*s.error_estimate));
   return text + fmt::format("imbalance           {:.2g}\ndeepest penetration {:.3g} m\n", s.imbalance,
                             s.max_penetration_m);
 }
@@ -219,9 +222,9 @@ void show(const console::Options& options, std::ostream& out, console::Console& 
   for (const std::string& warning : warnings) console.warn(warning);
 }
 
-void run_at_rest(const scene::Scene& scene, const contact::Model& model, const Target& target,
-                 Clock::time_point started, const console::Options& options, console::Console& console,
-                 std::ostream& out) {
+void run_at_rest(const scene::Scene& scene, const contact::Model& model, const Judged& judged,
+                 const Target& target, Clock::time_point started, const console::Options& options,
+                 console::Console& console, std::ostream& out) {
   console.begin("equilibrium");
   const contact::Equilibrium equilibrium = in_scene(scene, [&] {
     using Solver = contact::EquilibriumOptions::Solver;
@@ -233,6 +236,8 @@ void run_at_rest(const scene::Scene& scene, const contact::Model& model, const T
   console.begin("writing");
   contact::Recorder(model, equilibrium, target.recorder).commit();
   contact::EquilibriumSummary summary = contact::summarise(model, equilibrium);
+  summary.error_estimate = judged.estimate;
+  summary.warnings.insert(summary.warnings.end(), judged.warnings.begin(), judged.warnings.end());
   summary.wall_s = seconds_since(started);
   contact::write_json(summary, target.summary);
   console.end(target.result.filename().string());
@@ -243,7 +248,7 @@ void run_at_rest(const scene::Scene& scene, const contact::Model& model, const T
 
 int run_contact(const console::Options& options, std::ostream& out) {
   const Clock::time_point started = Clock::now();
-  const scene::Scene scene = scene::read(options.scene, options.overrides);
+  scene::Scene scene = scene::read(options.scene, options.overrides);
   if (options.dry_run) {
     out << scene::to_toml(scene);
     return 0;
@@ -254,17 +259,22 @@ int run_contact(const console::Options& options, std::ostream& out) {
     return run_table(options, scene, folder, console, out);
 
   console.begin("kernels");
-  KernelCache cache;
-  const Kernels kernels = read_kernels(scene, folder, cache);
+  const Kernels kernels = read_kernels(scene, folder);
   console.end(fmt::format("{} bodies", kernels.kernel.size()));
 
   console.begin("pairing");
-  const contact::Model model = in_scene(scene, [&] { return model_of(scene, kernels); });
+  const contact::Model model = in_scene(scene, [&] { return model_of(scene, kernels.pointers()); });
   console.end(fmt::format("{} contact points, {} modes", model.gap.size(), model.omega.size()));
 
+  Judged judged;
+  if (scene.accuracy) {
+    console.begin("estimates");
+    judged = choose_and_judge(scene, kernels, folder);
+    console.end(judged.estimate ? fmt::format("error {:.2g}", judged.estimate->total()) : "");
+  }
   const Target target = target_of(scene, folder, kernels);
   if (scene.contact.scheme == scene::Scheme::at_rest) {
-    run_at_rest(scene, model, target, started, options, console, out);
+    run_at_rest(scene, model, judged, target, started, options, console, out);
     return 0;
   }
   const contact::StepOptions step = step_options(scene);
@@ -290,6 +300,8 @@ int run_contact(const console::Options& options, std::ostream& out) {
   console.begin("writing");
   recorder.commit();
   Summary summary = observer.summary();
+  summary.error_estimate = judged.estimate;
+  summary.warnings.insert(summary.warnings.end(), judged.warnings.begin(), judged.warnings.end());
   summary.sounds = microphones.write(folder / scene::slug(scene.title));
   summary.real_time_factor = elapsed > 0 ? integrator.time() / elapsed : 0;
   summary.wall_s = seconds_since(started);

@@ -13,6 +13,7 @@
 #include "src/modes/contact_basis.hpp"
 #include "src/modes/search.hpp"
 #include "src/parallel/memory.hpp"
+#include "src/programs/choose_modes.hpp"
 #include "src/programs/kernel_candidates.hpp"
 #include "src/scene/derive.hpp"
 
@@ -269,7 +270,15 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
   console::Console console(options.quiet || !first,
                            [comm] { return parallel::largest(comm, console::peak_memory_mib()); });
   if (requests.empty()) console.say("the scene takes its kernels from contact.table: nothing to compute");
-  const std::vector<Points> points = needed_points(scene, requests, options.out, comm, console);
+  std::vector<Points> points = needed_points(scene, requests, options.out, comm, console);
+  // The error of the mesh is estimated from another order, with all candidates.
+  if (scene.accuracy)
+    for (std::size_t k = 0; k < scene.bodies.size(); ++k)
+      if (const auto other = scene::other_order(requests[k])) {
+        requests.push_back(*other);
+        points.push_back({});
+      }
+  std::optional<scene::Modes> chosen;
   for (std::size_t k = 0; k < requests.size(); ++k) {
     scene::KernelRequest request = with_points(requests[k], points[k]);
     std::string there;
@@ -291,6 +300,10 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
     std::filesystem::path checkpoint = path;
     checkpoint.replace_extension().replace_extension(".slices");
     if (from.empty()) {
+      if (request.modes.accuracy) {
+        if (!chosen) chosen = chosen_modes(scene, comm);
+        request.modes = *chosen;
+      }
       const kernels::Kernel kernel = compute_kernel(request, checkpoint, comm, console);
       parallel::on_first_rank(comm, [&] { kernels::write(kernel, path); });
     }

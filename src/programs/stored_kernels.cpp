@@ -30,6 +30,12 @@ std::shared_ptr<const kernels::Kernel> read(const fs::path& path, KernelCache& c
 
 }  // namespace
 
+std::vector<const kernels::Kernel*> Kernels::pointers() const {
+  std::vector<const kernels::Kernel*> out;
+  for (const auto& one : kernel) out.push_back(one.get());
+  return out;
+}
+
 std::vector<StoredKernel> find_kernels(const scene::Scene& scene, const fs::path& folder,
                                        KernelCache& cache) {
   std::vector<std::vector<KernelFile>> files;
@@ -80,6 +86,11 @@ Kernels read_kernels(const scene::Scene& scene, const fs::path& folder, KernelCa
   }
   cache = std::move(kept);
   return out;
+}
+
+Kernels read_kernels(const scene::Scene& scene, const fs::path& folder) {
+  KernelCache none;
+  return read_kernels(scene, folder, none);
 }
 
 }  // namespace ricochet::programs

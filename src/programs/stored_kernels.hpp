@@ -16,6 +16,7 @@ namespace ricochet::programs {
 struct Kernels {
   std::vector<std::shared_ptr<const kernels::Kernel>> kernel;
   std::vector<std::string> file;
+  std::vector<const kernels::Kernel*> pointers() const;
 };
 
 /// Kernels of the run before, by path: what stays the same is not read again.
@@ -36,5 +37,6 @@ std::vector<StoredKernel> find_kernels(const scene::Scene& scene, const std::fil
 /// Throws InputError when there is none for a body, or one of another scene. One that holds too few
 /// candidates is read: pairing tells. Afterwards `cache` holds the scene's kernels alone.
 Kernels read_kernels(const scene::Scene& scene, const std::filesystem::path& folder, KernelCache& cache);
+Kernels read_kernels(const scene::Scene& scene, const std::filesystem::path& folder);
 
 }  // namespace ricochet::programs

@@ -56,7 +56,7 @@ int run_table(const console::Options& options, const scene::Scene& scene, const 
     table = contact::read_table(scene.contact.table);
   } else {
     kernels = read_kernels(scene, folder);
-    model = in_scene(scene, [&] { return model_of(scene, kernels); });
+    model = in_scene(scene, [&] { return model_of(scene, kernels.pointers()); });
     check_memory(scene, model->gap.size(), steps);
     table = in_scene(scene, [&] { return contact::table_from_modes(*model, step, steps); });
     for (const contact::Model::PairBlock& pair : model->pairs) unpaired += pair.unpaired;

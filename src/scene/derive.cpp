@@ -87,6 +87,8 @@ KernelRequest request_of(const kernels::Header& header, const std::string& origi
                              origin, error.description())));
   }
   Table root(parsed, origin, "");
+  if (parsed.contains("accuracy"))
+    root.complain("accuracy", "its modes were chosen for one scene only: compute another");
   for (const char* sources : {"loads", "receiver"})
     if (parsed.contains(sources))
       root.complain(
@@ -120,7 +122,7 @@ KernelRequest request_of(const kernels::Header& header, const std::string& origi
 }
 
 std::optional<kernels::Similarity> similarity(const KernelRequest& had, const KernelRequest& wanted) {
-  if (!toml_sources(wanted).empty()) return std::nullopt;
+  if (!toml_sources(wanted).empty() || wanted.modes.accuracy) return std::nullopt;
   const Body &a = had.body, &b = wanted.body;
   if (had.mesh_sha256 != wanted.mesh_sha256 || a.geometry != b.geometry || a.order != b.order ||
       a.contact != b.contact || a.support != b.support || a.materials.size() != b.materials.size() ||

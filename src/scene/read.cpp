@@ -130,10 +130,15 @@ Body read_body(const std::string& name, Table& table, const std::filesystem::pat
 
 }  // namespace
 
-Modes read_modes(Table& root) {
+Modes read_modes(Table& root, const std::optional<double>& accuracy) {
   Modes modes;
   auto table = root.table("modes");
-  if (!table) root.complain("modes", "is missing: give up_to_hz or count");
+  if (!table && accuracy) {
+    modes.basis = Basis::contact;
+    modes.accuracy = accuracy;
+    return modes;
+  }
+  if (!table) root.complain("modes", "is missing: give up_to_hz or count, or accuracy in the scene");
   if (table->has("up_to_hz")) modes.up_to = Hertz{positive(*table, "up_to_hz")};
   if (const auto count = table->integer("count")) {
     if (*count < 1) table->complain("count", "must be at least 1");
@@ -148,6 +153,8 @@ Modes read_modes(Table& root) {
     if (*basis != "modes" && *basis != "contact")
       table->complain("basis", "must be \"modes\" or \"contact\"");
     if (*basis == "contact") modes.basis = Basis::contact;
+  } else if (accuracy && !modes.up_to && !modes.count) {
+    modes.basis = Basis::contact;
   }
   if (const auto threshold = table->number("low_rank")) {
     if (*threshold != 0 && (*threshold < 1e-12 || *threshold > 1e-3))
@@ -156,7 +163,11 @@ Modes read_modes(Table& root) {
       table->complain("low_rank", "proves no count of modes: it goes with basis = \"contact\"");
     modes.low_rank = *threshold;
   }
-  if (modes.basis == Basis::contact) {
+  if (accuracy && !modes.up_to && !modes.count) {
+    modes.accuracy = accuracy;
+    if (modes.basis == Basis::modes && !modes.residual_flexibility)
+      root.complain("modes", "accuracy needs residual_flexibility = true, to which modes are left");
+  } else if (modes.basis == Basis::contact) {
     if (!modes.up_to)
       root.complain("modes", "basis = \"contact\" needs up_to_hz, the band in which contact acts");
     if (modes.count && modes.flexibility_error)
@@ -180,13 +191,14 @@ Modes read_modes(Table& root) {
 
 namespace {
 
-void read_time(Table& root, bool needed, Time& time) {
+void read_time(Table& root, bool needed, const std::optional<double>& accuracy, Time& time) {
   auto table = root.table("time");
   if (!table && !needed) return;
   if (!table) root.complain("time", "is missing: give duration [s]");
+  time.rate_by_accuracy = accuracy && !table->has("rate_hz");
   if (table->has("rate_hz")) time.rate = Hertz{positive(*table, "rate_hz")};
   time.duration = positive(*table, "duration");
-  const double steps = time.duration * time.rate.value;
+  const double steps = time.rate_by_accuracy ? 1 : time.duration * time.rate.value;
   if (steps < 1 || steps > 1e9)
     table->complain("duration", fmt::format("makes {:.3g} steps: must be from 1 to 1e9", steps));
   table->refuse_unknown();
@@ -215,6 +227,8 @@ void refuse_what_does_not_go(Table& root, const Scene& scene) {
   if (table && scene.output.snapshot_every > 0)
     root.table("output")->complain("snapshot_every",
                                    "contact.kernel = \"table\" has no modal coordinates: leave it out");
+  if (table && scene.accuracy)
+    root.complain("accuracy", "errors of runs by contact.kernel = \"table\" are not estimated: leave it out");
   if (!table && scene.contact.scheme != Scheme::at_rest) return;
   const char* with = table ? "contact.kernel = \"table\"" : "contact.scheme = \"static\"";
   const Loads& loads = scene.loads;
@@ -255,13 +269,16 @@ Scene read(const std::filesystem::path& file, const std::vector<Override>& overr
   scene.file = file;
   Table root(parsed, name, "");
   scene.title = root.text("title").value_or(file.stem().string());
+  scene.accuracy = root.number("accuracy");
+  if (scene.accuracy && (*scene.accuracy < 1e-6 || *scene.accuracy > 0.5))
+    root.complain("accuracy", "must be from 1e-6 to 0.5, the relative error that results may have");
   if (parsed["contact"]["table"]) {
     for (const char* key : {"bodies", "obstacles", "modes", "loads"})
       if (parsed.contains(key))
         root.complain(key,
                       "does not go with contact.table, a file that takes its place: leave one of them out");
     scene.contact = read_contact(root, scene);
-    read_time(root, true, scene.time);
+    read_time(root, true, scene.accuracy, scene.time);
     read_output(root, scene);
     refuse_what_does_not_go(root, scene);
     root.refuse_unknown();
@@ -282,9 +299,9 @@ Scene read(const std::filesystem::path& file, const std::vector<Override>& overr
       if (scene.find_body(obstacle_name) != nullptr) table.complain("", "a body has this name already");
       scene.obstacles.push_back(obstacle);
     }
-  scene.modes = read_modes(root);
+  scene.modes = read_modes(root, scene.accuracy);
   scene.contact = read_contact(root, scene);
-  read_time(root, scene.contact.scheme != Scheme::at_rest, scene.time);
+  read_time(root, scene.contact.scheme != Scheme::at_rest, scene.accuracy, scene.time);
   read_loads(root, scene);
   read_output(root, scene);
   refuse_what_does_not_go(root, scene);

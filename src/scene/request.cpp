@@ -67,6 +67,11 @@ Vector3 own_axis(const std::array<double, 9>& rotation, const Vector3& world) {
   return own;
 }
 
+std::vector<std::string> quoted(std::vector<std::string> texts) {
+  for (std::string& text : texts) text = toml_string(text);
+  return texts;
+}
+
 }  // namespace
 
 std::array<double, 9> rotation_of(const Body& body) { return ricochet::rotation_of(body.rotate_deg); }
@@ -101,11 +106,26 @@ KernelRequest kernel_request(const Scene& scene, const Body& body) {
                       file, body.name));
     if (direction != request.direction) request.direction.reset();
   }
-  std::set<std::filesystem::path> seen;
-  request.mesh_sha256 = mesh_hash(body.mesh, fmt::format("{}: bodies.{}.mesh", file, body.name), seen);
+  const auto hash_of = [&](const Body& any) {
+    std::set<std::filesystem::path> seen;
+    return mesh_hash(any.mesh, fmt::format("{}: bodies.{}.mesh", file, any.name), seen);
+  };
+  request.mesh_sha256 = hash_of(body);
+  // What band a body needs depends on those that it meets.
+  for (const Body& other : scene.bodies)
+    if (request.modes.accuracy && other.name != body.name)
+      request.beside.push_back(sha256(hash_of(other) + toml_body_matter(other)));
   take_sources(scene, body, request);
   seal(request);
   return request;
+}
+
+std::optional<KernelRequest> other_order(const KernelRequest& request) {
+  if (request.body.mesh.extension() == ".msh") return std::nullopt;
+  KernelRequest other = request;
+  other.body.order = request.body.order > 1 ? request.body.order - 1 : 2;
+  seal(other);
+  return other;
 }
 
 void seal(KernelRequest& request) {
@@ -120,6 +140,10 @@ void seal(KernelRequest& request) {
                                          : fmt::format("points = [{}]\n", points);
   }
   request.toml += fmt::format("[output]\nview = {}\n", request.view);
+  if (request.modes.accuracy)
+    request.toml +=
+        fmt::format("[accuracy]\nwanted = {}\nbeside = [{}]\n", toml_number(*request.modes.accuracy),
+                    fmt::join(quoted(request.beside), ", "));
   request.toml += toml_sources(request);
   request.hash = sha256(fmt::format("{}\n{}\n{}", kernel_generation, request.mesh_sha256, request.toml));
 }

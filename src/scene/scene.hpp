@@ -56,6 +56,8 @@ struct Modes {
   std::optional<std::int64_t> count;  ///< rigid modes included
   std::optional<double>
       flexibility_error;  ///< of the contact surface over [0, up_to]; modes: leave out those it doesn't need
+  /// Neither up_to nor count is set, and ricochet-kernel chooses what makes results as accurate as this.
+  std::optional<double> accuracy;
   bool residual_flexibility = true;
   double relative_residual = 1e-8;  ///< bound on each mode's residual
   double low_rank = 0;              ///< contact: threshold of block low-rank factors; 0: full rank
@@ -75,6 +77,7 @@ enum class Scheme { compliant, impulse, at_rest };  ///< at_rest: "static"
 enum class Solver { exact, uzawa };
 enum class Admittance { jump, difference };
 enum class Instant { step, exact };
+enum class Precision { float64, float32 };  ///< "double", "single"
 
 /// What answers a contact force: the bodies' modes, or kernels sampled in time and convolved with the forces.
 enum class ContactKernel { modes, table };
@@ -84,17 +87,19 @@ struct Contact {
   std::filesystem::path
       table;  ///< of kernel = table: a file that takes the place of bodies; empty: their modes
   Scheme scheme = Scheme::compliant;
-  Admittance admittance = Admittance::jump;  ///< of the impulse scheme
-  Instant instant = Instant::step;           ///< of the impulse scheme
-  double restitution = 0;                    ///< of the impulse scheme, in [0, 1]
-  Solver solver = Solver::exact;             ///< of bodies at rest (scheme "static")
+  Admittance admittance = Admittance::jump;                 ///< of the impulse scheme
+  Instant instant = Instant::step;                          ///< of the impulse scheme
+  double restitution = 0;                                   ///< of the impulse scheme, in [0, 1]
+  Solver solver = Solver::exact;                            ///< of bodies at rest (scheme "static")
+  std::optional<Precision> precision = Precision::float64;  ///< of compliant; none: accuracy chooses it
   std::optional<int> max_pivots;  ///< bound on the work of a step, at least 1; none: solved whatever it takes
   std::vector<Pair> pairs;        ///< [contact] itself, or each [[contact.pair]]
 };
 
 struct Time {
   Hertz rate{44100};
-  double duration = 0;  ///< [s]; 0: not given, as bodies at rest need none
+  bool rate_by_accuracy = false;  ///< not given: the scene's accuracy chooses it
+  double duration = 0;            ///< [s]; 0: not given, as bodies at rest need none
 };
 
 /// A force on a surface or at a point, or the displacement of a support: `vector` times a history that is
@@ -133,7 +138,9 @@ struct Output {
 struct Scene {
   std::string title;
   std::filesystem::path file;  ///< as the user named it: errors start with it
-  std::vector<Body> bodies;    ///< in the order of their names; none with contact.table
+  /// Relative error that the main results may have: chooses what is left open, and errors are estimated.
+  std::optional<double> accuracy;
+  std::vector<Body> bodies;  ///< in the order of their names; none with contact.table
   std::vector<Obstacle> obstacles;
   Modes modes;
   Contact contact;
@@ -179,6 +186,7 @@ struct KernelRequest {
   std::vector<Driven> tractions, point_forces,
       motions;                      ///< of this body; vector and history cleared, `at` in its frame
   std::vector<Receiver> receivers;  ///< of this body; `at` in its frame
+  std::vector<std::string> beside;  ///< of modes.accuracy: SHA-256 of the matter of each other body
   std::string mesh_sha256;
   std::string toml;  ///< the request written out, part of the hash
   std::string hash;  ///< SHA-256, hex
@@ -186,6 +194,10 @@ struct KernelRequest {
 
 /// Throws InputError when two pairs ask different patches of one body, or a mesh file can't be read.
 KernelRequest kernel_request(const Scene& scene, const Body& body);
+
+/// The same of elements of the next lower order, or of order 2 in the place of 1: what the mesh does to
+/// results shows beside it. None for a mesh file, which has an order of its own.
+std::optional<KernelRequest> other_order(const KernelRequest& request);
 
 /// Sets `toml` and `hash` from all else.
 void seal(KernelRequest& request);

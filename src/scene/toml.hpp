@@ -70,8 +70,8 @@ class Table {
 /// The keys of a body that its kernel depends on, but for its mesh.
 void read_body_matter(Table& table, Body& body);
 
-/// The table [modes] of `root`.
-Modes read_modes(Table& root);
+/// The table [modes] of `root`, where `accuracy` may choose what is left open.
+Modes read_modes(Table& root, const std::optional<double>& accuracy = {});
 
 /// [contact], once the scene's bodies and obstacles are known.
 Contact read_contact(Table& root, const Scene& scene);

@@ -113,6 +113,9 @@ std::string scheme_of(const Contact& contact) {
         fmt::format("admittance = \"{}\"\ninstant = \"{}\"\nrestitution = {}\n",
                     contact.admittance == Admittance::jump ? "jump" : "difference",
                     contact.instant == Instant::step ? "step" : "exact", toml_number(contact.restitution));
+  if (contact.precision)
+    text +=
+        fmt::format("precision = \"{}\"\n", *contact.precision == Precision::float64 ? "double" : "single");
   if (contact.max_pivots) text += fmt::format("max_pivots = {}\n", *contact.max_pivots);
   return text;
 }
@@ -146,6 +149,7 @@ std::string output_of(const Output& output) {
 
 std::string to_toml(const Scene& scene) {
   std::string text = fmt::format("title = {}\n", toml_string(scene.title));
+  if (scene.accuracy) text += fmt::format("accuracy = {}\n", toml_number(*scene.accuracy));
   if (!scene.contact.table.empty())
     return text + fmt::format(
                       "\n[contact]\nkernel = \"table\"\ntable = {}\n{}\n[time]\nrate_hz = {}\nduration = "
@@ -173,8 +177,10 @@ std::string to_toml(const Scene& scene) {
     if (pair.reach) text += "reach = " + toml_number(*pair.reach) + "\n";
   }
   if (scene.time.duration > 0)
-    text += fmt::format("\n[time]\nrate_hz = {}\nduration = {}\n", toml_number(scene.time.rate.value),
-                        toml_number(scene.time.duration));
+    text += fmt::format(
+        "\n[time]\n{}duration = {}\n",
+        scene.time.rate_by_accuracy ? "" : fmt::format("rate_hz = {}\n", toml_number(scene.time.rate.value)),
+        toml_number(scene.time.duration));
   return text + loads_of(scene) + output_of(scene.output);
 }
 

@@ -41,6 +41,11 @@ Options options_of(const std::vector<const char*>& arguments) {
   return outcome.parsed.options.value_or(Options{});
 }
 
+TEST(Arguments, take_an_accuracy_as_a_key_of_the_scene) {
+  EXPECT_THAT(options_of({"scene.toml", "--accuracy", "1e-3", "--set", "title=x"}).overrides,
+              ElementsAre("title=x", "accuracy=1e-3"));
+}
+
 TEST(Options, of_a_scene_alone_are_the_defaults) {
   const Options options = options_of({"two-disks.toml"});
   EXPECT_EQ(options.scene, "two-disks.toml");

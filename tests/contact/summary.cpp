@@ -194,6 +194,18 @@ TEST(Json, holds_what_the_summary_holds_and_null_for_what_is_not_known) {
   for (const char* key :
        {"contact_end_s", "restitution", "energy_drift", "energy_lost_contact", "error_estimate"})
     EXPECT_TRUE(json.at(key).is_null()) << key;
+  s.error_estimate =
+      ErrorEstimate{.mesh = {}, .modes = 1, .step = 2, .eigensolver = 3, .precision = 4, .spacing = 5};
+  write_json(s, folder / "x.summary.json");
+  std::ifstream again(folder / "x.summary.json");
+  const auto estimate = nlohmann::json::parse(again)["error_estimate"];
+  EXPECT_EQ(estimate, (nlohmann::json{{"total", 15.0},
+                                      {"mesh", nullptr},
+                                      {"modes", 1.0},
+                                      {"step", 2.0},
+                                      {"eigensolver", 3.0},
+                                      {"precision", 4.0},
+                                      {"spacing", 5.0}}));
   EXPECT_EQ(json["episodes"].size(), 2U);
   EXPECT_EQ(json["episodes"][0]["end_s"], 0.5);
   EXPECT_TRUE(json["episodes"][1]["end_s"].is_null());
@@ -202,8 +214,9 @@ TEST(Json, holds_what_the_summary_holds_and_null_for_what_is_not_known) {
   EXPECT_EQ(json["sounds"]["mic"]["file"], "x.mic.wav");
   EXPECT_EQ(json["sounds"]["mic"]["full_scale_m_per_s"], 0.25);
   EXPECT_EQ(json["warnings"], std::vector<std::string>{"too fast"});
-  for (const char* key : {"contact_steps", "peak_force_n", "impulse_ns", "max_penetration_m", "limited_steps",
-                          "limited_residual", "candidates", "unpaired", "max_active", "real_time_factor", "wall_s"})
+  for (const char* key :
+       {"contact_steps", "peak_force_n", "impulse_ns", "max_penetration_m", "limited_steps",
+        "limited_residual", "candidates", "unpaired", "max_active", "real_time_factor", "wall_s"})
     EXPECT_EQ(json.at(key), 0) << key;
   EXPECT_EQ(folder.entries(), 1U);  // no temporary file is left
   EXPECT_THAT(complaint_of([&] { write_json(s, folder / "not" / "there.json"); }), HasSubstr("--out"));

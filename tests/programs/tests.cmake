@@ -1,3 +1,4 @@
+add_program_test(programs accuracy)
 add_program_test(programs ranks)
 add_program_test(programs parts)
 add_program_test(programs reach)

@@ -61,7 +61,7 @@ TEST(Refused, is_a_missing_key) {
       {", young = 1e9", "", "bodies.ball.material.young: is missing"},
       {"contact = \"skin\"", "", "bodies.ball.contact: is missing: name the physical surface that may touch"},
       {"normal = [0, 0, 1]", "", "obstacles.floor.normal: is missing: it points out of the obstacle"},
-      {"[modes]\ncount = 10", "", "modes: is missing: give up_to_hz or count"},
+      {"[modes]\ncount = 10", "", "modes: is missing: give up_to_hz or count, or accuracy in the scene"},
       {"count = 10", "", "modes = {…}: give one of up_to_hz and count"},
       {"[contact]\nbetween = [\"ball\", \"floor\"]", "",
        "contact: is missing: give between = [\"body\", \"body\"]"},
@@ -270,7 +270,8 @@ TEST(Refused, is_refused_in_one_line_whatever_keys_hold) {
   expect_lines({
       {"[time]", "[\"a\\nb\"]\n[time]",
        "a b = {…}: "
-       "unknown key. The keys here are bodies, contact, loads, modes, obstacles, output, time, title."},
+       "unknown key. The keys here are accuracy, bodies, contact, loads, modes, obstacles, output, time, "
+       "title."},
       {"\"ball\", \"floor\"", "\"ball\", \"a\\nb\"",
        "contact.between = [\"ball\", \"a\\u000Ab\"]: there is no body or obstacle \"a b\""},
   });
@@ -300,7 +301,7 @@ TEST(Refused, is_what_table_kernels_have_no_use_for) {
             "scene.toml: contact.table = \"../tables/rods.h5\": belongs to kernel = \"table\"");
   EXPECT_EQ(complaint_about(changed(tabular, "[time]", "between = [\"a\", \"b\"]\n[time]")),
             "scene.toml: contact.between = [\"a\", \"b\"]: unknown key. The keys here are admittance, "
-            "instant, kernel, max_pivots, restitution, scheme, solver, table.");
+            "instant, kernel, max_pivots, precision, restitution, scheme, solver, table.");
 }
 
 }  // namespace

@@ -1,0 +1,214 @@
+#include "contact/estimate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "contact/thinning.hpp"
+#include "kernels/algebra.hpp"
+#include "kernels/band.hpp"
+
+namespace ricochet::contact {
+namespace {
+
+/// Relative change of frequencies by which small errors of theirs are made visible.
+constexpr double visible = 1e-3;
+
+/// Unit round-off of double over that of single precision, and the latter.
+constexpr double double_over_single = 0x1p-29, single_round_off = 0x1p-24;
+
+/// What the element order before changed, the next one changes by this share: measured on disks and balls.
+constexpr double gain_of_an_order = 1.0 / 3;
+
+/// What doubling again and again would change: the last change that it made, d, times ρ + ρ² + … with the
+/// ratio ρ of d to the change before, ½ where that is not known. Both hold accidents: ρ is at most ½, and d
+/// not taken for less than a quarter of the one before.
+double still_to_come(double change, double before) {
+  const double last = std::max(change, before / 4), pace = before > 0 ? std::min(last / before, 0.5) : 0.5;
+  return last * pace / (1 - pace);
+}
+
+/// Errors of ω, relative: half of Kato and Temple's r² λ/gap of λ, and never more than half of the residual
+/// r.
+std::vector<double> frequency_errors(const kernels::Modes& modes, double low_rank) {
+  const std::vector<double>& omega = modes.angular_frequency;
+  std::vector<double> error(omega.size(), 0.0);
+  for (std::size_t n = 0; n < omega.size(); ++n) {
+    if (omega[n] == 0) continue;
+    if (modes.basis != "modes") {
+      error[n] = low_rank / 2;
+      continue;
+    }
+    const double lambda = omega[n] * omega[n], r = modes.residual.empty() ? 0 : modes.residual[n];
+    double gap = lambda;
+    for (std::size_t other : {n - 1, n + 1})
+      if (other < omega.size()) {
+        const double apart = std::abs(omega[other] * omega[other] - lambda);
+        if (apart > kernels::multiple_mode * lambda) gap = std::min(gap, apart);
+      }
+    error[n] = std::min(r, r * r * lambda / gap) / 2;
+  }
+  return error;
+}
+
+/// This share of the highest frequency; of vectors fitted to contact, of their band.
+RadPerSecond end_of(const kernels::Kernel& kernel, double share) {
+  const kernels::Modes& modes = kernel.modes;
+  if (modes.basis == "contact")
+    return RadPerSecond{share * RadPerSecond(Hertz{modes.certificate.upto_hz}).value};
+  return RadPerSecond{modes.size() > 0 ? share * modes.angular_frequency.back() : 0};
+}
+
+/// Frequencies off by `factor` times their errors, up or down.
+void detune(kernels::Modes& modes, const std::vector<double>& error, double factor) {
+  std::minstd_rand random;
+  for (std::size_t n = 0; n < error.size(); ++n)
+    modes.angular_frequency[n] *= 1 + (random() % 2 == 0 ? factor : -factor) * error[n];
+}
+
+}  // namespace
+
+Estimator::Estimator(Subject subject)
+    : subject_(std::move(subject)), model_(subject_.place(subject_.kernels)) {}
+
+std::optional<Outcome> Estimator::run(const Model& model, const StepOptions& options) const {
+  if (subject_.at_rest) return rest(model);
+  return impact(model, options, std::max<std::int64_t>(1, std::llround(subject_.duration / options.step)));
+}
+
+const std::optional<Outcome>& Estimator::outcome(const StepOptions& options) {
+  const std::pair key{options.step, options.precision};
+  const auto known = outcomes_.find(key);
+  return known != outcomes_.end() ? known->second
+                                  : outcomes_.emplace(key, run(model_, options)).first->second;
+}
+
+namespace {
+
+StepOptions divided(StepOptions options, double parts) {
+  options.step /= parts;
+  return options;
+}
+
+std::optional<Outcome> mean_of(const std::optional<Outcome>& one, const std::optional<Outcome>& other) {
+  if (!one || !other) return std::nullopt;
+  return Outcome{0.5 * one->value + 0.5 * other->value, one->scale, one->longest_touch};
+}
+
+}  // namespace
+
+std::optional<Outcome> Estimator::base(const StepOptions& options) {
+  return subject_.at_rest ? outcome(options) : mean_of(outcome(options), outcome(divided(options, 2)));
+}
+
+std::optional<Outcome> Estimator::mean(const Model& model, const StepOptions& options) const {
+  const auto one = run(model, options);
+  return subject_.at_rest ? one : mean_of(one, run(model, divided(options, 2)));
+}
+
+std::optional<Outcome> Estimator::mean(const std::vector<kernels::Kernel>& kernels,
+                                       const StepOptions& options) const {
+  return mean(subject_.place(kernels), options);
+}
+
+std::optional<double> Estimator::step(const StepOptions& options) {
+  if (subject_.at_rest) return 0;
+  const auto whole = outcome(options), half = outcome(divided(options, 2)),
+             quarter = outcome(divided(options, 4));
+  if (!whole || !half || !quarter) return std::nullopt;
+  return std::max(4.0 / 3 * distance(*whole, *quarter), distance(*whole, *half));
+}
+
+std::optional<double> Estimator::precision(const StepOptions& options) {
+  const bool is_single = options.precision == Precision::float32;
+  StepOptions other = options;
+  other.precision = is_single ? Precision::float64 : Precision::float32;
+  const auto here = base(options);
+  std::optional<Outcome> there;
+  if (options.scheme == Scheme::compliant && !subject_.at_rest) {
+    there = base(other);
+  } else {
+    // Nothing is done in single precision: frequencies are rounded to it instead.
+    std::vector<kernels::Kernel> kernels = subject_.kernels;
+    for (kernels::Kernel& kernel : kernels)
+      detune(kernel.modes, std::vector(kernel.modes.size(), single_round_off), 1);
+    there = mean(kernels, options);
+  }
+  if (!here || !there) return std::nullopt;
+  return distance(*here, *there) * (is_single ? 1 : double_over_single);
+}
+
+std::optional<double> Estimator::modes(const StepOptions& options, const Outcome& base) {
+  if (subject_.at_rest && model_.has_residual) return 0;
+  // By the share of the highest frequency, or of the band, that is kept.
+  const auto cut = [&](double share) {
+    std::vector<kernels::Kernel> out;
+    for (const kernels::Kernel& kernel : subject_.kernels)
+      out.push_back(kernels::up_to(kernel, end_of(kernel, share)));
+    return out;
+  };
+  const std::vector<kernels::Kernel> half = cut(0.5);
+  bool fewer = false, fitted = false;
+  double left = 0, made = 0;
+  for (std::size_t k = 0; k < half.size(); ++k) {
+    const kernels::Kernel& kernel = subject_.kernels[k];
+    fewer = fewer || half[k].modes.size() < kernel.modes.size();
+    if (kernel.modes.basis != "contact") continue;
+    fitted = true;
+    left = std::max(left, kernel.modes.certificate.flexibility_error);
+    made = std::max(made, kernels::error_up_to(kernel, end_of(kernel, 0.5), end_of(kernel, 1)));
+  }
+  if (!fewer) return std::nullopt;
+  const auto once = mean(half, options);
+  if (!once) return std::nullopt;
+  const double change = distance(base, *once);
+  if (fitted) return left < made ? change * left / made : change;
+  const auto nearly = mean(cut(0.75), options), twice = mean(cut(0.25), options);
+  return still_to_come(std::max(change, nearly ? distance(base, *nearly) : 0),
+                       twice ? distance(*once, *twice) : 0);
+}
+
+std::optional<double> Estimator::spacing(const StepOptions& options, const Outcome& base) const {
+  const Model wide = thinned(model_);
+  if (wide.gap.size() == model_.gap.size()) return 0;
+  const auto once = mean(wide, options);
+  if (!once) return std::nullopt;
+  const Model wider = thinned(wide);
+  const auto twice = wider.gap.size() < wide.gap.size() ? mean(wider, options) : std::nullopt;
+  return still_to_come(distance(base, *once), twice ? distance(*once, *twice) : 0);
+}
+
+std::optional<double> Estimator::mesh(const StepOptions& options, const Outcome& base) const {
+  if (subject_.other_order.empty()) return std::nullopt;
+  const auto other = mean(subject_.other_order, options);
+  if (!other) return std::nullopt;
+  return distance(base, *other) * (subject_.other_is_lower ? gain_of_an_order : 1);
+}
+
+std::optional<double> Estimator::eigensolver(const StepOptions& options, const Outcome& base) const {
+  std::vector<kernels::Kernel> kernels = subject_.kernels;
+  double largest = 0;
+  for (const kernels::Kernel& kernel : kernels)
+    for (const double error : frequency_errors(kernel.modes, subject_.low_rank))
+      largest = std::max(largest, error);
+  if (largest == 0) return 0;
+  const double factor = visible / largest;
+  for (kernels::Kernel& kernel : kernels)
+    detune(kernel.modes, frequency_errors(kernel.modes, subject_.low_rank), factor);
+  const auto detuned = mean(kernels, options);
+  if (!detuned) return std::nullopt;
+  return distance(base, *detuned) / factor;
+}
+
+ErrorEstimate Estimator::estimate(const StepOptions& options) {
+  const auto found = base(options);
+  if (!found) return {};
+  return {.mesh = mesh(options, *found),
+          .modes = modes(options, *found),
+          .step = step(options),
+          .eigensolver = eigensolver(options, *found),
+          .precision = precision(options),
+          .spacing = spacing(options, *found)};
+}
+
+}  // namespace ricochet::contact

@@ -1,0 +1,118 @@
+#include "contact/outcome.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "contact/equilibrium.hpp"
+#include "contact/summary.hpp"
+
+namespace ricochet::contact {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Bodies that can move rigidly, and how many rigid modes lead theirs.
+struct Mover {
+  int body;
+  Eigen::Index rigid;
+};
+
+std::vector<Mover> movers(const Model& model) {
+  std::vector<Mover> out;
+  for (std::size_t k = 0; k < model.bodies.size(); ++k) {
+    const Model::BodyBlock& body = model.bodies[k];
+    const auto omega = model.omega.segment(body.first_mode, body.modes).array();
+    if (const Eigen::Index rigid = (omega == 0).count(); rigid > 0)
+      out.push_back({static_cast<int>(k), rigid});
+  }
+  return out;
+}
+
+/// By body [m/s]; 0 where a support holds it. Rigid modes carry all momentum of a free body, and no
+/// vibration.
+std::vector<Vector3d> velocities(const Model& model, const std::vector<Mover>& movers, const Vector& v) {
+  std::vector<Vector3d> out(model.bodies.size(), Vector3d::Zero());
+  for (const Mover& mover : movers) {
+    const Model::BodyBlock& body = model.bodies[mover.body];
+    out[mover.body] =
+        body.momentum.leftCols(mover.rigid) * v.segment(body.first_mode, mover.rigid) / body.mass;
+  }
+  return out;
+}
+
+double approach(const Model& model, const std::vector<Vector3d>& velocity) {
+  double fastest = 0;
+  for (const Model::PairBlock& pair : model.pairs) {
+    Vector3d relative = velocity[pair.a];
+    if (pair.b >= 0) relative -= velocity[pair.b];
+    const Vector3d normal = model.normal.middleRows(pair.first_point, pair.points).colwise().mean();
+    fastest = std::max(fastest, relative.dot(normal));
+  }
+  return fastest;
+}
+
+}  // namespace
+
+double distance(const Outcome& a, const Outcome& b) {
+  double largest = 0;
+  for (Eigen::Index i = 0; i < a.value.size(); ++i) {
+    const double apart = std::abs(a.value[i] - b.value[i]);
+    if (apart > 0)
+      largest =
+          std::max(largest, a.scale[i] > 0 ? apart / a.scale[i] : std::numeric_limits<double>::infinity());
+  }
+  return largest;
+}
+
+std::optional<Outcome> impact(const Model& model, const StepOptions& options, std::int64_t steps) {
+  Integrator integrator(model, options);
+  const std::vector<Mover> moving = movers(model);
+  std::vector<Vector3d> before = velocities(model, moving, model.initial_rates()), start = before,
+                        end = before;
+  double impulse = 0, longest = 0;
+  std::int64_t touch = 0;
+  bool touched = false;
+  for (std::int64_t k = 0; k < steps; ++k) {
+    if (integrator.step() != StepStatus::ok) return std::nullopt;
+    const double force = integrator.force().sum();
+    if (force > 0 || !touched) before = velocities(model, moving, integrator.v());
+    if (force > 0) {
+      touched = true;
+      impulse += force * options.step;
+      longest = std::max(longest, static_cast<double>(++touch) * options.step);
+      end = before;
+    } else {
+      touch = 0;
+      if (!touched) start = end = before;
+    }
+  }
+  Outcome out;
+  const auto count = static_cast<Eigen::Index>(moving.size());
+  out.value.setZero(1 + 3 * count);
+  out.scale.setZero(1 + 3 * count);
+  out.value[0] = out.scale[0] = impulse;
+  out.longest_touch = longest;
+  double speed = approach(model, start);
+  for (const Mover& mover : moving) speed = std::max(speed, (end[mover.body] - start[mover.body]).norm() / 2);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    out.value.segment<3>(1 + 3 * k) = end[moving[static_cast<std::size_t>(k)].body];
+    out.scale.segment<3>(1 + 3 * k).setConstant(speed);
+  }
+  return out;
+}
+
+Outcome rest(const Model& model) {
+  const EquilibriumSummary found = summarise(model, find_equilibrium(model));
+  Outcome out;
+  out.value.setZero(2 * static_cast<Eigen::Index>(found.pairs.size()));
+  for (std::size_t p = 0; p < found.pairs.size(); ++p) {
+    const auto i = 2 * static_cast<Eigen::Index>(p);
+    out.value[i] = found.pairs[p].force_n;
+    out.value[i + 1] = found.pairs[p].approach_m;
+  }
+  out.scale = out.value.cwiseAbs();
+  return out;
+}
+
+}  // namespace ricochet::contact

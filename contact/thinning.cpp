@@ -1,0 +1,101 @@
+#include "contact/thinning.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+namespace ricochet::contact {
+namespace {
+
+using Eigen::Index;
+
+/// Neighbours are no farther than this times the distance of the second nearest point: the two beside a point
+/// on a line, the six around one of a surface of equal triangles.
+constexpr double reach = 1.4;
+
+double reach_of(const Matrix& at, Index i, Index first, Index count) {
+  double nearest = std::numeric_limits<double>::infinity(), second = nearest;
+  for (Index j = first; j < first + count; ++j) {
+    if (j == i) continue;
+    const double d = (at.row(i) - at.row(j)).norm();
+    if (d < nearest)
+      second = std::exchange(nearest, d);
+    else
+      second = std::min(second, d);
+  }
+  return reach * (std::isfinite(second) ? second : nearest);
+}
+
+struct Shares {
+  Matrix T;     ///< (fewer, m)
+  Vector area;  ///< (fewer) A_I [m²]
+};
+
+Shares shares(const Model& model) {
+  const Matrix& at = model.point_a;
+  const Index m = model.gap.size();
+  Matrix c = Matrix::Zero(m, m);  // (kept, m); rows in use first
+  Index kept = 0;
+  for (const Model::PairBlock& pair : model.pairs) {
+    const Index first = pair.first_point, count = pair.points;
+    std::vector<double> near;
+    for (Index i = first; i < first + count; ++i) near.push_back(reach_of(at, i, first, count));
+    const auto adjacent = [&](Index i, Index j) {
+      return (at.row(i) - at.row(j)).norm() <=
+             0.5 * (near[static_cast<std::size_t>(i - first)] + near[static_cast<std::size_t>(j - first)]);
+    };
+    std::vector<Index> centre;
+    for (Index i = first; i < first + count; ++i)
+      if (std::ranges::none_of(centre, [&](Index j) { return adjacent(i, j); })) centre.push_back(i);
+    for (Index i = first; i < first + count; ++i) {
+      double sum = 0;
+      for (std::size_t k = 0; k < centre.size(); ++k) {
+        const double d = (at.row(i) - at.row(centre[k])).norm();
+        if (d > 0 && (std::ranges::count(centre, i) > 0 || !adjacent(i, centre[k]))) continue;
+        const double weight = d > 0 ? 1 / d : 1;
+        c(kept + static_cast<Index>(k), i) = weight;
+        sum += weight;
+      }
+      c.col(i) /= sum;
+    }
+    kept += static_cast<Index>(centre.size());
+  }
+  Shares out{c.topRows(kept) * model.area.asDiagonal(), {}};
+  out.area = out.T.rowwise().sum();
+  out.T = (out.area.cwiseInverse().asDiagonal() * out.T).eval();
+  return out;
+}
+
+}  // namespace
+
+Model thinned(const Model& model) {
+  Model out = model;
+  const auto [T, area] = shares(model);
+  Index first = 0;
+  for (Model::PairBlock& pair : out.pairs) {
+    const auto columns = T.middleCols(pair.first_point, pair.points).array();
+    const auto count = static_cast<int>((columns > 0).rowwise().any().count());
+    pair.first_point = static_cast<int>(std::exchange(first, first + count));
+    pair.points = count;
+  }
+  out.B = T * model.B;
+  out.R = T * model.R * T.transpose();
+  out.R_a = T * model.R_a * T.transpose();
+  out.gap = T * model.gap;
+  out.static_displacement = T * model.static_displacement;
+  out.static_a = T * model.static_a;
+  out.point_a = T * model.point_a;
+  out.point_b = T * model.point_b;
+  out.normal = T * model.normal;
+  out.area = area;
+  for (Model::Drive& drive : out.drives) {
+    drive.displacement = T * drive.displacement;
+    drive.displacement_a = T * drive.displacement_a;
+  }
+  for (Model::Receiver& receiver : out.receivers) receiver.flexibility = receiver.flexibility * T.transpose();
+  return out;
+}
+
+}  // namespace ricochet::contact

@@ -1,0 +1,138 @@
+#include "src/programs/accuracy.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "contact/estimate.hpp"
+
+namespace ricochet::programs {
+namespace {
+
+using contact::ErrorEstimate;
+
+/// Shares of the error asked for that the step may have, and single precision.
+constexpr double of_step = 0.5, of_precision = 0.05;
+
+/// The first step tried takes so many a period at the end of the kernels' band, and a run as many at least;
+/// it is halved as long as a run takes no more than so many.
+constexpr double steps_a_period = 4, fewest_steps = 200, most_steps = 5e5;
+
+struct Cause {
+  const char* name;
+  std::optional<double> share;
+  const char* advice;
+};
+
+std::vector<Cause> causes(const ErrorEstimate& e) {
+  return {{"mesh", e.mesh, "a finer mesh or a higher bodies.*.order"},
+          {"modes", e.modes, "a higher modes.up_to_hz or modes.count"},
+          {"step", e.step, "a higher time.rate_hz"},
+          {"eigensolver", e.eigensolver, "a lower modes.relative_residual or modes.low_rank"},
+          {"precision", e.precision, "contact.precision = \"double\""},
+          {"spacing", e.spacing, "a smaller contact.spacing, or a finer mesh where bodies touch"}};
+}
+
+std::vector<std::string> warnings(const ErrorEstimate& estimate, double accuracy) {
+  std::vector<std::string> out;
+  std::string unknown;
+  Cause worst{"", 0, ""};
+  for (const Cause& cause : causes(estimate)) {
+    if (!cause.share) unknown += (unknown.empty() ? "" : ", ") + std::string(cause.name);
+    if (cause.share.value_or(0) > *worst.share) worst = cause;
+  }
+  if (estimate.total() > accuracy)
+    out.push_back(
+        fmt::format("the error is estimated at {:.2g}, above accuracy = {:g}, most of it ({:.2g}) by the "
+                    "{}: it takes {}",
+                    estimate.total(), accuracy, *worst.share, worst.name, worst.advice));
+  if (!unknown.empty())
+    out.push_back(fmt::format("the error estimate leaves out: {}{}", unknown,
+                              estimate.mesh
+                                  ? ""
+                                  : " (for that of the mesh, run ricochet-kernel with this accuracy; "
+                                    "mesh files have one order only)"));
+  return out;
+}
+
+/// Kernels of another order for all bodies, or none.
+std::vector<kernels::Kernel> of_other_order(const scene::Scene& scene, const std::filesystem::path& folder) {
+  std::vector<kernels::Kernel> out;
+  for (const scene::Body& body : scene.bodies) {
+    const auto request = scene::other_order(scene::kernel_request(scene, body));
+    if (!request) return {};
+    const std::filesystem::path path = scene::kernel_path(folder, *request);
+    if (kernels::read_hash(path) != request->hash) return {};
+    out.push_back(kernels::read(path));
+  }
+  return out;
+}
+
+/// End of the band that the kernels are for.
+Hertz band(const Kernels& kernels) {
+  Hertz highest{0};
+  for (const auto& kernel : kernels.kernel) {
+    const kernels::Modes& modes = kernel->modes;
+    const Hertz end = modes.basis == "contact" ? Hertz{modes.certificate.upto_hz}
+                      : modes.angular_frequency.empty()
+                          ? Hertz{0}
+                          : to_hertz(RadPerSecond{modes.angular_frequency.back()});
+    highest.value = std::max(highest.value, end.value);
+  }
+  return highest;
+}
+
+void choose_rate(scene::Scene& scene, const Kernels& kernels, contact::Estimator& estimator) {
+  double steps =
+      std::max(fewest_steps, std::ceil(steps_a_period * band(kernels).value * scene.time.duration));
+  const auto set = [&] { scene.time.rate = Hertz{std::min(steps, most_steps) / scene.time.duration}; };
+  for (set(); steps < most_steps; steps *= 2, set()) {
+    const auto share = in_scene(scene, [&] { return estimator.step(step_options(scene)); });
+    if (share && *share <= of_step * *scene.accuracy) return;
+  }
+}
+
+}  // namespace
+
+Judged choose_and_judge(scene::Scene& scene, const Kernels& kernels, const std::filesystem::path& folder) {
+  const auto place = [&scene](const std::vector<kernels::Kernel>& others) {
+    std::vector<const kernels::Kernel*> pointers;
+    for (const kernels::Kernel& kernel : others) pointers.push_back(&kernel);
+    return model_of(scene, pointers);
+  };
+  std::vector<kernels::Kernel> own;
+  for (const auto& kernel : kernels.kernel) own.push_back(*kernel);
+  contact::Estimator estimator({.place = place,
+                                .kernels = std::move(own),
+                                .other_order = of_other_order(scene, folder),
+                                .other_is_lower = std::ranges::all_of(
+                                    scene.bodies, [](const scene::Body& body) { return body.order > 1; }),
+                                .low_rank = scene.modes.low_rank,
+                                .at_rest = scene.contact.scheme == scene::Scheme::at_rest,
+                                .duration = scene.time.duration});
+  if (std::exchange(scene.time.rate_by_accuracy, false)) choose_rate(scene, kernels, estimator);
+  if (!scene.contact.precision) {
+    scene.contact.precision = scene::Precision::float32;
+    const auto share = in_scene(scene, [&] { return estimator.precision(step_options(scene)); });
+    if (!share || *share > of_precision * *scene.accuracy)
+      scene.contact.precision = scene::Precision::float64;
+  }
+  const contact::StepOptions step = step_options(scene);
+  const auto outcome = in_scene(scene, [&] { return estimator.outcome(step); });
+  if (!outcome || !outcome->touched()) return {{}, {"nothing touches: no error is estimated"}};
+  Judged out;
+  out.estimate = in_scene(scene, [&] { return estimator.estimate(step); });
+  out.warnings = warnings(*out.estimate, *scene.accuracy);
+  return out;
+}
+
+std::string told(const ErrorEstimate& estimate) {
+  std::string text = fmt::format("{:.2g}", estimate.total());
+  for (const Cause& cause : causes(estimate))
+    text += fmt::format("{} {} {}", text.find(':') == std::string::npos ? ":" : ",", cause.name,
+                        cause.share ? fmt::format("{:.2g}", *cause.share) : "unknown");
+  return text;
+}
+
+}  // namespace ricochet::programs

@@ -1,0 +1,26 @@
+// What `accuracy` does in ricochet-contact: it chooses the step and the precision, and estimates errors.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "contact/summary.hpp"
+#include "src/programs/contact_parts.hpp"
+
+namespace ricochet::programs {
+
+struct Judged {
+  std::optional<contact::ErrorEstimate> estimate;  ///< none: nothing touches
+  std::vector<std::string> warnings;               ///< what is not known, or not as accurate as asked for
+};
+
+/// Runs the scene, which has an accuracy, several times. Sets the rate and the precision that it leaves open.
+/// @param folder  of the kernels of other order, beside those of the scene
+/// Throws InputError as building the model and running it do.
+Judged choose_and_judge(scene::Scene& scene, const Kernels& kernels, const std::filesystem::path& folder);
+
+/// "0.0031: mesh 0.0029, modes …"
+std::string told(const contact::ErrorEstimate& estimate);
+
+}  // namespace ricochet::programs

@@ -1,0 +1,204 @@
+// Error estimates against true errors, where one approximation alone is to blame: rods from their exact
+// modes, whose collision d'Alembert's waves solve (they exchange their velocities, and the impulse is that of
+// one rod).
+#include "contact/estimate.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/contact/bodies.hpp"
+
+namespace {
+
+using namespace ricochet::contact;
+using namespace ricochet::contact::test;
+using ricochet::kernels::Kernel;
+
+constexpr double length = 10, speed = 1, duration = 30;
+
+Model collision(const std::vector<Kernel>& rods) {
+  return build_model(
+      {{.name = "a", .kernel = rods.data(), .translation = {-length, 0, 0}, .velocity = {speed, 0, 0}},
+       {.name = "b", .kernel = &rods[1]}},
+      {}, {PairRequest{"a", "b", Vector3d(1, 0, 0), {}, {}}}, {0, 0, 0});
+}
+
+std::vector<Kernel> rods(int modes) { return {rod(modes, length), rod(modes, length)}; }
+
+Subject subject(int modes) { return {.place = collision, .kernels = rods(modes), .duration = duration}; }
+
+/// What the waves leave of the impact.
+Outcome exact() {
+  Outcome out;
+  out.value.setZero(7);
+  out.value[0] = length * speed;
+  out.value[4] = speed;
+  out.scale = Vector::Constant(7, speed);
+  out.scale[0] = length * speed;
+  return out;
+}
+
+TEST(Outcome, of_colliding_rods_is_that_of_the_waves) {
+  const auto outcome = impact(collision(rods(200)), {.step = 0.002}, 15000);
+  ASSERT_TRUE(outcome);
+  EXPECT_LT(distance(exact(), *outcome), 2e-3);  // of 200 modes
+  EXPECT_NEAR(outcome->longest_touch, 2 * length, 0.5);
+  EXPECT_NEAR(outcome->scale[1], speed, 1e-12);
+}
+
+TEST(Distance, is_the_largest_relative_to_its_scale) {
+  Outcome a, b;
+  a.value = Vector::Constant(3, 1);
+  a.scale.resize(3);
+  a.scale << 10, 0, 2;
+  b.value.resize(3);
+  b.value << 2, 1, 0.5;
+  EXPECT_EQ(distance(a, b), 0.25);
+  b.value[1] = 2;
+  EXPECT_EQ(distance(a, b), std::numeric_limits<double>::infinity());
+}
+
+// A run of steps a hundred times shorter stands for no error of the step.
+TEST(StepShare, is_near_the_true_error_of_the_step) {
+  for (const Scheme scheme : {Scheme::compliant, Scheme::impulse})
+    for (const double step : {0.2, 0.05}) {
+      Estimator estimator(subject(12));
+      const StepOptions options{.scheme = scheme, .step = step};
+      const auto fine = impact(estimator.model(), {.scheme = scheme, .step = step / 100},
+                               std::llround(duration / step * 100));
+      const double error = distance(*fine, *estimator.outcome(options)), share = *estimator.step(options);
+      EXPECT_LT(error, 3 * share) << "step " << step;
+      EXPECT_LT(share, 3 * error) << "step " << step;
+    }
+}
+
+// The error of a shock jumps about with the number of modes, as the estimate does: most of them have to hold.
+TEST(ModesShare, holds_for_nine_of_ten_numbers_of_modes_and_is_close_for_seven) {
+  int held = 0, close = 0, all = 0;
+  for (int modes = 5; modes <= 64; modes += 3, ++all) {
+    Estimator estimator(subject(modes));
+    const StepOptions options{.step = 5e-3};
+    const ErrorEstimate found = estimator.estimate(options);
+    const double error = distance(exact(), *estimator.outcome(options));
+    held += error <= 3 * found.total() ? 1 : 0;
+    close += found.total() <= 10 * error ? 1 : 0;
+    EXPECT_EQ(found.spacing, 0);  // one point
+    EXPECT_EQ(found.eigensolver, 0);
+    EXPECT_FALSE(found.mesh);
+  }
+  EXPECT_GE(held, 0.9 * all);
+  EXPECT_GE(close, 0.7 * all);
+}
+
+// What is left away, not left to the statics, takes 2L/(πc)·ω of the energy of the ends with it.
+TEST(ModesShare, is_larger_without_residual_flexibility) {
+  double sum[2] = {0, 0};
+  for (int modes = 16; modes < 48; modes += 4)
+    for (const bool residual : {true, false}) {
+      Estimator estimator({.place = collision,
+                           .kernels = {rod(modes, length, residual), rod(modes, length, residual)},
+                           .duration = duration});
+      sum[residual ? 0 : 1] += *estimator.estimate({.step = 5e-3}).modes;
+    }
+  EXPECT_GT(sum[1], 1.5 * sum[0]);
+}
+
+TEST(ModesShare, is_unknown_where_there_is_no_mode_to_leave_out) {
+  Estimator estimator(subject(1));
+  EXPECT_FALSE(estimator.estimate({.step = 0.05}).modes);
+}
+
+// Kato and Temple: λ is off by r² λ²/gap at most, so a tenth of the residual is a hundredth of the share.
+TEST(EigensolverShare, goes_with_the_square_of_the_residuals) {
+  double share[2];
+  for (int k = 0; k < 2; ++k) {
+    Subject with = subject(16);
+    for (Kernel& kernel : with.kernels) kernel.modes.residual.assign(16, k == 0 ? 1e-3 : 1e-4);
+    share[k] = *Estimator(std::move(with)).estimate({.step = 0.02}).eigensolver;
+  }
+  EXPECT_GT(share[1], 0);
+  EXPECT_NEAR(share[0] / share[1], 100, 1e-6);
+}
+
+TEST(PrecisionShare, of_double_is_that_of_single_in_their_round_offs) {
+  Estimator estimator(subject(16));
+  const double in_double = *estimator.precision({.step = 0.02}),
+               in_single = *estimator.precision({.step = 0.02, .precision = Precision::float32});
+  EXPECT_GT(in_single, 0);
+  EXPECT_LT(in_single, 1e-3);
+  EXPECT_NEAR(in_double / in_single, std::ldexp(1, -29),
+              1e-6 * std::ldexp(1, -29));  // relative to one or the other
+}
+
+// Meshes too coarse by some per cent of each frequency, the more the higher; the next order has none of it
+// left.
+TEST(MeshShare, is_what_other_elements_change_or_a_third_of_it) {
+  std::vector<Kernel> coarse = rods(16);
+  for (Kernel& kernel : coarse)
+    for (std::size_t n = 0; n < 16; ++n)
+      kernel.modes.angular_frequency[n] *= 1 + 1e-4 * static_cast<double>(n * n);
+  const auto share = [&](bool lower) {
+    Subject with = subject(16);
+    with.other_order = coarse;
+    with.other_is_lower = lower;
+    return *Estimator(std::move(with)).estimate({.step = 0.01}).mesh;
+  };
+  double change = 0;
+  for (const auto& [step, steps] : {std::pair{0.01, 3000}, std::pair{0.005, 6000}})
+    change += (impact(collision(coarse), {.step = step}, steps)->value[0] -
+               impact(collision(rods(16)), {.step = step}, steps)->value[0]) /
+              2;
+  EXPECT_NEAR(share(false), std::abs(change) / (length * speed),
+              1e-2 * share(false));  // of the impulse, as rated
+  EXPECT_DOUBLE_EQ(share(true), share(false) / 3);
+}
+
+/// A block that falls flat on a floor: a rigid mode, and elastic ones that bulge its face; more of it the
+/// wider the patch.
+Kernel block(int points) {
+  Kernel kernel = square(points - 1, 1);
+  const std::size_t m = kernel.surface.size(), n = 12;
+  kernel.supported = false;
+  for (std::size_t k = 0; k < n; ++k) kernel.modes.angular_frequency.push_back(30 * static_cast<double>(k));
+  kernel.modes.decay_rate.assign(n, 0);
+  kernel.surface.shape.assign(3 * m * n, 0);
+  kernel.surface.residual_flexibility.assign(9 * m * m, 0);
+  for (std::size_t i = 0; i < m; ++i)
+    for (std::size_t k = 0; k < n; ++k)
+      kernel.surface.shape[(3 * i + 2) * n + k] =
+          std::cos(std::numbers::pi * static_cast<double>(k) * kernel.surface.node[3 * i]) *
+          (k == 0 ? 1 : std::sqrt(2));
+  for (std::size_t i = 0; i < 3 * m; ++i) kernel.surface.residual_flexibility[i * (3 * m + 1)] = 1e-5;
+  kernel.loads.body_force.assign(3 * n, 0);
+  kernel.loads.body_force[2 * n] = 1;
+  kernel.loads.rotation.assign(3 * n, 0);
+  kernel.loads.body_force_residual.assign(9 * m, 0);
+  return kernel;
+}
+
+TEST(SpacingShare, falls_with_the_distance_of_the_points) {
+  const auto place = [](const std::vector<Kernel>& kernels) {
+    return build_model({{.name = "block",
+                         .kernel = kernels.data(),
+                         .rotation = upside_down(),
+                         .translation = {0, 1, 1},
+                         .velocity = {0, 0, -1}}},
+                       {{.name = "floor", .normal = {0.02, 0, 1}}},
+                       {PairRequest{"block", "floor", {}, 0.001, {}}}, {0, 0, 0});
+  };
+  const auto share = [&](int points) {
+    return *Estimator({.place = place, .kernels = {block(points)}, .duration = 0.5})
+                .estimate({.step = 1e-4})
+                .spacing;
+  };
+  EXPECT_GT(share(5), 3 * share(65));
+  EXPECT_GT(share(65), 0);
+}
+
+TEST(Total, is_the_sum_of_the_shares_that_are_known) {
+  const ErrorEstimate estimate{
+      .mesh = {}, .modes = 1, .step = 2, .eigensolver = 4, .precision = 8, .spacing = {}};
+  EXPECT_EQ(estimate.total(), 15);
+}
+
+}  // namespace
