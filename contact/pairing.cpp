@@ -6,7 +6,6 @@
 #include <limits>
 #include <optional>
 #include <tuple>
-#include <vector>
 
 #include "contact/model.hpp"
 #include "kernels/error.hpp"
@@ -27,11 +26,14 @@ constexpr double edge_slack = 1e-6;
 /// Depths below this share of the bodies' size are round-off of a touching placement.
 constexpr double overlap_slack = 1e-12;
 
+/// Round-off of a place, of the largest coordinate that it was computed from: a turn and two sums.
+constexpr double place_slack = 16 * std::numeric_limits<double>::epsilon();
+
 /// Change of n_i below which the search for a mutual normal has settled, and the one it must reach.
 constexpr double settled = 1e-13, settled_enough = 1e-6;
 
-/// Cosine between mutual normal and direction below which patches only glance off each other: their gap is
-/// not stretched further.
+/// Cosine between mutual normal and direction below which patches only glance: their gap stretches no
+/// further.
 constexpr double steepest = 0.5;
 
 /// Candidate surface of a body, in the world.
@@ -46,7 +48,7 @@ struct Surface {
   };
   std::vector<Element> element;
   double extent = 0;    ///< diagonal of the nodes' bounding box [m]
-  double farthest = 0;  ///< largest |coordinate| [m]
+  double farthest = 0;  ///< largest |coordinate| of a node, in the world and in the body's own frame [m]
 };
 
 /// A place on a candidate surface.
@@ -62,14 +64,14 @@ Surface surface_of(const PlacedBody& body) {
   to.corners = from.element_corners;
   Eigen::AlignedBox3d box;
   for (std::size_t i = 0; i < from.size(); ++i) {
-    to.node.push_back(body.rotation * Eigen::Map<const Vector3d>(&from.node[3 * i]) + body.translation);
+    const Eigen::Map<const Vector3d> own(&from.node[3 * i]);
+    to.node.push_back(body.rotation * own + body.translation);
     to.normal.push_back(body.rotation * Eigen::Map<const Vector3d>(&from.normal[3 * i]));
     to.offset.emplace_back(Vector3d::Zero());
     if (!from.centroid.empty())
-      to.offset.back() = body.rotation * (Eigen::Map<const Vector3d>(&from.centroid[3 * i]) -
-                                          Eigen::Map<const Vector3d>(&from.node[3 * i]));
+      to.offset.back() = body.rotation * (Eigen::Map<const Vector3d>(&from.centroid[3 * i]) - own);
     box.extend(to.node.back());
-    to.farthest = std::max(to.farthest, to.node.back().cwiseAbs().maxCoeff());
+    to.farthest = std::max({to.farthest, to.node.back().cwiseAbs().maxCoeff(), own.cwiseAbs().maxCoeff()});
   }
   if (!box.isEmpty()) to.extent = box.diagonal().norm();
   const std::size_t k = static_cast<std::size_t>(to.corners);
@@ -87,11 +89,15 @@ Surface surface_of(const PlacedBody& body) {
   return to;
 }
 
-/// What round-off is measured by [m]. Rods have one point each and no extent; then a metre counts, and how
-/// far out they are.
+/// What round-off is measured by [m]. Rods have no extent; then a metre counts, and how far out they are.
 double size_of(const Surface& a, const Surface& b) {
   const double extent = std::max(a.extent, b.extent);
   return extent > 0 ? extent : 1 + std::max(a.farthest, b.farthest);
+}
+
+/// Depths and misses of a gap that mean nothing [m].
+double round_off_of(const Surface& a, const Surface& b) {
+  return overlap_slack * size_of(a, b) + place_slack * std::max(a.farthest, b.farthest);
 }
 
 /// The place of these weights, clipped to [0, 1]. None where the corners' normals cancel.
@@ -321,14 +327,13 @@ void check_some(const Pairing& pairing, const PairRequest& request) {
   if (pairing.points.empty())
     throw InputError(
         fmt::format("{}: no point of \"{}\" faces \"{}\" ({} candidates looked at). Check bodies.*.contact, "
-                    "translate and "
-                    "rotate_deg, and contact.direction (it points out of \"{}\").",
+                    "translate and rotate_deg, and contact.direction (it points out of \"{}\").",
                     title(request), request.a, request.b, pairing.unpaired, request.a));
 }
 
 /// gap, overlap and reach. `find` pairs for a given place of a.
 template <class Find>
-Pairing arrange(PlacedBody a, const PairRequest& request, double size, Find find) {
+Pairing arrange(PlacedBody a, const PairRequest& request, double round_off, Find find) {
   Pairing out = find(a);
   check_some(out, request);
   if (request.gap) {
@@ -342,12 +347,11 @@ Pairing arrange(PlacedBody a, const PairRequest& request, double size, Find find
     for (int round = 0;; ++round) {
       const Pairing::Point& nearest = closest_pair(out);
       const double excess = nearest.gap - *request.gap, rate = nearest.normal.dot(way);
-      if (std::abs(excess) <= overlap_slack * (size + std::abs(nearest.gap)) && round > 0) break;
+      if (std::abs(excess) <= round_off + overlap_slack * std::abs(nearest.gap) && round > 0) break;
       if (round == 50 || !(rate > 1e-3))
         throw InputError(
             fmt::format("{}: gap = {} m can't be reached by moving \"{}\" along {}. Place it nearer with "
-                        "translate, or set "
-                        "contact.direction.",
+                        "translate, or set contact.direction.",
                         title(request), *request.gap, a.name, text(way)));
       shift += excess / rate * way;
       a.translation += excess / rate * way;
@@ -357,7 +361,7 @@ Pairing arrange(PlacedBody a, const PairRequest& request, double size, Find find
     out.shift = shift;
   }
   const Pairing::Point nearest = closest_pair(out);
-  if (nearest.gap < -overlap_slack * size)
+  if (nearest.gap < -round_off)
     throw InputError(
         fmt::format("{}: they overlap by {:.6g} m at {}. Move one with translate, or set contact.gap.",
                     title(request), -nearest.gap, text(nearest.a)));
@@ -379,7 +383,7 @@ Pairing pair(const PlacedBody& a, const PlacedBody& b, const PairRequest& reques
   check_component(a, request.direction, request);
   check_component(b, request.direction, request);
   const Surface onto = surface_of(b);
-  return arrange(a, request, size_of(surface_of(a), onto),
+  return arrange(a, request, round_off_of(surface_of(a), onto),
                  [&](const PlacedBody& moved) { return find_pairs(moved, onto, request.direction); });
 }
 
@@ -391,8 +395,8 @@ Pairing pair(const PlacedBody& a, const HalfSpace& b, const PairRequest& request
                     title(request), text(*request.direction), text(-b.normal)));
   check_component(a, Vector3d(-b.normal), request);
   const Surface from = surface_of(a);
-  return arrange(a, request, size_of(from, from),
-                 [&](const PlacedBody& moved) { return find_pairs(moved, b); });
+  const double round_off = round_off_of(from, from) + place_slack * b.point.cwiseAbs().maxCoeff();
+  return arrange(a, request, round_off, [&](const PlacedBody& moved) { return find_pairs(moved, b); });
 }
 
 }  // namespace ricochet::contact
