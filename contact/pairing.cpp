@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <tuple>
-#include <vector>
 
 #include "contact/model.hpp"
 #include "contact/places.hpp"
@@ -22,9 +22,17 @@ constexpr double facing_slack = 1e-6;
 /// Depths below this share of the bodies' size are round-off of a touching placement.
 constexpr double overlap_slack = 1e-12;
 
-/// Cosine between mutual normal and direction below which patches only glance off each other: their gap is
-/// not stretched further.
+/// Round-off of a place, of the largest coordinate that it was computed from: a turn and two sums.
+constexpr double place_slack = 16 * std::numeric_limits<double>::epsilon();
+
+/// Cosine between mutual normal and direction below which patches only glance: their gap stretches no
+/// further.
 constexpr double steepest = 0.5;
+
+/// Depths and misses of a gap that mean nothing [m].
+double round_off_of(const WorldSurface& a, const WorldSurface& b) {
+  return overlap_slack * size_of(a, b) + place_slack * std::max(a.farthest, b.farthest);
+}
 
 /// What the gap along n between the means of the patches has over that between their nodes, as displacements
 /// are means too. Lopsided patches stand off their nodes sideways; the surfaces meet across their mutual
@@ -113,14 +121,13 @@ void check_some(const Pairing& pairing, const PairRequest& request) {
   if (pairing.points.empty())
     throw InputError(
         fmt::format("{}: no point of \"{}\" faces \"{}\" ({} candidates looked at). Check bodies.*.contact, "
-                    "translate and "
-                    "rotate_deg, and contact.direction (it points out of \"{}\").",
+                    "translate and rotate_deg, and contact.direction (it points out of \"{}\").",
                     title(request), request.a, request.b, pairing.unpaired, request.a));
 }
 
 /// gap, overlap and reach. `find` pairs for a given place of a.
 template <class Find>
-Pairing arrange(PlacedBody a, const PairRequest& request, double size, Find find) {
+Pairing arrange(PlacedBody a, const PairRequest& request, double round_off, Find find) {
   Pairing out = find(a);
   check_some(out, request);
   if (request.gap) {
@@ -134,12 +141,11 @@ Pairing arrange(PlacedBody a, const PairRequest& request, double size, Find find
     for (int round = 0;; ++round) {
       const Pairing::Point& nearest = closest_pair(out);
       const double excess = nearest.gap - *request.gap, rate = nearest.normal.dot(way);
-      if (std::abs(excess) <= overlap_slack * (size + std::abs(nearest.gap)) && round > 0) break;
+      if (std::abs(excess) <= round_off + overlap_slack * std::abs(nearest.gap) && round > 0) break;
       if (round == 50 || !(rate > 1e-3))
         throw InputError(
             fmt::format("{}: gap = {} m can't be reached by moving \"{}\" along {}. Place it nearer with "
-                        "translate, or set "
-                        "contact.direction.",
+                        "translate, or set contact.direction.",
                         title(request), *request.gap, a.name, text(way)));
       shift += excess / rate * way;
       a.translation += excess / rate * way;
@@ -149,7 +155,7 @@ Pairing arrange(PlacedBody a, const PairRequest& request, double size, Find find
     out.shift = shift;
   }
   const Pairing::Point nearest = closest_pair(out);
-  if (nearest.gap < -overlap_slack * size)
+  if (nearest.gap < -round_off)
     throw InputError(
         fmt::format("{}: they overlap by {:.6g} m at {}. Move one with translate, or set contact.gap.",
                     title(request), -nearest.gap, text(nearest.a)));
@@ -199,7 +205,7 @@ Pairing pair(const PlacedBody& a, const PlacedBody& b, const PairRequest& reques
   check_component(a, request.direction, request);
   check_component(b, request.direction, request);
   const WorldSurface onto = surface_of(b);
-  Pairing out = arrange(a, request, size_of(surface_of(a), onto),
+  Pairing out = arrange(a, request, round_off_of(surface_of(a), onto),
                         [&](const PlacedBody& moved) { return find_pairs(moved, onto, request.direction); });
   const Numbers of_a(a), of_b(b);
   for (Pairing::Point& point : out.points) {
@@ -217,8 +223,8 @@ Pairing pair(const PlacedBody& a, const HalfSpace& b, const PairRequest& request
                     title(request), text(*request.direction), text(-b.normal)));
   check_component(a, Vector3d(-b.normal), request);
   const WorldSurface from = surface_of(a);
-  Pairing out =
-      arrange(a, request, size_of(from, from), [&](const PlacedBody& moved) { return find_pairs(moved, b); });
+  const double round_off = round_off_of(from, from) + place_slack * b.point.cwiseAbs().maxCoeff();
+  Pairing out = arrange(a, request, round_off, [&](const PlacedBody& moved) { return find_pairs(moved, b); });
   const Numbers of_a(a);
   for (Pairing::Point& point : out.points) point.candidate = of_a(point.candidate, request);
   return out;

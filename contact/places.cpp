@@ -24,14 +24,14 @@ WorldSurface placed(const PlacedBody& body, const From& from) {
   to.area = from.area;
   Eigen::AlignedBox3d box;
   for (std::size_t i = 0; i < from.area.size(); ++i) {
-    to.node.push_back(body.rotation * Eigen::Map<const Vector3d>(&from.node[3 * i]) + body.translation);
+    const Eigen::Map<const Vector3d> own(&from.node[3 * i]);
+    to.node.push_back(body.rotation * own + body.translation);
     to.normal.push_back(body.rotation * Eigen::Map<const Vector3d>(&from.normal[3 * i]));
     to.offset.emplace_back(Vector3d::Zero());
     if (!from.centroid.empty())
-      to.offset.back() = body.rotation * (Eigen::Map<const Vector3d>(&from.centroid[3 * i]) -
-                                          Eigen::Map<const Vector3d>(&from.node[3 * i]));
+      to.offset.back() = body.rotation * (Eigen::Map<const Vector3d>(&from.centroid[3 * i]) - own);
     box.extend(to.node.back());
-    to.farthest = std::max(to.farthest, to.node.back().cwiseAbs().maxCoeff());
+    to.farthest = std::max({to.farthest, to.node.back().cwiseAbs().maxCoeff(), own.cwiseAbs().maxCoeff()});
   }
   if (!box.isEmpty()) to.extent = box.diagonal().norm();
   const std::size_t k = static_cast<std::size_t>(to.corners);

@@ -24,7 +24,7 @@ struct WorldSurface {
   };
   std::vector<Element> element;
   double extent = 0;    ///< diagonal of the nodes' bounding box [m]
-  double farthest = 0;  ///< largest |coordinate| [m]
+  double farthest = 0;  ///< largest |coordinate| of a node, in the world and in the body's own frame [m]
 };
 
 /// A place on a candidate surface.
@@ -37,8 +37,7 @@ struct Place {
 /// All candidates of the body, also those that its kernel does not hold.
 WorldSurface surface_of(const PlacedBody& body);
 
-/// What round-off is measured by [m]. Rods have one point each and no extent; then a metre counts, and how
-/// far out they are.
+/// What round-off is measured by [m]. Rods have no extent; then a metre counts, and how far out they are.
 double size_of(const WorldSurface& a, const WorldSurface& b);
 
 /// Of the places where the line x + t d meets b and `faces` holds, the one with the smallest |t|.

@@ -163,7 +163,8 @@ SummaryObserver::SummaryObserver(const Model& model, double step, double wave_sp
 void SummaryObserver::observe(const Integrator& integrator) {
   const Energy& energy = integrator.energy();
   worst_ledger_ = std::max(worst_ledger_, std::abs(energy.ledger() - initial_ledger_));
-  largest_energy_ = std::max(largest_energy_, energy.kinetic + energy.strain + energy.residual);
+  largest_energy_ = std::max({largest_energy_, energy.kinetic + energy.strain + energy.residual,
+                              std::abs(energy.loads), std::abs(energy.contact)});
   out_.modes_in_residual = integrator.modes_in_residual();
   if (model_.gap.size() > 0)
     out_.max_penetration_m =
@@ -263,7 +264,10 @@ std::vector<std::string> SummaryObserver::warnings() const {
 Summary SummaryObserver::summary() const {
   Summary out = out_;
   out.energy_drift = largest_energy_ > 0 ? worst_ledger_ / largest_energy_ : 0;
-  out.energy_lost_contact = energy_at_start_ > 0 ? energy_lost_ / energy_at_start_ : 0;
+  if (energy_at_start_ > 0)
+    out.energy_lost_contact = energy_lost_ / energy_at_start_;
+  else if (energy_lost_ == 0)
+    out.energy_lost_contact = 0;
   out.warnings = warnings();
   if (!out.contact_end_s) return out;
 

@@ -49,9 +49,11 @@ struct Summary {
   /// Minus exit over approach relative velocity along the impulse, supported bodies and obstacles at 0.
   /// None without an end, without an approach, or when more than one pair touched.
   std::optional<double> restitution;
-  /// Largest departure of the ledger over the largest kinetic + strain + residual; none with table kernels.
+  /// Largest departure of the ledger over the largest kinetic + strain + residual, work of loads or energy
+  /// taken by contact; none with table kernels.
   std::optional<double> energy_drift;
-  /// Taken by contact over kinetic + strain when contact started; none with table kernels.
+  /// Taken by contact over kinetic + strain when contact started; none with table kernels, or where bodies at
+  /// rest lost what loads gave them later.
   std::optional<double> energy_lost_contact;
   double max_penetration_m = 0;    ///< largest u − g at the end of a step
   std::int64_t limited_steps = 0;  ///< steps that max_pivots cut short

@@ -17,8 +17,9 @@ inline std::array<double, 9> rotation_of(const Vector3& degrees) {
     if (std::abs(r) == 90) return 0.0;
     return std::cos(r * std::numbers::pi / 180);
   };
-  const auto sine = [&](double angle) {
-    return std::remainder(angle, 180.0) == 0 ? 0.0 : cosine(angle - 90);
+  const auto sine = [](double angle) {
+    const double r = std::remainder(angle, 360.0);
+    return std::abs(r) == 180 ? 0.0 : std::sin(r * std::numbers::pi / 180);
   };
   const double cx = cosine(degrees[0]), sx = sine(degrees[0]);
   const double cy = cosine(degrees[1]), sy = sine(degrees[1]);

@@ -16,6 +16,7 @@ Vector3 unit(Table& table, const std::string& key, const Vector3& given) {
 double positive(Table& table, const std::string& key) {
   const double value = table.required_number(key);
   if (!(value > 0)) table.complain(key, "must be above 0");
+  if (value < 1 / largest_number) table.complain(key, "must be at least 1e-30");
   return value;
 }
 

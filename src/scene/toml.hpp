@@ -79,6 +79,10 @@ Contact read_contact(Table& root, const Scene& scene);
 /// `given` at length 1; complains about one of length 0.
 Vector3 unit(Table& table, const std::string& key, const Vector3& given);
 
+/// Numbers farther from 1 than this factor are refused: their squares, and products with their like, leave
+/// what arithmetic can hold.
+constexpr double largest_number = 1e30;
+
 /// A number that must be there and above 0.
 double positive(Table& table, const std::string& key);
 

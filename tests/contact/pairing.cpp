@@ -356,4 +356,37 @@ TEST(Overlap, by_round_off_is_touching) {
     EXPECT_EQ(point.gap, 0);
 }
 
+/// A square drawn 1e6 m away from the origin of its own frame: turned, its places are known to 1e-10 m.
+Kernel far_away() {
+  return sheet(3, 3, [](double s, double t) {
+    return std::pair(Vector3d(1e6 + s, 1e6 + t, 1e6), Vector3d(0, 0, -1));
+  });
+}
+
+TEST(Overlap, by_round_off_of_places_far_from_the_origin_is_touching) {
+  const Kernel kernel = far_away();
+  for (const double angle : {0.1, 0.5, 1.0, 2.0, 3.0}) {
+    const Pairing pairing = pair({"a", &kernel, turn(angle, up)}, HalfSpace{"floor", 1e6 * up, up}, freely);
+    for (const auto& point : pairing.points) EXPECT_LT(point.gap, 1e-8) << angle;
+  }
+}
+
+TEST(Overlap, far_from_the_origin_is_refused_where_it_is_more_than_round_off) {
+  const Kernel kernel = far_away();
+  const std::string text = complaint_of([&] {
+    pair({"a", &kernel, turn(0.5, up)}, HalfSpace{"floor", (1e6 + 1e-6) * up, up}, freely);
+  });
+  EXPECT_THAT(text, HasSubstr("overlap by"));
+}
+
+TEST(Gap, of_zero_is_reached_by_bodies_far_from_the_origin) {
+  const Kernel kernel = far_away();
+  const Matrix3d turned = turn(0.3, Vector3d(1, 2, 3));
+  const Pairing pairing =
+      pair({"a", &kernel, turned}, HalfSpace{"floor", Vector3d::Zero(), up}, {"a", "floor", {}, 0.0, {}});
+  double nearest = 1;
+  for (const auto& point : pairing.points) nearest = std::min(nearest, point.gap);
+  EXPECT_LT(nearest, 1e-8);
+}
+
 }  // namespace

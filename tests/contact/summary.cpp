@@ -99,6 +99,18 @@ TEST(Summary, of_bodies_that_miss_has_no_contact) {
   EXPECT_EQ(s.energy_lost_contact, 0);
 }
 
+/// Printed impulses stop a rigid rod at every t_k, and its weight drags it on: it is never seen to move.
+TEST(Summary, of_a_rod_that_sinks_at_rest_measures_drift_by_what_loads_and_contact_did) {
+  const Kernel kernel = rod(1, length, false);
+  const Model model =
+      build_model({{"rod", &kernel, Matrix3d::Identity(), Vector3d::Zero()}},
+                  {{"floor", {length, 0, 0}, {-1, 0, 0}}}, {{"rod", "floor", {}, {}, {}}}, {1, 0, 0});
+  const Summary s = run(model, 10, 0, 0);
+  EXPECT_GT(s.contact_steps, 990);
+  EXPECT_LT(s.energy_drift.value(), 1e-12);  // round-off of 1000 steps
+  EXPECT_FALSE(s.energy_lost_contact);       // of a rod that had none when it touched
+}
+
 /// A rigid rod (its one mode) dropped on a floor: each bounce is a single step, e of the speed is left.
 TEST(Summary, lists_each_bounce) {
   const Kernel kernel = rod(1, length, false);

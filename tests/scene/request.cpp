@@ -214,6 +214,17 @@ TEST(Rotation, is_about_x_then_y_then_z) {
   EXPECT_THAT(turned({90, 90, 90}), ElementsAre(0, 0, 1, 0, 1, 0, -1, 0, 0));  // y to z to x to y
 }
 
+// 1e17 is 80 short of a multiple of 360: what is added to such a number is lost.
+TEST(Rotation, by_many_turns_leaves_what_is_left_of_them) {
+  for (const Vector3 degrees : {Vector3{1e17, 0, 0}, Vector3{0, -1e17, 0}, Vector3{0, 0, 1e17}}) {
+    const double left = std::remainder(degrees[0] + degrees[1] + degrees[2], 360.0);
+    EXPECT_EQ(std::abs(left), 80);
+    Vector3 same{};
+    for (int k = 0; k < 3; ++k) same[k] = degrees[k] == 0 ? 0 : left;
+    EXPECT_THAT(turned(degrees), ElementsAreArray(turned(same)));
+  }
+}
+
 TEST(Rotation, of_any_angle_turns_by_it) {
   const auto matrix = turned({0, 0, 30});
   EXPECT_NEAR(matrix[0], 0.86602540378443865, 1e-15);  // √3/2
