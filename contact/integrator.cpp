@@ -46,75 +46,91 @@ void Integrator::Sum::add(double x) noexcept {
   value = sum;
 }
 
-Integrator::Integrator(const Model& model, const StepOptions& options)
-    : options_(options),
-      omega_(model.omega),
-      decay_(model.decay),
-      stiffness_(model.omega.cwiseAbs2()),
-      load_(model.load),
-      B_(model.B),
-      gap_(model.gap),
-      R_(model.R),
-      solver_(static_cast<int>(model.gap.size()),
-              {.same_matrix = options.scheme == Scheme::compliant, .max_pivots = options.max_pivots}),
-      drives_(model, options.step, options.scheme == Scheme::compliant),
-      q_(model.q0),
-      v_(model.v0) {
+namespace {
+
+std::shared_ptr<const StepSystem> make_system(const Model& model, const StepOptions& options) {
   check(model, options);
+  const bool compliant = options.scheme == Scheme::compliant;
   const Eigen::Index N = model.omega.size(), m = model.gap.size();
-  assert(B_.rows() == m && B_.cols() == N && R_.rows() == m && R_.cols() == m);
-  assert(load_.size() == N && q_.size() == N && v_.size() == N && model.decay.size() == N);
-
-  for (Vector* x : {&b_, &c_, &e_, &h_, &damp_ss_, &damp_sr_, &damp_rr_, &g_, &dq_, &push_, &next_q_,
-                    &next_v_, &work_q_, &work_v_})
-    x->setZero(N);
-  for (Vector* x : {&force_, &next_u_, &next_force_, &rhs_, &solution_}) x->setZero(m);
-  touching_.reserve(static_cast<std::size_t>(m));
-
+  StepSystem out;
+  out.omega = model.omega;
+  out.decay = model.decay;
+  out.stiffness = model.omega.cwiseAbs2();
+  out.load = model.load;
+  out.q0 = model.q0;
+  out.B = model.B;
+  out.gap = model.gap;
+  out.R = model.R;
+  assert(out.B.rows() == m && out.B.cols() == N && out.R.rows() == m && out.R.cols() == m);
+  assert(out.load.size() == N && out.q0.size() == N && model.v0.size() == N && out.decay.size() == N);
+  for (Vector* x : {&out.b, &out.c, &out.e, &out.h, &out.damp_ss, &out.damp_sr, &out.damp_rr}) x->setZero(N);
   for (Eigen::Index n = 0; n < N; ++n) {
     const double omega = model.omega(n), delta = model.decay(n);
-    if (options.scheme == Scheme::compliant && !sampled(omega, options.step)) {
+    if (compliant && !sampled(omega, options.step)) {
       // At rest but for its static displacement (f_n − Σ B_in λ_i)/ω², which the points see through s
       // (Drives) and R.
-      R_.noalias() += B_.col(n) * B_.col(n).transpose() / stiffness_(n);
-      B_.col(n).setZero();
-      stiffness_(n) = load_(n) = q_(n) = v_(n) = 0;
-      ++dropped_;
+      out.R.noalias() += out.B.col(n) * out.B.col(n).transpose() / out.stiffness(n);
+      out.B.col(n).setZero();
+      out.stiffness(n) = out.load(n) = out.q0(n) = 0;
+      ++out.dropped;
       continue;
     }
     const ModeStep k = mode_step(omega, delta, options.step);
-    b_(n) = k.b;
-    c_(n) = k.c;
-    e_(n) = k.e;
-    h_(n) = k.h;
-    damp_ss_(n) = 2 * delta * k.ss;
-    damp_sr_(n) = 4 * delta * k.sr;
-    damp_rr_(n) = 2 * delta * k.rr;
-    damped_ = damped_ || delta > 0;
+    out.b(n) = k.b;
+    out.c(n) = k.c;
+    out.e(n) = k.e;
+    out.h(n) = k.h;
+    out.damp_ss(n) = 2 * delta * k.ss;
+    out.damp_sr(n) = 4 * delta * k.sr;
+    out.damp_rr(n) = 2 * delta * k.rr;
+    out.damped = out.damped || delta > 0;
   }
-  q0_ = q_;
+  if (compliant)
+    out.S = out.B * out.c.asDiagonal() * out.B.transpose() + out.R;
+  else if (options.admittance == Admittance::jump)
+    out.S = out.B * out.B.transpose();
+  else
+    out.S = out.B * (out.b / options.step).asDiagonal() * out.B.transpose();
+  if (!compliant && m > 0) {
+    out.S.diagonal().array() += least_norm * out.S.diagonal().mean();
+    out.norm = out.B.rowwise().norm();
+  }
+  out.s = Drives(model, options.step, compliant).start().s;
+  return std::make_shared<const StepSystem>(std::move(out));
+}
+
+}  // namespace
+
+Integrator::Integrator(const Model& model, const StepOptions& options)
+    : options_(options),
+      system_(make_system(model, options)),
+      solver_(static_cast<int>(model.gap.size()),
+              {.same_matrix = options.scheme == Scheme::compliant, .max_pivots = options.max_pivots}),
+      drives_(model, options.step, options.scheme == Scheme::compliant),
+      q_(system_->q0),
+      v_(model.v0) {
+  const Eigen::Index N = model.omega.size(), m = model.gap.size();
+  if (options.scheme == Scheme::compliant)
+    for (Eigen::Index n = 0; n < N; ++n)
+      if (!sampled(model.omega(n), options.step)) v_(n) = 0;
+  for (Vector* x : {&g_, &dq_, &push_, &next_q_, &next_v_, &work_q_, &work_v_}) x->setZero(N);
+  for (Vector* x : {&force_, &next_u_, &next_force_, &rhs_, &solution_}) x->setZero(m);
+  touching_.reserve(static_cast<std::size_t>(m));
   now_ = ahead_ = drives_.start();
   s_ = now_.s;
   energy_.kinetic = 0.5 * v_.squaredNorm();
   v_ -= now_.lift;
-  if (options.scheme == Scheme::compliant)
-    S_ = B_ * c_.asDiagonal() * B_.transpose() + R_;
-  else if (options.admittance == Admittance::jump)
-    S_ = B_ * B_.transpose();
-  else
-    S_ = B_ * (b_ / options.step).asDiagonal() * B_.transpose();
   if (options.scheme == Scheme::impulse && m > 0) {
-    S_.diagonal().array() += least_norm * S_.diagonal().mean();
     sub_.setZero(m, m);
-    norm_ = B_.rowwise().norm();
     for (Vector* x : {&at_q_, &at_v_, &force_at_, &slope_at_}) x->setZero(N);
     for (Vector* x : {&rate_, &bound_, &impulse_}) x->setZero(m);
     open_.reserve(static_cast<std::size_t>(m));
   }
   u_ = s_;
-  u_.noalias() += B_ * q_;
-  energy_.strain = 0.5 * stiffness_.dot(q_.cwiseAbs2());
-  if (options.scheme == Scheme::compliant && options.block != 1 && m > 0 && !drives_.any()) make_block();
+  u_.noalias() += system_->B * q_;
+  energy_.strain = 0.5 * system_->stiffness.dot(q_.cwiseAbs2());
+  known_.force = force_;
+  if (options.scheme == Scheme::compliant && options.block != 1 && m > 0) make_block();
 }
 
 bool Integrator::has_forces(SolveStatus status) noexcept {
@@ -134,14 +150,14 @@ StepStatus Integrator::step() noexcept {
 /// and d = −ω²h these increments are the propagator, and they keep the work of a force on a slow motion free
 /// of cancellation.
 void Integrator::free_motion(const Vector& q, const Vector& v, const Drives::Stretch& over) noexcept {
-  g_.array() = load_.array() - stiffness_.array() * q.array();
-  dq_.array() = b_.array() * v.array() + c_.array() * g_.array();
+  g_.array() = system_->load.array() - system_->stiffness.array() * q.array();
+  dq_.array() = system_->b.array() * v.array() + system_->c.array() * g_.array();
   if (drives_.any()) dq_ += over.q;
 }
 
 /// Of u_i, a sum over modes of the length `size`: the margin for touching.
 double Integrator::round_off(Eigen::Index i, double size) const noexcept {
-  return touch * (size * norm_(i) + std::abs(gap_(i)) + std::abs(now_.s(i)));
+  return touch * (size * system_->norm(i) + std::abs(system_->gap(i)) + std::abs(now_.s(i)));
 }
 
 /// push_ = Bᵀ λ; returns how many points push.
@@ -150,7 +166,7 @@ int Integrator::push_by(const Vector& lambda) noexcept {
   push_.setZero();
   for (Eigen::Index i = 0; i < lambda.size(); ++i)
     if (lambda(i) > 0) {
-      push_ += lambda(i) * B_.row(i).transpose();
+      push_ += lambda(i) * system_->B.row(i).transpose();
       ++active;
     }
   return active;
@@ -158,9 +174,9 @@ int Integrator::push_by(const Vector& lambda) noexcept {
 
 /// ∫ 2δ q̇² over the step that starts at (q_, v_) under the acceleration g_.
 double Integrator::damping_work() const noexcept {
-  if (!damped_) return 0;
-  return (damp_ss_.array() * g_.array().square() + damp_sr_.array() * g_.array() * v_.array() +
-          damp_rr_.array() * v_.array().square())
+  if (!system_->damped) return 0;
+  return (system_->damp_ss.array() * g_.array().square() +
+          system_->damp_sr.array() * g_.array() * v_.array() + system_->damp_rr.array() * v_.array().square())
       .sum();
 }
 
@@ -169,7 +185,7 @@ Drives::Work Integrator::drive_work() noexcept {
   if (!drives_.any()) return {damping_work(), 0};
   work_q_ = q_;
   work_v_ = v_;
-  push_.array() = g_.array() + stiffness_.array() * q_.array();
+  push_.array() = g_.array() + system_->stiffness.array() * q_.array();
   return drives_.advance(now_, push_, work_q_, work_v_);
 }
 
@@ -177,7 +193,7 @@ Drives::Work Integrator::drive_work() noexcept {
 StepStatus Integrator::commit(double contact_work, double residual, double power, int active,
                               const Drives::Work& work) noexcept {
   const double kinetic = 0.5 * (drives_.any() ? (next_v_ + now_.lift).squaredNorm() : next_v_.squaredNorm());
-  const double strain = 0.5 * (stiffness_.array() * next_q_.array().square()).sum();
+  const double strain = 0.5 * (system_->stiffness.array() * next_q_.array().square()).sum();
   if (!std::isfinite(kinetic + strain + contact_work + residual + work.damping + work.drives))
     return StepStatus::not_finite;
   damping_.add(work.damping);
@@ -186,7 +202,7 @@ StepStatus Integrator::commit(double contact_work, double residual, double power
   energy_.kinetic = kinetic;
   energy_.strain = strain;
   energy_.residual = residual;
-  energy_.loads = (load_.array() * (next_q_.array() - q0_.array())).sum() + driven_.total();
+  energy_.loads = (system_->load.array() * (next_q_.array() - system_->q0.array())).sum() + driven_.total();
   energy_.damping = damping_.total();
   energy_.contact = contact_.total();
   q_.swap(next_q_);
@@ -209,19 +225,19 @@ StepStatus Integrator::step_compliant() noexcept {
   free_motion(q_, v_, now_);
   next_q_ = q_ + dq_;
   next_u_ = now_.s;
-  next_u_.noalias() += B_ * next_q_;
-  rhs_ = next_u_ - gap_;
-  if (solver_.statistics().limited > 0) rhs_ -= (u_ - gap_).cwiseMax(0);
+  next_u_.noalias() += system_->B * next_q_;
+  rhs_ = next_u_ - system_->gap;
+  if (solver_.statistics().limited > 0) rhs_ -= (u_ - system_->gap).cwiseMax(0);
   next_force_.setZero();
   SolveResidual residue;
   if (!(rhs_.array() < 0).all()) {  // NaN included
-    const SolveStatus status = solver_.solve(S_, rhs_, next_force_);
+    const SolveStatus status = solver_.solve(system_->S, rhs_, next_force_);
     if (!has_forces(status)) return failure(status);
     residue = solver_.residual();
   }
   for (Eigen::Index i = 0; i < next_force_.size(); ++i) {
     const double lambda = next_force_(i);
-    if (lambda != 0) next_u_ -= lambda * S_.col(i);  // B q⁺ + s − R λ
+    if (lambda != 0) next_u_ -= lambda * system_->S.col(i);  // B q⁺ + s − R λ
   }
   const double power = -next_force_.dot(next_u_ - u_) / options_.step;
   const double against_s = next_force_.dot(now_.s - s_);
@@ -235,12 +251,12 @@ StepStatus Integrator::move_under_force(double against_s, double power) noexcept
   const int active = push_by(next_force_);
   double work = against_s;
   if (active > 0) {
-    dq_.array() -= c_.array() * push_.array();
+    dq_.array() -= system_->c.array() * push_.array();
     g_ -= push_;
     work += push_.dot(dq_);
   }
   next_q_ = q_ + dq_;
-  next_v_.array() = e_.array() * v_.array() + h_.array() * g_.array();
+  next_v_.array() = system_->e.array() * v_.array() + system_->h.array() * g_.array();
   if (drives_.any()) next_v_ += now_.v;
   Drives::Work spent = drive_work();
   spent.drives += against_s;
@@ -253,10 +269,10 @@ StepStatus Integrator::step_impulse() noexcept {
   free_motion(q_, v_, now_);
   Drives::Work spent = drive_work();
   next_q_ = q_ + dq_;
-  next_v_.array() = e_.array() * v_.array() + h_.array() * g_.array();
+  next_v_.array() = system_->e.array() * v_.array() + system_->h.array() * g_.array();
   if (drives_.any()) next_v_ += now_.v;
   next_u_ = now_.s;
-  next_u_.noalias() += B_ * next_q_;
+  next_u_.noalias() += system_->B * next_q_;
   const SolveStatus status = impulses(now_);
   if (!has_forces(status)) return failure(status);
 
@@ -285,8 +301,8 @@ SolveStatus Integrator::impulses(const Drives::Stretch& until) noexcept {
   next_force_.setZero();
   touching_.clear();
   const double size = next_q_.norm();
-  for (Eigen::Index i = 0; i < gap_.size(); ++i)
-    if (!(next_u_(i) < gap_(i) - round_off(i, size))) touching_.push_back(static_cast<int>(i));
+  for (Eigen::Index i = 0; i < system_->gap.size(); ++i)
+    if (!(next_u_(i) < system_->gap(i) - round_off(i, size))) touching_.push_back(static_cast<int>(i));
   if (touching_.empty()) return SolveStatus::solved;
 
   // v̂ = B x + ṡ: the velocity at t_k, or what becomes of it over the next step
@@ -304,8 +320,8 @@ SolveStatus Integrator::impulses(const Drives::Stretch& until) noexcept {
   const Eigen::Index n = static_cast<Eigen::Index>(touching_.size());
   for (Eigen::Index j = 0; j < n; ++j) {
     const int i = touching_[j];
-    rhs_(j) = (1 + options_.restitution) * (B_.row(i).dot(*x) + (*s)(i));
-    for (Eigen::Index l = 0; l < n; ++l) sub_(l, j) = S_(touching_[l], i);
+    rhs_(j) = (1 + options_.restitution) * (system_->B.row(i).dot(*x) + (*s)(i));
+    for (Eigen::Index l = 0; l < n; ++l) sub_(l, j) = system_->S(touching_[l], i);
   }
   const SolveStatus status = solver_.solve(sub_.topLeftCorner(n, n), rhs_.head(n), solution_.head(n));
   for (Eigen::Index j = 0; j < n; ++j) next_force_(touching_[j]) = solution_(j);
