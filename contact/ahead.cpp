@@ -128,6 +128,7 @@ void Integrator::remember() noexcept {
 }
 
 const double* Integrator::rate(int back) const noexcept {
+  if (drives_.any()) return v_.data();
   if (const auto* block = std::get_if<Block<double>>(&block_)) return block->rate(block->advanced() - back);
   if (const auto* block = std::get_if<Block<float>>(&block_)) return block->rate(block->advanced() - back);
   return v_.data();

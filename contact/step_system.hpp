@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <memory>
 
 #include "contact/model.hpp"
 
@@ -21,5 +22,10 @@ struct StepSystem {
   bool damped = false;
   int dropped = 0;  ///< modes moved into R
 };
+
+struct StepOptions;
+
+/// Throws InputError on options that `model` can't be stepped with.
+std::shared_ptr<const StepSystem> make_step_system(const Model& model, const StepOptions& options);
 
 }  // namespace ricochet::contact

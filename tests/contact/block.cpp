@@ -161,6 +161,61 @@ TEST(Blocks, are_not_taken_beyond_a_step_that_fails) {
   }
 }
 
+// It flies off with an energy beyond double precision: where states are kept for the ends of blocks,
+// the whole block fails with its last step.
+TEST(Blocks, leave_the_state_before_them_when_they_fail_and_fail_again) {
+  Model model = dropped(5, 2, 0, 1);
+  model.v0(0) = -1e200;
+  for (const bool every_state : {true, false}) {
+    Integrator integrator(model, {.step = step, .block = 4, .every_state = every_state});
+    for (int attempt = 0; attempt < 3; ++attempt) {
+      for (int k = 1; k < 4 && !every_state; ++k) ASSERT_EQ(integrator.step(), StepStatus::ok);
+      EXPECT_EQ(integrator.step(), StepStatus::not_finite);
+      EXPECT_EQ(integrator.steps(), 0);
+      EXPECT_EQ(integrator.pending(), 0);
+      EXPECT_EQ(integrator.force(), Vector::Zero(2));
+      EXPECT_EQ(integrator.active(), 0);
+      EXPECT_EQ(integrator.v(), model.v0);
+    }
+  }
+}
+
+/// Steps of a block from a state, and what it says of the last.
+template <class T>
+void run(Block<T>& block, ComplementaritySolver& solver, const Integrator& from, int steps, Vector& force) {
+  block.start(from.q(), from.v(), from.force());
+  for (int k = 0; k < steps; ++k) ASSERT_EQ(block.step(solver, force), SolveStatus::solved);
+}
+
+// A block that was taken back must know nothing of the steps it made: neither forces nor where points ended.
+TEST(Blocks, that_are_taken_back_start_again_as_new_ones) {
+  const Model model = dropped(60, 12, 1e-5, 3);
+  const StepOptions options{.step = step, .block = 1};
+  Integrator integrator(model, options);
+  while (integrator.active() == 0) ASSERT_EQ(integrator.step(), StepStatus::ok);
+  const auto system =
+      std::make_shared<const BlockSystem<double>>(make_step_system(model, options), 8, options.step);
+  const auto solver = [] { return ComplementaritySolver(12, {.same_matrix = true}); };
+  for (const int steps : {1, 3, 8}) {
+    Block<double> block(system, false), fresh(system, false);
+    ComplementaritySolver used = solver(), unused = solver();
+    Vector force = Vector::Zero(12), expected = force;
+    run(block, used, integrator, steps, force);
+    block.take_back();
+    EXPECT_TRUE(block.over());
+    EXPECT_EQ(block.watched(), 0);
+    run(block, used, integrator, 1, force);
+    run(fresh, unused, integrator, 1, expected);
+    EXPECT_GT(expected.maxCoeff(), 0);
+    // 1e-9: the matrices of the two problems may hold other points.
+    EXPECT_LT((force - expected).norm(), 1e-9 * expected.norm());
+    EXPECT_NEAR(block.work(), fresh.work(), 1e-9 * std::abs(fresh.work()));
+    const simd::Sums found = block.advance(false), exact = fresh.advance(false);
+    EXPECT_NEAR(found.contact, exact.contact, 1e-9 * std::abs(exact.contact));
+    EXPECT_NEAR(found.kinetic, exact.kinetic, 1e-9 * exact.kinetic);
+  }
+}
+
 /// Random numbers, of which those of padding are 0.
 template <class T>
 std::vector<T> noise(std::size_t rows, std::size_t columns, std::size_t used, unsigned seed) {
