@@ -109,6 +109,7 @@ class Integrator {
   /// (N) q̇ after the last step but `back`, of those that the state was moved through together last.
   const double* rate(int back) const noexcept;
 
+  const StepOptions& options() const { return options_; }
   std::int64_t steps() const { return steps_; }
   double time() const { return static_cast<double>(steps_) * options_.step; }
 

@@ -134,6 +134,7 @@ void SummaryObserver::observe(const Integrator& integrator) {
   worst_ledger_ = std::max(worst_ledger_, std::abs(energy.ledger() - initial_ledger_));
   largest_energy_ = std::max(largest_energy_, energy.kinetic + energy.strain + energy.residual);
   out_.modes_in_residual = integrator.modes_in_residual();
+  out_.precision = integrator.options().precision;
   if (model_.gap.size() > 0)
     out_.max_penetration_m =
         std::max(out_.max_penetration_m, (integrator.displacement() - model_.gap).maxCoeff());
@@ -274,6 +275,7 @@ void write_json(const Summary& summary, const std::filesystem::path& path) {
                      {"limited_residual", summary.limited_residual},
                      {"modes", summary.modes},
                      {"modes_in_residual", summary.modes_in_residual},
+                     {"precision", summary.precision == Precision::float32 ? "single" : "double"},
                      {"candidates", summary.candidates},
                      {"unpaired", summary.unpaired},
                      {"max_active", summary.max_active},

@@ -106,7 +106,9 @@ contact::StepOptions step_options(const scene::Scene& scene) {
                                                                     : contact::Instant::step,
           .restitution = scene.contact.restitution,
           .step = 1 / scene.time.rate.value,
-          .max_pivots = scene.contact.max_pivots.value_or(std::numeric_limits<int>::max())};
+          .max_pivots = scene.contact.max_pivots.value_or(std::numeric_limits<int>::max()),
+          .precision = scene.time.precision == scene::Precision::float32 ? contact::Precision::float32
+                                                                         : contact::Precision::float64};
 }
 
 namespace {

@@ -180,15 +180,22 @@ Modes read_modes(Table& root) {
 
 namespace {
 
-void read_time(Table& root, bool needed, Time& time) {
+void read_time(Table& root, const Contact& contact, Time& time) {
   auto table = root.table("time");
-  if (!table && !needed) return;
+  if (!table && contact.scheme == Scheme::at_rest) return;
   if (!table) root.complain("time", "is missing: give duration [s]");
   if (table->has("rate_hz")) time.rate = Hertz{positive(*table, "rate_hz")};
   time.duration = positive(*table, "duration");
   const double steps = time.duration * time.rate.value;
   if (steps < 1 || steps > 1e9)
     table->complain("duration", fmt::format("makes {:.3g} steps: must be from 1 to 1e9", steps));
+  const std::string precision = table->text("precision").value_or("double");
+  if (precision != "double" && precision != "single")
+    table->complain("precision", "must be \"double\" or \"single\"");
+  if (precision == "single") time.precision = Precision::float32;
+  if (precision == "single" &&
+      (contact.scheme != Scheme::compliant || contact.kernel != ContactKernel::modes))
+    table->complain("precision", "belongs to scheme = \"compliant\" and kernel = \"modes\"");
   table->refuse_unknown();
 }
 
@@ -261,7 +268,7 @@ Scene read(const std::filesystem::path& file, const std::vector<Override>& overr
         root.complain(key,
                       "does not go with contact.table, a file that takes its place: leave one of them out");
     scene.contact = read_contact(root, scene);
-    read_time(root, true, scene.time);
+    read_time(root, scene.contact, scene.time);
     read_output(root, scene);
     refuse_what_does_not_go(root, scene);
     root.refuse_unknown();
@@ -284,7 +291,7 @@ Scene read(const std::filesystem::path& file, const std::vector<Override>& overr
     }
   scene.modes = read_modes(root);
   scene.contact = read_contact(root, scene);
-  read_time(root, scene.contact.scheme != Scheme::at_rest, scene.time);
+  read_time(root, scene.contact, scene.time);
   read_loads(root, scene);
   read_output(root, scene);
   refuse_what_does_not_go(root, scene);

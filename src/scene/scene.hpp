@@ -92,9 +92,12 @@ struct Contact {
   std::vector<Pair> pairs;        ///< [contact] itself, or each [[contact.pair]]
 };
 
+enum class Precision { float64, float32 };
+
 struct Time {
   Hertz rate{44100};
-  double duration = 0;  ///< [s]; 0: not given, as bodies at rest need none
+  Precision precision = Precision::float64;  ///< of the products of steps (scheme "compliant")
+  double duration = 0;                       ///< [s]; 0: not given, as bodies at rest need none
 };
 
 /// A force on a surface or at a point, or the displacement of a support: `vector` times a history that is

@@ -175,6 +175,7 @@ std::string to_toml(const Scene& scene) {
   if (scene.time.duration > 0)
     text += fmt::format("\n[time]\nrate_hz = {}\nduration = {}\n", toml_number(scene.time.rate.value),
                         toml_number(scene.time.duration));
+  if (scene.time.precision == Precision::float32) text += "precision = \"single\"\n";
   return text + loads_of(scene) + output_of(scene.output);
 }
 
