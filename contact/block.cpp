@@ -25,8 +25,8 @@ Block<T>::Block(std::shared_ptr<const BlockSystem<T>> system, bool driven)
   ahead_.assign(L * width, 0.0);
   u_.assign(L * width, 0.0);
   changes_.assign(m * L, T(0));
-  for (Vector* x :
-       {&held_force_, &margin_, &could_, &spent_, &budget_, &held_push_, &rhs_, &solution_, &ended_})
+  for (Vector* x : {&held_force_, &margin_, &could_, &spent_, &budget_, &held_rest_, &held_push_, &rhs_,
+                    &solution_, &ended_})
     x->setZero(system_->points);
   for (std::vector<char>* x : {&was_watched_, &is_predicted_, &has_changed_}) x->assign(m, 0);
   position_.assign(m, -1);
@@ -71,6 +71,10 @@ void Block<T>::hold(const Vector& force) noexcept {
   for (std::size_t n = 0; n < system_->modes; ++n) {
     held_[n] = static_cast<double>(sum_[n]);
     load_[n] = system_->load[n] - held_[n];
+  }
+  if (system_->yields) {
+    combine(system_->residual, pressed_);
+    std::copy_n(sum_.begin(), system_->points, held_rest_.begin());
   }
   for (std::size_t r = 0; r < rigid_held_.size(); ++r) {
     rigid_held_[r] = 0;

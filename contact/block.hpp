@@ -129,6 +129,7 @@ class Block {
   std::vector<T> changes_;              ///< (points, L) λ − λ̄
   Vector held_force_, margin_, could_;  ///< (points) λ̄; g − ū at least; what changes could add to u
   Vector spent_, budget_;               ///< (points) Σ |λ − λ̄| in this block; what could_ counts with
+  Vector held_rest_;                    ///< (points) R λ̄
   Vector held_push_, rhs_, solution_;   ///< (points) by position: S_0 λ̄; of the step
   Vector ended_;                        ///< (points) u at the end of the block before
   std::vector<char> was_watched_, is_predicted_, has_changed_;     ///< (points)

@@ -151,13 +151,10 @@ void Block<T>::predict(std::span<const int> rows) noexcept {
   const std::size_t width = system_->width;
   for (int i : rows) {
     is_predicted_[static_cast<std::size_t>(i)] = 1;
-    double residual = 0;
-    if (system_->yields)
-      for (int j : pressed_) residual += system_->plain->R(j, i) * held_force_(j);
     if (!system_->rigid.empty()) rigid_at_.noalias() = rigid_motion_ * system_->rigid_B.row(i).transpose();
     for (int l = 0; l < length(); ++l)
       ahead_[static_cast<std::size_t>(l) * width + static_cast<std::size_t>(i)] =
-          s_(driven_ ? l + 1 : 0, i) + rigid_at_(l) - residual;
+          s_(driven_ ? l + 1 : 0, i) + rigid_at_(l) - held_rest_(i);
   }
   system_->loops->displacement(system_->modes, system_->B.data(), rows.data(), rows.size(), x_.data(),
                                static_cast<std::size_t>(length()), ahead_.data(), width);

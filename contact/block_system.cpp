@@ -93,6 +93,11 @@ BlockSystem<T>::BlockSystem(std::shared_ptr<const StepSystem> shared, int steps,
           rounded_up<T>(std::sqrt(far(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(of))));
   flexibility.assign(m * width, T(0));
   influence.assign(m * width, T(0));
+  if (yields) residual.assign(m * width, T(0));
+  for (std::size_t j = 0; j < m && yields; ++j)
+    for (std::size_t i = 0; i < m; ++i)
+      residual[j * width + i] =
+          static_cast<T>(system.R(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)));
   for (std::size_t j = 0; j < m; ++j)
     for (std::size_t i = 0; i < m; ++i)
       flexibility[j * width + i] =

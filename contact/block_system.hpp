@@ -27,6 +27,7 @@ struct BlockSystem {
   std::vector<T> lag;                  ///< (points, L, width) S_d
   std::vector<T> influence;            ///< (points, width) no |S_d,ij| of any lag is larger
   std::vector<T> flexibility;          ///< (points, width) R + Σ B Bᵀ/ω² of elastic modes
+  std::vector<T> residual;             ///< (points, width) R; empty where it is 0
   std::vector<T> reach;                ///< (bands, width) (Σ B²/ω²)^½ of a band
   std::vector<double> softness;        ///< (modes) 1/ω² of elastic modes
   Vector rest, largest;                ///< (points) s + Σ B f/ω² of elastic modes; largest |flexibility|

@@ -123,19 +123,25 @@ void pushed_tile(const Modes& m, const Pushes<T>& pushes, const T* force, std::s
       for (std::size_t l = 0; l < steps; ++l) push[l][w] += strength[l] * b;
     }
   }
+  // Sums of each register of their own, or each would wait for the one before.
+  Double::type damping[wide] = {}, contact[wide] = {};
   for (std::size_t l = 0; l < steps; ++l)
     for (std::size_t w = 0; w < wide; ++w) {
       const std::size_t n = first + w * Double::size;
       const Double::type p = widened<T>(push[l][w]), v = at.v[w];
       const Double::type g = Double::load(m.load + n) - p - Double::load(m.stiffness + n) * at.q[w];
       const Double::type dq = Double::load(m.b + n) * v + Double::load(m.c + n) * g;
-      spent.damping += g * (Double::load(m.damp_ss + n) * g + Double::load(m.damp_sr + n) * v) +
-                       Double::load(m.damp_rr + n) * v * v;
-      spent.contact += (Double::load(m.held + n) + p) * dq;
+      damping[w] += g * (Double::load(m.damp_ss + n) * g + Double::load(m.damp_sr + n) * v) +
+                    Double::load(m.damp_rr + n) * v * v;
+      contact[w] += (Double::load(m.held + n) + p) * dq;
       at.q[w] += dq;
       at.v[w] = Double::load(m.e + n) * v + Double::load(m.h + n) * g;
       if (rates) Double::store(rates + l * m.modes + n, at.v[w]);
     }
+  for (std::size_t w = 0; w < wide; ++w) {
+    spent.damping += damping[w];
+    spent.contact += contact[w];
+  }
 }
 
 template <class T>
@@ -170,7 +176,8 @@ template <class T, std::size_t rows, std::size_t steps>
 void displacement_tile(std::size_t modes, const T* const* B, const int* row, const T* x, double* u,
                        std::size_t stride) {
   using V = Lanes<T>;
-  typename V::type sum[rows * steps] = {};
+  constexpr std::size_t count = (rows * steps + V::size - 1) / V::size * V::size;
+  typename V::type sum[count] = {};
   for (std::size_t n = 0; n < modes; n += V::size) {
     typename V::type a[rows];
     for (std::size_t i = 0; i < rows; ++i) a[i] = V::load(B[i] + n);
@@ -179,12 +186,8 @@ void displacement_tile(std::size_t modes, const T* const* B, const int* row, con
       for (std::size_t i = 0; i < rows; ++i) sum[l * rows + i] += a[i] * y;
     }
   }
-  T total[rows * steps];
-  if constexpr (rows * steps % V::size == 0) {
-    for (std::size_t k = 0; k < rows * steps; k += V::size) V::store(total + k, V::sums(sum + k));
-  } else {
-    for (std::size_t k = 0; k < rows * steps; ++k) total[k] = V::sum(sum[k]);
-  }
+  T total[count];
+  for (std::size_t k = 0; k < count; k += V::size) V::store(total + k, V::sums(sum + k));
   for (std::size_t l = 0; l < steps; ++l)
     for (std::size_t i = 0; i < rows; ++i)
       u[l * stride + static_cast<std::size_t>(row[i])] += static_cast<double>(total[l * rows + i]);
@@ -207,6 +210,7 @@ void displacement(std::size_t modes, const T* B, const int* row, std::size_t row
   std::size_t i = 0;
   for (; i + row_tile <= rows; i += row_tile)
     displacement_rows<T, row_tile>(modes, B, row + i, x, steps, u, stride);
+  for (; i + 2 <= rows; i += 2) displacement_rows<T, 2>(modes, B, row + i, x, steps, u, stride);
   for (; i < rows; ++i) displacement_rows<T, 1>(modes, B, row + i, x, steps, u, stride);
 }
 

@@ -60,12 +60,13 @@ class Rods(ProgramTest):
         double, forces = self.collide()
         single, narrow = self.collide("time.precision=single")
         self.assertEqual([double["precision"], single["precision"]], ["double", "single"])
-        # 1e-5: hundred modes of 6e-8 each, over 2000 steps of one contact
-        self.assertAlmostEqual(single["impulse_ns"], double["impulse_ns"], delta=1e-5 * double["impulse_ns"])
-        self.assertAlmostEqual(single["exit_velocity"]["resting"][0], double["exit_velocity"]["resting"][0], delta=1e-5)
+        # 1e-6: ten times the round-off of a number
+        self.assertAlmostEqual(single["impulse_ns"], double["impulse_ns"], delta=1e-6 * double["impulse_ns"])
+        self.assertAlmostEqual(single["exit_velocity"]["resting"][0], double["exit_velocity"]["resting"][0], delta=1e-6)
+        # 2e-3: 6e-8 of displacements of 10 m, a hundred modes, over the flexibility of a step of 0.01 m/N
         first = slice(0, 500)
         difference = narrow["contact/force"][first] - forces["contact/force"][first]
-        self.assertLess(abs(difference).max(), 1e-5 * forces["contact/force"].max())
+        self.assertLess(abs(difference).max(), 2e-3 * forces["contact/force"].max())
         self.assertGreater(abs(difference).max(), 0)
         self.assertLess(single["energy_drift"], 1e-12)
 
