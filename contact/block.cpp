@@ -2,299 +2,138 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numeric>
-
-#include "contact/propagator.hpp"
 
 namespace ricochet::contact {
-namespace {
-
-/// Bands of frequency whose energies bound what points can do. More tell more and cost more.
-constexpr int bands = 16;
-
-/// Forces of a block are expected below this many times those of the last one; if they are not, more points
-/// come in.
-constexpr double growth = 2;
-
-/// A new set of watched points takes in those that so many times the expected forces could reach, to last.
-constexpr double ahead = 1.5;
 
 template <class T>
-const simd::Loops<T>& best_loops();
-template <>
-const simd::Loops<double>& best_loops() {
-  return simd::best().in_double;
-}
-template <>
-const simd::Loops<float>& best_loops() {
-  return simd::best().in_float;
-}
-
-std::vector<double> padded(const Vector& values, std::size_t size) {
-  std::vector<double> out(size, 0.0);
-  std::copy(values.begin(), values.end(), out.begin());
-  return out;
-}
-
-}  // namespace
-
-template <class T>
-Block<T>::Block(std::shared_ptr<const StepSystem> shared, int steps, double step)
-    : system_(std::move(shared)),
-      loops_(&best_loops<T>()),
-      length_(steps),
-      points_(static_cast<int>(system_->gap.size())),
-      taken_(steps),
-      modes_(simd::padded(static_cast<std::size_t>(system_->omega.size()))),
-      lags_(simd::padded(static_cast<std::size_t>(steps), simd::step_pad)),
-      stride_(lags_ + static_cast<std::size_t>(steps)),
-      stiffness_(padded(system_->stiffness, modes_)),
-      load_(padded(system_->load, modes_)),
-      b_(padded(system_->b, modes_)),
-      c_(padded(system_->c, modes_)),
-      e_(padded(system_->e, modes_)),
-      h_(padded(system_->h, modes_)) {
-  const StepSystem& system = *system_;
-  const auto m = static_cast<std::size_t>(points_);
-  const Eigen::Index N = system.omega.size();
-  const Matrix& B = system.B;
-  B_.assign(m * modes_, T(0));
-  std::vector<int> elastic;
-  for (Eigen::Index n = 0; n < N; ++n) {
-    if (system.stiffness(n) == 0) {
-      if (system.h(n) != 0) rigid_.push_back(static_cast<int>(n));
-      continue;
-    }
-    elastic.push_back(static_cast<int>(n));
-    for (std::size_t i = 0; i < m; ++i)
-      B_[i * modes_ + static_cast<std::size_t>(n)] = static_cast<T>(B(i, n));
-  }
-  std::sort(elastic.begin(), elastic.end(), [&](int a, int b) { return system.omega(a) < system.omega(b); });
-  band_.resize(bands);
-  reach_.setZero(points_, bands);
-  rest_ = system.s;
-  softness_.setZero(N);
-  flexibility_ = system.R;
-  for (std::size_t k = 0; k < elastic.size(); ++k) {
-    const int n = elastic[k], band = static_cast<int>(k * bands / elastic.size());
-    band_[static_cast<std::size_t>(band)].push_back(n);
-    reach_.col(band) += B.col(n).cwiseAbs2() / system.stiffness(n);
-    softness_(n) = 1 / system.stiffness(n);
-    rest_ += B.col(n) * (system.load(n) / system.stiffness(n));
-    flexibility_ += B.col(n) * B.col(n).transpose() / system.stiffness(n);
-  }
-  reach_ = reach_.cwiseSqrt().eval();
-
-  lag_.assign(m * m * lags_, T(0));
-  influence_.setZero(points_);
-  Vector held = Vector::Zero(N);  // c of the steps so far
-  for (std::size_t d = 0; d < static_cast<std::size_t>(steps); ++d) {
-    Vector more(N);
-    for (Eigen::Index n = 0; n < N; ++n)
-      more(n) = mode_step(system.omega(n), system.decay(n), static_cast<double>(d + 1) * step).c;
-    Eigen::MatrixXd lag = B * (more - held).asDiagonal() * B.transpose();
-    if (d == 0) lag += system.R;
-    held = more;
-    for (std::size_t j = 0; j < m; ++j)
-      for (std::size_t i = 0; i < m; ++i) lag_[(j * m + i) * lags_ + d] = static_cast<T>(lag(i, j));
-    influence_ = influence_.cwiseMax(lag.cwiseAbs().rowwise().maxCoeff());
-  }
-
-  const auto L = static_cast<std::size_t>(steps);
-  q_.assign(modes_, 0.0);
-  v_.assign(modes_, 0.0);
-  x_.assign(L * modes_, T(0));
-  push_.assign(L * modes_, T(0));
-  rigid_motion_.setZero(steps);
-  energy_.setZero(N);
-  u_.assign(m * stride_, 0.0);
-  changes_.assign(m * lags_, T(0));
-  sum_.assign(m * lags_, T(0));
-  amplitude_.setZero(bands);
-  for (Vector* x : {&ended_, &held_force_, &held_rest_, &held_push_, &margin_, &rhs_, &solution_})
-    x->setZero(points_);
-  for (std::vector<char>* x : {&was_watched_, &is_predicted_, &is_watched_, &has_changed_}) x->assign(m, 0);
+Block<T>::Block(std::shared_ptr<const BlockSystem<T>> system, bool driven)
+    : system_(std::move(system)),
+      near_(*system_),
+      driven_(driven),
+      taken_(system_->length),
+      advanced_(system_->length) {
+  const auto m = static_cast<std::size_t>(system_->points), L = static_cast<std::size_t>(system_->length);
+  const std::size_t N = system_->modes, width = system_->width, rigid = system_->rigid.size();
+  for (std::vector<double>* x : {&q_, &v_, &load_, &held_}) x->assign(N, 0.0);
+  for (std::vector<double>* x : {&rigid_q_, &rigid_v_, &rigid_held_}) x->assign(rigid, 0.0);
+  rigid_motion_.setZero(system_->length, static_cast<Eigen::Index>(rigid));
+  rigid_at_.setZero(system_->length);
+  if (driven_) drive_.assign(2 * L * N, 0.0);
+  s_ = system_->plain->s.transpose().replicate(driven_ ? system_->length + 1 : 1, 1);
+  x_.assign(L * N, T(0));
+  rates_.assign(L * N, 0.0);
+  ahead_.assign(L * width, 0.0);
+  u_.assign(L * width, 0.0);
+  changes_.assign(m * L, T(0));
+  for (Vector* x : {&held_force_, &margin_, &could_, &spent_, &budget_, &held_rest_, &held_push_, &rhs_,
+                    &solution_, &ended_})
+    x->setZero(system_->points);
+  for (std::vector<char>* x : {&was_watched_, &is_predicted_, &has_changed_}) x->assign(m, 0);
+  position_.assign(m, -1);
   for (std::vector<int>* x :
-       {&predicted_, &watched_, &gathered_, &have_changed_, &pushing_, &changed_, &held_})
+       {&pressed_, &predicted_, &watched_, &gathered_, &have_changed_, &changed_, &raised_})
     x->reserve(m);
   change_.reserve(m);
-  S_.setZero(points_, points_);
+  factor_.reserve(std::max<std::size_t>(m, bands));
+  sum_.assign(std::max(N, width), T(0));
 }
 
-/// Takes λ̄ into the load and into where the points would rest.
+template <class T>
+simd::Modes Block<T>::modes() const {
+  const BlockSystem<T>& of = *system_;
+  return {of.modes,          of.stiffness.data(), load_.data(),     of.b.data(),  of.c.data(),
+          of.e.data(),       of.h.data(),         of.load.data(),   held_.data(), of.origin.data(),
+          of.damp_ss.data(), of.damp_sr.data(),   of.damp_rr.data()};
+}
+
+template <class T>
+void Block<T>::drive(int l, const Vector& q, const Vector& v, const Vector& s) noexcept {
+  s_.row(l) = s.transpose();
+  if (l == 0) return;
+  double* to = &drive_[2 * static_cast<std::size_t>(l - 1) * system_->modes];
+  std::copy(q.begin(), q.end(), to);
+  std::copy(v.begin(), v.end(), to + system_->modes);
+}
+
+/// Takes λ̄ into the load.
 template <class T>
 void Block<T>::hold(const Vector& force) noexcept {
   held_force_ = force;
-  held_.clear();
-  held_rest_ = rest_;
-  for (int j = 0; j < points_; ++j) {
+  pressed_.clear();
+  factor_.clear();
+  for (int j = 0; j < system_->points; ++j) {
     if (force(j) == 0) continue;
-    held_.push_back(j);
-    held_rest_ -= force(j) * flexibility_.col(j);
-    changes_[static_cast<std::size_t>(j) * lags_] = static_cast<T>(force(j));
+    pressed_.push_back(j);
+    factor_.push_back(static_cast<T>(force(j)));
   }
-  loops_->push(modes_, B_.data(), held_.data(), held_.size(), changes_.data(), lags_, 1, push_.data());
-  for (std::size_t n = 0; n < static_cast<std::size_t>(system_->load.size()); ++n)
-    load_[n] = system_->load(static_cast<Eigen::Index>(n)) - static_cast<double>(push_[n]);
-  for (int n : rigid_)
-    for (int j : held_) load_[static_cast<std::size_t>(n)] -= force(j) * system_->B(j, n);
-  for (int j : held_) changes_[static_cast<std::size_t>(j) * lags_] = T(0);
+  system_->loops->combine(system_->modes, system_->B.data(), system_->modes, pressed_.data(), pressed_.size(),
+                          factor_.data(), sum_.data());
+  for (std::size_t n = 0; n < system_->modes; ++n) {
+    held_[n] = static_cast<double>(sum_[n]);
+    load_[n] = system_->load[n] - held_[n];
+  }
+  if (system_->yields) {
+    combine(system_->residual, pressed_);
+    std::copy_n(sum_.begin(), system_->points, held_rest_.begin());
+  }
+  for (std::size_t r = 0; r < rigid_held_.size(); ++r) {
+    rigid_held_[r] = 0;
+    for (int j : pressed_) rigid_held_[r] += force(j) * system_->rigid_B(j, static_cast<Eigen::Index>(r));
+  }
 }
 
 template <class T>
 void Block<T>::start(const Vector& q, const Vector& v, const Vector& force) noexcept {
-  was_watched_ = is_watched_;
-  for (int i : watched_) ended_(i) = u_[at(i, taken_)];
-  taken_ = 0;
-  last_total_ = total_;
-  total_ = 0;
+  std::fill(was_watched_.begin(), was_watched_.end(), 0);
+  for (std::size_t k = 0; k < watched_.size(); ++k) {
+    was_watched_[static_cast<std::size_t>(watched_[k])] = 1;
+    ended_(watched_[k]) = u(k, taken_);
+  }
+  taken_ = advanced_ = 0;
   std::copy(q.begin(), q.end(), q_.begin());
   std::copy(v.begin(), v.end(), v_.begin());
-  for (int i : have_changed_) {
-    has_changed_[static_cast<std::size_t>(i)] = 0;
-    std::fill_n(changes_.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(i) * lags_), lags_,
-                T(0));
+  for (std::size_t r = 0; r < rigid_q_.size(); ++r) {
+    rigid_q_[r] = q(system_->rigid[r]);
+    rigid_v_[r] = v(system_->rigid[r]);
   }
-  have_changed_.clear();
-  pushing_.clear();
+  expect();
   hold(force);
   std::fill(is_predicted_.begin(), is_predicted_.end(), 0);
-  predict_rigid(q, v);
-  loops_->free_motion(modes(), static_cast<std::size_t>(length_), q_.data(), v_.data(), x_.data());
-  bound_by_energy(q, v);
-  predicted_.clear();
-  for (int i = 0; i < points_; ++i)
-    if (matters(i, growth * last_total_)) predicted_.push_back(i);
-  for (int i : gathered_)
-    if (!matters(i, growth * last_total_)) predicted_.push_back(i);
-  predict(predicted_);
+  system_->loops->free_motion(modes(), static_cast<std::size_t>(length()), q_.data(), v_.data(),
+                              driven_ ? drive_.data() : nullptr, x_.data());
+  predict_rigid();
   choose_watched();
 }
 
-/// u_ of all points as if they were rigid.
+/// Motion of the rigid modes under λ̄.
 template <class T>
-void Block<T>::predict_rigid(const Vector& q, const Vector& v) noexcept {
-  for (int i = 0; i < points_; ++i) std::fill_n(&u_[at(i, 1)], length_, system_->s(i));
-  for (std::size_t r = 0; r < rigid_.size(); ++r) {
-    const int n = rigid_[r];
-    const double load = load_[static_cast<std::size_t>(n)];
-    double x = q(n), rate = v(n);
-    for (int l = 0; l < length_; ++l) {
-      x += system_->b(n) * rate + system_->c(n) * load;
-      rate = system_->e(n) * rate + system_->h(n) * load;
-      rigid_motion_(l) = x;
-    }
-    for (int i = 0; i < points_; ++i) {
-      const double B = system_->B(i, n);
-      double* u = &u_[at(i, 1)];
-      for (int l = 0; l < length_; ++l) u[l] += B * rigid_motion_(l);
-    }
-  }
-}
-
-/// margin_: the gap less the farthest that a point gets at the end of any step. Without force the energy of
-/// an elastic mode about its rest never grows, and |Σ B y| ≤ (Σ B²/ω²)^½ (Σ ω²y² + ẏ²)^½. Needs u_ of the
-/// rigid motion.
-template <class T>
-void Block<T>::bound_by_energy(const Vector& q, const Vector& v) noexcept {
-  const Eigen::Index N = q.size();
-  const auto load = Eigen::Map<const Vector>(load_.data(), N).array();
-  energy_ = system_->stiffness.array() * (q.array() - load * softness_.array()).square() + v.array().square();
-  for (int band = 0; band < bands; ++band) {
-    double sum = 0;
-    for (int n : band_[static_cast<std::size_t>(band)]) sum += energy_(n);
-    amplitude_(band) = sum;
-  }
-  amplitude_ = amplitude_.cwiseSqrt();
-  margin_ = system_->gap - held_rest_;
-  margin_.noalias() -= reach_ * amplitude_;
-  for (int i = 0; i < points_; ++i) {
-    const double* u = &u_[at(i, 1)];
-    margin_(i) -= *std::max_element(u, u + length_) - system_->s(i);
-  }
-}
-
-/// Adds elastic motion to u_ of `rows`, and sets margin_ to what is left of their gaps without force.
-template <class T>
-void Block<T>::predict(std::span<const int> rows) noexcept {
-  loops_->displacement(modes_, B_.data(), rows.data(), rows.size(), x_.data(),
-                       static_cast<std::size_t>(length_), u_.data(), stride_);
-  for (int i : rows) {
-    is_predicted_[static_cast<std::size_t>(i)] = 1;
-    double residual = 0;
-    for (int j : held_) residual += system_->R(j, i) * held_force_(j);
-    double* u = &u_[at(i, 1)];
-    for (int l = 0; l < length_; ++l) u[l] -= residual;
-    margin_(i) = system_->gap(i) - *std::max_element(u, u + length_);
-  }
-}
-
-template <class T>
-void Block<T>::choose_watched() noexcept {
-  const double expected = growth * last_total_;
-  std::size_t needed = 0, kept = 0;
-  for (int i = 0; i < points_; ++i) needed += matters(i, expected) ? 1 : 0;
-  for (int i : gathered_) kept += matters(i, expected) ? 1 : 0;
-  // Points too many cost less than a new matrix, up to a point.
-  const bool keep = needed > 0 && kept == needed && gathered_.size() <= 2 * needed + 8;
-  for (int i : watched_) is_watched_[static_cast<std::size_t>(i)] = 0;
-  watched_.clear();
-  if (keep)
-    for (int i : gathered_) watch(i);
-  else if (needed > 0)
-    for (int i = 0; i < points_; ++i)
-      if (matters(i, ahead * expected)) watch(i);
-  if (!watched_.empty()) gather();
-  find_allowed();
-}
-
-/// Makes up for the forces so far.
-template <class T>
-void Block<T>::watch(int point) noexcept {
-  const auto i = static_cast<std::size_t>(point);
-  if (is_predicted_[i] == 0) predict({&point, 1});
-  is_watched_[i] = 1;
-  watched_.push_back(point);
-  held_push_(point) = 0;
-  for (int j : held_) held_push_(point) += system_->S(j, point) * held_force_(j);
-  for (int j : have_changed_) {
-    const T* lag = &lag_[(static_cast<std::size_t>(j) * static_cast<std::size_t>(points_) + i) * lags_];
-    for (int k = 1; k <= taken_; ++k) {
-      const double force = changes_[static_cast<std::size_t>(j) * lags_ + static_cast<std::size_t>(k - 1)];
-      if (force == 0) continue;
-      for (int l = k; l <= length_; ++l) u_[at(point, l)] -= force * lag[l - k];
+void Block<T>::predict_rigid() noexcept {
+  const StepSystem& plain = *system_->plain;
+  for (std::size_t r = 0; r < rigid_q_.size(); ++r) {
+    const int n = system_->rigid[r];
+    const double load = plain.load(n) - rigid_held_[r];
+    double q = rigid_q_[r], v = rigid_v_[r];
+    for (int l = 0; l < length(); ++l) {
+      q += plain.b(n) * v + plain.c(n) * load;
+      v = plain.e(n) * v + plain.h(n) * load;
+      if (driven_) {
+        const double* more = &drive_[2 * static_cast<std::size_t>(l) * system_->modes];
+        q += more[n];
+        v += more[system_->modes + static_cast<std::size_t>(n)];
+      }
+      rigid_motion_(l, static_cast<Eigen::Index>(r)) = q;
     }
   }
-}
-
-/// How much forces of a block may change before a point that is not watched could close.
-template <class T>
-void Block<T>::find_allowed() noexcept {
-  allowed_ = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < points_; ++i)
-    if (is_watched_[static_cast<std::size_t>(i)] == 0 && influence_(i) > 0)
-      allowed_ = std::min(allowed_, margin_(i) / influence_(i));
-}
-
-template <class T>
-void Block<T>::gather() noexcept {
-  if (gathered_ == watched_) return;
-  gathered_ = watched_;
-  const auto n = static_cast<Eigen::Index>(watched_.size());
-  for (Eigen::Index j = 0; j < n; ++j)
-    for (Eigen::Index i = 0; i < n; ++i) S_(i, j) = system_->S(watched_[i], watched_[j]);
-  is_new_problem_ = true;
 }
 
 /// u when the block started.
 template <class T>
 double Block<T>::at_start(int point) const noexcept {
   if (was_watched_[static_cast<std::size_t>(point)] != 0) return ended_(point);
-  double u = system_->s(point);
-  for (int j : held_) u -= system_->R(j, point) * held_force_(j);
-  for (Eigen::Index n = 0; n < system_->B.cols(); ++n)
-    u += system_->B(point, n) * q_[static_cast<std::size_t>(n)];
+  const StepSystem& plain = *system_->plain;
+  double u = s_(0, point);
+  for (int j : pressed_) u -= plain.R(j, point) * held_force_(j);
+  for (Eigen::Index n = 0; n < plain.B.cols(); ++n) u += plain.B(point, n) * q_[static_cast<std::size_t>(n)];
   return u;
 }
 
@@ -302,80 +141,116 @@ template <class T>
 SolveStatus Block<T>::step(ComplementaritySolver& solver, Vector& force) noexcept {
   const bool deep = solver.statistics().limited > 0;
   const int l = taken_ + 1;
-  double changed = 0;
   SolveStatus status = SolveStatus::solved;
-  for (;;) {
+  if (!watched_.empty() && !near_.holds()) near_.take(*system_, gathered_);
+  do {
     const auto n = static_cast<Eigen::Index>(watched_.size());
     bool closed = false;
     for (Eigen::Index k = 0; k < n; ++k) {
-      rhs_(k) = u_[at(watched_[k], l)] + held_push_(watched_[k]) - system_->gap(watched_[k]);
-      if (deep)
-        rhs_(k) -= std::max(0.0, (taken_ > 0 ? u_[at(watched_[k], taken_)] : at_start(watched_[k])) -
-                                     system_->gap(watched_[k]));
+      const double gap = system_->plain->gap(watched_[k]);
+      rhs_(k) = u(k, l) + held_push_(k) - gap;
+      if (deep) rhs_(k) -= std::max(0.0, (taken_ > 0 ? u(k, taken_) : at_start(watched_[k])) - gap);
       closed = closed || !(rhs_(k) < 0);  // NaN included
     }
     if (closed) {
       if (is_new_problem_) solver.reset();
       is_new_problem_ = false;
-      status = solver.solve(S_.topLeftCorner(n, n), rhs_.head(n), solution_.head(n));
+      status = solver.solve(near_.S.topLeftCorner(n, n), rhs_.head(n), solution_.head(n));
       if (status != SolveStatus::solved && status != SolveStatus::limited) return status;
     } else {
       solution_.head(n).setZero();
     }
-    changed = 0;
-    for (Eigen::Index k = 0; k < n; ++k) changed += std::abs(solution_(k) - held_force_(watched_[k]));
-    if (total_ + changed < allowed_) break;
-    for (int i = 0; i < points_; ++i)
-      if (is_watched_[static_cast<std::size_t>(i)] == 0 && matters(i, growth * (total_ + changed))) watch(i);
-    gather();
-    find_allowed();
-  }
-  total_ += changed;
+  } while (raise_budgets() && see_more());
+
   force.setZero();
-  pushing_.clear();
   changed_.clear();
   change_.clear();
   for (std::size_t k = 0; k < watched_.size(); ++k) {
     const int i = watched_[k];
     force(i) = solution_(static_cast<Eigen::Index>(k));
-    if (force(i) > 0) pushing_.push_back(i);
     const auto change = static_cast<T>(force(i) - held_force_(i));
     if (change == 0) continue;
-    changed_.push_back(i);
+    near_.need(*system_, static_cast<int>(k));
+    changed_.push_back(static_cast<int>(k));
     change_.push_back(change);
-    changes_[static_cast<std::size_t>(i) * lags_ + static_cast<std::size_t>(l - 1)] = change;
+    changes_[static_cast<std::size_t>(i * length() + taken_)] = change;
+    spent_(i) += std::abs(force(i) - held_force_(i));
     if (has_changed_[static_cast<std::size_t>(i)] == 0) have_changed_.push_back(i);
     has_changed_[static_cast<std::size_t>(i)] = 1;
   }
   if (!changed_.empty())
-    loops_->near(lag_.data(), static_cast<std::size_t>(points_), lags_,
-                 simd::padded(static_cast<std::size_t>(length_ - l + 1), simd::step_pad), changed_.data(),
-                 change_.data(), changed_.size(), watched_.data(), watched_.size(), sum_.data(),
-                 u_.data() + taken_, stride_);
+    system_->loops->near(near_.width, near_.lag.get(), static_cast<std::size_t>(length()), changed_.data(),
+                         changed_.size(), change_.data(), static_cast<std::size_t>(length() - taken_),
+                         &u(0, l), system_->width);
+  pushing_ = 0;
+  work_ = 0;
+  for (std::size_t k = 0; k < watched_.size(); ++k) {
+    const double lambda = solution_(static_cast<Eigen::Index>(k));
+    if (!(lambda > 0)) continue;
+    ++pushing_;
+    work_ += lambda * (u(k, l) - (taken_ > 0 ? u(k, taken_) : at_start(watched_[k])));
+  }
   taken_ = l;
   return status;
 }
 
 template <class T>
+double Block<T>::energy_in_residual() const noexcept {
+  if (!system_->yields || pushing_ == 0) return 0;
+  const auto n = static_cast<Eigen::Index>(watched_.size());
+  double twice = 0;
+  for (Eigen::Index k = 0; k < n; ++k)
+    if (solution_(k) != 0) twice += solution_(k) * near_.R.col(k).head(n).dot(solution_.head(n));
+  return 0.5 * twice;
+}
+
+template <class T>
 void Block<T>::take_back() noexcept {
-  taken_ = length_;
-  for (int i : watched_) is_watched_[static_cast<std::size_t>(i)] = 0;
+  taken_ = advanced_ = length();
+  for (int i : watched_) position_[static_cast<std::size_t>(i)] = -1;
   watched_.clear();
 }
 
 template <class T>
-void Block<T>::advance(Vector& q, Vector& v) noexcept {
-  const auto steps = static_cast<std::size_t>(taken_);
-  loops_->push(modes_, B_.data(), have_changed_.data(), have_changed_.size(), changes_.data(), lags_, steps,
-               push_.data());
-  for (std::size_t r = 0; r < rigid_.size(); ++r)
-    for (std::size_t l = 0; l < steps; ++l) {
-      double sum = 0;
+simd::Sums Block<T>::advance(bool keep_rates) noexcept {
+  simd::Sums sums;
+  const auto from = static_cast<std::size_t>(advanced_), L = static_cast<std::size_t>(length());
+  system_->loops->pushed_motion(
+      modes(), {system_->B.data(), have_changed_.data(), have_changed_.size(), changes_.data() + from, L},
+      static_cast<std::size_t>(taken_ - advanced_), q_.data(), v_.data(),
+      keep_rates ? rates_.data() + from * system_->modes : nullptr, sums);
+  advance_rigid(keep_rates, sums);
+  advanced_ = taken_;
+  return sums;
+}
+
+template <class T>
+void Block<T>::advance_rigid(bool keep_rates, simd::Sums& sums) noexcept {
+  const StepSystem& plain = *system_->plain;
+  for (std::size_t r = 0; r < rigid_q_.size(); ++r) {
+    const int n = system_->rigid[r];
+    double &q = rigid_q_[r], &v = rigid_v_[r];
+    for (int l = advanced_; l < taken_; ++l) {
+      double push = rigid_held_[r];
       for (int i : have_changed_)
-        sum += system_->B(i, rigid_[r]) * changes_[static_cast<std::size_t>(i) * lags_ + l];
-      push_[l * modes_ + static_cast<std::size_t>(rigid_[r])] = static_cast<T>(sum);
+        push += system_->rigid_B(i, static_cast<Eigen::Index>(r)) *
+                static_cast<double>(changes_[static_cast<std::size_t>(i * length() + l)]);
+      const double f = plain.load(n) - push, dq = plain.b(n) * v + plain.c(n) * f;
+      sums.damping += f * (plain.damp_ss(n) * f + plain.damp_sr(n) * v) + plain.damp_rr(n) * v * v;
+      sums.contact += push * dq;
+      q += dq;
+      v = plain.e(n) * v + plain.h(n) * f;
+      if (keep_rates) rates_[static_cast<std::size_t>(l) * system_->modes + static_cast<std::size_t>(n)] = v;
     }
-  loops_->pushed_motion(modes(), steps, push_.data(), q_.data(), v_.data());
+    sums.kinetic += 0.5 * v * v;
+    sums.loads += plain.load(n) * (q - plain.q0(n));
+    q_[static_cast<std::size_t>(n)] = q;
+    v_[static_cast<std::size_t>(n)] = v;
+  }
+}
+
+template <class T>
+void Block<T>::copy_state(Vector& q, Vector& v) const noexcept {
   std::copy_n(q_.begin(), q.size(), q.begin());
   std::copy_n(v_.begin(), v.size(), v.begin());
 }

@@ -8,8 +8,9 @@
 //
 // so far history comes by modes and near history by convolution. Nothing is approximated. Points are left out
 // where a bound shows that they can't close: before the product by the energy of the modes, after it by what
-// all departures of the block together can do to them. The latter is checked after each step, and points for
-// which it no longer holds come in.
+// departures of the forces can do to them, Σ_j (max_d |S_d,ij|) Σ_k |λ_kj − λ̄_j|. Each point is given as much
+// of that sum as it is expected to need; when it takes more, the bound is made anew, and points for which it
+// no longer holds come in.
 #pragma once
 
 #include <Eigen/Dense>
@@ -17,28 +18,48 @@
 #include <span>
 #include <vector>
 
+#include "contact/block_system.hpp"
 #include "contact/complementarity.hpp"
-#include "contact/model.hpp"
-#include "contact/simd.hpp"
 
 namespace ricochet::contact {
 
-/// Constant data of a modal system under constant loads, after modes were moved into R: all coefficients of
-/// these are 0.
-struct StepSystem {
-  Vector omega, decay;                 ///< (N)
-  Vector stiffness, load, b, c, e, h;  ///< (N) of a step, as in propagator.hpp
-  Matrix B;                            ///< (m,N)
-  Vector s, gap;                       ///< (m)
-  Eigen::MatrixXd R, S;                ///< (m,m) residual flexibility; S_0
-  std::vector<int> dropped;            ///< modes moved into R: all their coefficients are 0
+/// What blocks gather of their system for the points they watch, which seldom change. A copy has room for as
+/// much, and nothing in it.
+template <class T>
+class Gathered {
+ public:
+  explicit Gathered(const BlockSystem<T>& system);
+  Gathered(const Gathered& other);
+  Gathered& operator=(const Gathered& other);
+  Gathered(Gathered&&) noexcept = default;
+  Gathered& operator=(Gathered&&) noexcept = default;
+  ~Gathered() = default;
+
+  bool holds() const { return holds_; }
+  void take(const BlockSystem<T>& system, std::span<const int> points) noexcept;
+  /// Of a point that pushes: makes sure of its lags.
+  void need(const BlockSystem<T>& system, int position) noexcept;
+
+  std::size_t width = 0;     ///< padded number of points
+  Eigen::MatrixXd S, R;      ///< (points, points) S_0, R
+  std::unique_ptr<T[]> lag;  ///< (points, L, width) S_d
+
+ private:
+  std::size_t room_;  ///< of lag
+  bool holds_ = false;
+  std::vector<int> points_;
+  std::vector<char> has_lags_;  ///< by position
 };
 
 template <class T>
 class Block {
  public:
-  /// @param steps  L ≥ 1 @param step  Δ [s]. Allocates; nothing below does.
-  Block(std::shared_ptr<const StepSystem> system, int steps, double step);
+  /// `driven`: loads or supports vary. Allocates; nothing below does.
+  Block(std::shared_ptr<const BlockSystem<T>> system, bool driven);
+
+  /// What drives add to q, q̇ (N) in step l = 1…L of the block to start, and s (m) at its end; s at its start
+  /// is that of l = 0. To be told of all before `start`.
+  void drive(int l, const Vector& q, const Vector& v, const Vector& s) noexcept;
 
   /// Starts a block from q, q̇ (N) under the force λ (m) of the step before.
   void start(const Vector& q, const Vector& v, const Vector& force) noexcept;
@@ -50,79 +71,76 @@ class Block {
   /// Forgets the block: the next one starts from the state that the last step failed to leave.
   void take_back() noexcept;
 
-  /// q, q̇ (N) under the forces of the steps taken so far.
-  void advance(Vector& q, Vector& v) noexcept;
+  /// Moves the state through the steps taken since it was moved last. Not for drives.
+  /// @param keep_rates  q̇ after each of them is for rate()
+  simd::Sums advance(bool keep_rates) noexcept;
+  void copy_state(Vector& q, Vector& v) const noexcept;
+  /// (N) q̇ after step l = 1…L.
+  const double* rate(int l) const { return &rates_[static_cast<std::size_t>(l - 1) * system_->modes]; }
 
-  int length() const { return length_; }
+  int length() const { return system_->length; }
   int taken() const { return taken_; }
-  bool over() const { return taken_ == length_; }
-  const Vector& held_force() const { return held_force_; }  ///< (m) λ̄
-  /// Points with λ > 0 in the last step.
-  std::span<const int> pushing() const { return pushing_; }
-  /// u_i at the end of the last step, and `before` it, of a point that pushes [m].
-  double displacement(int i) const { return u_[at(i, taken_)]; }
-  double before(int i) const noexcept { return taken_ > 1 ? u_[at(i, taken_ - 1)] : at_start(i); }
+  int advanced() const { return advanced_; }
+  bool over() const { return taken_ == system_->length; }
+  int pushing() const { return pushing_; }     ///< points with λ > 0 in the last step
+  double work() const { return work_; }        ///< λᵀ (u_l − u_{l−1}) of the last step [J]
+  double energy_in_residual() const noexcept;  ///< ½ λᵀ R λ of the last step
   /// Points that the last step watched, of all.
   int watched() const { return static_cast<int>(watched_.size()); }
 
  private:
-  /// Of u_: a point after step l = 1…L.
-  std::size_t at(int point, int l) const {
-    return static_cast<std::size_t>(point) * stride_ + static_cast<std::size_t>(l - 1);
+  /// Of a point that is watched, after step l = 1…L.
+  double& u(std::size_t position, int l) {
+    return u_[static_cast<std::size_t>(l - 1) * system_->width + position];
   }
   double at_start(int point) const noexcept;
   void hold(const Vector& force) noexcept;
-  void predict_rigid(const Vector& q, const Vector& v) noexcept;
-  void bound_by_energy(const Vector& q, const Vector& v) noexcept;
+  void expect() noexcept;
+  void combine(const std::vector<T>& rows, std::span<const int> of) noexcept;
+  void predict_rigid() noexcept;
+  void bound_by_energy() noexcept;
   void predict(std::span<const int> rows) noexcept;
+  void predict_what_matters(double times) noexcept;
   void choose_watched() noexcept;
   void watch(int point) noexcept;
-  void find_allowed() noexcept;
   void gather() noexcept;
-  /// Whether a point pushes, or could when forces of the block change by this sum [N].
-  bool matters(int i, double change) const {
-    return held_force_(i) > 0 || !(margin_(i) > change * influence_(i));
-  }
-  simd::Modes modes() const {
-    return {modes_, stiffness_.data(), load_.data(), b_.data(), c_.data(), e_.data(), h_.data()};
-  }
+  bool raise_budgets() noexcept;
+  bool see_more() noexcept;
+  void advance_rigid(bool keep_rates, simd::Sums& sums) noexcept;
+  /// Whether a point pushes, or could when forces change by this many times what is expected.
+  bool matters(int i, double times) const { return held_force_(i) > 0 || !(margin_(i) > times * could_(i)); }
+  simd::Modes modes() const;
 
-  std::shared_ptr<const StepSystem> system_;
-  const simd::Loops<T>* loops_;
-  int length_, points_, taken_;
-  std::size_t modes_, lags_, stride_;  ///< padded: of modes, of lags; row length of u_
-  // constant
-  std::vector<double> stiffness_, load_, b_, c_, e_, h_;  ///< (modes_)
-  std::vector<T> B_;                                      ///< (points, modes_), rigid modes 0
-  std::vector<T> lag_;                                    ///< (points, points, lags_) S_d
-  std::vector<int> rigid_;                                ///< modes with ω = 0
-  std::vector<std::vector<int>> band_;                    ///< elastic modes of a band of frequency
-  Eigen::MatrixXd reach_;                                 ///< (points, bands) (Σ B²/ω²)^½ of a band
-  Vector softness_;                                       ///< (N) 1/ω² of elastic modes
-  Vector rest_, influence_;      ///< (points) s + Σ B f/ω² of elastic modes; largest |S_d,ij|
-  Eigen::MatrixXd flexibility_;  ///< (points, points) R + Σ B Bᵀ/ω² of elastic modes
-  // of this block; load_ has λ̄ in it
-  Vector held_force_;              ///< (points) λ̄
-  Vector held_rest_, held_push_;   ///< (points) rest_ under λ̄; S_0 λ̄ of watched ones
-  std::vector<double> q_, v_;      ///< (modes_)
-  std::vector<T> x_, push_;        ///< (L, modes_)
-  Vector energy_;                  ///< (N) twice that of a mode about its rest
-  Vector rigid_motion_;            ///< (L) of one mode
-  std::vector<double> u_;          ///< (points, stride_), see at()
-  std::vector<T> changes_;         ///< (points, lags_) λ − λ̄
-  std::vector<T> sum_;             ///< (points, lags_) scratch
-  Vector amplitude_, margin_;      ///< (bands); (points) g − ū at least
-  Vector ended_;                   ///< (points) u at the end of the block before, of those it watched
-  std::vector<char> was_watched_;  ///< (points)
-  std::vector<char> is_predicted_, is_watched_, has_changed_;  ///< (points)
-  std::vector<int> held_, predicted_, watched_, gathered_;     ///< gathered: the points of S_
-  std::vector<int> have_changed_, pushing_, changed_;  ///< λ ≠ λ̄ in the block; λ > 0, λ ≠ λ̄ in the last step
-  std::vector<T> change_;                              ///< of changed_
-  double total_ = 0, last_total_ = 0,
-         allowed_ = 0;          ///< Σ |λ − λ̄| of this block, the last; what the others bear
-  Eigen::MatrixXd S_;           ///< (watched, watched)
-  bool is_new_problem_ = true;  ///< S_ changed: the solver's active set is another's
-  Vector rhs_, solution_;
+  std::shared_ptr<const BlockSystem<T>> system_;
+  Gathered<T> near_;
+  bool driven_;
+  int taken_, advanced_;
+  // of this block
+  std::vector<double> q_, v_, load_, held_;  ///< (modes) load_: less held_, which is Bᵀλ̄
+  std::vector<double> rigid_q_, rigid_v_, rigid_held_;
+  std::vector<double> drive_;           ///< (L, 2, modes) what drives add to q and q̇
+  Matrix s_;                            ///< (1, m), driven: (L + 1, m)
+  std::vector<T> x_;                    ///< (L, modes)
+  std::vector<double> rates_;           ///< (L, modes)
+  Matrix rigid_motion_;                 ///< (L, rigid)
+  Vector rigid_at_;                     ///< (L) u of a point by rigid motion
+  std::vector<double> ahead_;           ///< (L, width) ū of points that were predicted
+  std::vector<double> u_;               ///< (L, width) u of watched points, by position
+  std::vector<T> changes_;              ///< (points, L) λ − λ̄
+  Vector held_force_, margin_, could_;  ///< (points) λ̄; g − ū at least; what changes could add to u
+  Vector spent_, budget_;               ///< (points) Σ |λ − λ̄| in this block; what could_ counts with
+  Vector held_rest_;                    ///< (points) R λ̄
+  Vector held_push_, rhs_, solution_;   ///< (points) by position: S_0 λ̄; of the step
+  Vector ended_;                        ///< (points) u at the end of the block before
+  std::vector<char> was_watched_, is_predicted_, has_changed_;     ///< (points)
+  std::vector<int> position_;                                      ///< (points) among watched_, or −1
+  std::vector<int> gathered_;                                      ///< the points of near_
+  std::vector<int> pressed_, predicted_, watched_, have_changed_;  ///< λ̄ > 0; …; λ ≠ λ̄ in this block
+  std::vector<int> changed_, raised_;     ///< positions of λ ≠ λ̄ in this step; points
+  std::vector<T> change_, factor_, sum_;  ///< of changed_; (points) and (padded) scratch
+  bool is_new_problem_ = true;            ///< near_.S changed: the solver's active set is another's
+  int pushing_ = 0;
+  double work_ = 0;
 };
 
 extern template class Block<double>;

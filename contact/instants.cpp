@@ -19,8 +19,8 @@ StepStatus Integrator::step_exact() noexcept {
   impulse_.setZero();
   open_.clear();
   const double size = q_.norm();
-  for (Eigen::Index i = 0; i < gap_.size(); ++i)
-    if (steps_ == 0 || u_(i) < gap_(i) - round_off(i, size)) open_.push_back(static_cast<int>(i));
+  for (Eigen::Index i = 0; i < system_->gap.size(); ++i)
+    if (steps_ == 0 || u_(i) < system_->gap(i) - round_off(i, size)) open_.push_back(static_cast<int>(i));
 
   Drives::Work spent;
   double work = 0;
@@ -30,11 +30,11 @@ StepStatus Integrator::step_exact() noexcept {
       drives_.step(steps_ + 1, now_);
     else
       drives_.stretch(from, to, now_);
-    const Drives::Work more = drives_.advance(now_, load_, next_q_, next_v_);
+    const Drives::Work more = drives_.advance(now_, system_->load, next_q_, next_v_);
     spent.damping += more.damping;
     spent.drives += more.drives;
     next_u_ = now_.s;
-    next_u_.noalias() += B_ * next_q_;
+    next_u_.noalias() += system_->B * next_q_;
     const SolveStatus status = impulses(now_);
     if (!has_forces(status)) return failure(status);
     if (push_by(next_force_) > 0) work += strike(spent);
@@ -53,9 +53,10 @@ double Integrator::safe_time(double passed) noexcept {
   double shortest = std::numeric_limits<double>::infinity();
   const double size = work_q_.norm();
   for (const int i : open_) {
-    const double distance = gap_(i) - ahead_.s(i) - passed * rate_(i) - B_.row(i).dot(work_q_);
+    const double distance =
+        system_->gap(i) - ahead_.s(i) - passed * rate_(i) - system_->B.row(i).dot(work_q_);
     if (!(distance > closed * round_off(i, size))) return 0;
-    const double rate = B_.row(i).dot(work_v_) + rate_(i);
+    const double rate = system_->B.row(i).dot(work_v_) + rate_(i);
     shortest = std::min(shortest, 2 * distance / (rate + std::sqrt(rate * rate + 2 * bound_(i) * distance)));
   }
   return shortest;
@@ -75,9 +76,9 @@ double Integrator::first_closing(double from, double to) noexcept {
     const double end = std::min(to, drives_.next_knot(t)), length = end - t;
     drives_.force(t, force_at_, slope_at_);
     drives_.points(t, ahead_.s, rate_);
-    force_at_ += load_;
+    force_at_ += system_->load;
     drives_.bound(length, force_at_, slope_at_, at_q_, at_v_, push_);
-    for (const int i : open_) bound_(i) = B_.row(i).cwiseAbs().dot(push_);
+    for (const int i : open_) bound_(i) = system_->B.row(i).cwiseAbs().dot(push_);
     work_q_ = at_q_;
     work_v_ = at_v_;
     for (double passed = 0;;) {

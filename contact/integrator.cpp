@@ -1,12 +1,6 @@
 #include "contact/integrator.hpp"
 
-#include <fmt/format.h>
-
-#include <cassert>
 #include <cmath>
-#include <numbers>
-
-#include "kernels/error.hpp"
 
 namespace ricochet::contact {
 namespace {
@@ -14,29 +8,6 @@ namespace {
 /// u_i is a sum of N products: its round-off is a small multiple of ε |B_i| |q|. Touching is tested with this
 /// margin.
 constexpr double touch = 1e-13;
-
-/// Share of A's mean diagonal added to it. Where there are more points than modes A is singular and only Bᵀ P
-/// is determined; this picks the P of least norm, and leaves 1e-12 of the approach velocity.
-constexpr double least_norm = 1e-12;
-
-void check(const Model& model, const StepOptions& o) {
-  if (!(o.step > 0) || !std::isfinite(o.step))
-    throw InputError(
-        fmt::format("time step = {} s: must be positive and finite. Set time.rate_hz above 0.", o.step));
-  if (o.max_pivots < 1)
-    throw InputError(fmt::format("contact.max_pivots = {}: must be at least 1.", o.max_pivots));
-  if (o.scheme != Scheme::impulse) return;
-  if (!(o.restitution >= 0 && o.restitution <= 1))
-    throw InputError(fmt::format("contact.restitution = {}: must be between 0 and 1.", o.restitution));
-  const double highest = model.omega.size() > 0 ? model.omega.maxCoeff() : 0;
-  if (o.admittance == Admittance::difference && highest * o.step >= std::numbers::pi)
-    throw InputError(fmt::format(
-        "contact.admittance = \"difference\": omega_max * step = {:.4g} is not below pi (highest mode {:.6g} "
-        "Hz). Use a step "
-        "below {:.4g} s (time.rate_hz above {:.6g}), fewer modes, or \"jump\".",
-        highest * o.step, highest / (2 * std::numbers::pi), std::numbers::pi / highest,
-        highest / std::numbers::pi));
-}
 
 }  // namespace
 
@@ -48,73 +19,34 @@ void Integrator::Sum::add(double x) noexcept {
 
 Integrator::Integrator(const Model& model, const StepOptions& options)
     : options_(options),
-      omega_(model.omega),
-      decay_(model.decay),
-      stiffness_(model.omega.cwiseAbs2()),
-      load_(model.load),
-      B_(model.B),
-      gap_(model.gap),
-      R_(model.R),
+      system_(make_step_system(model, options)),
       solver_(static_cast<int>(model.gap.size()),
               {.same_matrix = options.scheme == Scheme::compliant, .max_pivots = options.max_pivots}),
       drives_(model, options.step, options.scheme == Scheme::compliant),
-      q_(model.q0),
+      q_(system_->q0),
       v_(model.v0) {
-  check(model, options);
   const Eigen::Index N = model.omega.size(), m = model.gap.size();
-  assert(B_.rows() == m && B_.cols() == N && R_.rows() == m && R_.cols() == m);
-  assert(load_.size() == N && q_.size() == N && v_.size() == N && model.decay.size() == N);
-
-  for (Vector* x : {&b_, &c_, &e_, &h_, &damp_ss_, &damp_sr_, &damp_rr_, &g_, &dq_, &push_, &next_q_,
-                    &next_v_, &work_q_, &work_v_})
-    x->setZero(N);
+  if (options.scheme == Scheme::compliant)
+    for (Eigen::Index n = 0; n < N; ++n)
+      if (!sampled(model.omega(n), options.step)) v_(n) = 0;
+  for (Vector* x : {&g_, &dq_, &push_, &next_q_, &next_v_, &work_q_, &work_v_}) x->setZero(N);
   for (Vector* x : {&force_, &next_u_, &next_force_, &rhs_, &solution_}) x->setZero(m);
   touching_.reserve(static_cast<std::size_t>(m));
-
-  for (Eigen::Index n = 0; n < N; ++n) {
-    const double omega = model.omega(n), delta = model.decay(n);
-    if (options.scheme == Scheme::compliant && !sampled(omega, options.step)) {
-      // At rest but for its static displacement (f_n − Σ B_in λ_i)/ω², which the points see through s
-      // (Drives) and R.
-      R_.noalias() += B_.col(n) * B_.col(n).transpose() / stiffness_(n);
-      B_.col(n).setZero();
-      stiffness_(n) = load_(n) = q_(n) = v_(n) = 0;
-      ++dropped_;
-      continue;
-    }
-    const ModeStep k = mode_step(omega, delta, options.step);
-    b_(n) = k.b;
-    c_(n) = k.c;
-    e_(n) = k.e;
-    h_(n) = k.h;
-    damp_ss_(n) = 2 * delta * k.ss;
-    damp_sr_(n) = 4 * delta * k.sr;
-    damp_rr_(n) = 2 * delta * k.rr;
-    damped_ = damped_ || delta > 0;
-  }
-  q0_ = q_;
   now_ = ahead_ = drives_.start();
   s_ = now_.s;
   energy_.kinetic = 0.5 * v_.squaredNorm();
   v_ -= now_.lift;
-  if (options.scheme == Scheme::compliant)
-    S_ = B_ * c_.asDiagonal() * B_.transpose() + R_;
-  else if (options.admittance == Admittance::jump)
-    S_ = B_ * B_.transpose();
-  else
-    S_ = B_ * (b_ / options.step).asDiagonal() * B_.transpose();
   if (options.scheme == Scheme::impulse && m > 0) {
-    S_.diagonal().array() += least_norm * S_.diagonal().mean();
     sub_.setZero(m, m);
-    norm_ = B_.rowwise().norm();
     for (Vector* x : {&at_q_, &at_v_, &force_at_, &slope_at_}) x->setZero(N);
     for (Vector* x : {&rate_, &bound_, &impulse_}) x->setZero(m);
     open_.reserve(static_cast<std::size_t>(m));
   }
   u_ = s_;
-  u_.noalias() += B_ * q_;
-  energy_.strain = 0.5 * stiffness_.dot(q_.cwiseAbs2());
-  if (options.scheme == Scheme::compliant && options.block != 1 && m > 0 && !drives_.any()) make_block();
+  u_.noalias() += system_->B * q_;
+  energy_.strain = 0.5 * system_->stiffness.dot(q_.cwiseAbs2());
+  known_.force = force_;
+  if (options.scheme == Scheme::compliant && options.block != 1 && m > 0) make_block();
 }
 
 bool Integrator::has_forces(SolveStatus status) noexcept {
@@ -134,14 +66,14 @@ StepStatus Integrator::step() noexcept {
 /// and d = −ω²h these increments are the propagator, and they keep the work of a force on a slow motion free
 /// of cancellation.
 void Integrator::free_motion(const Vector& q, const Vector& v, const Drives::Stretch& over) noexcept {
-  g_.array() = load_.array() - stiffness_.array() * q.array();
-  dq_.array() = b_.array() * v.array() + c_.array() * g_.array();
+  g_.array() = system_->load.array() - system_->stiffness.array() * q.array();
+  dq_.array() = system_->b.array() * v.array() + system_->c.array() * g_.array();
   if (drives_.any()) dq_ += over.q;
 }
 
 /// Of u_i, a sum over modes of the length `size`: the margin for touching.
 double Integrator::round_off(Eigen::Index i, double size) const noexcept {
-  return touch * (size * norm_(i) + std::abs(gap_(i)) + std::abs(now_.s(i)));
+  return touch * (size * system_->norm(i) + std::abs(system_->gap(i)) + std::abs(now_.s(i)));
 }
 
 /// push_ = Bᵀ λ; returns how many points push.
@@ -150,7 +82,7 @@ int Integrator::push_by(const Vector& lambda) noexcept {
   push_.setZero();
   for (Eigen::Index i = 0; i < lambda.size(); ++i)
     if (lambda(i) > 0) {
-      push_ += lambda(i) * B_.row(i).transpose();
+      push_ += lambda(i) * system_->B.row(i).transpose();
       ++active;
     }
   return active;
@@ -158,9 +90,9 @@ int Integrator::push_by(const Vector& lambda) noexcept {
 
 /// ∫ 2δ q̇² over the step that starts at (q_, v_) under the acceleration g_.
 double Integrator::damping_work() const noexcept {
-  if (!damped_) return 0;
-  return (damp_ss_.array() * g_.array().square() + damp_sr_.array() * g_.array() * v_.array() +
-          damp_rr_.array() * v_.array().square())
+  if (!system_->damped) return 0;
+  return (system_->damp_ss.array() * g_.array().square() +
+          system_->damp_sr.array() * g_.array() * v_.array() + system_->damp_rr.array() * v_.array().square())
       .sum();
 }
 
@@ -169,7 +101,7 @@ Drives::Work Integrator::drive_work() noexcept {
   if (!drives_.any()) return {damping_work(), 0};
   work_q_ = q_;
   work_v_ = v_;
-  push_.array() = g_.array() + stiffness_.array() * q_.array();
+  push_.array() = g_.array() + system_->stiffness.array() * q_.array();
   return drives_.advance(now_, push_, work_q_, work_v_);
 }
 
@@ -177,7 +109,7 @@ Drives::Work Integrator::drive_work() noexcept {
 StepStatus Integrator::commit(double contact_work, double residual, double power, int active,
                               const Drives::Work& work) noexcept {
   const double kinetic = 0.5 * (drives_.any() ? (next_v_ + now_.lift).squaredNorm() : next_v_.squaredNorm());
-  const double strain = 0.5 * (stiffness_.array() * next_q_.array().square()).sum();
+  const double strain = 0.5 * (system_->stiffness.array() * next_q_.array().square()).sum();
   if (!std::isfinite(kinetic + strain + contact_work + residual + work.damping + work.drives))
     return StepStatus::not_finite;
   damping_.add(work.damping);
@@ -186,7 +118,7 @@ StepStatus Integrator::commit(double contact_work, double residual, double power
   energy_.kinetic = kinetic;
   energy_.strain = strain;
   energy_.residual = residual;
-  energy_.loads = (load_.array() * (next_q_.array() - q0_.array())).sum() + driven_.total();
+  energy_.loads = (system_->load.array() * (next_q_.array() - system_->q0.array())).sum() + driven_.total();
   energy_.damping = damping_.total();
   energy_.contact = contact_.total();
   q_.swap(next_q_);
@@ -209,19 +141,19 @@ StepStatus Integrator::step_compliant() noexcept {
   free_motion(q_, v_, now_);
   next_q_ = q_ + dq_;
   next_u_ = now_.s;
-  next_u_.noalias() += B_ * next_q_;
-  rhs_ = next_u_ - gap_;
-  if (solver_.statistics().limited > 0) rhs_ -= (u_ - gap_).cwiseMax(0);
+  next_u_.noalias() += system_->B * next_q_;
+  rhs_ = next_u_ - system_->gap;
+  if (solver_.statistics().limited > 0) rhs_ -= (u_ - system_->gap).cwiseMax(0);
   next_force_.setZero();
   SolveResidual residue;
   if (!(rhs_.array() < 0).all()) {  // NaN included
-    const SolveStatus status = solver_.solve(S_, rhs_, next_force_);
+    const SolveStatus status = solver_.solve(system_->S, rhs_, next_force_);
     if (!has_forces(status)) return failure(status);
     residue = solver_.residual();
   }
   for (Eigen::Index i = 0; i < next_force_.size(); ++i) {
     const double lambda = next_force_(i);
-    if (lambda != 0) next_u_ -= lambda * S_.col(i);  // B q⁺ + s − R λ
+    if (lambda != 0) next_u_ -= lambda * system_->S.col(i);  // B q⁺ + s − R λ
   }
   const double power = -next_force_.dot(next_u_ - u_) / options_.step;
   const double against_s = next_force_.dot(now_.s - s_);
@@ -235,12 +167,12 @@ StepStatus Integrator::move_under_force(double against_s, double power) noexcept
   const int active = push_by(next_force_);
   double work = against_s;
   if (active > 0) {
-    dq_.array() -= c_.array() * push_.array();
+    dq_.array() -= system_->c.array() * push_.array();
     g_ -= push_;
     work += push_.dot(dq_);
   }
   next_q_ = q_ + dq_;
-  next_v_.array() = e_.array() * v_.array() + h_.array() * g_.array();
+  next_v_.array() = system_->e.array() * v_.array() + system_->h.array() * g_.array();
   if (drives_.any()) next_v_ += now_.v;
   Drives::Work spent = drive_work();
   spent.drives += against_s;
@@ -253,10 +185,10 @@ StepStatus Integrator::step_impulse() noexcept {
   free_motion(q_, v_, now_);
   Drives::Work spent = drive_work();
   next_q_ = q_ + dq_;
-  next_v_.array() = e_.array() * v_.array() + h_.array() * g_.array();
+  next_v_.array() = system_->e.array() * v_.array() + system_->h.array() * g_.array();
   if (drives_.any()) next_v_ += now_.v;
   next_u_ = now_.s;
-  next_u_.noalias() += B_ * next_q_;
+  next_u_.noalias() += system_->B * next_q_;
   const SolveStatus status = impulses(now_);
   if (!has_forces(status)) return failure(status);
 
@@ -285,8 +217,8 @@ SolveStatus Integrator::impulses(const Drives::Stretch& until) noexcept {
   next_force_.setZero();
   touching_.clear();
   const double size = next_q_.norm();
-  for (Eigen::Index i = 0; i < gap_.size(); ++i)
-    if (!(next_u_(i) < gap_(i) - round_off(i, size))) touching_.push_back(static_cast<int>(i));
+  for (Eigen::Index i = 0; i < system_->gap.size(); ++i)
+    if (!(next_u_(i) < system_->gap(i) - round_off(i, size))) touching_.push_back(static_cast<int>(i));
   if (touching_.empty()) return SolveStatus::solved;
 
   // v̂ = B x + ṡ: the velocity at t_k, or what becomes of it over the next step
@@ -304,8 +236,8 @@ SolveStatus Integrator::impulses(const Drives::Stretch& until) noexcept {
   const Eigen::Index n = static_cast<Eigen::Index>(touching_.size());
   for (Eigen::Index j = 0; j < n; ++j) {
     const int i = touching_[j];
-    rhs_(j) = (1 + options_.restitution) * (B_.row(i).dot(*x) + (*s)(i));
-    for (Eigen::Index l = 0; l < n; ++l) sub_(l, j) = S_(touching_[l], i);
+    rhs_(j) = (1 + options_.restitution) * (system_->B.row(i).dot(*x) + (*s)(i));
+    for (Eigen::Index l = 0; l < n; ++l) sub_(l, j) = system_->S(touching_[l], i);
   }
   const SolveStatus status = solver_.solve(sub_.topLeftCorner(n, n), rhs_.head(n), solution_.head(n));
   for (Eigen::Index j = 0; j < n; ++j) next_force_(touching_[j]) = solution_(j);

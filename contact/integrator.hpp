@@ -26,6 +26,7 @@
 #include "contact/drives.hpp"
 #include "contact/model.hpp"
 #include "contact/propagator.hpp"
+#include "contact/step_system.hpp"
 
 namespace ricochet::contact {
 
@@ -60,8 +61,8 @@ struct StepOptions {
   int block = 0;
   /// Of the products of a block. State, contact and rigid motion stay in double precision.
   Precision precision = Precision::float64;
-  /// Keep q, q̇ and the energy ledger after each step. Without it blocks keep them for their ends only,
-  /// without what damping and contact took, and are faster: only forces are known after each step.
+  /// Keep q, q̇ and the energy ledger after each step. Without it blocks keep them for their ends only, or
+  /// until catch_up(), and are faster: only forces are known after each step.
   bool every_state = true;
 };
 
@@ -94,9 +95,21 @@ class Integrator {
   /// displacement, and leave q (their q, q̇ stay 0).
   Integrator(const Model& model, const StepOptions& options);
 
-  /// Advances from t_{k−1} to t_k.
+  /// Advances from t_{k−1} to t_k. A step that fails changes nothing; one at which the state of a block turns
+  /// out not to be finite fails with all that are pending.
   StepStatus step() noexcept;
 
+  /// As options.every_state, from the next step on; `rates`: q̇ after each of the steps that the state is
+  /// moved through together is for rate().
+  void keep(bool every_state, bool rates) noexcept;
+  /// Steps whose state is not known yet.
+  int pending() const { return pending_; }
+  /// Moves the state to the last step. Fails as `step` does.
+  StepStatus catch_up() noexcept;
+  /// (N) q̇ after the last step but `back`, of those that the state was moved through together last.
+  const double* rate(int back) const noexcept;
+
+  const StepOptions& options() const { return options_; }
   std::int64_t steps() const { return steps_; }
   double time() const { return static_cast<double>(steps_) * options_.step; }
 
@@ -105,12 +118,12 @@ class Integrator {
   const Vector& force() const { return force_; }  ///< (m) λ_k [N] over (t_{k−1}, t_k]; impulses as P/Δ
   /// (m) u at t_k, residual included [m]. Within blocks it is computed when asked for.
   const Vector& displacement() const noexcept;
-  const Energy& energy() const noexcept;
+  const Energy& energy() const { return energy_; }
   int active() const { return active_; }  ///< points with λ > 0 in this step
   /// Power through the contact, σ_n u̇_n of (16), mean of the step [W]: compliant −λᵀ(u_k − u_{k−1})/Δ;
   /// impulse −Pᵀ(u̇⁻ + u̇⁺)/(2Δ), the velocities just before and after the impulses.
   double persistency() const { return persistency_; }
-  int modes_in_residual() const { return dropped_; }  ///< modes moved into R because ωΔ > π
+  int modes_in_residual() const { return system_->dropped; }  ///< modes moved into R because ωΔ > π
   const SolveStatistics& solver() const { return solver_.statistics(); }
   /// By how far the last step's forces miss complementarity: 0 but for steps that max_pivots cut short.
   /// compliant: u beyond what was to be kept [m]; impulse: approach left (1 + e) v̂ − A P [m/s].
@@ -129,9 +142,12 @@ class Integrator {
   void make_block();
   template <class T>
   StepStatus step_ahead(Block<T>& block) noexcept;
-  StepStatus move_under_force(double against_s, double power) noexcept;
   template <class T>
-  StepStatus skip_state(Block<T>& block, int active, double power) noexcept;
+  void tell_drives(Block<T>& block) noexcept;
+  template <class T>
+  StepStatus move_state(Block<T>& block) noexcept;
+  void remember() noexcept;
+  StepStatus move_under_force(double against_s, double power) noexcept;
   double energy_in_residual(const Vector& force) const noexcept;
   StepStatus step_impulse() noexcept;
   StepStatus step_exact() noexcept;
@@ -149,14 +165,8 @@ class Integrator {
                     const Drives::Work& work) noexcept;
 
   StepOptions options_;
-  // constant (N): step coefficients, 2δ∫S², 4δ∫SS', 2δ∫S'²
-  Vector omega_, decay_, stiffness_, load_, q0_, b_, c_, e_, h_, damp_ss_, damp_sr_, damp_rr_;
-  Matrix B_;           ///< (m,N), columns of modes moved into R are 0
-  Vector gap_, norm_;  ///< (m) g, |B_i|
-  Eigen::MatrixXd R_;  ///< (m,m)
-  Eigen::MatrixXd S_;  ///< (m,m) compliant: S; impulse: A
-  bool damped_ = false;
-  int dropped_ = 0;
+  bool keeps_rates_ = false;
+  std::shared_ptr<const StepSystem> system_;
   ComplementaritySolver solver_;
   Drives drives_;
   std::variant<std::monostate, Block<double>, Block<float>> block_;
@@ -166,13 +176,19 @@ class Integrator {
   Vector q_, v_, force_;
   mutable Vector u_;
   mutable bool u_is_current_ = true;
-  mutable Energy energy_;
-  mutable bool energy_is_current_ = true;
+  Energy energy_;
   Sum damping_, contact_, driven_;
   Vector s_;  ///< (m) s at t_k
   int active_ = 0;
   double persistency_ = 0;
   SolveResidual residual_;
+  int pending_ = 0;  ///< steps of the block that q_, v_, energy_ don't know of
+  struct Known {
+    Vector force;
+    int active = 0;
+    double persistency = 0;
+    SolveResidual residual;
+  } known_;  ///< of the step that they do know, where some may be pending
 
   // of the step under way: nothing above changes before it is known to succeed
   Drives::Stretch now_, ahead_;  ///< the drives in this step; in the one after it

@@ -14,17 +14,50 @@ constexpr std::size_t bytes = 32, row_tile = 2, step_tile = 4;
 constexpr std::size_t bytes = 16, row_tile = 2, step_tile = 4;
 #endif
 
+template <std::size_t size>
+struct Whole;
+template <>
+struct Whole<4> {
+  using type = int;
+};
+template <>
+struct Whole<8> {
+  using type = long long;
+};
+
 /// A register of T, or `count` of them.
 template <class T, std::size_t count = bytes / sizeof(T)>
 struct Lanes {
   static constexpr std::size_t size = count;
   typedef T type __attribute__((vector_size(count * sizeof(T)), aligned(alignof(T)), may_alias));
+  typedef typename Whole<sizeof(T)>::type mask __attribute__((vector_size(count * sizeof(T))));
   static type load(const T* at) { return *reinterpret_cast<const type*>(at); }
   static void store(T* at, type x) { *reinterpret_cast<type*>(at) = x; }
   static T sum(type x) {
     T total = 0;
     for (std::size_t k = 0; k < count; ++k) total += x[k];
     return total;
+  }
+  /// Lane j: a or b, whichever bit `s` of j tells, at j and at j with that bit turned.
+  template <std::size_t s>
+  static type fold(type a, type b) {
+    mask kept, turned;
+    for (std::size_t j = 0; j < count; ++j) {
+      const bool second = (j & s) != 0;
+      kept[j] = static_cast<typename Whole<sizeof(T)>::type>(second ? count + j : j);
+      turned[j] = static_cast<typename Whole<sizeof(T)>::type>(second ? count + (j ^ s) : j ^ s);
+    }
+    return __builtin_shuffle(a, b, kept) + __builtin_shuffle(a, b, turned);
+  }
+  /// Lane j: the sum of x[j], of `count` registers; x is used up.
+  template <std::size_t s = 1>
+  static type sums(type* x) {
+    if constexpr (s == count) {
+      return x[0];
+    } else {
+      for (std::size_t k = 0; k < count / (2 * s); ++k) x[k] = fold<s>(x[2 * k], x[2 * k + 1]);
+      return sums<2 * s>(x);
+    }
   }
 };
 
@@ -33,66 +66,131 @@ using Double = Lanes<double>;
 template <class T>
 using Narrow = Lanes<T, Double::size>;
 
-/// As many T as steps come together in.
 template <class T>
-using Eight = Lanes<T, (step_pad * sizeof(T) < bytes ? step_pad : bytes / sizeof(T))>;
+Double::type widened(typename Narrow<T>::type x) {
+  return __builtin_convertvector(x, Double::type);
+}
 
-struct Coefficients {
-  Double::type stiffness, load, b, c, e, h;
-  Coefficients(const Modes& m, std::size_t n)
-      : stiffness(Double::load(m.stiffness + n)),
-        load(Double::load(m.load + n)),
-        b(Double::load(m.b + n)),
-        c(Double::load(m.c + n)),
-        e(Double::load(m.e + n)),
-        h(Double::load(m.h + n)) {}
-  void step(Double::type& q, Double::type& v, Double::type force) const {
-    const Double::type g = force - stiffness * q;
-    q += b * v + c * g;
-    v = e * v + h * g;
+/// Registers of modes that are stepped side by side, as each waits for its step before.
+constexpr std::size_t wide = 4, group = wide * Double::size;
+static_assert(pad % group == 0);
+
+struct Group {
+  Double::type q[wide], v[wide];
+  Group(const double* q0, const double* v0) {
+    for (std::size_t w = 0; w < wide; ++w) {
+      q[w] = Double::load(q0 + w * Double::size);
+      v[w] = Double::load(v0 + w * Double::size);
+    }
   }
 };
 
 template <class T>
-void free_motion(const Modes& m, std::size_t steps, const double* q0, const double* v0, T* x) {
-  for (std::size_t n = 0; n < m.modes; n += Double::size) {
-    const Coefficients mode(m, n);
-    Double::type q = Double::load(q0 + n), v = Double::load(v0 + n);
-    for (std::size_t l = 0; l < steps; ++l) {
-      mode.step(q, v, mode.load);
-      Narrow<T>::store(x + l * m.modes + n, __builtin_convertvector(q, typename Narrow<T>::type));
+void free_motion(const Modes& m, std::size_t steps, const double* q0, const double* v0, const double* driven,
+                 T* x) {
+  for (std::size_t first = 0; first < m.modes; first += group) {
+    Group at(q0 + first, v0 + first);
+    for (std::size_t l = 0; l < steps; ++l)
+      for (std::size_t w = 0; w < wide; ++w) {
+        const std::size_t n = first + w * Double::size;
+        const Double::type g = Double::load(m.load + n) - Double::load(m.stiffness + n) * at.q[w];
+        at.q[w] += Double::load(m.b + n) * at.v[w] + Double::load(m.c + n) * g;
+        at.v[w] = Double::load(m.e + n) * at.v[w] + Double::load(m.h + n) * g;
+        if (driven) {
+          at.q[w] += Double::load(driven + 2 * l * m.modes + n);
+          at.v[w] += Double::load(driven + (2 * l + 1) * m.modes + n);
+        }
+        Narrow<T>::store(x + l * m.modes + n, __builtin_convertvector(at.q[w], typename Narrow<T>::type));
+      }
+  }
+}
+
+struct Spent {
+  Double::type damping = {}, contact = {};
+};
+
+/// `steps` steps of the modes from `first` on; the forces begin at `force`.
+template <class T, std::size_t steps>
+void pushed_tile(const Modes& m, const Pushes<T>& pushes, const T* force, std::size_t first, Group& at,
+                 double* rates, Spent& spent) {
+  typename Narrow<T>::type push[steps][wide] = {};
+  for (std::size_t k = 0; k < pushes.rows; ++k) {
+    const auto row = static_cast<std::size_t>(pushes.row[k]);
+    const T* B = pushes.B + row * m.modes + first;
+    const T* strength = force + row * pushes.stride;
+    for (std::size_t w = 0; w < wide; ++w) {
+      const auto b = Narrow<T>::load(B + w * Double::size);
+      for (std::size_t l = 0; l < steps; ++l) push[l][w] += strength[l] * b;
     }
+  }
+  // Sums of each register of their own, or each would wait for the one before.
+  Double::type damping[wide] = {}, contact[wide] = {};
+  for (std::size_t l = 0; l < steps; ++l)
+    for (std::size_t w = 0; w < wide; ++w) {
+      const std::size_t n = first + w * Double::size;
+      const Double::type p = widened<T>(push[l][w]), v = at.v[w];
+      const Double::type g = Double::load(m.load + n) - p - Double::load(m.stiffness + n) * at.q[w];
+      const Double::type dq = Double::load(m.b + n) * v + Double::load(m.c + n) * g;
+      damping[w] += g * (Double::load(m.damp_ss + n) * g + Double::load(m.damp_sr + n) * v) +
+                    Double::load(m.damp_rr + n) * v * v;
+      contact[w] += (Double::load(m.held + n) + p) * dq;
+      at.q[w] += dq;
+      at.v[w] = Double::load(m.e + n) * v + Double::load(m.h + n) * g;
+      if (rates) Double::store(rates + l * m.modes + n, at.v[w]);
+    }
+  for (std::size_t w = 0; w < wide; ++w) {
+    spent.damping += damping[w];
+    spent.contact += contact[w];
   }
 }
 
 template <class T>
-void pushed_motion(const Modes& m, std::size_t steps, const T* push, double* q0, double* v0) {
-  for (std::size_t n = 0; n < m.modes; n += Double::size) {
-    const Coefficients mode(m, n);
-    Double::type q = Double::load(q0 + n), v = Double::load(v0 + n);
-    for (std::size_t l = 0; l < steps; ++l) {
-      const auto pushed = Narrow<T>::load(push + l * m.modes + n);
-      mode.step(q, v, mode.load - __builtin_convertvector(pushed, Double::type));
+void pushed_motion(const Modes& m, const Pushes<T>& pushes, std::size_t steps, double* q0, double* v0,
+                   double* rates, Sums& sums) {
+  Spent spent;
+  Double::type kinetic = {}, strain = {}, loads = {};
+  for (std::size_t first = 0; first < m.modes; first += group) {
+    Group at(q0 + first, v0 + first);
+    std::size_t l = 0;
+    const auto to = [&] { return rates ? rates + l * m.modes : nullptr; };
+    for (; l + step_tile <= steps; l += step_tile)
+      pushed_tile<T, step_tile>(m, pushes, pushes.force + l, first, at, to(), spent);
+    for (; l < steps; ++l) pushed_tile<T, 1>(m, pushes, pushes.force + l, first, at, to(), spent);
+    for (std::size_t w = 0; w < wide; ++w) {
+      const std::size_t n = first + w * Double::size;
+      kinetic += at.v[w] * at.v[w];
+      strain += Double::load(m.stiffness + n) * at.q[w] * at.q[w];
+      loads += Double::load(m.force + n) * (at.q[w] - Double::load(m.origin + n));
+      Double::store(q0 + n, at.q[w]);
+      Double::store(v0 + n, at.v[w]);
     }
-    Double::store(q0 + n, q);
-    Double::store(v0 + n, v);
   }
+  sums.kinetic += 0.5 * Double::sum(kinetic);
+  sums.strain += 0.5 * Double::sum(strain);
+  sums.loads += Double::sum(loads);
+  sums.damping += Double::sum(spent.damping);
+  sums.contact += Double::sum(spent.contact);
 }
 
 template <class T, std::size_t rows, std::size_t steps>
-void displacement_tile(std::size_t modes, const T* const* B, const T* x, double* const* u) {
+void displacement_tile(std::size_t modes, const T* const* B, const int* row, const T* x, double* u,
+                       std::size_t stride) {
   using V = Lanes<T>;
-  typename V::type sum[rows][steps] = {};
+  constexpr std::size_t count = (rows * steps + V::size - 1) / V::size * V::size;
+  typename V::type sum[count] = {};
   for (std::size_t n = 0; n < modes; n += V::size) {
     typename V::type a[rows];
     for (std::size_t i = 0; i < rows; ++i) a[i] = V::load(B[i] + n);
     for (std::size_t l = 0; l < steps; ++l) {
       const auto y = V::load(x + l * modes + n);
-      for (std::size_t i = 0; i < rows; ++i) sum[i][l] += a[i] * y;
+      for (std::size_t i = 0; i < rows; ++i) sum[l * rows + i] += a[i] * y;
     }
   }
-  for (std::size_t i = 0; i < rows; ++i)
-    for (std::size_t l = 0; l < steps; ++l) u[i][l] += static_cast<double>(V::sum(sum[i][l]));
+  T total[count];
+  for (std::size_t k = 0; k < count; k += V::size) V::store(total + k, V::sums(sum + k));
+  for (std::size_t l = 0; l < steps; ++l)
+    for (std::size_t i = 0; i < rows; ++i)
+      u[l * stride + static_cast<std::size_t>(row[i])] += static_cast<double>(total[l * rows + i]);
 }
 
 template <class T, std::size_t rows>
@@ -100,19 +198,10 @@ void displacement_rows(std::size_t modes, const T* B, const int* row, const T* x
                        double* u, std::size_t stride) {
   const T* b[rows];
   for (std::size_t i = 0; i < rows; ++i) b[i] = B + static_cast<std::size_t>(row[i]) * modes;
-  double* at[rows];
-  const auto move_to = [&](std::size_t l) {
-    for (std::size_t i = 0; i < rows; ++i) at[i] = u + static_cast<std::size_t>(row[i]) * stride + l;
-  };
   std::size_t l = 0;
-  for (; l + step_tile <= steps; l += step_tile) {
-    move_to(l);
-    displacement_tile<T, rows, step_tile>(modes, b, x + l * modes, at);
-  }
-  for (; l < steps; ++l) {
-    move_to(l);
-    displacement_tile<T, rows, 1>(modes, b, x + l * modes, at);
-  }
+  for (; l + step_tile <= steps; l += step_tile)
+    displacement_tile<T, rows, step_tile>(modes, b, row, x + l * modes, u + l * stride, stride);
+  for (; l < steps; ++l) displacement_tile<T, rows, 1>(modes, b, row, x + l * modes, u + l * stride, stride);
 }
 
 template <class T>
@@ -121,72 +210,72 @@ void displacement(std::size_t modes, const T* B, const int* row, std::size_t row
   std::size_t i = 0;
   for (; i + row_tile <= rows; i += row_tile)
     displacement_rows<T, row_tile>(modes, B, row + i, x, steps, u, stride);
+  for (; i + 2 <= rows; i += 2) displacement_rows<T, 2>(modes, B, row + i, x, steps, u, stride);
   for (; i < rows; ++i) displacement_rows<T, 1>(modes, B, row + i, x, steps, u, stride);
 }
 
-template <class T, std::size_t steps>
-void push_tile(std::size_t modes, const T* B, const int* row, std::size_t rows, const T* force,
-               std::size_t stride, T* out) {
+template <class T, std::size_t across>
+void combine_tile(const T* A, std::size_t stride, const int* row, std::size_t rows, const T* factor, T* out) {
   using V = Lanes<T>;
-  constexpr std::size_t wide = pad / V::size < 4 ? pad / V::size : 4;
-  for (std::size_t n = 0; n < modes; n += wide * V::size) {
-    typename V::type sum[steps][wide] = {};
-    for (std::size_t k = 0; k < rows; ++k) {
-      const T* b = B + static_cast<std::size_t>(row[k]) * modes + n;
-      const T* strength = force + static_cast<std::size_t>(row[k]) * stride;
-      for (std::size_t w = 0; w < wide; ++w) {
-        const auto y = V::load(b + w * V::size);
-        for (std::size_t l = 0; l < steps; ++l) sum[l][w] += strength[l] * y;
-      }
-    }
+  typename V::type sum[across] = {};
+  for (std::size_t k = 0; k < rows; ++k) {
+    const T* a = A + static_cast<std::size_t>(row[k]) * stride;
+    for (std::size_t w = 0; w < across; ++w) sum[w] += factor[k] * V::load(a + w * V::size);
+  }
+  for (std::size_t w = 0; w < across; ++w) V::store(out + w * V::size, sum[w]);
+}
+
+template <class T>
+void combine(std::size_t width, const T* A, std::size_t stride, const int* row, std::size_t rows,
+             const T* factor, T* out) {
+  constexpr std::size_t one = Lanes<T>::size, across = 8;
+  std::size_t i = 0;
+  for (; i + across * one <= width; i += across * one)
+    combine_tile<T, across>(A + i, stride, row, rows, factor, out + i);
+  for (; i < width; i += one) combine_tile<T, 1>(A + i, stride, row, rows, factor, out + i);
+}
+
+template <class T, std::size_t across, std::size_t steps>
+void near_tile(std::size_t width, const T* lag, std::size_t lags, const int* block, std::size_t blocks,
+               const T* force, double* u, std::size_t stride) {
+  using V = Lanes<T>;
+  typename V::type sum[steps][across] = {};
+  for (std::size_t k = 0; k < blocks; ++k) {
+    const T* from = lag + static_cast<std::size_t>(block[k]) * lags * width;
     for (std::size_t l = 0; l < steps; ++l)
-      for (std::size_t w = 0; w < wide; ++w) V::store(out + l * modes + n + w * V::size, sum[l][w]);
+      for (std::size_t w = 0; w < across; ++w)
+        sum[l][w] += force[k] * V::load(from + l * width + w * V::size);
+  }
+  constexpr std::size_t total = across * V::size;
+  for (std::size_t l = 0; l < steps; ++l) {
+    T row[total];
+    for (std::size_t w = 0; w < across; ++w) V::store(row + w * V::size, sum[l][w]);
+    double* at = u + l * stride;
+    for (std::size_t n = 0; n < total; n += Double::size)
+      Double::store(at + n, Double::load(at + n) - widened<T>(Narrow<T>::load(row + n)));
   }
 }
 
 template <class T>
-void push(std::size_t modes, const T* B, const int* row, std::size_t rows, const T* force, std::size_t stride,
-          std::size_t steps, T* out) {
+void near(std::size_t width, const T* lag, std::size_t lags, const int* block, std::size_t blocks,
+          const T* force, std::size_t steps, double* u, std::size_t stride) {
+  constexpr std::size_t one = Lanes<T>::size, across = 2;
   std::size_t l = 0;
-  for (; l + step_tile <= steps; l += step_tile)
-    push_tile<T, step_tile>(modes, B, row, rows, force + l, stride, out + l * modes);
-  for (; l < steps; ++l) push_tile<T, 1>(modes, B, row, rows, force + l, stride, out + l * modes);
-}
-
-/// sum[i] += Σ_k force[k] lag[from[k]][row[i]] of `together` points: their lags are read in the order they
-/// lie.
-template <class T, std::size_t together>
-void near_tile(const T* lag, std::size_t points, std::size_t lags, std::size_t steps, const int* from,
-               const T* force, const int* row, std::size_t rows, T* sum) {
-  const T* of[together];
-  for (std::size_t k = 0; k < together; ++k) of[k] = lag + static_cast<std::size_t>(from[k]) * points * lags;
-  for (std::size_t i = 0; i < rows; ++i) {
-    const std::size_t at = static_cast<std::size_t>(row[i]) * lags;
-    for (std::size_t l = 0; l < steps; l += Eight<T>::size) {
-      auto total = Eight<T>::load(sum + i * lags + l);
-      for (std::size_t k = 0; k < together; ++k) total += force[k] * Eight<T>::load(of[k] + at + l);
-      Eight<T>::store(sum + i * lags + l, total);
-    }
-  }
+  const auto strip = [&]<std::size_t together>() {
+    const T* from = lag + l * width;
+    double* to = u + l * stride;
+    std::size_t i = 0;
+    for (; i + across * one <= width; i += across * one)
+      near_tile<T, across, together>(width, from + i, lags, block, blocks, force, to + i, stride);
+    for (; i < width; i += one)
+      near_tile<T, 1, together>(width, from + i, lags, block, blocks, force, to + i, stride);
+  };
+  for (; l + step_tile <= steps; l += step_tile) strip.template operator()<step_tile>();
+  for (; l < steps; ++l) strip.template operator()<1>();
 }
 
 template <class T>
-void near(const T* lag, std::size_t points, std::size_t lags, std::size_t steps, const int* pushing,
-          const T* force, std::size_t pushed, const int* row, std::size_t rows, T* sum, double* u,
-          std::size_t stride) {
-  for (std::size_t k = 0; k < rows * lags; ++k) sum[k] = 0;
-  std::size_t k = 0;
-  for (; k + 4 <= pushed; k += 4)
-    near_tile<T, 4>(lag, points, lags, steps, pushing + k, force + k, row, rows, sum);
-  for (; k < pushed; ++k) near_tile<T, 1>(lag, points, lags, steps, pushing + k, force + k, row, rows, sum);
-  for (std::size_t i = 0; i < rows; ++i) {
-    double* at = u + static_cast<std::size_t>(row[i]) * stride;
-    for (std::size_t l = 0; l < steps; ++l) at[l] -= static_cast<double>(sum[i * lags + l]);
-  }
-}
-
-template <class T>
-constexpr Loops<T> loops{free_motion<T>, pushed_motion<T>, displacement<T>, push<T>, near<T>};
+constexpr Loops<T> loops{free_motion<T>, pushed_motion<T>, displacement<T>, combine<T>, near<T>};
 
 }  // namespace
 

@@ -189,14 +189,23 @@ struct Simulation::Impl {
     for (const Body& body : scene.bodies) kernels.push_back(body.kernel);
   }
 
-  /// Row k of what the last step left.
-  void write(const Block& out, std::int64_t k) const noexcept {
-    const Eigen::Index m = integrator.force().size(), p = pickups.rows();
-    if (out.velocity)
-      for (Eigen::Index i = 0; i < p; ++i) out.velocity[k * p + i] = pickups.row(i).dot(integrator.v());
+  /// Row k of the forces of the last step.
+  void write_forces(const Block& out, std::int64_t k) const noexcept {
+    const Eigen::Index m = integrator.force().size();
     if (out.total_force) out.total_force[k] = integrator.force().sum();
     if (out.force) std::copy_n(integrator.force().data(), m, out.force + k * m);
     if (out.displacement) std::copy_n(integrator.displacement().data(), m, out.displacement + k * m);
+  }
+
+  /// Rows from … to of velocities: of the steps that the state was moved through last.
+  void write_velocities(const Block& out, std::int64_t from, std::int64_t to) const noexcept {
+    if (!out.velocity) return;
+    const Eigen::Index p = pickups.rows();
+    for (std::int64_t k = from; k < to; ++k) {
+      const Eigen::Map<const contact::Vector> v(integrator.rate(static_cast<int>(to - 1 - k)),
+                                                pickups.cols());
+      for (Eigen::Index i = 0; i < p; ++i) out.velocity[k * p + i] = pickups.row(i).dot(v);
+    }
   }
 
   void clear(const Block& out, std::int64_t from, std::int64_t to) const noexcept {
@@ -233,18 +242,29 @@ StepStatus Simulation::step() noexcept {
   return status_of(impl_->integrator.step());
 }
 
+// The state is moved a block at a time, unless displacements are asked for after each step.
 BlockResult Simulation::step_block(std::int64_t steps, const Block& out) noexcept {
   const FlushDenormals scope;
-  BlockResult result;
-  while (result.steps < steps) {
-    result.status = status_of(impl_->integrator.step());
-    if (result.status != StepStatus::ok) {
-      impl_->clear(out, result.steps, steps);
-      break;
-    }
-    impl_->write(out, result.steps++);
+  contact::Integrator& integrator = impl_->integrator;
+  const std::int64_t first = integrator.steps();
+  const auto made = [&] { return integrator.steps() - first; };
+  std::int64_t heard = 0;
+  const auto hear = [&] {
+    impl_->write_velocities(out, heard, made());
+    heard = made();
+  };
+  contact::StepStatus status = contact::StepStatus::ok;
+  integrator.keep(out.displacement != nullptr, out.velocity != nullptr);
+  while (status == contact::StepStatus::ok && made() < steps) {
+    status = integrator.step();
+    if (status == contact::StepStatus::ok) impl_->write_forces(out, made() - 1);
+    if (integrator.pending() == 0) hear();
   }
-  return result;
+  if (integrator.catch_up() != contact::StepStatus::ok) status = contact::StepStatus::not_finite;
+  hear();
+  integrator.keep(true, false);
+  if (status != contact::StepStatus::ok) impl_->clear(out, made(), steps);
+  return {made(), status_of(status)};
 }
 
 std::int64_t Simulation::steps() const noexcept { return impl_->integrator.steps(); }

@@ -166,6 +166,7 @@ void SummaryObserver::observe(const Integrator& integrator) {
   largest_energy_ = std::max({largest_energy_, energy.kinetic + energy.strain + energy.residual,
                               std::abs(energy.loads), std::abs(energy.contact)});
   out_.modes_in_residual = integrator.modes_in_residual();
+  out_.precision = integrator.options().precision;
   if (model_.gap.size() > 0)
     out_.max_penetration_m =
         std::max(out_.max_penetration_m, (integrator.displacement() - model_.gap).maxCoeff());
@@ -316,6 +317,7 @@ Json json_of(const Summary& summary) {
           {"limited_residual", summary.limited_residual},
           {"modes", summary.modes},
           {"modes_in_residual", summary.modes_in_residual},
+          {"precision", summary.precision == Precision::float32 ? "single" : "double"},
           {"candidates", summary.candidates},
           {"unpaired", summary.unpaired},
           {"max_active", summary.max_active},

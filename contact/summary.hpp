@@ -59,8 +59,9 @@ struct Summary {
   std::int64_t limited_steps = 0;  ///< steps that max_pivots cut short
   double limited_residual = 0;     ///< worst of them: SolveResidual violation over scale
   std::map<std::string, int> modes;
-  int modes_in_residual = 0;  ///< above half the rate: quasi-static in this run
-  int candidates = 0;         ///< paired points m
+  int modes_in_residual = 0;                 ///< above half the rate: quasi-static in this run
+  Precision precision = Precision::float64;  ///< of the products of steps
+  int candidates = 0;                        ///< paired points m
   int unpaired = 0;
   int max_active = 0;
   std::optional<ErrorEstimate> error_estimate;  ///< none: not estimated; the caller's to fill

@@ -139,7 +139,8 @@ class Simulation {
   /// Unless the status is ok, nothing has changed.
   StepStatus step() noexcept;
 
-  /// `steps` steps, as step() makes them. Rows after one that fails are 0.
+  /// `steps` steps, as step() makes them to the last bit, and faster unless displacements are asked for. Rows
+  /// after one that fails are 0.
   BlockResult step_block(std::int64_t steps, const Block& out = {}) noexcept;
 
   std::int64_t steps() const noexcept;  ///< since t = 0
@@ -159,7 +160,7 @@ class Simulation {
   Energy energy() const noexcept;
   int quasi_static_modes() const noexcept;  ///< above half the rate: they respond statically
 
-  /// All that stepping changes. Allocates: about as much as the simulation itself.
+  /// All that stepping changes. Allocates.
   State save() const;
 
   /// Goes on from there, to the last bit. False, and nothing done, with a state of another simulation.

@@ -30,7 +30,7 @@ std::vector<Cause> causes(const ErrorEstimate& e) {
           {"modes", e.modes, "a higher modes.up_to_hz or modes.count"},
           {"step", e.step, "a higher time.rate_hz"},
           {"eigensolver", e.eigensolver, "a lower modes.relative_residual or modes.low_rank"},
-          {"precision", e.precision, "contact.precision = \"double\""},
+          {"precision", e.precision, "time.precision = \"double\""},
           {"spacing", e.spacing, "a smaller contact.spacing, or a finer mesh where bodies touch"}};
 }
 
@@ -112,11 +112,10 @@ Judged choose_and_judge(scene::Scene& scene, const Kernels& kernels, const std::
                                 .at_rest = scene.contact.scheme == scene::Scheme::at_rest,
                                 .duration = scene.time.duration});
   if (std::exchange(scene.time.rate_by_accuracy, false)) choose_rate(scene, kernels, estimator);
-  if (!scene.contact.precision) {
-    scene.contact.precision = scene::Precision::float32;
+  if (!scene.time.precision) {
+    scene.time.precision = scene::Precision::float32;
     const auto share = in_scene(scene, [&] { return estimator.precision(step_options(scene)); });
-    if (!share || *share > of_precision * *scene.accuracy)
-      scene.contact.precision = scene::Precision::float64;
+    if (!share || *share > of_precision * *scene.accuracy) scene.time.precision = scene::Precision::float64;
   }
   const contact::StepOptions step = step_options(scene);
   const auto outcome = in_scene(scene, [&] { return estimator.outcome(step); });

@@ -13,6 +13,13 @@ namespace ricochet::programs {
 struct Judged {
   std::optional<contact::ErrorEstimate> estimate;  ///< none: nothing touches
   std::vector<std::string> warnings;               ///< what is not known, or not as accurate as asked for
+
+  /// @param summary  contact::Summary or contact::EquilibriumSummary
+  template <class Summary>
+  void into(Summary& summary) const {
+    summary.error_estimate = estimate;
+    summary.warnings.insert(summary.warnings.end(), warnings.begin(), warnings.end());
+  }
 };
 
 /// Runs the scene, which has an accuracy, several times. Sets the rate and the precision that it leaves open.

@@ -11,6 +11,7 @@
 #include "contact/integrator.hpp"
 #include "contact/summary.hpp"
 #include "kernels/error.hpp"
+#include "src/programs/accuracy.hpp"
 #include "src/programs/contact_parts.hpp"
 #include "src/scene/scene.hpp"
 
@@ -33,7 +34,7 @@ class Batch {
       std::vector<std::string> overrides = options_.overrides;
       for (const Json& word : request.value("set", Json::array()))
         overrides.push_back(word.get<std::string>());
-      const scene::Scene scene = scene::read(options_.scene, overrides);
+      scene::Scene scene = scene::read(options_.scene, overrides);
       if (request.value("kernels", false)) return {{"status", 0}, {"kernels", needed(scene)}};
       return {{"status", 0}, {"summary", Json::parse(impact(scene))}};
     } catch (const InputError& error) {
@@ -58,7 +59,7 @@ class Batch {
     return out;
   }
 
-  std::string impact(const scene::Scene& scene) {
+  std::string impact(scene::Scene& scene) {
     if (scene.contact.kernel == scene::ContactKernel::table || scene.contact.scheme == scene::Scheme::at_rest)
       throw InputError(
           fmt::format("{}: --batch runs impacts by modes: leave out contact.kernel = \"table\" and "
@@ -67,6 +68,8 @@ class Batch {
     const Clock::time_point started = Clock::now();
     const Kernels kernels = read_kernels(scene, options_.out, cache_);
     const contact::Model model = in_scene(scene, [&] { return model_of(scene, kernels.pointers()); });
+    Judged judged;
+    if (scene.accuracy) judged = choose_and_judge(scene, kernels, options_.out);
     const contact::StepOptions step = step_options(scene);
     const std::int64_t steps = std::llround(scene.time.duration * scene.time.rate.value);
     const Clock::time_point stepping = Clock::now();
@@ -78,6 +81,7 @@ class Batch {
     }
     const double elapsed = seconds_since(stepping);
     contact::Summary summary = observer.summary();
+    judged.into(summary);
     summary.real_time_factor = elapsed > 0 ? integrator.time() / elapsed : 0;
     summary.wall_s = seconds_since(started);
     return contact::json_text(summary);

@@ -70,8 +70,8 @@ contact::StepOptions step_options(const scene::Scene& scene) {
           .restitution = scene.contact.restitution,
           .step = 1 / scene.time.rate.value,
           .max_pivots = scene.contact.max_pivots.value_or(std::numeric_limits<int>::max()),
-          .precision = scene.contact.precision == scene::Precision::float32 ? contact::Precision::float32
-                                                                            : contact::Precision::float64};
+          .precision = scene.time.precision == scene::Precision::float32 ? contact::Precision::float32
+                                                                         : contact::Precision::float64};
 }
 
 double slowest_wave(const scene::Scene& scene) {
@@ -236,8 +236,7 @@ void run_at_rest(const scene::Scene& scene, const contact::Model& model, const J
   console.begin("writing");
   contact::Recorder(model, equilibrium, target.recorder).commit();
   contact::EquilibriumSummary summary = contact::summarise(model, equilibrium);
-  summary.error_estimate = judged.estimate;
-  summary.warnings.insert(summary.warnings.end(), judged.warnings.begin(), judged.warnings.end());
+  judged.into(summary);
   summary.wall_s = seconds_since(started);
   contact::write_json(summary, target.summary);
   console.end(target.result.filename().string());
@@ -300,8 +299,7 @@ int run_contact(const console::Options& options, std::ostream& out) {
   console.begin("writing");
   recorder.commit();
   Summary summary = observer.summary();
-  summary.error_estimate = judged.estimate;
-  summary.warnings.insert(summary.warnings.end(), judged.warnings.begin(), judged.warnings.end());
+  judged.into(summary);
   summary.sounds = microphones.write(folder / scene::slug(scene.title));
   summary.real_time_factor = elapsed > 0 ? integrator.time() / elapsed : 0;
   summary.wall_s = seconds_since(started);

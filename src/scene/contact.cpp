@@ -78,14 +78,6 @@ void read_scheme(Table& table, const Scene& scene, Contact& contact) {
   contact.restitution = restitution.value_or(0);
   if (contact.restitution < 0 || contact.restitution > 1)
     table.complain("restitution", "must be from 0 to 1");
-  const auto precision = table.text("precision");
-  if (precision && *precision != "double" && *precision != "single")
-    table.complain("precision", "must be \"double\" or \"single\"");
-  if (precision == "single" &&
-      (contact.scheme != Scheme::compliant || contact.kernel == ContactKernel::table))
-    table.complain("precision", "\"single\" goes with scheme = \"compliant\" by modes");
-  if (precision) contact.precision = *precision == "double" ? Precision::float64 : Precision::float32;
-  if (!precision && scene.accuracy && contact.scheme == Scheme::compliant) contact.precision.reset();
   if (const auto pivots = table.integer("max_pivots")) {
     if (*pivots < 1 || *pivots > 1000000000) table.complain("max_pivots", "must be from 1 to 1e9");
     contact.max_pivots = static_cast<int>(*pivots);

@@ -192,9 +192,9 @@ Modes read_modes(Table& root, const std::optional<double>& accuracy) {
 
 namespace {
 
-void read_time(Table& root, bool needed, const std::optional<double>& accuracy, Time& time) {
+void read_time(Table& root, const Contact& contact, const std::optional<double>& accuracy, Time& time) {
   auto table = root.table("time");
-  if (!table && !needed) return;
+  if (!table && contact.scheme == Scheme::at_rest) return;
   if (!table) root.complain("time", "is missing: give duration [s]");
   time.rate_by_accuracy = accuracy && !table->has("rate_hz");
   if (table->has("rate_hz")) time.rate = Hertz{positive(*table, "rate_hz")};
@@ -202,6 +202,14 @@ void read_time(Table& root, bool needed, const std::optional<double>& accuracy, 
   const double steps = time.rate_by_accuracy ? 1 : time.duration * time.rate.value;
   if (steps < 1 || steps > 1e9)
     table->complain("duration", fmt::format("makes {:.3g} steps: must be from 1 to 1e9", steps));
+  const bool steps_by_modes = contact.scheme == Scheme::compliant && contact.kernel == ContactKernel::modes;
+  const auto precision = table->text("precision");
+  if (precision && *precision != "double" && *precision != "single")
+    table->complain("precision", "must be \"double\" or \"single\"");
+  if (precision == "single" && !steps_by_modes)
+    table->complain("precision", "belongs to scheme = \"compliant\" and kernel = \"modes\"");
+  if (precision == "single") time.precision = Precision::float32;
+  if (!precision && accuracy && steps_by_modes) time.precision.reset();
   table->refuse_unknown();
 }
 
@@ -279,7 +287,7 @@ Scene read(const std::filesystem::path& file, const std::vector<Override>& overr
         root.complain(key,
                       "does not go with contact.table, a file that takes its place: leave one of them out");
     scene.contact = read_contact(root, scene);
-    read_time(root, true, scene.accuracy, scene.time);
+    read_time(root, scene.contact, scene.accuracy, scene.time);
     read_output(root, scene);
     refuse_what_does_not_go(root, scene);
     root.refuse_unknown();
@@ -302,7 +310,7 @@ Scene read(const std::filesystem::path& file, const std::vector<Override>& overr
     }
   scene.modes = read_modes(root, scene.accuracy);
   scene.contact = read_contact(root, scene);
-  read_time(root, scene.contact.scheme != Scheme::at_rest, scene.accuracy, scene.time);
+  read_time(root, scene.contact, scene.accuracy, scene.time);
   read_loads(root, scene);
   read_output(root, scene);
   refuse_what_does_not_go(root, scene);

@@ -77,7 +77,6 @@ enum class Scheme { compliant, impulse, at_rest };  ///< at_rest: "static"
 enum class Solver { exact, uzawa };
 enum class Admittance { jump, difference };
 enum class Instant { step, exact };
-enum class Precision { float64, float32 };  ///< "double", "single"
 
 /// What answers a contact force: the bodies' modes, or kernels sampled in time and convolved with the forces.
 enum class ContactKernel { modes, table };
@@ -87,19 +86,22 @@ struct Contact {
   std::filesystem::path
       table;  ///< of kernel = table: a file that takes the place of bodies; empty: their modes
   Scheme scheme = Scheme::compliant;
-  Admittance admittance = Admittance::jump;                 ///< of the impulse scheme
-  Instant instant = Instant::step;                          ///< of the impulse scheme
-  double restitution = 0;                                   ///< of the impulse scheme, in [0, 1]
-  Solver solver = Solver::exact;                            ///< of bodies at rest (scheme "static")
-  std::optional<Precision> precision = Precision::float64;  ///< of compliant; none: accuracy chooses it
+  Admittance admittance = Admittance::jump;  ///< of the impulse scheme
+  Instant instant = Instant::step;           ///< of the impulse scheme
+  double restitution = 0;                    ///< of the impulse scheme, in [0, 1]
+  Solver solver = Solver::exact;             ///< of bodies at rest (scheme "static")
   std::optional<int> max_pivots;  ///< bound on the work of a step, at least 1; none: solved whatever it takes
   std::vector<Pair> pairs;        ///< [contact] itself, or each [[contact.pair]]
 };
 
+enum class Precision { float64, float32 };  ///< "double", "single"
+
 struct Time {
   Hertz rate{44100};
   bool rate_by_accuracy = false;  ///< not given: the scene's accuracy chooses it
-  double duration = 0;            ///< [s]; 0: not given, as bodies at rest need none
+  /// Of the products of steps (scheme "compliant"); none: the scene's accuracy chooses it.
+  std::optional<Precision> precision = Precision::float64;
+  double duration = 0;  ///< [s]; 0: not given, as bodies at rest need none
 };
 
 /// A force on a surface or at a point, or the displacement of a support: `vector` times a history that is

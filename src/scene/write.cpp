@@ -113,9 +113,6 @@ std::string scheme_of(const Contact& contact) {
         fmt::format("admittance = \"{}\"\ninstant = \"{}\"\nrestitution = {}\n",
                     contact.admittance == Admittance::jump ? "jump" : "difference",
                     contact.instant == Instant::step ? "step" : "exact", toml_number(contact.restitution));
-  if (contact.precision)
-    text +=
-        fmt::format("precision = \"{}\"\n", *contact.precision == Precision::float64 ? "double" : "single");
   if (contact.max_pivots) text += fmt::format("max_pivots = {}\n", *contact.max_pivots);
   return text;
 }
@@ -181,6 +178,9 @@ std::string to_toml(const Scene& scene) {
         "\n[time]\n{}duration = {}\n",
         scene.time.rate_by_accuracy ? "" : fmt::format("rate_hz = {}\n", toml_number(scene.time.rate.value)),
         toml_number(scene.time.duration));
+  const auto& precision = scene.time.precision;
+  if (precision == Precision::float32 || (precision && scene.accuracy && scene.time.duration > 0))
+    text += fmt::format("precision = \"{}\"\n", precision == Precision::float32 ? "single" : "double");
   return text + loads_of(scene) + output_of(scene.output);
 }
 

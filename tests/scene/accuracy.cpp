@@ -41,7 +41,7 @@ TEST(Accuracy, leaves_nothing_open_where_it_is_not_asked_for) {
   EXPECT_FALSE(scene.accuracy);
   EXPECT_FALSE(scene.modes.accuracy);
   EXPECT_FALSE(scene.time.rate_by_accuracy);
-  EXPECT_EQ(scene.contact.precision, Precision::float64);
+  EXPECT_EQ(scene.time.precision, Precision::float64);
 }
 
 TEST(Accuracy, chooses_what_is_not_given) {
@@ -52,23 +52,23 @@ TEST(Accuracy, chooses_what_is_not_given) {
     EXPECT_EQ(scene.modes.basis, Basis::contact);
     EXPECT_FALSE(scene.modes.up_to);
     EXPECT_TRUE(scene.time.rate_by_accuracy);
-    EXPECT_FALSE(scene.contact.precision);
+    EXPECT_FALSE(scene.time.precision);
   }
 }
 
 TEST(Accuracy, leaves_what_is_given) {
   const Scene scene =
-      scene_of(smallest, with_accuracy({"time.rate_hz=1e3", "contact.precision=single", "time.duration=1"}));
+      scene_of(smallest, with_accuracy({"time.rate_hz=1e3", "time.precision=single", "time.duration=1"}));
   EXPECT_FALSE(scene.modes.accuracy);
   EXPECT_EQ(scene.modes.count, 10);
   EXPECT_EQ(scene.modes.basis, Basis::modes);
   EXPECT_FALSE(scene.time.rate_by_accuracy);
   EXPECT_EQ(scene.time.rate.value, 1e3);
-  EXPECT_EQ(scene.contact.precision, Precision::float32);
+  EXPECT_EQ(scene.time.precision, Precision::float32);
 }
 
 TEST(Accuracy, comes_back_from_the_resolved_scene) {
-  for (const char* set : {"title=x", "time.rate_hz=1e3", "contact.precision=double", "modes.count=3"}) {
+  for (const char* set : {"title=x", "time.rate_hz=1e3", "time.precision=double", "modes.count=3"}) {
     const Folder folder;
     const Scene scene = read(folder.write("scene.toml", open_scene), with_accuracy({set}));
     const Scene back = read(folder.write("resolved.toml", to_toml(scene)));
@@ -77,7 +77,7 @@ TEST(Accuracy, comes_back_from_the_resolved_scene) {
     EXPECT_EQ(back.modes.count, scene.modes.count);
     EXPECT_EQ(back.time.rate_by_accuracy, scene.time.rate_by_accuracy);
     EXPECT_EQ(back.time.rate.value, scene.time.rate.value);
-    EXPECT_EQ(back.contact.precision, scene.contact.precision);
+    EXPECT_EQ(back.time.precision, scene.time.precision);
   }
 }
 
@@ -90,13 +90,6 @@ TEST(Accuracy, is_refused_in_one_line_where_it_means_nothing) {
   EXPECT_THAT(
       complaint_about(open_scene, with_accuracy({"modes={basis=\"modes\",residual_flexibility=false}"})),
       HasSubstr("residual_flexibility"));
-}
-
-TEST(Precision, goes_with_steps_of_compliant_by_modes_alone) {
-  EXPECT_EQ(scene_of(smallest, {"contact.precision=single"}).contact.precision, Precision::float32);
-  EXPECT_THAT(complaint_about(smallest, {"contact.precision=half"}), HasSubstr("\"double\" or \"single\""));
-  for (const char* other : {"contact.scheme=impulse", "contact.kernel=table"})
-    EXPECT_THAT(complaint_about(smallest, {"contact.precision=single", other}), HasSubstr("compliant"));
 }
 
 TEST(KernelOfAccuracy, moves_with_accuracy_and_with_the_body_beside_it) {

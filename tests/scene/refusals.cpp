@@ -34,8 +34,9 @@ void expect_table_lines(const std::string& table,
 TEST(Refused, is_an_unknown_key_with_the_one_it_may_mean) {
   expect_body_lines(
       {{"velocty = [0, 0, 1]", "velocty = [0, 0, 1]: unknown key. Did you mean \"velocity\"?"}});
-  expect_table_lines("time",
-                     {{"rate = 44100", "rate = 44100: unknown key. The keys here are duration, rate_hz."}});
+  expect_table_lines("time", {{"rate = 44100",
+                               "rate = 44100: unknown key. The keys here are duration, precision, "
+                               "rate_hz."}});
   expect_table_lines("contact", {{"spacin = 1", "spacin = 1: unknown key. Did you mean \"spacing\"?"}});
   expect_table_lines("modes", {{"counts = 1", "counts = 1: unknown key. Did you mean \"count\"?"}});
   expect_table_lines("obstacles.floor",
@@ -129,7 +130,9 @@ TEST(Refused, is_a_number_out_of_range) {
   expect_table_lines("modes",
                      {{"relative_residual = 0.1", "relative_residual = 0.1: must be from 1e-14 to 1e-2"},
                       {"relative_residual = 0", "relative_residual = 0: must be from 1e-14 to 1e-2"}});
-  expect_table_lines("time", {{"rate_hz = -44100", "rate_hz = -44100: must be above 0"}});
+  expect_table_lines("time",
+                     {{"rate_hz = -44100", "rate_hz = -44100: must be above 0"},
+                      {"precision = \"half\"", "precision = \"half\": must be \"double\" or \"single\""}});
   expect_table_lines("contact", {{"spacing = 0", "spacing = 0: must be above 0"},
                                  {"reach = 0", "reach = 0: must be above 0"},
                                  {"gap = -0.1", "gap = -0.1: must not be negative"},
@@ -262,6 +265,8 @@ TEST(Refused, is_a_scheme_there_is_not) {
         "admittance = \"leap\": must be \"jump\" or \"difference\""},
        {"scheme = \"impulse\"\nrestitution = 1.5", "restitution = 1.5: must be from 0 to 1"},
        {"scheme = \"impulse\"\nrestitution = -0.5", "restitution = -0.5: must be from 0 to 1"}});
+  expect_lines({{"[time]", "scheme = \"impulse\"\n[time]\nprecision = \"single\"",
+                 "time.precision = \"single\": belongs to scheme = \"compliant\" and kernel = \"modes\""}});
 }
 
 TEST(Refused, is_a_name_that_can_not_be_a_files_or_is_taken) {
@@ -316,7 +321,7 @@ TEST(Refused, is_what_table_kernels_have_no_use_for) {
             "scene.toml: contact.table = \"../tables/rods.h5\": belongs to kernel = \"table\"");
   EXPECT_EQ(complaint_about(changed(tabular, "[time]", "between = [\"a\", \"b\"]\n[time]")),
             "scene.toml: contact.between = [\"a\", \"b\"]: unknown key. The keys here are admittance, "
-            "instant, kernel, max_pivots, precision, restitution, scheme, solver, table.");
+            "instant, kernel, max_pivots, restitution, scheme, solver, table.");
 }
 
 }  // namespace

@@ -79,6 +79,7 @@ void expect_same(const Scene& a, const Scene& b) {
   expect_same(a.contact, b.contact);
   EXPECT_EQ(a.time.rate.value, b.time.rate.value);
   EXPECT_EQ(a.time.duration, b.time.duration);
+  EXPECT_EQ(a.time.precision, b.time.precision);
   EXPECT_EQ(a.loads.gravity, b.loads.gravity);
   EXPECT_EQ(a.output.every, b.output.every);
   EXPECT_EQ(a.output.view, b.output.view);
@@ -139,7 +140,7 @@ TEST(Resolved, scene_with_odd_values_comes_back) {
   expect_to_come_back(smallest, {R"(bodies.ball.support={ "a b" = "x", "c.d" = "yz" })"});
   expect_to_come_back(smallest, {"bodies.ball.velocity=[0.1,-1e30,3.0000000000000004]"});
   expect_to_come_back(smallest, {"bodies.ball.material={ \"all of it\" = { density = 1, young = 2 } }"});
-  expect_to_come_back(smallest, {"time.rate_hz=1e20", "time.duration=1e-15"});
+  expect_to_come_back(smallest, {"time.rate_hz=1e20", "time.duration=1e-15", "time.precision=single"});
 }
 
 // A unit vector may be a bit longer than 1; divided by its length again it would creep.

@@ -1,0 +1,91 @@
+#include "contact/step_system.hpp"
+
+#include <fmt/format.h>
+
+#include <cassert>
+#include <cmath>
+#include <numbers>
+
+#include "contact/integrator.hpp"
+#include "kernels/error.hpp"
+
+namespace ricochet::contact {
+namespace {
+
+/// Share of A's mean diagonal added to it. Where there are more points than modes A is singular and only Bᵀ P
+/// is determined; this picks the P of least norm, and leaves 1e-12 of the approach velocity.
+constexpr double least_norm = 1e-12;
+
+void check(const Model& model, const StepOptions& o) {
+  if (!(o.step > 0) || !std::isfinite(o.step))
+    throw InputError(
+        fmt::format("time step = {} s: must be positive and finite. Set time.rate_hz above 0.", o.step));
+  if (o.max_pivots < 1)
+    throw InputError(fmt::format("contact.max_pivots = {}: must be at least 1.", o.max_pivots));
+  if (o.scheme != Scheme::impulse) return;
+  if (!(o.restitution >= 0 && o.restitution <= 1))
+    throw InputError(fmt::format("contact.restitution = {}: must be between 0 and 1.", o.restitution));
+  const double highest = model.omega.size() > 0 ? model.omega.maxCoeff() : 0;
+  if (o.admittance == Admittance::difference && highest * o.step >= std::numbers::pi)
+    throw InputError(fmt::format(
+        "contact.admittance = \"difference\": omega_max * step = {:.4g} is not below pi (highest mode {:.6g} "
+        "Hz). Use a step "
+        "below {:.4g} s (time.rate_hz above {:.6g}), fewer modes, or \"jump\".",
+        highest * o.step, highest / (2 * std::numbers::pi), std::numbers::pi / highest,
+        highest / std::numbers::pi));
+}
+
+}  // namespace
+
+std::shared_ptr<const StepSystem> make_step_system(const Model& model, const StepOptions& options) {
+  check(model, options);
+  const bool compliant = options.scheme == Scheme::compliant;
+  const Eigen::Index N = model.omega.size(), m = model.gap.size();
+  StepSystem out;
+  out.omega = model.omega;
+  out.decay = model.decay;
+  out.stiffness = model.omega.cwiseAbs2();
+  out.load = model.load;
+  out.q0 = model.q0;
+  out.B = model.B;
+  out.gap = model.gap;
+  out.R = model.R;
+  assert(out.B.rows() == m && out.B.cols() == N && out.R.rows() == m && out.R.cols() == m);
+  assert(out.load.size() == N && out.q0.size() == N && model.v0.size() == N && out.decay.size() == N);
+  for (Vector* x : {&out.b, &out.c, &out.e, &out.h, &out.damp_ss, &out.damp_sr, &out.damp_rr}) x->setZero(N);
+  for (Eigen::Index n = 0; n < N; ++n) {
+    const double omega = model.omega(n), delta = model.decay(n);
+    if (compliant && !sampled(omega, options.step)) {
+      // At rest but for its static displacement (f_n − Σ B_in λ_i)/ω², which the points see through s
+      // (Drives) and R.
+      out.R.noalias() += out.B.col(n) * out.B.col(n).transpose() / out.stiffness(n);
+      out.B.col(n).setZero();
+      out.stiffness(n) = out.load(n) = out.q0(n) = 0;
+      ++out.dropped;
+      continue;
+    }
+    const ModeStep k = mode_step(omega, delta, options.step);
+    out.b(n) = k.b;
+    out.c(n) = k.c;
+    out.e(n) = k.e;
+    out.h(n) = k.h;
+    out.damp_ss(n) = 2 * delta * k.ss;
+    out.damp_sr(n) = 4 * delta * k.sr;
+    out.damp_rr(n) = 2 * delta * k.rr;
+    out.damped = out.damped || delta > 0;
+  }
+  if (compliant)
+    out.S = out.B * out.c.asDiagonal() * out.B.transpose() + out.R;
+  else if (options.admittance == Admittance::jump)
+    out.S = out.B * out.B.transpose();
+  else
+    out.S = out.B * (out.b / options.step).asDiagonal() * out.B.transpose();
+  if (!compliant && m > 0) {
+    out.S.diagonal().array() += least_norm * out.S.diagonal().mean();
+    out.norm = out.B.rowwise().norm();
+  }
+  out.s = Drives(model, options.step, compliant).start().s;
+  return std::make_shared<const StepSystem>(std::move(out));
+}
+
+}  // namespace ricochet::contact

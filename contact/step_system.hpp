@@ -1,0 +1,31 @@
+// What is constant while a Model is stepped, shared by an integrator, its blocks and their copies.
+#pragma once
+
+#include <Eigen/Dense>
+#include <memory>
+
+#include "contact/model.hpp"
+
+namespace ricochet::contact {
+
+/// Of a modal system under a step Δ. Modes moved into R have coefficients, B, load and q0 of 0.
+struct StepSystem {
+  Vector omega, decay;
+  Vector stiffness, load, q0;        ///< (N) ω²; constant modal force; q at t = 0
+  Vector b, c, e, h;                 ///< (N) of a step, as in propagator.hpp
+  Vector damp_ss, damp_sr, damp_rr;  ///< (N) 2δ∫S², 4δ∫SS', 2δ∫S'²
+  Matrix B;                          ///< (m,N)
+  Vector s, gap;                     ///< (m) s of constant loads; g
+  Eigen::MatrixXd R;                 ///< (m,m) residual flexibility, modes moved into it included
+  Eigen::MatrixXd S;                 ///< (m,m) compliant: S; impulse: A
+  Vector norm;                       ///< (m) |B_i|, of the impulse scheme
+  bool damped = false;
+  int dropped = 0;  ///< modes moved into R
+};
+
+struct StepOptions;
+
+/// Throws InputError on options that `model` can't be stepped with.
+std::shared_ptr<const StepSystem> make_step_system(const Model& model, const StepOptions& options);
+
+}  // namespace ricochet::contact
