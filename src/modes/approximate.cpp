@@ -29,6 +29,9 @@ constexpr double near_zero = -1e-3;
 /// Iterations beyond those asked for, where counts do not agree.
 constexpr int further = 3;
 
+/// Modes of fewer displacements are found faster than started from a lower order.
+constexpr std::int64_t few = 3000;
+
 constexpr Index panel = 64;
 
 /// How many vectors are taken along for each mode wanted, and how far up in frequency. Linear elements are so
@@ -156,10 +159,10 @@ class Iteration {
 };
 
 /// What is asked for, of the order given, in terms of the next lower one.
-Request request_below(const ApproximateRequest& request, const elasticity::Body& body, int order) {
-  Request wanted{.relative_residual = 1e-2, .modes_per_shift = 100};
-  if (request.up_to) wanted.up_to = Hertz{reach(order) * request.up_to->value};
-  if (!request.count) return wanted;
+ApproximateRequest request_below(const ApproximateRequest& request, const elasticity::Body& body, int order) {
+  ApproximateRequest below;
+  if (request.up_to) below.up_to = Hertz{reach(order) * request.up_to->value};
+  if (!request.count) return below;
   // What is above the middle of a mesh's spectrum has little to do with modes.
   const std::int64_t most = body.free_rows / 2;
   if (*request.count >= most)
@@ -168,23 +171,57 @@ Request request_below(const ApproximateRequest& request, const elasticity::Body&
         "displacements: leave approximate out, ask for fewer, or refine the mesh",
         *request.count, order, body.free_rows));
   const auto more = static_cast<std::int64_t>(surplus(order) * static_cast<double>(*request.count));
-  wanted.count = std::min(more + 16, most);
-  return wanted;
+  below.count = std::min(more + 16, most);
+  return below;
+}
+
+/// How many of ascending λ are asked for.
+Index wanted_of(const ApproximateRequest& request, const VectorXd& lambda, Index rigid) {
+  if (request.count) return std::max<Index>(*request.count - rigid, 0);
+  const double end = std::pow(static_cast<RadPerSecond>(*request.up_to).value, 2);
+  return std::upper_bound(lambda.begin(), lambda.end(), end) - lambda.begin();
 }
 
 /// Elastic modes of the lower order, raised.
 struct Start {
   MatrixXd shape;  ///< (local rows, n), this team's
-  double end = 0;  ///< λ behind the last one
+  double end = 0;  ///< about the λ of the last one
 };
+
+/// Whether modes of this order are in their turn started from the one below, which needs room for them. Its
+/// displacements are at least the share taken here.
+bool starts_below(const ApproximateRequest& request, const elasticity::Body& body, int order) {
+  if (order == 1 || body.free_rows <= few) return false;
+  const double left = static_cast<double>(body.free_rows) * std::pow((order - 1.0) / order, 3);
+  return 4 * static_cast<double>(request.count.value_or(0)) < left;
+}
+
+/// Modes of the lower order, found as modes are or started from the order below it. Collective.
 Start start_of(const parallel::Teams& teams, const mesh::Mesh& mesh,
                const std::vector<scene::Material>& materials, const std::string& file,
                const ApproximateRequest& request, const Progress& progress) {
   const mesh::Lower lower(mesh);
+  const int order = lower.mesh().order;
   const elasticity::Body body = elasticity::assemble(lower.mesh(), materials, file);
+  const ApproximateRequest below = request_below(request, body, order);
+  if (starts_below(below, body, order)) {
+    const auto [x, end] = start_of(teams, lower.mesh(), materials, file, below, progress);
+    if (progress.begin) progress.begin(fmt::format("block iteration, order {}", order));
+    if (shares_of(teams, x).back() == 0) return {MatrixXd(mesh.owned_nodes * mesh.components(), 0), end};
+    const Operators operators(lower.mesh(), body);
+    Factorisation factor(body.stiffness, body.mass);
+    factor.factor(near_zero * end);
+    Iteration iteration(teams, operators, factor);
+    iteration.step(x);
+    const VectorXd& lambda = iteration.lambda();
+    const Index kept = std::min(wanted_of(below, lambda, operators.rigid.cols()), lambda.size());
+    return {lower.raise(iteration.vectors(kept)), kept > 0 ? lambda[kept - 1] : end};
+  }
   Factorisation factor(body.stiffness, body.mass);
-  const ModeSet found = compute_modes(teams, lower.mesh(), body, factor,
-                                      request_below(request, body, lower.mesh().order), progress);
+  const ModeSet found = compute_modes(
+      teams, lower.mesh(), body, factor,
+      {.up_to = below.up_to, .count = below.count, .relative_residual = 1e-2, .modes_per_shift = 100},
+      progress);
   const auto rigid = std::count_if(found.index.begin(), found.index.end(), [&](Index n) {
     return found.angular_frequency[static_cast<std::size_t>(n)] == 0;
   });
@@ -256,8 +293,7 @@ ModeSet approximate_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, 
     const VectorXd& lambda = iteration.lambda();
     if (step >= request.iterations) {
       begin("count by inertia");
-      wanted = request.up_to ? std::upper_bound(lambda.begin(), lambda.end(), end) - lambda.begin()
-                             : std::max<Index>(*request.count - r, 0);
+      wanted = wanted_of(request, lambda, r);
       if (wanted >= k)
         throw InputError(
             fmt::format("modes.approximate = {}: elements of order {} have {} elastic modes to start from, "

@@ -86,7 +86,8 @@ TEST_P(Approximate, modes_are_bounds_from_above_that_iterations_bring_closer) {
       EXPECT_EQ(set.certificate.count_by_inertia, static_cast<std::int64_t>(set.angular_frequency.size()));
       const double error = worst_error(set, exact);
       EXPECT_LT(error, before) << iterations;
-      before = std::max(0.5 * error, 1e-8);
+      // Where counts did not agree at once, the first set took a further iteration of its own accord.
+      before = std::max(iterations == 1 ? 1.001 * error : 0.5 * error, 1e-8);
     }
   }
 }
@@ -131,6 +132,23 @@ TEST(ApproximateModes, up_to_a_frequency_are_as_many_as_dense_algebra_finds) {
   const double proved = std::pow(static_cast<RadPerSecond>(Hertz{set.certificate.upto_hz}).value, 2);
   EXPECT_EQ(std::count_if(exact.begin(), exact.end(), [&](double lambda) { return lambda < proved; }),
             static_cast<std::ptrdiff_t>(set.angular_frequency.size()));
+}
+
+// Large enough for the lower order to be started from the one below it, too.
+TEST(ApproximateModes, from_two_orders_below_are_near_the_certified_ones) {
+  const mesh::GmshSession gmsh;
+  for (const parallel::Teams* teams : {&test::one_team(), &test::own_teams()}) {
+    const Made made = make(test::block_geo("hex", 5, 0.3), 3, {{"bottom", "xyz"}}, *teams);
+    const modes::ModeSet exact =
+        modes::compute_modes(*teams, made.mesh, made.body, *made.factor, {.count = 31});
+    const modes::ModeSet set = approximate(made, {.count = 30}, *teams);
+    ASSERT_GE(set.angular_frequency.size(), 30u);
+    for (std::size_t n = 0; n < 30; ++n) {
+      const double error = set.angular_frequency[n] / exact.angular_frequency[n] - 1;
+      EXPECT_GT(error, -1e-9) << n;
+      EXPECT_LT(error, 1e-3) << n;
+    }
+  }
 }
 
 TEST(ApproximateModes, keep_a_double_mode_whole) {
