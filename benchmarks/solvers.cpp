@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "src/modes/approximate.hpp"
 #include "src/modes/contact_basis.hpp"
 #include "src/surface/surface.hpp"
 
@@ -107,6 +108,12 @@ Found by_ricochet(const Problem& problem) {
   const scene::Modes& wanted = problem.request.modes;
   const Stopwatch watch(problem.teams.world());
   modes::Factorisation factor(problem.body.stiffness, problem.body.mass);
+  if (wanted.approximate > 0) {
+    const modes::ModeSet set = modes::approximate_modes(
+        problem.teams, problem.mesh, problem.body, factor, problem.request.body.materials, "mesh",
+        {.up_to = wanted.up_to, .count = wanted.count, .iterations = wanted.approximate});
+    return found_by_us(set, watch.seconds());
+  }
   const modes::ModeSet set = modes::compute_modes(
       problem.teams, problem.mesh, problem.body, factor,
       {.up_to = wanted.up_to, .count = wanted.count, .relative_residual = wanted.relative_residual});

@@ -11,8 +11,11 @@ namespace ricochet::modes {
 namespace {
 
 /// Two modes found from different shifts, with residuals up to r, are orthogonal to 2rλ/Δλ, and neighbours
-/// are rarely closer than 2 %. A mode found twice would show as 1.
-double orthonormality_bound(double tolerance) { return std::clamp(100 * tolerance, 1e-8, 0.1); }
+/// are rarely closer than 2 %. A mode found twice would show as 1. Ritz vectors of one space are orthogonal
+/// whatever their residuals.
+double orthonormality_bound(std::optional<double> tolerance) {
+  return tolerance ? std::clamp(100 * *tolerance, 1e-8, 0.1) : 1e-8;
+}
 
 /// Residuals of this team's elastic modes, and max |ΦᵀMΦ − I| over all pairs of modes.
 struct Measured {
@@ -107,14 +110,14 @@ void fix_signs(const Operators& operators, Eigen::MatrixXd& shape) {
   }
 }
 
-void certify(const parallel::Teams& teams, const Operators& operators, std::int64_t counted, double tolerance,
-             ModeSet& set) {
+void certify(const parallel::Teams& teams, const Operators& operators, std::int64_t counted,
+             std::optional<double> tolerance, ModeSet& set) {
   Eigen::MatrixXd residual;
   const double orthonormality = take_residuals(teams, operators, set, residual);
   // The worst of those that round-off does not excuse.
   Eigen::MatrixXd excess = Eigen::MatrixXd::Zero(1, set.shape.cols());
-  for (Eigen::Index j = 0; j < excess.cols(); ++j)
-    if (!(residual(0, j) <= tolerance) && !(residual(0, j) <= operators.round_off(set.shape.col(j))[0]))
+  for (Eigen::Index j = 0; tolerance && j < excess.cols(); ++j)
+    if (!(residual(0, j) <= *tolerance) && !(residual(0, j) <= operators.round_off(set.shape.col(j))[0]))
       excess(0, j) = residual(0, j);
   Eigen::Index worst = 0;
   const Eigen::MatrixXd bad = set.gather(teams, excess);
@@ -122,7 +125,7 @@ void certify(const parallel::Teams& teams, const Operators& operators, std::int6
     throw SolverError(fmt::format(
         "modes: mode {} at {:.6g} Hz has a residual of {:.2g}, above {:.2g}: loosen modes.relative_residual",
         worst + 1, to_hertz(RadPerSecond{set.angular_frequency[static_cast<std::size_t>(worst)]}).value,
-        bad(0, worst), tolerance));
+        bad(0, worst), *tolerance));
   kernels::Certificate& certificate = set.certificate;
   certificate.upto_hz = std::sqrt(set.cut) / (2 * std::numbers::pi);
   certificate.count_by_inertia = counted;

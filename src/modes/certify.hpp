@@ -11,8 +11,9 @@ void fix_signs(const Operators& operators, Eigen::MatrixXd& shape);
 
 /// Residuals and M-orthonormality of what is about to be returned, into `set`; `counted` modes are proved
 /// below the cut. Throws SolverError where a bound is not kept. Collective on all ranks.
-void certify(const parallel::Teams& teams, const Operators& operators, std::int64_t counted, double tolerance,
-             ModeSet& set);
+/// @param tolerance  of residuals; none: they are what they are
+void certify(const parallel::Teams& teams, const Operators& operators, std::int64_t counted,
+             std::optional<double> tolerance, ModeSet& set);
 
 /// The same for vectors fitted to contact: `error` is the estimate that they have met, `band` where it holds.
 /// Throws SolverError when M-orthonormality is worse than 1e-8. Collective on all ranks.

@@ -5,6 +5,8 @@
 #include <numeric>
 #include <utility>
 
+#include "src/modes/symmetric.hpp"
+
 namespace ricochet::modes {
 
 namespace {
@@ -129,24 +131,6 @@ struct Ritz {
   VectorXd theta, lambda, residual;  ///< sorted by λ; residual relative to ‖Kx‖
   MatrixXd vector, behind;           ///< s, and B s / θ
 };
-
-extern "C" void dsyevd_(const char* job, const char* triangle, const int* n, double* a, const int* lda,
-                        double* w, double* work, const int* work_size, int* whole, const int* whole_size,
-                        int* status);
-
-/// Eigenvalues of a symmetric matrix, given by its lower triangle and overwritten by its eigenvectors.
-VectorXd eigen_decomposition(MatrixXd& matrix) {
-  VectorXd values(matrix.rows());
-  const auto n = static_cast<int>(matrix.rows());
-  int status = 0;
-  const int work_size = 1 + 6 * n + 2 * n * n, whole_size = 3 + 5 * n;
-  std::vector<double> work(static_cast<std::size_t>(work_size));
-  std::vector<int> whole(static_cast<std::size_t>(whole_size));
-  dsyevd_("V", "L", &n, matrix.data(), &n, values.data(), work.data(), &work_size, whole.data(), &whole_size,
-          &status);
-  if (status != 0) throw SolverError("modes: the projected eigenproblem did not converge");
-  return values;
-}
 
 Ritz ritz_of(const Basis& basis, double sigma) {
   const Index m = basis.inner_size();

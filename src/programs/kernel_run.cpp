@@ -10,6 +10,7 @@
 #include "kernels/band.hpp"
 #include "src/mesh/gmsh_session.hpp"
 #include "src/mesh/parts.hpp"
+#include "src/modes/approximate.hpp"
 #include "src/modes/contact_basis.hpp"
 #include "src/modes/search.hpp"
 #include "src/parallel/memory.hpp"
@@ -52,6 +53,13 @@ mesh::Mesh read_parts(const scene::Body& body, const mesh::Asked& asked, const p
   return mesh;
 }
 
+/// Memory of the search for modes on this rank [MiB].
+double expected_mib(const scene::Modes& wanted, const Discretised& made, std::int64_t per_shift, int teams) {
+  const std::int64_t count = wanted.count.value_or(0), rows = made.matrices.local_rows;
+  if (wanted.approximate > 0) return modes::expected_approximate_mib(*made.factor, rows, count, teams);
+  return modes::expected_mib(*made.factor, rows, count, per_shift, teams);
+}
+
 /// As many teams as memory has room for: ranks that work at slices of their own, each with all of the body,
 /// are faster than ranks that share one. Where room is short, slices become smaller. Vectors fitted to
 /// contact need few factorisations, which ranks share better. Throws InputError when there is not even room
@@ -77,6 +85,13 @@ Discretised discretise(const scene::KernelRequest& request, MPI_Comm comm, conso
       made.mesh = hand_out(count > 1 ? source.whole : std::move(source.whole), teams);
     console.end(fmt::format("{} elements, {} nodes", made.mesh.total_elements, made.mesh.total_nodes));
 
+    if (request.modes.approximate > 0 && made.mesh.order < 2)
+      throw InputError(
+          fmt::format("{}: modes.approximate = {}: elements of order 1 have no lower order to start from: "
+                      "raise the order, "
+                      "or leave it out",
+                      file, request.modes.approximate));
+
     console.begin(body.name + ": assembly");
     made.sources = surface::make_sources(made.mesh, request);
     made.matrices = elasticity::assemble(made.mesh, body.materials, file, bar, moved);
@@ -88,8 +103,7 @@ Discretised discretise(const scene::KernelRequest& request, MPI_Comm comm, conso
     double need = 0;
     for (const std::int64_t per_shift : {260, 130, 65}) {
       made.modes_per_shift = per_shift;
-      need = parallel::largest(comm, modes::expected_mib(*made.factor, made.matrices.local_rows,
-                                                         request.modes.count.value_or(0), per_shift, count));
+      need = parallel::largest(comm, expected_mib(request.modes, made, per_shift, count));
       if (need <= usable * room || (per_shift == 130 && count > 1)) break;
     }
     console.end(
@@ -144,6 +158,14 @@ modes::ModeSet find_modes(const scene::KernelRequest& request, Discretised& made
     up_to = modes::needed_up_to(*made.teams, made.mesh, contact_basis(error, {}), loads, loads.cols(),
                                 *wanted.up_to, error);
   }
+  if (wanted.approximate > 0) {
+    modes::ModeSet modes = modes::approximate_modes(
+        *made.teams, made.mesh, made.matrices, *made.factor, request.body.materials,
+        request.body.mesh.filename().string(),
+        {.up_to = wanted.up_to, .count = wanted.count, .iterations = wanted.approximate}, progress);
+    lift(modes.static_shift);
+    return modes;
+  }
   modes::ModeSet modes = modes::compute_modes(*made.teams, made.mesh, made.matrices, *made.factor,
                                               {.up_to = up_to,
                                                .count = wanted.count,
@@ -157,7 +179,9 @@ modes::ModeSet find_modes(const scene::KernelRequest& request, Discretised& made
 
 std::string told(const scene::KernelRequest& request, const modes::ModeSet& modes) {
   const std::size_t n = modes.angular_frequency.size();
-  if (modes.exact) return fmt::format("{} modes up to {:.6g} Hz, count proved", n, modes.certificate.upto_hz);
+  if (request.modes.basis == scene::Basis::modes)
+    return fmt::format("{} {}modes up to {:.6g} Hz, count proved", n, modes.exact ? "" : "approximate ",
+                       modes.certificate.upto_hz);
   return fmt::format("{} vectors, flexibility up to {:.6g} Hz within {:.2g}", n, request.modes.up_to->value,
                      modes.certificate.flexibility_error);
 }
@@ -208,7 +232,8 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::f
   kernel.centre = matrices.centre;
   kernel.inertia = matrices.inertia;
   kernel.supported = matrices.free_rows < matrices.total_rows;
-  kernel.modes.basis = modes.exact ? "modes" : "contact";
+  const bool fitted = request.modes.basis == scene::Basis::contact;
+  kernel.modes.basis = fitted ? "contact" : "modes";
   kernel.modes.angular_frequency = modes.angular_frequency;
   kernel.modes.residual = modes.residual;
   kernel.modes.certificate = modes.certificate;
@@ -218,7 +243,7 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::f
                  request.modes.residual_flexibility, request.view, kernel, made.sources);
   if (request.modes.basis == scene::Basis::modes && request.modes.flexibility_error)
     leave_to_residual(request, kernel);
-  console.end(fmt::format("{} {} kept", kernel.modes.size(), modes.exact ? "modes" : "vectors"));
+  console.end(fmt::format("{} {} kept", kernel.modes.size(), fitted ? "vectors" : "modes"));
   return kernel;
 }
 

@@ -48,7 +48,7 @@ bool same_modes(const Modes& had, const Modes& wanted, double frequency) {
 /// @param fitted  whether what was fitted to the candidates is fitted to those wanted
 kernels::Kernel with_modes(kernels::Kernel kernel, const Modes& had, const Modes& wanted, double frequency,
                            bool fitted) {
-  if (had.basis != wanted.basis || had.low_rank != wanted.low_rank ||
+  if (had.basis != wanted.basis || had.low_rank != wanted.low_rank || had.approximate != wanted.approximate ||
       had.relative_residual > wanted.relative_residual)
     fail(kernel, "its modes were not computed as asked for: compute them");
   if (wanted.residual_flexibility && !had.residual_flexibility)

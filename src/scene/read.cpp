@@ -164,6 +164,15 @@ Modes read_modes(Table& root, const std::optional<double>& accuracy) {
       table->complain("low_rank", "proves no count of modes: it goes with basis = \"contact\"");
     modes.low_rank = *threshold;
   }
+  if (const auto iterations = table->integer("approximate")) {
+    if (*iterations < 0 || *iterations > 5)
+      table->complain("approximate", "must be from 1 to 5 block iterations, or 0 for certified modes");
+    if (*iterations > 0 && modes.basis == Basis::contact)
+      table->complain("approximate", "goes with basis = \"modes\": vectors fitted to contact need no start");
+    if (*iterations > 0 && (modes.flexibility_error || (!modes.up_to && !modes.count)))
+      table->complain("approximate", "goes with up_to_hz or count alone: leave flexibility_error out");
+    modes.approximate = static_cast<int>(*iterations);
+  }
   if (accuracy && !modes.up_to && !modes.count) {
     modes.accuracy = accuracy;
     if (modes.basis == Basis::modes && !modes.residual_flexibility)

@@ -60,7 +60,8 @@ struct Modes {
   std::optional<double> accuracy;
   bool residual_flexibility = true;
   double relative_residual = 1e-8;  ///< bound on each mode's residual
-  double low_rank = 0;              ///< contact: threshold of block low-rank factors; 0: full rank
+  int approximate = 0;  ///< modes: so many block iterations from the next lower order; 0: certified modes
+  double low_rank = 0;  ///< contact: threshold of block low-rank factors; 0: full rank
 };
 
 /// How one surface meets another. `a` is a body; `b` a body or an obstacle.

@@ -1,4 +1,5 @@
 add_mpi_test(mesh distribute)
+add_mpi_test(mesh lower)
 add_mpi_test(mesh parts)
 add_mpi_test(mesh read)
 add_mpi_test(mesh reference)

@@ -1,3 +1,4 @@
+add_mpi_test(modes approximate)
 add_mpi_test(modes contact_basis)
 add_mpi_test(modes factorisation)
 add_mpi_test(modes modes)

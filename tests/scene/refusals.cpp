@@ -201,6 +201,18 @@ TEST(Refused, is_a_low_rank_threshold_that_is_out_of_range_or_would_prove_a_coun
         "modes.low_rank = 1e-06: proves no count of modes: it goes with basis = \"contact\""}});
 }
 
+TEST(Refused, are_block_iterations_out_of_range_or_for_what_needs_none) {
+  expect_lines(
+      {{"count = 10", "count = 10\napproximate = 6",
+        "modes.approximate = 6: must be from 1 to 5 block iterations, or 0 for certified modes"},
+       {"count = 10", "count = 10\napproximate = -1",
+        "modes.approximate = -1: must be from 1 to 5 block iterations, or 0 for certified modes"},
+       {"count = 10", "basis = \"contact\"\nup_to_hz = 1e3\napproximate = 1",
+        "modes.approximate = 1: goes with basis = \"modes\": vectors fitted to contact need no start"},
+       {"count = 10", "up_to_hz = 1e3\nflexibility_error = 1e-2\napproximate = 1",
+        "modes.approximate = 1: goes with up_to_hz or count alone: leave flexibility_error out"}});
+}
+
 TEST(Refused, is_a_flexibility_error_out_of_range) {
   expect_table_lines("modes",
                      {{"flexibility_error = 0", "flexibility_error = 0: must be from 1e-6 to 0.5"},

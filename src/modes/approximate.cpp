@@ -1,0 +1,338 @@
+#include "src/modes/approximate.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "src/mesh/lower.hpp"
+#include "src/modes/certify.hpp"
+#include "src/modes/symmetric.hpp"
+
+namespace ricochet::modes {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Modes this close are not told apart: what would come between them is left out or taken in with both.
+constexpr double apart = 1e-3;
+
+/// The shift of the iteration, of the λ up to which there are modes: K − σM is definite, and rigid motions do
+/// not drown the others.
+constexpr double near_zero = -1e-3;
+
+/// Iterations beyond those asked for, where counts do not agree.
+constexpr int further = 3;
+
+/// Modes of fewer displacements are found faster than started from a lower order.
+constexpr std::int64_t few = 3000;
+
+constexpr Index panel = 64;
+
+/// How many vectors are taken along for each mode wanted, and how far up in frequency. Linear elements are so
+/// stiff in bending that the modes wanted are spread over many more of theirs.
+double surplus(int order) { return order == 1 ? 1.45 : 1.2; }
+double reach(int order) { return order == 1 ? 1.4 : 1.2; }
+
+/// Where the columns of each team begin among all when `k` are dealt out evenly; behind them, k. (teams + 1)
+std::vector<Index> even_shares(const parallel::Teams& teams, Index k) {
+  std::vector<Index> first;
+  for (int t = 0; t <= teams.count(); ++t) first.push_back(k * t / teams.count());
+  return first;
+}
+
+/// The same for columns as they are. Collective.
+std::vector<Index> shares_of(const parallel::Teams& teams, const MatrixXd& mine) {
+  std::vector<Index> first(static_cast<std::size_t>(teams.count()) + 1, 0);
+  const std::int64_t own = mine.cols();
+  MPI_Allgather(&own, 1, MPI_INT64_T, first.data() + 1, 1, MPI_INT64_T, teams.peers());
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  return first;
+}
+
+/// Block inverse iteration with a projection on the space of all teams' columns.
+class Iteration {
+ public:
+  Iteration(const parallel::Teams& teams, const Operators& operators, Factorisation& factor)
+      : teams_(teams), operators_(operators), factor_(factor) {}
+
+  /// Y from (K − σM) Y = M X, X being all teams' columns, and Ritz values and vectors in its span.
+  void step(const MatrixXd& x) {
+    share_ = shares_of(teams_, x);
+    momentum_ = operators_.mass(x);
+    momentum_ -= operators_.rigid_momentum * inner(operators_.comm, operators_.rigid, momentum_);
+    y_ = factor_.solve(momentum_);
+    force_ = std::move(momentum_);
+    y_ -= operators_.rigid * inner(operators_.comm, operators_.rigid_momentum, y_);
+    momentum_ = operators_.mass(y_);
+    // K Y = M X + σ M Y.
+    force_ += factor_.sigma() * momentum_;
+    VectorXd square = y_.cwiseProduct(momentum_).colwise().sum();
+    parallel::sum(operators_.comm, square.data(), static_cast<std::size_t>(square.size()));
+    const VectorXd scale = square.cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    for (MatrixXd* columns : {&y_, &momentum_, &force_}) *columns *= scale.asDiagonal();
+    project();
+    momentum_.resize(0, 0);
+    force_.resize(0, 0);
+  }
+
+  const VectorXd& lambda() const { return lambda_; }
+
+  /// The leading `n` Ritz vectors, dealt out evenly.
+  MatrixXd vectors(Index n) const {
+    const std::vector<Index> share = even_shares(teams_, n);
+    const auto me = static_cast<std::size_t>(teams_.mine());
+    const Index first = share[me], own = share[me + 1] - first;
+    MatrixXd found = MatrixXd::Zero(y_.rows(), own);
+    each_panel(y_, [&](std::size_t, Index at, const MatrixXd& columns) {
+      found.noalias() += columns * vector_.block(at, first, columns.cols(), own);
+    });
+    return found;
+  }
+
+ private:
+  /// Shows `mine` of every team to all, some columns at a time: visit(team, number among all, columns).
+  template <class Visit>
+  void each_panel(const MatrixXd& mine, Visit&& visit) const {
+    MatrixXd columns;
+    for (std::size_t t = 0; t + 1 < share_.size(); ++t)
+      for (Index at = share_[t]; at < share_[t + 1]; at += panel) {
+        const Index width = std::min(panel, share_[t + 1] - at);
+        const bool own = static_cast<int>(t) == teams_.mine();
+        columns = own ? mine.middleCols(at - share_[t], width) : MatrixXd(mine.rows(), width);
+        MPI_Bcast(columns.data(), static_cast<int>(columns.size()), MPI_DOUBLE, static_cast<int>(t),
+                  teams_.peers());
+        visit(t, at, columns);
+      }
+  }
+
+  /// Yᵀ A Y from A Y. It is symmetric: of two teams each works at half of their pairs.
+  MatrixXd projected(const MatrixXd& image) const {
+    const Index k = share_.back();
+    MatrixXd whole = MatrixXd::Zero(k, k);
+    const auto me = static_cast<std::size_t>(teams_.mine());
+    each_panel(image, [&](std::size_t t, Index at, const MatrixXd& columns) {
+      const Index half = share_[t] + (share_[t + 1] - share_[t]) / 2, behind = at + columns.cols();
+      if (me > t && behind <= half) return;
+      const Index rows = me < t ? y_.cols() / 2 : me == t ? behind - share_[t] : y_.cols();
+      whole.block(share_[me], at, rows, columns.cols()).noalias() = y_.leftCols(rows).transpose() * columns;
+    });
+    parallel::sum(teams_.world(), whole.data(), static_cast<std::size_t>(whole.size()));
+    // An entry that nobody worked out is 0, and there on the other side of the diagonal.
+    for (Index j = 0; j < k; ++j)
+      for (Index i = 0; i < j; ++i) {
+        const double value = whole(i, j) != 0 ? whole(i, j) : whole(j, i);
+        whole(i, j) = whole(j, i) = value;
+      }
+    return whole;
+  }
+
+  void project() {
+    const Index k = share_.back();
+    MatrixXd mass = projected(momentum_), stiffness = projected(force_);
+    lambda_.resize(k);
+    vector_.resize(k, k);
+    // One rank for all, so that they agree to the last digit.
+    if (parallel::rank_of(teams_.world()) == 0) {
+      const VectorXd size = eigen_decomposition(mass);
+      MatrixXd normal = mass * size.cwiseMax(1e-14 * size[k - 1]).cwiseSqrt().cwiseInverse().asDiagonal();
+      MatrixXd inside = normal.transpose() * stiffness * normal;
+      lambda_ = eigen_decomposition(inside);
+      vector_.noalias() = normal * inside;
+    }
+    MPI_Bcast(lambda_.data(), static_cast<int>(k), MPI_DOUBLE, 0, teams_.world());
+    MPI_Bcast(vector_.data(), static_cast<int>(k * k), MPI_DOUBLE, 0, teams_.world());
+  }
+
+  const parallel::Teams& teams_;
+  const Operators& operators_;
+  Factorisation& factor_;
+  std::vector<Index> share_;       ///< of the columns of Y
+  MatrixXd y_, momentum_, force_;  ///< Y of this team, M Y, K Y
+  VectorXd lambda_;
+  MatrixXd vector_;
+};
+
+/// What is asked for, of the order given, in terms of the next lower one.
+ApproximateRequest request_below(const ApproximateRequest& request, const elasticity::Body& body, int order) {
+  ApproximateRequest below;
+  if (request.up_to) below.up_to = Hertz{reach(order) * request.up_to->value};
+  if (!request.count) return below;
+  // What is above the middle of a mesh's spectrum has little to do with modes.
+  const std::int64_t most = body.free_rows / 2;
+  if (*request.count >= most)
+    throw InputError(fmt::format(
+        "modes.approximate: {} modes are too many to start from elements of order {} with their {} free "
+        "displacements: leave approximate out, ask for fewer, or refine the mesh",
+        *request.count, order, body.free_rows));
+  const auto more = static_cast<std::int64_t>(surplus(order) * static_cast<double>(*request.count));
+  below.count = std::min(more + 16, most);
+  return below;
+}
+
+/// How many of ascending λ are asked for.
+Index wanted_of(const ApproximateRequest& request, const VectorXd& lambda, Index rigid) {
+  if (request.count) return std::max<Index>(*request.count - rigid, 0);
+  const double end = std::pow(static_cast<RadPerSecond>(*request.up_to).value, 2);
+  return std::upper_bound(lambda.begin(), lambda.end(), end) - lambda.begin();
+}
+
+/// Elastic modes of the lower order, raised.
+struct Start {
+  MatrixXd shape;  ///< (local rows, n), this team's
+  double end = 0;  ///< about the λ of the last one
+};
+
+/// Whether modes of this order are in their turn started from the one below, which needs room for them. Its
+/// displacements are at least the share taken here.
+bool starts_below(const ApproximateRequest& request, const elasticity::Body& body, int order) {
+  if (order == 1 || body.free_rows <= few) return false;
+  const double left = static_cast<double>(body.free_rows) * std::pow((order - 1.0) / order, 3);
+  return 4 * static_cast<double>(request.count.value_or(0)) < left;
+}
+
+/// Modes of the lower order, found as modes are or started from the order below it. Collective.
+Start start_of(const parallel::Teams& teams, const mesh::Mesh& mesh,
+               const std::vector<scene::Material>& materials, const std::string& file,
+               const ApproximateRequest& request, const Progress& progress) {
+  const mesh::Lower lower(mesh);
+  const int order = lower.mesh().order;
+  const elasticity::Body body = elasticity::assemble(lower.mesh(), materials, file);
+  const ApproximateRequest below = request_below(request, body, order);
+  if (starts_below(below, body, order)) {
+    const auto [x, end] = start_of(teams, lower.mesh(), materials, file, below, progress);
+    if (progress.begin) progress.begin(fmt::format("block iteration, order {}", order));
+    if (shares_of(teams, x).back() == 0) return {MatrixXd(mesh.owned_nodes * mesh.components(), 0), end};
+    const Operators operators(lower.mesh(), body);
+    Factorisation factor(body.stiffness, body.mass);
+    factor.factor(near_zero * end);
+    Iteration iteration(teams, operators, factor);
+    iteration.step(x);
+    const VectorXd& lambda = iteration.lambda();
+    const Index kept = std::min(wanted_of(below, lambda, operators.rigid.cols()), lambda.size());
+    return {lower.raise(iteration.vectors(kept)), kept > 0 ? lambda[kept - 1] : end};
+  }
+  Factorisation factor(body.stiffness, body.mass);
+  const ModeSet found = compute_modes(
+      teams, lower.mesh(), body, factor,
+      {.up_to = below.up_to, .count = below.count, .relative_residual = 1e-2, .modes_per_shift = 100},
+      progress);
+  const auto rigid = std::count_if(found.index.begin(), found.index.end(), [&](Index n) {
+    return found.angular_frequency[static_cast<std::size_t>(n)] == 0;
+  });
+  return {lower.raise(found.shape.rightCols(found.shape.cols() - rigid)), found.cut};
+}
+
+/// A number of Ritz values and a shift behind the last of them.
+struct Cut {
+  Index modes = 0;
+  double sigma = 0;
+};
+
+/// The widest gaps behind `wanted` Ritz values and few more, at most `most` of them.
+std::vector<Cut> gaps(const VectorXd& lambda, Index wanted, double above, std::size_t most) {
+  std::vector<std::pair<double, Cut>> found;
+  const Index last = std::min(wanted + std::max<Index>(8, wanted / 12), lambda.size() - 1);
+  for (Index m = wanted; m <= last; ++m) {
+    const double from = std::max(m > 0 ? lambda[m - 1] : 0, above), to = lambda[m];
+    // Modes lie below their Ritz values: the shift has to keep away from the upper end.
+    found.push_back({(to - from) / to, {m, from + 0.2 * (to - from)}});
+  }
+  std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<Cut> cuts;
+  for (std::size_t i = 0; i < std::min(most, found.size()); ++i) cuts.push_back(found[i].second);
+  return cuts;
+}
+
+/// The first of the cuts, one a team, at which inertia counts as many modes as there are Ritz values.
+/// Collective.
+std::optional<Cut> proved(const parallel::Teams& teams, Factorisation& factor, Index rigid,
+                          const std::vector<Cut>& cuts) {
+  const auto me = static_cast<std::size_t>(teams.mine());
+  std::vector<double> agreed(static_cast<std::size_t>(teams.count()), 0.0);
+  if (me < cuts.size()) {
+    factor.factor(cuts[me].sigma);
+    agreed[me] = factor.below() == rigid + cuts[me].modes ? 1 : 0;
+  }
+  parallel::sum(teams.peers(), agreed.data(), agreed.size());
+  for (std::size_t t = 0; t < cuts.size(); ++t)
+    if (agreed[t] > 0) return cuts[t];
+  return std::nullopt;
+}
+
+}  // namespace
+
+ModeSet approximate_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
+                          Factorisation& factor, const std::vector<scene::Material>& materials,
+                          const std::string& file, const ApproximateRequest& request,
+                          const Progress& progress) {
+  const auto begin = [&](const std::string& phase) {
+    if (progress.begin) progress.begin(phase);
+  };
+  const Operators operators(mesh, body);
+  const Index r = operators.rigid.cols();
+  auto [x, above] = start_of(teams, mesh, materials, file, request, progress);
+  const Index k = shares_of(teams, x).back();
+  const double end = request.up_to ? std::pow(static_cast<RadPerSecond>(*request.up_to).value, 2) : 0;
+
+  Iteration iteration(teams, operators, factor);
+  ModeSet set;
+  set.exact = false;
+  set.static_shift = near_zero * above;
+  Index wanted = 0;
+  std::optional<Cut> cut;
+  for (int step = 1; !cut; ++step) {
+    begin(fmt::format("block iteration {}", step));
+    factor.factor(set.static_shift);
+    if (k > 0) iteration.step(x);
+    const VectorXd& lambda = iteration.lambda();
+    if (step >= request.iterations) {
+      begin("count by inertia");
+      wanted = wanted_of(request, lambda, r);
+      if (wanted >= k)
+        throw InputError(
+            fmt::format("modes.approximate = {}: elements of order {} have {} elastic modes to start from, "
+                        "too few: leave it "
+                        "out, or refine the mesh",
+                        request.iterations, mesh.order - 1, k));
+      cut = proved(teams, factor, r, gaps(lambda, wanted, end, static_cast<std::size_t>(teams.count())));
+    }
+    if (!cut && step == request.iterations + further)
+      throw SolverError(fmt::format(
+          "modes: inertia does not count the modes that approximate = {} finds, nor after {} more "
+          "iterations: leave it out",
+          request.iterations, further));
+    if (!cut) x = iteration.vectors(k);
+  }
+  begin("certificate");
+  const VectorXd lambda = iteration.lambda();
+  Index kept = request.up_to ? cut->modes : wanted;
+  while (kept > 0 && kept < cut->modes && lambda[kept] < (1 + apart) * lambda[kept - 1]) ++kept;
+  set.cut = kept == cut->modes ? cut->sigma : ((kept > 0 ? lambda[kept - 1] : 0) + lambda[kept]) / 2;
+  for (Index n = 0; n < r + kept; ++n) set.angular_frequency.push_back(n < r ? 0 : std::sqrt(lambda[n - r]));
+  const std::vector<Index> share = even_shares(teams, kept);
+  const auto me = static_cast<std::size_t>(teams.mine());
+  const Index rigid = me == 0 ? r : 0, own = share[me + 1] - share[me];
+  set.shape.resize(body.local_rows, rigid + own);
+  set.shape.leftCols(rigid) = operators.rigid.leftCols(rigid);
+  set.shape.rightCols(own) = iteration.vectors(kept);
+  for (Index j = 0; j < rigid; ++j) set.index.push_back(j);
+  for (Index j = share[me]; j < share[me + 1]; ++j) set.index.push_back(r + j);
+  fix_signs(operators, set.shape);
+  certify(teams, operators, r + kept, std::nullopt, set);
+  return set;
+}
+
+double expected_approximate_mib(const Factorisation& factor, std::int64_t local_rows, std::int64_t modes,
+                                int teams) {
+  // X or its image, Y, and M Y of a team's columns.
+  const auto column = static_cast<double>(local_rows) * sizeof(double) / (1 << 20);
+  return factor.expected_mib() + 3 * surplus(1) * static_cast<double>(modes) / teams * column;
+}
+
+}  // namespace ricochet::modes
