@@ -167,6 +167,8 @@ def slopes(ax, sizes, errors, label, colour, marker="o"):
     """Points on logarithmic axes with the fitted order in the legend."""
     slope = np.polyfit(np.log(sizes), np.log(errors), 1)[0]
     ax.loglog(sizes, errors, marker + "-", color=colour, markersize=4, label=f"{label}: order {slope:.2f}")
+    ax.set_xticks(sizes, [f"{size:g}" for size in sizes])
+    ax.minorticks_off()
 
 
 def run(name, module, folder):

@@ -1,3 +1,2 @@
-add_program_test(verification free_disk)
 add_program_test(verification box)
 add_program_test(verification hertz)
