@@ -15,7 +15,8 @@ comes from, how it was run, what came out, how far that is from the reference, a
 
 The status is 0 if every line holds. A line marked **FAIL** is a known failure with its reason beside it: it is kept in view, and
 the run fails when it is mended and this page is not. Scenes and results stay in `build/verify/<case>/`. An error is relative to the
-reference unless it has a unit or the reference is 0. Times are those of one run, on {machine}.
+reference unless it has a unit or the reference is 0. Times are processor seconds
+of one run, on {machine}.
 """
 
 
@@ -50,7 +51,7 @@ def section(name, module, found):
              module.__doc__.strip(), ""]
     commands = list(dict.fromkeys(found["commands"]))
     shown = commands[:4]
-    lines += [f"    scripts/verify {name}", "", f"It takes {found['seconds']:.0f} s and runs {len(commands)} commands"
+    lines += [f"    scripts/verify {name}", "", f"It takes {found['seconds']:.0f} processor seconds and runs {len(commands)} commands"
               + (", among them" if len(commands) > len(shown) else "") + ":" if commands else "", ""]
     lines += [f"    {command}" for command in shown] + [""]
     if found["stopped"]:
@@ -66,7 +67,7 @@ def section(name, module, found):
 
 def write(path, cases, machine):
     """The manual at `path`; `cases`: (name, module, found) in the order of the manual."""
-    lines = [INTRODUCTION.format(machine=machine, example=cases[0][0]), "| case | | lines | result | s |", "|---|---|---|---|---|"]
+    lines = [INTRODUCTION.format(machine=machine, example=cases[0][0]), "| case | | lines | result | processor s |", "|---|---|---|---|---|"]
     for name, module, found in cases:
         anchor = re.sub(r"[^\w\- ]", "", module.TITLE.lower()).replace(" ", "-")
         lines.append(f"| `{name}` | [{module.TITLE}](#{anchor}) | {len(found['checks'])} | {verdict(found)} | {found['seconds']:.0f} |")

@@ -19,22 +19,26 @@ def orthonormal(tables, weight=1.0):
     return {pair: inverse @ table @ inverse.T for pair, table in tables.items()}
 
 
+def stiffness_of(g, young, poisson):
+    """Stiffness, by blocks of the components x, y, z, from g[a + b] = ∫ ∂_a f_m ∂_b f_n."""
+    lame = young * poisson / ((1 + poisson) * (1 - 2 * poisson))
+    shear = young / (2 * (1 + poisson))
+    laplace = g["xx"] + g["yy"] + g["zz"]
+    return [[lame * g[a + b] + shear * g[b + a] + (shear * laplace if a == b else 0) for b in "xyz"] for a in "xyz"]
+
+
 def frequencies(product, parity, young, poisson):
     """All frequencies [Hz], ascending, rigid ones as what round-off makes of 0.
 
     product(a, b): ∫ ∂_a f_m ∂_b f_n of scalar functions with ∫ ρ f_m f_n = δ_mn, a, b from "xyz"; parity: (functions, 3) of 0 or
     1 along x, y and z, all 0 along an axis without symmetry."""
-    g = {a + b: product(a, b) for a in "xyz" for b in "xyz"}
-    lame = young * poisson / ((1 + poisson) * (1 - 2 * poisson))
-    shear = young / (2 * (1 + poisson))
-    laplace = g["xx"] + g["yy"] + g["zz"]
+    blocks = stiffness_of({a + b: product(a, b) for a in "xyz" for b in "xyz"}, young, poisson)
     symmetric = parity.any(axis=0)
     values = []
     for kind in np.unique(parity, axis=0):
         # A motion of this class has the class's parity across each component's own axis turned.
         rows = [np.flatnonzero((parity == np.where(symmetric, kind ^ np.eye(3, dtype=int)[c], 0)).all(axis=1)) for c in range(3)]
-        stiffness = np.block([[(lame * g[a + b] + shear * g[b + a] + (shear * laplace if a == b else 0))[np.ix_(rows[i], rows[j])]
-                               for j, b in enumerate("xyz")] for i, a in enumerate("xyz")])
+        stiffness = np.block([[blocks[i][j][np.ix_(rows[i], rows[j])] for j in range(3)] for i in range(3)])
         values.append(np.linalg.eigvalsh((stiffness + stiffness.T) / 2))
     return np.sqrt(np.maximum(np.sort(np.concatenate(values)), 0)) / (2 * np.pi)
 

@@ -7,4 +7,4 @@ LONG = True
 
 
 def run(bench):
-    bouncing_bar.run(bench, counts=(100, 200, 400, 800), duration=108.0, bound=0.12)
+    bouncing_bar.run(bench, counts=(100, 200, 400, 800), duration=108.0, bound=0.15)

@@ -4,6 +4,7 @@ their own error is seen."""
 import numpy as np
 
 import ritz
+from block import GEO
 from case import BLUE, ORANGE
 
 TITLE = "Free boxes: resonant ultrasound spectroscopy"
@@ -13,18 +14,6 @@ LONG = False
 DENSITY, YOUNG, POISSON = 2700.0, 70e9, 0.33
 ELASTIC = 24
 
-GEO = """
-SetFactory("Built-in");
-DefineConstant[a = 1, b = 1, c = 1, n = 2];
-Point(1) = {0, 0, 0}; Point(2) = {a, 0, 0}; Point(3) = {a, b, 0}; Point(4) = {0, b, 0};
-Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 1};
-Curve Loop(1) = {1:4}; Plane Surface(1) = {1};
-Transfinite Curve{1:4} = n + 1; Transfinite Surface{1}; Recombine Surface{1};
-box[] = Extrude {0, 0, c} { Surface{1}; Layers{n}; Recombine; };
-Physical Volume("box") = {box[1]};
-Physical Surface("foot") = {1};
-Physical Surface("top") = {box[0]};
-"""
 SCENE = f"""[bodies.box]
 mesh = "box.geo"
 order = 5
@@ -55,14 +44,14 @@ def run(bench):
     figure, ax = bench.figure()
     for name, sides, colour in (("box", (0.1, 0.13, 0.17), BLUE), ("cube", (0.1, 0.1, 0.1), ORANGE)):
         a, b, c = sides
-        kernel = bench.kernel(scene, f"bodies.box.geometry={{a={a},b={b},c={c}}}", body="box")
+        kernel = bench.kernel(scene, f"bodies.box.geometry={{a={a},b={b},c={c}}}", body="box", ranks=1)
         ours = kernel["modes/angular_frequency"][:] / (2 * np.pi)
-        coarse, fine = (ritz.box(sides, degree, DENSITY, YOUNG, POISSON)[6 : 6 + ELASTIC] for degree in (8, 10))
+        coarse, fine = (ritz.box(sides, degree, DENSITY, YOUNG, POISSON)[6 : 6 + ELASTIC] for degree in (7, 9))
         bench.compare(f"{name}: rigid modes", np.count_nonzero(ours == 0), 6, 0, "a count")
-        bench.compare(f"{name}: first elastic frequency (Hz)", ours[6], fine[0], 1e-5, "a smooth mode: both errors far below")
+        bench.compare(f"{name}: first elastic frequency (Hz)", ours[6], fine[0], 5e-5, "a smooth mode, a quarter of a wave an element")
         elastic = ours[6 : 6 + ELASTIC]
         error = np.abs(elastic / fine - 1)
-        bench.below(f"{name}: the oracle's own change from degree 8 to 10, {ELASTIC} frequencies", np.abs(coarse / fine - 1).max(), 5e-4,
+        bench.below(f"{name}: the oracle's own change from degree 7 to 9, {ELASTIC} frequencies", np.abs(coarse / fine - 1).max(), 5e-4,
                     "half the bound of the next line")
         bench.below(f"{name}: largest relative error of {ELASTIC} elastic frequencies", error.max(), 1e-3, "shortest waves about two elements long")
         if name == "cube":
@@ -73,7 +62,7 @@ def run(bench):
             bench.compare("cube: groups of equal frequencies whose size is the oracle's", sum(x == y for x, y in zip(found, known)), len(known), 0, "a count")
         ax.semilogy(np.arange(1, ELASTIC + 1), np.maximum(error, 1e-12), "o", markersize=3, color=colour, label=f"{name}: ours")
         ax.semilogy(np.arange(1, ELASTIC + 1), np.maximum(np.abs(coarse / fine - 1), 1e-12), "x", markersize=3, color=colour, alpha=0.6,
-                    label=f"{name}: oracle of degree 8")
-    ax.set(xlabel="elastic mode", ylabel="relative difference", title="Frequencies beside the oracle of degree 10")
+                    label=f"{name}: oracle of degree 7")
+    ax.set(xlabel="elastic mode", ylabel="relative difference", title="Frequencies beside the oracle of degree 9")
     ax.legend()
-    bench.save(figure, "Free box and cube against Rayleigh–Ritz of degree 10")
+    bench.save(figure, "Free box and cube against Rayleigh–Ritz of degree 9")
