@@ -166,7 +166,8 @@ def slopes(ax, sizes, errors, label, colour, marker="o"):
     """Points on logarithmic axes with the fitted order in the legend."""
     slope = np.polyfit(np.log(sizes), np.log(errors), 1)[0]
     ax.loglog(sizes, errors, marker + "-", color=colour, markersize=4, label=f"{label}: order {slope:.2f}")
-    ax.set_xticks(sizes, [f"{size:g}" for size in sizes])
+    ticks = sorted({float(x) for line in ax.lines for x in line.get_xdata()})
+    ax.set_xticks(ticks, [f"{tick:.2g}" if tick < 1 else f"{tick:g}" for tick in ticks])
     ax.minorticks_off()
 
 
