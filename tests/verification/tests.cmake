@@ -1,5 +1,6 @@
 add_program_test(verification box)
 add_program_test(verification uzawa)
+add_program_test(verification verify)
 
 # Each short case of the validation manual is a test of its own; it is computed anew.
 file(GLOB cases CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/verification/cases/*.py)

@@ -41,7 +41,7 @@ def run(bench):
     scene = bench.write("block.toml", SCENE)
     rows, curves = [], {}
 
-    def kernel(elements, *sets, count=None):
+    def kernel(elements, *sets):
         unknowns = 3 * (2 * elements + 1) ** 3
         a, b, c = SIDES
         found = bench.kernel(scene, "bodies.box.support={}", f"bodies.box.geometry={{a={a},b={b},c={c},n={elements}}}",
@@ -58,20 +58,21 @@ def run(bench):
     block = Block(SIDES, 3, 2, **MATERIAL)
     order = block.rows(place)
     exact = (block.loads.T @ np.linalg.solve(block.mass, block.loads))[np.ix_(order, order)]
-    bench.below("all modes: largest error of an entry of Ṅ(0⁺), over the largest entry", np.abs(whole - exact).max() / exact.max(), 1e-7,
-                "orthonormality of the modes to 1e-8")
+    bench.below("all modes: largest error of an entry of Ṅ(0⁺), over the largest entry",
+                np.abs(whole - exact).max() / exact.max(), 1e-7, "orthonormality of the modes to 1e-8")
     for modes in (50, 200, 600, shape.shape[1]):
         part = shape[:, :modes] @ shape[:, :modes].T
         note("3 bricks a side, all nodes", part, node, step, modes)
         curves[f"{modes} modes"] = profile(part, node)
     for elements in (2, 4):
         other = Block(SIDES, elements, 2, **MATERIAL)
-        note(f"{elements} bricks a side, all nodes", other.loads.T @ np.linalg.solve(other.mass, other.loads), other.node, SIDES[0] / (2 * elements),
-             len(other.mass))
+        admittance = other.loads.T @ np.linalg.solve(other.mass, other.loads)
+        note(f"{elements} bricks a side, all nodes", admittance, other.node, SIDES[0] / (2 * elements), len(other.mass))
     for spacing in (0.012, 0.02):
         thin, where, _ = kernel(3, f"contact.spacing={spacing}")
         note(f"3 bricks a side, spacing {1e3 * spacing:g} mm", thin @ thin.T, where, spacing, thin.shape[1])
-    bench.table(["mesh and patches", "patches", "modes", "row off the diagonal / diagonal, mean", "largest beyond two patches / diagonal"], rows)
+    bench.table(["mesh and patches", "patches", "modes", "row off the diagonal / diagonal, mean",
+                 "largest beyond two patches / diagonal"], rows)
 
     cut = shape[:, :200] @ shape[:, :200].T
     bench.below("all modes: largest entry beyond two patches, over the diagonal", far(whole, node, step), CLAIM,

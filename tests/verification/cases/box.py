@@ -8,8 +8,8 @@ from block import GEO
 from case import BLUE, ORANGE
 
 TITLE = "Free boxes: resonant ultrasound spectroscopy"
-SOURCE = ("Rayleigh–Ritz in products of Legendre polynomials, computed in the case: Demarest 1971, J. Acoust. Soc. Am. 49, 768; Visscher et "
-          "al. 1991, 90, 2154.")
+SOURCE = ("Rayleigh–Ritz in products of Legendre polynomials, computed in the case: Demarest 1971, J. Acoust. Soc. Am. 49, 768; "
+          "Visscher et al. 1991, 90, 2154.")
 LONG = False
 DENSITY, YOUNG, POISSON = 2700.0, 70e9, 0.33
 ELASTIC = 24
@@ -53,13 +53,15 @@ def run(bench):
         error = np.abs(elastic / fine - 1)
         bench.below(f"{name}: the oracle's own change from degree 7 to 9, {ELASTIC} frequencies", np.abs(coarse / fine - 1).max(), 5e-4,
                     "half the bound of the next line")
-        bench.below(f"{name}: largest relative error of {ELASTIC} elastic frequencies", error.max(), 1e-3, "shortest waves about two elements long")
+        bench.below(f"{name}: largest relative error of {ELASTIC} elastic frequencies", error.max(), 1e-3,
+                    "shortest waves about two elements long")
         if name == "cube":
             # The last group may be cut by the count.
             known = groups(fine, 1e-6)[:-1]
             found = groups(elastic, 1e-6)[: len(known)]
             bench.compare("cube: largest multiplicity", max(found), max(known), 0, "a count")
-            bench.compare("cube: groups of equal frequencies whose size is the oracle's", sum(x == y for x, y in zip(found, known)), len(known), 0, "a count")
+            bench.compare("cube: groups of equal frequencies whose size is the oracle's",
+                          sum(x == y for x, y in zip(found, known)), len(known), 0, "a count")
         ax.semilogy(np.arange(1, ELASTIC + 1), np.maximum(error, 1e-12), "o", markersize=3, color=colour, label=f"{name}: ours")
         ax.semilogy(np.arange(1, ELASTIC + 1), np.maximum(np.abs(coarse / fine - 1), 1e-12), "x", markersize=3, color=colour, alpha=0.6,
                     label=f"{name}: oracle of degree 7")

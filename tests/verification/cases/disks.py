@@ -1,8 +1,8 @@
 """The paper's soft lead disks, edge on, at V0 = 1 and 6 m/s (`meshes/two-disks`), on elements of 10 mm and vectors fitted to contact. The
 paper gives pictures and what they show: at 1 m/s the contact stays about position 9 and takes in 8 and 10 at times, position 9
 stays in contact; at 6 m/s it goes beyond 8 and 10, and position 9 opens while its neighbours press. It counts as open here if it does
-not press while others on both of its sides do, for a hundredth of the contact or more: single steps are chatter. Where the first touch falls, what the impulse does to the momentum, and
-the symmetry about position 9 are known in closed form."""
+not press while others on both of its sides do, for a hundredth of the contact or more: single steps are chatter. Where the first
+touch falls, what the impulse does to the momentum, and the symmetry about position 9 are known in closed form."""
 import numpy as np
 
 import result_file
@@ -83,13 +83,16 @@ def run(bench, sets=COARSE):
         share = opened(force)
         if speed == 1:
             bench.compare(f"{name}: positions beside 9 that are ever touched, on a side", reach, 1, 0, "Figure 7: 8 and 10")
-            bench.below(f"{name}: longest opening of 9 between its neighbours, share of the contact", share, OPEN, "Figure 7: it stays in contact")
+            bench.below(f"{name}: longest opening of 9 between its neighbours, share of the contact", share, OPEN,
+                        "Figure 7: it stays in contact")
         else:
             bench.check(f"{name}: positions beside 9 that are ever touched, on a side, at least", reach, 2, max(2 - reach, 0), 0,
                         "Figure 8: beyond 8 and 10", "", True, reach >= 2, None)
-            bench.check(f"{name}: longest opening of 9 between its neighbours, share of the contact, at least", share, OPEN, max(OPEN - share, 0), 0,
-                        "Figure 8: a gap appears", "", True, share >= OPEN, OPENING)
-        rows.append([f"{speed}", f"{1e3 * summary['contact_start_s']:.3f} – {1e3 * last:.3f}", summary["max_active"], f"{summary['peak_force_n']:.1f}",
-                     f"{summary['impulse_ns']:.4f}", f"{summary['exit_velocity']['upper'][1]:.3f}", f"{100 * summary['energy_lost_contact']:.2f} %"])
+            bench.check(f"{name}: longest opening of 9 between its neighbours, share of the contact, at least", share, OPEN,
+                        max(OPEN - share, 0), 0, "Figure 8: a gap appears", "", True, share >= OPEN, OPENING)
+        rows.append([f"{speed}", f"{1e3 * summary['contact_start_s']:.3f} – {1e3 * last:.3f}", summary["max_active"],
+                     f"{summary['peak_force_n']:.1f}", f"{summary['impulse_ns']:.4f}", f"{summary['exit_velocity']['upper'][1]:.3f}",
+                     f"{100 * summary['energy_lost_contact']:.2f} %"])
         snapshots(bench, result, speed)
-    bench.table(["V0 (m/s)", "contact (ms)", "touching at most", "peak force (N)", "impulse (N s)", "rebound (m/s)", "energy to contact"], rows)
+    bench.table(["V0 (m/s)", "contact (ms)", "touching at most", "peak force (N)", "impulse (N s)", "rebound (m/s)",
+                 "energy to contact"], rows)

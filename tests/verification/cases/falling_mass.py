@@ -78,17 +78,19 @@ def run(bench):
     bench.compare("(a): bounces within 4 s", len(bounces), np.floor((4.0 / fall + 1) / 2), 0, "a count")
     bench.below("(a): farthest that a bounce is from t_c (2n + 1), in steps",
                 max(max(b["start_s"] - t, t - b["end_s"], 0) for b, t in zip(bounces, times)) * RATE, 1e-6, instant)
-    bench.compare("(a): impulse of the first bounce (N s)", bounces[0]["impulse_ns"], 2 * MASS * speed, 1e-9, "round-off: the instant is exact")
+    bench.compare("(a): impulse of the first bounce (N s)", bounces[0]["impulse_ns"], 2 * MASS * speed, 1e-9,
+                  "round-off: the instant is exact")
     bench.compare("(a): impulse of the last bounce (N s)", bounces[-1]["impulse_ns"], 2 * MASS * speed, 1e-8, "round-off of all bounces")
     bench.below("(a): share of the energy lost in contact", elastic.summary["energy_lost_contact"], 1e-8, "round-off of all bounces")
 
     time, force = plastic.force()
     first = plastic.summary["episodes"][0]
-    bench.below("(b): start of contact before or after t_c, in steps", max(first["start_s"] - fall, fall - first["start_s"] - 1 / RATE, 0) * RATE, 1e-6,
-                instant)
+    bench.below("(b): start of contact before or after t_c, in steps",
+                max(first["start_s"] - fall, fall - first["start_s"] - 1 / RATE, 0) * RATE, 1e-6, instant)
     row = np.flatnonzero(force)[0]
     bench.compare("(b): impulse of the touch and the rest of its step (N s)", force[row] / RATE,
-                  MASS * speed + MASS * GRAVITY * (time[row] - fall), 1e-6, "round-off; the weight acts on from the touch to the step's end")
+                  MASS * speed + MASS * GRAVITY * (time[row] - fall), 1e-6,
+                  "round-off; the weight acts on from the touch to the step's end")
     bench.compare("(b): force after it, mean (N)", force[row + 1 :].mean(), MASS * GRAVITY, 1e-4, "the weight; impulses once a step")
     bench.below("(b): speed after it (m/s)", np.abs(plastic["bodies/mass/velocity"][row + 1 :]).max(), 1.01 * GRAVITY / RATE,
                 "what gravity adds between two impulses")

@@ -1,5 +1,5 @@
-"""A steel block of 60 × 50 × 40 mm on a clamped foot, in 4 × 4 × 4 bricks of order 2. The displacement of the 81 contact patches of its top
-under a unit normal force on each is Σ_n φ_in φ_jn/ω_n² + R_ij, whatever the number of modes: what the modes miss is in R. The
+"""A steel block of 60 × 50 × 40 mm on a clamped foot, in 4 × 4 × 4 bricks of order 2. The displacement of the contact patches of its
+top under a unit normal force on each is Σ_n φ_in φ_jn/ω_n² + R_ij, whatever the number of modes: what the modes miss is in R. The
 oracle assembles the same bricks from integrals in one dimension and solves for all patches at once."""
 import numpy as np
 
@@ -48,12 +48,14 @@ def run(bench):
         total = part + kernel["surface/residual_flexibility"][:]
         modal.append(np.abs(part - reference).max() / scale)
         whole.append(np.abs(total - reference).max() / scale)
-        bench.compare(f"{count} modes: flexibility of the patch at the centre (nm/N)", 1e9 * total.diagonal()[rows.argsort()][len(rows) // 2],
+        bench.compare(f"{count} modes: flexibility of the patch at the centre (nm/N)",
+                      1e9 * total.diagonal()[rows.argsort()][len(rows) // 2],
                       1e9 * exact.diagonal()[len(rows) // 2], 1e-8, "modes of residual 1e-8 and static solves to 1e-10")
         bench.below(f"{count} modes: largest error of all {len(rows)}² entries, over the largest entry", whole[-1], 1e-8,
                     "modes of residual 1e-8 and static solves to 1e-10")
     area = kernel["surface/area"][:]
-    bench.below("largest relative error of the areas of the patches", np.abs(area / block.area[rows] - 1).max(), 1e-11, "round-off, that of the mesh generator too")
+    bench.below("largest relative error of the areas of the patches", np.abs(area / block.area[rows] - 1).max(), 1e-11,
+                "round-off, that of the mesh generator too")
     bench.below("smallest eigenvalue of R of 160 modes below 0, over its largest",
                 max(0.0, -np.linalg.eigvalsh(kernel["surface/residual_flexibility"][:])[0]) / scale, 1e-12, "R is positive semidefinite")
     figure, ax = bench.figure()

@@ -9,10 +9,11 @@ which the force is constant, and the cut."""
 import numpy as np
 
 from block import GEO
-from case import BLUE, GREEN, GREY, ORANGE, RED, slopes
+from case import BLUE, GREEN, GREY, RED, slopes
 
 TITLE = "Orders of convergence in h, p, Δ and N"
-SOURCE = "Separation of variables for the box, d'Alembert's solution for the bar; h^2p: Strang & Fix 1973, *An Analysis of the Finite Element Method*."
+SOURCE = ("Separation of variables for the box, d'Alembert's solution for the bar; h^2p: Strang & Fix 1973, *An Analysis of the "
+          "Finite Element Method*.")
 LONG = False
 SIDES = (0.1, 0.13, 0.17)
 DENSITY, YOUNG, POISSON = 2700.0, 70e9, 0.33
@@ -104,7 +105,8 @@ def elements(bench, ax):
     for (order, meshes), colour in zip(MESHES.items(), (RED, BLUE, GREEN)):
         errors = []
         for n in meshes:
-            kernel = bench.kernel(scene, f"bodies.box.order={order}", f"bodies.box.geometry={{a={a},b={b},c={c},n={n}}}", body="box", ranks=1)
+            kernel = bench.kernel(scene, f"bodies.box.order={order}", f"bodies.box.geometry={{a={a},b={b},c={c},n={n}}}", body="box",
+                                  ranks=1)
             ours = kernel["modes/angular_frequency"][:]
             errors.append(np.abs(ours[ours > 0][:LOWEST] / (2 * np.pi) / exact - 1).max())
         sizes = 1 / np.array(meshes)
@@ -136,7 +138,8 @@ def run(bench):
     for residual, colour, expected in ((True, BLUE, -3.0), (False, RED, -1.0)):
         errors, name = [], "with R" if residual else "without R"
         for count in counts:
-            result = bench.impact(scene, f"modes={{count={count},residual_flexibility={str(residual).lower()}}}", "time.rate_hz=1600", ranks=1)
+            modes = f"modes={{count={count},residual_flexibility={str(residual).lower()}}}"
+            result = bench.impact(scene, modes, "time.rate_hz=1600", ranks=1)
             errors.append(force_error(result))
         slopes(axes[1, 0], counts, errors, name, colour)
         bench.order(f"force over N, {name}", counts, errors, expected, 0.5,

@@ -108,8 +108,10 @@ def run(bench):
         restitution = result.summary["exit_velocity"]["ball"][2] / SPEED
         time, force = result.force()
         force *= hertz.QUARTERS
-        bench.compare(f"{name}: restitution (λ = {inelastic:.3f})", restitution, ideal, 0.05, "Zener's plate has no shear and no thickness")
-        bench.compare(f"{name}: peak force (N)", force.max(), ideal_force.max() * MASS * SPEED / UNIT, 0.05, "as for the restitution; patches of 0.1 mm")
+        bench.compare(f"{name}: restitution (λ = {inelastic:.3f})", restitution, ideal, 0.05,
+                      "Zener's plate has no shear and no thickness")
+        bench.compare(f"{name}: peak force (N)", force.max(), ideal_force.max() * MASS * SPEED / UNIT, 0.05,
+                      "as for the restitution; patches of 0.1 mm")
         bench.compare(f"{name}: time of contact (µs)", 1e6 * (result.summary["contact_end_s"] - result.summary["contact_start_s"]),
                       1e6 * ideal_time[-1] * UNIT, 0.05, "as for the restitution")
         bench.below(f"{name}: departure of the energy ledger", result.summary["energy_drift"], 1e-9, "round-off of the steps")

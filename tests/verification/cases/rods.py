@@ -69,8 +69,10 @@ def run(bench):
     bench.compare("jump: rate of penetration, by the creep formula (m/s)", (gap[first] - gap[last]) / (time[last] - time[first]),
                   pressure * STEP * admittance, 2e-3, "the ripple of the cut averages out")
     creeps = "the printed reading (30), (34) lets the ends creep into each other between impulses"
-    bench.compare("jump: mean force, by the wave solution (N)", mean_force(jump), 0.5, 5e-3, "as for the other laws", known=creeps)
-    bench.below("jump: share of the energy lost to contact", jump.summary["energy_lost_contact"], 5e-3, "as for the other laws", known=creeps)
+    bench.compare("jump: mean force, by the wave solution (N)", mean_force(jump), 0.5, 5e-3, "as for the other laws",
+                  known=creeps)
+    bench.below("jump: share of the energy lost to contact", jump.summary["energy_lost_contact"], 5e-3, "as for the other laws",
+                known=creeps)
 
     figure, (left, right) = bench.figure(2)
     for (name, result), colour in zip(results.items(), (BLUE, RED, GREEN)):

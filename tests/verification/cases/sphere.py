@@ -1,12 +1,12 @@
-"""A free sphere (R = E = ρ = 1, ν = 0.3). Torsional modes of degree l are roots x = ωR/c_s of (l − 1) j_l(x) = x j_{l+1}(x), spheroidal ones
-those of a 2 × 2 determinant of the tractions on the surface; each has 2l + 1 forms. Roots are found here from spherical Bessel
-functions by their series. A mesh has no such symmetry, so finding each root 2l + 1 times shows that no mode is missing or
+"""A free sphere (R = E = ρ = 1, ν = 0.3). Torsional modes of degree l are roots x = ωR/c_s of (l − 1) j_l(x) = x j_{l+1}(x), spheroidal
+ones those of a 2 × 2 determinant of the tractions on the surface; each has 2l + 1 forms. Roots are found here from spherical
+Bessel functions by their series. A mesh has no such symmetry, so finding each root 2l + 1 times shows that no mode is missing or
 invented."""
 import math
 
 import numpy as np
 
-from case import BLUE, GREEN, GREY, ORANGE
+from case import BLUE, GREEN, ORANGE
 
 TITLE = "Lamb's modes of the free sphere"
 SOURCE = "Lamb 1882, Proc. London Math. Soc. 13, 189; traction determinants as in Eringen & Suhubi 1975, *Elastodynamics* II, chapter 8."
@@ -108,7 +108,8 @@ def run(bench):
     for x, l, kind in table:
         group = elastic[start : start + 2 * l + 1]
         start += 2 * l + 1
-        ax.plot(l + np.linspace(-0.18, 0.18, len(group)), group, ".", color=BLUE, markersize=3, label="ours" if start == 2 * table[0][1] + 1 else None)
+        label = "ours" if (x, l, kind) == table[0] else None
+        ax.plot(l + np.linspace(-0.18, 0.18, len(group)), group, ".", color=BLUE, markersize=3, label=label)
     ax.set(xlabel="degree l", ylabel="ωR/c_s", title=f"{len(elastic)} elastic modes of {kernel.attrs['dofs']} unknowns")
     ax.legend(loc="lower right")
     bench.save(figure, "Modes of the free sphere by degree: bars in closed form, dots ours, 2l + 1 of each")

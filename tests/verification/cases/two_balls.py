@@ -33,7 +33,8 @@ def run(bench):
     bench.compare("episodes of contact", len(summary["episodes"]), 1, 0, "a count")
     bench.compare("time of contact (µs)", 1e6 * (summary["contact_end_s"] - summary["contact_start_s"]), 1e6 * duration, 0.03, reason)
     bench.compare("peak force (N)", hertz.QUARTERS * summary["peak_force_n"], peak, 0.03, reason)
-    bench.compare("impulse (N s)", hertz.QUARTERS * summary["impulse_ns"], 2 * mass * SPEED, 0.01, "waves keep below a thousandth of the energy (Hunter)")
+    bench.compare("impulse (N s)", hertz.QUARTERS * summary["impulse_ns"], 2 * mass * SPEED, 0.01,
+                  "waves keep below a thousandth of the energy (Hunter)")
     for body, sign in (("upper", 1), ("lower", -1)):
         bench.compare(f"{body} ball leaves at (m/s)", summary["exit_velocity"][body][2], sign * SPEED / 2, 0.01,
                       "waves keep below a thousandth of the energy (Hunter)")
