@@ -4,6 +4,7 @@ A case is a module in cases/ with TITLE, SOURCE, a docstring for the manual, and
 import json
 import os
 import subprocess
+import traceback
 from pathlib import Path
 
 import h5py
@@ -72,14 +73,14 @@ class Bench:
         if done.returncode != 0:
             lines = [line for line in done.stderr.splitlines() if line.strip()]
             raise Stopped(f"{shown}: status {done.returncode}: {lines[0] if lines else ''}")
-        self.found["commands"].append(shown)
+        self.found["commands"].append(shown.replace(f"{self.folder}/", ""))
         return done
 
     def shown(self, path):
         path = Path(path)
         return path.relative_to(programs.ROOT) if path.is_relative_to(programs.ROOT / "meshes") else path.name
 
-    def kernel(self, scene, *sets, ranks=2, body=None, out="out"):
+    def kernel(self, scene, *sets, ranks=1, body=None, out="out"):
         """Computes the scene's kernels that are not there yet; the open kernel file of `body` if one is named."""
         command = programs.mpirun(ranks) + [programs.BIN / "ricochet-kernel", scene, "--quiet", "--out", self.folder / out]
         words = [word for value in sets for word in ("--set", value)]
@@ -99,32 +100,34 @@ class Bench:
         self.call([programs.BIN / "ricochet-contact", scene, "--quiet", "--out", self.folder / out, *words], text)
         return Result(self.folder / out, slug)
 
-    def impact(self, scene, *sets, ranks=2):
+    def impact(self, scene, *sets, ranks=1):
         self.kernel(scene, *sets, ranks=ranks)
         return self.contact(scene, *sets)
 
     # ---- Comparing ----
 
-    def compare(self, what, ours, reference, bound, reason, unit="", absolute=False, known=None):
+    def compare(self, what, ours, reference, bound, reason, absolute=False, known=None):
         """One line of the manual: |ours − reference|, over |reference| unless `absolute`, is within `bound`. `known` says why
         it is not, where that is established: the line then stands as a failure without making the run fail."""
         error = abs(ours - reference) / (1 if absolute else abs(reference))
-        self.check(what, ours, reference, error, bound, reason, unit, absolute, bool(error <= bound), known)
+        self.check(what, ours, reference, error, bound, reason, error <= bound, absolute, known)
 
-    def below(self, what, ours, bound, reason, unit="", known=None):
+    def below(self, what, ours, bound, reason, known=None):
         """One line of the manual: an error, or what should be 0, is at most `bound`."""
-        self.check(what, ours, 0.0, abs(ours), bound, reason, unit, True, bool(abs(ours) <= bound), known)
+        self.check(what, ours, 0.0, abs(ours), bound, reason, abs(ours) <= bound, True, known)
 
-    def check(self, what, ours, reference, error, bound, reason, unit, absolute, holds, known):
+    def at_least(self, what, ours, reference, reason, known=None):
+        """One line: what is a matter of more or less."""
+        self.check(what + ", at least", ours, reference, max(reference - ours, 0), 0.0, reason, ours >= reference, True, known)
+
+    def check(self, what, ours, reference, error, bound, reason, holds, absolute, known):
         values = dict(ours=float(ours), reference=float(reference), error=float(error), bound=float(bound))
-        self.found["checks"].append(values | dict(what=what, reason=reason, unit=unit, absolute=absolute, holds=bool(holds),
-                                                  known=known))
+        self.found["checks"].append(values | dict(what=what, reason=reason, absolute=absolute, holds=bool(holds), known=known))
 
     def order(self, what, sizes, errors, expected, bound, reason, known=None):
-        """One line: the slope of errors over sizes in logarithms, by least squares, is `expected` within `bound`. Returns it."""
+        """One line: the slope of errors over sizes in logarithms, by least squares, is `expected` within `bound`."""
         slope = float(np.polyfit(np.log(sizes), np.log(errors), 1)[0])
         self.compare(f"order: {what}", slope, expected, bound, reason, absolute=True, known=known)
-        return slope
 
     def table(self, head, rows):
         """A table for the manual, of texts."""
@@ -162,13 +165,20 @@ class Bench:
 BLUE, ORANGE, GREEN, PURPLE, RED, GREY = "#2b6cb0", "#d2691e", "#3a8f5c", "#8a4fa3", "#b03a48", "#555555"
 
 
-def slopes(ax, sizes, errors, label, colour, marker="o"):
+def plain_ticks(ax, sizes):
+    """Just these on a logarithmic x axis, as plain numbers."""
+    from matplotlib.ticker import NullLocator
+
+    ticks = sorted(sizes)
+    ax.set_xticks(ticks, [f"{tick:.2g}" if tick < 1 else f"{tick:g}" for tick in ticks])
+    ax.xaxis.set_minor_locator(NullLocator())
+
+
+def slopes(ax, sizes, errors, label, colour):
     """Points on logarithmic axes with the fitted order in the legend."""
     slope = np.polyfit(np.log(sizes), np.log(errors), 1)[0]
-    ax.loglog(sizes, errors, marker + "-", color=colour, markersize=4, label=f"{label}: order {slope:.2f}")
-    ticks = sorted({float(x) for line in ax.lines for x in line.get_xdata()})
-    ax.set_xticks(ticks, [f"{tick:.2g}" if tick < 1 else f"{tick:g}" for tick in ticks])
-    ax.minorticks_off()
+    ax.loglog(sizes, errors, "o-", color=colour, markersize=4, label=f"{label}: order {slope:.2f}")
+    plain_ticks(ax, {float(x) for line in ax.lines for x in line.get_xdata()})
 
 
 def processor_seconds():
@@ -187,6 +197,9 @@ def run(name, module, folder):
         bench.found["stopped"] = None if bench.found["checks"] else "it compared nothing"
     except Stopped as why:
         bench.found["stopped"] = str(why)
+    except Exception as fault:  # what a broken program leaves behind must not end the other cases
+        traceback.print_exc()
+        bench.found["stopped"] = f"it broke off: {type(fault).__name__}: {str(fault).splitlines()[0] if str(fault) else ''}"
     return bench.found | {"seconds": processor_seconds() - started}
 
 

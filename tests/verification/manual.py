@@ -5,18 +5,19 @@ from case import verdict
 
 INTRODUCTION = """# Validation manual
 
-Written by `scripts/verify --manual` from the runs themselves: no figure is typed by hand. Each case says where its reference
+Written by `scripts/verify --long --manual` from the runs themselves: no result is typed by hand. Each case says where its reference
 comes from, how it was run, what came out, how far that is from the reference, and why the bound is what it is.
 
     scripts/verify                 # all short cases; what is finished is not computed again
     scripts/verify --long          # the long ones too
-    scripts/verify {example}       # one case
+    scripts/verify bars sphere     # these
     scripts/verify --list
 
-The status is 0 if every line holds. A line marked **FAIL** is a known failure with its reason beside it: it is kept in view, and
-the run fails when it is mended and this page is not. Scenes and results stay in `build/verify/<case>/`. An error is relative to the
-reference unless it has a unit or the reference is 0. Times are processor seconds
-of one run, on {machine}.
+The status is 0 if every line passes or is a known failure: one whose reason is established and stands beside it. A known failure
+that passes after all fails the run, so that this page is mended. Scenes and results stay in `build/verify/<case>/`. Errors are
+relative to the reference, but where that is 0 or "abs." says otherwise. Times are processor seconds of one run, on {machine}.
+
+{count}
 """
 
 
@@ -31,13 +32,10 @@ def short(value):
 
 
 def row(check):
-    error = short(check["error"])
-    if check["unit"] and check["absolute"]:
-        error += f" {check['unit']}"
+    error = short(check["error"]) + (" abs." if check["absolute"] and check["reference"] else "")
     result = "pass" if check["holds"] else "**FAIL**"
     reason = check["reason"] + (f" **Known failure:** {check['known']}" if check["known"] else "")
-    unit = f" ({check['unit']})" if check["unit"] else ""
-    cells = [check["what"] + unit, number(check["reference"]), number(check["ours"]), error, short(check["bound"]), result, reason]
+    cells = [check["what"], number(check["reference"]), number(check["ours"]), error, short(check["bound"]), result, reason]
     return "| " + " | ".join(cells) + " |"
 
 
@@ -51,7 +49,7 @@ def section(name, module, found):
              module.__doc__.strip(), ""]
     commands = list(dict.fromkeys(found["commands"]))
     shown = commands[:4]
-    lines += [f"    scripts/verify {name}", "", f"It takes {found['seconds']:.0f} processor seconds and runs {len(commands)} commands"
+    lines += [f"    scripts/verify {name}", "", f"It takes {found['seconds']:.1f} s of processor time and runs {len(commands)} commands"
               + (", among them" if len(commands) > len(shown) else "") + ":" if commands else "", ""]
     lines += [f"    {command}" for command in shown] + [""]
     if found["stopped"]:
@@ -67,10 +65,16 @@ def section(name, module, found):
 
 def write(path, cases, machine):
     """The manual at `path`; `cases`: (name, module, found) in the order of the manual."""
-    lines = [INTRODUCTION.format(machine=machine, example=cases[0][0]), "| case | | lines | result | processor s |", "|---|---|---|---|---|"]
+    checks = [check for _, _, found in cases for check in found["checks"]]
+    failing = [check for check in checks if not check["holds"]]
+    known = sum(bool(check["known"]) for check in failing)
+    count = f"{len(checks)} lines: {len(checks) - len(failing)} pass, {len(failing)} fail, {known} of them known failures."
+    lines = [INTRODUCTION.format(machine=machine, count=count), "| case | | pass | fail | result | processor s |", "|---|---|---|---|---|---|"]
     for name, module, found in cases:
         anchor = re.sub(r"[^\w\- ]", "", module.TITLE.lower()).replace(" ", "-")
-        lines.append(f"| `{name}` | [{module.TITLE}](#{anchor}) | {len(found['checks'])} | {verdict(found)} | {found['seconds']:.0f} |")
+        lines.append(f"| `{name}` | [{module.TITLE}](#{anchor}) | "
+                     f"{sum(c['holds'] for c in found['checks'])} | {sum(not c['holds'] for c in found['checks'])} | {verdict(found)} | "
+                     f"{found['seconds']:.1f} |")
     lines.append("")
     for case in cases:
         lines += section(*case)

@@ -24,7 +24,7 @@ def run(bench, sizes=(1e-4, 5e-5), bounds=None):
     scene = ROOT / "meshes" / "hertz" / "resting-ball.toml"
     errors, rows, contacts = [], [], {}
     for size in sizes:
-        result = bench.impact(scene, f"bodies.ball.geometry={{size={size}}}", ranks=1)
+        result = bench.impact(scene, f"bodies.ball.geometry={{size={size}}}")
         contact = contacts[size] = hertz.Contact(result.path, "ball")
         weight = hertz.QUARTERS * GRAVITY * float(result.kernel("ball").attrs["mass"])
         approach, ideal = result.summary["pairs"][0]["approach_m"], hertz.radius(contact.total)
@@ -57,8 +57,8 @@ def run(bench, sizes=(1e-4, 5e-5), bounds=None):
                 "round-off: equality in (2)")
     for name in errors[0]:
         rates = [np.log2(coarse[name] / fine[name]) for coarse, fine in zip(errors, errors[1:])]
-        bench.check(f"order: {name} over the size, from the two finest meshes", rates[-1], 1.0, max(1 - rates[-1], 0), 0.5,
-                    "first order or better is asked of what ends at an unknown edge", "", True, rates[-1] > 0.5, None)
+        bench.at_least(f"order: {name} over the size, from the two finest meshes", rates[-1], 0.5,
+                       "an edge that elements do not follow spoils the order")
 
     figure, (left, right) = bench.figure(2)
     for (size, shown), marker, colour in zip(contacts.items(), "s^o", (ORANGE, GREEN, BLUE)):

@@ -65,7 +65,7 @@ def run(bench):
     figure, axes = bench.figure(2)
     for ax, (name, support) in zip(axes, SUPPORTS.items()):
         clamped = name == "clamped"
-        result = bench.impact(scene, f"bodies.bar.support={support}", ranks=1)
+        result = bench.impact(scene, f"bodies.bar.support={support}")
         with result.kernel("bar") as kernel:
             frequency = kernel["modes/angular_frequency"][:] / (2 * np.pi)
         number = np.arange(MODES)

@@ -7,4 +7,4 @@ LONG = True
 
 
 def run(bench):
-    disks.run(bench, [])
+    disks.run(bench, [], ranks=2)

@@ -66,7 +66,7 @@ def height(result):
 def run(bench):
     bench.write("mass.geo", GEO)
     scene = bench.write("mass.toml", SCENE)
-    bench.kernel(scene, ranks=1)
+    bench.kernel(scene)
     fall, speed = np.sqrt(2 * HEIGHT / GRAVITY), np.sqrt(2 * GRAVITY * HEIGHT)
     elastic = bench.contact(scene, "contact.restitution=1")
     plastic = bench.contact(scene, "contact.restitution=0")

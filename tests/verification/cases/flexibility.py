@@ -4,7 +4,7 @@ oracle assembles the same bricks from integrals in one dimension and solves for 
 import numpy as np
 
 from block import GEO, Block
-from case import BLUE, RED
+from case import BLUE, RED, plain_ticks
 
 TITLE = "Static flexibility of a clamped block"
 SOURCE = "A direct dense solve of finite elements assembled in the case as Kronecker products, which shares no code with Ricochet."
@@ -40,7 +40,7 @@ def run(bench):
     counts, modal, whole = [10, 40, 160], [], []
     scale = np.abs(exact).max()
     for count in counts:
-        kernel = bench.kernel(scene, f"modes={{count={count}}}", body="box", out=f"out-{count}", ranks=1)
+        kernel = bench.kernel(scene, f"modes={{count={count}}}", body="box", out=f"out-{count}")
         omega, shape = kernel["modes/angular_frequency"][:], kernel["surface/shape"][:]
         rows = block.rows(kernel["surface/node"][:])
         reference = exact[np.ix_(rows, rows)]
@@ -62,8 +62,7 @@ def run(bench):
     ax.loglog(counts, modal, "o-", color=RED, label="modes alone")
     ax.loglog(counts, whole, "o-", color=BLUE, label="modes + R")
     ax.axhline(1e-8, color="black", linestyle=":", linewidth=0.8, label="bound")
-    ax.set_xticks(counts, counts)
-    ax.minorticks_off()
+    plain_ticks(ax, counts)
     ax.set(xlabel="modes", ylabel="largest error / largest entry", title="Static flexibility of the contact patches")
     ax.legend()
     bench.save(figure, "What the residual flexibility adds to the modes of a clamped block")

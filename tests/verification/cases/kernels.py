@@ -27,7 +27,7 @@ def run(bench):
     times = np.arange(STEP / 2, 50, STEP)
     stair = 1 + 2 * np.floor(times / (2 * LENGTH))
 
-    paper = bench.kernel(scene, ranks=1, body="moving")
+    paper = bench.kernel(scene, body="moving")
     value, rate, at_once = by_modes(paper, times)
     for number in range(2):
         inside = (times > 20 * number + 1) & (times < 20 * number + 19)
@@ -37,7 +37,7 @@ def run(bench):
                   "the rigid mode alone: 1/(ρAL), with stairs about it")
 
     order = [f"bodies.{name}.{key}" for name in ("moving", "resting") for key in ("order=5", "geometry={elements=200}")]
-    fine = bench.kernel(scene, *order, "modes={count=200}", ranks=1, body="moving", out="fine")
+    fine = bench.kernel(scene, *order, "modes={count=200}", body="moving", out="fine")
     counts = np.array([25, 50, 100, 200])
     errors = []
     for count in counts:

@@ -105,8 +105,7 @@ def elements(bench, ax):
     for (order, meshes), colour in zip(MESHES.items(), (RED, BLUE, GREEN)):
         errors = []
         for n in meshes:
-            kernel = bench.kernel(scene, f"bodies.box.order={order}", f"bodies.box.geometry={{a={a},b={b},c={c},n={n}}}", body="box",
-                                  ranks=1)
+            kernel = bench.kernel(scene, f"bodies.box.order={order}", f"bodies.box.geometry={{a={a},b={b},c={c},n={n}}}", body="box")
             ours = kernel["modes/angular_frequency"][:]
             errors.append(np.abs(ours[ours > 0][:LOWEST] / (2 * np.pi) / exact - 1).max())
         sizes = 1 / np.array(meshes)
@@ -126,7 +125,7 @@ def run(bench):
     scene = bench.write("pressed.toml", PRESSED)
 
     rates, errors = np.array([20, 40, 80, 160]), []
-    bench.kernel(scene, ranks=1)
+    bench.kernel(scene)
     for rate in rates:
         errors.append(force_error(bench.contact(scene, f"time.rate_hz={rate}")))
     slopes(axes[0, 1], 1 / rates, errors, "force", BLUE)
@@ -139,7 +138,7 @@ def run(bench):
         errors, name = [], "with R" if residual else "without R"
         for count in counts:
             modes = f"modes={{count={count},residual_flexibility={str(residual).lower()}}}"
-            result = bench.impact(scene, modes, "time.rate_hz=1600", ranks=1)
+            result = bench.impact(scene, modes, "time.rate_hz=1600")
             errors.append(force_error(result))
         slopes(axes[1, 0], counts, errors, name, colour)
         bench.order(f"force over N, {name}", counts, errors, expected, 0.5,

@@ -42,7 +42,7 @@ def mean_force(result, first=1.0, last=18.0):
 
 def run(bench):
     scene = ROOT / "meshes" / "two-rods" / "two-rods.toml"
-    bench.kernel(scene, ranks=1)
+    bench.kernel(scene)
     results = {name: bench.contact(scene, *sets) for name, sets in LAWS.items()}
     for name in ("compliant", "difference"):
         result, summary = results[name], results[name].summary

@@ -5,7 +5,6 @@ is exact: whatever error an impact by modes has comes from the modes."""
 import subprocess
 import sys
 
-
 from case import BLUE, GREY, ORANGE, Stopped
 from programs import ROOT
 

@@ -27,9 +27,9 @@ def run(bench):
                   "the rim's cubic edges of 5.6° miss the circle by less")
     bench.compare("rigid modes", np.count_nonzero(ours == 0), 6, 0, "a count")
     for number in (0, 9, 19, 29):
-        bench.compare(f"elastic frequency {number + 1} (Hz)", elastic[number], fine[number], 4e-3, "order 3, elements a fifth of the radius")
-    bench.below(f"largest relative error of {ELASTIC} elastic frequencies", error.max(), 4e-3, "order 3, elements a fifth of the radius")
-    bench.below("the oracle's own change from degree 16 to 18", np.abs(coarse / fine - 1).max(), 4e-4, "a tenth of the bound")
+        bench.compare(f"elastic frequency {number + 1} (Hz)", elastic[number], fine[number], 6e-3, "order 3, elements a fifth of the radius")
+    bench.below(f"largest relative error of {ELASTIC} elastic frequencies", error.max(), 6e-3, "order 3, elements a fifth of the radius")
+    bench.below("the oracle's own change from degree 16 to 18", np.abs(coarse / fine - 1).max(), 6e-4, "a tenth of the bound")
 
     figure, ax = bench.figure()
     number = np.arange(1, ELASTIC + 1)
