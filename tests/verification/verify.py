@@ -54,6 +54,17 @@ class Verify(unittest.TestCase):
             found.write_text(json.dumps(json.loads(found.read_text()) | {"fingerprint": "other"}))
             self.assertNotIn("kept", verify(*words).stdout)
 
+    def test_an_interrupted_case_goes_on_with_its_kernels(self):
+        with tempfile.TemporaryDirectory(prefix="ricochet-test-") as folder:
+            words = ("rods", "--cache", folder)
+            self.assertEqual(verify(*words).returncode, 0)
+            place = pathlib.Path(folder) / "rods"
+            kernels = {path: path.stat().st_mtime_ns for path in place.glob("out/*.kernel.h5")}
+            self.assertEqual(len(kernels), 2)
+            (place / "found.json").unlink()
+            self.assertEqual(verify(*words).returncode, 0)
+            self.assertEqual(kernels, {path: path.stat().st_mtime_ns for path in place.glob("out/*.kernel.h5")})
+
     def test_an_unknown_case_is_refused_in_one_line(self):
         run = verify("nonsense")
         self.assertEqual(run.returncode, 2)

@@ -108,7 +108,7 @@ def run(bench, counts=(25, 50, 100), duration=27.0, bound=0.15):
     bench.below("largest penetration (m)", finest.summary["max_penetration_m"], 1e-10, "round-off: equality in (2)")
     bench.below("departure of the energy ledger", finest.summary["energy_drift"], 1e-10, "round-off of the steps")
     bench.order("energy lost over the modes", counts, losses, -1.0, 0.4,
-                "each front costs the kinetic energy of the cut, as 1/N; few modes lose more, as touches split")
+                "each front costs the kinetic energy of the cut, as 1/N; departures that grow blur it")
 
     figure, (left, right) = bench.figure(2)
     for count, colour in ((counts[0], ORANGE), (counts[-1], BLUE)):

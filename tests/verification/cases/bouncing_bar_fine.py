@@ -1,7 +1,7 @@
 """The bar of `bouncing_bar` with up to 400 modes, and for 60 s, 22 touches, where it cannot be followed: the periodic motion is unstable.
 A departure grows by a constant factor each period, until touches split and the bar rattles. That is the bar's own doing: the
 wave equation by the method of characteristics, exact but for the instants at which touches begin and end, does the same. So
-what is compared over many touches is the growth. Twice the modes follow the bar for about two touches more."""
+what is compared over many touches is the growth."""
 import numpy as np
 
 from case import BLUE, GREY

@@ -56,7 +56,7 @@ def snapshots(bench, result, speed):
     bench.save(figure, f"V0 = {speed} m/s: nine moments of the contact, and the force at positions 5 to 13", f"at-{speed}")
 
 
-COARSE = [f"bodies.{body}.geometry={{size=1e-2}}" for body in ("upper", "lower")] + ["modes={basis='contact',up_to_hz=1500}"]
+COARSE = [f"bodies.{body}.geometry={{size=1e-2}}" for body in ("upper", "lower")] + ['modes={basis="contact",up_to_hz=1500}']
 
 
 def run(bench, sets=COARSE, ranks=1):

@@ -70,7 +70,7 @@ def run(bench):
     fall, speed = np.sqrt(2 * HEIGHT / GRAVITY), np.sqrt(2 * GRAVITY * HEIGHT)
     elastic = bench.contact(scene, "contact.restitution=1")
     plastic = bench.contact(scene, "contact.restitution=0")
-    compliant = bench.contact(scene, "contact={between=['mass','floor'],direction=[-1,0,0],scheme='compliant'}")
+    compliant = bench.contact(scene, 'contact={between=["mass","floor"],direction=[-1,0,0],scheme="compliant"}')
 
     instant = "the step in which it touches holds the instant"
     bounces = elastic.summary["episodes"]

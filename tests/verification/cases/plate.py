@@ -3,8 +3,8 @@ the ball has left: it loses what the bending waves carry off. Zener's plate give
 the contact obeys Hertz: m ẍ = −F, F = k(x − w)^(3/2), ẇ = F/Z. The restitution depends on the inelasticity λ = m/(Z T₀) alone,
 T₀ = (m/(k√v))^(2/5).
 
-Zener leaves out the plate's shear and the waves across its thickness, which the contact lasts for many times, and the part of the
-flexibility that is neither a half-space's nor a thin plate's."""
+Zener leaves out the plate's shear, the waves across its thickness, many of which pass while the ball touches, and what of the
+flexibility is neither a half-space's nor a thin plate's."""
 import numpy as np
 
 import hertz_theory as hertz
