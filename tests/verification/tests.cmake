@@ -1,4 +1,17 @@
-add_program_test(verification free_disk)
 add_program_test(verification box)
-add_program_test(verification hertz)
 add_program_test(verification estimates)
+add_program_test(verification uzawa)
+add_program_test(verification verify)
+
+# Each short case of the validation manual is a test of its own; it is computed anew.
+file(GLOB cases CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/verification/cases/*.py)
+foreach(file ${cases})
+  file(STRINGS ${file} short REGEX "^LONG = False")
+  if(short)
+    get_filename_component(case ${file} NAME_WE)
+    add_test(NAME verification/manual.${case} COMMAND /usr/bin/python3 ${PROJECT_SOURCE_DIR}/scripts/verify --again
+      --cache ${CMAKE_CURRENT_BINARY_DIR}/manual ${case})
+    set_tests_properties(verification/manual.${case} PROPERTIES TIMEOUT 600 LABELS programs
+      ENVIRONMENT "OMP_NUM_THREADS=1;OPENBLAS_NUM_THREADS=1;RICOCHET_BIN=${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
+  endif()
+endforeach()

@@ -1,0 +1,211 @@
+"""What a case of the validation manual works with: running the programs, comparing, fitting orders, drawing.
+
+A case is a module in cases/ with TITLE, SOURCE, a docstring for the manual, and run(bench: Bench)."""
+import json
+import os
+import re
+import subprocess
+import traceback
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+import programs
+
+# A program that has not ended by then is stuck.
+DEADLOCK_S = 1800
+
+
+class Stopped(Exception):
+    """A case that could not go on; its text is one line."""
+
+
+class Result:
+    """A finished run of ricochet-contact: `summary`, and datasets of the result file by name."""
+
+    def __init__(self, folder, slug):
+        self.summary = json.loads((folder / f"{slug}.summary.json").read_text())
+        self.path = folder / f"{slug}.result.h5"
+
+    def __getitem__(self, name):
+        with h5py.File(self.path) as file:
+            return file[name][()]
+
+    def force(self):
+        """Time [s] and sum over the points [N], with zeros where nothing touches; needs output.every = 1."""
+        time, total = self["time"], np.zeros(len(self["time"]))
+        rows = np.searchsorted(time, self["contact/time"] - 0.25 * (time[1] - time[0]))
+        total[rows] = self["contact/force"].sum(axis=1)
+        return time, total
+
+    def kernel(self, body):
+        """The body's kernel file, open."""
+        with h5py.File(self.path) as file:
+            name = file[f"bodies/{body}"].attrs["kernel"].decode()
+        return h5py.File(self.path.parent / name)
+
+
+class Bench:
+    """Where one case works. `found` is what the manual prints of it."""
+
+    def __init__(self, name, folder):
+        self.name, self.folder = name, folder
+        self.found = {"checks": [], "tables": [], "commands": [], "figures": []}
+        self.runs = 0
+
+    # ---- Running ----
+
+    def write(self, name, text):
+        """A file in the case's folder."""
+        path = self.folder / name
+        path.write_text(text)
+        return path
+
+    def call(self, command, shown):
+        """Runs a program and notes how it was called; further calls of the same kind are only counted."""
+        if not programs.BIN.is_dir():
+            raise Stopped(f"{programs.BIN}: no programs there. Run scripts/build first.")
+        environment = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+        try:
+            done = subprocess.run([str(c) for c in command], env=environment, capture_output=True, text=True, timeout=DEADLOCK_S)
+        except subprocess.TimeoutExpired:
+            raise Stopped(f"{shown}: not finished after {DEADLOCK_S} s") from None
+        if done.returncode != 0:
+            lines = [line for line in done.stderr.splitlines() if line.strip()]
+            raise Stopped(f"{shown}: status {done.returncode}: {lines[0] if lines else ''}")
+        self.found["commands"].append(shown.replace(f"{self.folder}/", ""))
+        return done
+
+    def shown(self, path):
+        path = Path(path)
+        return path.relative_to(programs.ROOT) if path.is_relative_to(programs.ROOT / "meshes") else path.name
+
+    def kernel(self, scene, *sets, ranks=1, body=None, out="out"):
+        """Computes the scene's kernels that are not there yet; the open kernel file of `body` if one is named."""
+        command = programs.mpirun(ranks) + [programs.BIN / "ricochet-kernel", scene, "--out", self.folder / out]
+        words = [word for value in sets for word in ("--set", value)]
+        text = f"mpirun -n {ranks} ricochet-kernel {self.shown(scene)}" + "".join(f" --set '{value}'" for value in sets)
+        done = self.call(command + words, text)
+        if body:
+            found = re.findall(rf"^{body}: (?:already there: )?(/.*\.kernel\.h5)$", done.stdout + done.stderr, re.MULTILINE)
+            return h5py.File(found[-1])
+        return None
+
+    def contact(self, scene, *sets, out="out"):
+        """One impact, under a title of its own."""
+        self.runs += 1
+        slug = f"run-{self.runs}"
+        words = [word for value in [*sets, f"title={slug}"] for word in ("--set", value)]
+        text = f"ricochet-contact {self.shown(scene)}" + "".join(f" --set '{value}'" for value in sets)
+        self.call([programs.BIN / "ricochet-contact", scene, "--quiet", "--out", self.folder / out, *words], text)
+        return Result(self.folder / out, slug)
+
+    def impact(self, scene, *sets, ranks=1):
+        self.kernel(scene, *sets, ranks=ranks)
+        return self.contact(scene, *sets)
+
+    # ---- Comparing ----
+
+    def compare(self, what, ours, reference, bound, reason, absolute=False, known=None):
+        """One line of the manual: |ours − reference|, over |reference| unless `absolute`, is within `bound`. `known` says why
+        it is not, where that is established: the line then stands as a failure without making the run fail."""
+        error = abs(ours - reference) / (1 if absolute else abs(reference))
+        self.check(what, ours, reference, error, bound, reason, error <= bound, absolute, known)
+
+    def below(self, what, ours, bound, reason, known=None):
+        """One line of the manual: an error, or what should be 0, is at most `bound`."""
+        self.check(what, ours, 0.0, abs(ours), bound, reason, abs(ours) <= bound, True, known)
+
+    def at_least(self, what, ours, reference, reason, known=None):
+        """One line: what is a matter of more or less."""
+        self.check(what + ", at least", ours, reference, max(reference - ours, 0), 0.0, reason, ours >= reference, False, known)
+
+    def check(self, what, ours, reference, error, bound, reason, holds, absolute, known):
+        values = dict(ours=float(ours), reference=float(reference), error=float(error), bound=float(bound))
+        self.found["checks"].append(values | dict(what=what, reason=reason, absolute=absolute, holds=bool(holds), known=known))
+
+    def order(self, what, sizes, errors, expected, bound, reason, known=None):
+        """One line: the slope of errors over sizes in logarithms, by least squares, is `expected` within `bound`."""
+        slope = float(np.polyfit(np.log(sizes), np.log(errors), 1)[0])
+        self.compare(f"order: {what}", slope, expected, bound, reason, absolute=True, known=known)
+
+    def table(self, head, rows):
+        """A table for the manual, of texts."""
+        self.found["tables"].append({"head": list(head), "rows": [[str(cell) for cell in row] for row in rows]})
+
+    # ---- Drawing ----
+
+    def figure(self, columns=1, rows=1, height=3.2, **options):
+        """A figure and its axes, in one look for the whole manual."""
+        import matplotlib
+
+        matplotlib.use("Agg")
+        import matplotlib.pyplot as plt
+
+        plt.rcParams.update({
+            "font.size": 9, "axes.titlesize": 10, "axes.titlelocation": "left", "axes.grid": True, "grid.color": "#e4e4e4",
+            "axes.axisbelow": True, "axes.spines.top": False, "axes.spines.right": False, "legend.frameon": False,
+            "legend.fontsize": 8, "lines.linewidth": 1.3,
+        })
+        return plt.subplots(rows, columns, figsize=(8.6 if columns > 1 else 5.6, height * rows), layout="constrained", **options)
+
+    def save(self, figure, caption, suffix=""):
+        """Keeps a figure for the manual, in few colours: these are lines on white."""
+        import matplotlib.pyplot as plt
+        from PIL import Image
+
+        name = f"{self.name}{'-' + suffix if suffix else ''}.png"
+        figure.savefig(self.folder / name, dpi=100)
+        plt.close(figure)
+        with Image.open(self.folder / name) as image:
+            image.convert("RGB").quantize(48).save(self.folder / name, optimize=True)
+        self.found["figures"].append({"file": name, "caption": caption})
+
+
+BLUE, ORANGE, GREEN, PURPLE, RED, GREY = "#2b6cb0", "#d2691e", "#3a8f5c", "#8a4fa3", "#b03a48", "#555555"
+
+
+def plain_ticks(ax, sizes):
+    """Just these on a logarithmic x axis, as plain numbers."""
+    from matplotlib.ticker import NullLocator
+
+    ticks = sorted(sizes)
+    ax.set_xticks(ticks, [f"{tick:.2g}" if tick < 1 else f"{tick:g}" for tick in ticks])
+    ax.xaxis.set_minor_locator(NullLocator())
+
+
+def slopes(ax, sizes, errors, label, colour):
+    """Points on logarithmic axes with the fitted order in the legend."""
+    slope = np.polyfit(np.log(sizes), np.log(errors), 1)[0]
+    ax.loglog(sizes, errors, "o-", color=colour, markersize=4, label=f"{label}: order {slope:.2f}")
+    plain_ticks(ax, {float(x) for line in ax.lines for x in line.get_xdata()})
+
+
+def processor_seconds():
+    """Of this process and of the programs that it has run: what other work on the machine does not change much."""
+    times = os.times()
+    return times.user + times.system + times.children_user + times.children_system
+
+
+def run(name, module, folder):
+    """What is found by one case, with its processor seconds; a case that stopped has the line why in `stopped`."""
+    folder.mkdir(parents=True, exist_ok=True)
+    bench = Bench(name, folder)
+    started = processor_seconds()
+    try:
+        module.run(bench)
+        bench.found["stopped"] = None if bench.found["checks"] else "it compared nothing"
+    except Stopped as why:
+        bench.found["stopped"] = str(why)
+    except Exception as fault:  # what a broken program leaves behind must not end the other cases
+        traceback.print_exc()
+        bench.found["stopped"] = f"it broke off: {type(fault).__name__}: {str(fault).splitlines()[0] if str(fault) else ''}"
+    return bench.found | {"seconds": processor_seconds() - started}
+
+
+def verdict(found):
+    """"pass", "FAIL", or "pass, known failures": what is known to fail and holds after all is a failure of the manual."""
+    if found["stopped"] or any(c["holds"] == bool(c["known"]) for c in found["checks"]):
+        return "FAIL"
+    return "pass, known failures" if any(c["known"] for c in found["checks"]) else "pass"

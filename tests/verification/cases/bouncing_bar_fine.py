@@ -1,0 +1,61 @@
+"""The bar of `bouncing_bar` with up to 400 modes, and for 60 s, 22 touches, where it cannot be followed: the periodic motion is unstable.
+A departure grows by a constant factor each period, until touches split and the bar rattles. That is the bar's own doing: the
+wave equation by the method of characteristics, exact but for the instants at which touches begin and end, does the same. So
+what is compared over many touches is the growth."""
+import numpy as np
+
+from case import BLUE, GREY
+from cases import bouncing_bar as bar
+
+TITLE = "The bouncing bar over 22 touches: an unstable motion"
+SOURCE = bar.SOURCE + " Growth: the method of characteristics on 400 cells, in the case."
+LONG = True
+DURATION, MODES = 60.0, 400
+
+
+def characteristics(cells, duration):
+    """Time and height of the foot: u(x, t+τ) = u(x+cτ, t) + u(x−cτ, t) − u(x, t−τ) − gτ² holds without error for the bar, and its
+    free ends reflect."""
+    step = bar.LENGTH / bar.SPEED / cells
+    fall = bar.GRAVITY * step**2
+    now = np.full(cells + 1, bar.HEIGHT)
+    before, foot = now - fall / 2, [bar.HEIGHT]
+    for _ in range(round(duration / step)):
+        after = np.concatenate([now[1:], now[-2:-1]]) + np.concatenate([now[1:2], now[:-1]]) - before - fall
+        after[0] = max(after[0], 0)
+        before, now = now, after
+        foot.append(now[0])
+    return step * np.arange(len(foot)), np.array(foot)
+
+
+def departures(time, foot):
+    """Root of the mean square of the departure in each period, over h₀."""
+    square = (foot - bar.exact(time)[0]) ** 2
+    starts = np.arange(bar.FALL, time[-1] - bar.PERIOD, bar.PERIOD)
+    return np.array([np.sqrt(square[(time > t) & (time <= t + bar.PERIOD)].mean()) for t in starts]) / bar.HEIGHT
+
+
+def growth(departure):
+    """Factor a period, between 0.02 and 0.3 of h₀."""
+    upto = int(np.argmax(departure > 0.3)) or len(departure)
+    inside = np.flatnonzero(departure[:upto] > 0.02)
+    return np.exp(np.polyfit(inside, np.log(departure[inside]), 1)[0])
+
+
+def run(bench):
+    bar.run(bench, counts=(100, 200, MODES), bound=0.05)
+    result = bench.contact(bench.folder / "bar.toml", f"modes={{count={MODES}}}", f"bodies.bar.geometry={{elements={MODES}}}",
+                           f"time.rate_hz={30 * MODES}", f"time.duration={DURATION}", "output.every=100")
+    ours = departures(result["receivers/time"], bar.HEIGHT + result["receivers/foot/displacement"][:, 0])
+    theirs = departures(*characteristics(MODES, DURATION))
+    bench.compare("growth of a departure, factor a period", growth(ours), growth(theirs), 0.1, "a fit over the periods between 0.02 and 0.3 h₀")
+    followed = [2 * int(np.argmax(d > 0.1)) for d in (ours, theirs)]
+    bench.compare("touches until the foot departs by a tenth of h₀", *followed, 4, "two periods: modes and cells depart differently at first",
+                  absolute=True)
+    figure, ax = bench.figure()
+    touch = 2 * np.arange(1, len(ours) + 1)
+    ax.semilogy(touch, ours, "o-", color=BLUE, markersize=4, label=f"{MODES} modes")
+    ax.semilogy(touch, theirs, "s--", color=GREY, markersize=4, label=f"characteristics, {MODES} cells")
+    ax.set(xlabel="touches", ylabel="departure from the closed form / h₀", title="An unstable periodic motion")
+    ax.legend()
+    bench.save(figure, "Bouncing bar: growth of the departure from the periodic motion, two touches a period", "growth")

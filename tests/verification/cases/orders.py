@@ -1,0 +1,153 @@
+"""How errors fall with the size h and the order p of elements, with the step Δ and with the number N of modes.
+
+*Elements*: a box between smooth walls at x and y, whose top and foot move along z alone. Its modes are products of sines and cosines,
+ω = c_s|k| and c_p|k| with k = π(l/a, m/b, n/c), so that nothing but the elements is in the error. A Ritz frequency is right to h^2p.
+
+*Steps and modes*: a bar stands on a rigid floor and its top is pressed by a smooth pulse F sin²(πt/T). The reaction is
+2 F sin²(π(t − L/c)/T) until the wave comes back, in closed form. Contact lasts and is smooth: what is left are the step, in
+which the force is constant, and the cut."""
+import numpy as np
+
+from block import GEO
+from case import BLUE, GREEN, GREY, RED, slopes
+
+TITLE = "Orders of convergence in h, p, Δ and N"
+SOURCE = ("Separation of variables for the box, d'Alembert's solution for the bar; h^2p: Strang & Fix 1973, *An Analysis of the "
+          "Finite Element Method*.")
+LONG = False
+SIDES = (0.1, 0.13, 0.17)
+DENSITY, YOUNG, POISSON = 2700.0, 70e9, 0.33
+MESHES = {1: (4, 6, 8), 2: (2, 3, 4), 3: (1, 2, 3)}
+LOWEST = 6  # frequencies compared
+
+BOX = f"""[bodies.box]
+mesh = "box.geo"
+material = {{ density = {DENSITY}, young = {YOUNG}, poisson = {POISSON} }}
+contact = "top"
+support = {{ foot = "xy", top = "xy", "x sides" = "x", "y sides" = "y" }}
+[obstacles.ceiling]
+point = [0, 0, 2]
+normal = [0, 0, -1]
+[modes]
+count = {LOWEST + 3}
+residual_flexibility = false
+[contact]
+between = ["box", "ceiling"]
+direction = [0, 0, 1]
+spacing = 0.05
+[time]
+duration = 1.0
+"""
+ROD = """Point(1) = {0, 0, 0}; Point(2) = {1, 0, 0}; Line(1) = {1, 2}; Transfinite Curve{1} = 161;
+Physical Curve("bar") = {1}; Physical Point("foot") = {1}; Physical Point("top") = {2};
+"""
+# L = c = ρ = E = A = 1; the pulse lasts T = 1.2, and its wave is back at the foot after 3.
+LASTS, FORCE = 1.2, 1.0
+PRESSED = """[bodies.bar]
+mesh = "rod.geo"
+order = 3
+material = { density = 1.0, young = 1.0, area = 1.0 }
+contact = "foot"
+[obstacles.floor]
+normal = [1, 0, 0]
+[modes]
+count = 320
+[contact]
+between = ["bar", "floor"]
+direction = [-1, 0, 0]
+[time]
+duration = 2.0
+[[loads.traction]]
+body = "bar"
+group = "top"
+vector = [-1.0, 0, 0]
+history = "pulse.csv"
+"""
+
+
+def reaction(time):
+    """On the foot: twice the pulse, as its wave arrives."""
+    inside = (time > 1) & (time < 1 + LASTS)
+    return np.where(inside, 2 * FORCE * np.sin(np.pi * (time - 1) / LASTS) ** 2, 0)
+
+
+def force_error(result, upto=1.95):
+    """Root of the mean square of the force less the reaction in the middle of each step, over 2F; up to the tail of the pulse, which
+    reaches no further than the contact lasts."""
+    time, force = result.force()
+    inside = (time > 0) & (time < upto)
+    return np.sqrt(((force - reaction(time - (time[1] - time[0]) / 2))[inside] ** 2).mean()) / (2 * FORCE)
+
+
+def separated():
+    """The lowest elastic frequencies [Hz] of the box between its walls."""
+    shear = YOUNG / (2 * (1 + POISSON))
+    pressure = shear * (2 - 2 * POISSON) / (1 - 2 * POISSON)
+    found = []
+    for index in np.ndindex(6, 6, 6):
+        l, m, n = index
+        k = np.linalg.norm(np.array(index) / SIDES) / 2
+        # u_x ~ sin lx · cos my · sin nz, u_y ~ cos lx · sin my · sin nz, u_z ~ cos lx · cos my · cos nz
+        motions = int(l > 0 and n > 0) + int(m > 0 and n > 0) + 1
+        if not any(index):
+            continue
+        # One of the motions is along k, unless k's own direction is a sine of 0: then all are across.
+        along = 1 if n > 0 else 0
+        found += [np.sqrt(pressure / DENSITY) * k] * along + [np.sqrt(shear / DENSITY) * k] * (motions - along)
+    return np.sort(found)[:LOWEST]
+
+
+def elements(bench, ax):
+    bench.write("box.geo", GEO)
+    scene = bench.write("box.toml", BOX)
+    exact = separated()
+    a, b, c = SIDES
+    for (order, meshes), colour in zip(MESHES.items(), (RED, BLUE, GREEN)):
+        errors = []
+        for n in meshes:
+            kernel = bench.kernel(scene, f"bodies.box.order={order}", f"bodies.box.geometry={{a={a},b={b},c={c},n={n}}}", body="box")
+            ours = kernel["modes/angular_frequency"][:]
+            errors.append(np.abs(ours[ours > 0][:LOWEST] / (2 * np.pi) / exact - 1).max())
+        sizes = 1 / np.array(meshes)
+        bench.order(f"largest error of {LOWEST} frequencies over h, p = {order}", sizes, errors, 2 * order, 0.5,
+                    "2p, which such coarse meshes only come near to")
+        slopes(ax, sizes, errors, f"p = {order}", colour)
+    ax.set(xlabel="h / side", ylabel="relative error", title="Lowest frequencies of a box between walls")
+    ax.legend()
+
+
+def run(bench):
+    figure, axes = bench.figure(2, 2, height=3.0)
+    elements(bench, axes[0, 0])
+    bench.write("rod.geo", ROD)
+    knots = np.linspace(0, LASTS, 1201)
+    bench.write("pulse.csv", "".join(f"{t:.9f}, {FORCE * np.sin(np.pi * t / LASTS) ** 2:.15f}\n" for t in knots))
+    scene = bench.write("pressed.toml", PRESSED)
+
+    rates, errors = np.array([20, 40, 80, 160]), []
+    bench.kernel(scene)
+    for rate in rates:
+        errors.append(force_error(bench.contact(scene, f"time.rate_hz={rate}")))
+    slopes(axes[0, 1], 1 / rates, errors, "force", BLUE)
+    bench.order("force over Δ, 320 modes with R", 1 / rates, errors, 2.0, 0.5, "a constant force taken at the middle of its step")
+    axes[0, 1].set(xlabel="Δ c/L", ylabel="mean square error / 2F", title="Step, 320 modes with R")
+    axes[0, 1].legend()
+
+    counts = np.array([20, 40, 80])
+    for residual, colour, expected in ((True, BLUE, -3.0), (False, RED, -1.0)):
+        errors, name = [], "with R" if residual else "without R"
+        for count in counts:
+            modes = f"modes={{count={count},residual_flexibility={str(residual).lower()}}}"
+            result = bench.impact(scene, modes, "time.rate_hz=1600")
+            errors.append(force_error(result))
+        slopes(axes[1, 0], counts, errors, name, colour)
+        bench.order(f"force over N, {name}", counts, errors, expected, 0.5,
+                    "inertia of the cut, Σ 1/n⁴" if residual else "flexibility of the cut, Σ 1/n²")
+    axes[1, 0].set(xlabel="modes", ylabel="mean square error / 2F", title="Modes, Δ = L/(1600 c)")
+    axes[1, 0].legend()
+    time, force = result.force()
+    axes[1, 1].plot(time, force, color=BLUE, label=f"{counts[-1]} modes without R")
+    axes[1, 1].plot(time, reaction(time), color=GREY, linestyle="--", linewidth=0.9, label="closed form")
+    axes[1, 1].set(xlabel="time (L/c)", ylabel="force / F", title="Reaction of the floor")
+    axes[1, 1].legend()
+    bench.save(figure, "Errors against h and p, Δ, N, and the reaction that the last two are measured on")

@@ -1,0 +1,81 @@
+"""Writes the validation manual from what the cases found. Every figure in it comes from there."""
+import re
+
+from case import verdict
+
+INTRODUCTION = """# Validation manual
+
+Written by `scripts/verify --long --manual` from the runs themselves: no result is typed by hand. Each case says where its reference
+comes from, how it was run, what came out, how far that is from the reference, and why the bound is what it is.
+
+    scripts/verify                 # all short cases; what is finished is not computed again
+    scripts/verify --long          # the long ones too
+    scripts/verify bars sphere     # these
+    scripts/verify --list
+
+The status is 0 if every line passes or is a known failure: one whose reason is established and stands beside it. A known failure
+that passes after all fails the run, so that this page is mended. Scenes and results stay in `build/verify/<case>/`. Errors are
+relative to the reference, but where that is 0 or "abs." says otherwise. Times are processor seconds of one run, on {machine}.
+
+{count}
+"""
+
+
+def number(value):
+    """Five digits, without a tail of zeros."""
+    text = f"{value:.5g}"
+    return re.sub(r"e([+-])0?(\d)", r"e\1\2", text).replace("e+", "e")
+
+
+def short(value):
+    return re.sub(r"e([+-])0?(\d)", r"e\1\2", f"{value:.2g}")
+
+
+def row(check):
+    error = short(check["error"]) + (" abs." if check["absolute"] and check["reference"] else "")
+    result = "pass" if check["holds"] else "**FAIL**"
+    reason = check["reason"] + (f" **Known failure:** {check['known']}" if check["known"] else "")
+    cells = [check["what"], number(check["reference"]), number(check["ours"]), error, short(check["bound"]), result, reason]
+    return "| " + " | ".join(cells) + " |"
+
+
+def table(head, rows):
+    lines = ["| " + " | ".join(head) + " |", "|---" * len(head) + "|"]
+    return lines + ["| " + " | ".join(cells) + " |" for cells in rows]
+
+
+def section(name, module, found):
+    lines = [f"## {module.TITLE}", "", f"Case `{name}`{', long' if module.LONG else ''}. Source: {module.SOURCE}", "",
+             module.__doc__.strip(), ""]
+    commands = list(dict.fromkeys(found["commands"]))
+    shown = commands[:4]
+    lines += [f"    scripts/verify {name}", "", f"It takes {found['seconds']:.1f} s of processor time and runs {len(commands)} commands"
+              + (", among them" if len(commands) > len(shown) else "") + ":" if commands else "", ""]
+    lines += [f"    {command}" for command in shown] + [""]
+    if found["stopped"]:
+        lines += [f"**FAIL**: {found['stopped']}", ""]
+    lines += table(["quantity", "reference", "ours", "error", "bound", "", "why this bound"], [])
+    lines += [row(check) for check in found["checks"]] + [""]
+    for extra in found["tables"]:
+        lines += table(extra["head"], extra["rows"]) + [""]
+    for figure in found["figures"]:
+        lines += [f"![{figure['caption']}](figures/{figure['file']})", "", f"*{figure['caption']}*", ""]
+    return lines
+
+
+def write(path, cases, machine):
+    """The manual at `path`; `cases`: (name, module, found) in the order of the manual."""
+    checks = [check for _, _, found in cases for check in found["checks"]]
+    failing = [check for check in checks if not check["holds"]]
+    known = sum(bool(check["known"]) for check in failing)
+    count = f"{len(checks)} lines: {len(checks) - len(failing)} pass, {len(failing)} fail, {known} of them known failures."
+    lines = [INTRODUCTION.format(machine=machine, count=count), "| case | | pass | fail | result | processor s |", "|---|---|---|---|---|---|"]
+    for name, module, found in cases:
+        anchor = re.sub(r"[^\w\- ]", "", module.TITLE.lower()).replace(" ", "-")
+        lines.append(f"| `{name}` | [{module.TITLE}](#{anchor}) | "
+                     f"{sum(c['holds'] for c in found['checks'])} | {sum(not c['holds'] for c in found['checks'])} | {verdict(found)} | "
+                     f"{found['seconds']:.1f} |")
+    lines.append("")
+    for case in cases:
+        lines += section(*case)
+    path.write_text("\n".join(lines).rstrip() + "\n")

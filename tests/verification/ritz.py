@@ -1,0 +1,95 @@
+"""Rayleigh-Ritz frequencies of boxes and disks in products of Legendre polynomials: resonant ultrasound spectroscopy (Demarest
+1971, J. Acoust. Soc. Am. 49, 768; Visscher, Migliori, Bell & Reinert 1991, 90, 2154). No mesh, no elements and no shift: errors
+fall exponentially with the degree. Even and odd functions do not couple, so each of their classes is solved on its own."""
+import numpy as np
+from numpy.polynomial import legendre
+
+
+def legendre_at(degree, x):
+    """P_0…P_degree and their derivatives at x: (degree + 1, len(x)) each."""
+    identity = np.eye(degree + 1)
+    values = np.array([legendre.legval(x, c) for c in identity])
+    return values, np.array([legendre.legval(x, legendre.legder(c)) for c in identity])
+
+
+def orthonormal(tables, weight=1.0):
+    """The same integrals, by pairs of derivatives, in a basis in which weight · tables["00"] is the identity. Its functions keep
+    their parities, as a triangular factor mixes no others."""
+    inverse = np.linalg.inv(np.linalg.cholesky(weight * tables["00"]))
+    return {pair: inverse @ table @ inverse.T for pair, table in tables.items()}
+
+
+def stiffness_of(g, young, poisson):
+    """Stiffness, by blocks of the components x, y, z, from g[a + b] = ∫ ∂_a f_m ∂_b f_n."""
+    lame = young * poisson / ((1 + poisson) * (1 - 2 * poisson))
+    shear = young / (2 * (1 + poisson))
+    laplace = g["xx"] + g["yy"] + g["zz"]
+    return [[lame * g[a + b] + shear * g[b + a] + (shear * laplace if a == b else 0) for b in "xyz"] for a in "xyz"]
+
+
+def frequencies(product, parity, young, poisson):
+    """All frequencies [Hz], ascending, rigid ones as what round-off makes of 0.
+
+    product(a, b): ∫ ∂_a f_m ∂_b f_n of scalar functions with ∫ ρ f_m f_n = δ_mn, a, b from "xyz"; parity: (functions, 3) of 0 or
+    1 along x, y and z, all 0 along an axis without symmetry."""
+    blocks = stiffness_of({a + b: product(a, b) for a in "xyz" for b in "xyz"}, young, poisson)
+    symmetric = parity.any(axis=0)
+    values = []
+    for kind in np.unique(parity, axis=0):
+        # A motion of this class has the class's parity across each component's own axis turned.
+        rows = [np.flatnonzero((parity == np.where(symmetric, kind ^ np.eye(3, dtype=int)[c], 0)).all(axis=1)) for c in range(3)]
+        stiffness = np.block([[blocks[i][j][np.ix_(rows[i], rows[j])] for j in range(3)] for i in range(3)])
+        values.append(np.linalg.eigvalsh((stiffness + stiffness.T) / 2))
+    return np.sqrt(np.maximum(np.sort(np.concatenate(values)), 0)) / (2 * np.pi)
+
+
+def box(sides, degree, density, young, poisson, held=False):
+    """Frequencies of a box by polynomials of up to `degree` in each of x, y and z; `held`: the face at the lowest z is clamped."""
+    points, weights = legendre.leggauss(degree + 3)
+    tables = {}
+    for axis, side in zip("xyz", sides):
+        value, slope = legendre_at(degree, points)
+        if held and axis == "z":
+            value, slope = value * (1 + points), slope * (1 + points) + value
+        pair = {"0": value, axis: slope * 2 / side}
+        weight = weights * side / 2
+        tables[axis] = orthonormal({p + q: (pair[p] * weight) @ pair[q].T for p in pair for q in pair}, density ** (1 / 3))
+
+    def product(a, b):
+        factors = [tables[axis][(a if a == axis else "0") + (b if b == axis else "0")] for axis in "xyz"]
+        return np.kron(np.kron(factors[0], factors[1]), factors[2])
+
+    # The scale of ρ^(1/3) for each axis is in the derivatives' tables too: ∫ ρ f f = 1.
+    parity = np.stack(np.meshgrid(*[np.arange(degree + 1) % 2] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    return frequencies(product, parity * [1, 1, int(not held)], young, poisson)
+
+
+def disk(radius, thickness, degree, through, density, young, poisson):
+    """Frequencies of a free disk by polynomials of total `degree` in x, y and degree `through` in z."""
+    # Quadrature on the unit disk, exact for the products: Gauss in r² and equal angles.
+    radial, radial_weight = legendre.leggauss(degree + 2)
+    angles = 2 * degree + 4
+    r = np.sqrt((radial + 1) / 2)
+    phi = 2 * np.pi * np.arange(angles) / angles
+    x, y = np.outer(r, np.cos(phi)).ravel(), np.outer(r, np.sin(phi)).ravel()
+    area = np.outer(radial_weight / 4, np.full(angles, 2 * np.pi / angles)).ravel() * radius**2
+    px, dx = legendre_at(degree, x)
+    py, dy = legendre_at(degree, y)
+    pairs = [(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]
+    plane = {
+        "0": np.array([px[i] * py[j] for i, j in pairs]),
+        "x": np.array([dx[i] * py[j] for i, j in pairs]) / radius,
+        "y": np.array([px[i] * dy[j] for i, j in pairs]) / radius,
+    }
+    z, z_weight = legendre.leggauss(through + 2)
+    pz, dz = legendre_at(through, z)
+    depth = {"0": pz, "z": dz / (thickness / 2)}
+    in_plane = orthonormal({a + b: (plane[a] * area) @ plane[b].T for a in plane for b in plane}, density)
+    in_depth = orthonormal({a + b: (depth[a] * z_weight * thickness / 2) @ depth[b].T for a in depth for b in depth})
+
+    def product(a, b):
+        keys = ["".join(key if key in of else "0" for key in (a, b)) for of in ("xy", "z")]
+        return np.kron(in_plane[keys[0]], in_depth[keys[1]])
+
+    parity = np.array([(i % 2, j % 2, k % 2) for i, j in pairs for k in range(through + 1)])
+    return frequencies(product, parity, young, poisson)

@@ -1,0 +1,85 @@
+"""The program of the validation manual: what it counts as a failure, what it keeps, and that the manual holds every case."""
+
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+SOURCE = pathlib.Path(__file__).resolve().parents[2]
+MANUAL = SOURCE / "tests" / "verification"
+
+
+def verify(*words):
+    return subprocess.run([SOURCE / "scripts" / "verify", *words], capture_output=True, text=True, timeout=240)
+
+
+def verdict_of(compared):
+    """In a process of its own: the tests' `programs` module is not the scripts'."""
+    code = (f"import sys; sys.dont_write_bytecode = True; sys.path[:0] = [{str(SOURCE / 'scripts')!r}, {str(MANUAL)!r}]; import case, pathlib; "
+            f"bench = case.Bench('x', pathlib.Path('.')); {compared}; bench.found['stopped'] = None; print(case.verdict(bench.found))")
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True,
+                          env=os.environ | {"PYTHONPATH": ""}).stdout.strip()
+
+
+class Verify(unittest.TestCase):
+    def test_an_error_above_its_bound_fails_and_one_on_it_passes(self):
+        self.assertEqual(verdict_of("bench.compare('x', 1.5, 1.0, 0.5, 'why')"), "pass")
+        self.assertEqual(verdict_of("bench.compare('x', 1.51, 1.0, 0.5, 'why')"), "FAIL")
+        self.assertEqual(verdict_of("bench.compare('x', 4.5, 4.0, 0.4, 'why', absolute=True)"), "FAIL")
+        self.assertEqual(verdict_of("bench.below('x', -2.0, 1.0, 'why')"), "FAIL")
+        self.assertEqual(verdict_of("bench.below('x', float('nan'), 1.0, 'why')"), "FAIL")
+
+    def test_a_known_failure_passes_until_it_holds(self):
+        self.assertEqual(verdict_of("bench.below('x', 2.0, 1.0, 'why', known='because')"), "pass, known failures")
+        self.assertEqual(verdict_of("bench.below('x', 0.5, 1.0, 'why', known='because')"), "FAIL")
+
+    def test_an_order_is_fitted_to_logarithms(self):
+        self.assertEqual(verdict_of("bench.order('x', [1, 2, 4], [3, 12, 48], 2.0, 1e-12, 'why')"), "pass")
+        self.assertEqual(verdict_of("bench.order('x', [1, 2, 4], [3, 12, 48], 1.0, 0.9, 'why')"), "FAIL")
+
+    def test_a_finished_case_is_kept_until_asked_again(self):
+        with tempfile.TemporaryDirectory(prefix="ricochet-test-") as folder:
+            words = ("rods_analytic", "--cache", folder)
+            first = verify(*words)
+            self.assertEqual(first.returncode, 0, first.stdout + first.stderr)
+            found = pathlib.Path(folder) / "rods_analytic" / "found.json"
+            stamp = found.stat().st_mtime_ns
+            self.assertIn("kept", verify(*words).stdout)
+            self.assertEqual(found.stat().st_mtime_ns, stamp)
+            self.assertNotIn("kept", verify(*words, "--again").stdout)
+            # Another source of the case is another case.
+            found.write_text(json.dumps(json.loads(found.read_text()) | {"fingerprint": "other"}))
+            self.assertNotIn("kept", verify(*words).stdout)
+
+    def test_an_interrupted_case_goes_on_with_its_kernels(self):
+        with tempfile.TemporaryDirectory(prefix="ricochet-test-") as folder:
+            words = ("rods", "--cache", folder)
+            self.assertEqual(verify(*words).returncode, 0)
+            place = pathlib.Path(folder) / "rods"
+            kernels = {path: path.stat().st_mtime_ns for path in place.glob("out/*.kernel.h5")}
+            self.assertEqual(len(kernels), 2)
+            (place / "found.json").unlink()
+            self.assertEqual(verify(*words).returncode, 0)
+            self.assertEqual(kernels, {path: path.stat().st_mtime_ns for path in place.glob("out/*.kernel.h5")})
+
+    def test_an_unknown_case_is_refused_in_one_line(self):
+        run = verify("nonsense")
+        self.assertEqual(run.returncode, 2)
+        self.assertEqual(len(run.stderr.splitlines()), 1)
+        self.assertIn("nonsense: there is no such case", run.stderr)
+
+    def test_the_manual_holds_every_case_and_its_figures(self):
+        text = (MANUAL / "README.md").read_text()
+        for line in verify("--list").stdout.splitlines():
+            name = line.split()[0]
+            self.assertIn(f"| `{name}` |", text)
+            self.assertIn(f"    scripts/verify {name}\n", text)
+        drawn = {path.name for path in (MANUAL / "figures").glob("*.png")}
+        self.assertEqual({part.split(")")[0] for part in text.split("](figures/")[1:]}, drawn)
+
+
+if __name__ == "__main__":
+    unittest.main()
