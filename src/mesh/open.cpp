@@ -178,7 +178,7 @@ Extent extent_of(const scene::Body& body) {
 bool open_model(const scene::Body& body) {
   open_file(body);
   if (body.mesh.extension() == ".msh" || (body.mesh.extension() != ".geo" && holds_elements())) return true;
-  refuse_points_for_lines(file);
+  refuse_points_for_lines(body.mesh.filename().string());
   gmsh::model::mesh::generate(gmsh::model::getDimension());
   gmsh::model::mesh::setOrder(body.order);
   return false;

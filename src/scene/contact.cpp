@@ -54,7 +54,7 @@ void read_kernel(Table& table, const std::filesystem::path& folder, Contact& con
   contact.table = (folder / *file).lexically_normal();
 }
 
-void read_scheme(Table& table, const Scene& scene, Contact& contact) {
+void read_scheme(Table& table, Contact& contact) {
   const std::string scheme = table.text("scheme").value_or("compliant");
   if (scheme != "compliant" && scheme != "impulse" && scheme != "static")
     table.complain("scheme", "must be \"compliant\", \"impulse\" or \"static\"");
@@ -96,7 +96,7 @@ Contact read_contact(Table& root, const Scene& scene) {
   auto table = root.table("contact");
   if (!table) root.complain("contact", "is missing: give between = [\"body\", \"body\"]");
   read_kernel(*table, scene.file.parent_path(), contact);
-  read_scheme(*table, scene, contact);
+  read_scheme(*table, contact);
   if (!contact.table.empty()) {
     table->refuse_unknown();
     return contact;
