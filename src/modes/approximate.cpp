@@ -30,7 +30,7 @@ constexpr double near_zero = -1e-3;
 constexpr int further = 3;
 
 /// Modes of fewer displacements are found faster than started from a lower order.
-constexpr std::int64_t few = 3000;
+constexpr std::int64_t few = 2000;
 
 constexpr Index panel = 64;
 
