@@ -8,7 +8,7 @@ namespace ricochet::contact {
 /// Near history grows with the block and with the square of the points, far history only with the modes:
 /// where there are few points longer blocks pay.
 constexpr Eigen::Index few_points = 64;
-constexpr int long_block = 16, short_block = 8;
+constexpr int long_block = 24, short_block = 8;
 
 void Integrator::make_block() {
   const int steps = options_.block > 0                  ? options_.block

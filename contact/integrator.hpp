@@ -56,13 +56,13 @@ struct StepOptions {
   double step = 0;                  ///< Δ [s]
   /// Bound on the work of a step: changes of a point between touching and open that its solve may make.
   int max_pivots = std::numeric_limits<int>::max();
-  /// Steps that the compliant scheme looks ahead by one matrix product while loads are constant; 1: none, 0:
-  /// as suits the number of points. The result is the same to round-off.
+  /// Steps that the compliant scheme looks ahead by one matrix product; 1: none, 0: as suits the number of
+  /// points. The result is the same to round-off.
   int block = 0;
   /// Of the products of a block. State, contact and rigid motion stay in double precision.
   Precision precision = Precision::float64;
   /// Keep q, q̇ and the energy ledger after each step. Without it blocks keep them for their ends only, or
-  /// until catch_up(), and are faster: only forces are known after each step.
+  /// until catch_up(), and are faster: only forces are known after each step. Loads that vary: always kept.
   bool every_state = true;
 };
 

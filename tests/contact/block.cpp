@@ -116,6 +116,33 @@ TEST(Blocks, make_up_for_earlier_forces_at_points_that_come_into_sight) {
   EXPECT_LT(difference.motion, 1e-9);
 }
 
+// Knots lie within steps and within blocks; the load throws the body up again and again, the support moves
+// its points about.
+TEST(Blocks, give_those_of_plain_steps_under_loads_with_histories_and_supports_that_move) {
+  Model model = dropped(60, 12, 1e-4, 3);
+  model.bodies.resize(1);
+  model.bodies[0].modes = 60;
+  Model::Drive drive;
+  drive.force = 1e-1 * Vector::Random(60);
+  drive.force(0) = -30;
+  drive.lift.setZero(60);
+  drive.displacement = 1e-8 * Vector::Random(12);
+  drive.history = {{0, 0.0013, 0.0031, 0.0044, 0.0071}, {0, 1, -1.5, 2, -1}};
+  model.drives.push_back(drive);
+  drive.support = true;
+  drive.force.setZero();
+  drive.lift = 1e-2 * Vector::Random(60);
+  drive.displacement = 1e-5 * Vector::Random(12);
+  model.drives.push_back(drive);
+  for (const int block : {3, 8, 24}) {
+    const Difference difference = compare(model, {.step = step, .block = block}, 480);
+    EXPECT_LT(difference.force, 1e-9) << block;
+    EXPECT_LT(difference.motion, 1e-9) << block;
+    EXPECT_LT(difference.displacement, 1e-9) << block;
+    EXPECT_GT(difference.touches, 3) << block;
+  }
+}
+
 TEST(Blocks, give_those_of_two_plates_that_stay_in_contact) {
   const Model model = benchmarks::plates(6, 5, 80);
   const Difference difference = compare(model, {.step = step, .block = 16, .every_state = false}, 4096);
