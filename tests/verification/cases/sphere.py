@@ -109,7 +109,7 @@ def run(bench):
         group = elastic[start : start + 2 * l + 1]
         start += 2 * l + 1
         label = "ours" if (x, l, kind) == table[0] else None
-        ax.plot(l + np.linspace(-0.18, 0.18, len(group)), group, ".", color=BLUE, markersize=3, label=label)
+        ax.plot(l + 0.05 * (np.arange(len(group)) - l), group, ".", color=BLUE, markersize=3, label=label)
     ax.set(xlabel="degree l", ylabel="ωR/c_s", title=f"{len(elastic)} elastic modes of {kernel.attrs['dofs']} unknowns")
     ax.legend(loc="lower right")
     bench.save(figure, "Modes of the free sphere by degree: bars in closed form, dots ours, 2l + 1 of each")
