@@ -17,7 +17,7 @@ constexpr double visible = 1e-3;
 /// Unit round-off of double over that of single precision, and the latter.
 constexpr double double_over_single = 0x1p-29, single_round_off = 0x1p-24;
 
-/// What the element order before changed, the next one changes by this share: measured on disks and balls.
+/// What the element order before changed, the next one changes by this share: measured on disks.
 constexpr double gain_of_an_order = 1.0 / 3;
 
 /// What doubling again and again would change: the last change that it made, d, times ρ + ρ² + … with the

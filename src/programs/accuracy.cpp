@@ -2,18 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <utility>
 
 #include "contact/estimate.hpp"
+#include "contact/thinning.hpp"
 
 namespace ricochet::programs {
 namespace {
 
 using contact::ErrorEstimate;
 
-/// Shares of the error asked for that the step may have, and single precision.
-constexpr double of_step = 0.5, of_precision = 0.05;
+/// Shares of the error asked for that the step may have, fewer contact points, and single precision.
+constexpr double of_step = 0.5, of_spacing = 0.1, of_precision = 0.05;
 
 /// The first step tried takes so many a period at the end of the kernels' band, and a run as many at least;
 /// it is halved as long as a run takes no more than so many.
@@ -95,28 +97,59 @@ void choose_rate(scene::Scene& scene, const Kernels& kernels, contact::Estimator
 
 }  // namespace
 
+contact::Model thinned(contact::Model model, int times) {
+  for (int k = 0; k < times; ++k) model = contact::thinned(model);
+  return model;
+}
+
 Judged choose_and_judge(scene::Scene& scene, const Kernels& kernels, const std::filesystem::path& folder) {
-  const auto place = [&scene](const std::vector<kernels::Kernel>& others) { return model_of(scene, others); };
-  contact::Estimator estimator({.place = place,
-                                .kernels = kernels.kernel,
-                                .other_order = of_other_order(scene, folder),
-                                .other_is_lower = std::ranges::all_of(
-                                    scene.bodies, [](const scene::Body& body) { return body.order > 1; }),
-                                .low_rank = scene.modes.low_rank,
-                                .at_rest = scene.contact.scheme == scene::Scheme::at_rest,
-                                .duration = scene.time.duration});
-  if (std::exchange(scene.time.rate_by_accuracy, false)) choose_rate(scene, kernels, estimator);
+  const bool at_rest = scene.contact.scheme == scene::Scheme::at_rest;
+  const std::vector<kernels::Kernel> other = of_other_order(scene, folder);
+  Judged out;
+  const auto estimator_of = [&] {
+    return std::make_unique<contact::Estimator>(contact::Subject{
+        .place =
+            [&scene, times = out.thinnings](const std::vector<kernels::Kernel>& placed) {
+              return thinned(model_of(scene, placed), times);
+            },
+        .kernels = kernels.kernel,
+        .other_order = other,
+        .other_is_lower =
+            std::ranges::all_of(scene.bodies, [](const scene::Body& body) { return body.order > 1; }),
+        .low_rank = scene.modes.low_rank,
+        .at_rest = at_rest,
+        .duration = scene.time.duration});
+  };
+  auto estimator = estimator_of();
+  if (std::exchange(scene.time.rate_by_accuracy, false)) choose_rate(scene, kernels, *estimator);
+  const auto run = [&] { return in_scene(scene, [&] { return estimator->outcome(step_options(scene)); }); };
+  const auto outcome = run();
+  if (!outcome || !outcome->touched()) {
+    scene.contact.precision = scene.contact.precision.value_or(scene::Precision::float64);
+    out.warnings = {"nothing touches: no error is estimated"};
+    return out;
+  }
+  const bool spaced = std::ranges::any_of(scene.contact.pairs,
+                                          [](const scene::Pair& pair) { return pair.spacing.has_value(); });
+  for (auto fewer = outcome; !at_rest && !spaced;) {
+    const auto before = estimator->model().gap.size();
+    ++out.thinnings;
+    estimator = estimator_of();
+    fewer = run();
+    if (estimator->model().gap.size() < before && fewer &&
+        distance(*outcome, *fewer) <= of_spacing * *scene.accuracy)
+      continue;
+    --out.thinnings;
+    estimator = estimator_of();
+    break;
+  }
   if (!scene.contact.precision) {
     scene.contact.precision = scene::Precision::float32;
-    const auto share = in_scene(scene, [&] { return estimator.precision(step_options(scene)); });
+    const auto share = in_scene(scene, [&] { return estimator->precision(step_options(scene)); });
     if (!share || *share > of_precision * *scene.accuracy)
       scene.contact.precision = scene::Precision::float64;
   }
-  const contact::StepOptions step = step_options(scene);
-  const auto outcome = in_scene(scene, [&] { return estimator.outcome(step); });
-  if (!outcome || !outcome->touched()) return {{}, {"nothing touches: no error is estimated"}};
-  Judged out;
-  out.estimate = in_scene(scene, [&] { return estimator.estimate(step); });
+  out.estimate = in_scene(scene, [&] { return estimator->estimate(step_options(scene)); });
   out.warnings = warnings(*out.estimate, *scene.accuracy);
   return out;
 }
