@@ -95,6 +95,50 @@ void choose_rate(scene::Scene& scene, const Kernels& kernels, contact::Estimator
   }
 }
 
+/// The scene with its contact points thinned so many times.
+std::unique_ptr<contact::Estimator> estimator_of(const scene::Scene& scene, const Kernels& kernels,
+                                                 const std::vector<kernels::Kernel>& other_order,
+                                                 int thinnings) {
+  double left = 0;
+  for (const scene::Body& body : scene.bodies) left = std::max(left, contact::left_by_order(body.order));
+  return in_scene(scene, [&] {
+    return std::make_unique<contact::Estimator>(
+        contact::Subject{.place =
+                             [&scene, thinnings](const std::vector<kernels::Kernel>& placed) {
+                               return thinned(model_of(scene, placed), thinnings);
+                             },
+                         .kernels = kernels.kernel,
+                         .other_order = other_order,
+                         .left_of_other = left,
+                         .low_rank = scene.modes.low_rank,
+                         .at_rest = scene.contact.scheme == scene::Scheme::at_rest,
+                         .duration = scene.time.duration});
+  });
+}
+
+std::optional<contact::Outcome> outcome(const scene::Scene& scene, contact::Estimator& estimator) {
+  return in_scene(scene, [&] { return estimator.outcome(step_options(scene)); });
+}
+
+/// Whether an impact with fewer contact points is the same one: results may be right where the force is not,
+/// so the time of contact has to be, too.
+bool alike(const contact::Outcome& all, const contact::Outcome& fewer, double accuracy) {
+  return distance(all, fewer) <= of_spacing * accuracy &&
+         std::abs(fewer.longest_touch - all.longest_touch) <= accuracy * all.longest_touch;
+}
+
+bool may_thin(const scene::Scene& scene) {
+  return scene.contact.scheme != scene::Scheme::at_rest &&
+         std::ranges::none_of(scene.contact.pairs,
+                              [](const scene::Pair& pair) { return pair.spacing.has_value(); });
+}
+
+void choose_precision(scene::Scene& scene, contact::Estimator& estimator) {
+  scene.contact.precision = scene::Precision::float32;
+  const auto share = in_scene(scene, [&] { return estimator.precision(step_options(scene)); });
+  if (!share || *share > of_precision * *scene.accuracy) scene.contact.precision = scene::Precision::float64;
+}
+
 }  // namespace
 
 contact::Model thinned(contact::Model model, int times) {
@@ -103,53 +147,30 @@ contact::Model thinned(contact::Model model, int times) {
 }
 
 Judged choose_and_judge(scene::Scene& scene, const Kernels& kernels, const std::filesystem::path& folder) {
-  const bool at_rest = scene.contact.scheme == scene::Scheme::at_rest;
-  const std::vector<kernels::Kernel> other = of_other_order(scene, folder);
+  const std::vector<kernels::Kernel> other_order = of_other_order(scene, folder);
   Judged out;
-  const auto estimator_of = [&] {
-    return std::make_unique<contact::Estimator>(contact::Subject{
-        .place =
-            [&scene, times = out.thinnings](const std::vector<kernels::Kernel>& placed) {
-              return thinned(model_of(scene, placed), times);
-            },
-        .kernels = kernels.kernel,
-        .other_order = other,
-        .other_is_lower =
-            std::ranges::all_of(scene.bodies, [](const scene::Body& body) { return body.order > 1; }),
-        .low_rank = scene.modes.low_rank,
-        .at_rest = at_rest,
-        .duration = scene.time.duration});
-  };
-  auto estimator = estimator_of();
+  auto estimator = estimator_of(scene, kernels, other_order, 0);
   if (std::exchange(scene.time.rate_by_accuracy, false)) choose_rate(scene, kernels, *estimator);
-  const auto run = [&] { return in_scene(scene, [&] { return estimator->outcome(step_options(scene)); }); };
-  const auto outcome = run();
-  if (!outcome || !outcome->touched()) {
+  const auto all = outcome(scene, *estimator);
+  if (!all || !all->touched()) {
     scene.contact.precision = scene.contact.precision.value_or(scene::Precision::float64);
     out.warnings = {"nothing touches: no error is estimated"};
     return out;
   }
-  const bool spaced = std::ranges::any_of(scene.contact.pairs,
-                                          [](const scene::Pair& pair) { return pair.spacing.has_value(); });
-  for (auto fewer = outcome; !at_rest && !spaced;) {
-    const auto before = estimator->model().gap.size();
+  double by_thinning = 0;
+  while (may_thin(scene)) {
+    auto wider = estimator_of(scene, kernels, other_order, out.thinnings + 1);
+    const auto fewer = outcome(scene, *wider);
+    if (wider->model().gap.size() == estimator->model().gap.size() || !fewer ||
+        !alike(*all, *fewer, *scene.accuracy))
+      break;
+    estimator = std::move(wider);
+    by_thinning = distance(*all, *fewer);
     ++out.thinnings;
-    estimator = estimator_of();
-    fewer = run();
-    if (estimator->model().gap.size() < before && fewer &&
-        distance(*outcome, *fewer) <= of_spacing * *scene.accuracy)
-      continue;
-    --out.thinnings;
-    estimator = estimator_of();
-    break;
   }
-  if (!scene.contact.precision) {
-    scene.contact.precision = scene::Precision::float32;
-    const auto share = in_scene(scene, [&] { return estimator->precision(step_options(scene)); });
-    if (!share || *share > of_precision * *scene.accuracy)
-      scene.contact.precision = scene::Precision::float64;
-  }
+  if (!scene.contact.precision) choose_precision(scene, *estimator);
   out.estimate = in_scene(scene, [&] { return estimator->estimate(step_options(scene)); });
+  if (out.estimate->spacing) out.estimate->spacing = std::max(*out.estimate->spacing, by_thinning);
   out.warnings = warnings(*out.estimate, *scene.accuracy);
   return out;
 }

@@ -252,15 +252,19 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
   scene::Scene scene;
   // Each rank reads the small scene file; the complaint of one is the complaint of all.
   std::string complaint;
-  std::vector<scene::KernelRequest> requests;
+  struct Task {
+    scene::KernelRequest request;
+    bool needed;  ///< what only an estimate wants may fail
+  };
+  std::vector<Task> tasks;
   try {
     scene = scene::read(options.scene, options.overrides);
     if (!options.dry_run)
       for (const scene::Body& body : scene.bodies) {
-        requests.push_back(scene::kernel_request(scene, body));
+        tasks.push_back({scene::kernel_request(scene, body), true});
         // The error of the mesh is estimated from another order.
         if (!scene.accuracy) continue;
-        if (const auto other = scene::other_order(requests.back())) requests.push_back(*other);
+        if (const auto other = scene::other_order(tasks.back().request)) tasks.push_back({*other, false});
       }
   } catch (const InputError& error) {
     complaint = error.what();
@@ -280,9 +284,9 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
 
   console::Console console(options.quiet || !first,
                            [comm] { return parallel::largest(comm, console::peak_memory_mib()); });
-  if (requests.empty()) console.say("the scene takes its kernels from contact.table: nothing to compute");
+  if (tasks.empty()) console.say("the scene takes its kernels from contact.table: nothing to compute");
   std::optional<scene::Modes> chosen;
-  for (scene::KernelRequest& request : requests) {
+  for (auto& [request, needed] : tasks) {
     const std::filesystem::path path = scene::kernel_path(options.out, request);
     std::vector<char> there{first && kernels::read_hash(path) == request.hash};
     parallel::broadcast(comm, there);
@@ -299,8 +303,17 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
         if (!chosen) chosen = chosen_modes(scene, comm);
         request.modes = *chosen;
       }
-      const kernels::Kernel kernel = compute_kernel(request, checkpoint, comm, console);
-      parallel::on_first_rank(comm, [&] { kernels::write(kernel, path); });
+      try {
+        const kernels::Kernel kernel = compute_kernel(request, checkpoint, comm, console);
+        parallel::on_first_rank(comm, [&] { kernels::write(kernel, path); });
+      } catch (const InputError& error) {  // the same on every rank
+        if (needed) throw;
+        if (first)
+          console.warn(
+              fmt::format("in elements of order {}, from which the error of the mesh is estimated: {}",
+                          request.body.order, error.what()));
+        continue;
+      }
     }
     if (first) {
       std::error_code ignored;
