@@ -152,13 +152,16 @@ std::optional<double> Estimator::modes(const StepOptions& options, const Outcome
     return out;
   };
   const std::vector<kernels::Kernel> half = cut(0.5);
-  bool fewer = false, fitted = false;
+  // To the end of a rod waves come back whole, so that resonances count, which the error of the flexibility
+  // passes over.
+  bool fewer = false, fitted = false, rods = false;
   double left = 0, made = 0;
   for (std::size_t k = 0; k < half.size(); ++k) {
     const kernels::Kernel& kernel = subject_.kernels[k];
     fewer = fewer || half[k].modes.size() < kernel.modes.size();
     if (kernel.modes.basis != "contact") continue;
     fitted = true;
+    rods = rods || kernel.surface.element_corners == 1;
     left = std::max(left, kernel.modes.certificate.flexibility_error);
     made = std::max(made, kernels::error_up_to(kernel, end_of(kernel, 0.5), end_of(kernel, 1)));
   }
@@ -166,7 +169,12 @@ std::optional<double> Estimator::modes(const StepOptions& options, const Outcome
   const auto once = mean(half, options);
   if (!once) return std::nullopt;
   const double change = distance(base, *once);
-  if (fitted) return left < made ? change * left / made : change;
+  if (fitted) {
+    // Above the band nothing is known of the vectors: what they do counts in full.
+    const auto in_band = mean(cut(1), options);
+    return std::max(left < made && !rods ? change * left / made : change,
+                    in_band ? distance(base, *in_band) : 0);
+  }
   const auto nearly = mean(cut(0.75), options), twice = mean(cut(0.25), options);
   return still_to_come(std::max(change, nearly ? distance(base, *nearly) : 0),
                        twice ? distance(*once, *twice) : 0);

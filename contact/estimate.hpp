@@ -16,7 +16,7 @@
 // and where it is below ¼ the change is taken for a quarter of the other one. Of vectors
 // fitted to contact those above half of their band go, and instead of ρ/(1 − ρ) stands the error of the
 // flexibility over the band (kernels/band.hpp) that they were made with, over the one that leaving these out
-// makes.
+// makes; in full counts what vectors above the band change and, of rods, those above its half.
 #pragma once
 
 #include <functional>
