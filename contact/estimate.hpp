@@ -7,7 +7,7 @@
 //   step         max(4/3 |r(Δ) − r(Δ/4)|, |r(Δ) − r(Δ/2)|): exact for errors of first order in Δ
 //   modes        |⟨r⟩ − ⟨r of the modes up to half, or three quarters, of the highest⟩| times ρ/(1 − ρ)
 //   spacing      |⟨r⟩ − ⟨r of points twice as far apart⟩| times ρ/(1 − ρ)
-//   mesh         |⟨r⟩ − ⟨r of elements of another order⟩|; a third of it where the other order is lower
+//   mesh         |⟨r⟩ − ⟨r of elements of another order⟩| times what is left of it
 //   eigensolver  |⟨r⟩ − ⟨r with frequencies off by A times their errors⟩| / A, A making the largest 1e-3
 //   precision    |⟨r⟩ − ⟨r in single precision⟩|; in double precision 2⁻²⁹ of it, the ratio of their
 //   round-offs
@@ -16,7 +16,7 @@
 // and where it is below ¼ the change is taken for a quarter of the other one. Of vectors
 // fitted to contact those above half of their band go, and instead of ρ/(1 − ρ) stands the error of the
 // flexibility over the band (kernels/band.hpp) that they were made with, over the one that leaving these out
-// makes.
+// makes; in full counts what vectors above the band change and, of rods, those above its half.
 #pragma once
 
 #include <functional>
@@ -30,6 +30,10 @@
 
 namespace ricochet::contact {
 
+/// Share of what the next lower order of elements changed that these still have, as measured; of elements of
+/// order 1, which are compared with those of order 2: all.
+double left_by_order(int order);
+
 /// The scene that is run again.
 struct Subject {
   /// The model with these kernels in the place of `kernels`, which it may refer to.
@@ -37,8 +41,8 @@ struct Subject {
   std::vector<kernels::Kernel> kernels;
   /// Of the same bodies in elements of another order; empty: there are none.
   std::vector<kernels::Kernel> other_order{};
-  bool other_is_lower = true;
-  double low_rank = 0;  ///< of vectors fitted to contact: threshold of the factors they were solved with
+  double left_of_other = 1;  ///< share of what the other order changes that is left in these: left_by_order
+  double low_rank = 0;       ///< of vectors fitted to contact: threshold of the factors they were solved with
   bool at_rest = false;
   double duration = 0;  ///< [s]; not at rest
 };

@@ -2,18 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <utility>
 
 #include "contact/estimate.hpp"
+#include "contact/thinning.hpp"
 
 namespace ricochet::programs {
 namespace {
 
 using contact::ErrorEstimate;
 
-/// Shares of the error asked for that the step may have, and single precision.
-constexpr double of_step = 0.5, of_precision = 0.05;
+/// Shares of the error asked for that the step may have, fewer contact points, and single precision.
+constexpr double of_step = 0.5, of_spacing = 0.1, of_precision = 0.05;
 
 /// The first step tried takes so many a period at the end of the kernels' band, and a run as many at least;
 /// it is halved as long as a run takes no more than so many.
@@ -93,35 +95,88 @@ void choose_rate(scene::Scene& scene, const Kernels& kernels, contact::Estimator
   }
 }
 
+std::vector<kernels::Kernel> copies(const Kernels& kernels) {
+  std::vector<kernels::Kernel> out;
+  for (const auto& kernel : kernels.kernel) out.push_back(*kernel);
+  return out;
+}
+
+/// The scene with its contact points thinned so many times.
+std::unique_ptr<contact::Estimator> estimator_of(const scene::Scene& scene, const Kernels& kernels,
+                                                 const std::vector<kernels::Kernel>& other_order,
+                                                 int thinnings) {
+  double left = 0;
+  for (const scene::Body& body : scene.bodies) left = std::max(left, contact::left_by_order(body.order));
+  return in_scene(scene, [&] {
+    return std::make_unique<contact::Estimator>(
+        contact::Subject{.place =
+                             [&scene, thinnings](const std::vector<kernels::Kernel>& placed) {
+                               return thinned(model_of(scene, placed), thinnings);
+                             },
+                         .kernels = kernels.kernel,
+                         .other_order = other_order,
+                         .left_of_other = left,
+                         .low_rank = scene.modes.low_rank,
+                         .at_rest = scene.contact.scheme == scene::Scheme::at_rest,
+                         .duration = scene.time.duration});
+  });
+}
+
+std::optional<contact::Outcome> outcome(const scene::Scene& scene, contact::Estimator& estimator) {
+  return in_scene(scene, [&] { return estimator.outcome(step_options(scene)); });
+}
+
+/// Whether an impact with fewer contact points is the same one: results may be right where the force is not,
+/// so the time of contact has to be, too.
+bool alike(const contact::Outcome& all, const contact::Outcome& fewer, double accuracy) {
+  return distance(all, fewer) <= of_spacing * accuracy &&
+         std::abs(fewer.longest_touch - all.longest_touch) <= accuracy * all.longest_touch;
+}
+
+bool may_thin(const scene::Scene& scene) {
+  return scene.contact.scheme != scene::Scheme::at_rest &&
+         std::ranges::none_of(scene.contact.pairs,
+                              [](const scene::Pair& pair) { return pair.spacing.has_value(); });
+}
+
+void choose_precision(scene::Scene& scene, contact::Estimator& estimator) {
+  scene.time.precision = scene::Precision::float32;
+  const auto share = in_scene(scene, [&] { return estimator.precision(step_options(scene)); });
+  if (!share || *share > of_precision * *scene.accuracy) scene.time.precision = scene::Precision::float64;
+}
+
 }  // namespace
 
+contact::Model thinned(contact::Model model, int times) {
+  for (int k = 0; k < times; ++k) model = contact::thinned(model);
+  return model;
+}
+
 Judged choose_and_judge(scene::Scene& scene, const Kernels& kernels, const std::filesystem::path& folder) {
-  const auto place = [&scene](const std::vector<kernels::Kernel>& others) {
-    std::vector<const kernels::Kernel*> pointers;
-    for (const kernels::Kernel& kernel : others) pointers.push_back(&kernel);
-    return model_of(scene, pointers);
-  };
-  std::vector<kernels::Kernel> own;
-  for (const auto& kernel : kernels.kernel) own.push_back(*kernel);
-  contact::Estimator estimator({.place = place,
-                                .kernels = std::move(own),
-                                .other_order = of_other_order(scene, folder),
-                                .other_is_lower = std::ranges::all_of(
-                                    scene.bodies, [](const scene::Body& body) { return body.order > 1; }),
-                                .low_rank = scene.modes.low_rank,
-                                .at_rest = scene.contact.scheme == scene::Scheme::at_rest,
-                                .duration = scene.time.duration});
-  if (std::exchange(scene.time.rate_by_accuracy, false)) choose_rate(scene, kernels, estimator);
-  if (!scene.time.precision) {
-    scene.time.precision = scene::Precision::float32;
-    const auto share = in_scene(scene, [&] { return estimator.precision(step_options(scene)); });
-    if (!share || *share > of_precision * *scene.accuracy) scene.time.precision = scene::Precision::float64;
-  }
-  const contact::StepOptions step = step_options(scene);
-  const auto outcome = in_scene(scene, [&] { return estimator.outcome(step); });
-  if (!outcome || !outcome->touched()) return {{}, {"nothing touches: no error is estimated"}};
+  const std::vector<kernels::Kernel> other_order = of_other_order(scene, folder);
   Judged out;
-  out.estimate = in_scene(scene, [&] { return estimator.estimate(step); });
+  auto estimator = estimator_of(scene, kernels, other_order, 0);
+  if (std::exchange(scene.time.rate_by_accuracy, false)) choose_rate(scene, kernels, *estimator);
+  const auto all = outcome(scene, *estimator);
+  if (!all || !all->touched()) {
+    scene.time.precision = scene.time.precision.value_or(scene::Precision::float64);
+    out.warnings = {"nothing touches: no error is estimated"};
+    return out;
+  }
+  double by_thinning = 0;
+  while (may_thin(scene)) {
+    auto wider = estimator_of(scene, kernels, other_order, out.thinnings + 1);
+    const auto fewer = outcome(scene, *wider);
+    if (wider->model().gap.size() == estimator->model().gap.size() || !fewer ||
+        !alike(*all, *fewer, *scene.accuracy))
+      break;
+    estimator = std::move(wider);
+    by_thinning = distance(*all, *fewer);
+    ++out.thinnings;
+  }
+  if (!scene.time.precision) choose_precision(scene, *estimator);
+  out.estimate = in_scene(scene, [&] { return estimator->estimate(step_options(scene)); });
+  if (out.estimate->spacing) out.estimate->spacing = std::max(*out.estimate->spacing, by_thinning);
   out.warnings = warnings(*out.estimate, *scene.accuracy);
   return out;
 }

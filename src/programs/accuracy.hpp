@@ -1,4 +1,5 @@
-// What `accuracy` does in ricochet-contact: it chooses the step and the precision, and estimates errors.
+// What `accuracy` does in ricochet-contact: it chooses step, contact points and precision, and estimates
+// errors.
 #pragma once
 
 #include <filesystem>
@@ -11,6 +12,7 @@
 namespace ricochet::programs {
 
 struct Judged {
+  int thinnings = 0;                               ///< of the model's contact points, before it is run
   std::optional<contact::ErrorEstimate> estimate;  ///< none: nothing touches
   std::vector<std::string> warnings;               ///< what is not known, or not as accurate as asked for
 
@@ -22,7 +24,11 @@ struct Judged {
   }
 };
 
-/// Runs the scene, which has an accuracy, several times. Sets the rate and the precision that it leaves open.
+/// The model, its contact points thinned so many times.
+contact::Model thinned(contact::Model model, int times);
+
+/// Runs the scene, which has an accuracy, several times. Sets the rate and the precision that it leaves open,
+/// and says how often its contact points may be thinned where it gives no spacing.
 /// @param folder  of the kernels of other order, beside those of the scene
 /// Throws InputError as building the model and running it do.
 Judged choose_and_judge(scene::Scene& scene, const Kernels& kernels, const std::filesystem::path& folder);

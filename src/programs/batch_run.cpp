@@ -67,9 +67,12 @@ class Batch {
                       scene.file.string()));
     const Clock::time_point started = Clock::now();
     const Kernels kernels = read_kernels(scene, options_.out, cache_);
-    const contact::Model model = in_scene(scene, [&] { return model_of(scene, kernels.pointers()); });
+    contact::Model model = in_scene(scene, [&] { return model_of(scene, kernels.pointers()); });
     Judged judged;
-    if (scene.accuracy) judged = choose_and_judge(scene, kernels, options_.out);
+    if (scene.accuracy) {
+      judged = choose_and_judge(scene, kernels, options_.out);
+      model = thinned(std::move(model), judged.thinnings);
+    }
     const contact::StepOptions step = step_options(scene);
     const std::int64_t steps = std::llround(scene.time.duration * scene.time.rate.value);
     const Clock::time_point stepping = Clock::now();

@@ -262,14 +262,17 @@ int run_contact(const console::Options& options, std::ostream& out) {
   console.end(fmt::format("{} bodies", kernels.kernel.size()));
 
   console.begin("pairing");
-  const contact::Model model = in_scene(scene, [&] { return model_of(scene, kernels.pointers()); });
+  contact::Model model = in_scene(scene, [&] { return model_of(scene, kernels.pointers()); });
   console.end(fmt::format("{} contact points, {} modes", model.gap.size(), model.omega.size()));
 
   Judged judged;
   if (scene.accuracy) {
     console.begin("estimates");
     judged = choose_and_judge(scene, kernels, folder);
-    console.end(judged.estimate ? fmt::format("error {:.2g}", judged.estimate->total()) : "");
+    model = thinned(std::move(model), judged.thinnings);
+    console.end(judged.estimate ? fmt::format("error {:.2g}, {} contact points", judged.estimate->total(),
+                                              model.gap.size())
+                                : "");
   }
   const Target target = target_of(scene, folder, kernels);
   if (scene.contact.scheme == scene::Scheme::at_rest) {

@@ -296,7 +296,7 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
                            [comm] { return parallel::largest(comm, console::peak_memory_mib()); });
   if (requests.empty()) console.say("the scene takes its kernels from contact.table: nothing to compute");
   std::vector<Points> points = needed_points(scene, requests, options.out, comm, console);
-  // The error of the mesh is estimated from another order, with all candidates.
+  // The error of the mesh is estimated from another order, with all candidates; these may fail.
   if (scene.accuracy)
     for (std::size_t k = 0; k < scene.bodies.size(); ++k)
       if (const auto other = scene::other_order(requests[k])) {
@@ -329,8 +329,17 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
         if (!chosen) chosen = chosen_modes(scene, comm);
         request.modes = *chosen;
       }
-      const kernels::Kernel kernel = compute_kernel(request, checkpoint, comm, console);
-      parallel::on_first_rank(comm, [&] { kernels::write(kernel, path); });
+      try {
+        const kernels::Kernel kernel = compute_kernel(request, checkpoint, comm, console);
+        parallel::on_first_rank(comm, [&] { kernels::write(kernel, path); });
+      } catch (const InputError& error) {  // the same on every rank
+        if (k < scene.bodies.size()) throw;
+        if (first)
+          console.warn(
+              fmt::format("in elements of order {}, from which the error of the mesh is estimated: {}",
+                          request.body.order, error.what()));
+        continue;
+      }
     }
     if (first) {
       std::error_code ignored;

@@ -132,15 +132,15 @@ TEST(PrecisionShare, of_double_is_that_of_single_in_their_round_offs) {
 
 // Meshes too coarse by some per cent of each frequency, the more the higher; the next order has none of it
 // left.
-TEST(MeshShare, is_what_other_elements_change_or_a_third_of_it) {
+TEST(MeshShare, is_as_much_as_is_left_of_what_other_elements_change) {
   std::vector<Kernel> coarse = rods(16);
   for (Kernel& kernel : coarse)
     for (std::size_t n = 0; n < 16; ++n)
       kernel.modes.angular_frequency[n] *= 1 + 1e-4 * static_cast<double>(n * n);
-  const auto share = [&](bool lower) {
+  const auto share = [&](double left) {
     Subject with = subject(16);
     with.other_order = coarse;
-    with.other_is_lower = lower;
+    with.left_of_other = left;
     return *Estimator(std::move(with)).estimate({.step = 0.01}).mesh;
   };
   double change = 0;
@@ -148,9 +148,9 @@ TEST(MeshShare, is_what_other_elements_change_or_a_third_of_it) {
     change += (impact(collision(coarse), {.step = step}, steps)->value[0] -
                impact(collision(rods(16)), {.step = step}, steps)->value[0]) /
               2;
-  EXPECT_NEAR(share(false), std::abs(change) / (length * speed),
-              1e-2 * share(false));  // of the impulse, as rated
-  EXPECT_DOUBLE_EQ(share(true), share(false) / 3);
+  EXPECT_NEAR(share(1), std::abs(change) / (length * speed),
+              1e-2 * share(1));  // of the impulse, as rated
+  EXPECT_DOUBLE_EQ(share(0.25), share(1) / 4);
 }
 
 /// A block that falls flat on a floor: a rigid mode, and elastic ones that bulge its face; more of it the

@@ -85,11 +85,30 @@ class Accuracy(ProgramTest):
         self.assertGreater(summary["error_estimate"]["mesh"], 1e-3)
         self.assertTrue(any("by the mesh" in warning for warning in summary["warnings"]))
 
+    def test_balls_are_run_with_fewer_points_where_that_hardly_matters(self):
+        scene, out = MESHES / "hertz" / "two-balls.toml", self.folder / "balls"
+        sets = [f"bodies.{body}.geometry={{size=1.6e-4}}" for body in ("upper", "lower")]
+        self.succeed(kernel(scene, out, *sets))
+        found = []
+        for wanted in ([], ["accuracy=0.1", "time={duration=1.2e-4}"], ["accuracy=1e-4", "time.rate_hz=5e6"]):
+            self.succeed(contact(scene, out, *sets, *wanted))
+            found.append(self.summary(out))
+        all_points, fewer, precise = found
+        self.assertLess(fewer["candidates"], all_points["candidates"])
+        self.assertEqual(precise["candidates"], all_points["candidates"])
+        lasted = [s["contact_end_s"] - s["contact_start_s"] for s in found]
+        self.assertAlmostEqual(lasted[1] / lasted[0], 1, delta=0.1)
+        self.assertAlmostEqual(fewer["impulse_ns"] / all_points["impulse_ns"], 1, delta=0.01)
+
     def test_without_kernels_of_another_order_the_mesh_is_unknown(self):
         given = ["modes.count=20", "time.rate_hz=100"]
         summary = self.collide(*given, "accuracy=1e-1", accuracy=None, computed=given)
         self.assertIsNone(summary["error_estimate"]["mesh"])
         self.assertTrue(any("leaves out: mesh" in warning for warning in summary["warnings"]))
+
+    def test_a_mesh_too_coarse_to_be_made_coarser_is_no_error(self):
+        summary = self.collide("modes.count=150", "time.rate_hz=100")  # of 181 of order 3, and 121 of order 2
+        self.assertIsNone(summary["error_estimate"]["mesh"])
 
     def test_nothing_is_estimated_unless_it_is_asked_for_or_something_touches(self):
         given = ["modes.count=5", "time.rate_hz=100"]
