@@ -111,9 +111,11 @@ std::unique_ptr<contact::Estimator> estimator_of(const scene::Scene& scene, cons
     return std::make_unique<contact::Estimator>(
         contact::Subject{.place =
                              [&scene, thinnings](const std::vector<kernels::Kernel>& placed) {
-                               return thinned(model_of(scene, placed), thinnings);
+                               std::vector<const kernels::Kernel*> pointers;
+                               for (const kernels::Kernel& kernel : placed) pointers.push_back(&kernel);
+                               return thinned(model_of(scene, pointers), thinnings);
                              },
-                         .kernels = kernels.kernel,
+                         .kernels = copies(kernels),
                          .other_order = other_order,
                          .left_of_other = left,
                          .low_rank = scene.modes.low_rank,
