@@ -46,6 +46,18 @@ TEST(Outcome, of_colliding_rods_is_that_of_the_waves) {
   EXPECT_NEAR(outcome->scale[1], speed, 1e-12);
 }
 
+// √(2 g h) after a fall of h = ½ at g = 1; a run that begins at rest has no other speed.
+TEST(Outcome, of_a_falling_rod_is_measured_by_the_speed_at_which_it_meets_the_wall) {
+  const Kernel kernel = rod(8, length);
+  const Model model = build_model({{.name = "a", .kernel = &kernel, .translation = {-length, 0, 0}}},
+                                  {{.name = "wall", .point = {0.5, 0, 0}, .normal = {-1, 0, 0}}},
+                                  {PairRequest{"a", "wall", {}, {}, {}}}, {1, 0, 0});
+  const auto outcome = impact(model, {.step = 1e-3}, 2000);  // until it is still pressed on
+  ASSERT_TRUE(outcome);
+  EXPECT_NEAR(outcome->scale[1], 1, 2e-3);  // a step's
+  EXPECT_NEAR(outcome->longest_touch, 1, 0.1);
+}
+
 TEST(Distance, is_the_largest_relative_to_its_scale) {
   Outcome a, b;
   a.value = Vector::Constant(3, 1);
