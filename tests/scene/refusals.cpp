@@ -142,6 +142,21 @@ TEST(Refused, is_a_number_out_of_range) {
     expect_lines({{"[time]", "[output]\n" + key + "\n[time]", "output." + line}});
 }
 
+// Computed with they would end in factors that are infinite, not in a refusal.
+TEST(Refused, is_a_number_beyond_what_arithmetic_can_square) {
+  expect_body_lines(
+      {{"scale = 1e150", "scale = 1e+150: must be from -1e30 to 1e30"},
+       {"scale = 1e-150", "scale = 1e-150: must be at least 1e-30"},
+       {"velocity = [0, 0, 1e200]", "velocity = [0, 0, 1e+200]: must hold numbers from -1e30 to 1e30"}});
+  expect_lines(
+      {{"density = 1000", "density = 1e300",
+        "bodies.ball.material.density = 1e+300: must be from -1e30 to 1e30"},
+       {"young = 1e9", "young = 1e-300", "bodies.ball.material.young = 1e-300: must be at least 1e-30"},
+       {"count = 10", "up_to_hz = 1e300", "modes.up_to_hz = 1e+300: must be from -1e30 to 1e30"},
+       {"[time]", "[loads]\ngravity = [0, 0, -1e300]\n[time]",
+        "loads.gravity = [0, 0, -1e+300]: must hold numbers from -1e30 to 1e30"}});
+}
+
 TEST(Refused, is_damping_that_is_no_law_or_two) {
   expect_body_lines(
       {{"damping = { ratio = -0.1 }", "damping.ratio = -0.1: must not be negative"},
