@@ -5,6 +5,7 @@
 #include <gmsh.h>
 
 #include <cctype>
+#include <cmath>
 #include <fstream>
 #include <regex>
 #include <sstream>
@@ -97,6 +98,28 @@ bool holds_elements() {
   return false;
 }
 
+/// gmsh 4.8 throws from a thread of its own, which ends the program, where a line has no length.
+void refuse_points_for_lines(const std::string& file) {
+  gmsh::vectorpair curves, ends;
+  gmsh::model::getEntities(curves, 1);
+  if (curves.empty()) return;
+  double low[3], high[3];
+  gmsh::model::getBoundingBox(-1, -1, low[0], low[1], low[2], high[0], high[1], high[2]);
+  const double size = std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
+  for (const auto& [dim, tag] : curves) {
+    std::string type;
+    gmsh::model::getType(dim, tag, type);
+    gmsh::model::getBoundary({{dim, tag}}, ends, /*combined=*/false, /*oriented=*/false);
+    if (type != "Line" || ends.size() != 2) continue;
+    std::vector<double> from, to;
+    gmsh::model::getValue(0, ends[0].second, {}, from);
+    gmsh::model::getValue(0, ends[1].second, {}, to);
+    if (std::hypot(to[0] - from[0], to[1] - from[1], to[2] - from[2]) <= 1e-14 * size)
+      throw InputError(
+          fmt::format("{}: line {} has no length: check its points, and what geometry sets", file, tag));
+  }
+}
+
 }  // namespace
 
 std::set<std::string> parameters_of(const std::filesystem::path& geo) {
@@ -138,6 +161,7 @@ bool open_model(const scene::Body& body) {
   if (body.mesh.extension() == ".msh") check_whole(body.mesh);
   gmsh::open(body.mesh.string());
   if (body.mesh.extension() == ".msh" || (body.mesh.extension() != ".geo" && holds_elements())) return true;
+  refuse_points_for_lines(file);
   gmsh::model::mesh::generate(gmsh::model::getDimension());
   gmsh::model::mesh::setOrder(body.order);
   return false;

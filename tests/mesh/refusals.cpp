@@ -205,6 +205,18 @@ TEST(Refusal, rods_are_straight_chains_that_touch_at_their_ends) {
   EXPECT_THAT(complaint(body), AllOf(about(straight), HasSubstr("area = ")));
 }
 
+TEST(Refusal, a_line_without_length_is_named) {
+  const test::SharedFile flat(".geo", R"(
+Point(1) = {0, 0, 0}; Point(2) = {0, 0, 0}; Point(3) = {0, 1, 0}; Point(4) = {0, 1, 0};
+Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 1};
+Transfinite Curve{1 : 4} = 2;
+Curve Loop(1) = {1 : 4}; Plane Surface(1) = {1}; Transfinite Surface{1}; Recombine Surface{1};
+body[] = Extrude {0, 0, 1} { Surface{1}; Layers{1}; Recombine; };
+Physical Volume("body") = {body[1]};
+)");
+  EXPECT_THAT(complaint(flat), AllOf(about(flat), HasSubstr("has no length"), HasSubstr("geometry")));
+}
+
 // Last: gmsh's parser is of no use for the rest of the process after a syntax error.
 TEST(Refusal, a_geometry_that_gmsh_cant_read_or_mesh_is_refused) {
   const test::SharedFile syntax(".geo", "Point(1) = {0, 0, 0};\nBlub(3) = {4};\n");
