@@ -151,6 +151,7 @@ ModeSet contact_basis(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
                       Factorisation& factor, const MatrixXd& loads, Index seen, const ContactRequest& request,
                       const Progress& progress) {
   const Operators operators(mesh, body);
+  operators.refuse_band(request.band, false);
   const RadPerSecond band(request.band);
   const double square = band.value * band.value;
   const Index r = operators.rigid.cols();

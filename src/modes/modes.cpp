@@ -93,6 +93,7 @@ ModeSet compute_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
         fmt::format("modes.count = {}: the body has {} free displacements: ask for fewer, or refine the mesh",
                     *request.count, body.free_rows));
   const Operators operators(mesh, body);
+  if (request.up_to) operators.refuse_band(*request.up_to, true);
   const Eigen::Index r = operators.rigid.cols();
   Search found = search(teams, operators, factor, request, progress);
   if (progress.begin) progress.begin("certificate");

@@ -1,7 +1,13 @@
 #include "src/modes/operators.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numbers>
+
+#include "kernels/error.hpp"
 
 namespace ricochet::modes {
 
@@ -67,6 +73,32 @@ Eigen::VectorXd Operators::residuals(const Eigen::Ref<const Eigen::MatrixXd>& sh
     residual.segment(j, n) = norms(defect).cwiseQuotient(norms(force));
   }
   return residual;
+}
+
+double Operators::stiffest() const {
+  Eigen::VectorXd inertia(body.local_rows);
+  parallel::Vector values;
+  parallel::check(VecCreateMPIWithArray(comm, 1, static_cast<PetscInt>(body.local_rows), PETSC_DECIDE,
+                                        inertia.data(), values.out()));
+  parallel::check(MatGetDiagonal(body.mass, values));
+  double most = 0;
+  for (Eigen::Index i = 0; i < inertia.size(); ++i)
+    if (inertia[i] > 0) most = std::max(most, diagonal[i] / inertia[i]);  // held rows have none
+  return parallel::largest(comm, most);
+}
+
+void Operators::refuse_band(Hertz up_to, bool from_zero) const {
+  const double end = std::pow(RadPerSecond(up_to).value, 2), most = stiffest();
+  const auto hertz = [](double lambda) { return std::sqrt(lambda) / (2 * std::numbers::pi); };
+  if (end > 1e6 * most)
+    throw InputError(fmt::format(
+        "modes.up_to_hz = {:.6g}: the mesh has no modes far above {:.2g} Hz: ask for less, or refine it",
+        up_to.value, hertz(most)));
+  if (from_zero && end < 1e-15 * most)
+    throw InputError(fmt::format(
+        "modes.up_to_hz = {:.6g}: is too near 0 to tell modes of this mesh from rigid motion: ask for "
+        "{:.2g} or more, or for a count",
+        up_to.value, hertz(1e-15 * most)));
 }
 
 }  // namespace ricochet::modes

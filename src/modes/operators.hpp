@@ -34,6 +34,14 @@ struct Operators {
   /// Collective.
   Eigen::VectorXd round_off(const Eigen::Ref<const Eigen::MatrixXd>& shape) const;
 
+  /// The largest K_ii/M_ii, a lower bound of the highest eigenvalue and near to it [rad²/s²]. Collective.
+  double stiffest() const;
+
+  /// Throws InputError on every rank for a band that ends beyond what this mesh knows of: thousands of times
+  /// above its highest mode, where K is lost beside the shift times M; or, with `from_zero`, where round-off
+  /// gives rigid motions a frequency. Collective.
+  void refuse_band(Hertz up_to, bool from_zero) const;
+
   /// Column 2-norms over the team. Collective.
   Eigen::VectorXd norms(const Eigen::MatrixXd& columns) const;
 };

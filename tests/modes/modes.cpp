@@ -182,6 +182,21 @@ TEST(Count, beyond_the_free_displacements_is_refused_on_every_rank) {
                InputError);
 }
 
+// Below, rigid motion has an eigenvalue of round-off; far above, K is lost beside the shift.
+TEST(Band, that_ends_where_the_mesh_has_no_modes_is_refused_on_every_rank) {
+  const mesh::GmshSession gmsh;
+  const Made rod = make(test::rod_geo(5), 1);
+  const double lowest = rod.body.wave_speed / 4;  // c/2L
+  const auto modes_up_to = [&](double share) {
+    const Hertz up_to{share * lowest};
+    return modes::compute_modes(test::one_team(), rod.mesh, rod.body, *rod.factor, {.up_to = up_to})
+        .angular_frequency.size();
+  };
+  for (const double share : {1e-30, 1e-10, 1e5, 1e20}) EXPECT_THROW(modes_up_to(share), InputError) << share;
+  EXPECT_EQ(modes_up_to(1e-3), 1U);
+  EXPECT_EQ(modes_up_to(1e3), 6U);
+}
+
 /// Flexibility of all modes above the first `kept`, from the dense eigenvectors.
 Eigen::MatrixXd dense_residual(const Made& made, const Eigen::MatrixXd& loads, Eigen::Index kept) {
   const Eigen::MatrixXd stiffness = test::dense(made.mesh, made.body, made.body.stiffness),
