@@ -1,0 +1,214 @@
+// The ends of the knobs of stepping: steps, damping, masses, precision, and very many steps. Each is measured
+// against a closed form or a law of conservation; scripts/extremes makes a table of what is found.
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "contact/integrator.hpp"
+#include "tests/contact/bodies.hpp"
+
+namespace {
+
+using namespace ricochet::contact;
+using namespace ricochet::contact::test;
+using ricochet::kernels::Kernel;
+
+/// A line of the table: what is set, what it must be, the bound on the error and the error.
+class Row {
+ public:
+  Row(const std::string& setting, const std::string& oracle, double bound)
+      : setting_(setting), oracle_(oracle), bound_(bound) {}
+  Row(const Row&) = delete;
+  Row& operator=(const Row&) = delete;
+  ~Row() {
+    EXPECT_LE(worst_, bound_) << setting_;
+    const int number = rows_++;
+    const auto keep = [&](const char* what, const std::string& value) {
+      testing::Test::RecordProperty(fmt::format("row_{}_{}", number, what), value);
+    };
+    keep("setting", setting_);
+    keep("oracle", oracle_);
+    keep("bound", fmt::format("{}", bound_));
+    keep("found", fmt::format("{}", worst_));
+  }
+
+  /// NaN stays.
+  void error(double found, double expected, double scale) {
+    const double e = std::abs(found - expected) / scale;
+    if (!(e <= worst_)) worst_ = e;
+  }
+  void relative(double found, double expected) { error(found, expected, std::abs(expected)); }
+
+ private:
+  std::string setting_, oracle_;
+  double bound_, worst_ = 0;
+  static inline int rows_ = 0;
+};
+
+constexpr double length = 10;  // of rods with c = ρA = EA = 1: m = 10, highest mode nπ/L
+
+/// A rod that touches a wall on its right and moves into it at speed 1.
+Model against_wall(const Kernel& kernel, double gap = 0, double speed = 1) {
+  return build_model({{"rod", &kernel, Matrix3d::Identity(), Vector3d::Zero(), {speed, 0, 0}}},
+                     {{"wall", {length + gap, 0, 0}, {-1, 0, 0}}}, {{"rod", "wall", {}, {}, {}}},
+                     Vector3d::Zero());
+}
+
+double shortest_period(const Model& model) { return 2 * std::numbers::pi / model.omega.maxCoeff(); }
+
+struct Impact {
+  double impulse = 0, velocity = 0;  ///< Σ λΔ; mass-mean, at the end
+  double drift = 0;                  ///< of the ledger, relative
+  double growth = 0;                 ///< largest growth of the energy in a step, relative
+  bool ok = true;
+};
+
+Impact collide(const Model& model, const StepOptions& options, int steps) {
+  Integrator integrator(model, options);
+  const double initial = integrator.energy().ledger();
+  double before = integrator.energy().total();
+  Impact out;
+  for (int k = 0; k < steps && out.ok; ++k) {
+    out.ok = integrator.step() == StepStatus::ok;
+    out.impulse += options.step * integrator.force().sum();
+    const double now = integrator.energy().total();
+    out.growth = std::max(out.growth, (now - before) / initial);
+    out.drift = std::max(out.drift, std::abs(integrator.energy().ledger() / initial - 1));
+    before = now;
+  }
+  out.velocity = model.momentum(0, integrator.v(), integrator.time()).x() / model.bodies[0].mass;
+  return out;
+}
+
+/// Momentum, the ledger and falling energy, of whatever the impact becomes.
+void expect_balance(const Model& model, const StepOptions& options, int steps, Row& row) {
+  const Impact impact = collide(model, options, steps);
+  const double mass = model.bodies[0].mass;
+  EXPECT_TRUE(impact.ok);
+  row.error(impact.impulse, mass * (1 - impact.velocity), mass);
+  row.error(impact.drift, 0, 1);
+  row.error(std::max(impact.growth, 0.0), 0, 1);
+}
+
+TEST(Step, of_any_length_keeps_momentum_and_ledger_and_gains_no_energy) {
+  const Kernel kernel = rod(40, length);
+  const Model model = against_wall(kernel);
+  // 1e-10: round-off of 2000 steps, where R presses with as much as 1e5 times the energy that moves
+  Row row("Δ = 1e-12 to 1e4 shortest periods", "momentum, ledger, energy never grows", 1e-10);
+  for (int k = -12; k <= 4; ++k)
+    expect_balance(model, {.step = std::pow(10.0, k) * shortest_period(model)}, 2000, row);
+}
+
+// Until waves matter the modes keep still: λ = v t/R.
+TEST(Step, far_below_the_periods_loads_the_residual_spring) {
+  const Kernel kernel = rod(40, length);
+  const Model model = against_wall(kernel);
+  for (const double share : {1e-12, 1e-10, 1e-8}) {
+    const double step = share * shortest_period(model);
+    Integrator integrator(model, {.step = step});
+    Row row(fmt::format("Δ = {:g} shortest periods, 100 steps", share), "λ = v t/R", 1e-6);
+    for (int k = 1; k <= 100; ++k) {
+      ASSERT_EQ(integrator.step(), StepStatus::ok);
+      row.relative(integrator.force()(0), k * step / model.R(0, 0));
+    }
+  }
+}
+
+// All modes are quasi-static: a mass m on the static flexibility F = L/(3EA), S = Δ²/2m + F, λ = vΔ/S. In the
+// next step it is free.
+TEST(Step, far_above_the_periods_turns_a_rigid_body_round) {
+  const Kernel kernel = rod(40, length);
+  const Model model = against_wall(kernel);
+  for (const double periods : {1e3, 1e4}) {
+    const double step = periods * shortest_period(model);
+    const Impact impact = collide(model, {.step = step}, 2);
+    const double force = step / (step * step / (2 * length) + length / 3);
+    // F is the sum over a million modes: 1e-6 of it is missing
+    Row row(fmt::format("Δ = {:g} shortest periods", periods), "rigid body on its static flexibility", 1e-6);
+    row.relative(impact.velocity, 1 - force * step / length);
+    row.error(impact.drift, 0, 1e-6);
+  }
+}
+
+TEST(Damping, from_none_to_a_hundredfold_of_critical_keeps_momentum_and_ledger) {
+  for (const double ratio : {0.0, 1e-6, 0.999999, 1.0, 1.000001, 100.0}) {
+    Kernel kernel = rod(40, length);
+    for (std::size_t n = 0; n < kernel.modes.size(); ++n)
+      kernel.modes.decay_rate[n] = ratio * kernel.modes.angular_frequency[n];
+    Row row(fmt::format("ζ = {}, impact of a rod", ratio), "momentum, ledger, energy never grows", 1e-11);
+    expect_balance(against_wall(kernel), {.step = 0.01}, 3000, row);
+  }
+}
+
+// Bodies of other mass, stiffness and size are the same in other units. Single precision holds numbers from
+// 1e-38 to 1e38 and squares of none beyond 1e19.
+TEST(SinglePrecision, follows_double_in_any_units) {
+  const Kernel unit = rod(40, length);
+  for (const auto& [mass, time] :
+       {std::pair(1.0, 1.0), std::pair(1e-12, 1e-9), std::pair(1e12, 1e3), std::pair(1e-21, 1e-12)}) {
+    // lengths stay; frequencies 1/time, modes mass^-1/2, R time²/mass
+    Kernel kernel = unit;
+    kernel.mass *= mass;
+    for (double& x : kernel.inertia) x *= mass;
+    for (double& x : kernel.modes.angular_frequency) x /= time;
+    for (double& x : kernel.surface.shape) x /= std::sqrt(mass);
+    for (double& x : kernel.loads.body_force) x *= std::sqrt(mass);
+    for (double& x : kernel.surface.residual_flexibility) x *= time * time / mass;
+    const Model model = against_wall(kernel, 0.05, 1 / time), reference = against_wall(unit, 0.05);
+    Integrator found(model, {.step = 0.01 * time, .block = 16, .precision = Precision::float32}),
+        expected(reference, {.step = 0.01});
+    // 1e-4: 24 bits over 16 steps of a block, of a force that is an amplified difference
+    Row row(fmt::format("single precision, masses times {:g}, times times {:g}", mass, time),
+            "double precision in other units", 1e-4);
+    double impulse = 0, same = 0;
+    for (int k = 0; k < 2400; ++k) {
+      ASSERT_EQ(found.step(), StepStatus::ok);
+      ASSERT_EQ(expected.step(), StepStatus::ok);
+      impulse += found.force().sum() * 0.01 * time / mass * time;
+      same += expected.force().sum() * 0.01;
+      if (k % 100 == 99) row.error(impulse, same, 2 * length);
+    }
+  }
+}
+
+// A mode that is let go swings for ever: q = (f/ω²)(1 − cos ωt).
+TEST(TenMillionSteps, of_free_motion_keep_phase_and_energy) {
+  Kernel kernel = clamped_bar(4, length);
+  const Model model = build_model({{"bar", &kernel}}, {{"wall", {2 * length, 0, 0}, {-1, 0, 0}}},
+                                  {{"bar", "wall", {}, {}, {}}}, {0.01, 0, 0});
+  const double step = 0.0123;  // no share of a period: 4L/(2n + 1)
+  Integrator integrator(model, {.step = step});
+  constexpr std::int64_t steps = 10'000'000;
+  for (std::int64_t k = 0; k < steps; ++k) ASSERT_EQ(integrator.step(), StepStatus::ok);
+  // Each step may turn a mode by a rounding too much, 1e-16 of its state: 1e-9 if all have one sign.
+  Row row("1e7 steps of free motion under gravity", "q = f (1 − cos ωt)/ω²", 1e-8);
+  for (Eigen::Index n = 0; n < model.omega.size(); ++n) {
+    const double rest = model.load(n) / (model.omega(n) * model.omega(n));
+    row.error(integrator.q()(n), rest * (1 - std::cos(model.omega(n) * static_cast<double>(steps) * step)),
+              std::abs(rest));
+  }
+  row.error(integrator.energy().ledger(), 0, (model.load.array() / model.omega.array()).square().sum());
+}
+
+// Damped, it stands in the end as it would if it had been laid down.
+TEST(MillionSteps, at_rest_under_gravity_carry_the_weight_without_sinking) {
+  Kernel kernel = rod(20, length);
+  for (std::size_t n = 0; n < kernel.modes.size(); ++n) kernel.modes.decay_rate[n] = 0.05;
+  const double weight = 0.01 * length;
+  for (const double gap : {0.0, 1e-6}) {
+    const Model model = build_model({{"rod", &kernel}}, {{"wall", {length + gap, 0, 0}, {-1, 0, 0}}},
+                                    {{"rod", "wall", {}, {}, {}}}, {0.01, 0, 0});
+    Integrator integrator(model, {.step = 0.01});
+    for (int k = 0; k < 1'000'000; ++k) ASSERT_EQ(integrator.step(), StepStatus::ok);
+    Row row(fmt::format("1e6 steps under gravity, from a gap of {:g}", gap), "λ = m g; u = gap", 1e-9);
+    row.relative(integrator.force()(0), weight);
+    row.error(integrator.displacement()(0), gap, 0.1);
+    row.error(integrator.v().norm(), 0, 1);
+  }
+}
+
+}  // namespace

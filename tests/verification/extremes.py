@@ -1,0 +1,17 @@
+"""Every line of the table of extremes holds."""
+
+import subprocess
+import unittest
+
+from programs import SOURCE
+
+
+class Extremes(unittest.TestCase):
+    def test_every_case_is_within_its_bound(self):
+        done = subprocess.run([SOURCE / "scripts" / "extremes", "--check"], capture_output=True, text=True)
+        print(done.stdout)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
