@@ -3,7 +3,7 @@
 set(RICOCHET_MANUALS "" CACHE PATH "Folder of the manual pages to install (scripts/package makes them)")
 set(share ${CMAKE_INSTALL_DATADIR}/ricochet)
 set(user_scripts run plot sweep tradeoff batch)
-set(modules programs progress result_file sweep_study sweep_results tradeoff_runs tradeoff_report)
+set(modules programs titles progress result_file sweep_study sweep_results tradeoff_runs tradeoff_report)
 
 install(TARGETS ricochet-contact ricochet-recast COMPONENT programs)
 if(RICOCHET_PREPROCESSOR)

@@ -15,8 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Normals at right angles to the direction still face along it: the ends of a half rim must not be lost to
-/// round-off.
+/// Normals at right angles to the direction still face along it: the ends of a half rim must not be lost.
 constexpr double facing_slack = 1e-6;
 
 /// Depths below this share of the bodies' size are round-off of a touching placement.
@@ -51,7 +50,7 @@ std::string title(const PairRequest& request) {
 
 std::string text(const Vector3d& v) { return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", v.x(), v.y(), v.z()); }
 
-/// A kernel of one component knows nothing of other directions than its own.
+/// A kernel of one component knows no directions but its own.
 void check_component(const PlacedBody& body, const std::optional<Vector3d>& normal,
                      const PairRequest& request) {
   const kernels::Surface& surface = body.kernel->surface;

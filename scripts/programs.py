@@ -2,13 +2,14 @@
 
 import json
 import os
-import re
 import shlex
 import shutil
 import subprocess
 import sys
 import tomllib
 from pathlib import Path
+
+import titles
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -85,7 +86,7 @@ def resolved(scene, arguments=()):
 
 def slug(resolved_scene):
     """What the names of the scene's results begin with."""
-    return re.sub("[^a-z0-9]+", "-", tomllib.loads(resolved_scene)["title"].lower()).strip("-") or "scene"
+    return titles.slug(tomllib.loads(resolved_scene)["title"])
 
 
 def out_folder(scene, out=None):

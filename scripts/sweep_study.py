@@ -1,13 +1,12 @@
 """Study files of scripts/sweep: which keys of a scene take which values."""
 import itertools
-import json
 import math
 import tomllib
 
 import numpy as np
 
-import programs
 from result_file import BadInput
+from titles import slug
 
 DRAWS = {"uniform": 2, "log_uniform": 2, "normal": 2}
 
@@ -31,7 +30,7 @@ class Study:
             raise BadInput(f"{path}: scene is missing: give the path of a scene, relative to the study")
         self.scene = path.parent / table["scene"]
         self.title = table.get("title", path.stem)
-        self.slug = programs.slug(f"title = {json.dumps(self.title)}")
+        self.slug = slug(self.title)
         self.fixed = self._keys(table, "set")
         grid = {key: self._values("grid", key, value) for key, value in self._keys(table, "grid").items()}
         rows = self._rows(self._keys(table, "list"))

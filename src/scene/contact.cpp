@@ -17,7 +17,7 @@ void read_pair(Table& table, const Scene& scene, Pair& pair) {
     pair.b = names[1];
   }
   for (const auto& [key, target] : {std::pair{"direction", &pair.direction}, std::pair{"along", &pair.along}})
-    if (const auto given = table.vector(key)) *target = unit(table, key, *given);
+    if (const auto given = direction(table, key)) *target = given;
   if (table.has("spacing")) pair.spacing = positive(table, "spacing");
   if (table.has("reach")) pair.reach = positive(table, "reach");
   if (const auto gap = table.number("gap")) {

@@ -1,16 +1,20 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "src/scene/loads.hpp"
 
 namespace ricochet::scene {
 
-Vector3 unit(Table& table, const std::string& key, const Vector3& given) {
+std::optional<Vector3> direction(Table& table, const std::string& key) {
+  const auto found = table.vector(key, std::numeric_limits<double>::max());
+  if (!found) return std::nullopt;
+  const Vector3& given = *found;
   const double length = std::hypot(given[0], given[1], given[2]);
   if (!(length > 0)) table.complain(key, "must not be zero");
   // Unit to round-off: divided again its last digit would creep, and a written scene not come back as it was.
   if (std::abs(length - 1) < 1e-15) return given;
-  return {given[0] / length, given[1] / length, given[2] / length};
+  return Vector3{given[0] / length, given[1] / length, given[2] / length};
 }
 
 double positive(Table& table, const std::string& key) {
@@ -310,9 +314,9 @@ Scene read(const std::filesystem::path& file, const std::vector<Override>& overr
   if (auto obstacles = root.table("obstacles"))
     for (auto& [obstacle_name, table] : obstacles->tables()) {
       Obstacle obstacle{obstacle_name, table.vector("point").value_or(Vector3{}), {}};
-      const auto normal = table.vector("normal");
+      const auto normal = direction(table, "normal");
       if (!normal) table.complain("normal", "is missing: it points out of the obstacle");
-      obstacle.normal = unit(table, "normal", *normal);
+      obstacle.normal = *normal;
       table.refuse_unknown();
       if (scene.find_body(obstacle_name) != nullptr) table.complain("", "a body has this name already");
       scene.obstacles.push_back(obstacle);

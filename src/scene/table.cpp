@@ -116,7 +116,7 @@ std::optional<std::string> Table::text(const std::string& key) {
   return node->get();
 }
 
-std::optional<Vector3> Table::vector(const std::string& key) {
+std::optional<Vector3> Table::vector(const std::string& key, double largest) {
   if (!has(key)) return std::nullopt;
   const auto* list = table_.get(key)->as_array();
   if (list == nullptr || list->size() != 3) complain(key, "must be three numbers, [x, y, z]");
@@ -127,7 +127,7 @@ std::optional<Vector3> Table::vector(const std::string& key) {
     vector[k] =
         node.is_integer() ? static_cast<double>(node.as_integer()->get()) : node.as_floating_point()->get();
     if (!std::isfinite(vector[k])) complain(key, "must be finite");
-    if (std::abs(vector[k]) > largest_number) complain(key, "must hold numbers from -1e30 to 1e30");
+    if (std::abs(vector[k]) > largest) complain(key, "must hold numbers from -1e30 to 1e30");
   }
   return vector;
 }

@@ -20,6 +20,10 @@ void apply_override(toml::table& root, const Override& text);
 /// hold.
 std::string one_line(std::string text);
 
+/// Numbers farther from 1 than this factor are refused: their squares, and products with their like, leave
+/// what arithmetic can hold.
+constexpr double largest_number = 1e30;
+
 /// Reads keys of one table, remembers which, and complains in one line: "FILE: dotted.key = value: what.
 /// fix."
 class Table {
@@ -36,7 +40,7 @@ class Table {
   std::optional<std::vector<std::int64_t>> integers(const std::string& key);
   std::optional<bool> boolean(const std::string& key);
   std::optional<std::string> text(const std::string& key);
-  std::optional<Vector3> vector(const std::string& key);
+  std::optional<Vector3> vector(const std::string& key, double largest = largest_number);
   /// A string or a list of strings.
   std::vector<std::string> texts(const std::string& key);
   std::optional<Table> table(const std::string& key);
@@ -76,8 +80,8 @@ Modes read_modes(Table& root, const std::optional<double>& accuracy = {});
 /// [contact], once the scene's bodies and obstacles are known.
 Contact read_contact(Table& root, const Scene& scene);
 
-/// `given` at length 1; complains about one of length 0.
-Vector3 unit(Table& table, const std::string& key, const Vector3& given);
+/// A vector of any length but 0, at length 1.
+std::optional<Vector3> direction(Table& table, const std::string& key);
 
 /// Numbers farther from 1 than this factor are refused: their squares, and products with their like, leave
 /// what arithmetic can hold.

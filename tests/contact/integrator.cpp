@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <numbers>
 #include <random>
@@ -27,6 +28,9 @@ Model blank(Eigen::Index modes, Eigen::Index points) {
 }
 
 constexpr double gravity = 9.81, mass = 2;
+
+/// Steps that are predicted together at most.
+constexpr std::size_t longest_block = 24;
 
 /// A body over a rigid half-space: the rigid mode towards it, `modes` − 1 elastic ones, weight.
 Model dropped(Eigen::Index modes, Eigen::Index points, double gap, unsigned seed = 1) {
@@ -126,18 +130,23 @@ TEST(Compliant, energy_never_grows_for_any_step_and_points_never_overlap) {
           model.gap.cwiseMax(Integrator(model, {.scheme = Scheme::compliant, .step = step}).displacement());
       Integrator integrator(model, {.scheme = Scheme::compliant, .step = step});
       // The solver keeps to u ≤ g within round-off of its largest term, size_u; the energy is known to λ
-      // times that.
+      // times that. What a block of steps predicts sums the answers to all its forces.
       const Vector softest =
           model.omega.unaryExpr([&](double w) { return std::min(0.5 * step * step, 2 / (w * w)); });
       const Matrix size_B = model.B.cwiseAbs();
       const Matrix size_S = size_B * softest.asDiagonal() * size_B.transpose() + Matrix(model.R.cwiseAbs());
       Vector force_before = integrator.force();
+      std::deque<Vector> of_block(longest_block, Vector::Zero(force_before.size()));
       double before = integrator.energy().total();
       for (int k = 0; k < 200; ++k) {
         ASSERT_EQ(integrator.step(), StepStatus::ok) << "step " << step << " trial " << trial << " k " << k;
         const Vector force = integrator.force(), u = integrator.displacement();
-        const Vector size_u = size_B * (integrator.q() + step * integrator.v()).cwiseAbs() + model.gap +
-                              size_S * (force + force_before);
+        of_block.pop_front();
+        of_block.push_back(force);
+        Vector forces = force_before;
+        for (const Vector& one : of_block) forces += one;
+        const Vector size_u =
+            size_B * (integrator.q() + step * integrator.v()).cwiseAbs() + model.gap + size_S * forces;
         const Energy& e = integrator.energy();
         const double size = e.kinetic + e.strain + e.residual + std::abs(e.loads) +
                             (force + force_before).sum() * size_u.maxCoeff();

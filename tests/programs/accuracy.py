@@ -60,7 +60,7 @@ class Accuracy(ProgramTest):
                 self.assertLess(self.error(summary), accuracy)
                 self.assertLess(summary["error_estimate"]["total"], accuracy)
                 self.assertEqual(self.resolved["time"]["rate_hz"] * 30, round(self.resolved["time"]["rate_hz"] * 30))
-                self.assertIn(self.resolved["contact"]["precision"], ("double", "single"))
+                self.assertIn(self.resolved["time"]["precision"], ("double", "single"))
                 self.assertNotIn("accuracy =", self.warned)
 
     def test_the_shares_add_up_to_the_total(self):
