@@ -83,10 +83,6 @@ Contact read_contact(Table& root, const Scene& scene);
 /// A vector of any length but 0, at length 1.
 std::optional<Vector3> direction(Table& table, const std::string& key);
 
-/// Numbers farther from 1 than this factor are refused: their squares, and products with their like, leave
-/// what arithmetic can hold.
-constexpr double largest_number = 1e30;
-
 /// A number that must be there and above 0.
 double positive(Table& table, const std::string& key);
 
