@@ -83,7 +83,7 @@ def frequencies_of(path):
 
 
 def run_ccx(folder, threads, coretype):
-    """Wall time [s], peak memory [MiB] and frequencies of `ccx -i body` in a folder."""
+    """Wall and processor time [s], peak memory [MiB] and frequencies of `ccx -i body` in a folder."""
     environment = os.environ | {"OMP_NUM_THREADS": str(threads), "OPENBLAS_NUM_THREADS": str(threads)}
     environment |= {"OPENBLAS_CORETYPE": coretype} if coretype else {}
     with open(folder / "log", "w") as log:
@@ -96,7 +96,8 @@ def run_ccx(folder, threads, coretype):
     if process.returncode != 0 or not found:
         print("ccx:", (folder / "log").read_text()[-2000:], file=sys.stderr)
         raise programs.Failed(1)
-    return {"seconds": seconds, "peak_mib": usage.ru_maxrss / 1024, "frequency_hz": found}
+    return {"seconds": seconds, "cpu_seconds": usage.ru_utime + usage.ru_stime, "peak_mib": usage.ru_maxrss / 1024,
+            "frequency_hz": found}
 
 
 class Cache:
