@@ -1,6 +1,6 @@
-add_program_test(verification box)
+add_program_test(verification box LONG)
 add_program_test(verification estimates)
-add_program_test(verification extremes)
+add_program_test(verification extremes LONG)
 add_program_test(verification uzawa)
 add_program_test(verification verify)
 

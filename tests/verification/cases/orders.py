@@ -14,7 +14,7 @@ from case import BLUE, GREEN, GREY, RED, slopes
 TITLE = "Orders of convergence in h, p, Δ and N"
 SOURCE = ("Separation of variables for the box, d'Alembert's solution for the bar; h^2p: Strang & Fix 1973, *An Analysis of the "
           "Finite Element Method*.")
-LONG = False
+LONG = True
 SIDES = (0.1, 0.13, 0.17)
 DENSITY, YOUNG, POISSON = 2700.0, 70e9, 0.33
 MESHES = {1: (4, 6, 8), 2: (2, 3, 4), 3: (1, 2, 3)}
