@@ -29,8 +29,11 @@ class Journal:
         self.file = open(path, "ab")
         self.file.truncate(own)
 
-    def add(self, row):
+    def add(self, row, keep=True):
+        """`keep` false: for the tables of this run alone."""
         self.rows[row["key"]] = row
+        if not keep:
+            return
         self.file.write(json.dumps(row).encode() + b"\n")
         self.file.flush()
 

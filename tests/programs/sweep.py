@@ -125,6 +125,43 @@ class Sweeps(SweepTest):
         self.succeed(Run(self.sweep(study)))
         self.assertEqual(journal.read_bytes(), found)
 
+    def test_impacts_whose_process_is_killed_are_run_again(self):
+        """The sweep itself lives on, as when memory runs out or a job's processes are told to end."""
+        study = self.study(GRID.replace("count = 3", "count = 40"))
+        self.succeed(Run(self.sweep(study, "--kernels")))
+        victims = self.folder / "victims"
+        victims.mkdir()
+        # Stands for ricochet-contact: each process dies of its tenth impact, half of them in the midst of the answer.
+        (victims / "ricochet-contact").write_text(f"""#!/usr/bin/python3
+import os, subprocess, sys
+real = subprocess.Popen(["{BIN}/ricochet-contact", *sys.argv[1:]], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+if "--batch" not in sys.argv:
+    print(real.communicate()[0], end="")
+    sys.exit(real.returncode)
+impacts = 0
+for line in sys.stdin:
+    real.stdin.write(line)
+    real.stdin.flush()
+    answer = real.stdout.readline()
+    impacts += '"kernels": true' not in line
+    if impacts == 10:
+        sys.stdout.write(answer[:20] * (os.getpid() % 2))
+        sys.stdout.flush()
+        os.kill(os.getpid(), 9)
+    print(answer, end="", flush=True)
+""")
+        (victims / "ricochet-contact").chmod(0o755)
+        self.succeed(Run(["env", f"RICOCHET_BIN={victims}", *self.sweep(study)]))
+        self.assertEqual({row["status"] for row in self.rows()}, {"0"})  # asked twice, and new processes answer
+        always = (victims / "ricochet-contact").read_text().replace("impacts == 10", "impacts > 0")
+        (victims / "ricochet-contact").write_text(always)
+        (self.out / "rods.sweep.jsonl").unlink()
+        self.succeed(Run(["env", f"RICOCHET_BIN={victims}", *self.sweep(study)]))
+        self.assertEqual({row["status"] for row in self.rows()}, {"1"})
+        self.assertEqual((self.out / "rods.sweep.jsonl").read_text(), "")
+        self.succeed(Run(self.sweep(study)))
+        self.assertEqual({row["status"] for row in self.rows()}, {"0"})
+
     def test_settings_that_are_refused_are_rows_that_say_why(self):
         text = GRID.replace("[0.5, 1.0]", "[0.5, inf]")
         self.succeed(Run(self.sweep(self.study(text))))
