@@ -16,7 +16,7 @@ import numpy as np
 
 from programs import BIN, MESHES, SOURCE, ProgramTest, Run, contact
 
-sys.path.append(str(SOURCE / "scripts"))
+sys.path.append(str(SOURCE / "scripts/modules"))
 from result_file import BadInput
 from sweep_study import Study
 

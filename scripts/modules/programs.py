@@ -11,7 +11,7 @@ from pathlib import Path
 
 import titles
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 
 
 def folder_of_programs():
