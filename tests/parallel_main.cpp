@@ -1,9 +1,11 @@
 // main of the collective tests: one session, output from every rank, failure of any rank fails the run.
 #include <gtest/gtest.h>
 
+#include "src/parallel/blas.hpp"
 #include "src/parallel/parallel.hpp"
 
 int main(int argc, char** argv) {
+  ricochet::parallel::prepare_blas(argv);
   testing::InitGoogleTest(&argc, argv);
   const ricochet::parallel::Session session;
   const int mine = RUN_ALL_TESTS();

@@ -202,15 +202,13 @@ Eigen::MatrixXd dense_residual(const Made& made, const Eigen::MatrixXd& loads, E
   const Eigen::MatrixXd stiffness = test::dense(made.mesh, made.body, made.body.stiffness),
                         mass = test::dense(made.mesh, made.body, made.body.mass);
   const auto rows = test::free_rows(mass);
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> eigen(stiffness(rows, rows),
-                                                                        mass(rows, rows));
+  const test::DenseModes modes(made.mesh.comm, stiffness(rows, rows), mass(rows, rows));
   Eigen::MatrixXd whole = Eigen::MatrixXd::Zero(made.body.total_rows, loads.cols());
   whole.middleRows(made.mesh.first_node * made.mesh.components(), loads.rows()) = loads;
   parallel::sum(made.mesh.comm, whole.data(), static_cast<std::size_t>(whole.size()));
-  const Eigen::Index all = eigen.eigenvalues().size();
-  const Eigen::MatrixXd trace =
-      eigen.eigenvectors().rightCols(all - kept).transpose() * whole(rows, Eigen::all);
-  return trace.transpose() * eigen.eigenvalues().tail(all - kept).cwiseInverse().asDiagonal() * trace;
+  const Eigen::Index all = modes.value.size();
+  const Eigen::MatrixXd trace = modes.vector.rightCols(all - kept).transpose() * whole(rows, Eigen::all);
+  return trace.transpose() * modes.value.tail(all - kept).cwiseInverse().asDiagonal() * trace;
 }
 
 TEST(ResidualFlexibility, is_the_static_response_of_the_modes_left_out) {
