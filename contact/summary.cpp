@@ -103,8 +103,7 @@ void write(const Json& json, const std::filesystem::path& path) {
   }
   if (!failed) std::filesystem::rename(temporary, path, failed);
   if (!failed) return;
-  std::error_code ignored;
-  std::filesystem::remove(temporary, ignored);
+  std::filesystem::remove(temporary, failed);
   throw InputError(fmt::format(
       "{}: cannot write the file. Is the disk full, or the folder read-only? Choose another --out.",
       path.string()));
@@ -146,6 +145,7 @@ SummaryObserver::SummaryObserver(const Model& model, double step, double wave_sp
       impulse_(model.pairs.size(), Vector3d::Zero()) {
   for (const Model::BodyBlock& body : model.bodies) {
     out_.modes[body.name] = body.modes;
+    out_.basis[body.name] = body.kernel->modes.kind();
     inverse_inertia_.push_back(pseudo_inverse(body.inertia));
   }
   for (const Model::PairBlock& pair : model.pairs) {
@@ -316,6 +316,7 @@ Json json_of(const Summary& summary) {
           {"limited_steps", summary.limited_steps},
           {"limited_residual", summary.limited_residual},
           {"modes", summary.modes},
+          {"basis", summary.basis},
           {"modes_in_residual", summary.modes_in_residual},
           {"precision", summary.precision == Precision::float32 ? "single" : "double"},
           {"candidates", summary.candidates},
@@ -343,6 +344,7 @@ EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium)
     out.max_penetration_m = std::max(0.0, (equilibrium.displacement - model.gap).maxCoeff());
   for (const Model::BodyBlock& body : model.bodies) {
     out.modes[body.name] = body.modes;
+    out.basis[body.name] = body.kernel->modes.kind();
     const double angle = rigid_motion(body, pseudo_inverse(body.inertia), equilibrium.q).rotation.norm();
     if (equilibrium.active > 0 && angle * 180 / std::numbers::pi > largest_rotation_deg)
       out.warnings.push_back(turned(body.name, angle));
@@ -384,6 +386,7 @@ void write_json(const EquilibriumSummary& summary, const std::filesystem::path& 
          {"imbalance", summary.imbalance},
          {"max_penetration_m", summary.max_penetration_m},
          {"modes", summary.modes},
+         {"basis", summary.basis},
          {"candidates", summary.candidates},
          {"unpaired", summary.unpaired},
          {"iterations", summary.iterations},

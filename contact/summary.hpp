@@ -59,6 +59,7 @@ struct Summary {
   std::int64_t limited_steps = 0;  ///< steps that max_pivots cut short
   double limited_residual = 0;     ///< worst of them: SolveResidual violation over scale
   std::map<std::string, int> modes;
+  std::map<std::string, std::string> basis;  ///< by body, what they are: kernels::Modes::kind
   int modes_in_residual = 0;                 ///< above half the rate: quasi-static in this run
   Precision precision = Precision::float64;  ///< of the products of steps
   int candidates = 0;                        ///< paired points m
@@ -126,6 +127,7 @@ struct EquilibriumSummary {
   double imbalance = 0;
   double max_penetration_m = 0;  ///< largest u − g
   std::map<std::string, int> modes;
+  std::map<std::string, std::string> basis;
   int candidates = 0, unpaired = 0;
   std::int64_t iterations = 0;
   std::optional<ErrorEstimate> error_estimate;  ///< the caller's to fill

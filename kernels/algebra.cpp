@@ -103,7 +103,8 @@ Kernel rescaled(Kernel kernel, const Similarity& factors, const Damping& damping
     auto& [basis, omega, decay, residual, certificate] = modes;
     multiply(omega, frequency);
     for (std::size_t n = 0; n < omega.size(); ++n) decay[n] = decay_rate(damping, RadPerSecond{omega[n]});
-    auto& [below, upto_hz, by_inertia, found, left_out, complete, orthonormality, error] = certificate;
+    auto& [below, upto_hz, by_inertia, found, left_out, complete, orthonormality, error, approximate] =
+        certificate;
     upto_hz *= frequency;
   }
   {

@@ -102,7 +102,7 @@ void validate_modes(const Modes& modes, const Validator& check) {
   check.finite_not_negative("dataset \"/modes/residual\"", modes.residual, n);
   const Certificate& certificate = modes.certificate;
   if (certificate.below < 0 || certificate.count_by_inertia < 0 || certificate.count_found < 0 ||
-      certificate.left_out < 0)
+      certificate.left_out < 0 || certificate.approximate < 0)
     check.fail("group \"/modes/certificate\"", "holds a negative count.");
   if (!(std::isfinite(certificate.upto_hz) && certificate.upto_hz >= 0 &&
         std::isfinite(certificate.orthonormality) && certificate.orthonormality >= 0 &&

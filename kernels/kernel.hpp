@@ -29,6 +29,7 @@ struct Certificate {
   /// Error of the contact surface's flexibility over the band of the scene, as estimated, where one was asked
   /// for; otherwise 0.
   double flexibility_error = 0;
+  std::int64_t approximate = 0;  ///< block iterations that took the place of the certified search; 0: none
 };
 
 struct Modes {
@@ -38,6 +39,8 @@ struct Modes {
   std::vector<double> residual;  ///< (N) ‖Kφ − ω²Mφ‖₂ / ‖Kφ‖₂ (rigid: over ‖diag K‖∞ ‖φ‖₂)
   Certificate certificate;
   std::size_t size() const { return angular_frequency.size(); }
+  /// What a reader should know of them: "modes" (certified), "approximate modes" or "contact".
+  std::string kind() const { return certificate.approximate > 0 ? "approximate " + basis : basis; }
 };
 
 /// All candidates of a surface some of which were left out of a kernel: pairs are found among these.

@@ -68,6 +68,8 @@ Modes read_modes(const hdf5::Reader& file) {
   certificate.complete = read_flag(file, group, "complete");
   certificate.orthonormality = file.double_attribute(group, "orthonormality");
   certificate.flexibility_error = file.double_attribute(group, "flexibility_error");
+  if (file.has_attribute(group, "approximate"))
+    certificate.approximate = file.integer_attribute(group, "approximate");
   if (!certificate.complete)
     file.fail(fmt::format("its certificate is not complete ({} modes found, {} proved).",
                           certificate.count_found, certificate.count_by_inertia));

@@ -38,6 +38,8 @@ void write_modes(hdf5::Writer& file, const Modes& modes) {
   file.attribute(certificate, "complete", modes.certificate.complete);
   file.attribute(certificate, "orthonormality", modes.certificate.orthonormality);
   file.attribute(certificate, "flexibility_error", modes.certificate.flexibility_error);
+  if (modes.certificate.approximate > 0)
+    file.attribute(certificate, "approximate", modes.certificate.approximate);
 }
 
 void write_whole(hdf5::Writer& file, const WholeSurface& whole) {

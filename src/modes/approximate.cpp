@@ -287,6 +287,7 @@ ModeSet approximate_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, 
   Index wanted = 0;
   std::optional<Cut> cut;
   for (int step = 1; !cut; ++step) {
+    set.certificate.approximate = step;
     begin(fmt::format("block iteration {}", step));
     factor.factor(set.static_shift);
     if (k > 0) iteration.step(x);

@@ -156,13 +156,13 @@ contact::Model thinned(contact::Model model, int times) {
 
 Judged choose_and_judge(scene::Scene& scene, const Kernels& kernels, const std::filesystem::path& folder) {
   const std::vector<kernels::Kernel> other_order = of_other_order(scene, folder);
-  Judged out;
+  Judged out{.warnings = kernels.warnings};
   auto estimator = estimator_of(scene, kernels, other_order, 0);
   if (std::exchange(scene.time.rate_by_accuracy, false)) choose_rate(scene, kernels, *estimator);
   const auto all = outcome(scene, *estimator);
   if (!all || !all->touched()) {
     scene.time.precision = scene.time.precision.value_or(scene::Precision::float64);
-    out.warnings = {"nothing touches: no error is estimated"};
+    out.warnings.push_back("nothing touches: no error is estimated");
     return out;
   }
   double by_thinning = 0;
@@ -179,7 +179,7 @@ Judged choose_and_judge(scene::Scene& scene, const Kernels& kernels, const std::
   if (!scene.time.precision) choose_precision(scene, *estimator);
   out.estimate = in_scene(scene, [&] { return estimator->estimate(step_options(scene)); });
   if (out.estimate->spacing) out.estimate->spacing = std::max(*out.estimate->spacing, by_thinning);
-  out.warnings = warnings(*out.estimate, *scene.accuracy);
+  for (const std::string& warning : warnings(*out.estimate, *scene.accuracy)) out.warnings.push_back(warning);
   return out;
 }
 

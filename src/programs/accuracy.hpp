@@ -12,9 +12,9 @@
 namespace ricochet::programs {
 
 struct Judged {
-  int thinnings = 0;                               ///< of the model's contact points, before it is run
-  std::optional<contact::ErrorEstimate> estimate;  ///< none: nothing touches
-  std::vector<std::string> warnings;               ///< what is not known, or not as accurate as asked for
+  int thinnings = 0;                                 ///< of the model's contact points, before it is run
+  std::optional<contact::ErrorEstimate> estimate{};  ///< none: nothing touches
+  std::vector<std::string> warnings;  ///< of the kernels; what is not known, or not as accurate as asked for
 
   /// @param summary  contact::Summary or contact::EquilibriumSummary
   template <class Summary>

@@ -68,7 +68,7 @@ class Batch {
     const Clock::time_point started = Clock::now();
     const Kernels kernels = read_kernels(scene, options_.out, cache_);
     contact::Model model = in_scene(scene, [&] { return model_of(scene, kernels.pointers()); });
-    Judged judged;
+    Judged judged{.warnings = kernels.warnings};
     if (scene.accuracy) {
       judged = choose_and_judge(scene, kernels, options_.out);
       model = thinned(std::move(model), judged.thinnings);

@@ -143,7 +143,8 @@ std::string report(const Summary& s) {
   };
   std::string modes;
   for (const auto& [name, count] : s.modes)
-    modes += fmt::format("{}{} {}", modes.empty() ? "" : ", ", name, count);
+    modes += fmt::format("{}{} {}{}", modes.empty() ? "" : ", ", name, count,
+                         s.basis.at(name) == "approximate modes" ? " (approximate)" : "");
   if (s.modes_in_residual > 0)
     modes += fmt::format(" ({} above half the rate: quasi-static)", s.modes_in_residual);
   if (!modes.empty()) line("modes", modes);
@@ -265,7 +266,7 @@ int run_contact(const console::Options& options, std::ostream& out) {
   contact::Model model = in_scene(scene, [&] { return model_of(scene, kernels.pointers()); });
   console.end(fmt::format("{} contact points, {} modes", model.gap.size(), model.omega.size()));
 
-  Judged judged;
+  Judged judged{.warnings = kernels.warnings};
   if (scene.accuracy) {
     console.begin("estimates");
     judged = choose_and_judge(scene, kernels, folder);

@@ -63,6 +63,25 @@ std::vector<StoredKernel> find_kernels(const scene::Scene& scene, const fs::path
   return out;
 }
 
+namespace {
+
+/// Linear elements that must keep their volume can hardly deform otherwise: from here on peak forces come out
+/// twice as large and more.
+constexpr double locking_poisson = 0.45;
+
+std::vector<std::string> locking(const scene::Body& body, const kernels::Kernel& kernel) {
+  std::vector<std::string> out;
+  for (const scene::Material& material : body.materials)
+    if (kernel.order == 1 && material.area == 0 && material.poisson > locking_poisson)  // a rod has an area
+      out.push_back(fmt::format(
+          "{}: elements of order 1 lock at poisson = {:g} (above {:g}), forces are far too large: "
+          "it takes order 2 or more",
+          body.name, material.poisson, locking_poisson));
+  return out;
+}
+
+}  // namespace
+
 Kernels read_kernels(const scene::Scene& scene, const fs::path& folder, KernelCache& cache) {
   const std::vector<StoredKernel> stored = find_kernels(scene, folder, cache);
   Kernels out;
@@ -82,6 +101,7 @@ Kernels read_kernels(const scene::Scene& scene, const fs::path& folder, KernelCa
                       path.string(), body.name, scene.file.string()));
     out.kernel.push_back(kernel);
     out.file.push_back(path.filename().string());
+    for (const std::string& warning : locking(body, *kernel)) out.warnings.push_back(warning);
     kept[path] = kernel;
   }
   cache = std::move(kept);

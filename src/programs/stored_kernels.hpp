@@ -16,6 +16,7 @@ namespace ricochet::programs {
 struct Kernels {
   std::vector<std::shared_ptr<const kernels::Kernel>> kernel;
   std::vector<std::string> file;
+  std::vector<std::string> warnings;  ///< of elements that are not made for their material
   std::vector<const kernels::Kernel*> pointers() const;
 };
 

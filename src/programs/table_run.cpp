@@ -99,7 +99,10 @@ int run_table(const console::Options& options, const scene::Scene& scene, const 
   recorder.commit();
   contact::Summary summary = observer.summary();
   if (model) {
-    for (const contact::Model::BodyBlock& body : model->bodies) summary.modes[body.name] = body.modes;
+    for (const contact::Model::BodyBlock& body : model->bodies) {
+      summary.modes[body.name] = body.modes;
+      summary.basis[body.name] = body.kernel->modes.kind();
+    }
     if (step.scheme == contact::Scheme::compliant)
       summary.modes_in_residual =
           static_cast<int>((model->omega.array() * step.step > std::numbers::pi).count());

@@ -68,6 +68,7 @@ TEST(Summary, of_two_rods_is_what_waves_give) {
   EXPECT_LT(s.energy_lost_contact, 0.01);
   EXPECT_LT(s.max_penetration_m, 1e-12);
   EXPECT_EQ(s.modes.at("left"), 100);
+  EXPECT_EQ(s.basis.at("left"), "modes");
   EXPECT_EQ(s.candidates, 1);
   EXPECT_EQ(s.unpaired, 1);
   EXPECT_EQ(s.max_active, 1);
@@ -197,6 +198,7 @@ TEST(Json, holds_what_the_summary_holds_and_null_for_what_is_not_known) {
                 {.start_s = 1, .end_s = {}}};
   s.exit_velocity["upper"] = {1, 2, 3};
   s.modes["upper"] = 50;
+  s.basis["upper"] = "approximate modes";
   s.sounds["mic"] = {"x.mic.wav", 0.25, 48000};
   s.warnings = {"too fast"};
   write_json(s, folder / "x.summary.json");
@@ -223,6 +225,7 @@ TEST(Json, holds_what_the_summary_holds_and_null_for_what_is_not_known) {
   EXPECT_TRUE(json["episodes"][1]["end_s"].is_null());
   EXPECT_EQ(json["exit_velocity"]["upper"], (std::vector<double>{1, 2, 3}));
   EXPECT_EQ(json["modes"]["upper"], 50);
+  EXPECT_EQ(json["basis"]["upper"], "approximate modes");
   EXPECT_EQ(json["sounds"]["mic"]["file"], "x.mic.wav");
   EXPECT_EQ(json["sounds"]["mic"]["full_scale_m_per_s"], 0.25);
   EXPECT_EQ(json["warnings"], std::vector<std::string>{"too fast"});

@@ -46,6 +46,7 @@ void expect_same(const Kernel& a, const Kernel& b) {
   EXPECT_EQ(a.modes.certificate.count_by_inertia, b.modes.certificate.count_by_inertia);
   EXPECT_EQ(a.modes.certificate.count_found, b.modes.certificate.count_found);
   EXPECT_EQ(a.modes.certificate.left_out, b.modes.certificate.left_out);
+  EXPECT_EQ(a.modes.certificate.approximate, b.modes.certificate.approximate);
   EXPECT_EQ(a.modes.certificate.complete, b.modes.certificate.complete);
   EXPECT_EQ(a.modes.certificate.orthonormality, b.modes.certificate.orthonormality);
   EXPECT_EQ(a.modes.certificate.flexibility_error, b.modes.certificate.flexibility_error);

@@ -84,6 +84,7 @@ TEST_P(Approximate, modes_are_bounds_from_above_that_iterations_bring_closer) {
       const modes::ModeSet set = approximate(made, {.count = given.count, .iterations = iterations}, *teams);
       ASSERT_GE(static_cast<std::int64_t>(set.angular_frequency.size()), given.count);
       EXPECT_TRUE(set.certificate.complete);
+      EXPECT_GE(set.certificate.approximate, iterations);
       EXPECT_EQ(set.certificate.count_by_inertia, static_cast<std::int64_t>(set.angular_frequency.size()));
       const double error = worst_error(set, exact);
       EXPECT_LT(error, before) << iterations;

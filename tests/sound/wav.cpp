@@ -114,4 +114,11 @@ TEST(Wav, that_can_not_be_written_is_refused_in_one_line) {
   EXPECT_THAT(complaint_of([&] { check_length(48000LL * 36000, 48000); }), HasSubstr("holds 7456"));
 }
 
+TEST(Wav, whose_name_a_folder_has_is_refused_and_leaves_nothing_behind) {
+  const Folder folder;
+  std::filesystem::create_directories(folder / "mic.wav" / "full");
+  EXPECT_THAT(complaint_of([&] { write_wav(folder / "mic.wav", {0, 0, 0}, 48000); }), HasSubstr("mic.wav"));
+  EXPECT_EQ(folder.entries(), 1U);
+}
+
 }  // namespace

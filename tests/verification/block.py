@@ -20,6 +20,25 @@ Physical Surface("x sides") = {box[3], box[5]};
 Physical Surface("y sides") = {box[2], box[4]};
 """
 
+# Frequencies alone are wanted of it: it has something to touch as every scene must.
+SCENE = """[bodies.box]
+mesh = "box.geo"
+order = 5
+material = {{ density = {density}, young = {young}, poisson = {poisson} }}
+contact = "top"
+[obstacles.ceiling]
+point = [0, 0, 2]
+normal = [0, 0, -1]
+[modes]
+count = {count}
+residual_flexibility = false
+[contact]
+between = ["box", "ceiling"]
+direction = [0, 0, 1]
+[time]
+duration = 1.0
+"""
+
 
 def lagrange(order, x):
     """Lagrange polynomials on equal nodes of [0, 1] and their derivatives at x: (order + 1, len(x)) each."""

@@ -16,6 +16,7 @@ comes from, how it was run, what came out, how far that is from the reference, a
 The status is 0 if every line passes or is a known failure: one whose reason is established and stands beside it. A known failure
 that passes after all fails the run, so that this page is mended. Scenes and results stay in `build/verify/<case>/`. Errors are
 relative to the reference, but where that is 0 or "abs." says otherwise. Times are processor seconds of one run, on {machine}.
+What lies at the [ends of every knob](#extremes) is in a table of its own.
 
 {count}
 """
@@ -63,6 +64,19 @@ def section(name, module, found):
     return lines
 
 
+def extremes(path):
+    """Section on the table that scripts/extremes wrote at `path`, with its lines counted by kind."""
+    kinds = {}
+    for line in path.read_text().splitlines():
+        cells = [cell.strip() for cell in line.strip("|").split(" | ")]
+        if line.startswith("| ") and cells[0] != "what":
+            kinds.setdefault(cells[0], []).append(cells[-1] == "pass")
+    passed = [result for results in kinds.values() for result in results]
+    lines = ["## Extremes", "", "The ends of every knob, a line a case: [the table](extremes.md), which `scripts/extremes` writes. It has "
+             f"{len(passed)} lines: {sum(passed)} pass, {len(passed) - sum(passed)} fail.", ""]
+    return lines + table(["extremes of", "lines", "pass"], [[kind, str(len(results)), str(sum(results))] for kind, results in kinds.items()])
+
+
 def write(path, cases, machine):
     """The manual at `path`; `cases`: (name, module, found) in the order of the manual."""
     checks = [check for _, _, found in cases for check in found["checks"]]
@@ -78,4 +92,5 @@ def write(path, cases, machine):
     lines.append("")
     for case in cases:
         lines += section(*case)
+    lines += extremes(path.with_name("extremes.md"))
     path.write_text("\n".join(lines).rstrip() + "\n")

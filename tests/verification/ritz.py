@@ -43,6 +43,12 @@ def frequencies(product, parity, young, poisson):
     return np.sqrt(np.maximum(np.sort(np.concatenate(values)), 0)) / (2 * np.pi)
 
 
+def multiplicities(frequencies, tolerance):
+    """Sizes of runs of ascending frequencies that agree."""
+    groups = np.split(frequencies, np.flatnonzero(np.diff(frequencies) > tolerance * frequencies[1:]) + 1)
+    return [len(group) for group in groups]
+
+
 def box(sides, degree, density, young, poisson, held=False):
     """Frequencies of a box by polynomials of up to `degree` in each of x, y and z; `held`: the face at the lowest z is clamped."""
     points, weights = legendre.leggauss(degree + 3)

@@ -77,6 +77,8 @@ class Verify(unittest.TestCase):
             name = line.split()[0]
             self.assertIn(f"| `{name}` |", text)
             self.assertIn(f"    scripts/verify {name}\n", text)
+        extremes = sum(line.endswith((" pass |", " **FAIL** |")) for line in (MANUAL / "extremes.md").read_text().splitlines())
+        self.assertIn(f"It has {extremes} lines: {extremes} pass, 0 fail.", text)
         drawn = {path.name for path in (MANUAL / "figures").glob("*.png")}
         self.assertEqual({part.split(")")[0] for part in text.split("](figures/")[1:]}, drawn)
 
