@@ -54,15 +54,16 @@ def on_time(result):
 
 def positions(result):
     """Contact points in an order for the eye, where they stand in it [m], and what that is."""
-    weight = result.impulse()
-    centre = weight @ result.point / weight.sum()
-    away = result.point - centre
-    spread, axes = np.linalg.eigh(away.T @ away)
-    if spread[1] < 0.3 * spread[2]:  # they stand along a line
+    weight, gap = result.impulse(), result.gap
+    used = weight > 0
+    first = used & (gap <= gap[used].min() + 1e-3 * np.ptp(gap[used]))  # all, where surfaces are parallel
+    away = result.point - weight[first] @ result.point[first] / weight[first].sum()
+    spread, axes = np.linalg.eigh(away[used].T @ away[used])
+    if spread[1] < 0.1 * spread[2]:  # what touches stands along a line
         along = axes[:, 2] * np.sign(axes[np.argmax(np.abs(axes[:, 2])), 2])
         where, what = away @ along, "position along the contact"
     else:
-        where, what = np.linalg.norm(away, axis=1), "distance from the centre of the contact"
+        where, what = np.linalg.norm(away, axis=1), "distance from the first touch"
     order = np.argsort(where, kind="stable")
     return order, where[order], what
 
@@ -130,15 +131,12 @@ def pressure_chart(result, area):
     row = int(np.argmax(result.force.sum(axis=1)))
     order, where, what = positions(result)
     pressure = (result.force[row] / area)[order]
-    touching = np.flatnonzero(pressure > 0)
-    if what.startswith("distance"):  # what lies far off touched at no time
-        near = where <= 1.6 * where[touching[-1]] if len(touching) else np.ones(len(where), bool)
-        where, pressure = where[near], pressure[near]
-    when = result.contact_time[row]
-    note = f"{len(touching)} of {len(order)} points press." if len(result.time) == 1 else \
-        f"In the step of the largest force, at {when:.4g} s: {len(touching)} of {len(order)} points press."
+    pressing = pressure > 0
+    far = 1.6 * np.abs(where[pressing]).max()
+    near = np.abs(where) <= max(far, np.abs(where).min())  # the rest only says that it is open
+    note = f"{np.count_nonzero(pressing)} of {len(order)} points press" + ("." if len(result.time) == 1 else " when the force is largest.")
     return chart("pressure", "Contact pressure", axis(what, "m"), axis("pressure", "Pa", zero=True),
-                 [line("pressure", "force", where, pressure, "dots")], note)
+                 [line("pressure", "force", where[near], pressure[near], "dots")], note)
 
 
 def force_map(result):
@@ -172,8 +170,8 @@ def energy_charts(result):
                  f"Zero throughout: {', '.join(nothing)}." if nothing else "", cursor=True)]
     if np.any(stray):
         out.append(chart("ledger", "What the ledger fails to account for", axis("time", "s"),
-                         axis("change of the sum / largest term", "", log=True),
-                         [line("change of the sum", "still", result.time[stray > 0], stray[stray > 0], "specks")]))
+                         axis("relative change", "", log=True),
+                         [line("change of the sum over the largest term", "still", result.time[stray > 0], stray[stray > 0], "specks")]))
     return out
 
 

@@ -126,14 +126,15 @@ def half_space(name, obstacle, low, high):
 
 
 def nearest(points, places):
-    """For each point the body and node that lie nearest."""
-    best, found = np.full(len(points), np.inf), np.zeros((len(points), 2), int)
+    """For each point the body and node that lie nearest, and where it lies from that node."""
+    best, found, offset = np.full(len(points), np.inf), np.zeros((len(points), 2), int), np.zeros((len(points), 3))
     for body, place in enumerate(places):
         for i, point in enumerate(points):
             away = np.sum((place - point) ** 2, axis=1)
             if away.min() < best[i]:
-                best[i], found[i] = away.min(), (body, away.argmin())
-    return found
+                node = away.argmin()
+                best[i], found[i], offset[i] = away[node], (body, node), point - place[node]
+    return found, offset
 
 
 def forces_at(result, times, points):
@@ -148,7 +149,7 @@ def forces_at(result, times, points):
 
 
 def motion_of(result, folder, scene):
-    """What the page animates; {"missing": why} when the run has no skins or no snapshots."""
+    """What the page animates; {"missing": why} when the run has no skins or no snapshots, or kernels are gone."""
     skins, time = result_file.skins_of(result, folder)
     if not skins:
         return {"missing": time}
@@ -162,11 +163,12 @@ def motion_of(result, folder, scene):
     points = np.sort(np.argsort(result.impulse())[::-1][:POINTS])
     points = points[result.impulse()[points] > 0]
     largest = max(size for _, size in misses)
+    anchor, offset = nearest(result.point[points], places)
     return {"time": packed(time[chosen]), "thinned": every, "bodies": bodies,
             "obstacles": [half_space(name, obstacle, low, high) for name, obstacle in scene.get("obstacles", {}).items()],
             "depth": depth, "shapes": sum(len(body["bent"]) for body in bodies),
             "coordinates": sum(len(skin.rigid) for skin in skins.values()),
             "missed": max(miss for miss, _ in misses) / largest if largest else 0.0,
-            "points": {"anchor": nearest(result.point[points], places).tolist(), "normal": packed(result.normal[points]),
+            "points": {"anchor": anchor.tolist(), "offset": packed(offset), "normal": packed(result.normal[points]),
                        "force": packed(forces_at(result, time[chosen], points), "u2"),
                        "left_out": int(np.count_nonzero(result.impulse())) - len(points)}}

@@ -24,7 +24,7 @@ def channels(path, most):
                 total = min(size, path.stat().st_size - file.tell()) // 12
                 return np.fromfile(file, "<f4", 3 * min(total, most)).reshape(-1, 3), shape[2], total
             if name == b"fmt " and size >= 16:
-                shape = struct.unpack("<HHIIHH", file.read(16))
+                shape = struct.unpack("<HHIIHH", file.read(16).ljust(16, b"\0"))
                 if shape[0] not in (3, 0xFFFE) or shape[1] != 3 or shape[5] != 32 or shape[2] == 0:
                     raise refusal
                 size -= 16

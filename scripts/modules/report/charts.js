@@ -30,6 +30,9 @@ function decades(low, high, about) {
   return out;
 }
 
+/** A power of ten. */
+const power = value => value >= 0.01 && value <= 1e4 ? digits(value) : digits(value).replace("1 × ", "");
+
 class Axis {
   constructor(spec, range) {
     let [low, high] = range;
@@ -56,8 +59,12 @@ class Axis {
   back(share) {
     return this.log ? this.low * (this.high / this.low) ** share : this.low + share * (this.high - this.low);
   }
-  ticks(about) { return this.log ? decades(this.low, this.high, about) : ticks(this.low * this.shown.factor, this.high * this.shown.factor, about).map(t => t / this.shown.factor); }
-  text(value) { return this.log ? digits(value) : digits(Number((value * this.shown.factor).toPrecision(6))); }
+  ticks(about) {
+    if (this.log) return decades(this.low, this.high, about);
+    const {factor} = this.shown;
+    return ticks(this.low * factor, this.high * factor, about).map(value => value / factor);
+  }
+  text(value) { return this.log ? power(value) : digits(Number((value * this.shown.factor).toPrecision(6))); }
 }
 
 class Chart {
@@ -128,7 +135,11 @@ class Chart {
     if (dots)
       return [...line.x.keys()].filter(seen).map(k => draw("circle", {class: `dot ${of}`, cx: X(line.x[k]), cy: Y(line.y[k]), r: dots}));
     let path = "", area = "", pen = false, start = 0;
-    const close = k => { if (pen) area += `L${X(line.x[k])} ${Y(0)}L${X(line.x[start])} ${Y(0)}Z`; };
+    const close = k => {
+      if (!pen) return;
+      if (k === start) path += "h0";  // a step alone is a dot
+      area += `L${X(line.x[k])} ${Y(0)}L${X(line.x[start])} ${Y(0)}Z`;
+    };
     for (let k = 0; k < line.x.length; ++k) {
       if (!seen(k)) { close(k - 1); pen = false; continue; }
       if (!pen) start = k;
@@ -211,6 +222,7 @@ function forceMap(map) {
     tip.style.left = `${Math.max(0, Math.min(across * box.width + 12, box.width - tip.offsetWidth))}px`;
   });
   const left = map.left_out ? ` The ${rows} points of most impulse; ${map.left_out} that touch less are left out.` : "";
-  const note = `Time runs from ${quantity(map.from, "s")} to ${quantity(map.to, "s")}; upwards the points that touch, by ${map.what}, ${quantity(where[0], "m")} to ${quantity(where[rows - 1], "m")}. Blank: no force.${left}`;
-  return make("figure", {class: "chart"}, make("figcaption", {}, "Force by point and time", make("small", {}, note)), plot, rampKey(0, largest, "N"));
+  const note = `Upwards the points that touch, by ${map.what}: ${quantity(where[0], "m")} to ${quantity(where[rows - 1], "m")}. Blank: no force.${left}`;
+  const ends = make("div", {class: "ends"}, make("span", {}, quantity(map.from, "s")), rampKey(0, largest, "N"), make("span", {}, quantity(map.to, "s")));
+  return make("figure", {class: "chart"}, make("figcaption", {}, "Force by point and time", make("small", {}, note)), plot, ends);
 }

@@ -102,7 +102,7 @@ class Motion {
     moments = this.time.length;
     this.bodies = data.bodies.map((body, k) => new Skin(body, run.bodies.findIndex(other => other.name === body.name)));
     this.obstacles = data.obstacles.map(obstacle => new Skin(obstacle));
-    this.points = {anchor: data.points.anchor, normal: unpack(data.points.normal), force: unpack(data.points.force)};
+    this.points = {anchor: data.points.anchor, offset: unpack(data.points.offset), normal: unpack(data.points.normal), force: unpack(data.points.force)};
     this.forceMost = extent(this.points.force)[1];
     const touched = run.episodes.length > 0, whole = [this.time[0], this.time[moments - 1]];
     const window = touched ? [run.episodes[0][0], run.episodes.at(-1)[1]] : whole;
@@ -179,10 +179,12 @@ class Motion {
     const unit = k => [0, 1, 2].map(i => Number(i === k)), cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
     const toward = depth === 1 ? [0, -1, 0] : unit(depth);
     this.base = [cross(unit(up), toward), unit(up), toward];
-    this.view = {azimuth: -0.35, elevation: 0.2, zoom: 1};
+    const extent = this.box.high.map((x, i) => x - this.box.low[i]);
+    const flat = extent[depth] < 0.3 * Math.min(...extent.filter((_, i) => i !== depth));
+    this.view = flat ? {azimuth: -0.12, elevation: 0.06, zoom: 1} : {azimuth: -0.35, elevation: 0.2, zoom: 1};
     this.target = this.box.low.map((x, i) => (x + this.box.high[i]) / 2);
     const rows = this.turn();
-    const spans = rows.map(row => row.reduce((sum, part, i) => sum + Math.abs(part) * (this.box.high[i] - this.box.low[i]), 0));
+    const spans = rows.map(row => row.reduce((sum, part, i) => sum + Math.abs(part) * extent[i], 0));
     this.spans = spans.map(span => Math.max(span, 0.02 * this.size));
     this.shape = Math.min(0.8, Math.max(0.3, 1.05 * this.spans[1] / this.spans[0]));
   }
@@ -250,12 +252,12 @@ class Motion {
 
   /** Spikes into both bodies, as long as the force at each point. */
   makeSpikes(k) {
-    const {anchor, normal, force} = this.points, count = anchor.length, place = [], element = [];
+    const {anchor, offset, normal, force} = this.points, count = anchor.length, place = [], element = [];
     const longest = 0.16 * Math.max(...this.spans.slice(0, 2)), dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     for (let p = 0; p < count; ++p) {
       const length = longest * force[k * count + p] / this.forceMost;
       if (!(length > 0)) continue;
-      const [b, v] = anchor[p], from = this.bodies[b].place.subarray(3 * v, 3 * v + 3), n = normal.subarray(3 * p, 3 * p + 3);
+      const [b, v] = anchor[p], from = this.bodies[b].place.slice(3 * v, 3 * v + 3).map((x, i) => x + offset[3 * p + i]), n = normal.subarray(3 * p, 3 * p + 3);
       const least = [0, 1, 2].reduce((a, i) => Math.abs(n[i]) < Math.abs(n[a]) ? i : a, 0), seed = [0, 1, 2].map(i => Number(i === least));
       const one = seed.map((x, i) => x - dot(seed, n) * n[i]), two = [n[1] * one[2] - n[2] * one[1], n[2] * one[0] - n[0] * one[2], n[0] * one[1] - n[1] * one[0]];
       const width = Math.min(0.07 * length, 0.006 * this.size);

@@ -5,7 +5,11 @@ const {summary} = run;
 const row = (...cells) => make("tr", {}, ...cells.map((cell, k) => make(k ? "td" : "th", {scope: k ? undefined : "row"}, cell)));
 const note = text => make("p", {class: "note"}, text);
 const percent = value => `${digits(100 * value, 3)} %`;
-const vector = values => `(${values.map(x => digits(x)).join(", ")})`;
+/** Components; what is round-off beside the largest is 0. */
+function vector(values) {
+  const least = 1e-6 * Math.max(...values.map(Math.abs));
+  return `(${values.map(x => digits(Math.abs(x) < least ? 0 : x)).join(", ")})`;
+}
 
 // Key of summary.json: what it is, its unit.
 const glosses = {
@@ -74,6 +78,7 @@ function contactSection() {
 
 function soundSection() {
   const at = section("sound"), names = Object.keys(run.receivers);
+  if (run.static || run.by_table) return at.remove();
   if (!names.length) return at.append(note("No receiver was asked for. This in the scene, given to both programs, records one and writes its sound:"),
                                       make("pre", {}, `[[output.receiver]]\nname = "mic"\nbody = "${run.bodies[0]?.name ?? "…"}"\nat = [0, 0, 0]   # m, on the body or in it`));
   for (const name of names) {
@@ -173,6 +178,10 @@ function repeatSection() {
   at.append(list, table(null, [row("made by", run.file.created_by ?? "–"), row("result", make("code", {}, run.file.name)), row("bytes", String(run.file.bytes)), row("SHA-256", make("code", {}, run.file.sha256))]));
 }
 
+if (run.static) {
+  section("kind").textContent = "Bodies at rest, by Ricochet";
+  section("motion").querySelector("h2").textContent = "The bodies and the forces";
+}
 section("verdict").append(verdict());
 section("warnings").append(...(summary.warnings ?? []).map(text => make("li", {}, `Outside the model: ${text}`)));
 highlights();

@@ -42,7 +42,7 @@ function player(section, data, tell) {
   }
   function explain() {
     const measure = measures[motion.colour], names = motion.bodies.map(body => make("span", {}, make("i", {class: `swatch c${Math.max(0, body.number) % 6}`}), body.name));
-    const red = make("span", {}, make("i", {class: "swatch cforce"}), motion.forceMost > 0 ? `contact force, at most ${quantity(motion.forceMost, "N")} at a point` : "no contact force");
+    const red = make("span", {}, make("i", {class: "swatch cforce"}), motion.forceMost > 0 ? `contact force, at most ${quantity(motion.forceMost, "N")} at a point, in these moments` : "no contact force");
     legend.replaceChildren(...(measure.unit ? [make("span", {}, measure.label), rampKey(0, motion.top(), measure.unit)] : names), red);
   }
   function fitCanvas() {
