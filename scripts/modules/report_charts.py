@@ -42,7 +42,7 @@ def shown(x, y, window):
 
 
 def colour_of(result, name):
-    return result.bodies.index(name) if name in result.bodies else "still"
+    return result.bodies.index(name) % 6 if name in result.bodies else "still"
 
 
 def on_time(result):

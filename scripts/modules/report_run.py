@@ -20,7 +20,9 @@ def summary_of(path, result):
         raise BadInput(f"{path}: there is no such file. Run ricochet-contact again: it writes one beside the result.") from None
     except ValueError:
         raise BadInput(f"{path}: is damaged. Run ricochet-contact again.") from None
-    if not isinstance(summary, dict) or summary.get("candidates") != len(result.gap):
+    kind = {"warnings": list, "pairs": list} if len(result.time) == 1 else {"warnings": list, "episodes": list, "sounds": dict}
+    same = isinstance(summary, dict) and all(isinstance(summary.get(key), of) for key, of in kind.items())
+    if not same or summary.get("candidates") != len(result.gap):
         raise BadInput(f"{path}: is not of the run of {result.file.path.name}. Run ricochet-contact again.")
     return summary
 

@@ -161,9 +161,11 @@ class Skin:
     def __init__(self, kernel, attributes, coordinates):
         self.rotation, self.translation = attributes
         self.node = kernel.array("/view/node", None, 3).astype(float)
-        self.element = kernel.array("/view/element", None, None)
+        self.element = kernel.array("/view/element", None, None).astype(int)
         self.shape = kernel.array("/view/shape", len(self.node), 3, coordinates.shape[1])
-        if self.element.size and not (0 <= self.element.min() and self.element.max() < len(self.node)):
+        if self.element.size == 0 or self.element.shape[1] not in (2, 3):
+            raise BadInput(f"{kernel.path}: dataset \"/view/element\" holds neither lines nor triangles. Compute it again.")
+        if not (0 <= self.element.min() and self.element.max() < len(self.node)):
             raise BadInput(f"{kernel.path}: dataset \"/view/element\" names nodes that do not exist. "
                            "Compute it again.")
         self.rigid = kernel.array("/modes/angular_frequency", coordinates.shape[1]) == 0

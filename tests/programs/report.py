@@ -17,6 +17,9 @@ import numpy as np
 
 from programs import DEADLOCK_S, MESHES, SOURCE, ProgramTest, Run, contact, kernel
 
+sys.path.append(str(SOURCE / "scripts/modules"))
+from report_motion import coarser
+
 KEEP = None
 if sys.argv[1:2] == ["--keep"]:
     KEEP = pathlib.Path(sys.argv[2])
@@ -28,6 +31,33 @@ RODS = ["modes.count=20", "bodies.moving.material.young=1e8", "bodies.resting.ma
         "time.rate_hz=44100", "time.duration=0.004", "contact.gap=0.1", "output.snapshot_every=3", f"title='{TITLE}'",
         'output.receiver=[{name="mic",body="resting",at=[10,0,0]},{name="' + RECEIVER + '",body="moving",at=[-10,0,0]}]',
         "accuracy=1e-2"]
+
+# A hand at the controls. What it finds goes into an attribute; the policy of the page, which stops it, is taken out for it.
+HAND = """
+const canvas = document.querySelector("canvas[data-covered]"), found = {};
+const [time, amplify] = ["Time", "Amplification"].map(name => document.querySelector(`input[aria-label="${name}"]`));
+const [part, colour] = document.querySelectorAll("#motion select"), play = document.querySelector("button.play");
+const act = (element, type, more = {}) => element.dispatchEvent(Object.assign(new Event(type), more));
+const pointer = (type, x, y) => canvas.dispatchEvent(new PointerEvent(type, {pointerId: 1, clientX: x, clientY: y}));
+canvas.setPointerCapture = () => {};
+window.requestAnimationFrame = draw => setTimeout(() => draw(performance.now()), 16);  // without a screen there are no frames
+part.value = "whole"; act(part, "change");
+const at = share => { time.value = share; act(time, "input"); return Number(canvas.dataset.time); };
+found.ends = [at(0), at(1)];
+found.middle = at(0.5);
+const before = [canvas.toDataURL()];
+const step = (name, what) => { what(); before.push(canvas.toDataURL()); found[name] = before.at(-1) !== before.at(-2); };
+step("turned", () => { pointer("pointerdown", 50, 50); pointer("pointermove", 90, 70); pointer("pointerup", 90, 70); });
+step("nearer", () => act(canvas, "wheel", {deltaY: -200}));
+step("keyed", () => act(canvas, "keydown", {key: "ArrowLeft"}));
+step("coloured", () => { colour.value = "deformation"; act(colour, "change"); });
+step("louder", () => { amplify.value = 1; act(amplify, "input"); });
+const chart = document.querySelector("#chart-force svg"), box = chart.getBoundingClientRect();
+act(chart, "pointermove", {clientX: box.left + box.width / 2});
+found.tip = [...document.querySelectorAll("#chart-force .tip div")].map(part => part.textContent);
+play.click();
+setTimeout(() => { found.played = Number(canvas.dataset.time) > found.middle; document.documentElement.dataset.found = JSON.stringify(found); }, 1000);
+"""
 
 
 class Elements(html.parser.HTMLParser):
@@ -166,6 +196,20 @@ class Rods(ReportTest):
         self.scene_repeats_the_run(found.one(id="scene")[2], summary)
         self.motion_is_that_of_the_modes(run["motion"])
 
+    def test_the_controls_do_what_they_say(self):
+        path, text, _ = self.page(self.result)
+        policy = re.search(r"<meta http-equiv=.*?>", text)[0]
+        path.write_text(text.replace(policy, "").replace("</body>", f"<script>{{{HAND}}}</script></body>"))
+        dom, console = browse(path, "--window-size=500,600", "--dump-dom")
+        self.assertEqual(console, [])
+        found = json.loads(next(attributes for tag, attributes, _ in Elements(dom).found if tag == "html")["data-found"])
+        with h5py.File(self.result) as file:
+            when, force, moments = file["contact/time"][:], file["contact/force"][:, 0], file["snapshots/time"][:]
+        np.testing.assert_allclose(found["ends"], moments[[0, -1]], rtol=1e-6)  # 32 bits
+        self.assertEqual([found[name] for name in ("turned", "nearer", "keyed", "coloured", "louder", "played")], [True] * 6)
+        row = np.argmin(np.abs(when - 1e-3 * number(found["tip"][0])))  # it says ms
+        self.assertAlmostEqual(1e6 * number(found["tip"][1].removeprefix("force: ")), force[row], delta=1e-3 * force[row])  # and MN
+
     def sounds_are_the_receivers(self, found):
         for (_, attributes, _), name in zip([e for e in found.found if e[0] == "audio"], ["mic", RECEIVER], strict=True):
             data = base64.b64decode(attributes["src"].removeprefix("data:audio/wav;base64,"))
@@ -233,6 +277,18 @@ class Rods(ReportTest):
 
 
 class Others(ReportTest):
+    def test_a_skin_that_is_too_fine_is_made_coarser_and_keeps_its_form(self):
+        angle, height = np.meshgrid(np.linspace(0, 2 * np.pi, 300, endpoint=False), np.linspace(0, 1, 100))
+        node = np.stack([np.cos(angle), np.sin(angle), height], -1).reshape(-1, 3)  # a tube of area 2π
+        corner = np.arange(99)[:, None] * 300 + np.arange(300)
+        beside = np.arange(99)[:, None] * 300 + (np.arange(300) + 1) % 300
+        element = np.stack([corner, beside, beside + 300, corner, beside + 300, corner + 300], -1).reshape(-1, 3)
+        kept, coarse = coarser(node, element, 5000)
+        self.assertTrue(1000 < len(coarse) <= 5000)
+        a, b, c = np.moveaxis(node[kept][coarse], 1, 0)
+        # Nodes stay where they are; the rims recede by half a cell, 1 % of the height or so.
+        self.assertAlmostEqual(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2 / (2 * np.pi), 1, delta=0.1)
+
     def test_a_run_by_table_kernels_has_a_page_without_bodies(self):
         shutil.copytree(MESHES / "two-rods-analytic", self.folder, dirs_exist_ok=True, ignore=shutil.ignore_patterns("out"))
         self.succeed(Run([self.folder / "table.py"]))

@@ -53,6 +53,7 @@ function highlights() {
   if (has("energy_drift")) cards.push(card("Energy drift", "energy_drift", summary.energy_drift, "", "round-off: 10⁻¹² or less"));
   if (summary.error_estimate) cards.push(make("div", {}, make("dt", {}, "Estimated error"), make("dd", {}, percent(summary.error_estimate.total), make("small", {}, "of impulse and rebound"))));
   cards.push(card("Contact points", "candidates", summary.candidates, "", summary.max_active === undefined ? "" : `at most ${summary.max_active} touch`));
+  if (has("real_time_factor")) cards.push(card("Computed at", "real_time_factor", summary.real_time_factor, "", "× real time"));
   section("highlights").append(...cards);
 }
 
@@ -64,7 +65,7 @@ function contactSection() {
   }
   at.append(...run.charts.contact.map(spec => new Chart(spec).element));
   if (run.map) at.append(forceMap(run.map));
-  if (run.steps.every > 1) at.append(note(`Each ${run.steps.every}th step is in the result; the rest is not drawn, and a spectrum of so few may be aliased.`));
+  if (run.steps.every > 1) at.append(note(`One in ${run.steps.every} steps is in the result; the rest is not drawn, and a spectrum of so few may be aliased.`));
   if (!run.static && summary.episodes.length > 1) {
     const most = 40, rows = summary.episodes.slice(0, most).map((episode, k) => row(String(k + 1), ...["start_s", "end_s", "impulse_ns", "peak_force_n"].map(key => figure(`episodes.${k}.${key}`, episode[key], glosses[key][1]))));
     at.append(make("h3", {}, "Episodes"), table(["", "from", "to", "impulse", "peak force"], rows));

@@ -54,7 +54,7 @@ function player(section, data, tell) {
   }
   function frame(now) {
     if (!playing) return;
-    const next = time + Math.min(0.1, (now - last) / 1000) / seconds * (window[1] - window[0]);
+    const next = time + Math.min(0.1, Math.max(0, now - last) / 1000) / seconds * (window[1] - window[0]);
     last = now;
     show(next > window[1] ? window[0] : next);
     requestAnimationFrame(frame);
@@ -106,8 +106,8 @@ function peakTime(motion) {
 
 function remarks(motion, data) {
   const parts = ["Drag to turn, scroll or pinch to come nearer, drag with Shift to shift."];
-  parts.push(moments === 1 ? "A body at rest: its displacement lies in the static part of contact, which the skin does not show."
-    : `${moments} moments, straight lines between them${data.thinned > 1 ? ` (each ${data.thinned}th snapshot)` : ""}; ${data.coordinates} modal coordinates drawn by ${data.shapes} shapes, which miss at most ${digits(100 * data.missed, 2)} % of the largest deformation. The static part of contact is not in the picture.`);
+  parts.push(run.static ? "A body at rest: its displacement lies in the static part of contact, which the skin does not show."
+    : `${moments} moment${moments > 1 ? "s" : ": a smaller output.snapshot_every gives more"}, straight lines between them${data.thinned > 1 ? ` (one in ${data.thinned} snapshots)` : ""}; ${data.coordinates} modal coordinates drawn by ${data.shapes} shapes, which miss at most ${digits(100 * data.missed, 2)} % of the largest deformation. The static part of contact is not in the picture.`);
   if (motion.amplify > 1) parts.push(`Motion since the first touch is drawn ${digits(motion.amplify, 2)} times too large; amplified surfaces may cross.`);
   if (motion.forceMost > 0) parts.push("Red spikes: contact force at each point, on both bodies.");
   if (data.points.left_out > 0) parts.push(`${data.points.left_out} points of least impulse have no spike.`);
