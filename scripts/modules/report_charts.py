@@ -153,7 +153,8 @@ def force_map(result):
     column = np.minimum(((result.contact_time - first + 0.5 * step) / (last - first + step) * columns).astype(int), columns - 1)
     cells = np.zeros((columns, len(order)))
     np.maximum.at(cells, column, result.force[:, order])
-    return {"from": first - step, "to": last, "what": what, "where": packed(where), "points": (order + 1).tolist(),
+    start = result.time[max(np.searchsorted(result.time, first - 0.5 * step) - 1, 0)]  # the row before
+    return {"from": start, "to": last, "what": what, "where": packed(where), "points": (order + 1).tolist(),
             "force": packed(cells, "u2"), "left_out": int(np.count_nonzero(used)) - len(order)}
 
 

@@ -51,14 +51,9 @@ function quantity(value, unit = "", count = 4) {
   return digits(value * shown.factor, count) + (shown.unit ? " " + shown.unit : "");
 }
 
-/** A figure of the run, with its exact value beside what is shown. */
-const figure = (key, value, unit) =>
-  make("span", {"data-key": key, "data-value": String(value), "data-unit": unit || undefined},
-       typeof value === "number" ? quantity(value, unit) : value === null ? "–" : String(value));
-
 const table = (head, rows) =>
   make("div", {class: "wide"},
-       make("table", {}, ...(head ? [make("thead", {}, make("tr", {}, ...head.map(name => make("th", {scope: "col"}, name))))] : []),
+       make("table", {}, head ? make("thead", {}, make("tr", {}, ...head.map(name => make("th", {scope: "col"}, name)))) : undefined,
             make("tbody", {}, ...rows)));
 
 function download(name, text) {

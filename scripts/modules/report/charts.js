@@ -80,8 +80,8 @@ class Chart {
     csv.addEventListener("click", () => download(`${run.slug}-${spec.key}.csv`, this.csv()));
     const keys = this.lines.map(line => make("span", {}, make("i", {class: `c${line.colour} ${line.style}`}), line.name));
     if (this.timed()) keys.push(make("span", {}, make("i", {class: "contact"}), "in contact"));
-    this.element = make("figure", {id: `chart-${spec.key}`, class: "chart"}, make("figcaption", {}, spec.title, ...(spec.note ? [make("small", {}, spec.note)] : [])),
-                        this.plot, make("div", {class: "key"}, ...keys, csv));
+    const caption = make("figcaption", {}, spec.title, spec.note ? make("small", {}, spec.note) : undefined);
+    this.element = make("figure", {id: `chart-${spec.key}`, class: "chart"}, caption, this.plot, make("div", {class: "key"}, ...keys, csv));
     this.place = -1;
     charts.push(this);
     new ResizeObserver(() => { if (this.plot.clientWidth !== this.width) this.redraw(); }).observe(this.plot);
@@ -107,7 +107,8 @@ class Chart {
       svg.append(draw("text", {x: box.left - 6, y: Y(value) + 4, "text-anchor": "end"}, this.y.text(value)));
     }
     svg.append(draw("text", {x: box.left + box.width, y: height - 6, "text-anchor": "end"}, this.x.label));
-    svg.append(draw("text", {x: 12, y: box.top + box.height / 2, "text-anchor": "middle", transform: `rotate(-90 12 ${box.top + box.height / 2})`}, this.y.label));
+    const middle = box.top + box.height / 2;
+    svg.append(draw("text", {x: 12, y: middle, "text-anchor": "middle", transform: `rotate(-90 12 ${middle})`}, this.y.label));
     for (const line of this.lines) inside.append(...this.marks(line, X, Y));
     this.now = draw("line", {class: "now", y1: box.top, y2: box.top + box.height});
     this.probe = draw("line", {class: "probe", y1: box.top, y2: box.top + box.height});
@@ -130,10 +131,11 @@ class Chart {
 
   marks(line, X, Y) {
     const of = `c${line.colour}`, dots = {dots: 3, specks: 1}[line.style];
-    const put = k => { const y = Y(line.y[k]); return `${X(line.x[k]).toFixed(1)} ${(Math.abs(y) < 1e5 ? y : 1e5 * Math.sign(y)).toFixed(1)}`; };
+    const put = k => `${X(line.x[k]).toFixed(1)} ${Math.max(-1e5, Math.min(1e5, Y(line.y[k]))).toFixed(1)}`;
     const seen = k => !Number.isNaN(line.y[k]) && !Number.isNaN(line.x[k]) && (!this.y.log || line.y[k] > 0);
     if (dots)
-      return [...line.x.keys()].filter(seen).map(k => draw("circle", {class: `dot ${of}`, cx: X(line.x[k]), cy: Y(line.y[k]), r: dots}));
+      return [...line.x.keys()].filter(seen).map(k =>
+        draw("circle", {class: `dot ${of}`, cx: X(line.x[k]).toFixed(1), cy: Y(line.y[k]).toFixed(1), r: dots}));
     let path = "", area = "", pen = false, start = 0;
     const close = k => {
       if (!pen) return;
@@ -172,8 +174,9 @@ class Chart {
     const pixel = this.box.left + this.box.width * this.x.at(value);
     this.probe.setAttribute("x1", pixel);
     this.probe.setAttribute("x2", pixel);
-    const rows = this.lines.map((line, k) => near[k] < 0 ? "" : make("div", {class: `c${line.colour}`}, `${line.name}: ${quantity(line.y[near[k]], this.spec.y.unit)}`));
-    this.tip.replaceChildren(make("div", {}, quantity(value, this.spec.x.unit, 5)), ...rows.filter(row => row));
+    const rows = this.lines.flatMap((line, k) => near[k] < 0 ? [] :
+      [make("div", {class: `c${line.colour}`}, `${line.name}: ${quantity(line.y[near[k]], this.spec.y.unit)}`)]);
+    this.tip.replaceChildren(make("div", {}, quantity(value, this.spec.x.unit, 5)), ...rows);
     const left = pixel + 12, room = this.width - this.tip.offsetWidth;
     this.tip.style.left = `${left > room ? Math.max(0, pixel - 12 - this.tip.offsetWidth) : left}px`;
   }
@@ -189,13 +192,17 @@ class Chart {
   }
 
   summary() {
-    const parts = this.lines.map(line => { const [low, high] = extent(line.y); return `${line.name} from ${quantity(low, this.spec.y.unit)} to ${quantity(high, this.spec.y.unit)}`; });
+    const parts = this.lines.map(line => {
+      const [low, high] = extent(line.y).map(value => quantity(value, this.spec.y.unit));
+      return `${line.name} from ${low} to ${high}`;
+    });
     return `${this.spec.title}: ${this.y.label} against ${this.x.label}; ${parts.join("; ")}`;
   }
   csv() {
-    const quoted = text => `"${text.replaceAll('"', '""')}"`;
-    const rows = this.lines.flatMap(line => Array.from(line.x, (x, k) => Number.isNaN(line.y[k]) ? [] : [`${quoted(line.name)},${x},${line.y[k]}`]).flat());
-    return [`line,${quoted(`${this.spec.x.label} (${this.spec.x.unit})`)},${quoted(`${this.spec.y.label} (${this.spec.y.unit})`)}`, ...rows, ""].join("\n");
+    const quoted = text => `"${text.replaceAll('"', '""')}"`, {x, y} = this.spec;
+    const rows = this.lines.flatMap(line => [...line.x.keys()].filter(k => !Number.isNaN(line.y[k]))
+      .map(k => `${quoted(line.name)},${line.x[k]},${line.y[k]}`));
+    return [`line,${quoted(`${x.label} (${x.unit})`)},${quoted(`${y.label} (${y.unit})`)}`, ...rows, ""].join("\n");
   }
 }
 
@@ -203,7 +210,8 @@ class Chart {
 function forceMap(map) {
   const [columns, rows] = map.force.shape, force = unpack(map.force), where = unpack(map.where);
   const largest = extent(force)[1] || 1;
-  const canvas = make("canvas", {width: columns, height: rows, role: "img", "aria-label": `Force by time and ${map.what}; the largest is ${quantity(largest, "N")}`});
+  const label = `Force by time and ${map.what}; the largest is ${quantity(largest, "N")}`;
+  const canvas = make("canvas", {width: columns, height: rows, role: "img", "aria-label": label});
   const pixels = canvas.getContext("2d"), image = pixels.createImageData(columns, rows);
   for (let c = 0; c < columns; ++c)
     for (let r = 0; r < rows; ++r) {
@@ -217,12 +225,15 @@ function forceMap(map) {
     const box = canvas.getBoundingClientRect(), across = (event.clientX - box.left) / box.width;
     const c = Math.min(columns - 1, Math.max(0, Math.floor(across * columns)));
     const r = rows - 1 - Math.min(rows - 1, Math.max(0, Math.floor((event.clientY - box.top) / box.height * rows)));
-    tip.replaceChildren(`${quantity(map.from + (c + 0.5) / columns * (map.to - map.from), "s")}, point ${map.points[r]} at ${quantity(where[r], "m")}: ${quantity(force[c * rows + r], "N")}`);
+    const time = quantity(map.from + (c + 0.5) / columns * (map.to - map.from), "s");
+    tip.replaceChildren(`${time}, point ${map.points[r]} at ${quantity(where[r], "m")}: ${quantity(force[c * rows + r], "N")}`);
     tip.style.visibility = "visible";
     tip.style.left = `${Math.max(0, Math.min(across * box.width + 12, box.width - tip.offsetWidth))}px`;
   });
   const left = map.left_out ? ` The ${rows} points of most impulse; ${map.left_out} that touch less are left out.` : "";
-  const note = `Upwards the points that touch, by ${map.what}: ${quantity(where[0], "m")} to ${quantity(where[rows - 1], "m")}. Blank: no force.${left}`;
-  const ends = make("div", {class: "ends"}, make("span", {}, quantity(map.from, "s")), rampKey(0, largest, "N"), make("span", {}, quantity(map.to, "s")));
+  const [low, high] = [where[0], where[rows - 1]].map(value => quantity(value, "m"));
+  const note = `Upwards the points that touch, by ${map.what}: ${low} to ${high}. Blank: no force.${left}`;
+  const [from, to] = [map.from, map.to].map(time => make("span", {}, quantity(time, "s")));
+  const ends = make("div", {class: "ends"}, from, rampKey(0, largest, "N"), to);
   return make("figure", {class: "chart"}, make("figcaption", {}, "Force by point and time", make("small", {}, note)), plot, ends);
 }

@@ -40,6 +40,10 @@ void main() {
   colour = vec4(base * light * ink.a, ink.a);
 }`;
 
+const unit = k => [0, 1, 2].map(i => Number(i === k));
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+
 class Skin {
   constructor(data, number) {
     this.name = data.name;
@@ -102,7 +106,8 @@ class Motion {
     moments = this.time.length;
     this.bodies = data.bodies.map((body, k) => new Skin(body, run.bodies.findIndex(other => other.name === body.name)));
     this.obstacles = data.obstacles.map(obstacle => new Skin(obstacle));
-    this.points = {anchor: data.points.anchor, offset: unpack(data.points.offset), normal: unpack(data.points.normal), force: unpack(data.points.force)};
+    const {anchor, offset, normal, force} = data.points;
+    this.points = {anchor, offset: unpack(offset), normal: unpack(normal), force: unpack(force)};
     this.forceMost = extent(this.points.force)[1];
     const touched = run.episodes.length > 0, whole = [this.time[0], this.time[moments - 1]];
     const window = touched ? [run.episodes[0][0], run.episodes.at(-1)[1]] : whole;
@@ -146,7 +151,11 @@ class Motion {
   measureScene() {
     const around = () => {
       const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
-      return {low, high, add: values => values.forEach((x, i) => { low[i % 3] = Math.min(low[i % 3], x); high[i % 3] = Math.max(high[i % 3], x); })};
+      const add = values => values.forEach((x, i) => {
+        low[i % 3] = Math.min(low[i % 3], x);
+        high[i % 3] = Math.max(high[i % 3], x);
+      });
+      return {low, high, add};
     };
     const rest = around();
     for (const body of this.bodies) rest.add(body.node);
@@ -176,7 +185,6 @@ class Motion {
 
   home() {
     const depth = this.data.depth, up = depth === 2 ? 1 : 2;
-    const unit = k => [0, 1, 2].map(i => Number(i === k)), cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
     const toward = depth === 1 ? [0, -1, 0] : unit(depth);
     this.base = [cross(unit(up), toward), unit(up), toward];
     const extent = this.box.high.map((x, i) => x - this.box.low[i]);
@@ -196,6 +204,12 @@ class Motion {
     const mix = (a, u, b, v) => u.map((x, i) => a * x + b * v[i]);
     const across = mix(c, right, s, toward), deep = mix(-s, right, c, toward);
     return [across, mix(ce, up, -se, deep), mix(se, up, ce, deep)];
+  }
+
+  /** Moves what is looked at by shares of the canvas's width. */
+  shift(right, down) {
+    const rows = this.turn(), width = this.canvas.width / this.scale;
+    this.target = this.target.map((x, i) => x - width * (right * rows[0][i] - down * rows[1][i]));
   }
 
   setup() {
@@ -244,27 +258,30 @@ class Motion {
   /** The end of the colour scale: exceeded by 1 % of the nodes at most, in any moment. */
   top() {
     if (this.colour === "body") return 1;
-    return this.most[this.colour] ??= Math.max(...this.sampled(60).map(k => {
-      const j = Math.min(k, Math.max(0, moments - 2)), dt = moments > 1 ? this.time[j + 1] - this.time[j] : 1;
-      return Math.max(...this.bodies.map(body => { this.measure(body, j, 0, dt); return body.value.slice().sort()[Math.floor(0.99 * body.value.length)]; }));
-    })) || 1;
+    const inMost = (body, time) => {
+      this.measure(body, ...this.find(time));
+      return body.value.slice().sort()[Math.floor(0.99 * body.value.length)];
+    };
+    return this.most[this.colour] ??= Math.max(...this.sampled(60).flatMap(k => this.bodies.map(body => inMost(body, this.time[k])))) || 1;
   }
 
   /** Spikes into both bodies, as long as the force at each point. */
   makeSpikes(k) {
     const {anchor, offset, normal, force} = this.points, count = anchor.length, place = [], element = [];
-    const longest = 0.16 * Math.max(...this.spans.slice(0, 2)), dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    const longest = 0.16 * Math.max(...this.spans.slice(0, 2));
     for (let p = 0; p < count; ++p) {
       const length = longest * force[k * count + p] / this.forceMost;
       if (!(length > 0)) continue;
-      const [b, v] = anchor[p], from = this.bodies[b].place.slice(3 * v, 3 * v + 3).map((x, i) => x + offset[3 * p + i]), n = normal.subarray(3 * p, 3 * p + 3);
-      const least = [0, 1, 2].reduce((a, i) => Math.abs(n[i]) < Math.abs(n[a]) ? i : a, 0), seed = [0, 1, 2].map(i => Number(i === least));
-      const one = seed.map((x, i) => x - dot(seed, n) * n[i]), two = [n[1] * one[2] - n[2] * one[1], n[2] * one[0] - n[0] * one[2], n[0] * one[1] - n[1] * one[0]];
+      const [b, v] = anchor[p], n = normal.subarray(3 * p, 3 * p + 3);
+      const from = this.bodies[b].place.slice(3 * v, 3 * v + 3).map((x, i) => x + offset[3 * p + i]);
+      const seed = unit([0, 1, 2].reduce((a, i) => Math.abs(n[i]) < Math.abs(n[a]) ? i : a, 0));
+      const one = seed.map((x, i) => x - dot(seed, n) * n[i]), two = cross(n, one);
       const width = Math.min(0.07 * length, 0.006 * this.size);
       for (const way of [1, -1]) {
         const first = place.length / 3;
-        for (const [s, t] of [[1, 0], [0, 1], [-1, 0], [0, -1]]) place.push(...[0, 1, 2].map(i => from[i] + width * (s * one[i] + t * two[i])));
-        place.push(...[0, 1, 2].map(i => from[i] + way * length * n[i]));
+        const corner = (s, t, r) => place.push(...from.map((x, i) => x + width * (s * one[i] + t * two[i]) + r * n[i]));
+        for (const [s, t] of [[1, 0], [0, 1], [-1, 0], [0, -1]]) corner(s, t, 0);
+        corner(0, 0, way * length);
         for (let s = 0; s < 4; ++s) element.push(first + s, first + (s + 1) % 4, first + 4);
       }
     }
@@ -299,6 +316,7 @@ class Motion {
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     const distance = 4 * this.size, wide = canvas.width / canvas.height;
     const fit = 0.92 * view.zoom * 2 * distance * Math.min(1 / this.spans[0], 1 / (this.spans[1] * wide));
+    this.scale = canvas.width * fit / (2 * distance);  // pixels a metre
     gl.uniformMatrix3fv(this.at("turn"), true, this.turn().flat());
     gl.uniform3fv(this.at("target"), this.target);
     gl.uniform2f(this.at("lens"), fit, fit * wide);
