@@ -27,11 +27,14 @@ def summary_of(path, result):
     return summary
 
 
-def plain(value):
-    """An attribute of HDF5 as JSON knows it."""
-    if isinstance(value, bytes):
-        return value.decode()
-    return value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value
+def plain(file, where, name):
+    """An attribute of a file: text or a finite number."""
+    value = file.text(where, name)
+    if isinstance(value, str):
+        return value
+    if np.ndim(value) == 0 and isinstance(value, np.number) and np.isfinite(value):
+        return value.item()
+    raise BadInput(f"{file.path}: attribute \"{name}\" of {where} is missing or damaged. Compute it again.")
 
 
 def kernel_of(path):
@@ -39,10 +42,10 @@ def kernel_of(path):
     if not path.is_file():
         return None
     file = File(path, "ricochet-kernel")
-    out = {name: plain(file.attribute("/", name)) for name in
+    out = {name: plain(file, "/", name) for name in
            ["hash", "mesh_sha256", "created_by", "dofs", "elements", "order", "supported"]}
-    out["basis"] = plain(file.attribute("/modes", "basis"))
-    return out | {name: plain(file.attribute("/modes/certificate", name)) for name in
+    out["basis"] = plain(file, "/modes", "basis")
+    return out | {name: plain(file, "/modes/certificate", name) for name in
                   ["complete", "upto_hz", "count_found", "left_out", "flexibility_error"]}
 
 
@@ -51,7 +54,7 @@ def bodies_of(result, folder, scene):
     for name in result.bodies:
         where, asked = f"/bodies/{name}", scene.get("bodies", {}).get(name, {})
         file = Path(result.file.text(where, "kernel") or "").name
-        out.append({"name": name, "mass": plain(result.file.attribute(where, "mass")), "file": file,
+        out.append({"name": name, "mass": plain(result.file, where, "mass"), "file": file,
                     "kernel": kernel_of(folder / file) if file else None, "mesh": asked.get("mesh"),
                     "velocity": asked.get("velocity"), "materials": materials(asked)})
     return out

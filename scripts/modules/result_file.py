@@ -27,7 +27,7 @@ class File:
 
     def text(self, where, name):
         value = self.attribute(where, name)
-        return value.decode() if isinstance(value, bytes) else value
+        return value.decode(errors="replace") if isinstance(value, bytes) else value
 
     def attribute(self, where, name):
         return self.file[where].attrs.get(name) if where in self.file else None

@@ -266,6 +266,11 @@ class Rods(ReportTest):
         summary.unlink()
         refused("there is no such file")
         summary.write_text(text)
+        with h5py.File(self.result, "r+") as file:
+            file["bodies/moving"].attrs["mass"] = float("nan")
+        refused('"mass"')
+        with h5py.File(self.result, "r+") as file:
+            file["bodies/moving"].attrs["mass"] = 10.0
         for sound in self.out.glob("*mic.wav"):
             sound.write_bytes(sound.read_bytes()[:30])
         refused("is not a sound")
