@@ -6,9 +6,9 @@ import numpy as np
 import result_file
 
 MOMENTS = 1200  # snapshots at most; further ones are thinned evenly
-TRIANGLES = 60_000  # of each body; finer skins are made coarser
+TRIANGLES = 80_000  # of all bodies together; finer skins are made coarser
 SHAPES = 80  # of each body, beside rigid motion
-SHAPES_MB = 2.5  # of each body
+SHAPES_MB = 4  # of all bodies together
 LEFT_OUT = 3e-4  # of the deformation, root mean square: where shapes are enough
 POINTS = 300  # contact points whose forces are drawn: those of most impulse
 SIDES = 12  # of a rod's cross-section
@@ -28,14 +28,17 @@ def packed(values, kind="f4"):
 def few_shapes(shape, coordinates, most, left_out):
     """Fields (n,r) and amplitudes (S,r) with fields · amplitudesᵀ ≈ shape · coordinatesᵀ, the best ones of their number;
     `left_out` is the root mean square that may miss, relative."""
-    shape = shape.astype(float)
-    values, vectors = np.linalg.eigh(shape.T @ shape)
+    if shape.shape[1] == 0:
+        return np.zeros((len(shape), 0)), np.zeros((len(coordinates), 0))
+    parts = np.array_split(shape, len(shape) // 10_000 + 1)  # in double precision by parts, as it may be large
+    values, vectors = np.linalg.eigh(sum(part.T.astype(float) @ part for part in parts))
     held = values > 1e-14 * max(values[-1], 1e-300)
     root, vectors = np.sqrt(values[held]), vectors[:, held]
     left, size, right = np.linalg.svd((coordinates @ vectors) * root, full_matrices=False)
     behind = np.sqrt(np.append(np.cumsum(size[::-1] ** 2)[::-1], 0))  # what is missed with the first 0, 1, … of them
     count = min(int(np.argmax(behind <= left_out * behind[0])), most)
-    return (shape @ (vectors / root)) @ right[:count].T, left[:, :count] * size[:count]
+    mix = (vectors / root) @ right[:count].T
+    return np.concatenate([part @ mix for part in parts]), left[:, :count] * size[:count]
 
 
 def coarser(node, element, limit):
@@ -87,23 +90,23 @@ def materials(body):
     return {"": found} if "density" in found else found
 
 
-def body_of(name, skin, chosen, scene):
-    """One body of the page, its places at rest, and the part of its deformation [m] that is missed."""
+def body_of(name, skin, chosen, share, scene):
+    """One body of the page, its places at rest, and the part of its deformation [m] that is missed. `share` of what all
+    bodies may take is its own."""
     node, element, coordinates = skin.node, skin.element, skin.coordinates[chosen]
     offset, of, tubular = 0.0, np.arange(len(node)), element.shape[1] == 2
     if tubular:
         length = np.ptp(node, axis=0).max()
         element, of, offset = tube(node, element, radius_of(scene.get("bodies", {}).get(name, {}), length))
-    elif len(element) > TRIANGLES:
-        of, element = coarser(node, element, TRIANGLES)
-    shape = np.einsum("ij,vjn->vin", skin.rotation, skin.shape[of]).reshape(3 * len(of), -1)
-    most = max(1, min(SHAPES, int(SHAPES_MB * 2**20 / (6 * len(of)))))
-    rigid, moved = few_shapes(shape[:, skin.rigid], coordinates[:, skin.rigid], 6, 1e-12) if skin.rigid.any() else \
-        (np.zeros((len(shape), 0)), np.zeros((len(chosen), 0)))
-    bent, amount = few_shapes(shape[:, ~skin.rigid], coordinates[:, ~skin.rigid], most, LEFT_OUT) if (~skin.rigid).any() else \
-        (np.zeros((len(shape), 0)), np.zeros((len(chosen), 0)))
+    elif len(element) > share * TRIANGLES:
+        of, element = coarser(node, element, share * TRIANGLES)
+    shape = np.einsum("ij,vjn->vin", skin.rotation.astype("f4"), skin.shape[of]).reshape(3 * len(of), -1)
+    most = max(1, min(SHAPES, int(share * SHAPES_MB * 2**20 / (6 * len(of)))))
+    rigid, moved = few_shapes(shape[:, skin.rigid], coordinates[:, skin.rigid], 6, 1e-12)
+    shape, coordinates = shape[:, ~skin.rigid], coordinates[:, ~skin.rigid]
+    bent, amount = few_shapes(shape, coordinates, most, LEFT_OUT)
     some = np.unique(np.linspace(0, len(chosen) - 1, 60).astype(int))
-    exact = shape[:, ~skin.rigid] @ coordinates[some][:, ~skin.rigid].T
+    exact = shape @ coordinates[some].T
     missed = np.abs(exact - bent @ amount[some].T).max(initial=0)
     largest = np.abs(exact).max(initial=0)
     place = (node[of] + offset) @ skin.rotation.T + skin.translation
@@ -155,7 +158,7 @@ def motion_of(result, folder, scene):
         return {"missing": time}
     every = -(-len(time) // MOMENTS)
     chosen = np.arange(0, len(time), every)
-    bodies, places, misses = zip(*(body_of(name, skin, chosen, scene) for name, skin in skins.items()))
+    bodies, places, misses = zip(*(body_of(name, skin, chosen, 1 / len(skins), scene) for name, skin in skins.items()))
     everything = np.concatenate(places)
     low, high = everything.min(axis=0), everything.max(axis=0)
     extent = high - low

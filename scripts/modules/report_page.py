@@ -39,7 +39,7 @@ def write_page(run, path):
     page = page_of(run).encode()
     if len(page) > LARGEST_MB * 2**20:
         raise BadInput(f"{path}: the page would have {len(page) / 2**20:.0f} MB, more than {LARGEST_MB}. "
-                       "Give the run fewer bodies or receivers.")
+                       "A larger output.snapshot_every, no output.view or fewer receivers make it smaller.")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.NamedTemporaryFile(dir=path.parent, prefix=path.name + ".", suffix=".partial", delete=False) as file:
