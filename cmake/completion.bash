@@ -10,9 +10,9 @@ _ricochet() {
         mapfile -t COMPREPLY < <(compgen -W "$options" -- "$word")
     else
         local ending=toml
-        [[ $1 == *-plot || $1 == *-recast ]] && ending=h5
+        [[ $1 == *-plot || $1 == *-report || $1 == *-recast ]] && ending=h5
         mapfile -t COMPREPLY < <(compgen -f -X "!*.$ending" -- "$word"; compgen -d -S / -- "$word")
     fi
 }
 complete -o filenames -F _ricochet ricochet-contact ricochet-kernel ricochet-recast ricochet-run ricochet-plot \
-    ricochet-sweep ricochet-tradeoff ricochet-batch
+    ricochet-report ricochet-sweep ricochet-tradeoff ricochet-batch

@@ -2,8 +2,9 @@
 # gmsh, so that what is distributed with it is under the GPL; the library is not (see cmake/install.cmake).
 set(RICOCHET_MANUALS "" CACHE PATH "Folder of the manual pages to install (scripts/package makes them)")
 set(share ${CMAKE_INSTALL_DATADIR}/ricochet)
-set(user_scripts run plot sweep tradeoff batch)
-set(modules programs titles progress result_file sweep_study sweep_results tradeoff_runs tradeoff_report)
+set(user_scripts run plot report sweep tradeoff batch)
+set(modules programs titles progress result_file report_charts report_motion report_page report_run report_sound
+  sweep_study sweep_results tradeoff_runs tradeoff_report)
 
 install(TARGETS ricochet-contact ricochet-recast COMPONENT programs)
 if(RICOCHET_PREPROCESSOR)
@@ -20,6 +21,7 @@ endforeach()
 foreach(module IN LISTS modules)
   install(FILES scripts/modules/${module}.py DESTINATION ${share}/scripts/modules COMPONENT programs)
 endforeach()
+install(DIRECTORY scripts/modules/report DESTINATION ${share}/scripts/modules COMPONENT programs)
 install(DIRECTORY meshes DESTINATION ${share} COMPONENT programs PATTERN out EXCLUDE)
 install(FILES README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/ricochet COMPONENT programs)
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/ricochet COMPONENT programs)

@@ -27,7 +27,7 @@ class File:
 
     def text(self, where, name):
         value = self.attribute(where, name)
-        return value.decode() if isinstance(value, bytes) else value
+        return value.decode(errors="replace") if isinstance(value, bytes) else value
 
     def attribute(self, where, name):
         return self.file[where].attrs.get(name) if where in self.file else None
@@ -65,13 +65,16 @@ class Result:
 
     TERMS = ["kinetic", "strain", "residual", "loads", "damping", "contact"]
 
-    def __init__(self, path):
+    LABELS = {"kinetic": "kinetic", "strain": "strain", "residual": "strain of modes left out", "loads": "− work of loads",
+              "damping": "lost in damping", "contact": "lost in contact"}
+
+    def __init__(self, path, least=2):
         f = self.file = File(path, "ricochet-result")
         self.slug = path.name.removesuffix(".h5").removesuffix(".result")
         self.title = f.text("/", "title") or self.slug
         self.time = f.array("/time", None)
         steps = len(self.time)
-        if steps < 2:
+        if steps < least:
             raise BadInput(f"{path}: holds {steps} steps: nothing to draw. Give [time] a longer duration.")
         by_table = not f.has("/energy/total") and f.has("/contact/gap")
         self.energy = None if by_table else {name: f.array(f"/energy/{name}", steps)
@@ -97,7 +100,7 @@ class Result:
         t = self.contact_time
         if len(t) == 0:
             return []
-        pause = np.flatnonzero(np.diff(t) > 1.5 * np.min(np.diff(self.time))) + 1
+        pause = np.flatnonzero(np.diff(t) > 1.5 * np.min(np.diff(self.time), initial=np.inf)) + 1
         edges = [0, *pause, len(t)]
         return list(zip(edges[:-1], edges[1:]))
 
@@ -105,12 +108,48 @@ class Result:
         """(m) impulse of each candidate, up to the factor of the step."""
         return self.force.sum(axis=0)
 
+    def scene(self):
+        """The resolved scene; {} where the file holds none that can be read."""
+        try:
+            return tomllib.loads(self.file.text("/", "scene") or "")
+        except tomllib.TOMLDecodeError:
+            return {}
+
+    def window(self):
+        """The contact with a margin before and after, or all when nothing touched [s]."""
+        t = self.time
+        if not self.episodes or len(t) == 1:
+            return t[0], t[-1]
+        first, last = self.contact_time[0], self.contact_time[-1]
+        margin = max(0.35 * (last - first), 4 * (t[1] - t[0]))
+        return max(t[0], first - margin), min(t[-1], last + margin)
+
+    def broken(self, values):
+        """Times and values of contact rows with a gap between episodes, so that no line spans a time without contact."""
+        times, parts = [], []
+        for first, behind in self.episodes:
+            times += [self.contact_time[first:behind], [np.nan]]
+            parts += [values[first:behind], [np.nan]]
+        return (np.concatenate(times), np.concatenate(parts)) if times else (np.array([]), np.array([]))
+
+    def along_normal(self, i):
+        """Motion along the normal of point i, each by name as (times, values): place and speed of the two sides there, of
+        the mean of each body's mass. Places count from where b's surface was: the sides touch where their lines meet."""
+        n, gap, names = self.normal[i], self.gap[i], self.sides_names()
+        place, speed, mean_place, mean_speed = {}, {}, {}, {}
+        for side, name, offset in [("a", names[0], gap), ("b", names[1], 0.0)]:
+            place[name] = self.broken(self.sides["displacement_" + side][:, i] - offset)
+            speed[name] = self.broken(self.sides["velocity_" + side][:, i])
+        for body, v in self.velocity.items():
+            along = v @ n
+            path = np.concatenate([[0], np.cumsum(0.5 * (along[1:] + along[:-1]) * np.diff(self.time))])
+            mean_place[body] = self.time, path - (gap if body == names[0] else 0)
+            mean_speed[body] = self.time, along
+        return place, speed, mean_place, mean_speed
+
     def sides_names(self):
         """Names of the two sides if the scene has one pair; with several, a point does not tell its own."""
-        try:
-            contact = tomllib.loads(self.file.text("/", "scene") or "").get("contact", {})
-        except tomllib.TOMLDecodeError:
-            contact = {}
+        contact = self.scene().get("contact", {})
         pairs = contact.get("pair", [contact])
         between = pairs[0].get("between", []) if len(pairs) == 1 else []
         return tuple(between) if len(between) == 2 else ("side a", "side b")
@@ -122,11 +161,14 @@ class Skin:
     def __init__(self, kernel, attributes, coordinates):
         self.rotation, self.translation = attributes
         self.node = kernel.array("/view/node", None, 3).astype(float)
-        self.element = kernel.array("/view/element", None, None)
+        self.element = kernel.array("/view/element", None, None).astype(int)
         self.shape = kernel.array("/view/shape", len(self.node), 3, coordinates.shape[1])
-        if self.element.size and not (0 <= self.element.min() and self.element.max() < len(self.node)):
+        if self.element.size == 0 or self.element.shape[1] not in (2, 3):
+            raise BadInput(f"{kernel.path}: dataset \"/view/element\" holds neither lines nor triangles. Compute it again.")
+        if not (0 <= self.element.min() and self.element.max() < len(self.node)):
             raise BadInput(f"{kernel.path}: dataset \"/view/element\" names nodes that do not exist. "
                            "Compute it again.")
+        self.rigid = kernel.array("/modes/angular_frequency", coordinates.shape[1]) == 0
         self.coordinates = coordinates
 
     def at(self, k):

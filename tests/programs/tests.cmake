@@ -10,5 +10,6 @@ add_program_test(programs restart LONG)
 add_program_test(programs table)
 add_program_test(programs tradeoff)
 add_program_test(programs sweep)
+add_program_test(programs report)
 add_program_test(programs batch LONG)
-set_tests_properties(programs/batch PROPERTIES PROCESSORS 1)  # it waits for SLURM most of the time
+set_tests_properties(programs/batch programs/report PROPERTIES PROCESSORS 1)  # they wait for SLURM and a browser most of the time

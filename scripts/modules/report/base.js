@@ -1,0 +1,63 @@
+"use strict";
+// What the other scripts share: the run, elements, numbers.
+
+const run = JSON.parse(document.getElementById("run").textContent);
+
+addEventListener("error", event => { document.documentElement.dataset.error = event.message; });
+
+const svgNames = document.getElementById("svg").namespaceURI;
+
+function fill(element, attributes, children) {
+  for (const [name, value] of Object.entries(attributes)) if (value !== undefined) element.setAttribute(name, value);
+  element.append(...children.filter(child => child !== undefined));
+  return element;
+}
+
+/** An element. Text among the children is text, never markup. */
+const make = (tag, attributes = {}, ...children) => fill(document.createElement(tag), attributes, children);
+const draw = (tag, attributes = {}, ...children) => fill(document.createElementNS(svgNames, tag), attributes, children);
+
+const arrays = {f4: Float32Array, i2: Int16Array, u2: Uint16Array, u4: Uint32Array};
+
+/** Numbers that were packed as base64. */
+function unpack({type, scale, data}) {
+  const bytes = Uint8Array.from(atob(data), letter => letter.charCodeAt(0));
+  const values = new arrays[type](bytes.buffer);
+  return scale === undefined ? values : Float32Array.from(values, value => value * scale);
+}
+
+/** Four digits, with a power of ten where that is shorter. */
+function digits(value, count = 4) {
+  if (value === 0) return "0";
+  const size = Math.abs(value);
+  if (size >= 1e-3 && size < 1e5) return String(Number(value.toPrecision(count))).replace("-", "−");
+  const [mantissa, power] = value.toExponential(count - 1).split("e");
+  const raised = String(Number(power)).replace(/./g, sign => "⁰¹²³⁴⁵⁶⁷⁸⁹"[sign] ?? "⁻");
+  return `${String(Number(mantissa)).replace("-", "−")} × 10${raised}`;
+}
+
+const linear = ["s", "m", "N", "J", "N s", "m/s", "Pa", "Hz", "W"];
+
+/** The factor and the unit that bring `largest` into 1 … 1000, or 0.1 … without a prefix. */
+function prefixed(largest, unit) {
+  if (!linear.includes(unit) || largest === 0) return {factor: 1, unit};
+  for (const [power, prefix] of [[9, "G"], [6, "M"], [3, "k"], [0, ""], [-3, "m"], [-6, "µ"], [-9, "n"]])
+    if (largest * 10 ** -power >= (power === 0 ? 0.1 : 1)) return {factor: 10 ** -power, unit: prefix + unit};
+  return {factor: 1, unit};
+}
+
+function quantity(value, unit = "", count = 4) {
+  const shown = prefixed(Math.abs(value), unit);
+  return digits(value * shown.factor, count) + (shown.unit ? " " + shown.unit : "");
+}
+
+const table = (head, rows) =>
+  make("div", {class: "wide"},
+       make("table", {}, head ? make("thead", {}, make("tr", {}, ...head.map(name => make("th", {scope: "col"}, name)))) : undefined,
+            make("tbody", {}, ...rows)));
+
+function download(name, text) {
+  const link = make("a", {download: name, href: URL.createObjectURL(new Blob([text], {type: "text/plain"}))});
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+}

@@ -1,0 +1,239 @@
+// Charts of lines and dots in SVG: values under the pointer or the arrow keys, the time of the animation, values as CSV.
+
+const charts = [];
+
+function extent(values, positive) {
+  let low = Infinity, high = -Infinity;
+  for (const value of values)
+    if (!Number.isNaN(value) && (!positive || value > 0)) { low = Math.min(low, value); high = Math.max(high, value); }
+  return low <= high ? [low, high] : [positive ? 1 : 0, positive ? 10 : 1];
+}
+
+function join(ranges) {
+  return [Math.min(...ranges.map(range => range[0])), Math.max(...ranges.map(range => range[1]))];
+}
+
+/** Round places for ticks on [low, high]. */
+function ticks(low, high, about) {
+  const rough = (high - low) / about, ten = 10 ** Math.floor(Math.log10(rough));
+  const step = ten * [1, 2, 5, 10].find(factor => factor * ten >= rough);
+  const out = [];
+  for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; ++k) out.push(k * step);
+  return out;
+}
+
+function decades(low, high, about) {
+  const first = Math.ceil(Math.log10(low) - 1e-9), last = Math.floor(Math.log10(high) + 1e-9);
+  const step = Math.max(1, Math.ceil((last - first) / about));
+  const out = [];
+  for (let power = first; power <= last; power += step) out.push(10 ** power);
+  return out;
+}
+
+/** A power of ten. */
+const power = value => value >= 0.01 && value <= 1e4 ? digits(value) : digits(value).replace("1 × ", "");
+
+class Axis {
+  constructor(spec, range) {
+    let [low, high] = range;
+    if (spec.log) {
+      if (spec.decades) low = Math.max(low, high * 10 ** -spec.decades);
+      if (high < low * 10) { low /= 3; high *= 3; }
+    } else {
+      if (spec.zero) { low = Math.min(low, 0); high = Math.max(high, 0); }
+      if (!(high > low)) { low -= Math.abs(low) / 2 || 1; high += Math.abs(high) / 2 || 1; }
+    }
+    Object.assign(this, {low, high, log: spec.log});
+    this.shown = spec.log ? {factor: 1, unit: spec.unit} : prefixed(Math.max(Math.abs(low), Math.abs(high)), spec.unit);
+    this.label = spec.label + (this.shown.unit ? ` (${this.shown.unit})` : "");
+  }
+  pad(share) {
+    const room = share * (this.high - this.low);
+    if (!this.log) Object.assign(this, {low: this.low && this.low - room, high: this.high && this.high + room});
+    return this;
+  }
+  /** 0 … 1 */
+  at(value) {
+    return this.log ? Math.log(value / this.low) / Math.log(this.high / this.low) : (value - this.low) / (this.high - this.low);
+  }
+  back(share) {
+    return this.log ? this.low * (this.high / this.low) ** share : this.low + share * (this.high - this.low);
+  }
+  ticks(about) {
+    if (this.log) return decades(this.low, this.high, about);
+    const {factor} = this.shown;
+    return ticks(this.low * factor, this.high * factor, about).map(value => value / factor);
+  }
+  text(value) { return this.log ? power(value) : digits(Number((value * this.shown.factor).toPrecision(6))); }
+}
+
+class Chart {
+  constructor(spec) {
+    this.spec = spec;
+    this.lines = spec.lines.map(line => ({...line, x: unpack(line.x), y: unpack(line.y)}));
+    this.x = new Axis(spec.x, spec.window ?? join(this.lines.map(line => extent(line.x, spec.x.log))));
+    this.y = new Axis(spec.y, join(this.lines.map(line => extent(line.y, spec.y.log)))).pad(0.06);
+    if (spec.lines.some(line => line.style === "dots")) this.x.pad(0.03);
+    this.plot = make("div", {class: "plot"});
+    this.tip = make("div", {class: "tip", role: "status"});
+    const csv = make("button", {class: "csv", type: "button", title: "The values drawn here"}, "CSV");
+    csv.addEventListener("click", () => download(`${run.slug}-${spec.key}.csv`, this.csv()));
+    const keys = this.lines.map(line => make("span", {}, make("i", {class: `c${line.colour} ${line.style}`}), line.name));
+    if (this.timed()) keys.push(make("span", {}, make("i", {class: "contact"}), "in contact"));
+    const caption = make("figcaption", {}, spec.title, spec.note ? make("small", {}, spec.note) : undefined);
+    this.element = make("figure", {id: `chart-${spec.key}`, class: "chart"}, caption, this.plot, make("div", {class: "key"}, ...keys, csv));
+    this.place = -1;
+    charts.push(this);
+    new ResizeObserver(() => { if (this.plot.clientWidth !== this.width) this.redraw(); }).observe(this.plot);
+  }
+  timed() { return this.spec.x.unit === "s" && run.episodes.length > 0; }
+
+  redraw() {
+    const width = this.width = this.plot.clientWidth || 700, height = this.height = width < 480 ? 210 : 250;
+    const box = this.box = {left: 62, top: 8, width: width - 74, height: height - 48};
+    const X = value => box.left + box.width * this.x.at(value), Y = value => box.top + box.height * (1 - this.y.at(value));
+    const svg = this.svg = draw("svg", {viewBox: `0 0 ${width} ${height}`, height, role: "img", tabindex: 0, "aria-label": this.summary()});
+    const clip = `clip-${this.spec.key}`;
+    svg.append(draw("clipPath", {id: clip}, draw("rect", {x: box.left, y: box.top, width: box.width, height: box.height})));
+    const inside = draw("g", {"clip-path": `url(#${clip})`});
+    if (this.timed()) for (const [from, to] of run.episodes)
+      inside.append(draw("rect", {class: "band", x: X(from), y: box.top, width: Math.max(0.5, X(to) - X(from)), height: box.height}));
+    for (const value of this.x.ticks(width < 480 ? 4 : 7)) {
+      inside.append(draw("line", {class: "grid", x1: X(value), x2: X(value), y1: box.top, y2: box.top + box.height}));
+      svg.append(draw("text", {x: X(value), y: box.top + box.height + 16, "text-anchor": "middle"}, this.x.text(value)));
+    }
+    for (const value of this.y.ticks(5)) {
+      inside.append(draw("line", {class: "grid", y1: Y(value), y2: Y(value), x1: box.left, x2: box.left + box.width}));
+      svg.append(draw("text", {x: box.left - 6, y: Y(value) + 4, "text-anchor": "end"}, this.y.text(value)));
+    }
+    svg.append(draw("text", {x: box.left + box.width, y: height - 6, "text-anchor": "end"}, this.x.label));
+    const middle = box.top + box.height / 2;
+    svg.append(draw("text", {x: 12, y: middle, "text-anchor": "middle", transform: `rotate(-90 12 ${middle})`}, this.y.label));
+    for (const line of this.lines) inside.append(...this.marks(line, X, Y));
+    this.now = draw("line", {class: "now", y1: box.top, y2: box.top + box.height});
+    this.probe = draw("line", {class: "probe", y1: box.top, y2: box.top + box.height});
+    inside.append(this.now, this.probe);
+    svg.append(inside);
+    svg.addEventListener("pointermove", event => {
+      const at = (event.clientX - svg.getBoundingClientRect().left) * (width / svg.clientWidth || 1);
+      this.point((at - box.left) / box.width);
+    });
+    svg.addEventListener("pointerleave", () => this.point(-1));
+    svg.addEventListener("blur", () => this.point(-1));
+    svg.addEventListener("keydown", event => {
+      const way = {ArrowLeft: -1, ArrowRight: 1}[event.key];
+      if (!way) return;
+      this.point(Math.min(1, Math.max(0, (this.place < 0 ? 0.5 : this.place) + 0.01 * way)));
+      event.preventDefault();
+    });
+    this.plot.replaceChildren(svg, this.tip);
+  }
+
+  marks(line, X, Y) {
+    const of = `c${line.colour}`, dots = {dots: 3, specks: 1}[line.style];
+    const put = k => `${X(line.x[k]).toFixed(1)} ${Math.max(-1e5, Math.min(1e5, Y(line.y[k]))).toFixed(1)}`;
+    const seen = k => !Number.isNaN(line.y[k]) && !Number.isNaN(line.x[k]) && (!this.y.log || line.y[k] > 0);
+    if (dots)
+      return [...line.x.keys()].filter(seen).map(k =>
+        draw("circle", {class: `dot ${of}`, cx: X(line.x[k]).toFixed(1), cy: Y(line.y[k]).toFixed(1), r: dots}));
+    let path = "", area = "", pen = false, start = 0;
+    const close = k => {
+      if (!pen) return;
+      if (k === start) path += "h0";  // a step alone is a dot
+      area += `L${X(line.x[k])} ${Y(0)}L${X(line.x[start])} ${Y(0)}Z`;
+    };
+    for (let k = 0; k < line.x.length; ++k) {
+      if (!seen(k)) { close(k - 1); pen = false; continue; }
+      if (!pen) start = k;
+      path += (pen ? "L" : "M") + put(k);
+      area += (pen ? "L" : "M") + put(k);
+      pen = true;
+    }
+    close(line.x.length - 1);
+    const stroke = draw("path", {class: `line ${of} ${line.style === "dashed" ? "dashed" : ""}`, d: path});
+    return line.style === "filled" ? [draw("path", {class: `area ${of}`, d: area}), stroke] : [stroke];
+  }
+
+  /** Shows the values at a share of the width; -1: none. */
+  point(share) {
+    this.place = share;
+    const visible = share >= 0 && share <= 1 ? "visible" : "hidden";
+    this.probe.style.visibility = this.tip.style.visibility = visible;
+    if (visible === "hidden") return;
+    const wanted = this.x.back(share), reach = 0.02 * (this.x.log ? 1 : this.x.high - this.x.low);
+    const near = this.lines.map(line => {
+      let best = -1, least = Infinity;
+      line.x.forEach((x, k) => {
+        const away = Math.abs(this.x.log ? Math.log(x / wanted) : x - wanted);
+        if (away < least && !Number.isNaN(line.y[k])) { least = away; best = k; }
+      });
+      return least <= reach || this.x.log ? best : -1;
+    });
+    const at = this.lines.findIndex((line, k) => near[k] >= 0);
+    const value = at < 0 ? wanted : this.lines[at].x[near[at]];
+    const pixel = this.box.left + this.box.width * this.x.at(value);
+    this.probe.setAttribute("x1", pixel);
+    this.probe.setAttribute("x2", pixel);
+    const rows = this.lines.flatMap((line, k) => near[k] < 0 ? [] :
+      [make("div", {class: `c${line.colour}`}, `${line.name}: ${quantity(line.y[near[k]], this.spec.y.unit)}`)]);
+    this.tip.replaceChildren(make("div", {}, quantity(value, this.spec.x.unit, 5)), ...rows);
+    const left = pixel + 12, room = this.width - this.tip.offsetWidth;
+    this.tip.style.left = `${left > room ? Math.max(0, pixel - 12 - this.tip.offsetWidth) : left}px`;
+  }
+
+  /** The time that the animation shows [s]. */
+  mark(time) {
+    if (!this.now || !this.spec.cursor) return;
+    const inside = time >= this.x.low && time <= this.x.high;
+    this.now.style.visibility = inside ? "visible" : "hidden";
+    const pixel = this.box.left + this.box.width * this.x.at(time);
+    this.now.setAttribute("x1", pixel);
+    this.now.setAttribute("x2", pixel);
+  }
+
+  summary() {
+    const parts = this.lines.map(line => {
+      const [low, high] = extent(line.y).map(value => quantity(value, this.spec.y.unit));
+      return `${line.name} from ${low} to ${high}`;
+    });
+    return `${this.spec.title}: ${this.y.label} against ${this.x.label}; ${parts.join("; ")}`;
+  }
+  csv() {
+    const quoted = text => `"${text.replaceAll('"', '""')}"`, {x, y} = this.spec;
+    const rows = this.lines.flatMap(line => [...line.x.keys()].filter(k => !Number.isNaN(line.y[k]))
+      .map(k => `${quoted(line.name)},${line.x[k]},${line.y[k]}`));
+    return [`line,${quoted(`${x.label} (${x.unit})`)},${quoted(`${y.label} (${y.unit})`)}`, ...rows, ""].join("\n");
+  }
+}
+
+/** Force by point and time, as a picture with values under the pointer. */
+function forceMap(map) {
+  const [columns, rows] = map.force.shape, force = unpack(map.force), where = unpack(map.where);
+  const largest = extent(force)[1] || 1;
+  const label = `Force by time and ${map.what}; the largest is ${quantity(largest, "N")}`;
+  const canvas = make("canvas", {width: columns, height: rows, role: "img", "aria-label": label});
+  const pixels = canvas.getContext("2d"), image = pixels.createImageData(columns, rows);
+  for (let c = 0; c < columns; ++c)
+    for (let r = 0; r < rows; ++r) {
+      const value = force[c * rows + r] / largest, at = 4 * ((rows - 1 - r) * columns + c);
+      image.data.set([...ramp(value).map(part => 255 * part), value > 0 ? 255 : 0], at);
+    }
+  pixels.putImageData(image, 0, 0);
+  const tip = make("div", {class: "tip"}), plot = make("div", {class: "plot map"}, canvas, tip);
+  canvas.addEventListener("pointerleave", () => { tip.style.visibility = "hidden"; });
+  canvas.addEventListener("pointermove", event => {
+    const box = canvas.getBoundingClientRect(), across = (event.clientX - box.left) / box.width;
+    const c = Math.min(columns - 1, Math.max(0, Math.floor(across * columns)));
+    const r = rows - 1 - Math.min(rows - 1, Math.max(0, Math.floor((event.clientY - box.top) / box.height * rows)));
+    const time = quantity(map.from + (c + 0.5) / columns * (map.to - map.from), "s");
+    tip.replaceChildren(`${time}, point ${map.points[r]} at ${quantity(where[r], "m")}: ${quantity(force[c * rows + r], "N")}`);
+    tip.style.visibility = "visible";
+    tip.style.left = `${Math.max(0, Math.min(across * box.width + 12, box.width - tip.offsetWidth))}px`;
+  });
+  const left = map.left_out ? ` The ${rows} points of most impulse; ${map.left_out} that touch less are left out.` : "";
+  const [low, high] = [where[0], where[rows - 1]].map(value => quantity(value, "m"));
+  const note = `Upwards the points that touch, by ${map.what}: ${low} to ${high}. Blank: no force.${left}`;
+  const [from, to] = [map.from, map.to].map(time => make("span", {}, quantity(time, "s")));
+  const ends = make("div", {class: "ends"}, from, rampKey(0, largest, "N"), to);
+  return make("figure", {class: "chart"}, make("figcaption", {}, "Force by point and time", make("small", {}, note)), plot, ends);
+}

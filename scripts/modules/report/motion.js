@@ -1,0 +1,367 @@
+// The impact in motion: skins X + F c(t) in WebGL 2, with few shapes F for the modes of each body.
+// Amplified A times from the start of contact on: X + F (c₀ + A (c − c₀)).
+
+const stops = [[0.19, 0.15, 0.36], [0.17, 0.36, 0.56], [0.13, 0.57, 0.55], [0.37, 0.74, 0.40], [0.80, 0.84, 0.22], [0.99, 0.92, 0.60]];
+
+/** Colour of 0 … 1. */
+function ramp(share) {
+  const at = Math.min(1, Math.max(0, share)) * (stops.length - 1), k = Math.min(stops.length - 2, Math.floor(at));
+  return stops[k].map((part, c) => part + (at - k) * (stops[k + 1][c] - part));
+}
+
+function rampKey(low, high, unit) {
+  const bar = make("i");
+  const colours = stops.map(stop => `rgb(${stop.map(part => Math.round(255 * part)).join(" ")})`);
+  bar.style.background = `linear-gradient(90deg, ${colours.join(", ")})`;
+  return make("div", {class: "ramp"}, quantity(low, unit), bar, quantity(high, unit, 3));
+}
+
+const vertexShader = `#version 300 es
+in vec3 place; in float value;
+uniform mat3 turn; uniform vec3 target; uniform vec2 lens; uniform float distance, radius;
+out vec3 eye; out float share;
+void main() {
+  eye = turn * (place - target);
+  float away = distance - eye.z, near = max(distance - radius, 0.02 * distance), far = distance + radius;
+  gl_Position = vec4(eye.xy * lens, ((far + near) * away - 2.0 * far * near) / (far - near), away);
+  share = value;
+}`;
+const fragmentShader = `#version 300 es
+precision highp float;
+in vec3 eye; in float share;
+uniform vec4 ink; uniform bool lit, ramped; uniform vec3 stops[${stops.length}];
+out vec4 colour;
+void main() {
+  float at = clamp(share, 0.0, 1.0) * ${stops.length - 1}.0;
+  int k = min(int(at), ${stops.length - 2});
+  vec3 base = ramped ? mix(stops[k], stops[k + 1], at - float(k)) : ink.rgb;
+  vec3 normal = normalize(cross(dFdx(eye), dFdy(eye)));
+  float light = lit ? 0.62 + 0.38 * abs(dot(normal, normalize(vec3(0.35, 0.5, 0.8)))) : 1.0;
+  colour = vec4(base * light * ink.a, ink.a);
+}`;
+
+const unit = k => [0, 1, 2].map(i => Number(i === k));
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+
+class Skin {
+  constructor(data, number) {
+    this.name = data.name;
+    this.number = number;
+    this.node = unpack(data.node);
+    this.element = unpack(data.element);
+    this.still = data.rigid === undefined;
+    this.lines = data.lines;
+    this.fields = this.still ? [] : [...Skin.rows(data.rigid), ...data.bent.map(unpack)];
+    this.rigid = this.still ? 0 : data.rigid.shape[0];
+    this.amounts = this.still ? [] : [unpack(data.moved), unpack(data.amount)];
+    this.place = Float32Array.from(this.node);
+    this.value = new Float32Array(this.node.length / 3);
+  }
+  static rows(packed) {
+    const values = unpack(packed), [rows, length] = packed.shape;
+    return Array.from({length: rows}, (_, k) => values.subarray(k * length, (k + 1) * length));
+  }
+  /** Amplitudes of the fields at snapshot k + f; or how fast they change there, with dt the time between the two. */
+  amplitudes(k, f, dt) {
+    return this.amounts.flatMap((values, part) => {
+      const count = part === 0 ? this.rigid : this.fields.length - this.rigid, next = Math.min(k + 1, moments - 1);
+      return Array.from({length: count}, (_, r) => {
+        const a = values[k * count + r], b = values[next * count + r];
+        return dt === undefined ? a + f * (b - a) : (b - a) / dt;
+      });
+    });
+  }
+  /** out = base + Σ weights · fields from number `from` on. */
+  combine(out, base, weights, from = 0) {
+    if (base) out.set(base); else out.fill(0);
+    for (let r = from; r < this.fields.length; ++r) {
+      const field = this.fields[r], weight = weights[r];
+      if (weight !== 0) for (let i = 0; i < out.length; ++i) out[i] += weight * field[i];
+    }
+  }
+  edges() {
+    const seen = new Map();
+    for (let t = 0; t < this.element.length; t += 3)
+      for (let s = 0; s < 3; ++s) {
+        const a = this.element[t + s], b = this.element[t + (s + 1) % 3];
+        seen.set(Math.min(a, b) * 2 ** 26 + Math.max(a, b), [a, b]);
+      }
+    return Uint32Array.from([...seen.values()].flat());
+  }
+}
+
+let moments = 0;
+
+const measures = {
+  speed: {label: "speed", unit: "m/s"}, displacement: {label: "displacement since the start", unit: "m"},
+  deformation: {label: "deformation", unit: "m"}, body: {label: "body"},
+};
+
+class Motion {
+  constructor(data, canvas) {
+    this.data = data;
+    this.canvas = canvas;
+    this.time = unpack(data.time);
+    moments = this.time.length;
+    this.bodies = data.bodies.map((body, k) => new Skin(body, run.bodies.findIndex(other => other.name === body.name)));
+    this.obstacles = data.obstacles.map(obstacle => new Skin(obstacle));
+    const {anchor, offset, normal, force} = data.points;
+    this.points = {anchor, offset: unpack(offset), normal: unpack(normal), force: unpack(force)};
+    this.forceMost = extent(this.points.force)[1];
+    const touched = run.episodes.length > 0, whole = [this.time[0], this.time[moments - 1]];
+    const window = touched ? [run.episodes[0][0], run.episodes.at(-1)[1]] : whole;
+    const margin = 0.35 * (window[1] - window[0]);
+    this.windows = {whole, contact: [Math.max(whole[0], window[0] - margin), Math.min(whole[1], window[1] + margin)]};
+    this.touch = window;
+    const [k, f] = this.find(touched ? window[0] : whole[0]);
+    for (const body of this.bodies) body.start = body.amplitudes(k, f);
+    for (const body of this.bodies) body.first = body.amplitudes(0, 0);
+    this.most = {};
+    this.colour = moments > 1 ? "speed" : "body";
+    this.mesh = false;
+    this.arrows = true;
+    this.amplify = 1;
+    this.measureScene();
+    this.home();
+    this.setup();
+  }
+
+  find(time) {
+    let low = 0, high = moments - 1;
+    while (high - low > 1) { const middle = (low + high) >> 1; if (this.time[middle] <= time) low = middle; else high = middle; }
+    if (moments === 1 || time <= this.time[0]) return [0, 0, 1];
+    const dt = this.time[low + 1] - this.time[low];
+    return [low, Math.min(1, (time - this.time[low]) / dt), dt];
+  }
+
+  sampled(count) {
+    const step = Math.max(1, Math.floor(moments / count));
+    return Array.from({length: Math.ceil(moments / step)}, (_, k) => k * step);
+  }
+
+  placeBodies(k, f, amplify) {
+    for (const body of this.bodies) {
+      const now = body.amplitudes(k, f);
+      body.combine(body.place, body.node, now.map((c, r) => body.start[r] + amplify * (c - body.start[r])));
+    }
+  }
+
+  /** The size of things, how far they move while they touch, and from that an amplification for the eye. */
+  measureScene() {
+    const around = () => {
+      const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+      const add = values => values.forEach((x, i) => {
+        low[i % 3] = Math.min(low[i % 3], x);
+        high[i % 3] = Math.max(high[i % 3], x);
+      });
+      return {low, high, add};
+    };
+    const rest = around();
+    for (const body of this.bodies) rest.add(body.node);
+    const size = Math.hypot(...rest.high.map((x, i) => x - rest.low[i]));
+    let moved = 0;
+    for (const k of this.sampled(24)) {
+      if (this.time[k] < this.touch[0] || this.time[k] > this.touch[1]) continue;
+      this.placeBodies(k, 0, 1);
+      for (const body of this.bodies) {
+        const start = new Float32Array(body.place.length);
+        body.combine(start, body.node, body.start);
+        body.place.forEach((x, i) => { moved = Math.max(moved, Math.abs(x - start[i])); });
+      }
+    }
+    const wanted = moved > 0 ? 0.05 * size / moved : 1, ten = 10 ** Math.floor(Math.log10(wanted));
+    this.natural = wanted < 2 ? 1 : ten * [5, 2, 1].find(factor => factor * ten <= wanted);
+    this.amplify = this.natural;
+    const all = around();
+    for (const k of this.sampled(24)) {
+      if (this.time[k] < this.windows.contact[0] || this.time[k] > this.windows.contact[1]) continue;
+      this.placeBodies(k, 0, this.amplify);
+      for (const body of this.bodies) all.add(body.place);
+    }
+    this.box = all.low[0] <= all.high[0] ? all : rest;
+    this.size = Math.hypot(...this.box.high.map((x, i) => x - this.box.low[i])) || 1;
+  }
+
+  home() {
+    const depth = this.data.depth, up = depth === 2 ? 1 : 2;
+    const toward = depth === 1 ? [0, -1, 0] : unit(depth);
+    this.base = [cross(unit(up), toward), unit(up), toward];
+    const extent = this.box.high.map((x, i) => x - this.box.low[i]);
+    const flat = extent[depth] < 0.3 * Math.min(...extent.filter((_, i) => i !== depth));
+    this.view = flat ? {azimuth: -0.12, elevation: 0.06, zoom: 1} : {azimuth: -0.35, elevation: 0.2, zoom: 1};
+    this.target = this.box.low.map((x, i) => (x + this.box.high[i]) / 2);
+    const rows = this.turn();
+    const spans = rows.map(row => row.reduce((sum, part, i) => sum + Math.abs(part) * extent[i], 0));
+    this.spans = spans.map(span => Math.max(span, 0.02 * this.size));
+    this.shape = Math.min(0.8, Math.max(0.3, 1.05 * this.spans[1] / this.spans[0]));
+  }
+
+  /** Rows: right, up, towards the eye. */
+  turn() {
+    const {azimuth, elevation} = this.view, [right, up, toward] = this.base;
+    const c = Math.cos(azimuth), s = Math.sin(azimuth), ce = Math.cos(elevation), se = Math.sin(elevation);
+    const mix = (a, u, b, v) => u.map((x, i) => a * x + b * v[i]);
+    const across = mix(c, right, s, toward), deep = mix(-s, right, c, toward);
+    return [across, mix(ce, up, -se, deep), mix(se, up, ce, deep)];
+  }
+
+  /** Moves what is looked at by shares of the canvas's width. */
+  shift(right, down) {
+    const rows = this.turn(), width = this.canvas.width / this.scale;
+    this.target = this.target.map((x, i) => x - width * (right * rows[0][i] - down * rows[1][i]));
+  }
+
+  setup() {
+    const gl = this.gl = this.canvas.getContext("webgl2", {antialias: true, alpha: true, preserveDrawingBuffer: true});
+    if (!gl) return;
+    const program = gl.createProgram();
+    for (const [type, text] of [[gl.VERTEX_SHADER, vertexShader], [gl.FRAGMENT_SHADER, fragmentShader]]) {
+      const shader = gl.createShader(type);
+      gl.shaderSource(shader, text);
+      gl.compileShader(shader);
+      if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader));
+      gl.attachShader(program, shader);
+    }
+    gl.linkProgram(program);
+    gl.useProgram(program);
+    this.at = name => gl.getUniformLocation(program, name);
+    this.inputs = ["place", "value"].map(name => gl.getAttribLocation(program, name));
+    gl.uniform3fv(this.at("stops"), stops.flat());
+    gl.enable(gl.DEPTH_TEST);
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+    gl.polygonOffset(1, 1);
+    this.spikes = {place: new Float32Array(0), value: new Float32Array(0), element: new Uint32Array(0)};
+    for (const thing of [...this.bodies, ...this.obstacles, this.spikes])
+      thing.buffers = {place: gl.createBuffer(), value: gl.createBuffer(), element: gl.createBuffer()};
+    for (const thing of [...this.bodies, ...this.obstacles]) {
+      gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, thing.buffers.element);
+      gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, thing.element, gl.STATIC_DRAW);
+      if (!thing.lines) continue;
+      const edges = thing.edges();
+      thing.wire = {buffer: gl.createBuffer(), count: edges.length};
+      gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, thing.wire.buffer);
+      gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, edges, gl.STATIC_DRAW);
+    }
+  }
+
+  /** Sizes of the chosen measure at snapshot k + f, into `body.value`. */
+  measure(body, k, f, dt) {
+    const moved = this.scratch?.length === body.place.length ? this.scratch : this.scratch = new Float32Array(body.place.length);
+    if (this.colour === "speed") body.combine(moved, null, body.amplitudes(k, f, dt));
+    else if (this.colour === "displacement") body.combine(moved, null, body.amplitudes(k, f).map((c, r) => c - body.first[r]));
+    else body.combine(moved, null, body.amplitudes(k, f), body.rigid);
+    for (let v = 0; v < body.value.length; ++v) body.value[v] = Math.hypot(moved[3 * v], moved[3 * v + 1], moved[3 * v + 2]);
+  }
+
+  /** The end of the colour scale: exceeded by 1 % of the nodes at most, in any moment. */
+  top() {
+    if (this.colour === "body") return 1;
+    const inMost = (body, time) => {
+      this.measure(body, ...this.find(time));
+      return body.value.slice().sort()[Math.floor(0.99 * body.value.length)];
+    };
+    return this.most[this.colour] ??= Math.max(...this.sampled(60).flatMap(k => this.bodies.map(body => inMost(body, this.time[k])))) || 1;
+  }
+
+  /** Spikes into both bodies, as long as the force at each point. */
+  makeSpikes(k) {
+    const {anchor, offset, normal, force} = this.points, count = anchor.length, place = [], element = [];
+    const longest = 0.16 * Math.max(...this.spans.slice(0, 2));
+    for (let p = 0; p < count; ++p) {
+      const length = longest * force[k * count + p] / this.forceMost;
+      if (!(length > 0)) continue;
+      const [b, v] = anchor[p], n = normal.subarray(3 * p, 3 * p + 3);
+      const from = this.bodies[b].place.slice(3 * v, 3 * v + 3).map((x, i) => x + offset[3 * p + i]);
+      const seed = unit([0, 1, 2].reduce((a, i) => Math.abs(n[i]) < Math.abs(n[a]) ? i : a, 0));
+      const one = seed.map((x, i) => x - dot(seed, n) * n[i]), two = cross(n, one);
+      const width = Math.min(0.07 * length, 0.006 * this.size);
+      for (const way of [1, -1]) {
+        const first = place.length / 3;
+        const corner = (s, t, r) => place.push(...from.map((x, i) => x + width * (s * one[i] + t * two[i]) + r * n[i]));
+        for (const [s, t] of [[1, 0], [0, 1], [-1, 0], [0, -1]]) corner(s, t, 0);
+        corner(0, 0, way * length);
+        for (let s = 0; s < 4; ++s) element.push(first + s, first + (s + 1) % 4, first + 4);
+      }
+    }
+    this.spikes.place = Float32Array.from(place);
+    this.spikes.value = new Float32Array(place.length / 3);
+    this.spikes.element = Uint32Array.from(element);
+  }
+
+  send(thing, ink, {lit = true, ramped = false, wire = false} = {}) {
+    const gl = this.gl;
+    for (const [k, [name, width]] of [["place", 3], ["value", 1]].entries()) {
+      gl.bindBuffer(gl.ARRAY_BUFFER, thing.buffers[name]);
+      if (!wire) gl.bufferData(gl.ARRAY_BUFFER, thing[name], gl.DYNAMIC_DRAW);
+      gl.enableVertexAttribArray(this.inputs[k]);
+      gl.vertexAttribPointer(this.inputs[k], width, gl.FLOAT, false, 0, 0);
+    }
+    gl.uniform4fv(this.at("ink"), ink);
+    gl.uniform1i(this.at("lit"), lit);
+    gl.uniform1i(this.at("ramped"), ramped);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, wire ? thing.wire.buffer : thing.buffers.element);
+    if (thing === this.spikes) gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, thing.element, gl.DYNAMIC_DRAW);
+    if (wire) gl.drawElements(gl.LINES, thing.wire.count, gl.UNSIGNED_INT, 0);
+    else gl.drawElements(gl.TRIANGLES, thing.element.length, gl.UNSIGNED_INT, 0);
+  }
+
+  /** Draws the moment `time` [s] on the canvas as large as it is. */
+  draw(time) {
+    const gl = this.gl, {canvas, view} = this, [k, f, dt] = this.find(time);
+    this.shown = time;
+    gl.viewport(0, 0, canvas.width, canvas.height);
+    gl.clearColor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    const distance = 4 * this.size, wide = canvas.width / canvas.height;
+    const fit = 0.92 * view.zoom * 2 * distance * Math.min(1 / this.spans[0], 1 / (this.spans[1] * wide));
+    this.scale = canvas.width * fit / (2 * distance);  // pixels a metre
+    gl.uniformMatrix3fv(this.at("turn"), true, this.turn().flat());
+    gl.uniform3fv(this.at("target"), this.target);
+    gl.uniform2f(this.at("lens"), fit, fit * wide);
+    gl.uniform1f(this.at("distance"), distance);
+    gl.uniform1f(this.at("radius"), 3.9 * this.size);
+    this.placeBodies(k, f, this.amplify);
+    const top = this.top();
+    for (const body of this.bodies) {
+      const ramped = this.colour !== "body";
+      if (ramped) { this.measure(body, k, f, dt); for (let v = 0; v < body.value.length; ++v) body.value[v] /= top; }
+      gl.enable(gl.POLYGON_OFFSET_FILL);
+      this.send(body, [...cssColour(`--body${Math.max(0, body.number) % 6}`), 1], {ramped});
+      gl.disable(gl.POLYGON_OFFSET_FILL);
+      if (this.mesh && body.wire) this.send(body, [0, 0, 0, 0.25], {lit: false, wire: true});
+    }
+    for (const obstacle of this.obstacles) this.send(obstacle, [0.5, 0.5, 0.5, 0.28], {lit: false});
+    if (!this.arrows || this.forceMost <= 0) return;
+    this.makeSpikes(Math.min(moments - 1, Math.round(k + f)));
+    gl.disable(gl.DEPTH_TEST);
+    this.send(this.spikes, [0.85, 0.12, 0.2, 0.85], {lit: false});
+    gl.enable(gl.DEPTH_TEST);
+  }
+
+  /** A moment as a picture of this size. */
+  picture(time, width, height) {
+    const {canvas} = this, before = [canvas.width, canvas.height];
+    [canvas.width, canvas.height] = [width, height];
+    this.draw(time);
+    const url = canvas.toDataURL("image/png");
+    [canvas.width, canvas.height] = before;
+    return url;
+  }
+
+  /** Share of the canvas on which something is drawn. */
+  covered() {
+    const {gl, canvas} = this, pixels = new Uint8Array(4 * canvas.width * canvas.height);
+    gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+    let drawn = 0;
+    for (let i = 3; i < pixels.length; i += 4) drawn += pixels[i] > 0;
+    return drawn / (canvas.width * canvas.height);
+  }
+}
+
+/** A colour of the style sheet, 0 … 1 each. */
+function cssColour(name) {
+  const hex = getComputedStyle(document.documentElement).getPropertyValue(name).trim().slice(1);
+  return [0, 2, 4].map(i => parseInt(hex.slice(i, i + 2), 16) / 255);
+}

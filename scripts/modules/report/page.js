@@ -1,0 +1,277 @@
+// Fills the sections of the page from the run.
+
+const section = name => document.getElementById(name);
+const {summary} = run;
+const note = text => make("p", {class: "note"}, text);
+const code = text => make("code", {}, text);
+const percent = value => `${digits(100 * value, 3)} %`;
+const plural = (count, name) => `${count} ${name}${count === 1 ? "" : "s"}`;
+
+/** A row of a table; the first cell is its head. */
+const row = (...cells) => make("tr", {}, ...cells.map((cell, k) => make(k ? "td" : "th", {scope: k ? undefined : "row"}, cell)));
+
+/** Text for a figure of the run, with its exact value beside it. */
+const told = (key, value, text) => make("span", {"data-key": key, "data-value": JSON.stringify(value)}, text);
+
+const figure = (key, value, unit) =>
+  told(key, value, typeof value === "number" ? quantity(value, unit) : value === null ? "–" : String(value));
+
+/** Components; what is round-off beside the largest is 0. */
+function vector(values, unit) {
+  const least = 1e-6 * Math.max(...values.map(Math.abs));
+  return `(${values.map(x => digits(Math.abs(x) < least ? 0 : x)).join(", ")}) ${unit}`;
+}
+
+// Key of summary.json: what it is, its unit.
+const glosses = {
+  contact_start_s: ["first touch", "s"],
+  contact_end_s: ["last touch; – while touching at the end", "s"],
+  contact_steps: ["steps with a force"],
+  peak_force_n: ["largest sum of contact forces in a step", "N"],
+  impulse_ns: ["contact forces summed over time", "N s"],
+  restitution: ["minus exit over approach velocity along the impulse"],
+  energy_drift: ["what the energy ledger fails to account for, relative"],
+  energy_lost_contact: ["taken by contact, over the energy when it started"],
+  max_penetration_m: ["deepest penetration", "m"],
+  limited_steps: ["steps that max_pivots cut short"],
+  limited_residual: ["the worst of them"],
+  modes_in_residual: ["modes faster than half the rate: quasi-static"],
+  precision: ["of the products of steps"],
+  candidates: ["paired contact points"],
+  unpaired: ["candidates that face nothing"],
+  max_active: ["most points that touched at once"],
+  real_time_factor: ["simulated time over time of stepping"],
+  wall_s: ["time of ricochet-contact", "s"],
+  iterations: ["complementarity problems solved"],
+  imbalance: ["what forces and loads do not cancel, relative"],
+  force_n: ["force", "N"],
+  approach_m: ["approach", "m"],
+  contact_points: ["points that press"],
+  contact_area_m2: ["their area", "m²"],
+  peak_pressure_pa: ["largest pressure", "Pa"],
+  start_s: ["from", "s"],
+  end_s: ["to", "s"],
+};
+
+/** A table of objects in a list of the summary, a row each. */
+function listed(list, path, keys, name) {
+  const cells = (item, k) => keys.map(key => figure(`${path}.${k}.${key}`, item[key], glosses[key][1]));
+  return table(["", ...keys.map(key => glosses[key][0])], list.map((item, k) => row(`${name} ${k + 1}`, ...cells(item, k))));
+}
+
+function verdict() {
+  if (run.static) {
+    const pressing = summary.pairs.filter(pair => pair.contact_points > 0).length;
+    return `At rest: ${pressing} of ${plural(summary.pairs.length, "pair")} press on each other.`;
+  }
+  if (summary.contact_start_s === null) return "Nothing touched.";
+  const start = quantity(summary.contact_start_s, "s"), end = summary.contact_end_s;
+  const span = end === null ? `${start} on and still do at the end of the run` : `${start} to ${quantity(end, "s")}`;
+  const parts = summary.episodes.length > 1 ? `, in ${summary.episodes.length} episodes` : "";
+  const force = quantity(summary.peak_force_n, "N"), impulse = quantity(summary.impulse_ns, "N s");
+  return `The bodies touch from ${span}${parts}. The force peaks at ${force}; ${impulse} pass between them.`;
+}
+
+function highlights() {
+  const s = summary, has = key => typeof s[key] === "number";
+  const card = (title, content, more) => section("highlights").append(
+    make("div", {}, make("dt", {}, title), make("dd", {}, content, ...(more ? [make("small", {}, more)] : []))));
+  const plain = (title, key, unit, more) => { if (has(key)) card(title, figure(key, s[key], unit), more); };
+  for (const [k, pair] of (run.static ? s.pairs : []).entries()) {
+    card("Force", figure(`pairs.${k}.force_n`, pair.force_n, "N"), `${plural(pair.contact_points, "point")} press`);
+    card("Largest pressure", figure(`pairs.${k}.peak_pressure_pa`, pair.peak_pressure_pa, "Pa"));
+    card("Approach", figure(`pairs.${k}.approach_m`, pair.approach_m, "m"));
+  }
+  plain("Peak force", "peak_force_n", "N");
+  plain("Impulse", "impulse_ns", "N s");
+  if (has("contact_end_s"))
+    card("Contact", quantity(s.contact_end_s - s.contact_start_s, "s"),
+         `${plural(s.episodes.length, "episode")}, ${plural(s.contact_steps, "step")}`);
+  plain("Restitution", "restitution");
+  if (has("energy_lost_contact"))
+    card("Energy to contact", told("energy_lost_contact", s.energy_lost_contact, percent(s.energy_lost_contact)),
+         "of that at first touch");
+  plain("Energy drift", "energy_drift", "", "round-off: 10⁻¹² or less");
+  if (s.error_estimate) card("Estimated error", percent(s.error_estimate.total), "of impulse and rebound");
+  plain("Contact points", "candidates", "", run.static ? "" : `at most ${s.max_active} touch`);
+  plain("Computed at", "real_time_factor", "", "× real time");
+}
+
+function contactSection() {
+  const at = section("contact");
+  if (run.static)
+    at.append(listed(summary.pairs, "pairs", ["force_n", "approach_m", "contact_points", "contact_area_m2", "peak_pressure_pa"], "pair"));
+  at.append(...run.charts.contact.map(spec => new Chart(spec).element));
+  if (run.map) at.append(forceMap(run.map));
+  if (run.steps.every > 1)
+    at.append(note(`One in ${run.steps.every} steps is in the result; the rest is not drawn, and a spectrum of so few may be aliased.`));
+  if (run.static) return;
+  const {episodes, exit_velocity: exit} = summary, most = 40;
+  if (episodes.length > 1) {
+    const keys = ["start_s", "end_s", "impulse_ns", "peak_force_n"];
+    at.append(make("h3", {}, "Episodes"), listed(episodes.slice(0, most), "episodes", keys, "episode"));
+    if (episodes.length > most) at.append(note(`The first ${most} of ${episodes.length}; summary.json has all.`));
+  }
+  const rows = Object.entries(exit ?? {}).map(([name, v]) => {
+    const before = run.bodies.find(body => body.name === name)?.velocity;
+    return row(name, before ? vector(before, "m/s") : "–", told(`exit_velocity.${name}`, v, vector(v, "m/s")));
+  });
+  if (rows.length)
+    at.append(make("h3", {}, "Velocities, mean of the mass"), table(["", "before", "when contact last ended"], rows));
+}
+
+/** The sound of a receiver with its controls, and what it is. */
+function sounding(name, sound) {
+  const audio = make("audio", {controls: "", src: `data:audio/wav;base64,${sound.wav}`, "aria-label": `Sound of ${name}`});
+  const speeds = [[1, "as it is"], [0.5, "half"], [0.25, "a quarter"], [0.1, "a tenth"]];
+  const speed = make("select", {}, ...speeds.map(([value, text]) => make("option", {value}, text)));
+  const loop = make("input", {type: "checkbox"});
+  speed.addEventListener("change", () => {
+    audio.preservesPitch = false;
+    audio.playbackRate = Number(speed.value);
+  });
+  loop.addEventListener("change", () => { audio.loop = loop.checked; });
+  const {seconds, of_seconds: all} = sound, {file, full_scale_m_per_s: scale} = summary.sounds[name];
+  const cut = seconds < all ? ` The first ${quantity(seconds, "s")} of ${quantity(all, "s")}.` : "";
+  return [audio, make("div", {class: "controls"}, make("label", {}, "speed", speed), make("label", {}, loop, "again and again")),
+          note(`Its ${sound.axis}-velocity, which moves most, at ${digits(sound.rate_hz, 6)} Hz.${cut} ` +
+               `The file ${file} has x, y and z; its full scale is ${quantity(scale, "m/s")}.`)];
+}
+
+function soundSection() {
+  const at = section("sound"), names = Object.keys(run.receivers), some = run.bodies[0]?.name ?? "…";
+  if (run.static || run.by_table) return at.remove();
+  if (!names.length)
+    at.append(note("No receiver was asked for. This in the scene, given to both programs, records one and writes its sound:"),
+              make("pre", {}, `[[output.receiver]]\nname = "mic"\nbody = "${some}"\nat = [0, 0, 0]   # m, on the body or in it`));
+  for (const name of names) {
+    const sound = run.sounds[name] ?? {missing: "the summary names no file of it"};
+    at.append(make("h3", {}, name), ...(sound.missing ? [note(`No sound to play: ${sound.missing}.`)] : sounding(name, sound)));
+    at.append(...run.receivers[name].filter(spec => spec.lines.length).map(spec => new Chart(spec).element));
+  }
+}
+
+function energySection() {
+  const at = section("energy");
+  if (run.by_table) return at.append(note("Table kernels keep no energy ledger."));
+  at.append(...run.charts.energy.map(spec => new Chart(spec).element));
+  const labels = {total: "kinetic + strain + residual − loads", damping: run.labels.damping, contact: run.labels.contact,
+                  kinetic: run.labels.kinetic, strain: run.labels.strain, residual: run.labels.residual, loads: "work of loads"};
+  const columns = run.static ? ["at rest"] : ["at the start", "at the end"];
+  const rows = Object.entries(labels).map(([name, label]) =>
+    row(label, ...columns.map((_, k) => quantity(run.energy[name][k], "J", 6))));
+  at.append(table(["", ...columns], rows));
+  if (!run.static) at.append(note("The first three rows together stay the same."));
+}
+
+function errorsSection() {
+  const at = section("errors"), estimate = summary.error_estimate;
+  if (run.by_table) return at.append(note("Table kernels have no error estimate."));
+  if (!estimate)
+    return at.append(note("Not estimated. With accuracy = 1e-2 in the scene, or --accuracy 1e-2 for both programs, the run says " +
+                          "how far impulse and rebound may be off, by cause."));
+  const causes = {total: "all together", mesh: "mesh", modes: "modes left out", step: "step of time", eigensolver: "eigensolver",
+                  precision: "precision", spacing: "spacing of contact points"};
+  const largest = Math.max(...Object.values(estimate), 1e-300);
+  const rows = Object.entries(causes).map(([key, label]) => {
+    const bar = make("i", {class: "bar"}), share = estimate[key];
+    bar.style.width = `${12 * (share ?? 0) / largest}rem`;
+    return row(label, told(`error_estimate.${key}`, share, share === null ? "not known" : digits(share, 2)), bar);
+  });
+  const asked = run.asked.accuracy ? `; ${digits(run.asked.accuracy)} was asked for` : "";
+  at.append(table(["cause", "relative error", ""], rows), note(`Of impulse and rebound, estimated${asked}.`));
+}
+
+function askedSection() {
+  const text = make("code"), name = `${run.slug}.toml`;
+  for (const line of run.scene.split("\n")) {
+    const named = /^([^=[]+?)( = .*)$/.exec(line);
+    if (line.startsWith("[")) text.append(make("span", {class: "section"}, line));
+    else if (named) text.append(make("span", {class: "name"}, named[1]), named[2]);
+    else text.append(line);
+    text.append("\n");
+  }
+  const button = make("button", {type: "button"}, `Save as ${name}`);
+  button.addEventListener("click", () => download(name, run.scene));
+  section("asked").append(note("The scene as it was run: overrides applied, every default written."),
+                          make("pre", {class: "toml", id: "scene"}, text), button);
+}
+
+function matter([group, m]) {
+  const parts = [`${digits(m.density ?? 0)} kg/m³`, `E ${quantity(m.young ?? 0, "Pa")}`, `ν ${digits(m.poisson ?? 0)}`];
+  if (m.area) parts.push(`${digits(m.area)} m²`);
+  return (group ? `${group}: ` : "") + parts.join(", ");
+}
+
+function certified(kernel) {
+  const band = `up to ${quantity(kernel.upto_hz, "Hz")}`, left = kernel.left_out ? `; ${kernel.left_out} left to the static part` : "";
+  return kernel.basis === "modes" ? `${kernel.count_found} modes ${band}, none missing by inertia${left}`
+    : `vectors fitted to contact ${band}, flexibility within ${digits(kernel.flexibility_error, 2)}`;
+}
+
+function kernelsSection() {
+  const at = section("kernels"), source = run.asked.contact?.table;
+  if (source) return at.append(note(`The kernels come from a table, ${source}.`));
+  for (const [k, body] of run.bodies.entries()) {
+    const {kernel} = body, count = summary.modes?.[body.name];
+    const rows = [row("mass", `${digits(body.mass)} kg${kernel?.supported ? ", supported" : ""}`),
+                  row("material", Object.entries(body.materials).map(matter).join("; ")), row("mesh", body.mesh ?? "–")];
+    if (kernel)
+      rows.push(row("elements", `${kernel.elements} of order ${kernel.order}, ${kernel.dofs} unknowns`), row("basis", certified(kernel)));
+    if (count !== undefined) rows.push(row("coordinates", figure(`modes.${body.name}`, count)));
+    rows.push(row("kernel", body.file ? code(body.file) : "–"));
+    rows.push(...(kernel ? [row("its hash", code(kernel.hash)), row("hash of the mesh", code(kernel.mesh_sha256)), row("made by", kernel.created_by)]
+      : [row("", "not found beside the result: only its name is known")]));
+    at.append(make("h3", {}, make("i", {class: `swatch c${k % 6}`}), body.name), table(null, rows));
+  }
+}
+
+function figuresSection() {
+  const scalars = Object.entries(summary).filter(([, value]) => value === null || typeof value !== "object");
+  const rows = scalars.map(([key, value]) => row(code(key), figure(key, value, glosses[key]?.[1]), glosses[key]?.[0] ?? ""));
+  section("figures").append(note("summary.json; – where a figure does not exist."), table(["key", "value", "meaning"], rows));
+}
+
+function timingSection() {
+  const rows = [row("ricochet-contact, all of it", quantity(summary.wall_s, "s"))], {duration_s: duration, rate_hz: rate} = run.steps;
+  if (summary.real_time_factor > 0 && duration) {
+    const stepping = duration / summary.real_time_factor, steps = Math.round(duration * rate);
+    rows.push(row("its steps", `${quantity(stepping, "s")} for ${steps} steps of ${quantity(1 / rate, "s")}`),
+              row("a step", quantity(stepping / steps, "s")),
+              row("simulated time over that", `${digits(summary.real_time_factor, 3)} × real time`));
+  }
+  section("timing").append(table(null, rows), note("On the machine of the run, one core. Kernels do not hold the time that they " +
+                                                   "took, so that equal ones are equal files."));
+}
+
+function repeatSection() {
+  const list = make("ol"), {file} = run;
+  list.append(make("li", {}, `Save the scene above as ${run.slug}.toml where the paths in it lead to its meshes and histories.`));
+  for (const [command, what] of run.commands)
+    list.append(make("li", {}, what, ...(command ? [make("pre", {class: "command"}, command)] : [])));
+  section("repeat").append(list, table(null, [row("made by", file.created_by ?? "–"), row("result", code(file.name)),
+                                              row("its size", `${file.bytes} bytes`), row("its SHA-256", code(file.sha256))]));
+}
+
+if (run.static) {
+  section("kind").textContent = "Bodies at rest, by Ricochet";
+  section("motion").querySelector("h2").textContent = "The bodies and the forces";
+}
+section("verdict").append(verdict());
+section("warnings").append(...summary.warnings.map(text => make("li", {}, `Warning: ${text}`)));
+highlights();
+contactSection();
+soundSection();
+energySection();
+errorsSection();
+askedSection();
+kernelsSection();
+figuresSection();
+timingSection();
+repeatSection();
+for (const part of document.querySelectorAll("section"))
+  section("contents").append(make("a", {href: `#${part.id}`}, part.querySelector("h2").textContent));
+section("footer").append(`${run.title} · ${run.file.created_by ?? "Ricochet"} · this page is one file and loads nothing.`);
+charts.forEach(chart => chart.redraw());
+player(section("motion"), run.motion, time => charts.forEach(chart => chart.mark(time)));
+document.documentElement.dataset.ready = "yes";

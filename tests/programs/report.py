@@ -1,0 +1,322 @@
+"""scripts/report: the page in a browser without network, its numbers beside the summary's, its motion and sound beside the
+result's, and what it refuses. `report.py --keep FOLDER` also keeps the pages, and a picture of each, in FOLDER."""
+
+import base64
+import html.parser
+import json
+import pathlib
+import re
+import shutil
+import struct
+import subprocess
+import sys
+import unittest
+
+import h5py
+import numpy as np
+
+from programs import DEADLOCK_S, MESHES, SOURCE, ProgramTest, Run, contact, kernel
+
+sys.path.append(str(SOURCE / "scripts/modules"))
+from report_motion import coarser
+
+KEEP = None
+if sys.argv[1:2] == ["--keep"]:
+    KEEP = pathlib.Path(sys.argv[2])
+    del sys.argv[1:3]
+TITLE = 'Rods </script><script>document.title = "run"</script> & <b>"more"</b>'
+RECEIVER = "tip <img src=x onerror=alert(1)>"
+# Rods of 10 m that waves cross in 1 ms, at 1 % of the speed of waves.
+RODS = ["modes.count=20", "bodies.moving.material.young=1e8", "bodies.resting.material.young=1e8", "bodies.moving.velocity=[300,0,0]",
+        "time.rate_hz=44100", "time.duration=0.004", "contact.gap=0.1", "output.snapshot_every=3", f"title='{TITLE}'",
+        'output.receiver=[{name="mic",body="resting",at=[10,0,0]},{name="' + RECEIVER + '",body="moving",at=[-10,0,0]}]',
+        "accuracy=1e-2"]
+
+# A hand at the controls. What it finds goes into an attribute; the policy of the page, which stops it, is taken out for it.
+HAND = """
+const canvas = document.querySelector("canvas[data-covered]"), found = {};
+const [time, amplify] = ["Time", "Amplification"].map(name => document.querySelector(`input[aria-label="${name}"]`));
+const [part, colour] = document.querySelectorAll("#motion select"), play = document.querySelector("button.play");
+const act = (element, type, more = {}) => element.dispatchEvent(Object.assign(new Event(type), more));
+const pointer = (type, x, y) => canvas.dispatchEvent(new PointerEvent(type, {pointerId: 1, clientX: x, clientY: y}));
+canvas.setPointerCapture = () => {};
+window.requestAnimationFrame = draw => setTimeout(() => draw(performance.now()), 16);  // without a screen there are no frames
+part.value = "whole"; act(part, "change");
+const at = share => { time.value = share; act(time, "input"); return Number(canvas.dataset.time); };
+found.ends = [at(0), at(1)];
+found.middle = at(0.5);
+const before = [canvas.toDataURL()];
+const step = (name, what) => { what(); before.push(canvas.toDataURL()); found[name] = before.at(-1) !== before.at(-2); };
+step("turned", () => { pointer("pointerdown", 50, 50); pointer("pointermove", 90, 70); pointer("pointerup", 90, 70); });
+step("nearer", () => act(canvas, "wheel", {deltaY: -200}));
+step("keyed", () => act(canvas, "keydown", {key: "ArrowLeft"}));
+step("coloured", () => { colour.value = "deformation"; act(colour, "change"); });
+step("louder", () => { amplify.value = 1; act(amplify, "input"); });
+const chart = document.querySelector("#chart-force svg"), box = chart.getBoundingClientRect();
+act(chart, "pointermove", {clientX: box.left + box.width / 2});
+found.tip = [...document.querySelectorAll("#chart-force .tip div")].map(part => part.textContent);
+play.click();
+setTimeout(() => { found.played = Number(canvas.dataset.time) > found.middle; document.documentElement.dataset.found = JSON.stringify(found); }, 1000);
+"""
+
+
+class Elements(html.parser.HTMLParser):
+    """(tag, attributes, text inside) of all elements of a document."""
+
+    VOID = {"meta", "input", "img", "br", "link"}
+
+    def __init__(self, text):
+        super().__init__()
+        self.found, self.open = [], []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        self.found.append([tag, dict(attributes), ""])
+        if tag not in self.VOID:
+            self.open.append(self.found[-1])
+
+    def handle_endtag(self, tag):
+        while self.open and self.open.pop()[0] != tag:
+            pass
+
+    def handle_data(self, data):
+        for element in self.open:
+            element[2] += data
+
+    def one(self, **wanted):
+        (element,) = [e for e in self.found if all(e[1].get(name.replace("_", "-")) == value for name, value in wanted.items())]
+        return element
+
+
+def browse(page, *more):
+    """The document as a browser without network leaves it, and what the browser says on its console."""
+    command = ["chromium", "--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+               "--no-first-run", "--disable-extensions", "--disable-background-networking", "--disable-component-update",
+               "--proxy-server=127.0.0.1:9", f"--user-data-dir={page.parent / 'browser'}", "--enable-logging=stderr",
+               "--hide-scrollbars", "--virtual-time-budget=4000", *more, page.resolve().as_uri()]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=DEADLOCK_S)
+    said = [line for line in done.stderr.splitlines() if "CONSOLE" in line]
+    return done.stdout, [line for line in said if "(OpenGL, Performance" not in line]  # the driver on reading its own pixels
+
+
+def number(text):
+    """What "−1.5 × 10⁻³ mN s" or "2 %" says, without its unit."""
+    match = re.match(r"(−?[\d.]+)(?: × 10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+))?(?: ([numkMG]?)|µ)?", text)
+    power = (match[2] or "⁰").translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789"))
+    return float(match[1].replace("−", "-")) * 10.0 ** int(power)
+
+
+def flat(value, path=""):
+    """Numbers of a summary by dotted path."""
+    if isinstance(value, dict):
+        return {key: item for name, part in value.items() for key, item in flat(part, f"{path}{name}.").items()}
+    if isinstance(value, list):
+        return {key: item for k, part in enumerate(value) for key, item in flat(part, f"{path}{k}.").items()}
+    return {path[:-1]: value}
+
+
+def unpacked(packed):
+    values = np.frombuffer(base64.b64decode(packed["data"]), "<" + packed["type"]).reshape(packed["shape"])
+    return values * packed.get("scale", 1.0)
+
+
+class ReportTest(ProgramTest):
+    def page(self, result, *more):
+        """The page of a result: its text, and its data."""
+        path = self.folder / "page.html"
+        done = self.succeed(Run([SOURCE / "scripts/report", result, "--out", path, *more]))
+        self.assertEqual(done.out, f"{path}\n")
+        text = path.read_text()
+        return path, text, json.loads(re.search(r'<script type="application/json" id="run">(.*?)</script>', text, re.DOTALL)[1])
+
+    def opened(self, path, name):
+        """The page in the browser; nothing may go wrong there."""
+        self.assertTrue(shutil.which("chromium"), "no chromium: scripts/setup --tests installs it")
+        dom, console = browse(path, "--window-size=500,600", "--dump-dom")
+        found = Elements(dom)
+        root = next(attributes for tag, attributes, _ in found.found if tag == "html")
+        self.assertEqual((console, root.get("data-error"), root.get("data-ready")), ([], None, "yes"))
+        if KEEP:
+            KEEP.mkdir(parents=True, exist_ok=True)
+            shutil.copy(path, KEEP / f"{name}.html")
+            browse(path, "--window-size=1000,7000", f"--screenshot={KEEP.resolve() / name}.png")
+        return found
+
+    def numbers_agree(self, found, summary):
+        """Each figure on the page is that of the summary: exactly beside it, and to the digits that are shown."""
+        scalars = {key for key, value in summary.items() if value is None or not isinstance(value, (dict, list))}
+        shown = {}
+        for _, attributes, text in found.found:
+            if "data-key" in attributes:
+                shown.setdefault(attributes["data-key"], []).append((json.loads(json.dumps(attributes["data-value"])), text))
+        self.assertLessEqual(scalars, set(shown))
+        values = flat(summary)
+        for key, places in shown.items():
+            for exact, text in places:
+                if key.startswith("exit_velocity."):
+                    self.assertEqual(json.loads(exact), summary["exit_velocity"][key.split(".")[1]])
+                elif isinstance(values[key], (int, float)):
+                    self.assertEqual(float(exact), values[key], key)
+                    ratio = number(text) / values[key] if values[key] else number(text) + 1
+                    decade = 10.0 ** np.round(np.log10(ratio))
+                    self.assertAlmostEqual(ratio / decade, 1, delta=0.05 if "error" in key else 6e-3, msg=f"{key}: {text}")  # two and three digits
+                    if "× 10" in text or values[key] == 0:
+                        self.assertEqual(decade, 1, f"{key}: {text}")
+                else:
+                    self.assertEqual(text, "–" if values[key] is None else str(values[key]), key)
+
+
+class Rods(ReportTest):
+    def setUp(self):
+        super().setUp()
+        for path in (MESHES / "two-rods").glob("*.*"):
+            shutil.copy(path, self.folder)
+        self.scene, self.out = self.folder / "two-rods.toml", self.folder / "out"
+        self.succeed(kernel(self.scene, self.out, *RODS, ranks=1))
+        self.succeed(contact(self.scene, self.out, *RODS))
+        (self.result,) = self.out.glob("*.result.h5")
+
+    def test_the_page_tells_the_run_without_network_and_runs_nothing_that_a_title_says(self):
+        path, text, run = self.page(self.result)
+        self.assertIsNone(re.search(r"[a-z]+://|url\((?!#)|@import|<link|src=", text.replace("src=x onerror", "")), "the page asks for something")
+        self.assertEqual(text.lower().count("<script"), 2)
+        self.assertLess(len(text), 3e6)
+        found, summary = self.opened(path, "rods"), self.summary(self.out)
+        self.assertEqual([e[2] for e in found.found if e[0] in ("h1", "title")], [TITLE, TITLE])
+        self.assertIn(RECEIVER, [e[2] for e in found.found if e[0] == "h3"])
+        self.assertNotIn("onerror", [name for e in found.found for name in e[1]])
+        self.numbers_agree(found, summary)
+        self.assertTrue(all(warning in found.one(id="warnings")[2] for warning in summary["warnings"]))
+        self.assertGreater(len(summary["warnings"]), 0)
+        canvas = next(attributes for tag, attributes, _ in found.found if tag == "canvas" and "data-covered" in attributes)
+        with h5py.File(self.result) as file:
+            self.assertEqual(int(canvas["data-moments"]), len(file["snapshots/time"]))
+        self.assertGreater(float(canvas["data-covered"]), 0.005)
+        self.assertLess(float(canvas["data-covered"]), 0.5)
+        self.sounds_are_the_receivers(found)
+        self.scene_repeats_the_run(found.one(id="scene")[2], summary)
+        self.motion_is_that_of_the_modes(run["motion"])
+
+    def test_the_controls_do_what_they_say(self):
+        path, text, _ = self.page(self.result)
+        policy = re.search(r"<meta http-equiv=.*?>", text)[0]
+        path.write_text(text.replace(policy, "").replace("</body>", f"<script>{{{HAND}}}</script></body>"))
+        dom, console = browse(path, "--window-size=500,600", "--dump-dom")
+        self.assertEqual(console, [])
+        found = json.loads(next(attributes for tag, attributes, _ in Elements(dom).found if tag == "html")["data-found"])
+        with h5py.File(self.result) as file:
+            when, force, moments = file["contact/time"][:], file["contact/force"][:, 0], file["snapshots/time"][:]
+        np.testing.assert_allclose(found["ends"], moments[[0, -1]], rtol=1e-6)  # 32 bits
+        self.assertEqual([found[name] for name in ("turned", "nearer", "keyed", "coloured", "louder", "played")], [True] * 6)
+        row = np.argmin(np.abs(when - 1e-3 * number(found["tip"][0])))  # it says ms
+        self.assertAlmostEqual(1e6 * number(found["tip"][1].removeprefix("force: ")), force[row], delta=1e-3 * force[row])  # and MN
+
+    def sounds_are_the_receivers(self, found):
+        for (_, attributes, _), name in zip([e for e in found.found if e[0] == "audio"], ["mic", RECEIVER], strict=True):
+            data = base64.b64decode(attributes["src"].removeprefix("data:audio/wav;base64,"))
+            self.assertEqual(struct.unpack("<HHI", data[20:28]), (1, 1, 44100))
+            with h5py.File(self.result) as file:
+                velocity = file[f"receivers/{name}/velocity"][:, 0]
+            self.assertLess(np.abs(np.frombuffer(data[44:], "<i2") - 32767 * velocity / np.abs(velocity).max()).max(), 1)
+
+    def scene_repeats_the_run(self, scene, summary):
+        before = {path.name for path in self.out.glob("*.kernel.h5")}
+        again = self.write("again.toml", scene)
+        self.succeed(kernel(again, self.out, ranks=1))
+        self.succeed(contact(again, self.out))
+        self.assertEqual({path.name for path in self.out.glob("*.kernel.h5")}, before)
+        self.assertEqual(self.summary(self.out)["impulse_ns"], summary["impulse_ns"])
+
+    def motion_is_that_of_the_modes(self, motion):
+        """Within what the page says that it misses, and 32-bit and 15-bit storage."""
+        for body in motion["bodies"]:
+            fields = np.concatenate([unpacked(body["rigid"])] + [unpacked(field)[None] for field in body["bent"]])
+            amounts = np.concatenate([unpacked(body["moved"]), unpacked(body["amount"])], axis=1)
+            with h5py.File(self.result) as file:
+                where = file[f"bodies/{body['name']}"]
+                turn = where.attrs["rotation"].reshape(3, 3)
+                q = file[f"snapshots/{body['name']}"][:]
+                with h5py.File(self.out / where.attrs["kernel"].decode()) as held:
+                    node, shape, omega = held["view/node"][:], held["view/shape"][:].astype(float), held["modes/angular_frequency"][:]
+                start = node @ turn.T + where.attrs["translation"]
+            exact = np.einsum("ij,vjn,sn->svi", turn, shape, q)
+            drawn = (amounts @ fields).reshape(len(q), len(node), -1, 3)
+            deformation = np.abs(np.einsum("vjn,sn->svj", shape[:, :, omega > 0], q[:, omega > 0])).max()
+            bound = motion["missed"] * deformation + 1e-4 * deformation + 1e-6 * np.abs(exact).max()
+            self.assertLess(np.abs(drawn - exact[:, :, None]).max(), bound)
+            ring = unpacked(body["node"]).reshape(len(node), -1, 3)
+            np.testing.assert_allclose(ring.mean(axis=1), start, atol=1e-5)  # a ring stands about its node
+
+    def test_what_is_wrong_with_a_file_is_said_in_one_line_and_leaves_no_page(self):
+        page = self.folder / "none.html"
+
+        def refused(part, result=self.result, out=page, *more):
+            done = Run([SOURCE / "scripts/report", result, "--out", out, *more])
+            self.assertEqual((done.status, done.err.count("\n")), (2, 1), done.err)
+            self.assertIn(part, done.err)
+            self.assertEqual(list(self.folder.glob("none.html*")), [])
+
+        blocked = self.write("file", "")
+        refused("cannot be written", self.result, blocked / "page.html")
+        refused("there is no such file", self.folder / "gone.result.h5")
+        (summary,) = self.out.glob("*.summary.json")
+        text = summary.read_text()
+        for wrong, part in [(text[:-20], "is damaged"), ("[]", "is not of the run"), (text.replace('"candidates": 1', '"candidates": 2'), "is not of the run")]:
+            summary.write_text(wrong)
+            refused(part)
+        summary.unlink()
+        refused("there is no such file")
+        summary.write_text(text)
+        with h5py.File(self.result, "r+") as file:
+            file["bodies/moving"].attrs["mass"] = float("nan")
+        refused('"mass"')
+        with h5py.File(self.result, "r+") as file:
+            file["bodies/moving"].attrs["mass"] = 10.0
+        for sound in self.out.glob("*mic.wav"):
+            sound.write_bytes(sound.read_bytes()[:30])
+        refused("is not a sound")
+
+    def test_without_kernels_the_page_says_so(self):
+        _, _, run = self.page(self.result, "--kernels", self.folder)
+        self.assertIn("there is no kernel", run["motion"]["missing"])
+        self.assertEqual([body["kernel"] for body in run["bodies"]], [None, None])
+
+
+class Others(ReportTest):
+    def test_a_skin_that_is_too_fine_is_made_coarser_and_keeps_its_form(self):
+        angle, height = np.meshgrid(np.linspace(0, 2 * np.pi, 300, endpoint=False), np.linspace(0, 1, 100))
+        node = np.stack([np.cos(angle), np.sin(angle), height], -1).reshape(-1, 3)  # a tube of area 2π
+        corner = np.arange(99)[:, None] * 300 + np.arange(300)
+        beside = np.arange(99)[:, None] * 300 + (np.arange(300) + 1) % 300
+        element = np.stack([corner, beside, beside + 300, corner, beside + 300, corner + 300], -1).reshape(-1, 3)
+        kept, coarse = coarser(node, element, 5000)
+        self.assertTrue(1000 < len(coarse) <= 5000)
+        a, b, c = np.moveaxis(node[kept][coarse], 1, 0)
+        # Nodes stay where they are; the rims recede by half a cell, 1 % of the height or so.
+        self.assertAlmostEqual(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2 / (2 * np.pi), 1, delta=0.1)
+
+    def test_a_run_by_table_kernels_has_a_page_without_bodies(self):
+        shutil.copytree(MESHES / "two-rods-analytic", self.folder, dirs_exist_ok=True, ignore=shutil.ignore_patterns("out"))
+        self.succeed(Run([self.folder / "table.py"]))
+        out = self.folder / "out"
+        self.succeed(contact(self.folder / "two-rods-analytic.toml", out))
+        path, _, _ = self.page(*out.glob("*.result.h5"))
+        found = self.opened(path, "table")
+        self.numbers_agree(found, self.summary(out))
+        self.assertIn("know no bodies", found.one(id="motion")[2])
+
+    def test_bodies_at_rest_have_a_page_with_their_pressure(self):
+        scene, out = MESHES / "hertz/resting-ball.toml", self.folder / "out"
+        sets = ["output.view=true", "output.snapshot_every=1", "bodies.ball.geometry={size=1e-4}"]
+        self.succeed(kernel(scene, out, *sets, ranks=1))
+        self.succeed(contact(scene, out, *sets))
+        path, _, run = self.page(*out.glob("*.result.h5"))
+        found = self.opened(path, "static")
+        self.numbers_agree(found, self.summary(out))
+        (chart,) = run["charts"]["contact"]
+        pressure = unpacked(chart["lines"][0]["y"])
+        self.assertAlmostEqual(pressure.max(), self.summary(out)["pairs"][0]["peak_pressure_pa"], delta=1e-6 * pressure.max())  # 32 bits
+
+
+if __name__ == "__main__":
+    unittest.main()
