@@ -17,6 +17,7 @@
 #include "src/modes/search.hpp"
 #include "src/parallel/memory.hpp"
 #include "src/programs/choose_modes.hpp"
+#include "src/programs/imported_modes.hpp"
 #include "src/programs/kernel_candidates.hpp"
 #include "src/scene/derive.hpp"
 
@@ -204,6 +205,7 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::f
                                MPI_Comm comm, console::Console& console) {
   const scene::Body& body = request.body;
   const mesh::GmshSession gmsh(geometry_numbers(body));
+  if (body.imported() && holds_modes(body, comm)) return kernel_of_modes(request, comm, console);
   Discretised made = discretise(request, comm, console);
   const parallel::Teams& teams = *made.teams;
   const mesh::Mesh& mesh = made.mesh;
