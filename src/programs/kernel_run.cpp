@@ -83,7 +83,9 @@ Discretised discretise(const scene::KernelRequest& request, MPI_Comm comm, conso
       in_all_teams(teams, [&] { made.mesh = mesh::read_parts(body, teams.team(), bar, asked); });
     else  // Fewer teams may have to be tried.
       made.mesh = hand_out(count > 1 ? source.whole : std::move(source.whole), teams);
-    console.end(fmt::format("{} elements, {} nodes", made.mesh.total_elements, made.mesh.total_nodes));
+    console.end(body.imported()
+                    ? fmt::format("{} nodes", made.mesh.total_nodes)
+                    : fmt::format("{} elements, {} nodes", made.mesh.total_elements, made.mesh.total_nodes));
 
     if (request.modes.approximate > 0 && made.mesh.order < 2)
       throw InputError(
