@@ -104,8 +104,10 @@ std::vector<char> absent_rows(const Reader& file, const Rows& stiffness, const R
   return absent;
 }
 
-/// Connected part of each node, numbered by first nodes.
-std::vector<std::int64_t> connected(const Rows& stiffness) {
+/// Connected part of each node, numbered by first nodes. Nodes without any row are held; they belong to the
+/// body's one part, whose neighbours they were.
+std::vector<std::int64_t> connected(const Reader& file, const Rows& stiffness,
+                                    const std::vector<char>& absent) {
   std::vector<std::int64_t> first(static_cast<std::size_t>(stiffness.size() / 3));
   std::iota(first.begin(), first.end(), 0);
   const auto root = [&](std::int64_t node) {
@@ -119,12 +121,23 @@ std::vector<std::int64_t> connected(const Rows& stiffness) {
       const std::int64_t a = root(i / 3), b = root(j / 3);
       if (value != 0) first[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
     });
-  std::vector<std::int64_t> part(first.size());
+  const auto is_absent = [&](std::size_t n) {
+    return absent[3 * n] + absent[3 * n + 1] + absent[3 * n + 2] == 3;
+  };
+  std::vector<std::int64_t> part(first.size(), 0);
   std::int64_t parts = 0;
+  bool lost = false;
   for (std::size_t n = 0; n < first.size(); ++n) {
+    lost = lost || is_absent(n);
+    if (is_absent(n)) continue;
     const auto of = static_cast<std::size_t>(root(static_cast<std::int64_t>(n)));
     part[n] = of == n ? parts++ : part[of];
   }
+  if (lost && parts > 1)
+    file.fail(
+        fmt::format("\"/stiffness\" has {} parts that nothing joins, and nodes without rows that may "
+                    "belong to any: keep their rows, and name them in the scene's support.",
+                    parts));
   return part;
 }
 
@@ -282,7 +295,7 @@ Body read_matrices(Mesh& mesh, const std::filesystem::path& path, const std::vec
     absent = absent_rows(file, stiffness, mass);
     for (std::size_t row = 0; row < absent.size(); ++row)
       if (absent[row] != 0) nodes.fixed[row / 3] |= std::int64_t{1} << (row % 3);
-    part = connected(stiffness);
+    part = connected(file, stiffness, absent);
   });
   parallel::broadcast(mesh.comm, absent);
   parallel::broadcast(mesh.comm, part);
