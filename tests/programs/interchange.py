@@ -12,7 +12,7 @@ import h5py
 import numpy as np
 
 from boxes import MATERIAL, Box, listed, matrix_market
-from programs import BIN, SOURCE, ProgramTest, Run, contact, displacement_kernel, kernel, static_responses
+from programs import BIN, SOURCE, ProgramTest, Run, displacement_kernel, kernel, static_responses
 
 sys.path.insert(0, str(SOURCE / "scripts" / "modules"))
 from body_file import write_body  # noqa: E402
@@ -285,8 +285,6 @@ class Interchange(ProgramTest):
             self.assertLess(abs(r - ours).max(), 1e-5 * peak)
 
     def test_only_problems_of_one_step_and_all_points_are_written(self):
-        run = contact(self.all / "imported.toml", self.all / "imported", "contact.scheme=impulse")
-        self.succeed(run)
         run = Run([BIN / "ricochet-contact", self.all / "imported.toml", "--out", self.all / "imported", "--set",
                    "contact.scheme=impulse", "--fclib", self.folder / "fclib"])
         self.assertEqual(run.status, 2)
