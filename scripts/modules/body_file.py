@@ -1,6 +1,7 @@
 """Writes body files, the layout of docs/interchange.md, from matrices in coordinates; reads MatrixMarket."""
 
 import os
+import warnings
 
 import h5py
 import numpy as np
@@ -8,6 +9,13 @@ import numpy as np
 
 class Refused(Exception):
     """An input that is not what it should be; its text is one line."""
+
+
+def numbers(text):
+    """Of a text that has nothing else, up to where it does."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)
+        return np.fromstring(text, sep=" ")
 
 
 def read_matrix_market(path):
@@ -23,8 +31,11 @@ def read_matrix_market(path):
             if not line:
                 raise Refused(f"{path}: ends before its sizes")
             line = file.readline()
-        rows, columns, entries = (int(word) for word in line.split())
-        values = np.fromstring(file.read(), sep=" ")
+        sizes = line.split()
+        if len(sizes) != 3 or not all(size.isdigit() for size in sizes):
+            raise Refused(f"{path}: has sizes \"{line.decode('latin-1').strip()}\": must be rows, columns and entries")
+        rows, columns, entries = (int(size) for size in sizes)
+        values = numbers(file.read())
     if values.size != 3 * entries:
         raise Refused(f"{path}: has {values.size} numbers behind its sizes, expected {entries} entries of 3")
     i, j = values[0::3].astype(np.int64) - 1, values[1::3].astype(np.int64) - 1

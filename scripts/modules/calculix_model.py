@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from body_file import Refused, both_triangles
+from body_file import Refused, both_triangles, numbers
 
 # Corner nodes of the faces S1, S2, …, and edges in the order of the middle nodes; numbered from 0.
 TETRAHEDRON = ([(0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)], [(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)])
@@ -167,7 +167,7 @@ class Model:
         rows = []
         for word in dof.read_text().split():
             node, _, direction = word.partition(".")
-            if int(node) not in self.number or direction not in ("1", "2", "3"):
+            if not node.isdigit() or int(node) not in self.number or direction not in ("1", "2", "3"):
                 raise Refused(f"{dof}: has displacement {word} of no node of a solid in {self.path.name}: shells and beams, "
                               "which ccx expands, are not read")
             rows.append(3 * self.number[int(node)] + int(direction) - 1)
@@ -177,7 +177,7 @@ class Model:
             path = self.path.with_suffix(suffix)
             if not path.is_file():
                 raise Refused(f"{path}: no such file: run ccx on {self.path} with *FREQUENCY, SOLVER=MATRIXSTORAGE first")
-            values = np.fromstring(path.read_text(), sep=" ")
+            values = numbers(path.read_bytes())
             i, j = values[0::3].astype(np.int64) - 1, values[1::3].astype(np.int64) - 1
             if values.size % 3 or values.size == 0 or min(i.min(), j.min()) < 0 or max(i.max(), j.max()) >= rows.size:
                 raise Refused(f"{path}: is not a matrix of the {rows.size} rows of {dof.name}: run ccx again")

@@ -46,7 +46,7 @@ TIMES = [0.1, 0.5, 2.0, 7.0]
 QUADRATURE = 1e-8
 # Shapes of modes are within their residuals, 1e-8, times a few tens of modes.
 SHAPES = 1e-6
-# Two dynamics, gravity, a traction, a receiver and a support that moves, in vectors that ranks work at together.
+# Gravity, a traction, a receiver and a support that moves, in vectors that ranks work at together.
 EVERYTHING = ['modes={up_to_hz=0.8,basis="contact"}', 'bodies.box.support={"top"="xz"}', "bodies.box.velocity=[0,0,0]",
               'loads={gravity=[0,0,-1],motion=[{body="box",group="top",vector=[1,0,0]}],'
               'traction=[{body="box",group="foot",vector=[1,0,0]}]}']
@@ -112,7 +112,12 @@ class Interchange(ProgramTest):
         sets = [*EVERYTHING, f'output={{view=true,receiver=[{{name="mic",body="box",at={at}}}]}}']
         self.succeed(single(self.all / "own.toml", self.folder / "own", *sets))
         self.succeed(kernel(self.all / "imported.toml", self.folder / "imported", *sets, ranks=3))
-        own, imported = (static_responses(self.one(self.folder / name)) for name in ("own", "imported"))
+        def responses(path):
+            with h5py.File(path) as file:  # Γ itself cancels from what a support that moves does slowly
+                gamma = file["motions/top/participation"][:]
+            return static_responses(path) | {("top", "inertia"): gamma @ gamma.T}
+
+        own, imported = (responses(self.one(self.folder / name)) for name in ("own", "imported"))
         self.assertEqual(set(own), set(imported))
         for name, value in own.items():
             self.assertLess(abs(value - imported[name]).max(), QUADRATURE * max(abs(value).max(), 1e-3), name)
