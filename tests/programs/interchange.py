@@ -122,23 +122,35 @@ class Interchange(ProgramTest):
         for name, value in own.items():
             self.assertLess(abs(value - imported[name]).max(), QUADRATURE * max(abs(value).max(), 1e-3), name)
 
-    def write_by_the_book(self, path):
-        """All modes, by the writer in docs/interchange.md, from dense LAPACK."""
+    def modes(self, free, rigid=0):
+        """Of dense LAPACK on the free rows: ω², shapes at all rows without the rigid ones, and Σ φφᵀ/ω²."""
+        lower = np.linalg.inv(np.linalg.cholesky(self.mass[np.ix_(free, free)]))
+        squares, vectors = np.linalg.eigh(lower @ self.stiffness[np.ix_(free, free)] @ lower.T)
+        shape = np.zeros((len(self.mass), squares.size - rigid))
+        shape[free], squares = (lower.T @ vectors)[:, rigid:], squares[rigid:]
+        return squares, shape, (shape / squares) @ shape.T
+
+    def write_by_the_book(self, path, free=None):
+        """All modes, by the writer in docs/interchange.md."""
         page = (SOURCE / "docs" / "interchange.md").read_text()
         names = {}
         exec(re.search(r"```python\n(.*?def write_modes.*?)```", page, re.DOTALL).group(1), names)
-        lower = np.linalg.inv(np.linalg.cholesky(self.mass))
-        squares, vectors = np.linalg.eigh(lower @ self.stiffness @ lower.T)
-        shape = (lower.T @ vectors)[:, 6:]
-        flexibility = (shape / squares[6:]) @ shape.T
+        squares, shape, flexibility = self.modes(np.arange(len(self.mass)), 6) if free is None else self.modes(free)
         node = self.box.node
-        one = np.kron(np.ones(len(node)), [1, 0, 0]), np.ones(len(node))
-        weight = self.mass[::3, ::3] @ one[1]
+        weight = self.mass[::3, ::3] @ np.ones(len(node))
         centre = weight @ node / weight.sum()
         second = (node - centre).T @ self.mass[::3, ::3] @ (node - centre)
-        names["write_modes"](path, node, {"foot": self.box.foot}, np.sqrt(squares[6:]),
+        names["write_modes"](path, node, {"foot": self.box.foot}, np.sqrt(squares),
                              shape.reshape(len(node), 3, -1), weight.sum(), centre, np.trace(second) * np.eye(3) - second,
                              flexibility)
+        if free is None:
+            return
+        along = np.stack([np.kron(np.ones(len(node)), e) for e in np.eye(3)])
+        turn = np.stack([np.cross(e, node).ravel() for e in np.eye(3)])
+        with h5py.File(path, "a") as file:
+            file.attrs["supported"] = 1
+            file["modes/body_force"], file["modes/rotation"] = along @ self.mass @ shape, turn @ self.mass @ shape
+            file["static/body_force"] = flexibility @ self.mass @ along.T
 
     def test_modes_from_elsewhere_give_the_same_kernel(self):
         self.write_by_the_book(self.folder / "modes.h5")
@@ -146,6 +158,23 @@ class Interchange(ProgramTest):
         self.assertSameKernel(self.one(self.all / "imported"), self.one(self.folder), SHAPES)
         with h5py.File(self.one(self.folder)) as file:
             self.assertFalse(file["modes/certificate"].attrs["complete"])
+
+    def test_modes_of_a_supported_body_give_the_same_kernel_loads_and_receivers(self):
+        held = np.unique(self.box.top)
+        free = np.setdiff1d(np.arange(len(self.mass)), [3 * held, 3 * held + 1, 3 * held + 2])
+        self.write_by_the_book(self.folder / "modes.h5", free)
+        at = self.box.node[1].tolist()
+        sets = ["bodies.box.velocity=[0,0,0]", f'output={{receiver=[{{name="mic",body="box",at={at}}}]}}',
+                'loads={gravity=[0,0,-1],traction=[{body="box",group="foot",vector=[1,0,0]}]}']
+        self.succeed(single(self.all / "imported.toml", self.folder / "matrices", 'bodies.box.support={"top"="xyz"}', *sets))
+        self.succeed(single(self.all / "imported.toml", self.folder / "modes",
+                            f"bodies.box.mesh={self.folder / 'modes.h5'}", *sets))
+        matrices, modes = (self.one(self.folder / name) for name in ("matrices", "modes"))
+        self.assertSameKernel(matrices, modes, SHAPES)
+        matrices, modes = static_responses(matrices), static_responses(modes)
+        self.assertEqual(set(matrices), set(modes))
+        for name, value in matrices.items():
+            self.assertLess(abs(value - modes[name]).max(), SHAPES * max(abs(value).max(), 1e-3), name)
 
     def refused(self, words, **changes):
         matrices = {"stiffness": self.stiffness, "mass": self.mass}
