@@ -1,4 +1,4 @@
-"""A box of eight-node bricks, assembled with numpy alone, and the same bricks as a gmsh mesh."""
+"""A box of eight-node bricks, assembled with numpy alone, and the same bricks as a gmsh mesh; matrices from and to files."""
 
 import itertools
 
@@ -82,3 +82,12 @@ def matrix_market(matrix, symmetric=True):
 
 def listed(numbers):
     return "\n".join(" ".join(map(repr, row)) for row in np.atleast_2d(numbers).tolist()) + "\n"
+
+
+def dense(matrix):
+    """FCLIB's compressed rows."""
+    full = np.zeros((matrix["m"][0], matrix["n"][0]))
+    start = matrix["p"][:]
+    rows = np.repeat(np.arange(start.size - 1), np.diff(start))
+    full[rows, matrix["i"][:]] = matrix["x"][:]
+    return full

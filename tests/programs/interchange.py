@@ -11,7 +11,7 @@ import unittest
 import h5py
 import numpy as np
 
-from boxes import MATERIAL, Box, listed, matrix_market
+from boxes import MATERIAL, Box, dense, listed, matrix_market
 from programs import BIN, SOURCE, ProgramTest, Run, displacement_kernel, kernel, static_responses
 
 sys.path.insert(0, str(SOURCE / "scripts" / "modules"))
@@ -380,15 +380,6 @@ int main(int, char** words) {
   for (int k = 0; k < count; ++k) std::printf("%.9g %.9g\\n", left[k], right[k]);
 }
 """
-
-
-def dense(matrix):
-    """FCLIB's compressed rows."""
-    full = np.zeros((matrix["m"][0], matrix["n"][0]))
-    start = matrix["p"][:]
-    rows = np.repeat(np.arange(start.size - 1), np.diff(start))
-    full[rows, matrix["i"][:]] = matrix["x"][:]
-    return full
 
 
 def replace(file, name, values):
