@@ -2,9 +2,9 @@
 # gmsh, so that what is distributed with it is under the GPL; the library is not (see cmake/install.cmake).
 set(RICOCHET_MANUALS "" CACHE PATH "Folder of the manual pages to install (scripts/package makes them)")
 set(share ${CMAKE_INSTALL_DATADIR}/ricochet)
-set(user_scripts run plot report sweep tradeoff batch)
+set(user_scripts run plot report sweep tradeoff batch import faust)
 set(modules programs titles progress result_file report_charts report_motion report_page report_run report_sound
-  sweep_study sweep_results tradeoff_runs tradeoff_report)
+  sweep_study sweep_results tradeoff_runs tradeoff_report body_file calculix_model)
 
 install(TARGETS ricochet-contact ricochet-recast COMPONENT programs)
 if(RICOCHET_PREPROCESSOR)

@@ -30,7 +30,7 @@ std::optional<int> status_of_parsing(CLI::App& app, int argc, const char* const*
 
 Parsed parse(const Program& program, int argc, const char* const* argv, bool speak) {
   Options options;
-  std::string scene, out, accuracy;
+  std::string scene, out, accuracy, fclib;
   CLI::App app{program.purpose, program.name};
   app.set_version_flag("--version", program.name + " " RICOCHET_VERSION);
   app.add_option("SCENE", scene, "Scene file (TOML)")->required();
@@ -49,12 +49,20 @@ Parsed parse(const Program& program, int argc, const char* const* argv, bool spe
       ->type_name("DIR");
   app.add_flag("--dry-run", options.dry_run, "Print the resolved scene and stop");
   app.add_flag("--quiet", options.quiet, "No progress, no table");
-  if (program.batch)
+  if (program.batch) {
     app.add_flag("--batch", options.batch, "Answer requests on standard input, a line of JSON each");
+    app.add_option("--fclib", fclib,
+                   "Write the complementarity problems of steps into this folder, for FCLIB")
+        ->type_name("DIR");
+    app.add_option("--fclib-every", options.fclib_every, "Of the steps with contact write each N-th (1)")
+        ->type_name("N")
+        ->check(CLI::PositiveNumber);
+  }
   app.footer("Examples:\n" + program.examples);
   if (const auto status = status_of_parsing(app, argc, argv, speak)) return {std::nullopt, *status};
   if (!accuracy.empty()) options.overrides.push_back("accuracy=" + accuracy);
   options.scene = scene;
+  options.fclib = fclib;
   options.out = out.empty() ? options.scene.parent_path() / "out" : std::filesystem::path(out);
   return {options, 0};
 }

@@ -14,7 +14,9 @@ struct Options {
   std::filesystem::path out;           ///< --out, else `out/` beside the scene
   bool dry_run = false;                ///< print the resolved scene and stop
   bool quiet = false;
-  bool batch = false;  ///< ricochet-contact: requests on standard input, answers on standard output
+  bool batch = false;           ///< ricochet-contact: requests on standard input, answers on standard output
+  std::filesystem::path fclib;  ///< ricochet-contact: folder of complementarity problems; empty: none
+  int fclib_every = 1;          ///< of the steps with contact each so many-th is written there
 };
 
 /// Which program asks: name, one-line purpose, and examples for --help.
@@ -22,7 +24,7 @@ struct Program {
   std::string name;
   std::string purpose;
   std::string examples;
-  bool batch = false;  ///< has --batch
+  bool batch = false;  ///< has --batch and --fclib
 };
 
 /// Parsed options, or the exit status when nothing is left to do (--help, --version: 0; bad arguments: 2,

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "src/elasticity/pattern.hpp"
+
 namespace ricochet::elasticity {
 
 namespace {
@@ -139,11 +141,7 @@ class Element {
   Eigen::Matrix<double, Eigen::Dynamic, 3> position_;
 };
 
-/// Columns of each owned block row at or right of the diagonal, counted exactly from the elements.
-struct Pattern {
-  std::vector<PetscInt> diagonal, off_diagonal;  ///< per owned node: in and outside this rank's column range
-};
-
+/// Counted exactly from the elements.
 Pattern pattern_of(const Mesh& mesh) {
   std::vector<std::vector<std::int64_t>> columns(static_cast<std::size_t>(mesh.owned_nodes));
   for (const Block& block : mesh.blocks) {
@@ -165,75 +163,17 @@ Pattern pattern_of(const Mesh& mesh) {
       }
   }
   Pattern pattern;
-  const std::int64_t end = mesh.first_node + mesh.owned_nodes;
   for (auto& list : columns) {
     std::sort(list.begin(), list.end());
     list.erase(std::unique(list.begin(), list.end()), list.end());
-    const auto inside = std::lower_bound(list.begin(), list.end(), end) - list.begin();
-    pattern.diagonal.push_back(static_cast<PetscInt>(inside));
-    pattern.off_diagonal.push_back(static_cast<PetscInt>(static_cast<std::ptrdiff_t>(list.size()) - inside));
+    append_row(pattern, mesh, list);
     std::vector<std::int64_t>().swap(list);
   }
   return pattern;
 }
 
-parallel::Matrix create(const Mesh& mesh, const Pattern& pattern) {
-  parallel::Matrix matrix;
-  const int c = mesh.components();
-  parallel::check(MatCreate(mesh.comm, matrix.out()));
-  const PetscInt local = parallel::petsc_int(mesh.owned_nodes * c),
-                 total = parallel::petsc_int(mesh.total_nodes * c);
-  parallel::check(MatSetSizes(matrix, local, local, total, total));
-  parallel::check(MatSetType(matrix, MATSBAIJ));
-  parallel::check(MatSetBlockSize(matrix, c));
-  parallel::check(MatXAIJSetPreallocation(matrix, c, nullptr, nullptr, pattern.diagonal.data(),
-                                          pattern.off_diagonal.data()));
-  parallel::check(MatSetOption(matrix, MAT_IGNORE_LOWER_TRIANGULAR, PETSC_TRUE));
-  parallel::check(MatSetOption(matrix, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_TRUE));
-  parallel::check(MatSetOption(matrix, MAT_NO_OFF_PROC_ENTRIES, PETSC_TRUE));
-  return matrix;
-}
-
-Vector3 cross_unit(int i, const Vector3& x) {
-  switch (i) {
-    case 0:
-      return {0, -x[2], x[1]};
-    case 1:
-      return {x[2], 0, -x[0]};
-    default:
-      return {-x[1], x[0], 0};
-  }
-}
-
-/// Value of rigid motion k (0–2 translations, 3–5 rotations) at x in displacement component c.
-double rigid_value(const Mesh& mesh, int k, const Vector3& x, int c) {
-  Vector3 u{};
-  if (k < 3) {
-    u[k] = 1;
-  } else {
-    u = cross_unit(k - 3, x);
-  }
-  if (mesh.dim == 3) return u[c];
-  return u[0] * mesh.axis[0] + u[1] * mesh.axis[1] + u[2] * mesh.axis[2];
-}
-
 Vector3 node_position(const Mesh& mesh, std::size_t local) {
   return {mesh.position[3 * local], mesh.position[3 * local + 1], mesh.position[3 * local + 2]};
-}
-
-/// Mass, centre and inertia from sums over own elements: 1, x_i, x_i x_j weighted with ρ dV.
-void finish_inertia(MPI_Comm comm, std::array<double, 10>& moments, Body& body) {
-  parallel::sum(comm, moments.data(), moments.size());
-  body.total_mass = moments[0];
-  Eigen::Vector3d centre(moments[1], moments[2], moments[3]);
-  centre /= moments[0];
-  Eigen::Matrix3d second;
-  second << moments[4], moments[5], moments[6], moments[5], moments[7], moments[8], moments[6], moments[8],
-      moments[9];
-  second -= moments[0] * centre * centre.transpose();
-  const Eigen::Matrix3d inertia = second.trace() * Eigen::Matrix3d::Identity() - second;
-  Eigen::Map<Eigen::Vector3d>(body.centre.data()) = centre;
-  Eigen::Map<Eigen::Matrix3d>(body.inertia.data()) = inertia;
 }
 
 }  // namespace
@@ -329,23 +269,7 @@ Body assemble(const Mesh& mesh, const std::vector<scene::Material>& materials, c
   body.imposed = imposing.take();
   body.wave_speed = parallel::largest(mesh.comm, body.wave_speed);
 
-  // The value on held rows only has to be positive; the stiffest diagonal keeps the conditioning.
-  stiffest = parallel::largest(mesh.comm, stiffest);
-  std::int64_t held = 0;
-  for (std::size_t i = 0; i < mesh.node.size(); ++i) {
-    if (mesh.node[i] < mesh.first_node || mesh.node[i] >= mesh.first_node + mesh.owned_nodes) continue;
-    for (int k = 0; k < c; ++k)
-      if (mesh.is_fixed(i, k)) {
-        const auto row = static_cast<PetscInt>(mesh.node[i] * c + k);
-        parallel::check(MatSetValue(body.stiffness, row, row, stiffest > 0 ? stiffest : 1.0, ADD_VALUES));
-        ++held;
-      }
-  }
-  body.free_rows = body.total_rows - parallel::sum(mesh.comm, held);
-  for (Mat matrix : {static_cast<Mat>(body.stiffness), static_cast<Mat>(body.mass)}) {
-    parallel::check(MatAssemblyBegin(matrix, MAT_FINAL_ASSEMBLY));
-    parallel::check(MatAssemblyEnd(matrix, MAT_FINAL_ASSEMBLY));
-  }
+  finish_rows(mesh, stiffest, body);
   return body;
 }
 

@@ -65,6 +65,9 @@ Numbering number_nodes(const GlobalMesh& mesh, const std::vector<idx_t>& part, i
         int& owner = numbering.owner[static_cast<std::size_t>(block.node[e * block.nodes_per_element + k])];
         owner = std::min(owner, static_cast<int>(part[element]));
       }
+  // Bodies given by their matrices have nodes alone, shared out evenly.
+  for (std::size_t i = 0; i < n && mesh.blocks.empty(); ++i)
+    numbering.owner[i] = static_cast<int>(i * static_cast<std::size_t>(ranks) / n);
   numbering.first.assign(static_cast<std::size_t>(ranks) + 1, 0);
   for (int owner : numbering.owner) ++numbering.first[static_cast<std::size_t>(owner) + 1];
   std::partial_sum(numbering.first.begin(), numbering.first.end(), numbering.first.begin());
@@ -221,6 +224,9 @@ Mesh distribute(GlobalMesh&& global, MPI_Comm comm) {
     mesh.own.push_back(scatter(comm, own));
   }
 
+  if (me == 0 && global.blocks.empty())
+    for (std::size_t n = 0; n < numbering.owner.size(); ++n)
+      used[numbering.owner[n]].push_back(static_cast<std::int64_t>(n));
   if (me == 0)
     for (int r = 0; r < ranks; ++r) {
       auto& nodes = used[r];

@@ -201,6 +201,7 @@ template std::vector<std::int64_t> scatter(MPI_Comm, const std::vector<std::vect
 template std::vector<char> gather(MPI_Comm, const std::vector<char>&);
 template std::vector<int> gather(MPI_Comm, const std::vector<int>&);
 template std::vector<std::int64_t> gather(MPI_Comm, const std::vector<std::int64_t>&);
+template std::vector<double> gather(MPI_Comm, const std::vector<double>&);
 template std::vector<std::vector<double>> exchange(MPI_Comm, const std::vector<std::vector<double>>&);
 template std::vector<std::vector<std::int64_t>> exchange(MPI_Comm,
                                                          const std::vector<std::vector<std::int64_t>>&);

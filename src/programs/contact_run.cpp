@@ -7,10 +7,12 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <ostream>
 #include <vector>
 
 #include "contact/equilibrium.hpp"
+#include "contact/fclib.hpp"
 #include "contact/integrator.hpp"
 #include "contact/model.hpp"
 #include "contact/recorder.hpp"
@@ -244,6 +246,16 @@ void run_at_rest(const scene::Scene& scene, const contact::Model& model, const J
   show(options, out, console, target, report(summary, scene), summary.warnings);
 }
 
+/// Throws InputError where --fclib asks for problems that are not posed.
+void refuse_problems(const console::Options& options, const scene::Scene& scene) {
+  if (!options.fclib.empty() && (scene.contact.scheme != scene::Scheme::compliant ||
+                                 scene.contact.kernel != scene::ContactKernel::modes))
+    throw InputError(fmt::format(
+        "{}: --fclib: only contact.scheme = \"compliant\" with kernel = \"modes\" solves one complementarity "
+        "problem of all points each step: choose them, or leave --fclib out",
+        options.scene.string()));
+}
+
 }  // namespace
 
 int run_contact(const console::Options& options, std::ostream& out) {
@@ -253,6 +265,7 @@ int run_contact(const console::Options& options, std::ostream& out) {
     out << scene::to_toml(scene);
     return 0;
   }
+  refuse_problems(options, scene);
   const fs::path folder = options.out.empty() ? options.scene.parent_path() / "out" : options.out;
   console::Console console(options.quiet);
   if (scene.contact.kernel == scene::ContactKernel::table)
@@ -290,8 +303,16 @@ int run_contact(const console::Options& options, std::ostream& out) {
   Microphones microphones = in_scene(scene, [&] { return Microphones(model, steps, scene.time.rate.value); });
   microphones.listen(recorder.receivers());
   contact::SummaryObserver observer(model, step.step, slowest_wave(scene));
+  std::optional<contact::ProblemFiles> problems;
+  if (!options.fclib.empty())
+    problems.emplace(model, step,
+                     contact::ProblemOptions{.folder = options.fclib,
+                                             .name = scene::slug(scene.title),
+                                             .title = scene.title,
+                                             .every = options.fclib_every});
   for (std::int64_t k = 1; k <= steps; ++k) {
     check(integrator.step(), scene, static_cast<double>(k) * step.step);
+    if (problems) problems->observe(integrator);
     observer.observe(integrator);
     recorder.record(integrator);
     microphones.listen(recorder.receivers());
@@ -299,6 +320,8 @@ int run_contact(const console::Options& options, std::ostream& out) {
   }
   const double elapsed = seconds_since(stepping);
   console.end(fmt::format("{} steps of {:.4g} s", steps, step.step));
+
+  if (problems) console.say(fmt::format("{}: {} problems", options.fclib.string(), problems->written()));
 
   console.begin("writing");
   recorder.commit();

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "src/mesh/body_file.hpp"
 #include "src/mesh/gmsh_session.hpp"
 #include "src/mesh/parts.hpp"
 #include "src/scene/derive.hpp"
@@ -28,6 +29,10 @@ Source open_source(const scene::Body& body, const mesh::Asked& asked, MPI_Comm c
   parallel::on_first_rank(comm, [&] {
     in_parts[0] = scene::part_files(body.mesh).empty() ? 0 : 1;
     if (in_parts[0] != 0) return;
+    if (body.imported()) {
+      source.whole = mesh::read_body_file(body, asked);
+      return;
+    }
     source.whole = mesh::read_mesh(body, progress, asked);
     mesh::forget_meshes();
   });

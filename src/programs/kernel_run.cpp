@@ -8,13 +8,16 @@
 #include <string_view>
 
 #include "kernels/band.hpp"
+#include "src/elasticity/matrix_file.hpp"
 #include "src/mesh/gmsh_session.hpp"
 #include "src/mesh/parts.hpp"
 #include "src/modes/approximate.hpp"
 #include "src/modes/contact_basis.hpp"
+#include "src/modes/examine.hpp"
 #include "src/modes/search.hpp"
 #include "src/parallel/memory.hpp"
 #include "src/programs/choose_modes.hpp"
+#include "src/programs/imported_modes.hpp"
 #include "src/programs/kernel_candidates.hpp"
 #include "src/scene/derive.hpp"
 
@@ -38,19 +41,16 @@ mesh::Mesh hand_out(mesh::GlobalMesh whole, const parallel::Teams& teams) {
   return mesh::distribute(std::move(whole), teams.team());
 }
 
-/// The parts of a split mesh, read by each team. Collective over all teams.
-mesh::Mesh read_parts(const scene::Body& body, const mesh::Asked& asked, const parallel::Teams& teams,
-                      const parallel::Progress& progress) {
-  mesh::Mesh mesh;
+/// What each team reads for itself: a file may be out of reach of one team only. Collective over all teams.
+template <class Task>
+void in_all_teams(const parallel::Teams& teams, Task&& task) {
   std::string complaint;
   try {
-    mesh = mesh::read_parts(body, teams.team(), progress, asked);
+    task();
   } catch (const InputError& error) {
     complaint = error.what();
   }
-  // A file may be out of reach of one team only.
   parallel::agree(teams.world(), complaint);
-  return mesh;
 }
 
 /// Memory of the search for modes on this rank [MiB].
@@ -80,10 +80,12 @@ Discretised discretise(const scene::KernelRequest& request, MPI_Comm comm, conso
     Discretised made{std::make_unique<parallel::Teams>(comm, count), {}, {}, {}, {}};
     const parallel::Teams& teams = *made.teams;
     if (source.in_parts)
-      made.mesh = read_parts(body, asked, teams, bar);
+      in_all_teams(teams, [&] { made.mesh = mesh::read_parts(body, teams.team(), bar, asked); });
     else  // Fewer teams may have to be tried.
       made.mesh = hand_out(count > 1 ? source.whole : std::move(source.whole), teams);
-    console.end(fmt::format("{} elements, {} nodes", made.mesh.total_elements, made.mesh.total_nodes));
+    console.end(body.imported()
+                    ? fmt::format("{} nodes", made.mesh.total_nodes)
+                    : fmt::format("{} elements, {} nodes", made.mesh.total_elements, made.mesh.total_nodes));
 
     if (request.modes.approximate > 0 && made.mesh.order < 2)
       throw InputError(
@@ -94,7 +96,10 @@ Discretised discretise(const scene::KernelRequest& request, MPI_Comm comm, conso
 
     console.begin(body.name + ": assembly");
     made.sources = surface::make_sources(made.mesh, request);
-    made.matrices = elasticity::assemble(made.mesh, body.materials, file, bar, moved);
+    if (body.imported())
+      in_all_teams(teams, [&] { made.matrices = elasticity::read_matrices(made.mesh, body.mesh, moved); });
+    else
+      made.matrices = elasticity::assemble(made.mesh, body.materials, file, bar, moved);
     made.factor = std::make_unique<modes::Factorisation>(made.matrices.stiffness, made.matrices.mass,
                                                          request.modes.low_rank);
     const double room = parallel::available_mib(comm);
@@ -202,10 +207,16 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::f
                                MPI_Comm comm, console::Console& console) {
   const scene::Body& body = request.body;
   const mesh::GmshSession gmsh(geometry_numbers(body));
+  if (body.imported() && holds_modes(body, comm)) return kernel_of_modes(request, comm, console);
   Discretised made = discretise(request, comm, console);
   const parallel::Teams& teams = *made.teams;
   const mesh::Mesh& mesh = made.mesh;
   const elasticity::Body& matrices = made.matrices;
+  if (body.imported()) {
+    console.begin(body.name + ": inertia of the matrices");
+    in_all_teams(teams, [&] { modes::examine(mesh, matrices, *made.factor, body.mesh.string()); });
+    console.end("definite; rigid modes counted");
+  }
 
   console.begin(body.name + ": candidates");
   surface::Patches patches = patches_of(request, mesh);

@@ -27,6 +27,10 @@ std::vector<std::int64_t> of_whole_surface(const scene::KernelRequest& had,
 scene::KernelRequest wanted_of(const scene::KernelRequest& had, const RecastOptions& options,
                                const kernels::Kernel& kernel) {
   scene::KernelRequest wanted = had;
+  if (wanted.body.materials.empty() && (options.young != 1 || options.density != 1 || options.scale != 1))
+    throw InputError(
+        "is of a body file, which has material and size in its numbers: leave the factors out, or change the "
+        "file");
   for (scene::Material& material : wanted.body.materials) {
     material.young *= options.young;
     material.density *= options.density;

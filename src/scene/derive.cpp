@@ -129,10 +129,13 @@ std::optional<kernels::Similarity> similarity(const KernelRequest& had, const Ke
       (had.direction && had.direction != wanted.direction) || had.along != wanted.along ||
       !both_or_neither(had.spacing, wanted.spacing))
     return std::nullopt;
-  const Material &one = a.materials.front(), &other = b.materials.front();
-  kernels::Similarity by{
-      .young = other.young / one.young, .density = other.density / one.density, .scale = b.scale / a.scale};
-  if (one.area > 0 && other.area > 0) by.area = other.area / one.area;
+  kernels::Similarity by{.scale = b.scale / a.scale};
+  if (!a.materials.empty()) {
+    const Material &one = a.materials.front(), &other = b.materials.front();
+    by.young = other.young / one.young;
+    by.density = other.density / one.density;
+    if (one.area > 0 && other.area > 0) by.area = other.area / one.area;
+  }
   for (std::size_t k = 0; k < a.materials.size(); ++k)
     if (!similar(a.materials[k], b.materials[k], by)) return std::nullopt;
   if (had.spacing && !same(*had.spacing * by.scale, *wanted.spacing)) return std::nullopt;

@@ -40,10 +40,11 @@ Material read_material(Table& table, const std::string& group) {
   return material;
 }
 
+/// None where none are given, as for an imported body.
 std::vector<Material> read_materials(Table& body) {
   auto table = body.table("material");
-  if (!table) body.complain("material", "is missing: give { density = …, young = …, poisson = … }");
-  bool nested = !table->raw().empty();
+  if (!table || table->raw().empty()) return {};
+  bool nested = true;
   for (auto&& [key, node] : table->raw()) nested = nested && node.is_table();
   if (!nested) return {read_material(*table, "")};
   std::vector<Material> materials;
@@ -115,6 +116,19 @@ void read_body_matter(Table& table, Body& body) {
 
 namespace {
 
+/// What belongs to a mesh, and what to an imported body.
+void check_matter(Table& table, const Body& body) {
+  if (!body.imported()) {
+    if (body.materials.empty())
+      table.complain("material", "is missing: give { density = …, young = …, poisson = … }");
+    return;
+  }
+  const char* fixed = "a body file (.h5) has it in its numbers: leave it out";
+  if (!body.materials.empty()) table.complain("material", fixed);
+  if (!body.geometry.empty()) table.complain("geometry", fixed);
+  if (body.scale != 1) table.complain("scale", fixed);
+}
+
 Body read_body(const std::string& name, Table& table, const std::filesystem::path& folder) {
   Body body;
   body.name = name;
@@ -123,9 +137,11 @@ Body read_body(const std::string& name, Table& table, const std::filesystem::pat
           std::string::npos)
     table.complain("", "a body's name is made of letters, digits, - and _");
   const auto mesh = table.text("mesh");
-  if (!mesh) table.complain("mesh", "is missing: name a .geo, .step, .brep or .msh file");
+  if (!mesh)
+    table.complain("mesh", "is missing: name a .geo, .step, .brep or .msh file, or a body file (.h5)");
   body.mesh = (folder / *mesh).lexically_normal();
   read_body_matter(table, body);
+  check_matter(table, body);
   body.translate = table.vector("translate").value_or(Vector3{});
   body.rotate_deg = table.vector("rotate_deg").value_or(Vector3{});
   body.velocity = table.vector("velocity").value_or(Vector3{});
@@ -243,6 +259,22 @@ void read_output(Table& root, Scene& scene) {
   table->refuse_unknown();
 }
 
+/// Modes that an imported body can't have, as it has neither elements nor a wave speed.
+void refuse_what_needs_elements(Table& root, const Scene& scene) {
+  const Modes& modes = scene.modes;
+  const char* what = modes.approximate > 0 ? "approximate" : modes.low_rank > 0 ? "low_rank" : nullptr;
+  for (const Body& body : scene.bodies) {
+    if (!body.imported()) continue;
+    if (modes.accuracy)
+      root.complain("accuracy", fmt::format("can't choose modes for bodies.{}, a body file: give "
+                                            "modes.up_to_hz or modes.count",
+                                            body.name));
+    if (what != nullptr)
+      root.table("modes")->complain(
+          what, fmt::format("does not go with bodies.{}, a body file: leave it out", body.name));
+  }
+}
+
 /// Output and loads that a table or bodies at rest know nothing of.
 void refuse_what_does_not_go(Table& root, const Scene& scene) {
   const bool table = scene.contact.kernel == ContactKernel::table;
@@ -322,6 +354,7 @@ Scene read(const std::filesystem::path& file, const std::vector<Override>& overr
       scene.obstacles.push_back(obstacle);
     }
   scene.modes = read_modes(root, scene.accuracy);
+  refuse_what_needs_elements(root, scene);
   scene.contact = read_contact(root, scene);
   read_time(root, scene.contact, scene.accuracy, scene.time);
   read_loads(root, scene);

@@ -121,7 +121,7 @@ KernelRequest kernel_request(const Scene& scene, const Body& body) {
 }
 
 std::optional<KernelRequest> other_order(const KernelRequest& request) {
-  if (request.body.mesh.extension() == ".msh") return std::nullopt;
+  if (request.body.mesh.extension() == ".msh" || request.body.imported()) return std::nullopt;
   KernelRequest other = request;
   other.body.order = request.body.order > 1 ? request.body.order - 1 : 2;
   seal(other);

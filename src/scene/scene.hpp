@@ -29,14 +29,17 @@ struct Body {
   std::map<std::string, double> geometry;  ///< DefineConstant overrides of a .geo
   int order = 3;
   double scale = 1;
-  Vector3 translate{};   ///< [m], after rotation
-  Vector3 rotate_deg{};  ///< about x, then y, then z through the mesh's origin
-  std::vector<Material> materials;
+  Vector3 translate{};              ///< [m], after rotation
+  Vector3 rotate_deg{};             ///< about x, then y, then z through the mesh's origin
+  std::vector<Material> materials;  ///< none of an imported body
   Damping damping;
   Vector3 velocity{};                ///< [m/s], initial, rigid
   std::vector<std::string> contact;  ///< physical groups that may touch
   std::map<std::string, std::string>
       support;  ///< physical group → fixed components, a subset of "xyz" in that order
+
+  /// Whether `mesh` is a body file: matrices or modes of another program, without elements or materials.
+  bool imported() const { return mesh.extension() == ".h5"; }
 };
 
 /// Rigid half-space {x : (x − point)·normal ≤ 0}.

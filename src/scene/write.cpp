@@ -63,7 +63,9 @@ std::string toml_body_matter(const Body& body) {
   for (const auto& [name, value] : body.geometry)
     text += fmt::format("{} {} = {}", text.back() == '{' ? "" : ",", toml_string(name), toml_number(value));
   text += fmt::format(" }}\norder = {}\nscale = {}\n", body.order, toml_number(body.scale));
-  if (body.materials.size() == 1 && body.materials[0].group.empty()) {
+  if (body.materials.empty()) {
+    text += "material = {}\n";
+  } else if (body.materials.size() == 1 && body.materials[0].group.empty()) {
     text += "material = " + material_of(body.materials[0]) + "\n";
   } else {
     text += "material = {";

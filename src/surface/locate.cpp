@@ -146,6 +146,19 @@ void take_nearer(Map& map, const Vector3d& xi, const Vector3d& point, const mesh
   best.weight.assign(map.shape.data(), map.shape.data() + map.shape.size());
 }
 
+/// A body without elements is known at its nodes.
+Located nearest_node(const mesh::Mesh& mesh, const Vector3d& point) {
+  Located best;
+  best.distance = infinity;
+  for (std::size_t i = 0; i < mesh.node.size(); ++i) {
+    const Vector3d x(&mesh.position[3 * i]);
+    const double distance = (x - point).norm();
+    if (distance >= best.distance) continue;
+    best = {{mesh.node[i]}, {1.0}, {x[0], x[1], x[2]}, distance};
+  }
+  return best;
+}
+
 /// Looks through this rank's own elements: first for one that holds the point; only where no rank has one for
 /// the nearest place. Collective.
 Located locate_here(const mesh::Mesh& mesh, const Vector3d& point) {
@@ -192,7 +205,8 @@ double size_of(const mesh::Mesh& mesh) {
 }
 
 Located locate(const mesh::Mesh& mesh, const Vector3& point) {
-  Located found = locate_here(mesh, Vector3d(point.data()));
+  const Vector3d at(point.data());
+  Located found = mesh.total_elements == 0 ? nearest_node(mesh, at) : locate_here(mesh, at);
   struct {
     double distance;
     int rank;

@@ -15,7 +15,7 @@ struct Located {
   double distance = 0;             ///< from the point to it [m]; 0 to round-off inside
 };
 
-/// The same on every rank. Needs a GmshSession. Collective.
+/// The same on every rank; of a body without elements the nearest node. Needs a GmshSession. Collective.
 Located locate(const mesh::Mesh& mesh, const Vector3& point);
 
 /// Diagonal of the box around the body [m]. Collective.

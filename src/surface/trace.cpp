@@ -59,8 +59,8 @@ void gather_view(const parallel::Teams& teams, const mesh::Mesh& mesh, const mod
   if (first) kernel.view = std::move(view);
 }
 
-/// Static parts of what the modes leave out, from the responses at candidates and receivers (rows) to forces
-/// there, gravity and the loads (columns).
+}  // namespace
+
 void take_residuals(const Eigen::MatrixXd& response, Eigen::Index candidates, const Sources& sources,
                     kernels::Kernel& kernel) {
   const Eigen::Index seen = response.rows(), loads = sources.load.cols();
@@ -78,6 +78,22 @@ void take_residuals(const Eigen::MatrixXd& response, Eigen::Index candidates, co
     receiver.load_residual = flat(rows.rightCols(loads));
   }
 }
+
+void take_traces(const Patches& patches, const Traces& traces, const Sources& sources,
+                 kernels::Kernel& kernel) {
+  kernel.surface = patches.geometry;
+  kernel.surface.shape = flat(traces.shape);
+  kernel.loads.body_force = flat(traces.participation.topRows(3));
+  kernel.loads.rotation = flat(traces.participation.bottomRows(3));
+  kernel.applied = sources.loads;
+  kernel.receivers = sources.receivers;
+  for (std::size_t l = 0; l < kernel.applied.size(); ++l)
+    kernel.applied[l].participation = flat(traces.applied.middleRows(static_cast<Eigen::Index>(3 * l), 3));
+  for (std::size_t r = 0; r < kernel.receivers.size(); ++r)
+    kernel.receivers[r].shape = flat(traces.heard.middleRows(static_cast<Eigen::Index>(3 * r), 3));
+}
+
+namespace {
 
 /// u = (Ψ − ΦΓ) ū + Φ p of the supports that move. @param shape, body_force, heard  (rows, N): of the modes
 /// at the candidates, under gravity, at the receivers
@@ -138,22 +154,14 @@ Eigen::MatrixXd patch_loads(const mesh::Mesh& mesh, const Patches& patches) {
 void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
            modes::Factorisation& factor, const modes::ModeSet& modes, const Patches& patches,
            Eigen::MatrixXd loads, bool residual, bool view, kernels::Kernel& kernel, const Sources& sources) {
-  kernel.surface = patches.geometry;
   const auto seen_by_modes = [&](const Eigen::MatrixXd& load) {
     return modes.gather(teams, modes::inner(mesh.comm, load, modes.shape));
   };
-  const Eigen::MatrixXd shape = seen_by_modes(loads), participation = seen_by_modes(body.rigid_load);
-  kernel.surface.shape = flat(shape);
-  kernel.loads.body_force = flat(participation.topRows(3));
-  kernel.loads.rotation = flat(participation.bottomRows(3));
-  kernel.applied = sources.loads;
-  kernel.receivers = sources.receivers;
-  const Eigen::MatrixXd applied = seen_by_modes(sources.load), heard = seen_by_modes(sources.receiver);
-  for (std::size_t l = 0; l < kernel.applied.size(); ++l)
-    kernel.applied[l].participation = flat(applied.middleRows(static_cast<Eigen::Index>(3 * l), 3));
-  for (std::size_t r = 0; r < kernel.receivers.size(); ++r)
-    kernel.receivers[r].shape = flat(heard.middleRows(static_cast<Eigen::Index>(3 * r), 3));
-  trace_motions(teams, mesh, body, modes, patches, shape, participation.topRows(3), heard, sources, kernel);
+  const Traces traces{seen_by_modes(loads), seen_by_modes(body.rigid_load), seen_by_modes(sources.load),
+                      seen_by_modes(sources.receiver)};
+  take_traces(patches, traces, sources, kernel);
+  trace_motions(teams, mesh, body, modes, patches, traces.shape, traces.participation.topRows(3),
+                traces.heard, sources, kernel);
   if (residual) {
     const Eigen::Index candidates = loads.cols(), seen = candidates + sources.receiver.cols();
     Eigen::MatrixXd all(loads.rows(), seen + 3 + sources.load.cols());

@@ -54,7 +54,7 @@ def static_responses(path):
         omega, gravity = file["modes/angular_frequency"][:], file["loads/body_force"][:]
         compliance = np.where(omega > 0, 1 / np.where(omega > 0, omega, 1) ** 2, 0)
         names = {kind: [name.decode() for name in file[f"names/{kind}"][:]] for kind in file["names"]}
-        motions = {name: file[f"motions/{name}/participation"][:] for name in names["motions"]}
+        motions = {name: file[f"motions/{name}/participation"][:] for name in names.get("motions", ())}
         found = {}
         for receiver in names["receivers"]:
             shape, data = file[f"receivers/{receiver}"][:], file[f"receiver_data/{receiver}"]

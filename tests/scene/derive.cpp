@@ -74,6 +74,28 @@ TEST(KernelFiles, tell_the_request_they_answer) {
   }
 }
 
+TEST(KernelFiles, of_imported_bodies_tell_their_request_and_serve_others_of_the_same_file) {
+  const auto request_with = [](const std::string& modes) {
+    const Folder folder;
+    folder.write("ball.h5", "a body file");
+    const Scene scene =
+        read(folder.write("scene.toml", changed(changed(smallest, "ball.msh", "ball.h5"),
+                                                "material = { density = 1000, young = 1e9 }", "")),
+             {"modes=" + modes});
+    return kernel_request(scene, scene.bodies[0]);
+  };
+  const KernelRequest had = request_with("{count=9}"), wanted = request_with("{count=7}");
+  const KernelRequest told = request_of({had.hash, had.toml, had.mesh_sha256}, "FILE");
+  EXPECT_EQ(told.toml, had.toml);
+  const auto by = similarity(told, wanted);
+  ASSERT_TRUE(by);
+  EXPECT_EQ(by->young * by->density * by->scale, 1);
+  KernelRequest other = wanted;
+  other.mesh_sha256 = "of another file";
+  EXPECT_FALSE(similarity(told, other));
+  EXPECT_FALSE(other_order(had));
+}
+
 TEST(KernelFiles, of_other_versions_are_not_understood) {
   const KernelRequest request = request_of_ball();
   const auto complaint = [&](const std::string& hash, const std::string& toml) {

@@ -55,7 +55,8 @@ TEST(Refused, is_an_unknown_key_with_the_one_it_may_mean) {
 
 TEST(Refused, is_a_missing_key) {
   expect_lines({
-      {"mesh = \"ball.msh\"", "", "bodies.ball.mesh: is missing: name a .geo, .step, .brep or .msh file"},
+      {"mesh = \"ball.msh\"", "",
+       "bodies.ball.mesh: is missing: name a .geo, .step, .brep or .msh file, or a body file (.h5)"},
       {"material = { density = 1000, young = 1e9 }", "",
        "bodies.ball.material: is missing: give { density = …, young = …, poisson = … }"},
       {"density = 1000, ", "", "bodies.ball.material.density: is missing"},
@@ -74,6 +75,28 @@ TEST(Refused, is_a_missing_key) {
   EXPECT_EQ(complaint_about(""), "scene.toml: bodies: is missing: a scene needs a body, [bodies.NAME]");
   EXPECT_EQ(complaint_about("bodies = {}"),
             "scene.toml: bodies = {…}: is missing: a scene needs a body, [bodies.NAME]");
+}
+
+TEST(Refused, is_what_a_body_file_has_in_its_numbers_or_has_no_elements_for) {
+  const std::string material = "material = { density = 1000, young = 1e9 }",
+                    imported = changed(changed(smallest, "ball.msh", "ball.h5"), material, "order = 2");
+  const std::string has_it = ": a body file (.h5) has it in its numbers: leave it out";
+  for (const auto& [from, to, line] : std::vector<Refusal>{
+           {"order = 2", material, "bodies.ball.material = {…}" + has_it},
+           {"order = 2", "scale = 0.001", "bodies.ball.scale = 0.001" + has_it},
+           {"order = 2", "geometry = { size = 1 }", "bodies.ball.geometry = {…}" + has_it},
+           {"count = 10", "count = 10\napproximate = 1",
+            "modes.approximate = 1: does not go with bodies.ball, a body file: leave it out"},
+           {"count = 10", "basis = \"contact\"\nup_to_hz = 10\nlow_rank = 1e-9",
+            "modes.low_rank = 1e-09: does not go with bodies.ball, a body file: leave it out"},
+           {"[modes]\ncount = 10", "",
+            "modes: is missing: give up_to_hz or count, or accuracy in the scene"}}) {
+    SCOPED_TRACE(to);
+    EXPECT_EQ(complaint_about(changed(imported, from, to)), "scene.toml: " + line);
+  }
+  EXPECT_EQ(complaint_about("accuracy = 0.01\n" + changed(imported, "[modes]\ncount = 10", "")),
+            "scene.toml: accuracy = 0.01: can't choose modes for bodies.ball, a body file: give "
+            "modes.up_to_hz or modes.count");
 }
 
 TEST(Refused, is_a_value_of_another_type) {

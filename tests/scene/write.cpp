@@ -112,6 +112,11 @@ TEST(Resolved, scene_comes_back_as_it_was) {
   }
 }
 
+TEST(Resolved, scene_with_a_body_file_comes_back) {
+  expect_to_come_back(
+      changed(changed(smallest, "ball.msh", "ball.h5"), "material = { density = 1000, young = 1e9 }", ""));
+}
+
 TEST(Resolved, scene_of_table_kernels_comes_back) {
   expect_to_come_back(smallest, {"contact.kernel=table"});
   expect_to_come_back(tabular);

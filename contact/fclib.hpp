@@ -1,0 +1,47 @@
+// The complementarity problems of a run as files of FCLIB, a collection of contact problems in HDF5 that
+// other nonsmooth solvers read (Acary et al. 2014; github.com/FrictionalContactLibrary/fclib, fclib.h).
+//
+//   FCLIB, local problem:  u = W r + q,  K* ∋ u ⟂ r ∈ K,  a friction cone for each contact
+//   here:                  w = S λ − (û − g),  0 ≤ w ⟂ λ ≥ 0,  W = S and q = g − û in the normal rows, μ = 0
+//
+// A contact has three rows in FCLIB, normal first. Without friction the two others are not coupled to
+// anything; they have the mean of S's diagonal on theirs, so that W is as definite as S, and answer with 0.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "contact/integrator.hpp"
+
+namespace ricochet::contact {
+
+struct ProblemOptions {
+  std::filesystem::path folder;  ///< made when it is not there
+  std::string name;              ///< files are <name>-i<step>-<points>.hdf5
+  std::string title;
+  int every = 1;  ///< of the steps with contact each so many-th, beginning with the first
+};
+
+/// Watches a run of the compliant scheme. `observe` is called after each step.
+class ProblemFiles {
+ public:
+  /// `model` outlives this. Throws InputError when the folder can't be made.
+  ProblemFiles(const Model& model, const StepOptions& step, ProblemOptions options);
+
+  /// Writes the step's problem and its solution, where it has a force and was solved to the end (not cut
+  /// short by max_pivots). Throws InputError when the file can't be written.
+  void observe(const Integrator& integrator);
+
+  int written() const { return written_; }
+
+ private:
+  void write(const Integrator& integrator) const;
+
+  const Model& model_;
+  ProblemOptions options_;
+  std::shared_ptr<const StepSystem> system_;
+  int seen_ = 0, written_ = 0;
+};
+
+}  // namespace ricochet::contact

@@ -1,0 +1,35 @@
+// Internal to src/elasticity: empty matrices of a body whose pattern is known.
+#pragma once
+
+#include <vector>
+
+#include "src/mesh/mesh.hpp"
+#include "src/parallel/parallel.hpp"
+
+namespace ricochet::elasticity {
+
+struct Body;
+
+/// Columns of each owned block row at or right of the diagonal.
+struct Pattern {
+  std::vector<PetscInt> diagonal, off_diagonal;  ///< per owned node: in and outside this rank's column range
+};
+
+/// Appends a row that has these columns (node numbers, ascending, each once, none left of the diagonal).
+void append_row(Pattern& pattern, const mesh::Mesh& mesh, const std::vector<std::int64_t>& columns);
+
+/// SBAIJ with room for the pattern. Collective.
+parallel::Matrix create(const mesh::Mesh& mesh, const Pattern& pattern);
+
+/// Value on the diagonal of held rows, and their number into `free_rows`; assembles both matrices.
+/// Collective.
+/// @param stiffest  largest diagonal entry at hand, 0 where there is none
+void finish_rows(const mesh::Mesh& mesh, double stiffest, Body& body);
+
+/// Mass, centre and inertia from sums over this rank: 1, x_i, x_i x_j weighted with ρ dV. Collective.
+void finish_inertia(MPI_Comm comm, std::array<double, 10>& moments, Body& body);
+
+/// Value of rigid motion k (0–2 translations, 3–5 rotations) at x in displacement component c.
+double rigid_value(const mesh::Mesh& mesh, int k, const Vector3& x, int c);
+
+}  // namespace ricochet::elasticity

@@ -1,0 +1,160 @@
+#include "src/mesh/body_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace ricochet::mesh {
+
+namespace {
+
+using kernels::hdf5::any;
+using kernels::hdf5::Reader;
+
+constexpr std::int64_t version = 1;
+
+/// Facets by their number of nodes, in gmsh's order of nodes.
+struct FacetKind {
+  int nodes, gmsh_type, corners, order;
+};
+constexpr FacetKind facet_kinds[] = {{3, 2, 3, 1}, {6, 9, 3, 2},  {10, 21, 3, 3},
+                                     {4, 3, 4, 1}, {9, 10, 4, 2}, {16, 36, 4, 3}};
+
+class Content {
+ public:
+  Content(const scene::Body& body, const Asked& asked)
+      : body_(body), asked_(asked), file_(open_body_file(body.mesh)) {}
+
+  GlobalMesh read() {
+    mesh_.position = file_.read<double>("/node", {any, 3});
+    if (mesh_.position.empty()) file_.fail("dataset \"/node\" is empty.");
+    for (const double x : mesh_.position)
+      if (!std::isfinite(x)) file_.fail("dataset \"/node\" holds a place that is not finite.");
+    mesh_.fixed.assign(mesh_.position.size() / 3, 0);
+    collect(body_.contact, fmt::format("bodies.{}.contact", body_.name), mesh_.contact);
+    collect(asked_.loaded, "loads.traction.group", mesh_.loaded);
+    collect_skin();
+    mark_supports();
+    return std::move(mesh_);
+  }
+
+ private:
+  void check_nodes(const std::string& dataset, const std::vector<std::int64_t>& nodes) const {
+    const auto count = static_cast<std::int64_t>(mesh_.fixed.size());
+    for (const std::int64_t node : nodes)
+      if (node < 0 || node >= count)
+        file_.fail(fmt::format("dataset \"{}\" names node {}: nodes are numbered 0 to {}.", dataset, node,
+                               count - 1));
+  }
+
+  std::vector<std::int64_t> facets_of(const std::string& name, const FacetKind& kind) const {
+    const std::string dataset = fmt::format("/surface/{}/{}", name, kind.nodes);
+    if (!file_.exists(dataset)) return {};
+    auto nodes = file_.read<std::int64_t>(dataset, {any, static_cast<std::size_t>(kind.nodes)});
+    check_nodes(dataset, nodes);
+    return nodes;
+  }
+
+  void collect(const std::vector<std::string>& names, const std::string& key, FacetMesh& facets) {
+    for (std::size_t g = 0; g < names.size(); ++g) {
+      bool any_facet = false;
+      for (const FacetKind& kind : facet_kinds) {
+        const std::vector<std::int64_t> nodes = facets_of(names[g], kind);
+        if (nodes.empty()) continue;
+        any_facet = true;
+        auto block = std::ranges::find(facets.blocks, kind.gmsh_type, &Block::gmsh_type);
+        if (block == facets.blocks.end()) {
+          facets.blocks.push_back({kind.gmsh_type, kind.nodes, {}, {}, {}});
+          block = facets.blocks.end() - 1;
+        }
+        for (std::size_t e = 0; e < nodes.size() / static_cast<std::size_t>(kind.nodes); ++e)
+          block->tag.push_back(static_cast<std::int64_t>(e));
+        block->node.insert(block->node.end(), nodes.begin(), nodes.end());
+        block->label.resize(block->tag.size(), static_cast<std::int64_t>(g));
+        mesh_.order = std::max(mesh_.order, kind.order);
+      }
+      if (!any_facet)
+        file_.fail(fmt::format(
+            "has no surface \"{0}\", which {1} names: write its facets as /surface/{0}/3 (triangles), or 4, "
+            "6, 9, 10, 16 for so many nodes, or change {1}.",
+            names[g], key));
+    }
+  }
+
+  /// What pictures show: the triangles of the file, else the contact surface.
+  void collect_skin() {
+    Block skin{2, 3, {}, {}, {}};
+    if (file_.exists("/skin")) {
+      skin.node = file_.read<std::int64_t>("/skin", {any, 3});
+      check_nodes("/skin", skin.node);
+    } else {
+      for (const Block& block : mesh_.contact.blocks) {
+        const auto n = static_cast<std::size_t>(block.nodes_per_element);
+        const auto& kind = *std::ranges::find(facet_kinds, block.gmsh_type, &FacetKind::gmsh_type);
+        for (std::size_t e = 0; e < block.size(); ++e)
+          for (int t = 2; t < kind.corners; ++t)
+            for (const int corner : {0, t - 1, t})
+              skin.node.push_back(block.node[e * n + static_cast<std::size_t>(corner)]);
+      }
+    }
+    skin.tag.assign(skin.node.size() / 3, 0);
+    skin.label = skin.tag;
+    mesh_.skin.blocks.push_back(std::move(skin));
+  }
+
+  std::vector<std::int64_t> nodes_of(const std::string& name) const {
+    const std::string dataset = "/nodes/" + name;
+    std::vector<std::int64_t> nodes;
+    if (file_.exists(dataset)) {
+      nodes = file_.read<std::int64_t>(dataset, {any});
+      check_nodes(dataset, nodes);
+      return nodes;
+    }
+    for (const FacetKind& kind : facet_kinds) {
+      const auto of_kind = facets_of(name, kind);
+      nodes.insert(nodes.end(), of_kind.begin(), of_kind.end());
+    }
+    return nodes;
+  }
+
+  void mark_supports() {
+    for (const auto& [name, components] : body_.support) {
+      const std::vector<std::int64_t> nodes = nodes_of(name);
+      if (nodes.empty())
+        file_.fail(
+            fmt::format("has no nodes \"{0}\", which bodies.{1}.support holds: write them as "
+                        "/nodes/{0}, or a surface of that name, or change bodies.{1}.support.",
+                        name, body_.name));
+      unsigned bits = 0;
+      for (const char component : components) bits |= 1U << (component - 'x');
+      const auto moved = std::ranges::find(asked_.moved, name) - asked_.moved.begin();
+      if (moved < std::ssize(asked_.moved)) {
+        if (moved >= 29)
+          file_.fail(fmt::format("more than 29 supports of bodies.{} move: join some in one.", body_.name));
+        bits |= 1U << (3 + moved);
+      }
+      for (const std::int64_t node : nodes) mesh_.fixed[static_cast<std::size_t>(node)] |= bits;
+    }
+  }
+
+  const scene::Body& body_;
+  const Asked& asked_;
+  Reader file_;
+  GlobalMesh mesh_;
+};
+
+}  // namespace
+
+Reader open_body_file(const std::filesystem::path& path) {
+  Reader file(path, body_file_advice);
+  if (!file.has_attribute("/", "format") || file.string_attribute("/", "format") != "ricochet-body")
+    file.fail("is not a body file (its attribute \"format\" is not \"ricochet-body\").");
+  if (const std::int64_t found = file.integer_attribute("/", "version"); found != version)
+    file.fail(fmt::format("is of version {}, known here is {}.", found, version));
+  return file;
+}
+
+GlobalMesh read_body_file(const scene::Body& body, const Asked& asked) { return Content(body, asked).read(); }
+
+}  // namespace ricochet::mesh
