@@ -1,9 +1,8 @@
 # The programs with the scripts that run them: cmake --install BUILD --component programs. ricochet-kernel is linked with
 # gmsh, so that what is distributed with it is under the GPL; the library is not (see cmake/install.cmake).
-set(RICOCHET_MANUALS "" CACHE PATH "Folder of the manual pages to install (scripts/package makes them)")
 set(share ${CMAKE_INSTALL_DATADIR}/ricochet)
 set(user_scripts run plot sweep tradeoff batch)
-set(modules programs titles progress result_file sweep_study sweep_results tradeoff_runs tradeoff_report)
+set(modules command_line programs titles progress result_file sweep_study sweep_results tradeoff_runs tradeoff_report)
 
 install(TARGETS ricochet-contact ricochet-recast COMPONENT programs)
 if(RICOCHET_PREPROCESSOR)
@@ -31,8 +30,3 @@ foreach(other kernel recast ${user_scripts})
   file(CREATE_LINK ricochet-contact ${link} SYMBOLIC)
   install(FILES ${link} DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT programs)
 endforeach()
-if(RICOCHET_MANUALS)
-  install(DIRECTORY ${RICOCHET_MANUALS}/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT programs)
-endif()
-install(FILES cmake/copyright.programs DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/ricochet COMPONENT programs RENAME copyright)
-install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/ricochet COMPONENT programs)

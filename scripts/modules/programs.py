@@ -54,6 +54,10 @@ def call(command, capture=False):
     return done.stdout
 
 
+def version():
+    return call([BIN / "ricochet-contact", "--version"], capture=True).split()[-1]
+
+
 def with_set(settings):
     """As words of a command."""
     return [word for setting in settings for word in ("--set", setting)]
