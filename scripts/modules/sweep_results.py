@@ -29,13 +29,13 @@ class Journal:
         self.file = open(path, "ab")
         self.file.truncate(own)
 
-    def add(self, row, keep=True):
-        """`keep` false: for the tables of this run alone."""
-        self.rows[row["key"]] = row
-        if not keep:
-            return
-        self.file.write(json.dumps(row).encode() + b"\n")
-        self.file.flush()
+    def add(self, key, answer):
+        """`answer`: a line of JSON; one of a process that died is for the tables of this run alone."""
+        row = b'{"key": "%s", %s\n' % (key.encode(), answer[1:])
+        self.rows[key] = json.loads(row)
+        if "died" not in self.rows[key]:
+            self.file.write(row)
+            self.file.flush()
 
     def sync(self):
         os.fsync(self.file.fileno())
@@ -54,6 +54,8 @@ def outputs(summary):
             found[name] = len(value)
         elif name == "warnings":
             found["warnings"] = len(value)
+        elif name == "pairs":
+            found |= {f"pairs.{k}.{key}": item for k, pair in enumerate(value) for key, item in pair.items()}
         elif isinstance(value, dict):
             for key, item in value.items():
                 if isinstance(item, list):

@@ -14,7 +14,8 @@ namespace ricochet::programs {
 ///     {"set": [], "kernels": true}                                   only what kernels it needs
 ///
 ///     {"status": 0, "summary": {…}}                                  keys of summary.json
-///     {"status": 0, "kernels": [{"file": "…", "there": true}, …]}
+///     {"status": 0, "kernels": [{"file": "…", "there": true}, …], "reads": {…}}
+///                                                                    reads: tables and histories
 ///     {"status": 2, "error": "…"}                                    refused; 1: the computation broke down
 ///
 /// A kernel is read once and kept while impacts need it. Results are not written. A request that is no JSON
