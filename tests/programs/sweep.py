@@ -162,6 +162,36 @@ for line in sys.stdin:
         self.succeed(Run(self.sweep(study)))
         self.assertEqual({row["status"] for row in self.rows()}, {"0"})
 
+    def test_bodies_at_rest_and_table_kernels_are_swept_too(self):
+        rod = (f'[bodies.rod]\nmesh = "{MESHES}/two-rods/rod.geo"\norder = 1\nmaterial = {{ density = 1, young = 1, area = 1 }}\n'
+               'contact = "left"\n[obstacles.wall]\nnormal = [1, 0, 0]\n[modes]\ncount = 3\n'
+               '[contact]\nbetween = ["rod", "wall"]\nscheme = "static"\n[loads]\ngravity = [-1, 0, 0]\n')
+        self.write("rod.toml", rod)
+        self.succeed(Run(self.sweep(self.study('[grid]\n"loads.gravity[0]" = [-1e-3, -2e-3]', "rod.toml"))))
+        for row in self.rows():  # its weight: 10 kg times gravity
+            self.assertAlmostEqual(float(row["pairs.0.force_n"]) / (-10 * float(row["loads.gravity[0]"])), 1, delta=1e-9)
+        text = '[set]\n"modes.count" = 20\n"time.rate_hz" = 20.0\n[grid]\n"contact.kernel" = ["modes", "table"]'
+        self.succeed(Run(self.sweep(self.study(text))))
+        modes, table = self.rows()
+        for name in ("impulse_ns", "exit_velocity.resting.x", "modes.moving"):  # sums in another order
+            self.assertAlmostEqual(float(table[name]), float(modes[name]), delta=1e-9 * abs(float(modes[name])))
+
+    def test_a_history_that_changed_is_another_impact(self):
+        """What an impact reads beside kernels is part of what identifies it."""
+        text = (self.folder / "two-rods.toml").read_text()
+        self.write("pushed.toml", text + '\n[[loads.point]]\nname = "push"\nbody = "resting"\nat = [10, 0, 0]\nvector = [1e-3, 0, 0]\n'
+                   'history = "push.csv"\n')
+        study = self.study('[set]\n"modes.count" = 5\n"time.rate_hz" = 20.0\n[grid]\n"contact.gap" = [0.0]', "pushed.toml")
+        found = []
+        for history in ("0, 0\n30, 1\n", "0, 0\n30, 20\n", "0, 0\n30, 20\n"):
+            if not found or history != before:
+                self.write("push.csv", history)
+            before = history
+            self.succeed(Run(self.sweep(study)))
+            found.append((self.rows()[0]["exit_velocity.resting.x"], len((self.out / "rods.sweep.jsonl").read_text().splitlines())))
+        self.assertNotEqual(found[0][0], found[1][0])
+        self.assertEqual([lines for _, lines in found], [1, 2, 2])
+
     def test_settings_that_are_refused_are_rows_that_say_why(self):
         text = GRID.replace("[0.5, 1.0]", "[0.5, inf]")
         self.succeed(Run(self.sweep(self.study(text))))
