@@ -18,6 +18,7 @@ from programs import BIN, MESHES, SOURCE, ProgramTest, Run, contact
 
 sys.path.append(str(SOURCE / "scripts/modules"))
 from result_file import BadInput
+from sweep_results import edges
 from sweep_study import Study
 
 
@@ -82,6 +83,13 @@ class Studies(SweepTest):
             done = Run(self.sweep(self.study(text)))
             self.assertEqual((done.status, done.err.count("\n")), (2, 1), done.err)
             self.assertFalse(self.out.exists())
+
+
+class Pictures(unittest.TestCase):
+    def test_cells_of_a_picture_are_about_their_values_on_both_kinds_of_axes(self):
+        np.testing.assert_allclose(edges(np.array([1.0, 10, 100]), None), 10 ** np.array([-0.5, 0.5, 1.5, 2.5]))
+        np.testing.assert_allclose(edges(np.array([1.0, 2, 4]), None), [0.5, 1.5, 3, 5])
+        np.testing.assert_allclose(edges(np.array([0.0]), ["compliant"]), [-0.5, 0.5])
 
 
 class Sweeps(SweepTest):
