@@ -13,6 +13,7 @@
 #include "kernels/error.hpp"
 #include "src/programs/accuracy.hpp"
 #include "src/programs/contact_parts.hpp"
+#include "src/scene/derive.hpp"
 #include "src/scene/scene.hpp"
 
 namespace ricochet::programs {
@@ -35,6 +36,8 @@ class Batch {
       for (const Json& word : request.value("set", Json::array()))
         overrides.push_back(word.get<std::string>());
       scene::Scene scene = scene::read(options_.scene, overrides);
+      if (request.contains("derive"))
+        for (const Json& file : request["derive"]) derive(scene, options_.out / file.get<std::string>());
       if (request.value("kernels", false))
         return {{"status", 0}, {"kernels", needed(scene)}, {"reads", other_files(scene)}};
       return {{"status", 0}, {"summary", Json::parse(impact(scene))}};
@@ -42,13 +45,26 @@ class Batch {
       return {{"status", 2}, {"error", error.what()}};
     } catch (const Json::exception&) {
       return {{"status", 2},
-              {"error", "--batch: \"set\" must be a list of texts KEY=VALUE, \"kernels\" true or false"}};
+              {"error",
+               "--batch: \"set\" must be a list of texts KEY=VALUE, \"kernels\" true or false, \"derive\" a "
+               "list of file names"}};
     } catch (const std::exception& error) {
       return {{"status", 1}, {"error", error.what()}};
     }
   }
 
  private:
+  /// Writes the kernels that the scene lacks and that follow from `file`.
+  void derive(const scene::Scene& scene, const fs::path& file) {
+    if (scene.accuracy) return;  // which takes kernels of another element order too
+    const std::vector<StoredKernel> stored = find_kernels(scene, options_.out, cache_);
+    for (std::size_t k = 0; k < stored.size(); ++k) {
+      if (stored[k].enough || is_limited(scene, scene.bodies[k])) continue;
+      const auto request = scene::kernel_request(scene, scene.bodies[k], &cache_.meshes);
+      if (const auto kernel = scene::derive_from(file, request)) kernels::write(*kernel, stored[k].whole);
+    }
+  }
+
   Json needed(const scene::Scene& scene) {
     Json out = Json::array();
     for (const StoredKernel& kernel : find_kernels(scene, options_.out, cache_)) {

@@ -12,6 +12,8 @@ namespace ricochet::programs {
 ///     {"set": ["bodies.upper.velocity=[0,-6,0]"]}                    the impact, with these overrides behind
 ///     options'
 ///     {"set": [], "kernels": true}                                   only what kernels it needs
+///     {"set": [], "kernels": true, "derive": ["…"]}                  the same once those are written that it
+///                                                                    lacks and that follow from these files
 ///
 ///     {"status": 0, "summary": {…}}                                  keys of summary.json
 ///     {"status": 0, "kernels": [{"file": "…", "there": true}, …], "reads": {…}}

@@ -14,7 +14,7 @@ import unittest
 import h5py
 import numpy as np
 
-from programs import BIN, MESHES, SOURCE, ProgramTest, Run, contact
+from programs import BIN, MESHES, SOURCE, ProgramTest, Run, contact, kernel
 
 sys.path.append(str(SOURCE / "scripts/modules"))
 from result_file import BadInput
@@ -169,6 +169,26 @@ for line in sys.stdin:
         self.assertEqual((self.out / "rods.sweep.jsonl").read_text(), "")
         self.succeed(Run(self.sweep(study)))
         self.assertEqual({row["status"] for row in self.rows()}, {"0"})
+
+    def test_kernels_that_follow_from_others_are_not_computed(self):
+        """Six Young's moduli and six dampings: a start of ricochet-kernel for each mesh, not for each body."""
+        starts = self.folder / "starts"
+        for program in ("ricochet-contact", "ricochet-kernel"):
+            counted = f"echo >> {starts}\n" if program.endswith("kernel") else ""
+            self.write(program, f'#!/bin/sh\n{counted}exec {BIN}/{program} "$@"\n').chmod(0o755)
+        text = ('[set]\n"modes.count" = 20\n"time.rate_hz" = 20.0\n[random]\ncount = 6\n'
+                '"bodies.moving.material.young" = { log_uniform = [1.0, 4.0] }\n"bodies.moving.damping.ratio" = { uniform = [0.01, 0.1] }')
+        self.succeed(Run(["env", f"RICOCHET_BIN={self.folder}", *self.sweep(self.study(text))]))
+        self.assertEqual(starts.read_text().count("\n"), 1)
+        self.assertEqual(len(list(self.out.glob("moving-*.kernel.h5"))), 6)
+        self.assertEqual({row["status"] for row in self.rows()}, {"0"})
+        last = self.rows()[-1]
+        sets = [f"{key}={last[key]}" for key in ("bodies.moving.material.young", "bodies.moving.damping.ratio")]
+        sets += ["modes.count=20", "time.rate_hz=20.0", "title=alone"]
+        self.succeed(kernel(self.folder / "two-rods.toml", self.folder / "alone", *sets, ranks=1))
+        self.succeed(contact(self.folder / "two-rods.toml", self.folder / "alone", *sets))
+        # Derived or computed, eigenvectors are right to round-off times the gap of frequencies.
+        self.assertAlmostEqual(float(last["impulse_ns"]) / self.summary(self.folder / "alone")["impulse_ns"], 1, delta=1e-7)
 
     def test_bodies_at_rest_and_table_kernels_are_swept_too(self):
         rod = (f'[bodies.rod]\nmesh = "{MESHES}/two-rods/rod.geo"\norder = 1\nmaterial = {{ density = 1, young = 1, area = 1 }}\n'
