@@ -1,13 +1,13 @@
 # Completes options of Ricochet's programs, as their --help lists them, and the files that they read.
 _ricochet() {
-    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]}
-    case $before in
-        --out|--kernels) mapfile -t COMPREPLY < <(compgen -d -- "$word"); return ;;
+    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} choices
+    case ${1##*/}:$before in
+        *:--out|ricochet-plot:--kernels) mapfile -t COMPREPLY < <(compgen -d -- "$word"); return ;;
     esac
     if [[ $word == -* ]]; then
-        local options
-        options=$("$1" --help 2>/dev/null | grep -oE -- '(^|[ ,])--?[a-z][a-z-]*' | tr -d ' ,' | sort -u)
-        mapfile -t COMPREPLY < <(compgen -W "$options" -- "$word")
+        choices=$("$1" --help 2>/dev/null | sed -n 's/^  \(-.*\)/\1/p' | sed 's/  .*//' |
+            grep -oE -- '(^|[ ,])--?[a-z][a-z-]*' | tr -d ' ,' | sort -u)
+        mapfile -t COMPREPLY < <(compgen -W "$choices" -- "$word")
     else
         local ending=toml
         [[ $1 == *-plot || $1 == *-report || $1 == *-recast ]] && ending=h5

@@ -18,4 +18,6 @@ configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/RicochetConfig.cmake.in 
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/RicochetConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/RicochetConfig.cmake ${PROJECT_BINARY_DIR}/RicochetConfigVersion.cmake
   DESTINATION ${package_dir} COMPONENT library)
-install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libricochet-dev COMPONENT library RENAME copyright)
+
+configure_file(${CMAKE_CURRENT_LIST_DIR}/ricochet.pc.in ${PROJECT_BINARY_DIR}/ricochet.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/ricochet.pc DESTINATION ${CMAKE_INSTALL_DATADIR}/pkgconfig COMPONENT library)

@@ -1,29 +1,70 @@
 # Debian packages by cpack -G DEB, one for each licence: scripts/package makes them with everything in them.
+if(DEFINED ENV{DEBEMAIL})
+  set(packager "$ENV{DEBFULLNAME} <$ENV{DEBEMAIL}>")
+else()
+  set(packager "Ricochet developers <developers@ricochet.invalid>")
+endif()
 set(CPACK_PACKAGE_NAME ricochet)
 set(CPACK_PACKAGE_VENDOR "Ricochet")
-set(CPACK_PACKAGE_CONTACT "Ricochet developers <ricochet@localhost>")
-set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "Frictionless impact of elastic bodies from modal kernels")
+set(CPACK_PACKAGE_CONTACT ${packager})
 set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_COMPONENTS_ALL programs library)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_STRIP_FILES ON)
 
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_NAME ricochet)
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_DEPENDS
   "openmpi-bin, python3 (>= 3.11), python3-numpy, python3-h5py, python3-matplotlib")
-set(CPACK_DEBIAN_PROGRAMS_DESCRIPTION "Frictionless impact of elastic bodies from modal kernels
- Programs that compute kernels of elastic bodies from gmsh meshes, and impacts from kernels.
- .
- ricochet-kernel is linked with gmsh: this package is distributed under the GNU GPL, version 2 or later.")
+set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SUGGESTS "slurm-client")
+set(CPACK_DEBIAN_PROGRAMS_DESCRIPTION "frictionless impact of elastic bodies from modal kernels
+Programs that compute kernels of elastic bodies from gmsh meshes, and
+impacts from kernels.
+.
+As ricochet-kernel is linked with gmsh, this package is distributed under
+the GNU GPL, version 3 or later.")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libricochet-dev)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS "libhdf5-dev, libfmt-dev")
-set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "Frictionless impact of elastic bodies, to embed
- Headers, libraries and the CMake package Ricochet for programs that run impacts from kernels.
- .
- Distributed under the BSD licence of two clauses; nothing in it needs MPI, PETSc or gmsh.")
+file(WRITE ${PROJECT_BINARY_DIR}/package/triggers "activate-noawait ldconfig\n")
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/package/triggers)
+set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "frictionless impact of elastic bodies, to embed
+Headers, libraries and the CMake package Ricochet for programs that run
+impacts from kernels.
+.
+Distributed under the BSD licence of two clauses; nothing in it needs MPI,
+PETSc or gmsh.")
 include(CPack)
+
+# What Debian expects in a package's folder of documents.
+string(TIMESTAMP date "%a, %d %b %Y %H:%M:%S +0000" UTC)
+file(READ LICENSE license)
+string(REGEX REPLACE "^.*developers\n+" "" license "${license}")
+string(STRIP "${license}" license)
+string(REPLACE "\n\n" "\n.\n" license "${license}")
+string(REPLACE "\n" "\n " license " ${license}")
+function(add_documents component package comment)
+  set(folder ${PROJECT_BINARY_DIR}/package/${package})
+  configure_file(cmake/copyright.in ${folder}/copyright @ONLY)
+  configure_file(cmake/changelog.in ${folder}/changelog @ONLY)
+  execute_process(COMMAND gzip -9nf ${folder}/changelog COMMAND_ERROR_IS_FATAL ANY)
+  install(FILES ${folder}/copyright ${folder}/changelog.gz DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${package} COMPONENT ${component})
+endfunction()
+add_documents(programs ricochet "The sources are under BSD-2-Clause. The program ricochet-kernel is linked with the gmsh library,
+ which is under the GNU General Public License, version 2 or later, and with OpenSSL 3 and METIS, whose licence (Apache 2.0)
+ goes with version 3 of it. So this package as a whole is distributed under the GPL, version 3 or later, see
+ /usr/share/common-licenses/GPL-3. What is in libricochet-dev does not contain gmsh and stays under BSD-2-Clause.")
+add_documents(library libricochet-dev "Nothing in this package is linked with what is under the GNU General Public License.")
+file(WRITE ${PROJECT_BINARY_DIR}/package/libricochet-dev.lintian
+"# The shared library is for hosts that load it, in other languages: it has no package of its own.
+libricochet-dev: package-name-doesnt-match-sonames
+libricochet-dev: link-to-shared-library-in-wrong-package
+# CPack writes these scripts.
+libricochet-dev: maintscript-calls-ldconfig
+")
+install(FILES ${PROJECT_BINARY_DIR}/package/libricochet-dev.lintian DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides
+  COMPONENT library RENAME libricochet-dev)

@@ -1,10 +1,9 @@
 # The programs with the scripts that run them: cmake --install BUILD --component programs. ricochet-kernel is linked with
 # gmsh, so that what is distributed with it is under the GPL; the library is not (see cmake/install.cmake).
-set(RICOCHET_MANUALS "" CACHE PATH "Folder of the manual pages to install (scripts/package makes them)")
 set(share ${CMAKE_INSTALL_DATADIR}/ricochet)
 set(user_scripts run plot report sweep tradeoff batch import faust)
-set(modules programs titles progress result_file report_charts report_motion report_page report_run report_sound
-  sweep_study sweep_results tradeoff_runs tradeoff_report body_file calculix_model)
+set(modules command_line programs titles progress result_file report_charts report_motion report_page report_run report_sound
+  sweep_study sweep_results sweep_workers tradeoff_runs tradeoff_report body_file calculix_model)
 
 install(TARGETS ricochet-contact ricochet-recast COMPONENT programs)
 if(RICOCHET_PREPROCESSOR)
@@ -33,8 +32,3 @@ foreach(other kernel recast ${user_scripts})
   file(CREATE_LINK ricochet-contact ${link} SYMBOLIC)
   install(FILES ${link} DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT programs)
 endforeach()
-if(RICOCHET_MANUALS)
-  install(DIRECTORY ${RICOCHET_MANUALS}/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT programs)
-endif()
-install(FILES cmake/copyright.programs DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/ricochet COMPONENT programs RENAME copyright)
-install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/ricochet COMPONENT programs)

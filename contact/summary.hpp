@@ -142,6 +142,7 @@ std::string json_text(const Summary& summary);
 
 /// Writes `summary` beside `path` and renames it. Throws InputError when the place can't be written.
 void write_json(const Summary& summary, const std::filesystem::path& path);
+std::string json_text(const EquilibriumSummary& summary);
 void write_json(const EquilibriumSummary& summary, const std::filesystem::path& path);
 
 }  // namespace ricochet::contact

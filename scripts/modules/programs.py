@@ -34,11 +34,11 @@ class Failed(Exception):
 
 
 def mpirun(ranks):
-    """The start of a command on `ranks` ranks, one thread each. $RICOCHET_LAUNCHER, such as "srun --mpi=pmix -n {ranks}",
+    """The start of a command on `ranks` ranks, one thread each; quiet: what goes wrong is said once, by the program. $RICOCHET_LAUNCHER, such as "srun --mpi=pmix -n {ranks}",
     takes the place of mpirun, which lets root in only when told to."""
     if launcher := os.environ.get("RICOCHET_LAUNCHER"):
         return shlex.split(launcher.replace("{ranks}", str(ranks)))
-    command = ["mpirun", "--oversubscribe", "-n", str(ranks)]
+    command = ["mpirun", "-q", "--oversubscribe", "-n", str(ranks)]
     return command + ["--allow-run-as-root"] * (os.geteuid() == 0)
 
 
@@ -50,8 +50,16 @@ def call(command, capture=False):
     done = subprocess.run([str(c) for c in command], env=environment, text=True,
                           stdout=subprocess.PIPE if capture else None)
     if done.returncode != 0:
+        killed = -done.returncode if done.returncode < 0 else done.returncode - 128
+        if killed > 0:
+            program = next(Path(word).name for word in map(str, command) if Path(word).name.startswith("ricochet-"))
+            print(f"{program}: ended by signal {killed}. Was it killed, or did memory run out? The same command goes on.", file=sys.stderr)
         raise Failed(done.returncode)
     return done.stdout
+
+
+def version():
+    return call([BIN / "ricochet-contact", "--version"], capture=True).split()[-1]
 
 
 def with_set(settings):

@@ -20,17 +20,19 @@ class Progress:
 
     def __init__(self, total, stream=sys.stderr):
         self.total, self.done, self.worked = total, 0, 0
-        self.stream, self.started = stream, time.monotonic()
+        self.stream, self.started, self.drawn = stream, time.monotonic(), 0
 
     def advance(self, what, pieces=1, already=False):
         self.done += pieces
         self.worked += 0 if already else pieces
-        if not self.stream.isatty():
+        now = time.monotonic()
+        if not self.stream.isatty() or (now - self.drawn < 0.1 and 0 < self.done < self.total):
             return
+        self.drawn = now
         filled = self.WIDTH * self.done // max(self.total, 1)
         left = ""
         if self.worked and self.done < self.total:
-            pace = (time.monotonic() - self.started) / self.worked
+            pace = (now - self.started) / self.worked
             left = f", {duration(pace * (self.total - self.done))} left"
         self.stream.write(f"\r\033[K[{'#' * filled}{'.' * (self.WIDTH - filled)}] {self.done}/{self.total}{left}  {what}"[:140])
         self.stream.write("\n" if self.done >= self.total else "")

@@ -29,13 +29,13 @@ class Journal:
         self.file = open(path, "ab")
         self.file.truncate(own)
 
-    def add(self, row, keep=True):
-        """`keep` false: for the tables of this run alone."""
-        self.rows[row["key"]] = row
-        if not keep:
-            return
-        self.file.write(json.dumps(row).encode() + b"\n")
-        self.file.flush()
+    def add(self, key, answer):
+        """`answer`: a line of JSON; one of a process that died is for the tables of this run alone."""
+        row = b'{"key": "%s", %s\n' % (key.encode(), answer[1:])
+        self.rows[key] = json.loads(row)
+        if "died" not in self.rows[key]:
+            self.file.write(row)
+            self.file.flush()
 
     def sync(self):
         os.fsync(self.file.fileno())
@@ -54,6 +54,8 @@ def outputs(summary):
             found[name] = len(value)
         elif name == "warnings":
             found["warnings"] = len(value)
+        elif name == "pairs":
+            found |= {f"pairs.{k}.{key}": item for k, pair in enumerate(value) for key, item in pair.items()}
         elif isinstance(value, dict):
             for key, item in value.items():
                 if isinstance(item, list):
@@ -132,6 +134,17 @@ def looks_logarithmic(values):
         np.median(values) < 0.3 * (values[0] + values[-1])
 
 
+def edges(places, labels):
+    """Of cells about ascending places: midway between them, on a logarithmic axis by ratio."""
+    if len(places) == 1:
+        return places[0] + np.array([-0.5, 0.5])
+    by_ratio = not labels and looks_logarithmic(places)
+    p = np.log(places) if by_ratio else places
+    middle = (p[1:] + p[:-1]) / 2
+    found = np.concatenate([[2 * p[0] - middle[0]], middle, [2 * p[-1] - middle[-1]]])
+    return np.exp(found) if by_ratio else found
+
+
 def draw(table, output, against, path):
     """One input: points, joined where the study has nothing else; two: colour over both."""
     import matplotlib
@@ -160,7 +173,7 @@ def draw(table, output, against, path):
             np.add.at(total, at, z[there])
             np.add.at(count, at, 1)
             mean = np.divide(total, count, out=np.full_like(total, np.nan), where=count > 0)
-            shown = ax.pcolormesh(xs, ys, mean, shading="nearest")
+            shown = ax.pcolormesh(edges(xs, labels), edges(ys, y_labels), mean)
         else:
             shown = ax.scatter(x[there], y[there], c=z[there], s=14)
         fig.colorbar(shown, label=output)

@@ -13,6 +13,7 @@
 #include "kernels/error.hpp"
 #include "src/programs/accuracy.hpp"
 #include "src/programs/contact_parts.hpp"
+#include "src/scene/derive.hpp"
 #include "src/scene/scene.hpp"
 
 namespace ricochet::programs {
@@ -35,43 +36,78 @@ class Batch {
       for (const Json& word : request.value("set", Json::array()))
         overrides.push_back(word.get<std::string>());
       scene::Scene scene = scene::read(options_.scene, overrides);
-      if (request.value("kernels", false)) return {{"status", 0}, {"kernels", needed(scene)}};
+      if (request.contains("derive"))
+        for (const Json& file : request["derive"]) derive(scene, options_.out / file.get<std::string>());
+      if (request.value("kernels", false))
+        return {{"status", 0}, {"kernels", needed(scene)}, {"reads", other_files(scene)}};
       return {{"status", 0}, {"summary", Json::parse(impact(scene))}};
     } catch (const InputError& error) {
       return {{"status", 2}, {"error", error.what()}};
     } catch (const Json::exception&) {
       return {{"status", 2},
-              {"error", "--batch: \"set\" must be a list of texts KEY=VALUE, \"kernels\" true or false"}};
+              {"error",
+               "--batch: \"set\" must be a list of texts KEY=VALUE, \"kernels\" true or false, \"derive\" a "
+               "list of file names"}};
     } catch (const std::exception& error) {
       return {{"status", 1}, {"error", error.what()}};
     }
   }
 
  private:
-  Json needed(const scene::Scene& scene) {
-    Json out = Json::array();
+  /// Writes the kernels that the scene lacks and that follow from `file`.
+  void derive(const scene::Scene& scene, const fs::path& file) {
+    if (scene.accuracy) return;  // which takes kernels of another element order too
     const std::vector<StoredKernel> stored = find_kernels(scene, options_.out, cache_);
     for (std::size_t k = 0; k < stored.size(); ++k) {
-      const fs::path whole = scene::kernel_path(options_.out, scene::kernel_request(scene, scene.bodies[k]));
-      const fs::path& path = stored[k].enough ? stored[k].path : whole;
-      out.push_back({{"file", path.filename().string()}, {"there", stored[k].enough}});
+      if (stored[k].enough || is_limited(scene, scene.bodies[k])) continue;
+      const auto request = scene::kernel_request(scene, scene.bodies[k], &cache_.meshes);
+      if (const auto kernel = scene::derive_from(file, request)) kernels::write(*kernel, stored[k].whole);
+    }
+  }
+
+  Json needed(const scene::Scene& scene) {
+    Json out = Json::array();
+    for (const StoredKernel& kernel : find_kernels(scene, options_.out, cache_)) {
+      const fs::path& path = kernel.enough ? kernel.path : kernel.whole;
+      out.push_back({{"file", path.filename().string()}, {"there", kernel.enough}});
+    }
+    return out;
+  }
+
+  /// What tells versions of the files apart that an impact reads beside kernels: size and time of change.
+  static Json other_files(const scene::Scene& scene) {
+    std::vector<fs::path> paths{scene.contact.table};
+    for (const auto* loads : {&scene.loads.tractions, &scene.loads.points, &scene.loads.motions})
+      for (const scene::Driven& driven : *loads) paths.push_back(driven.history);
+    Json out = Json::object();
+    for (const fs::path& path : paths) {
+      std::error_code missing;  // refused when it is read
+      const std::uintmax_t size = fs::file_size(path, missing);
+      if (missing) continue;
+      out[path.string()] = {size, fs::last_write_time(path, missing).time_since_epoch().count()};
     }
     return out;
   }
 
   std::string impact(scene::Scene& scene) {
-    if (scene.contact.kernel == scene::ContactKernel::table || scene.contact.scheme == scene::Scheme::at_rest)
-      throw InputError(
-          fmt::format("{}: --batch runs impacts by modes: leave out contact.kernel = \"table\" and "
-                      "contact.scheme = \"static\"",
-                      scene.file.string()));
     const Clock::time_point started = Clock::now();
+    if (scene.contact.kernel == scene::ContactKernel::table) {
+      contact::Summary summary = summary_by_table(scene, options_.out, cache_);
+      summary.wall_s = seconds_since(started);
+      return contact::json_text(summary);
+    }
     const Kernels kernels = read_kernels(scene, options_.out, cache_);
     contact::Model model = in_scene(scene, [&] { return model_of(scene, kernels.pointers()); });
     Judged judged{.warnings = kernels.warnings};
     if (scene.accuracy) {
       judged = choose_and_judge(scene, kernels, options_.out);
       model = thinned(std::move(model), judged.thinnings);
+    }
+    if (scene.contact.scheme == scene::Scheme::at_rest) {
+      contact::EquilibriumSummary summary = contact::summarise(model, equilibrium_of(scene, model));
+      judged.into(summary);
+      summary.wall_s = seconds_since(started);
+      return contact::json_text(summary);
     }
     const contact::StepOptions step = step_options(scene);
     const std::int64_t steps = std::llround(scene.time.duration * scene.time.rate.value);

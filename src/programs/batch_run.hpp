@@ -12,9 +12,12 @@ namespace ricochet::programs {
 ///     {"set": ["bodies.upper.velocity=[0,-6,0]"]}                    the impact, with these overrides behind
 ///     options'
 ///     {"set": [], "kernels": true}                                   only what kernels it needs
+///     {"set": [], "kernels": true, "derive": ["…"]}                  the same once those are written that it
+///                                                                    lacks and that follow from these files
 ///
 ///     {"status": 0, "summary": {…}}                                  keys of summary.json
-///     {"status": 0, "kernels": [{"file": "…", "there": true}, …]}
+///     {"status": 0, "kernels": [{"file": "…", "there": true}, …], "reads": {…}}
+///                                                                    reads: tables and histories
 ///     {"status": 2, "error": "…"}                                    refused; 1: the computation broke down
 ///
 /// A kernel is read once and kept while impacts need it. Results are not written. A request that is no JSON

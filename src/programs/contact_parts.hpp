@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "contact/equilibrium.hpp"
 #include "contact/integrator.hpp"
 #include "contact/model.hpp"
 #include "contact/summary.hpp"
@@ -28,6 +29,9 @@ double slowest_wave(const scene::Scene& scene);
 contact::Model model_of(const scene::Scene& scene, const std::vector<const kernels::Kernel*>& kernels);
 contact::StepOptions step_options(const scene::Scene& scene);
 
+/// Of a scene with the scheme "static".
+contact::Equilibrium equilibrium_of(const scene::Scene& scene, const contact::Model& model);
+
 /// Throws what a step that failed at `time` [s] means.
 void check(contact::StepStatus status, const scene::Scene& scene, double time);
 
@@ -37,5 +41,9 @@ std::string report(const contact::Summary& summary);
 /// The part of run_contact that is for table kernels (table_run.cpp).
 int run_table(const console::Options& options, const scene::Scene& scene, const std::filesystem::path& folder,
               console::Console& console, std::ostream& out);
+
+/// The same run without a result file, `wall_s` left to the caller.
+contact::Summary summary_by_table(const scene::Scene& scene, const std::filesystem::path& folder,
+                                  KernelCache& cache);
 
 }  // namespace ricochet::programs

@@ -76,6 +76,12 @@ contact::StepOptions step_options(const scene::Scene& scene) {
                                                                          : contact::Precision::float64};
 }
 
+contact::Equilibrium equilibrium_of(const scene::Scene& scene, const contact::Model& model) {
+  using Solver = contact::EquilibriumOptions::Solver;
+  const Solver solver = scene.contact.solver == scene::Solver::uzawa ? Solver::uzawa : Solver::exact;
+  return in_scene(scene, [&] { return contact::find_equilibrium(model, {.solver = solver}); });
+}
+
 double slowest_wave(const scene::Scene& scene) {
   double slowest = std::numeric_limits<double>::infinity();
   for (const scene::Body& body : scene.bodies)
@@ -229,11 +235,7 @@ void run_at_rest(const scene::Scene& scene, const contact::Model& model, const J
                  const Target& target, Clock::time_point started, const console::Options& options,
                  console::Console& console, std::ostream& out) {
   console.begin("equilibrium");
-  const contact::Equilibrium equilibrium = in_scene(scene, [&] {
-    using Solver = contact::EquilibriumOptions::Solver;
-    return contact::find_equilibrium(
-        model, {.solver = scene.contact.solver == scene::Solver::uzawa ? Solver::uzawa : Solver::exact});
-  });
+  const contact::Equilibrium equilibrium = equilibrium_of(scene, model);
   console.end(fmt::format("{} iterations", equilibrium.iterations));
 
   console.begin("writing");

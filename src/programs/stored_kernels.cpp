@@ -23,7 +23,7 @@ std::vector<KernelFile> files_of(const scene::Scene& scene, const scene::Body& b
 }
 
 std::shared_ptr<const kernels::Kernel> read(const fs::path& path, KernelCache& cache) {
-  std::shared_ptr<const kernels::Kernel>& kernel = cache[path];
+  std::shared_ptr<const kernels::Kernel>& kernel = cache.kernels[path];
   if (!kernel) kernel = std::make_shared<const kernels::Kernel>(kernels::read(path));
   return kernel;
 }
@@ -41,10 +41,11 @@ std::vector<StoredKernel> find_kernels(const scene::Scene& scene, const fs::path
   std::vector<std::vector<KernelFile>> files;
   std::vector<StoredKernel> out;
   for (const scene::Body& body : scene.bodies) {
-    const scene::KernelRequest request = scene::kernel_request(scene, body);
+    const scene::KernelRequest request = scene::kernel_request(scene, body, &cache.meshes);
+    const fs::path whole = scene::kernel_path(folder, request);
     files.push_back(files_of(scene, body, request, folder));
     const bool none = files.back().empty();
-    out.push_back({none ? scene::kernel_path(folder, request) : files.back().front().path, !none});
+    out.push_back({none ? whole : files.back().front().path, !none, whole, request.hash});
   }
   const auto whole = [](const auto& of_body) { return of_body.size() == 1 && !of_body.front().held; };
   const auto none = [](const auto& of_body) { return of_body.empty(); };
@@ -85,7 +86,7 @@ std::vector<std::string> locking(const scene::Body& body, const kernels::Kernel&
 Kernels read_kernels(const scene::Scene& scene, const fs::path& folder, KernelCache& cache) {
   const std::vector<StoredKernel> stored = find_kernels(scene, folder, cache);
   Kernels out;
-  KernelCache kept;
+  decltype(cache.kernels) kept;
   for (std::size_t k = 0; k < stored.size(); ++k) {
     const scene::Body& body = scene.bodies[k];
     const fs::path& path = stored[k].path;
@@ -95,7 +96,7 @@ Kernels read_kernels(const scene::Scene& scene, const fs::path& folder, KernelCa
           "{}: no kernel for body \"{}\" {}. Run ricochet-kernel {} first.", scene.file.string(), body.name,
           limited ? "in " + folder.string() : "at " + path.string(), scene.file.string()));
     const auto kernel = read(path, cache);
-    if (!limited && kernel->hash != scene::kernel_request(scene, body).hash)
+    if (!limited && kernel->hash != stored[k].hash)
       throw InputError(
           fmt::format("{}: is a kernel of another scene, not of body \"{}\". Run ricochet-kernel {} again.",
                       path.string(), body.name, scene.file.string()));
@@ -104,7 +105,7 @@ Kernels read_kernels(const scene::Scene& scene, const fs::path& folder, KernelCa
     for (const std::string& warning : locking(body, *kernel)) out.warnings.push_back(warning);
     kept[path] = kernel;
   }
-  cache = std::move(kept);
+  cache.kernels = std::move(kept);
   return out;
 }
 

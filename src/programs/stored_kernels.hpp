@@ -20,8 +20,11 @@ struct Kernels {
   std::vector<const kernels::Kernel*> pointers() const;
 };
 
-/// Kernels of the run before, by path: what stays the same is not read again.
-using KernelCache = std::map<std::filesystem::path, std::shared_ptr<const kernels::Kernel>>;
+/// Kernels of the run before, by path, and hashes of meshes: what stays the same is not read again.
+struct KernelCache {
+  std::map<std::filesystem::path, std::shared_ptr<const kernels::Kernel>> kernels;
+  scene::MeshHashes meshes;
+};
 
 /// The file of a body's kernel; of several that differ in the candidates that they hold, the one with the
 /// fewest that are enough. Where there is none, the name of a kernel with all candidates; where none has
@@ -29,6 +32,8 @@ using KernelCache = std::map<std::filesystem::path, std::shared_ptr<const kernel
 struct StoredKernel {
   std::filesystem::path path;
   bool enough = false;
+  std::filesystem::path whole;  ///< the name of one with all candidates
+  std::string hash;             ///< that this one must have
 };
 
 /// Of each body. Throws InputError like contact::pair where a reach has to be looked at.

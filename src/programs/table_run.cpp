@@ -40,28 +40,82 @@ void check_length(const scene::Scene& scene, const contact::TableIntegrator& int
                   scene.file.string(), scene.time.duration, scene.contact.table.string(), longest));
 }
 
+struct Tabled {
+  Kernels kernels;  ///< none where the table is a file
+  std::optional<contact::Model> model;
+  contact::Table table;
+  int unpaired = 0;
+};
+
+Tabled tabled(const scene::Scene& scene, const fs::path& folder, KernelCache& cache, std::int64_t steps) {
+  Tabled out;
+  if (!scene.contact.table.empty()) {
+    out.table = contact::read_table(scene.contact.table);
+    return out;
+  }
+  out.kernels = read_kernels(scene, folder, cache);
+  out.model = in_scene(scene, [&] { return model_of(scene, out.kernels.pointers()); });
+  check_memory(scene, out.model->gap.size(), steps);
+  out.table =
+      in_scene(scene, [&] { return contact::table_from_modes(*out.model, step_options(scene), steps); });
+  for (const contact::Model::PairBlock& pair : out.model->pairs) out.unpaired += pair.unpaired;
+  return out;
+}
+
+std::int64_t steps_of(const scene::Scene& scene) {
+  return std::llround(scene.time.duration * scene.time.rate.value);
+}
+
+/// All steps, `after` each; `wall_s` is left to the caller.
+template <class After>
+contact::Summary run(const scene::Scene& scene, const Tabled& tabled, contact::TableIntegrator& integrator,
+                     After after) {
+  const contact::StepOptions step = step_options(scene);
+  contact::TableObserver observer(integrator, step.step, tabled.unpaired);
+  const Clock::time_point started = Clock::now();
+  for (std::int64_t k = 1, steps = steps_of(scene); k <= steps; ++k) {
+    check(integrator.step(), scene, static_cast<double>(k) * step.step);
+    observer.observe(integrator);
+    after(k);
+  }
+  const double elapsed = seconds_since(started);
+  contact::Summary summary = observer.summary();
+  if (tabled.model) {
+    for (const contact::Model::BodyBlock& body : tabled.model->bodies) {
+      summary.modes[body.name] = body.modes;
+      summary.basis[body.name] = body.kernel->modes.kind();
+    }
+    if (step.scheme == contact::Scheme::compliant)
+      summary.modes_in_residual =
+          static_cast<int>((tabled.model->omega.array() * step.step > std::numbers::pi).count());
+  }
+  summary.real_time_factor = elapsed > 0 ? integrator.time() / elapsed : 0;
+  return summary;
+}
+
+contact::TableIntegrator integrator_of(const scene::Scene& scene, const Tabled& tabled) {
+  contact::TableIntegrator out =
+      in_scene(scene, [&] { return contact::TableIntegrator(tabled.table, step_options(scene)); });
+  check_length(scene, out, steps_of(scene));
+  return out;
+}
+
 }  // namespace
+
+contact::Summary summary_by_table(const scene::Scene& scene, const fs::path& folder, KernelCache& cache) {
+  const Tabled table = tabled(scene, folder, cache, steps_of(scene));
+  contact::TableIntegrator integrator = integrator_of(scene, table);
+  return run(scene, table, integrator, [](std::int64_t) {});
+}
 
 int run_table(const console::Options& options, const scene::Scene& scene, const fs::path& folder,
               console::Console& console, std::ostream& out) {
   const Clock::time_point started = Clock::now();
-  const contact::StepOptions step = step_options(scene);
-  const std::int64_t steps = std::llround(scene.time.duration * scene.time.rate.value);
-  Kernels kernels;
-  std::optional<contact::Model> model;
-  contact::Table table;
-  int unpaired = 0;
+  const std::int64_t steps = steps_of(scene);
+  KernelCache none;
   console.begin("table");
-  if (!scene.contact.table.empty()) {
-    table = contact::read_table(scene.contact.table);
-  } else {
-    kernels = read_kernels(scene, folder);
-    model = in_scene(scene, [&] { return model_of(scene, kernels.pointers()); });
-    check_memory(scene, model->gap.size(), steps);
-    table = in_scene(scene, [&] { return contact::table_from_modes(*model, step, steps); });
-    for (const contact::Model::PairBlock& pair : model->pairs) unpaired += pair.unpaired;
-  }
-  console.end(fmt::format("{} samples, {} contact points", table.samples(), table.points()));
+  const Tabled source = tabled(scene, folder, none, steps);
+  console.end(fmt::format("{} samples, {} contact points", source.table.samples(), source.table.points()));
 
   std::error_code failure;
   fs::create_directories(folder, failure);
@@ -74,40 +128,22 @@ int run_table(const console::Options& options, const scene::Scene& scene, const 
   summary_file += ".summary.json";
 
   console.begin("steps", steps);
-  contact::TableIntegrator integrator =
-      in_scene(scene, [&] { return contact::TableIntegrator(table, step); });
-  check_length(scene, integrator, steps);
-  contact::TableRecorder recorder(table, model ? &*model : nullptr, integrator,
+  contact::TableIntegrator integrator = integrator_of(scene, source);
+  contact::TableRecorder recorder(source.table, source.model ? &*source.model : nullptr, integrator,
                                   {.path = result,
                                    .title = scene.title,
                                    .scene = scene::to_toml(scene),
                                    .created_by = std::string("ricochet-contact ") + RICOCHET_VERSION,
-                                   .kernel_files = kernels.file,
+                                   .kernel_files = source.kernels.file,
                                    .every = scene.output.every});
-  contact::TableObserver observer(integrator, step.step, unpaired);
-  const Clock::time_point stepping = Clock::now();
-  for (std::int64_t k = 1; k <= steps; ++k) {
-    check(integrator.step(), scene, static_cast<double>(k) * step.step);
-    observer.observe(integrator);
+  contact::Summary summary = run(scene, source, integrator, [&](std::int64_t k) {
     recorder.record(integrator);
     console.advance(k);
-  }
-  const double elapsed = seconds_since(stepping);
-  console.end(fmt::format("{} steps of {:.4g} s", steps, step.step));
+  });
+  console.end(fmt::format("{} steps of {:.4g} s", steps, step_options(scene).step));
 
   console.begin("writing");
   recorder.commit();
-  contact::Summary summary = observer.summary();
-  if (model) {
-    for (const contact::Model::BodyBlock& body : model->bodies) {
-      summary.modes[body.name] = body.modes;
-      summary.basis[body.name] = body.kernel->modes.kind();
-    }
-    if (step.scheme == contact::Scheme::compliant)
-      summary.modes_in_residual =
-          static_cast<int>((model->omega.array() * step.step > std::numbers::pi).count());
-  }
-  summary.real_time_factor = elapsed > 0 ? integrator.time() / elapsed : 0;
   summary.wall_s = seconds_since(started);
   contact::write_json(summary, summary_file);
   console.end(result.filename().string());

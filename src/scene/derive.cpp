@@ -174,22 +174,26 @@ kernels::Kernel derived(kernels::Kernel kernel, const KernelRequest& had, const 
   return kernel;
 }
 
+std::optional<kernels::Kernel> derive_from(const std::filesystem::path& file, const KernelRequest& wanted) {
+  const auto header = kernels::read_header(file);
+  if (!header || header->mesh_sha256 != wanted.mesh_sha256) return std::nullopt;
+  try {
+    const KernelRequest had = request_of(*header, file.string());
+    if (similarity(had, wanted)) return derived(kernels::read(file), had, wanted);
+  } catch (const InputError&) {
+    // Another one may do, or the kernel is computed.
+  }
+  return std::nullopt;
+}
+
 std::optional<Derived> derive_from_any(const std::filesystem::path& folder, const KernelRequest& wanted) {
   std::vector<std::filesystem::path> files;
   std::error_code failure;
   for (const auto& entry : std::filesystem::directory_iterator(folder, failure))
     if (entry.path().filename().string().ends_with(".kernel.h5")) files.push_back(entry.path());
   std::ranges::sort(files);
-  for (const std::filesystem::path& file : files) {
-    const auto header = kernels::read_header(file);
-    if (!header || header->mesh_sha256 != wanted.mesh_sha256) continue;
-    try {
-      const KernelRequest had = request_of(*header, file.string());
-      if (similarity(had, wanted)) return Derived{derived(kernels::read(file), had, wanted), file};
-    } catch (const InputError&) {
-      // Another one may do, or the kernel is computed.
-    }
-  }
+  for (const std::filesystem::path& file : files)
+    if (auto kernel = derive_from(file, wanted)) return Derived{std::move(*kernel), file};
   return std::nullopt;
 }
 

@@ -24,6 +24,9 @@ struct Derived {
   std::filesystem::path from;
 };
 
+/// The kernel that `wanted` asks for, from this file; none where it does not allow that, or can't be read.
+std::optional<kernels::Kernel> derive_from(const std::filesystem::path& file, const KernelRequest& wanted);
+
 /// The kernel that `wanted` asks for, from the first kernel file in `folder` that allows it. Files that can't
 /// be read count for nothing.
 std::optional<Derived> derive_from_any(const std::filesystem::path& folder, const KernelRequest& wanted);

@@ -76,7 +76,7 @@ std::vector<std::string> quoted(std::vector<std::string> texts) {
 
 std::array<double, 9> rotation_of(const Body& body) { return ricochet::rotation_of(body.rotate_deg); }
 
-KernelRequest kernel_request(const Scene& scene, const Body& body) {
+KernelRequest kernel_request(const Scene& scene, const Body& body, MeshHashes* known) {
   const std::string file = scene.file.filename().string();
   KernelRequest request;
   request.body = body;
@@ -107,8 +107,11 @@ KernelRequest kernel_request(const Scene& scene, const Body& body) {
     if (direction != request.direction) request.direction.reset();
   }
   const auto hash_of = [&](const Body& any) {
+    if (known != nullptr && known->contains(any.mesh)) return known->at(any.mesh);
     std::set<std::filesystem::path> seen;
-    return mesh_hash(any.mesh, fmt::format("{}: bodies.{}.mesh", file, any.name), seen);
+    const std::string hash = mesh_hash(any.mesh, fmt::format("{}: bodies.{}.mesh", file, any.name), seen);
+    if (known != nullptr) known->emplace(any.mesh, hash);
+    return hash;
   };
   request.mesh_sha256 = hash_of(body);
   // What band a body needs depends on those that it meets.

@@ -198,8 +198,12 @@ struct KernelRequest {
   std::string hash;  ///< SHA-256, hex
 };
 
+/// SHA-256 of meshes by path, of requests before: what changes on disk meanwhile is not seen.
+using MeshHashes = std::map<std::filesystem::path, std::string>;
+
+/// @param known  read and added to, where there are many requests
 /// Throws InputError when two pairs ask different patches of one body, or a mesh file can't be read.
-KernelRequest kernel_request(const Scene& scene, const Body& body);
+KernelRequest kernel_request(const Scene& scene, const Body& body, MeshHashes* known = nullptr);
 
 /// The same of elements of the next lower order, or of order 2 in the place of 1: what the mesh does to
 /// results shows beside it. None for a mesh file, which has an order of its own.

@@ -14,10 +14,11 @@ import unittest
 import h5py
 import numpy as np
 
-from programs import BIN, MESHES, SOURCE, ProgramTest, Run, contact
+from programs import BIN, MESHES, SOURCE, ProgramTest, Run, contact, kernel
 
 sys.path.append(str(SOURCE / "scripts/modules"))
 from result_file import BadInput
+from sweep_results import edges
 from sweep_study import Study
 
 
@@ -82,6 +83,13 @@ class Studies(SweepTest):
             done = Run(self.sweep(self.study(text)))
             self.assertEqual((done.status, done.err.count("\n")), (2, 1), done.err)
             self.assertFalse(self.out.exists())
+
+
+class Pictures(unittest.TestCase):
+    def test_cells_of_a_picture_are_about_their_values_on_both_kinds_of_axes(self):
+        np.testing.assert_allclose(edges(np.array([1.0, 10, 100]), None), 10 ** np.array([-0.5, 0.5, 1.5, 2.5]))
+        np.testing.assert_allclose(edges(np.array([1.0, 2, 4]), None), [0.5, 1.5, 3, 5])
+        np.testing.assert_allclose(edges(np.array([0.0]), ["compliant"]), [-0.5, 0.5])
 
 
 class Sweeps(SweepTest):
@@ -161,6 +169,56 @@ for line in sys.stdin:
         self.assertEqual((self.out / "rods.sweep.jsonl").read_text(), "")
         self.succeed(Run(self.sweep(study)))
         self.assertEqual({row["status"] for row in self.rows()}, {"0"})
+
+    def test_kernels_that_follow_from_others_are_not_computed(self):
+        """Six Young's moduli and six dampings: a start of ricochet-kernel for each mesh, not for each body."""
+        starts = self.folder / "starts"
+        for program in ("ricochet-contact", "ricochet-kernel"):
+            counted = f"echo >> {starts}\n" if program.endswith("kernel") else ""
+            self.write(program, f'#!/bin/sh\n{counted}exec {BIN}/{program} "$@"\n').chmod(0o755)
+        text = ('[set]\n"modes.count" = 20\n"time.rate_hz" = 20.0\n[random]\ncount = 6\n'
+                '"bodies.moving.material.young" = { log_uniform = [1.0, 4.0] }\n"bodies.moving.damping.ratio" = { uniform = [0.01, 0.1] }')
+        self.succeed(Run(["env", f"RICOCHET_BIN={self.folder}", *self.sweep(self.study(text))]))
+        self.assertEqual(starts.read_text().count("\n"), 1)
+        self.assertEqual(len(list(self.out.glob("moving-*.kernel.h5"))), 6)
+        self.assertEqual({row["status"] for row in self.rows()}, {"0"})
+        last = self.rows()[-1]
+        sets = [f"{key}={last[key]}" for key in ("bodies.moving.material.young", "bodies.moving.damping.ratio")]
+        sets += ["modes.count=20", "time.rate_hz=20.0", "title=alone"]
+        self.succeed(kernel(self.folder / "two-rods.toml", self.folder / "alone", *sets, ranks=1))
+        self.succeed(contact(self.folder / "two-rods.toml", self.folder / "alone", *sets))
+        # Derived or computed, eigenvectors are right to round-off times the gap of frequencies.
+        self.assertAlmostEqual(float(last["impulse_ns"]) / self.summary(self.folder / "alone")["impulse_ns"], 1, delta=1e-7)
+
+    def test_bodies_at_rest_and_table_kernels_are_swept_too(self):
+        rod = (f'[bodies.rod]\nmesh = "{MESHES}/two-rods/rod.geo"\norder = 1\nmaterial = {{ density = 1, young = 1, area = 1 }}\n'
+               'contact = "left"\n[obstacles.wall]\nnormal = [1, 0, 0]\n[modes]\ncount = 3\n'
+               '[contact]\nbetween = ["rod", "wall"]\nscheme = "static"\n[loads]\ngravity = [-1, 0, 0]\n')
+        self.write("rod.toml", rod)
+        self.succeed(Run(self.sweep(self.study('[grid]\n"loads.gravity[0]" = [-1e-3, -2e-3]', "rod.toml"))))
+        for row in self.rows():  # its weight: 10 kg times gravity
+            self.assertAlmostEqual(float(row["pairs.0.force_n"]) / (-10 * float(row["loads.gravity[0]"])), 1, delta=1e-9)
+        text = '[set]\n"modes.count" = 20\n"time.rate_hz" = 20.0\n[grid]\n"contact.kernel" = ["modes", "table"]'
+        self.succeed(Run(self.sweep(self.study(text))))
+        modes, table = self.rows()
+        for name in ("impulse_ns", "exit_velocity.resting.x", "modes.moving"):  # sums in another order
+            self.assertAlmostEqual(float(table[name]), float(modes[name]), delta=1e-9 * abs(float(modes[name])))
+
+    def test_a_history_that_changed_is_another_impact(self):
+        """What an impact reads beside kernels is part of what identifies it."""
+        text = (self.folder / "two-rods.toml").read_text()
+        self.write("pushed.toml", text + '\n[[loads.point]]\nname = "push"\nbody = "resting"\nat = [10, 0, 0]\nvector = [1e-3, 0, 0]\n'
+                   'history = "push.csv"\n')
+        study = self.study('[set]\n"modes.count" = 5\n"time.rate_hz" = 20.0\n[grid]\n"contact.gap" = [0.0]', "pushed.toml")
+        found = []
+        for history in ("0, 0\n30, 1\n", "0, 0\n30, 20\n", "0, 0\n30, 20\n"):
+            if not found or history != before:
+                self.write("push.csv", history)
+            before = history
+            self.succeed(Run(self.sweep(study)))
+            found.append((self.rows()[0]["exit_velocity.resting.x"], len((self.out / "rods.sweep.jsonl").read_text().splitlines())))
+        self.assertNotEqual(found[0][0], found[1][0])
+        self.assertEqual([lines for _, lines in found], [1, 2, 2])
 
     def test_settings_that_are_refused_are_rows_that_say_why(self):
         text = GRID.replace("[0.5, 1.0]", "[0.5, inf]")

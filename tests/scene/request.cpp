@@ -147,6 +147,18 @@ TEST(KernelRequests, hold_no_placement_and_no_velocity) {
     EXPECT_THAT(vector, ElementsAre(0, 0, 0));
 }
 
+TEST(KernelRequests, of_a_scene_run_many_times_hash_a_mesh_once) {
+  const Folder folder;
+  folder.write("ball.msh", "abc");
+  const Scene scene = read(folder.write("scene.toml", smallest));
+  MeshHashes known;
+  const auto ask = [&](MeshHashes* meshes) { return kernel_request(scene, scene.bodies[0], meshes); };
+  EXPECT_EQ(ask(&known).hash, ask(nullptr).hash);
+  folder.write("ball.msh", "abd");
+  EXPECT_EQ(ask(&known).mesh_sha256, sha256("abc"));
+  EXPECT_EQ(ask(nullptr).mesh_sha256, sha256("abd"));
+}
+
 // Turned by 90 degrees about x and then z, the body's x, y, z are the world's y, z, x. An axis has no sign.
 TEST(KernelRequests, hold_axes_in_the_bodys_own_frame) {
   const KernelRequest request =

@@ -1,0 +1,93 @@
+"""What `cmake --install` leaves: programs that work from PATH outside the tree, one version, shell completion, pkg-config."""
+
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+import h5py
+
+from programs import BIN, MESHES, SOURCE, ProgramTest
+
+BUILD = BIN.parent
+VERSION = re.search(r"project\(Ricochet VERSION (\S+)", (SOURCE / "CMakeLists.txt").read_text())[1]
+PROGRAMS = ["contact", "kernel", "recast", "run", "plot", "sweep", "tradeoff", "batch"]
+
+
+class Installed(ProgramTest):
+    @classmethod
+    def setUpClass(cls):
+        scope = tempfile.TemporaryDirectory(prefix="ricochet-installed-")
+        cls.addClassCleanup(scope.cleanup)
+        cls.prefix = Path(scope.name)
+        for component in ("programs", "library"):
+            subprocess.run(["cmake", "--install", BUILD, "--component", component, "--prefix", cls.prefix], check=True,
+                           capture_output=True)
+
+    def call(self, *command, path="{bin}:/usr/bin:/bin", **more):
+        """Without what points to the tree: its folder, its programs."""
+        found = {name: value for name, value in os.environ.items() if not name.startswith(("RICOCHET", "PYTHON"))}
+        found |= {"PATH": path.format(bin=self.prefix / "bin"), "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+        return subprocess.run([str(word) for word in command], env=found | more, cwd=self.folder, capture_output=True, text=True)
+
+    def options(self, program):
+        """Those that start a line of --help, with a short form before the long one or without."""
+        text = self.succeed_in(self.call(f"ricochet-{program}", "--help"))
+        return {word for line in text.splitlines() for word in re.findall(r"^  (-\w)?\S*?(?: \w+)?,? ?(--[a-z-]+)?", line)[:1]
+                for word in word if word}
+
+    def succeed_in(self, done):
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout
+
+    def test_every_program_is_there_and_says_the_version_of_the_project(self):
+        self.assertEqual({path.name for path in (self.prefix / "bin").iterdir()}, {f"ricochet-{name}" for name in PROGRAMS})
+        for name in PROGRAMS:
+            self.assertEqual(self.succeed_in(self.call(f"ricochet-{name}", "--version")), f"ricochet-{name} {VERSION}\n")
+        self.assertEqual(self.succeed_in(self.call("pkg-config", "--modversion", "ricochet",
+                                                   PKG_CONFIG_PATH=str(self.prefix / "share/pkgconfig"))).strip(), VERSION)
+        (config,) = self.prefix.glob("lib/**/RicochetConfigVersion.cmake")
+        self.assertIn(f'set(PACKAGE_VERSION "{VERSION}")', config.read_text())
+        self.assertIn(f'set(CPACK_PACKAGE_VERSION "{VERSION}")', (BUILD / "CPackConfig.cmake").read_text())
+        self.assertEqual(re.search(r"^## \[(\S+)\]", (SOURCE / "CHANGELOG.md").read_text(), re.M)[1], VERSION)
+
+    def test_a_scene_goes_from_mesh_to_pictures_and_a_study_to_its_table(self):
+        for path in (MESHES / "two-rods").glob("*.*"):
+            shutil.copy(path, self.folder)
+        self.succeed_in(self.call("ricochet-run", "-n", "1", "two-rods.toml", "--out", "found", "--set", "modes.count=5"))
+        self.assertTrue((self.folder / "found/two-rods-contact.png").is_file())
+        for path in (self.folder / "found").glob("*.h5"):
+            with h5py.File(path) as file:
+                self.assertEqual(file.attrs["created_by"].decode().split()[-1], VERSION, path)
+        self.write("study.toml", 'scene = "two-rods.toml"\n[set]\n"modes.count" = 5\n[grid]\n"contact.gap" = [0.0, 0.1]\n')
+        self.succeed_in(self.call("ricochet-sweep", "study.toml", "--out", "found"))
+        self.assertEqual(len((self.folder / "found/study.sweep.csv").read_text().splitlines()), 3)
+        refused = self.call("ricochet-batch", "study.toml", path="{bin}")
+        self.assertEqual((refused.returncode, refused.stderr.count("\n")), (2, 1), refused.stderr)
+        self.assertIn("there is no sbatch here", refused.stderr)
+
+    def completed(self, program, words):
+        """What the shell offers for the last of `words`."""
+        script = (f"source {self.prefix}/share/bash-completion/completions/ricochet-{program}\n"
+                  f"COMP_WORDS=(ricochet-{program} {words}); COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1))\n"
+                  f"_ricochet ricochet-{program}; printf '%s\\n' \"${{COMPREPLY[@]}}\"")
+        return set(self.succeed_in(self.call("bash", "-c", script)).split())
+
+    def test_the_shell_completes_all_options_and_the_files_that_programs_read(self):
+        for name in ("a.toml", "b.result.h5", "c.csv"):
+            self.write(name, "")
+        (self.folder / "folder").mkdir()
+        for name in PROGRAMS:
+            options = self.options(name)
+            self.assertLess({"--help", "--version", "--out"}, options)
+            self.assertEqual(self.completed(name, "-"), options)
+            file = "b.result.h5" if name in ("plot", "recast") else "a.toml"
+            self.assertEqual(self.completed(name, '""'), {file, "folder/"})
+        self.assertEqual(self.completed("sweep", "--out ''"), {"folder"})
+
+
+if __name__ == "__main__":
+    unittest.main()
