@@ -9,7 +9,8 @@
 //
 // Names start with "/"; groups on the way to a dataset are made as needed. No times are stored, so equal
 // content gives equal bytes. Arrays are row-major. Whoever uses this switches HDF5's own printing of errors
-// off. The header needs no HDF5 header; handles never leave these classes.
+// off, and its closing of files that are open when the program ends. The header needs no HDF5 header; handles
+// never leave these classes.
 #pragma once
 
 #include <concepts>
@@ -20,6 +21,8 @@
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "kernels/temporary.hpp"
 
 namespace ricochet::kernels::hdf5 {
 
@@ -126,7 +129,8 @@ class Writer {
   void write_attribute(const std::string& object, const std::string& name, std::int64_t type, const Id& space,
                        const void* value);
 
-  std::filesystem::path path_, temporary_;
+  std::filesystem::path path_;
+  std::unique_ptr<Temporary> temporary_;
   Id file_;
   std::vector<std::unique_ptr<Rows>> rows_;
 };
