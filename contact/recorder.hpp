@@ -28,6 +28,10 @@ struct RecorderOptions {
   std::int64_t snapshot_every = 0;          ///< modal coordinates each n-th step; 0: none
 };
 
+/// Bytes that the result of so many steps takes at least: what is written while something touches comes on
+/// top.
+double least_bytes(const Model& model, const RecorderOptions& options, std::int64_t steps);
+
 class Recorder {
  public:
   /// Makes the file and writes the row of t = 0. `model` outlives the recorder.

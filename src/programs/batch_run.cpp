@@ -49,6 +49,7 @@ class Batch {
 
  private:
   Json needed(const scene::Scene& scene) {
+    check_histories(scene);
     Json out = Json::array();
     const std::vector<StoredKernel> stored = find_kernels(scene, options_.out, cache_);
     for (std::size_t k = 0; k < stored.size(); ++k) {

@@ -17,6 +17,7 @@
 #include "contact/summary.hpp"
 #include "kernels/error.hpp"
 #include "kernels/kernel.hpp"
+#include "kernels/temporary.hpp"
 #include "src/console/console.hpp"
 #include "src/programs/accuracy.hpp"
 #include "src/programs/contact_parts.hpp"
@@ -136,6 +137,11 @@ std::string seconds(const std::optional<double>& value, const char* otherwise) {
 
 }  // namespace
 
+void forget_summary(const fs::path& summary) {
+  std::error_code ignored;
+  fs::remove(summary, ignored);
+}
+
 std::string report(const Summary& s) {
   std::string text;
   const auto line = [&](const char* name, const std::string& value) {
@@ -234,6 +240,7 @@ void run_at_rest(const scene::Scene& scene, const contact::Model& model, const J
   console.end(fmt::format("{} iterations", equilibrium.iterations));
 
   console.begin("writing");
+  forget_summary(target.summary);
   contact::Recorder(model, equilibrium, target.recorder).commit();
   contact::EquilibriumSummary summary = contact::summarise(model, equilibrium);
   judged.into(summary);
@@ -265,6 +272,7 @@ int run_contact(const console::Options& options, std::ostream& out) {
   contact::Model model = in_scene(scene, [&] { return model_of(scene, kernels.pointers()); });
   console.end(fmt::format("{} contact points, {} modes", model.gap.size(), model.omega.size()));
 
+  kernels::check_place(target_of(scene, folder, kernels).result);
   Judged judged;
   if (scene.accuracy) {
     console.begin("estimates");
@@ -281,6 +289,7 @@ int run_contact(const console::Options& options, std::ostream& out) {
   }
   const contact::StepOptions step = step_options(scene);
   const std::int64_t steps = std::llround(scene.time.duration * scene.time.rate.value);
+  kernels::check_place(target.result, contact::least_bytes(model, target.recorder, steps));
 
   console.begin("steps", steps);
   const Clock::time_point stepping = Clock::now();
@@ -300,6 +309,7 @@ int run_contact(const console::Options& options, std::ostream& out) {
   console.end(fmt::format("{} steps of {:.4g} s", steps, step.step));
 
   console.begin("writing");
+  forget_summary(target.summary);
   recorder.commit();
   Summary summary = observer.summary();
   judged.into(summary);

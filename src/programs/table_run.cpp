@@ -9,6 +9,7 @@
 #include "contact/table.hpp"
 #include "contact/table_integrator.hpp"
 #include "contact/table_results.hpp"
+#include "kernels/temporary.hpp"
 #include "src/programs/contact_parts.hpp"
 
 namespace ricochet::programs {
@@ -63,15 +64,11 @@ int run_table(const console::Options& options, const scene::Scene& scene, const 
   }
   console.end(fmt::format("{} samples, {} contact points", table.samples(), table.points()));
 
-  std::error_code failure;
-  fs::create_directories(folder, failure);
-  if (failure)
-    throw InputError(fmt::format("{}: can't make this folder ({}): choose another with --out",
-                                 folder.string(), failure.message()));
   const fs::path stem = folder / scene::slug(scene.title);
   fs::path result = stem, summary_file = stem;
   result += ".result.h5";
   summary_file += ".summary.json";
+  kernels::check_place(result);
 
   console.begin("steps", steps);
   contact::TableIntegrator integrator =
@@ -96,6 +93,7 @@ int run_table(const console::Options& options, const scene::Scene& scene, const 
   console.end(fmt::format("{} steps of {:.4g} s", steps, step.step));
 
   console.begin("writing");
+  forget_summary(summary_file);
   recorder.commit();
   contact::Summary summary = observer.summary();
   if (model) {
