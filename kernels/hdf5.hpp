@@ -144,7 +144,7 @@ class Reader {
   /// Throws InputError when `path` is missing, not HDF5, or damaged.
   Reader(std::filesystem::path path, std::string advice);
 
-  /// Whether a group or dataset of this name is in the file itself.
+  /// Whether there is a group or dataset of this name. Throws InputError when it is a link, or behind one.
   bool exists(const std::string& object) const;
   bool has_attribute(const std::string& object, const std::string& name) const;
 
@@ -170,6 +170,7 @@ class Reader {
 
  private:
   bool inside(const std::string& object) const;
+  void check_group(const std::string& name) const;
   Id open_dataset(const std::string& dataset) const;
   void check_shape(const std::string& dataset, const Shape& expected) const;
   void check_storage(const Id& dataset, const std::string& name, std::size_t element) const;

@@ -12,6 +12,7 @@
 #include <atomic>
 #include <cerrno>
 #include <climits>
+#include <csignal>
 #include <cstring>
 #include <string>
 #include <system_error>
@@ -33,6 +34,22 @@ struct Listed {
 };
 std::array<Listed, 32> listed;
 static_assert(std::atomic<bool>::is_always_lock_free);
+
+/// A signal that comes while a file is made finds it listed.
+class SignalsWait {
+ public:
+  SignalsWait() {
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, &before_);
+  }
+  ~SignalsWait() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  SignalsWait(const SignalsWait&) = delete;
+  SignalsWait& operator=(const SignalsWait&) = delete;
+
+ private:
+  sigset_t before_{};
+};
 
 /// @return its place, or -1 when there is none: then the next writer removes what a killed one left.
 int list(const std::string& path) {
@@ -101,6 +118,7 @@ Temporary::Temporary(fs::path target) : target_(std::move(target)) {
   for (int attempt = 0; attempt < 100; ++attempt) {
     path_ = target_;
     path_ += fmt::format(".{}{}{}", ::getpid(), attempt > 0 ? fmt::format("-{}", attempt) : "", kEnding);
+    const SignalsWait until_listed;
     descriptor_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor_ < 0 && errno == EEXIST) continue;
     if (descriptor_ < 0) fail(target_, errno);

@@ -52,9 +52,9 @@ title = "Many"
 [set]
 "modes.up_to_hz" = 5.0
 "time.rate_hz" = 1000
-"time.duration" = 2.0
+"time.duration" = 4.0
 [grid]
-"bodies.moving.velocity[0]" = { from = 0.01, to = 0.02, steps = 30 }
+"bodies.moving.velocity[0]" = { from = 0.01, to = 0.02, steps = 80 }
 "bodies.resting.material.young" = [1.0, 2.0]
 """
 
