@@ -261,6 +261,6 @@ void Recorder::snapshot_row(double time, const Vector& q) {
   }
 }
 
-void Recorder::commit() { file_.commit(); }
+void Recorder::commit(const std::filesystem::path& summary) { file_.commit(summary); }
 
 }  // namespace ricochet::contact

@@ -48,7 +48,8 @@ class Recorder {
   const Receivers& receivers() const { return receivers_; }
 
   /// Writes what is held back and gives the file its name. Nothing may be called after it.
-  void commit();
+  /// @param summary  of an earlier run, removed just before: one is written last, and tells that all is there
+  void commit(const std::filesystem::path& summary = {});
 
  private:
   using Rows = kernels::hdf5::Rows;

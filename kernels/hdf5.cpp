@@ -258,7 +258,7 @@ void Writer::integer_attribute(const std::string& object, const std::string& nam
   write_attribute(object, name, H5T_STD_I64LE, Id(H5Screate(H5S_SCALAR)), &value);
 }
 
-void Writer::commit() {
+void Writer::commit(const std::filesystem::path& outdated) {
   silence();
   for (const auto& rows : rows_) rows->flush();
   rows_.clear();
@@ -266,7 +266,7 @@ void Writer::commit() {
   // Flushed first: closing does not report everything that it fails to write.
   if (H5Fflush(file_.get(), H5F_SCOPE_GLOBAL) < 0) write_failed(path_.string(), "the file");
   if (H5Fclose(file_.release()) < 0) write_failed(path_.string(), "the file");
-  temporary_->commit();
+  temporary_->commit(outdated);
 }
 
 }  // namespace ricochet::kernels::hdf5

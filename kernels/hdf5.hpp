@@ -119,7 +119,8 @@ class Writer {
 
   /// Writes what is held back, closes, syncs to the disk and renames. Nothing may be called after it.
   /// Throws InputError when any of it fails; then there is no file at the final path, or the old one.
-  void commit();
+  /// @param outdated  as of Temporary
+  void commit(const std::filesystem::path& outdated = {});
 
   const std::filesystem::path& path() const { return path_; }
 

@@ -141,8 +141,10 @@ Temporary::~Temporary() {
   ::close(descriptor_);
 }
 
-void Temporary::commit() {
-  if (::fsync(descriptor_) != 0 || ::rename(path_.c_str(), target_.c_str()) != 0) fail(target_, errno);
+void Temporary::commit(const fs::path& outdated) {
+  if (::fsync(descriptor_) != 0) fail(target_, errno);
+  if (!outdated.empty()) ::unlink(outdated.c_str());
+  if (::rename(path_.c_str(), target_.c_str()) != 0) fail(target_, errno);
   unlist(slot_);
   ::close(std::exchange(descriptor_, -1));
   // Some file systems can't sync a folder; the file itself is whole either way.

@@ -26,7 +26,8 @@ class Temporary {
 
   /// Syncs the file to the disk, gives it its final name, and syncs the folder. Whoever wrote to `path` has
   /// closed it. Throws InputError when any of it fails; then what had the final name still has it.
-  void commit();
+  /// @param outdated  a file that tells of the one to be replaced: removed just before
+  void commit(const std::filesystem::path& outdated = {});
 
  private:
   std::filesystem::path target_, path_;

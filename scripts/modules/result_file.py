@@ -33,7 +33,11 @@ class File:
         return self.file[where].attrs.get(name) if where in self.file else None
 
     def has(self, name):
-        return isinstance(self.file.get(name), h5py.Dataset)
+        try:
+            item = self.file.get(name)
+        except RuntimeError:  # links in a circle
+            return False
+        return isinstance(item, h5py.Dataset) and item.file.filename == self.file.filename
 
     def names(self, group):
         return sorted(self.file[group]) if isinstance(self.file.get(group), h5py.Group) else []

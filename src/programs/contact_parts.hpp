@@ -34,9 +34,6 @@ void check(contact::StepStatus status, const scene::Scene& scene, double time);
 /// The main figures, a line each.
 std::string report(const contact::Summary& summary);
 
-/// A summary is written last: where there is one, the other files are whole and of the same run.
-void forget_summary(const std::filesystem::path& summary);
-
 /// The part of run_contact that is for table kernels (table_run.cpp).
 int run_table(const console::Options& options, const scene::Scene& scene, const std::filesystem::path& folder,
               console::Console& console, std::ostream& out);

@@ -137,11 +137,6 @@ std::string seconds(const std::optional<double>& value, const char* otherwise) {
 
 }  // namespace
 
-void forget_summary(const fs::path& summary) {
-  std::error_code ignored;
-  fs::remove(summary, ignored);
-}
-
 std::string report(const Summary& s) {
   std::string text;
   const auto line = [&](const char* name, const std::string& value) {
@@ -240,8 +235,7 @@ void run_at_rest(const scene::Scene& scene, const contact::Model& model, const J
   console.end(fmt::format("{} iterations", equilibrium.iterations));
 
   console.begin("writing");
-  forget_summary(target.summary);
-  contact::Recorder(model, equilibrium, target.recorder).commit();
+  contact::Recorder(model, equilibrium, target.recorder).commit(target.summary);
   contact::EquilibriumSummary summary = contact::summarise(model, equilibrium);
   judged.into(summary);
   summary.wall_s = seconds_since(started);
@@ -309,8 +303,7 @@ int run_contact(const console::Options& options, std::ostream& out) {
   console.end(fmt::format("{} steps of {:.4g} s", steps, step.step));
 
   console.begin("writing");
-  forget_summary(target.summary);
-  recorder.commit();
+  recorder.commit(target.summary);
   Summary summary = observer.summary();
   judged.into(summary);
   summary.sounds = microphones.write(folder / scene::slug(scene.title));

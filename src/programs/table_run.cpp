@@ -93,8 +93,7 @@ int run_table(const console::Options& options, const scene::Scene& scene, const 
   console.end(fmt::format("{} steps of {:.4g} s", steps, step.step));
 
   console.begin("writing");
-  forget_summary(summary_file);
-  recorder.commit();
+  recorder.commit(summary_file);
   contact::Summary summary = observer.summary();
   if (model) {
     for (const contact::Model::BodyBlock& body : model->bodies) summary.modes[body.name] = body.modes;
