@@ -105,7 +105,7 @@ class Signals(Robust):
                    "--out", self.out, *settings(SLICED)]
         process = self.start(*command)
         self.until(lambda: list(self.out.glob("*.slices/slice-*.h5")) or list(self.out.glob("a-*.kernel.h5")))
-        ranks = subprocess.run(["pgrep", "-P", str(process.pid), "ricochet"], capture_output=True, text=True).stdout.split()
+        ranks = subprocess.run(["pgrep", "-P", str(process.pid)], capture_output=True, text=True).stdout.split()
         self.assertEqual(len(ranks), 2)
         os.kill(int(ranks[1]), signal.SIGKILL)
         said = process.communicate(timeout=60)[1]
