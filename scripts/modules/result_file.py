@@ -6,6 +6,9 @@ import h5py
 import numpy as np
 
 
+VERSION = 1
+
+
 class BadInput(Exception):
     """What the user can mend; its text is one line."""
 
@@ -24,6 +27,10 @@ class File:
             raise BadInput(f"{path}: is {what} HDF5 file. Compute it again.") from None
         if self.text("/", "format") != kind:
             raise BadInput(f"{path}: is not a {kind} file. Name a file that Ricochet wrote.")
+
+        version = self.attribute("/", "version")
+        if not isinstance(version, (int, np.integer)) or not 1 <= version <= VERSION:
+            raise BadInput(f"{path}: has format version {version}, and this program reads {VERSION}. Use a newer Ricochet.")
 
     def text(self, where, name):
         value = self.attribute(where, name)

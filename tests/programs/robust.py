@@ -81,7 +81,7 @@ class Signals(Robust):
         return process
 
     def test_a_run_that_is_told_to_end_leaves_nothing_and_says_by_what_it_ended(self):
-        self.succeed(kernel(self.scene, self.out))
+        self.succeed(kernel(self.scene, self.out, ranks=1))
         for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
             process = self.run_that_writes()
             process.send_signal(number)
@@ -90,7 +90,7 @@ class Signals(Robust):
         self.assertEqual(list(self.out.glob("errors.*")), [])
 
     def test_what_a_killed_run_left_goes_at_the_next_and_what_a_live_one_writes_stays(self):
-        self.succeed(kernel(self.scene, self.out))
+        self.succeed(kernel(self.scene, self.out, ranks=1))
         dead, live = self.run_that_writes(), None
         dead.kill()
         dead.wait()
@@ -121,7 +121,7 @@ class Signals(Robust):
 
 class Places(Robust):
     def test_a_full_disk_is_said_in_one_line_and_nothing_is_left(self):
-        self.succeed(kernel(self.scene, self.out))
+        self.succeed(kernel(self.scene, self.out, ranks=1))
         self.succeed(contact(self.scene, self.out))
         before = {path.name: path.read_bytes() for path in self.out.iterdir()}
         for limit in (0, 1000, 20_000):  # files of no bytes, of too few for a header, for the rows
@@ -132,7 +132,7 @@ class Places(Robust):
 
     @unittest.skipUnless(os.geteuid() == 0, "mounts")
     def test_what_does_not_fit_is_refused_before_the_first_step(self):
-        self.succeed(kernel(self.scene, self.folder / "kernels"))
+        self.succeed(kernel(self.scene, self.folder / "kernels", ranks=1))
         self.out.mkdir()
         mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1m", "none", self.out], capture_output=True)
         if mounted.returncode != 0:
@@ -146,13 +146,13 @@ class Places(Robust):
         self.assertEqual(self.left(), [])
         subprocess.run(["mount", "-o", "remount,ro", self.out], check=True)
         self.refused(contact(self.scene, self.out), "errors.result.h5", "Read-only")
-        self.refused(kernel(self.scene, self.out, "modes.count=7"), "out/a-", "Read-only")
-        self.succeed(kernel(self.scene, self.out))  # all is there
+        self.refused(kernel(self.scene, self.out, "modes.count=7", ranks=1), "out/a-", "Read-only")
+        self.succeed(kernel(self.scene, self.out, ranks=1))  # all is there
 
     def test_a_folder_that_is_a_file_is_refused_by_all(self):
-        self.succeed(kernel(self.scene, self.out))
+        self.succeed(kernel(self.scene, self.out, ranks=1))
         file = self.write("file", "")
-        self.refused(kernel(self.scene, file), "file: can't make this folder")
+        self.refused(kernel(self.scene, file, ranks=1), "file: can't make this folder")
         (path,) = self.out.glob("a-*.kernel.h5")
         self.refused(Run([BIN / "ricochet-recast", path, "--young-factor", "2", "--out", file]), "file: can't make this folder")
         self.refused(Run([SOURCE / "scripts/sweep", self.write("study.toml", STUDY), "--out", file]), "sweep: ", "file")
@@ -169,14 +169,14 @@ class Early(Robust):
         for fault, *fragments in (["bodies.b.contact=nowhere", "rod.geo", "nowhere"], ["bodies.b.order=0", "bodies.b.order"],
                                   ["bodies.b.mesh=none.geo", "none.geo"],
                                   ['output.receiver=[{name="far",body="b",at=[0,9,0]}]', "far", "off bodies.b"]):
-            self.refused(kernel(self.scene, self.out, fault), *fragments)
+            self.refused(kernel(self.scene, self.out, fault, ranks=1), *fragments)
             self.assertEqual(list(self.out.glob("*")) if self.out.exists() else [], [])
 
     def test_histories_are_read_before_the_kernels_are_computed(self):
         load = 'loads.point=[{name="p",body="b",at=[1,0,0],vector=[1,0,0],history="h.csv"}]'
-        self.refused(kernel(self.scene, self.out, load), "h.csv", "no such file")
+        self.refused(kernel(self.scene, self.out, load, ranks=1), "h.csv", "no such file")
         self.write("h.csv", "0, 1\n0, 2\n")
-        self.refused(kernel(self.scene, self.out, load), "h.csv:2", "ascend")
+        self.refused(kernel(self.scene, self.out, load, ranks=1), "h.csv:2", "ascend")
         self.assertFalse(self.out.exists())
 
 
@@ -202,7 +202,7 @@ class Files(Robust):
             self.assertLess(np.abs(one - other).max(), 1e-8 * np.abs(one).max())
 
     def test_memory_is_not_taken_on_the_word_of_a_file_or_scene(self):
-        self.succeed(kernel(self.scene, self.out))
+        self.succeed(kernel(self.scene, self.out, ranks=1))
         (path,) = self.out.glob("a-*.kernel.h5")
         whole = path.read_bytes()
         command = [BIN / "ricochet-contact", self.scene, "--out", self.out, "--quiet"]
@@ -212,7 +212,7 @@ class Files(Robust):
         self.refused(self.limited(resource.RLIMIT_AS, 2 * 10**9, *command), path.name, "/surface/shape")
         path.write_bytes(whole)
         sound = ['output.receiver=[{name="r",body="b",at=[1,0,0]}]', "time.rate_hz=48000", "time.duration=6000"]
-        self.succeed(kernel(self.scene, self.out, *sound))
+        self.succeed(kernel(self.scene, self.out, *sound, ranks=1))
         run = self.limited(resource.RLIMIT_AS, 2 * 10**9, *command, *settings(sound))
         # Whichever is short first.
         self.assertRegex(run.err, "not enough memory|MB are needed")
@@ -220,7 +220,7 @@ class Files(Robust):
         self.assertEqual(run.err.count("\n"), 1)
 
     def test_results_made_to_harm_are_refused_by_what_draws_them(self):
-        self.succeed(kernel(self.scene, self.out))
+        self.succeed(kernel(self.scene, self.out, ranks=1))
         self.succeed(contact(self.scene, self.out))
         (path,) = self.out.glob("*.result.h5")
         whole = path.read_bytes()
@@ -274,7 +274,8 @@ class Sweeps(Robust):
 
 class Kills(unittest.TestCase):
     def test_programs_killed_at_random_moments_leave_nothing_partial_and_go_on(self):
-        run = Run(["env", f"RICOCHET_BIN={BIN}", SOURCE / "scripts/kills", "--count", "10", "--seed", "3"])
+        run = Run(["env", f"RICOCHET_BIN={BIN}", SOURCE / "scripts/kills", "--count", "10", "--seed", "3",
+                   "--only", "ricochet-contact"])
         self.assertEqual(run.status, 0, run.out + run.err)
 
 
