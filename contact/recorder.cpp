@@ -22,6 +22,18 @@ Energy initial_energy(const Model& model) {
 
 }  // namespace
 
+double least_bytes(const Model& model, const RecorderOptions& options, std::int64_t steps) {
+  const double rows = static_cast<double>(steps / options.every),
+               bodies = static_cast<double>(model.bodies.size()),
+               receivers = static_cast<double>(model.receivers.size());
+  double numbers = rows * (1 + 8 + 12 * bodies);
+  if (receivers > 0) numbers += static_cast<double>(steps) * (1 + 9 * receivers);
+  if (options.snapshot_every > 0)
+    numbers +=
+        static_cast<double>(steps / options.snapshot_every) * (1 + static_cast<double>(model.omega.size()));
+  return sizeof(double) * numbers;
+}
+
 Recorder::Recorder(const Model& model, const RecorderOptions& options, const StepOptions& step)
     : model_(model),
       step_(step.step),
@@ -249,6 +261,6 @@ void Recorder::snapshot_row(double time, const Vector& q) {
   }
 }
 
-void Recorder::commit() { file_.commit(); }
+void Recorder::commit(const std::filesystem::path& summary) { file_.commit(summary); }
 
 }  // namespace ricochet::contact

@@ -28,6 +28,10 @@ struct RecorderOptions {
   std::int64_t snapshot_every = 0;          ///< modal coordinates each n-th step; 0: none
 };
 
+/// Bytes that the result of so many steps takes at least: what is written while something touches comes on
+/// top.
+double least_bytes(const Model& model, const RecorderOptions& options, std::int64_t steps);
+
 class Recorder {
  public:
   /// Makes the file and writes the row of t = 0. `model` outlives the recorder.
@@ -44,7 +48,8 @@ class Recorder {
   const Receivers& receivers() const { return receivers_; }
 
   /// Writes what is held back and gives the file its name. Nothing may be called after it.
-  void commit();
+  /// @param summary  of an earlier run, removed just before: one is written last, and tells that all is there
+  void commit(const std::filesystem::path& summary = {});
 
  private:
   using Rows = kernels::hdf5::Rows;

@@ -1,7 +1,6 @@
 #include "contact/summary.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include <numbers>
 
 #include "kernels/error.hpp"
+#include "kernels/temporary.hpp"
 
 namespace ricochet::contact {
 namespace {
@@ -92,21 +92,15 @@ Json shares(const std::optional<ErrorEstimate>& estimate) {
 }
 
 void write(const Json& json, const std::filesystem::path& path) {
-  std::filesystem::path temporary = path;
-  temporary += fmt::format(".{}.partial", ::getpid());
-  std::error_code failed;
-  {
-    std::ofstream file(temporary);
-    file << json.dump(2) << '\n';
-    file.close();
-    if (!file) failed = std::make_error_code(std::errc::io_error);
-  }
-  if (!failed) std::filesystem::rename(temporary, path, failed);
-  if (!failed) return;
-  std::filesystem::remove(temporary, failed);
-  throw InputError(fmt::format(
-      "{}: cannot write the file. Is the disk full, or the folder read-only? Choose another --out.",
-      path.string()));
+  kernels::Temporary temporary(path);
+  std::ofstream file(temporary.path());
+  file << json.dump(2) << '\n';
+  file.close();
+  if (!file)
+    throw InputError(fmt::format(
+        "{}: cannot write the file. Is the disk full, or the folder read-only? Choose another --out.",
+        path.string()));
+  temporary.commit();
 }
 
 }  // namespace

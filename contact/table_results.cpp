@@ -79,7 +79,7 @@ void TableRecorder::record(const TableIntegrator& integrator) {
   if (integrator.steps() % every_ == 0) state_row(integrator);
 }
 
-void TableRecorder::commit() { file_.commit(); }
+void TableRecorder::commit(const std::filesystem::path& summary) { file_.commit(summary); }
 
 TableObserver::TableObserver(const TableIntegrator& start, double step, int unpaired)
     : bodies_(start.bodies()),

@@ -23,7 +23,7 @@ class TableRecorder {
   void record(const TableIntegrator& integrator);
 
   /// Writes what is held back and gives the file its name. Nothing may be called after it.
-  void commit();
+  void commit(const std::filesystem::path& summary = {});
 
  private:
   using Rows = kernels::hdf5::Rows;

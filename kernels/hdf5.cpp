@@ -1,14 +1,11 @@
 #include "kernels/hdf5.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <stdexcept>
-#include <system_error>
 
 #include "kernels/error.hpp"
 #include "kernels/hdf5_internal.hpp"
@@ -130,27 +127,21 @@ void Rows::flush() {
   block_.clear();
 }
 
-Writer::Writer(std::filesystem::path path) : path_(std::move(path)) {
+Writer::Writer(std::filesystem::path path)
+    : path_(std::move(path)), temporary_(std::make_unique<Temporary>(path_)) {
   silence();
-  temporary_ = path_;
-  temporary_ += fmt::format(".{}.partial", ::getpid());
-  std::error_code ignored;
-  std::filesystem::remove(temporary_, ignored);
   const Id creation = properties(H5P_FILE_CREATE);
   const Id access = unlocked_access();
   // The format of HDF5 1.8 puts checksums on metadata.
   H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V18);
   errno = 0;
-  file_ = Id(H5Fcreate(temporary_.c_str(), H5F_ACC_EXCL, creation.get(), access.get()));
+  file_ = Id(H5Fcreate(temporary_->path().c_str(), H5F_ACC_TRUNC, creation.get(), access.get()));
   if (!file_.valid()) write_failed(path_.string(), "the file");
 }
 
 Writer::~Writer() {
-  if (!file_.valid()) return;
   rows_.clear();
   file_.reset();
-  std::error_code ignored;
-  std::filesystem::remove(temporary_, ignored);
 }
 
 void Writer::group(const std::string& name) {
@@ -267,29 +258,15 @@ void Writer::integer_attribute(const std::string& object, const std::string& nam
   write_attribute(object, name, H5T_STD_I64LE, Id(H5Screate(H5S_SCALAR)), &value);
 }
 
-void Writer::commit() {
+void Writer::commit(const std::filesystem::path& outdated) {
   silence();
   for (const auto& rows : rows_) rows->flush();
   rows_.clear();
   errno = 0;
   // Flushed first: closing does not report everything that it fails to write.
   if (H5Fflush(file_.get(), H5F_SCOPE_GLOBAL) < 0) write_failed(path_.string(), "the file");
-  const bool closed = H5Fclose(file_.release()) >= 0;
-  const auto sync = [](const std::filesystem::path& place, int flags) {
-    const int descriptor = ::open(place.c_str(), flags | O_CLOEXEC);
-    const bool synced = descriptor >= 0 && ::fsync(descriptor) == 0;
-    if (descriptor >= 0) ::close(descriptor);
-    return synced;
-  };
-  if (!closed || !sync(temporary_, O_RDONLY) || ::rename(temporary_.c_str(), path_.c_str()) != 0) {
-    const int why = errno;
-    std::error_code ignored;
-    std::filesystem::remove(temporary_, ignored);
-    errno = why;
-    write_failed(path_.string(), "the file");
-  }
-  // Some file systems can't sync a folder; the file itself is whole either way.
-  sync(path_.has_parent_path() ? path_.parent_path() : ".", O_RDONLY | O_DIRECTORY);
+  if (H5Fclose(file_.release()) < 0) write_failed(path_.string(), "the file");
+  temporary_->commit(outdated);
 }
 
 }  // namespace ricochet::kernels::hdf5

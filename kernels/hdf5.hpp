@@ -9,7 +9,8 @@
 //
 // Names start with "/"; groups on the way to a dataset are made as needed. No times are stored, so equal
 // content gives equal bytes. Arrays are row-major. Whoever uses this switches HDF5's own printing of errors
-// off. The header needs no HDF5 header; handles never leave these classes.
+// off, and its closing of files that are open when the program ends. The header needs no HDF5 header; handles
+// never leave these classes.
 #pragma once
 
 #include <concepts>
@@ -20,6 +21,8 @@
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "kernels/temporary.hpp"
 
 namespace ricochet::kernels::hdf5 {
 
@@ -116,7 +119,8 @@ class Writer {
 
   /// Writes what is held back, closes, syncs to the disk and renames. Nothing may be called after it.
   /// Throws InputError when any of it fails; then there is no file at the final path, or the old one.
-  void commit();
+  /// @param outdated  as of Temporary
+  void commit(const std::filesystem::path& outdated = {});
 
   const std::filesystem::path& path() const { return path_; }
 
@@ -126,7 +130,8 @@ class Writer {
   void write_attribute(const std::string& object, const std::string& name, std::int64_t type, const Id& space,
                        const void* value);
 
-  std::filesystem::path path_, temporary_;
+  std::filesystem::path path_;
+  std::unique_ptr<Temporary> temporary_;
   Id file_;
   std::vector<std::unique_ptr<Rows>> rows_;
 };
@@ -140,7 +145,7 @@ class Reader {
   /// Throws InputError when `path` is missing, not HDF5, or damaged.
   Reader(std::filesystem::path path, std::string advice);
 
-  /// Whether a group or dataset of this name is in the file itself.
+  /// Whether there is a group or dataset of this name. Throws InputError when it is a link, or behind one.
   bool exists(const std::string& object) const;
   bool has_attribute(const std::string& object, const std::string& name) const;
 
@@ -166,6 +171,7 @@ class Reader {
 
  private:
   bool inside(const std::string& object) const;
+  void check_group(const std::string& name) const;
   Id open_dataset(const std::string& dataset) const;
   void check_shape(const std::string& dataset, const Shape& expected) const;
   void check_storage(const Id& dataset, const std::string& name, std::size_t element) const;

@@ -13,7 +13,12 @@ static_assert(std::same_as<hid_t, std::int64_t>);
 
 /// HDF5 prints its own error stack; ours are one line. For the thread and for good: were printing restored, a
 /// damaged file would make HDF5 complain once more when the program ends.
-inline void silence() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+/// And when the program ends HDF5 closes no file: one that a full disk keeps from closing crashes it there.
+inline void silence() {
+  static const herr_t never_at_exit = H5dont_atexit();
+  (void)never_at_exit;
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
 
 template <Element T>
 hid_t memory_type() {

@@ -77,13 +77,25 @@ void Reader::fail(const std::string& what) const {
   throw InputError(fmt::format("{}: {} {}", path_.string(), what, advice_));
 }
 
+/// Of something that is there: nothing else than a group may be where a group belongs.
+void Reader::check_group(const std::string& name) const {
+  H5O_info_t info{};
+  if (!name.empty() && H5Oget_info_by_name(file_.get(), name.c_str(), &info, H5P_DEFAULT) >= 0 &&
+      info.type != H5O_TYPE_GROUP)
+    fail(fmt::format("\"{}\" is not a group.", name));
+}
+
 bool Reader::inside(const std::string& object) const {
   for (std::size_t end = object.find('/', 1);; end = object.find('/', end + 1)) {
     const std::string part = object.substr(0, end);
     if (part != "/") {
       H5L_info_t info{};
-      if (H5Lget_info(file_.get(), part.c_str(), &info, H5P_DEFAULT) < 0 || info.type != H5L_TYPE_HARD)
+      if (H5Lget_info(file_.get(), part.c_str(), &info, H5P_DEFAULT) < 0) {
+        check_group(part.substr(0, part.rfind('/')));
         return false;
+      }
+      if (info.type != H5L_TYPE_HARD)
+        fail(fmt::format("dataset \"{}\" is a link; only data in the file itself is read.", object));
     }
     if (end == std::string::npos) return true;
   }
@@ -100,11 +112,7 @@ bool Reader::has_attribute(const std::string& object, const std::string& name) c
 }
 
 Id Reader::open_dataset(const std::string& dataset) const {
-  if (!inside(dataset)) {
-    if (H5Lexists(file_.get(), dataset.c_str(), H5P_DEFAULT) > 0)
-      fail(fmt::format("dataset \"{}\" is a link; only data in the file itself is read.", dataset));
-    fail(fmt::format("dataset \"{}\" is missing.", dataset));
-  }
+  if (!inside(dataset)) fail(fmt::format("dataset \"{}\" is missing.", dataset));
   Id opened(H5Dopen2(file_.get(), dataset.c_str(), H5P_DEFAULT));
   if (!opened.valid()) fail(fmt::format("\"{}\" is not a dataset, or damaged.", dataset));
   return opened;

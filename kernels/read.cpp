@@ -73,6 +73,8 @@ Modes read_modes(const hdf5::Reader& file) {
   if (!certificate.complete)
     file.fail(fmt::format("its certificate is not complete ({} modes found, {} proved).",
                           certificate.count_found, certificate.count_by_inertia));
+  if (certificate.count_found < 0 || certificate.left_out < 0)
+    file.fail("its certificate holds a negative count.");
   const std::int64_t kept = certificate.count_found - certificate.left_out;
   if (kept < 0 || static_cast<std::uint64_t>(kept) != n)
     file.fail(

@@ -42,20 +42,30 @@ def mpirun(ranks):
     return command + ["--allow-run-as-root"] * (os.geteuid() == 0)
 
 
+def bound(command):
+    """The command of a process that is told to end when its parent dies, even by SIGKILL."""
+    return ["setpriv", "--pdeathsig", "TERM", *map(str, command)]
+
+
 def call(command, capture=False):
+    """Runs a program to its end."""
     environment = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     if not BIN.is_dir():
         print(f"{BIN}: no programs there. Run scripts/build first.", file=sys.stderr)
         raise Failed(2)
-    done = subprocess.run([str(c) for c in command], env=environment, text=True,
-                          stdout=subprocess.PIPE if capture else None)
-    if done.returncode != 0:
-        killed = -done.returncode if done.returncode < 0 else done.returncode - 128
+    with subprocess.Popen(bound(command), env=environment, text=True, stdout=subprocess.PIPE if capture else None) as process:
+        try:
+            out, _ = process.communicate()
+        except BaseException:  # interrupted: its ranks, too, are to end, with their temporary files gone
+            process.terminate()
+            raise
+    if process.returncode != 0:
+        killed = -process.returncode if process.returncode < 0 else process.returncode - 128
         if killed > 0:
             program = next(Path(word).name for word in map(str, command) if Path(word).name.startswith("ricochet-"))
             print(f"{program}: ended by signal {killed}. Was it killed, or did memory run out? The same command goes on.", file=sys.stderr)
-        raise Failed(done.returncode)
-    return done.stdout
+        raise Failed(process.returncode if process.returncode > 0 else 128 - process.returncode)
+    return out
 
 
 def version():

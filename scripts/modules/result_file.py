@@ -6,6 +6,9 @@ import h5py
 import numpy as np
 
 
+VERSION = 1
+
+
 class BadInput(Exception):
     """What the user can mend; its text is one line."""
 
@@ -25,6 +28,10 @@ class File:
         if self.text("/", "format") != kind:
             raise BadInput(f"{path}: is not a {kind} file. Name a file that Ricochet wrote.")
 
+        version = self.attribute("/", "version")
+        if not isinstance(version, (int, np.integer)) or not 1 <= version <= VERSION:
+            raise BadInput(f"{path}: has format version {version}, and this program reads {VERSION}. Use a newer Ricochet.")
+
     def text(self, where, name):
         value = self.attribute(where, name)
         return value.decode(errors="replace") if isinstance(value, bytes) else value
@@ -33,7 +40,11 @@ class File:
         return self.file[where].attrs.get(name) if where in self.file else None
 
     def has(self, name):
-        return isinstance(self.file.get(name), h5py.Dataset)
+        try:
+            item = self.file.get(name)
+        except RuntimeError:  # links in a circle
+            return False
+        return isinstance(item, h5py.Dataset) and item.file.filename == self.file.filename
 
     def names(self, group):
         return sorted(self.file[group]) if isinstance(self.file.get(group), h5py.Group) else []

@@ -1,5 +1,7 @@
 """What a sweep found: its journal, its tables, its pictures."""
+import contextlib
 import csv
+import fcntl
 import glob
 import json
 import math
@@ -15,19 +17,20 @@ from result_file import BadInput
 class Journal:
     """A line of JSON for each impact that is finished, {"key", "status", "summary" or "error"}, in <stem>.sweep.jsonl; a
     part of a sweep has <stem>.sweep.K-of-N.jsonl of its own beside it, and all read all. What was written stays, whatever
-    ends the sweep; half a line at the end of one's own is cut off."""
+    ends the sweep; half a line at the end of one's own is cut off, and a line that a disk spoilt counts as none."""
 
-    def __init__(self, stem, part=None):
+    def __init__(self, stem, part=None, reads_only=False):
         stem.parent.mkdir(parents=True, exist_ok=True)
         path = Path(f"{stem}.sweep.{part[0]}-of-{part[1]}.jsonl" if part else f"{stem}.sweep.jsonl")
         self.rows = {}
+        if not reads_only:  # else it may be one that is being written
+            self.file = open(path, "ab")
+            lock(self.file, path)
         for other in sorted(stem.parent.glob(f"{glob.escape(stem.name)}.sweep*.jsonl")):
-            for line in whole_lines(other).decode().splitlines():
-                row = json.loads(line)
+            for row in filter(None, map(row_of, whole_lines(other).split(b"\n"))):
                 self.rows[row["key"]] = row
-        own = len(whole_lines(path)) if path.exists() else 0
-        self.file = open(path, "ab")
-        self.file.truncate(own)
+        if not reads_only:
+            self.file.truncate(len(whole_lines(path)))
 
     def add(self, key, answer):
         """`answer`: a line of JSON; one of a process that died is for the tables of this run alone."""
@@ -41,9 +44,42 @@ class Journal:
         os.fsync(self.file.fileno())
 
 
+def lock(file, path):
+    """Until this process ends. Where a file system has no locks, nothing tells of another sweep."""
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise BadInput(f"{path}: another sweep is writing it: wait until it has ended, or give another --out") from None
+    except OSError:
+        pass
+
+
+def row_of(line):
+    """None of a line that no sweep wrote."""
+    try:
+        row = json.loads(line)
+        whole = isinstance(row["key"], str) and isinstance(row["status"], int) and isinstance(row.get("summary", {}), dict)
+        return row if whole else None
+    except (ValueError, KeyError, TypeError):
+        return None
+
+
 def whole_lines(path):
     content = path.read_bytes()
     return content[:content.rfind(b"\n") + 1]
+
+
+@contextlib.contextmanager
+def beside(path):
+    """A name to write to, which becomes `path` when all is written, and nothing when that fails."""
+    partial = path.with_name(path.name + ".partial")
+    try:
+        yield partial
+        with open(partial, "rb+") as file:
+            os.fsync(file.fileno())
+        partial.rename(path)
+    finally:
+        partial.unlink(missing_ok=True)
 
 
 def outputs(summary):
@@ -81,19 +117,16 @@ class Table:
         self.outputs = {name: [columns.get(name, math.nan) for columns in found] for name in names}
 
     def write_csv(self, path):
-        partial = path.with_name(path.name + ".partial")
-        with open(partial, "w", newline="") as file:
+        with beside(path) as partial, open(partial, "w", newline="") as file:
             table = csv.writer(file)
             table.writerow([*self.inputs, *self.outputs, "status", "error"])
             text = [[value if isinstance(value, (int, float, str)) else json.dumps(value) for value in column]
                     for column in self.inputs.values()]
             table.writerows(zip(*text, *self.outputs.values(), self.status, self.error))
-        partial.rename(path)
 
     def write_hdf5(self, path):
         """/inputs/KEY, /outputs/NAME, /status, /error, all (settings); texts and lists as JSON."""
-        partial = path.with_name(path.name + ".partial")
-        with h5py.File(partial, "w") as file:
+        with beside(path) as partial, h5py.File(partial, "w") as file:
             file.attrs["format"], file.attrs["version"] = "ricochet-sweep", 1
             file.attrs["title"], file.attrs["scene"] = self.title, str(self.scene)
             for key, column in self.inputs.items():
@@ -102,7 +135,6 @@ class Table:
                 file.create_dataset(f"outputs/{name}", data=np.array(column, dtype=float))
             file["status"] = np.array(self.status, dtype=np.int8)
             file.create_dataset("error", data=self.error, dtype=h5py.string_dtype())
-        partial.rename(path)
 
     def column(self, name):
         columns = self.inputs | self.outputs

@@ -74,7 +74,7 @@ def in_parallel(jobs, command, requests):
     """Yields (index, answer as a line of JSON) of requests, Python objects, as `jobs` processes answer them."""
     waiting = ((index, json.dumps(request).encode() + b"\n") for index, request in enumerate(requests))
     with selectors.DefaultSelector() as selector:
-        workers = [Worker([str(word) for word in command], selector) for _ in range(jobs)]
+        workers = [Worker(command, selector) for _ in range(jobs)]
         try:
             for worker in workers:
                 worker.fill(waiting)

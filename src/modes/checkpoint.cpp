@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "kernels/hdf5.hpp"
+#include "kernels/temporary.hpp"
 
 namespace ricochet::modes {
 
@@ -14,6 +16,28 @@ namespace {
 namespace hdf5 = kernels::hdf5;
 
 constexpr const char* advice = "Delete it, and the search starts anew.";
+
+bool finite(const std::vector<double>& values) {
+  return std::ranges::all_of(values, [](double x) { return std::isfinite(x); });
+}
+
+/// A count of eigenvalues, as a file has it.
+bool is_count(double value) { return value >= 0 && value < 1e15 && value == std::floor(value); }
+
+/// What files hold that this program did not write is not worth a message: it is computed again.
+bool is_plan(const std::vector<double>& values) {
+  if (!finite(values) || values[0] <= 0 || !is_count(values[1]) || values.size() < 5) return false;
+  for (std::size_t k = 2; k < values.size(); k += 3)
+    if (values[k] <= 0 || values[k + 1] >= values[k + 2]) return false;
+  return true;
+}
+
+/// @param header  shift, count below it, ends of the interval covered, eigenvalues
+bool is_slice(const std::vector<double>& header, const std::vector<double>& shapes) {
+  return finite(header) && finite(shapes) && is_count(header[1]) && header[2] <= header[3] &&
+         std::is_sorted(header.begin() + 4, header.end()) &&
+         (header.size() == 4 || (header[4] >= header[2] && header.back() <= header[3]));
+}
 
 /// The rows of all ranks of a team in reading order, on its first rank: what a file holds does not depend on
 /// ranks.
@@ -60,12 +84,11 @@ Checkpoint::Checkpoint(const parallel::Teams& teams, const Operators& operators,
 
 void Checkpoint::save(const Plan& plan) const {
   if (folder_.empty()) return;
+  const std::int64_t rows = parallel::sum(teams_.team(), operators_.body.local_rows);
   parallel::on_first_rank(teams_.world(), [&] {
-    std::error_code failure;
-    std::filesystem::create_directories(folder_, failure);
-    if (failure)
-      throw InputError(fmt::format("{}: can't make this folder ({}): choose another with --out",
-                                   folder_.string(), failure.message()));
+    // Slices overlap a little: this is the least.
+    kernels::check_place(folder_ / "plan.h5",
+                         sizeof(double) * static_cast<double>(rows) * static_cast<double>(plan.end.below));
     hdf5::Writer file(folder_ / "plan.h5");
     file.write<double>("/end", std::vector<double>{plan.end.sigma, static_cast<double>(plan.end.below)}, {2},
                        "");
@@ -85,6 +108,7 @@ std::optional<Checkpoint::Plan> Checkpoint::plan() const {
       values = file.read<double>("/end", {2});
       const auto tasks = file.read<double>("/tasks", {hdf5::any, 3});
       values.insert(values.end(), tasks.begin(), tasks.end());
+      if (!is_plan(values)) values.clear();
     } catch (const InputError&) {
       values.clear();
     }
@@ -112,6 +136,9 @@ void Checkpoint::save(const Slice& slice, const Eigen::MatrixXd& shape) const {
     }
   };
   on_first([&] {
+    // Another run may have had the kernel first, and this folder removed.
+    std::error_code ignored;
+    std::filesystem::create_directories(folder_, ignored);
     // The shift's bits name the file.
     file.emplace(folder_ / fmt::format("slice-{:016x}.h5", std::bit_cast<std::uint64_t>(slice.probe.sigma)));
     file->write<double>("/slice",
@@ -159,6 +186,7 @@ std::vector<Checkpoint::Found> Checkpoint::slices() const {
         const auto lambda = file.read<double>("/lambda", {hdf5::any});
         values = file.read<double>("/shape", {lambda.size(), rows.size()});
         header.insert(header.end(), lambda.begin(), lambda.end());
+        if (!is_slice(header, values)) header.clear();
       } catch (const InputError&) {
         header.clear();
       }

@@ -66,6 +66,7 @@ class Batch {
   }
 
   Json needed(const scene::Scene& scene) {
+    check_histories(scene);
     Json out = Json::array();
     for (const StoredKernel& kernel : find_kernels(scene, options_.out, cache_)) {
       const fs::path& path = kernel.enough ? kernel.path : kernel.whole;

@@ -19,6 +19,7 @@
 #include "contact/summary.hpp"
 #include "kernels/error.hpp"
 #include "kernels/kernel.hpp"
+#include "kernels/temporary.hpp"
 #include "src/console/console.hpp"
 #include "src/programs/accuracy.hpp"
 #include "src/programs/contact_parts.hpp"
@@ -239,7 +240,7 @@ void run_at_rest(const scene::Scene& scene, const contact::Model& model, const J
   console.end(fmt::format("{} iterations", equilibrium.iterations));
 
   console.begin("writing");
-  contact::Recorder(model, equilibrium, target.recorder).commit();
+  contact::Recorder(model, equilibrium, target.recorder).commit(target.summary);
   contact::EquilibriumSummary summary = contact::summarise(model, equilibrium);
   judged.into(summary);
   summary.wall_s = seconds_since(started);
@@ -281,6 +282,7 @@ int run_contact(const console::Options& options, std::ostream& out) {
   contact::Model model = in_scene(scene, [&] { return model_of(scene, kernels.pointers()); });
   console.end(fmt::format("{} contact points, {} modes", model.gap.size(), model.omega.size()));
 
+  kernels::check_place(target_of(scene, folder, kernels).result);
   Judged judged{.warnings = kernels.warnings};
   if (scene.accuracy) {
     console.begin("estimates");
@@ -297,6 +299,7 @@ int run_contact(const console::Options& options, std::ostream& out) {
   }
   const contact::StepOptions step = step_options(scene);
   const std::int64_t steps = std::llround(scene.time.duration * scene.time.rate.value);
+  kernels::check_place(target.result, contact::least_bytes(model, target.recorder, steps));
 
   console.begin("steps", steps);
   const Clock::time_point stepping = Clock::now();
@@ -326,7 +329,7 @@ int run_contact(const console::Options& options, std::ostream& out) {
   if (problems) console.say(fmt::format("{}: {} problems", options.fclib.string(), problems->written()));
 
   console.begin("writing");
-  recorder.commit();
+  recorder.commit(target.summary);
   Summary summary = observer.summary();
   judged.into(summary);
   summary.sounds = microphones.write(folder / scene::slug(scene.title));

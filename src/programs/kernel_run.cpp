@@ -6,17 +6,17 @@
 #include <memory>
 #include <set>
 #include <string_view>
+#include <utility>
 
 #include "kernels/band.hpp"
-#include "src/elasticity/matrix_file.hpp"
+#include "kernels/temporary.hpp"
 #include "src/mesh/gmsh_session.hpp"
-#include "src/mesh/parts.hpp"
 #include "src/modes/approximate.hpp"
 #include "src/modes/contact_basis.hpp"
 #include "src/modes/examine.hpp"
 #include "src/modes/search.hpp"
-#include "src/parallel/memory.hpp"
 #include "src/programs/choose_modes.hpp"
+#include "src/programs/discretise.hpp"
 #include "src/programs/imported_modes.hpp"
 #include "src/programs/kernel_candidates.hpp"
 #include "src/scene/derive.hpp"
@@ -24,105 +24,6 @@
 namespace ricochet {
 
 namespace {
-
-/// A body on every team of ranks, its factorisation analysed.
-struct Discretised {
-  std::unique_ptr<parallel::Teams> teams;
-  mesh::Mesh mesh;
-  elasticity::Body matrices;
-  std::unique_ptr<modes::Factorisation> factor;
-  surface::Sources sources;          ///< loads with histories, moving supports, receivers
-  std::int64_t modes_per_shift = 0;  ///< for the search for modes
-};
-
-/// Rank 0's mesh split among the ranks of each team. Collective over all teams.
-mesh::Mesh hand_out(mesh::GlobalMesh whole, const parallel::Teams& teams) {
-  if (parallel::rank_of(teams.team()) == 0) mesh::broadcast(whole, teams.peers());
-  return mesh::distribute(std::move(whole), teams.team());
-}
-
-/// What each team reads for itself: a file may be out of reach of one team only. Collective over all teams.
-template <class Task>
-void in_all_teams(const parallel::Teams& teams, Task&& task) {
-  std::string complaint;
-  try {
-    task();
-  } catch (const InputError& error) {
-    complaint = error.what();
-  }
-  parallel::agree(teams.world(), complaint);
-}
-
-/// Memory of the search for modes on this rank [MiB].
-double expected_mib(const scene::Modes& wanted, const Discretised& made, std::int64_t per_shift, int teams) {
-  const std::int64_t count = wanted.count.value_or(0), rows = made.matrices.local_rows;
-  if (wanted.approximate > 0) return modes::expected_approximate_mib(*made.factor, rows, count, teams);
-  return modes::expected_mib(*made.factor, rows, count, per_shift, teams);
-}
-
-/// As many teams as memory has room for: ranks that work at slices of their own, each with all of the body,
-/// are faster than ranks that share one. Where room is short, slices become smaller. Vectors fitted to
-/// contact need few factorisations, which ranks share better. Throws InputError when there is not even room
-/// for one team.
-Discretised discretise(const scene::KernelRequest& request, MPI_Comm comm, console::Console& console) {
-  const scene::Body& body = request.body;
-  const std::string file = body.mesh.filename().string();
-  const auto bar = [&](std::int64_t done, std::int64_t total) { console.advance(done, total); };
-  console.begin(body.name + ": mesh");
-  const mesh::Asked asked = surface::asked_of(request);
-  std::vector<std::string> moved;
-  for (const std::string& support : asked.moved) moved.push_back(body.support.at(support));
-  Source source = open_source(body, asked, comm, bar);
-  const int ranks = parallel::size_of(comm);
-  const int most = request.modes.basis == scene::Basis::contact ? 1 : ranks;
-  for (int count = most;; --count) {
-    if (ranks % count != 0) continue;
-    Discretised made{std::make_unique<parallel::Teams>(comm, count), {}, {}, {}, {}};
-    const parallel::Teams& teams = *made.teams;
-    if (source.in_parts)
-      in_all_teams(teams, [&] { made.mesh = mesh::read_parts(body, teams.team(), bar, asked); });
-    else  // Fewer teams may have to be tried.
-      made.mesh = hand_out(count > 1 ? source.whole : std::move(source.whole), teams);
-    console.end(body.imported()
-                    ? fmt::format("{} nodes", made.mesh.total_nodes)
-                    : fmt::format("{} elements, {} nodes", made.mesh.total_elements, made.mesh.total_nodes));
-
-    if (request.modes.approximate > 0 && made.mesh.order < 2)
-      throw InputError(
-          fmt::format("{}: modes.approximate = {}: elements of order 1 have no lower order to start from: "
-                      "raise the order, "
-                      "or leave it out",
-                      file, request.modes.approximate));
-
-    console.begin(body.name + ": assembly");
-    made.sources = surface::make_sources(made.mesh, request);
-    if (body.imported())
-      in_all_teams(teams, [&] { made.matrices = elasticity::read_matrices(made.mesh, body.mesh, moved); });
-    else
-      made.matrices = elasticity::assemble(made.mesh, body.materials, file, bar, moved);
-    made.factor = std::make_unique<modes::Factorisation>(made.matrices.stiffness, made.matrices.mass,
-                                                         request.modes.low_rank);
-    const double room = parallel::available_mib(comm);
-    // Delayed pivots and buffers come on top of what is expected.
-    constexpr double usable = 0.85;
-    double need = 0;
-    for (const std::int64_t per_shift : {260, 130, 65}) {
-      made.modes_per_shift = per_shift;
-      need = parallel::largest(comm, expected_mib(request.modes, made, per_shift, count));
-      if (need <= usable * room || (per_shift == 130 && count > 1)) break;
-    }
-    console.end(
-        fmt::format("{} unknowns; {:.0f} MiB needed of {:.0f} a rank", made.matrices.total_rows, need, room));
-    if (need <= usable * room) return made;
-    if (count == 1)
-      throw InputError(
-          fmt::format("{}: its factorisation would need {:.0f} MiB a rank, {:.0f} are free: use more "
-                      "machines, a coarser mesh or "
-                      "fewer modes",
-                      file, need, room));
-    console.begin(body.name + ": mesh, for fewer teams");
-  }
-}
 
 /// Of the flexibility error asked for from modes: what may come from those above the search, and from those
 /// left out of what it found.
@@ -275,6 +176,17 @@ std::string derive_if_possible(const scene::KernelRequest& request, const std::f
   return from;
 }
 
+/// The folder of a kernel's finished slices. Kept until the kernel is there: a run that was killed goes on
+/// from it.
+std::filesystem::path checkpoint_of(std::filesystem::path kernel) {
+  return kernel.replace_extension().replace_extension(".slices");
+}
+
+void forget(const std::filesystem::path& checkpoint) {
+  std::error_code ignored;
+  std::filesystem::remove_all(checkpoint, ignored);
+}
+
 }  // namespace
 
 int run_kernel(const console::Options& options, MPI_Comm comm) {
@@ -295,13 +207,7 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
     if (first) std::cout << scene::to_toml(scene);
     return 0;
   }
-  parallel::on_first_rank(comm, [&] {
-    std::error_code failure;
-    std::filesystem::create_directories(options.out, failure);
-    if (failure)
-      throw InputError(fmt::format("{}: can't make this folder ({}): choose another with --out",
-                                   options.out.string(), failure.message()));
-  });
+  parallel::on_first_rank(comm, [&] { programs::check_histories(scene); });
 
   console::Console console(options.quiet || !first,
                            [comm] { return parallel::largest(comm, console::peak_memory_mib()); });
@@ -314,28 +220,41 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
         requests.push_back(*other);
         points.push_back({});
       }
+  const auto stored = [&](std::size_t k) {
+    std::string found;
+    if (first)
+      for (const programs::KernelFile& file : programs::kernel_files(options.out, requests[k]))
+        if (found.empty() && file.holds(points[k])) found = file.path.string();
+    parallel::broadcast(comm, found);
+    return found;
+  };
+  // Before the first body is computed: what may be wrong with later ones.
+  auto check_later = [&, checked = false](std::size_t k) mutable {
+    if (std::exchange(checked, true)) return;
+    for (std::size_t later = k + 1; later < scene.bodies.size(); ++later)
+      if (requests[later].hash != requests[k].hash && !scene::similarity(requests[k], requests[later]) &&
+          stored(later).empty())
+        check_body(requests[later], comm, console);
+  };
   std::optional<scene::Modes> chosen;
   for (std::size_t k = 0; k < requests.size(); ++k) {
     scene::KernelRequest request = with_points(requests[k], points[k]);
-    std::string there;
-    if (first)
-      for (const programs::KernelFile& file : programs::kernel_files(options.out, requests[k]))
-        if (there.empty() && file.holds(points[k])) there = file.path.string();
-    parallel::broadcast(comm, there);
+    const std::string there = stored(k);
     if (!there.empty()) {
+      if (first) forget(checkpoint_of(there));
       console.say(fmt::format("{}: already there: {}", request.body.name, there));
       continue;
     }
     std::filesystem::path path = scene::kernel_path(options.out, request);
+    parallel::on_first_rank(comm, [&] { kernels::check_place(path); });
     const std::string from = derive_if_possible(request, options.out, path, comm);
     if (from.empty()) {
       request = with_points(requests[k], worth_computing(requests, points, k));
       path = scene::kernel_path(options.out, request);
     }
-    // Kept until the kernel is there: a run that was killed goes on from it.
-    std::filesystem::path checkpoint = path;
-    checkpoint.replace_extension().replace_extension(".slices");
+    const std::filesystem::path checkpoint = checkpoint_of(path);
     if (from.empty()) {
+      check_later(k);
       if (request.modes.accuracy) {
         if (!chosen) chosen = chosen_modes(scene, comm);
         request.modes = *chosen;
@@ -352,10 +271,7 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
         continue;
       }
     }
-    if (first) {
-      std::error_code ignored;
-      std::filesystem::remove_all(checkpoint, ignored);
-    }
+    if (first) forget(checkpoint);
     console.say(fmt::format("{}: {}{}", request.body.name, from, path.string()));
   }
   // Peak memory is that of the rank that needed most.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "contact/histories.hpp"
+
 namespace ricochet::programs {
 namespace {
 
@@ -56,6 +58,12 @@ std::vector<contact::PairRequest> pair_requests(const scene::Scene& scene) {
     pairs.push_back(request);
   }
   return pairs;
+}
+
+void check_histories(const scene::Scene& scene) {
+  for (const auto* driven : {&scene.loads.tractions, &scene.loads.points, &scene.loads.motions})
+    for (const scene::Driven& one : *driven)
+      if (!one.history.empty()) contact::read_history(one.history);
 }
 
 bool is_limited(const scene::Scene& scene, const scene::Body& body) {

@@ -30,6 +30,9 @@ std::vector<contact::PlacedBody> placed_bodies(const scene::Scene& scene,
 std::vector<contact::HalfSpace> half_spaces(const scene::Scene& scene);
 std::vector<contact::PairRequest> pair_requests(const scene::Scene& scene);
 
+/// Reads the files that loads take their histories from. Throws InputError where one can't be.
+void check_histories(const scene::Scene& scene);
+
 /// Whether every pair of a body has a reach, so that its kernel need not hold all candidates.
 bool is_limited(const scene::Scene& scene, const scene::Body& body);
 

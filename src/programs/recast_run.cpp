@@ -5,6 +5,7 @@
 #include <ostream>
 
 #include "kernels/error.hpp"
+#include "kernels/temporary.hpp"
 #include "src/scene/derive.hpp"
 
 namespace ricochet::programs {
@@ -79,9 +80,7 @@ int run_recast(const RecastOptions& options, std::ostream& out) {
   }
   const std::filesystem::path folder = options.out.empty() ? options.kernel.parent_path() : options.out;
   const std::filesystem::path path = scene::kernel_path(folder, wanted);
-  // What stands in the way shows when the file is written.
-  std::error_code ignored;
-  if (!folder.empty()) std::filesystem::create_directories(folder, ignored);
+  kernels::check_place(path);
   kernels::write(kernel, path);
   out << fmt::format("{}: {} of {} {}, {} of {} points: {}\n", kernel.body, kernel.modes.size(), modes,
                      kernel.modes.basis == "modes" ? "modes" : "vectors", kernel.surface.size(), points,

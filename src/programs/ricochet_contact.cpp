@@ -2,7 +2,7 @@
 #include <exception>
 #include <iostream>
 
-#include "kernels/error.hpp"
+#include "src/console/ending.hpp"
 #include "src/console/options.hpp"
 #include "src/programs/batch_run.hpp"
 #include "src/programs/contact_run.hpp"
@@ -22,14 +22,12 @@ int main(int argc, char** argv) {
       .batch = true};
   const console::Parsed parsed = console::parse(program, argc, argv);
   if (!parsed.options) return parsed.status;
+  console::end_cleanly_on_signals();
   try {
     if (parsed.options->batch) return programs::run_batch(*parsed.options, std::cin, std::cout);
-    return programs::run_contact(*parsed.options, std::cout);
-  } catch (const InputError& error) {
-    std::cerr << program.name << ": " << error.what() << '\n';
-    return 2;
-  } catch (const std::exception& error) {
-    std::cerr << program.name << ": " << error.what() << '\n';
-    return 1;
+    const int status = programs::run_contact(*parsed.options, std::cout);
+    return console::all_printed(program.name) ? status : 1;
+  } catch (const std::exception& failure) {
+    return console::status_of(failure, program.name);
   }
 }

@@ -9,6 +9,7 @@
 #include <iostream>
 #include <thread>
 
+#include "src/console/ending.hpp"
 #include "src/parallel/blas.hpp"
 #include "src/parallel/parallel.hpp"
 #include "src/programs/kernel_run.hpp"
@@ -16,7 +17,9 @@
 int main(int argc, char** argv) {
   using namespace ricochet;
   parallel::prepare_blas(argv);
+  console::end_cleanly_on_signals();  // also while MPI starts
   const parallel::Session session;
+  console::end_cleanly_on_signals();  // PETSc has taken some for itself
   const bool first = parallel::rank_of(PETSC_COMM_WORLD) == 0;
   const auto parsed = console::parse(
       {.name = "ricochet-kernel",
@@ -28,17 +31,17 @@ int main(int argc, char** argv) {
       argc, argv, first);
   if (!parsed.options) return parsed.status;
   try {
-    return run_kernel(*parsed.options, PETSC_COMM_WORLD);
+    const int status = run_kernel(*parsed.options, PETSC_COMM_WORLD);
+    return console::all_printed("ricochet-kernel") ? status : 1;
   } catch (const InputError& error) {
     // Every rank holds the same complaint.
-    if (first) std::cerr << "ricochet-kernel: " << error.what() << '\n';
-    return 2;
+    return first ? console::status_of(error, "ricochet-kernel") : 2;
   } catch (const std::exception& error) {
     // Other ranks may be waiting in a collective call: end them all. Where all have failed, the first one
     // speaks.
     if (!first) std::this_thread::sleep_for(std::chrono::milliseconds(300));
-    std::cerr << "ricochet-kernel: rank " << parallel::rank_of(PETSC_COMM_WORLD) << ": " << error.what()
-              << std::endl;
+    std::cerr << "ricochet-kernel: rank " << parallel::rank_of(PETSC_COMM_WORLD) << ": "
+              << console::told(error) << std::endl;
     MPI_Abort(PETSC_COMM_WORLD, 1);
     return 1;
   }

@@ -2,8 +2,8 @@
 #include <exception>
 #include <iostream>
 
-#include "kernels/error.hpp"
 #include "src/console/cli.hpp"
+#include "src/console/ending.hpp"
 #include "src/programs/recast_run.hpp"
 
 int main(int argc, char** argv) {
@@ -56,13 +56,11 @@ int main(int argc, char** argv) {
   if (*number) options.count = count;
   if (*bound) options.flexibility_error = error;
   if (*places) options.points = points;
+  console::end_cleanly_on_signals();
   try {
-    return programs::run_recast(options, std::cout);
-  } catch (const InputError& failure) {
-    std::cerr << name << ": " << failure.what() << '\n';
-    return 2;
+    const int status = programs::run_recast(options, std::cout);
+    return console::all_printed(name) ? status : 1;
   } catch (const std::exception& failure) {
-    std::cerr << name << ": " << failure.what() << '\n';
-    return 1;
+    return console::status_of(failure, name);
   }
 }

@@ -9,6 +9,7 @@
 #include "contact/table.hpp"
 #include "contact/table_integrator.hpp"
 #include "contact/table_results.hpp"
+#include "kernels/temporary.hpp"
 #include "src/programs/contact_parts.hpp"
 
 namespace ricochet::programs {
@@ -117,15 +118,11 @@ int run_table(const console::Options& options, const scene::Scene& scene, const 
   const Tabled source = tabled(scene, folder, none, steps);
   console.end(fmt::format("{} samples, {} contact points", source.table.samples(), source.table.points()));
 
-  std::error_code failure;
-  fs::create_directories(folder, failure);
-  if (failure)
-    throw InputError(fmt::format("{}: can't make this folder ({}): choose another with --out",
-                                 folder.string(), failure.message()));
   const fs::path stem = folder / scene::slug(scene.title);
   fs::path result = stem, summary_file = stem;
   result += ".result.h5";
   summary_file += ".summary.json";
+  kernels::check_place(result);
 
   console.begin("steps", steps);
   contact::TableIntegrator integrator = integrator_of(scene, source);
@@ -143,7 +140,7 @@ int run_table(const console::Options& options, const scene::Scene& scene, const 
   console.end(fmt::format("{} steps of {:.4g} s", steps, step_options(scene).step));
 
   console.begin("writing");
-  recorder.commit();
+  recorder.commit(summary_file);
   summary.wall_s = seconds_since(started);
   contact::write_json(summary, summary_file);
   console.end(result.filename().string());

@@ -3,14 +3,13 @@
 #include <fmt/format.h>
 #include <samplerate.h>
 #include <sndfile.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <system_error>
 
 #include "kernels/error.hpp"
+#include "kernels/temporary.hpp"
 
 namespace ricochet::sound {
 namespace {
@@ -74,13 +73,12 @@ Scale write_wav(const std::filesystem::path& path, const std::vector<float>& vel
   const Scale scale{found.rate_hz, largest > 0 ? largest : 1.0};
   for (float& x : sound) x = static_cast<float>(x / scale.full_scale_m_per_s);
 
-  std::filesystem::path temporary = path;
-  temporary += fmt::format(".{}.partial", ::getpid());
+  kernels::Temporary temporary(path);
   SF_INFO info{};
   info.samplerate = static_cast<int>(scale.rate_hz);
   info.channels = channels;
   info.format = SF_FORMAT_WAV | SF_FORMAT_FLOAT;
-  SNDFILE* raw = sf_open(temporary.c_str(), SFM_WRITE, &info);
+  SNDFILE* raw = sf_open(temporary.path().c_str(), SFM_WRITE, &info);
   if (raw == nullptr) fail(path);
   // libsndfile stamps a PEAK chunk with the date; equal runs are to give equal files.
   sf_command(raw, SFC_SET_ADD_PEAK_CHUNK, nullptr, SF_FALSE);
@@ -89,13 +87,9 @@ Scale write_wav(const std::filesystem::path& path, const std::vector<float>& vel
   sf_set_string(raw, SF_STR_COMMENT, comment.c_str());
   const auto frames = static_cast<sf_count_t>(sound.size() / channels);
   const bool whole = sf_writef_float(raw, sound.data(), frames) == frames;
-  std::error_code failed;
-  if (sf_close(raw) != 0 || !whole) failed = std::make_error_code(std::errc::io_error);
-  if (!failed) std::filesystem::rename(temporary, path, failed);
-  if (!failed) return scale;
-  std::error_code ignored;
-  std::filesystem::remove(temporary, ignored);
-  fail(path);
+  if (sf_close(raw) != 0 || !whole) fail(path);
+  temporary.commit();
+  return scale;
 }
 
 }  // namespace ricochet::sound

@@ -13,6 +13,7 @@
 #include "kernels/hdf5.hpp"
 #include "tests/contact/bodies.hpp"
 #include "tests/contact/heap_counter.hpp"
+#include "tests/kernels/hostile.hpp"
 #include "tests/support.hpp"
 
 namespace {
@@ -344,6 +345,20 @@ TEST(TableFile, is_refused_in_one_line_that_says_why) {
   EXPECT_THAT(complaint_of([&] { read_table(folder / "none.h5"); }), HasSubstr("there is no such file"));
   EXPECT_THAT(complaint_of([&] { read_table(folder.write("text.h5", "no")); }),
               HasSubstr("not an HDF5 file"));
+}
+
+// A tail that is missing is "none".
+TEST(TableFile, is_refused_whatever_stands_in_the_place_of_an_object) {
+  const Folder folder;
+  const auto path = folder / "rods.h5";
+  Table table = rods(0.5, 4);
+  table.free = {0, 0.1, 0.2};
+  write_table(table, path);
+  ricochet::test::for_each_hostile_change(path, "unit", [&](const std::string& what) {
+    if (what == "/table: tail") return;
+    SCOPED_TRACE(what);
+    EXPECT_EQ(complaint_of([&] { read_table(path); }).find(path.string() + ": "), 0U);
+  });
 }
 
 TEST(TableIntegrator, refuses_what_the_scheme_cannot_do_with_the_table) {

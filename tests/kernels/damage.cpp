@@ -1,10 +1,8 @@
 // Kernel files that are cut, spoilt, foreign or made to harm: each is one line that names the file and what
 // is wrong.
-#define H5_USE_110_API
-#include <hdf5.h>
-
 #include <functional>
 
+#include "tests/kernels/hostile.hpp"
 #include "tests/kernels/sample.hpp"
 
 namespace ricochet::kernels {
@@ -289,6 +287,22 @@ TEST_F(Damage, a_group_in_the_place_of_a_dataset_is_refused) {
     H5Gclose(H5Gcreate2(file, "/modes/decay_rate", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
   });
   expect_refused({"\"/modes/decay_rate\" is not a dataset"});
+}
+
+// Names of units are for readers: only those of loads are read. Without its direction a shape has another
+// form, and without its names nothing of what they name is read.
+TEST_F(Damage, whatever_stands_in_the_place_of_an_object_is_refused_in_one_line) {
+  ricochet::test::for_each_hostile_change(path_, "unit", [&](const std::string& what) {
+    SCOPED_TRACE(what);
+    expect_refused({});
+  });
+}
+
+TEST_F(Damage, a_certificate_of_negative_counts_is_refused) {
+  const std::int64_t least = INT64_MIN, one = 1;
+  replace_attribute("/modes/certificate", "count_found", H5T_NATIVE_INT64, &least);
+  replace_attribute("/modes/certificate", "left_out", H5T_NATIVE_INT64, &one);
+  expect_refused({"holds a negative count"});
 }
 
 TEST_F(Damage, compressed_copies_of_a_kernel_are_read) {

@@ -1,0 +1,53 @@
+#include "src/console/ending.hpp"
+
+#include <fmt/format.h>
+
+#include <csignal>
+#include <cstdio>
+#include <iostream>
+#include <new>
+
+#include "kernels/error.hpp"
+#include "kernels/temporary.hpp"
+
+namespace ricochet::console {
+namespace {
+
+/// SA_RESETHAND: a second signal ends the program at once, and so does the one raised here.
+extern "C" void end(int signal) {
+  kernels::remove_temporaries();
+  ::raise(signal);
+}
+
+}  // namespace
+
+void end_cleanly_on_signals() {
+  struct sigaction action {};
+  action.sa_handler = end;
+  action.sa_flags = static_cast<int>(SA_RESETHAND | SA_NODEFER);
+  for (const int signal : {SIGHUP, SIGINT, SIGTERM, SIGPIPE, SIGXCPU}) {
+    struct sigaction before {};
+    // One that is ignored stays so: nohup.
+    if (::sigaction(signal, nullptr, &before) == 0 && before.sa_handler == SIG_IGN) continue;
+    ::sigaction(signal, &action, nullptr);
+  }
+  std::signal(SIGXFSZ, SIG_IGN);
+}
+
+std::string told(const std::exception& failure) {
+  if (dynamic_cast<const std::bad_alloc*>(&failure) == nullptr) return failure.what();
+  return "there is not enough memory: ask for fewer modes, candidates or steps, or take a larger machine";
+}
+
+int status_of(const std::exception& failure, const std::string& name) {
+  fmt::print(stderr, "{}: {}\n", name, told(failure));
+  return dynamic_cast<const InputError*>(&failure) != nullptr ? 2 : 1;
+}
+
+bool all_printed(const std::string& name) {
+  if (std::cout.flush() && std::fflush(stdout) == 0) return true;
+  fmt::print(stderr, "{}: standard output can't be written: is the disk full?\n", name);
+  return false;
+}
+
+}  // namespace ricochet::console

@@ -1,0 +1,134 @@
+#include "src/programs/discretise.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "src/elasticity/assemble.hpp"
+#include "src/elasticity/matrix_file.hpp"
+#include "src/mesh/gmsh_session.hpp"
+#include "src/mesh/parts.hpp"
+#include "src/modes/approximate.hpp"
+#include "src/modes/search.hpp"
+#include "src/parallel/memory.hpp"
+#include "src/programs/imported_modes.hpp"
+
+namespace ricochet {
+namespace {
+
+/// Rank 0's mesh split among the ranks of each team. Collective over all teams.
+mesh::Mesh hand_out(mesh::GlobalMesh whole, const parallel::Teams& teams) {
+  if (parallel::rank_of(teams.team()) == 0) mesh::broadcast(whole, teams.peers());
+  return mesh::distribute(std::move(whole), teams.team());
+}
+
+/// What each team reads for itself: a file may be out of reach of one team only. Collective over all teams.
+template <class Task>
+void in_all_teams(const parallel::Teams& teams, Task&& task) {
+  std::string complaint;
+  try {
+    task();
+  } catch (const InputError& error) {
+    complaint = error.what();
+  }
+  parallel::agree(teams.world(), complaint);
+}
+
+/// Memory of the search for modes on this rank [MiB].
+double expected_mib(const scene::Modes& wanted, const Discretised& made, std::int64_t per_shift, int teams) {
+  const std::int64_t count = wanted.count.value_or(0), rows = made.matrices.local_rows;
+  if (wanted.approximate > 0) return modes::expected_approximate_mib(*made.factor, rows, count, teams);
+  return modes::expected_mib(*made.factor, rows, count, per_shift, teams);
+}
+
+/// A body on `count` teams of ranks, up to its matrices. @param last  whether the source is not needed again.
+/// Collective; throws InputError on every rank.
+Discretised assembled(const scene::KernelRequest& request, Source& source, int count, bool last,
+                      MPI_Comm comm, console::Console& console) {
+  const scene::Body& body = request.body;
+  const std::string file = body.mesh.filename().string();
+  const auto bar = [&](std::int64_t done, std::int64_t total) { console.advance(done, total); };
+  const mesh::Asked asked = surface::asked_of(request);
+  std::vector<std::string> moved;
+  for (const std::string& support : asked.moved) moved.push_back(body.support.at(support));
+  Discretised made{std::make_unique<parallel::Teams>(comm, count), {}, {}, {}, {}};
+  if (source.in_parts)
+    in_all_teams(*made.teams, [&] { made.mesh = mesh::read_parts(body, made.teams->team(), bar, asked); });
+  else
+    made.mesh = hand_out(last ? std::move(source.whole) : source.whole, *made.teams);
+  console.end(body.imported()
+                  ? fmt::format("{} nodes", made.mesh.total_nodes)
+                  : fmt::format("{} elements, {} nodes", made.mesh.total_elements, made.mesh.total_nodes));
+
+  if (request.modes.approximate > 0 && made.mesh.order < 2)
+    throw InputError(
+        fmt::format("{}: modes.approximate = {}: elements of order 1 have no lower order to start from: "
+                    "raise the order, "
+                    "or leave it out",
+                    file, request.modes.approximate));
+  console.begin(body.name + ": assembly");
+  made.sources = surface::make_sources(made.mesh, request);
+  if (body.imported())
+    in_all_teams(*made.teams,
+                 [&] { made.matrices = elasticity::read_matrices(made.mesh, body.mesh, moved); });
+  else
+    made.matrices = elasticity::assemble(made.mesh, body.materials, file, bar, moved);
+  return made;
+}
+
+Source open(const scene::KernelRequest& request, MPI_Comm comm, console::Console& console) {
+  return open_source(request.body, surface::asked_of(request), comm,
+                     [&](std::int64_t done, std::int64_t total) { console.advance(done, total); });
+}
+
+}  // namespace
+
+Discretised discretise(const scene::KernelRequest& request, MPI_Comm comm, console::Console& console) {
+  const std::string& name = request.body.name;
+  const std::string file = request.body.mesh.filename().string();
+  console.begin(name + ": mesh");
+  Source source = open(request, comm, console);
+  const int ranks = parallel::size_of(comm);
+  const int most = request.modes.basis == scene::Basis::contact ? 1 : ranks;
+  for (int count = most;; --count) {
+    if (ranks % count != 0) continue;
+    // Fewer teams may have to be tried.
+    Discretised made = assembled(request, source, count, count == 1, comm, console);
+    made.factor = std::make_unique<modes::Factorisation>(made.matrices.stiffness, made.matrices.mass,
+                                                         request.modes.low_rank);
+    const double room = parallel::available_mib(comm);
+    // Delayed pivots and buffers come on top of what is expected.
+    constexpr double usable = 0.85;
+    double need = 0;
+    for (const std::int64_t per_shift : {260, 130, 65}) {
+      made.modes_per_shift = per_shift;
+      need = parallel::largest(comm, expected_mib(request.modes, made, per_shift, count));
+      if (need <= usable * room || (per_shift == 130 && count > 1)) break;
+    }
+    console.end(
+        fmt::format("{} unknowns; {:.0f} MiB needed of {:.0f} a rank", made.matrices.total_rows, need, room));
+    if (need <= usable * room) return made;
+    if (count == 1)
+      throw InputError(
+          fmt::format("{}: its factorisation would need {:.0f} MiB a rank, {:.0f} are free: use more "
+                      "machines, a coarser mesh or "
+                      "fewer modes",
+                      file, need, room));
+    console.begin(name + ": mesh, for fewer teams");
+  }
+}
+
+void check_body(const scene::KernelRequest& request, MPI_Comm comm, console::Console& console) {
+  const mesh::GmshSession gmsh(geometry_numbers(request.body));
+  if (request.body.imported() && holds_modes(request.body, comm)) {
+    kernel_of_modes(request, comm, console);
+    return;
+  }
+  console.begin(request.body.name + ": mesh, to check it");
+  Source source = open(request, comm, console);
+  const Discretised made = assembled(request, source, 1, true, comm, console);
+  patches_of(request, made.mesh);
+  console.end(fmt::format("{} unknowns", made.matrices.total_rows));
+}
+
+}  // namespace ricochet

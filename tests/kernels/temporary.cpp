@@ -1,0 +1,123 @@
+// Files that have their names only when they are whole: what stays and what goes, whatever ends the writer.
+#include "kernels/temporary.hpp"
+
+#include <gmock/gmock.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+
+#include <csignal>
+#include <functional>
+
+#include "kernels/hdf5.hpp"
+#include "tests/kernels/sample.hpp"
+
+namespace ricochet::kernels {
+namespace {
+
+using test::bytes_of;
+using test::complaint_of;
+using test::Folder;
+using test::put_bytes;
+using ::testing::HasSubstr;
+
+TEST(Temporary, has_its_name_only_when_it_is_committed) {
+  const Folder folder;
+  const auto path = folder / "file", summary = folder / "summary";
+  put_bytes(path, "old");
+  put_bytes(summary, "of the old one");
+  {
+    Temporary file(path);
+    put_bytes(file.path(), "half");
+    EXPECT_EQ(bytes_of(path), "old");
+  }
+  EXPECT_EQ(folder.entries(), 2U);
+  Temporary file(path);
+  put_bytes(file.path(), "new");
+  EXPECT_TRUE(std::filesystem::exists(summary));
+  file.commit(summary);
+  EXPECT_EQ(bytes_of(path), "new");
+  EXPECT_EQ(folder.entries(), 1U);
+}
+
+/// Runs `work` in a process of its own, which ends by `signal` when `work` returns.
+void in_process_that_dies(int signal, const std::function<void()>& work) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    work();
+    std::raise(signal);
+    std::_Exit(1);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == signal);
+}
+
+TEST(Temporary, of_a_killed_writer_goes_when_the_name_is_written_again) {
+  const Folder folder;
+  put_bytes(folder / "file.text.partial", "somebody's");
+  put_bytes(folder / "files.12.partial", "of another name");
+  in_process_that_dies(SIGKILL, [&] { new Temporary(folder / "file"); });
+  in_process_that_dies(SIGKILL, [&] { new Temporary(folder / "other"); });
+  EXPECT_EQ(folder.entries(), 4U);
+  { const Temporary file(folder / "file"); }
+  EXPECT_EQ(folder.entries(), 3U);
+}
+
+TEST(Temporary, of_a_live_writer_stays) {
+  const Folder folder;
+  Temporary first(folder / "file");
+  put_bytes(first.path(), "first");
+  {
+    Temporary second(folder / "file");
+    EXPECT_NE(first.path(), second.path());
+    put_bytes(second.path(), "second");
+    second.commit();
+  }
+  first.commit();
+  EXPECT_EQ(bytes_of(folder / "file"), "first");
+  EXPECT_EQ(folder.entries(), 1U);
+}
+
+TEST(Temporary, is_removed_by_a_handler_of_signals) {
+  const Folder folder;
+  in_process_that_dies(SIGTERM, [&] {
+    new Temporary(folder / "one");
+    Temporary committed(folder / "two");
+    committed.commit();
+    new Temporary(folder / "three");
+    remove_temporaries();
+  });
+  EXPECT_EQ(folder.entries(), 1U);
+}
+
+TEST(Place, is_tried_before_it_is_needed) {
+  const Folder folder;
+  check_place(folder / "new/folder/file");
+  EXPECT_TRUE(std::filesystem::is_empty(folder / "new/folder"));
+  EXPECT_THAT(complaint_of([&] { check_place(folder / "file", 1e18); }), HasSubstr("1e+12 MB are needed"));
+  put_bytes(folder / "file", "");
+  EXPECT_THAT(complaint_of([&] { check_place(folder / "file/below"); }), HasSubstr("can't make this folder"));
+  EXPECT_THAT(complaint_of([&] { Temporary(folder / "none/file"); }), HasSubstr("No such file or directory"));
+}
+
+// HDF5 itself crashes when such a program ends.
+TEST(Writer, that_meets_a_full_disk_complains_and_lets_the_program_end) {
+  const Folder folder;
+  const auto fill = [&] {
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{20'000, 20'000};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    complaint_of([&] {
+      hdf5::Writer file(folder / "file.h5");
+      hdf5::Rows& rows = file.rows("/a/rows", {100}, "m");
+      for (int k = 0; k < 1000; ++k) rows.append(std::vector<double>(100, k));
+      file.commit();
+    });
+    std::exit(testing::Test::HasFailure() ? 1 : 0);
+  };
+  EXPECT_EXIT(fill(), testing::ExitedWithCode(0), "^$");
+  EXPECT_EQ(folder.entries(), 0U);
+}
+
+}  // namespace
+}  // namespace ricochet::kernels
