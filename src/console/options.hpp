@@ -14,6 +14,7 @@ struct Options {
   std::filesystem::path out;           ///< --out, else `out/` beside the scene
   bool dry_run = false;                ///< print the resolved scene and stop
   bool quiet = false;
+  bool vtk = false;    ///< ricochet-contact: motion for ParaView
   bool batch = false;  ///< ricochet-contact: requests on standard input, answers on standard output
 };
 
@@ -22,7 +23,7 @@ struct Program {
   std::string name;
   std::string purpose;
   std::string examples;
-  bool batch = false;  ///< has --batch
+  bool impacts = false;  ///< has --vtk and --batch
 };
 
 /// Parsed options, or the exit status when nothing is left to do (--help, --version: 0; bad arguments: 2,
