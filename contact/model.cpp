@@ -142,7 +142,8 @@ Model build_model(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& 
     model.load.segment(first, n) = block.momentum.transpose() * gravity;
     model.v0.segment(first, n) = rigid_velocity(bodies[k], block);
 
-    const Selection P = selection(bodies[k], static_cast<int>(k), meetings, points);
+    const Selection& P = model.bodies[k].selection =
+        selection(bodies[k], static_cast<int>(k), meetings, points);
     const Eigen::Index rows = P.cols();
     model.B.middleCols(first, n) = P * Eigen::Map<const Matrix>(kernel.surface.shape.data(), rows, n);
 
@@ -170,7 +171,7 @@ Model build_model(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& 
   }
   refuse_overlap(model);
   for (std::size_t k = 0; k < bodies.size(); ++k)
-    listen(model, static_cast<int>(k), selection(bodies[k], static_cast<int>(k), meetings, points));
+    listen(model, static_cast<int>(k), model.bodies[k].selection);
   return model;
 }
 

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <Eigen/SparseCore>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -19,6 +20,9 @@ namespace ricochet::contact {
 
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Vector = Eigen::VectorXd;
+
+/// (m, cM) of one body: u = Σ_bodies P · (displacement of its candidates in its own frame).
+using Selection = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
 /// A kernel placed in the world: x_world = rotation · x_body + translation.
 struct PlacedBody {
@@ -107,6 +111,7 @@ struct Model {
     const kernels::Kernel* kernel = nullptr;
     Eigen::Matrix3d rotation;
     Eigen::Vector3d translation;
+    Selection selection;
   };
   std::vector<BodyBlock> bodies;
 

@@ -1,14 +1,9 @@
 // What model.cpp and model_drives.cpp share.
 #pragma once
 
-#include <Eigen/SparseCore>
-
 #include "contact/model.hpp"
 
 namespace ricochet::contact {
-
-/// (m, cM) of one body: u = Σ_bodies P · (displacement of its candidates in its own frame).
-using Selection = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
 /// Adds what `drives` ask of body k, whose block and B are there. Throws InputError when its kernel has no
 /// such load or motion, or when a support would jump.

@@ -37,14 +37,8 @@ WorldSurface placed(const PlacedBody& body, const From& from) {
   const std::size_t k = static_cast<std::size_t>(to.corners);
   for (std::size_t t = 0; t + k <= from.element.size(); t += k) {
     WorldSurface::Element element;
-    for (std::size_t j = 0; j < k; ++j) {
-      element.corner[j] = static_cast<int>(from.element[t + j]);
-      element.centre += to.node[element.corner[j]] / static_cast<double>(k);
-      for (std::size_t i = 0; i < j; ++i)
-        element.size =
-            std::max(element.size, (to.node[element.corner[i]] - to.node[element.corner[j]]).norm());
-    }
-    to.element.push_back(element);
+    for (std::size_t j = 0; j < k; ++j) element.corner[j] = static_cast<int>(from.element[t + j]);
+    to.add(element);
   }
   return to;
 }
@@ -131,20 +125,17 @@ std::array<double, 3> closest(const WorldSurface& b, const WorldSurface::Element
   return {va / sum, vb / sum, vc / sum};
 }
 
-std::optional<Place> closest_place(const WorldSurface& b, const Vector3d& x) {
-  std::optional<Place> best;
-  double distance = std::numeric_limits<double>::infinity();
-  for (const WorldSurface::Element& element : b.element) {
-    if ((x - element.centre).norm() - element.size >= distance) continue;
-    const auto found = place(b, element, closest(b, element, x));
-    if (!found || (found->point - x).norm() >= distance) continue;
-    distance = (found->point - x).norm();
-    best = found;
-  }
-  return best;
-}
-
 }  // namespace
+
+void WorldSurface::add(Element of_corners) {
+  for (int j = 0; j < corners; ++j) {
+    of_corners.centre += node[of_corners.corner[j]] / static_cast<double>(corners);
+    for (int i = 0; i < j; ++i)
+      of_corners.size =
+          std::max(of_corners.size, (node[of_corners.corner[i]] - node[of_corners.corner[j]]).norm());
+  }
+  element.push_back(of_corners);
+}
 
 WorldSurface surface_of(const PlacedBody& body) {
   const kernels::Surface& held = body.kernel->surface;
@@ -166,6 +157,19 @@ std::optional<Place> first_along(const WorldSurface& b, const Vector3d& x, const
     const double t = std::abs(d.dot(found->point - x));
     if (t >= distance) continue;
     distance = t;
+    best = found;
+  }
+  return best;
+}
+
+std::optional<Place> closest_place(const WorldSurface& b, const Vector3d& x) {
+  std::optional<Place> best;
+  double distance = std::numeric_limits<double>::infinity();
+  for (const WorldSurface::Element& element : b.element) {
+    if ((x - element.centre).norm() - element.size >= distance) continue;
+    const auto found = place(b, element, closest(b, element, x));
+    if (!found || (found->point - x).norm() >= distance) continue;
+    distance = (found->point - x).norm();
     best = found;
   }
   return best;

@@ -23,6 +23,8 @@ struct WorldSurface {
     double size = 0;  ///< longest edge [m]
   };
   std::vector<Element> element;
+  /// An element of these corners, whose nodes are there.
+  void add(Element of_corners);
   double extent = 0;    ///< diagonal of the nodes' bounding box [m]
   double farthest = 0;  ///< largest |coordinate| of a node, in the world and in the body's own frame [m]
 };
@@ -47,6 +49,9 @@ double size_of(const WorldSurface& a, const WorldSurface& b);
 /// segment's length. Points are met within 1e-6 of `size`.
 std::optional<Place> first_along(const WorldSurface& b, const Eigen::Vector3d& x, const Eigen::Vector3d& d,
                                  double size, const std::function<bool(const Place&)>& faces);
+
+/// The place on b closest to x; none where b has no elements, or its corners' normals cancel.
+std::optional<Place> closest_place(const WorldSurface& b, const Eigen::Vector3d& x);
 
 /// The place on b that x faces along the mutual normal n = (n_a − n_b)/|n_a − n_b|, which depends on the
 /// place: fixed-point iteration from the closest one. Each round shrinks the error about as the gap compares

@@ -94,6 +94,7 @@ Model thinned(const Model& model) {
     drive.displacement = T * drive.displacement;
     drive.displacement_a = T * drive.displacement_a;
   }
+  for (Model::BodyBlock& body : out.bodies) body.selection = Selection(T.sparseView()) * body.selection;
   for (Model::Receiver& receiver : out.receivers) receiver.flexibility = receiver.flexibility * T.transpose();
   return out;
 }

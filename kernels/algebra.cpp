@@ -140,18 +140,25 @@ Kernel rescaled(Kernel kernel, const Similarity& factors, const Damping& damping
     multiply(participation, root);
     multiply(momentum, m);
   }
+  const auto loads_per_unit = [&, by = k](auto& by_loads) {
+    for (std::size_t j = 0; j < by_loads.size(); ++j)
+      by_loads[j] = static_cast<std::decay_t<decltype(by_loads[j])>>(
+          by_loads[j] * (per_unit(applied[j / 3 % applied.size()]) / by));
+  };
   for (auto& [name, point, shape, by_contact, by_gravity, by_loads, by_motions] : receivers) {
     multiply(point, s);
     multiply(shape, 1 / root);
     multiply(by_contact, 1 / k);
     multiply(by_gravity, m / k);
-    for (std::size_t j = 0; j < by_loads.size(); ++j)
-      by_loads[j] *= per_unit(applied[j / 3 % applied.size()]) / k;
+    loads_per_unit(by_loads);
   }
   if (view) {
-    auto& [node, corners, element, shape] = *view;
+    auto& [node, corners, element, shape, by_contact, by_gravity, by_loads, by_motions] = *view;
     multiply(node, s);
     multiply(shape, 1 / root);
+    multiply(by_contact, 1 / k);
+    multiply(by_gravity, m / k);
+    loads_per_unit(by_loads);
   }
   return kernel;
 }
@@ -226,6 +233,15 @@ Kernel cut_to_points(Kernel kernel, const std::vector<std::int64_t>& points) {
     surface.residual_flexibility = std::move(square);
   }
   if (!kernel.loads.body_force_residual.empty()) take_rows(kernel.loads.body_force_residual, 3, points, c);
+  if (kernel.view && !kernel.view->residual_flexibility.empty()) {
+    std::vector<float>& whole = kernel.view->residual_flexibility;
+    std::vector<float> taken;
+    for (std::size_t row = 0; row < whole.size() / (c * m); ++row)
+      for (const std::int64_t i : points)
+        for (std::size_t a = 0; a < c; ++a)
+          taken.push_back(whole[(row * m + static_cast<std::size_t>(i)) * c + a]);
+    whole = std::move(taken);
+  }
   return kernel;
 }
 
@@ -236,11 +252,11 @@ Kernel cut_to_direction(Kernel kernel, const Vector3& direction) {
     fail(kernel, "holds one direction only: compute one without contact.direction");
   const std::size_t m = surface.size();
   // Of each three rows of `width` numbers one.
-  const auto along = [&](std::vector<double>& matrix, std::size_t width) {
-    std::vector<double> sums(matrix.size() / 3, 0.0);
+  const auto along = [&]<class T>(std::vector<T>& matrix, std::size_t width) {
+    std::vector<T> sums(matrix.size() / 3, 0);
     for (std::size_t row = 0; row * width < matrix.size(); ++row)
       for (std::size_t j = 0; j < width; ++j)
-        sums[row / 3 * width + j] += direction[row % 3] * matrix[row * width + j];
+        sums[row / 3 * width + j] += static_cast<T>(direction[row % 3] * matrix[row * width + j]);
     matrix = std::move(sums);
   };
   along(surface.shape, kernel.modes.size());
@@ -249,6 +265,7 @@ Kernel cut_to_direction(Kernel kernel, const Vector3& direction) {
     along(surface.residual_flexibility, 1);
   }
   along(kernel.loads.body_force_residual, 3);
+  if (kernel.view) along(kernel.view->residual_flexibility, 1);
   surface.components = 1;
   surface.direction = direction;
   return kernel;

@@ -147,35 +147,38 @@ void keep_columns(std::vector<T>& matrix, const std::vector<bool>& keep) {
 
 /// Block `at` of the `blocks` side by side in a matrix of columns (rows, blocks · width):
 /// += left_k right_kᵀ / λ with left (rows, n), right (width, n). An empty matrix stays empty.
-void add_product(std::vector<double>& matrix, const std::vector<double>& left,
-                 const std::vector<double>& right, std::size_t k, std::size_t n, double lambda,
-                 std::size_t at = 0, std::size_t blocks = 1) {
+template <class T>
+void add_product(std::vector<T>& matrix, const std::vector<T>& left, const std::vector<double>& right,
+                 std::size_t k, std::size_t n, double lambda, std::size_t at = 0, std::size_t blocks = 1) {
   const std::size_t width = right.size() / n;
   for (std::size_t i = 0; i < matrix.size() / (width * blocks); ++i)
     for (std::size_t j = 0; j < width; ++j)
-      matrix[(i * blocks + at) * width + j] += left[i * n + k] * right[j * n + k] / lambda;
+      matrix[(i * blocks + at) * width + j] += static_cast<T>(left[i * n + k] * right[j * n + k] / lambda);
 }
 
-/// Adds what mode k gives statically to the residuals of loads, supports that move and receivers. A support
-/// takes along what it moved of the mode: Ψ − ΦΓ grows by φ_k Γ_k.
-void leave_sources(Kernel& kernel, std::size_t k, double lambda) {
+/// What mode k gives statically where the motion is seen: at a receiver or on the skin.
+void leave_seen(auto& seen, const Kernel& kernel, std::size_t k, double lambda) {
   const std::size_t n = kernel.modes.size(), loads = kernel.applied.size(), motions = kernel.motions.size();
+  add_product(seen.residual_flexibility, seen.shape, kernel.surface.shape, k, n, lambda);
+  add_product(seen.body_force_residual, seen.shape, kernel.loads.body_force, k, n, lambda);
+  for (std::size_t l = 0; l < loads; ++l)
+    add_product(seen.load_residual, seen.shape, kernel.applied[l].participation, k, n, lambda, l, loads);
+  for (std::size_t s = 0; s < motions; ++s)
+    add_product(seen.motion_residual, seen.shape, kernel.motions[s].participation, k, n, 1, s, motions);
+}
+
+/// Adds what mode k gives statically to the residuals of loads, supports that move, receivers and the skin. A
+/// support takes along what it moved of the mode: Ψ − ΦΓ grows by φ_k Γ_k.
+void leave_sources(Kernel& kernel, std::size_t k, double lambda) {
+  const std::size_t n = kernel.modes.size();
   const std::vector<double>&shape = kernel.surface.shape, &gravity = kernel.loads.body_force;
   for (Load& load : kernel.applied) add_product(load.residual, shape, load.participation, k, n, lambda);
   for (Motion& motion : kernel.motions) {
     add_product(motion.residual, shape, motion.participation, k, n, 1);
     add_product(motion.momentum, gravity, motion.participation, k, n, 1);
   }
-  for (Receiver& receiver : kernel.receivers) {
-    add_product(receiver.residual_flexibility, receiver.shape, shape, k, n, lambda);
-    add_product(receiver.body_force_residual, receiver.shape, gravity, k, n, lambda);
-    for (std::size_t l = 0; l < loads; ++l)
-      add_product(receiver.load_residual, receiver.shape, kernel.applied[l].participation, k, n, lambda, l,
-                  loads);
-    for (std::size_t s = 0; s < motions; ++s)
-      add_product(receiver.motion_residual, receiver.shape, kernel.motions[s].participation, k, n, 1, s,
-                  motions);
-  }
+  for (Receiver& receiver : kernel.receivers) leave_seen(receiver, kernel, k, lambda);
+  if (kernel.view) leave_seen(*kernel.view, kernel, k, lambda);
 }
 
 /// The elastic modes of a kernel; rigid ones come first.

@@ -171,7 +171,8 @@ void validate_surface(const Surface& surface, std::size_t modes, const Validator
 }
 
 /// A dataset that is there as a whole or not at all.
-void finite_or_none(const Validator& check, const std::string& name, const std::vector<double>& values,
+template <class T>
+void finite_or_none(const Validator& check, const std::string& name, const std::vector<T>& values,
                     std::size_t expected) {
   if (!values.empty()) check.finite(name, values, expected);
 }
@@ -218,6 +219,21 @@ void validate_sources(const Kernel& kernel, const Validator& check) {
   }
 }
 
+void validate_view(const Kernel& kernel, const Validator& check) {
+  const View& view = *kernel.view;
+  const std::size_t nodes = view.node.size() / 3, rows = 3 * nodes,
+                    candidates = static_cast<std::size_t>(kernel.surface.components) * kernel.surface.size();
+  check.finite("dataset \"/view/node\"", view.node, rows);
+  check.elements("dataset \"/view/element\"", view.element, view.element_corners, 2, nodes);
+  check.finite("dataset \"/view/shape\"", view.shape, rows * kernel.modes.size());
+  finite_or_none(check, "dataset \"/view/residual_flexibility\"", view.residual_flexibility,
+                 rows * candidates);
+  finite_or_none(check, "dataset \"/view/body_force_residual\"", view.body_force_residual, 3 * rows);
+  finite_or_none(check, "dataset \"/view/load_residual\"", view.load_residual,
+                 3 * rows * kernel.applied.size());
+  check.finite("dataset \"/view/motion_residual\"", view.motion_residual, 3 * rows * kernel.motions.size());
+}
+
 }  // namespace
 
 WholeSurface whole_surface(const Surface& surface) {
@@ -252,12 +268,7 @@ void validate(const Kernel& kernel, const std::string& origin) {
     check.finite("dataset \"/loads/body_force_residual\"", kernel.loads.body_force_residual,
                  3 * static_cast<std::size_t>(kernel.surface.components) * kernel.surface.size());
   validate_sources(kernel, check);
-  if (kernel.view) {
-    const std::size_t nodes = kernel.view->node.size() / 3;
-    check.finite("dataset \"/view/node\"", kernel.view->node, 3 * nodes);
-    check.elements("dataset \"/view/element\"", kernel.view->element, kernel.view->element_corners, 2, nodes);
-    check.finite("dataset \"/view/shape\"", kernel.view->shape, 3 * nodes * n);
-  }
+  if (kernel.view) validate_view(kernel, check);
 }
 
 }  // namespace ricochet::kernels

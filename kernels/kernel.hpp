@@ -115,12 +115,17 @@ struct Receiver {
   std::vector<double> motion_residual;  ///< (3,3S) Ψ − ΦΓ of the S motions in their order [1]
 };
 
-/// The skin of the body, for pictures.
+/// The skin of the body, for pictures: in single precision.
 struct View {
   std::vector<double> node;           ///< (V,3) [m]
   int element_corners = 3;            ///< 3 triangles, 2 segments (rods)
   std::vector<std::int64_t> element;  ///< (E,k)
   std::vector<float> shape;           ///< (V,3,N) [kg^-1/2]
+  // As of receivers, what the modes left out do statically; empty without R.
+  std::vector<float> residual_flexibility;  ///< (V,3,cM) by unit forces on the candidates [m/N]
+  std::vector<float> body_force_residual;   ///< (V,3,3) [s²]
+  std::vector<float> load_residual;         ///< (V,3,3L) [m per unit]
+  std::vector<float> motion_residual;       ///< (V,3,3S) Ψ − ΦΓ [1]; always
 };
 
 struct Kernel {
@@ -160,7 +165,8 @@ void validate(const Kernel& kernel, const std::string& origin);
 void write(const Kernel& kernel, const std::filesystem::path& path);
 
 /// Reads and validates. Throws InputError, one line, on a missing, truncated, foreign or inconsistent file.
-Kernel read(const std::filesystem::path& path);
+/// @param view  false: leave the skin out, which pictures alone need
+Kernel read(const std::filesystem::path& path, bool view = true);
 
 /// What a kernel file says of itself ahead of its data.
 struct Header {

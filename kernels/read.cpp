@@ -147,9 +147,9 @@ std::vector<std::string> read_names(const hdf5::Reader& file, const std::string&
   return names;
 }
 
-std::vector<double> read_if_there(const hdf5::Reader& file, const std::string& dataset,
-                                  const hdf5::Shape& shape) {
-  return file.exists(dataset) ? file.read<double>(dataset, shape) : std::vector<double>{};
+template <hdf5::Element T = double>
+std::vector<T> read_if_there(const hdf5::Reader& file, const std::string& dataset, const hdf5::Shape& shape) {
+  return file.exists(dataset) ? file.read<T>(dataset, shape) : std::vector<T>{};
 }
 
 /// Loads with histories, motions of supports, receivers.
@@ -191,18 +191,28 @@ void read_sources(const hdf5::Reader& file, Kernel& kernel) {
   }
 }
 
-View read_view(const hdf5::Reader& file, std::size_t n) {
+View read_view(const hdf5::Reader& file, const Kernel& kernel) {
+  const std::size_t m = kernel.surface.size(), n = kernel.modes.size();
   View view;
   view.node = file.read<double>("/view/node", {any, 3});
   view.element = file.read<std::int64_t>("/view/element", {any, any});
   view.element_corners = corners_of(file, "/view/element");
-  view.shape = file.read<float>("/view/shape", {view.node.size() / 3, 3, n});
+  const std::size_t nodes = view.node.size() / 3;
+  view.shape = file.read<float>("/view/shape", {nodes, 3, n});
+  view.residual_flexibility =
+      read_if_there<float>(file, "/view/residual_flexibility",
+                           kernel.surface.direction ? hdf5::Shape{nodes, 3, m} : hdf5::Shape{nodes, 3, m, 3});
+  view.body_force_residual = read_if_there<float>(file, "/view/body_force_residual", {nodes, 3, 3});
+  view.load_residual =
+      read_if_there<float>(file, "/view/load_residual", {nodes, 3, kernel.applied.size(), 3});
+  view.motion_residual =
+      read_if_there<float>(file, "/view/motion_residual", {nodes, 3, kernel.motions.size(), 3});
   return view;
 }
 
 }  // namespace
 
-Kernel read(const std::filesystem::path& path) {
+Kernel read(const std::filesystem::path& path, bool view) {
   const hdf5::Reader file(path, kAdvice);
   Kernel kernel;
   read_root(file, kernel);
@@ -211,7 +221,7 @@ Kernel read(const std::filesystem::path& path) {
   kernel.surface = read_surface(file, n);
   kernel.loads = read_loads(file, kernel.surface, n);
   read_sources(file, kernel);
-  if (file.exists("/view")) kernel.view = read_view(file, n);
+  if (view && file.exists("/view")) kernel.view = read_view(file, kernel);
   validate(kernel, path.string());
   return kernel;
 }

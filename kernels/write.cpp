@@ -87,7 +87,8 @@ void write_names(hdf5::Writer& file, const std::string& dataset, const std::vect
 }
 
 /// Nothing where there are no values.
-void write_some(hdf5::Writer& file, const std::string& dataset, const std::vector<double>& values,
+template <hdf5::Element T>
+void write_some(hdf5::Writer& file, const std::string& dataset, const std::vector<T>& values,
                 const hdf5::Shape& shape, const std::string& unit) {
   if (!values.empty()) file.write(dataset, values, shape, unit);
 }
@@ -127,11 +128,19 @@ void write_sources(hdf5::Writer& file, const Kernel& kernel) {
   }
 }
 
-void write_view(hdf5::Writer& file, const View& view, std::size_t n) {
-  const std::size_t nodes = view.node.size() / 3, corners = static_cast<std::size_t>(view.element_corners);
+void write_view(hdf5::Writer& file, const Kernel& kernel) {
+  const View& view = *kernel.view;
+  const std::size_t m = kernel.surface.size(), nodes = view.node.size() / 3,
+                    corners = static_cast<std::size_t>(view.element_corners);
   file.write("/view/node", view.node, {nodes, 3}, "m");
   file.write("/view/element", view.element, {view.element.size() / corners, corners}, "1");
-  file.write("/view/shape", view.shape, {nodes, 3, n}, "kg^-1/2");
+  file.write("/view/shape", view.shape, {nodes, 3, kernel.modes.size()}, "kg^-1/2");
+  write_some(file, "/view/residual_flexibility", view.residual_flexibility,
+             kernel.surface.direction ? hdf5::Shape{nodes, 3, m} : hdf5::Shape{nodes, 3, m, 3}, "m/N");
+  write_some(file, "/view/body_force_residual", view.body_force_residual, {nodes, 3, 3}, "s^2");
+  write_some(file, "/view/load_residual", view.load_residual, {nodes, 3, kernel.applied.size(), 3},
+             "m per unit of the load");
+  write_some(file, "/view/motion_residual", view.motion_residual, {nodes, 3, kernel.motions.size(), 3}, "1");
 }
 
 }  // namespace
@@ -144,7 +153,7 @@ void write(const Kernel& kernel, const std::filesystem::path& path) {
   write_surface(file, kernel.surface, kernel.modes.size());
   write_loads(file, kernel);
   write_sources(file, kernel);
-  if (kernel.view) write_view(file, *kernel.view, kernel.modes.size());
+  if (kernel.view) write_view(file, kernel);
   file.commit();
 }
 

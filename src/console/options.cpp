@@ -49,8 +49,13 @@ Parsed parse(const Program& program, int argc, const char* const* argv, bool spe
       ->type_name("DIR");
   app.add_flag("--dry-run", options.dry_run, "Print the resolved scene and stop");
   app.add_flag("--quiet", options.quiet, "No progress, no table");
-  if (program.batch) {
-    app.add_flag("--batch", options.batch, "Answer requests on standard input, a line of JSON each");
+  if (program.impacts) {
+    CLI::Option* vtk =
+        app.add_flag("--vtk", options.vtk,
+                     "Write the motion for ParaView: <title>.motion.xdmf, about 200 frames or as "
+                     "output.vtk_every says");
+    app.add_flag("--batch", options.batch, "Answer requests on standard input, a line of JSON each")
+        ->excludes(vtk);
     app.add_option("--fclib", fclib,
                    "Write the complementarity problems of steps into this folder, for FCLIB")
         ->type_name("DIR");

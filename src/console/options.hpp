@@ -14,6 +14,7 @@ struct Options {
   std::filesystem::path out;           ///< --out, else `out/` beside the scene
   bool dry_run = false;                ///< print the resolved scene and stop
   bool quiet = false;
+  bool vtk = false;             ///< ricochet-contact: motion for ParaView
   bool batch = false;           ///< ricochet-contact: requests on standard input, answers on standard output
   std::filesystem::path fclib;  ///< ricochet-contact: folder of complementarity problems; empty: none
   int fclib_every = 1;          ///< of the steps with contact each so many-th is written there
@@ -24,7 +25,7 @@ struct Program {
   std::string name;
   std::string purpose;
   std::string examples;
-  bool batch = false;  ///< has --batch and --fclib
+  bool impacts = false;  ///< has --vtk, --batch and --fclib
 };
 
 /// Parsed options, or the exit status when nothing is left to do (--help, --version: 0; bad arguments: 2,

@@ -13,7 +13,7 @@ constexpr Eigen::Index columns_at_once = 256;
 
 Eigen::MatrixXd residual_response(const parallel::Teams& teams, const mesh::Mesh& mesh,
                                   const elasticity::Body& body, Factorisation& factor, const ModeSet& modes,
-                                  const Eigen::MatrixXd& loads, Eigen::Index seen) {
+                                  const Eigen::MatrixXd& loads, Eigen::Index seen, Rows* field) {
   // No mode left out lies below the cut: the series converges by |σ|/(λ_cut + |σ|) a term.
   constexpr double tolerance = 1e-12;
   const double sigma = modes.static_shift, ratio = -sigma / modes.cut;
@@ -62,7 +62,10 @@ Eigen::MatrixXd residual_response(const parallel::Teams& teams, const mesh::Mesh
   };
   // Term k is (−σ)^k Cᵀ X_k with X_k = ((K − σM)⁻¹ M)^k (K − σM)⁻¹ P L. As the operator is symmetric and L
   // begins with C, Cᵀ X_{i+j+1} = X_iᵀ M X_j over the leading columns: two solves give four terms.
+  // The field itself is Σ (−σ)^k X_k: half as many terms, hence the root of the tolerance.
   Eigen::MatrixXd x = respond(loads);
+  double weight_of_x = 1;
+  if (field != nullptr) field->value = x(field->row, Eigen::all);
   Eigen::MatrixXd response = inner(mesh.comm, loads.leftCols(seen), x);
   double weight = 1;
   const auto add = [&](const Eigen::MatrixXd& momentum, const Eigen::MatrixXd& shape) {
@@ -76,6 +79,8 @@ Eigen::MatrixXd residual_response(const parallel::Teams& teams, const mesh::Mesh
     const Eigen::MatrixXd momentum = mass(x);
     if (add(momentum, x)) break;
     x = respond(momentum);
+    weight_of_x *= -sigma;
+    if (field != nullptr) field->value += weight_of_x * x(field->row, Eigen::all);
     if (add(momentum, x)) break;
   }
   return response;

@@ -66,7 +66,7 @@ std::vector<kernels::Kernel> of_other_order(const scene::Scene& scene, const std
     if (!request) return {};
     const std::filesystem::path path = scene::kernel_path(folder, *request);
     if (kernels::read_hash(path) != request->hash) return {};
-    out.push_back(kernels::read(path));
+    out.push_back(kernels::read(path, false));
   }
   return out;
 }
@@ -97,7 +97,10 @@ void choose_rate(scene::Scene& scene, const Kernels& kernels, contact::Estimator
 
 std::vector<kernels::Kernel> copies(const Kernels& kernels) {
   std::vector<kernels::Kernel> out;
-  for (const auto& kernel : kernels.kernel) out.push_back(*kernel);
+  for (const auto& kernel : kernels.kernel) {
+    out.push_back(*kernel);
+    out.back().view.reset();
+  }
   return out;
 }
 

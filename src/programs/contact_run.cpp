@@ -23,6 +23,7 @@
 #include "src/console/console.hpp"
 #include "src/programs/accuracy.hpp"
 #include "src/programs/contact_parts.hpp"
+#include "src/programs/motion.hpp"
 #include "src/scene/scene.hpp"
 #include "src/sound/wav.hpp"
 
@@ -207,9 +208,10 @@ std::string report(const contact::EquilibriumSummary& s, const scene::Scene& sce
 struct Target {
   fs::path result, summary;
   contact::RecorderOptions recorder;
+  std::optional<contact::MotionOptions> motion;  ///< none: not asked for
 };
 
-Target target_of(const scene::Scene& scene, const fs::path& folder, const Kernels& kernels) {
+Target target_of(const scene::Scene& scene, const fs::path& folder, const Kernels& kernels, bool motion) {
   Target out;
   out.result = out.summary = folder / scene::slug(scene.title);
   out.result += ".result.h5";
@@ -221,14 +223,17 @@ Target target_of(const scene::Scene& scene, const fs::path& folder, const Kernel
                   .kernel_files = kernels.file,
                   .every = scene.output.every,
                   .snapshot_every = scene.output.snapshot_every};
+  if (motion) out.motion = motion_options(scene, folder / scene::slug(scene.title));
   return out;
 }
 
 void show(const console::Options& options, std::ostream& out, console::Console& console, const Target& target,
           const std::string& report, const std::vector<std::string>& warnings) {
-  if (!options.quiet)
+  if (!options.quiet) {
     out << console::Console::table(console.phases()) << '\n'
         << report << fmt::format("\n{}\n{}\n", target.result.string(), target.summary.string());
+    if (target.motion) out << target.motion->stem.string() << ".xdmf\n";
+  }
   for (const std::string& warning : warnings) console.warn(warning);
 }
 
@@ -241,6 +246,7 @@ void run_at_rest(const scene::Scene& scene, const contact::Model& model, const J
 
   console.begin("writing");
   contact::Recorder(model, equilibrium, target.recorder).commit(target.summary);
+  if (target.motion) contact::MotionFile(equilibrium, model, *target.motion).commit();
   contact::EquilibriumSummary summary = contact::summarise(model, equilibrium);
   judged.into(summary);
   summary.wall_s = seconds_since(started);
@@ -270,19 +276,22 @@ int run_contact(const console::Options& options, std::ostream& out) {
   }
   refuse_problems(options, scene);
   const fs::path folder = options.out.empty() ? options.scene.parent_path() / "out" : options.out;
+  const bool motion = options.vtk || scene.output.vtk_every > 0;
+  if (motion) check_motion(scene);
   console::Console console(options.quiet);
   if (scene.contact.kernel == scene::ContactKernel::table)
     return run_table(options, scene, folder, console, out);
 
   console.begin("kernels");
-  const Kernels kernels = read_kernels(scene, folder);
+  const Kernels kernels = read_kernels(scene, folder, motion);
+  if (motion) check_skins(kernels);
   console.end(fmt::format("{} bodies", kernels.kernel.size()));
 
   console.begin("pairing");
   contact::Model model = in_scene(scene, [&] { return model_of(scene, kernels.pointers()); });
   console.end(fmt::format("{} contact points, {} modes", model.gap.size(), model.omega.size()));
 
-  kernels::check_place(target_of(scene, folder, kernels).result);
+  kernels::check_place(target_of(scene, folder, kernels, motion).result);
   Judged judged{.warnings = kernels.warnings};
   if (scene.accuracy) {
     console.begin("estimates");
@@ -292,7 +301,7 @@ int run_contact(const console::Options& options, std::ostream& out) {
                                               model.gap.size())
                                 : "");
   }
-  const Target target = target_of(scene, folder, kernels);
+  const Target target = target_of(scene, folder, kernels, motion);
   if (scene.contact.scheme == scene::Scheme::at_rest) {
     run_at_rest(scene, model, judged, target, started, options, console, out);
     return 0;
@@ -305,6 +314,8 @@ int run_contact(const console::Options& options, std::ostream& out) {
   const Clock::time_point stepping = Clock::now();
   contact::Integrator integrator = in_scene(scene, [&] { return contact::Integrator(model, step); });
   contact::Recorder recorder(model, step, target.recorder);
+  std::optional<contact::MotionFile> film;
+  if (target.motion) film.emplace(integrator, model, *target.motion);
   Microphones microphones = in_scene(scene, [&] { return Microphones(model, steps, scene.time.rate.value); });
   microphones.listen(recorder.receivers());
   contact::SummaryObserver observer(model, step.step, slowest_wave(scene));
@@ -321,6 +332,7 @@ int run_contact(const console::Options& options, std::ostream& out) {
     observer.observe(integrator);
     recorder.record(integrator);
     microphones.listen(recorder.receivers());
+    if (film) film->record(integrator);
     console.advance(k);
   }
   const double elapsed = seconds_since(stepping);
@@ -330,6 +342,7 @@ int run_contact(const console::Options& options, std::ostream& out) {
 
   console.begin("writing");
   recorder.commit(target.summary);
+  if (film) film->commit();
   Summary summary = observer.summary();
   judged.into(summary);
   summary.sounds = microphones.write(folder / scene::slug(scene.title));

@@ -5,6 +5,7 @@
 #include <ostream>
 
 #include "kernels/error.hpp"
+#include "kernels/modes_file.hpp"
 #include "kernels/temporary.hpp"
 #include "src/scene/derive.hpp"
 
@@ -81,6 +82,18 @@ int run_recast(const RecastOptions& options, std::ostream& out) {
   const std::filesystem::path folder = options.out.empty() ? options.kernel.parent_path() : options.out;
   const std::filesystem::path path = scene::kernel_path(folder, wanted);
   kernels::check_place(path);
+  if (options.vtk) {
+    std::filesystem::path stem = path;
+    stem.replace_extension().replace_extension(".modes");  // ….kernel.h5
+    try {
+      kernels::write_modes(kernel, stem);
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}: {}", file, error.what()));
+    }
+    out << fmt::format("{}: {} {}: {}.xdmf\n", kernel.body, kernel.modes.size(),
+                       kernel.modes.basis == "modes" ? "modes" : "vectors", stem.string());
+    return 0;
+  }
   kernels::write(kernel, path);
   out << fmt::format("{}: {} of {} {}, {} of {} points: {}\n", kernel.body, kernel.modes.size(), modes,
                      kernel.modes.basis == "modes" ? "modes" : "vectors", kernel.surface.size(), points,

@@ -18,10 +18,12 @@ struct RecastOptions {
   std::optional<Hertz> up_to;                       ///< of the new body; with flexibility_error: of the band
   std::optional<std::int64_t> count;                ///< not with the other two
   std::optional<double> flexibility_error;
+  bool vtk = false;  ///< write the modes for ParaView, and no kernel
 };
 
 /// Writes `<out>/<body>-<hash>.kernel.h5` and tells of it on `out`. A band that is not given grows with the
-/// frequencies. Returns 0. Throws InputError, one line that begins with the kernel's file.
+/// frequencies. With `vtk`, `<body>-<hash>.modes.xdmf` and `.modes.h5` instead. Returns 0. Throws InputError,
+/// one line that begins with the kernel's file.
 int run_recast(const RecastOptions& options, std::ostream& out);
 
 }  // namespace ricochet::programs

@@ -18,8 +18,9 @@ int main(int argc, char** argv) {
           "  ricochet-kernel two-disks.toml && ricochet-contact two-disks.toml\n"
           "  ricochet-contact --set title=fast --set bodies.upper.velocity=[0,-6,0] two-disks.toml\n"
           "  ricochet-contact --set contact.scheme=impulse --set time.rate_hz=96000 two-disks.toml\n"
+          "  ricochet-contact --vtk two-disks.toml\n"
           "  ricochet-contact --dry-run two-disks.toml",
-      .batch = true};
+      .impacts = true};
   const console::Parsed parsed = console::parse(program, argc, argv);
   if (!parsed.options) return parsed.status;
   console::end_cleanly_on_signals();

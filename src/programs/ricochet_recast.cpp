@@ -43,12 +43,15 @@ int main(int argc, char** argv) {
           ->delimiter(',')
           ->allow_extra_args(false)
           ->type_name("I,J,…");
+  app.add_flag("--vtk", options.vtk,
+               "Write the modes for ParaView, <body>-<hash>.modes.xdmf, in the place of a kernel");
   app.add_option("--out", out, "Folder of the new kernel (default: that of KERNEL)")->type_name("DIR");
   app.footer(
       "Examples:\n"
       "  ricochet-recast out/upper-0123456789ab.kernel.h5 --young-factor 2 --scale-factor 0.5\n"
       "  ricochet-recast out/upper-0123456789ab.kernel.h5 --up-to-hz 800 --points 0,2,4\n"
-      "  ricochet-recast out/upper-0123456789ab.kernel.h5 --flexibility-error 1e-2 --up-to-hz 500");
+      "  ricochet-recast out/upper-0123456789ab.kernel.h5 --flexibility-error 1e-2 --up-to-hz 500\n"
+      "  ricochet-recast out/upper-0123456789ab.kernel.h5 --vtk");
   if (const auto status = console::status_of_parsing(app, argc, argv)) return *status;
   options.kernel = kernel;
   options.out = out;

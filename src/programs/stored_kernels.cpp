@@ -22,9 +22,10 @@ std::vector<KernelFile> files_of(const scene::Scene& scene, const scene::Body& b
   return {{path, {}}};
 }
 
-std::shared_ptr<const kernels::Kernel> read(const fs::path& path, KernelCache& cache) {
+std::shared_ptr<const kernels::Kernel> read(const fs::path& path, KernelCache& cache, bool view = false) {
   std::shared_ptr<const kernels::Kernel>& kernel = cache.kernels[path];
-  if (!kernel) kernel = std::make_shared<const kernels::Kernel>(kernels::read(path));
+  if (!kernel || (view && !kernel->view))
+    kernel = std::make_shared<const kernels::Kernel>(kernels::read(path, view));
   return kernel;
 }
 
@@ -83,7 +84,7 @@ std::vector<std::string> locking(const scene::Body& body, const kernels::Kernel&
 
 }  // namespace
 
-Kernels read_kernels(const scene::Scene& scene, const fs::path& folder, KernelCache& cache) {
+Kernels read_kernels(const scene::Scene& scene, const fs::path& folder, KernelCache& cache, bool view) {
   const std::vector<StoredKernel> stored = find_kernels(scene, folder, cache);
   Kernels out;
   decltype(cache.kernels) kept;
@@ -95,7 +96,7 @@ Kernels read_kernels(const scene::Scene& scene, const fs::path& folder, KernelCa
       throw InputError(fmt::format(
           "{}: no kernel for body \"{}\" {}. Run ricochet-kernel {} first.", scene.file.string(), body.name,
           limited ? "in " + folder.string() : "at " + path.string(), scene.file.string()));
-    const auto kernel = read(path, cache);
+    const auto kernel = read(path, cache, view);
     if (!limited && kernel->hash != stored[k].hash)
       throw InputError(
           fmt::format("{}: is a kernel of another scene, not of body \"{}\". Run ricochet-kernel {} again.",
@@ -109,9 +110,9 @@ Kernels read_kernels(const scene::Scene& scene, const fs::path& folder, KernelCa
   return out;
 }
 
-Kernels read_kernels(const scene::Scene& scene, const fs::path& folder) {
+Kernels read_kernels(const scene::Scene& scene, const fs::path& folder, bool view) {
   KernelCache none;
-  return read_kernels(scene, folder, none);
+  return read_kernels(scene, folder, none, view);
 }
 
 }  // namespace ricochet::programs

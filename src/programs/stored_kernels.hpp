@@ -42,7 +42,9 @@ std::vector<StoredKernel> find_kernels(const scene::Scene& scene, const std::fil
 
 /// Throws InputError when there is none for a body, or one of another scene. One that holds too few
 /// candidates is read: pairing tells. Afterwards `cache` holds the scene's kernels alone.
-Kernels read_kernels(const scene::Scene& scene, const std::filesystem::path& folder, KernelCache& cache);
-Kernels read_kernels(const scene::Scene& scene, const std::filesystem::path& folder);
+/// @param view  with their skins
+Kernels read_kernels(const scene::Scene& scene, const std::filesystem::path& folder, KernelCache& cache,
+                     bool view = false);
+Kernels read_kernels(const scene::Scene& scene, const std::filesystem::path& folder, bool view = false);
 
 }  // namespace ricochet::programs

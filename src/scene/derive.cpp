@@ -166,6 +166,10 @@ kernels::Kernel derived(kernels::Kernel kernel, const KernelRequest& had, const 
   if (!wanted.modes.residual_flexibility) {
     kernel.surface.residual_flexibility.clear();
     kernel.loads.body_force_residual.clear();
+    if (kernel.view) {
+      kernel.view->residual_flexibility.clear();
+      kernel.view->body_force_residual.clear();
+    }
   }
   if (!wanted.view) kernel.view.reset();
   kernel.body = wanted.body.name;

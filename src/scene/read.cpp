@@ -250,7 +250,14 @@ void read_output(Table& root, Scene& scene) {
     if (*every < 1 || *every > 1000000000) table->complain("every", "must be from 1 to 1e9");
     output.every = static_cast<int>(*every);
   }
-  output.view = table->boolean("view").value_or(false);
+  const auto view = table->boolean("view");
+  if (const auto every = table->integer("vtk_every")) {
+    if (*every < 0) table->complain("vtk_every", "must not be negative");
+    if (*every > 0 && view && !*view)
+      table->complain("view", "vtk_every draws the skin of each body: leave view out, or set it to true");
+    output.vtk_every = *every;
+  }
+  output.view = view.value_or(output.vtk_every > 0);
   if (const auto every = table->integer("snapshot_every")) {
     if (*every < 0) table->complain("snapshot_every", "must not be negative");
     output.snapshot_every = *every;
@@ -281,6 +288,9 @@ void refuse_what_does_not_go(Table& root, const Scene& scene) {
   if (table && scene.output.snapshot_every > 0)
     root.table("output")->complain("snapshot_every",
                                    "contact.kernel = \"table\" has no modal coordinates: leave it out");
+  if (table && scene.output.vtk_every > 0)
+    root.table("output")->complain("vtk_every",
+                                   "contact.kernel = \"table\" knows no motion of the bodies: leave it out");
   if (table && scene.accuracy)
     root.complain("accuracy", "errors of runs by contact.kernel = \"table\" are not estimated: leave it out");
   if (!table && scene.contact.scheme != Scheme::at_rest) return;

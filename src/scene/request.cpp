@@ -17,7 +17,7 @@ namespace ricochet::scene {
 namespace {
 
 /// Raised whenever the meaning of a kernel changes, so that old ones are computed anew.
-constexpr int kernel_generation = 3;
+constexpr int kernel_generation = 4;
 
 std::string bytes_of(const std::filesystem::path& path, const std::string& key) {
   std::ifstream file(path, std::ios::binary);

@@ -138,6 +138,7 @@ struct Output {
   int every = 1;                    ///< write each n-th step
   bool view = false;                ///< keep the skin in the kernels, for pictures
   std::int64_t snapshot_every = 0;  ///< modal coordinates each n-th step; 0: none
+  std::int64_t vtk_every = 0;  ///< a frame of the motion for ParaView each n-th step; 0: none. Needs view
   std::vector<Receiver> receivers;  ///< [[output.receiver]]
 };
 

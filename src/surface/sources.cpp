@@ -119,7 +119,8 @@ Sources make_sources(const mesh::Mesh& mesh, const scene::KernelRequest& request
       at_loads.push_back({node, static_cast<int>(sources.loads.size()), weight});
     sources.loads.push_back(load_of(mesh, traction.name, "Pa", surface.area, surface.first));
   }
-  const double tolerance = request.point_forces.empty() && request.receivers.empty() ? 0 : 1e-6 * size_of(mesh);
+  const double tolerance =
+      request.point_forces.empty() && request.receivers.empty() ? 0 : 1e-6 * size_of(mesh);
   const auto put = [&](const Located& place, std::size_t number, std::vector<Weight>& weights) {
     for (std::size_t a = 0; a < place.node.size(); ++a)
       weights.push_back({place.node[a], static_cast<int>(number), place.weight[a]});

@@ -59,6 +59,48 @@ void gather_view(const parallel::Teams& teams, const mesh::Mesh& mesh, const mod
   if (first) kernel.view = std::move(view);
 }
 
+/// A field on the mesh at the skin's nodes.
+class SkinField {
+ public:
+  explicit SkinField(const mesh::Mesh& mesh) : mesh_(mesh), node_(mesh.skin.node) {
+    parallel::broadcast(mesh.comm, node_);
+    const int c = mesh.components();
+    for (std::size_t v = 0; v < node_.size(); ++v) {
+      const std::int64_t local = node_[v] - mesh.first_node;
+      if (local < 0 || local >= mesh.owned_nodes) continue;
+      own_.push_back(v);
+      for (int d = 0; d < c; ++d) rows.row.push_back(local * c + d);
+    }
+  }
+
+  /// Some columns of the rows' values on the team's first rank, (V,3,count); elsewhere zeros. Collective on
+  /// the team.
+  std::vector<float> gather(Eigen::Index from, Eigen::Index count) const {
+    const auto c = static_cast<std::size_t>(mesh_.components()), columns = static_cast<std::size_t>(count);
+    std::vector<float> out(node_.size() * 3 * columns);
+    std::vector<double> part(node_.size() * 3), whole(part.size());
+    for (std::size_t j = 0; j < columns; ++j) {
+      const auto value = rows.value.col(from + static_cast<Eigen::Index>(j));
+      std::ranges::fill(part, 0.0);
+      for (std::size_t i = 0; i < own_.size(); ++i)
+        for (std::size_t d = 0; d < 3; ++d)
+          part[3 * own_[i] + d] = c == 3 ? value[static_cast<Eigen::Index>(3 * i + d)]
+                                         : value[static_cast<Eigen::Index>(i)] * mesh_.axis[d];
+      MPI_Reduce(part.data(), whole.data(), static_cast<int>(part.size()), MPI_DOUBLE, MPI_SUM, 0,
+                 mesh_.comm);
+      for (std::size_t k = 0; k < whole.size(); ++k) out[k * columns + j] = static_cast<float>(whole[k]);
+    }
+    return out;
+  }
+
+  modes::Rows rows;
+
+ private:
+  const mesh::Mesh& mesh_;
+  std::vector<std::int64_t> node_;
+  std::vector<std::size_t> own_;  ///< places in node_
+};
+
 }  // namespace
 
 void take_residuals(const Eigen::MatrixXd& response, Eigen::Index candidates, const Sources& sources,
@@ -94,6 +136,35 @@ void take_traces(const Patches& patches, const Traces& traces, const Sources& so
 }
 
 namespace {
+
+/// Likewise of the skin, from the field of the same responses. Collective on the team.
+void take_residuals(const SkinField& field, Eigen::Index candidates, Eigen::Index seen,
+                    kernels::Kernel& kernel) {
+  auto by_contact = field.gather(0, candidates), by_gravity = field.gather(seen, 3),
+       by_loads = field.gather(seen + 3, field.rows.value.cols() - seen - 3);
+  if (!kernel.view) return;
+  kernel.view->residual_flexibility = std::move(by_contact);
+  kernel.view->body_force_residual = std::move(by_gravity);
+  kernel.view->load_residual = std::move(by_loads);
+}
+
+/// Ψ − ΦΓ on the skin. Collective on the team.
+void trace_motions(const mesh::Mesh& mesh, const modes::Lift& lift, kernels::Kernel& kernel) {
+  SkinField field(mesh);
+  field.rows.value = lift.shape(field.rows.row, Eigen::all);
+  std::vector<float> moved = field.gather(0, lift.shape.cols());
+  if (!kernel.view) return;
+  const std::size_t n = kernel.view->shape.size() / std::max<std::size_t>(kernel.view->node.size(), 1);
+  const auto count = static_cast<std::size_t>(lift.shape.cols());
+  for (std::size_t row = 0; row < kernel.view->node.size(); ++row)
+    for (std::size_t j = 0; j < count; ++j) {
+      const double* gamma = &kernel.motions[j / 3].participation[j % 3 * n];
+      double taken = 0;
+      for (std::size_t k = 0; k < n; ++k) taken += kernel.view->shape[row * n + k] * gamma[k];
+      moved[row * count + j] -= static_cast<float>(taken);
+    }
+  kernel.view->motion_residual = std::move(moved);
+}
 
 /// u = (Ψ − ΦΓ) ū + Φ p of the supports that move. @param shape, body_force, heard  (rows, N): of the modes
 /// at the candidates, under gravity, at the receivers
@@ -162,15 +233,20 @@ void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticit
   take_traces(patches, traces, sources, kernel);
   trace_motions(teams, mesh, body, modes, patches, traces.shape, traces.participation.topRows(3),
                 traces.heard, sources, kernel);
+  if (view) gather_view(teams, mesh, modes, kernel);
+  if (view && !sources.motions.empty()) trace_motions(mesh, sources.lift, kernel);
   if (residual) {
     const Eigen::Index candidates = loads.cols(), seen = candidates + sources.receiver.cols();
     Eigen::MatrixXd all(loads.rows(), seen + 3 + sources.load.cols());
     all << loads, sources.receiver, body.rigid_load.leftCols(3), sources.load;
     loads.resize(0, 0);
-    take_residuals(modes::residual_response(teams, mesh, body, factor, modes, all, seen), candidates, sources,
-                   kernel);
+    std::optional<SkinField> skin;
+    if (view) skin.emplace(mesh);
+    take_residuals(
+        modes::residual_response(teams, mesh, body, factor, modes, all, seen, skin ? &skin->rows : nullptr),
+        candidates, sources, kernel);
+    if (skin) take_residuals(*skin, candidates, seen, kernel);
   }
-  if (view) gather_view(teams, mesh, modes, kernel);
 }
 
 }  // namespace ricochet::surface

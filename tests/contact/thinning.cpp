@@ -71,6 +71,15 @@ TEST(Thinned, surface_yields_to_a_uniform_pressure_as_it_did) {
   EXPECT_NEAR(wide.area.dot(wide.R * wide.area), work, 1e-12 * work);
 }
 
+TEST(Thinned, points_know_the_candidates_that_they_are_made_of) {
+  ricochet::kernels::Kernel kernel;
+  const Model wide = thinned(sheet_on_floor(square(9, 7), kernel));
+  const Matrix P = wide.bodies[0].selection;
+  const auto m = static_cast<Eigen::Index>(kernel.surface.size());
+  const Eigen::Map<const Matrix> R(kernel.surface.residual_flexibility.data(), m, m);
+  EXPECT_LT((P * R * P.transpose() - wide.R).cwiseAbs().maxCoeff(), 1e-13);
+}
+
 TEST(Thinned, point_that_stands_alone_stays) {
   const ricochet::kernels::Kernel one = rod(3, 10), other = rod(3, 10);
   const Model model = build_model(

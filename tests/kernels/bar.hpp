@@ -104,9 +104,15 @@ inline Kernel Bar::kernel() const {
         rest -= shape(k, place(i)) * shape(k, place(j)) / (omega(k) * omega(k));
       surface.residual_flexibility.push_back(rest);
     }
+    for (std::size_t d = 0; d < 3; ++d)
+      for (std::size_t j = 0; j < m; ++j)
+        view.residual_flexibility.push_back(
+            d == 0 ? static_cast<float>(surface.residual_flexibility[i * m + j]) : 0.0F);
     double rest = sag(place(i));
     for (std::size_t k = 1; k <= modes; ++k) rest -= shape(k, place(i)) * momentum(k) / (omega(k) * omega(k));
     out.loads.body_force_residual.insert(out.loads.body_force_residual.end(), {rest, 0, 0});
+    view.body_force_residual.push_back(static_cast<float>(rest));
+    view.body_force_residual.resize(view.body_force_residual.size() + 8, 0.0F);
   }
   view.node = surface.node;
   view.element = surface.element;

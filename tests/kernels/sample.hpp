@@ -97,7 +97,14 @@ inline Kernel sample_kernel(int components, std::size_t n = 5, std::size_t m = 4
   View view;
   fill(view.node, 3 * 3);
   view.element = {0, 1, 2, 2, 1, 0};
-  for (std::size_t i = 0; i < 9 * n; ++i) view.shape.push_back(static_cast<float>(normal(random)));
+  const auto fill_single = [&](std::vector<float>& values, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) values.push_back(static_cast<float>(normal(random)));
+  };
+  fill_single(view.shape, 9 * n);
+  fill_single(view.residual_flexibility, 9 * c * m);
+  fill_single(view.body_force_residual, 9 * 3);
+  fill_single(view.load_residual, 9 * 3 * 2);
+  fill_single(view.motion_residual, 9 * 3);
   kernel.view = view;
 
   for (const auto& [name, unit] : {std::pair{"upper face", "Pa"}, std::pair{"point 1", "N"}}) {
@@ -133,6 +140,8 @@ inline Kernel plain_kernel(int components = 3, std::size_t n = 5, std::size_t m 
   kernel.applied.clear();
   kernel.motions.clear();
   kernel.receivers.clear();
+  kernel.view->load_residual.clear();
+  kernel.view->motion_residual.clear();
   return kernel;
 }
 

@@ -52,6 +52,7 @@ TEST(SceneDefaults, of_all_else_are_those_documented) {
   EXPECT_EQ(scene.output.every, 1);
   EXPECT_FALSE(scene.output.view);
   EXPECT_EQ(scene.output.snapshot_every, 0);
+  EXPECT_EQ(scene.output.vtk_every, 0);
 }
 
 TEST(SceneDefaults, of_the_impulse_scheme_are_the_jump_and_no_rebound) {
@@ -174,6 +175,12 @@ TEST(SceneValues, of_all_else_are_read) {
   EXPECT_EQ(scene.output.every, 4);
   EXPECT_TRUE(scene.output.view);
   EXPECT_EQ(scene.output.snapshot_every, 100);
+  EXPECT_EQ(scene.output.vtk_every, 16);
+}
+
+TEST(SceneValues, of_frames_for_paraview_keep_skins) {
+  EXPECT_TRUE(scene_of(smallest, {"output.vtk_every=5"}).output.view);
+  EXPECT_FALSE(scene_of(smallest, {"output.vtk_every=0"}).output.view);
 }
 
 TEST(SceneValues, of_vectors_fitted_to_contact_are_read) {

@@ -164,7 +164,11 @@ TEST(Refused, is_a_number_out_of_range) {
                                  {"along = [0, 0, 0]", "along = [0, 0, 0]: must not be zero"}});
   for (const auto& [key, line] : std::vector<std::pair<std::string, std::string>>{
            {"every = 0", "every = 0: must be from 1 to 1e9"},
-           {"snapshot_every = -1", "snapshot_every = -1: must not be negative"}})
+           {"snapshot_every = -1", "snapshot_every = -1: must not be negative"},
+           {"vtk_every = -1", "vtk_every = -1: must not be negative"},
+           {"view = false\nvtk_every = 1",
+            "view = false: vtk_every draws the skin of each body: leave view out, or "
+            "set it to true"}})
     expect_lines({{"[time]", "[output]\n" + key + "\n[time]", "output." + line}});
 }
 
@@ -347,7 +351,9 @@ TEST(Refused, is_what_table_kernels_have_no_use_for) {
       {"[modes]\ncount = 3", "modes = {…}: " + instead},
       {"[bodies]", "bodies = {…}: " + instead},
       {"[output]\nsnapshot_every = 2",
-       "output.snapshot_every = 2: contact.kernel = \"table\" has no modal coordinates: leave it out"}};
+       "output.snapshot_every = 2: contact.kernel = \"table\" has no modal coordinates: leave it out"},
+      {"[output]\nvtk_every = 2",
+       "output.vtk_every = 2: contact.kernel = \"table\" knows no motion of the bodies: leave it out"}};
   for (const auto& [text, line] : lines)
     EXPECT_EQ(complaint_about(changed(tabular, "[time]", text + "\n[time]")), "scene.toml: " + line);
   EXPECT_EQ(complaint_about(changed(tabular, "kernel = \"table\"", "kernel = \"tables\"")),

@@ -110,6 +110,7 @@ gravity = [0.0, -9.81, 1]
 every = 4
 view = true
 snapshot_every = 100
+vtk_every = 16
 )";
 
 /// `text` with its one `from` replaced.

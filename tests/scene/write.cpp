@@ -85,6 +85,7 @@ void expect_same(const Scene& a, const Scene& b) {
   EXPECT_EQ(a.output.every, b.output.every);
   EXPECT_EQ(a.output.view, b.output.view);
   EXPECT_EQ(a.output.snapshot_every, b.output.snapshot_every);
+  EXPECT_EQ(a.output.vtk_every, b.output.vtk_every);
 }
 
 /// The scene, written and read back from a file beside it.

@@ -156,7 +156,7 @@ TEST(ResidualFlexibility, and_modes_of_a_clamped_rod_add_to_its_static_flexibili
     const Body rod(test::rod_geo(20), 1, {"right"}, {}, {{"left", "x"}});
     const modes::ModeSet set =
         modes::compute_modes(test::one_team(), rod.mesh, rod.matrices, *rod.factor, {.count = count});
-    const kernels::Kernel kernel = rod.trace(set, true, false);
+    const kernels::Kernel kernel = rod.trace(set, true, true);
     ASSERT_EQ(kernel.surface.size(), 1U);
     EXPECT_EQ(kernel.surface.area[0], 0.5);
     EXPECT_EQ(kernel.surface.element_corners, 1);
@@ -174,6 +174,23 @@ TEST(ResidualFlexibility, and_modes_of_a_clamped_rod_add_to_its_static_flexibili
     // Hanging under its own weight: u(L) = ρ L²/(2E) per unit of acceleration.
     EXPECT_NEAR(gravity, 2.0 * 4.0 / (2 * 3.0), 1e-9);
     for (std::size_t k = 1; k < 9; ++k) EXPECT_EQ(kernel.surface.residual_flexibility[k], 0);
+
+    // Along it u(x) = x/(EA) under the force, ρ/E (L x − x²/2) under its weight.
+    if (!kernel.view) continue;  // on other ranks
+    const kernels::View& view = *kernel.view;
+    ASSERT_EQ(view.node.size(), 3U * 21);
+    for (std::size_t v = 0; v < 21; ++v) {
+      const double x = view.node[3 * v];
+      double pulled = view.residual_flexibility[9 * v], hanging = view.body_force_residual[9 * v];
+      for (std::size_t k = 0; k < n; ++k) {
+        const double seen = view.shape[3 * v * n + k] / std::pow(set.angular_frequency[k], 2);
+        pulled += seen * kernel.surface.shape[k];
+        hanging += seen * kernel.loads.body_force[k];
+      }
+      EXPECT_NEAR(pulled, x / (3.0 * 0.5), 2e-6);  // single precision, and the field's own 1e-6
+      EXPECT_NEAR(hanging, 2.0 / 3.0 * (2 * x - x * x / 2), 2e-6);
+      for (std::size_t k = 1; k < 9; ++k) EXPECT_EQ(view.residual_flexibility[9 * v + k], 0);
+    }
   }
 }
 

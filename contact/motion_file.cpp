@@ -1,0 +1,218 @@
+#include "contact/motion_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "kernels/xdmf.hpp"
+
+namespace ricochet::contact {
+namespace {
+
+namespace xdmf = kernels::xdmf;
+using Eigen::Index;
+using kernels::hdf5::Shape;
+
+std::filesystem::path with(std::filesystem::path stem, const char* ending) { return stem += ending; }
+
+std::string number_of(std::size_t frame) { return fmt::format("/{:06}", frame); }
+
+std::string group_of(const std::string& body) { return "/bodies/" + body; }
+std::string group_of(std::size_t pair) { return fmt::format("/contact/{}", pair + 1); }
+
+template <class Values>
+void write(kernels::hdf5::Writer& file, const std::string& dataset, const Values& x, const char* unit) {
+  using T = typename Values::Scalar;
+  const auto rows = static_cast<std::size_t>(x.rows()), columns = static_cast<std::size_t>(x.cols());
+  file.write(dataset, std::span<const T>(x.data(), rows * columns),
+             Values::ColsAtCompileTime == 1 ? Shape{rows} : Shape{rows, columns}, unit);
+}
+
+/// The one candidate of each of a pair's points; −1 where there are several, as of widened patches.
+std::vector<int> candidates_of(const Selection& selection, const Model::PairBlock& pair, int components) {
+  std::vector<int> out;
+  for (int i = pair.first_point; i < pair.first_point + pair.points; ++i) {
+    int candidate = -1;
+    for (Selection::InnerIterator it(selection, i); it; ++it) {
+      const int of_entry = static_cast<int>(it.col()) / components;
+      if (candidate >= 0 && of_entry != candidate) {
+        candidate = -1;
+        break;
+      }
+      candidate = of_entry;
+    }
+    out.push_back(candidate);
+  }
+  return out;
+}
+
+}  // namespace
+
+MotionFile::MotionFile(const Model& model, const StepOptions& step, const MotionOptions& options)
+    : model_(model), stem_(options.stem), every_(options.every), file_(with(stem_, ".h5")) {
+  for (std::size_t k = 0; k < model.bodies.size(); ++k) skins_.emplace_back(model, static_cast<int>(k), step);
+  for (std::size_t p = 0; p < model.pairs.size(); ++p)
+    patches_.push_back(patch_of(model.pairs[p], options.pairs.at(p)));
+  write_setting(options);
+}
+
+MotionFile::MotionFile(const Integrator& start, const Model& model, const MotionOptions& options)
+    : MotionFile(model, start.options(), options) {
+  frame(0, start.q(), start.v(), start.displacement(), start.force());
+}
+
+MotionFile::MotionFile(const Equilibrium& equilibrium, const Model& model, const MotionOptions& options)
+    : MotionFile(model, StepOptions{}, options) {
+  const Vector rest = Vector::Zero(model.omega.size());
+  frame(0, equilibrium.q, rest, equilibrium.displacement, equilibrium.force);
+}
+
+MotionFile::Patch MotionFile::patch_of(const Model::PairBlock& pair, const std::string& name) const {
+  Patch out;
+  out.name = name;
+  out.first = pair.first_point;
+  out.count = pair.points;
+  out.body = pair.a;
+  const Model::BodyBlock& a = model_.bodies[pair.a];
+  const kernels::Surface& surface = a.kernel->surface;
+  std::map<std::int64_t, std::int64_t> point;
+  const std::vector<int> candidates = candidates_of(a.selection, pair, surface.components);
+  for (std::size_t i = 0; i < candidates.size(); ++i) point[candidates[i]] = static_cast<std::int64_t>(i);
+  const auto k = static_cast<std::size_t>(surface.element_corners);
+  if (std::ranges::count(candidates, -1) == 0)
+    for (std::size_t e = 0; e + k <= surface.element.size(); e += k) {
+      std::vector<std::int64_t> corners;
+      for (std::size_t j = 0; j < k; ++j)
+        if (const auto found = point.find(surface.element[e + j]); found != point.end())
+          corners.push_back(found->second);
+      if (corners.size() == k) out.element.insert(out.element.end(), corners.begin(), corners.end());
+    }
+  out.corners = surface.element_corners;
+  if (out.element.empty()) {
+    out.corners = 1;
+    for (int i = 0; i < out.count; ++i) out.element.push_back(i);
+  }
+  out.offset = model_.point_a.middleRows(out.first, out.count);
+  out.place = skins_[static_cast<std::size_t>(pair.a)].closest(out.offset);
+  for (int i = 0; i < out.count; ++i) out.offset.row(i) -= out.place[static_cast<std::size_t>(i)].point;
+  return out;
+}
+
+void MotionFile::write_setting(const MotionOptions& options) {
+  file_.attribute("/", "format", "ricochet-motion");
+  file_.attribute("/", "version", 1);
+  file_.attribute("/", "title", options.title);
+  file_.attribute("/", "created_by", options.created_by);
+  const auto elements = [&](const std::string& group, const std::vector<std::int64_t>& element, int corners) {
+    const auto k = static_cast<std::size_t>(corners);
+    file_.write(group + "/element", element, {element.size() / k, k}, "1");
+  };
+  for (std::size_t k = 0; k < skins_.size(); ++k)
+    elements(group_of(model_.bodies[k].name), skins_[k].view().element, skins_[k].view().element_corners);
+  for (std::size_t p = 0; p < patches_.size(); ++p) {
+    elements(group_of(p), patches_[p].element, patches_[p].corners);
+    file_.attribute(group_of(p), "name", patches_[p].name);
+    write(file_, group_of(p) + "/area", Vector(model_.area.segment(patches_[p].first, patches_[p].count)),
+          "m^2");
+  }
+}
+
+void MotionFile::record(const Integrator& integrator) {
+  if (integrator.steps() % every_ != 0) return;
+  frame(integrator.time(), integrator.q(), integrator.v(), integrator.displacement(), integrator.force());
+}
+
+void MotionFile::frame(double t, const Vector& q, const Vector& v, const Vector& u, const Vector& force) {
+  const std::string number = number_of(time_.size());
+  for (std::size_t k = 0; k < skins_.size(); ++k) {
+    const std::string group = group_of(model_.bodies[k].name);
+    const SkinMotion& skin = skins_[k].at(t, q, v, force);
+    write(file_, group + "/position" + number, skin.position, "m");
+    write(file_, group + "/deformation" + number, skin.deformation, "m");
+    write(file_, group + "/velocity" + number, skin.velocity, "m/s");
+    for (std::size_t p = 0; p < patches_.size(); ++p)
+      if (patches_[p].body == static_cast<int>(k)) contact_frame(p, number, u, force, skin);
+  }
+  time_.push_back(t);
+}
+
+void MotionFile::contact_frame(std::size_t pair, const std::string& number, const Vector& u,
+                               const Vector& force, const SkinMotion& skin) {
+  const Patch& patch = patches_[pair];
+  const auto own = [&](const Vector& x) -> Vector { return x.segment(patch.first, patch.count); };
+  Matrix position = patch.offset;
+  for (int i = 0; i < patch.count; ++i) {
+    const Skin::Place& place = patch.place[static_cast<std::size_t>(i)];
+    for (std::size_t j = 0; j < 3; ++j)
+      position.row(i) += place.weight[j] * skin.position.row(place.node[j]).cast<double>();
+  }
+  const Vector lambda = own(force);
+  const std::string group = group_of(pair);
+  write(file_, group + "/position" + number, position, "m");
+  write(file_, group + "/force" + number, lambda, "N");
+  write(file_, group + "/pressure" + number, Vector(lambda.cwiseQuotient(own(model_.area))), "Pa");
+  write(file_, group + "/gap" + number, Vector(own(model_.gap) - own(u)), "m");
+  write(file_, group + "/push" + number,
+        Matrix(lambda.asDiagonal() * -model_.normal.middleRows(patch.first, patch.count)), "N");
+}
+
+std::filesystem::path MotionFile::xdmf() const { return with(stem_, ".xdmf"); }
+
+void MotionFile::commit() {
+  write(file_, "/time", Vector(Eigen::Map<const Vector>(time_.data(), static_cast<Index>(time_.size()))),
+        "s");
+  // One of an earlier run would misread the new data.
+  std::error_code ignored;
+  std::filesystem::remove(xdmf(), ignored);
+  file_.commit();
+  write_xdmf();
+}
+
+void MotionFile::write_xdmf() const {
+  xdmf::File text(xdmf(), file_.path().filename().string());
+  const auto film = [&](xdmf::Grid grid, const std::string& group, const std::vector<xdmf::Field>& moving) {
+    const std::vector<xdmf::Field> steady = grid.fields;
+    text.begin(grid.name);
+    for (std::size_t k = 0; k < time_.size(); ++k) {
+      grid.fields = steady;
+      for (xdmf::Field field : moving) {
+        field.dataset = group + "/" + field.name + number_of(k);
+        if (field.name == "position")
+          grid.position = field;
+        else
+          grid.fields.push_back(field);
+      }
+      text.add(grid, time_[k]);
+    }
+    text.end();
+  };
+  for (std::size_t k = 0; k < skins_.size(); ++k) {
+    const kernels::View& view = skins_[k].view();
+    const std::string &name = model_.bodies[k].name, group = group_of(name);
+    film({.name = name,
+          .corners = view.element_corners,
+          .elements = view.element.size() / static_cast<std::size_t>(view.element_corners),
+          .nodes = skins_[k].nodes(),
+          .element = group + "/element"},
+         group, {{"position", "", true, 4}, {"deformation", "", true, 4}, {"velocity", "", true, 4}});
+  }
+  for (std::size_t p = 0; p < patches_.size(); ++p) {
+    const Patch& patch = patches_[p];
+    film({.name = patch.name,
+          .corners = patch.corners,
+          .elements = patch.element.size() / static_cast<std::size_t>(patch.corners),
+          .nodes = static_cast<std::size_t>(patch.count),
+          .element = group_of(p) + "/element",
+          .fields = {{"area", group_of(p) + "/area", false, 8}}},
+         group_of(p),
+         {{"position", "", true, 8},
+          {"force", "", false, 8},
+          {"pressure", "", false, 8},
+          {"gap", "", false, 8},
+          {"push", "", true, 8}});
+  }
+  text.commit();
+}
+
+}  // namespace ricochet::contact

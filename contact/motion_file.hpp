@@ -1,0 +1,74 @@
+// Streams the motion of the bodies' skins and the contact forces into <stem>.h5, with <stem>.xdmf for
+// ParaView beside it (FORMAT.md). Both have their final names only once they are whole.
+//
+//   MotionFile motion(integrator, model, {.stem = "out/two-disks.motion", .every = 8});
+//   while (…) { integrator.step(); motion.record(integrator); }
+//   motion.commit();
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "contact/equilibrium.hpp"
+#include "contact/integrator.hpp"
+#include "contact/model.hpp"
+#include "contact/skin.hpp"
+#include "kernels/hdf5.hpp"
+
+namespace ricochet::contact {
+
+struct MotionOptions {
+  std::filesystem::path stem;  ///< of both files, their last endings apart
+  std::string title{}, created_by{};
+  std::vector<std::string> pairs{};  ///< a name for each pair of the model
+  std::int64_t every = 1;            ///< a frame each n-th step
+};
+
+class MotionFile {
+ public:
+  /// Makes the file and writes the frame of `start`, an integrator that has not stepped. Every body's kernel
+  /// has a view. `model` outlives the file. Throws InputError when the file can't be made.
+  MotionFile(const Integrator& start, const Model& model, const MotionOptions& options);
+
+  /// Bodies at rest as the one frame, of t = 0. Throws likewise.
+  MotionFile(const Equilibrium& equilibrium, const Model& model, const MotionOptions& options);
+
+  /// After each step of `integrator`. Throws InputError when the disk is full.
+  void record(const Integrator& integrator);
+
+  /// Gives the files their names. Nothing may be called after it.
+  void commit();
+
+  std::filesystem::path xdmf() const;  ///< what the user opens
+
+ private:
+  /// The contact points of a pair, as they move with body a.
+  struct Patch {
+    std::string name;
+    int first = 0, count = 0, body = 0;  ///< of its points; a
+    int corners = 1;                     ///< of an element: 1 where points make no surface
+    std::vector<std::int64_t> element;   ///< by point of the pair
+    std::vector<Skin::Place> place;      ///< of each point on a's skin
+    Matrix offset;                       ///< (count,3) of each point from its place, at the start [m]
+  };
+
+  MotionFile(const Model& model, const StepOptions& step, const MotionOptions& options);
+  Patch patch_of(const Model::PairBlock& pair, const std::string& name) const;
+  void write_setting(const MotionOptions& options);
+  void frame(double t, const Vector& q, const Vector& v, const Vector& u, const Vector& force);
+  void contact_frame(std::size_t pair, const std::string& number, const Vector& u, const Vector& force,
+                     const SkinMotion& skin);
+  void write_xdmf() const;
+
+  const Model& model_;
+  std::filesystem::path stem_;
+  std::int64_t every_;
+  kernels::hdf5::Writer file_;
+  std::vector<Skin> skins_;  ///< by body
+  std::vector<Patch> patches_;
+  std::vector<double> time_;  ///< of the frames
+};
+
+}  // namespace ricochet::contact

@@ -1,0 +1,117 @@
+#include "contact/skin.hpp"
+
+#include <algorithm>
+
+#include "contact/places.hpp"
+
+namespace ricochet::contact {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+using Eigen::VectorXf;
+
+/// (3V, columns) of a kernel's array, which may be empty.
+auto columns_of(const std::vector<float>& values, Index rows) {
+  using Values = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  return Eigen::Map<const Values>(values.data(), rows,
+                                  rows > 0 ? static_cast<Index>(values.size()) / rows : 0);
+}
+
+}  // namespace
+
+Skin::Skin(const Model& model, int body, const StepOptions& options)
+    : model_(model),
+      body_(model.bodies[body]),
+      view_(*body_.kernel->view),
+      shape_(view_.shape.data(), static_cast<Index>(view_.node.size()), body_.modes),
+      constant_(VectorXf::Zero(shape_.rows())) {
+  const Index rows = shape_.rows();
+  const auto omega = model.omega.segment(body_.first_mode, body_.modes);
+  while (rigid_ < omega.size() && omega(rigid_) == 0) ++rigid_;
+  if (options.scheme == Scheme::compliant) {
+    const auto residual = columns_of(view_.residual_flexibility, rows);
+    if (residual.cols() > 0) flexibility_ = -(residual * body_.selection.transpose().cast<float>());
+  }
+  const auto to_body = [&](const Eigen::Vector3d& x) -> Eigen::Vector3f {
+    return (body_.rotation.transpose() * x).cast<float>();
+  };
+  const auto settling = columns_of(view_.body_force_residual, rows);
+  if (settling.cols() > 0) constant_ = settling * to_body(model.gravity);
+  for (const Model::Drive& drive : model.drives)
+    if (drive.body == body) drive_.push_back(&drive);
+  drives_.setZero(rows, static_cast<Index>(drive_.size()));
+  for (std::size_t d = 0; d < drive_.size(); ++d) {
+    const Model::Drive& drive = *drive_[d];
+    auto column = drives_.col(static_cast<Index>(d));
+    const auto residual = columns_of(drive.support ? view_.motion_residual : view_.load_residual, rows);
+    if (residual.cols() > 0) column = residual.middleCols(3 * drive.entry, 3) * to_body(drive.vector);
+    column += shape_ * drive.lift.cast<float>();  // of a support: Ψ = (Ψ − ΦΓ) + ΦΓ
+  }
+  if (options.scheme == Scheme::compliant) add_dropped(options);
+}
+
+/// The integrator moves modes above half the rate into R and s; what they do to the skin follows.
+void Skin::add_dropped(const StepOptions& options) {
+  for (Index i = 0; i < body_.modes; ++i) {
+    const Index n = body_.first_mode + i;
+    if (sampled(model_.omega(n), options.step)) continue;
+    const VectorXf flexible = shape_.col(i) / static_cast<float>(model_.omega(n) * model_.omega(n));
+    if (flexibility_.cols() == 0) flexibility_.setZero(shape_.rows(), model_.gap.size());
+    flexibility_ -= flexible * model_.B.col(n).transpose().cast<float>();
+    constant_ += flexible * static_cast<float>(model_.load(n));
+    for (std::size_t d = 0; d < drive_.size(); ++d)
+      drives_.col(static_cast<Index>(d)) += flexible * static_cast<float>(drive_[d]->force(i));
+  }
+}
+
+const SkinMotion& Skin::at(double t, const Vector& q, const Vector& v, const Vector& force) {
+  const Index rows = shape_.rows(), elastic = body_.modes - rigid_;
+  const VectorXd own = q.segment(body_.first_mode, body_.modes),
+                 rate = v.segment(body_.first_mode, body_.modes);
+  // A body may fly far: what its modes of frequency 0 do is summed in double precision.
+  const Eigen::MatrixXd rigid_shape = shape_.leftCols(rigid_).cast<double>();
+  VectorXf deformation = constant_, velocity = shape_.rightCols(elastic) * rate.tail(elastic).cast<float>();
+  deformation.noalias() += shape_.rightCols(elastic) * own.tail(elastic).cast<float>();
+  if (flexibility_.cols() > 0) deformation.noalias() += flexibility_ * force.cast<float>();
+  for (std::size_t d = 0; d < drive_.size(); ++d) {
+    const auto column = drives_.col(static_cast<Index>(d));
+    deformation += static_cast<float>(drive_[d]->history.at(t)) * column;
+    velocity += static_cast<float>(drive_[d]->history.slope(t)) * column;
+  }
+  const VectorXd place = Eigen::Map<const VectorXd>(view_.node.data(), rows) +
+                         rigid_shape * own.head(rigid_) + deformation.cast<double>(),
+                 speed = rigid_shape * rate.head(rigid_) + velocity.cast<double>();
+  const auto to_world = [&](const VectorXd& x) {
+    using Places = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
+    return Places(Eigen::Map<const Places>(x.data(), rows / 3, 3) * body_.rotation.transpose());
+  };
+  out_.position = (to_world(place).rowwise() + body_.translation.transpose()).cast<float>();
+  out_.deformation = to_world(deformation.cast<double>()).cast<float>();
+  out_.velocity = to_world(speed).cast<float>();
+  return out_;
+}
+
+std::vector<Skin::Place> Skin::closest(const Eigen::Ref<const Matrix>& x) const {
+  WorldSurface surface;
+  surface.corners = view_.element_corners;
+  for (std::size_t i = 0; i < view_.node.size(); i += 3) {
+    surface.node.push_back(body_.rotation * Eigen::Map<const Eigen::Vector3d>(&view_.node[i]) +
+                           body_.translation);
+    surface.normal.push_back(Eigen::Vector3d::UnitX());  // any: nothing depends on it here
+  }
+  const auto k = static_cast<std::size_t>(surface.corners);
+  for (std::size_t e = 0; e + k <= view_.element.size(); e += k) {
+    WorldSurface::Element element;
+    for (std::size_t j = 0; j < k; ++j) element.corner[j] = static_cast<int>(view_.element[e + j]);
+    surface.add(element);
+  }
+  std::vector<Place> out;
+  for (Index i = 0; i < x.rows(); ++i) {
+    const auto found = closest_place(surface, x.row(i).transpose());
+    out.push_back(found ? Place{found->corner, found->weight, found->point} : Place{});
+  }
+  return out;
+}
+
+}  // namespace ricochet::contact

@@ -1,0 +1,58 @@
+// Where the skin of a body is, for pictures: x = Q (x_0 + φ q + r) + t, in single precision.
+//
+// r is the static part of what the modes left out, under contact, gravity, loads and supports, as of
+// receivers.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "contact/integrator.hpp"
+#include "contact/model.hpp"
+
+namespace ricochet::contact {
+
+/// World axes; V nodes.
+struct SkinMotion {
+  using Rows = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
+  Rows position;     ///< (V,3) [m]
+  Rows deformation;  ///< (V,3) displacement but for that by modes of frequency 0 [m]
+  Rows velocity;     ///< (V,3) of the modes, supports, and loads that change [m/s]
+};
+
+class Skin {
+ public:
+  /// Of a body of the model whose kernel has a view. `model` outlives the skin.
+  Skin(const Model& model, int body, const StepOptions& options);
+
+  std::size_t nodes() const { return view_.node.size() / 3; }
+  const kernels::View& view() const { return view_; }
+
+  /// @param q, v, force  (N), (N), (m) as of an integrator at time t
+  const SkinMotion& at(double t, const Vector& q, const Vector& v, const Vector& force);
+
+  /// The place on the skin closest to x [m], with the bodies as placed: nodes and their weights.
+  struct Place {
+    std::array<int, 3> node{};
+    std::array<double, 3> weight{};
+    Eigen::Vector3d point{0, 0, 0};  ///< [m]
+  };
+  std::vector<Place> closest(const Eigen::Ref<const Matrix>& x) const;
+
+ private:
+  using Values = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  void add_dropped(const StepOptions& options);
+
+  const Model& model_;
+  const Model::BodyBlock& body_;
+  const kernels::View& view_;
+  Eigen::Map<const Values> shape_;  ///< (3V,N)
+  Eigen::Index rigid_ = 0;          ///< modes of frequency 0, the first ones
+  Values flexibility_;              ///< (3V,m) by λ [m/N]; no columns where contact has no static part
+  Eigen::VectorXf constant_;        ///< (3V) under gravity [m]
+  Values drives_;                   ///< (3V,drives) for a factor of 1, in the order of the body's drives
+  std::vector<const Model::Drive*> drive_;
+  SkinMotion out_;
+};
+
+}  // namespace ricochet::contact

@@ -1,0 +1,64 @@
+// XDMF files: a light text that tells ParaView and other viewers how to read an HDF5 file beside it.
+//
+//   xdmf::File file(path, "two-disks.motion.h5");
+//   file.begin("upper");                      // a grid that moves …
+//   for (…) file.add(grid, time);             // … by its frames
+//   file.end();
+//   file.commit();                            // now path exists
+//
+// Each frame has datasets of its own: ParaView's readers fail on parts of a dataset.
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kernels/temporary.hpp"
+
+namespace ricochet::kernels::xdmf {
+
+/// A dataset of floating-point numbers, (nodes) or (nodes, 3).
+struct Field {
+  std::string name;     ///< shown to the user
+  std::string dataset;  ///< in the HDF5 file
+  bool vector = false;
+  int bytes = 4;  ///< of a number
+};
+
+struct Grid {
+  std::string name;
+  int corners = 3;  ///< of an element: 1 points, 2 segments, 3 triangles
+  std::size_t elements = 0, nodes = 0;
+  std::string element;  ///< dataset (elements, corners), 64-bit integers
+  Field position{};     ///< vector [m]
+  std::vector<Field> fields{};
+};
+
+class File {
+ public:
+  /// @param data  name of the HDF5 file, in the same folder
+  /// Until `commit` the file has a temporary name; destroyed without it, it leaves nothing behind.
+  File(const std::filesystem::path& path, std::string data);
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+
+  void begin(const std::string& name);
+  /// A frame of what was begun, or, without a time, a grid that stays.
+  void add(const Grid& grid, std::optional<double> time = {});
+  void end();
+
+  /// Ends the text, syncs it to the disk and renames. Nothing may be called after it. Throws InputError when
+  /// any of it fails; then there is no file at the final path, or the old one.
+  void commit();
+
+ private:
+  std::string item(const std::string& dataset, const std::string& shape, const char* type, int bytes) const;
+
+  Temporary temporary_;
+  std::string data_;
+  std::ofstream text_;
+};
+
+}  // namespace ricochet::kernels::xdmf

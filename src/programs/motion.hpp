@@ -1,0 +1,21 @@
+// The motion for ParaView that a scene or --vtk asks for.
+#pragma once
+
+#include <filesystem>
+
+#include "contact/motion_file.hpp"
+#include "src/programs/stored_kernels.hpp"
+#include "src/scene/scene.hpp"
+
+namespace ricochet::programs {
+
+/// Throws InputError when the scene's kernels can't tell it: those of a table, or without skins.
+void check_motion(const scene::Scene& scene);
+
+/// Throws InputError when a kernel has no skin after all.
+void check_skins(const Kernels& kernels);
+
+/// `<stem>.motion.xdmf` and `.motion.h5`: each output.vtk_every-th step, or about 200 frames.
+contact::MotionOptions motion_options(const scene::Scene& scene, const std::filesystem::path& stem);
+
+}  // namespace ricochet::programs
