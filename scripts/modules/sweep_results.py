@@ -3,6 +3,7 @@ import contextlib
 import csv
 import fcntl
 import glob
+import io
 import json
 import math
 import os
@@ -126,7 +127,8 @@ class Table:
 
     def write_hdf5(self, path):
         """/inputs/KEY, /outputs/NAME, /status, /error, all (settings); texts and lists as JSON."""
-        with beside(path) as partial, h5py.File(partial, "w") as file:
+        image = io.BytesIO()  # HDF5 itself crashes on a full disk
+        with h5py.File(image, "w") as file:
             file.attrs["format"], file.attrs["version"] = "ricochet-sweep", 1
             file.attrs["title"], file.attrs["scene"] = self.title, str(self.scene)
             for key, column in self.inputs.items():
@@ -135,6 +137,8 @@ class Table:
                 file.create_dataset(f"outputs/{name}", data=np.array(column, dtype=float))
             file["status"] = np.array(self.status, dtype=np.int8)
             file.create_dataset("error", data=self.error, dtype=h5py.string_dtype())
+        with beside(path) as partial:
+            partial.write_bytes(image.getbuffer())
 
     def column(self, name):
         columns = self.inputs | self.outputs

@@ -289,8 +289,7 @@ TEST_F(Damage, a_group_in_the_place_of_a_dataset_is_refused) {
   expect_refused({"\"/modes/decay_rate\" is not a dataset"});
 }
 
-// Names of units are for readers: only those of loads are read. Without its direction a shape has another
-// form, and without its names nothing of what they name is read.
+// Units are for people: only those of loads are read.
 TEST_F(Damage, whatever_stands_in_the_place_of_an_object_is_refused_in_one_line) {
   ricochet::test::for_each_hostile_change(path_, "unit", [&](const std::string& what) {
     SCOPED_TRACE(what);
