@@ -23,10 +23,11 @@ struct Program {
   std::string purpose;
   std::string examples;
   bool batch = false;  ///< has --batch
+  std::string keys{};  ///< what --keys prints
 };
 
-/// Parsed options, or the exit status when nothing is left to do (--help, --version: 0; bad arguments: 2,
-/// with one line on stderr). `speak` false (ranks other than the first) prints nothing.
+/// Parsed options, or the exit status when nothing is left to do (--help, --version, --keys: 0; bad
+/// arguments: 2, with one line on stderr). `speak` false (ranks other than the first) prints nothing.
 struct Parsed {
   std::optional<Options> options;
   int status = 0;
