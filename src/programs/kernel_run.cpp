@@ -201,7 +201,7 @@ void leave_to_residual(const scene::KernelRequest& request, kernels::Kernel& ker
 kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::filesystem::path& checkpoint,
                                MPI_Comm comm, console::Console& console) {
   const scene::Body& body = request.body;
-  const mesh::GmshSession gmsh(geometry_numbers(body));
+  const mesh::GmshSession gmsh;
   Discretised made = discretise(request, comm, console);
   const parallel::Teams& teams = *made.teams;
   const mesh::Mesh& mesh = made.mesh;
