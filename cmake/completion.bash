@@ -11,8 +11,9 @@ _ricochet() {
     else
         local ending=toml
         [[ $1 == *-plot || $1 == *-recast ]] && ending=h5
+        [[ $1 == *-surfaces ]] && ending='@(step|stp|brep|geo|msh)'
         mapfile -t COMPREPLY < <(compgen -f -X "!*.$ending" -- "$word"; compgen -d -S / -- "$word")
     fi
 }
 complete -o filenames -F _ricochet ricochet-contact ricochet-kernel ricochet-recast ricochet-run ricochet-plot \
-    ricochet-sweep ricochet-tradeoff ricochet-batch
+    ricochet-sweep ricochet-tradeoff ricochet-batch ricochet-surfaces

@@ -2,7 +2,7 @@
 # gmsh, so that what is distributed with it is under the GPL; the library is not (see cmake/install.cmake).
 set(RICOCHET_MANUALS "" CACHE PATH "Folder of the manual pages to install (scripts/package makes them)")
 set(share ${CMAKE_INSTALL_DATADIR}/ricochet)
-set(user_scripts run plot sweep tradeoff batch)
+set(user_scripts run plot sweep tradeoff batch surfaces)
 set(modules programs titles progress result_file sweep_study sweep_results tradeoff_runs tradeoff_report)
 
 install(TARGETS ricochet-contact ricochet-recast COMPONENT programs)
