@@ -96,6 +96,19 @@ class Keys(unittest.TestCase):
                     self.assertTrue(self.is_key(".".join(key)), f"{page}:{line}: {'.'.join(key)}")
         self.assertGreater(scenes, 4)
 
+    def test_that_studies_in_the_documentation_vary_exist(self):
+        studies = 0
+        for page in PAGES:
+            for line, kind, info, text in pages.blocks(page):
+                table = tomllib.loads(text) if kind == "toml" else {}
+                if "scene" not in table:
+                    continue
+                studies += 1
+                varied = {key for part in ("set", "grid", "list", "random") for key in table.get(part, {})} - {"count", "seed"}
+                for key in varied:
+                    self.assertTrue(self.is_key(re.sub(r"\[\d+\]", "", key)), f"{page}:{line}: {key}")
+        self.assertEqual(studies, 2)
+
     def test_that_prose_names_exist(self):
         named = set()
         for page in PAGES:
@@ -105,6 +118,12 @@ class Keys(unittest.TestCase):
                 named.add(key)
                 self.assertTrue(self.is_key(key), f"{page}: {key}")
         self.assertGreater(len(named), 5)
+
+
+class Surfaces(unittest.TestCase):
+    def test_of_what_is_no_drawing_are_refused_in_one_line(self):
+        done = subprocess.run([pages.SOURCE / "scripts" / "surfaces", "none.step"], capture_output=True, text=True, check=False)
+        self.assertEqual((done.returncode, done.stderr), (2, "surfaces: none.step: there is no such file: name a .step, .brep, .geo or .msh\n"))
 
 
 class Links(unittest.TestCase):
