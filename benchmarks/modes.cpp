@@ -60,15 +60,6 @@ scene::KernelRequest read_request(const Options& options) {
   return request;
 }
 
-std::vector<std::string> geometry_numbers(const scene::Body& body) {
-  std::vector<std::string> numbers;
-  for (const auto& [name, value] : body.geometry) {
-    numbers.push_back(name);
-    numbers.push_back(fmt::format("{}", value));
-  }
-  return numbers;
-}
-
 bench::Found solve(const Options& options, const bench::Problem& problem) {
   if (options.solver == "ricochet") return bench::by_ricochet(problem);
   if (options.solver == "contact") return bench::by_contact_basis(problem);
@@ -97,7 +88,7 @@ void write_frequencies(const std::vector<double>& frequency_hz, const std::strin
 void run(const Options& options) {
   const MPI_Comm world = PETSC_COMM_WORLD;
   const scene::KernelRequest request = read_request(options);
-  const mesh::GmshSession gmsh(geometry_numbers(request.body));
+  const mesh::GmshSession gmsh;
   mesh::GlobalMesh global;
   const bool deck = options.solver == "calculix-input";
   parallel::on_first_rank(world, [&] {

@@ -10,9 +10,10 @@ _ricochet() {
         mapfile -t COMPREPLY < <(compgen -W "$choices" -- "$word")
     else
         local ending=toml
-        [[ $1 == *-plot || $1 == *-report || $1 == *-recast ]] && ending=h5
+        [[ $1 == *-plot || $1 == *-report || $1 == *-recast || $1 == *-faust ]] && ending=h5
+        [[ $1 == *-surfaces ]] && ending='@(step|stp|brep|geo|msh)'
         mapfile -t COMPREPLY < <(compgen -f -X "!*.$ending" -- "$word"; compgen -d -S / -- "$word")
     fi
 }
 complete -o filenames -F _ricochet ricochet-contact ricochet-kernel ricochet-recast ricochet-run ricochet-plot \
-    ricochet-report ricochet-sweep ricochet-tradeoff ricochet-batch
+    ricochet-report ricochet-sweep ricochet-tradeoff ricochet-batch ricochet-surfaces ricochet-import ricochet-faust

@@ -31,6 +31,7 @@ add_script_manual(tradeoff "says what the settings of a scene cost and err")
 add_script_manual(batch "runs a study on a SLURM cluster")
 add_script_manual(import "makes a body from matrices of another program")
 add_script_manual(faust "writes a Faust model of a body")
+add_script_manual(surfaces "tells the surfaces of a drawing apart")
 
 get_property(pages GLOBAL PROPERTY ricochet_manuals)
 add_custom_target(manuals ALL DEPENDS ${pages})

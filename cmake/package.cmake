@@ -19,7 +19,7 @@ set(CPACK_STRIP_FILES ON)
 
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_NAME ricochet)
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_DEPENDS
-  "openmpi-bin, python3 (>= 3.11), python3-numpy, python3-h5py, python3-matplotlib")
+  "openmpi-bin, python3 (>= 3.11), python3-numpy, python3-h5py, python3-matplotlib, python3-gmsh")
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SUGGESTS "slurm-client")
 set(CPACK_DEBIAN_PROGRAMS_DESCRIPTION "frictionless impact of elastic bodies from modal kernels
 Programs that compute kernels of elastic bodies from gmsh meshes, and

@@ -1,7 +1,7 @@
 # The programs with the scripts that run them: cmake --install BUILD --component programs. ricochet-kernel is linked with
 # gmsh, so that what is distributed with it is under the GPL; the library is not (see cmake/install.cmake).
 set(share ${CMAKE_INSTALL_DATADIR}/ricochet)
-set(user_scripts run plot report sweep tradeoff batch import faust)
+set(user_scripts run plot report sweep tradeoff batch import faust surfaces)
 set(modules command_line programs titles progress result_file report_charts report_motion report_page report_run report_sound
   sweep_study sweep_results sweep_workers tradeoff_runs tradeoff_report body_file calculix_model)
 

@@ -33,6 +33,9 @@ Parsed parse(const Program& program, int argc, const char* const* argv, bool spe
   std::string scene, out, accuracy, fclib;
   CLI::App app{program.purpose, program.name};
   app.set_version_flag("--version", program.name + " " RICOCHET_VERSION);
+  app.add_flag_callback(
+      "--keys", [&] { throw CLI::CallForVersion(program.keys, 0); },
+      "Print the reference of all keys of a scene and stop");
   app.add_option("SCENE", scene, "Scene file (TOML)")->required();
   // One value each, taken as it is: vectors hold commas and brackets.
   app.add_option("--set", options.overrides,

@@ -26,10 +26,11 @@ struct Program {
   std::string purpose;
   std::string examples;
   bool impacts = false;  ///< has --vtk, --batch and --fclib
+  std::string keys{};    ///< what --keys prints
 };
 
-/// Parsed options, or the exit status when nothing is left to do (--help, --version: 0; bad arguments: 2,
-/// with one line on stderr). `speak` false (ranks other than the first) prints nothing.
+/// Parsed options, or the exit status when nothing is left to do (--help, --version, --keys: 0; bad
+/// arguments: 2, with one line on stderr). `speak` false (ranks other than the first) prints nothing.
 struct Parsed {
   std::optional<Options> options;
   int status = 0;

@@ -2,20 +2,22 @@
 
 #include <gmsh.h>
 
+#include <string>
+
 namespace ricochet::mesh {
 
-GmshSession::GmshSession(const std::vector<std::string>& numbers) {
-  std::vector<std::string> words = {"gmsh", "-nopopup", "-v", "0"};
-  for (std::size_t i = 0; i + 1 < numbers.size(); i += 2)
-    words.insert(words.end(), {"-setnumber", numbers[i], numbers[i + 1]});
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  gmsh::initialize(static_cast<int>(argv.size()), argv.data(), /*readConfigFiles=*/false);
+GmshSession::GmshSession() {
+  std::string name = "gmsh", verbosity = "-v", none = "0";
+  char* words[] = {name.data(), verbosity.data(), none.data()};
+  gmsh::initialize(3, words, /*readConfigFiles=*/false);
   gmsh::option::setNumber("General.Terminal", 0);
   gmsh::option::setNumber("General.NumThreads", 1);
 }
 
-GmshSession::~GmshSession() { gmsh::finalize(); }
+GmshSession::~GmshSession() {
+  gmsh::onelab::clear();  // what a .geo defined would overrule the defaults of the next one
+  gmsh::finalize();
+}
 
 void forget_meshes() { gmsh::clear(); }
 

@@ -2,15 +2,13 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 namespace ricochet::mesh {
 
 /// gmsh from here to the end of the scope; one at a time in a process.
 class GmshSession {
  public:
-  /// @param numbers  NAME, VALUE, NAME, VALUE…: override DefineConstant values of a .geo
-  explicit GmshSession(const std::vector<std::string>& numbers = {});
+  GmshSession();
   ~GmshSession();
   GmshSession(const GmshSession&) = delete;
   GmshSession& operator=(const GmshSession&) = delete;

@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <gmsh.h>
+#include <stdlib.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <regex>
 #include <sstream>
@@ -64,6 +67,33 @@ void check_parameters(const scene::Body& body) {
                       file, body.name, name, value,
                       defined.empty() ? "none" : fmt::format("{}", fmt::join(defined, ", "))));
 }
+
+/// A file that sets the parameters of a body's .geo and then reads it; gone with the scope. Parameters on
+/// gmsh's own command line (-setnumber) would hold for all bodies to come.
+class Parameters {
+ public:
+  explicit Parameters(const scene::Body& body) {
+    std::string name = (std::filesystem::temp_directory_path() / "ricochet-XXXXXX.geo").string();
+    const int handle = mkstemps(name.data(), 4);
+    path_ = name;
+    std::string text;
+    for (const auto& [parameter, value] : body.geometry) text += fmt::format("{} = {};\n", parameter, value);
+    text += fmt::format("Merge \"{}\";\n", std::filesystem::absolute(body.mesh).string());
+    const bool written = handle >= 0 && write(handle, text.data(), text.size()) == std::ssize(text);
+    if (handle >= 0) close(handle);
+    if (!written) {
+      std::remove(name.c_str());
+      throw InputError(fmt::format("{}: can't be written: make room there, or set TMPDIR", name));
+    }
+  }
+  Parameters(const Parameters&) = delete;
+  Parameters& operator=(const Parameters&) = delete;
+  ~Parameters() { std::remove(path_.c_str()); }
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
 
 /// gmsh takes what it can from a file that ends early, and says so only of some.
 void check_whole(const std::filesystem::path& msh) {
@@ -162,7 +192,10 @@ void open_file(const scene::Body& body) {
                                  body.name, body.mesh.string()));
   check_parameters(body);
   if (body.mesh.extension() == ".msh") check_whole(body.mesh);
-  gmsh::open(body.mesh.string());
+  if (body.geometry.empty())
+    gmsh::open(body.mesh.string());
+  else
+    gmsh::open(Parameters(body).path());
 }
 
 }  // namespace

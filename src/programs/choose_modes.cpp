@@ -30,7 +30,7 @@ struct Waves {
 Waves waves(const scene::Scene& scene, const scene::Body& body) {
   scene::Body opened = body;
   if (const auto parts = scene::part_files(body.mesh); !parts.empty()) opened.mesh = parts.front();
-  const mesh::GmshSession gmsh(geometry_numbers(body));
+  const mesh::GmshSession gmsh;
   mesh::Extent extent;
   mesh::with_gmsh_errors(body.mesh.filename().string(), [&] { extent = mesh::extent_of(opened); });
   double speed = 0;

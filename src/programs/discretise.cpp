@@ -119,7 +119,7 @@ Discretised discretise(const scene::KernelRequest& request, MPI_Comm comm, conso
 }
 
 void check_body(const scene::KernelRequest& request, MPI_Comm comm, console::Console& console) {
-  const mesh::GmshSession gmsh(geometry_numbers(request.body));
+  const mesh::GmshSession gmsh;
   if (request.body.imported() && holds_modes(request.body, comm)) {
     kernel_of_modes(request, comm, console);
     return;

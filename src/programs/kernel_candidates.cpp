@@ -13,15 +13,6 @@
 
 namespace ricochet {
 
-std::vector<std::string> geometry_numbers(const scene::Body& body) {
-  std::vector<std::string> numbers;
-  for (const auto& [name, value] : body.geometry) {
-    numbers.push_back(name);
-    numbers.push_back(fmt::format("{}", value));
-  }
-  return numbers;
-}
-
 Source open_source(const scene::Body& body, const mesh::Asked& asked, MPI_Comm comm,
                    const parallel::Progress& progress) {
   Source source;
@@ -53,7 +44,7 @@ namespace {
 kernels::WholeSurface surface_of_mesh(const scene::KernelRequest& request, MPI_Comm comm,
                                       console::Console& console) {
   const scene::Body& body = request.body;
-  const mesh::GmshSession gmsh(geometry_numbers(body));
+  const mesh::GmshSession gmsh;
   console.begin(body.name + ": surface");
   Source source = open_source(body, {}, comm, {});
   const auto surface_of = [&](const mesh::Mesh& mesh) {

@@ -15,9 +15,6 @@ namespace ricochet {
 
 using programs::Points;
 
-/// Names and values of a .geo's parameters, for a GmshSession.
-std::vector<std::string> geometry_numbers(const scene::Body& body);
-
 /// A mesh that is one file, read on rank 0, or nothing of one that comes in parts. Collective.
 struct Source {
   bool in_parts = false;

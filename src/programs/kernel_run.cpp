@@ -107,7 +107,7 @@ void leave_to_residual(const scene::KernelRequest& request, kernels::Kernel& ker
 kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::filesystem::path& checkpoint,
                                MPI_Comm comm, console::Console& console) {
   const scene::Body& body = request.body;
-  const mesh::GmshSession gmsh(geometry_numbers(body));
+  const mesh::GmshSession gmsh;
   if (body.imported() && holds_modes(body, comm)) return kernel_of_modes(request, comm, console);
   Discretised made = discretise(request, comm, console);
   const parallel::Teams& teams = *made.teams;

@@ -6,6 +6,7 @@
 #include "src/console/options.hpp"
 #include "src/programs/batch_run.hpp"
 #include "src/programs/contact_run.hpp"
+#include "src/scene/keys.hpp"
 
 int main(int argc, char** argv) {
   using namespace ricochet;
@@ -20,7 +21,8 @@ int main(int argc, char** argv) {
           "  ricochet-contact --set contact.scheme=impulse --set time.rate_hz=96000 two-disks.toml\n"
           "  ricochet-contact --vtk two-disks.toml\n"
           "  ricochet-contact --dry-run two-disks.toml",
-      .impacts = true};
+      .impacts = true,
+      .keys = scene::key_reference()};
   const console::Parsed parsed = console::parse(program, argc, argv);
   if (!parsed.options) return parsed.status;
   console::end_cleanly_on_signals();

@@ -13,6 +13,7 @@
 #include "src/parallel/blas.hpp"
 #include "src/parallel/parallel.hpp"
 #include "src/programs/kernel_run.hpp"
+#include "src/scene/keys.hpp"
 
 int main(int argc, char** argv) {
   using namespace ricochet;
@@ -27,7 +28,8 @@ int main(int argc, char** argv) {
        .examples = "  mpirun -n 2 ricochet-kernel two-disks.toml\n"
                    "  mpirun -n 4 ricochet-kernel two-disks.toml --set modes.up_to_hz=3000 --out kernels\n"
                    "  ricochet-kernel two-rods.toml --dry-run\n"
-                   "PETSc and MUMPS (-mat_mumps_icntl_N) take their own options from PETSC_OPTIONS."},
+                   "PETSc and MUMPS (-mat_mumps_icntl_N) take their own options from PETSC_OPTIONS.",
+       .keys = scene::key_reference()},
       argc, argv, first);
   if (!parsed.options) return parsed.status;
   try {

@@ -32,6 +32,28 @@ bool is_rod(const kernels::Kernel& kernel, const Body& body) {
   });
 }
 
+/// What a kernel keeps of the scene it is for, where that is not written as in a scene.
+const Section& request_keys() {
+  static const Section section{"a kernel's scene",
+                               "",
+                               {{"body", Type::table, "", "", {}, ""},
+                                {"modes", Type::table, "", "", {}, ""},
+                                {"contact", Type::table, "", "", {}, ""},
+                                {"output", Type::table, "", "", {}, ""}}};
+  return section;
+}
+
+const Section& request_contact_keys() {
+  static const Section section{"[contact] of a kernel's scene",
+                               "",
+                               {*pair_keys().find("direction"),
+                                *pair_keys().find("along"),
+                                *pair_keys().find("spacing"),
+                                {"points", Type::integers, "", "", {}, ""},
+                                {"within_reach", Type::text, "", "", {}, ""}}};
+  return section;
+}
+
 [[noreturn]] void fail(const kernels::Kernel& kernel, const std::string& what) {
   throw InputError(fmt::format("kernel of \"{}\": {}", kernel.body, what));
 }
@@ -86,21 +108,21 @@ KernelRequest request_of(const kernels::Header& header, const std::string& origi
                              "ricochet-kernel.",
                              origin, error.description())));
   }
-  Table root(parsed, origin, "");
+  Table root(parsed, request_keys(), origin, "");
   if (parsed.contains("accuracy"))
     root.complain("accuracy", "its modes were chosen for one scene only: compute another");
   for (const char* sources : {"loads", "receiver"})
     if (parsed.contains(sources))
       root.complain(
           sources, "kernels with loads, supports that move or receivers fit one scene only: compute another");
-  auto body = root.table("body");
+  auto body = root.table("body", body_keys());
   if (!body) root.complain("body", "is missing. Compute it again with ricochet-kernel.");
   read_body_matter(*body, request.body);
   body->refuse_unknown();
   request.modes = read_modes(root);
-  if (auto contact = root.table("contact")) {
-    request.direction = contact->vector("direction");
-    request.along = contact->vector("along");
+  if (auto contact = root.table("contact", request_contact_keys())) {
+    request.direction = contact->direction("direction");
+    request.along = contact->direction("along");
     request.spacing = contact->number("spacing");
     request.points = contact->integers("points");
     if (contact->text("within_reach")) {
@@ -109,7 +131,7 @@ KernelRequest request_of(const kernels::Header& header, const std::string& origi
     }
     contact->refuse_unknown();
   }
-  if (auto output = root.table("output")) {
+  if (auto output = root.table("output", output_keys())) {
     request.view = output->boolean("view").value_or(false);
     output->refuse_unknown();
   }

@@ -117,15 +117,16 @@ void move_to_frame(const Body& body, Vector3& at) {
 }  // namespace
 
 void read_loads(Table& root, Scene& scene) {
-  auto table = root.table("loads");
+  auto table = root.table("loads", loads_keys());
   if (!table) return;
   Loads& loads = scene.loads;
   loads.gravity = table->vector("gravity").value_or(Vector3{});
   std::vector<Driven> all;
-  for (const auto& [key, kind, target] :
-       {std::tuple{"traction", Kind::traction, &loads.tractions},
-        std::tuple{"point", Kind::point, &loads.points}, std::tuple{"motion", Kind::motion, &loads.motions}})
-    for (Table& entry : table->array(key)) {
+  for (const auto& [key, keys, kind, target] :
+       {std::tuple{"traction", &traction_keys(), Kind::traction, &loads.tractions},
+        std::tuple{"point", &point_keys(), Kind::point, &loads.points},
+        std::tuple{"motion", &motion_keys(), Kind::motion, &loads.motions}})
+    for (Table& entry : table->array(key, *keys)) {
       target->push_back(read_driven(entry, kind, target->size(), scene));
       refuse_second(entry, all, target->back());
       all.push_back(target->back());
@@ -135,7 +136,7 @@ void read_loads(Table& root, Scene& scene) {
 
 std::vector<Receiver> read_receivers(Table& output, const Scene& scene) {
   std::vector<Receiver> receivers;
-  for (Table& entry : output.array("receiver")) {
+  for (Table& entry : output.array("receiver", receiver_keys())) {
     Receiver receiver;
     if (!entry.has("name")) entry.complain("name", "is missing: it names the receiver's histories");
     receiver.name = read_name(entry, "");

@@ -6,55 +6,35 @@
 
 namespace ricochet::scene {
 
-std::optional<Vector3> direction(Table& table, const std::string& key) {
-  const auto found = table.vector(key, std::numeric_limits<double>::max());
-  if (!found) return std::nullopt;
-  const Vector3& given = *found;
-  const double length = std::hypot(given[0], given[1], given[2]);
-  if (!(length > 0)) table.complain(key, "must not be zero");
-  // Unit to round-off: divided again its last digit would creep, and a written scene not come back as it was.
-  if (std::abs(length - 1) < 1e-15) return given;
-  return Vector3{given[0] / length, given[1] / length, given[2] / length};
-}
-
-double positive(Table& table, const std::string& key) {
-  const double value = table.required_number(key);
-  if (!(value > 0)) table.complain(key, "must be above 0");
-  if (value < 1 / largest_number) table.complain(key, "must be at least 1e-30");
-  return value;
-}
-
 namespace {
 
 Material read_material(Table& table, const std::string& group) {
   Material material;
   material.group = group;
-  material.density = positive(table, "density");
-  material.young = positive(table, "young");
-  material.poisson = table.number("poisson").value_or(0);
-  if (material.poisson >= 0.5)
-    table.complain("poisson", "must be below 0.5. Nearly incompressible: try 0.49.");
-  if (material.poisson <= -1) table.complain("poisson", "must be above -1.");
-  if (table.has("area")) material.area = positive(table, "area");
+  material.density = table.required_number("density");
+  material.young = table.required_number("young");
+  material.poisson = table.number("poisson").value_or(material.poisson);
+  material.area = table.number("area").value_or(material.area);
   table.refuse_unknown();
   return material;
 }
 
 /// None where none are given, as for an imported body.
 std::vector<Material> read_materials(Table& body) {
-  auto table = body.table("material");
+  auto table = body.table("material", material_keys());
   if (!table || table->raw().empty()) return {};
   bool nested = true;
   for (auto&& [key, node] : table->raw()) nested = nested && node.is_table();
   if (!nested) return {read_material(*table, "")};
   std::vector<Material> materials;
-  for (auto& [group, inner] : table->tables()) materials.push_back(read_material(inner, group));
+  for (auto& [group, inner] : table->tables(material_keys()))
+    materials.push_back(read_material(inner, group));
   return materials;
 }
 
 Damping read_damping(Table& body) {
   Damping damping;
-  auto table = body.table("damping");
+  auto table = body.table("damping", damping_keys());
   if (!table) return damping;
   const std::pair<const char*, Damping::Law> laws[] = {{"ratio", Damping::Law::ratio},
                                                        {"loss_factor", Damping::Law::loss_factor},
@@ -62,22 +42,11 @@ Damping read_damping(Table& body) {
   int given = 0;
   for (const auto& [key, law] : laws)
     if (const auto value = table->number(key)) {
-      if (*value < 0) table->complain(key, "must not be negative");
       damping = {law, *value, 0};
       ++given;
     }
-  if (table->has("rayleigh")) {
-    const auto* list = table->raw().get("rayleigh")->as_array();
-    if (list == nullptr || list->size() != 2)
-      table->complain("rayleigh", "must be two numbers, [alpha, beta]");
-    double value[2];
-    for (std::size_t k = 0; k < 2; ++k) {
-      const auto number = list->get(k)->value<double>();
-      if (!number || !std::isfinite(*number) || *number < 0)
-        table->complain("rayleigh", "must be two numbers, neither negative");
-      value[k] = *number;
-    }
-    damping = {Damping::Law::rayleigh, value[0], value[1]};
+  if (const auto value = table->pair("rayleigh", "[alpha, beta]")) {
+    damping = {Damping::Law::rayleigh, (*value)[0], (*value)[1]};
     ++given;
   }
   table->refuse_unknown();
@@ -103,11 +72,8 @@ std::map<std::string, std::string> read_support(Table& body) {
 
 void read_body_matter(Table& table, Body& body) {
   body.geometry = table.numbers("geometry");
-  if (const auto order = table.integer("order")) {
-    if (*order < 1 || *order > 10) table.complain("order", "must be from 1 to 10");
-    body.order = static_cast<int>(*order);
-  }
-  if (table.has("scale")) body.scale = positive(table, "scale");
+  if (const auto order = table.integer("order")) body.order = static_cast<int>(*order);
+  body.scale = table.number("scale").value_or(body.scale);
   body.materials = read_materials(table);
   body.damping = read_damping(table);
   body.contact = table.texts("contact");
@@ -153,40 +119,28 @@ Body read_body(const std::string& name, Table& table, const std::filesystem::pat
 
 Modes read_modes(Table& root, const std::optional<double>& accuracy) {
   Modes modes;
-  auto table = root.table("modes");
+  auto table = root.table("modes", modes_keys());
   if (!table && accuracy) {
     modes.basis = Basis::contact;
     modes.accuracy = accuracy;
     return modes;
   }
   if (!table) root.complain("modes", "is missing: give up_to_hz or count, or accuracy in the scene");
-  if (table->has("up_to_hz")) modes.up_to = Hertz{positive(*table, "up_to_hz")};
-  if (const auto count = table->integer("count")) {
-    if (*count < 1) table->complain("count", "must be at least 1");
-    modes.count = *count;
-  }
-  if (const auto error = table->number("flexibility_error")) {
-    if (*error < 1e-6 || *error > 0.5) table->complain("flexibility_error", "must be from 1e-6 to 0.5");
-    modes.flexibility_error = *error;
-  }
-  modes.residual_flexibility = table->boolean("residual_flexibility").value_or(true);
+  if (const auto band = table->number("up_to_hz")) modes.up_to = Hertz{*band};
+  modes.count = table->integer("count");
+  modes.flexibility_error = table->number("flexibility_error");
+  modes.residual_flexibility = table->boolean("residual_flexibility").value_or(modes.residual_flexibility);
   if (const auto basis = table->text("basis")) {
-    if (*basis != "modes" && *basis != "contact")
-      table->complain("basis", "must be \"modes\" or \"contact\"");
     if (*basis == "contact") modes.basis = Basis::contact;
   } else if (accuracy && !modes.up_to && !modes.count) {
     modes.basis = Basis::contact;
   }
   if (const auto threshold = table->number("low_rank")) {
-    if (*threshold != 0 && (*threshold < 1e-12 || *threshold > 1e-3))
-      table->complain("low_rank", "must be 0 or from 1e-12 to 1e-3");
     if (*threshold != 0 && modes.basis != Basis::contact)
       table->complain("low_rank", "proves no count of modes: it goes with basis = \"contact\"");
     modes.low_rank = *threshold;
   }
   if (const auto iterations = table->integer("approximate")) {
-    if (*iterations < 0 || *iterations > 5)
-      table->complain("approximate", "must be from 1 to 5 block iterations, or 0 for certified modes");
     if (*iterations > 0 && modes.basis == Basis::contact)
       table->complain("approximate", "goes with basis = \"modes\": vectors fitted to contact need no start");
     if (*iterations > 0 && (modes.flexibility_error || (!modes.up_to && !modes.count)))
@@ -211,10 +165,7 @@ Modes read_modes(Table& root, const std::optional<double>& accuracy) {
     if (modes.flexibility_error && !modes.residual_flexibility)
       root.complain("modes", "flexibility_error needs residual_flexibility = true, to which modes are left");
   }
-  if (const auto bound = table->number("relative_residual")) {
-    if (*bound < 1e-14 || *bound > 1e-2) table->complain("relative_residual", "must be from 1e-14 to 1e-2");
-    modes.relative_residual = *bound;
-  }
+  modes.relative_residual = table->number("relative_residual").value_or(modes.relative_residual);
   table->refuse_unknown();
   return modes;
 }
@@ -222,19 +173,17 @@ Modes read_modes(Table& root, const std::optional<double>& accuracy) {
 namespace {
 
 void read_time(Table& root, const Contact& contact, const std::optional<double>& accuracy, Time& time) {
-  auto table = root.table("time");
+  auto table = root.table("time", time_keys());
   if (!table && contact.scheme == Scheme::at_rest) return;
   if (!table) root.complain("time", "is missing: give duration [s]");
   time.rate_by_accuracy = accuracy && !table->has("rate_hz");
-  if (table->has("rate_hz")) time.rate = Hertz{positive(*table, "rate_hz")};
-  time.duration = positive(*table, "duration");
+  if (const auto rate = table->number("rate_hz")) time.rate = Hertz{*rate};
+  time.duration = table->required_number("duration");
   const double steps = time.rate_by_accuracy ? 1 : time.duration * time.rate.value;
   if (steps < 1 || steps > 1e9)
     table->complain("duration", fmt::format("makes {:.3g} steps: must be from 1 to 1e9", steps));
   const bool steps_by_modes = contact.scheme == Scheme::compliant && contact.kernel == ContactKernel::modes;
   const auto precision = table->text("precision");
-  if (precision && *precision != "double" && *precision != "single")
-    table->complain("precision", "must be \"double\" or \"single\"");
   if (precision == "single" && !steps_by_modes)
     table->complain("precision", "belongs to scheme = \"compliant\" and kernel = \"modes\"");
   if (precision == "single") time.precision = Precision::float32;
@@ -244,24 +193,15 @@ void read_time(Table& root, const Contact& contact, const std::optional<double>&
 
 void read_output(Table& root, Scene& scene) {
   Output& output = scene.output;
-  auto table = root.table("output");
+  auto table = root.table("output", output_keys());
   if (!table) return;
-  if (const auto every = table->integer("every")) {
-    if (*every < 1 || *every > 1000000000) table->complain("every", "must be from 1 to 1e9");
-    output.every = static_cast<int>(*every);
-  }
+  if (const auto every = table->integer("every")) output.every = static_cast<int>(*every);
   const auto view = table->boolean("view");
-  if (const auto every = table->integer("vtk_every")) {
-    if (*every < 0) table->complain("vtk_every", "must not be negative");
-    if (*every > 0 && view && !*view)
-      table->complain("view", "vtk_every draws the skin of each body: leave view out, or set it to true");
-    output.vtk_every = *every;
-  }
+  output.vtk_every = table->integer("vtk_every").value_or(output.vtk_every);
+  if (output.vtk_every > 0 && view && !*view)
+    table->complain("view", "vtk_every draws the skin of each body: leave view out, or set it to true");
   output.view = view.value_or(output.vtk_every > 0);
-  if (const auto every = table->integer("snapshot_every")) {
-    if (*every < 0) table->complain("snapshot_every", "must not be negative");
-    output.snapshot_every = *every;
-  }
+  output.snapshot_every = table->integer("snapshot_every").value_or(output.snapshot_every);
   output.receivers = read_receivers(*table, scene);
   table->refuse_unknown();
 }
@@ -286,20 +226,21 @@ void refuse_what_needs_elements(Table& root, const Scene& scene) {
 void refuse_what_does_not_go(Table& root, const Scene& scene) {
   const bool table = scene.contact.kernel == ContactKernel::table;
   if (table && scene.output.snapshot_every > 0)
-    root.table("output")->complain("snapshot_every",
-                                   "contact.kernel = \"table\" has no modal coordinates: leave it out");
+    root.table("output", output_keys())
+        ->complain("snapshot_every", "contact.kernel = \"table\" has no modal coordinates: leave it out");
   if (table && scene.output.vtk_every > 0)
-    root.table("output")->complain("vtk_every",
-                                   "contact.kernel = \"table\" knows no motion of the bodies: leave it out");
+    root.table("output", output_keys())
+        ->complain("vtk_every", "contact.kernel = \"table\" knows no motion of the bodies: leave it out");
   if (table && scene.accuracy)
     root.complain("accuracy", "errors of runs by contact.kernel = \"table\" are not estimated: leave it out");
   if (!table && scene.contact.scheme != Scheme::at_rest) return;
   const char* with = table ? "contact.kernel = \"table\"" : "contact.scheme = \"static\"";
   const Loads& loads = scene.loads;
   if (!loads.tractions.empty() || !loads.points.empty() || !loads.motions.empty())
-    root.table("loads")->complain("", fmt::format("{} takes gravity alone: leave the others out", with));
+    root.table("loads", loads_keys())
+        ->complain("", fmt::format("{} takes gravity alone: leave the others out", with));
   if (!scene.output.receivers.empty())
-    root.table("output")->complain("receiver", fmt::format("{} has none: leave it out", with));
+    root.table("output", output_keys())->complain("receiver", fmt::format("{} has none: leave it out", with));
 }
 
 }  // namespace
@@ -331,11 +272,9 @@ Scene read(const std::filesystem::path& file, const std::vector<Override>& overr
 
   Scene scene;
   scene.file = file;
-  Table root(parsed, name, "");
+  Table root(parsed, scene_keys(), name, "");
   scene.title = root.text("title").value_or(file.stem().string());
   scene.accuracy = root.number("accuracy");
-  if (scene.accuracy && (*scene.accuracy < 1e-6 || *scene.accuracy > 0.5))
-    root.complain("accuracy", "must be from 1e-6 to 0.5, the relative error that results may have");
   if (parsed["contact"]["table"]) {
     for (const char* key : {"bodies", "obstacles", "modes", "loads"})
       if (parsed.contains(key))
@@ -348,15 +287,15 @@ Scene read(const std::filesystem::path& file, const std::vector<Override>& overr
     root.refuse_unknown();
     return scene;
   }
-  auto bodies = root.table("bodies");
+  auto bodies = root.table("bodies", body_keys());
   if (!bodies || bodies->raw().empty())
     root.complain("bodies", "is missing: a scene needs a body, [bodies.NAME]");
-  for (auto& [body_name, table] : bodies->tables())
+  for (auto& [body_name, table] : bodies->tables(body_keys()))
     scene.bodies.push_back(read_body(body_name, table, file.parent_path()));
-  if (auto obstacles = root.table("obstacles"))
-    for (auto& [obstacle_name, table] : obstacles->tables()) {
+  if (auto obstacles = root.table("obstacles", obstacle_keys()))
+    for (auto& [obstacle_name, table] : obstacles->tables(obstacle_keys())) {
       Obstacle obstacle{obstacle_name, table.vector("point").value_or(Vector3{}), {}};
-      const auto normal = direction(table, "normal");
+      const auto normal = table.direction("normal");
       if (!normal) table.complain("normal", "is missing: it points out of the obstacle");
       obstacle.normal = *normal;
       table.refuse_unknown();

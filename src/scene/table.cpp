@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
+#include <stdexcept>
 
 #include "src/scene/toml.hpp"
 #include "src/scene/write.hpp"
@@ -41,6 +43,10 @@ std::string printed(const toml::node& node) {
   return text.str();
 }
 
+double number_of(const toml::node& node) {
+  return node.is_integer() ? static_cast<double>(node.as_integer()->get()) : node.as_floating_point()->get();
+}
+
 /// At most 60 bytes of a line, whole characters.
 std::string shortened(const std::string& line) {
   if (line.size() <= 60) return line;
@@ -66,33 +72,66 @@ void Table::complain(const std::string& key, const std::string& what) const {
   throw InputError(one_line(fmt::format("{}: {}{}: {}", file_, dotted(key), value_of(key), what)));
 }
 
+const toml::node* Table::value(const std::string& key, std::initializer_list<Type> types) {
+  if (keys_ != nullptr) {
+    const Key* described = keys_->find(key);
+    if (described == nullptr || std::find(types.begin(), types.end(), described->type) == types.end())
+      throw std::logic_error(fmt::format("{}: \"{}\" is read, but src/scene/keys.cpp does not describe it so",
+                                         keys_->title, key));
+  }
+  known_.insert(key);
+  return table_.get(key);
+}
+
+bool Table::has(const std::string& key) {
+  if (keys_ != nullptr && keys_->find(key) == nullptr)
+    throw std::logic_error(fmt::format("{}: there is no key \"{}\"", keys_->title, key));
+  known_.insert(key);
+  return table_.contains(key);
+}
+
+void Table::check_range(const std::string& key, double value) const {
+  if (keys_ == nullptr) return;
+  const Range& range = keys_->find(key)->range;
+  if (range.holds(value)) {
+    if (range.low_open && range.low == "0" && value < 1 / largest_number)
+      complain(key, "must be at least 1e-30");
+    return;
+  }
+  if (range.low == "0" && !range.low_open && range.high.empty()) complain(key, "must not be negative");
+  complain(key, fmt::format("must be {}{}", range.text(), range.remark));
+}
+
 std::optional<double> Table::number(const std::string& key) {
-  if (!has(key)) return std::nullopt;
-  const toml::node& node = *table_.get(key);
-  if (!node.is_number()) complain(key, "must be a number");
-  const double value =
-      node.is_integer() ? static_cast<double>(node.as_integer()->get()) : node.as_floating_point()->get();
-  if (!std::isfinite(value)) complain(key, "must be finite");
-  if (std::abs(value) > largest_number) complain(key, "must be from -1e30 to 1e30");
-  return value;
+  const toml::node* node = value(key, {Type::number});
+  if (node == nullptr) return std::nullopt;
+  if (!node->is_number()) complain(key, "must be a number");
+  const double number = number_of(*node);
+  if (!std::isfinite(number)) complain(key, "must be finite");
+  if (std::abs(number) > largest_number) complain(key, "must be from -1e30 to 1e30");
+  check_range(key, number);
+  return number;
 }
 
 double Table::required_number(const std::string& key) {
-  const auto value = number(key);
-  if (!value) complain(key, "is missing");
-  return *value;
+  const auto found = number(key);
+  if (!found) complain(key, "is missing");
+  return *found;
 }
 
 std::optional<std::int64_t> Table::integer(const std::string& key) {
-  if (!has(key)) return std::nullopt;
-  const auto* node = table_.get(key)->as_integer();
-  if (node == nullptr) complain(key, "must be a whole number");
-  return node->get();
+  const toml::node* node = value(key, {Type::integer});
+  if (node == nullptr) return std::nullopt;
+  if (!node->is_integer()) complain(key, "must be a whole number");
+  const std::int64_t number = node->as_integer()->get();
+  check_range(key, static_cast<double>(number));
+  return number;
 }
 
 std::optional<std::vector<std::int64_t>> Table::integers(const std::string& key) {
-  if (!has(key)) return std::nullopt;
-  const auto* list = table_.get(key)->as_array();
+  const toml::node* node = value(key, {Type::integers});
+  if (node == nullptr) return std::nullopt;
+  const auto* list = node->as_array();
   if (list == nullptr) complain(key, "must be a list of whole numbers");
   std::vector<std::int64_t> values;
   for (const toml::node& entry : *list) {
@@ -103,81 +142,122 @@ std::optional<std::vector<std::int64_t>> Table::integers(const std::string& key)
 }
 
 std::optional<bool> Table::boolean(const std::string& key) {
-  if (!has(key)) return std::nullopt;
-  const auto* node = table_.get(key)->as_boolean();
-  if (node == nullptr) complain(key, "must be true or false");
-  return node->get();
+  const toml::node* node = value(key, {Type::boolean});
+  if (node == nullptr) return std::nullopt;
+  if (!node->is_boolean()) complain(key, "must be true or false");
+  return node->as_boolean()->get();
 }
 
 std::optional<std::string> Table::text(const std::string& key) {
-  if (!has(key)) return std::nullopt;
-  const auto* node = table_.get(key)->as_string();
-  if (node == nullptr) complain(key, "must be a string");
-  return node->get();
+  const toml::node* node = value(key, {Type::text});
+  if (node == nullptr) return std::nullopt;
+  if (!node->is_string()) complain(key, "must be a string");
+  const std::string text = node->as_string()->get();
+  const auto& choices = keys_->find(key)->range.choices;
+  if (!choices.empty() && std::find(choices.begin(), choices.end(), text) == choices.end())
+    complain(key, "must be " + keys_->find(key)->range.text());
+  return text;
 }
 
-std::optional<Vector3> Table::vector(const std::string& key, double largest) {
-  if (!has(key)) return std::nullopt;
-  const auto* list = table_.get(key)->as_array();
+Vector3 Table::vector_at(const std::string& key, const toml::node& node, double largest) const {
+  const auto* list = node.as_array();
   if (list == nullptr || list->size() != 3) complain(key, "must be three numbers, [x, y, z]");
   Vector3 vector{};
   for (std::size_t k = 0; k < 3; ++k) {
-    const toml::node& node = *list->get(k);
-    if (!node.is_number()) complain(key, "must be three numbers, [x, y, z]");
-    vector[k] =
-        node.is_integer() ? static_cast<double>(node.as_integer()->get()) : node.as_floating_point()->get();
+    const toml::node& entry = *list->get(k);
+    if (!entry.is_number()) complain(key, "must be three numbers, [x, y, z]");
+    vector[k] = number_of(entry);
     if (!std::isfinite(vector[k])) complain(key, "must be finite");
     if (std::abs(vector[k]) > largest) complain(key, "must hold numbers from -1e30 to 1e30");
   }
   return vector;
 }
 
+std::optional<Vector3> Table::vector(const std::string& key) {
+  const toml::node* node = value(key, {Type::vector});
+  if (node == nullptr) return std::nullopt;
+  return vector_at(key, *node, largest_number);
+}
+
+std::optional<Vector3> Table::direction(const std::string& key) {
+  const toml::node* node = value(key, {Type::direction});
+  if (node == nullptr) return std::nullopt;
+  const Vector3 given = vector_at(key, *node, std::numeric_limits<double>::max());
+  const double length = std::hypot(given[0], given[1], given[2]);
+  if (!(length > 0)) complain(key, "must not be zero");
+  // Unit to round-off: divided again its last digit would creep, and a written scene not come back as it was.
+  if (std::abs(length - 1) < 1e-15) return given;
+  return Vector3{given[0] / length, given[1] / length, given[2] / length};
+}
+
+std::optional<std::array<double, 2>> Table::pair(const std::string& key, const char* names) {
+  const toml::node* node = value(key, {Type::pair});
+  if (node == nullptr) return std::nullopt;
+  const auto* list = node->as_array();
+  if (list == nullptr || list->size() != 2) complain(key, fmt::format("must be two numbers, {}", names));
+  std::array<double, 2> numbers{};
+  for (std::size_t k = 0; k < 2; ++k) {
+    const auto number = list->get(k)->value<double>();
+    if (!number || !std::isfinite(*number) || *number < 0)
+      complain(key, "must be two numbers, neither negative");
+    numbers[k] = *number;
+  }
+  return numbers;
+}
+
 std::vector<std::string> Table::texts(const std::string& key) {
-  if (!has(key)) return {};
-  const toml::node& node = *table_.get(key);
-  if (node.is_string()) return {node.as_string()->get()};
+  const toml::node* node = value(key, {Type::texts});
+  if (node == nullptr) return {};
+  if (node->is_string()) return {node->as_string()->get()};
   std::vector<std::string> texts;
-  if (!node.is_array()) complain(key, "must be a string or a list of strings");
-  for (const toml::node& entry : *node.as_array()) {
+  if (!node->is_array()) complain(key, "must be a string or a list of strings");
+  for (const toml::node& entry : *node->as_array()) {
     if (!entry.is_string()) complain(key, "must be a string or a list of strings");
     texts.push_back(entry.as_string()->get());
   }
   return texts;
 }
 
-std::optional<Table> Table::table(const std::string& key) {
-  if (!has(key)) return std::nullopt;
-  const auto* node = table_.get(key)->as_table();
-  if (node == nullptr) complain(key, "must be a table");
-  return Table(*node, file_, dotted(key));
+std::optional<Table> Table::free_table(const std::string& key, Type type) {
+  const toml::node* node = value(key, {type});
+  if (node == nullptr) return std::nullopt;
+  if (!node->is_table()) complain(key, "must be a table");
+  return Table(*node->as_table(), nullptr, file_, dotted(key));
 }
 
-std::vector<std::pair<std::string, Table>> Table::tables() const {
+std::optional<Table> Table::table(const std::string& key, const Section& keys) {
+  auto found = free_table(key, Type::table);
+  if (found) found->keys_ = &keys;
+  return found;
+}
+
+std::vector<std::pair<std::string, Table>> Table::tables(const Section& keys) const {
   std::vector<std::pair<std::string, Table>> result;
   for (auto&& [key, node] : table_) {
     const std::string name(key.str());
     if (!node.is_table()) complain(name, "must be a table");
-    result.emplace_back(name, Table(*node.as_table(), file_, dotted(name)));
+    result.emplace_back(name, Table(*node.as_table(), keys, file_, dotted(name)));
   }
   return result;
 }
 
-std::vector<Table> Table::array(const std::string& key) {
+std::vector<Table> Table::array(const std::string& key, const Section& keys) {
   std::vector<Table> result;
-  if (!has(key)) return result;
-  const auto* list = table_.get(key)->as_array();
+  const toml::node* node = value(key, {Type::tables});
+  if (node == nullptr) return result;
+  const auto* list = node->as_array();
   if (list == nullptr) complain(key, "must be an array of tables, [[" + dotted(key) + "]]");
   for (std::size_t k = 0; k < list->size(); ++k) {
     const auto* entry = list->get(k)->as_table();
     if (entry == nullptr) complain(key, "must be an array of tables, [[" + dotted(key) + "]]");
-    result.emplace_back(*entry, file_, fmt::format("{}[{}]", dotted(key), k));
+    result.emplace_back(*entry, keys, file_, fmt::format("{}[{}]", dotted(key), k));
   }
   return result;
 }
 
 std::map<std::string, std::string> Table::strings(const std::string& key) {
   std::map<std::string, std::string> result;
-  if (auto inner = table(key))
+  if (auto inner = free_table(key, Type::strings))
     for (auto&& [name, node] : inner->raw()) {
       if (!node.is_string()) inner->complain(std::string(name.str()), "must be a string");
       result[std::string(name.str())] = node.as_string()->get();
@@ -187,7 +267,7 @@ std::map<std::string, std::string> Table::strings(const std::string& key) {
 
 std::map<std::string, double> Table::numbers(const std::string& key) {
   std::map<std::string, double> result;
-  if (auto inner = table(key))
+  if (auto inner = free_table(key, Type::numbers))
     for (auto&& [name, node] : inner->raw())
       result[std::string(name.str())] = inner->required_number(std::string(name.str()));
   return result;

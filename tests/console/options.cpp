@@ -93,8 +93,9 @@ TEST(Help, is_status_0_and_names_all_there_is) {
       EXPECT_FALSE(outcome.parsed.options);
       EXPECT_EQ(outcome.parsed.status, 0);
       EXPECT_EQ(outcome.err, "");
-      for (const char* text : {program, "Computes things.", "SCENE", "--set KEY=VALUE", "--out DIR",
-                               "--dry-run", "--quiet", "--version", "Examples:\n  example scene.toml"})
+      for (const char* text :
+           {program, "Computes things.", "SCENE", "--set KEY=VALUE", "--out DIR", "--dry-run", "--quiet",
+            "--version", "--keys", "Examples:\n  example scene.toml"})
         EXPECT_THAT(outcome.out, HasSubstr(text));
     }
 }

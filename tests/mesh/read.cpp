@@ -1,10 +1,12 @@
 // Meshes as read: sizes, measures and orientation against closed forms.
+#include <fmt/format.h>
 #include <gmsh.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <numbers>
 #include <set>
 
@@ -154,16 +156,38 @@ TEST(Read, geometry_sets_what_the_file_defines) {
       "s[] = Extrude {0,1,0} { Line{1}; Layers{1}; Recombine; };\n"
       "v[] = Extrude {0,0,height} { Surface{s[1]}; Layers{layers}; Recombine; };\n");
   scene::Body body = test::body_of(file.path(), 1);
-  const auto measure = [&](const std::vector<std::string>& numbers) {
-    const mesh::GmshSession gmsh(numbers);
+  const auto measure = [&] {
+    const mesh::GmshSession gmsh;
     const GlobalMesh mesh = mesh::read_mesh(body);
     return std::pair(elements_of(mesh.blocks), volume_of(mesh));
   };
-  EXPECT_EQ(measure({}).first, 2U);
+  EXPECT_EQ(measure().first, 2U);
   body.geometry = {{"height", 2.5}, {"layers", 5}};
-  const auto [elements, volume] = measure({"height", "2.5", "layers", "5"});
+  const auto [elements, volume] = measure();
   EXPECT_EQ(elements, 5U);
   EXPECT_NEAR(volume, 2.5, 1e-13);
+}
+
+// gmsh's parameters outlive its library's scope unless they are cleared.
+TEST(Read, parameters_of_one_body_are_not_those_of_the_next) {
+  const auto block = [](int layers) {
+    return fmt::format("DefineConstant[ layers = {{{}, Name \"layers\"}} ];\nSetFactory(\"Built-in\");\n",
+                       layers) +
+           "Point(1) = {0,0,0};\nPoint(2) = {1,0,0};\nLine(1) = {1,2};\nTransfinite Curve{1} = 2;\n"
+           "s[] = Extrude {0,1,0} { Line{1}; Layers{1}; Recombine; };\n"
+           "v[] = Extrude {0,0,1} { Surface{s[1]}; Layers{layers}; Recombine; };\n";
+  };
+  const test::SharedFile first(".geo", block(3)), second(".geo", block(2));
+  const auto elements = [](const std::filesystem::path& file, const std::map<std::string, double>& geometry) {
+    const mesh::GmshSession gmsh;
+    scene::Body body = test::body_of(file, 1);
+    body.geometry = geometry;
+    return elements_of(mesh::read_mesh(body).blocks);
+  };
+  EXPECT_EQ(elements(first.path(), {}), 3U);
+  EXPECT_EQ(elements(second.path(), {}), 2U);
+  EXPECT_EQ(elements(first.path(), {{"layers", 5}}), 5U);
+  EXPECT_EQ(elements(second.path(), {}), 2U);
 }
 
 /// A file that gmsh writes on rank 0, from the model that `build` leaves open, and all ranks read.

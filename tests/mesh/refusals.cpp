@@ -16,12 +16,9 @@ using testing::HasSubstr;
 
 /// The complaint about a body, from its file to its matrices; the same on every rank, or "ranks differ".
 std::string complaint(const scene::Body& body) {
-  std::vector<std::string> numbers;
-  for (const auto& [name, value] : body.geometry)
-    numbers.insert(numbers.end(), {name, std::to_string(value)});
   std::string said = "accepted";
   try {
-    const mesh::GmshSession gmsh(numbers);
+    const mesh::GmshSession gmsh;
     elasticity::assemble(test::mesh_of(body), body.materials, body.mesh.filename().string());
   } catch (const InputError& error) {
     said = error.what();
@@ -91,13 +88,13 @@ TEST(Refusal, a_hexahedron_numbered_row_by_row_is_inverted) {
 TEST(Refusal, an_unknown_parameter_is_named_with_those_there_are) {
   const std::string body_of_it =
       "Point(1) = {0,0,0};\nPoint(2) = {length,0,0};\nLine(1) = {1,2};\nTransfinite Curve{1} = n + 1;\n";
-  const test::SharedFile file(
-      ".geo",
-      "// DefineConstant[ commented = 1 ];\n"
-      "DefineConstant[ length = {2, Min 1, Max 3, Name \"a, b] = {\"}, n = {4, Choices{4 = \"few, n\", 8 = "
-      "\"many\"}} /* , ghost = 1 */ ];\n"
-      "If(!Exists(extra)) extra = 0; EndIf\n" +
-          body_of_it);
+  const test::SharedFile file(".geo",
+                              "// DefineConstant[ commented = 1 ];\n"
+                              "DefineConstant[ length = {2, Min 1, Max 3, Name \"a, b] = {\"}, n = {4, Name "
+                              "\"n\", Choices{4 = \"few, n\", 8 = "
+                              "\"many\"}} /* , ghost = 1 */ ];\n"
+                              "If(!Exists(extra)) extra = 0; EndIf\n" +
+                                  body_of_it);
   scene::Body body = test::body_of(file.path(), 1);
   body.geometry = {{"lenght", 3}};
   EXPECT_THAT(complaint(body), AllOf(about(file), HasSubstr("bodies.body.geometry.lenght = 3"),

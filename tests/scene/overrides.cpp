@@ -74,7 +74,8 @@ TEST(Set, is_applied_in_order) {
 TEST(Set, is_checked_like_the_file) {
   const std::pair<std::string, std::string> refusals[] = {
       {"bodies.ball.material.poisson=0.5",
-       "bodies.ball.material.poisson = 0.5: must be below 0.5. Nearly incompressible: try 0.49."},
+       "bodies.ball.material.poisson = 0.5: must be above -1 and below 0.5. Nearly incompressible: try "
+       "0.49."},
       {"bodies.ball.velocity=fast", "bodies.ball.velocity = \"fast\": must be three numbers, [x, y, z]"},
       {"bodies.bal.velocity=[0,0,1]", "bodies.bal.mesh: is missing: name a .geo, .step, .brep or .msh file"},
       {"times.duration=1", "times = {…}: unknown key. Did you mean \"time\"?"},

@@ -135,8 +135,10 @@ TEST(Refused, is_a_number_out_of_range) {
       {"young = 1e9", "young = nan", "bodies.ball.material.young = nan: must be finite"},
       {"young = 1e9", "young = 1e9, area = 0", "bodies.ball.material.area = 0: must be above 0"},
       {"young = 1e9", "young = 1e9, poisson = 0.5",
-       "bodies.ball.material.poisson = 0.5: must be below 0.5. Nearly incompressible: try 0.49."},
-      {"young = 1e9", "young = 1e9, poisson = -1", "bodies.ball.material.poisson = -1: must be above -1."},
+       "bodies.ball.material.poisson = 0.5: must be above -1 and below 0.5. Nearly incompressible: try "
+       "0.49."},
+      {"young = 1e9", "young = 1e9, poisson = -1",
+       "bodies.ball.material.poisson = -1: must be above -1 and below 0.5. Nearly incompressible: try 0.49."},
       {"count = 10", "count = 0", "modes.count = 0: must be at least 1"},
       {"count = 10", "up_to_hz = 0.0", "modes.up_to_hz = 0.0: must be above 0"},
       {"duration = 0.01", "duration = 0", "time.duration = 0: must be above 0"},
@@ -231,9 +233,9 @@ TEST(Refused, is_a_low_rank_threshold_that_is_out_of_range_or_would_prove_a_coun
 TEST(Refused, are_block_iterations_out_of_range_or_for_what_needs_none) {
   expect_lines(
       {{"count = 10", "count = 10\napproximate = 6",
-        "modes.approximate = 6: must be from 1 to 5 block iterations, or 0 for certified modes"},
+        "modes.approximate = 6: must be from 0 to 5 block iterations (0: certified modes)"},
        {"count = 10", "count = 10\napproximate = -1",
-        "modes.approximate = -1: must be from 1 to 5 block iterations, or 0 for certified modes"},
+        "modes.approximate = -1: must be from 0 to 5 block iterations (0: certified modes)"},
        {"count = 10", "basis = \"contact\"\nup_to_hz = 1e3\napproximate = 1",
         "modes.approximate = 1: goes with basis = \"modes\": vectors fitted to contact need no start"},
        {"count = 10", "up_to_hz = 1e3\nflexibility_error = 1e-2\napproximate = 1",

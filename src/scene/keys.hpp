@@ -1,0 +1,83 @@
+// What a scene may hold: each key with its type, unit, default, range and meaning. Readers take keys from
+// here alone (src/scene/toml.hpp), so that none is read that is not described, and values are held to the
+// ranges that the reference prints.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace ricochet::scene {
+
+enum class Type {
+  number,
+  integer,
+  integers,
+  boolean,
+  text,
+  texts,      ///< a string or a list of strings
+  pair,       ///< two numbers, neither negative
+  vector,     ///< three numbers
+  direction,  ///< three numbers, not all 0
+  table,
+  tables,   ///< an array of tables
+  numbers,  ///< numbers by names of the user's
+  strings,  ///< strings likewise
+};
+
+/// What values are taken. Bounds are kept as they are written, for people.
+struct Range {
+  std::string low{}, high{};                 ///< empty: none
+  bool low_open = false, high_open = false;  ///< the bound itself is refused
+  bool or_zero = false;
+  std::vector<std::string> choices{};  ///< of a text: nothing else is taken
+  std::string remark{};                ///< behind a refusal
+
+  bool holds(double value) const;
+  /// "from 1 to 10", "above 0", "\"double\" or \"single\""; empty when all is taken.
+  std::string text() const;
+};
+
+struct Key {
+  std::string name;
+  Type type;
+  std::string unit;
+  std::string
+      fallback;  ///< as in the reference: a value in backticks, "none", "–" where the key must be given
+  Range range;
+  std::string meaning;
+};
+
+/// A table of the scene.
+struct Section {
+  std::string title;    ///< as in the scene: "[bodies.NAME]"
+  std::string meaning;  ///< a sentence
+  std::vector<Key> keys;
+
+  /// Null: the table has no such key.
+  const Key* find(std::string_view name) const;
+};
+
+const Section& scene_keys();
+const Section& body_keys();
+const Section& material_keys();
+const Section& damping_keys();
+const Section& obstacle_keys();
+const Section& modes_keys();
+const Section& contact_keys();
+const Section& pair_keys();
+const Section& time_keys();
+const Section& loads_keys();
+const Section& traction_keys();
+const Section& point_keys();
+const Section& motion_keys();
+const Section& output_keys();
+const Section& receiver_keys();
+
+/// All of the above, in the order of the reference.
+std::vector<const Section*> all_sections();
+
+/// The reference of all keys, as Markdown; its last line has no end.
+std::string key_reference();
+
+}  // namespace ricochet::scene

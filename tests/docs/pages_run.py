@@ -1,0 +1,153 @@
+"""Commands and readers of the documentation run, its scenes have keys that exist, and its links lead somewhere."""
+
+import pathlib
+import re
+import subprocess
+import tempfile
+import tomllib
+import unittest
+
+import numpy as np
+
+import pages
+from programs import BIN
+
+PAGES = sorted(path for folder in ("", "docs", "docs/tutorials", "kernels", "contact", "tests/verification")
+               for path in (pages.SOURCE / folder).glob("*.md"))
+
+
+class Reader(unittest.TestCase):
+    """The two rods: unit length by unit mass, wave speed 1, ten long."""
+
+    def run_page(self, name):
+        scope = tempfile.TemporaryDirectory(prefix="ricochet-page-")
+        self.addCleanup(scope.cleanup)
+        folder = pathlib.Path(scope.name)
+        pages.make_folder(folder)
+        return pages.Page(pages.SOURCE / name, folder, quick=True).run(("sh", "python", "text"))
+
+    def test_the_readme_runs(self):
+        page = self.run_page("README.md")
+        self.assertTrue((page.folder / "meshes/two-rods/out/slow.result.h5").is_file())
+        self.assertTrue((page.folder / "meshes/two-rods/out/two-rods-contact.png").is_file())
+
+    def test_the_kernel_s_has_frequencies_and_admittance_of_a_free_rod(self):
+        names = self.run_page("kernels/FORMAT.md").names
+        n = np.arange(10)
+        # 100 linear elements: relative error (n pi / 100)^2 / 24.
+        np.testing.assert_allclose(names["omega"], n * np.pi / 10, rtol=4e-3, atol=1e-12)
+        # cos(n pi x / L) by mass 10: 1/10 for the rigid mode, 2/10 for each other one; the error likewise.
+        np.testing.assert_allclose(names["admittance"], [1.9], rtol=1e-2)
+
+    def test_the_result_s_has_the_force_and_velocity_of_two_rods_that_meet(self):
+        names = self.run_page("contact/FORMAT.md").names
+        # Waves of speed 1 return after 2 · 10; until then the force is half of mass by length, by wave speed, by velocity.
+        # 30 modes resolve the ends of the touch to a wave of the highest one, 2 · 10 / 30.
+        self.assertAlmostEqual(names["when"][-1], 20, delta=0.7)
+        self.assertAlmostEqual(names["total"].sum() / 20, 10, delta=0.1)  # N s: it takes all of the momentum
+        self.assertAlmostEqual(np.median(names["total"]), 0.5, delta=0.02)
+        np.testing.assert_allclose(names["pressure"][:, 0], names["total"])  # an area of 1
+        np.testing.assert_allclose(names["v"][[0, -1], 0], [1, 0], atol=0.02)
+
+    def test_results_are_read_as_shown(self):
+        names = self.run_page("docs/results.md").names
+        self.assertAlmostEqual(names["total"].sum() * names["step"], 10, delta=0.1)
+        self.assertEqual(len(names["place"]), 101)
+        # The wave from the struck end passes the middle with half the speed of impact, then takes it to the whole.
+        self.assertAlmostEqual(names["v"][np.searchsorted(names["t"], 10), 0], 0.5, delta=0.1)
+
+
+def keys_of(table, prefix=()):
+    for key, value in table.items():
+        yield (*prefix, key)
+        for inner in value if isinstance(value, list) else [value]:
+            if isinstance(inner, dict):
+                yield from keys_of(inner, (*prefix, key))
+
+
+class Keys(unittest.TestCase):
+    def setUp(self):
+        text = subprocess.run([BIN / "ricochet-contact", "--keys"], capture_output=True, text=True, check=True).stdout
+        self.known, section = set(), ""
+        for line in text.splitlines():
+            if found := re.match(r"## `\[+([^]]+)\]+`", line):
+                section = found[1] + "."
+            elif found := re.match(r"\| `(\w+)` \|", line):
+                self.known.add(section + found[1])
+        self.assertIn("bodies.NAME.material.young", self.known)
+
+    def is_key(self, dotted):
+        """`dotted` with the user's own names in the place of NAME; what they hold in geometry and support is theirs alone."""
+        def pattern(key):
+            free = r"(\.[^.]+)?" if key.endswith((".geometry", ".support")) else ""
+            return key.replace(".", r"\.").replace("NAME", r"[^.]+") + free
+
+        return any(re.fullmatch(pattern(key), dotted) for key in self.known) or re.fullmatch(r"(bodies|obstacles)\.[^.]+", dotted) is not None
+
+    def test_of_scenes_in_the_documentation_exist(self):
+        scenes = 0
+        for page in PAGES:
+            for line, kind, info, text in pages.blocks(page):
+                table = tomllib.loads(text) if kind == "toml" else {}
+                if not set(table) & {"bodies", "contact", "loads", "output", "time"}:
+                    continue
+                scenes += 1
+                for key in keys_of(table):
+                    self.assertTrue(self.is_key(".".join(key)), f"{page}:{line}: {'.'.join(key)}")
+        self.assertGreater(scenes, 4)
+
+    def test_that_studies_in_the_documentation_vary_exist(self):
+        studies = 0
+        for page in PAGES:
+            for line, kind, info, text in pages.blocks(page):
+                table = tomllib.loads(text) if kind == "toml" else {}
+                if "scene" not in table:
+                    continue
+                studies += 1
+                varied = {key for part in ("set", "grid", "list", "random") for key in table.get(part, {})} - {"count", "seed"}
+                for key in varied:
+                    self.assertTrue(self.is_key(re.sub(r"\[\d+\]", "", key)), f"{page}:{line}: {key}")
+        self.assertEqual(studies, 2)
+
+    def test_that_prose_names_exist(self):
+        named = set()
+        for page in PAGES:
+            if page == pages.SOURCE / "kernels" / "FORMAT.md":  # a kernel keeps its scene with keys of its own
+                continue
+            for key in re.findall(r"`((?:contact|modes|time|loads|output)\.[a-z_.]+)`", page.read_text()):
+                named.add(key)
+                self.assertTrue(self.is_key(key), f"{page}: {key}")
+        self.assertGreater(len(named), 5)
+
+
+class Surfaces(unittest.TestCase):
+    def test_of_what_is_no_drawing_are_refused_in_one_line(self):
+        done = subprocess.run([pages.SOURCE / "scripts" / "surfaces", "none.step"], capture_output=True, text=True, check=False)
+        self.assertEqual((done.returncode, done.stderr), (2, "surfaces: none.step: there is no such file: name a .step, .brep, .geo or .msh\n"))
+
+
+class Links(unittest.TestCase):
+    def test_lead_to_files_and_headings(self):
+        for page in PAGES:
+            for target in re.findall(r"\]\(([^)\s]+)\)", page.read_text()):
+                if re.match(r"\w+:", target):
+                    continue
+                name, _, anchor = target.partition("#")
+                there = (page.parent / name) if name else page
+                self.assertTrue(there.exists(), f"{page}: {target}")
+                if anchor and there.suffix == ".md":
+                    self.assertIn(anchor, headings(there), f"{page}: {target}")
+
+
+def headings(page):
+    """Names of a page's headings as they are linked to; a second one of a kind gets a number."""
+    found = []
+    text = re.sub(r"^```.*?^```$", "", page.read_text(), flags=re.MULTILINE | re.DOTALL)
+    for title in re.findall(r"^#+ (.*)$", text, re.MULTILINE):
+        name = re.sub(r"[^\w\- ]", "", re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", title).lower()).replace(" ", "-")
+        found.append(name + (f"-{found.count(name)}" if name in found else ""))
+    return found
+
+
+if __name__ == "__main__":
+    unittest.main()

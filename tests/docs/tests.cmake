@@ -1,0 +1,2 @@
+add_program_test(docs tutorials LONG)
+add_program_test(docs pages_run)

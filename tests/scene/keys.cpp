@@ -1,0 +1,165 @@
+// What the reference says of keys, the reader does.
+#include "src/scene/keys.hpp"
+
+#include <gmock/gmock.h>
+
+#include <map>
+#include <sstream>
+
+#include "tests/scene/scenes.hpp"
+
+namespace {
+
+using namespace ricochet::scene;
+using namespace ricochet::scene::test;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+/// Every table there is, with no more in it than must be given.
+const std::string barest = R"([bodies.ball]
+mesh = "ball.msh"
+contact = "skin"
+support = { foot = "xyz" }
+[bodies.ball.material]
+density = 1000
+young = 1e9
+[bodies.ball.damping]
+[obstacles.floor]
+normal = [0, 0, 1]
+[modes]
+count = 10
+[contact]
+[[contact.pair]]
+between = ["ball", "floor"]
+[time]
+duration = 0.01
+[loads]
+[[loads.traction]]
+body = "ball"
+group = "skin"
+vector = [0, 0, 1]
+[[loads.point]]
+body = "ball"
+at = [0, 0, 0]
+vector = [0, 0, 1]
+[[loads.motion]]
+body = "ball"
+group = "foot"
+vector = [0, 0, 1]
+[output]
+[[output.receiver]]
+name = "mic"
+body = "ball"
+at = [0, 0, 0]
+)";
+
+/// Why the scene is refused; empty: it is not.
+std::string refusal(const std::string& text, const std::vector<Override>& overrides) {
+  try {
+    scene_of(text, overrides);
+  } catch (const ricochet::InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// The key as --set takes it, in `barest`.
+std::string path(const Section& section, const Key& key) {
+  if (section.title.front() != '[') return key.name;
+  std::string table = section.title.substr(section.title.find_first_not_of('['));
+  table = table.substr(0, table.find(']'));
+  if (const auto at = table.find("NAME"); at != std::string::npos)
+    table.replace(at, 4, table.front() == 'b' ? "ball" : "floor");
+  return table + (section.title.starts_with("[[") ? "[0]." : ".") + key.name;
+}
+
+template <class Do>
+void for_each_key(const Do& act) {
+  for (const Section* section : all_sections())
+    for (const Key& key : section->keys) {
+      SCOPED_TRACE(path(*section, key));
+      act(*section, key);
+    }
+}
+
+TEST(EveryKeyOfTheReference, is_read) {
+  for_each_key([](const Section& section, const Key& key) {
+    const bool takes_all_else = key.name == "table";
+    const std::string of_no_type = "=1979-05-27";
+    EXPECT_THAT(complaint_about(takes_all_else ? tabular : barest, {path(section, key) + of_no_type}),
+                StartsWith("scene.toml: " + path(section, key) + " = 1979-05-27: must be "));
+  });
+}
+
+// Some keys go with one contact law only.
+TEST(TheDefaultOfAKey, given_in_the_scene_changes_nothing) {
+  int found = 0;
+  for_each_key([&](const Section& section, const Key& key) {
+    if (!key.fallback.starts_with('`')) return;
+    const std::string value = key.fallback.substr(1, key.fallback.find('`', 1) - 1);
+    bool taken = false;
+    for (const std::string law : {"compliant", "impulse", "static"}) {
+      const std::string scheme = "contact.scheme=" + law, scene = law == "static" ? smallest : barest;
+      if (!refusal(scene, {scheme, path(section, key) + "=" + value}).empty()) continue;
+      taken = true;
+      const Folder folder;
+      const auto file = folder.write("scene.toml", scene);
+      const std::vector<Override> without =
+          key.name == "scheme" ? std::vector<Override>{} : std::vector<Override>{scheme};
+      std::vector<Override> with = without;
+      with.push_back(path(section, key) + "=" + value);
+      EXPECT_EQ(to_toml(read(file, with)), to_toml(read(file, without)));
+      break;
+    }
+    EXPECT_TRUE(taken) << value;
+    ++found;
+  });
+  EXPECT_GT(found, 20);
+}
+
+// Tables that are missing have lines of their own: Refused.is_a_missing_key.
+TEST(AKeyThatMustBeGiven, is_missed) {
+  ASSERT_EQ(refusal(barest, {}), "");
+  for_each_key([](const Section& section, const Key& key) {
+    if (key.fallback != "–" || key.type == Type::table || &section == &contact_keys()) return;
+    std::string title = section.title;
+    if (const auto at = title.find("NAME"); at != std::string::npos)
+      title.replace(at, 4, title[1] == 'b' ? "ball" : "floor");
+    const auto line = barest.find("\n" + key.name + " = ", barest.find(title));
+    ASSERT_NE(line, std::string::npos);
+    std::string without = barest;
+    without.erase(line, barest.find('\n', line + 1) - line);
+    EXPECT_THAT(complaint_about(without), HasSubstr(path(section, key) + ": is missing"));
+  });
+}
+
+// Bounds of each kind, at them and beyond, in numbers of the test's own.
+TEST(ARange, holds_what_its_text_says) {
+  const Range above{.low = "0", .low_open = true}, from{.low = "1e-6", .high = "0.5"},
+      inside{.low = "-1", .high = "0.5", .low_open = true, .high_open = true},
+      zero{.low = "1e-12", .high = "1e-3", .or_zero = true}, least{.low = "1"};
+  EXPECT_EQ(above.text(), "above 0");
+  EXPECT_FALSE(above.holds(0));
+  EXPECT_TRUE(above.holds(1e-300));
+  EXPECT_EQ(from.text(), "from 1e-6 to 0.5");
+  EXPECT_TRUE(from.holds(1e-6) && from.holds(0.5));
+  EXPECT_FALSE(from.holds(9.9e-7) || from.holds(0.51));
+  EXPECT_EQ(inside.text(), "above -1 and below 0.5");
+  EXPECT_TRUE(inside.holds(-0.99) && inside.holds(0.49));
+  EXPECT_FALSE(inside.holds(-1) || inside.holds(0.5));
+  EXPECT_EQ(zero.text(), "0 or from 1e-12 to 1e-3");
+  EXPECT_TRUE(zero.holds(0) && zero.holds(1e-3));
+  EXPECT_FALSE(zero.holds(1e-13) || zero.holds(0.01));
+  EXPECT_EQ(least.text(), "at least 1");
+  EXPECT_TRUE(least.holds(1) && least.holds(1e9));
+  EXPECT_FALSE(least.holds(0));
+}
+
+TEST(DocsKeysMd, is_what_the_programs_print) {
+  std::ostringstream text;
+  text << std::ifstream(RICOCHET_SOURCE "/docs/keys.md").rdbuf();
+  EXPECT_TRUE(text.str() == key_reference() + "\n")
+      << "it differs: build/bin/ricochet-contact --keys > docs/keys.md";
+}
+
+}  // namespace
