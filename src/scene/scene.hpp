@@ -19,6 +19,7 @@ struct Material {
   double young = 0;    ///< [Pa]
   double poisson = 0;  ///< 1, in (-1, 0.5)
   double area = 0;     ///< cross-section of a rod [m²]; 0: not given (not a rod)
+  bool operator==(const Material&) const = default;
 };
 
 using Damping = kernels::Damping;
@@ -37,6 +38,7 @@ struct Body {
   std::vector<std::string> contact;  ///< physical groups that may touch
   std::map<std::string, std::string>
       support;  ///< physical group → fixed components, a subset of "xyz" in that order
+  bool operator==(const Body&) const = default;
 };
 
 /// Rigid half-space {x : (x − point)·normal ≤ 0}.
@@ -44,6 +46,7 @@ struct Obstacle {
   std::string name;
   Vector3 point{};
   Vector3 normal{};  ///< unit, out of the obstacle
+  bool operator==(const Obstacle&) const = default;
 };
 
 enum class Basis { modes, contact };
@@ -62,6 +65,7 @@ struct Modes {
   double relative_residual = 1e-8;  ///< bound on each mode's residual
   int approximate = 0;  ///< modes: so many block iterations from the next lower order; 0: certified modes
   double low_rank = 0;  ///< contact: threshold of block low-rank factors; 0: full rank
+  bool operator==(const Modes&) const = default;
 };
 
 /// How one surface meets another. `a` is a body; `b` a body or an obstacle.
@@ -72,6 +76,7 @@ struct Pair {
   std::optional<double> spacing;     ///< [m]
   std::optional<double> gap;         ///< [m]
   std::optional<double> reach;       ///< [m]
+  bool operator==(const Pair&) const = default;
 };
 
 enum class Scheme { compliant, impulse, at_rest };  ///< at_rest: "static"
@@ -93,6 +98,7 @@ struct Contact {
   Solver solver = Solver::exact;             ///< of bodies at rest (scheme "static")
   std::optional<int> max_pivots;  ///< bound on the work of a step, at least 1; none: solved whatever it takes
   std::vector<Pair> pairs;        ///< [contact] itself, or each [[contact.pair]]
+  bool operator==(const Contact&) const = default;
 };
 
 enum class Precision { float64, float32 };  ///< "double", "single"
@@ -103,6 +109,7 @@ struct Time {
   /// Of the products of steps (scheme "compliant"); none: the scene's accuracy chooses it.
   std::optional<Precision> precision = Precision::float64;
   double duration = 0;  ///< [s]; 0: not given, as bodies at rest need none
+  bool operator==(const Time&) const = default;
 };
 
 /// A force on a surface or at a point, or the displacement of a support: `vector` times a history that is
@@ -115,6 +122,7 @@ struct Driven {
   Vector3 at{};                     ///< point force: where, world axes, bodies as placed by translate [m]
   Vector3 vector{};                 ///< world axes: [Pa], [N], [m]
   std::filesystem::path history{};  ///< resolved against the scene's folder; empty: constant
+  bool operator==(const Driven&) const = default;
 };
 
 struct Loads {
@@ -122,6 +130,7 @@ struct Loads {
   std::vector<Driven> tractions;  ///< [[loads.traction]]
   std::vector<Driven> points;     ///< [[loads.point]]
   std::vector<Driven> motions;    ///< [[loads.motion]]
+  bool operator==(const Loads&) const = default;
 };
 
 /// A point of a body whose motion is recorded.
@@ -129,6 +138,7 @@ struct Receiver {
   std::string name;
   std::string body;
   Vector3 at{};  ///< world axes, bodies as placed by translate [m]
+  bool operator==(const Receiver&) const = default;
 };
 
 struct Output {
@@ -136,6 +146,7 @@ struct Output {
   bool view = false;                ///< keep the skin in the kernels, for pictures
   std::int64_t snapshot_every = 0;  ///< modal coordinates each n-th step; 0: none
   std::vector<Receiver> receivers;  ///< [[output.receiver]]
+  bool operator==(const Output&) const = default;
 };
 
 struct Scene {
@@ -153,6 +164,7 @@ struct Scene {
 
   const Body* find_body(const std::string& name) const;
   const Obstacle* find_obstacle(const std::string& name) const;
+  bool operator==(const Scene&) const = default;
 };
 
 /// One `--set key=value`.
