@@ -11,9 +11,10 @@
 
 namespace ricochet::fuzz {
 
-/// The file at `path`: the input itself if it is an HDF5 file, else one that `make` writes there, edited by
-/// what is left of the input. `make` may take its own choices from the front of it.
+/// The file at `path`: the input itself if it is an HDF5 file, else the one of `variants` that its first byte
+/// names, edited by what is left of it. `write` writes a variant, once each.
 void make_hdf5(const std::uint8_t* data, std::size_t size, const std::filesystem::path& path,
-               const std::function<void(Bytes&, const std::filesystem::path&)>& make);
+               unsigned variants,
+               const std::function<void(unsigned variant, const std::filesystem::path&)>& write);
 
 }  // namespace ricochet::fuzz

@@ -52,13 +52,10 @@ void step(const SharedKernel& kernel) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const fuzz::Scratch folder;
   const std::filesystem::path file = folder / "body.kernel.h5", copy = folder / "copy.kernel.h5";
-  fuzz::make_hdf5(data, size, file, [](fuzz::Bytes& bytes, const std::filesystem::path& path) {
-    kernels::Kernel kernel = kernels::test::sample_kernel(bytes.below(2) == 0 ? 3 : 1, 2, 2);
+  fuzz::make_hdf5(data, size, file, 4, [](unsigned variant, const std::filesystem::path& path) {
+    kernels::Kernel kernel = kernels::test::sample_kernel(variant % 2 == 0 ? 3 : 1, 2, 2);
     kernel.scene = "[body]\n";
-    if (bytes.below(2) == 1) {
-      kernels::WholeSurface whole = kernels::whole_surface(kernel.surface);
-      kernel.surface.whole = whole;
-    }
+    if (variant > 1) kernel.surface.whole = kernels::whole_surface(kernel.surface);
     kernels::write(kernel, path);
   });
   kernels::read_header(file);
