@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <utility>
 
 #include "kernels/format.hpp"
 #include "kernels/hdf5.hpp"
@@ -72,11 +71,13 @@ Modes read_modes(const hdf5::Reader& file) {
   if (!certificate.complete)
     file.fail(fmt::format("its certificate is not complete ({} modes found, {} proved).",
                           certificate.count_found, certificate.count_by_inertia));
-  const auto [found, left_out] = std::pair(certificate.count_found, certificate.left_out);
-  // Two negative numbers may differ by more than there is room for.
-  if (left_out < 0 || found < left_out || static_cast<std::uint64_t>(found - left_out) != n)
-    file.fail(fmt::format("its certificate is for {} modes less {}, but \"/modes/angular_frequency\" has {}.",
-                          found, left_out, n));
+  // Unsigned: forged counts may differ by more than there is room for.
+  const auto kept = static_cast<std::int64_t>(static_cast<std::uint64_t>(certificate.count_found) -
+                                              static_cast<std::uint64_t>(certificate.left_out));
+  if (certificate.left_out < 0 || certificate.count_found < certificate.left_out ||
+      static_cast<std::uint64_t>(kept) != n)
+    file.fail(
+        fmt::format("its certificate is for {} modes, but \"/modes/angular_frequency\" has {}.", kept, n));
   return modes;
 }
 

@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <array>
+#include <fstream>
 #include <map>
 #include <set>
 #include <utility>
 #include <vector>
 
+#include "kernels/error.hpp"
 #include "src/mesh/msh_stream.hpp"
 
 namespace ricochet::mesh {
@@ -53,11 +55,14 @@ class Check {
  public:
   explicit Check(const std::filesystem::path& msh) : in_(msh) {}
 
-  void file() {
+  void start() {
     if (in_.ended() || in_.word("$MeshFormat") != "$MeshFormat")
       in_.fail(
           "is not a gmsh mesh (it does not start with $MeshFormat): write it with gmsh, or name another "
           "file");
+  }
+
+  void sections() {
     format();
     while (!in_.ended()) {
       const std::string name(in_.word("a section"));
@@ -84,7 +89,8 @@ class Check {
       in_.skip_line();
       in_.set_binary(true);
       if (in_.integer<std::int32_t>("1", -largest_int, largest_int) != 1)
-        in_.fail("was written on a machine with another order of bytes: write it here, or as text");
+        in_.fail(
+            "its numbers have another order of bytes, or are text: write it on this machine, or as text");
     }
     end("$EndMeshFormat");
   }
@@ -281,12 +287,15 @@ class Check {
     if (held != all) in_.fail("blocks hold another number of elements than it says");
   }
 
-  void old_tags(int n) {
+  /// @param n  tags of one of `elements`
+  void old_tags(int n, std::int64_t elements) {
     for (int i = 0; i < n; ++i) {
       const int value = number("an element's group", -largest_int, largest_int);
       if (i == 1 && value < 0) in_.fail("an element's entity is negative");
       if (i == 2 && n > 3 && value != n - 3) in_.fail("an element has parts that do not agree, or a parent");
-      if (i == 3 && value < 1) in_.fail("an element's partition is below 1");
+      // gmsh keeps a list as long as the largest.
+      if (i == 3 && (value < 1 || value > elements))
+        in_.fail("an element's partition is not from 1 to the number of elements");
       if (i > 3) in_.fail("has ghost cells: save the mesh without them");
     }
   }
@@ -306,7 +315,7 @@ class Check {
       const int tags = number("the number of tags", 0, 1000), nodes = type_of(type).nodes;
       for (int i = 0; i < in_block; ++i) {
         if (binary_) number_of = number("an element's number", 1, largest_int);
-        old_tags(tags);
+        old_tags(tags, n);
         for (int k = 0; k < nodes; ++k) element_node<std::int32_t>();
       }
       held += in_block;
@@ -361,6 +370,30 @@ class Check {
 
 }  // namespace
 
-void check_msh(const std::filesystem::path& msh) { Check(msh).file(); }
+namespace {
+
+/// The end is where most files that are not whole show it.
+void refuse_cut_off(const std::filesystem::path& msh) {
+  std::ifstream stream(msh, std::ios::binary | std::ios::ate);
+  const std::streamoff size = stream.tellg(), length = std::min<std::streamoff>(size, 256);
+  std::string tail(static_cast<std::size_t>(std::max<std::streamoff>(length, 0)), ' ');
+  stream.seekg(size - length);
+  stream.read(tail.data(), length);
+  tail.erase(tail.find_last_not_of(" \t\r\n") + 1);
+  tail.erase(0, tail.find_last_of('\n') + 1);
+  if (!tail.starts_with("$End"))
+    throw InputError(fmt::format(
+        "{}: is cut off (its last line is not $EndElements or another end): write it again with gmsh",
+        msh.filename().string()));
+}
+
+}  // namespace
+
+void check_msh(const std::filesystem::path& msh) {
+  Check check(msh);
+  check.start();
+  refuse_cut_off(msh);
+  check.sections();
+}
 
 }  // namespace ricochet::mesh

@@ -107,7 +107,8 @@ void MshStream::raw(void* to, std::size_t length, const char* what) {
 
 void MshStream::out_of_range(const char* what, std::int64_t found, std::int64_t low,
                              std::int64_t high) const {
-  fail(fmt::format("{} is {}: must be from {} to {}", what, found, low, high));
+  fail(low == high ? fmt::format("{} is {}: must be {}", what, found, low)
+                   : fmt::format("{} is {}: must be from {} to {}", what, found, low, high));
 }
 
 template <class T>

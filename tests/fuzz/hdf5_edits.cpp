@@ -253,6 +253,8 @@ class Editor {
     const unsigned kind = bytes_.below(4);
     const hid_t type = kind == 0 ? H5T_NATIVE_DOUBLE : kind == 1 ? H5T_NATIVE_INT64 : some_type();
     const hid_t space = kind < 2 ? H5Screate(H5S_SCALAR) : some_space(some_shape());
+    // HDF5 keeps attributes in memory, of any size.
+    if (H5Sget_simple_extent_npoints(space) > 1 << 20) return;
     H5Adelete(object, name.c_str());
     const hid_t attribute = H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT);
     if (attribute < 0) return;

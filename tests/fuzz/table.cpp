@@ -41,7 +41,7 @@ Table sample(unsigned parts) {
     }
   if ((parts & 2) != 0) table.tail = contact::Tail::linear;
   for (int k = 0; k < 8 && (parts & 4) != 0; ++k) {
-    table.free.push_back(1e-3 * k);
+    table.free.push_back(1e-3 * (k / 2));
     if ((parts & 8) != 0) table.free_velocity.push_back(1.0);
   }
   if ((parts & 16) != 0 || table.free.empty())

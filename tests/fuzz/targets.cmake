@@ -7,9 +7,11 @@ endfunction()
 
 add_fuzz_target(scene ricochet_scene tomlplusplus::tomlplusplus)
 target_sources(fuzz_scene PRIVATE ${PROJECT_SOURCE_DIR}/tests/fuzz/toml.cpp)
+add_fuzz_target(kernel ricochet_kernels PkgConfig::HDF5)
+add_fuzz_target(table ricochet_contact PkgConfig::HDF5)
 foreach(name kernel table)
-  add_fuzz_target(${name} ricochet_contact PkgConfig::HDF5)
-  target_sources(fuzz_${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests/fuzz/hdf5_edits.cpp)
+  target_sources(fuzz_${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests/fuzz/hdf5_edits.cpp
+    ${PROJECT_SOURCE_DIR}/tests/fuzz/hdf5_mutator.cpp)
 endforeach()
 if(RICOCHET_PREPROCESSOR)
   foreach(name mesh geometry)
