@@ -304,17 +304,17 @@ class Check {
     const std::int64_t n = line_count("the number of elements");
     skip_to_numbers();
     for (std::int64_t held = 0; held < n;) {
-      int number_of = 0, type = 0, in_block = 1;
+      int type = 0, in_block = 1;
       if (binary_) {
         type = number("an element's type", 1, largest_int);
         in_block = number("the number of elements", 1, n - held);
       } else {
-        number_of = number("an element's number", 1, largest_int);
+        number("an element's number", 1, largest_int);
         type = number("an element's type", 1, largest_int);
       }
       const int tags = number("the number of tags", 0, 1000), nodes = type_of(type).nodes;
       for (int i = 0; i < in_block; ++i) {
-        if (binary_) number_of = number("an element's number", 1, largest_int);
+        if (binary_) number("an element's number", 1, largest_int);
         old_tags(tags, n);
         for (int k = 0; k < nodes; ++k) element_node<std::int32_t>();
       }

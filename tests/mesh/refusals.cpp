@@ -159,7 +159,7 @@ TEST(Refusal, a_mesh_file_that_gmsh_cannot_be_trusted_with_is_refused_before) {
        {Change{now, "4.1 0", "3.0 0", "line 2: is of a version that is not read"},
         Change{now, "0 0 0 1\n", "0 0 0 4000000000000\n", "the number of entities is 4000000000000"},
         Change{now, "1 5 1 5", "1 4000000000 1 5", "another number of nodes"},
-        Change{now, "3 1 0 5", "3 1 0 5000", "\"$EndNodes\" in the place of a coordinate"},
+        Change{now, "3 1 0 5", "3 1 0 5000", "a node's tag is 0: must be from 1 to 5"},
         Change{now, "1 2 1 2", "1 4000000000 1 2", "another number of elements"},
         Change{now, "\n2\n3\n", "\n2\n2\n", "node 2 is there twice"},
         Change{now, "\n1 0 0\n", "\n1 nan 0\n", "a coordinate is not finite"},

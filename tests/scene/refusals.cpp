@@ -342,7 +342,7 @@ TEST(Refused, is_a_key_of_endless_depth) {
   for (int depth = 0; depth < 100000; ++depth) key += ".a";
   for (const std::string& line : {key + " = 1", "[" + key + "]"})
     EXPECT_EQ(complaint_about(smallest + line),
-              "scene.toml:19: more than 100 dots: no key is so deep, break the line");
+              "scene.toml:18: more than 100 dots: no key is so deep, break the line");
   EXPECT_EQ(complaint_about(smallest, {key + "=1"}).substr(0, 8), "--set a.");
   EXPECT_EQ(complaint_about(smallest, {"title={" + key + "=1}"}),
             "--set:1: more than 100 dots: no key is so deep, break the line");
