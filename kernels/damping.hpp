@@ -10,6 +10,7 @@ struct Damping {
   Law law = Law::none;
   double first = 0;   ///< ζ | η | α [1/s] | η [s]
   double second = 0;  ///< rayleigh: β [s]
+  bool operator==(const Damping&) const = default;
 };
 
 /// Decay rate δ = ζω [1/s] of a mode with angular frequency ω.

@@ -74,7 +74,11 @@ Reader::Reader(std::filesystem::path path, std::string advice)
 }
 
 void Reader::fail(const std::string& what) const {
-  throw InputError(fmt::format("{}: {} {}", path_.string(), what, advice_));
+  std::string line = fmt::format("{}: {} {}", path_.string(), what, advice_);
+  // Values of the file may be quoted.
+  std::ranges::replace_if(
+      line, [](unsigned char c) { return c < 32 || c == 127; }, ' ');
+  throw InputError(line);
 }
 
 /// Of something that is there: nothing else than a group may be where a group belongs.

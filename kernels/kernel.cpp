@@ -80,6 +80,8 @@ class Validator {
 
 void validate_body(const Kernel& kernel, const Validator& check) {
   if (kernel.body.empty()) check.fail("attribute \"body\"", "is empty.");
+  if (std::ranges::any_of(kernel.body, [](unsigned char c) { return c < 32 || c == 127; }))
+    check.fail("attribute \"body\"", "holds control characters.");
   if (kernel.hash.empty()) check.fail("attribute \"hash\"", "is empty.");
   if (!(std::isfinite(kernel.mass) && kernel.mass > 0))
     check.fail("attribute \"mass\"", fmt::format("is {}: must be positive.", kernel.mass));

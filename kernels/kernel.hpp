@@ -30,6 +30,7 @@ struct Certificate {
   /// for; otherwise 0.
   double flexibility_error = 0;
   std::int64_t approximate = 0;  ///< block iterations that took the place of the certified search; 0: none
+  bool operator==(const Certificate&) const = default;
 };
 
 struct Modes {
@@ -41,6 +42,7 @@ struct Modes {
   std::size_t size() const { return angular_frequency.size(); }
   /// What a reader should know of them: "modes" (certified), "approximate modes" or "contact".
   std::string kind() const { return certificate.approximate > 0 ? "approximate " + basis : basis; }
+  bool operator==(const Modes&) const = default;
 };
 
 /// All candidates of a surface some of which were left out of a kernel: pairs are found among these.
@@ -51,6 +53,7 @@ struct WholeSurface {
   int element_corners = 3;                     ///< k
   std::vector<std::int64_t> element;           ///< (T,k)
   std::vector<std::int64_t> held;              ///< (M) the candidates that the kernel holds, ascending
+  bool operator==(const WholeSurface&) const = default;
 };
 
 /// Candidate contact patches (hats w_i ≥ 0 with Σ w_i = 1, A_i = ∫ w_i ds).
@@ -69,6 +72,7 @@ struct Surface {
       residual_flexibility;           ///< (cM,cM) R [m/N], index c·i + component; empty when not asked for
   std::optional<WholeSurface> whole;  ///< where candidates out of reach were left out; none: these are all
   std::size_t size() const { return area.size(); }
+  bool operator==(const Surface&) const = default;
 };
 
 /// All candidates: those of `whole`, or, where none were left out, of the surface itself.
@@ -80,6 +84,7 @@ struct Loads {
       rotation;  ///< (3,N) φᵀ M (e_i × x) [kg^1/2 m]: angular momentum about the frame's origin
   std::vector<double>
       body_force_residual;  ///< (cM,3) static part of the modes left out [s²]: m per m/s²; empty without R
+  bool operator==(const Loads&) const = default;
 };
 
 /// A traction on a surface or a force at a point whose history the scene gives: one column for a unit of each
@@ -91,6 +96,7 @@ struct Load {
   std::vector<double> total;          ///< (3,3) resultant force [N per unit], row: its component
   std::vector<double> moment;         ///< (3,3) resultant moment about the frame's origin [N m per unit]
   std::vector<double> residual;  ///< (cM,3) static part of the modes left out [m per unit]; empty without R
+  bool operator==(const Load&) const = default;
 };
 
 /// A support that moves by ū, the same vector at all its nodes; other supports stay. With the static lift Ψ
@@ -101,6 +107,7 @@ struct Motion {
   std::vector<double> participation;  ///< (3,N) Γ = Φᵀ M Ψ [kg^1/2]
   std::vector<double> residual;       ///< (cM,3) Ψ − ΦΓ on the candidates [1]
   std::vector<double> momentum;       ///< (3,3) e_iᵀ M (Ψ − ΦΓ) e_k [kg]
+  bool operator==(const Motion&) const = default;
 };
 
 /// A point whose motion is recorded.
@@ -113,6 +120,7 @@ struct Receiver {
   std::vector<double> body_force_residual;  ///< (3,3) [s²]; empty without R
   std::vector<double> load_residual;  ///< (3,3L) of the L loads in their order [m per unit]; empty without R
   std::vector<double> motion_residual;  ///< (3,3S) Ψ − ΦΓ of the S motions in their order [1]
+  bool operator==(const Receiver&) const = default;
 };
 
 /// The skin of the body, for pictures: in single precision.
@@ -126,6 +134,7 @@ struct View {
   std::vector<float> body_force_residual;   ///< (V,3,3) [s²]
   std::vector<float> load_residual;         ///< (V,3,3L) [m per unit]
   std::vector<float> motion_residual;       ///< (V,3,3S) Ψ − ΦΓ [1]; always
+  bool operator==(const View&) const = default;
 };
 
 struct Kernel {
@@ -149,6 +158,7 @@ struct Kernel {
   std::vector<Motion> motions;  ///< supports that move
   std::vector<Receiver> receivers;
   std::optional<View> view;
+  bool operator==(const Kernel&) const = default;
 };
 
 /// Whether a load, a motion or a receiver may have this name, which becomes that of a dataset: not empty, at

@@ -15,6 +15,7 @@ struct RadPerSecond {
 struct Hertz {
   double value = 0;
   constexpr explicit operator RadPerSecond() const { return {2 * std::numbers::pi * value}; }
+  bool operator==(const Hertz&) const = default;
 };
 
 constexpr Hertz to_hertz(RadPerSecond omega) { return {omega.value / (2 * std::numbers::pi)}; }

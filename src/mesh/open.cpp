@@ -11,10 +11,11 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
-#include <regex>
 #include <sstream>
+#include <vector>
 
 #include "kernels/error.hpp"
+#include "src/mesh/msh_check.hpp"
 
 namespace ricochet::mesh {
 
@@ -22,28 +23,43 @@ namespace {
 
 bool is_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
 
-/// Text of a .geo without comments and strings, its Includes in their place. `depth` ends a circle of them.
-std::string code_of(const std::filesystem::path& geo, int depth = 0) {
+bool is_space(char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; }
+
+/// Whether the last word of `code` is `word`.
+bool ends_in(const std::string& code, const std::string& word) {
+  std::size_t end = code.size();
+  while (end > 0 && is_space(code[end - 1])) --end;
+  return end >= word.size() && code.compare(end - word.size(), word.size(), word) == 0 &&
+         (end == word.size() || !is_word(code[end - word.size() - 1]));
+}
+
+/// A .geo without comments and strings.
+struct Code {
+  std::string text;
+  std::vector<std::string> includes;
+};
+
+Code code_of(const std::filesystem::path& geo) {
+  Code code;
+  // A device or a pipe might never end.
+  if (std::error_code ignored; !std::filesystem::is_regular_file(geo, ignored)) return code;
   std::ostringstream stream;
   stream << std::ifstream(geo, std::ios::binary).rdbuf();
   const std::string text = stream.str();
-  std::string code;
   for (std::size_t i = 0; i < text.size(); ++i) {
     if (text.compare(i, 2, "//") == 0) {
       i = std::min(text.find('\n', i), text.size());
-      code += '\n';
+      code.text += '\n';
     } else if (text.compare(i, 2, "/*") == 0) {
       i = std::min(text.find("*/", i + 2), text.size() - 2) + 1;
-      code += ' ';
+      code.text += ' ';
     } else if (text[i] == '"') {
       const std::size_t end = std::min(text.find('"', i + 1), text.size());
-      static const std::regex include("\\bInclude\\s*$");
-      if (depth < 16 && std::regex_search(code, include))
-        code += code_of(geo.parent_path() / text.substr(i + 1, end - i - 1), depth + 1);
-      code += ' ';
+      if (ends_in(code.text, "Include")) code.includes.push_back(text.substr(i + 1, end - i - 1));
+      code.text += ' ';
       i = end;
     } else {
-      code += text[i];
+      code.text += text[i];
     }
   }
   return code;
@@ -95,31 +111,6 @@ class Parameters {
   std::string path_;
 };
 
-/// gmsh takes what it can from a file that ends early, and says so only of some.
-void check_whole(const std::filesystem::path& msh) {
-  std::ifstream stream(msh, std::ios::binary);
-  const bool starts = stream.get() == '$';
-  std::string tail;
-  if (starts) {
-    stream.seekg(0, std::ios::end);
-    const std::streamoff size = stream.tellg(), length = std::min<std::streamoff>(size, 256);
-    tail.resize(static_cast<std::size_t>(length));
-    stream.seekg(size - length);
-    stream.read(tail.data(), length);
-    while (!tail.empty() && std::isspace(static_cast<unsigned char>(tail.back())) != 0) tail.pop_back();
-    tail.erase(0, tail.find_last_of('\n') + 1);
-  }
-  const std::string file = msh.filename().string();
-  if (!starts)
-    throw InputError(
-        fmt::format("{}: is not a gmsh mesh (it does not start with $MeshFormat): write it with gmsh, or "
-                    "name another file",
-                    file));
-  if (tail.rfind("$E", 0) != 0)
-    throw InputError(fmt::format(
-        "{}: is cut off (its last line is not $EndElements or another end): write it again with gmsh", file));
-}
-
 bool holds_elements() {
   for (int dim : {3, 1}) {
     std::vector<int> types;
@@ -153,32 +144,74 @@ void refuse_points_for_lines(const std::string& file) {
 
 }  // namespace
 
-std::set<std::string> parameters_of(const std::filesystem::path& geo) {
-  const std::string code = code_of(geo);
-  std::set<std::string> names;
-  static const std::regex exists(R"(\bExists\s*[\[(]\s*([A-Za-z_]\w*))"), list(R"(\bDefineConstant\s*[\[(])");
-  for (std::sregex_iterator it(code.begin(), code.end(), exists), end; it != end; ++it)
-    names.insert((*it)[1].str());
-  for (std::sregex_iterator it(code.begin(), code.end(), list), end; it != end; ++it) {
-    // A name stands at the start and after each comma that no inner bracket holds.
-    int inner = 0;
-    bool expected = true;
-    for (auto i = static_cast<std::size_t>(it->position() + it->length()); i < code.size() && inner >= 0;
-         ++i) {
-      const char c = code[i];
-      if (expected && is_word(c)) {
-        const std::size_t start = i;
-        while (i + 1 < code.size() && is_word(code[i + 1])) ++i;
-        names.insert(code.substr(start, i + 1 - start));
-        expected = false;
-      } else if (c == '[' || c == '(' || c == '{') {
-        ++inner;
-      } else if (c == ']' || c == ')' || c == '}') {
-        --inner;
-      } else if (c == ',' && inner == 0) {
-        expected = true;
-      }
+namespace {
+
+/// Adds the names in a list that starts at `i`; returns where it ends.
+std::size_t add_listed(const std::string& code, std::size_t i, std::set<std::string>& names) {
+  // A name stands at the start and after each comma that no inner bracket holds.
+  int inner = 0;
+  bool expected = true;
+  for (; i < code.size() && inner >= 0; ++i) {
+    const char c = code[i];
+    if (expected && is_word(c)) {
+      const std::size_t start = i;
+      while (i + 1 < code.size() && is_word(code[i + 1])) ++i;
+      names.insert(code.substr(start, i + 1 - start));
+      expected = false;
+    } else if (c == '[' || c == '(' || c == '{') {
+      ++inner;
+    } else if (c == ']' || c == ')' || c == '}') {
+      --inner;
+    } else if (c == ',' && inner == 0) {
+      expected = true;
     }
+  }
+  return i;
+}
+
+void add_parameters(const std::string& code, std::set<std::string>& names) {
+  const auto skip_spaces = [&](std::size_t i) {
+    while (i < code.size() && is_space(code[i])) ++i;
+    return i;
+  };
+  for (std::size_t i = 0; i < code.size();) {
+    const std::size_t start = i;
+    while (i < code.size() && is_word(code[i])) ++i;
+    const std::string word = code.substr(start, i - start);
+    if (word.empty()) {
+      ++i;
+      continue;
+    }
+    if (word != "Exists" && word != "DefineConstant") continue;
+    const std::size_t bracket = skip_spaces(i);
+    if (bracket == code.size() || (code[bracket] != '[' && code[bracket] != '(')) continue;
+    i = bracket + 1;
+    if (word == "DefineConstant") {
+      i = add_listed(code, i, names);
+      continue;
+    }
+    i = skip_spaces(i);
+    std::size_t end = i;
+    while (end < code.size() && is_word(code[end])) ++end;
+    if (end > i && std::isdigit(static_cast<unsigned char>(code[i])) == 0)
+      names.insert(code.substr(i, end - i));
+  }
+}
+
+}  // namespace
+
+std::set<std::string> parameters_of(const std::filesystem::path& geo) {
+  std::set<std::string> names;
+  std::set<std::filesystem::path> seen;
+  std::vector<std::filesystem::path> files{geo};
+  while (!files.empty()) {
+    const std::filesystem::path file = std::move(files.back());
+    files.pop_back();
+    std::error_code ignored;
+    if (!seen.insert(std::filesystem::weakly_canonical(file, ignored)).second) continue;
+    const Code code = code_of(file);
+    add_parameters(code.text, names);
+    for (const std::string& included : code.includes) files.push_back(file.parent_path() / included);
   }
   return names;
 }
@@ -191,7 +224,7 @@ void open_file(const scene::Body& body) {
     throw InputError(fmt::format("{}: no such file, or not readable: check bodies.{}.mesh = \"{}\"", file,
                                  body.name, body.mesh.string()));
   check_parameters(body);
-  if (body.mesh.extension() == ".msh") check_whole(body.mesh);
+  if (body.mesh.extension() == ".msh") check_msh(body.mesh);
   if (body.geometry.empty())
     gmsh::open(body.mesh.string());
   else

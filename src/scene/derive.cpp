@@ -101,7 +101,7 @@ KernelRequest request_of(const kernels::Header& header, const std::string& origi
   request.mesh_sha256 = header.mesh_sha256;
   toml::table parsed;
   try {
-    parsed = toml::parse(header.scene);
+    parsed = parse_toml(header.scene, origin);
   } catch (const toml::parse_error& error) {
     throw InputError(
         one_line(fmt::format("{}: its scene is not TOML ({}). Compute it again with "

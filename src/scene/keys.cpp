@@ -141,7 +141,8 @@ const Section& material_keys() {
                                        .low_open = true,
                                        .high_open = true,
                                        .remark = ". Nearly incompressible: try 0.49."},
-                                 "Poisson's ratio; a rod does not use it"},
+                                 "Poisson's ratio; a rod does not use it. Above 0.45 it takes `order` 2 or "
+                                 "more: linear elements lock, and a warning says so"},
                                 {"area", Type::number, "m²", none, above("0"),
                                  "cross-section; a rod needs it, other bodies do not use it"}}};
   return section;

@@ -40,6 +40,7 @@ std::vector<Part> split(const std::string& path, const Override& text) {
       at = close + 1;
     }
     parts.push_back(part);
+    if (parts.size() > 20) throw refuse("the key has more than 20 parts");
     if (at == path.size()) return parts;
     if (path[at] != '.') throw refuse("the key is not understood");
     ++at;
@@ -56,6 +57,30 @@ std::size_t end_of_key(const std::string& text) {
   return text.find('=');
 }
 
+/// Whether `text` is UTF-8, as scenes are: no other bytes can be written out again.
+bool is_utf8(const std::string& text) {
+  for (std::size_t at = 0; at < text.size();) {
+    const auto lead = static_cast<unsigned char>(text[at]);
+    const std::size_t length = lead < 0x80   ? 1
+                               : lead < 0xC2 ? 0
+                               : lead < 0xE0 ? 2
+                               : lead < 0xF0 ? 3
+                               : lead < 0xF5 ? 4
+                                             : 0;
+    if (length == 0 || length > text.size() - at) return false;
+    unsigned code = length == 1 ? lead : lead & (0x7FU >> length);
+    for (std::size_t k = 1; k < length; ++k) {
+      const auto next = static_cast<unsigned char>(text[at + k]);
+      if ((next & 0xC0) != 0x80) return false;
+      code = code << 6 | (next & 0x3FU);
+    }
+    constexpr unsigned least[] = {0, 0, 0x80, 0x800, 0x10000};
+    if (code < least[length] || code > 0x10FFFF || (code >= 0xD800 && code < 0xE000)) return false;
+    at += length;
+  }
+  return true;
+}
+
 std::string trimmed(const std::string& text) {
   const std::size_t first = text.find_first_not_of(" \t");
   return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t") - first + 1);
@@ -64,13 +89,14 @@ std::string trimmed(const std::string& text) {
 }  // namespace
 
 void apply_override(toml::table& root, const Override& text) {
+  if (!is_utf8(text)) throw InputError("--set: is not UTF-8: give it in that encoding");
   const std::size_t equals = end_of_key(text);
   if (equals == std::string::npos) throw refusal(text, "has no \"=\": write KEY=VALUE");
   const std::vector<Part> parts = split(trimmed(text.substr(0, equals)), text);
   const std::string value = trimmed(text.substr(equals + 1));
   toml::table parsed;
   try {
-    parsed = toml::parse("value = " + value);
+    parsed = parse_toml("value = " + value, "--set");
     if (parsed.size() != 1) throw refusal(text, "holds more than one value");
   } catch (const toml::parse_error&) {
     parsed = toml::table{{"value", value}};

@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <limits>
 
 #include "src/scene/loads.hpp"
@@ -243,6 +245,20 @@ void refuse_what_does_not_go(Table& root, const Scene& scene) {
     root.table("output", output_keys())->complain("receiver", fmt::format("{} has none: leave it out", with));
 }
 
+std::string text_of(const std::filesystem::path& file) {
+  constexpr std::uintmax_t most = 4 << 20;
+  std::error_code failure;
+  if (!std::filesystem::is_regular_file(file, failure))
+    throw InputError(fmt::format("{}: no such file", file.string()));
+  if (std::filesystem::file_size(file, failure) > most)
+    throw InputError(
+        fmt::format("{}: has more than 4 MiB: it is no scene, name another file", file.string()));
+  std::ifstream stream(file, std::ios::binary);
+  std::string text(std::istreambuf_iterator<char>(stream), {});
+  if (!stream) throw InputError(fmt::format("{}: cannot be read", file.string()));
+  return text;
+}
+
 }  // namespace
 
 const Body* Scene::find_body(const std::string& name) const {
@@ -260,10 +276,9 @@ const Obstacle* Scene::find_obstacle(const std::string& name) const {
 Scene read(const std::filesystem::path& file, const std::vector<Override>& overrides) {
   const std::string name = file.filename().string();
   toml::table parsed;
-  if (!std::filesystem::is_regular_file(file))
-    throw InputError(fmt::format("{}: no such file", file.string()));
+  const std::string written = text_of(file);
   try {
-    parsed = toml::parse_file(file.string());
+    parsed = parse_toml(written, name);
   } catch (const toml::parse_error& error) {
     throw InputError(one_line(fmt::format("{}:{}:{}: {}", name, error.source().begin.line,
                                           error.source().begin.column, error.description())));

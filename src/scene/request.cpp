@@ -20,8 +20,12 @@ namespace {
 constexpr int kernel_generation = 4;
 
 std::string bytes_of(const std::filesystem::path& path, const std::string& key) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file || std::filesystem::is_directory(path))
+  // A device or a pipe might never end.
+  std::error_code ignored;
+  const bool is_file = std::filesystem::is_regular_file(path, ignored);
+  std::ifstream file;
+  if (is_file) file.open(path, std::ios::binary);
+  if (!file.is_open())
     throw InputError(fmt::format("{} = {}: no such file", key, toml_string(path.string())));
   std::ostringstream text;
   text << file.rdbuf();

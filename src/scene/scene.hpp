@@ -19,6 +19,7 @@ struct Material {
   double young = 0;    ///< [Pa]
   double poisson = 0;  ///< 1, in (-1, 0.5)
   double area = 0;     ///< cross-section of a rod [m²]; 0: not given (not a rod)
+  bool operator==(const Material&) const = default;
 };
 
 using Damping = kernels::Damping;
@@ -40,6 +41,7 @@ struct Body {
 
   /// Whether `mesh` is a body file: matrices or modes of another program, without elements or materials.
   bool imported() const { return mesh.extension() == ".h5"; }
+  bool operator==(const Body&) const = default;
 };
 
 /// Rigid half-space {x : (x − point)·normal ≤ 0}.
@@ -47,6 +49,7 @@ struct Obstacle {
   std::string name;
   Vector3 point{};
   Vector3 normal{};  ///< unit, out of the obstacle
+  bool operator==(const Obstacle&) const = default;
 };
 
 enum class Basis { modes, contact };
@@ -65,6 +68,7 @@ struct Modes {
   double relative_residual = 1e-8;  ///< bound on each mode's residual
   int approximate = 0;  ///< modes: so many block iterations from the next lower order; 0: certified modes
   double low_rank = 0;  ///< contact: threshold of block low-rank factors; 0: full rank
+  bool operator==(const Modes&) const = default;
 };
 
 /// How one surface meets another. `a` is a body; `b` a body or an obstacle.
@@ -75,6 +79,7 @@ struct Pair {
   std::optional<double> spacing;     ///< [m]
   std::optional<double> gap;         ///< [m]
   std::optional<double> reach;       ///< [m]
+  bool operator==(const Pair&) const = default;
 };
 
 enum class Scheme { compliant, impulse, at_rest };  ///< at_rest: "static"
@@ -96,6 +101,7 @@ struct Contact {
   Solver solver = Solver::exact;             ///< of bodies at rest (scheme "static")
   std::optional<int> max_pivots;  ///< bound on the work of a step, at least 1; none: solved whatever it takes
   std::vector<Pair> pairs;        ///< [contact] itself, or each [[contact.pair]]
+  bool operator==(const Contact&) const = default;
 };
 
 enum class Precision { float64, float32 };  ///< "double", "single"
@@ -106,6 +112,7 @@ struct Time {
   /// Of the products of steps (scheme "compliant"); none: the scene's accuracy chooses it.
   std::optional<Precision> precision = Precision::float64;
   double duration = 0;  ///< [s]; 0: not given, as bodies at rest need none
+  bool operator==(const Time&) const = default;
 };
 
 /// A force on a surface or at a point, or the displacement of a support: `vector` times a history that is
@@ -118,6 +125,7 @@ struct Driven {
   Vector3 at{};                     ///< point force: where, world axes, bodies as placed by translate [m]
   Vector3 vector{};                 ///< world axes: [Pa], [N], [m]
   std::filesystem::path history{};  ///< resolved against the scene's folder; empty: constant
+  bool operator==(const Driven&) const = default;
 };
 
 struct Loads {
@@ -125,6 +133,7 @@ struct Loads {
   std::vector<Driven> tractions;  ///< [[loads.traction]]
   std::vector<Driven> points;     ///< [[loads.point]]
   std::vector<Driven> motions;    ///< [[loads.motion]]
+  bool operator==(const Loads&) const = default;
 };
 
 /// A point of a body whose motion is recorded.
@@ -132,6 +141,7 @@ struct Receiver {
   std::string name;
   std::string body;
   Vector3 at{};  ///< world axes, bodies as placed by translate [m]
+  bool operator==(const Receiver&) const = default;
 };
 
 struct Output {
@@ -140,6 +150,7 @@ struct Output {
   std::int64_t snapshot_every = 0;  ///< modal coordinates each n-th step; 0: none
   std::int64_t vtk_every = 0;  ///< a frame of the motion for ParaView each n-th step; 0: none. Needs view
   std::vector<Receiver> receivers;  ///< [[output.receiver]]
+  bool operator==(const Output&) const = default;
 };
 
 struct Scene {
@@ -157,6 +168,7 @@ struct Scene {
 
   const Body* find_body(const std::string& name) const;
   const Obstacle* find_obstacle(const std::string& name) const;
+  bool operator==(const Scene&) const = default;
 };
 
 /// One `--set key=value`.

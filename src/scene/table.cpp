@@ -51,7 +51,7 @@ double number_of(const toml::node& node) {
 std::string shortened(const std::string& line) {
   if (line.size() <= 60) return line;
   std::size_t end = 57;
-  while ((static_cast<unsigned char>(line[end]) & 0xC0) == 0x80) --end;
+  while (end > 0 && (static_cast<unsigned char>(line[end]) & 0xC0) == 0x80) --end;
   return line.substr(0, end) + "…";
 }
 
@@ -59,8 +59,25 @@ std::string shortened(const std::string& line) {
 
 std::string one_line(std::string text) {
   for (char& c : text)
-    if (static_cast<unsigned char>(c) < 32) c = ' ';
+    if (static_cast<unsigned char>(c) < 32 || c == 127) c = ' ';
   return text;
+}
+
+toml::table parse_toml(const std::string& text, const std::string& origin) {
+  // A dotted key makes a table a dot, and tables are taken down by recursion: tens of thousands end the
+  // stack. The parser itself limits what else nests. Dots in a row are no key.
+  constexpr int most = 100;
+  int line = 1, dots = 0;
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    if (text[at] == '\n') {
+      ++line;
+      dots = 0;
+    }
+    if (text[at] == '.' && (at == 0 || text[at - 1] != '.') && ++dots > most)
+      throw InputError(
+          fmt::format("{}:{}: more than {} dots: no key is so deep, break the line", origin, line, most));
+  }
+  return toml::parse(text);
 }
 
 std::string Table::value_of(const std::string& key) const {

@@ -19,6 +19,10 @@ namespace ricochet::scene {
 /// `text` with the keys of one "--set" applied, each value parsed as TOML, else taken as a bare string.
 void apply_override(toml::table& root, const Override& text);
 
+/// `text` as TOML. Throws what the parser throws, and InputError that begins with `origin` for keys that nest
+/// deeper than tables can be taken down again.
+toml::table parse_toml(const std::string& text, const std::string& origin);
+
 /// `text` with line breaks and other control characters as spaces: complaints are one line whatever keys
 /// hold.
 std::string one_line(std::string text);

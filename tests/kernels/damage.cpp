@@ -137,6 +137,24 @@ TEST_F(Damage, a_certificate_for_another_number_of_modes_is_refused) {
   expect_refused({"certificate is for 4 modes", "has 5"});
 }
 
+TEST_F(Damage, counts_of_a_certificate_beyond_each_other_are_refused) {
+  const std::int64_t least = INT64_MIN, one = 1, most = INT64_MAX;
+  replace_attribute("/modes/certificate", "count_found", H5T_NATIVE_INT64, &least);
+  replace_attribute("/modes/certificate", "left_out", H5T_NATIVE_INT64, &one);
+  expect_refused({"its certificate is for"});
+  replace_attribute("/modes/certificate", "left_out", H5T_NATIVE_INT64, &most);
+  expect_refused({"its certificate is for"});
+}
+
+// It is quoted in messages, which are one line.
+TEST_F(Damage, a_body_with_a_line_break_in_its_name_is_refused) {
+  const hid_t type = H5Tcopy(H5T_C_S1);
+  H5Tset_size(type, 3);
+  replace_attribute("/", "body", type, "a\nb");
+  H5Tclose(type);
+  expect_refused({"attribute \"body\" holds control characters"});
+}
+
 TEST_F(Damage, a_missing_dataset_is_named) {
   spoil([](hid_t file) { H5Ldelete(file, "/loads/rotation", H5P_DEFAULT); });
   expect_refused({"dataset \"/loads/rotation\" is missing"});

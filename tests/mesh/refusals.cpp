@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "src/elasticity/assemble.hpp"
+#include "src/mesh/open.hpp"
 #include "tests/mesh/files.hpp"
 #include "tests/meshes.hpp"
 
@@ -109,6 +110,14 @@ TEST(Refusal, an_unknown_parameter_is_named_with_those_there_are) {
   body.geometry = {{"height", 3}};
   EXPECT_THAT(complaint(body), AllOf(about(outer), HasSubstr("it defines extra, length, n.")));
 
+  // Neither a file that includes itself nor spaces without end are anything to stop at.
+  const test::SharedFile odd(".geo", "Include" + std::string(1 << 20, ' ') + "\"none.geo\"\nDefineConstant" +
+                                         std::string(1 << 20, ' ') + "[ length = 2 ];\n");
+  const std::string itself = fmt::format("Include \"{}\"\n", odd.path().filename().string());
+  parallel::on_first_rank(PETSC_COMM_WORLD,
+                          [&] { std::ofstream(odd.path(), std::ios::app) << itself << itself; });
+  EXPECT_EQ(mesh::parameters_of(odd.path()), std::set<std::string>{"length"});
+
   const test::SharedFile plain(".geo", "length = 2;\nn = 3;\n" + body_of_it);
   body = test::body_of(plain.path(), 1);
   body.geometry = {{"length", 3}};
@@ -135,6 +144,39 @@ TEST(Refusal, what_is_no_mesh_or_no_whole_one_is_refused) {
   }
   const test::SharedFile broken(".msh", test::one_hexahedron("1 2 3 4 5 6 7 99"));
   EXPECT_THAT(complaint(broken), AllOf(about(broken), HasSubstr("99")));
+}
+
+// What gmsh 4.8 takes all memory for, or crashes on, or takes silently for something else.
+TEST(Refusal, a_mesh_file_that_gmsh_cannot_be_trusted_with_is_refused_before) {
+  const std::string old = test::two_tetrahedra_22("1 3 2 5"), now = test::two_tetrahedra_41("1 3 2 5");
+  struct Change {
+    std::string whole, from, to, said;
+  };
+  for (const auto& [whole, from, to, said] :
+       {Change{now, "4.1 0", "3.0 0", "line 2: is of a version that is not read"},
+        Change{now, "0 0 0 1\n", "0 0 0 4000000000000\n", "the number of entities is 4000000000000"},
+        Change{now, "1 5 1 5", "1 4000000000 1 5", "another number of nodes"},
+        Change{now, "3 1 0 5", "3 1 0 5000", "a node's tag is 0: must be from 1 to 5"},
+        Change{now, "1 2 1 2", "1 4000000000 1 2", "another number of elements"},
+        Change{now, "\n2\n3\n", "\n2\n2\n", "node 2 is there twice"},
+        Change{now, "\n1 0 0\n", "\n1 nan 0\n", "a coordinate is not finite"},
+        Change{now, "3 1 4 2", "2 1 4 2", "another dimension than their entity"},
+        Change{now, "3 1 4 2", "3 1 35 2", "elements of type 35 are not read"},
+        Change{now, "$Nodes\n", "$GhostElements\n0\n$EndGhostElements\n$Nodes\n",
+               "without results and ghost cells"},
+        Change{now, "$Nodes\n", "$Entities\n0 0 0 0\n$EndEntities\n$Nodes\n",
+               "the second section of its kind"},
+        Change{old, "1 4 2 1 1", "1 4 4 1 1 1 2000000000",
+               "partition is not from 1 to the number of elements"},
+        Change{old, "1 4 2 1 1", "1 4 5 1 1 1 1 77", "or a parent"},
+        Change{old, "1 4 2 1 1", "1 34 2 1 1 200000000", "elements of type 34 are not read"},
+        Change{old, "$Elements\n", "$Periodic\n1\n2 1 1\n1234567\n$EndPeriodic\n$Elements\n",
+               "must be below 100000"}}) {
+    std::string text = whole;
+    ASSERT_NE(text.find(from), std::string::npos) << from;
+    const test::SharedFile file(".msh", text.replace(text.find(from), from.size(), to));
+    EXPECT_THAT(complaint(file), AllOf(about(file), HasSubstr(said))) << to;
+  }
 }
 
 TEST(Refusal, surfaces_without_a_volume_and_mixed_orders_are_refused) {

@@ -367,4 +367,33 @@ TEST(Refused, is_what_table_kernels_have_no_use_for) {
             "instant, kernel, max_pivots, restitution, scheme, solver, table.");
 }
 
+// Tables that nest by the ten thousand would end the stack when they are taken down.
+TEST(Refused, is_a_key_of_endless_depth) {
+  std::string key = "a";
+  for (int depth = 0; depth < 100000; ++depth) key += ".a";
+  for (const std::string& line : {key + " = 1", "[" + key + "]"})
+    EXPECT_EQ(complaint_about(smallest + line),
+              "scene.toml:18: more than 100 dots: no key is so deep, break the line");
+  EXPECT_EQ(complaint_about(smallest, {key + "=1"}).substr(0, 8), "--set a.");
+  EXPECT_EQ(complaint_about(smallest, {"title={" + key + "=1}"}),
+            "--set:1: more than 100 dots: no key is so deep, break the line");
+  EXPECT_EQ(scene_of("# " + std::string(1000, '.') + smallest).title, "scene");
+}
+
+TEST(Refused, is_a_file_that_is_too_long_for_a_scene) {
+  EXPECT_EQ(
+      complaint_about(smallest + std::string(5 << 20, '\n')).find("has more than 4 MiB") == std::string::npos,
+      false);
+}
+
+TEST(Refused, is_an_override_that_is_not_utf_8) {
+  for (const char* bytes : {"title=\xff", "title=\xc3", "title=\xc0\x80", "title=\xed\xa0\x80", "t\x80=1"})
+    EXPECT_EQ(complaint_about(smallest, {bytes}), "--set: is not UTF-8: give it in that encoding");
+  EXPECT_EQ(scene_of(smallest, {"title=\u00e9 \u20ac \U0001f600"}).title, "\u00e9 \u20ac \U0001f600");
+}
+
+TEST(Refused, is_said_in_one_line_whatever_a_key_holds) {
+  EXPECT_EQ(complaint_about(smallest + "[\"a\\nb\\u007f\"]\n").find_first_of("\n\x7f"), std::string::npos);
+}
+
 }  // namespace

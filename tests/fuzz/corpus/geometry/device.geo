@@ -1,0 +1,2 @@
+Include "/dev/zero"
+Merge "/dev/zero";

@@ -1,0 +1,1 @@
+DefineConstant[ a = {1, Name "x

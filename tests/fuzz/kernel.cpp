@@ -1,0 +1,55 @@
+// A kernel file, made or mended as tests/fuzz/hdf5_edits.hpp says.
+//
+// An accepted kernel is as kernels/kernel.hpp promises, and comes back the same from a file of ours.
+#include "kernels/kernel.hpp"
+
+#include <cmath>
+
+#include "tests/fuzz/hdf5_edits.hpp"
+#include "tests/kernels/sample.hpp"
+
+namespace {
+
+using namespace ricochet;
+using fuzz::accepts;
+using fuzz::require;
+
+/// What must be finite, whatever else it is.
+void check_numbers(const kernels::Kernel& kernel) {
+  const auto finite = [](const std::vector<double>& values) {
+    for (double value : values) require(std::isfinite(value), "a number that is not finite was accepted");
+  };
+  for (const auto* values :
+       {&kernel.modes.angular_frequency, &kernel.modes.decay_rate, &kernel.surface.node,
+        &kernel.surface.centroid, &kernel.surface.normal, &kernel.surface.area, &kernel.surface.shape,
+        &kernel.surface.residual_flexibility, &kernel.loads.body_force, &kernel.loads.rotation,
+        &kernel.loads.body_force_residual})
+    finite(*values);
+  require(kernel.mass > 0, "a body without mass was accepted");
+  const std::size_t m = kernel.surface.size(), n = kernel.modes.size();
+  require(kernel.surface.node.size() == 3 * m && kernel.surface.group.size() == m, "points were lost");
+  require(kernel.surface.shape.size() == m * n * static_cast<std::size_t>(kernel.surface.components),
+          "shapes have another size");
+  for (std::int64_t point : kernel.surface.element)
+    require(point >= 0 && point < static_cast<std::int64_t>(m), "an element of a point that is not there");
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const fuzz::Scratch folder;
+  const std::filesystem::path file = folder / "body.kernel.h5", copy = folder / "copy.kernel.h5";
+  fuzz::make_hdf5(data, size, file, 4, [](unsigned variant, const std::filesystem::path& path) {
+    kernels::Kernel kernel = kernels::test::sample_kernel(variant % 2 == 0 ? 3 : 1, 2, 2);
+    kernel.scene = "[body]\n";
+    if (variant > 1) kernel.surface.whole = kernels::whole_surface(kernel.surface);
+    kernels::write(kernel, path);
+  });
+  kernels::read_header(file);
+  kernels::Kernel kernel;
+  if (!accepts([&] { kernel = kernels::read(file); })) return 0;
+  check_numbers(kernel);
+  kernels::write(kernel, copy);
+  require(kernels::read(copy) == kernel, "a written kernel is another one");
+  return 0;
+}

@@ -1,0 +1,54 @@
+// A scene, and behind a line "---" overrides, a line each.
+//
+// An accepted scene, written out, is read back as the same scene, and what its kernels say of themselves is
+// understood when they are asked again.
+#include "src/scene/scene.hpp"
+
+#include <sstream>
+
+#include "src/scene/derive.hpp"
+#include "src/scene/write.hpp"
+#include "tests/fuzz/input.hpp"
+
+namespace {
+
+using namespace ricochet;
+using fuzz::accepts;
+using fuzz::require;
+
+void check_requests(const scene::Scene& scene) {
+  for (const scene::Body& body : scene.bodies) {
+    scene::KernelRequest request;
+    if (!accepts([&] { request = scene::kernel_request(scene, body); })) continue;
+    if (request.modes.accuracy || !request.tractions.empty() || !request.point_forces.empty() ||
+        !request.motions.empty() || !request.receivers.empty())
+      continue;  // these fit one scene only
+    const kernels::Header header{request.hash, request.toml, request.mesh_sha256};
+    const scene::KernelRequest again = scene::request_of(header, "kernel");
+    require(scene::similarity(again, request).has_value(), "a kernel does not know its own body");
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const fuzz::Scratch folder;
+  static const auto mesh = folder.put("m.geo", ""), history = folder.put("h.csv", "0,1\n");
+  std::string text(reinterpret_cast<const char*>(data), size);
+  std::vector<scene::Override> overrides;
+  if (const auto end = text.find("\n---\n"); end != std::string::npos) {
+    std::istringstream lines(text.substr(end + 5));
+    for (std::string line; std::getline(lines, line);) overrides.push_back(line);
+    text.resize(end + 1);
+  }
+  const auto file = folder.put("scene.toml", text);
+  accepts([&] { scene::request_of({"", text, ""}, "kernel"); });
+  scene::Scene scene;
+  if (!accepts([&] { scene = scene::read(file, overrides); })) return 0;
+  const std::string written = scene::to_toml(scene);
+  const scene::Scene again = scene::read(folder.put("scene.toml", written));
+  require(again == scene, "a written scene is another one:\n" + written);
+  require(scene::to_toml(again) == written, "a scene is written in two ways:\n" + written);
+  check_requests(scene);
+  return 0;
+}
