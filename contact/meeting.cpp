@@ -60,7 +60,9 @@ std::vector<Meeting> meet(std::vector<PlacedBody>& bodies, const std::vector<Hal
     placed.gap.reset();
     meeting.pairing = find(meeting, bodies, placed);
     if (!meeting.request.gap) continue;
-    double nearest = meeting.pairing.points.front().gap, farthest = nearest;
+    // Points are sums of a placement and of what the mesh says, and both may be far larger than the sum.
+    double nearest = meeting.pairing.points.front().gap,
+           farthest = bodies[meeting.a].translation.cwiseAbs().maxCoeff();
     for (const auto& point : meeting.pairing.points) {
       nearest = std::min(nearest, point.gap);
       farthest = std::max({farthest, point.gap, point.a.cwiseAbs().maxCoeff()});

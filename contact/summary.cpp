@@ -323,11 +323,35 @@ Json json_of(const Summary& summary) {
           {"wall_s", summary.wall_s}};
 }
 
+Json json_of(const EquilibriumSummary& summary) {
+  Json pairs = Json::array();
+  for (const EquilibriumSummary::Pair& pair : summary.pairs)
+    pairs.push_back({{"force_n", pair.force_n},
+                     {"approach_m", pair.approach_m},
+                     {"contact_points", pair.contact_points},
+                     {"contact_area_m2", pair.contact_area_m2},
+                     {"peak_pressure_pa", pair.peak_pressure_pa}});
+  return {{"pairs", pairs},
+          {"imbalance", summary.imbalance},
+          {"max_penetration_m", summary.max_penetration_m},
+          {"modes", summary.modes},
+          {"candidates", summary.candidates},
+          {"unpaired", summary.unpaired},
+          {"iterations", summary.iterations},
+          {"error_estimate", shares(summary.error_estimate)},
+          {"warnings", summary.warnings},
+          {"wall_s", summary.wall_s}};
+}
+
 }  // namespace
 
 std::string json_text(const Summary& summary) { return json_of(summary).dump(); }
-
 void write_json(const Summary& summary, const std::filesystem::path& path) { write(json_of(summary), path); }
+
+std::string json_text(const EquilibriumSummary& summary) { return json_of(summary).dump(); }
+void write_json(const EquilibriumSummary& summary, const std::filesystem::path& path) {
+  write(json_of(summary), path);
+}
 
 EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium) {
   EquilibriumSummary out;
@@ -366,36 +390,6 @@ EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium)
     out.pairs.push_back(figures);
   }
   return out;
-}
-
-namespace {
-
-Json json_of(const EquilibriumSummary& summary) {
-  Json pairs = Json::array();
-  for (const EquilibriumSummary::Pair& pair : summary.pairs)
-    pairs.push_back({{"force_n", pair.force_n},
-                     {"approach_m", pair.approach_m},
-                     {"contact_points", pair.contact_points},
-                     {"contact_area_m2", pair.contact_area_m2},
-                     {"peak_pressure_pa", pair.peak_pressure_pa}});
-  return {{"pairs", pairs},
-          {"imbalance", summary.imbalance},
-          {"max_penetration_m", summary.max_penetration_m},
-          {"modes", summary.modes},
-          {"candidates", summary.candidates},
-          {"unpaired", summary.unpaired},
-          {"iterations", summary.iterations},
-          {"error_estimate", shares(summary.error_estimate)},
-          {"warnings", summary.warnings},
-          {"wall_s", summary.wall_s}};
-}
-
-}  // namespace
-
-std::string json_text(const EquilibriumSummary& summary) { return json_of(summary).dump(); }
-
-void write_json(const EquilibriumSummary& summary, const std::filesystem::path& path) {
-  write(json_of(summary), path);
 }
 
 }  // namespace ricochet::contact

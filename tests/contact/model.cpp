@@ -266,6 +266,17 @@ TEST(Gaps, of_two_pairs_place_both_bodies) {
   EXPECT_NEAR(model.bodies[0].translation.z(), 3.3, round_off);
 }
 
+// The contact lies at the origin, the body's own a metre above: gaps have the round-off of the latter.
+TEST(Gaps, may_be_as_small_as_one_likes) {
+  const Kernel one = ball(1);
+  for (const double gap : {0.0, 1.557176905742086e-7, 1.5916132835025465e-8, 3.3e-10, 1e-15}) {
+    const Model model =
+        build_model({{"one", &one, Matrix3d::Identity(), 7.3 * up}}, {{"floor", Vector3d::Zero(), up}},
+                    {{"one", "floor", {}, gap, {}}}, Vector3d::Zero());
+    EXPECT_NEAR(model.gap.minCoeff(), gap, round_off);
+  }
+}
+
 TEST(Gaps, that_one_body_can_not_serve_together_are_refused) {
   const Kernel low = ball(1), high = ball(2);
   EXPECT_THAT(complaint_of([&] {
