@@ -38,18 +38,25 @@ void check(PetscErrorCode code, std::source_location at = std::source_location::
 /// the complaint of the lowest rank that has one.
 void agree(MPI_Comm comm, const std::string& complaint);
 
+/// Collective. Runs `task` on every rank; where it throws InputError on some, all ranks throw as `agree`
+/// does.
+template <class Task>
+void on_all_ranks(MPI_Comm comm, Task&& task) {
+  std::string complaint;
+  try {
+    task();
+  } catch (const InputError& error) {
+    complaint = error.what();
+  }
+  agree(comm, complaint);
+}
+
 /// Collective. Runs `task` on rank 0; an InputError there is thrown on every rank.
 template <class Task>
 void on_first_rank(MPI_Comm comm, Task&& task) {
-  std::string complaint;
-  if (rank_of(comm) == 0) {
-    try {
-      task();
-    } catch (const InputError& error) {
-      complaint = error.what();
-    }
-  }
-  agree(comm, complaint);
+  on_all_ranks(comm, [&] {
+    if (rank_of(comm) == 0) task();
+  });
 }
 
 /// Move-only owner of a PETSc or SLEPc object. Refuses to hand out a null handle to a call that would crash

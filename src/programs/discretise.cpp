@@ -22,18 +22,6 @@ mesh::Mesh hand_out(mesh::GlobalMesh whole, const parallel::Teams& teams) {
   return mesh::distribute(std::move(whole), teams.team());
 }
 
-/// What each team reads for itself: a file may be out of reach of one team only. Collective over all teams.
-template <class Task>
-void in_all_teams(const parallel::Teams& teams, Task&& task) {
-  std::string complaint;
-  try {
-    task();
-  } catch (const InputError& error) {
-    complaint = error.what();
-  }
-  parallel::agree(teams.world(), complaint);
-}
-
 /// Memory of the search for modes on this rank [MiB].
 double expected_mib(const scene::Modes& wanted, const Discretised& made, std::int64_t per_shift, int teams) {
   const std::int64_t count = wanted.count.value_or(0), rows = made.matrices.local_rows;
@@ -52,8 +40,8 @@ Discretised assembled(const scene::KernelRequest& request, Source& source, int c
   std::vector<std::string> moved;
   for (const std::string& support : asked.moved) moved.push_back(body.support.at(support));
   Discretised made{std::make_unique<parallel::Teams>(comm, count), {}, {}, {}, {}};
-  if (source.in_parts)
-    in_all_teams(*made.teams, [&] { made.mesh = mesh::read_parts(body, made.teams->team(), bar, asked); });
+  if (source.in_parts)  // A file may be out of reach of one team only.
+    parallel::on_all_ranks(comm, [&] { made.mesh = mesh::read_parts(body, made.teams->team(), bar, asked); });
   else
     made.mesh = hand_out(last ? std::move(source.whole) : source.whole, *made.teams);
   console.end(body.imported()
@@ -69,8 +57,8 @@ Discretised assembled(const scene::KernelRequest& request, Source& source, int c
   console.begin(body.name + ": assembly");
   made.sources = surface::make_sources(made.mesh, request);
   if (body.imported())
-    in_all_teams(*made.teams,
-                 [&] { made.matrices = elasticity::read_matrices(made.mesh, body.mesh, moved); });
+    parallel::on_all_ranks(comm,
+                           [&] { made.matrices = elasticity::read_matrices(made.mesh, body.mesh, moved); });
   else
     made.matrices = elasticity::assemble(made.mesh, body.materials, file, bar, moved);
   return made;

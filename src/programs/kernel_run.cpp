@@ -115,7 +115,7 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::f
   const elasticity::Body& matrices = made.matrices;
   if (body.imported()) {
     console.begin(body.name + ": inertia of the matrices");
-    in_all_teams(teams, [&] { modes::examine(mesh, matrices, *made.factor, body.mesh.string()); });
+    parallel::on_all_ranks(comm, [&] { modes::examine(mesh, matrices, *made.factor, body.mesh.string()); });
     console.end("definite; rigid modes counted");
   }
 

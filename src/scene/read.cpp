@@ -219,8 +219,8 @@ void refuse_what_needs_elements(Table& root, const Scene& scene) {
                                             "modes.up_to_hz or modes.count",
                                             body.name));
     if (what != nullptr)
-      root.table("modes")->complain(
-          what, fmt::format("does not go with bodies.{}, a body file: leave it out", body.name));
+      root.table("modes", modes_keys())
+          ->complain(what, fmt::format("does not go with bodies.{}, a body file: leave it out", body.name));
   }
 }
 
