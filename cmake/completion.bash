@@ -11,6 +11,7 @@ _ricochet() {
     else
         local ending=toml
         [[ $1 == *-plot || $1 == *-report || $1 == *-recast || $1 == *-faust ]] && ending=h5
+        [[ $1 == *-import ]] && ending='@(inp|mtx|txt)'
         [[ $1 == *-surfaces ]] && ending='@(step|stp|brep|geo|msh)'
         mapfile -t COMPREPLY < <(compgen -f -X "!*.$ending" -- "$word"; compgen -d -S / -- "$word")
     fi

@@ -14,7 +14,9 @@ from programs import BIN, MESHES, SOURCE, ProgramTest
 
 BUILD = BIN.parent
 VERSION = re.search(r"project\(Ricochet VERSION (\S+)", (SOURCE / "CMakeLists.txt").read_text())[1]
-PROGRAMS = ["contact", "kernel", "recast", "run", "plot", "sweep", "tradeoff", "batch"]
+PROGRAMS = ["contact", "kernel", "recast", "run", "plot", "report", "sweep", "tradeoff", "batch", "surfaces", "import", "faust"]
+# What each reads, if not a scene or a study.
+READS = dict.fromkeys(["plot", "report", "recast", "faust"], "b.result.h5") | {"surfaces": "d.step", "import": "e.inp"}
 
 
 class Installed(ProgramTest):
@@ -77,15 +79,14 @@ class Installed(ProgramTest):
         return set(self.succeed_in(self.call("bash", "-c", script)).split())
 
     def test_the_shell_completes_all_options_and_the_files_that_programs_read(self):
-        for name in ("a.toml", "b.result.h5", "c.csv"):
+        for name in ("a.toml", "b.result.h5", "c.csv", "d.step", "e.inp"):
             self.write(name, "")
         (self.folder / "folder").mkdir()
         for name in PROGRAMS:
             options = self.options(name)
-            self.assertLess({"--help", "--version", "--out"}, options)
+            self.assertLess({"--help", "--version"}, options)
             self.assertEqual(self.completed(name, "-"), options)
-            file = "b.result.h5" if name in ("plot", "recast") else "a.toml"
-            self.assertEqual(self.completed(name, '""'), {file, "folder/"})
+            self.assertEqual(self.completed(name, '""'), {READS.get(name, "a.toml"), "folder/"})
         self.assertEqual(self.completed("sweep", "--out ''"), {"folder"})
 
 
