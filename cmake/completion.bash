@@ -9,11 +9,11 @@ _ricochet() {
             grep -oE -- '(^|[ ,])--?[a-z][a-z-]*' | tr -d ' ,' | sort -u)
         mapfile -t COMPREPLY < <(compgen -W "$choices" -- "$word")
     else
-        local ending=toml
-        [[ $1 == *-plot || $1 == *-report || $1 == *-recast || $1 == *-faust ]] && ending=h5
-        [[ $1 == *-import ]] && ending='@(inp|mtx|txt)'
-        [[ $1 == *-surfaces ]] && ending='@(step|stp|brep|geo|msh)'
-        mapfile -t COMPREPLY < <(compgen -f -X "!*.$ending" -- "$word"; compgen -d -S / -- "$word")
+        local ending endings=toml
+        [[ $1 == *-plot || $1 == *-report || $1 == *-recast || $1 == *-faust ]] && endings=h5
+        [[ $1 == *-import ]] && endings='inp mtx txt'
+        [[ $1 == *-surfaces ]] && endings='step stp brep geo msh'
+        mapfile -t COMPREPLY < <(for ending in $endings; do compgen -f -X "!*.$ending" -- "$word"; done; compgen -d -S / -- "$word")
     fi
 }
 complete -o filenames -F _ricochet ricochet-contact ricochet-kernel ricochet-recast ricochet-run ricochet-plot \

@@ -46,8 +46,8 @@ const Section& request_keys() {
 const Section& request_contact_keys() {
   static const Section section{"[contact] of a kernel's scene",
                                "",
-                               {*pair_keys().find("direction"),
-                                *pair_keys().find("along"),
+                               {{"direction", Type::vector, "", "", {}, ""},  // as they were rounded
+                                {"along", Type::vector, "", "", {}, ""},
                                 *pair_keys().find("spacing"),
                                 {"points", Type::integers, "", "", {}, ""},
                                 {"within_reach", Type::text, "", "", {}, ""}}};
@@ -121,8 +121,8 @@ KernelRequest request_of(const kernels::Header& header, const std::string& origi
   body->refuse_unknown();
   request.modes = read_modes(root);
   if (auto contact = root.table("contact", request_contact_keys())) {
-    request.direction = contact->direction("direction");
-    request.along = contact->direction("along");
+    request.direction = contact->vector("direction");
+    request.along = contact->vector("along");
     request.spacing = contact->number("spacing");
     request.points = contact->integers("points");
     if (contact->text("within_reach")) {

@@ -351,7 +351,7 @@ TEST(TableFile, is_refused_whatever_stands_in_the_place_of_an_object) {
   const Folder folder;
   const auto path = folder / "rods.h5";
   write_table(rods(0.5, 4), path);
-  ricochet::test::for_each_hostile_change(path, "unit", [&](const std::string& what) {
+  ricochet::test::for_each_hostile_change(path, {"unit"}, [&](const std::string& what) {
     if (what == "/table: tail") return;  // one that is missing is "none"
     EXPECT_EQ(complaint_of([&] { read_table(path); }).find(path.string() + ": "), 0U) << what;
   });

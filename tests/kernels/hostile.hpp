@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -18,22 +19,22 @@ struct Objects {
 };
 
 /// All that is in a file, but for attributes that `kept` names.
-inline Objects objects_in(const std::filesystem::path& path, const std::string& kept) {
+inline Objects objects_in(const std::filesystem::path& path, const std::set<std::string>& kept) {
   Objects found;
   const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   const auto visit = [](hid_t at, const char* name, const H5O_info_t* info, void* data) -> herr_t {
-    auto& [objects, keep] = *static_cast<std::pair<Objects*, std::string>*>(data);
+    auto& [objects, keep] = *static_cast<std::pair<Objects*, std::set<std::string>>*>(data);
     const std::string object = std::string(name) == "." ? "/" : "/" + std::string(name);
     if (object != "/")
       (info->type == H5O_TYPE_DATASET ? objects->datasets : objects->groups).push_back(object);
     for (hsize_t k = 0; k < info->num_attrs; ++k) {
       std::vector<char> text(300);
       H5Aget_name_by_idx(at, name, H5_INDEX_NAME, H5_ITER_INC, k, text.data(), text.size(), H5P_DEFAULT);
-      if (keep != text.data()) objects->attributes.emplace_back(object, text.data());
+      if (!keep.contains(text.data())) objects->attributes.emplace_back(object, text.data());
     }
     return 0;
   };
-  std::pair<Objects*, std::string> data(&found, kept);
+  std::pair<Objects*, std::set<std::string>> data(&found, kept);
   H5Ovisit(file, H5_INDEX_NAME, H5_ITER_INC, visit, &data);
   H5Fclose(file);
   return found;
@@ -135,9 +136,10 @@ inline void replace_attribute(const std::filesystem::path& path, const std::stri
 }
 
 /// Calls `read` for each hostile change of the file, one after the other; `what` says which it is.
-inline void for_each_hostile_change(const std::filesystem::path& path, const std::string& kept_attribute,
+inline void for_each_hostile_change(const std::filesystem::path& path,
+                                    const std::set<std::string>& kept_attributes,
                                     const std::function<void(const std::string& what)>& read) {
-  const Objects objects = objects_in(path, kept_attribute);
+  const Objects objects = objects_in(path, kept_attributes);
   const std::filesystem::path whole = path.string() + ".whole";
   std::filesystem::rename(path, whole);
   const auto changed = [&](const std::string& what, const auto& change) {
