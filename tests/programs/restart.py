@@ -33,7 +33,7 @@ contact = "foot"
 [obstacles.floor]
 normal = [0, 0, 1]
 [modes]
-count = 1100
+count = 800
 [contact]
 between = ["block", "floor"]
 direction = [0, 0, -1]

@@ -24,10 +24,10 @@ class Box(ProgramTest):
         with h5py.File(path) as file:
             return file["modes/angular_frequency"][:] / (2 * np.pi)
 
-    def compare(self, sides, support, degree, rigid, bound):
+    def compare(self, sides, support, degree, rigid, bound, ranks):
         oracle = ritz.box(sides, degree, DENSITY, YOUNG, POISSON, held=rigid == 0)[rigid:60]
         coarser = ritz.box(sides, degree - 2, DENSITY, YOUNG, POISSON, held=rigid == 0)[rigid:60]
-        found = [self.frequencies(sides, support, ranks) for ranks in (1, 2, 3)]
+        found = [self.frequencies(sides, support, count) for count in ranks]
         for frequencies in found:
             self.assertEqual(np.count_nonzero(frequencies == 0), rigid)
             elastic = frequencies[rigid:]
@@ -42,7 +42,7 @@ class Box(ProgramTest):
         return found[0], oracle
 
     def test_free_cube_has_its_multiple_modes(self):
-        found, oracle = self.compare((0.1, 0.1, 0.1), "{}", 10, 6, 1e-3)
+        found, oracle = self.compare((0.1, 0.1, 0.1), "{}", 10, 6, 1e-3, ranks=(1, 3))
         n = len(found) - 6
         groups = ritz.multiplicities(found[6:], 1e-6)
         self.assertEqual(groups, ritz.multiplicities(oracle[:n], 1e-6))
@@ -50,7 +50,7 @@ class Box(ProgramTest):
 
     def test_clamped(self):
         # Stresses are singular along the clamped edges: both converge slowly there.
-        self.compare((0.1, 0.13, 0.17), '{ foot = "xyz" }', 9, 0, 1e-2)
+        self.compare((0.1, 0.13, 0.17), '{ foot = "xyz" }', 9, 0, 1e-2, ranks=(2,))
 
 
 if __name__ == "__main__":
