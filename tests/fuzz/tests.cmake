@@ -3,6 +3,9 @@
 function(add_replay name label)
   add_executable(test_fuzz_${name} fuzz/${name}.cpp fuzz/replay.cpp)
   target_link_libraries(test_fuzz_${name} PRIVATE ${ARGN} fmt::fmt)
+  if(label STREQUAL serial)
+    add_dependencies(serial_tests test_fuzz_${name})
+  endif()
   add_test(NAME fuzz/${name} COMMAND test_fuzz_${name} ${CMAKE_CURRENT_SOURCE_DIR}/fuzz/corpus/${name})
   set_tests_properties(fuzz/${name} PROPERTIES TIMEOUT 120 LABELS ${label}
     ENVIRONMENT "OMP_NUM_THREADS=1;OPENBLAS_NUM_THREADS=1")

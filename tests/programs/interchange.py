@@ -225,7 +225,7 @@ class Interchange(ProgramTest):
             self.assertEqual(run.status, 2, run.err)
             self.assertIn(words, run.err)
 
-    @unittest.skipUnless(shutil.which("ccx"), "CalculiX is not installed: scripts/setup --peers")
+    @unittest.skipUnless(shutil.which("ccx"), "CalculiX is not installed: scripts/setup --tests")
     def test_matrices_of_calculix_have_its_frequencies(self):
         box, names = self.box, {"stored": ", SOLVER=MATRIXSTORAGE", "solved": ""}
         lines = ["*NODE, NSET=all", *(f"{10 * k}, {x!r}, {y!r}, {z!r}" for k, (x, y, z) in enumerate(box.node.tolist(), 1)),
