@@ -33,7 +33,7 @@ std::vector<double> frequency_errors(const kernels::Modes& modes, double low_ran
   std::vector<double> error(omega.size(), 0.0);
   for (std::size_t n = 0; n < omega.size(); ++n) {
     if (omega[n] == 0) continue;
-    if (modes.basis != "modes") {
+    if (modes.fitted()) {
       error[n] = low_rank / 2;
       continue;
     }
@@ -52,8 +52,7 @@ std::vector<double> frequency_errors(const kernels::Modes& modes, double low_ran
 /// This share of the highest frequency; of vectors fitted to contact, of their band.
 RadPerSecond end_of(const kernels::Kernel& kernel, double share) {
   const kernels::Modes& modes = kernel.modes;
-  if (modes.basis == "contact")
-    return RadPerSecond{share * RadPerSecond(Hertz{modes.certificate.upto_hz}).value};
+  if (modes.fitted()) return RadPerSecond{share * RadPerSecond(Hertz{modes.certificate.upto_hz}).value};
   return RadPerSecond{modes.size() > 0 ? share * modes.angular_frequency.back() : 0};
 }
 
@@ -159,7 +158,7 @@ std::optional<double> Estimator::modes(const StepOptions& options, const Outcome
   for (std::size_t k = 0; k < half.size(); ++k) {
     const kernels::Kernel& kernel = subject_.kernels[k];
     fewer = fewer || half[k].modes.size() < kernel.modes.size();
-    if (kernel.modes.basis != "contact") continue;
+    if (!kernel.modes.fitted()) continue;
     fitted = true;
     rods = rods || kernel.surface.element_corners == 1;
     left = std::max(left, kernel.modes.certificate.flexibility_error);
@@ -204,9 +203,12 @@ std::optional<double> Estimator::mesh(const StepOptions& options, const Outcome&
 std::optional<double> Estimator::eigensolver(const StepOptions& options, const Outcome& base) const {
   std::vector<kernels::Kernel> kernels = subject_.kernels;
   double largest = 0;
-  for (const kernels::Kernel& kernel : kernels)
+  for (const kernels::Kernel& kernel : kernels) {
+    // So large it says nothing: imported modes may have come without theirs.
+    if (std::ranges::any_of(kernel.modes.residual, [](double r) { return r >= 1; })) return std::nullopt;
     for (const double error : frequency_errors(kernel.modes, subject_.low_rank))
       largest = std::max(largest, error);
+  }
   if (largest == 0) return 0;
   const double factor = visible / largest;
   for (kernels::Kernel& kernel : kernels)

@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "kernels/error.hpp"
 #include "kernels/temporary.hpp"
 
 namespace ricochet::contact {
@@ -96,10 +95,7 @@ void write(const Json& json, const std::filesystem::path& path) {
   std::ofstream file(temporary.path());
   file << json.dump(2) << '\n';
   file.close();
-  if (!file)
-    throw InputError(fmt::format(
-        "{}: cannot write the file. Is the disk full, or the folder read-only? Choose another --out.",
-        path.string()));
+  if (!file) temporary.fail();
   temporary.commit();
 }
 

@@ -37,9 +37,9 @@ void refuse_sources(const Kernel& kernel) {
     fail(kernel, "has loads, supports that move or receivers: compute the one that is asked for");
 }
 
-/// Its modes are all that lie below the certificate's end.
-void require_all_modes(const Kernel& kernel) {
-  if (kernel.modes.basis != "modes")
+/// It has all modes below its end that were found.
+void require_all_found(const Kernel& kernel) {
+  if (kernel.modes.fitted())
     fail(kernel, "holds vectors fitted to contact, which only serve together: compute another for less");
   if (kernel.modes.certificate.left_out > 0)
     fail(kernel,
@@ -164,7 +164,7 @@ Kernel rescaled(Kernel kernel, const Similarity& factors, const Damping& damping
 }
 
 Kernel cut_to_band(Kernel kernel, Hertz band) {
-  require_all_modes(kernel);
+  require_all_found(kernel);
   Certificate& certificate = kernel.modes.certificate;
   if (!(band.value > 0 && band.value <= certificate.upto_hz * (1 + same_end)))
     fail(kernel, fmt::format("has all modes up to {:.6g} Hz, not up to {:.6g}: cut it lower, or compute more "
@@ -174,13 +174,14 @@ Kernel cut_to_band(Kernel kernel, Hertz band) {
   for (const double omega : kernel.modes.angular_frequency) keep.push_back(omega <= RadPerSecond(band).value);
   leave_out(kernel, keep);
   certificate.upto_hz = std::min(band.value, certificate.upto_hz);
-  certificate.count_by_inertia = certificate.count_found = static_cast<std::int64_t>(kernel.modes.size());
+  certificate.count_found = static_cast<std::int64_t>(kernel.modes.size());
+  if (certificate.complete) certificate.count_by_inertia = certificate.count_found;
   certificate.flexibility_error = 0;
   return kernel;
 }
 
 Kernel cut_to_count(Kernel kernel, std::int64_t count) {
-  require_all_modes(kernel);
+  require_all_found(kernel);
   const std::vector<double>& omega = kernel.modes.angular_frequency;
   if (count < 1 || static_cast<std::uint64_t>(count) > omega.size())
     fail(kernel, fmt::format("has {} modes, not {}: ask for fewer, or compute more", omega.size(), count));
@@ -272,7 +273,10 @@ Kernel cut_to_direction(Kernel kernel, const Vector3& direction) {
 }
 
 Kernel cut_to_flexibility_error(Kernel kernel, Hertz band, double error) {
-  require_all_modes(kernel);
+  require_all_found(kernel);
+  if (!kernel.modes.certificate.complete)
+    fail(kernel,
+         "holds imported modes, of which nothing proves that none is missing: leave flexibility_error out");
   if (kernel.surface.residual_flexibility.empty())
     fail(kernel, "has no residual flexibility, to which modes could be left: compute it with one");
   Certificate& certificate = kernel.modes.certificate;

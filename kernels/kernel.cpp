@@ -95,8 +95,8 @@ void validate_body(const Kernel& kernel, const Validator& check) {
 
 void validate_modes(const Modes& modes, const Validator& check) {
   const std::size_t n = modes.size();
-  if (modes.basis != "modes" && modes.basis != "contact")
-    check.fail("attribute \"basis\" of \"/modes\"", "is neither \"modes\" nor \"contact\".");
+  if (modes.basis != "modes" && !modes.fitted() && !modes.imported())
+    check.fail("attribute \"basis\" of \"/modes\"", "is neither \"modes\", \"contact\" nor \"imported\".");
   check.finite_not_negative("dataset \"/modes/angular_frequency\"", modes.angular_frequency, n);
   if (!std::ranges::is_sorted(modes.angular_frequency))
     check.fail("dataset \"/modes/angular_frequency\"", "is not ascending.");

@@ -24,7 +24,8 @@ struct Certificate {
   std::int64_t count_by_inertia = 0;  ///< modes in it by Sylvester's law; basis "contact": vectors
   std::int64_t count_found = 0;       ///< modes found
   std::int64_t left_out = 0;  ///< of those: not in this kernel, as contact hardly feels them in the band
-  bool complete = false;      ///< counts agree, residuals, M-orthonormality and flexibility within bounds
+  /// Counts agree, residuals, M-orthonormality and flexibility within bounds; basis "imported": false.
+  bool complete = false;
   double orthonormality = 0;  ///< max |ΦᵀMΦ − I|
   /// Error of the contact surface's flexibility over the band of the scene, as estimated, where one was asked
   /// for; otherwise 0.
@@ -34,14 +35,18 @@ struct Certificate {
 };
 
 struct Modes {
-  std::string basis = "modes";
+  std::string basis = "modes";  ///< or "contact", fitted to it, or "imported", of which nothing is proved
   std::vector<double> angular_frequency;  ///< (N) ω_n [rad/s], ascending; rigid modes first, exactly 0
   std::vector<double> decay_rate;         ///< (N) δ_n = ζ_n ω_n [1/s]
   std::vector<double> residual;  ///< (N) ‖Kφ − ω²Mφ‖₂ / ‖Kφ‖₂ (rigid: over ‖diag K‖∞ ‖φ‖₂)
   Certificate certificate;
   std::size_t size() const { return angular_frequency.size(); }
-  /// What a reader should know of them: "modes" (certified), "approximate modes" or "contact".
+  /// What a reader should know of them: "modes" (certified), "approximate modes", "contact" or
+  /// "imported".
   std::string kind() const { return certificate.approximate > 0 ? "approximate " + basis : basis; }
+  /// Vectors of a basis that only serves whole, not modes of the body.
+  bool fitted() const { return basis == "contact"; }
+  bool imported() const { return basis == "imported"; }
   bool operator==(const Modes&) const = default;
 };
 

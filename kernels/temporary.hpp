@@ -24,6 +24,9 @@ class Temporary {
   const std::filesystem::path& target() const { return target_; }
   const std::filesystem::path& path() const { return path_; }
 
+  /// Throws the InputError of a file that could not be written.
+  [[noreturn]] void fail() const;
+
   /// Syncs the file to the disk, gives it its final name, and syncs the folder. Whoever wrote to `path` has
   /// closed it. Throws InputError when any of it fails; then what had the final name still has it.
   /// @param outdated  a file that tells of the one to be replaced: removed just before

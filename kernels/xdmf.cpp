@@ -4,8 +4,6 @@
 
 #include <array>
 
-#include "kernels/error.hpp"
-
 namespace ricochet::kernels::xdmf {
 namespace {
 
@@ -73,10 +71,7 @@ void File::add(const Grid& grid, std::optional<double> time) {
 void File::commit() {
   text_ << "</Domain>\n</Xdmf>\n";
   text_.close();
-  if (!text_)
-    throw InputError(fmt::format(
-        "{}: cannot write the file. Is the disk full, or the folder read-only? Choose another --out.",
-        temporary_.target().string()));
+  if (!text_) temporary_.fail();
   temporary_.commit();
 }
 

@@ -45,6 +45,7 @@ def kernel_of(path):
     out = {name: plain(file, "/", name) for name in
            ["hash", "mesh_sha256", "created_by", "dofs", "elements", "order", "supported"]}
     out["basis"] = plain(file, "/modes", "basis")
+    out["approximate"] = file.attribute("/modes/certificate", "approximate") is not None
     return out | {name: plain(file, "/modes/certificate", name) for name in
                   ["complete", "upto_hz", "count_found", "left_out", "flexibility_error"]}
 

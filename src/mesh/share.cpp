@@ -206,8 +206,7 @@ Part read_share(const scene::Body& body, const Asked& wanted, MPI_Comm comm,
   const std::vector<NamedGroup> groups = named_groups(body, wanted);
   Part share;
   share.groups.resize(groups.size());
-  std::string complaint;
-  try {
+  parallel::on_all_ranks(comm, [&] {
     const std::vector<std::filesystem::path> files = scene::part_files(body.mesh);
     const auto ranks = static_cast<std::size_t>(parallel::size_of(comm)),
                me = static_cast<std::size_t>(parallel::rank_of(comm));
@@ -223,10 +222,7 @@ Part read_share(const scene::Body& body, const Asked& wanted, MPI_Comm comm,
     const std::vector<std::int64_t> tags = element_tags(share);
     if (const auto twice = std::adjacent_find(tags.begin(), tags.end()); twice != tags.end())
       throw repeated(body, *twice);
-  } catch (const InputError& error) {
-    complaint = error.what();
-  }
-  agree(comm, complaint);
+  });
   check_groups(body, groups, share.groups, comm);
   check_fit(body, share, comm);
   return share;

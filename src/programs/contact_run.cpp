@@ -152,9 +152,13 @@ std::string report(const Summary& s) {
     text += fmt::format("{:<20}{}\n", name, value);
   };
   std::string modes;
-  for (const auto& [name, count] : s.modes)
+  for (const auto& [name, count] : s.modes) {
+    const std::string& basis = s.basis.at(name);
     modes += fmt::format("{}{} {}{}", modes.empty() ? "" : ", ", name, count,
-                         s.basis.at(name) == "approximate modes" ? " (approximate)" : "");
+                         basis == "approximate modes" ? " (approximate)"
+                         : basis == "imported"        ? " (imported)"
+                                                      : "");
+  }
   if (s.modes_in_residual > 0)
     modes += fmt::format(" ({} above half the rate: quasi-static)", s.modes_in_residual);
   if (!modes.empty()) line("modes", modes);

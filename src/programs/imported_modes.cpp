@@ -223,6 +223,7 @@ kernels::Kernel kernel_on_one_rank(const scene::KernelRequest& request) {
   Eigen::Map<Eigen::Vector3d>(kernel.centre.data()) = body.centre;
   Eigen::Map<Eigen::Matrix3d>(kernel.inertia.data()) = body.inertia;
   kernel.supported = body.supported;
+  kernel.modes.basis = "imported";
   kernel.modes.angular_frequency.assign(body.omega.begin(), body.omega.end());
   kernel.modes.residual.assign(body.residual.begin(), body.residual.end());
   for (const double omega : body.omega)

@@ -192,17 +192,12 @@ void forget(const std::filesystem::path& checkpoint) {
 int run_kernel(const console::Options& options, MPI_Comm comm) {
   const bool first = parallel::rank_of(comm) == 0;
   scene::Scene scene;
-  // Each rank reads the small scene file; the complaint of one is the complaint of all.
-  std::string complaint;
   std::vector<scene::KernelRequest> requests;
-  try {
+  parallel::on_all_ranks(comm, [&] {  // each reads the small scene file
     scene = scene::read(options.scene, options.overrides);
     if (!options.dry_run)
       for (const scene::Body& body : scene.bodies) requests.push_back(scene::kernel_request(scene, body));
-  } catch (const InputError& error) {
-    complaint = error.what();
-  }
-  parallel::agree(comm, complaint);
+  });
   if (options.dry_run) {
     if (first) std::cout << scene::to_toml(scene);
     return 0;

@@ -91,12 +91,12 @@ int run_recast(const RecastOptions& options, std::ostream& out) {
       throw InputError(fmt::format("{}: {}", file, error.what()));
     }
     out << fmt::format("{}: {} {}: {}.xdmf\n", kernel.body, kernel.modes.size(),
-                       kernel.modes.basis == "modes" ? "modes" : "vectors", stem.string());
+                       kernel.modes.fitted() ? "vectors" : "modes", stem.string());
     return 0;
   }
   kernels::write(kernel, path);
   out << fmt::format("{}: {} of {} {}, {} of {} points: {}\n", kernel.body, kernel.modes.size(), modes,
-                     kernel.modes.basis == "modes" ? "modes" : "vectors", kernel.surface.size(), points,
+                     kernel.modes.fitted() ? "vectors" : "modes", kernel.surface.size(), points,
                      path.string());
   return 0;
 }

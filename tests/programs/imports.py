@@ -1,46 +1,21 @@
-"""Bodies, contact problems and sounds that other programs make, solve and play: a box whose matrices numpy assembles."""
+"""Bodies from other programs: a box whose matrices numpy assembles."""
 
-import pathlib
 import re
 import shutil
 import subprocess
 import sys
-import tempfile
 import unittest
 
 import h5py
 import numpy as np
 
-from boxes import MATERIAL, Box, dense, listed, matrix_market
-from programs import BIN, SOURCE, ProgramTest, Run, displacement_kernel, kernel, static_responses
+from box_test import BoxTest, single
+from boxes import MATERIAL, listed
+from programs import BIN, SOURCE, Run, contact, displacement_kernel, kernel, static_responses
 
 sys.path.insert(0, str(SOURCE / "scripts" / "modules"))
 from body_file import write_body  # noqa: E402
 
-try:
-    import siconos.numerics as siconos
-except ImportError:
-    siconos = None
-
-SCENE = """
-title = "Box"
-[bodies.box]
-mesh = "{mesh}"
-{material}
-damping = {{ loss_factor = 0.01 }}
-contact = "foot"
-velocity = [0, 0, -0.1]
-[obstacles.floor]
-normal = [0, 0, 1]
-[modes]
-count = 40
-[contact]
-between = ["box", "floor"]
-gap = 0.01
-[time]
-rate_hz = 40
-duration = 1.5
-"""
 TIMES = [0.1, 0.5, 2.0, 7.0]
 # Bricks that are not straight have a stiffness whose integrand is no polynomial: two rules of quadrature differ by 1e-9.
 QUADRATURE = 1e-8
@@ -56,38 +31,7 @@ def coordinates(matrix):
     return *np.nonzero(matrix), matrix[np.nonzero(matrix)]
 
 
-def single(scene, out, *sets):
-    """ricochet-kernel without mpirun, which takes longer than the body."""
-    return Run([BIN / "ricochet-kernel", scene, "--out", out, "--quiet"] + [w for s in sets for w in ("--set", s)])
-
-
-class Interchange(ProgramTest):
-    @classmethod
-    def setUpClass(cls):
-        scope = tempfile.TemporaryDirectory(prefix="ricochet-interchange-")
-        cls.addClassCleanup(scope.cleanup)
-        cls.all = pathlib.Path(scope.name)
-        cls.box = Box()
-        cls.stiffness, cls.mass = cls.box.matrices()
-        texts = {"box.msh": cls.box.gmsh(), "K.mtx": matrix_market(cls.stiffness), "M.mtx": matrix_market(cls.mass, False),
-                 "nodes.txt": listed(cls.box.node), "foot.txt": listed(cls.box.foot + 1), "top.txt": listed(cls.box.top + 1)}
-        material = "material = {" + ", ".join(f"{key} = {value}" for key, value in MATERIAL.items()) + "}"
-        texts |= {"own.toml": SCENE.format(mesh="box.msh", material=material),
-                  "imported.toml": SCENE.format(mesh="box.h5", material="")}
-        for name, text in texts.items():
-            (cls.all / name).write_text(text)
-        run = Run([SOURCE / "scripts" / "import", "matrices", *(cls.all / name for name in ("K.mtx", "M.mtx", "nodes.txt")),
-                   "--surface", f"foot={cls.all / 'foot.txt'}", "--surface", f"top={cls.all / 'top.txt'}",
-                   "--out", cls.all / "box.h5"])
-        assert run.status == 0, run.err
-        for name in ("own", "imported"):
-            run = single(cls.all / f"{name}.toml", cls.all / name)
-            assert run.status == 0, run.err
-
-    def one(self, out):
-        (path,) = pathlib.Path(out).glob("*.kernel.h5")
-        return path
-
+class Imports(BoxTest):
     def assertSameKernel(self, first, second, tolerance):
         """What contact can tell: the displacement kernel, its static rest, mass and momentum."""
         a, b = displacement_kernel(first, TIMES), displacement_kernel(second, TIMES)
@@ -130,17 +74,17 @@ class Interchange(ProgramTest):
         shape[free], squares = (lower.T @ vectors)[:, rigid:], squares[rigid:]
         return squares, shape, (shape / squares) @ shape.T
 
-    def write_by_the_book(self, path, free=None):
-        """All modes, by the writer in docs/interchange.md."""
+    def write_by_the_book(self, path, free=None, surface="foot", origin=(0, 0, 0)):
+        """All modes, by the writer in docs/interchange.md. One of the box's sides takes part in contact."""
         page = (SOURCE / "docs" / "interchange.md").read_text()
         names = {}
         exec(re.search(r"```python\n(.*?def write_modes.*?)```", page, re.DOTALL).group(1), names)
         squares, shape, flexibility = self.modes(np.arange(len(self.mass)), 6) if free is None else self.modes(free)
-        node = self.box.node
+        node = self.box.node + origin
         weight = self.mass[::3, ::3] @ np.ones(len(node))
         centre = weight @ node / weight.sum()
         second = (node - centre).T @ self.mass[::3, ::3] @ (node - centre)
-        names["write_modes"](path, node, {"foot": self.box.foot}, np.sqrt(squares),
+        names["write_modes"](path, node, {surface: getattr(self.box, surface)}, np.sqrt(squares),
                              shape.reshape(len(node), 3, -1), weight.sum(), centre, np.trace(second) * np.eye(3) - second,
                              flexibility)
         if free is None:
@@ -157,7 +101,68 @@ class Interchange(ProgramTest):
         self.succeed(kernel(self.all / "imported.toml", self.folder, f"bodies.box.mesh={self.folder / 'modes.h5'}", ranks=2))
         self.assertSameKernel(self.one(self.all / "imported"), self.one(self.folder), SHAPES)
         with h5py.File(self.one(self.folder)) as file:
+            self.assertEqual(file["modes"].attrs["basis"], b"imported")
             self.assertFalse(file["modes/certificate"].attrs["complete"])
+
+    def test_modes_from_elsewhere_make_the_same_impact(self):
+        self.write_by_the_book(self.folder / "modes.h5")
+        runs = {"own": (self.all / "own.toml", self.all / "own", []),
+                "imported": (self.all / "imported.toml", self.folder, [f"bodies.box.mesh={self.folder / 'modes.h5'}"])}
+        self.succeed(kernel(*runs["imported"][:2], *runs["imported"][2], ranks=1))
+        found = {}
+        for name, (scene, out, sets) in runs.items():
+            self.succeed(contact(scene, out, *sets, "accuracy=0.1"))
+            found[name] = self.summary(out)
+        own, imported = found["own"], found["imported"]
+        self.assertEqual((own["basis"], imported["basis"]), ({"box": "modes"}, {"box": "imported"}))
+        self.assertGreater(own["contact_steps"], 10)
+        for key in ("impulse_ns", "peak_force_n", "contact_end_s", "energy_lost_contact"):
+            self.assertAlmostEqual(imported[key] / own[key], 1, delta=100 * SHAPES, msg=key)
+        # Its file has no residuals.
+        self.assertIsNotNone(own["error_estimate"]["eigensolver"])
+        self.assertIsNone(imported["error_estimate"]["eigensolver"])
+
+    def test_imported_modes_are_cut_to_fewer_but_not_to_those_that_contact_needs(self):
+        self.write_by_the_book(self.folder / "modes.h5")
+        mesh = f"bodies.box.mesh={self.folder / 'modes.h5'}"
+        self.succeed(single(self.all / "imported.toml", self.folder / "all", mesh))
+        self.succeed(single(self.all / "imported.toml", self.folder / "few", mesh, "modes.count=20"))
+        few, made = self.one(self.folder / "few"), self.folder / "made"
+        recast = [BIN / "ricochet-recast", self.one(self.folder / "all"), "--out", made]
+        self.succeed(Run([*recast, "--count", 20]))
+        self.assertEqual(self.one(made).name, few.name)
+        with h5py.File(few) as one, h5py.File(self.one(made)) as other:
+            self.assertEqual(other["modes/certificate"].attrs["count_by_inertia"], 0)
+            np.testing.assert_array_equal(one["modes/angular_frequency"][:], other["modes/angular_frequency"][:])
+        run = Run([*recast, "--up-to-hz", 0.5, "--flexibility-error", 0.1])
+        self.assertEqual(run.status, 2)
+        self.assertIn("nothing proves that none is missing", run.err)
+
+    def test_modes_of_the_second_body_are_checked_before_modes_of_the_first_are_computed(self):
+        lower = {"origin": (0, 0, -0.6), "surface": "top"}
+        node = self.box.node + lower["origin"]
+        write_body(self.folder / "matrices.h5", node, {"top": [self.box.top]},
+                   {"stiffness": coordinates(self.stiffness), "mass": coordinates(self.mass)})
+        self.write_by_the_book(self.folder / "modes.h5", **lower)
+        text = (self.all / "imported.toml").read_text().replace("mesh = \"box.h5\"", f"mesh = \"{self.all / 'box.h5'}\"")
+        text = text.replace("[obstacles.floor]\nnormal = [0, 0, 1]", "[bodies.lower]\nmesh = \"lower.h5\"\ncontact = \"top\"\n"
+                            "damping = { loss_factor = 0.01 }").replace('"floor"]', '"lower"]').replace("gap = 0.01\n", "")
+        scene = self.write("two.toml", text)
+        found = {}
+        for name in ("matrices", "modes"):
+            mesh = f"bodies.lower.mesh={self.folder / name}.h5"
+            self.succeed(kernel(scene, self.folder / name, mesh, ranks=2))
+            self.succeed(contact(scene, self.folder / name, mesh))
+            found[name] = self.summary(self.folder / name)
+        self.assertGreater(found["modes"]["contact_steps"], 10)
+        self.assertAlmostEqual(found["modes"]["impulse_ns"] / found["matrices"]["impulse_ns"], 1, delta=100 * SHAPES)
+
+        with h5py.File(self.folder / "modes.h5", "a") as file:
+            replace(file, "modes/shape", 2 * file["modes/shape"][:])
+        run = kernel(scene, self.folder / "bad", f"bodies.lower.mesh={self.folder / 'modes.h5'}", ranks=2)
+        self.assertEqual(run.status, 2, run.err)
+        self.assertIn("less than what the modes have", run.err)
+        self.assertFalse(list((self.folder / "bad").glob("*.h5")))
 
     def test_modes_of_a_supported_body_give_the_same_kernel_loads_and_receivers(self):
         held = np.unique(self.box.top)
@@ -264,122 +269,6 @@ class Interchange(ProgramTest):
             self.assertEqual(run.status, 2, run.err)
             self.assertIn(words, run.err)
         self.assertFalse(list(self.folder.glob("no.h5*")))
-
-    def problems(self):
-        """What --fclib wrote of a box that falls flat on the floor, and the forces of the run."""
-        self.succeed(Run([BIN / "ricochet-contact", self.all / "imported.toml", "--out", self.all / "imported", "--quiet",
-                          "--fclib", self.folder / "fclib", "--fclib-every", 4]))
-        with h5py.File(self.all / "imported" / "box.result.h5") as file:
-            forces = dict(zip(np.rint(file["contact/time"][:] * 40).astype(int), file["contact/force"][:]))
-        return sorted((self.folder / "fclib").glob("*.hdf5")), forces
-
-    def test_problems_of_steps_have_the_layout_of_fclib(self):
-        files, forces = self.problems()
-        steps = [int(re.fullmatch(r"box-i(\d{8})-12\.hdf5", path.name).group(1)) for path in files]
-        self.assertEqual(steps, sorted(forces)[::4])
-        for path, step in zip(files, steps):
-            with h5py.File(path) as file:
-                matrix = file["fclib_local/W"]
-                sizes = {name: matrix[name][0] for name in ("m", "n", "nz", "nzmax")}
-                self.assertEqual(sizes, {"m": 36, "n": 36, "nz": -2, "nzmax": 12 * 12 + 24})
-                self.assertEqual(file["fclib_local/spacedim"][0], 3)
-                full = dense(matrix)
-                self.assertGreater(np.linalg.eigvalsh(full)[0], 0)
-                r, u, q = file["solution/r"][:], file["solution/u"][:], file["fclib_local/vectors/q"][:]
-                self.assertEqual(file["guesses/number_of_guesses"][0], 1)
-                np.testing.assert_array_equal(file["guesses/1/r"][:], r)
-                self.assertTrue((file["fclib_local/vectors/mu"][:] == 0).all() and file["fclib_local/vectors/mu"].shape == (12,))
-                # FCLIB's reader takes the size of the type for the text with its final zero.
-                self.assertEqual(file["fclib_local/info/title"].dtype.itemsize, len("Box") + 1)
-            np.testing.assert_allclose(r[::3], forces[step], rtol=0, atol=1e-15 * abs(r).max())
-            size = 0.01  # m: gaps are differences of displacements as large as the first one
-            self.assertLess(abs(full @ r + q - u).max(), 1e-14 * size)
-            self.assertGreater(u.min(), -1e-13 * size)
-            self.assertLess(abs(r @ u), 1e-13 * size * r.sum())
-
-    @unittest.skipUnless(siconos, "Siconos is not installed: scripts/setup --tests")
-    def test_siconos_finds_the_same_forces(self):
-        files, forces = self.problems()
-        peak = np.max(list(forces.values()))
-        for path in files:
-            with h5py.File(path) as file:
-                matrix, q = dense(file["fclib_local/W"]), file["fclib_local/vectors/q"][:]
-                mu, ours = file["fclib_local/vectors/mu"][:], file["solution/r"][:]
-            # Lemke's algorithm pivots to the exact solution; Gauss–Seidel stops at its tolerance.
-            z, w = np.zeros(mu.size), np.zeros(mu.size)
-            problem = siconos.LCP(np.asfortranarray(matrix[::3, ::3]), q[::3].copy())
-            options = siconos.SolverOptions(siconos.SICONOS_LCP_LEMKE)
-            self.assertEqual(siconos.linearComplementarity_driver(problem, z, w, options), 0)
-            self.assertLess(abs(z - ours[::3]).max(), 1e-9 * peak)
-            r, u = np.zeros(q.size), np.zeros(q.size)
-            cones = siconos.FrictionContactProblem(3, matrix, q, mu)
-            options = siconos.SolverOptions(siconos.SICONOS_FRICTION_3D_NSGS)
-            options.dparam[0], options.iparam[0] = 1e-10, 100000
-            self.assertEqual(siconos.fc3d_driver(cones, r, u, options), 0)
-            self.assertLess(abs(r - ours).max(), 1e-5 * peak)
-
-    def test_only_problems_of_one_step_and_all_points_are_written(self):
-        run = Run([BIN / "ricochet-contact", self.all / "imported.toml", "--out", self.all / "imported", "--set",
-                   "contact.scheme=impulse", "--fclib", self.folder / "fclib"])
-        self.assertEqual(run.status, 2)
-        self.assertIn("--fclib: only contact.scheme", run.err)
-        self.assertFalse((self.folder / "fclib").exists())
-
-    def faust(self, *arguments):
-        return Run([SOURCE / "scripts" / "faust", *arguments])
-
-    @unittest.skipUnless(shutil.which("faust"), "Faust is not installed: scripts/setup --tests")
-    def test_faust_plays_the_modes_of_the_body(self):
-        """The answer to an impulse of 1 N s, as compiled by faust, beside Σ φ φ e^{−δt} (cos ω_d t − δ/ω_d sin ω_d t)."""
-        file, rate, count = self.one(self.all / "imported"), 50, 200
-        text = self.succeed(self.faust(file, "--excite", 3, "--receive", 7, "--receive", "0,0,0:1,1,0", "--rate", rate)).out
-        self.write("box.dsp", text)
-        subprocess.run(["faust", "-lang", "cpp", "-cn", "Body", "box.dsp", "-o", "body.hpp"], cwd=self.folder, check=True)
-        self.write("main.cpp", PLAYER)
-        subprocess.run(["g++", "-O0", "main.cpp", "-o", "player"], cwd=self.folder, check=True)
-        heard = np.loadtxt(Run([self.folder / "player", rate, count]).out.splitlines())
-        with h5py.File(file) as kernel_file:
-            omega, decay = kernel_file["modes/angular_frequency"][6:], kernel_file["modes/decay_rate"][6:]
-            shape, normal = kernel_file["surface/shape"][:, :, 6:], kernel_file["surface/normal"][:]
-            node = kernel_file["surface/node"][:]
-        struck = normal[3] @ shape[3]
-        at_corner = np.array([1, 1, 0]) / np.sqrt(2) @ shape[np.argmin(np.linalg.norm(node, axis=1))]
-        gains = np.stack([struck * (normal[7] @ shape[7]), struck * at_corner])
-        damped, time = np.sqrt(omega**2 - decay**2), np.arange(count)[:, None] / rate
-        answer = np.exp(-decay * time) * (np.cos(damped * time) - decay / damped * np.sin(damped * time))
-        answer[0] = 0.5  # the jump at t = 0 is met half way
-        error = abs(heard - answer @ gains.T)
-        # Of a mode: 2 δ/rate + (ω/rate)² δ/ω by the numerator 1 − z⁻²; in single precision, ω_d by 4·2⁻²⁴/sin(ω_d/rate) a sample.
-        of_mode = 2 * decay / rate + omega * decay / rate**2 + np.arange(count)[:, None] * 4 * 2.0**-24 / np.sin(damped / rate)
-        self.assertLess((error / (of_mode @ abs(gains).T)).max(), 1)
-        self.assertGreater(abs(answer @ gains.T).max(), 20 * error.max())
-
-    def test_places_that_are_not_there_are_refused(self):
-        file = self.one(self.all / "imported")
-        for words, excite, more in (("contact points 0 to 11", "12", []), ("\"mic\" is no receiver", "mic", []),
-                                    ("no mode rings below 0.05 Hz", "1", ["--rate", 0.1]), ("is no direction", "1:w", [])):
-            run = self.faust(file, "--excite", excite, "--receive", 1, *more)
-            self.assertEqual((run.status, run.out), (2, ""))
-            self.assertIn(words, run.err)
-
-
-PLAYER = """
-#include <cstdio>
-#include <cstdlib>
-struct Meta { void declare(const char*, const char*) {} };
-struct UI { void openVerticalBox(const char*) {} void closeBox() {} };
-struct dsp {};
-#include "body.hpp"
-int main(int, char** words) {
-  const int count = std::atoi(words[2]);
-  auto* body = new Body;
-  body->init(std::atoi(words[1]));
-  float force[4096] = {static_cast<float>(std::atoi(words[1]))}, left[4096], right[4096];
-  float *in[] = {force}, *out[] = {left, right};
-  body->compute(count, in, out);
-  for (int k = 0; k < count; ++k) std::printf("%.9g %.9g\\n", left[k], right[k]);
-}
-"""
 
 
 def replace(file, name, values):

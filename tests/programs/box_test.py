@@ -1,0 +1,61 @@
+"""The box of boxes.py, from its own mesh and from its matrices: what tests of bodies from other programs, and of what other
+programs read, start from."""
+
+import pathlib
+import tempfile
+
+from boxes import MATERIAL, Box, listed, matrix_market
+from programs import BIN, SOURCE, ProgramTest, Run
+
+SCENE = """
+title = "Box"
+[bodies.box]
+mesh = "{mesh}"
+{material}
+damping = {{ loss_factor = 0.01 }}
+contact = "foot"
+velocity = [0, 0, -0.1]
+[obstacles.floor]
+normal = [0, 0, 1]
+[modes]
+count = 40
+[contact]
+between = ["box", "floor"]
+gap = 0.01
+[time]
+rate_hz = 40
+duration = 1.5
+"""
+
+
+def single(scene, out, *sets):
+    """ricochet-kernel without mpirun, which takes longer than the body."""
+    return Run([BIN / "ricochet-kernel", scene, "--out", out, "--quiet"] + [w for s in sets for w in ("--set", s)])
+
+
+class BoxTest(ProgramTest):
+    @classmethod
+    def setUpClass(cls):
+        scope = tempfile.TemporaryDirectory(prefix="ricochet-box-")
+        cls.addClassCleanup(scope.cleanup)
+        cls.all = pathlib.Path(scope.name)
+        cls.box = Box()
+        cls.stiffness, cls.mass = cls.box.matrices()
+        texts = {"box.msh": cls.box.gmsh(), "K.mtx": matrix_market(cls.stiffness), "M.mtx": matrix_market(cls.mass, False),
+                 "nodes.txt": listed(cls.box.node), "foot.txt": listed(cls.box.foot + 1), "top.txt": listed(cls.box.top + 1)}
+        material = "material = {" + ", ".join(f"{key} = {value}" for key, value in MATERIAL.items()) + "}"
+        texts |= {"own.toml": SCENE.format(mesh="box.msh", material=material),
+                  "imported.toml": SCENE.format(mesh="box.h5", material="")}
+        for name, text in texts.items():
+            (cls.all / name).write_text(text)
+        run = Run([SOURCE / "scripts" / "import", "matrices", *(cls.all / name for name in ("K.mtx", "M.mtx", "nodes.txt")),
+                   "--surface", f"foot={cls.all / 'foot.txt'}", "--surface", f"top={cls.all / 'top.txt'}",
+                   "--out", cls.all / "box.h5"])
+        assert run.status == 0, run.err
+        for name in ("own", "imported"):
+            run = single(cls.all / f"{name}.toml", cls.all / name)
+            assert run.status == 0, run.err
+
+    def one(self, out):
+        (path,) = pathlib.Path(out).glob("*.kernel.h5")
+        return path

@@ -1,0 +1,140 @@
+"""Contact problems and sounds that other programs solve and play."""
+
+import re
+import shutil
+import subprocess
+import unittest
+
+import h5py
+import numpy as np
+
+from box_test import BoxTest
+from boxes import dense
+from programs import BIN, SOURCE, Run
+
+try:
+    import siconos.numerics as siconos
+except ImportError:
+    siconos = None
+
+
+class Exports(BoxTest):
+    def problems(self):
+        """What --fclib wrote of a box that falls flat on the floor, and the forces of the run."""
+        self.succeed(Run([BIN / "ricochet-contact", self.all / "imported.toml", "--out", self.all / "imported", "--quiet",
+                          "--fclib", self.folder / "fclib", "--fclib-every", 4]))
+        with h5py.File(self.all / "imported" / "box.result.h5") as file:
+            forces = dict(zip(np.rint(file["contact/time"][:] * 40).astype(int), file["contact/force"][:]))
+        return sorted((self.folder / "fclib").glob("*.hdf5")), forces
+
+    def test_problems_of_steps_have_the_layout_of_fclib(self):
+        files, forces = self.problems()
+        steps = [int(re.fullmatch(r"box-i(\d{8})-12\.hdf5", path.name).group(1)) for path in files]
+        self.assertEqual(steps, sorted(forces)[::4])
+        for path, step in zip(files, steps):
+            with h5py.File(path) as file:
+                matrix = file["fclib_local/W"]
+                sizes = {name: matrix[name][0] for name in ("m", "n", "nz", "nzmax")}
+                self.assertEqual(sizes, {"m": 36, "n": 36, "nz": -2, "nzmax": 12 * 12 + 24})
+                self.assertEqual(file["fclib_local/spacedim"][0], 3)
+                full = dense(matrix)
+                self.assertGreater(np.linalg.eigvalsh(full)[0], 0)
+                r, u, q = file["solution/r"][:], file["solution/u"][:], file["fclib_local/vectors/q"][:]
+                self.assertEqual(file["guesses/number_of_guesses"][0], 1)
+                np.testing.assert_array_equal(file["guesses/1/r"][:], r)
+                self.assertTrue((file["fclib_local/vectors/mu"][:] == 0).all() and file["fclib_local/vectors/mu"].shape == (12,))
+                # FCLIB's reader takes the size of the type for the text with its final zero.
+                self.assertEqual(file["fclib_local/info/title"].dtype.itemsize, len("Box") + 1)
+            np.testing.assert_allclose(r[::3], forces[step], rtol=0, atol=1e-15 * abs(r).max())
+            size = 0.01  # m: gaps are differences of displacements as large as the first one
+            self.assertLess(abs(full @ r + q - u).max(), 1e-14 * size)
+            self.assertGreater(u.min(), -1e-13 * size)
+            self.assertLess(abs(r @ u), 1e-13 * size * r.sum())
+
+    @unittest.skipUnless(siconos, "Siconos is not installed: scripts/setup --tests")
+    def test_siconos_finds_the_same_forces(self):
+        files, forces = self.problems()
+        peak = np.max(list(forces.values()))
+        for path in files:
+            with h5py.File(path) as file:
+                matrix, q = dense(file["fclib_local/W"]), file["fclib_local/vectors/q"][:]
+                mu, ours = file["fclib_local/vectors/mu"][:], file["solution/r"][:]
+            # Lemke's algorithm pivots to the exact solution; Gauss–Seidel stops at its tolerance.
+            z, w = np.zeros(mu.size), np.zeros(mu.size)
+            problem = siconos.LCP(np.asfortranarray(matrix[::3, ::3]), q[::3].copy())
+            options = siconos.SolverOptions(siconos.SICONOS_LCP_LEMKE)
+            self.assertEqual(siconos.linearComplementarity_driver(problem, z, w, options), 0)
+            self.assertLess(abs(z - ours[::3]).max(), 1e-9 * peak)
+            r, u = np.zeros(q.size), np.zeros(q.size)
+            cones = siconos.FrictionContactProblem(3, matrix, q, mu)
+            options = siconos.SolverOptions(siconos.SICONOS_FRICTION_3D_NSGS)
+            options.dparam[0], options.iparam[0] = 1e-10, 100000
+            self.assertEqual(siconos.fc3d_driver(cones, r, u, options), 0)
+            self.assertLess(abs(r - ours).max(), 1e-5 * peak)
+
+    def test_only_problems_of_one_step_and_all_points_are_written(self):
+        run = Run([BIN / "ricochet-contact", self.all / "imported.toml", "--out", self.all / "imported", "--set",
+                   "contact.scheme=impulse", "--fclib", self.folder / "fclib"])
+        self.assertEqual(run.status, 2)
+        self.assertIn("--fclib: only contact.scheme", run.err)
+        self.assertFalse((self.folder / "fclib").exists())
+
+    def faust(self, *arguments):
+        return Run([SOURCE / "scripts" / "faust", *arguments])
+
+    @unittest.skipUnless(shutil.which("faust"), "Faust is not installed: scripts/setup --tests")
+    def test_faust_plays_the_modes_of_the_body(self):
+        """The answer to an impulse of 1 N s, as compiled by faust, beside Σ φ φ e^{−δt} (cos ω_d t − δ/ω_d sin ω_d t)."""
+        file, rate, count = self.one(self.all / "imported"), 50, 200
+        text = self.succeed(self.faust(file, "--excite", 3, "--receive", 7, "--receive", "0,0,0:1,1,0", "--rate", rate)).out
+        self.write("box.dsp", text)
+        subprocess.run(["faust", "-lang", "cpp", "-cn", "Body", "box.dsp", "-o", "body.hpp"], cwd=self.folder, check=True)
+        self.write("main.cpp", PLAYER)
+        subprocess.run(["g++", "-O0", "main.cpp", "-o", "player"], cwd=self.folder, check=True)
+        heard = np.loadtxt(Run([self.folder / "player", rate, count]).out.splitlines())
+        with h5py.File(file) as kernel_file:
+            omega, decay = kernel_file["modes/angular_frequency"][6:], kernel_file["modes/decay_rate"][6:]
+            shape, normal = kernel_file["surface/shape"][:, :, 6:], kernel_file["surface/normal"][:]
+            node = kernel_file["surface/node"][:]
+        struck = normal[3] @ shape[3]
+        at_corner = np.array([1, 1, 0]) / np.sqrt(2) @ shape[np.argmin(np.linalg.norm(node, axis=1))]
+        gains = np.stack([struck * (normal[7] @ shape[7]), struck * at_corner])
+        damped, time = np.sqrt(omega**2 - decay**2), np.arange(count)[:, None] / rate
+        answer = np.exp(-decay * time) * (np.cos(damped * time) - decay / damped * np.sin(damped * time))
+        answer[0] = 0.5  # the jump at t = 0 is met half way
+        error = abs(heard - answer @ gains.T)
+        # Of a mode: 2 δ/rate + (ω/rate)² δ/ω by the numerator 1 − z⁻²; in single precision, ω_d by 4·2⁻²⁴/sin(ω_d/rate) a sample.
+        of_mode = 2 * decay / rate + omega * decay / rate**2 + np.arange(count)[:, None] * 4 * 2.0**-24 / np.sin(damped / rate)
+        self.assertLess((error / (of_mode @ abs(gains).T)).max(), 1)
+        self.assertGreater(abs(answer @ gains.T).max(), 20 * error.max())
+
+    def test_places_that_are_not_there_are_refused(self):
+        file = self.one(self.all / "imported")
+        for words, excite, more in (("contact points 0 to 11", "12", []), ("\"mic\" is no receiver", "mic", []),
+                                    ("no mode rings below 0.05 Hz", "1", ["--rate", 0.1]), ("is no direction", "1:w", [])):
+            run = self.faust(file, "--excite", excite, "--receive", 1, *more)
+            self.assertEqual((run.status, run.out), (2, ""))
+            self.assertIn(words, run.err)
+
+
+PLAYER = """
+#include <cstdio>
+#include <cstdlib>
+struct Meta { void declare(const char*, const char*) {} };
+struct UI { void openVerticalBox(const char*) {} void closeBox() {} };
+struct dsp {};
+#include "body.hpp"
+int main(int, char** words) {
+  const int count = std::atoi(words[2]);
+  auto* body = new Body;
+  body->init(std::atoi(words[1]));
+  float force[4096] = {static_cast<float>(std::atoi(words[1]))}, left[4096], right[4096];
+  float *in[] = {force}, *out[] = {left, right};
+  body->compute(count, in, out);
+  for (int k = 0; k < count; ++k) std::printf("%.9g %.9g\\n", left[k], right[k]);
+}
+"""
+
+
+if __name__ == "__main__":
+    unittest.main()
