@@ -1,8 +1,28 @@
-# Completes options of Ricochet's programs, as their --help lists them, and the files that they read.
+# Completes options of Ricochet's programs, as their --help lists them, the keys that --set takes, and the files that they read.
+
+# Keys that --set may name, for the bodies and obstacles of the scene $2 by their names. $1: ricochet-contact.
+_ricochet_keys() {
+    local key name names
+    "$1" --keys 2>/dev/null | awk -F'`' '
+        /^## / { top = /Top level/; table = $2 ~ /^\[[^][]+\]$/; within = table ? substr($2, 2, length($2) - 2) "." : "" }
+        /^\| `/ && (top || table) && $3 !~ /^ \| table \|/ { print within $2 "=" }' |
+        while read -r key; do
+            [[ $key != *.NAME.* ]] && { echo "$key"; continue; }
+            names=$(sed -n "s/^ *\[${key%%.*}\.\([A-Za-z0-9_-]*\).*/\1/p" "$2" 2>/dev/null | sort -u)
+            for name in $names; do echo "${key/NAME/$name}"; done
+        done
+}
+
 _ricochet() {
-    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} choices
+    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} choices scene
     case ${1##*/}:$before in
         *:--out|ricochet-plot:--kernels) mapfile -t COMPREPLY < <(compgen -d -- "$word"); return ;;
+        *:--set)
+            scene=$(printf '%s\n' "${COMP_WORDS[@]}" | grep -m 1 '\.toml$')
+            choices=$(_ricochet_keys "${1%"${1##*/}"}ricochet-contact" "${scene:-/dev/null}")
+            mapfile -t COMPREPLY < <(compgen -W "$choices" -- "$word")
+            compopt -o nospace 2>/dev/null  # the value comes next
+            return ;;
     esac
     if [[ $word == -* ]]; then
         choices=$("$1" --help 2>/dev/null | sed -n 's/^  \(-.*\)/\1/p' | sed 's/  .*//' |

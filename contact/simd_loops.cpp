@@ -1,6 +1,8 @@
-// Compiled once for each instruction set: RICOCHET_SIMD names the function that hands the loops out. Includes
-// nothing whose inline functions a linker could take from here and run on a processor that lacks the
-// instructions.
+// Compiled once for each instruction set: RICOCHET_SIMD names the function that hands the loops out. Uses
+// no inline functions from elsewhere, which a linker could take from here and run on a processor that lacks
+// the instructions: of <utility> only types.
+#include <utility>
+
 #include "contact/simd.hpp"
 
 namespace ricochet::contact::simd {
@@ -14,23 +16,11 @@ constexpr std::size_t bytes = 32, row_tile = 2, step_tile = 4;
 constexpr std::size_t bytes = 16, row_tile = 2, step_tile = 4;
 #endif
 
-template <std::size_t size>
-struct Whole;
-template <>
-struct Whole<4> {
-  using type = int;
-};
-template <>
-struct Whole<8> {
-  using type = long long;
-};
-
 /// A register of T, or `count` of them.
 template <class T, std::size_t count = bytes / sizeof(T)>
 struct Lanes {
   static constexpr std::size_t size = count;
   typedef T type __attribute__((vector_size(count * sizeof(T)), aligned(alignof(T)), may_alias));
-  typedef typename Whole<sizeof(T)>::type mask __attribute__((vector_size(count * sizeof(T))));
   static type load(const T* at) { return *reinterpret_cast<const type*>(at); }
   static void store(T* at, type x) { *reinterpret_cast<type*>(at) = x; }
   static T sum(type x) {
@@ -39,15 +29,10 @@ struct Lanes {
     return total;
   }
   /// Lane j: a or b, whichever bit `s` of j tells, at j and at j with that bit turned.
-  template <std::size_t s>
-  static type fold(type a, type b) {
-    mask kept, turned;
-    for (std::size_t j = 0; j < count; ++j) {
-      const bool second = (j & s) != 0;
-      kept[j] = static_cast<typename Whole<sizeof(T)>::type>(second ? count + j : j);
-      turned[j] = static_cast<typename Whole<sizeof(T)>::type>(second ? count + (j ^ s) : j ^ s);
-    }
-    return __builtin_shuffle(a, b, kept) + __builtin_shuffle(a, b, turned);
+  template <std::size_t s, std::size_t... j>
+  static type fold(type a, type b, std::index_sequence<j...>) {
+    return __builtin_shufflevector(a, b, ((j & s) != 0 ? count + j : j)...) +
+           __builtin_shufflevector(a, b, ((j & s) != 0 ? count + (j ^ s) : j ^ s)...);
   }
   /// Lane j: the sum of x[j], of `count` registers; x is used up.
   template <std::size_t s = 1>
@@ -55,7 +40,8 @@ struct Lanes {
     if constexpr (s == count) {
       return x[0];
     } else {
-      for (std::size_t k = 0; k < count / (2 * s); ++k) x[k] = fold<s>(x[2 * k], x[2 * k + 1]);
+      for (std::size_t k = 0; k < count / (2 * s); ++k)
+        x[k] = fold<s>(x[2 * k], x[2 * k + 1], std::make_index_sequence<count>());
       return sums<2 * s>(x);
     }
   }

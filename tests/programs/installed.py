@@ -89,6 +89,20 @@ class Installed(ProgramTest):
             self.assertEqual(self.completed(name, '""'), {READS.get(name, "a.toml"), "folder/"})
         self.assertEqual(self.completed("sweep", "--out ''"), {"folder"})
 
+    def test_the_shell_completes_the_keys_of_a_scene_and_they_are_accepted(self):
+        for path in (MESHES / "two-rods").glob("*.*"):
+            shutil.copy(path, self.folder)
+        keys = self.completed("contact", "two-rods.toml --set ''")
+        self.assertLess({"title=", "accuracy=", "contact.gap=", "modes.count=", "bodies.moving.material.young=", "bodies.resting.mesh="},
+                        keys)
+        self.assertFalse([key for key in keys if "NAME" in key or not re.fullmatch(r"[a-z_.]+=", key)])
+        self.assertEqual(self.completed("run", "two-rods.toml --set modes.co"), {"modes.count="})
+        self.assertEqual(self.completed("contact", "--set bodies."), set())
+        # What a scene doesn't know it refuses by saying so; values and combinations may not be what it takes.
+        for key in keys:
+            refused = self.call("ricochet-kernel", "two-rods.toml", "--dry-run", "--set", key + "0")
+            self.assertNotIn("unknown key", refused.stderr, key)
+
 
 if __name__ == "__main__":
     unittest.main()
