@@ -195,13 +195,27 @@ class Editor {
     return H5Tdetect_class(type, H5T_VLEN) > 0 || H5Tis_variable_str(type) > 0;
   }
 
+  /// HDF5 1.10 reads and writes beyond its memory where it compresses data by others of its filters.
+  static bool safely_written(hid_t dataset) {
+    const hid_t list = H5Dget_create_plist(dataset);
+    for (int i = 0; i < H5Pget_nfilters(list); ++i) {
+      unsigned flags = 0, config = 0;
+      std::size_t values = 0;
+      const H5Z_filter_t filter =
+          H5Pget_filter2(list, static_cast<unsigned>(i), &flags, &values, nullptr, 0, nullptr, &config);
+      if (filter != H5Z_FILTER_DEFLATE && filter != H5Z_FILTER_SHUFFLE && filter != H5Z_FILTER_FLETCHER32)
+        return false;
+    }
+    return true;
+  }
+
   void replace(const std::string& name) {
     const hid_t type = some_type();
     const std::vector<hsize_t> shape = some_shape();
     H5Ldelete(file_, name.c_str(), H5P_DEFAULT);
     const hid_t dataset = H5Dcreate2(file_, name.c_str(), type, some_space(shape), H5P_DEFAULT,
                                      some_layout(shape), H5P_DEFAULT);
-    if (dataset < 0) return;
+    if (dataset < 0 || !safely_written(dataset)) return;
     double values = 1;
     for (const hsize_t length : shape) values *= static_cast<double>(length);
     if (values * static_cast<double>(H5Tget_size(type)) > 1 << 20 || holds_pointers(type)) return;
@@ -275,7 +289,7 @@ class Editor {
   void poke(hid_t type, T value) {
     const hid_t dataset = H5Dopen2(file_, some_name().c_str(), H5P_DEFAULT);
     const hssize_t count = dataset < 0 ? 0 : H5Sget_simple_extent_npoints(H5Dget_space(dataset));
-    if (count < 1 || count > 1 << 20) return;
+    if (count < 1 || count > 1 << 20 || !safely_written(dataset)) return;
     std::vector<T> values(static_cast<std::size_t>(count));
     if (H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) return;
     values[bytes_.number<std::uint16_t>() % values.size()] = value;
