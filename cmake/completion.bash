@@ -14,9 +14,9 @@ _ricochet_keys() {
 }
 
 _ricochet() {
-    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} choices scene
+    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} choices scene command=
     case ${1##*/}:$before in
-        *:--out|ricochet-plot:--kernels) mapfile -t COMPREPLY < <(compgen -d -- "$word"); return ;;
+        *:--out|ricochet-plot:--kernels|ricochet-report:--kernels) mapfile -t COMPREPLY < <(compgen -d -- "$word"); return ;;
         *:--set)
             scene=$(printf '%s\n' "${COMP_WORDS[@]}" | grep -m 1 '\.toml$')
             choices=$(_ricochet_keys "${1%"${1##*/}"}ricochet-contact" "${scene:-/dev/null}")
@@ -24,16 +24,21 @@ _ricochet() {
             compopt -o nospace 2>/dev/null  # the value comes next
             return ;;
     esac
+    # ricochet-import takes a command first, which has options of its own.
+    [[ $1 == *-import ]] && command=$(printf '%s\n' "${COMP_WORDS[@]:1:COMP_CWORD-1}" | grep -m 1 -xE 'calculix|matrices')
     if [[ $word == -* ]]; then
-        choices=$("$1" --help 2>/dev/null | sed -n 's/^  \(-.*\)/\1/p' | sed 's/  .*//' |
+        choices=$("$1" $command --help 2>/dev/null | sed -n 's/^  \(-.*\)/\1/p' | sed 's/  .*//' |
             grep -oE -- '(^|[ ,])--?[a-z][a-z-]*' | tr -d ' ,' | sort -u)
         mapfile -t COMPREPLY < <(compgen -W "$choices" -- "$word")
+    elif [[ $1 == *-import && ! $command ]]; then
+        mapfile -t COMPREPLY < <(compgen -W "calculix matrices" -- "$word")
     else
         local ending endings=toml
         [[ $1 == *-plot || $1 == *-report || $1 == *-recast || $1 == *-faust ]] && endings=h5
-        [[ $1 == *-import ]] && endings='inp mtx txt'
+        [[ $command == calculix ]] && endings=inp
+        [[ $command == matrices ]] && endings='mtx txt'
         [[ $1 == *-surfaces ]] && endings='step stp brep geo msh'
-        mapfile -t COMPREPLY < <(for ending in $endings; do compgen -f -X "!*.$ending" -- "$word"; done; compgen -d -S / -- "$word")
+        mapfile -t COMPREPLY < <(for ending in $endings; do compgen -f -X "!*.$ending" -- "$word"; done; compgen -d -- "$word")
     fi
 }
 complete -o filenames -F _ricochet ricochet-contact ricochet-kernel ricochet-recast ricochet-run ricochet-plot \

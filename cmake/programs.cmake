@@ -21,7 +21,8 @@ foreach(module IN LISTS modules)
   install(FILES scripts/modules/${module}.py DESTINATION ${share}/scripts/modules COMPONENT programs)
 endforeach()
 install(DIRECTORY scripts/modules/report DESTINATION ${share}/scripts/modules COMPONENT programs)
-install(DIRECTORY meshes DESTINATION ${share} COMPONENT programs PATTERN out EXCLUDE)
+install(DIRECTORY meshes DESTINATION ${share} COMPONENT programs
+  PATTERN out EXCLUDE PATTERN *-surfaces.png EXCLUDE)
 install(FILES README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/ricochet COMPONENT programs)
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/ricochet COMPONENT programs)
 install(FILES cmake/completion.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT programs

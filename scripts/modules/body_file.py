@@ -64,6 +64,25 @@ def rows_of(i, j, value, size):
     return start, j[first].astype(np.int64), value
 
 
+def clockwise(node, facets, i, j):
+    """How many of `facets`, (T,k) node numbers from 0, run clockwise seen from outside, judged by the stiffness at rows i and
+    columns j: the nodes that are coupled with all corners of a facet are those of its element, so they lie behind it."""
+    corners = facets[:, :3 if np.shape(facets)[1] in (3, 6, 10) else 4]
+    here = np.isin(i // 3, corners)
+    pairs = np.unique((i[here] // 3) * len(node) + j[here] // 3)
+    nodes, start = np.unique(pairs // len(node), return_index=True)
+    coupled = {of: set(others.tolist()) for of, others in zip(nodes.tolist(), np.split(pairs % len(node), start[1:]))}
+    count = 0
+    for facet, corner in zip(facets.tolist(), corners.tolist()):
+        behind = list(set.intersection(*(coupled.get(k, set()) for k in corner)).difference(facet))
+        if behind:
+            place = node[corner]
+            inward = np.cross(place[2] - place[0], place[1] - place[-1])
+            away = node[behind].mean(axis=0) - place.mean(axis=0)
+            count += bool(inward @ away < -1e-6 * np.linalg.norm(inward) * np.linalg.norm(away))  # not where all is in one plane
+    return count
+
+
 def write_body(path, node, surfaces, matrices, supports=(), skin=None):
     """node (n,3) [m]; surfaces: name → list of facets, (T,k) node numbers from 0; matrices: "stiffness" and "mass" → rows,
     columns, values; supports: name → node numbers. The file has its name only when it is whole."""

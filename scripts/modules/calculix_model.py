@@ -65,7 +65,7 @@ class Model:
         self.position, self.element = {}, {}
         self.node_sets, self.element_sets, self.names, self.surface_lines = {}, {}, {}, {}
         if not self.path.is_file():
-            raise Refused(f"{path}: no such file")
+            raise Refused(f"{path}: there is no such file. Name the input file of a job")
         try:
             for keyword, parameters, lines in cards(path):
                 self.take(keyword, parameters, lines)
@@ -89,10 +89,10 @@ class Model:
             self.surface_lines[parameters["NAME"]] = lines
 
     def take_elements(self, parameters, lines):
-        kind = parameters["TYPE"].upper().rstrip("RI")
+        kind = parameters["TYPE"].upper().rstrip("R")
         size = int(kind[3:]) if kind.startswith("C3D") and kind[3:].isdigit() else 0
         if size not in KINDS:
-            raise Refused(f"{self.path}: has elements of type {parameters['TYPE']}: solids are read, C3D4, 6, 8, 10, 15, 20")
+            raise Refused(f"{self.path}: has elements of type {parameters['TYPE']}: solids are read, C3D4, 6, 8, 8R, 10, 15, 20, 20R")
         words = [int(word) for line in lines for word in line if word]
         for start in range(0, len(words), size + 1):
             nodes = words[start + 1:start + size + 1]

@@ -1,12 +1,15 @@
 """Commands and readers of the documentation run, its scenes have keys that exist, and its links lead somewhere."""
 
+import json
 import pathlib
 import re
+import shutil
 import subprocess
 import tempfile
 import tomllib
 import unittest
 
+import h5py
 import numpy as np
 
 import pages
@@ -24,7 +27,7 @@ class Reader(unittest.TestCase):
         self.addCleanup(scope.cleanup)
         folder = pathlib.Path(scope.name)
         pages.make_folder(folder)
-        return pages.Page(pages.SOURCE / name, folder, quick=True).run(("sh", "python", "text"))
+        return pages.Page(pages.SOURCE / name, folder, quick=True).run()
 
     def test_the_readme_runs(self):
         page = self.run_page("README.md")
@@ -55,6 +58,21 @@ class Reader(unittest.TestCase):
         self.assertEqual(len(names["place"]), 101)
         # The wave from the struck end passes the middle with half the speed of impact, then takes it to the whole.
         self.assertAlmostEqual(names["v"][np.searchsorted(names["t"], 10), 0], 0.5, delta=0.1)
+
+    @unittest.skipUnless(shutil.which("ccx"), "CalculiX is not installed: scripts/setup --tests")
+    def test_bodies_of_other_programs_are_imported_and_meet_as_shown(self):
+        folder = self.run_page("docs/interchange.md").folder / "build/imported"
+        box, plate = (json.loads((folder / f"out/{name}.summary.json").read_text()) for name in ("box", "box-on-plate"))
+        # What the force takes is the momentum that the box loses: 30 x 20 x 20 mm of aluminium from 1 m/s.
+        for found in (box, plate):
+            self.assertGreater(found["contact_steps"], 4)
+            self.assertAlmostEqual(found["impulse_ns"] / (2700 * 12e-6 * (1 + found["exit_velocity"]["box"][2])), 1, delta=1e-6)
+        self.assertLess(plate["exit_velocity"]["plate"][2], 0)
+        (kernel,) = folder.glob("out/plate-*.kernel.h5")
+        with h5py.File(kernel) as file:
+            self.assertAlmostEqual(file.attrs["mass"] / (7850 * 0.12 * 0.08 * 0.01), 1, delta=1e-6)
+        self.assertTrue(list(folder.glob("problems/*.hdf5")))
+        self.assertIn("pm.modeFilter", (folder / "plate.dsp").read_text())
 
 
 def keys_of(table, prefix=()):
@@ -121,6 +139,15 @@ class Keys(unittest.TestCase):
 
 
 class Surfaces(unittest.TestCase):
+    def test_are_drawn_beside_the_drawing_under_its_whole_name(self):
+        with tempfile.TemporaryDirectory(prefix="ricochet-page-") as name:
+            folder = pathlib.Path(name)
+            (folder / "sheet.geo").write_text('SetFactory("OpenCASCADE");\nRectangle(1) = {0, 0, 0, 1, 1};\n')
+            done = subprocess.run([pages.SOURCE / "scripts" / "surfaces", folder / "sheet.geo"], cwd="/", capture_output=True,
+                                  text=True, check=True)
+            self.assertEqual(done.stdout.splitlines()[-1], str(folder / "sheet.geo-surfaces.png"))
+            self.assertTrue((folder / "sheet.geo-surfaces.png").is_file())
+
     def test_of_what_is_no_drawing_are_refused_in_one_line(self):
         done = subprocess.run([pages.SOURCE / "scripts" / "surfaces", "none.step"], capture_output=True, text=True, check=False)
         self.assertEqual((done.returncode, done.stderr), (2, "surfaces: none.step: there is no such file: name a .step, .brep, .geo or .msh\n"))

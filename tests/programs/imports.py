@@ -10,11 +10,12 @@ import h5py
 import numpy as np
 
 from box_test import BoxTest, single
-from boxes import MATERIAL, listed
+from boxes import MATERIAL, Box, listed
 from programs import BIN, SOURCE, Run, contact, displacement_kernel, kernel, static_responses
 
 sys.path.insert(0, str(SOURCE / "scripts" / "modules"))
-from body_file import write_body  # noqa: E402
+from body_file import clockwise, write_body  # noqa: E402
+from calculix_model import BRICK  # noqa: E402
 
 TIMES = [0.1, 0.5, 2.0, 7.0]
 # Bricks that are not straight have a stiffness whose integrand is no polynomial: two rules of quadrature differ by 1e-9.
@@ -261,14 +262,46 @@ class Imports(BoxTest):
         files = [self.all / name for name in ("K.mtx", "M.mtx", "nodes.txt")]
         few = self.write("few.txt", listed(self.box.node[:-1]))
         far = self.write("far.txt", listed(self.box.foot + 30))
-        cases = [("is 108 x 108: 35 nodes have 105", [*files[:2], few]),
+        half = self.write("half.txt", listed(self.box.foot + 0.5))
+        cases = [("none.txt: there is no such file.", [*files[:2], self.folder / "none.txt"]),
+                 ("none.mtx: there is no such file.", [self.folder / "none.mtx", *files[1:]]),
+                 ("each row must be the nodes of a facet", [*files, "--surface", f"foot={half}"]),
+                 ("is 108 x 108: 35 nodes have 105", [*files[:2], few]),
                  ("names node 37: nodes are numbered 1 to 36", [*files, "--surface", f"foot={far}"]),
                  ("%%MatrixMarket matrix coordinate real", [few, *files[1:]])]
         for words, arguments in cases:
             run = Run([SOURCE / "scripts" / "import", "matrices", *arguments, "--out", self.folder / "no.h5"])
             self.assertEqual(run.status, 2, run.err)
             self.assertIn(words, run.err)
+            self.assertEqual(run.err.count("\n"), 1, run.err)
         self.assertFalse(list(self.folder.glob("no.h5*")))
+        unwritten = self.folder / "none" / "box.h5"
+        run = Run([SOURCE / "scripts" / "import", "matrices", *files, "--out", unwritten])
+        self.assertEqual((run.status, run.err.count("\n")), (2, 1), run.err)
+        self.assertIn(f"{unwritten}: can't be written", run.err)
+
+    def test_bodies_that_can_never_touch_are_warned_of(self):
+        command = [SOURCE / "scripts" / "import", "matrices", *(self.all / name for name in ("K.mtx", "M.mtx", "nodes.txt")),
+                   "--out", self.folder / "box.h5"]
+        self.assertIn("warning: no surface", self.succeed(Run(command)).err)
+        mixed = self.box.foot.copy()
+        mixed[:2] = mixed[:2, ::-1]
+        for facets, words in ((self.box.foot, ""), (mixed, "2 of 6 facets run clockwise"), (mixed[:, :3], "2 of 6"),
+                              (self.box.top[:, ::-1], "6 of 6")):
+            err = self.succeed(Run([*command, "--surface", f"foot={self.write('foot.txt', listed(facets + 1))}"])).err
+            self.assertEqual(err.count("\n"), bool(words), err)
+            self.assertIn(words, err)
+
+    def test_facets_of_a_cavity_run_right_though_they_look_at_the_middle(self):
+        box = Box(cells=(3, 3, 3))
+        shell = np.delete(box.brick, 13, axis=0)
+        i, j = (3 * np.array([[np.repeat(brick, 8), np.tile(brick, 8)] for brick in shell]).transpose(1, 0, 2)).reshape(2, -1)
+        walls = box.brick[13][BRICK[0]]
+        a, b, c, _ = box.node[walls].transpose(1, 0, 2)
+        inner = np.einsum("fk,fk->f", np.cross(b - a, c - a), box.node[box.brick[13]].mean(axis=0) - a) > 0
+        outward = np.where(inner[:, None], walls, walls[:, ::-1])  # from the shell into the cavity
+        self.assertEqual(clockwise(box.node, outward, i, j), 0)
+        self.assertEqual(clockwise(box.node, outward[:, ::-1], i, j), 6)
 
 
 def replace(file, name, values):

@@ -16,7 +16,7 @@ BUILD = BIN.parent
 VERSION = re.search(r"project\(Ricochet VERSION (\S+)", (SOURCE / "CMakeLists.txt").read_text())[1]
 PROGRAMS = ["contact", "kernel", "recast", "run", "plot", "report", "sweep", "tradeoff", "batch", "surfaces", "import", "faust"]
 # What each reads, if not a scene or a study.
-READS = dict.fromkeys(["plot", "report", "recast", "faust"], "b.result.h5") | {"surfaces": "d.step", "import": "e.inp"}
+READS = dict.fromkeys(["plot", "report", "recast", "faust"], "b.result.h5") | {"surfaces": "d.step"}
 
 
 class Installed(ProgramTest):
@@ -37,7 +37,7 @@ class Installed(ProgramTest):
 
     def options(self, program):
         """Those that start a line of --help, with a short form before the long one or without."""
-        text = self.succeed_in(self.call(f"ricochet-{program}", "--help"))
+        text = self.succeed_in(self.call(*f"ricochet-{program}".split(), "--help"))
         return {word for line in text.splitlines() for word in re.findall(r"^  (-\w)?\S*?(?: \w+)?,? ?(--[a-z-]+)?", line)[:1]
                 for word in word if word}
 
@@ -86,8 +86,20 @@ class Installed(ProgramTest):
             options = self.options(name)
             self.assertLess({"--help", "--version"}, options)
             self.assertEqual(self.completed(name, "-"), options)
-            self.assertEqual(self.completed(name, '""'), {READS.get(name, "a.toml"), "folder/"})
-        self.assertEqual(self.completed("sweep", "--out ''"), {"folder"})
+            reads = {"calculix", "matrices"} if name == "import" else {READS.get(name, "a.toml"), "folder"}
+            self.assertEqual(self.completed(name, '""'), reads)
+        for name, option in (("sweep", "--out"), ("plot", "--kernels"), ("report", "--kernels")):
+            self.assertEqual(self.completed(name, f"{option} ''"), {"folder"})
+
+    def test_the_shell_completes_the_commands_of_import_with_what_each_takes(self):
+        for name in ("e.inp", "k.mtx", "n.txt", "a.toml"):
+            self.write(name, "")
+        self.assertEqual(self.completed("import", "mat"), {"matrices"})
+        self.assertEqual(self.completed("import", "calculix ''"), {"e.inp"})
+        self.assertEqual(self.completed("import", "matrices k.mtx ''"), {"k.mtx", "n.txt"})
+        self.assertEqual(self.completed("import", "matrices --s"), {"--surface", "--support"})
+        for command in ("calculix", "matrices"):
+            self.assertEqual(self.completed("import", f"{command} -"), self.options(f"import {command}"))
 
     def test_the_shell_completes_the_keys_of_a_scene_and_they_are_accepted(self):
         for path in (MESHES / "two-rods").glob("*.*"):

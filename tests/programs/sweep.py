@@ -94,7 +94,13 @@ class Pictures(unittest.TestCase):
 
 class Sweeps(SweepTest):
     def test_each_impact_is_that_of_the_program_alone_and_kernels_are_shared(self):
-        self.succeed(Run(self.sweep(self.study(GRID), "--plot", "impulse_ns")))
+        study = self.study(GRID)
+        self.assertEqual(self.succeed(Run(self.sweep(study, "--kernels"))).out, "3 kernels, all there\n")
+        for before in ("", " before"):
+            self.assertEqual(self.succeed(Run(self.sweep(study, "--part", "2/3"))).out, f"part 2/3: 4 impacts, all done{before}\n")
+        for before in ("", ", all done before"):
+            done = self.succeed(Run(self.sweep(study, "--plot", "impulse_ns")))
+            self.assertEqual(done.out.splitlines()[0], f"12 impacts{before}")
         rows = self.rows()
         self.assertEqual(len(rows), 12)
         self.assertEqual(len(list(self.out.glob("*.kernel.h5"))), 3)  # two of "moving", one of "resting"
