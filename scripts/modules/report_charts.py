@@ -23,7 +23,7 @@ def thinned(x, y):
 
 
 def line(name, colour, x, y, style=""):
-    """`colour`: number of a body, or a word that the style sheet knows."""
+    """`colour`: number of a body, or a word that the style sheet knows; `style`: words of charts.js, such as "held dashed"."""
     x, y = thinned(np.asarray(x), np.asarray(y))
     return {"name": name, "colour": colour, "style": style, "x": packed(x), "y": packed(y)}
 
@@ -69,10 +69,10 @@ def positions(result):
 
 
 def force_chart(result, i):
-    total, one = result.broken(result.force.sum(axis=1)), result.broken(result.force[:, i])
-    lines = [line(f"sum of {len(result.gap)} points" if len(result.gap) > 1 else "force", "force", *total, "filled")]
+    total, one = result.held(result.force.sum(axis=1)), result.held(result.force[:, i])
+    lines = [line(f"sum of {len(result.gap)} points" if len(result.gap) > 1 else "force", "force", *total, "held filled")]
     if len(result.gap) > 1:
-        lines.append(line(f"point {i + 1}", "second", *one))
+        lines.append(line(f"point {i + 1}", "second", *one, "held dashed"))
     note = "" if result.episodes else "Nothing touched."
     return chart("force", "Contact force", axis("time", "s"), axis("force", "N", zero=True), lines, note, cursor=True,
                  window=result.window())
@@ -148,7 +148,7 @@ def force_map(result):
         picked = np.sort(np.argsort(result.impulse()[order])[::-1][:ROWS])
         order, where = order[picked], where[picked]
     first, last = result.contact_time[0], result.contact_time[-1]
-    step = np.min(np.diff(result.time))
+    step = result.spacing
     columns = min(COLUMNS, int(round((last - first) / step)) + 1)
     column = np.minimum(((result.contact_time - first + 0.5 * step) / (last - first + step) * columns).astype(int), columns - 1)
     cells = np.zeros((columns, len(order)))
@@ -172,7 +172,8 @@ def energy_charts(result):
     if np.any(stray):
         out.append(chart("ledger", "What the ledger fails to account for", axis("time", "s"),
                          axis("relative change", "", log=True),
-                         [line("change of the sum over the largest term", "still", result.time[stray > 0], stray[stray > 0], "specks")]))
+                         [line("change of the sum over the largest term", "still", result.time[stray > 0], stray[stray > 0], "specks")],
+                         cursor=True, window=(result.time[0], result.time[-1])))
     return out
 
 

@@ -144,7 +144,7 @@ def forces_at(result, times, points):
     """(S,p) force at these points in the step of each moment; 0 where the moment is in no row of contact."""
     out = np.zeros((len(times), len(points)))
     if len(result.contact_time):
-        half = 0.5 * np.min(np.diff(result.time), initial=np.inf)
+        half = 0.5 * result.spacing
         row = np.minimum(np.searchsorted(result.contact_time, times - half), len(result.contact_time) - 1)
         near = np.abs(result.contact_time[row] - times) <= half
         out[near] = result.force[row[near]][:, points]

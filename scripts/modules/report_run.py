@@ -115,7 +115,7 @@ def run_of(path, kernels=None):
             "asked": {name: scene.get(name) for name in ["accuracy", "modes", "contact", "time", "loads"]},
             "static": len(result.time) == 1, "by_table": by_table, "bodies": bodies, "steps": steps,
             "labels": Result.LABELS, "energy": ends, "charts": drawn, "map": force_map, "motion": motion,
-            "episodes": [[result.contact_time[first], result.contact_time[behind - 1]] for first, behind in result.episodes][:2000],
+            "episodes": result.spans()[:2000],
             "sounds": sounds_of(summary, path.parent), "receivers": charts.receiver_charts(result),
             "points": len(result.gap), "commands": commands_of(result, scene, bodies),
             "file": {"name": path.name, "bytes": path.stat().st_size, "sha256": digest(path),

@@ -104,6 +104,7 @@ class Result:
         self.sides = None if by_table else {
             name: f.array(f"/contact/{name}", rows, points)
             for name in ["displacement_a", "displacement_b", "velocity_a", "velocity_b"]}
+        self.spacing = float(np.min(np.diff(self.time), initial=np.inf))  # of rows
         self.episodes = self._episodes()
 
     def _episodes(self):
@@ -111,9 +112,14 @@ class Result:
         t = self.contact_time
         if len(t) == 0:
             return []
-        pause = np.flatnonzero(np.diff(t) > 1.5 * np.min(np.diff(self.time), initial=np.inf)) + 1
+        pause = np.flatnonzero(np.diff(t) > 1.5 * self.spacing) + 1
         edges = [0, *pause, len(t)]
         return list(zip(edges[:-1], edges[1:]))
+
+    def spans(self):
+        """(start, end) of each episode [s]: its first force acts from the row before on."""
+        return [(max(self.time[0], self.contact_time[first] - self.spacing), self.contact_time[behind - 1])
+                for first, behind in self.episodes]
 
     def impulse(self):
         """(m) impulse of each candidate, up to the factor of the step."""
@@ -131,9 +137,10 @@ class Result:
         t = self.time
         if not self.episodes or len(t) == 1:
             return t[0], t[-1]
-        first, last = self.contact_time[0], self.contact_time[-1]
+        first, last = self.spans()[0][0], self.contact_time[-1]
         margin = max(0.35 * (last - first), 4 * (t[1] - t[0]))
-        return max(t[0], first - margin), min(t[-1], last + margin)
+        start, end = max(t[0], first - margin), min(t[-1], last + margin)
+        return start - 0.01 * (end - start), end  # a force from the first step on stands clear of the axis
 
     def broken(self, values):
         """Times and values of contact rows with a gap between episodes, so that no line spans a time without contact."""
@@ -141,6 +148,15 @@ class Result:
         for first, behind in self.episodes:
             times += [self.contact_time[first:behind], [np.nan]]
             parts += [values[first:behind], [np.nan]]
+        return (np.concatenate(times), np.concatenate(parts)) if times else (np.array([]), np.array([]))
+
+    def held(self, values):
+        """The same of forces, which hold from one row to the next: drawn as steps that end at these times, they rise from 0 and
+        fall back to it, and the area below them is the impulse."""
+        times, parts = [], []
+        for (first, behind), (start, end) in zip(self.episodes, self.spans()):
+            times += [[start], self.contact_time[first:behind], [end, np.nan]]
+            parts += [[0], values[first:behind], [0, np.nan]]
         return (np.concatenate(times), np.concatenate(parts)) if times else (np.array([]), np.array([]))
 
     def along_normal(self, i):

@@ -196,6 +196,7 @@ class Rods(ReportTest):
         self.sounds_are_the_receivers(found)
         self.scene_repeats_the_run(found.one(id="scene")[2], summary)
         self.motion_is_that_of_the_modes(run["motion"])
+        self.area_below_the_force_is_the_impulse(run, summary)
 
     def test_the_controls_do_what_they_say(self):
         path, text, _ = self.page(self.result)
@@ -226,6 +227,14 @@ class Rods(ReportTest):
         self.succeed(contact(again, self.out))
         self.assertEqual({path.name for path in self.out.glob("*.kernel.h5")}, before)
         self.assertEqual(self.summary(self.out)["impulse_ns"], summary["impulse_ns"])
+
+    def area_below_the_force_is_the_impulse(self, run, summary):
+        drawn = run["charts"]["contact"][0]["lines"][0]
+        time, force = unpacked(drawn["x"]).astype(float), unpacked(drawn["y"]).astype(float)
+        area = np.nansum(force[1:] * np.diff(time))  # steps that end at these times
+        self.assertAlmostEqual(area, summary["impulse_ns"], delta=1e-4 * summary["impulse_ns"])  # times of 32 bits
+        self.assertAlmostEqual(run["episodes"][0][0], summary["contact_start_s"], delta=1e-9)
+        self.assertEqual(np.nanmax(force), np.float32(summary["peak_force_n"]))
 
     def motion_is_that_of_the_modes(self, motion):
         """Within what the page says that it misses, and 32-bit and 15-bit storage."""
