@@ -52,22 +52,6 @@ def on_time(result):
     return force
 
 
-def positions(result):
-    """Contact points in an order for the eye, where they stand in it [m], and what that is."""
-    weight, gap = result.impulse(), result.gap
-    used = weight > 0
-    first = used & (gap <= gap[used].min() + 1e-3 * np.ptp(gap[used]))  # all, where surfaces are parallel
-    away = result.point - weight[first] @ result.point[first] / weight[first].sum()
-    spread, axes = np.linalg.eigh(away[used].T @ away[used])
-    if spread[1] < 0.1 * spread[2]:  # what touches stands along a line
-        along = axes[:, 2] * np.sign(axes[np.argmax(np.abs(axes[:, 2])), 2])
-        where, what = away @ along, "position along the contact"
-    else:
-        where, what = np.linalg.norm(away, axis=1), "distance from the first touch"
-    order = np.argsort(where, kind="stable")
-    return order, where[order], what
-
-
 def force_chart(result, i):
     total, one = result.held(result.force.sum(axis=1)), result.held(result.force[:, i])
     lines = [line(f"sum of {len(result.gap)} points" if len(result.gap) > 1 else "force", "force", *total, "held filled")]
@@ -129,7 +113,7 @@ def spectrum_chart(result):
 def pressure_chart(result, area):
     """Pressure of each point in the step of the largest force."""
     row = int(np.argmax(result.force.sum(axis=1)))
-    order, where, what = positions(result)
+    order, where, what = result.positions()
     pressure = (result.force[row] / area)[order]
     pressing = pressure > 0
     far = 1.6 * np.abs(where[pressing]).max()
@@ -141,7 +125,7 @@ def pressure_chart(result, area):
 
 def force_map(result):
     """Force by point and time: the largest of each cell. Points that never touch are left out."""
-    order, where, what = positions(result)
+    order, where, what = result.positions()
     used = result.impulse()[order] > 0
     order, where = order[used], where[used]
     if len(order) > ROWS:
@@ -153,8 +137,7 @@ def force_map(result):
     column = np.minimum(((result.contact_time - first + 0.5 * step) / (last - first + step) * columns).astype(int), columns - 1)
     cells = np.zeros((columns, len(order)))
     np.maximum.at(cells, column, result.force[:, order])
-    start = result.time[max(np.searchsorted(result.time, first - 0.5 * step) - 1, 0)]  # the row before
-    return {"from": start, "to": last, "what": what, "where": packed(where), "points": (order + 1).tolist(),
+    return {"from": result.spans()[0][0], "to": last, "what": what, "where": packed(where), "points": (order + 1).tolist(),
             "force": packed(cells, "u2"), "left_out": int(np.count_nonzero(used)) - len(order)}
 
 

@@ -118,12 +118,30 @@ class Result:
 
     def spans(self):
         """(start, end) of each episode [s]: its first force acts from the row before on."""
-        return [(max(self.time[0], self.contact_time[first] - self.spacing), self.contact_time[behind - 1])
-                for first, behind in self.episodes]
+        before = np.maximum(np.searchsorted(self.time, self.contact_time - 0.5 * self.spacing) - 1, 0)
+        return [(self.time[before[first]], self.contact_time[behind - 1]) for first, behind in self.episodes]
 
     def impulse(self):
         """(m) impulse of each candidate, up to the factor of the step."""
         return self.force.sum(axis=0)
+
+    def positions(self):
+        """Contact points in an order for the eye, where they stand in it [m], and what that is."""
+        weight, gap = self.impulse(), self.gap
+        used = weight > 0
+        if len(self.time) == 1:
+            first, origin = [np.argmax(self.force[0] / self.file.array("/contact/area", len(gap)))], "the point of largest pressure"
+        else:
+            first, origin = used & (gap <= gap[used].min() + 1e-3 * np.ptp(gap[used])), "the first touch"  # all, where surfaces are parallel
+        away = self.point - weight[first] @ self.point[first] / weight[first].sum()
+        spread, axes = np.linalg.eigh(away[used].T @ away[used])
+        if spread[1] < 0.1 * spread[2]:  # what touches stands along a line
+            along = axes[:, 2] * np.sign(axes[np.argmax(np.abs(axes[:, 2])), 2])
+            where, what = away @ along, "position along the contact"
+        else:
+            where, what = np.linalg.norm(away, axis=1), f"distance from {origin}"
+        order = np.argsort(where, kind="stable")
+        return order, where[order], what
 
     def scene(self):
         """The resolved scene; {} where the file holds none that can be read."""
@@ -198,21 +216,27 @@ class Skin:
         self.rigid = kernel.array("/modes/angular_frequency", coordinates.shape[1]) == 0
         self.coordinates = coordinates
 
-    def at(self, k):
-        """(V,3) places of the skin's nodes at snapshot k [m]."""
-        return (self.node + self.shape @ self.coordinates[k]) @ self.rotation.T + self.translation
+    def at(self, k, start=None, amplify=1.0):
+        """(V,3) places of the skin's nodes at snapshot k [m], with motion since snapshot `start` so many times as large."""
+        now = self.coordinates[k] if start is None else \
+            self.coordinates[start] + amplify * (self.coordinates[k] - self.coordinates[start])
+        return (self.node + self.shape @ now) @ self.rotation.T + self.translation
+
+    def deformation(self, k):
+        """The largest displacement by elastic modes at snapshot k [m]."""
+        return np.linalg.norm(self.shape[:, :, ~self.rigid] @ self.coordinates[k, ~self.rigid], axis=1).max()
 
     def outline(self, flat):
-        """Edges (·,2,2) between what faces the viewer and what does not, or with nothing beyond."""
+        """Edges (·,2) between what faces the viewer and what does not, or with nothing beyond. `flat`: (V,2)"""
         e = self.element
         if e.shape[1] == 2:
-            return flat[e]
+            return e
         ab, ac = flat[e[:, 1]] - flat[e[:, 0]], flat[e[:, 2]] - flat[e[:, 0]]
         facing = np.tile(ab[:, 0] * ac[:, 1] > ab[:, 1] * ac[:, 0], 3)
         sides = np.sort(np.concatenate([e[:, [0, 1]], e[:, [1, 2]], e[:, [2, 0]]]), axis=1)
         unique, which, count = np.unique(sides, axis=0, return_inverse=True, return_counts=True)
         towards = np.bincount(which.ravel(), weights=facing, minlength=len(unique))
-        return flat[unique[(count == 1) | ((towards > 0) & (towards < count))]]
+        return unique[(count == 1) | ((towards > 0) & (towards < count))]
 
 
 def skins_of(result, folder):

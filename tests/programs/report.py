@@ -19,6 +19,7 @@ from programs import DEADLOCK_S, MESHES, SOURCE, ProgramTest, Run, contact, kern
 
 sys.path.append(str(SOURCE / "scripts/modules"))
 from report_motion import coarser
+from viewpoint import clearest
 
 KEEP = None
 if sys.argv[1:2] == ["--keep"]:
@@ -51,6 +52,11 @@ step("turned", () => { pointer("pointerdown", 50, 50); pointer("pointermove", 90
 step("nearer", () => act(canvas, "wheel", {deltaY: -200}));
 step("keyed", () => act(canvas, "keydown", {key: "ArrowLeft"}));
 step("coloured", () => { colour.value = "deformation"; act(colour, "change"); });
+const boxes = [...document.querySelectorAll('[aria-label="Bodies shown"] input')], full = canvas.toDataURL();
+found.boxes = boxes.map(box => [box.type, box.labels[0].textContent, box.tabIndex]);
+step("hidden", () => { boxes[0].focus(); document.activeElement.click(); });
+boxes[0].click();
+found.back = canvas.toDataURL() === full;
 step("louder", () => { amplify.value = 1; act(amplify, "input"); });
 const chart = document.querySelector("#chart-force svg"), box = chart.getBoundingClientRect();
 act(chart, "pointermove", {clientX: box.left + box.width / 2});
@@ -208,7 +214,8 @@ class Rods(ReportTest):
         with h5py.File(self.result) as file:
             when, force, moments = file["contact/time"][:], file["contact/force"][:, 0], file["snapshots/time"][:]
         np.testing.assert_allclose(found["ends"], moments[[0, -1]], rtol=1e-6)  # 32 bits
-        self.assertEqual([found[name] for name in ("turned", "nearer", "keyed", "coloured", "louder", "played")], [True] * 6)
+        self.assertEqual([found[name] for name in ("turned", "nearer", "keyed", "coloured", "hidden", "back", "louder", "played")], [True] * 8)
+        self.assertEqual(found["boxes"], [["checkbox", "moving", 0], ["checkbox", "resting", 0]])  # in reach of the keyboard
         row = np.argmin(np.abs(when - 1e-3 * number(found["tip"][0])))  # it says ms
         self.assertAlmostEqual(1e6 * number(found["tip"][1].removeprefix("force: ")), force[row], delta=1e-3 * force[row])  # and MN
 
@@ -303,6 +310,20 @@ class Others(ReportTest):
         a, b, c = np.moveaxis(node[kept][coarse], 1, 0)
         # Nodes stay where they are; the rims recede by half a cell, 1 % of the height or so.
         self.assertAlmostEqual(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2 / (2 * np.pi), 1, delta=0.1)
+
+    def test_the_first_view_looks_into_the_open_side_of_a_cup_and_at_what_lies_in_it(self):
+        def box(centre, half, without=()):
+            corner = np.array(list(np.ndindex(2, 2, 2))) * 2.0 - 1
+            sides = {"-x": [0, 1, 3, 2], "+x": [4, 6, 7, 5], "-y": [0, 4, 5, 1], "+y": [2, 3, 7, 6], "-z": [0, 2, 6, 4], "+z": [1, 5, 7, 3]}
+            return centre + half * corner, np.array([[a, *pair] for name, (a, b, c, d) in sides.items() if name not in without
+                                                     for pair in ((b, c), (c, d))])
+
+        ball = box(np.array([0.6, 0, 0]), 0.3)
+        for side, axis, way in [("-z", 2, -1), ("+x", 0, 1)]:
+            toward = clearest([box(np.zeros(3), 1.0, [side]), ball], np.array([[0.9, 0, 0]]), tilted=True).turn()[2]
+            self.assertGreater(way * toward[axis], 0.9, side)
+        beside = clearest([ball, box(np.array([1.2, 0, 0]), 0.3)], np.array([[0.9, 0, 0]])).turn()
+        np.testing.assert_allclose(beside, np.eye(3), atol=1e-12)  # nothing hides anything: as a drawing on paper
 
     def test_a_run_by_table_kernels_has_a_page_without_bodies(self):
         shutil.copytree(MESHES / "two-rods-analytic", self.folder, dirs_exist_ok=True, ignore=shutil.ignore_patterns("out"))

@@ -49,7 +49,9 @@ class Player {
     section.append(this.stage, this.legend,
       make("div", {class: "controls"}, ...(moving ? [this.button, grow(this.slider, this.clock), part] : [])),
       make("div", {class: "controls"}, ...(moving ? [labelled("colour", colour), grow("amplify", this.loud, this.times)] : []),
-           labelled(arrows, "forces"), ...(wired ? [labelled(mesh, "mesh")] : []), home));
+           labelled(arrows, "forces"), ...(wired ? [labelled(mesh, "mesh")] : []), home),
+      make("div", {class: "controls", role: "group", "aria-label": "Bodies shown"}, "show",
+           ...[...motion.bodies, ...motion.obstacles].map(body => labelled(this.shower(body), body.name))));
     colour.value = motion.colour;
     arrows.checked = true;
     const on = (control, type, act) => control.addEventListener(type, () => { act(); this.show(); });
@@ -68,6 +70,13 @@ class Player {
     this.explain();
     this.fit();
     new ResizeObserver(() => this.fit()).observe(this.stage);
+  }
+
+  /** A box to show and hide a body or an obstacle. */
+  shower(body) {
+    const box = make("input", {type: "checkbox", checked: ""});
+    box.addEventListener("change", () => { body.visible = box.checked; this.show(); });
+    return box;
   }
 
   /** The time at a share of the part of the run that is shown. */
