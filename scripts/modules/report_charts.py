@@ -66,14 +66,14 @@ def along_normal_charts(result, i):
     window = result.window()
     place, speed, mean_place, mean_speed = result.along_normal(i)
     out = []
-    for key, title, unit, here, means, note in [
-            ("place", "Place of the two surfaces", "m", place, mean_place,
-             "Along the normal, from where the second surface was: the sides touch where their lines meet."),
-            ("speed", "Velocity", "m/s", speed, mean_speed, "Along the normal.")]:
+    for key, title, label, unit, here, means, note in [
+            ("place", "Place of the two surfaces", "place along the normal", "m", place, mean_place,
+             "From where the second surface was: the sides touch where their lines meet."),
+            ("speed", "Velocity", "velocity along the normal", "m/s", speed, mean_speed, "")]:
         lines = [line(f"{name}, mean of its mass", colour_of(result, name), *shown(*curve, window), "dashed")
                  for name, curve in means.items()]
         lines += [line(f"{name}, contact point", colour_of(result, name), *curve) for name, curve in here.items()]
-        out.append(chart(key, title, axis("time", "s"), axis(key, unit), lines, note, cursor=True, window=window))
+        out.append(chart(key, title, axis("time", "s"), axis(label, unit), lines, note, cursor=True, window=window))
     return out
 
 

@@ -86,6 +86,8 @@ class Result:
         self.time = f.array("/time", None)
         steps = len(self.time)
         if steps < least:
+            if self.at_rest():
+                raise BadInput(f"{path}: bodies at rest have no history to draw. Use scripts/report.")
             raise BadInput(f"{path}: holds {steps} steps: nothing to draw. Give [time] a longer duration.")
         by_table = not f.has("/energy/total") and f.has("/contact/gap")
         self.energy = None if by_table else {name: f.array(f"/energy/{name}", steps)
@@ -149,6 +151,9 @@ class Result:
             return tomllib.loads(self.file.text("/", "scene") or "")
         except tomllib.TOMLDecodeError:
             return {}
+
+    def at_rest(self):
+        return self.scene().get("contact", {}).get("scheme") == "static"
 
     def window(self):
         """The contact with a margin before and after, or all when nothing touched [s]."""

@@ -199,18 +199,23 @@ class Rods(ReportTest):
             self.assertEqual(int(canvas["data-moments"]), len(file["snapshots/time"]))
         self.assertGreater(float(canvas["data-covered"]), 0.005)
         self.assertLess(float(canvas["data-covered"]), 0.5)
-        self.sounds_are_the_receivers(found)
+        self.assertEqual(found.one(id="sound")[2].count("4 ms of sound: lengthen time.duration to hear it"), 2)
+        self.assertNotIn("audio", [e[0] for e in found.found])
+        self.assertIn("scripts/report out/", found.one(id="repeat")[2])
         self.scene_repeats_the_run(found.one(id="scene")[2], summary)
         self.motion_is_that_of_the_modes(run["motion"])
         self.area_below_the_force_is_the_impulse(run, summary)
 
     def test_the_controls_do_what_they_say(self):
+        self.succeed(contact(self.scene, self.out, *RODS, "time.duration=0.11", "output.snapshot_every=9"))
         path, text, _ = self.page(self.result)
         policy = re.search(r"<meta http-equiv=.*?>", text)[0]
         path.write_text(text.replace(policy, "").replace("</body>", f"<script>{{{HAND}}}</script></body>"))
         dom, console = browse(path, "--window-size=500,600", "--dump-dom")
         self.assertEqual(console, [])
-        found = json.loads(next(attributes for tag, attributes, _ in Elements(dom).found if tag == "html")["data-found"])
+        elements = Elements(dom)
+        self.sounds_are_the_receivers(elements)
+        found = json.loads(next(attributes for tag, attributes, _ in elements.found if tag == "html")["data-found"])
         with h5py.File(self.result) as file:
             when, force, moments = file["contact/time"][:], file["contact/force"][:, 0], file["snapshots/time"][:]
         np.testing.assert_allclose(found["ends"], moments[[0, -1]], rtol=1e-6)  # 32 bits
@@ -335,6 +340,14 @@ class Others(ReportTest):
         self.numbers_agree(found, self.summary(out))
         self.assertIn("know no bodies", found.one(id="motion")[2])
 
+    def test_plots_of_bodies_at_rest_are_refused_with_what_to_use_instead(self):
+        path = self.folder / "rest.result.h5"
+        with h5py.File(path, "w") as file:
+            file.attrs.update({"format": "ricochet-result", "version": 1, "scene": '[contact]\nscheme = "static"\n'})
+            file["time"] = [0.0]
+        done = Run([SOURCE / "scripts/plot", path])
+        self.assertEqual((done.status, done.err), (2, f"plot: {path}: bodies at rest have no history to draw. Use scripts/report.\n"))
+
     def test_bodies_at_rest_have_a_page_with_their_pressure(self):
         scene, out = MESHES / "hertz/resting-ball.toml", self.folder / "out"
         sets = ["output.view=true", "output.snapshot_every=1", "bodies.ball.geometry={size=1e-4}"]
@@ -343,6 +356,10 @@ class Others(ReportTest):
         path, _, run = self.page(*out.glob("*.result.h5"))
         found = self.opened(path, "static")
         self.numbers_agree(found, self.summary(out))
+        self.assertRegex(found.one(id="verdict")[2], r"^The bodies press on each other with \d.* N\.$")
+        told = " ".join(found.one(id=name)[2] for name in ("motion", "contact", "energy"))
+        self.assertFalse([word for word in ("in these moments", "kinetic", "lost in", "first touch") if word in told])
+        self.assertNotIn("errors", [e[1].get("id") for e in found.found])
         (chart,) = run["charts"]["contact"]
         pressure = unpacked(chart["lines"][0]["y"])
         self.assertAlmostEqual(pressure.max(), self.summary(out)["pairs"][0]["peak_pressure_pa"], delta=1e-6 * pressure.max())  # 32 bits

@@ -13,10 +13,10 @@ const pressable = text => make("button", {type: "button"}, text);
 function player(section, data, tell) {
   const say = text => section.append(make("p", {class: "note"}, text));
   if (data.missing) {
-    say(`No motion to show: ${data.missing}.`);
+    say(`No ${run.static ? "picture of the bodies" : "motion"} to show: ${data.missing}.`);
     if (run.by_table) return;
     say("Both programs need these keys of the scene, ricochet-kernel for the skins and ricochet-contact for the snapshots:");
-    section.append(make("pre", {}, "[output]\nview = true\nsnapshot_every = 4"));
+    section.append(make("pre", {}, `[output]\nview = true\nsnapshot_every = ${run.static ? 1 : 4}`));
     return;
   }
   const label = "The bodies in motion. Arrow keys turn them, plus and minus change their size.";
@@ -95,7 +95,7 @@ class Player {
 
   explain() {
     const {motion} = this, {label, unit} = measures[motion.colour];
-    const most = motion.forceMost, force = most > 0 ? `contact force, at most ${quantity(most, "N")} at a point, in these moments` : "no contact force";
+    const most = motion.forceMost, force = most > 0 ? `contact force, at most ${quantity(most, "N")} at a point${moments > 1 ? ", in these moments" : ""}` : "no contact force";
     const names = motion.bodies.map(body => swatch(`c${Math.max(0, body.number) % 6}`, body.name));
     this.legend.replaceChildren(...(unit ? [make("span", {}, label), rampKey(0, motion.top(), unit)] : names), swatch("cforce", force));
   }
