@@ -131,17 +131,15 @@ class Result:
         """Contact points in an order for the eye, where they stand in it [m], and what that is."""
         weight, gap = self.impulse(), self.gap
         used = weight > 0
-        if len(self.time) == 1:
-            first, origin = [np.argmax(self.force[0] / self.file.array("/contact/area", len(gap)))], "the point of largest pressure"
-        else:
-            first, origin = used & (gap <= gap[used].min() + 1e-3 * np.ptp(gap[used])), "the first touch"  # all, where surfaces are parallel
+        first = used & (gap <= gap[used].min() + 1e-3 * np.ptp(gap[used]))  # all, where surfaces are parallel
         away = self.point - weight[first] @ self.point[first] / weight[first].sum()
         spread, axes = np.linalg.eigh(away[used].T @ away[used])
         if spread[1] < 0.1 * spread[2]:  # what touches stands along a line
             along = axes[:, 2] * np.sign(axes[np.argmax(np.abs(axes[:, 2])), 2])
             where, what = away @ along, "position along the contact"
         else:
-            where, what = np.linalg.norm(away, axis=1), f"distance from {origin}"
+            where, what = np.linalg.norm(away, axis=1), \
+                "distance from where the gap was least" if self.at_rest() else "distance from the first touch"
         order = np.argsort(where, kind="stable")
         return order, where[order], what
 

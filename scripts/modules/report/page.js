@@ -99,8 +99,9 @@ function highlights() {
   if (s.real_time_factor > 0 && run.steps.duration_s) {
     const {duration_s: duration} = run.steps, faster = s.real_time_factor >= 1;
     const times = digits(faster ? s.real_time_factor : 1 / s.real_time_factor, 2);
+    const speed = times === "1" ? "as fast as" : `${times} times ${faster ? "faster" : "slower"} than`;
     card("Steps", quantity(duration / s.real_time_factor, "s", 2),
-         `for ${quantity(duration, "s")} of motion (${times} times ${faster ? "faster" : "slower"} than real time)`);
+         `for ${quantity(duration, "s")} of motion (${speed} real time)`);
   }
 }
 
