@@ -68,17 +68,18 @@ def is_even(values):
 
 
 def others(table, against):
-    """What the lines of a picture are: a name for all, and that of each setting; None where there are too many."""
+    """What the lines of a picture are: a name for all, and that of each setting (None where there are too many); and whether
+    nothing else varies along a line."""
     columns = {key: [text(value) for value in column] for key, column in table.inputs.items() if key not in against}
     columns = {key: column for key, column in columns.items() if len(set(column)) > 1}
     settings = list(zip(*columns.values()))
     for key, column in columns.items():  # one that tells all others, as of inputs that are varied together
         if len(set(column)) == len(set(settings)) <= LINES:
-            return label(key), column
+            return label(key), column, True
     if columns and len(set(settings)) <= LINES:
-        return ", ".join(map(label, columns)), [", ".join(setting) for setting in settings]
+        return ", ".join(map(label, columns)), [", ".join(setting) for setting in settings], True
     few = [key for key in columns if len(set(columns[key])) <= LINES]
-    return (label(few[0]), columns[few[0]]) if few else (None, None)
+    return (label(few[0]), columns[few[0]], False) if few else (None, None, not columns)
 
 
 def draw(table, output, against, path):
@@ -112,16 +113,15 @@ def draw(table, output, against, path):
     plt.close(fig)
 
 
-def lines(ax, plt, z, there, x, what, names):
-    """A line for each name; points where several impacts share a place on it."""
+def lines(ax, plt, z, there, x, what, names, joined):
+    """A line for each name; points alone where other inputs vary along it."""
     names = np.array(names if names else [""] * len(z))
     found = list(dict.fromkeys(names))
     colours = plt.cm.viridis(np.linspace(0, 0.85, len(found)))
     for name, colour in zip(found, colours):
         of = np.flatnonzero(there & (names == name))
         of = of[np.argsort(x[of], kind="stable")]
-        single = len(set(x[of])) == len(of)
-        ax.plot(x[of], z[of], "o-" if single else ".", ms=4, lw=1, color=colour, alpha=1 if single else 0.6, label=name)
+        ax.plot(x[of], z[of], "o-" if joined else ".", ms=4, lw=1, color=colour, alpha=1 if joined else 0.7, label=name)
     if what:
         ax.legend(title=what, fontsize=8, title_fontsize=8)
 

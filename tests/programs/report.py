@@ -11,6 +11,7 @@ import struct
 import subprocess
 import sys
 import unittest
+from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -18,6 +19,7 @@ import numpy as np
 from programs import DEADLOCK_S, MESHES, SOURCE, ProgramTest, Run, contact, kernel
 
 sys.path.append(str(SOURCE / "scripts/modules"))
+from plot_snapshots import amplification
 from report_motion import coarser
 from viewpoint import clearest
 
@@ -202,6 +204,7 @@ class Rods(ReportTest):
         self.assertEqual(found.one(id="sound")[2].count("4 ms of sound: lengthen time.duration to hear it"), 2)
         self.assertNotIn("audio", [e[0] for e in found.found])
         self.assertIn("scripts/report out/", found.one(id="repeat")[2])
+        self.pictures_are_drawn()
         self.scene_repeats_the_run(found.one(id="scene")[2], summary)
         self.motion_is_that_of_the_modes(run["motion"])
         self.area_below_the_force_is_the_impulse(run, summary)
@@ -239,6 +242,11 @@ class Rods(ReportTest):
         self.succeed(contact(again, self.out))
         self.assertEqual({path.name for path in self.out.glob("*.kernel.h5")}, before)
         self.assertEqual(self.summary(self.out)["impulse_ns"], summary["impulse_ns"])
+
+    def pictures_are_drawn(self):
+        done = self.succeed(Run([SOURCE / "scripts/plot", self.result, "--out", self.folder / "pictures"]))
+        names = [self.result.name.replace(".result.h5", f"-{name}.png") for name in ("contact", "snapshots", "energy")]
+        self.assertEqual(done.out.split("\n"), [*(f"{self.folder}/pictures/{name}" for name in names), ""])
 
     def area_below_the_force_is_the_impulse(self, run, summary):
         drawn = run["charts"]["contact"][0]["lines"][0]
@@ -329,6 +337,13 @@ class Others(ReportTest):
             self.assertGreater(way * toward[axis], 0.9, side)
         beside = clearest([ball, box(np.array([1.2, 0, 0]), 0.3)], np.array([[0.9, 0, 0]])).turn()
         np.testing.assert_allclose(beside, np.eye(3), atol=1e-12)  # nothing hides anything: as a drawing on paper
+
+    def test_snapshots_are_true_to_scale_where_deformation_is_seen_and_say_how_much_larger_they_are_elsewhere(self):
+        def skin(bent, moved):
+            return SimpleNamespace(at=lambda k: np.array([[0, 0, 0], [1.0, 0, moved * k]]), deformation=lambda k: bent * k)
+
+        for bent, moved, factor in [(0.02, 0.02, 1), (1e-5, 1.1e-4, 200), (1e-5, 0.03, 1), (0, 0, 1)]:
+            self.assertEqual(amplification({"one": skin(bent, moved), "two": skin(0, 0)}, [1], 0), factor)
 
     def test_a_run_by_table_kernels_has_a_page_without_bodies(self):
         shutil.copytree(MESHES / "two-rods-analytic", self.folder, dirs_exist_ok=True, ignore=shutil.ignore_patterns("out"))

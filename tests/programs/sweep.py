@@ -118,9 +118,12 @@ class Pictures(unittest.TestCase):
         np.testing.assert_equal(np.ma.filled(ax.images[0].get_array(), np.nan), [[1, 2, 3], [4, 5, np.nan]])
         self.assertEqual([part.get_text() for part in ax.get_xticklabels()], ["1", "10", "11"])
         self.assertEqual([part.get_text() for part in ax.get_yticklabels()], ["a", "b"])
-        rng = np.random.default_rng(1)
-        drawn = self.drawn({"x": list(rng.uniform(size=40)), "y": [1.0, 2.0] * 20}, "restitution", ["x", "y"], list(range(40)))
+        draws = {"x": list(np.random.default_rng(1).uniform(size=40)), "y": [1.0, 2.0] * 20}
+        drawn = self.drawn(draws, "restitution", ["x", "y"], list(range(40)))
         self.assertEqual((len(drawn.images), len(drawn.collections)), (0, 1))  # draws are points where they are
+        draws["y"] = list(range(40))
+        (line,) = self.drawn(draws, "restitution", ["x"], list(range(40))).lines
+        self.assertEqual(line.get_linestyle(), "None")  # y varies, too
 
 
 class Sweeps(SweepTest):
