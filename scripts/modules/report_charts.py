@@ -154,7 +154,7 @@ def energy_charts(result):
                  f"Zero throughout: {', '.join(nothing)}." if nothing else "", cursor=True)]
     if np.any(stray):
         out.append(chart("ledger", "What the ledger fails to account for", axis("time", "s"),
-                         axis("relative change", "", log=True),
+                         axis("relative change", "", log=True, whole=True),
                          [line("change of the sum over the largest term", "still", result.time[stray > 0], stray[stray > 0], "specks")],
                          cursor=True, window=(result.time[0], result.time[-1])))
     return out

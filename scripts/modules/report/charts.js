@@ -34,14 +34,15 @@ function decades(low, high, about) {
 }
 
 /** A power of ten, or twice or five times one. */
-const power = value => value >= 0.01 && value <= 1e4 ? digits(value) : digits(value).replace(/^1 × /, "");
+const power = value => value >= 0.01 && value <= 1e4 ? digits(value) : digits(value).replace(/^1 × /, "").replace(" × ", "·");
 
 class Axis {
   constructor(spec, range) {
     let [low, high] = range;
     if (spec.log) {
       if (spec.decades) low = Math.max(low, high * 10 ** -spec.decades);
-      if (high < low * 10) { low /= 3; high *= 3; }
+      if (spec.whole) [low, high] = [10 ** Math.floor(Math.log10(low)), 10 ** Math.ceil(Math.log10(high))];
+      if (high < low * 10 * (1 - 1e-9)) { low /= 3; high *= 3; }
     } else {
       if (spec.zero) { low = Math.min(low, 0); high = Math.max(high, 0); }
       if (!(high > low)) { low -= Math.abs(low) / 2 || 1; high += Math.abs(high) / 2 || 1; }
