@@ -87,7 +87,7 @@ def paint(ax, result, skins, places, turn):
     near = 0.02 * np.ptp(np.concatenate(list(places.values())), axis=0).max()
     for number, (body, skin) in enumerate(skins.items()):
         seen, colour = places[body] @ turn.T, np.array(to_rgb(colour_of(result, body)))
-        outline = skin.outline(seen[:, :2])
+        outline = skin.rim(seen[:, :2])
         line = skin.element.shape[1] == 2
         if not line:
             corner = seen[skin.element]

@@ -151,7 +151,8 @@ class Result:
             return {}
 
     def at_rest(self):
-        return self.scene().get("contact", {}).get("scheme") == "static"
+        contact = self.scene().get("contact")
+        return isinstance(contact, dict) and contact.get("scheme") == "static"
 
     def window(self):
         """The contact with a margin before and after, or all when nothing touched [s]."""
@@ -230,6 +231,10 @@ class Skin:
         return np.linalg.norm(self.shape[:, :, ~self.rigid] @ self.coordinates[k, ~self.rigid], axis=1).max()
 
     def outline(self, flat):
+        """Where the edges of `rim` lie, (·,2,2)."""
+        return flat[self.rim(flat)]
+
+    def rim(self, flat):
         """Edges (·,2) between what faces the viewer and what does not, or with nothing beyond. `flat`: (V,2)"""
         e = self.element
         if e.shape[1] == 2:
