@@ -23,7 +23,7 @@ def thinned(x, y):
 
 
 def line(name, colour, x, y, style=""):
-    """`colour`: number of a body, or a word that the style sheet knows."""
+    """`colour`: number of a body, or a word that the style sheet knows; `style`: words of charts.js, such as "held dashed"."""
     x, y = thinned(np.asarray(x), np.asarray(y))
     return {"name": name, "colour": colour, "style": style, "x": packed(x), "y": packed(y)}
 
@@ -52,27 +52,11 @@ def on_time(result):
     return force
 
 
-def positions(result):
-    """Contact points in an order for the eye, where they stand in it [m], and what that is."""
-    weight, gap = result.impulse(), result.gap
-    used = weight > 0
-    first = used & (gap <= gap[used].min() + 1e-3 * np.ptp(gap[used]))  # all, where surfaces are parallel
-    away = result.point - weight[first] @ result.point[first] / weight[first].sum()
-    spread, axes = np.linalg.eigh(away[used].T @ away[used])
-    if spread[1] < 0.1 * spread[2]:  # what touches stands along a line
-        along = axes[:, 2] * np.sign(axes[np.argmax(np.abs(axes[:, 2])), 2])
-        where, what = away @ along, "position along the contact"
-    else:
-        where, what = np.linalg.norm(away, axis=1), "distance from the first touch"
-    order = np.argsort(where, kind="stable")
-    return order, where[order], what
-
-
 def force_chart(result, i):
-    total, one = result.broken(result.force.sum(axis=1)), result.broken(result.force[:, i])
-    lines = [line(f"sum of {len(result.gap)} points" if len(result.gap) > 1 else "force", "force", *total, "filled")]
+    total, one = result.held(result.force.sum(axis=1)), result.held(result.force[:, i])
+    lines = [line(f"sum of {len(result.gap)} points" if len(result.gap) > 1 else "force", "force", *total, "held filled")]
     if len(result.gap) > 1:
-        lines.append(line(f"point {i + 1}", "second", *one))
+        lines.append(line(f"point {i + 1}", "second", *one, "held dashed"))
     note = "" if result.episodes else "Nothing touched."
     return chart("force", "Contact force", axis("time", "s"), axis("force", "N", zero=True), lines, note, cursor=True,
                  window=result.window())
@@ -82,14 +66,14 @@ def along_normal_charts(result, i):
     window = result.window()
     place, speed, mean_place, mean_speed = result.along_normal(i)
     out = []
-    for key, title, unit, here, means, note in [
-            ("place", "Place of the two surfaces", "m", place, mean_place,
-             "Along the normal, from where the second surface was: the sides touch where their lines meet."),
-            ("speed", "Velocity", "m/s", speed, mean_speed, "Along the normal.")]:
+    for key, title, label, unit, here, means, note in [
+            ("place", "Place of the two surfaces", "place along the normal", "m", place, mean_place,
+             "From where the second surface was: the sides touch where their lines meet."),
+            ("speed", "Velocity", "velocity along the normal", "m/s", speed, mean_speed, "")]:
         lines = [line(f"{name}, mean of its mass", colour_of(result, name), *shown(*curve, window), "dashed")
                  for name, curve in means.items()]
         lines += [line(f"{name}, contact point", colour_of(result, name), *curve) for name, curve in here.items()]
-        out.append(chart(key, title, axis("time", "s"), axis(key, unit), lines, note, cursor=True, window=window))
+        out.append(chart(key, title, axis("time", "s"), axis(label, unit), lines, note, cursor=True, window=window))
     return out
 
 
@@ -129,7 +113,7 @@ def spectrum_chart(result):
 def pressure_chart(result, area):
     """Pressure of each point in the step of the largest force."""
     row = int(np.argmax(result.force.sum(axis=1)))
-    order, where, what = positions(result)
+    order, where, what = result.positions()
     pressure = (result.force[row] / area)[order]
     pressing = pressure > 0
     far = 1.6 * np.abs(where[pressing]).max()
@@ -141,20 +125,19 @@ def pressure_chart(result, area):
 
 def force_map(result):
     """Force by point and time: the largest of each cell. Points that never touch are left out."""
-    order, where, what = positions(result)
+    order, where, what = result.positions()
     used = result.impulse()[order] > 0
     order, where = order[used], where[used]
     if len(order) > ROWS:
         picked = np.sort(np.argsort(result.impulse()[order])[::-1][:ROWS])
         order, where = order[picked], where[picked]
     first, last = result.contact_time[0], result.contact_time[-1]
-    step = np.min(np.diff(result.time))
+    step = result.spacing
     columns = min(COLUMNS, int(round((last - first) / step)) + 1)
     column = np.minimum(((result.contact_time - first + 0.5 * step) / (last - first + step) * columns).astype(int), columns - 1)
     cells = np.zeros((columns, len(order)))
     np.maximum.at(cells, column, result.force[:, order])
-    start = result.time[max(np.searchsorted(result.time, first - 0.5 * step) - 1, 0)]  # the row before
-    return {"from": start, "to": last, "what": what, "where": packed(where), "points": (order + 1).tolist(),
+    return {"from": result.spans()[0][0], "to": last, "what": what, "where": packed(where), "points": (order + 1).tolist(),
             "force": packed(cells, "u2"), "left_out": int(np.count_nonzero(used)) - len(order)}
 
 
@@ -171,8 +154,9 @@ def energy_charts(result):
                  f"Zero throughout: {', '.join(nothing)}." if nothing else "", cursor=True)]
     if np.any(stray):
         out.append(chart("ledger", "What the ledger fails to account for", axis("time", "s"),
-                         axis("relative change", "", log=True),
-                         [line("change of the sum over the largest term", "still", result.time[stray > 0], stray[stray > 0], "specks")]))
+                         axis("relative change", "", log=True, whole=True),
+                         [line("change of the sum over the largest term", "still", result.time[stray > 0], stray[stray > 0], "specks")],
+                         cursor=True, window=(result.time[0], result.time[-1])))
     return out
 
 

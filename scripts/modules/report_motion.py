@@ -4,6 +4,7 @@ import base64
 import numpy as np
 
 import result_file
+from viewpoint import clearest
 
 MOMENTS = 1200  # snapshots at most; further ones are thinned evenly
 TRIANGLES = 80_000  # of all bodies together; finer skins are made coarser
@@ -91,7 +92,7 @@ def materials(body):
 
 
 def body_of(name, skin, chosen, share, scene):
-    """One body of the page, its places at rest, and the part of its deformation [m] that is missed. `share` of what all
+    """One body of the page, its places at rest, its triangles, and the part of its deformation [m] that is missed. `share` of what all
     bodies may take is its own."""
     node, element, coordinates = skin.node, skin.element, skin.coordinates[chosen]
     offset, of, tubular = 0.0, np.arange(len(node)), element.shape[1] == 2
@@ -112,7 +113,7 @@ def body_of(name, skin, chosen, share, scene):
     place = (node[of] + offset) @ skin.rotation.T + skin.translation
     return {"name": name, "node": packed(place), "element": packed(element, "u4"), "lines": not tubular,
             "rigid": packed(rigid.T), "moved": packed(moved), "bent": [packed(column, "i2") for column in bent.T],
-            "amount": packed(amount)}, place, (missed, largest)
+            "amount": packed(amount)}, place, element, (missed, largest)
 
 
 def half_space(name, obstacle, low, high):
@@ -144,7 +145,7 @@ def forces_at(result, times, points):
     """(S,p) force at these points in the step of each moment; 0 where the moment is in no row of contact."""
     out = np.zeros((len(times), len(points)))
     if len(result.contact_time):
-        half = 0.5 * np.min(np.diff(result.time), initial=np.inf)
+        half = 0.5 * result.spacing
         row = np.minimum(np.searchsorted(result.contact_time, times - half), len(result.contact_time) - 1)
         near = np.abs(result.contact_time[row] - times) <= half
         out[near] = result.force[row[near]][:, points]
@@ -158,18 +159,17 @@ def motion_of(result, folder, scene):
         return {"missing": time}
     every = -(-len(time) // MOMENTS)
     chosen = np.arange(0, len(time), every)
-    bodies, places, misses = zip(*(body_of(name, skin, chosen, 1 / len(skins), scene) for name, skin in skins.items()))
+    bodies, places, elements, misses = zip(*(body_of(name, skin, chosen, 1 / len(skins), scene) for name, skin in skins.items()))
     everything = np.concatenate(places)
     low, high = everything.min(axis=0), everything.max(axis=0)
-    extent = high - low
-    depth = 2 if extent[2] <= 1.001 * extent.min() else int(np.argmin(extent))
     points = np.sort(np.argsort(result.impulse())[::-1][:POINTS])
     points = points[result.impulse()[points] > 0]
     largest = max(size for _, size in misses)
     anchor, offset = nearest(result.point[points], places)
+    view = clearest(list(zip(places, elements)), result.point[points], tilted=True)
     return {"time": packed(time[chosen]), "thinned": every, "bodies": bodies,
             "obstacles": [half_space(name, obstacle, low, high) for name, obstacle in scene.get("obstacles", {}).items()],
-            "depth": depth, "shapes": sum(len(body["bent"]) for body in bodies),
+            "view": {"base": view.base, "azimuth": view.azimuth, "elevation": view.elevation}, "shapes": sum(len(body["bent"]) for body in bodies),
             "coordinates": sum(len(skin.rigid) for skin in skins.values()),
             "missed": max(miss for miss, _ in misses) / largest if largest else 0.0,
             "points": {"anchor": anchor.tolist(), "offset": packed(offset), "normal": packed(result.normal[points]),

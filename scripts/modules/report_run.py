@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 import report_charts as charts
+from command_line import named
 from report_motion import materials, motion_of
 from report_sound import sounds_of
 from result_file import BadInput, File, Result
@@ -71,7 +72,7 @@ def commands_of(result, scene, bodies):
     elif scene.get("contact", {}).get("table"):
         out.append(("", f"The kernels are in {scene['contact']['table']}, which no command of Ricochet makes."))
     out.append((f"ricochet-contact {text}", "The impact."))
-    out.append((f"ricochet-report {shlex.quote(f'out/{result.slug}.result.h5')}", "This page."))
+    out.append((named(f"scripts/report {shlex.quote(f'out/{result.slug}.result.h5')}"), "This page."))
     return out
 
 
@@ -83,7 +84,7 @@ def charts_of(result, by_table):
     if not still:
         out["contact"].append(charts.force_chart(result, i))
         out["contact"] += charts.table_charts(result, i) if by_table else charts.along_normal_charts(result, i)
-    several = not by_table and result.episodes and len(result.gap) > 2
+    several = not by_table and np.count_nonzero(result.impulse()) > 1
     if several:
         out["contact"].append(charts.pressure_chart(result, result.file.array("/contact/area", len(result.gap))))
     if not still and result.episodes:
@@ -115,7 +116,7 @@ def run_of(path, kernels=None):
             "asked": {name: scene.get(name) for name in ["accuracy", "modes", "contact", "time", "loads"]},
             "static": len(result.time) == 1, "by_table": by_table, "bodies": bodies, "steps": steps,
             "labels": Result.LABELS, "energy": ends, "charts": drawn, "map": force_map, "motion": motion,
-            "episodes": [[result.contact_time[first], result.contact_time[behind - 1]] for first, behind in result.episodes][:2000],
+            "episodes": result.spans()[:2000],
             "sounds": sounds_of(summary, path.parent), "receivers": charts.receiver_charts(result),
             "points": len(result.gap), "commands": commands_of(result, scene, bodies),
             "file": {"name": path.name, "bytes": path.stat().st_size, "sha256": digest(path),

@@ -86,6 +86,8 @@ class Result:
         self.time = f.array("/time", None)
         steps = len(self.time)
         if steps < least:
+            if self.at_rest():
+                raise BadInput(f"{path}: bodies at rest have no history to draw. Use scripts/report.")
             raise BadInput(f"{path}: holds {steps} steps: nothing to draw. Give [time] a longer duration.")
         by_table = not f.has("/energy/total") and f.has("/contact/gap")
         self.energy = None if by_table else {name: f.array(f"/energy/{name}", steps)
@@ -104,6 +106,7 @@ class Result:
         self.sides = None if by_table else {
             name: f.array(f"/contact/{name}", rows, points)
             for name in ["displacement_a", "displacement_b", "velocity_a", "velocity_b"]}
+        self.spacing = float(np.min(np.diff(self.time), initial=np.inf))  # of rows
         self.episodes = self._episodes()
 
     def _episodes(self):
@@ -111,13 +114,34 @@ class Result:
         t = self.contact_time
         if len(t) == 0:
             return []
-        pause = np.flatnonzero(np.diff(t) > 1.5 * np.min(np.diff(self.time), initial=np.inf)) + 1
+        pause = np.flatnonzero(np.diff(t) > 1.5 * self.spacing) + 1
         edges = [0, *pause, len(t)]
         return list(zip(edges[:-1], edges[1:]))
+
+    def spans(self):
+        """(start, end) of each episode [s]: its first force acts from the row before on."""
+        before = np.maximum(np.searchsorted(self.time, self.contact_time - 0.5 * self.spacing) - 1, 0)
+        return [(self.time[before[first]], self.contact_time[behind - 1]) for first, behind in self.episodes]
 
     def impulse(self):
         """(m) impulse of each candidate, up to the factor of the step."""
         return self.force.sum(axis=0)
+
+    def positions(self):
+        """Contact points in an order for the eye, where they stand in it [m], and what that is."""
+        weight, gap = self.impulse(), self.gap
+        used = weight > 0
+        first = used & (gap <= gap[used].min() + 1e-3 * np.ptp(gap[used]))  # all, where surfaces are parallel
+        away = self.point - weight[first] @ self.point[first] / weight[first].sum()
+        spread, axes = np.linalg.eigh(away[used].T @ away[used])
+        if spread[1] < 0.1 * spread[2]:  # what touches stands along a line
+            along = axes[:, 2] * np.sign(axes[np.argmax(np.abs(axes[:, 2])), 2])
+            where, what = away @ along, "position along the contact"
+        else:
+            where, what = np.linalg.norm(away, axis=1), \
+                "distance from where the gap was least" if self.at_rest() else "distance from the first touch"
+        order = np.argsort(where, kind="stable")
+        return order, where[order], what
 
     def scene(self):
         """The resolved scene; {} where the file holds none that can be read."""
@@ -126,14 +150,19 @@ class Result:
         except tomllib.TOMLDecodeError:
             return {}
 
+    def at_rest(self):
+        contact = self.scene().get("contact")
+        return isinstance(contact, dict) and contact.get("scheme") == "static"
+
     def window(self):
         """The contact with a margin before and after, or all when nothing touched [s]."""
         t = self.time
         if not self.episodes or len(t) == 1:
             return t[0], t[-1]
-        first, last = self.contact_time[0], self.contact_time[-1]
+        first, last = self.spans()[0][0], self.contact_time[-1]
         margin = max(0.35 * (last - first), 4 * (t[1] - t[0]))
-        return max(t[0], first - margin), min(t[-1], last + margin)
+        start, end = max(t[0], first - margin), min(t[-1], last + margin)
+        return start - 0.01 * (end - start), end  # a force from the first step on stands clear of the axis
 
     def broken(self, values):
         """Times and values of contact rows with a gap between episodes, so that no line spans a time without contact."""
@@ -141,6 +170,15 @@ class Result:
         for first, behind in self.episodes:
             times += [self.contact_time[first:behind], [np.nan]]
             parts += [values[first:behind], [np.nan]]
+        return (np.concatenate(times), np.concatenate(parts)) if times else (np.array([]), np.array([]))
+
+    def held(self, values):
+        """The same of forces, which hold from one row to the next: drawn as steps that end at these times, they rise from 0 and
+        fall back to it, and the area below them is the impulse."""
+        times, parts = [], []
+        for (first, behind), (start, end) in zip(self.episodes, self.spans()):
+            times += [[start], self.contact_time[first:behind], [end, np.nan]]
+            parts += [[0], values[first:behind], [0, np.nan]]
         return (np.concatenate(times), np.concatenate(parts)) if times else (np.array([]), np.array([]))
 
     def along_normal(self, i):
@@ -182,21 +220,31 @@ class Skin:
         self.rigid = kernel.array("/modes/angular_frequency", coordinates.shape[1]) == 0
         self.coordinates = coordinates
 
-    def at(self, k):
-        """(V,3) places of the skin's nodes at snapshot k [m]."""
-        return (self.node + self.shape @ self.coordinates[k]) @ self.rotation.T + self.translation
+    def at(self, k, start=None, amplify=1.0):
+        """(V,3) places of the skin's nodes at snapshot k [m], with motion since snapshot `start` so many times as large."""
+        now = self.coordinates[k] if start is None else \
+            self.coordinates[start] + amplify * (self.coordinates[k] - self.coordinates[start])
+        return (self.node + self.shape @ now) @ self.rotation.T + self.translation
+
+    def deformation(self, k):
+        """The largest displacement by elastic modes at snapshot k [m]."""
+        return np.linalg.norm(self.shape[:, :, ~self.rigid] @ self.coordinates[k, ~self.rigid], axis=1).max()
 
     def outline(self, flat):
-        """Edges (·,2,2) between what faces the viewer and what does not, or with nothing beyond."""
+        """Where the edges of `rim` lie, (·,2,2)."""
+        return flat[self.rim(flat)]
+
+    def rim(self, flat):
+        """Edges (·,2) between what faces the viewer and what does not, or with nothing beyond. `flat`: (V,2)"""
         e = self.element
         if e.shape[1] == 2:
-            return flat[e]
+            return e
         ab, ac = flat[e[:, 1]] - flat[e[:, 0]], flat[e[:, 2]] - flat[e[:, 0]]
         facing = np.tile(ab[:, 0] * ac[:, 1] > ab[:, 1] * ac[:, 0], 3)
         sides = np.sort(np.concatenate([e[:, [0, 1]], e[:, [1, 2]], e[:, [2, 0]]]), axis=1)
         unique, which, count = np.unique(sides, axis=0, return_inverse=True, return_counts=True)
         towards = np.bincount(which.ravel(), weights=facing, minlength=len(unique))
-        return flat[unique[(count == 1) | ((towards > 0) & (towards < count))]]
+        return unique[(count == 1) | ((towards > 0) & (towards < count))]
 
 
 def skins_of(result, folder):

@@ -1,4 +1,4 @@
-"""What a sweep found: its journal, its tables, its pictures."""
+"""What a sweep found: its journal, its tables."""
 import contextlib
 import csv
 import fcntl
@@ -152,78 +152,3 @@ def as_array(column):
     if numeric:
         return np.array(column, dtype=float)
     return np.array([value if isinstance(value, str) else json.dumps(value) for value in column], dtype=h5py.string_dtype())
-
-
-def axis(values):
-    """Places on an axis, and the labels of what is not a number."""
-    if all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values):
-        return np.array(values, dtype=float), None
-    labels = [value if isinstance(value, str) else json.dumps(value) for value in values]
-    names = list(dict.fromkeys(labels))
-    return np.array([names.index(label) for label in labels], dtype=float), names
-
-
-def looks_logarithmic(values):
-    """Positive, over more than a decade, and spread evenly rather by ratio."""
-    values = np.unique(values[np.isfinite(values)])
-    return len(values) > 2 and values[0] > 0 and values[-1] > 12 * values[0] and \
-        np.median(values) < 0.3 * (values[0] + values[-1])
-
-
-def edges(places, labels):
-    """Of cells about ascending places: midway between them, on a logarithmic axis by ratio."""
-    if len(places) == 1:
-        return places[0] + np.array([-0.5, 0.5])
-    by_ratio = not labels and looks_logarithmic(places)
-    p = np.log(places) if by_ratio else places
-    middle = (p[1:] + p[:-1]) / 2
-    found = np.concatenate([[2 * p[0] - middle[0]], middle, [2 * p[-1] - middle[-1]]])
-    return np.exp(found) if by_ratio else found
-
-
-def draw(table, output, against, path):
-    """One input: points, joined where the study has nothing else; two: colour over both."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
-    z, _ = axis(table.column(output))
-    places = [axis(table.column(name)) for name in against]
-    there = np.isfinite(z)
-    if not there.any():
-        raise BadInput(f"no finished impact has a value of \"{output}\": there is nothing to draw")
-    fig, ax = plt.subplots(figsize=(6.4, 4.4), constrained_layout=True)
-    x, labels = places[0]
-    if len(places) == 1:
-        lonely = len(set(x[there])) == there.sum()
-        order = np.argsort(x[there])
-        ax.plot(x[there][order], z[there][order], "o-" if lonely else ".", ms=4, lw=1, alpha=1 if lonely else 0.5)
-        ax.set_ylabel(output)
-    else:
-        y, y_labels = places[1]
-        xs, ys = np.unique(x), np.unique(y)
-        if len(xs) * len(ys) <= 4 * len(x):  # a grid, perhaps with other inputs varied too: their mean
-            total, count = np.zeros((len(ys), len(xs))), np.zeros((len(ys), len(xs)))
-            at = np.searchsorted(ys, y[there]), np.searchsorted(xs, x[there])
-            np.add.at(total, at, z[there])
-            np.add.at(count, at, 1)
-            mean = np.divide(total, count, out=np.full_like(total, np.nan), where=count > 0)
-            shown = ax.pcolormesh(edges(xs, labels), edges(ys, y_labels), mean)
-        else:
-            shown = ax.scatter(x[there], y[there], c=z[there], s=14)
-        fig.colorbar(shown, label=output)
-        ax.set_ylabel(against[1])
-        scale(ax.set_yscale, ax.set_yticks, y, y_labels)
-    scale(ax.set_xscale, ax.set_xticks, x, labels)
-    ax.set(xlabel=against[0], title=table.title)
-    if len(places) == 1:
-        ax.grid(lw=0.3)
-    fig.savefig(path, dpi=120)
-
-
-def scale(set_scale, set_ticks, values, labels):
-    if labels:
-        set_ticks(range(len(labels)), labels)
-    elif looks_logarithmic(values):
-        set_scale("log")

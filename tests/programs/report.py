@@ -11,6 +11,7 @@ import struct
 import subprocess
 import sys
 import unittest
+from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -18,7 +19,9 @@ import numpy as np
 from programs import DEADLOCK_S, MESHES, SOURCE, ProgramTest, Run, contact, kernel
 
 sys.path.append(str(SOURCE / "scripts/modules"))
+from plot_snapshots import amplification
 from report_motion import coarser
+from viewpoint import clearest
 
 KEEP = None
 if sys.argv[1:2] == ["--keep"]:
@@ -51,6 +54,11 @@ step("turned", () => { pointer("pointerdown", 50, 50); pointer("pointermove", 90
 step("nearer", () => act(canvas, "wheel", {deltaY: -200}));
 step("keyed", () => act(canvas, "keydown", {key: "ArrowLeft"}));
 step("coloured", () => { colour.value = "deformation"; act(colour, "change"); });
+const boxes = [...document.querySelectorAll('[aria-label="Bodies shown"] input')], full = canvas.toDataURL();
+found.boxes = boxes.map(box => [box.type, box.labels[0].textContent, box.tabIndex]);
+step("hidden", () => { boxes[0].focus(); document.activeElement.click(); });
+boxes[0].click();
+found.back = canvas.toDataURL() === full;
 step("louder", () => { amplify.value = 1; act(amplify, "input"); });
 const chart = document.querySelector("#chart-force svg"), box = chart.getBoundingClientRect();
 act(chart, "pointermove", {clientX: box.left + box.width / 2});
@@ -193,21 +201,29 @@ class Rods(ReportTest):
             self.assertEqual(int(canvas["data-moments"]), len(file["snapshots/time"]))
         self.assertGreater(float(canvas["data-covered"]), 0.005)
         self.assertLess(float(canvas["data-covered"]), 0.5)
-        self.sounds_are_the_receivers(found)
+        self.assertEqual(found.one(id="sound")[2].count("4 ms of sound: lengthen time.duration to hear it"), 2)
+        self.assertNotIn("audio", [e[0] for e in found.found])
+        self.assertIn("scripts/report out/", found.one(id="repeat")[2])
+        self.pictures_are_drawn()
         self.scene_repeats_the_run(found.one(id="scene")[2], summary)
         self.motion_is_that_of_the_modes(run["motion"])
+        self.area_below_the_force_is_the_impulse(run, summary)
 
     def test_the_controls_do_what_they_say(self):
+        self.succeed(contact(self.scene, self.out, *RODS, "time.duration=0.11", "output.snapshot_every=9"))
         path, text, _ = self.page(self.result)
         policy = re.search(r"<meta http-equiv=.*?>", text)[0]
         path.write_text(text.replace(policy, "").replace("</body>", f"<script>{{{HAND}}}</script></body>"))
         dom, console = browse(path, "--window-size=500,600", "--dump-dom")
         self.assertEqual(console, [])
-        found = json.loads(next(attributes for tag, attributes, _ in Elements(dom).found if tag == "html")["data-found"])
+        elements = Elements(dom)
+        self.sounds_are_the_receivers(elements)
+        found = json.loads(next(attributes for tag, attributes, _ in elements.found if tag == "html")["data-found"])
         with h5py.File(self.result) as file:
             when, force, moments = file["contact/time"][:], file["contact/force"][:, 0], file["snapshots/time"][:]
         np.testing.assert_allclose(found["ends"], moments[[0, -1]], rtol=1e-6)  # 32 bits
-        self.assertEqual([found[name] for name in ("turned", "nearer", "keyed", "coloured", "louder", "played")], [True] * 6)
+        self.assertEqual([found[name] for name in ("turned", "nearer", "keyed", "coloured", "hidden", "back", "louder", "played")], [True] * 8)
+        self.assertEqual(found["boxes"], [["checkbox", "moving", 0], ["checkbox", "resting", 0]])  # in reach of the keyboard
         row = np.argmin(np.abs(when - 1e-3 * number(found["tip"][0])))  # it says ms
         self.assertAlmostEqual(1e6 * number(found["tip"][1].removeprefix("force: ")), force[row], delta=1e-3 * force[row])  # and MN
 
@@ -226,6 +242,19 @@ class Rods(ReportTest):
         self.succeed(contact(again, self.out))
         self.assertEqual({path.name for path in self.out.glob("*.kernel.h5")}, before)
         self.assertEqual(self.summary(self.out)["impulse_ns"], summary["impulse_ns"])
+
+    def pictures_are_drawn(self):
+        done = self.succeed(Run([SOURCE / "scripts/plot", self.result, "--out", self.folder / "pictures"]))
+        names = [self.result.name.replace(".result.h5", f"-{name}.png") for name in ("contact", "snapshots", "energy")]
+        self.assertEqual(done.out.split("\n"), [*(f"{self.folder}/pictures/{name}" for name in names), ""])
+
+    def area_below_the_force_is_the_impulse(self, run, summary):
+        drawn = run["charts"]["contact"][0]["lines"][0]
+        time, force = unpacked(drawn["x"]).astype(float), unpacked(drawn["y"]).astype(float)
+        area = np.nansum(force[1:] * np.diff(time))  # steps that end at these times
+        self.assertAlmostEqual(area, summary["impulse_ns"], delta=1e-4 * summary["impulse_ns"])  # times of 32 bits
+        self.assertAlmostEqual(run["episodes"][0][0], summary["contact_start_s"], delta=1e-9)
+        self.assertEqual(np.nanmax(force), np.float32(summary["peak_force_n"]))
 
     def motion_is_that_of_the_modes(self, motion):
         """Within what the page says that it misses, and 32-bit and 15-bit storage."""
@@ -295,6 +324,27 @@ class Others(ReportTest):
         # Nodes stay where they are; the rims recede by half a cell, 1 % of the height or so.
         self.assertAlmostEqual(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2 / (2 * np.pi), 1, delta=0.1)
 
+    def test_the_first_view_looks_into_the_open_side_of_a_cup_and_at_what_lies_in_it(self):
+        def box(centre, half, without=()):
+            corner = np.array(list(np.ndindex(2, 2, 2))) * 2.0 - 1
+            sides = {"-x": [0, 1, 3, 2], "+x": [4, 6, 7, 5], "-y": [0, 4, 5, 1], "+y": [2, 3, 7, 6], "-z": [0, 2, 6, 4], "+z": [1, 5, 7, 3]}
+            return centre + half * corner, np.array([[a, *pair] for name, (a, b, c, d) in sides.items() if name not in without
+                                                     for pair in ((b, c), (c, d))])
+
+        ball = box(np.array([0.6, 0, 0]), 0.3)
+        for side, axis, way in [("-z", 2, -1), ("+x", 0, 1)]:
+            toward = clearest([box(np.zeros(3), 1.0, [side]), ball], np.array([[0.9, 0, 0]]), tilted=True).turn()[2]
+            self.assertGreater(way * toward[axis], 0.9, side)
+        beside = clearest([ball, box(np.array([1.2, 0, 0]), 0.3)], np.array([[0.9, 0, 0]])).turn()
+        np.testing.assert_allclose(beside, np.eye(3), atol=1e-12)  # nothing hides anything: as a drawing on paper
+
+    def test_snapshots_are_true_to_scale_where_deformation_is_seen_and_say_how_much_larger_they_are_elsewhere(self):
+        def skin(bent, moved):
+            return SimpleNamespace(at=lambda k: np.array([[0, 0, 0], [1.0, 0, moved * k]]), deformation=lambda k: bent * k)
+
+        for bent, moved, factor in [(0.02, 0.02, 1), (1e-5, 1.1e-4, 200), (1e-5, 0.03, 1), (0, 0, 1)]:
+            self.assertEqual(amplification({"one": skin(bent, moved), "two": skin(0, 0)}, [1], 0), factor)
+
     def test_a_run_by_table_kernels_has_a_page_without_bodies(self):
         shutil.copytree(MESHES / "two-rods-analytic", self.folder, dirs_exist_ok=True, ignore=shutil.ignore_patterns("out"))
         self.succeed(Run([self.folder / "table.py"]))
@@ -305,6 +355,14 @@ class Others(ReportTest):
         self.numbers_agree(found, self.summary(out))
         self.assertIn("know no bodies", found.one(id="motion")[2])
 
+    def test_plots_of_bodies_at_rest_are_refused_with_what_to_use_instead(self):
+        path = self.folder / "rest.result.h5"
+        with h5py.File(path, "w") as file:
+            file.attrs.update({"format": "ricochet-result", "version": 1, "scene": '[contact]\nscheme = "static"\n'})
+            file["time"] = [0.0]
+        done = Run([SOURCE / "scripts/plot", path])
+        self.assertEqual((done.status, done.err), (2, f"plot: {path}: bodies at rest have no history to draw. Use scripts/report.\n"))
+
     def test_bodies_at_rest_have_a_page_with_their_pressure(self):
         scene, out = MESHES / "hertz/resting-ball.toml", self.folder / "out"
         sets = ["output.view=true", "output.snapshot_every=1", "bodies.ball.geometry={size=1e-4}"]
@@ -313,6 +371,10 @@ class Others(ReportTest):
         path, _, run = self.page(*out.glob("*.result.h5"))
         found = self.opened(path, "static")
         self.numbers_agree(found, self.summary(out))
+        self.assertRegex(found.one(id="verdict")[2], r"^The bodies press on each other with \d.* N\.$")
+        told = " ".join(found.one(id=name)[2] for name in ("motion", "contact", "energy"))
+        self.assertFalse([word for word in ("in these moments", "kinetic", "lost in", "first touch") if word in told])
+        self.assertNotIn("errors", [e[1].get("id") for e in found.found])
         (chart,) = run["charts"]["contact"]
         pressure = unpacked(chart["lines"][0]["y"])
         self.assertAlmostEqual(pressure.max(), self.summary(out)["pairs"][0]["peak_pressure_pa"], delta=1e-6 * pressure.max())  # 32 bits

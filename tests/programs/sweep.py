@@ -3,13 +3,18 @@
 import csv
 import itertools
 import json
+import math
 import os
 import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 import unittest
+from pathlib import Path
+from types import SimpleNamespace
+from unittest import mock
 
 import h5py
 import numpy as np
@@ -17,8 +22,8 @@ import numpy as np
 from programs import BIN, MESHES, SOURCE, ProgramTest, Run, contact, kernel
 
 sys.path.append(str(SOURCE / "scripts/modules"))
+import sweep_pictures
 from result_file import BadInput
-from sweep_results import edges
 from sweep_study import Study
 
 
@@ -86,10 +91,39 @@ class Studies(SweepTest):
 
 
 class Pictures(unittest.TestCase):
-    def test_cells_of_a_picture_are_about_their_values_on_both_kinds_of_axes(self):
-        np.testing.assert_allclose(edges(np.array([1.0, 10, 100]), None), 10 ** np.array([-0.5, 0.5, 1.5, 2.5]))
-        np.testing.assert_allclose(edges(np.array([1.0, 2, 4]), None), [0.5, 1.5, 3, 5])
-        np.testing.assert_allclose(edges(np.array([0.0]), ["compliant"]), [-0.5, 0.5])
+    def drawn(self, inputs, output, against, rows):
+        """The axes of a picture of a table, as matplotlib has them."""
+        table = SimpleNamespace(title="t", inputs=inputs, column=lambda name: (inputs | {output: rows})[name])
+        with mock.patch("matplotlib.pyplot.close"), tempfile.TemporaryDirectory() as folder:
+            sweep_pictures.draw(table, output, against, Path(folder) / "picture.png")
+        import matplotlib.pyplot as plt
+
+        self.addCleanup(plt.close, "all")
+        return plt.gcf().axes[0]
+
+    def test_over_one_input_each_value_of_the_others_has_a_line_and_labels_have_units(self):
+        speed, metal = [1.0, 2.0, 1.0, 2.0, 1.0, 2.0], [2700.0, 2700.0, 7850.0, 7850.0, 11340.0, 11340.0]
+        force = [3.0, 6.0, 5.0, 10.0, 4.0, 8.0]
+        ax = self.drawn({"bodies.b.velocity[0]": speed, "bodies.b.material.density": metal, "bodies.b.material.young": [-m for m in metal]},
+                        "peak_force_n", ["bodies.b.velocity[0]"], force)
+        self.assertEqual((ax.get_xlabel(), ax.get_ylabel()), ("bodies.b.velocity[0] (m/s)", "peak force (N)"))
+        self.assertEqual([list(line.get_ydata()) for line in ax.lines], [[3, 6], [5, 10], [4, 8]])
+        legend = ax.get_legend()
+        self.assertEqual(legend.get_title().get_text(), "bodies.b.material.density (kg/m³)")
+        self.assertEqual([part.get_text() for part in legend.get_texts()], ["2700", "7850", "11340"])
+
+    def test_over_two_inputs_each_pair_that_was_run_has_a_cell_with_its_values_as_labels(self):
+        x, y = [1.0, 10.0, 11.0] * 2, ["a"] * 3 + ["b"] * 3
+        ax = self.drawn({"x": x, "y": y, "z": [0] * 6}, "restitution", ["x", "y"], [1, 2, 3, 4, 5, math.nan])
+        np.testing.assert_equal(np.ma.filled(ax.images[0].get_array(), np.nan), [[1, 2, 3], [4, 5, np.nan]])
+        self.assertEqual([part.get_text() for part in ax.get_xticklabels()], ["1", "10", "11"])
+        self.assertEqual([part.get_text() for part in ax.get_yticklabels()], ["a", "b"])
+        draws = {"x": list(np.random.default_rng(1).uniform(size=40)), "y": [1.0, 2.0] * 20}
+        drawn = self.drawn(draws, "restitution", ["x", "y"], list(range(40)))
+        self.assertEqual((len(drawn.images), len(drawn.collections)), (0, 1))  # draws are points where they are
+        draws["y"] = list(range(40))
+        (line,) = self.drawn(draws, "restitution", ["x"], list(range(40))).lines
+        self.assertEqual(line.get_linestyle(), "None")  # y varies, too
 
 
 class Sweeps(SweepTest):

@@ -22,23 +22,27 @@ function ticks(low, high, about) {
   return out;
 }
 
+/** Powers of ten; with their doubles and fives where these are few. */
 function decades(low, high, about) {
   const first = Math.ceil(Math.log10(low) - 1e-9), last = Math.floor(Math.log10(high) + 1e-9);
   const step = Math.max(1, Math.ceil((last - first) / about));
   const out = [];
   for (let power = first; power <= last; power += step) out.push(10 ** power);
-  return out;
+  if (out.length > 2) return out;
+  const parts = [-1, 0, 1].flatMap(power => [1, 2, 5].map(part => part * 10 ** (first + power)));
+  return parts.filter(value => value >= low * (1 - 1e-9) && value <= high * (1 + 1e-9));
 }
 
-/** A power of ten. */
-const power = value => value >= 0.01 && value <= 1e4 ? digits(value) : digits(value).replace("1 × ", "");
+/** A power of ten, or twice or five times one. */
+const power = value => value >= 0.01 && value <= 1e4 ? digits(value) : digits(value).replace(/^1 × /, "").replace(" × ", "·");
 
 class Axis {
   constructor(spec, range) {
     let [low, high] = range;
     if (spec.log) {
       if (spec.decades) low = Math.max(low, high * 10 ** -spec.decades);
-      if (high < low * 10) { low /= 3; high *= 3; }
+      if (spec.whole) [low, high] = [10 ** Math.floor(Math.log10(low)), 10 ** Math.ceil(Math.log10(high))];
+      if (high < low * 10 * (1 - 1e-9)) { low /= 3; high *= 3; }
     } else {
       if (spec.zero) { low = Math.min(low, 0); high = Math.max(high, 0); }
       if (!(high > low)) { low -= Math.abs(low) / 2 || 1; high += Math.abs(high) / 2 || 1; }
@@ -130,7 +134,7 @@ class Chart {
   }
 
   marks(line, X, Y) {
-    const of = `c${line.colour}`, dots = {dots: 3, specks: 1}[line.style];
+    const of = `c${line.colour}`, dots = {dots: 3, specks: 1}[line.style], is = word => line.style.split(" ").includes(word);
     const put = k => `${X(line.x[k]).toFixed(1)} ${Math.max(-1e5, Math.min(1e5, Y(line.y[k]))).toFixed(1)}`;
     const seen = k => !Number.isNaN(line.y[k]) && !Number.isNaN(line.x[k]) && (!this.y.log || line.y[k] > 0);
     if (dots)
@@ -145,13 +149,14 @@ class Chart {
     for (let k = 0; k < line.x.length; ++k) {
       if (!seen(k)) { close(k - 1); pen = false; continue; }
       if (!pen) start = k;
-      path += (pen ? "L" : "M") + put(k);
-      area += (pen ? "L" : "M") + put(k);
+      const to = pen && is("held") ? `V${put(k).split(" ")[1]}L${put(k)}` : (pen ? "L" : "M") + put(k);
+      path += to;
+      area += to;
       pen = true;
     }
     close(line.x.length - 1);
-    const stroke = draw("path", {class: `line ${of} ${line.style === "dashed" ? "dashed" : ""}`, d: path});
-    return line.style === "filled" ? [draw("path", {class: `area ${of}`, d: area}), stroke] : [stroke];
+    const stroke = draw("path", {class: `line ${of} ${is("dashed") ? "dashed" : ""}`, d: path});
+    return is("filled") ? [draw("path", {class: `area ${of}`, d: area}), stroke] : [stroke];
   }
 
   /** Shows the values at a share of the width; -1: none. */
@@ -163,6 +168,10 @@ class Chart {
     const wanted = this.x.back(share), reach = 0.02 * (this.x.log ? 1 : this.x.high - this.x.low);
     const near = this.lines.map(line => {
       let best = -1, least = Infinity;
+      if (line.style.includes("held")) {  // since the time before
+        const k = line.x.findIndex(x => x >= wanted);
+        return Number.isNaN(line.x[k - 1] ?? NaN) ? -1 : k;
+      }
       line.x.forEach((x, k) => {
         const away = Math.abs(this.x.log ? Math.log(x / wanted) : x - wanted);
         if (away < least && !Number.isNaN(line.y[k])) { least = away; best = k; }

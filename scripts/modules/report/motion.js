@@ -51,6 +51,7 @@ class Skin {
     this.node = unpack(data.node);
     this.element = unpack(data.element);
     this.still = data.rigid === undefined;
+    this.visible = true;
     this.lines = data.lines;
     this.fields = this.still ? [] : [...Skin.rows(data.rigid), ...data.bent.map(unpack)];
     this.rigid = this.still ? 0 : data.rigid.shape[0];
@@ -184,12 +185,9 @@ class Motion {
   }
 
   home() {
-    const depth = this.data.depth, up = depth === 2 ? 1 : 2;
-    const toward = depth === 1 ? [0, -1, 0] : unit(depth);
-    this.base = [cross(unit(up), toward), unit(up), toward];
-    const extent = this.box.high.map((x, i) => x - this.box.low[i]);
-    const flat = extent[depth] < 0.3 * Math.min(...extent.filter((_, i) => i !== depth));
-    this.view = flat ? {azimuth: -0.12, elevation: 0.06, zoom: 1} : {azimuth: -0.35, elevation: 0.2, zoom: 1};
+    const {base, azimuth, elevation} = this.data.view, extent = this.box.high.map((x, i) => x - this.box.low[i]);
+    this.base = base;
+    this.view = {azimuth, elevation, zoom: 1};
     this.target = this.box.low.map((x, i) => (x + this.box.high[i]) / 2);
     const rows = this.turn();
     const spans = rows.map(row => row.reduce((sum, part, i) => sum + Math.abs(part) * extent[i], 0));
@@ -324,7 +322,7 @@ class Motion {
     gl.uniform1f(this.at("radius"), 3.9 * this.size);
     this.placeBodies(k, f, this.amplify);
     const top = this.top();
-    for (const body of this.bodies) {
+    for (const body of this.bodies.filter(body => body.visible)) {
       const ramped = this.colour !== "body";
       if (ramped) { this.measure(body, k, f, dt); for (let v = 0; v < body.value.length; ++v) body.value[v] /= top; }
       gl.enable(gl.POLYGON_OFFSET_FILL);
@@ -332,7 +330,7 @@ class Motion {
       gl.disable(gl.POLYGON_OFFSET_FILL);
       if (this.mesh && body.wire) this.send(body, [0, 0, 0, 0.25], {lit: false, wire: true});
     }
-    for (const obstacle of this.obstacles) this.send(obstacle, [0.5, 0.5, 0.5, 0.28], {lit: false});
+    for (const obstacle of this.obstacles.filter(obstacle => obstacle.visible)) this.send(obstacle, [0.5, 0.5, 0.5, 0.28], {lit: false});
     if (!this.arrows || this.forceMost <= 0) return;
     this.makeSpikes(Math.min(moments - 1, Math.round(k + f)));
     gl.disable(gl.DEPTH_TEST);

@@ -61,8 +61,10 @@ function listed(list, path, keys, name) {
 
 function verdict() {
   if (run.static) {
-    const pressing = summary.pairs.filter(pair => pair.contact_points > 0).length;
-    return `At rest: ${pressing} of ${plural(summary.pairs.length, "pair")} press on each other.`;
+    const names = (run.asked.contact?.pair ?? []).map(pair => pair.between.join(" and "));
+    const one = summary.pairs.length === 1, told = (pair, k) => (one ? "The bodies" : names[k] ?? `Pair ${k + 1}`) +
+      (pair.contact_points > 0 ? ` press on each other with ${quantity(pair.force_n, "N", 3)}` : " do not press on each other");
+    return `${summary.pairs.map(told).join("; ")}.`;
   }
   if (summary.contact_start_s === null) return "Nothing touched.";
   const start = quantity(summary.contact_start_s, "s"), end = summary.contact_end_s;
@@ -94,7 +96,13 @@ function highlights() {
   plain("Energy drift", "energy_drift", "", "round-off: 10⁻¹² or less");
   if (s.error_estimate) card("Estimated error", percent(s.error_estimate.total), "of impulse and rebound");
   plain("Contact points", "candidates", "", run.static ? "" : `at most ${s.max_active} touch`);
-  plain("Computed at", "real_time_factor", "", "× real time");
+  if (s.real_time_factor > 0 && run.steps.duration_s) {
+    const {duration_s: duration} = run.steps, faster = s.real_time_factor >= 1;
+    const times = digits(faster ? s.real_time_factor : 1 / s.real_time_factor, 2);
+    const speed = times === "1" ? "as fast as" : `${times} times ${faster ? "faster" : "slower"} than`;
+    card("Steps", quantity(duration / s.real_time_factor, "s", 2),
+         `for ${quantity(duration, "s")} of motion (${speed} real time)`);
+  }
 }
 
 function contactSection() {
@@ -120,8 +128,11 @@ function contactSection() {
     at.append(make("h3", {}, "Velocities, mean of the mass"), table(["", "before", "when contact last ended"], rows));
 }
 
+const audible = 0.1;  // s
+
 /** The sound of a receiver with its controls, and what it is. */
 function sounding(name, sound) {
+  if (sound.of_seconds < audible) return [note(`${quantity(sound.of_seconds, "s", 2)} of sound: lengthen time.duration to hear it.`)];
   const audio = make("audio", {controls: "", src: `data:audio/wav;base64,${sound.wav}`, "aria-label": `Sound of ${name}`});
   const speeds = [[1, "as it is"], [0.5, "half"], [0.25, "a quarter"], [0.1, "a tenth"]];
   const speed = make("select", {}, ...speeds.map(([value, text]) => make("option", {value}, text)));
@@ -155,8 +166,9 @@ function energySection() {
   const at = section("energy");
   if (run.by_table) return at.append(note("Table kernels keep no energy ledger."));
   at.append(...run.charts.energy.map(spec => new Chart(spec).element));
-  const labels = {total: "kinetic + strain + residual − loads", damping: run.labels.damping, contact: run.labels.contact,
-                  kinetic: run.labels.kinetic, strain: run.labels.strain, residual: run.labels.residual, loads: "work of loads"};
+  const {strain, residual, kinetic, damping, contact} = run.labels, stored = `strain + ${residual} − work of loads`;
+  const labels = run.static ? {total: stored, strain, residual, loads: "work of loads"}
+    : {total: `kinetic + ${stored}`, damping, contact, kinetic, strain, residual, loads: "work of loads"};
   const columns = run.static ? ["at rest"] : ["at the start", "at the end"];
   const rows = Object.entries(labels).map(([name, label]) =>
     row(label, ...columns.map((_, k) => quantity(run.energy[name][k], "J", 6))));
@@ -167,6 +179,7 @@ function energySection() {
 function errorsSection() {
   const at = section("errors"), estimate = summary.error_estimate;
   if (run.by_table) return at.append(note("Table kernels have no error estimate."));
+  if (!estimate && run.static) return at.remove();
   if (!estimate)
     return at.append(note("Not estimated. With accuracy = 1e-2 in the scene, or --accuracy 1e-2 for both programs, the run says " +
                           "how far impulse and rebound may be off, by cause."));

@@ -13,10 +13,10 @@ const pressable = text => make("button", {type: "button"}, text);
 function player(section, data, tell) {
   const say = text => section.append(make("p", {class: "note"}, text));
   if (data.missing) {
-    say(`No motion to show: ${data.missing}.`);
+    say(`No ${run.static ? "picture of the bodies" : "motion"} to show: ${data.missing}.`);
     if (run.by_table) return;
     say("Both programs need these keys of the scene, ricochet-kernel for the skins and ricochet-contact for the snapshots:");
-    section.append(make("pre", {}, "[output]\nview = true\nsnapshot_every = 4"));
+    section.append(make("pre", {}, `[output]\nview = true\nsnapshot_every = ${run.static ? 1 : 4}`));
     return;
   }
   const label = "The bodies in motion. Arrow keys turn them, plus and minus change their size.";
@@ -49,7 +49,9 @@ class Player {
     section.append(this.stage, this.legend,
       make("div", {class: "controls"}, ...(moving ? [this.button, grow(this.slider, this.clock), part] : [])),
       make("div", {class: "controls"}, ...(moving ? [labelled("colour", colour), grow("amplify", this.loud, this.times)] : []),
-           labelled(arrows, "forces"), ...(wired ? [labelled(mesh, "mesh")] : []), home));
+           labelled(arrows, "forces"), ...(wired ? [labelled(mesh, "mesh")] : []), home),
+      make("div", {class: "controls", role: "group", "aria-label": "Bodies shown"}, "show",
+           ...[...motion.bodies, ...motion.obstacles].map(body => labelled(this.shower(body), body.name))));
     colour.value = motion.colour;
     arrows.checked = true;
     const on = (control, type, act) => control.addEventListener(type, () => { act(); this.show(); });
@@ -70,6 +72,13 @@ class Player {
     new ResizeObserver(() => this.fit()).observe(this.stage);
   }
 
+  /** A box to show and hide a body or an obstacle. */
+  shower(body) {
+    const box = make("input", {type: "checkbox", checked: ""});
+    box.addEventListener("change", () => { body.visible = box.checked; this.show(); });
+    return box;
+  }
+
   /** The time at a share of the part of the run that is shown. */
   within(share) { return this.window[0] + share * (this.window[1] - this.window[0]); }
 
@@ -86,7 +95,7 @@ class Player {
 
   explain() {
     const {motion} = this, {label, unit} = measures[motion.colour];
-    const most = motion.forceMost, force = most > 0 ? `contact force, at most ${quantity(most, "N")} at a point, in these moments` : "no contact force";
+    const most = motion.forceMost, force = most > 0 ? `contact force, at most ${quantity(most, "N")} at a point${moments > 1 ? ", in these moments" : ""}` : "no contact force";
     const names = motion.bodies.map(body => swatch(`c${Math.max(0, body.number) % 6}`, body.name));
     this.legend.replaceChildren(...(unit ? [make("span", {}, label), rampKey(0, motion.top(), unit)] : names), swatch("cforce", force));
   }
