@@ -1,10 +1,12 @@
 """Writes body files, the layout of docs/interchange.md, from matrices in coordinates; reads MatrixMarket."""
 
-import os
+import io
 import warnings
 
 import h5py
 import numpy as np
+
+import whole_file
 
 
 class Refused(Exception):
@@ -66,24 +68,20 @@ def rows_of(i, j, value, size):
 
 def write_body(path, node, surfaces, matrices, supports=(), skin=None):
     """node (n,3) [m]; surfaces: name → list of facets, (T,k) node numbers from 0; matrices: "stiffness" and "mass" → rows,
-    columns, values; supports: name → node numbers. The file has its name only when it is whole."""
-    beside = f"{path}.{os.getpid()}.tmp"
-    try:
-        with h5py.File(beside, "w") as file:
-            file.attrs["format"] = np.bytes_("ricochet-body")
-            file.attrs["version"] = 1
-            file["node"] = np.asarray(node, float)
-            for name, blocks in surfaces.items():
-                for facets in blocks:
-                    file[f"surface/{name}/{np.shape(facets)[1]}"] = np.asarray(facets, np.int64)
-            for name, nodes in dict(supports).items():
-                file[f"nodes/{name}"] = np.asarray(nodes, np.int64)
-            if skin is not None:
-                file["skin"] = np.asarray(skin, np.int64)
-            for name, (i, j, value) in matrices.items():
-                for part, numbers in zip(("start", "column", "value"), rows_of(i, j, value, 3 * len(node))):
-                    file[f"{name}/{part}"] = numbers
-        os.replace(beside, path)
-    finally:
-        if os.path.exists(beside):
-            os.remove(beside)
+    columns, values; supports: name → node numbers. The file has its name only when it is whole. Throws OSError."""
+    image = io.BytesIO()  # HDF5 itself crashes on a full disk
+    with h5py.File(image, "w") as file:
+        file.attrs["format"] = np.bytes_("ricochet-body")
+        file.attrs["version"] = 1
+        file["node"] = np.asarray(node, float)
+        for name, blocks in surfaces.items():
+            for facets in blocks:
+                file[f"surface/{name}/{np.shape(facets)[1]}"] = np.asarray(facets, np.int64)
+        for name, nodes in dict(supports).items():
+            file[f"nodes/{name}"] = np.asarray(nodes, np.int64)
+        if skin is not None:
+            file["skin"] = np.asarray(skin, np.int64)
+        for name, (i, j, value) in matrices.items():
+            for part, numbers in zip(("start", "column", "value"), rows_of(i, j, value, 3 * len(node))):
+                file[f"{name}/{part}"] = numbers
+    whole_file.write(path, image.getbuffer())
