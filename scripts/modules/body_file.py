@@ -13,11 +13,37 @@ class Refused(Exception):
     """An input that is not what it should be; its text is one line."""
 
 
-def numbers(text):
-    """Of a text that has nothing else, up to where it does."""
+def numbers(path, text):
+    """Of a text that has nothing else."""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)
-        return np.fromstring(text, sep=" ")
+        warnings.simplefilter("error", DeprecationWarning)  # numpy's, of a text that goes on behind the numbers
+        try:
+            return np.fromstring(text, sep=" ")
+        except DeprecationWarning:
+            raise Refused(f"{path}: holds something that is no number where numbers are due") from None
+
+
+def is_number(word):
+    """Of a node or an element, or a count of them: int() takes more than digits, and not too many."""
+    return word.isdecimal() and len(word) < 16
+
+
+def is_name(text):
+    """Whether a surface or support may be called so, in a body file and in a scene."""
+    return text not in ("", ".", "..") and "/" not in text and text.isprintable()
+
+
+def entries_of(path, values, rows, columns):
+    """Rows and columns from 0, and values, of `values` that has the three of each entry in turn, numbered from 1."""
+    table = values.reshape(-1, 3)
+    wrong = np.flatnonzero(~np.isfinite(table).all(axis=1))
+    if wrong.size:
+        raise Refused(f"{path}: entry {wrong[0] + 1} is {' '.join(f'{x:g}' for x in table[wrong[0]])}: must be finite numbers")
+    wrong = np.flatnonzero(((table[:, :2] < 1) | (table[:, :2] > [rows, columns]) | (table[:, :2] % 1 != 0)).any(axis=1))
+    if wrong.size:
+        raise Refused(f"{path}: entry {wrong[0] + 1} is {' '.join(f'{x:.17g}' for x in table[wrong[0]])}: must be a row from 1 to "
+                      f"{rows}, a column from 1 to {columns} and a value")
+    return table[:, 0].astype(np.int64) - 1, table[:, 1].astype(np.int64) - 1, table[:, 2]
 
 
 def read_matrix_market(path):
@@ -26,29 +52,28 @@ def read_matrix_market(path):
         words = file.readline().decode("latin-1").lower().split()
         if words[:3] != ["%%matrixmarket", "matrix", "coordinate"] or words[3:4] not in (["real"], ["integer"]) or \
                 words[4:5] not in (["general"], ["symmetric"]):
-            raise Refused(f"{path}: begins with \"{' '.join(words[:6])}\": must be \"%%MatrixMarket matrix coordinate real\" "
+            raise Refused(f"{path}: begins with \"{' '.join(words[:6])[:60]}\": must be \"%%MatrixMarket matrix coordinate real\" "
                           "general or symmetric")
         line = file.readline()
         while line.startswith(b"%") or line.strip() == b"":
             if not line:
                 raise Refused(f"{path}: ends before its sizes")
             line = file.readline()
-        sizes = line.split()
-        if len(sizes) != 3 or not all(size.isdigit() for size in sizes):
-            raise Refused(f"{path}: has sizes \"{line.decode('latin-1').strip()}\": must be rows, columns and entries")
+        sizes = line.decode("latin-1").split()
+        if len(sizes) != 3 or not all(is_number(size) for size in sizes):
+            raise Refused(f"{path}: has sizes \"{' '.join(sizes)[:60]}\": must be rows, columns and entries")
         rows, columns, entries = (int(size) for size in sizes)
-        values = numbers(file.read())
+        values = numbers(path, file.read())
     if values.size != 3 * entries:
         raise Refused(f"{path}: has {values.size} numbers behind its sizes, expected {entries} entries of 3")
-    i, j = values[0::3].astype(np.int64) - 1, values[1::3].astype(np.int64) - 1
-    if entries and (min(i.min(), j.min()) < 0 or i.max() >= rows or j.max() >= columns):
-        raise Refused(f"{path}: has an entry outside of its {rows} rows and {columns} columns")
-    return (*both_triangles(i, j, values[2::3], words[4] == "symmetric"), (rows, columns))
+    found = entries_of(path, values, rows, columns)
+    return (*(both_triangles(path, *found) if words[4] == "symmetric" else found), (rows, columns))
 
 
-def both_triangles(i, j, value, one_triangle):
-    if not one_triangle:
-        return i, j, value
+def both_triangles(path, i, j, value):
+    """Of one triangle."""
+    if (i < j).any() and (i > j).any():
+        raise Refused(f"{path}: has entries of both triangles of a symmetric matrix: give one of them")
     off = i != j
     return np.concatenate([i, j[off]]), np.concatenate([j, i[off]]), np.concatenate([value, value[off]])
 

@@ -36,6 +36,8 @@ class Parser(argparse.ArgumentParser):
 def run(main):
     """Ends the script with the status that `main` returns, or with 1 and one line where standard output can't be written: main
     itself takes care of all other OSErrors."""
+    if sys.stdout:
+        sys.stdout.reconfigure(errors="surrogateescape")  # names of files may be any bytes
     try:
         try:
             status = main()
