@@ -27,8 +27,8 @@ def is_there(path):
 
 
 @contextlib.contextmanager
-def expected(path):
-    """A BadInput in the place of whatever a file leads to that is whole, but not what ricochet-contact writes."""
+def expected(path, program="ricochet-contact"):
+    """A BadInput in the place of whatever a file leads to that is whole, but not what the program writes."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of numpy, on numbers that no run has
@@ -36,7 +36,7 @@ def expected(path):
     except (BadInput, MemoryError):
         raise
     except Exception:
-        raise BadInput(f"{path}: holds what ricochet-contact does not write. Compute it again.") from None
+        raise BadInput(f"{path}: holds what {program} does not write. Compute it again.") from None
 
 
 class File:
@@ -45,7 +45,8 @@ class File:
     def __init__(self, path, kind):
         self.path = path
         if not is_there(path):
-            raise BadInput(f"{path}: there is no such file. Name a .result.h5 that ricochet-contact wrote.")
+            name = "a .kernel.h5 that ricochet-kernel wrote" if kind == "ricochet-kernel" else "a .result.h5 that ricochet-contact wrote"
+            raise BadInput(f"{path}: there is no such file. Name {name}.")
         try:
             self.file = h5py.File(path, "r")
         except OSError:
