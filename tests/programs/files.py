@@ -2,6 +2,7 @@
 can be written or read, titles of any letters."""
 
 import contextlib
+import gc
 import importlib.machinery
 import importlib.util
 import io
@@ -70,6 +71,7 @@ class Files(ProgramTest):
         with mock.patch.object(sys, "argv", [name, str(self.result), *map(str, arguments)]), \
                 contextlib.redirect_stderr(said), contextlib.redirect_stdout(io.StringIO()):
             status = self.programs[name].main()
+        gc.collect()  # closes the files
         return status, said.getvalue()
 
     def refused(self, words, name="report"):
