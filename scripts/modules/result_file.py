@@ -56,7 +56,9 @@ class File:
             raise BadInput(f"{path}: is not a {kind} file. Name a file that Ricochet wrote.")
 
         version = self.attribute("/", "version")
-        if not isinstance(version, (int, np.integer)) or not 1 <= version <= VERSION:
+        if not isinstance(version, (int, np.integer)):
+            raise BadInput(f"{path}: does not say its format version. Compute it again.")
+        if not 1 <= version <= VERSION:
             raise BadInput(f"{path}: has format version {version}, and this program reads {VERSION}. Use a newer Ricochet.")
 
     def text(self, where, name):
@@ -120,8 +122,8 @@ class Result:
         steps = len(self.time)
         if steps < 2 and not self.static:
             every = scene.get("output", {}).get("every", 1)
-            raise BadInput(f"{path}: holds nothing but the start: nothing to draw. output.every is {every}, which must not exceed "
-                           "the number of steps, time.rate_hz times time.duration.")
+            raise BadInput(f"{path}: holds nothing but the start: nothing to draw. output.every is {every if isinstance(every, int) else '?'}, which must not "
+                           "exceed the number of steps, time.rate_hz times time.duration.")
         by_table = not f.has("/energy/total") and f.has("/contact/gap")
         self.energy = None if by_table else {name: f.array(f"/energy/{name}", steps)
                                              for name in ["total"] + self.TERMS}

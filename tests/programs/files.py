@@ -21,6 +21,9 @@ import numpy as np
 
 from programs import BIN, MESHES, SOURCE, ProgramTest, Run, contact, settings
 
+sys.path.append(str(SOURCE / "scripts/modules"))
+import whole_file
+
 TITLE = "a $x^$ 日本語 😀"  # no formula, and letters that no font has
 # Rods of 10 m that waves cross in 1 ms: few rows, and a short sound.
 SETS = ["modes.count=10", "output.view=true", "output.snapshot_every=3", "bodies.moving.material.young=1e8",
@@ -106,7 +109,7 @@ class Files(ProgramTest):
         receiver = ["receivers/time", *(f"receivers/mic/{of}" for of in ("displacement", "velocity", "acceleration"))]
         cases = {
             "title a number": (attribute("/", "title", 5.0), drawn), "scene a number": (attribute("/", "scene", 5.0), drawn),
-            "created_by NaN": (attribute("/", "created_by", nan), drawn), "version text": (attribute("/", "version", "1"), "format version"),
+            "created_by NaN": (attribute("/", "created_by", nan), drawn), "version text": (attribute("/", "version", "1"), "does not say its format version"),
             "kernel a number": (attribute(moving, "kernel", 5), drawn),
             "kernel of 300 letters": (attribute(moving, "kernel", 300 * "a"), "cannot be read"),
             "rotation of texts": (attribute(moving, "rotation", np.array(9 * ["a"], dtype="S1")), drawn),
@@ -180,7 +183,7 @@ class Files(ProgramTest):
         self.assertEqual(len(made), 4)
         for path in made:
             path.write_text("earlier")
-        drawing = shutil.copy(MESHES / "two-disks/disk.geo", self.folder / "a$b^$.geo")
+        drawing = shutil.copy(MESHES / "two-disks/disk.geo", self.folder / "a$b^$日.geo")
         for command in (["plot", self.result], ["report", self.result], ["surfaces", drawing, "--out", self.out]):
             command = [SOURCE / "scripts" / command[0], *command[1:]]
             run = Run(["prlimit", "--fsize=4096", *command])
@@ -191,6 +194,17 @@ class Files(ProgramTest):
         full = subprocess.run(f"exec '{command[0]}' '{drawing}' --out '{self.out}' > /dev/full", shell=True, capture_output=True,
                               text=True, check=False)
         self.assertEqual((full.returncode, full.stderr.count("\n")), (1, 1), full.stderr)
+
+    def test_what_killed_writers_left_goes_and_what_living_ones_write_stays(self):
+        left, living, other = (self.folder / f"{name}.partial" for name in ("table.csv.1", "table.csv.2", "table.csv.old.1"))
+        for path in (left, living, other):
+            path.write_text("half")
+        with open(living, "rb") as file:
+            self.assertTrue(whole_file.lock(file))
+            whole_file.write(self.folder / "table.csv", b"whole")
+        self.assertEqual({path.name for path in self.folder.iterdir()}, {"out", "table.csv", living.name, other.name})
+        with self.assertRaisesRegex(OSError, "/dev/null"):  # and the device stays one
+            whole_file.write("/dev/null", b"")
 
 
 if __name__ == "__main__":
