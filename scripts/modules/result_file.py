@@ -122,8 +122,8 @@ class Result:
         steps = len(self.time)
         if steps < 2 and not self.static:
             every = scene.get("output", {}).get("every", 1)
-            raise BadInput(f"{path}: holds nothing but the start: nothing to draw. output.every is {every if isinstance(every, int) else '?'}, which must not "
-                           "exceed the number of steps, time.rate_hz times time.duration.")
+            raise BadInput(f"{path}: holds nothing but the start: nothing to draw. output.every is {every if isinstance(every, int) else '?'}, "
+                           "which must not exceed the number of steps, time.rate_hz times time.duration.")
         by_table = not f.has("/energy/total") and f.has("/contact/gap")
         self.energy = None if by_table else {name: f.array(f"/energy/{name}", steps)
                                              for name in ["total"] + self.TERMS}

@@ -57,7 +57,8 @@ class Files(ProgramTest):
         scope = tempfile.TemporaryDirectory(prefix="ricochet-files-")
         cls.addClassCleanup(scope.cleanup)
         cls.all = pathlib.Path(scope.name)
-        for run in (Run([BIN / "ricochet-kernel", SCENE, "--out", cls.all, "--quiet", *settings(SETS)]), contact(SCENE, cls.all, *SETS)):
+        for run in (Run([BIN / "ricochet-kernel", SCENE, "--out", cls.all, "--quiet", *settings(SETS)]),
+                    contact(SCENE, cls.all, *SETS)):
             assert run.status == 0, run.err
 
     def setUp(self):

@@ -302,7 +302,7 @@ class Imports(BoxTest):
 
     def test_a_full_disk_leaves_the_earlier_body_file(self):
         out = self.write("body.h5", "earlier")
-        self.refuses("body.h5: File too large", ["matrices", *(self.all / name for name in ("K.mtx", "M.mtx", "nodes.txt")),
+        self.refuses("body.h5: cannot be written (File too large)", ["matrices", *(self.all / name for name in ("K.mtx", "M.mtx", "nodes.txt")),
                                                 "--out", out], ["prlimit", "--fsize=4096"])
         self.assertEqual([(path.name, path.read_text()) for path in self.folder.iterdir()], [("body.h5", "earlier")])
 
