@@ -1,21 +1,49 @@
 """Writes body files, the layout of docs/interchange.md, from matrices in coordinates; reads MatrixMarket."""
 
-import os
+import io
 import warnings
 
 import h5py
 import numpy as np
+
+import whole_file
 
 
 class Refused(Exception):
     """An input that is not what it should be; its text is one line."""
 
 
-def numbers(text):
-    """Of a text that has nothing else, up to where it does."""
+def numbers(path, text):
+    """Of a text that has nothing else."""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)
-        return np.fromstring(text, sep=" ")
+        warnings.simplefilter("error", DeprecationWarning)  # numpy's, of a text that goes on behind the numbers
+        try:
+            return np.fromstring(text, sep=" ")
+        except DeprecationWarning:
+            raise Refused(f"{path}: holds something that is no number where numbers are due") from None
+
+
+def is_number(word):
+    """Of a node or an element, or a count of them: int() takes more than digits, and not too many."""
+    return word.isdecimal() and len(word) < 16
+
+
+def is_name(text):
+    """Whether a surface or support may be called so, in a body file and in a scene."""
+    return text not in ("", ".", "..") and "/" not in text and text.isprintable()
+
+
+def entries_of(path, values, rows, columns):
+    """Rows and columns from 0, and values, of `values` that has the three of each entry in turn, numbered from 1."""
+    table = values.reshape(-1, 3)
+    wrong = np.flatnonzero(~np.isfinite(table).all(axis=1))
+    if wrong.size:
+        raise Refused(f"{path}: entry {wrong[0] + 1} is {' '.join(f'{x:g}' for x in table[wrong[0]])}: must be finite numbers")
+    wrong = np.flatnonzero(((table[:, :2] < 1) | (table[:, :2] > [rows, columns]) | (table[:, :2] % 1 != 0)).any(axis=1))
+    if wrong.size:
+        raise Refused(f"{path}: entry {wrong[0] + 1} is {' '.join(f'{x:.17g}' for x in table[wrong[0]])}: must be a row from 1 to "
+                      f"{rows}, a column from 1 to {columns} and a value")
+    return table[:, 0].astype(np.int64) - 1, table[:, 1].astype(np.int64) - 1, table[:, 2]
 
 
 def read_matrix_market(path):
@@ -24,29 +52,28 @@ def read_matrix_market(path):
         words = file.readline().decode("latin-1").lower().split()
         if words[:3] != ["%%matrixmarket", "matrix", "coordinate"] or words[3:4] not in (["real"], ["integer"]) or \
                 words[4:5] not in (["general"], ["symmetric"]):
-            raise Refused(f"{path}: begins with \"{' '.join(words[:6])}\": must be \"%%MatrixMarket matrix coordinate real\" "
+            raise Refused(f"{path}: begins with \"{' '.join(words[:6])[:60]}\": must be \"%%MatrixMarket matrix coordinate real\" "
                           "general or symmetric")
         line = file.readline()
         while line.startswith(b"%") or line.strip() == b"":
             if not line:
                 raise Refused(f"{path}: ends before its sizes")
             line = file.readline()
-        sizes = line.split()
-        if len(sizes) != 3 or not all(size.isdigit() for size in sizes):
-            raise Refused(f"{path}: has sizes \"{line.decode('latin-1').strip()}\": must be rows, columns and entries")
+        sizes = line.decode("latin-1").split()
+        if len(sizes) != 3 or not all(is_number(size) for size in sizes):
+            raise Refused(f"{path}: has sizes \"{' '.join(sizes)[:60]}\": must be rows, columns and entries")
         rows, columns, entries = (int(size) for size in sizes)
-        values = numbers(file.read())
+        values = numbers(path, file.read())
     if values.size != 3 * entries:
         raise Refused(f"{path}: has {values.size} numbers behind its sizes, expected {entries} entries of 3")
-    i, j = values[0::3].astype(np.int64) - 1, values[1::3].astype(np.int64) - 1
-    if entries and (min(i.min(), j.min()) < 0 or i.max() >= rows or j.max() >= columns):
-        raise Refused(f"{path}: has an entry outside of its {rows} rows and {columns} columns")
-    return (*both_triangles(i, j, values[2::3], words[4] == "symmetric"), (rows, columns))
+    found = entries_of(path, values, rows, columns)
+    return (*(both_triangles(path, *found) if words[4] == "symmetric" else found), (rows, columns))
 
 
-def both_triangles(i, j, value, one_triangle):
-    if not one_triangle:
-        return i, j, value
+def both_triangles(path, i, j, value):
+    """Of one triangle."""
+    if (i < j).any() and (i > j).any():
+        raise Refused(f"{path}: has entries of both triangles of a symmetric matrix: give one of them")
     off = i != j
     return np.concatenate([i, j[off]]), np.concatenate([j, i[off]]), np.concatenate([value, value[off]])
 
@@ -85,24 +112,20 @@ def clockwise(node, facets, i, j):
 
 def write_body(path, node, surfaces, matrices, supports=(), skin=None):
     """node (n,3) [m]; surfaces: name → list of facets, (T,k) node numbers from 0; matrices: "stiffness" and "mass" → rows,
-    columns, values; supports: name → node numbers. The file has its name only when it is whole."""
-    beside = f"{path}.{os.getpid()}.tmp"
-    try:
-        with h5py.File(beside, "w") as file:
-            file.attrs["format"] = np.bytes_("ricochet-body")
-            file.attrs["version"] = 1
-            file["node"] = np.asarray(node, float)
-            for name, blocks in surfaces.items():
-                for facets in blocks:
-                    file[f"surface/{name}/{np.shape(facets)[1]}"] = np.asarray(facets, np.int64)
-            for name, nodes in dict(supports).items():
-                file[f"nodes/{name}"] = np.asarray(nodes, np.int64)
-            if skin is not None:
-                file["skin"] = np.asarray(skin, np.int64)
-            for name, (i, j, value) in matrices.items():
-                for part, numbers in zip(("start", "column", "value"), rows_of(i, j, value, 3 * len(node))):
-                    file[f"{name}/{part}"] = numbers
-        os.replace(beside, path)
-    finally:
-        if os.path.exists(beside):
-            os.remove(beside)
+    columns, values; supports: name → node numbers. The file has its name only when it is whole. Throws OSError."""
+    image = io.BytesIO()  # HDF5 itself crashes on a full disk
+    with h5py.File(image, "w") as file:
+        file.attrs["format"] = np.bytes_("ricochet-body")
+        file.attrs["version"] = 1
+        file["node"] = np.asarray(node, float)
+        for name, blocks in surfaces.items():
+            for facets in blocks:
+                file[f"surface/{name}/{np.shape(facets)[1]}"] = np.asarray(facets, np.int64)
+        for name, nodes in dict(supports).items():
+            file[f"nodes/{name}"] = np.asarray(nodes, np.int64)
+        if skin is not None:
+            file["skin"] = np.asarray(skin, np.int64)
+        for name, (i, j, value) in matrices.items():
+            for part, numbers in zip(("start", "column", "value"), rows_of(i, j, value, 3 * len(node))):
+                file[f"{name}/{part}"] = numbers
+    whole_file.write(path, image.getbuffer())

@@ -1,5 +1,6 @@
 """Command lines of the scripts: --help under the name that they are called by, --version of the programs."""
 import argparse
+import os
 import re
 import sys
 from pathlib import Path
@@ -30,3 +31,20 @@ class Parser(argparse.ArgumentParser):
 
     def format_help(self):
         return named(super().format_help().replace("usage:", "Usage:", 1))  # as help2man reads it
+
+
+def run(main):
+    """Ends the script with the status that `main` returns, or with 1 and one line where standard output can't be written: main
+    itself takes care of all other OSErrors."""
+    if sys.stdout:
+        sys.stdout.reconfigure(errors="surrogateescape")  # names of files may be any bytes
+    try:
+        try:
+            status = main()
+        finally:
+            print(end="", flush=True)
+    except OSError as error:
+        print(f"{Path(sys.argv[0]).name}: standard output can't be written ({error.strerror})", file=sys.stderr)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # for what is still to be flushed
+        status = 1
+    sys.exit(status)

@@ -3,10 +3,9 @@ import base64
 import hashlib
 import html
 import json
-import os
-import tempfile
 from pathlib import Path
 
+import whole_file
 from result_file import BadInput
 
 FOLDER = Path(__file__).resolve().parent / "report"
@@ -42,14 +41,7 @@ def write_page(run, path):
                        "A larger output.snapshot_every, no output.view or fewer receivers make it smaller.")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile(dir=path.parent, prefix=path.name + ".", suffix=".partial", delete=False) as file:
-            try:
-                file.write(page)
-                os.fchmod(file.fileno(), 0o644)
-                os.replace(file.name, path)
-            except BaseException:
-                os.unlink(file.name)
-                raise
+        whole_file.write(path, page)
     except OSError as error:
         raise BadInput(f"{path}: cannot be written ({error.strerror}). Choose another --out.") from None
     return len(page)

@@ -10,18 +10,19 @@ import report_charts as charts
 from command_line import named
 from report_motion import materials, motion_of
 from report_sound import sounds_of
-from result_file import BadInput, File, Result
+from result_file import BadInput, File, Result, expected, is_there
 
 
 def summary_of(path, result):
     """summary.json of the same run."""
+    if not is_there(path):
+        raise BadInput(f"{path}: there is no such file. Run ricochet-contact again: it writes one beside the result.")
     try:
         summary = json.loads(path.read_text(), parse_constant=lambda word: None)
-    except OSError:
-        raise BadInput(f"{path}: there is no such file. Run ricochet-contact again: it writes one beside the result.") from None
-    except ValueError:
+        json.dumps(summary, ensure_ascii=False, allow_nan=False).encode()  # not with 1e999 or half a character
+    except (ValueError, RecursionError):
         raise BadInput(f"{path}: is damaged. Run ricochet-contact again.") from None
-    kind = {"warnings": list, "pairs": list} if len(result.time) == 1 else {"warnings": list, "episodes": list, "sounds": dict}
+    kind = {"warnings": list, "pairs": list} if result.static else {"warnings": list, "episodes": list, "sounds": dict}
     same = isinstance(summary, dict) and all(isinstance(summary.get(key), of) for key, of in kind.items())
     if not same or summary.get("candidates") != len(result.gap):
         raise BadInput(f"{path}: is not of the run of {result.file.path.name}. Run ricochet-contact again.")
@@ -30,9 +31,9 @@ def summary_of(path, result):
 
 def plain(file, where, name):
     """An attribute of a file: text or a finite number."""
-    value = file.text(where, name)
-    if isinstance(value, str):
-        return value
+    text, value = file.text(where, name), file.attribute(where, name)
+    if text is not None:
+        return text
     if np.ndim(value) == 0 and isinstance(value, np.number) and np.isfinite(value):
         return value.item()
     raise BadInput(f"{file.path}: attribute \"{name}\" of {where} is missing or damaged. Compute it again.")
@@ -40,7 +41,7 @@ def plain(file, where, name):
 
 def kernel_of(path):
     """What a kernel file says of itself; None where it is gone."""
-    if not path.is_file():
+    if not is_there(path):
         return None
     file = File(path, "ricochet-kernel")
     out = {name: plain(file, "/", name) for name in
@@ -101,9 +102,12 @@ def digest(path):
 
 def run_of(path, kernels=None):
     """The whole run whose result file is at `path`. Throws BadInput."""
-    result = Result(path, least=1)
+    result = Result(path)
     folder = kernels or path.parent
-    summary = summary_of(path.with_name(f"{result.slug}.summary.json"), result)
+    beside = path.with_name(f"{result.slug}.summary.json")
+    summary = summary_of(beside, result)
+    with expected(beside):
+        sounds = sounds_of(summary, path.parent)
     scene = result.scene()
     by_table = result.energy is None
     drawn, force_map = charts_of(result, by_table)
@@ -114,10 +118,10 @@ def run_of(path, kernels=None):
     ends = {} if by_table else {name: [values[0], values[-1]] for name, values in result.energy.items()}
     return {"title": result.title, "slug": result.slug, "summary": summary, "scene": result.file.text("/", "scene") or "",
             "asked": {name: scene.get(name) for name in ["accuracy", "modes", "contact", "time", "loads"]},
-            "static": len(result.time) == 1, "by_table": by_table, "bodies": bodies, "steps": steps,
+            "static": result.static, "by_table": by_table, "bodies": bodies, "steps": steps,
             "labels": Result.LABELS, "energy": ends, "charts": drawn, "map": force_map, "motion": motion,
             "episodes": result.spans()[:2000],
-            "sounds": sounds_of(summary, path.parent), "receivers": charts.receiver_charts(result),
+            "sounds": sounds, "receivers": charts.receiver_charts(result),
             "points": len(result.gap), "commands": commands_of(result, scene, bodies),
             "file": {"name": path.name, "bytes": path.stat().st_size, "sha256": digest(path),
                      "created_by": result.file.text("/", "created_by")}}

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from result_file import BadInput
+from result_file import BadInput, is_there
 
 SAMPLES = 700_000  # of all receivers together: 1.9 MB in the page
 
@@ -51,5 +51,5 @@ def sounds_of(summary, folder):
     named = summary.get("sounds") or {}
     for name, sound in named.items():
         path = folder / Path(sound["file"]).name
-        out[name] = sound_of(path, SAMPLES // len(named)) if path.is_file() else {"missing": f"there is no file {path.name}"}
+        out[name] = sound_of(path, SAMPLES // len(named)) if is_there(path) else {"missing": f"there is no file {path.name}"}
     return out

@@ -1,5 +1,7 @@
 """Reads result and kernel files for scripts. What is wrong with a file is a BadInput of one line."""
+import contextlib
 import tomllib
+import warnings
 from pathlib import Path
 
 import h5py
@@ -13,13 +15,38 @@ class BadInput(Exception):
     """What the user can mend; its text is one line."""
 
 
+def is_there(path):
+    """Whether there is such a file, which can be opened. Throws BadInput where nobody can tell, or it can't be."""
+    try:
+        if not path.is_file():
+            return False
+        with open(path, "rb"):
+            return True
+    except OSError as error:
+        raise BadInput(f"{path}: cannot be read ({error.strerror}). Change its permissions, or name another one.") from None
+
+
+@contextlib.contextmanager
+def expected(path, program="ricochet-contact"):
+    """A BadInput in the place of whatever a file leads to that is whole, but not what the program writes."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of numpy, on numbers that no run has
+            yield
+    except (BadInput, MemoryError):
+        raise
+    except Exception:
+        raise BadInput(f"{path}: holds what {program} does not write. Compute it again.") from None
+
+
 class File:
     """An HDF5 file whose datasets are checked as they are read."""
 
     def __init__(self, path, kind):
         self.path = path
-        if not path.is_file():
-            raise BadInput(f"{path}: there is no such file. Name a .result.h5 that ricochet-contact wrote.")
+        if not is_there(path):
+            name = "a .kernel.h5 that ricochet-kernel wrote" if kind == "ricochet-kernel" else "a .result.h5 that ricochet-contact wrote"
+            raise BadInput(f"{path}: there is no such file. Name {name}.")
         try:
             self.file = h5py.File(path, "r")
         except OSError:
@@ -29,12 +56,15 @@ class File:
             raise BadInput(f"{path}: is not a {kind} file. Name a file that Ricochet wrote.")
 
         version = self.attribute("/", "version")
-        if not isinstance(version, (int, np.integer)) or not 1 <= version <= VERSION:
+        if not isinstance(version, (int, np.integer)):
+            raise BadInput(f"{path}: does not say its format version. Compute it again.")
+        if not 1 <= version <= VERSION:
             raise BadInput(f"{path}: has format version {version}, and this program reads {VERSION}. Use a newer Ricochet.")
 
     def text(self, where, name):
+        """None of what is no text."""
         value = self.attribute(where, name)
-        return value.decode(errors="replace") if isinstance(value, bytes) else value
+        return value.decode(errors="replace") if isinstance(value, bytes) else value if isinstance(value, str) else None
 
     def attribute(self, where, name):
         return self.file[where].attrs.get(name) if where in self.file else None
@@ -47,7 +77,10 @@ class File:
         return isinstance(item, h5py.Dataset) and item.file.filename == self.file.filename
 
     def names(self, group):
-        return sorted(self.file[group]) if isinstance(self.file.get(group), h5py.Group) else []
+        try:
+            return sorted(self.file[group]) if isinstance(self.file.get(group), h5py.Group) else []
+        except RuntimeError:  # links in a circle
+            return []
 
     def array(self, name, *shape):
         """Values as floats or integers. None in `shape` is a dimension of any length."""
@@ -79,16 +112,18 @@ class Result:
     LABELS = {"kinetic": "kinetic", "strain": "strain", "residual": "strain of modes left out", "loads": "− work of loads",
               "damping": "lost in damping", "contact": "lost in contact"}
 
-    def __init__(self, path, least=2):
+    def __init__(self, path):
         f = self.file = File(path, "ricochet-result")
         self.slug = path.name.removesuffix(".h5").removesuffix(".result")
         self.title = f.text("/", "title") or self.slug
-        self.time = f.array("/time", None)
+        scene = self.scene()
+        self.static = scene.get("contact", {}).get("scheme") == "static"
+        self.time = f.array("/time", 1 if self.static else None)
         steps = len(self.time)
-        if steps < least:
-            if self.at_rest():
-                raise BadInput(f"{path}: bodies at rest have no history to draw. Use scripts/report.")
-            raise BadInput(f"{path}: holds {steps} steps: nothing to draw. Give [time] a longer duration.")
+        if steps < 2 and not self.static:
+            every = scene.get("output", {}).get("every", 1)
+            raise BadInput(f"{path}: holds nothing but the start: nothing to draw. output.every is {every if isinstance(every, int) else '?'}, "
+                           "which must not exceed the number of steps, time.rate_hz times time.duration.")
         by_table = not f.has("/energy/total") and f.has("/contact/gap")
         self.energy = None if by_table else {name: f.array(f"/energy/{name}", steps)
                                              for name in ["total"] + self.TERMS}
@@ -139,7 +174,7 @@ class Result:
             where, what = away @ along, "position along the contact"
         else:
             where, what = np.linalg.norm(away, axis=1), \
-                "distance from where the gap was least" if self.at_rest() else "distance from the first touch"
+                "distance from where the gap was least" if self.static else "distance from the first touch"
         order = np.argsort(where, kind="stable")
         return order, where[order], what
 
@@ -149,10 +184,6 @@ class Result:
             return tomllib.loads(self.file.text("/", "scene") or "")
         except tomllib.TOMLDecodeError:
             return {}
-
-    def at_rest(self):
-        contact = self.scene().get("contact")
-        return isinstance(contact, dict) and contact.get("scheme") == "static"
 
     def window(self):
         """The contact with a margin before and after, or all when nothing touched [s]."""
@@ -247,6 +278,10 @@ class Skin:
         return unique[(count == 1) | ((towards > 0) & (towards < count))]
 
 
+def are_finite(values, count):
+    return np.size(values) == count and np.asarray(values).dtype.kind in "fi" and np.isfinite(values).all()
+
+
 def skins_of(result, folder):
     """The bodies' skins by name and the times of their snapshots; or why there is none."""
     f = result.file
@@ -260,10 +295,10 @@ def skins_of(result, folder):
         where = f"/bodies/{body}"
         name, rotation, translation = (f.text(where, "kernel"), f.attribute(where, "rotation"),
                                        f.attribute(where, "translation"))
-        if not name or np.size(rotation) != 9 or np.size(translation) != 3:
+        if not name or not are_finite(rotation, 9) or not are_finite(translation, 3):
             return None, f"the result does not say where {body} stands"
         path = folder / Path(name).name
-        if not path.is_file():
+        if not is_there(path):
             return None, f"there is no kernel {path} (set --kernels)"
         kernel = File(path, "ricochet-kernel")
         if not kernel.has("/view/node"):

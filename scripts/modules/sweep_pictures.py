@@ -5,6 +5,7 @@ import re
 import numpy as np
 
 from result_file import BadInput
+from whole_file import save_picture
 
 FEW = 12  # values of an input that can be told apart on an axis
 LINES = 8  # of different colour in a picture
@@ -109,7 +110,7 @@ def draw(table, output, against, path):
     if len(places) == 2:
         ax.set_ylabel(label(against[1]))
     ax.set(xlabel=label(against[0]), title=table.title)
-    fig.savefig(path, dpi=120)
+    save_picture(fig, path, dpi=120)
     plt.close(fig)
 
 

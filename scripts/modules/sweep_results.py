@@ -1,5 +1,4 @@
 """What a sweep found: its journal, its tables."""
-import contextlib
 import csv
 import fcntl
 import glob
@@ -12,6 +11,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+import whole_file
 from result_file import BadInput
 
 
@@ -70,19 +70,6 @@ def whole_lines(path):
     return content[:content.rfind(b"\n") + 1]
 
 
-@contextlib.contextmanager
-def beside(path):
-    """A name to write to, which becomes `path` when all is written, and nothing when that fails."""
-    partial = path.with_name(path.name + ".partial")
-    try:
-        yield partial
-        with open(partial, "rb+") as file:
-            os.fsync(file.fileno())
-        partial.rename(path)
-    finally:
-        partial.unlink(missing_ok=True)
-
-
 def outputs(summary):
     """The numbers of a summary by name: "restitution", "exit_velocity.upper.y", "episodes" (how many)."""
     found = {}
@@ -118,12 +105,13 @@ class Table:
         self.outputs = {name: [columns.get(name, math.nan) for columns in found] for name in names}
 
     def write_csv(self, path):
-        with beside(path) as partial, open(partial, "w", newline="") as file:
-            table = csv.writer(file)
-            table.writerow([*self.inputs, *self.outputs, "status", "error"])
-            text = [[value if isinstance(value, (int, float, str)) else json.dumps(value) for value in column]
-                    for column in self.inputs.values()]
-            table.writerows(zip(*text, *self.outputs.values(), self.status, self.error))
+        file = io.StringIO(newline="")
+        table = csv.writer(file)
+        table.writerow([*self.inputs, *self.outputs, "status", "error"])
+        text = [[value if isinstance(value, (int, float, str)) else json.dumps(value) for value in column]
+                for column in self.inputs.values()]
+        table.writerows(zip(*text, *self.outputs.values(), self.status, self.error))
+        whole_file.write(path, file.getvalue().encode())
 
     def write_hdf5(self, path):
         """/inputs/KEY, /outputs/NAME, /status, /error, all (settings); texts and lists as JSON."""
@@ -137,8 +125,7 @@ class Table:
                 file.create_dataset(f"outputs/{name}", data=np.array(column, dtype=float))
             file["status"] = np.array(self.status, dtype=np.int8)
             file.create_dataset("error", data=self.error, dtype=h5py.string_dtype())
-        with beside(path) as partial:
-            partial.write_bytes(image.getbuffer())
+        whole_file.write(path, image.getbuffer())
 
     def column(self, name):
         columns = self.inputs | self.outputs

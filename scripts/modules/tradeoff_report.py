@@ -1,8 +1,11 @@
 """What scripts/tradeoff tells: errors, the settings that nothing beats, the cheapest for an error, table and picture."""
 import csv
+import io
 import math
 
 import numpy as np
+
+import whole_file
 
 COLUMNS = ["basis", "size", "residual_flexibility", "order", "relative_residual", "spacing_m", "scheme", "rate_hz", "precision",
            "vectors", "candidates", "kernel_s", "kernel_mib", "impact_s", "impact_mib", "rebound_error", "impulse_error",
@@ -61,13 +64,12 @@ def cheapest(points, error, cost):
 
 
 def write_csv(points, path):
-    partial = path.with_name(path.name + ".partial")
-    with open(partial, "w", newline="") as file:
-        table = csv.DictWriter(file, COLUMNS)
-        table.writeheader()
-        for point in sorted(points, key=lambda p: p.error):
-            table.writerow(point.row)
-    partial.rename(path)
+    file = io.StringIO(newline="")
+    table = csv.DictWriter(file, COLUMNS)
+    table.writeheader()
+    for point in sorted(points, key=lambda p: p.error):
+        table.writerow(point.row)
+    whole_file.write(path, file.getvalue().encode())
 
 
 def print_front(front, impacts):
@@ -133,4 +135,4 @@ def draw(points, floor, error, impacts, title, path):
     handles, labels = axes[1].get_legend_handles_labels()
     fig.legend(handles, labels, loc="upper center", ncol=4, fontsize=8, bbox_to_anchor=(0.5, 0.0))
     fig.suptitle(f"{title}: error against cost", fontsize=11)
-    fig.savefig(path, dpi=110, bbox_inches="tight")
+    whole_file.save_picture(fig, path, dpi=110, bbox_inches="tight")

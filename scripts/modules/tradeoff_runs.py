@@ -11,7 +11,6 @@ import tempfile
 import time
 import tomllib
 from dataclasses import dataclass
-from pathlib import Path
 
 import programs
 

@@ -116,6 +116,28 @@ class Exports(BoxTest):
             self.assertEqual((run.status, run.out), (2, ""))
             self.assertIn(words, run.err)
 
+    def test_damaged_kernels_make_no_model(self):
+        def version(file):
+            file.attrs["version"] = 99
+
+        def silent(file):
+            file["modes/angular_frequency"][7] = float("nan")
+
+        cases = [("--receive: \"²\" is no receiver", "²", None), ("\".\" is no receiver", ".:x", None),
+                 ("\"nan,0,0\" is no receiver", "nan,0,0", None), ("has format version 99", 7, version),
+                 ("not finite numbers", 7, silent)]
+        cases += [(f"\"/{name}\" is missing", 7, lambda file, name=name: file.__delitem__(name))
+                  for name in ("surface/node", "surface/shape", "modes/angular_frequency")]
+        for words, place, change in cases:
+            path = shutil.copy(self.one(self.all / "imported"), self.folder / "damaged.kernel.h5")
+            if change:
+                with h5py.File(path, "r+") as file:
+                    change(file)
+            with self.subTest(words):
+                run = self.faust(path, "--excite", 3, "--receive", place)
+                self.assertEqual((run.status, run.out, run.err.count("\n")), (2, "", 1), run.err)
+                self.assertIn(words, run.err)
+
 
 PLAYER = """
 #include <cstdio>

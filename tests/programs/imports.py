@@ -14,8 +14,8 @@ from boxes import MATERIAL, Box, listed
 from programs import BIN, SOURCE, Run, contact, displacement_kernel, kernel, static_responses
 
 sys.path.insert(0, str(SOURCE / "scripts" / "modules"))
-from body_file import clockwise, write_body  # noqa: E402
-from calculix_model import BRICK  # noqa: E402
+from body_file import Refused, clockwise, write_body  # noqa: E402
+from calculix_model import BRICK, Model  # noqa: E402
 
 TIMES = [0.1, 0.5, 2.0, 7.0]
 # Bricks that are not straight have a stiffness whose integrand is no polynomial: two rules of quadrature differ by 1e-9.
@@ -263,17 +263,29 @@ class Imports(BoxTest):
         few = self.write("few.txt", listed(self.box.node[:-1]))
         far = self.write("far.txt", listed(self.box.foot + 30))
         half = self.write("half.txt", listed(self.box.foot + 0.5))
+        text = files[0].read_text()
+        def changed(name, old, new):
+            self.assertIn(old, text)
+            return [self.write(name, text.replace(old, new, 1)), *files[1:]]
+
         cases = [("none.txt: there is no such file.", [*files[:2], self.folder / "none.txt"]),
                  ("none.mtx: there is no such file.", [self.folder / "none.mtx", *files[1:]]),
-                 ("each row must be the nodes of a facet", [*files, "--surface", f"foot={half}"]),
+                 ("names node 1.5", [*files, "--surface", f"foot={half}"]),
                  ("is 108 x 108: 35 nodes have 105", [*files[:2], few]),
                  ("names node 37: nodes are numbered 1 to 36", [*files, "--surface", f"foot={far}"]),
+                 ("names node 1.7", [*files, "--support", f"foot={self.write('part.txt', '1 2' + chr(10) + '3 1.7')}"]),
+                 ("is empty", [*files, "--surface", f"foot={self.write('empty.txt', '')}"]),
+                 ("row 1 has a number that is not finite", [*files[:2], self.write("huge.txt", "1e400 0 0")]),
+                 ("entry 2 is 1.7 1", changed("half.mtx", "\n2 1 ", "\n1.7 1 ")),
+                 ("must be finite numbers", changed("inf.mtx", text.splitlines()[4], "2 1 inf")),
+                 ("both triangles", changed("both.mtx", "\n2 1 ", "\n1 2 ")),
+                 ("has sizes", changed("sizes.mtx", "\n108 ", "\n" + 5000 * "1" + " ")),
+                 ("is one of the inputs", [*files, "--out", files[1]]),
+                 ("must be NAME=FILE", [*files, "--surface", b"\xff=foot"]),
                  ("%%MatrixMarket matrix coordinate real", [few, *files[1:]])]
         for words, arguments in cases:
-            run = Run([SOURCE / "scripts" / "import", "matrices", *arguments, "--out", self.folder / "no.h5"])
-            self.assertEqual(run.status, 2, run.err)
-            self.assertIn(words, run.err)
-            self.assertEqual(run.err.count("\n"), 1, run.err)
+            with self.subTest(words):
+                self.refuses(words, ["matrices", "--out", self.folder / "no.h5", *arguments])
         self.assertFalse(list(self.folder.glob("no.h5*")))
         unwritten = self.folder / "none" / "box.h5"
         run = Run([SOURCE / "scripts" / "import", "matrices", *files, "--out", unwritten])
@@ -302,6 +314,50 @@ class Imports(BoxTest):
         outward = np.where(inner[:, None], walls, walls[:, ::-1])  # from the shell into the cavity
         self.assertEqual(clockwise(box.node, outward, i, j), 0)
         self.assertEqual(clockwise(box.node, outward[:, ::-1], i, j), 6)
+
+    def refuses(self, words, arguments, lead=()):
+        command = [*lead, SOURCE / "scripts" / "import", *arguments]
+        done = subprocess.run([w if isinstance(w, bytes) else str(w) for w in command], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertIn(words, done.stderr.splitlines()[-1])
+        self.assertNotIn("Traceback", done.stderr)
+        self.assertNotIn("Warning", done.stderr)
+
+    def test_lists_of_one_name_are_one_list(self):
+        files = [self.all / name for name in ("K.mtx", "M.mtx", "nodes.txt")]
+        both = [word for name in ("foot", "top") for kind in ("--surface", "--support") for word in (kind, f"s={self.all / name}.txt")]
+        self.succeed(Run([SOURCE / "scripts" / "import", "matrices", *files, *both, "--out", self.folder / "both.h5"]))
+        with h5py.File(self.folder / "both.h5") as file:
+            np.testing.assert_array_equal(file["surface/s/4"][:], np.concatenate([self.box.foot, self.box.top]))
+            np.testing.assert_array_equal(file["nodes/s"][:], np.unique([self.box.foot, self.box.top]))
+
+    def test_a_full_disk_leaves_the_earlier_body_file(self):
+        out = self.write("body.h5", "earlier")
+        self.refuses("body.h5: cannot be written (File too large)", ["matrices", *(self.all / name for name in ("K.mtx", "M.mtx", "nodes.txt")),
+                                                "--out", out], ["prlimit", "--fsize=4096"])
+        self.assertEqual([(path.name, path.read_text()) for path in self.folder.iterdir()], [("body.h5", "earlier")])
+
+    def test_decks_that_are_wrong_are_refused_by_their_line(self):
+        deck = ("*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n4, 0, 0, 1\n*ELEMENT, TYPE=C3D4, ELSET=e\n1, 1, 2, 3, 4\n"
+                "*SURFACE, NAME=foot\ne, S1\n")
+        path = self.write("job.inp", deck)
+        self.assertEqual([facets.tolist() for facets in Model(path).surfaces()["foot"]], [[[2, 1, 0]]])  # clockwise from above
+        for words, old, new in [('line 9: surface foot has "S7"', "e, S1", "e, S7"), ('line 9: surface foot has "S0"', "e, S1", "e, S0"),
+                                ("line 9: names the set nope", "e, S1", "nope, S1"), ("line 9: .* element 99", "e, S1", "99, S1"),
+                                ('line 9: surface foot has ""', "e, S1", "e"), ('line 8: surface "skin"', "foot", "skin"),
+                                ("line 10: includes .* being read already", "e, S1\n", "e, S1\n*INCLUDE, INPUT=job.inp\n"),
+                                ("element 1 is there twice", "3, 4\n", "3, 4\n1, 1, 2, 3, 4\n"),
+                                ("line 3: node 2 has a coordinate", "2, 1, 0", "2, nan, 0"),
+                                (r"line 3: can't be read as \*NODE", "2, 1, 0", "2, x, 0")]:
+            self.assertIn(old, deck)
+            path.write_text(deck.replace(old, new))
+            with self.subTest(new), self.assertRaisesRegex(Refused, words):
+                Model(path).surfaces()
+        path.write_text(deck)
+        for words, rows in [("of no node", b"\xff.1\n"), ("of no node", "\u00b2.1\n".encode()), ("2.1 twice", b"1.1\n2.1\n2.1\n")]:
+            (self.folder / "job.dof").write_bytes(rows)
+            with self.subTest(rows), self.assertRaisesRegex(Refused, words):
+                Model(path).matrices()
 
 
 def replace(file, name, values):
