@@ -5,7 +5,6 @@ import selectors
 import subprocess
 from collections import deque
 
-import programs
 
 # A process has the next request at hand while it computes, as long as a pipe surely holds what it has not read.
 AHEAD, PIPE_BYTES = 2, 32768

@@ -270,7 +270,7 @@ class Imports(BoxTest):
 
         cases = [("none.txt: there is no such file.", [*files[:2], self.folder / "none.txt"]),
                  ("none.mtx: there is no such file.", [self.folder / "none.mtx", *files[1:]]),
-                 ("names node 1.5", [*files, "--surface", f"foot={half}"]),
+                 ("names node 0.5", [*files, "--surface", f"foot={half}"]),
                  ("is 108 x 108: 35 nodes have 105", [*files[:2], few]),
                  ("names node 37: nodes are numbered 1 to 36", [*files, "--surface", f"foot={far}"]),
                  ("names node 1.7", [*files, "--support", f"foot={self.write('part.txt', '1 2' + chr(10) + '3 1.7')}"]),
@@ -290,7 +290,7 @@ class Imports(BoxTest):
         unwritten = self.folder / "none" / "box.h5"
         run = Run([SOURCE / "scripts" / "import", "matrices", *files, "--out", unwritten])
         self.assertEqual((run.status, run.err.count("\n")), (2, 1), run.err)
-        self.assertIn(f"{unwritten}: can't be written", run.err)
+        self.assertIn(f"{unwritten}: cannot be written", run.err)
 
     def test_bodies_that_can_never_touch_are_warned_of(self):
         command = [SOURCE / "scripts" / "import", "matrices", *(self.all / name for name in ("K.mtx", "M.mtx", "nodes.txt")),
