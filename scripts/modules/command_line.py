@@ -1,5 +1,6 @@
 """Command lines of the scripts: --help under the name that they are called by, --version of the programs."""
 import argparse
+import os
 import re
 import sys
 from pathlib import Path
@@ -7,6 +8,35 @@ from pathlib import Path
 import programs
 
 INSTALLED = Path(sys.argv[0]).name.startswith("ricochet-")
+
+MOST_RANKS = 4096
+if sys.stderr is None:  # closed: it takes that number, lest a file does
+    sys.stderr = open(os.devnull, "w")
+
+
+class Unprinted(Exception):
+    """Standard output can't be written."""
+
+
+def say(text):
+    """Prints, at once."""
+    try:
+        print(os.fsencode(text).decode(errors="replace"), flush=True)
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what is left is not to be tried again when Python ends
+        raise Unprinted("standard output can't be written: is the disk full?") from None
+
+
+def told(problem):
+    """What the user did wrong, in one line."""
+    return re.sub(r"[\x00-\x1f\x7f]", " ", named(str(problem)))
+
+
+def ranks(text):
+    """Of ricochet-kernel, as a type of options."""
+    if not text.isdecimal() or not 1 <= int(text[:9]) <= MOST_RANKS:
+        raise argparse.ArgumentTypeError(f"give a number from 1 to {MOST_RANKS}")
+    return int(text)
 
 
 def named(text):
@@ -16,7 +46,10 @@ def named(text):
 
 class Version(argparse.Action):
     def __call__(self, parser, *_):
-        print(parser.prog, programs.version())
+        try:
+            print(parser.prog, programs.version())
+        except programs.Failed as failure:
+            parser.exit(failure.status)
         parser.exit()
 
 
