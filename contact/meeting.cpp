@@ -18,9 +18,10 @@ int index_of(const std::string& name, const std::vector<PlacedBody>& bodies) {
 
 namespace {
 
-Pairing find(const Meeting& meeting, const std::vector<PlacedBody>& bodies, const PairRequest& as) {
+Pairing find(const Meeting& meeting, const std::vector<PlacedBody>& bodies, const PairRequest& as,
+             Pairings* known) {
   const PlacedBody& a = bodies[meeting.a];
-  return meeting.obstacle ? pair(a, *meeting.obstacle, as) : pair(a, bodies[meeting.b], as);
+  return meeting.obstacle ? pair(a, *meeting.obstacle, as) : pair(a, bodies[meeting.b], as, known);
 }
 
 Meeting look_up(const PairRequest& request, const std::vector<PlacedBody>& bodies,
@@ -43,7 +44,7 @@ Meeting look_up(const PairRequest& request, const std::vector<PlacedBody>& bodie
 }  // namespace
 
 std::vector<Meeting> meet(std::vector<PlacedBody>& bodies, const std::vector<HalfSpace>& obstacles,
-                          const std::vector<PairRequest>& requests) {
+                          const std::vector<PairRequest>& requests, Pairings* known) {
   std::vector<Meeting> out;
   for (const PairRequest& request : requests) out.push_back(look_up(request, bodies, obstacles));
   for (std::size_t k = 0; k < bodies.size(); ++k)
@@ -54,11 +55,12 @@ std::vector<Meeting> meet(std::vector<PlacedBody>& bodies, const std::vector<Hal
           "bodies.{}: no pair names it, so nothing would ever touch it. Add it to contact, or take it out.",
           bodies[k].name));
   for (const Meeting& meeting : out)
-    if (meeting.request.gap) bodies[meeting.a].translation += find(meeting, bodies, meeting.request).shift;
+    if (meeting.request.gap)
+      bodies[meeting.a].translation += find(meeting, bodies, meeting.request, known).shift;
   for (Meeting& meeting : out) {
     PairRequest placed = meeting.request;
     placed.gap.reset();
-    meeting.pairing = find(meeting, bodies, placed);
+    meeting.pairing = find(meeting, bodies, placed, known);
     if (!meeting.request.gap) continue;
     // Points are sums of a placement and of what the mesh says, and both may be far larger than the sum.
     double nearest = meeting.pairing.points.front().gap,
@@ -79,9 +81,10 @@ std::vector<Meeting> meet(std::vector<PlacedBody>& bodies, const std::vector<Hal
 
 std::vector<std::vector<std::int64_t>> paired_candidates(std::vector<PlacedBody> bodies,
                                                          const std::vector<HalfSpace>& obstacles,
-                                                         const std::vector<PairRequest>& pairs) {
+                                                         const std::vector<PairRequest>& pairs,
+                                                         Pairings* known) {
   std::vector<std::set<std::int64_t>> paired(bodies.size());
-  for (const Meeting& meeting : meet(bodies, obstacles, pairs))
+  for (const Meeting& meeting : meet(bodies, obstacles, pairs, known))
     for (const Pairing::Point& point : meeting.pairing.points) {
       paired[meeting.a].insert(point.candidate);
       for (const auto& [candidate, weight] : point.weights) paired[meeting.b].insert(candidate);

@@ -21,8 +21,8 @@ struct Meeting {
 
 /// Moves the bodies whose pairs ask for a gap, then pairs all. A body that two pairs move in different ways
 /// has no place that serves both.
-/// Throws InputError like build_model.
+/// Throws InputError like build_model. @param known  as of `pair`
 std::vector<Meeting> meet(std::vector<PlacedBody>& bodies, const std::vector<HalfSpace>& obstacles,
-                          const std::vector<PairRequest>& requests);
+                          const std::vector<PairRequest>& requests, Pairings* known = nullptr);
 
 }  // namespace ricochet::contact

@@ -96,8 +96,8 @@ Selection selection(const PlacedBody& body, int index, const std::vector<Meeting
 
 Model build_model(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& obstacles,
                   const std::vector<PairRequest>& pairs, const Vector3d& gravity,
-                  const std::vector<DriveRequest>& drives) {
-  const std::vector<Meeting> meetings = meet(bodies, obstacles, pairs);
+                  const std::vector<DriveRequest>& drives, Pairings* known) {
+  const std::vector<Meeting> meetings = meet(bodies, obstacles, pairs, known);
   Model model;
   model.gravity = gravity;
   for (const DriveRequest& request : drives)

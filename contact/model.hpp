@@ -40,12 +40,15 @@ struct HalfSpace {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitY();
 };
 
+class Pairings;
+
 /// Which surfaces meet, by name; `b` names a body or a half-space.
 struct PairRequest {
   std::string a, b;
   std::optional<Eigen::Vector3d> direction;  ///< unit, out of a; world frame
   std::optional<double> gap;    ///< [m] moves body a along the direction until the closest pair has this gap
   std::optional<double> reach;  ///< [m] drops pairs whose initial gap is not below it
+  bool operator==(const PairRequest&) const = default;
 };
 
 /// A load or a moving support: `vector` times a history.
@@ -79,7 +82,9 @@ struct Pairing {
 /// Pairs are found on whole surfaces, whatever part of their candidates the kernels hold. Throws InputError
 /// when nothing faces anything, when bodies overlap (with the depth), when a kernel holds one component only
 /// and the direction asked for is another one, or does not hold a candidate that is paired.
-Pairing pair(const PlacedBody& a, const PlacedBody& b, const PairRequest& request);
+/// @param known  takes from it, and adds to it, what does not depend on the kernels' modes; null: nothing is
+///               known
+Pairing pair(const PlacedBody& a, const PlacedBody& b, const PairRequest& request, Pairings* known = nullptr);
 Pairing pair(const PlacedBody& a, const HalfSpace& b, const PairRequest& request);
 
 struct Model {
@@ -162,16 +167,17 @@ struct Model {
 
 /// The candidates of each body that its pairs make use of, ascending, as its kernel numbers them. Bodies are
 /// placed and paired like those of build_model; of their kernels only the surface is looked at, without
-/// modes.
+/// modes. @param known  as of `pair`
 std::vector<std::vector<std::int64_t>> paired_candidates(std::vector<PlacedBody> bodies,
                                                          const std::vector<HalfSpace>& obstacles,
-                                                         const std::vector<PairRequest>& pairs);
+                                                         const std::vector<PairRequest>& pairs,
+                                                         Pairings* known = nullptr);
 
 /// Places, pairs and stacks. Bodies keep their order; a body that no pair names is an error.
 /// Throws InputError as `pair` does, and for a drive that its body's kernel has not got, or a support that
-/// would jump, or makes bodies overlap at the start.
+/// would jump, or makes bodies overlap at the start. @param known  as of `pair`
 Model build_model(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& obstacles,
                   const std::vector<PairRequest>& pairs, const Eigen::Vector3d& gravity,
-                  const std::vector<DriveRequest>& drives = {});
+                  const std::vector<DriveRequest>& drives = {}, Pairings* known = nullptr);
 
 }  // namespace ricochet::contact

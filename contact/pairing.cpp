@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "contact/model.hpp"
+#include "contact/pairings.hpp"
 #include "contact/places.hpp"
 #include "kernels/error.hpp"
 
@@ -64,7 +65,8 @@ void check_component(const PlacedBody& body, const std::optional<Vector3d>& norm
 }
 
 /// Pairs for a given place of a, before gap, reach and overlap are looked at.
-Pairing find_pairs(const PlacedBody& a, const WorldSurface& b, const std::optional<Vector3d>& direction) {
+Pairing find_pairs(const PlacedBody& a, const Target& onto, const std::optional<Vector3d>& direction) {
+  const WorldSurface& b = onto.surface();
   const WorldSurface from = surface_of(a);
   const double size = size_of(from, b);
   Pairing out;
@@ -73,9 +75,10 @@ Pairing find_pairs(const PlacedBody& a, const WorldSurface& b, const std::option
     std::optional<Place> y;
     Vector3d n = direction.value_or(Vector3d::Zero());
     if (!direction) {
-      if (const auto found = along_mutual_normal(b, x, from.normal[i], size)) std::tie(y, n) = *found;
+      if (const auto found = onto.along_mutual_normal(x, from.normal[i], size)) std::tie(y, n) = *found;
     } else if (from.normal[i].dot(n) > -facing_slack) {
-      y = first_along(b, x, n, size, [&](const Place& place) { return place.normal.dot(n) < facing_slack; });
+      y = onto.first_along(x, n, size,
+                           [&](const Place& place) { return place.normal.dot(n) < facing_slack; });
     }
     if (!y) {
       ++out.unpaired;
@@ -200,12 +203,16 @@ class Numbers {
 
 }  // namespace
 
-Pairing pair(const PlacedBody& a, const PlacedBody& b, const PairRequest& request) {
+Pairing pair(const PlacedBody& a, const PlacedBody& b, const PairRequest& request, Pairings* known) {
   check_component(a, request.direction, request);
   check_component(b, request.direction, request);
-  const WorldSurface onto = surface_of(b);
-  Pairing out = arrange(a, request, round_off_of(surface_of(a), onto),
-                        [&](const PlacedBody& moved) { return find_pairs(moved, onto, request.direction); });
+  const WorldSurface from = surface_of(a), met = surface_of(b);
+  const auto find = [&] {
+    const Target onto(met);
+    return arrange(a, request, round_off_of(from, met),
+                   [&](const PlacedBody& moved) { return find_pairs(moved, onto, request.direction); });
+  };
+  Pairing out = known ? known->get(from, met, request, find) : find();
   const Numbers of_a(a), of_b(b);
   for (Pairing::Point& point : out.points) {
     point.candidate = of_a(point.candidate, request);

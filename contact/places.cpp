@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace ricochet::contact {
 namespace {
@@ -60,6 +61,9 @@ std::optional<Place> place(const WorldSurface& b, const WorldSurface::Element& e
   return out;
 }
 
+/// A line that passes an element's centre farther away does not meet it [m].
+double reach_of(const WorldSurface::Element& element) { return element.size * (1 + edge_slack); }
+
 /// Where the line x + t d meets an element.
 std::optional<Place> meet(const WorldSurface& b, const WorldSurface::Element& element, const Vector3d& x,
                           const Vector3d& d, double size) {
@@ -69,7 +73,7 @@ std::optional<Place> meet(const WorldSurface& b, const WorldSurface::Element& el
     if (across(x - p).norm() > edge_slack * size) return std::nullopt;
     return place(b, element, {1, 0, 0});
   }
-  const double reach = element.size * (1 + edge_slack);
+  const double reach = reach_of(element);
   if (across(x - element.centre).squaredNorm() > reach * reach) return std::nullopt;
   const Vector3d r = x - p, e1 = b.node[element.corner[1]] - p;
   if (b.corners == 2) {
@@ -95,8 +99,8 @@ std::optional<Place> meet(const WorldSurface& b, const WorldSurface::Element& el
 
 /// Weights of the point of an element that is closest to x.
 /// Source: Ericson, Real-Time Collision Detection, 2005, 5.1.5, by Voronoi regions.
-std::array<double, 3> closest(const WorldSurface& b, const WorldSurface::Element& element,
-                              const Vector3d& x) {
+std::array<double, 3> closest_weights(const WorldSurface& b, const WorldSurface::Element& element,
+                                      const Vector3d& x) {
   const Vector3d& p = b.node[element.corner[0]];
   if (b.corners == 1) return {1, 0, 0};
   const Vector3d e1 = b.node[element.corner[1]] - p, r = x - p;
@@ -125,6 +129,40 @@ std::array<double, 3> closest(const WorldSurface& b, const WorldSurface::Element
   return {va / sum, vb / sum, vc / sum};
 }
 
+constexpr double none = std::numeric_limits<double>::max();
+
+/// What Eigen::BVMinimize asks for: the nearest place, the first element's among equals.
+/// `bound`: of a box, the least that a distance in it can be; `none` where there is no place in it.
+/// `at`: of an element, its place and how far that is.
+template <class Bound, class At>
+struct Nearest {
+  using Scalar = double;
+  Nearest(Bound of_box, At of_element) : bound(of_box), at(of_element) {}
+
+  /// A little less, so that round-off hides no place, nor one that is as far as the nearest so far.
+  double minimumOnVolume(const Eigen::AlignedBox3d& box) {
+    const double least = bound(box);
+    return least == none ? none : std::max(least, 0.0) * (1 - 1e-9) - std::numeric_limits<double>::min();
+  }
+  double minimumOnObject(int number) {
+    const auto found = at(number);
+    if (!found) return none;
+    const double far = found->second;
+    if (far < distance || (far == distance && number < element)) {
+      place = found->first;
+      distance = far;
+      element = number;
+    }
+    return far;
+  }
+
+  Bound bound;
+  At at;
+  std::optional<Place> place;
+  double distance = none;
+  int element = 0;
+};
+
 }  // namespace
 
 void WorldSurface::add(Element of_corners) {
@@ -147,47 +185,64 @@ double size_of(const WorldSurface& a, const WorldSurface& b) {
   return extent > 0 ? extent : 1 + std::max(a.farthest, b.farthest);
 }
 
-std::optional<Place> first_along(const WorldSurface& b, const Vector3d& x, const Vector3d& d, double size,
-                                 const std::function<bool(const Place&)>& faces) {
-  std::optional<Place> best;
-  double distance = std::numeric_limits<double>::infinity();
-  for (const WorldSurface::Element& element : b.element) {
-    const auto found = meet(b, element, x, d, size);
-    if (!found || !faces(*found)) continue;
-    const double t = std::abs(d.dot(found->point - x));
-    if (t >= distance) continue;
-    distance = t;
-    best = found;
+Target::Target(WorldSurface surface) : surface_(std::move(surface)) {
+  std::vector<int> number(surface_.element.size());
+  std::iota(number.begin(), number.end(), 0);
+  std::vector<Eigen::AlignedBox3d> box;
+  for (const WorldSurface::Element& element : surface_.element) {
+    const Vector3d reach = Vector3d::Constant(reach_of(element));
+    box.emplace_back(element.centre - reach, element.centre + reach);
   }
-  return best;
+  elements_.init(number.begin(), number.end(), box.begin(), box.end());
 }
 
-std::optional<Place> closest_place(const WorldSurface& b, const Vector3d& x) {
-  std::optional<Place> best;
-  double distance = std::numeric_limits<double>::infinity();
-  for (const WorldSurface::Element& element : b.element) {
-    if ((x - element.centre).norm() - element.size >= distance) continue;
-    const auto found = place(b, element, closest(b, element, x));
-    if (!found || (found->point - x).norm() >= distance) continue;
-    distance = (found->point - x).norm();
-    best = found;
-  }
-  return best;
+std::optional<Place> Target::first_along(const Vector3d& x, const Vector3d& d, double size,
+                                         const std::function<bool(const Place&)>& faces) const {
+  Nearest nearest(
+      [&](const Eigen::AlignedBox3d& box) {
+        const double slack = edge_slack * size;
+        const Vector3d away = box.center() - x, half = box.sizes() / 2 + Vector3d::Constant(slack);
+        // Line and box are apart if they are so along d × e_k for one of the axes e_k.
+        for (int k = 0; k < 3; ++k) {
+          const Vector3d side = d.cross(Vector3d::Unit(k));
+          if (std::abs(side.dot(away)) > half.dot(side.cwiseAbs())) return none;
+        }
+        return std::abs(d.dot(away)) - half.dot(d.cwiseAbs());
+      },
+      [&](int element) -> std::optional<std::pair<Place, double>> {
+        const auto found = meet(surface_, surface_.element[element], x, d, size);
+        if (!found || !faces(*found)) return std::nullopt;
+        return std::pair(*found, std::abs(d.dot(found->point - x)));
+      });
+  Eigen::BVMinimize(elements_, nearest);
+  return nearest.place;
 }
 
-std::optional<std::pair<Place, Vector3d>> along_mutual_normal(const WorldSurface& b, const Vector3d& x,
-                                                              const Vector3d& n_a, double size) {
+std::optional<Place> Target::closest(const Vector3d& x) const {
+  Nearest nearest([&](const Eigen::AlignedBox3d& box) { return box.exteriorDistance(x); },
+                  [&](int element) -> std::optional<std::pair<Place, double>> {
+                    const WorldSurface::Element& on = surface_.element[element];
+                    const auto found = place(surface_, on, closest_weights(surface_, on, x));
+                    if (!found) return std::nullopt;
+                    return std::pair(*found, (found->point - x).norm());
+                  });
+  Eigen::BVMinimize(elements_, nearest);
+  return nearest.place;
+}
+
+std::optional<std::pair<Place, Vector3d>> Target::along_mutual_normal(const Vector3d& x, const Vector3d& n_a,
+                                                                      double size) const {
   const auto faces = [&](const Place& y) { return n_a.dot(y.normal) < 0; };
-  auto y = closest_place(b, x);
+  auto y = closest(x);
   if (!y || !faces(*y)) return std::nullopt;
   Vector3d n = (n_a - y->normal).normalized();
   double change = 0;
   bool met = false;
   for (int round = 0; round < 20; ++round) {
     const double gap = n.dot(y->point - x);
-    auto found = first_along(b, x, n, size, faces);
+    auto found = first_along(x, n, size, faces);
     met = found.has_value();
-    if (!met) found = closest_place(b, x + gap * n);
+    if (!met) found = closest(x + gap * n);
     if (!found || !faces(*found)) return std::nullopt;
     y = found;
     const Vector3d next = (n_a - y->normal).normalized();

@@ -107,16 +107,16 @@ std::vector<kernels::Kernel> copies(const Kernels& kernels) {
 /// The scene with its contact points thinned so many times.
 std::unique_ptr<contact::Estimator> estimator_of(const scene::Scene& scene, const Kernels& kernels,
                                                  const std::vector<kernels::Kernel>& other_order,
-                                                 int thinnings) {
+                                                 int thinnings, contact::Pairings& known) {
   double left = 0;
   for (const scene::Body& body : scene.bodies) left = std::max(left, contact::left_by_order(body.order));
   return in_scene(scene, [&] {
     return std::make_unique<contact::Estimator>(
         contact::Subject{.place =
-                             [&scene, thinnings](const std::vector<kernels::Kernel>& placed) {
+                             [&scene, &known, thinnings](const std::vector<kernels::Kernel>& placed) {
                                std::vector<const kernels::Kernel*> pointers;
                                for (const kernels::Kernel& kernel : placed) pointers.push_back(&kernel);
-                               return thinned(model_of(scene, pointers), thinnings);
+                               return thinned(model_of(scene, pointers, known), thinnings);
                              },
                          .kernels = copies(kernels),
                          .other_order = other_order,
@@ -157,10 +157,11 @@ contact::Model thinned(contact::Model model, int times) {
   return model;
 }
 
-Judged choose_and_judge(scene::Scene& scene, const Kernels& kernels, const std::filesystem::path& folder) {
+Judged choose_and_judge(scene::Scene& scene, const Kernels& kernels, const std::filesystem::path& folder,
+                        contact::Pairings& known) {
   const std::vector<kernels::Kernel> other_order = of_other_order(scene, folder);
   Judged out{.warnings = kernels.warnings};
-  auto estimator = estimator_of(scene, kernels, other_order, 0);
+  auto estimator = estimator_of(scene, kernels, other_order, 0, known);
   if (std::exchange(scene.time.rate_by_accuracy, false)) choose_rate(scene, kernels, *estimator);
   const auto all = outcome(scene, *estimator);
   if (!all || !all->touched()) {
@@ -170,7 +171,7 @@ Judged choose_and_judge(scene::Scene& scene, const Kernels& kernels, const std::
   }
   double by_thinning = 0;
   while (may_thin(scene)) {
-    auto wider = estimator_of(scene, kernels, other_order, out.thinnings + 1);
+    auto wider = estimator_of(scene, kernels, other_order, out.thinnings + 1, known);
     const auto fewer = outcome(scene, *wider);
     if (wider->model().gap.size() == estimator->model().gap.size() || !fewer ||
         !alike(*all, *fewer, *scene.accuracy))

@@ -30,8 +30,10 @@ contact::Model thinned(contact::Model model, int times);
 /// Runs the scene, which has an accuracy, several times. Sets the rate and the precision that it leaves open,
 /// and says how often its contact points may be thinned where it gives no spacing.
 /// @param folder  of the kernels of other order, beside those of the scene
+/// @param known  as of contact::pair
 /// Throws InputError as building the model and running it do.
-Judged choose_and_judge(scene::Scene& scene, const Kernels& kernels, const std::filesystem::path& folder);
+Judged choose_and_judge(scene::Scene& scene, const Kernels& kernels, const std::filesystem::path& folder,
+                        contact::Pairings& known);
 
 /// "0.0031: mesh 0.0029, modes …"
 std::string told(const contact::ErrorEstimate& estimate);

@@ -99,10 +99,11 @@ class Batch {
       return contact::json_text(summary);
     }
     const Kernels kernels = read_kernels(scene, options_.out, cache_);
-    contact::Model model = in_scene(scene, [&] { return model_of(scene, kernels.pointers()); });
+    contact::Model model =
+        in_scene(scene, [&] { return model_of(scene, kernels.pointers(), cache_.pairings); });
     Judged judged{.warnings = kernels.warnings};
     if (scene.accuracy) {
-      judged = choose_and_judge(scene, kernels, options_.out);
+      judged = choose_and_judge(scene, kernels, options_.out, cache_.pairings);
       model = thinned(std::move(model), judged.thinnings);
     }
     if (scene.contact.scheme == scene::Scheme::at_rest) {

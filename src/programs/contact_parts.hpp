@@ -26,7 +26,9 @@ double seconds_since(Clock::time_point start);
 double slowest_wave(const scene::Scene& scene);
 
 /// @param kernels  of the scene's bodies; the model refers to them
-contact::Model model_of(const scene::Scene& scene, const std::vector<const kernels::Kernel*>& kernels);
+/// @param known  as of contact::pair
+contact::Model model_of(const scene::Scene& scene, const std::vector<const kernels::Kernel*>& kernels,
+                        contact::Pairings& known);
 contact::StepOptions step_options(const scene::Scene& scene);
 
 /// Of a scene with the scheme "static".

@@ -58,9 +58,10 @@ std::vector<contact::DriveRequest> drives_of(const scene::Scene& scene) {
   return out;
 }
 
-contact::Model model_of(const scene::Scene& scene, const std::vector<const kernels::Kernel*>& kernels) {
+contact::Model model_of(const scene::Scene& scene, const std::vector<const kernels::Kernel*>& kernels,
+                        contact::Pairings& known) {
   return contact::build_model(placed_bodies(scene, kernels), half_spaces(scene), pair_requests(scene),
-                              vector(scene.loads.gravity), drives_of(scene));
+                              vector(scene.loads.gravity), drives_of(scene), &known);
 }
 
 contact::StepOptions step_options(const scene::Scene& scene) {
@@ -287,19 +288,20 @@ int run_contact(const console::Options& options, std::ostream& out) {
     return run_table(options, scene, folder, console, out);
 
   console.begin("kernels");
-  const Kernels kernels = read_kernels(scene, folder, motion);
+  KernelCache cache;
+  const Kernels kernels = read_kernels(scene, folder, cache, motion);
   if (motion) check_skins(kernels);
   console.end(fmt::format("{} bodies", kernels.kernel.size()));
 
   console.begin("pairing");
-  contact::Model model = in_scene(scene, [&] { return model_of(scene, kernels.pointers()); });
+  contact::Model model = in_scene(scene, [&] { return model_of(scene, kernels.pointers(), cache.pairings); });
   console.end(fmt::format("{} contact points, {} modes", model.gap.size(), model.omega.size()));
 
   kernels::check_place(target_of(scene, folder, kernels, motion).result);
   Judged judged{.warnings = kernels.warnings};
   if (scene.accuracy) {
     console.begin("estimates");
-    judged = choose_and_judge(scene, kernels, folder);
+    judged = choose_and_judge(scene, kernels, folder, cache.pairings);
     model = thinned(std::move(model), judged.thinnings);
     console.end(judged.estimate ? fmt::format("error {:.2g}, {} contact points", judged.estimate->total(),
                                               model.gap.size())

@@ -94,7 +94,8 @@ std::vector<Points> needed_points(const scene::Scene& scene,
     surfaces.push_back(is_known[0] != 0 ? known.value_or(kernels::WholeSurface{})
                                         : surface_of_mesh(request, comm, console));
   }
-  parallel::on_first_rank(comm, [&] { points = programs::points_within_reach(scene, surfaces); });
+  contact::Pairings none;
+  parallel::on_first_rank(comm, [&] { points = programs::points_within_reach(scene, surfaces, none); });
   for (Points& of_body : points) {
     std::vector<char> limited{of_body.has_value()};
     parallel::broadcast(comm, limited);

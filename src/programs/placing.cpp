@@ -73,14 +73,15 @@ bool is_limited(const scene::Scene& scene, const scene::Body& body) {
 }
 
 std::vector<Points> points_within_reach(const scene::Scene& scene,
-                                        const std::vector<kernels::WholeSurface>& surfaces) {
+                                        const std::vector<kernels::WholeSurface>& surfaces,
+                                        contact::Pairings& known) {
   std::vector<kernels::Kernel> kernels;
   for (const kernels::WholeSurface& surface : surfaces) kernels.push_back(surface_alone(surface));
   std::vector<const kernels::Kernel*> pointers;
   for (const kernels::Kernel& kernel : kernels) pointers.push_back(&kernel);
   auto paired = in_scene(scene, [&] {
     return contact::paired_candidates(placed_bodies(scene, pointers), half_spaces(scene),
-                                      pair_requests(scene));
+                                      pair_requests(scene), &known);
   });
   std::vector<Points> out(surfaces.size());
   for (std::size_t k = 0; k < surfaces.size(); ++k)

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "contact/model.hpp"
+#include "contact/pairings.hpp"
 #include "kernels/error.hpp"
 #include "src/scene/scene.hpp"
 
@@ -40,9 +41,10 @@ bool is_limited(const scene::Scene& scene, const scene::Body& body);
 using Points = std::optional<std::vector<std::int64_t>>;
 
 /// What the kernels of the scene's bodies have to hold, by their surfaces; all of bodies that are not
-/// limited. Throws InputError like contact::pair.
+/// limited. Throws InputError like contact::pair. @param known  as of contact::pair
 std::vector<Points> points_within_reach(const scene::Scene& scene,
-                                        const std::vector<kernels::WholeSurface>& surfaces);
+                                        const std::vector<kernels::WholeSurface>& surfaces,
+                                        contact::Pairings& known);
 
 struct KernelFile {
   std::filesystem::path path;

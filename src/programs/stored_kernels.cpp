@@ -60,7 +60,7 @@ std::vector<StoredKernel> find_kernels(const scene::Scene& scene, const fs::path
   std::vector<kernels::WholeSurface> surfaces;
   for (const StoredKernel& stored : out)
     surfaces.push_back(kernels::whole_surface(read(stored.path, cache)->surface));
-  const std::vector<Points> points = points_within_reach(scene, surfaces);
+  const std::vector<Points> points = points_within_reach(scene, surfaces, cache.pairings);
   for (std::size_t k = 0; k < files.size(); ++k) {
     const auto enough =
         std::ranges::find_if(files[k], [&](const KernelFile& file) { return file.holds(points[k]); });
@@ -113,11 +113,6 @@ Kernels read_kernels(const scene::Scene& scene, const fs::path& folder, KernelCa
   }
   cache.kernels = std::move(kept);
   return out;
-}
-
-Kernels read_kernels(const scene::Scene& scene, const fs::path& folder, bool view) {
-  KernelCache none;
-  return read_kernels(scene, folder, none, view);
 }
 
 }  // namespace ricochet::programs

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "contact/pairings.hpp"
 #include "kernels/kernel.hpp"
 #include "src/scene/scene.hpp"
 
@@ -21,12 +22,13 @@ struct Kernels {
   std::vector<const kernels::Kernel*> pointers() const;
 };
 
-/// Kernels of the run before, by path, files that were seen to be kernels, and hashes of meshes: what stays
-/// the same is not read again.
+/// Kernels of the run before, by path, files that were seen to be kernels, hashes of meshes, and who meets
+/// whom: what stays the same is neither read nor found again.
 struct KernelCache {
   std::map<std::filesystem::path, std::shared_ptr<const kernels::Kernel>> kernels;
   std::set<std::filesystem::path> seen;
   scene::MeshHashes meshes;
+  contact::Pairings pairings;
 };
 
 /// The file of a body's kernel; of several that differ in the candidates that they hold, the one with the
@@ -49,6 +51,5 @@ std::vector<StoredKernel> find_kernels(const scene::Scene& scene, const std::fil
 /// @param view  with their skins
 Kernels read_kernels(const scene::Scene& scene, const std::filesystem::path& folder, KernelCache& cache,
                      bool view = false);
-Kernels read_kernels(const scene::Scene& scene, const std::filesystem::path& folder, bool view = false);
 
 }  // namespace ricochet::programs

@@ -55,7 +55,7 @@ Tabled tabled(const scene::Scene& scene, const fs::path& folder, KernelCache& ca
     return out;
   }
   out.kernels = read_kernels(scene, folder, cache);
-  out.model = in_scene(scene, [&] { return model_of(scene, out.kernels.pointers()); });
+  out.model = in_scene(scene, [&] { return model_of(scene, out.kernels.pointers(), cache.pairings); });
   check_memory(scene, out.model->gap.size(), steps);
   out.table =
       in_scene(scene, [&] { return contact::table_from_modes(*out.model, step_options(scene), steps); });
