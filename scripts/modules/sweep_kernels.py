@@ -1,8 +1,6 @@
 """The kernels of a sweep: what their meshes refuse, found before the first one is computed, and computing them."""
 import json
-import os
 import re
-import subprocess
 from collections import deque
 
 import programs
@@ -21,7 +19,6 @@ class Kernels:
         self.study, self.options, self.folder = study, options, folder
         self.refused = {}  # by index: an answer as that of an impact
         self.checked = {}  # by meshes: None or an answer
-        self.tried = set()  # files
 
     def ask(self, requests):
         """Yields (index, answer as a line of JSON)."""
@@ -31,6 +28,7 @@ class Kernels:
 
     def compute(self, missing):
         """`missing`: by index the files that a setting lacks. Each is computed once, or its settings join `refused`."""
+        self.tried = set()  # files
         self._check(missing)
         left = self._first_of_each(missing)
         bar = Progress(len(left))
@@ -76,11 +74,12 @@ class Kernels:
             self.tried.update(kernel["file"] for kernel in json.loads(line).get("kernels", []) if kernel["there"])
 
     def _refuse(self, index, failure, missing):
-        """And with it what needs the file to blame: bodies are computed in order, after a look at the meshes of all."""
-        lacking = [file for file in missing[index] if file not in self._stamps()] or missing[index]
-        blamed = set(lacking if failure.status == 2 else lacking[:1])
+        """A setting, and others for the same reason: what is refused is so by its meshes, and where a computation broke down
+        it was that of the first body whose kernel is not there."""
+        there = self._stamps()
+        blamed = next((file for file in missing[index] if file not in there), missing[index][0])
         for other, files in missing.items():
-            if blamed <= set(files):
+            if blamed in files if failure.status == 1 else self._meshes(other) == self._meshes(index):
                 self.refused[other] = {"status": failure.status, "error": failure.error}
 
     def _meshes(self, index):
@@ -90,22 +89,23 @@ class Kernels:
         return json.dumps({key: value for key, value in setting.items() if reach or not NUMBERS.match(key)})
 
     def _check(self, missing):
-        """Lets ricochet-kernel check the meshes of all settings that need it, side by side."""
+        """Lets ricochet-kernel check the meshes of all settings that need it, side by side. Those of the first kernel it
+        checks anyway before it computes."""
         while True:
             asked = {}
             for index in self._first_of_each(missing).values():
-                if self._meshes(index) not in self.checked:
-                    asked.setdefault(self._meshes(index), index)
-            if not asked:
+                asked.setdefault(self._meshes(index), index)
+            asked = {meshes: index for meshes, index in asked.items() if meshes not in self.checked}
+            if not asked or len(asked) == 1 and not self.checked:
                 return
             bar = Progress(len(asked))
             for meshes, answer in self._answers(asked):
                 self.checked[meshes] = answer
                 bar.advance("checking meshes")
-            refusing = {meshes for meshes in asked if self.checked[meshes]}
-            for index in missing:
-                if refusing and (meshes := self._meshes(index)) in refusing:
-                    self.refused[index] = self.checked[meshes]
+            if any(self.checked[meshes] for meshes in asked):
+                for index in missing:
+                    if answer := self.checked.get(self._meshes(index)):
+                        self.refused[index] = answer
 
     def _answers(self, asked):
         """Pairs of meshes and what their setting is refused with, or None. `asked`: index by meshes."""
