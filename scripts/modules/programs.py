@@ -62,7 +62,7 @@ def find(command):
     if not BIN.is_dir():
         refuse(f"{BIN}: no programs there. Run scripts/build first.")
     for word in map(Path, map(str, command)):
-        if word.parent == BIN and not word.is_file():
+        if word.parent == BIN and word.name.startswith("ricochet-") and not word.is_file():
             refuse(f"{word}: no such program. Run scripts/build first, or let RICOCHET_BIN name the folder of the programs.")
     if not shutil.which(str(command[0])):
         refuse(f"{command[0]}: no such program: install Open MPI (scripts/setup), or let RICOCHET_LAUNCHER name another launcher.")

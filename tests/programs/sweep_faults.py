@@ -15,7 +15,7 @@ import unittest
 
 import h5py
 
-from programs import BIN, DEADLOCK_S, MESHES, SOURCE, ProgramTest, Run
+from programs import BIN, DEADLOCK_S, MESHES, SOURCE, ProgramTest
 
 sys.path.append(str(SOURCE / "scripts/modules"))
 from result_file import BadInput
@@ -65,9 +65,9 @@ class Studies(Faults):
                 (gap + "{from = 0, to = 1, steps = 1000000000000}", "10000000 steps"), (gap + "[9223372036854775808]", "64 bits"),
                 (gap + '{from = 0, to = 1, steps = 4000}\n"contact.reach" = {from = 0, to = 1, steps = 4000}', "10000000 settings"),
                 (gap + "[1.0, 1979-05-27]", "date"), (gap + '["a\\u0000b"]', "NUL"), (gap + "[" * 3000 + "]" * 3000, "nested"),
-                (gap + "[" * 60 + "]" * 60, "nested"), ('[grid]\n"a\\nb" = 5', "a b"), (gap + '"a\\nb"', "list of values")]:
-            with self.subTest(text=text[:80]), self.assertRaisesRegex(BadInput, part) as caught:
-                Study(self.study(text.replace("a b", "a\nb")))
+                (gap + "[" * 60 + "]" * 60, "nested")]:
+            with self.subTest(text=text[:80]), self.assertRaisesRegex(BadInput, part):
+                Study(self.study(text))
         for text, part in [("title = 5\n", "title"), ('scene = "none.toml"\n', "No such file")]:
             with self.assertRaisesRegex(BadInput, part):
                 Study(self.write("study.toml", text + 'scene = "two-rods.toml"\n' * ("scene" not in text) + gap + "[0.0]"))
@@ -110,7 +110,7 @@ class Journals(Faults):
         again.add("k", done)
         again.add("k", refused)
         again.file.close()
-        self.assertTrue(Journal(self.out / "rods").finished("k"))
+        self.assertTrue(Journal(self.out / "rods", reads_only=True).finished("k"))
 
 
 class Kernels(Faults):
@@ -159,7 +159,7 @@ exec {BIN}/ricochet-kernel "$@"
 
 class Ends(Faults):
     def test_one_that_is_told_to_end_does_not_wait_for_its_impacts(self):
-        self.study('[list]\n"time.rate_hz" = [20.0, 1e9]')  # the second one takes hours
+        self.study('[list]\n"time.rate_hz" = [20.0, 3e7]\n"modes.count" = [5, 200]')  # the second one takes minutes
         process = subprocess.Popen([SOURCE / "scripts/sweep", self.folder / "study.toml", "--ranks", "1", "--jobs", "1"],
                                    stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         self.addCleanup(process.kill)
@@ -167,7 +167,7 @@ class Ends(Faults):
         while (not journal.exists() or not journal.stat().st_size) and time.monotonic() < before + DEADLOCK_S:
             time.sleep(0.02)
         process.terminate()
-        self.assertIn("goes on from here", process.communicate(timeout=DEADLOCK_S)[1])
+        self.assertIn("goes on from here", process.communicate(timeout=60)[1])
         self.assertEqual(process.returncode, 128 + signal.SIGTERM)
         self.assertEqual([row["status"] for row in self.rows()], ["0", "-1"])
 
@@ -183,11 +183,13 @@ class Ends(Faults):
         self.assertEqual(closed.returncode, 0)
 
     def test_words_that_cannot_be_are_refused_in_one_line(self):
+        broken = self.write("broken.toml", STUDY + '[grid]\n"a\\nb" = 5')
         study = self.study('[grid]\n"contact.gap" = [0.0]')
         empty = self.folder / "empty"
         empty.mkdir()
         for done, parts in [
                 (self.script("batch", study, "--kernel-options", '--comment="a'), ["--kernel-options", "quot"]),
+                (self.script("batch", broken), ["broken.toml", '"a b" = 5']),
                 (self.script("batch", study, "--out", study), ["study.toml", "File exists"]),
                 (self.script("batch", "--version", env=[f"RICOCHET_BIN={empty}"]), ["ricochet-contact", "no such program"]),
                 (self.sweep(env=["RICOCHET_LAUNCHER=\""]), ["RICOCHET_LAUNCHER", "quot"])]:
