@@ -10,4 +10,7 @@ namespace ricochet::console {
 /// arguments: 2, with one line on stderr); none when the program is to go on. `speak` false prints nothing.
 std::optional<int> status_of_parsing(CLI::App& app, int argc, const char* const* argv, bool speak = true);
 
+/// Of an option: a number above 0, and not beyond 1e18, so that whole numbers fit.
+CLI::Validator above_zero();
+
 }  // namespace ricochet::console

@@ -28,6 +28,16 @@ std::optional<int> status_of_parsing(CLI::App& app, int argc, const char* const*
   }
 }
 
+CLI::Validator above_zero() {
+  return CLI::Validator(
+      [](const std::string& word) {
+        double value = 0;
+        const bool good = CLI::detail::lexical_cast(word, value) && value > 0 && value <= 1e18;
+        return good ? std::string() : fmt::format("{}: must be a number above 0", word);
+      },
+      "> 0");
+}
+
 Parsed parse(const Program& program, int argc, const char* const* argv, bool speak) {
   Options options;
   std::string scene, out, accuracy, fclib;
@@ -64,8 +74,12 @@ Parsed parse(const Program& program, int argc, const char* const* argv, bool spe
         ->type_name("DIR");
     app.add_option("--fclib-every", options.fclib_every, "Of the steps with contact write each N-th (1)")
         ->type_name("N")
-        ->check(CLI::PositiveNumber);
+        ->check(above_zero());
   }
+  if (!program.impacts)
+    app.add_flag(
+        "--check", options.check,
+        "Check scene, meshes, groups, loads and receivers of the kernels that are missing, and stop");
   app.footer("Examples:\n" + program.examples);
   if (const auto status = status_of_parsing(app, argc, argv, speak)) return {std::nullopt, *status};
   if (!accuracy.empty()) options.overrides.push_back("accuracy=" + accuracy);

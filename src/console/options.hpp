@@ -14,6 +14,7 @@ struct Options {
   std::filesystem::path out;           ///< --out, else `out/` beside the scene
   bool dry_run = false;                ///< print the resolved scene and stop
   bool quiet = false;
+  bool check = false;           ///< ricochet-kernel: look at all that is asked for, compute nothing
   bool vtk = false;             ///< ricochet-contact: motion for ParaView
   bool batch = false;           ///< ricochet-contact: requests on standard input, answers on standard output
   std::filesystem::path fclib;  ///< ricochet-contact: folder of complementarity problems; empty: none

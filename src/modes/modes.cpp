@@ -86,12 +86,16 @@ Eigen::MatrixXd ModeSet::gather(const parallel::Teams& teams, const Eigen::Matri
   return all;
 }
 
-ModeSet compute_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
-                      Factorisation& factor, const Request& request, const Progress& progress) {
-  if (request.count && *request.count > body.free_rows)
+void refuse_more_than_there_are(std::optional<std::int64_t> count, const elasticity::Body& body) {
+  if (count && *count > body.free_rows)
     throw InputError(
         fmt::format("modes.count = {}: the body has {} free displacements: ask for fewer, or refine the mesh",
-                    *request.count, body.free_rows));
+                    *count, body.free_rows));
+}
+
+ModeSet compute_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
+                      Factorisation& factor, const Request& request, const Progress& progress) {
+  refuse_more_than_there_are(request.count, body);
   const Operators operators(mesh, body);
   if (request.up_to) operators.refuse_band(*request.up_to, true);
   const Eigen::Index r = operators.rigid.cols();

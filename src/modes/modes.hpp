@@ -44,6 +44,9 @@ struct Progress {
   std::function<void(std::int64_t done, std::int64_t total)> at;  ///< within it; on any rank
 };
 
+/// Throws InputError when a body has fewer modes than `count`.
+void refuse_more_than_there_are(std::optional<std::int64_t> count, const elasticity::Body& body);
+
 /// Collective on all ranks of `teams`; `mesh`, `body` and `factor`, of the body's matrices, are on the team's
 /// ranks.
 ///

@@ -9,6 +9,7 @@
 #include "src/mesh/gmsh_session.hpp"
 #include "src/mesh/parts.hpp"
 #include "src/modes/approximate.hpp"
+#include "src/modes/modes.hpp"
 #include "src/modes/search.hpp"
 #include "src/parallel/memory.hpp"
 #include "src/programs/imported_modes.hpp"
@@ -116,6 +117,7 @@ void check_body(const scene::KernelRequest& request, MPI_Comm comm, console::Con
   Source source = open(request, comm, console);
   const Discretised made = assembled(request, source, 1, true, comm, console);
   patches_of(request, made.mesh);
+  modes::refuse_more_than_there_are(request.modes.count, made.matrices);
   console.end(fmt::format("{} unknowns", made.matrices.total_rows));
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <iostream>
 #include <memory>
 #include <set>
@@ -223,13 +224,23 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
     parallel::broadcast(comm, found);
     return found;
   };
+  const auto check_missing = [&](std::size_t from) {
+    for (std::size_t k = from; k < scene.bodies.size(); ++k) {
+      const auto alike = [&](const scene::KernelRequest& other) {
+        return other.hash == requests[k].hash || scene::similarity(other, requests[k]);
+      };
+      const auto earlier = requests.begin() + static_cast<std::ptrdiff_t>(k);
+      if (std::none_of(requests.begin(), earlier, alike) && stored(k).empty())
+        check_body(requests[k], comm, console);
+    }
+  };
+  if (options.check) {
+    check_missing(0);
+    return 0;
+  }
   // Before the first body is computed: what may be wrong with later ones.
   auto check_later = [&, checked = false](std::size_t k) mutable {
-    if (std::exchange(checked, true)) return;
-    for (std::size_t later = k + 1; later < scene.bodies.size(); ++later)
-      if (requests[later].hash != requests[k].hash && !scene::similarity(requests[k], requests[later]) &&
-          stored(later).empty())
-        check_body(requests[later], comm, console);
+    if (!std::exchange(checked, true)) check_missing(k + 1);
   };
   std::optional<scene::Modes> chosen;
   for (std::size_t k = 0; k < requests.size(); ++k) {

@@ -10,6 +10,9 @@
 #include "src/scene/derive.hpp"
 
 namespace ricochet::programs {
+
+namespace fs = std::filesystem;
+
 namespace {
 
 /// The candidates of the whole surface that have these numbers in the kernel.
@@ -62,42 +65,42 @@ scene::KernelRequest wanted_of(const scene::KernelRequest& had, const RecastOpti
   return wanted;
 }
 
-}  // namespace
-
-int run_recast(const RecastOptions& options, std::ostream& out) {
+/// What the kernel becomes, and the name of its file.
+std::string recast(const RecastOptions& options, kernels::Kernel& kernel) {
   const std::string file = options.kernel.string();
-  kernels::Kernel kernel = kernels::read(options.kernel);
   kernels::Header header{kernel.hash, kernel.scene, kernel.mesh_sha256};
   if (kernel.surface.whole) header.held = kernel.surface.whole->held;
   scene::KernelRequest had = scene::request_of(header, file);
   had.body.name = kernel.body;
+  scene::KernelRequest wanted = wanted_of(had, options, kernel);
+  // Nobody could read a kernel of what a scene may not hold.
+  scene::request_of({wanted.hash, wanted.toml, wanted.mesh_sha256, wanted.points}, "the new kernel");
+  kernel = scene::derived(std::move(kernel), had, wanted);
+  return scene::kernel_path({}, wanted).string();
+}
+
+}  // namespace
+
+int run_recast(const RecastOptions& options, std::ostream& out) {
+  kernels::Kernel kernel = kernels::read(options.kernel);
   const std::size_t modes = kernel.modes.size(), points = kernel.surface.size();
-  scene::KernelRequest wanted;
+  const char* of_basis = kernel.modes.fitted() ? "vectors" : "modes";
+  fs::path path = options.out.empty() ? options.kernel.parent_path() : options.out;
   try {
-    wanted = wanted_of(had, options, kernel);
-    kernel = scene::derived(std::move(kernel), had, wanted);
-  } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}", file, error.what()));
-  }
-  const std::filesystem::path folder = options.out.empty() ? options.kernel.parent_path() : options.out;
-  const std::filesystem::path path = scene::kernel_path(folder, wanted);
-  kernels::check_place(path);
-  if (options.vtk) {
-    std::filesystem::path stem = path;
-    stem.replace_extension().replace_extension(".modes");  // ….kernel.h5
-    try {
+    path /= options.vtk && !options.changes() ? options.kernel.filename().string() : recast(options, kernel);
+    kernels::check_place(path);
+    if (options.vtk) {
+      const fs::path stem = path.replace_extension().replace_extension(".modes");  // ….kernel.h5
       kernels::write_modes(kernel, stem);
-    } catch (const InputError& error) {
-      throw InputError(fmt::format("{}: {}", file, error.what()));
+      out << fmt::format("{}: {} {}: {}.xdmf\n", kernel.body, kernel.modes.size(), of_basis, stem.string());
+      return 0;
     }
-    out << fmt::format("{}: {} {}: {}.xdmf\n", kernel.body, kernel.modes.size(),
-                       kernel.modes.fitted() ? "vectors" : "modes", stem.string());
-    return 0;
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", options.kernel.string(), error.what()));
   }
   kernels::write(kernel, path);
   out << fmt::format("{}: {} of {} {}, {} of {} points: {}\n", kernel.body, kernel.modes.size(), modes,
-                     kernel.modes.fitted() ? "vectors" : "modes", kernel.surface.size(), points,
-                     path.string());
+                     of_basis, kernel.surface.size(), points, path.string());
   return 0;
 }
 

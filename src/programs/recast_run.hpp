@@ -19,6 +19,11 @@ struct RecastOptions {
   std::optional<std::int64_t> count;                ///< not with the other two
   std::optional<double> flexibility_error;
   bool vtk = false;  ///< write the modes for ParaView, and no kernel
+
+  /// Whether another kernel is asked for.
+  bool changes() const {
+    return young != 1 || density != 1 || scale != 1 || points || up_to || count || flexibility_error;
+  }
 };
 
 /// Writes `<out>/<body>-<hash>.kernel.h5` and tells of it on `out`. A band that is not given grows with the

@@ -21,17 +21,17 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", name + " " RICOCHET_VERSION);
   app.add_option("KERNEL", kernel, "Kernel file of ricochet-kernel")->required();
   app.add_option("--young-factor", options.young, "Multiplies Young's modulus of each material")
-      ->check(CLI::PositiveNumber);
+      ->check(console::above_zero());
   app.add_option("--density-factor", options.density, "Multiplies the density of each material")
-      ->check(CLI::PositiveNumber);
+      ->check(console::above_zero());
   app.add_option("--scale-factor", options.scale, "Multiplies all lengths (not the cross-section of a rod)")
-      ->check(CLI::PositiveNumber);
+      ->check(console::above_zero());
   CLI::Option* band = app.add_option("--up-to-hz", up_to,
                                      "Keep the modes up to this frequency of the new body; with "
                                      "--flexibility-error: the end of the band")
-                          ->check(CLI::PositiveNumber);
+                          ->check(console::above_zero());
   CLI::Option* number = app.add_option("--count", count, "Keep so many of the lowest modes, rigid included")
-                            ->check(CLI::PositiveNumber)
+                            ->check(console::above_zero())
                             ->excludes(band);
   CLI::Option* bound =
       app.add_option("--flexibility-error", error,
@@ -41,6 +41,7 @@ int main(int argc, char** argv) {
   CLI::Option* places =
       app.add_option("--points", points, "Keep these candidate points, by their numbers from 0: 0,3,4")
           ->delimiter(',')
+          ->check([](const std::string& word) { return word.empty() ? "names no point" : ""; })
           ->allow_extra_args(false)
           ->type_name("I,J,…");
   app.add_flag("--vtk", options.vtk,

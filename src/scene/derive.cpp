@@ -111,8 +111,8 @@ KernelRequest request_of(const kernels::Header& header, const std::string& origi
   Table root(parsed, request_keys(), origin, "");
   if (parsed.contains("accuracy"))
     root.complain("accuracy", "its modes were chosen for one scene only: compute another");
-  for (const char* sources : {"loads", "receiver"})
-    if (parsed.contains(sources))
+  for (const char* sources : {"loads", "output.receiver"})
+    if (parsed.at_path(sources))
       root.complain(
           sources, "kernels with loads, supports that move or receivers fit one scene only: compute another");
   auto body = root.table("body", body_keys());

@@ -222,6 +222,22 @@ class Algebra(ProgramTest):
             np.testing.assert_array_equal(b["surface/node"], a["surface/node"][:][[1, 3]])
             np.testing.assert_array_equal(b["surface/shape"], a["surface/shape"][:][[1, 3]])
 
+    def test_kernels_with_receivers_are_drawn_but_fit_one_scene_only(self):
+        old, _ = self.path(self.out, 'output.receiver=[{name="mic",body="block",at=[0,0,0]}]')
+        run = self.recast(old, "--young-factor", 2)
+        self.assertEqual(run.status, 2)
+        self.assertIn("kernels with loads, supports that move or receivers fit one scene only", run.err)
+        self.succeed(self.recast(old, "--vtk"))
+        self.assertTrue(old.with_name(old.name.replace(".kernel.h5", ".modes.xdmf")).is_file())
+
+    def test_recast_refuses_a_body_that_no_scene_may_hold(self):
+        old, _ = self.path(self.out)
+        stiff = self.folder / "stiff"
+        self.succeed(self.recast(old, "--young-factor", 1e18, "--out", stiff))
+        run = self.recast(*stiff.glob("*.kernel.h5"), "--young-factor", 1e18)
+        self.assertEqual((run.status, len(list(stiff.iterdir()))), (2, 1))
+        self.assertIn("body.material.young = 3e+36", run.err)
+
     def test_recast_refuses_in_one_line(self):
         old, _ = self.path(self.out)
         before = set(self.folder.rglob("*"))
@@ -232,6 +248,9 @@ class Algebra(ProgramTest):
             ([old, "--flexibility-error", 1e-4], [str(old), "may make an error of"]),
             ([old, "--count", 3, "--up-to-hz", 1], ["--count", "--up-to-hz"]),
             ([old, "--density-factor", 0], ["--density-factor"]),
+            ([old, "--young-factor", 1e300], ["--young-factor"]),
+            ([old, "--young-factor", "nan"], ["--young-factor", "above 0"]),
+            ([old, "--points", ""], ["--points"]),
             ([self.scene], [str(self.scene), "not an HDF5 file"]),
             ([self.folder / "none.h5"], ["none.h5"]),
         ):

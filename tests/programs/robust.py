@@ -170,7 +170,16 @@ class Early(Robust):
                                   ["bodies.b.mesh=none.geo", "none.geo"],
                                   ['output.receiver=[{name="far",body="b",at=[0,9,0]}]', "far", "off bodies.b"]):
             self.refused(kernel(self.scene, self.out, fault, ranks=1), *fragments)
+            self.refused(self.check("--set", fault), *fragments)
             self.assertEqual(list(self.out.glob("*")) if self.out.exists() else [], [])
+        self.refused(self.check("--set", "modes.count=100"), "modes.count = 100")
+
+    def check(self, *more):
+        return Run([BIN / "ricochet-kernel", self.scene, "--out", self.out, "--quiet", "--check", *more])
+
+    def test_a_check_computes_nothing(self):
+        self.assertEqual(self.succeed(self.check()).out, "")
+        self.assertFalse(self.out.exists())
 
     def test_histories_are_read_before_the_kernels_are_computed(self):
         load = 'loads.point=[{name="p",body="b",at=[1,0,0],vector=[1,0,0],history="h.csv"}]'
