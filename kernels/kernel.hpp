@@ -196,4 +196,7 @@ std::optional<Header> read_header(const std::filesystem::path& path) noexcept;
 /// it is not one.
 std::string read_hash(const std::filesystem::path& path) noexcept;
 
+/// Whether `path` is a kernel file that only a newer Ricochet reads.
+bool has_newer_format(const std::filesystem::path& path) noexcept;
+
 }  // namespace ricochet::kernels

@@ -244,4 +244,13 @@ std::string read_hash(const std::filesystem::path& path) noexcept {
   return header ? header->hash : "";
 }
 
+bool has_newer_format(const std::filesystem::path& path) noexcept {
+  try {
+    const hdf5::Reader file(path, kAdvice);
+    return is_kernel(file) && file.integer_attribute("/", "version") > kVersion;
+  } catch (...) {
+    return false;
+  }
+}
+
 }  // namespace ricochet::kernels

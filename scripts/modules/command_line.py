@@ -9,6 +9,34 @@ import programs
 
 INSTALLED = Path(sys.argv[0]).name.startswith("ricochet-")
 
+MOST_RANKS = 4096
+if sys.stderr is None:  # closed: it takes that number, lest a file does
+    sys.stderr = open(os.devnull, "w")
+
+
+class Unprinted(Exception):
+    """Standard output can't be written. `run` tells; its text says why."""
+
+
+def say(text):
+    """Prints, at once, in a main that takes other OSErrors for something else."""
+    try:
+        print(text, flush=True)
+    except OSError as error:
+        raise Unprinted(error.strerror) from None
+
+
+def told(problem):
+    """What the user did wrong, in one line."""
+    return re.sub(r"[\x00-\x1f\x7f]", " ", named(str(problem)))
+
+
+def ranks(text):
+    """Of ricochet-kernel, as a type of options."""
+    if not text.isdecimal() or not 1 <= int(text[:9]) <= MOST_RANKS:
+        raise argparse.ArgumentTypeError(f"give a number from 1 to {MOST_RANKS}")
+    return int(text)
+
 
 def named(text):
     """`scripts/sweep` as it is called where Ricochet is installed: ricochet-sweep."""
@@ -17,7 +45,10 @@ def named(text):
 
 class Version(argparse.Action):
     def __call__(self, parser, *_):
-        print(parser.prog, programs.version())
+        try:
+            print(parser.prog, programs.version())
+        except programs.Failed as failure:
+            parser.exit(failure.status)
         parser.exit()
 
 
@@ -43,8 +74,9 @@ def run(main):
             status = main()
         finally:
             print(end="", flush=True)
-    except OSError as error:
-        print(f"{Path(sys.argv[0]).name}: standard output can't be written ({error.strerror})", file=sys.stderr)
+    except (OSError, Unprinted) as error:
+        why = error.strerror if isinstance(error, OSError) else error
+        print(f"{Path(sys.argv[0]).name}: standard output can't be written ({why})", file=sys.stderr)
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # for what is still to be flushed
         status = 1
     sys.exit(status)

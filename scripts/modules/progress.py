@@ -18,9 +18,9 @@ class Progress:
 
     WIDTH = 30
 
-    def __init__(self, total, stream=sys.stderr):
+    def __init__(self, total, stream=None):
         self.total, self.done, self.worked = total, 0, 0
-        self.stream, self.started, self.drawn = stream, time.monotonic(), 0
+        self.stream, self.started, self.drawn = stream or sys.stderr, time.monotonic(), 0
 
     def advance(self, what, pieces=1, already=False):
         self.done += pieces

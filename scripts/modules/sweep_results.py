@@ -1,4 +1,5 @@
 """What a sweep found: its journal, its tables."""
+import copy
 import csv
 import fcntl
 import glob
@@ -13,12 +14,14 @@ import numpy as np
 
 import whole_file
 from result_file import BadInput
+from sweep_study import utf8
 
 
 class Journal:
-    """A line of JSON for each impact that is finished, {"key", "status", "summary" or "error"}, in <stem>.sweep.jsonl; a
-    part of a sweep has <stem>.sweep.K-of-N.jsonl of its own beside it, and all read all. What was written stays, whatever
-    ends the sweep; half a line at the end of one's own is cut off, and a line that a disk spoilt counts as none."""
+    """A line of JSON for each impact that was run, {"key", "status", "summary" or "error"}, in <stem>.sweep.jsonl; a part of
+    a sweep has <stem>.sweep.K-of-N.jsonl of its own beside it, and all read all. Those of status 0 are finished; what was
+    refused or broke down may have had a reason that has gone. What was written stays, whatever ends the sweep; half a line
+    at the end of one's own is cut off, and a line that a disk spoilt counts as none."""
 
     def __init__(self, stem, part=None, reads_only=False):
         stem.parent.mkdir(parents=True, exist_ok=True)
@@ -29,17 +32,25 @@ class Journal:
             lock(self.file, path)
         for other in sorted(stem.parent.glob(f"{glob.escape(stem.name)}.sweep*.jsonl")):
             for row in filter(None, map(row_of, whole_lines(other).split(b"\n"))):
-                self.rows[row["key"]] = row
+                self._keep(row)
         if not reads_only:
             self.file.truncate(len(whole_lines(path)))
 
     def add(self, key, answer):
         """`answer`: a line of JSON; one of a process that died is for the tables of this run alone."""
-        row = b'{"key": "%s", %s\n' % (key.encode(), answer[1:])
-        self.rows[key] = json.loads(row)
-        if "died" not in self.rows[key]:
-            self.file.write(row)
+        line = b'{"key": "%s", %s\n' % (key.encode(), answer[1:])
+        row = json.loads(line)
+        if "died" not in row and row != self.rows.get(key):
+            self.file.write(line)
             self.file.flush()
+        self._keep(row)
+
+    def _keep(self, row):
+        if not self.finished(row["key"]):
+            self.rows[row["key"]] = row
+
+    def finished(self, key):
+        return key in self.rows and self.rows[key]["status"] == 0
 
     def sync(self):
         os.fsync(self.file.fileno())
@@ -56,13 +67,22 @@ def lock(file, path):
 
 
 def row_of(line):
-    """None of a line that no sweep wrote."""
+    """None of a line that no sweep wrote, or that tables can't hold."""
     try:
         row = json.loads(line)
-        whole = isinstance(row["key"], str) and isinstance(row["status"], int) and isinstance(row.get("summary", {}), dict)
+        found = outputs(row["summary"]) if row["status"] == 0 else {}
+        [float(value) for value in found.values() if value is not None]
+        texts = [row["key"], row.get("error", ""), *found]
+        whole = type(row["status"]) is int and row["status"] in (0, 1, 2) and all(map(storable, texts)) and \
+            not any(name in ("", ".") or "/" in name for name in found)
         return row if whole else None
-    except (ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError):
         return None
+
+
+def storable(text):
+    """Whether HDF5 takes it. Raises UnicodeEncodeError of half characters."""
+    return isinstance(text, str) and b"\0" not in text.encode()
 
 
 def whole_lines(path):
@@ -96,11 +116,11 @@ class Table:
 
     def __init__(self, study, rows):
         """`rows`: of the journal in the order of the study's settings, None where there is none yet."""
-        self.title, self.scene = study.title, study.scene
+        self.title, self.scene = study.title, utf8(study.scene)
         self.inputs = {key: [setting[key] for setting in study.settings] for key in study.keys}
         self.status = [-1 if row is None else row["status"] for row in rows]
         self.error = ["" if row is None else row.get("error", "") for row in rows]
-        found = [outputs(row["summary"]) if row and "summary" in row else {} for row in rows]
+        found = [outputs(row["summary"]) if row and row["status"] == 0 else {} for row in rows]
         names = list(dict.fromkeys(name for columns in found for name in columns))
         self.outputs = {name: [columns.get(name, math.nan) for columns in found] for name in names}
 
@@ -118,7 +138,7 @@ class Table:
         image = io.BytesIO()  # HDF5 itself crashes on a full disk
         with h5py.File(image, "w") as file:
             file.attrs["format"], file.attrs["version"] = "ricochet-sweep", 1
-            file.attrs["title"], file.attrs["scene"] = self.title, str(self.scene)
+            file.attrs["title"], file.attrs["scene"] = self.title, self.scene
             for key, column in self.inputs.items():
                 file.create_dataset(f"inputs/{key.replace('/', '_')}", data=as_array(column))
             for name, column in self.outputs.items():
@@ -126,6 +146,18 @@ class Table:
             file["status"] = np.array(self.status, dtype=np.int8)
             file.create_dataset("error", data=self.error, dtype=h5py.string_dtype())
         whole_file.write(path, image.getbuffer())
+
+    def with_values(self, names):
+        """This table without the rows in which one of the columns is no finite number and no text or list."""
+        def value(v):
+            return math.isfinite(v) if isinstance(v, (int, float)) else v is not None
+
+        kept = [k for k, row in enumerate(zip(*map(self.column, names))) if all(map(value, row))]
+        less = copy.copy(self)
+        less.inputs, less.outputs = ({name: [column[k] for k in kept] for name, column in columns.items()}
+                                     for columns in (self.inputs, self.outputs))
+        less.status, less.error = ([column[k] for k in kept] for column in (self.status, self.error))
+        return less
 
     def column(self, name):
         columns = self.inputs | self.outputs

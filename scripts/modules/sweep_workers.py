@@ -1,10 +1,12 @@
 """Processes of ricochet-contact that answer requests side by side (src/programs/batch_run.hpp)."""
+import itertools
 import json
 import os
 import selectors
 import subprocess
 from collections import deque
 
+import programs
 
 # A process has the next request at hand while it computes, as long as a pipe surely holds what it has not read.
 AHEAD, PIPE_BYTES = 2, 32768
@@ -20,8 +22,8 @@ class Worker:
         self.start()
 
     def start(self):
-        environment = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
-        self.process = subprocess.Popen(self.command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment, bufsize=0)
+        self.process = subprocess.Popen(self.command, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                        env=os.environ | programs.ONE_THREAD, bufsize=0)
         self.selector.register(self.process.stdout, selectors.EVENT_READ, self)
 
     def fill(self, requests):
@@ -30,8 +32,11 @@ class Worker:
             request = next(requests, None)
             if request is None:
                 break
-            self.asked.append(request)
-            self.send(request[1])
+            self.ask(request)
+
+    def ask(self, request):
+        self.asked.append(request)
+        self.send(request[1])
 
     def send(self, line):
         try:
@@ -52,7 +57,8 @@ class Worker:
             yield self.asked.popleft()[0], line
 
     def revive(self):
-        status = self.stop()
+        self.close()
+        status = self.process.wait()
         self.rest, self.deaths = b"", self.deaths + 1
         if self.deaths == 2 and self.asked:
             self.deaths = 0
@@ -62,19 +68,27 @@ class Worker:
         for _, line in self.asked:
             self.send(line)
 
-    def stop(self):
+    def close(self):
         self.selector.unregister(self.process.stdout)
         self.process.stdin.close()
         self.process.stdout.close()
-        return self.process.wait()
+
+    def dismiss(self):
+        """Without a request the process ends by itself; else, and that may take as long as an impact, it is told to."""
+        if self.asked:
+            self.process.terminate()
+        self.close()
 
 
 def in_parallel(jobs, command, requests):
-    """Yields (index, answer as a line of JSON) of requests, Python objects, as `jobs` processes answer them."""
+    """Yields (index, answer as a line of JSON) of requests, Python objects, as up to `jobs` processes answer them."""
     waiting = ((index, json.dumps(request).encode() + b"\n") for index, request in enumerate(requests))
     with selectors.DefaultSelector() as selector:
-        workers = [Worker(command, selector) for _ in range(jobs)]
+        workers = []
         try:
+            for request in itertools.islice(waiting, jobs):
+                workers.append(Worker(command, selector))
+                workers[-1].ask(request)
             for worker in workers:
                 worker.fill(waiting)
             while any(worker.asked for worker in workers):
@@ -83,4 +97,6 @@ def in_parallel(jobs, command, requests):
                     key.data.fill(waiting)
         finally:
             for worker in workers:
-                worker.stop()
+                worker.dismiss()
+            for worker in workers:
+                worker.process.wait()

@@ -70,6 +70,7 @@ class Batch {
     Json out = Json::array();
     for (const StoredKernel& kernel : find_kernels(scene, options_.out, cache_)) {
       const fs::path& path = kernel.enough ? kernel.path : kernel.whole;
+      if (!kernel.enough && kernels::has_newer_format(path)) kernels::read(path);  // says so
       out.push_back({{"file", path.filename().string()}, {"there", kernel.enough}});
     }
     return out;
@@ -132,12 +133,17 @@ class Batch {
   KernelCache cache_;
 };
 
+/// In one line; what a path has that is not UTF-8 becomes U+FFFD.
+std::string text_of(const Json& answer) {
+  return answer.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
 }  // namespace
 
 int run_batch(const console::Options& options, std::istream& in, std::ostream& out) {
   Batch batch(options);
   for (std::string line; std::getline(in, line);)
-    if (!line.empty()) out << batch.answer(line).dump() << std::endl;  // flushed: the caller waits for it
+    if (!line.empty()) out << text_of(batch.answer(line)) << std::endl;  // flushed: the caller waits for it
   return 0;
 }
 

@@ -17,7 +17,9 @@ namespace ricochet::programs {
 ///
 ///     {"status": 0, "summary": {…}}                                  keys of summary.json
 ///     {"status": 0, "kernels": [{"file": "…", "there": true}, …], "reads": {…}}
-///                                                                    reads: tables and histories
+///                                                                    reads: tables and histories; a damaged
+///                                                                    kernel is not there, one of a newer
+///                                                                    format is refused
 ///     {"status": 2, "error": "…"}                                    refused; 1: the computation broke down
 ///
 /// A kernel is read once and kept while impacts need it. Results are not written. A request that is no JSON

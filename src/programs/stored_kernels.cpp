@@ -15,10 +15,15 @@ namespace {
 
 /// Files that hold all candidates of a body, or some.
 std::vector<KernelFile> files_of(const scene::Scene& scene, const scene::Body& body,
-                                 const scene::KernelRequest& request, const fs::path& folder) {
+                                 const scene::KernelRequest& request, const fs::path& folder,
+                                 KernelCache& cache) {
   if (is_limited(scene, body)) return kernel_files(folder, request);
   const fs::path path = scene::kernel_path(folder, request);
   if (!fs::exists(path)) return {};
+  if (!cache.seen.contains(path)) {
+    if (kernels::read_hash(path) != request.hash) return {};
+    cache.seen.insert(path);
+  }
   return {{path, {}}};
 }
 
@@ -44,7 +49,7 @@ std::vector<StoredKernel> find_kernels(const scene::Scene& scene, const fs::path
   for (const scene::Body& body : scene.bodies) {
     const scene::KernelRequest request = scene::kernel_request(scene, body, &cache.meshes);
     const fs::path whole = scene::kernel_path(folder, request);
-    files.push_back(files_of(scene, body, request, folder));
+    files.push_back(files_of(scene, body, request, folder, cache));
     const bool none = files.back().empty();
     out.push_back({none ? whole : files.back().front().path, !none, whole, request.hash});
   }

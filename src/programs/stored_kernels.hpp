@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -21,10 +22,11 @@ struct Kernels {
   std::vector<const kernels::Kernel*> pointers() const;
 };
 
-/// Kernels of the run before, by path, hashes of meshes, and who meets whom: what stays the same is neither
-/// read nor found again.
+/// Kernels of the run before, by path, files that were seen to be kernels, hashes of meshes, and who meets
+/// whom: what stays the same is neither read nor found again.
 struct KernelCache {
   std::map<std::filesystem::path, std::shared_ptr<const kernels::Kernel>> kernels;
+  std::set<std::filesystem::path> seen;
   scene::MeshHashes meshes;
   contact::Pairings pairings;
 };
@@ -39,7 +41,8 @@ struct StoredKernel {
   std::string hash;             ///< that this one must have
 };
 
-/// Of each body. Throws InputError like contact::pair where a reach has to be looked at.
+/// Of each body; a damaged file and one of another scene count as none. Throws InputError like contact::pair
+/// where a reach has to be looked at.
 std::vector<StoredKernel> find_kernels(const scene::Scene& scene, const std::filesystem::path& folder,
                                        KernelCache& cache);
 

@@ -23,10 +23,11 @@ class Batch(ProgramTest):
     def setUp(self):
         super().setUp()
         self.enterContext(slurm.node(self.folder / "slurm"))
-        for path in (MESHES / "two-rods").glob("*.*"):
-            shutil.copy(path, self.folder)
-        self.study = self.write("study.toml", STUDY)
-        self.out = self.folder / "out"
+        place = self.folder / "a user's 50%"  # as paths may be
+        shutil.copytree(MESHES / "two-rods", place, ignore=shutil.ignore_patterns("out"))
+        self.study = place / "study.toml"
+        self.study.write_text(STUDY)
+        self.out = place / "out"
 
     def submit(self, *more):
         """Submits and waits until all jobs have left the queue."""
@@ -65,8 +66,8 @@ class Batch(ProgramTest):
         self.assertEqual({row["status"] for row in self.rows()}, {"0"}, self.logs())
 
     def test_without_kernels_the_impacts_are_not_started(self):
-        bad = self.write("study.toml", STUDY.replace('"modes.count" = 20', '"modes.count" = 2000'))
-        self.succeed(Run([SOURCE / "scripts" / "batch", bad]))
+        self.study.write_text(STUDY.replace('"modes.count" = 20', '"modes.count" = 2000'))
+        self.succeed(Run([SOURCE / "scripts" / "batch", self.study, "--kernel-options", "'--comment=it fails'"]))
         slurm.until(lambda: not Run(["squeue", "-h"]).out.strip(), "jobs stay in the queue")
         self.assertEqual(list(self.out.glob("rods.impacts.*.log")), [])
         self.assertIn("free displacements", self.logs())
