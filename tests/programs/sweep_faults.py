@@ -38,7 +38,7 @@ class Faults(ProgramTest):
     def script(self, name, *words, env=(), **streams):
         """What a script left behind; a stream that a test names is its own."""
         command = ["env", *env, SOURCE / "scripts" / name, *words]
-        return subprocess.run([str(word) for word in command], text=True, timeout=DEADLOCK_S,
+        return subprocess.run([str(word) for word in command], text=True, errors="surrogateescape", timeout=DEADLOCK_S,
                               **({"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | streams))
 
     def sweep(self, *more, **how):
