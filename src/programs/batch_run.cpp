@@ -124,6 +124,7 @@ class Batch {
     const double elapsed = seconds_since(stepping);
     contact::Summary summary = observer.summary();
     judged.into(summary);
+    judge_steps(scene, summary);
     summary.real_time_factor = elapsed > 0 ? integrator.time() / elapsed : 0;
     summary.wall_s = seconds_since(started);
     return contact::json_text(summary);

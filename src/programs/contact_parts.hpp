@@ -37,6 +37,10 @@ contact::Equilibrium equilibrium_of(const scene::Scene& scene, const contact::Mo
 /// Throws what a step that failed at `time` [s] means.
 void check(contact::StepStatus status, const scene::Scene& scene, double time);
 
+/// Adds a warning to those of a run under "compliant" whose touches all have so few steps that peak force and
+/// rebound hang on the step; with an accuracy the estimate tells.
+void judge_steps(const scene::Scene& scene, contact::Summary& summary);
+
 /// The main figures, a line each.
 std::string report(const contact::Summary& summary);
 

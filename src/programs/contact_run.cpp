@@ -145,7 +145,24 @@ std::string seconds(const std::optional<double>& value, const char* otherwise) {
   return value ? fmt::format("{:.6g} s", *value) : otherwise;
 }
 
+/// Of a touch: the bell of meshes/bell rebounds by 12 % too slowly with 16 steps, by 5 % with 32.
+constexpr double few_steps = 20;
+
 }  // namespace
+
+void judge_steps(const scene::Scene& scene, Summary& summary) {
+  if (scene.accuracy || scene.contact.scheme != scene::Scheme::compliant) return;
+  double longest = 0;
+  for (const contact::Episode& episode : summary.episodes) {
+    if (!episode.end_s) return;
+    longest = std::max(longest, (*episode.end_s - episode.start_s) * scene.time.rate.value);
+  }
+  if (longest > 0 && longest < few_steps - 0.5)
+    summary.warnings.push_back(fmt::format(
+        "the longest touch has {:.0f} steps: peak force, rebound and the energy that contact takes hang on "
+        "the step. Raise time.rate_hz, or set accuracy",
+        longest));
+}
 
 std::string report(const Summary& s) {
   std::string text;
@@ -351,6 +368,7 @@ int run_contact(const console::Options& options, std::ostream& out) {
   if (film) film->commit();
   Summary summary = observer.summary();
   judged.into(summary);
+  judge_steps(scene, summary);
   summary.sounds = microphones.write(folder / scene::slug(scene.title));
   summary.real_time_factor = elapsed > 0 ? integrator.time() / elapsed : 0;
   summary.wall_s = seconds_since(started);

@@ -99,8 +99,9 @@ Kernels read_kernels(const scene::Scene& scene, const fs::path& folder, KernelCa
     const bool limited = is_limited(scene, body);
     if (!stored[k].enough && !fs::exists(path))
       throw InputError(fmt::format(
-          "{}: no kernel for body \"{}\" {}. Run ricochet-kernel {} first.", scene.file.string(), body.name,
-          limited ? "in " + folder.string() : "at " + path.string(), scene.file.string()));
+          "{}: no kernel for body \"{}\" {}. Run ricochet-kernel {} first, with the same --set and --out.",
+          scene.file.string(), body.name, limited ? "in " + folder.string() : "at " + path.string(),
+          scene.file.string()));
     const auto kernel = read(path, cache, view);
     if (!limited && kernel->hash != stored[k].hash)
       throw InputError(

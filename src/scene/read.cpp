@@ -224,6 +224,20 @@ void refuse_what_needs_elements(Table& root, const Scene& scene) {
   }
 }
 
+/// File systems end names at 255 bytes; the longest are those of temporary files, "<name>.<process>.partial".
+void refuse_long_names(const Scene& scene) {
+  constexpr std::size_t most = 255, temporary = 16;
+  std::size_t ending = std::string_view(".summary.json").size();
+  for (const Receiver& receiver : scene.output.receivers)
+    ending = std::max(ending, receiver.name.size() + std::string_view("..wav").size());
+  const std::size_t length = slug(scene.title).size() + ending + temporary;
+  if (length > most)
+    throw InputError(
+        fmt::format("{}: title: with the names of receivers it makes names of files of {} bytes, more than "
+                    "{}: shorten it",
+                    scene.file.filename().string(), length, most));
+}
+
 /// Output and loads that a table or bodies at rest know nothing of.
 void refuse_what_does_not_go(Table& root, const Scene& scene) {
   const bool table = scene.contact.kernel == ContactKernel::table;
@@ -299,6 +313,7 @@ Scene read(const std::filesystem::path& file, const std::vector<Override>& overr
     read_time(root, scene.contact, scene.accuracy, scene.time);
     read_output(root, scene);
     refuse_what_does_not_go(root, scene);
+    refuse_long_names(scene);
     root.refuse_unknown();
     return scene;
   }
@@ -324,6 +339,7 @@ Scene read(const std::filesystem::path& file, const std::vector<Override>& overr
   read_loads(root, scene);
   read_output(root, scene);
   refuse_what_does_not_go(root, scene);
+  refuse_long_names(scene);
   root.refuse_unknown();
   for (const Body& body : scene.bodies) {
     const bool paired = std::any_of(scene.contact.pairs.begin(), scene.contact.pairs.end(),

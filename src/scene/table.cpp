@@ -299,6 +299,7 @@ void Table::refuse_unknown() const {
     std::string all;
     for (const std::string& known : known_) {
       all += (all.empty() ? "" : ", ") + known;
+      if (nearest.empty() && key.size() > 2 && known.starts_with(key)) nearest = known;
       if (distance(key, known) < best) {
         best = distance(key, known);
         nearest = known;

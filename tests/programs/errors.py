@@ -140,6 +140,13 @@ class Errors(ProgramTest):
         self.refused(contact(self.scene, self.out, *at_rest), "scene.toml: bodies.", "no contact forces hold it", "support")
         self.assertEqual(list(self.out.glob("errors.*")), [])
 
+    def test_touches_of_few_steps_are_warned_of(self):
+        self.succeed(kernel(self.scene, self.out, ranks=1))
+        for rate, few in ((5, True), (100, False)):  # a touch lasts 2 s
+            self.succeed(contact(self.scene, self.out, "time.duration=5", f"time.rate_hz={rate}"))
+            warned = [w for w in self.summary(self.out)["warnings"] if "steps: peak force, rebound" in w]
+            self.assertEqual(bool(warned), few)
+
     def test_overlapping_bodies(self):
         self.succeed(kernel(self.scene, self.out))
         self.refused(contact(self.scene, self.out, "bodies.a.translate=[-0.5,0,0]"), "scene.toml")

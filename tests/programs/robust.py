@@ -141,7 +141,7 @@ class Places(Robust):
         for path in (self.folder / "kernels").iterdir():
             (self.out / path.name).write_bytes(path.read_bytes())
         self.refused(contact(self.scene, self.out, "time.rate_hz=1e5"), "errors.result.h5", "MB are needed", "are free")
-        long = kernel(self.scene, self.out, "bodies.a.mesh=long.geo", "modes.count=400")
+        long = kernel(self.scene, self.out, "bodies.a.mesh=long.geo", "bodies.b.mesh=long.geo", "modes.count=400")
         self.refused(long, ".slices/plan.h5", "MB are needed")
         self.assertEqual(self.left(), [])
         subprocess.run(["mount", "-o", "remount,ro", self.out], check=True)

@@ -309,4 +309,14 @@ TEST(TableScene, names_a_file_in_its_folder_and_no_bodies) {
   EXPECT_THAT(scene.contact.pairs, IsEmpty());
 }
 
+TEST(Title, is_refused_where_it_makes_names_too_long_for_files) {
+  const auto titled = [](int length) {
+    return "title = \"" + std::string(static_cast<std::size_t>(length), 'a') + "\"\n" + smallest;
+  };
+  EXPECT_EQ(scene_of(titled(226)).title.size(), 226);  // with .summary.json and .1234567.partial 255
+  EXPECT_EQ(complaint_about(titled(227)),
+            "scene.toml: title: with the names of receivers it makes names of files of 256 bytes, more than "
+            "255: shorten it");
+}
+
 }  // namespace

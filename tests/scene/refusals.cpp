@@ -34,9 +34,9 @@ void expect_table_lines(const std::string& table,
 TEST(Refused, is_an_unknown_key_with_the_one_it_may_mean) {
   expect_body_lines(
       {{"velocty = [0, 0, 1]", "velocty = [0, 0, 1]: unknown key. Did you mean \"velocity\"?"}});
-  expect_table_lines("time", {{"rate = 44100",
-                               "rate = 44100: unknown key. The keys here are duration, precision, "
-                               "rate_hz."}});
+  expect_table_lines(
+      "time", {{"rate = 44100", "rate = 44100: unknown key. Did you mean \"rate_hz\"?"},
+               {"pace = 1", "pace = 1: unknown key. The keys here are duration, precision, rate_hz."}});
   expect_table_lines("contact", {{"spacin = 1", "spacin = 1: unknown key. Did you mean \"spacing\"?"}});
   expect_table_lines("modes", {{"counts = 1", "counts = 1: unknown key. Did you mean \"count\"?"}});
   expect_table_lines("obstacles.floor",
