@@ -23,13 +23,23 @@ using Json = nlohmann::json;
 
 namespace {
 
+/// Lists and objects within each other that a request may have.
+constexpr int most_nested = 16;
+
 class Batch {
  public:
   explicit Batch(const console::Options& options) : options_(options) {}
 
   Json answer(const std::string& line) {
     try {
-      const Json request = Json::parse(line, nullptr, false);
+      const Json request = Json::parse(
+          line,
+          [](int depth, Json::parse_event_t, const Json&) {
+            // Copies of what is nested without end would end the stack.
+            if (depth > most_nested) throw InputError("--batch: a request is nested too deep");
+            return true;
+          },
+          false);
       if (!request.is_object())
         throw InputError("--batch: a request must be a line with a JSON object, as in {\"set\": []}");
       std::vector<std::string> overrides = options_.overrides;
@@ -143,7 +153,7 @@ std::string text_of(const Json& answer) {
 
 int run_batch(const console::Options& options, std::istream& in, std::ostream& out) {
   Batch batch(options);
-  for (std::string line; std::getline(in, line);)
+  for (std::string line; out && std::getline(in, line);)
     if (!line.empty()) out << text_of(batch.answer(line)) << std::endl;  // flushed: the caller waits for it
   return 0;
 }

@@ -27,8 +27,8 @@ int main(int argc, char** argv) {
   if (!parsed.options) return parsed.status;
   console::end_cleanly_on_signals();
   try {
-    if (parsed.options->batch) return programs::run_batch(*parsed.options, std::cin, std::cout);
-    const int status = programs::run_contact(*parsed.options, std::cout);
+    const int status = parsed.options->batch ? programs::run_batch(*parsed.options, std::cin, std::cout)
+                                             : programs::run_contact(*parsed.options, std::cout);
     return console::all_printed(program.name) ? status : 1;
   } catch (const std::exception& failure) {
     return console::status_of(failure, program.name);

@@ -124,10 +124,10 @@ class Algebra(ProgramTest):
             if "view" in b:
                 self.assert_close(np.abs(a["view/shape"]), np.abs(b["view/shape"]), 1e-5, "view")  # single precision
 
-    def path(self, folder, *sets):
+    def path(self, folder, *sets, ranks=1):
         """The one kernel there that the scene asks for with these settings."""
         before = set(folder.glob("*.kernel.h5"))
-        run = self.succeed(kernel(self.scene, folder, *sets, quiet=False))
+        run = self.succeed(kernel(self.scene, folder, *sets, ranks=ranks, quiet=False))
         new = set(folder.glob("*.kernel.h5")) - before
         self.assertEqual(len(new), 1)
         return new.pop(), run
@@ -135,7 +135,7 @@ class Algebra(ProgramTest):
     def check(self, before, after):
         """That the second request is derived from the first's kernel, and what it would be if computed."""
         old, _ = self.path(self.out, *before)
-        derived, run = self.path(self.out, *after)
+        derived, run = self.path(self.out, *after, ranks=2)
         self.assertIn(f"derived from {old.name}", run.out)
         self.assertNotIn("assembly", run.out + run.err)
         computed, run = self.path(self.fresh, *after)

@@ -5,7 +5,7 @@ import pathlib
 import tempfile
 
 from boxes import MATERIAL, Box, listed, matrix_market
-from programs import BIN, SOURCE, ProgramTest, Run
+from programs import SOURCE, ProgramTest, Run, kernel
 
 SCENE = """
 title = "Box"
@@ -28,11 +28,6 @@ duration = 1.5
 """
 
 
-def single(scene, out, *sets):
-    """ricochet-kernel without mpirun, which takes longer than the body."""
-    return Run([BIN / "ricochet-kernel", scene, "--out", out, "--quiet"] + [w for s in sets for w in ("--set", s)])
-
-
 class BoxTest(ProgramTest):
     @classmethod
     def setUpClass(cls):
@@ -53,7 +48,7 @@ class BoxTest(ProgramTest):
                    "--out", cls.all / "box.h5"])
         assert run.status == 0, run.err
         for name in ("own", "imported"):
-            run = single(cls.all / f"{name}.toml", cls.all / name)
+            run = kernel(cls.all / f"{name}.toml", cls.all / name)
             assert run.status == 0, run.err
 
     def one(self, out):

@@ -68,7 +68,7 @@ class Driven(ProgramTest):
         self.write("foot.csv", "0,0\n100,10\n")
         self.write("blow.csv", "t,factor\n0,0\n2,1\n")
         self.out = self.folder / "out"
-        self.succeed(kernel(self.scene, self.out))
+        self.succeed(kernel(self.scene, self.out, ranks=2))
 
     def test_receivers_see_the_waves_and_sound_like_them(self):
         self.succeed(contact(self.scene, self.out))

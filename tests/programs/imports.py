@@ -9,7 +9,7 @@ import unittest
 import h5py
 import numpy as np
 
-from box_test import BoxTest, single
+from box_test import BoxTest
 from boxes import MATERIAL, Box, listed
 from programs import BIN, SOURCE, Run, contact, displacement_kernel, kernel, static_responses
 
@@ -55,7 +55,7 @@ class Imports(BoxTest):
     def test_ranks_share_matrices_and_supports_loads_and_receivers_are_those_of_the_mesh(self):
         at = self.box.node[-3].tolist()
         sets = [*EVERYTHING, f'output={{view=true,receiver=[{{name="mic",body="box",at={at}}}]}}']
-        self.succeed(single(self.all / "own.toml", self.folder / "own", *sets))
+        self.succeed(kernel(self.all / "own.toml", self.folder / "own", *sets))
         self.succeed(kernel(self.all / "imported.toml", self.folder / "imported", *sets, ranks=3))
         def responses(path):
             with h5py.File(path) as file:  # Γ itself cancels from what a support that moves does slowly
@@ -126,8 +126,8 @@ class Imports(BoxTest):
     def test_imported_modes_are_cut_to_fewer_but_not_to_those_that_contact_needs(self):
         self.write_by_the_book(self.folder / "modes.h5")
         mesh = f"bodies.box.mesh={self.folder / 'modes.h5'}"
-        self.succeed(single(self.all / "imported.toml", self.folder / "all", mesh))
-        self.succeed(single(self.all / "imported.toml", self.folder / "few", mesh, "modes.count=20"))
+        self.succeed(kernel(self.all / "imported.toml", self.folder / "all", mesh))
+        self.succeed(kernel(self.all / "imported.toml", self.folder / "few", mesh, "modes.count=20"))
         few, made = self.one(self.folder / "few"), self.folder / "made"
         recast = [BIN / "ricochet-recast", self.one(self.folder / "all"), "--out", made]
         self.succeed(Run([*recast, "--count", 20]))
@@ -172,8 +172,8 @@ class Imports(BoxTest):
         at = self.box.node[1].tolist()
         sets = ["bodies.box.velocity=[0,0,0]", f'output={{receiver=[{{name="mic",body="box",at={at}}}]}}',
                 'loads={gravity=[0,0,-1],traction=[{body="box",group="foot",vector=[1,0,0]}]}']
-        self.succeed(single(self.all / "imported.toml", self.folder / "matrices", 'bodies.box.support={"top"="xyz"}', *sets))
-        self.succeed(single(self.all / "imported.toml", self.folder / "modes",
+        self.succeed(kernel(self.all / "imported.toml", self.folder / "matrices", 'bodies.box.support={"top"="xyz"}', *sets))
+        self.succeed(kernel(self.all / "imported.toml", self.folder / "modes",
                             f"bodies.box.mesh={self.folder / 'modes.h5'}", *sets))
         matrices, modes = (self.one(self.folder / name) for name in ("matrices", "modes"))
         self.assertSameKernel(matrices, modes, SHAPES)
@@ -187,7 +187,7 @@ class Imports(BoxTest):
         node, foot = changes.pop("node", self.box.node), changes.pop("foot", self.box.foot)
         write_body(self.folder / "bad.h5", node, {"foot": [foot]},
                    {name: coordinates(matrix) for name, matrix in (matrices | changes).items()})
-        run = single(self.all / "imported.toml", self.folder / "out", f"bodies.box.mesh={self.folder / 'bad.h5'}")
+        run = kernel(self.all / "imported.toml", self.folder / "out", f"bodies.box.mesh={self.folder / 'bad.h5'}")
         self.assertEqual(run.status, 2, run.err)
         (line,) = [line for line in run.err.splitlines() if line]
         self.assertIn(words, line)
@@ -227,7 +227,7 @@ class Imports(BoxTest):
             shutil.copy(book, path)
             with h5py.File(path, "a") as file:
                 change(file)
-            run = single(self.all / "imported.toml", self.folder, f"bodies.box.mesh={path}")
+            run = kernel(self.all / "imported.toml", self.folder, f"bodies.box.mesh={path}")
             self.assertEqual(run.status, 2, run.err)
             self.assertIn(words, run.err)
 
@@ -244,7 +244,7 @@ class Imports(BoxTest):
             self.write(f"{name}.inp", "\n".join([*lines, "*FREQUENCY" + solver, "20", "*END STEP", ""]))
             subprocess.run(["ccx", name], cwd=self.folder, check=True, capture_output=True)
         self.succeed(Run([SOURCE / "scripts" / "import", "calculix", self.folder / "stored.inp"]))
-        self.succeed(single(self.all / "imported.toml", self.folder, f"bodies.box.mesh={self.folder / 'stored.h5'}",
+        self.succeed(kernel(self.all / "imported.toml", self.folder, f"bodies.box.mesh={self.folder / 'stored.h5'}",
                             "modes.count=20"))
         table = [line.split() for line in (self.folder / "solved.dat").read_text().splitlines()[7:27]]
         with h5py.File(self.one(self.folder)) as file, h5py.File(self.folder / "stored.h5") as body:

@@ -92,7 +92,7 @@ class Parts(ProgramTest):
     def kernel_of(self, name, *sets, **options):
         scene = self.write(f"{name}.toml", SCENE.format(name=name))
         out = pathlib.Path(tempfile.mkdtemp(dir=self.folder))
-        self.succeed(kernel(scene, out, *sets, **options))
+        self.succeed(kernel(scene, out, *sets, **({"ranks": 2} | options)))
         return next(out.glob("*.kernel.h5"))
 
     def test_three_files_give_the_kernel_functions_of_one(self):
@@ -129,7 +129,7 @@ class Parts(ProgramTest):
         nodes, elements = grid()
         for part in (1, 3):
             self.write(f"split_{part}.msh", msh(nodes, elements, range(len(elements))))
-        run = kernel(self.write("split.toml", SCENE.format(name="split")), self.folder / "out")
+        run = kernel(self.write("split.toml", SCENE.format(name="split")), self.folder / "out", ranks=2)
         self.assertEqual(run.status, 2)
         self.assertEqual(run.err.count("split_2.msh: no such file"), 1)
 

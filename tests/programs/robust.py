@@ -113,7 +113,7 @@ class Signals(Robust):
         self.assertIn("signal 9", said)
         before = {path: path.stat().st_mtime_ns for path in self.out.glob("*.slices/slice-*.h5")}
         kernels = len(list(self.out.glob("*.kernel.h5")))
-        run = self.succeed(kernel(self.scene, self.out, *SLICED, quiet=False))
+        run = self.succeed(kernel(self.scene, self.out, *SLICED, ranks=2, quiet=False))
         if kernels == 0:
             self.assertIn(f"{len(before)} of ", run.err)
         self.assertEqual((len(list(self.out.glob("*.kernel.h5"))), list(self.out.glob("*.slices")), self.left()), (2, [], []))
@@ -141,7 +141,7 @@ class Places(Robust):
         for path in (self.folder / "kernels").iterdir():
             (self.out / path.name).write_bytes(path.read_bytes())
         self.refused(contact(self.scene, self.out, "time.rate_hz=1e5"), "errors.result.h5", "MB are needed", "are free")
-        long = kernel(self.scene, self.out, "bodies.a.mesh=long.geo", "bodies.b.mesh=long.geo", "modes.count=400")
+        long = kernel(self.scene, self.out, "bodies.a.mesh=long.geo", "bodies.b.mesh=long.geo", "modes.count=400", ranks=2)
         self.refused(long, ".slices/plan.h5", "MB are needed")
         self.assertEqual(self.left(), [])
         subprocess.run(["mount", "-o", "remount,ro", self.out], check=True)
@@ -158,10 +158,21 @@ class Places(Robust):
         self.refused(Run([SOURCE / "scripts/sweep", self.write("study.toml", STUDY), "--out", file]), "sweep: ", "file")
 
     def test_output_that_goes_nowhere_is_no_success(self):
-        with open("/dev/full", "w") as full:
-            done = subprocess.run([BIN / "ricochet-contact", self.scene, "--dry-run"], stdout=full, stderr=subprocess.PIPE, text=True)
-        self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1))
-        self.assertIn("standard output", done.stderr)
+        for option in ("--dry-run", "--batch"):
+            with open("/dev/full", "w") as full:
+                done = subprocess.run([BIN / "ricochet-contact", self.scene, option], input="{}\n{}\n", stdout=full,
+                                      stderr=subprocess.PIPE, text=True)
+            self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1))
+            self.assertIn("standard output", done.stderr)
+
+    def test_requests_that_are_none_are_answered_and_the_next_ones_too(self):
+        requests = ["[", "5", '{"set": ' + 10**6 * "[" + 10**6 * "]" + "}", '{"set": [5]}', '{"set": ["modes.cuont=3"]}', "{}"]
+        done = subprocess.run([BIN / "ricochet-contact", self.scene, "--batch", "--out", self.out], input="\n".join(requests),
+                              capture_output=True, text=True)
+        answers = [json.loads(line) for line in done.stdout.splitlines()]
+        self.assertEqual((done.returncode, [answer["status"] for answer in answers]), (0, [2] * 6))
+        for answer, word in zip(answers, ("JSON object", "JSON object", "nested", "list of texts", "cuont", "no kernel")):
+            self.assertIn(word, answer["error"])
 
 
 class Early(Robust):

@@ -20,7 +20,7 @@ class Rods(ProgramTest):
         scope = tempfile.TemporaryDirectory(prefix="ricochet-rods-")
         cls.addClassCleanup(scope.cleanup)
         cls.out = pathlib.Path(scope.name)
-        run = kernel(SCENE, cls.out)
+        run = kernel(SCENE, cls.out, ranks=2)
         assert run.status == 0, run.err
 
     def collide(self, *sets):
