@@ -3,7 +3,7 @@
 set(share ${CMAKE_INSTALL_DATADIR}/ricochet)
 set(user_scripts run plot report sweep tradeoff batch import faust surfaces)
 set(modules command_line programs titles progress result_file report_charts report_motion report_page report_run report_sound
-  sweep_study sweep_results sweep_pictures sweep_workers sweep_kernels tradeoff_runs tradeoff_report body_file calculix_model viewpoint plot_style plot_snapshots
+  scene_keys sweep_study sweep_results sweep_pictures sweep_workers sweep_kernels tradeoff_runs tradeoff_report body_file calculix_model viewpoint plot_style plot_snapshots
   whole_file)
 
 install(TARGETS ricochet-contact ricochet-recast COMPONENT programs)

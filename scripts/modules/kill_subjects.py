@@ -113,7 +113,7 @@ class Subject:
 
     def __init__(self, scenes, whole):
         self.scenes, self.whole = scenes, whole
-        self.environment = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "RICOCHET_BIN": str(programs.BIN)}
+        self.environment = os.environ | programs.ONE_THREAD | {"RICOCHET_BIN": str(programs.BIN)}
 
     def prepare(self, out, random):
         """Makes the folder that the first run of a life finds."""

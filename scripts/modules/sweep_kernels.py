@@ -20,6 +20,7 @@ class Kernels:
         self.refused = {}  # by index: an answer as that of an impact
         self.names = set()  # of the files of all settings
         self.checked = {}  # by meshes: None or an answer
+        self.tried = set()  # files of the present round
 
     def ask(self, requests):
         """Yields (index, answer as a line of JSON)."""
@@ -29,7 +30,7 @@ class Kernels:
 
     def compute(self, missing):
         """`missing`: by index the files that a setting lacks. Each is computed once, or its settings join `refused`."""
-        self.tried = set()  # files
+        self.tried = set()
         self._check(missing)
         left = self._first_of_each(missing)
         bar = Progress(len(left))

@@ -1,10 +1,11 @@
 """Pictures of a sweep: an output over one input, a line for each value of the others, or over two, a cell for each pair."""
+import functools
 import json
-import re
 
 import numpy as np
 
 from result_file import BadInput
+from scene_keys import unit
 from whole_file import save_picture
 
 FEW = 12  # values of an input that can be told apart on an axis
@@ -21,12 +22,10 @@ WORDS = {
     "approach_m": "approach (m)", "contact_points": "points that press", "contact_area_m2": "area of contact (m²)",
     "peak_pressure_pa": "largest pressure (Pa)", "imbalance": "imbalance, relative",
 }
-UNITS = {"velocity": "m/s", "translate": "m", "rotate_deg": "°", "density": "kg/m³", "young": "Pa", "gap": "m", "spacing": "m",
-         "reach": "m", "up_to_hz": "Hz", "rate_hz": "Hz", "duration": "s", "gravity": "m/s²", "area": "m²", "viscosity": "s"}
 
 
-def label(name):
-    """Words and unit of an output; a key of the scene as it is written there, with its unit."""
+def label(name, units):
+    """Words and unit of an output; a key of the scene as it is written there, with its unit of `units` (scene_keys.units)."""
     path = name.split(".")
     if name in WORDS:
         return WORDS[name]
@@ -36,8 +35,8 @@ def label(name):
         return f"{WORDS[path[-1]]}, pair {int(path[1]) + 1}"
     if path[0] == "error_estimate":
         return "estimated error, " + ("relative" if path[-1] == "total" else f"{path[-1]} alone, relative")
-    unit = UNITS.get(re.sub(r"\[\d+\]$", "", path[-1]))
-    return f"{name} ({unit})" if unit else name
+    found = unit(name, units)
+    return f"{name} ({found})" if found else name
 
 
 def axis(values):
@@ -68,7 +67,7 @@ def is_even(values):
     return any(np.ptp(np.diff(v)) <= 1e-3 * np.abs(np.diff(v)).max() for v in (values, by_ratio))
 
 
-def others(table, against):
+def others(table, against, label):
     """What the lines of a picture are: a name for all, and that of each setting (None where there are too many); and whether
     nothing else varies along a line."""
     columns = {key: [text(value) for value in column] for key, column in table.inputs.items() if key not in against}
@@ -83,12 +82,14 @@ def others(table, against):
     return (label(few[0]), columns[few[0]], False) if few else (None, None, not columns)
 
 
-def draw(table, output, against, path):
+def draw(table, output, against, path, units):
+    """`units`: of the scene's keys."""
     import matplotlib
 
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
+    told = functools.partial(label, units=units)
     z, _ = axis(table.column(output))
     places = [axis(table.column(name)) for name in against]
     there = np.isfinite(z)
@@ -96,20 +97,20 @@ def draw(table, output, against, path):
         raise BadInput(f"no finished impact has a value of \"{output}\": there is nothing to draw")
     fig, ax = plt.subplots(figsize=(6.4, 4.4), constrained_layout=True)
     if len(places) == 1:
-        lines(ax, plt, z, there, places[0][0], *others(table, against))
-        ax.set_ylabel(label(output))
+        lines(ax, plt, z, there, places[0][0], *others(table, against, told))
+        ax.set_ylabel(told(output))
         ax.grid(lw=0.3)
     elif all(len(np.unique(p)) <= FEW or names or is_even(np.unique(p)) for p, names in places) and \
             len(np.unique(places[0][0])) * len(np.unique(places[1][0])) <= 4 * len(z):
-        cells(fig, ax, z, there, places, label(output))
+        cells(fig, ax, z, there, places, told(output))
     else:
-        fig.colorbar(ax.scatter(places[0][0][there], places[1][0][there], c=z[there], s=14), label=label(output))
+        fig.colorbar(ax.scatter(places[0][0][there], places[1][0][there], c=z[there], s=14), label=told(output))
     if len(places) == 1 or not ax.images:
         for (values, names), set_scale, set_ticks in zip(places, (ax.set_xscale, ax.set_yscale), (ax.set_xticks, ax.set_yticks)):
             scale(set_scale, set_ticks, values, names)
     if len(places) == 2:
-        ax.set_ylabel(label(against[1]))
-    ax.set(xlabel=label(against[0]), title=table.title)
+        ax.set_ylabel(told(against[1]))
+    ax.set(xlabel=told(against[0]), title=table.title)
     save_picture(fig, path, dpi=120)
     plt.close(fig)
 

@@ -172,7 +172,7 @@ class Done:
 
 
 def timed(command):
-    environment = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+    environment = os.environ | programs.ONE_THREAD
     with tempfile.TemporaryFile("w+") as said:
         started = time.monotonic()
         process = subprocess.Popen([str(word) for word in command], env=environment, stdout=said, stderr=said)

@@ -22,6 +22,7 @@ import numpy as np
 from programs import BIN, MESHES, SOURCE, ProgramTest, Run, contact, kernel
 
 sys.path.append(str(SOURCE / "scripts/modules"))
+import scene_keys
 import sweep_pictures
 from result_file import BadInput
 from sweep_study import Study
@@ -95,7 +96,7 @@ class Pictures(unittest.TestCase):
         """The axes of a picture of a table, as matplotlib has them."""
         table = SimpleNamespace(title="t", inputs=inputs, column=lambda name: (inputs | {output: rows})[name])
         with mock.patch("matplotlib.pyplot.close"), tempfile.TemporaryDirectory() as folder:
-            sweep_pictures.draw(table, output, against, Path(folder) / "picture.png")
+            sweep_pictures.draw(table, output, against, Path(folder) / "picture.png", scene_keys.units(Run([BIN / "ricochet-contact", "--keys"]).out))
         import matplotlib.pyplot as plt
 
         self.addCleanup(plt.close, "all")
@@ -111,6 +112,12 @@ class Pictures(unittest.TestCase):
         legend = ax.get_legend()
         self.assertEqual(legend.get_title().get_text(), "bodies.b.material.density (kg/m³)")
         self.assertEqual([part.get_text() for part in legend.get_texts()], ["2700", "7850", "11340"])
+
+    def test_units_are_those_of_the_reference(self):
+        units = scene_keys.units(Run([BIN / "ricochet-contact", "--keys"]).out)
+        for key, unit in {"bodies.b.velocity[0]": "m/s", "bodies.b.material.steel.young": "Pa", "contact.gap": "m", "time.duration": "s",
+                          "loads.point[0].vector[1]": "N", "bodies.b.geometry.radius": "", "accuracy": "", "modes.up_to_hz": "Hz"}.items():
+            self.assertEqual(scene_keys.unit(key, units), unit, key)
 
     def test_over_two_inputs_each_pair_that_was_run_has_a_cell_with_its_values_as_labels(self):
         x, y = [1.0, 10.0, 11.0] * 2, ["a"] * 3 + ["b"] * 3
