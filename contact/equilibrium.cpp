@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "contact/complementarity.hpp"
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::contact {
 namespace {

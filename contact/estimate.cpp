@@ -7,7 +7,7 @@
 #include "contact/thinning.hpp"
 #include "kernels/algebra.hpp"
 #include "kernels/band.hpp"
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::contact {
 namespace {

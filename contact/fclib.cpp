@@ -6,14 +6,14 @@
 #include <utility>
 #include <vector>
 
-#include "kernels/error.hpp"
-#include "kernels/hdf5.hpp"
+#include "ricochet/error.hpp"
+#include "base/hdf5.hpp"
 
 namespace ricochet::contact {
 
 namespace {
 
-using kernels::hdf5::Writer;
+using base::hdf5::Writer;
 
 constexpr Eigen::Index rows_each = 3;  ///< of a contact: normal, two tangential
 

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <utility>
 
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::contact {
 namespace {

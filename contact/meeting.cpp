@@ -6,7 +6,7 @@
 #include <cmath>
 #include <set>
 
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::contact {
 

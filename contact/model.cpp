@@ -7,7 +7,7 @@
 
 #include "contact/meeting.hpp"
 #include "contact/model_internal.hpp"
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::contact {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "contact/model_internal.hpp"
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::contact {
 namespace {

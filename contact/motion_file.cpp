@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <map>
 
-#include "kernels/xdmf.hpp"
+#include "base/xdmf.hpp"
 
 namespace ricochet::contact {
 namespace {
 
-namespace xdmf = kernels::xdmf;
+namespace xdmf = base::xdmf;
 using Eigen::Index;
-using kernels::hdf5::Shape;
+using base::hdf5::Shape;
 
 std::filesystem::path with(std::filesystem::path stem, const char* ending) { return stem += ending; }
 
@@ -22,7 +22,7 @@ std::string group_of(const std::string& body) { return "/bodies/" + body; }
 std::string group_of(std::size_t pair) { return fmt::format("/contact/{}", pair + 1); }
 
 template <class Values>
-void write(kernels::hdf5::Writer& file, const std::string& dataset, const Values& x, const char* unit) {
+void write(base::hdf5::Writer& file, const std::string& dataset, const Values& x, const char* unit) {
   using T = typename Values::Scalar;
   const auto rows = static_cast<std::size_t>(x.rows()), columns = static_cast<std::size_t>(x.cols());
   file.write(dataset, std::span<const T>(x.data(), rows * columns),

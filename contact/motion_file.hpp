@@ -15,7 +15,7 @@
 #include "contact/integrator.hpp"
 #include "contact/model.hpp"
 #include "contact/skin.hpp"
-#include "kernels/hdf5.hpp"
+#include "base/hdf5.hpp"
 
 namespace ricochet::contact {
 
@@ -65,7 +65,7 @@ class MotionFile {
   const Model& model_;
   std::filesystem::path stem_;
   std::int64_t every_;
-  kernels::hdf5::Writer file_;
+  base::hdf5::Writer file_;
   std::vector<Skin> skins_;  ///< by body
   std::vector<Patch> patches_;
   std::vector<double> time_;  ///< of the frames

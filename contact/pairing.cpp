@@ -9,7 +9,7 @@
 #include "contact/model.hpp"
 #include "contact/pairings.hpp"
 #include "contact/places.hpp"
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::contact {
 namespace {

@@ -8,7 +8,7 @@ using Eigen::Vector3d;
 std::vector<double> flat(const Matrix& x) { return {x.data(), x.data() + x.size()}; }
 std::vector<double> flat(const Vector& x) { return {x.data(), x.data() + x.size()}; }
 
-void append(kernels::hdf5::Rows* rows, const Eigen::Ref<const Vector>& row) {
+void append(base::hdf5::Rows* rows, const Eigen::Ref<const Vector>& row) {
   rows->append(std::span<const double>(row.data(), static_cast<std::size_t>(row.size())));
 }
 

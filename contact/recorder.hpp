@@ -15,7 +15,7 @@
 #include "contact/integrator.hpp"
 #include "contact/model.hpp"
 #include "contact/receivers.hpp"
-#include "kernels/hdf5.hpp"
+#include "base/hdf5.hpp"
 
 namespace ricochet::contact {
 
@@ -52,7 +52,7 @@ class Recorder {
   void commit(const std::filesystem::path& summary = {});
 
  private:
-  using Rows = kernels::hdf5::Rows;
+  using Rows = base::hdf5::Rows;
   struct BodyRows {
     Rows *velocity = nullptr, *momentum = nullptr, *angular_momentum = nullptr, *reaction = nullptr;
     Rows* snapshot = nullptr;
@@ -82,7 +82,7 @@ class Recorder {
   const Model& model_;
   double step_;
   std::int64_t every_, snapshot_every_, last_row_ = 0;
-  kernels::hdf5::Writer file_;
+  base::hdf5::Writer file_;
   Matrix B_a_, R_a_;  ///< (m,N), (m,m) share of body a of each point; R_a_ zero under `impulse`
   Vector s_a_;        ///< (m), constant
   Matrix driven_a_;   ///< (m,drives) for a factor of 1

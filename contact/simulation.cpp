@@ -7,7 +7,7 @@
 
 #include "contact/integrator.hpp"
 #include "contact/model.hpp"
-#include "kernels/rotation.hpp"
+#include "base/rotation.hpp"
 #include "ricochet/ricochet.hpp"
 
 namespace ricochet {

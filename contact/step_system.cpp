@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "contact/integrator.hpp"
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::contact {
 namespace {

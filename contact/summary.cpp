@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "kernels/temporary.hpp"
+#include "base/atomic_file.hpp"
 
 namespace ricochet::contact {
 namespace {
@@ -91,7 +91,7 @@ Json shares(const std::optional<ErrorEstimate>& estimate) {
 }
 
 void write(const Json& json, const std::filesystem::path& path) {
-  kernels::Temporary temporary(path);
+  base::AtomicFile temporary(path);
   std::ofstream file(temporary.path());
   file << json.dump(2) << '\n';
   file.close();

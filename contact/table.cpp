@@ -8,15 +8,15 @@
 #include <set>
 
 #include "contact/propagator.hpp"
-#include "kernels/error.hpp"
-#include "kernels/hdf5.hpp"
+#include "ricochet/error.hpp"
+#include "base/hdf5.hpp"
 
 namespace ricochet::contact {
 namespace {
 
-using kernels::hdf5::any;
-using kernels::hdf5::Reader;
-using kernels::hdf5::Writer;
+using base::hdf5::any;
+using base::hdf5::Reader;
+using base::hdf5::Writer;
 
 constexpr const char* table_format = "ricochet-table";
 constexpr std::int64_t table_version = 1;
@@ -153,7 +153,7 @@ Table read_table(const std::filesystem::path& path) {
   table.step = file.read<double>("/table/step", {}).at(0);
   table.gap = vector(file.read<double>("/table/gap", {any}));
   const std::size_t m = static_cast<std::size_t>(table.gap.size());
-  const auto optional = [&](const std::string& name, const kernels::hdf5::Shape& shape) {
+  const auto optional = [&](const std::string& name, const base::hdf5::Shape& shape) {
     return file.exists("/table/" + name) ? file.read<double>("/table/" + name, shape) : std::vector<double>{};
   };
   table.flexibility = optional("flexibility", {any, m, m});
@@ -185,7 +185,7 @@ void write_table(const Table& table, const std::filesystem::path& path) {
   file.write<double>("/table/step", {table.step}, {}, "s");
   file.attribute("/table", "tail", table.tail == Tail::linear ? "linear" : "none");
   const auto write = [&](const char* name, const std::vector<double>& values,
-                         const kernels::hdf5::Shape& shape, const char* unit) {
+                         const base::hdf5::Shape& shape, const char* unit) {
     if (!values.empty()) file.write<double>(std::string("/table/") + name, values, shape, unit);
   };
   write("displacement", table.displacement, {L, m, m}, "m/(N s)");

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <span>
 
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::contact {
 namespace {

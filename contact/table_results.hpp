@@ -26,7 +26,7 @@ class TableRecorder {
   void commit(const std::filesystem::path& summary = {});
 
  private:
-  using Rows = kernels::hdf5::Rows;
+  using Rows = base::hdf5::Rows;
   struct BodyRows {
     double mass;
     Rows *velocity, *momentum;
@@ -38,7 +38,7 @@ class TableRecorder {
 
   std::int64_t every_;
   bool has_power_;
-  kernels::hdf5::Writer file_;
+  base::hdf5::Writer file_;
   Rows *time_ = nullptr, *persistency_ = nullptr;
   Rows *contact_time_ = nullptr, *force_ = nullptr, *gap_ = nullptr;
   std::vector<BodyRows> bodies_;

@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "kernels/band.hpp"
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::kernels {
 namespace {

@@ -1,7 +1,7 @@
 // Laws of damping that leave modes uncoupled.
 #pragma once
 
-#include "kernels/units.hpp"
+#include "ricochet/units.hpp"
 
 namespace ricochet::kernels {
 

@@ -10,7 +10,7 @@
 #include <span>
 #include <string_view>
 
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::kernels {
 namespace {

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "kernels/units.hpp"
+#include "ricochet/units.hpp"
 
 namespace ricochet::kernels {
 

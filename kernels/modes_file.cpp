@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "kernels/error.hpp"
-#include "kernels/hdf5.hpp"
-#include "kernels/xdmf.hpp"
+#include "ricochet/error.hpp"
+#include "base/hdf5.hpp"
+#include "base/xdmf.hpp"
 
 namespace ricochet::kernels {
 namespace {

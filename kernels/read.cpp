@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "kernels/format.hpp"
-#include "kernels/hdf5.hpp"
+#include "base/hdf5.hpp"
 #include "kernels/kernel.hpp"
 
 namespace ricochet::kernels {

@@ -1,5 +1,5 @@
 #include "kernels/format.hpp"
-#include "kernels/hdf5.hpp"
+#include "base/hdf5.hpp"
 #include "kernels/kernel.hpp"
 
 namespace ricochet::kernels {

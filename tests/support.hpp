@@ -9,7 +9,7 @@
 #include <iterator>
 #include <string>
 
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::test {
 

@@ -20,7 +20,7 @@
 #include <string>
 #include <vector>
 
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 #include "kernels/kernel.hpp"
 #include "ricochet/denormals.hpp"
 

@@ -7,15 +7,15 @@
 #include <iostream>
 #include <new>
 
-#include "kernels/error.hpp"
-#include "kernels/temporary.hpp"
+#include "ricochet/error.hpp"
+#include "base/atomic_file.hpp"
 
 namespace ricochet::console {
 namespace {
 
 /// SA_RESETHAND: a second signal ends the program at once, and so does the one raised here.
 extern "C" void end(int signal) {
-  kernels::remove_temporaries();
+  base::remove_unfinished_files();
   ::raise(signal);
 }
 

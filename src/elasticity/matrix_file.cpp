@@ -14,8 +14,8 @@ namespace ricochet::elasticity {
 
 namespace {
 
-using kernels::hdf5::any;
-using kernels::hdf5::Reader;
+using base::hdf5::any;
+using base::hdf5::Reader;
 using mesh::Mesh;
 
 /// Rows of a sparse matrix, columns ascending.

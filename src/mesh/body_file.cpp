@@ -9,8 +9,8 @@ namespace ricochet::mesh {
 
 namespace {
 
-using kernels::hdf5::any;
-using kernels::hdf5::Reader;
+using base::hdf5::any;
+using base::hdf5::Reader;
 
 constexpr std::int64_t version = 1;
 

@@ -5,7 +5,7 @@
 #include <cctype>
 #include <exception>
 
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::mesh {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::mesh {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <map>
 
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::mesh {
 

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 #include "src/mesh/msh_stream.hpp"
 
 namespace ricochet::mesh {

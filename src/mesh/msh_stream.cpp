@@ -7,7 +7,7 @@
 #include <cstring>
 #include <limits>
 
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::mesh {
 

@@ -14,7 +14,7 @@
 #include <sstream>
 #include <vector>
 
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 #include "src/mesh/msh_check.hpp"
 
 namespace ricochet::mesh {

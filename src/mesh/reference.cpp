@@ -9,7 +9,7 @@
 #include <numbers>
 #include <utility>
 
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::mesh {
 

@@ -6,14 +6,14 @@
 #include <bit>
 #include <cmath>
 
-#include "kernels/hdf5.hpp"
-#include "kernels/temporary.hpp"
+#include "base/hdf5.hpp"
+#include "base/atomic_file.hpp"
 
 namespace ricochet::modes {
 
 namespace {
 
-namespace hdf5 = kernels::hdf5;
+namespace hdf5 = base::hdf5;
 
 constexpr const char* advice = "Delete it, and the search starts anew.";
 
@@ -87,7 +87,7 @@ void Checkpoint::save(const Plan& plan) const {
   const std::int64_t rows = parallel::sum(teams_.team(), operators_.body.local_rows);
   parallel::on_first_rank(teams_.world(), [&] {
     // Slices overlap a little: this is the least.
-    kernels::check_place(folder_ / "plan.h5",
+    base::check_place(folder_ / "plan.h5",
                          sizeof(double) * static_cast<double>(rows) * static_cast<double>(plan.end.below));
     hdf5::Writer file(folder_ / "plan.h5");
     file.write<double>("/end", std::vector<double>{plan.end.sigma, static_cast<double>(plan.end.below)}, {2},

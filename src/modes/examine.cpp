@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::modes {
 

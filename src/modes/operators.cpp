@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::modes {
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 
 extern "C" void dsyevd_(const char* job, const char* triangle, const int* n, double* a, const int* lda,
                         double* w, double* work, const int* work_size, int* whole, const int* whole_size,

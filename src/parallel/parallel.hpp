@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::parallel {
 

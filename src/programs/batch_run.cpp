@@ -10,7 +10,7 @@
 
 #include "contact/integrator.hpp"
 #include "contact/summary.hpp"
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 #include "src/programs/accuracy.hpp"
 #include "src/programs/contact_parts.hpp"
 #include "src/scene/derive.hpp"

@@ -17,9 +17,9 @@
 #include "contact/model.hpp"
 #include "contact/recorder.hpp"
 #include "contact/summary.hpp"
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 #include "kernels/kernel.hpp"
-#include "kernels/temporary.hpp"
+#include "base/atomic_file.hpp"
 #include "src/console/console.hpp"
 #include "src/programs/accuracy.hpp"
 #include "src/programs/contact_parts.hpp"
@@ -314,7 +314,7 @@ int run_contact(const console::Options& options, std::ostream& out) {
   contact::Model model = in_scene(scene, [&] { return model_of(scene, kernels.pointers(), cache.pairings); });
   console.end(fmt::format("{} contact points, {} modes", model.gap.size(), model.omega.size()));
 
-  kernels::check_place(target_of(scene, folder, kernels, motion).result);
+  base::check_place(target_of(scene, folder, kernels, motion).result);
   Judged judged{.warnings = kernels.warnings};
   if (scene.accuracy) {
     console.begin("estimates");
@@ -331,7 +331,7 @@ int run_contact(const console::Options& options, std::ostream& out) {
   }
   const contact::StepOptions step = step_options(scene);
   const std::int64_t steps = std::llround(scene.time.duration * scene.time.rate.value);
-  kernels::check_place(target.result, contact::least_bytes(model, target.recorder, steps));
+  base::check_place(target.result, contact::least_bytes(model, target.recorder, steps));
 
   console.begin("steps", steps);
   const Clock::time_point stepping = Clock::now();

@@ -13,8 +13,8 @@ namespace ricochet {
 
 namespace {
 
-using kernels::hdf5::any;
-using kernels::hdf5::Reader;
+using base::hdf5::any;
+using base::hdf5::Reader;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// Modes at all nodes of a body file, rigid ones first.
@@ -29,7 +29,7 @@ struct Imported {
 };
 
 /// (rows, columns) of a dataset of finite numbers. @param shape  as it is in the file
-Eigen::MatrixXd read_matrix(const Reader& file, const std::string& name, const kernels::hdf5::Shape& shape,
+Eigen::MatrixXd read_matrix(const Reader& file, const std::string& name, const base::hdf5::Shape& shape,
                             Eigen::Index rows) {
   const std::vector<double> values = file.read<double>(name, shape);
   if (!std::ranges::all_of(values, [](double x) { return std::isfinite(x); }))

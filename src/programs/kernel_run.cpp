@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "kernels/band.hpp"
-#include "kernels/temporary.hpp"
+#include "base/atomic_file.hpp"
 #include "src/mesh/gmsh_session.hpp"
 #include "src/modes/approximate.hpp"
 #include "src/modes/contact_basis.hpp"
@@ -252,7 +252,7 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
       continue;
     }
     std::filesystem::path path = scene::kernel_path(options.out, request);
-    parallel::on_first_rank(comm, [&] { kernels::check_place(path); });
+    parallel::on_first_rank(comm, [&] { base::check_place(path); });
     const std::string from = derive_if_possible(request, options.out, path, comm);
     if (from.empty()) {
       request = with_points(requests[k], worth_computing(requests, points, k));

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::programs {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "contact/model.hpp"
 #include "contact/pairings.hpp"
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 #include "src/scene/scene.hpp"
 
 namespace ricochet::programs {

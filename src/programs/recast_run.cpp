@@ -4,9 +4,9 @@
 
 #include <ostream>
 
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 #include "kernels/modes_file.hpp"
-#include "kernels/temporary.hpp"
+#include "base/atomic_file.hpp"
 #include "src/scene/derive.hpp"
 
 namespace ricochet::programs {
@@ -88,7 +88,7 @@ int run_recast(const RecastOptions& options, std::ostream& out) {
   fs::path path = options.out.empty() ? options.kernel.parent_path() : options.out;
   try {
     path /= options.vtk && !options.changes() ? options.kernel.filename().string() : recast(options, kernel);
-    kernels::check_place(path);
+    base::check_place(path);
     if (options.vtk) {
       const fs::path stem = path.replace_extension().replace_extension(".modes");  // ….kernel.h5
       kernels::write_modes(kernel, stem);

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "kernels/units.hpp"
+#include "ricochet/units.hpp"
 
 namespace ricochet::programs {
 

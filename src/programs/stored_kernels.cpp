@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 #include "src/programs/placing.hpp"
 
 namespace ricochet::programs {

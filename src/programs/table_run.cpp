@@ -9,7 +9,7 @@
 #include "contact/table.hpp"
 #include "contact/table_integrator.hpp"
 #include "contact/table_results.hpp"
-#include "kernels/temporary.hpp"
+#include "base/atomic_file.hpp"
 #include "src/programs/contact_parts.hpp"
 
 namespace ricochet::programs {
@@ -122,7 +122,7 @@ int run_table(const console::Options& options, const scene::Scene& scene, const 
   fs::path result = stem, summary_file = stem;
   result += ".result.h5";
   summary_file += ".summary.json";
-  kernels::check_place(result);
+  base::check_place(result);
 
   console.begin("steps", steps);
   contact::TableIntegrator integrator = integrator_of(scene, source);

@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 #include "src/scene/write.hpp"
 
 namespace ricochet::scene {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <string>
 
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::scene {
 

@@ -6,8 +6,8 @@
 #include <set>
 #include <sstream>
 
-#include "kernels/error.hpp"
-#include "kernels/rotation.hpp"
+#include "ricochet/error.hpp"
+#include "base/rotation.hpp"
 #include "src/scene/loads.hpp"
 #include "src/scene/parts.hpp"
 #include "src/scene/write.hpp"

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 #include "src/scene/keys.hpp"
 #include "src/scene/scene.hpp"
 

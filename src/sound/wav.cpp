@@ -8,8 +8,8 @@
 #include <array>
 #include <cmath>
 
-#include "kernels/error.hpp"
-#include "kernels/temporary.hpp"
+#include "ricochet/error.hpp"
+#include "base/atomic_file.hpp"
 
 namespace ricochet::sound {
 namespace {
@@ -73,7 +73,7 @@ Scale write_wav(const std::filesystem::path& path, const std::vector<float>& vel
   const Scale scale{found.rate_hz, largest > 0 ? largest : 1.0};
   for (float& x : sound) x = static_cast<float>(x / scale.full_scale_m_per_s);
 
-  kernels::Temporary temporary(path);
+  base::AtomicFile temporary(path);
   SF_INFO info{};
   info.samplerate = static_cast<int>(scale.rate_hz);
   info.channels = channels;

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "contact/model.hpp"
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 #include "tests/support.hpp"
 
 namespace ricochet::contact::test {

@@ -271,7 +271,7 @@ TEST(EquilibriumResult, holds_one_row_with_forces_displacements_and_what_support
   const Equilibrium at_rest = find_equilibrium(model);
   const ricochet::test::Folder folder;
   Recorder(model, at_rest, {.path = folder / "r.h5", .title = "r", .snapshot_every = 1}).commit();
-  const ricochet::kernels::hdf5::Reader file(folder / "r.h5", "");
+  const ricochet::base::hdf5::Reader file(folder / "r.h5", "");
   const auto row = [&](const std::string& name, std::size_t n) { return file.read<double>(name, {1, n}); };
   EXPECT_EQ(file.read<double>("/time", {1}), std::vector<double>{0});
   EXPECT_EQ(file.read<double>("/contact/time", {1}), std::vector<double>{0});

@@ -10,7 +10,7 @@
 #include <random>
 #include <string>
 
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 #include "tests/contact/heap_counter.hpp"
 
 namespace {

@@ -15,7 +15,7 @@ namespace {
 using namespace ricochet::contact;
 using namespace ricochet::contact::test;
 using ricochet::kernels::Kernel;
-using ricochet::kernels::hdf5::Reader;
+using ricochet::base::hdf5::Reader;
 using ricochet::test::Folder;
 
 constexpr double length = 10;
@@ -130,7 +130,7 @@ std::vector<double> run(const Model& model, const StepOptions& options, int step
     recorder.record(integrator);
   }
   recorder.commit();
-  return Reader(folder / "bar.result.h5", "").read<double>(dataset, {ricochet::kernels::hdf5::any, 3});
+  return Reader(folder / "bar.result.h5", "").read<double>(dataset, {ricochet::base::hdf5::any, 3});
 }
 
 TEST(Result, holds_receivers_at_every_step_whatever_rows_are_written) {

@@ -12,9 +12,9 @@ namespace {
 using namespace ricochet::contact;
 using namespace ricochet::contact::test;
 using ricochet::kernels::Kernel;
-using ricochet::kernels::hdf5::any;
-using ricochet::kernels::hdf5::Reader;
-using ricochet::kernels::hdf5::Shape;
+using ricochet::base::hdf5::any;
+using ricochet::base::hdf5::Reader;
+using ricochet::base::hdf5::Shape;
 using ricochet::test::Folder;
 
 constexpr int modes = 12;

@@ -10,7 +10,7 @@
 #include <random>
 
 #include "contact/table_integrator.hpp"
-#include "kernels/hdf5.hpp"
+#include "base/hdf5.hpp"
 #include "tests/contact/bodies.hpp"
 #include "tests/contact/heap_counter.hpp"
 #include "tests/kernels/hostile.hpp"
@@ -310,7 +310,7 @@ TEST(TableFile, comes_back_as_it_was) {
   EXPECT_EQ(back.bodies[1].mass, 10);
   EXPECT_EQ(back.bodies[0].velocity, table.bodies[0].velocity);
   EXPECT_EQ(back.bodies[0].push, table.bodies[0].push);
-  EXPECT_EQ(ricochet::kernels::hdf5::Reader(path, "").string_attribute("/table/velocity", "unit"), "1/kg");
+  EXPECT_EQ(ricochet::base::hdf5::Reader(path, "").string_attribute("/table/velocity", "unit"), "1/kg");
 }
 
 std::string refusal(const std::function<void(Table&)>& spoil) {

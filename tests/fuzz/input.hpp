@@ -15,7 +15,7 @@
 #include <string>
 #include <string_view>
 
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 

@@ -8,7 +8,7 @@
 
 #include <cstring>
 
-#include "kernels/hdf5.hpp"
+#include "base/hdf5.hpp"
 #include "tests/kernels/sample.hpp"
 
 namespace ricochet::kernels {

@@ -11,7 +11,7 @@
 #include <random>
 #include <string>
 
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 #include "kernels/kernel.hpp"
 #include "tests/support.hpp"
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 #include "src/scene/scene.hpp"
 #include "tests/support.hpp"
 

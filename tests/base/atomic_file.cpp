@@ -1,5 +1,5 @@
 // Files that have their names only when they are whole: what stays and what goes, whatever ends the writer.
-#include "kernels/temporary.hpp"
+#include "base/atomic_file.hpp"
 
 #include <gmock/gmock.h>
 #include <sys/resource.h>
@@ -8,7 +8,7 @@
 #include <csignal>
 #include <functional>
 
-#include "kernels/hdf5.hpp"
+#include "base/hdf5.hpp"
 #include "tests/kernels/sample.hpp"
 
 namespace ricochet::kernels {
@@ -20,18 +20,18 @@ using test::Folder;
 using test::put_bytes;
 using ::testing::HasSubstr;
 
-TEST(Temporary, has_its_name_only_when_it_is_committed) {
+TEST(AtomicFile, has_its_name_only_when_it_is_committed) {
   const Folder folder;
   const auto path = folder / "file", summary = folder / "summary";
   put_bytes(path, "old");
   put_bytes(summary, "of the old one");
   {
-    Temporary file(path);
+    AtomicFile file(path);
     put_bytes(file.path(), "half");
     EXPECT_EQ(bytes_of(path), "old");
   }
   EXPECT_EQ(folder.entries(), 2U);
-  Temporary file(path);
+  AtomicFile file(path);
   put_bytes(file.path(), "new");
   EXPECT_TRUE(std::filesystem::exists(summary));
   file.commit(summary);
@@ -52,23 +52,23 @@ void in_process_that_dies(int signal, const std::function<void()>& work) {
   EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == signal);
 }
 
-TEST(Temporary, of_a_killed_writer_goes_when_the_name_is_written_again) {
+TEST(AtomicFile, of_a_killed_writer_goes_when_the_name_is_written_again) {
   const Folder folder;
   put_bytes(folder / "file.text.partial", "somebody's");
   put_bytes(folder / "files.12.partial", "of another name");
-  in_process_that_dies(SIGKILL, [&] { new Temporary(folder / "file"); });
-  in_process_that_dies(SIGKILL, [&] { new Temporary(folder / "other"); });
+  in_process_that_dies(SIGKILL, [&] { new AtomicFile(folder / "file"); });
+  in_process_that_dies(SIGKILL, [&] { new AtomicFile(folder / "other"); });
   EXPECT_EQ(folder.entries(), 4U);
-  { const Temporary file(folder / "file"); }
+  { const AtomicFile file(folder / "file"); }
   EXPECT_EQ(folder.entries(), 3U);
 }
 
-TEST(Temporary, of_a_live_writer_stays) {
+TEST(AtomicFile, of_a_live_writer_stays) {
   const Folder folder;
-  Temporary first(folder / "file");
+  AtomicFile first(folder / "file");
   put_bytes(first.path(), "first");
   {
-    Temporary second(folder / "file");
+    AtomicFile second(folder / "file");
     EXPECT_NE(first.path(), second.path());
     put_bytes(second.path(), "second");
     second.commit();
@@ -78,14 +78,14 @@ TEST(Temporary, of_a_live_writer_stays) {
   EXPECT_EQ(folder.entries(), 1U);
 }
 
-TEST(Temporary, is_removed_by_a_handler_of_signals) {
+TEST(AtomicFile, is_removed_by_a_handler_of_signals) {
   const Folder folder;
   in_process_that_dies(SIGTERM, [&] {
-    new Temporary(folder / "one");
-    Temporary committed(folder / "two");
+    new AtomicFile(folder / "one");
+    AtomicFile committed(folder / "two");
     committed.commit();
-    new Temporary(folder / "three");
-    remove_temporaries();
+    new AtomicFile(folder / "three");
+    remove_unfinished_files();
   });
   EXPECT_EQ(folder.entries(), 1U);
 }
@@ -97,7 +97,7 @@ TEST(Place, is_tried_before_it_is_needed) {
   EXPECT_THAT(complaint_of([&] { check_place(folder / "file", 1e18); }), HasSubstr("1e+12 MB are needed"));
   put_bytes(folder / "file", "");
   EXPECT_THAT(complaint_of([&] { check_place(folder / "file/below"); }), HasSubstr("can't make this folder"));
-  EXPECT_THAT(complaint_of([&] { Temporary(folder / "none/file"); }), HasSubstr("No such file or directory"));
+  EXPECT_THAT(complaint_of([&] { AtomicFile(folder / "none/file"); }), HasSubstr("No such file or directory"));
 }
 
 // HDF5 itself crashes when such a program ends.

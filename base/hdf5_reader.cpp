@@ -8,10 +8,10 @@
 #include <limits>
 #include <system_error>
 
-#include "kernels/error.hpp"
-#include "kernels/hdf5_internal.hpp"
+#include "ricochet/error.hpp"
+#include "base/hdf5_internal.hpp"
 
-namespace ricochet::kernels::hdf5 {
+namespace ricochet::base::hdf5 {
 namespace {
 
 /// A dataset never needs more memory than this times the file's size (room for narrow or compressed data,
@@ -251,4 +251,4 @@ std::vector<double> Reader::doubles_attribute(const std::string& object, const s
   return values;
 }
 
-}  // namespace ricochet::kernels::hdf5
+}  // namespace ricochet::base::hdf5

@@ -5,9 +5,9 @@
 #define H5_USE_110_API
 #include <hdf5.h>
 
-#include "kernels/hdf5.hpp"
+#include "base/hdf5.hpp"
 
-namespace ricochet::kernels::hdf5 {
+namespace ricochet::base::hdf5 {
 
 static_assert(std::same_as<hid_t, std::int64_t>);
 
@@ -38,4 +38,4 @@ inline Id unlocked_access() {
   return list;
 }
 
-}  // namespace ricochet::kernels::hdf5
+}  // namespace ricochet::base::hdf5

@@ -15,9 +15,9 @@
 #include <string>
 #include <vector>
 
-#include "kernels/temporary.hpp"
+#include "base/atomic_file.hpp"
 
-namespace ricochet::kernels::xdmf {
+namespace ricochet::base::xdmf {
 
 /// A dataset of floating-point numbers, (nodes) or (nodes, 3).
 struct Field {
@@ -56,9 +56,9 @@ class File {
  private:
   std::string item(const std::string& dataset, const std::string& shape, const char* type, int bytes) const;
 
-  Temporary temporary_;
+  AtomicFile temporary_;
   std::string data_;
   std::ofstream text_;
 };
 
-}  // namespace ricochet::kernels::xdmf
+}  // namespace ricochet::base::xdmf

@@ -1,10 +1,10 @@
-#include "kernels/xdmf.hpp"
+#include "base/xdmf.hpp"
 
 #include <fmt/format.h>
 
 #include <array>
 
-namespace ricochet::kernels::xdmf {
+namespace ricochet::base::xdmf {
 namespace {
 
 std::string escaped(const std::string& text) {
@@ -75,4 +75,4 @@ void File::commit() {
   temporary_.commit();
 }
 
-}  // namespace ricochet::kernels::xdmf
+}  // namespace ricochet::base::xdmf

@@ -1,6 +1,6 @@
 // The HDF5 wrapper by itself: growing datasets, silence, handles.
 #define H5_USE_110_API
-#include "kernels/hdf5.hpp"
+#include "base/hdf5.hpp"
 
 #include <hdf5.h>
 
@@ -8,7 +8,7 @@
 
 #include "tests/kernels/sample.hpp"
 
-namespace ricochet::kernels::hdf5 {
+namespace ricochet::base::hdf5 {
 namespace {
 
 using test::complaint_of;
@@ -125,4 +125,4 @@ TEST(Reader, tells_links_and_missing_objects_from_its_own) {
 }
 
 }  // namespace
-}  // namespace ricochet::kernels::hdf5
+}  // namespace ricochet::base::hdf5

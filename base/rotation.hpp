@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "kernels/units.hpp"
+#include "ricochet/units.hpp"
 
 namespace ricochet {
 

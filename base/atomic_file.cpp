@@ -1,4 +1,4 @@
-#include "kernels/temporary.hpp"
+#include "base/atomic_file.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -18,7 +18,7 @@
 #include <system_error>
 #include <utility>
 
-#include "kernels/error.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::kernels {
 namespace {
@@ -71,7 +71,7 @@ void unlist(int slot) {
 
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : "."; }
 
-/// Whether `name` is one that a Temporary for `target` may have.
+/// Whether `name` is one that a AtomicFile for `target` may have.
 bool is_temporary_of(const std::string& name, const std::string& target) {
   const std::string begin = target + ".", end = kEnding;
   if (name.size() <= begin.size() + end.size() || !name.starts_with(begin) || !name.ends_with(end))
@@ -112,7 +112,7 @@ bool names(const fs::path& path, int descriptor) {
 
 }  // namespace
 
-Temporary::Temporary(fs::path target) : target_(std::move(target)) {
+AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)) {
   remove_left(target_);
   // Processes of two machines may have one number.
   for (int attempt = 0; attempt < 100; ++attempt) {
@@ -132,7 +132,7 @@ Temporary::Temporary(fs::path target) : target_(std::move(target)) {
   kernels::fail(target_, EEXIST);
 }
 
-Temporary::~Temporary() {
+AtomicFile::~AtomicFile() {
   if (descriptor_ < 0) return;
   // What HDF5 could not close keeps the file open: its space is free all the same.
   (void)!::ftruncate(descriptor_, 0);
@@ -141,9 +141,9 @@ Temporary::~Temporary() {
   ::close(descriptor_);
 }
 
-void Temporary::fail() const { kernels::fail(target_, errno); }
+void AtomicFile::fail() const { kernels::fail(target_, errno); }
 
-void Temporary::commit(const fs::path& outdated) {
+void AtomicFile::commit(const fs::path& outdated) {
   if (::fsync(descriptor_) != 0) kernels::fail(target_, errno);
   if (!outdated.empty()) ::unlink(outdated.c_str());
   if (::rename(path_.c_str(), target_.c_str()) != 0) kernels::fail(target_, errno);
@@ -156,7 +156,7 @@ void Temporary::commit(const fs::path& outdated) {
   ::close(opened);
 }
 
-void remove_temporaries() noexcept {
+void remove_unfinished_files() noexcept {
   for (const Listed& entry : listed)
     if (entry.ready) ::unlink(entry.path.data());
 }
@@ -168,7 +168,7 @@ void check_place(const fs::path& file, double bytes) {
   if (failed)
     throw InputError(fmt::format("{}: can't make this folder ({}): choose another with --out",
                                  folder.string(), failed.message()));
-  const Temporary probe(file);
+  const AtomicFile probe(file);
   struct statvfs disk {};
   if (::statvfs(folder.c_str(), &disk) != 0) return;
   const double free = static_cast<double>(disk.f_bavail) * static_cast<double>(disk.f_frsize);

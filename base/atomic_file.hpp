@@ -1,6 +1,6 @@
 // Files that have their final names only when they are whole, whatever ends the program that writes them.
 //
-//   Temporary file("out/body.kernel.h5");     // makes out/body.kernel.h5.<process>.partial
+//   AtomicFile file("out/body.kernel.h5");     // makes out/body.kernel.h5.<process>.partial
 //   write_to(file.path());
 //   file.commit();                            // synced, then renamed
 //
@@ -12,14 +12,14 @@
 
 namespace ricochet::kernels {
 
-class Temporary {
+class AtomicFile {
  public:
   /// An empty file beside `target`. Throws InputError when it can't be made.
-  explicit Temporary(std::filesystem::path target);
+  explicit AtomicFile(std::filesystem::path target);
   /// Removes the file unless it was committed.
-  ~Temporary();
-  Temporary(const Temporary&) = delete;
-  Temporary& operator=(const Temporary&) = delete;
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
 
   const std::filesystem::path& target() const { return target_; }
   const std::filesystem::path& path() const { return path_; }
@@ -35,13 +35,13 @@ class Temporary {
  private:
   std::filesystem::path target_, path_;
   int descriptor_ = -1;  ///< holds the lock
-  int slot_ = -1;        ///< in the list of remove_temporaries
+  int slot_ = -1;        ///< in the list of remove_unfinished_files
 };
 
 /// Removes the temporary files of this process. For handlers of signals that end it.
-void remove_temporaries() noexcept;
+void remove_unfinished_files() noexcept;
 
-/// Makes the folder of `file` where it is missing, and a Temporary for a try. Throws InputError when that
+/// Makes the folder of `file` where it is missing, and a AtomicFile for a try. Throws InputError when that
 /// fails, or when fewer than `bytes` are free there.
 void check_place(const std::filesystem::path& file, double bytes = 0);
 

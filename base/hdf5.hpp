@@ -22,9 +22,9 @@
 #include <utility>
 #include <vector>
 
-#include "kernels/temporary.hpp"
+#include "base/atomic_file.hpp"
 
-namespace ricochet::kernels::hdf5 {
+namespace ricochet::base::hdf5 {
 
 using Shape = std::vector<std::size_t>;
 
@@ -119,7 +119,7 @@ class Writer {
 
   /// Writes what is held back, closes, syncs to the disk and renames. Nothing may be called after it.
   /// Throws InputError when any of it fails; then there is no file at the final path, or the old one.
-  /// @param outdated  as of Temporary
+  /// @param outdated  as of AtomicFile
   void commit(const std::filesystem::path& outdated = {});
 
   const std::filesystem::path& path() const { return path_; }
@@ -131,7 +131,7 @@ class Writer {
                        const void* value);
 
   std::filesystem::path path_;
-  std::unique_ptr<Temporary> temporary_;
+  std::unique_ptr<AtomicFile> temporary_;
   Id file_;
   std::vector<std::unique_ptr<Rows>> rows_;
 };
@@ -185,4 +185,4 @@ class Reader {
   Id file_;
 };
 
-}  // namespace ricochet::kernels::hdf5
+}  // namespace ricochet::base::hdf5

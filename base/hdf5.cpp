@@ -1,4 +1,4 @@
-#include "kernels/hdf5.hpp"
+#include "base/hdf5.hpp"
 
 #include <fmt/format.h>
 
@@ -7,10 +7,10 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "kernels/error.hpp"
-#include "kernels/hdf5_internal.hpp"
+#include "ricochet/error.hpp"
+#include "base/hdf5_internal.hpp"
 
-namespace ricochet::kernels::hdf5 {
+namespace ricochet::base::hdf5 {
 namespace {
 
 /// What a header's message holds, less room for the name and the type.
@@ -128,7 +128,7 @@ void Rows::flush() {
 }
 
 Writer::Writer(std::filesystem::path path)
-    : path_(std::move(path)), temporary_(std::make_unique<Temporary>(path_)) {
+    : path_(std::move(path)), temporary_(std::make_unique<AtomicFile>(path_)) {
   silence();
   const Id creation = properties(H5P_FILE_CREATE);
   const Id access = unlocked_access();
@@ -269,4 +269,4 @@ void Writer::commit(const std::filesystem::path& outdated) {
   temporary_->commit(outdated);
 }
 
-}  // namespace ricochet::kernels::hdf5
+}  // namespace ricochet::base::hdf5
