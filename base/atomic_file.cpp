@@ -20,7 +20,7 @@
 
 #include "ricochet/error.hpp"
 
-namespace ricochet::kernels {
+namespace ricochet::base {
 namespace {
 
 namespace fs = std::filesystem;
@@ -179,4 +179,4 @@ void check_place(const fs::path& file, double bytes) {
                     file.string(), bytes / 1e6, free / 1e6));
 }
 
-}  // namespace ricochet::kernels
+}  // namespace ricochet::base

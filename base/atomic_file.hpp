@@ -10,7 +10,7 @@
 
 #include <filesystem>
 
-namespace ricochet::kernels {
+namespace ricochet::base {
 
 class AtomicFile {
  public:
@@ -45,4 +45,4 @@ void remove_unfinished_files() noexcept;
 /// fails, or when fewer than `bytes` are free there.
 void check_place(const std::filesystem::path& file, double bytes = 0);
 
-}  // namespace ricochet::kernels
+}  // namespace ricochet::base

@@ -1,3 +1,5 @@
+#include "base/hdf5_reader.hpp"
+
 #include <fmt/format.h>
 #include <unistd.h>
 

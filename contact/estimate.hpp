@@ -26,7 +26,7 @@
 
 #include "contact/outcome.hpp"
 #include "contact/summary.hpp"
-#include "kernels/kernel.hpp"
+#include "ricochet/kernel.hpp"
 
 namespace ricochet::contact {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "ricochet/error.hpp"
-#include "base/hdf5.hpp"
+#include "base/hdf5_writer.hpp"
 
 namespace ricochet::contact {
 

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "contact/histories.hpp"
-#include "kernels/kernel.hpp"
+#include "ricochet/kernel.hpp"
 
 namespace ricochet::contact {
 

@@ -15,7 +15,7 @@
 #include "contact/integrator.hpp"
 #include "contact/model.hpp"
 #include "contact/skin.hpp"
-#include "base/hdf5.hpp"
+#include "base/hdf5_writer.hpp"
 
 namespace ricochet::contact {
 

@@ -9,7 +9,8 @@
 
 #include "contact/propagator.hpp"
 #include "ricochet/error.hpp"
-#include "base/hdf5.hpp"
+#include "base/hdf5_reader.hpp"
+#include "base/hdf5_writer.hpp"
 
 namespace ricochet::contact {
 namespace {

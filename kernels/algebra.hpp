@@ -21,7 +21,7 @@
 #include <vector>
 
 #include "kernels/damping.hpp"
-#include "kernels/kernel.hpp"
+#include "ricochet/kernel.hpp"
 
 namespace ricochet::kernels {
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "kernels/kernel.hpp"
+#include "ricochet/kernel.hpp"
 
 namespace ricochet::kernels {
 

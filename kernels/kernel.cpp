@@ -1,4 +1,4 @@
-#include "kernels/kernel.hpp"
+#include "ricochet/kernel.hpp"
 
 #include <fmt/format.h>
 

@@ -7,10 +7,12 @@
 #include <limits>
 
 #include "ricochet/error.hpp"
-#include "base/hdf5.hpp"
+#include "base/hdf5_writer.hpp"
 #include "base/xdmf.hpp"
 
 namespace ricochet::kernels {
+
+namespace hdf5 = base::hdf5;
 namespace {
 
 /// Diagonal of the box around the nodes (V,3) [m].

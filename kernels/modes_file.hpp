@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "kernels/kernel.hpp"
+#include "ricochet/kernel.hpp"
 
 namespace ricochet::kernels {
 

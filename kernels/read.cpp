@@ -4,10 +4,13 @@
 #include <limits>
 
 #include "kernels/format.hpp"
-#include "base/hdf5.hpp"
-#include "kernels/kernel.hpp"
+#include "base/hdf5_reader.hpp"
+#include "kernels/read.hpp"
+#include "ricochet/kernel.hpp"
 
 namespace ricochet::kernels {
+
+namespace hdf5 = base::hdf5;
 namespace {
 
 using hdf5::any;

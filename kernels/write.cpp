@@ -1,8 +1,11 @@
 #include "kernels/format.hpp"
-#include "base/hdf5.hpp"
-#include "kernels/kernel.hpp"
+#include "base/hdf5_writer.hpp"
+#include "kernels/write.hpp"
+#include "ricochet/kernel.hpp"
 
 namespace ricochet::kernels {
+
+namespace hdf5 = base::hdf5;
 namespace {
 
 void write_root(hdf5::Writer& file, const Kernel& kernel) {

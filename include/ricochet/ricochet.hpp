@@ -21,7 +21,7 @@
 #include <vector>
 
 #include "ricochet/error.hpp"
-#include "kernels/kernel.hpp"
+#include "ricochet/kernel.hpp"
 #include "ricochet/denormals.hpp"
 
 namespace ricochet {

@@ -132,7 +132,7 @@ class Subject:
             name.split(".slices/")[0] + ".kernel.h5").exists()))
 
     def outlived(self, before, out):
-        """AtomicFile files that a run told to end should have taken with it. mpirun kills ranks a second after it told them
+        """Temporary files that a run told to end should have taken with it. mpirun kills ranks a second after it told them
         to end, whatever the disk lets them do meanwhile."""
         return sorted(name for name in set(leftovers(out)) - before
                       if not (self.under_mpirun and (".slices/" in name or ".kernel.h5." in name)))

@@ -1,7 +1,7 @@
 // Bodies that another program discretised: their nodes and surfaces, in the layout of docs/interchange.md.
 #pragma once
 
-#include "base/hdf5.hpp"
+#include "base/hdf5_reader.hpp"
 #include "src/mesh/mesh.hpp"
 
 namespace ricochet::mesh {

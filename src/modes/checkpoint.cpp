@@ -6,7 +6,8 @@
 #include <bit>
 #include <cmath>
 
-#include "base/hdf5.hpp"
+#include "base/hdf5_reader.hpp"
+#include "base/hdf5_writer.hpp"
 #include "base/atomic_file.hpp"
 
 namespace ricochet::modes {

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "kernels/kernel.hpp"
+#include "ricochet/kernel.hpp"
 #include "src/modes/operators.hpp"
 #include "src/parallel/teams.hpp"
 

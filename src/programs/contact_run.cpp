@@ -18,7 +18,7 @@
 #include "contact/recorder.hpp"
 #include "contact/summary.hpp"
 #include "ricochet/error.hpp"
-#include "kernels/kernel.hpp"
+#include "ricochet/kernel.hpp"
 #include "base/atomic_file.hpp"
 #include "src/console/console.hpp"
 #include "src/programs/accuracy.hpp"

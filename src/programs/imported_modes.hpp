@@ -3,7 +3,7 @@
 
 #include <mpi.h>
 
-#include "kernels/kernel.hpp"
+#include "ricochet/kernel.hpp"
 #include "src/console/console.hpp"
 #include "src/scene/scene.hpp"
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "contact/pairings.hpp"
-#include "kernels/kernel.hpp"
+#include "ricochet/kernel.hpp"
 #include "src/scene/scene.hpp"
 
 namespace ricochet::programs {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/kernel.hpp"
+#include "ricochet/kernel.hpp"
 #include "src/scene/write.hpp"
 
 namespace ricochet::scene {

@@ -3,7 +3,7 @@
 
 #include <Eigen/Dense>
 
-#include "kernels/kernel.hpp"
+#include "ricochet/kernel.hpp"
 #include "src/mesh/mesh.hpp"
 #include "src/modes/lift.hpp"
 

@@ -8,10 +8,10 @@
 #include <csignal>
 #include <functional>
 
-#include "base/hdf5.hpp"
+#include "base/hdf5_writer.hpp"
 #include "tests/kernels/sample.hpp"
 
-namespace ricochet::kernels {
+namespace ricochet::base {
 namespace {
 
 using test::bytes_of;
@@ -120,4 +120,4 @@ TEST(Writer, that_meets_a_full_disk_complains_and_lets_the_program_end) {
 }
 
 }  // namespace
-}  // namespace ricochet::kernels
+}  // namespace ricochet::base

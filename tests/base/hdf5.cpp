@@ -1,6 +1,7 @@
 // The HDF5 wrapper by itself: growing datasets, silence, handles.
 #define H5_USE_110_API
-#include "base/hdf5.hpp"
+#include "base/hdf5_reader.hpp"
+#include "base/hdf5_writer.hpp"
 
 #include <hdf5.h>
 

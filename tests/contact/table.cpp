@@ -10,7 +10,7 @@
 #include <random>
 
 #include "contact/table_integrator.hpp"
-#include "base/hdf5.hpp"
+#include "base/hdf5_reader.hpp"
 #include "tests/contact/bodies.hpp"
 #include "tests/contact/heap_counter.hpp"
 #include "tests/kernels/hostile.hpp"

@@ -1,7 +1,9 @@
 // A kernel file, made or mended as tests/fuzz/hdf5_edits.hpp says.
 //
 // An accepted kernel is as kernels/kernel.hpp promises, and comes back the same from a file of ours.
-#include "kernels/kernel.hpp"
+#include "kernels/read.hpp"
+#include "kernels/write.hpp"
+#include "ricochet/kernel.hpp"
 
 #include <cmath>
 

@@ -5,7 +5,7 @@
 #include <functional>
 #include <numbers>
 
-#include "kernels/kernel.hpp"
+#include "ricochet/kernel.hpp"
 
 namespace ricochet::kernels::test {
 

@@ -8,7 +8,8 @@
 
 #include <cstring>
 
-#include "base/hdf5.hpp"
+#include "base/hdf5_reader.hpp"
+#include "base/hdf5_writer.hpp"
 #include "tests/kernels/sample.hpp"
 
 namespace ricochet::kernels {

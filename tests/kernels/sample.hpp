@@ -12,7 +12,7 @@
 #include <string>
 
 #include "ricochet/error.hpp"
-#include "kernels/kernel.hpp"
+#include "ricochet/kernel.hpp"
 #include "tests/support.hpp"
 
 namespace ricochet::kernels::test {

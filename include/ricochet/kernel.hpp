@@ -7,7 +7,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -174,29 +173,5 @@ bool is_free_name(const std::string& name);
 /// negative, an index leaves its range or normals are not unit vectors. Loaders call it, so that nothing past
 /// them needs to.
 void validate(const Kernel& kernel, const std::string& origin);
-
-/// Writes `kernel` beside `path` and renames it: a partial file never has the final name.
-/// Throws InputError when the place can't be written.
-void write(const Kernel& kernel, const std::filesystem::path& path);
-
-/// Reads and validates. Throws InputError, one line, on a missing, truncated, foreign or inconsistent file.
-/// @param view  false: leave the skin out, which pictures alone need
-Kernel read(const std::filesystem::path& path, bool view = true);
-
-/// What a kernel file says of itself ahead of its data.
-struct Header {
-  std::string hash, scene, mesh_sha256;
-  std::optional<std::vector<std::int64_t>> held{};  ///< of WholeSurface; none: no candidate was left out
-};
-
-/// Cheap. None when `path` is not a kernel file of a format known here.
-std::optional<Header> read_header(const std::filesystem::path& path) noexcept;
-
-/// Only the root attribute `hash`: cheap test of whether `path` is a whole kernel file and whose. Empty when
-/// it is not one.
-std::string read_hash(const std::filesystem::path& path) noexcept;
-
-/// Whether `path` is a kernel file that only a newer Ricochet reads.
-bool has_newer_format(const std::filesystem::path& path) noexcept;
 
 }  // namespace ricochet::kernels

@@ -1,0 +1,251 @@
+#include "base/hdf5_writer.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+
+#include "ricochet/error.hpp"
+#include "base/hdf5_internal.hpp"
+
+namespace ricochet::base::hdf5 {
+namespace {
+
+/// What a header's message holds, less room for the name and the type.
+constexpr std::size_t kLongestAttribute = 64'000;
+
+/// Files are little-endian wherever they are written, so that equal kernels are equal files.
+template <Element T>
+hid_t file_type() {
+  if constexpr (std::same_as<T, double>)
+    return H5T_IEEE_F64LE;
+  else if constexpr (std::same_as<T, float>)
+    return H5T_IEEE_F32LE;
+  else
+    return H5T_STD_I64LE;
+}
+
+/// Strings have a fixed length: HDF5's heap for variable ones is not checked when it is read, and a spoilt
+/// one crashes.
+Id utf8_type(std::size_t size) {
+  Id type(H5Tcopy(H5T_C_S1));
+  H5Tset_size(type.get(), std::max<std::size_t>(size, 1));
+  H5Tset_cset(type.get(), H5T_CSET_UTF8);
+  H5Tset_strpad(type.get(), H5T_STR_NULLPAD);
+  return type;
+}
+
+Id simple_space(const Shape& shape) {
+  const std::vector<hsize_t> dims(shape.begin(), shape.end());
+  return Id(H5Screate_simple(static_cast<int>(dims.size()), dims.data(), nullptr));
+}
+
+/// For files, groups and datasets: no times, and links and attributes in the object's header, which has a
+/// checksum. The heaps where HDF5 puts them when there are many have none for everything, and a spoilt one
+/// crashes its reader.
+Id properties(hid_t property_class) {
+  constexpr unsigned kInHeader = 64;
+  Id list(H5Pcreate(property_class));
+  H5Pset_obj_track_times(list.get(), false);
+  H5Pset_attr_phase_change(list.get(), kInHeader, kInHeader);
+  if (property_class != H5P_DATASET_CREATE) H5Pset_link_phase_change(list.get(), kInHeader, kInHeader);
+  return list;
+}
+
+std::size_t count_of(const Shape& shape) {
+  std::size_t count = 1;
+  for (const std::size_t length : shape) count *= length;
+  return count;
+}
+
+std::string reason() { return errno != 0 ? std::strerror(errno) : "no reason given by the system"; }
+
+[[noreturn]] void write_failed(const std::string& file, const std::string& what) {
+  throw InputError(fmt::format(
+      "{}: cannot write {} ({}). Is the disk full, or the folder read-only? Choose another --out.", file,
+      what, reason()));
+}
+
+}  // namespace
+
+Rows::Rows(Id dataset, std::string file, std::string name, Shape row, std::size_t block)
+    : dataset_(std::move(dataset)),
+      file_(std::move(file)),
+      name_(std::move(name)),
+      row_(std::move(row)),
+      width_(count_of(row_)),
+      capacity_(block) {}
+
+void Rows::append(std::span<const double> row) {
+  if (row.size() != width_) throw std::logic_error(name_ + ": a row of another length");
+  block_.insert(block_.end(), row.begin(), row.end());
+  if (++held_ >= capacity_) flush();
+}
+
+void Rows::flush() {
+  if (held_ == 0) return;
+  silence();
+  errno = 0;
+  std::vector<hsize_t> start(row_.size() + 1, 0), count(row_.begin(), row_.end());
+  start[0] = written_;
+  count.insert(count.begin(), held_);
+  std::vector<hsize_t> size = count;
+  size[0] = written_ + held_;
+  const int rank = static_cast<int>(size.size());
+  bool done = H5Dset_extent(dataset_.get(), size.data()) >= 0;
+  const Id file_space(H5Dget_space(dataset_.get()));
+  const Id memory_space(H5Screate_simple(rank, count.data(), nullptr));
+  done = done && H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(),
+                                     nullptr) >= 0;
+  done = done && H5Dwrite(dataset_.get(), H5T_NATIVE_DOUBLE, memory_space.get(), file_space.get(),
+                          H5P_DEFAULT, block_.data()) >= 0;
+  if (!done) write_failed(file_, name_);
+  written_ += std::exchange(held_, 0);
+  block_.clear();
+}
+
+Writer::Writer(std::filesystem::path path)
+    : path_(std::move(path)), temporary_(std::make_unique<AtomicFile>(path_)) {
+  silence();
+  const Id creation = properties(H5P_FILE_CREATE);
+  const Id access = unlocked_access();
+  // The format of HDF5 1.8 puts checksums on metadata.
+  H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V18);
+  errno = 0;
+  file_ = Id(H5Fcreate(temporary_->path().c_str(), H5F_ACC_TRUNC, creation.get(), access.get()));
+  if (!file_.valid()) write_failed(path_.string(), "the file");
+}
+
+Writer::~Writer() {
+  rows_.clear();
+  file_.reset();
+}
+
+void Writer::group(const std::string& name) {
+  silence();
+  errno = 0;
+  // One by one: groups that HDF5 makes on the way to an object would carry the time.
+  for (std::size_t end = 0; end != std::string::npos;) {
+    end = name.find('/', end + 1);
+    const std::string part = name.substr(0, end);
+    if (part == "/" || H5Lexists(file_.get(), part.c_str(), H5P_DEFAULT) > 0) continue;
+    const Id made(
+        H5Gcreate2(file_.get(), part.c_str(), H5P_DEFAULT, properties(H5P_GROUP_CREATE).get(), H5P_DEFAULT));
+    if (!made.valid()) write_failed(path_.string(), part);
+  }
+}
+
+Id Writer::make_dataset(const std::string& name, std::int64_t type, const Id& space, const Id& creation) {
+  group(name.substr(0, std::max<std::size_t>(name.rfind('/'), 1)));
+  Id made(H5Dcreate2(file_.get(), name.c_str(), type, space.get(), H5P_DEFAULT, creation.get(), H5P_DEFAULT));
+  if (!made.valid()) write_failed(path_.string(), name);
+  return made;
+}
+
+template <Element T>
+void Writer::write(const std::string& dataset, std::span<const T> values, const Shape& shape,
+                   const std::string& unit) {
+  if (values.size() != count_of(shape)) throw std::logic_error(dataset + ": values do not fill the shape");
+  {
+    silence();
+    const Id target =
+        make_dataset(dataset, file_type<T>(), simple_space(shape), properties(H5P_DATASET_CREATE));
+    errno = 0;
+    if (!values.empty() &&
+        H5Dwrite(target.get(), memory_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
+      write_failed(path_.string(), dataset);
+  }
+  if (!unit.empty()) attribute(dataset, "unit", unit);
+}
+template void Writer::write(const std::string&, std::span<const double>, const Shape&, const std::string&);
+template void Writer::write(const std::string&, std::span<const float>, const Shape&, const std::string&);
+template void Writer::write(const std::string&, std::span<const std::int64_t>, const Shape&,
+                            const std::string&);
+
+void Writer::write_strings(const std::string& dataset, const std::vector<std::string>& values) {
+  silence();
+  std::size_t longest = 1;
+  for (const std::string& value : values) longest = std::max(longest, value.size());
+  std::string padded;
+  for (const std::string& value : values) padded += value + std::string(longest - value.size(), '\0');
+  const Id type = utf8_type(longest);
+  const Id target =
+      make_dataset(dataset, type.get(), simple_space({values.size()}), properties(H5P_DATASET_CREATE));
+  errno = 0;
+  if (!values.empty() && H5Dwrite(target.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) < 0)
+    write_failed(path_.string(), dataset);
+}
+
+Rows& Writer::rows(const std::string& dataset, const Shape& row, const std::string& unit) {
+  constexpr std::size_t kBlockBytes = 64 * 1024, kLongestBlock = 1024;
+  const std::size_t row_bytes = std::max<std::size_t>(count_of(row), 1) * sizeof(double);
+  const std::size_t block = std::clamp<std::size_t>(kBlockBytes / row_bytes, 1, kLongestBlock);
+  {
+    silence();
+    std::vector<hsize_t> size(row.begin(), row.end()), limit, chunk;
+    // A row without columns still needs a chunk of some width.
+    for (const hsize_t length : size) chunk.push_back(std::max<hsize_t>(length, 1));
+    limit = chunk;
+    size.insert(size.begin(), 0);
+    limit.insert(limit.begin(), H5S_UNLIMITED);
+    chunk.insert(chunk.begin(), block);
+    const int rank = static_cast<int>(size.size());
+    const Id space(H5Screate_simple(rank, size.data(), limit.data()));
+    const Id creation = properties(H5P_DATASET_CREATE);
+    H5Pset_chunk(creation.get(), rank, chunk.data());
+    rows_.push_back(std::make_unique<Rows>(make_dataset(dataset, H5T_IEEE_F64LE, space, creation),
+                                           path_.string(), dataset, row, block));
+  }
+  attribute(dataset, "unit", unit);
+  return *rows_.back();
+}
+
+void Writer::write_attribute(const std::string& object, const std::string& name, std::int64_t type,
+                             const Id& space, const void* value) {
+  silence();
+  errno = 0;
+  const Id target(H5Acreate_by_name(file_.get(), object.c_str(), name.c_str(), type, space.get(), H5P_DEFAULT,
+                                    H5P_DEFAULT, H5P_DEFAULT));
+  // The type in memory is the file's, but for byte order, which the native types below carry.
+  const hid_t memory = H5Tget_class(type) == H5T_FLOAT     ? H5T_NATIVE_DOUBLE
+                       : H5Tget_class(type) == H5T_INTEGER ? H5T_NATIVE_INT64
+                                                           : type;
+  if (!target.valid() || H5Awrite(target.get(), memory, value) < 0)
+    write_failed(path_.string(), fmt::format("attribute {} of {}", name, object));
+}
+
+void Writer::attribute(const std::string& object, const std::string& name, const std::string& value) {
+  if (value.size() > kLongestAttribute)
+    throw InputError(
+        fmt::format("{}: attribute {} of {} has {} bytes, and HDF5 keeps up to {}. Shorten the scene.",
+                    path_.string(), name, object, value.size(), kLongestAttribute));
+  // c_str(), because an empty string still takes one byte.
+  write_attribute(object, name, utf8_type(value.size()).get(), Id(H5Screate(H5S_SCALAR)), value.c_str());
+}
+
+void Writer::attribute(const std::string& object, const std::string& name, double value) {
+  write_attribute(object, name, H5T_IEEE_F64LE, Id(H5Screate(H5S_SCALAR)), &value);
+}
+
+void Writer::attribute(const std::string& object, const std::string& name, std::span<const double> values) {
+  write_attribute(object, name, H5T_IEEE_F64LE, simple_space({values.size()}), values.data());
+}
+
+void Writer::integer_attribute(const std::string& object, const std::string& name, std::int64_t value) {
+  write_attribute(object, name, H5T_STD_I64LE, Id(H5Screate(H5S_SCALAR)), &value);
+}
+
+void Writer::commit(const std::filesystem::path& outdated) {
+  silence();
+  for (const auto& rows : rows_) rows->flush();
+  rows_.clear();
+  errno = 0;
+  // Flushed first: closing does not report everything that it fails to write.
+  if (H5Fflush(file_.get(), H5F_SCOPE_GLOBAL) < 0) write_failed(path_.string(), "the file");
+  if (H5Fclose(file_.release()) < 0) write_failed(path_.string(), "the file");
+  temporary_->commit(outdated);
+}
+
+}  // namespace ricochet::base::hdf5
