@@ -10,7 +10,7 @@
 #include <cmath>
 #include <vector>
 
-#include "contact/complementarity.hpp"
+#include "contact/complementarity/complementarity.hpp"
 
 namespace {
 

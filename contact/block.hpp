@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "contact/block_system.hpp"
-#include "contact/complementarity.hpp"
+#include "contact/complementarity/complementarity.hpp"
 
 namespace ricochet::contact {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "contact/complementarity.hpp"
+#include "contact/complementarity/complementarity.hpp"
 #include "ricochet/error.hpp"
 
 namespace ricochet::contact {

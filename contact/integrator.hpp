@@ -22,7 +22,7 @@
 #include <vector>
 
 #include "contact/block.hpp"
-#include "contact/complementarity.hpp"
+#include "contact/complementarity/complementarity.hpp"
 #include "contact/drives.hpp"
 #include "contact/model.hpp"
 #include "contact/propagator.hpp"

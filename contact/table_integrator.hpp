@@ -18,7 +18,7 @@
 #include <string>
 #include <vector>
 
-#include "contact/complementarity.hpp"
+#include "contact/complementarity/complementarity.hpp"
 #include "contact/convolution.hpp"
 #include "contact/integrator.hpp"
 #include "contact/table.hpp"

@@ -1,6 +1,6 @@
 // The solver against enumeration of every active set, and against the conditions of complementarity
 // themselves, evaluated in extended precision.
-#include "contact/complementarity.hpp"
+#include "contact/complementarity/complementarity.hpp"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 // beforehand, and against the conditions of complementarity in extended precision.
 #include <gtest/gtest.h>
 
-#include "contact/complementarity.hpp"
+#include "contact/complementarity/complementarity.hpp"
 #include "tests/contact/lcp.hpp"
 
 namespace {

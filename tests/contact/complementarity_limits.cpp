@@ -1,7 +1,7 @@
 // What a solve that was stopped by max_pivots still promises, and what a body stepped with it does.
 #include <gtest/gtest.h>
 
-#include "contact/complementarity.hpp"
+#include "contact/complementarity/complementarity.hpp"
 #include "tests/contact/lcp.hpp"
 
 namespace {

@@ -1,4 +1,4 @@
-#include "contact/face.hpp"
+#include "contact/complementarity/active_set.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "contact/face.hpp"
+#include "contact/complementarity/active_set.hpp"
 
 namespace ricochet::contact {
 

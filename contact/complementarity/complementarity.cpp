@@ -1,4 +1,4 @@
-#include "contact/complementarity.hpp"
+#include "contact/complementarity/complementarity.hpp"
 
 #include <algorithm>
 #include <cmath>
