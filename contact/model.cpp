@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "contact/meeting.hpp"
+#include "contact/pairing/placement.hpp"
 #include "contact/model_internal.hpp"
 #include "ricochet/error.hpp"
 

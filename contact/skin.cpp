@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "contact/places.hpp"
+#include "contact/pairing/surface_projection.hpp"
 
 namespace ricochet::contact {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "contact/model.hpp"
-#include "contact/pairings.hpp"
+#include "contact/pairing/pairing_cache.hpp"
 #include "ricochet/error.hpp"
 #include "src/scene/scene.hpp"
 

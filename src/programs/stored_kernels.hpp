@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "contact/pairings.hpp"
+#include "contact/pairing/pairing_cache.hpp"
 #include "ricochet/kernel.hpp"
 #include "src/scene/scene.hpp"
 

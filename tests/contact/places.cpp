@@ -1,12 +1,12 @@
 // Places on surfaces against all elements looked at one by one, and pairings that are known against new ones.
-#include "contact/places.hpp"
+#include "contact/pairing/surface_projection.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <random>
 
-#include "contact/pairings.hpp"
+#include "contact/pairing/pairing_cache.hpp"
 #include "tests/contact/plate.hpp"
 
 namespace {

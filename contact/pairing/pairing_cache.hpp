@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "contact/places.hpp"
+#include "contact/pairing/surface_projection.hpp"
 
 namespace ricochet::contact {
 

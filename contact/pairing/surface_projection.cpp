@@ -1,4 +1,4 @@
-#include "contact/places.hpp"
+#include "contact/pairing/surface_projection.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "contact/meeting.hpp"
+#include "contact/pairing/placement.hpp"
 
 #include <fmt/format.h>
 

@@ -7,8 +7,8 @@
 #include <tuple>
 
 #include "contact/model.hpp"
-#include "contact/pairings.hpp"
-#include "contact/places.hpp"
+#include "contact/pairing/pairing_cache.hpp"
+#include "contact/pairing/surface_projection.hpp"
 #include "ricochet/error.hpp"
 
 namespace ricochet::contact {

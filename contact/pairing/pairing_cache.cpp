@@ -1,4 +1,4 @@
-#include "contact/pairings.hpp"
+#include "contact/pairing/pairing_cache.hpp"
 
 #include <algorithm>
 #include <utility>
