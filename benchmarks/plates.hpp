@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "contact/model.hpp"
+#include "contact/model/model.hpp"
 
 namespace ricochet::benchmarks {
 

@@ -11,7 +11,7 @@
 #include <numbers>
 #include <vector>
 
-#include "contact/model.hpp"
+#include "contact/model/model.hpp"
 #include "contact/propagator.hpp"
 
 namespace ricochet::contact {

@@ -12,7 +12,7 @@
 #include <cstdint>
 
 #include "contact/integrator.hpp"
-#include "contact/model.hpp"
+#include "contact/model/model.hpp"
 
 namespace ricochet::contact {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "contact/thinning.hpp"
+#include "contact/model/coarsening.hpp"
 #include "kernels/algebra.hpp"
 #include "kernels/band.hpp"
 #include "ricochet/error.hpp"

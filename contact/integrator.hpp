@@ -24,7 +24,7 @@
 #include "contact/block.hpp"
 #include "contact/complementarity/complementarity.hpp"
 #include "contact/drives.hpp"
-#include "contact/model.hpp"
+#include "contact/model/model.hpp"
 #include "contact/propagator.hpp"
 #include "contact/step_system.hpp"
 

@@ -13,7 +13,7 @@
 
 #include "contact/equilibrium.hpp"
 #include "contact/integrator.hpp"
-#include "contact/model.hpp"
+#include "contact/model/model.hpp"
 #include "contact/receivers.hpp"
 #include "base/hdf5_writer.hpp"
 

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "contact/integrator.hpp"
-#include "contact/model.hpp"
+#include "contact/model/model.hpp"
 #include "base/rotation.hpp"
 #include "ricochet/ricochet.hpp"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "contact/integrator.hpp"
-#include "contact/model.hpp"
+#include "contact/model/model.hpp"
 
 namespace ricochet::contact {
 

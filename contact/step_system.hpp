@@ -4,7 +4,7 @@
 #include <Eigen/Dense>
 #include <memory>
 
-#include "contact/model.hpp"
+#include "contact/model/model.hpp"
 
 namespace ricochet::contact {
 

@@ -16,7 +16,7 @@
 
 #include "contact/convolution.hpp"
 #include "contact/integrator.hpp"
-#include "contact/model.hpp"
+#include "contact/model/model.hpp"
 
 namespace ricochet::contact {
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <tuple>
 
-#include "contact/model.hpp"
+#include "contact/model/model.hpp"
 #include "contact/pairing/pairing_cache.hpp"
 #include "contact/pairing/surface_projection.hpp"
 #include "ricochet/error.hpp"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "contact/model.hpp"
+#include "contact/model/model.hpp"
 
 namespace ricochet::contact {
 

@@ -9,7 +9,7 @@
 
 #include <unsupported/Eigen/BVH>
 
-#include "contact/model.hpp"
+#include "contact/model/model.hpp"
 
 namespace ricochet::contact {
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "contact/estimate.hpp"
-#include "contact/thinning.hpp"
+#include "contact/model/coarsening.hpp"
 
 namespace ricochet::programs {
 namespace {

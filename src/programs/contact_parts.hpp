@@ -9,7 +9,7 @@
 
 #include "contact/equilibrium.hpp"
 #include "contact/integrator.hpp"
-#include "contact/model.hpp"
+#include "contact/model/model.hpp"
 #include "contact/summary.hpp"
 #include "src/console/console.hpp"
 #include "src/console/options.hpp"

@@ -14,7 +14,7 @@
 #include "contact/equilibrium.hpp"
 #include "contact/fclib.hpp"
 #include "contact/integrator.hpp"
-#include "contact/model.hpp"
+#include "contact/model/model.hpp"
 #include "contact/recorder.hpp"
 #include "contact/summary.hpp"
 #include "ricochet/error.hpp"

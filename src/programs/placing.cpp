@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "contact/histories.hpp"
+#include "contact/model/history.hpp"
 
 namespace ricochet::programs {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "contact/model.hpp"
+#include "contact/model/model.hpp"
 #include "contact/pairing/pairing_cache.hpp"
 #include "ricochet/error.hpp"
 #include "src/scene/scene.hpp"

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <string>
 
-#include "contact/model.hpp"
+#include "contact/model/model.hpp"
 #include "ricochet/error.hpp"
 #include "tests/support.hpp"
 

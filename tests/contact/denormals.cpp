@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "contact/integrator.hpp"
-#include "contact/model.hpp"
+#include "contact/model/model.hpp"
 #include "tests/contact/plate.hpp"
 
 namespace {

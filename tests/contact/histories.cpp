@@ -1,5 +1,5 @@
 // Histories: values, slopes, integrals, and files that are refused in one line.
-#include "contact/histories.hpp"
+#include "contact/model/history.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // The stacked system of several bodies, against rows worked out by hand.
-#include "contact/model.hpp"
+#include "contact/model/model.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

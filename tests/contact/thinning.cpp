@@ -1,5 +1,5 @@
 // Contact points at twice their distance: wider patches of the same surface.
-#include "contact/thinning.hpp"
+#include "contact/model/coarsening.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "contact/histories.hpp"
+#include "contact/model/history.hpp"
 #include "ricochet/kernel.hpp"
 
 namespace ricochet::contact {

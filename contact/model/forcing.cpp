@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "contact/model_internal.hpp"
+#include "contact/model/forcing.hpp"
 #include "ricochet/error.hpp"
 
 namespace ricochet::contact {

@@ -1,4 +1,4 @@
-#include "contact/thinning.hpp"
+#include "contact/model/coarsening.hpp"
 
 #include <algorithm>
 #include <cmath>

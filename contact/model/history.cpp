@@ -1,4 +1,4 @@
-#include "contact/histories.hpp"
+#include "contact/model/history.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // What model.cpp and model_drives.cpp share.
 #pragma once
 
-#include "contact/model.hpp"
+#include "contact/model/model.hpp"
 
 namespace ricochet::contact {
 

@@ -1,7 +1,7 @@
 // Fewer contact points in place of those of a model, as kernels with a wider spacing would have them.
 #pragma once
 
-#include "contact/model.hpp"
+#include "contact/model/model.hpp"
 
 namespace ricochet::contact {
 

@@ -1,4 +1,4 @@
-#include "contact/model.hpp"
+#include "contact/model/model.hpp"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "contact/pairing/placement.hpp"
-#include "contact/model_internal.hpp"
+#include "contact/model/forcing.hpp"
 #include "ricochet/error.hpp"
 
 namespace ricochet::contact {
