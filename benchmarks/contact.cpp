@@ -11,7 +11,7 @@
 #include <string_view>
 
 #include "benchmarks/plates.hpp"
-#include "contact/integrator.hpp"
+#include "contact/stepping/integrator.hpp"
 
 namespace {
 

@@ -11,7 +11,7 @@
 
 #include <cstdint>
 
-#include "contact/integrator.hpp"
+#include "contact/stepping/integrator.hpp"
 #include "contact/model/model.hpp"
 
 namespace ricochet::contact {

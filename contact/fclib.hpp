@@ -12,7 +12,7 @@
 #include <memory>
 #include <string>
 
-#include "contact/integrator.hpp"
+#include "contact/stepping/integrator.hpp"
 
 namespace ricochet::contact {
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "contact/equilibrium.hpp"
-#include "contact/integrator.hpp"
+#include "contact/stepping/integrator.hpp"
 #include "contact/model/model.hpp"
 #include "contact/skin.hpp"
 #include "base/hdf5_writer.hpp"

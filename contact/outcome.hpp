@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "contact/integrator.hpp"
+#include "contact/stepping/integrator.hpp"
 #include "contact/model/model.hpp"
 
 namespace ricochet::contact {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "contact/integrator.hpp"
+#include "contact/stepping/integrator.hpp"
 #include "contact/model/model.hpp"
 
 namespace ricochet::contact {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <set>
 
-#include "contact/integrator.hpp"
+#include "contact/stepping/integrator.hpp"
 #include "contact/model/model.hpp"
 #include "base/rotation.hpp"
 #include "ricochet/ricochet.hpp"

@@ -7,7 +7,7 @@
 #include <array>
 #include <vector>
 
-#include "contact/integrator.hpp"
+#include "contact/stepping/integrator.hpp"
 #include "contact/model/model.hpp"
 
 namespace ricochet::contact {

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <set>
 
-#include "contact/propagator.hpp"
+#include "contact/stepping/propagator.hpp"
 #include "ricochet/error.hpp"
 #include "base/hdf5_reader.hpp"
 #include "base/hdf5_writer.hpp"

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "contact/convolution.hpp"
-#include "contact/integrator.hpp"
+#include "contact/stepping/integrator.hpp"
 #include "contact/model/model.hpp"
 
 namespace ricochet::contact {

@@ -20,7 +20,7 @@
 
 #include "contact/complementarity/complementarity.hpp"
 #include "contact/convolution.hpp"
-#include "contact/integrator.hpp"
+#include "contact/stepping/integrator.hpp"
 #include "contact/table.hpp"
 
 namespace ricochet::contact {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "contact/integrator.hpp"
+#include "contact/stepping/integrator.hpp"
 #include "contact/summary.hpp"
 #include "ricochet/error.hpp"
 #include "src/programs/accuracy.hpp"

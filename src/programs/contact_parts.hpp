@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "contact/equilibrium.hpp"
-#include "contact/integrator.hpp"
+#include "contact/stepping/integrator.hpp"
 #include "contact/model/model.hpp"
 #include "contact/summary.hpp"
 #include "src/console/console.hpp"

@@ -13,7 +13,7 @@
 
 #include "contact/equilibrium.hpp"
 #include "contact/fclib.hpp"
-#include "contact/integrator.hpp"
+#include "contact/stepping/integrator.hpp"
 #include "contact/model/model.hpp"
 #include "contact/recorder.hpp"
 #include "contact/summary.hpp"

@@ -1,5 +1,5 @@
 // Blocks of steps against plain ones: the same forces and motion to round-off, whatever is left out of sight.
-#include "contact/block.hpp"
+#include "contact/stepping/look_ahead_block.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <random>
 
 #include "benchmarks/plates.hpp"
-#include "contact/integrator.hpp"
+#include "contact/stepping/integrator.hpp"
 #include "tests/contact/heap_counter.hpp"
 
 namespace {

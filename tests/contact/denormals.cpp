@@ -9,7 +9,7 @@
 #include <limits>
 #include <vector>
 
-#include "contact/integrator.hpp"
+#include "contact/stepping/integrator.hpp"
 #include "contact/model/model.hpp"
 #include "tests/contact/plate.hpp"
 

@@ -1,6 +1,6 @@
 // Loads with histories and supports that move: modes and energy against Runge–Kutta steps of the equation of
 // motion itself, bars against their waves and statics.
-#include "contact/drives.hpp"
+#include "contact/stepping/forced_response.hpp"
 
 #include <gmock/gmock.h>
 
@@ -8,7 +8,7 @@
 #include <cmath>
 #include <random>
 
-#include "contact/integrator.hpp"
+#include "contact/stepping/integrator.hpp"
 #include "tests/contact/bodies.hpp"
 #include "tests/contact/heap_counter.hpp"
 

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <string>
 
-#include "contact/integrator.hpp"
+#include "contact/stepping/integrator.hpp"
 #include "tests/contact/bodies.hpp"
 
 namespace {

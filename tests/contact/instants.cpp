@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "contact/integrator.hpp"
+#include "contact/stepping/integrator.hpp"
 #include "tests/contact/bodies.hpp"
 #include "tests/contact/heap_counter.hpp"
 

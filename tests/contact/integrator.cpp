@@ -1,5 +1,5 @@
 // What must hold of every model and step: energy, the conditions of contact, the ledger, no memory taken.
-#include "contact/integrator.hpp"
+#include "contact/stepping/integrator.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // One step of one mode against the exponential of its matrix, in quadruple precision by Taylor series,
 // scaling and squaring: an oracle that knows nothing of sines, roots or regimes of damping.
-#include "contact/propagator.hpp"
+#include "contact/stepping/propagator.hpp"
 
 #include <gtest/gtest.h>
 

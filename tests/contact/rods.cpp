@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "contact/integrator.hpp"
+#include "contact/stepping/integrator.hpp"
 
 namespace {
 

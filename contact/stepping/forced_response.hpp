@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "contact/model/model.hpp"
-#include "contact/propagator.hpp"
+#include "contact/stepping/propagator.hpp"
 
 namespace ricochet::contact {
 

@@ -1,4 +1,4 @@
-#include "contact/integrator.hpp"
+#include "contact/stepping/integrator.hpp"
 
 #include <cmath>
 

@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "contact/simd.hpp"
-#include "contact/step_system.hpp"
+#include "contact/stepping/simd.hpp"
+#include "contact/stepping/step_system.hpp"
 
 namespace ricochet::contact {
 

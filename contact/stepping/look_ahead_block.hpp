@@ -18,7 +18,7 @@
 #include <span>
 #include <vector>
 
-#include "contact/block_system.hpp"
+#include "contact/stepping/block_system.hpp"
 #include "contact/complementarity/complementarity.hpp"
 
 namespace ricochet::contact {

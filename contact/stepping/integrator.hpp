@@ -21,12 +21,12 @@
 #include <variant>
 #include <vector>
 
-#include "contact/block.hpp"
+#include "contact/stepping/look_ahead_block.hpp"
 #include "contact/complementarity/complementarity.hpp"
-#include "contact/drives.hpp"
+#include "contact/stepping/forced_response.hpp"
 #include "contact/model/model.hpp"
-#include "contact/propagator.hpp"
-#include "contact/step_system.hpp"
+#include "contact/stepping/propagator.hpp"
+#include "contact/stepping/step_system.hpp"
 
 namespace ricochet::contact {
 

@@ -1,10 +1,10 @@
-#include "contact/block_system.hpp"
+#include "contact/stepping/block_system.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "contact/propagator.hpp"
+#include "contact/stepping/propagator.hpp"
 
 namespace ricochet::contact {
 namespace {

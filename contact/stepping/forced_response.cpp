@@ -1,4 +1,4 @@
-#include "contact/drives.hpp"
+#include "contact/stepping/forced_response.hpp"
 
 #include <algorithm>
 #include <cmath>

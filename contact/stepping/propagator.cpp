@@ -1,4 +1,4 @@
-#include "contact/propagator.hpp"
+#include "contact/stepping/propagator.hpp"
 
 #include <algorithm>
 #include <array>

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "contact/integrator.hpp"
+#include "contact/stepping/integrator.hpp"
 
 namespace ricochet::contact {
 

@@ -1,4 +1,4 @@
-#include "contact/block.hpp"
+#include "contact/stepping/look_ahead_block.hpp"
 
 #include <algorithm>
 #include <cmath>

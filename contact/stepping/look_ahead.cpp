@@ -1,7 +1,7 @@
 // Steps of the compliant scheme by blocks.
 #include <cmath>
 
-#include "contact/integrator.hpp"
+#include "contact/stepping/integrator.hpp"
 
 namespace ricochet::contact {
 

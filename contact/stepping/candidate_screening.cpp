@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "contact/block.hpp"
+#include "contact/stepping/look_ahead_block.hpp"
 
 namespace ricochet::contact {
 namespace {

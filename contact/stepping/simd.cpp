@@ -1,4 +1,4 @@
-#include "contact/simd.hpp"
+#include "contact/stepping/simd.hpp"
 
 namespace ricochet::contact::simd {
 

@@ -3,7 +3,7 @@
 // the instructions: of <utility> only types.
 #include <utility>
 
-#include "contact/simd.hpp"
+#include "contact/stepping/simd.hpp"
 
 namespace ricochet::contact::simd {
 namespace {

@@ -1,4 +1,4 @@
-#include "contact/step_system.hpp"
+#include "contact/stepping/step_system.hpp"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "contact/integrator.hpp"
+#include "contact/stepping/integrator.hpp"
 #include "ricochet/error.hpp"
 
 namespace ricochet::contact {
