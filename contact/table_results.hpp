@@ -6,8 +6,8 @@
 
 #include "contact/recorder.hpp"
 #include "contact/summary.hpp"
-#include "contact/table.hpp"
-#include "contact/table_integrator.hpp"
+#include "contact/table/table.hpp"
+#include "contact/table/table_integrator.hpp"
 
 namespace ricochet::contact {
 

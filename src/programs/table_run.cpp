@@ -6,8 +6,8 @@
 #include <optional>
 #include <ostream>
 
-#include "contact/table.hpp"
-#include "contact/table_integrator.hpp"
+#include "contact/table/table.hpp"
+#include "contact/table/table_integrator.hpp"
 #include "contact/table_results.hpp"
 #include "base/atomic_file.hpp"
 #include "src/programs/contact_parts.hpp"

@@ -1,5 +1,5 @@
 // Convolutions against the sum written out, in every way of cutting it into parts.
-#include "contact/convolution.hpp"
+#include "contact/table/convolution.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Table kernels: the closed form of two rods against the wave solution, kernels from modes against modal
 // stepping, files, and what is refused.
-#include "contact/table.hpp"
+#include "contact/table/table.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <numbers>
 #include <random>
 
-#include "contact/table_integrator.hpp"
+#include "contact/table/table_integrator.hpp"
 #include "base/hdf5_reader.hpp"
 #include "tests/contact/bodies.hpp"
 #include "tests/contact/heap_counter.hpp"

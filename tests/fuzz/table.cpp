@@ -1,9 +1,9 @@
 // A table of sampled kernels, made or mended as tests/fuzz/hdf5_edits.hpp says.
 //
 // An accepted table comes back the same from a file of ours, and can be stepped, or is refused in one line.
-#include "contact/table.hpp"
+#include "contact/table/table.hpp"
 
-#include "contact/table_integrator.hpp"
+#include "contact/table/table_integrator.hpp"
 #include "tests/fuzz/hdf5_edits.hpp"
 
 namespace {

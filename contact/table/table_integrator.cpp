@@ -1,4 +1,4 @@
-#include "contact/table_integrator.hpp"
+#include "contact/table/table_integrator.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "contact/convolution.hpp"
+#include "contact/table/convolution.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -1,4 +1,4 @@
-#include "contact/table.hpp"
+#include "contact/table/table.hpp"
 
 #include <fmt/format.h>
 

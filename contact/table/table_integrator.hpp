@@ -19,9 +19,9 @@
 #include <vector>
 
 #include "contact/complementarity/complementarity.hpp"
-#include "contact/convolution.hpp"
+#include "contact/table/convolution.hpp"
 #include "contact/stepping/integrator.hpp"
-#include "contact/table.hpp"
+#include "contact/table/table.hpp"
 
 namespace ricochet::contact {
 

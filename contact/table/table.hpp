@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "contact/convolution.hpp"
+#include "contact/table/convolution.hpp"
 #include "contact/stepping/integrator.hpp"
 #include "contact/model/model.hpp"
 
