@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "contact/equilibrium.hpp"
+#include "contact/static/equilibrium.hpp"
 #include "contact/summary.hpp"
 
 namespace ricochet::contact {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "contact/equilibrium.hpp"
+#include "contact/static/equilibrium.hpp"
 #include "contact/stepping/integrator.hpp"
 #include "contact/model/model.hpp"
 #include "contact/receivers.hpp"

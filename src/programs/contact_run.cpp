@@ -11,7 +11,7 @@
 #include <ostream>
 #include <vector>
 
-#include "contact/equilibrium.hpp"
+#include "contact/static/equilibrium.hpp"
 #include "contact/fclib.hpp"
 #include "contact/stepping/integrator.hpp"
 #include "contact/model/model.hpp"

@@ -1,5 +1,5 @@
 // Bodies at rest against statics by hand: standing and stacked rods, a table's legs, enumerated active sets.
-#include "contact/equilibrium.hpp"
+#include "contact/static/equilibrium.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "contact/equilibrium.hpp"
+#include "contact/static/equilibrium.hpp"
 
 #include <fmt/format.h>
 
