@@ -6,7 +6,7 @@
 #include <numbers>
 #include <utility>
 
-#include "contact/estimate.hpp"
+#include "contact/accuracy/estimate.hpp"
 #include "contact/model/coarsening.hpp"
 
 namespace ricochet::programs {

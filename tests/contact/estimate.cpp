@@ -1,7 +1,7 @@
 // Error estimates against true errors, where one approximation alone is to blame: rods from their exact
 // modes, whose collision d'Alembert's waves solve (they exchange their velocities, and the impulse is that of
 // one rod).
-#include "contact/estimate.hpp"
+#include "contact/accuracy/estimate.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

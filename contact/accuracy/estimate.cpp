@@ -1,4 +1,4 @@
-#include "contact/estimate.hpp"
+#include "contact/accuracy/estimate.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -24,7 +24,7 @@
 #include <optional>
 #include <vector>
 
-#include "contact/outcome.hpp"
+#include "contact/accuracy/quantities.hpp"
 #include "contact/summary.hpp"
 #include "ricochet/kernel.hpp"
 

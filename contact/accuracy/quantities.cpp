@@ -1,4 +1,4 @@
-#include "contact/outcome.hpp"
+#include "contact/accuracy/quantities.hpp"
 
 #include <algorithm>
 #include <cmath>
