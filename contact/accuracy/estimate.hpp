@@ -25,7 +25,7 @@
 #include <vector>
 
 #include "contact/accuracy/quantities.hpp"
-#include "contact/summary.hpp"
+#include "contact/output/summary.hpp"
 #include "ricochet/kernel.hpp"
 
 namespace ricochet::contact {

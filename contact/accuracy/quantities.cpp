@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "contact/static/equilibrium.hpp"
-#include "contact/summary.hpp"
+#include "contact/output/summary.hpp"
 
 namespace ricochet::contact {
 namespace {

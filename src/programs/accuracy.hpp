@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "contact/summary.hpp"
+#include "contact/output/summary.hpp"
 #include "src/programs/contact_parts.hpp"
 
 namespace ricochet::programs {

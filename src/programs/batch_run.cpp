@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "contact/stepping/integrator.hpp"
-#include "contact/summary.hpp"
+#include "contact/output/summary.hpp"
 #include "ricochet/error.hpp"
 #include "src/programs/accuracy.hpp"
 #include "src/programs/contact_parts.hpp"

@@ -12,11 +12,11 @@
 #include <vector>
 
 #include "contact/static/equilibrium.hpp"
-#include "contact/fclib.hpp"
+#include "contact/output/fclib.hpp"
 #include "contact/stepping/integrator.hpp"
 #include "contact/model/model.hpp"
-#include "contact/recorder.hpp"
-#include "contact/summary.hpp"
+#include "contact/output/recorder.hpp"
+#include "contact/output/summary.hpp"
 #include "ricochet/error.hpp"
 #include "ricochet/kernel.hpp"
 #include "base/atomic_file.hpp"

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "contact/motion_file.hpp"
+#include "contact/output/motion_file.hpp"
 #include "src/programs/stored_kernels.hpp"
 #include "src/scene/scene.hpp"
 

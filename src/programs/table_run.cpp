@@ -8,7 +8,7 @@
 
 #include "contact/table/table.hpp"
 #include "contact/table/table_integrator.hpp"
-#include "contact/table_results.hpp"
+#include "contact/output/table_results.hpp"
 #include "base/atomic_file.hpp"
 #include "src/programs/contact_parts.hpp"
 

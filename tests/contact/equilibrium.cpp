@@ -6,8 +6,8 @@
 
 #include <random>
 
-#include "contact/recorder.hpp"
-#include "contact/summary.hpp"
+#include "contact/output/recorder.hpp"
+#include "contact/output/summary.hpp"
 #include "tests/contact/bodies.hpp"
 
 namespace {

@@ -1,5 +1,5 @@
 // What receivers see, and what supports carry, of bars that waves and statics tell everything about.
-#include "contact/receivers.hpp"
+#include "contact/output/receivers.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "contact/recorder.hpp"
+#include "contact/output/recorder.hpp"
 #include "tests/contact/bodies.hpp"
 
 namespace {

@@ -1,5 +1,5 @@
 // Result files: what is in them after a run, and that there is none before it ends.
-#include "contact/recorder.hpp"
+#include "contact/output/recorder.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-#include "contact/fclib.hpp"
+#include "contact/output/fclib.hpp"
 
 #include <fmt/format.h>
 

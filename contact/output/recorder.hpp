@@ -14,7 +14,7 @@
 #include "contact/static/equilibrium.hpp"
 #include "contact/stepping/integrator.hpp"
 #include "contact/model/model.hpp"
-#include "contact/receivers.hpp"
+#include "contact/output/receivers.hpp"
 #include "base/hdf5_writer.hpp"
 
 namespace ricochet::contact {

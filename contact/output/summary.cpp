@@ -1,4 +1,4 @@
-#include "contact/summary.hpp"
+#include "contact/output/summary.hpp"
 
 #include <fmt/format.h>
 

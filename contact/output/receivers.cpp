@@ -1,4 +1,4 @@
-#include "contact/receivers.hpp"
+#include "contact/output/receivers.hpp"
 
 namespace ricochet::contact {
 

@@ -1,4 +1,4 @@
-#include "contact/recorder.hpp"
+#include "contact/output/recorder.hpp"
 
 namespace ricochet::contact {
 namespace {

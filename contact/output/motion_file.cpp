@@ -1,4 +1,4 @@
-#include "contact/motion_file.hpp"
+#include "contact/output/motion_file.hpp"
 
 #include <fmt/format.h>
 

@@ -4,8 +4,8 @@
 
 #include <cstdint>
 
-#include "contact/recorder.hpp"
-#include "contact/summary.hpp"
+#include "contact/output/recorder.hpp"
+#include "contact/output/summary.hpp"
 #include "contact/table/table.hpp"
 #include "contact/table/table_integrator.hpp"
 

@@ -1,4 +1,4 @@
-#include "contact/skin.hpp"
+#include "contact/output/visualisation_surface.hpp"
 
 #include <algorithm>
 

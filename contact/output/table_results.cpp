@@ -1,4 +1,4 @@
-#include "contact/table_results.hpp"
+#include "contact/output/table_results.hpp"
 
 #include <algorithm>
 
