@@ -29,7 +29,9 @@ def write(path, content):
             partial.unlink(missing_ok=True)
     except OSError as error:
         raise OSError(error.errno, error.strerror or str(error), str(path)) from None
-    with contextlib.suppress(OSError):  # some file systems can't sync a folder; the file itself is whole either way
+    with contextlib.suppress(
+        OSError
+    ):  # some file systems can't sync a folder; the file itself is whole either way
         folder = os.open(path.parent, os.O_RDONLY)
         try:
             os.fsync(folder)

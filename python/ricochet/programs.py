@@ -19,7 +19,11 @@ ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 
 def folder_of_programs():
     """$RICOCHET_BIN, what scripts/build made beside these scripts, or what is installed."""
-    named, built, installed = os.environ.get("RICOCHET_BIN"), ROOT / "build" / "bin", shutil.which("ricochet-contact")
+    named, built, installed = (
+        os.environ.get("RICOCHET_BIN"),
+        ROOT / "build" / "bin",
+        shutil.which("ricochet-contact"),
+    )
     if named or built.is_dir() or not installed:
         return Path(named or built)
     return Path(installed).parent
@@ -64,16 +68,26 @@ def find(command):
         refuse(f"{BIN}: no programs there. Run scripts/build first.")
     for word in map(Path, map(str, command)):
         if word.parent == BIN and word.name.startswith("ricochet-") and not word.is_file():
-            refuse(f"{word}: no such program. Run scripts/build first, or let RICOCHET_BIN name the folder of the programs.")
+            refuse(
+                f"{word}: no such program. Run scripts/build first, or let RICOCHET_BIN name the folder of the programs."
+            )
     if not shutil.which(str(command[0])):
-        refuse(f"{command[0]}: no such program: install Open MPI (scripts/setup), or let RICOCHET_LAUNCHER name another launcher.")
+        refuse(
+            f"{command[0]}: no such program: install Open MPI (scripts/setup), or let RICOCHET_LAUNCHER name another launcher."
+        )
 
 
 def call(command, capture=False, quiet=False):
     """Runs a program to its end. @param quiet  of a refusal, or a computation that broke down, only Failed.error tells"""
     find(command)
-    with subprocess.Popen(bound(command), env=os.environ | ONE_THREAD, text=True, errors="replace", stdout=subprocess.PIPE if capture else None,
-                          stderr=subprocess.PIPE if quiet else None) as process:
+    with subprocess.Popen(
+        bound(command),
+        env=os.environ | ONE_THREAD,
+        text=True,
+        errors="replace",
+        stdout=subprocess.PIPE if capture else None,
+        stderr=subprocess.PIPE if quiet else None,
+    ) as process:
         try:
             out, err = process.communicate()
         except BaseException:  # interrupted: its ranks, too, are to end, with their temporary files gone
@@ -86,8 +100,13 @@ def call(command, capture=False, quiet=False):
     if process.returncode != 0:
         killed = -process.returncode if process.returncode < 0 else process.returncode - 128
         if killed > 0:
-            program = next(Path(word).name for word in map(str, command) if Path(word).name.startswith("ricochet-"))
-            print(f"{program}: ended by signal {killed}. Was it killed, or did memory run out? The same command goes on.", file=sys.stderr)
+            program = next(
+                Path(word).name for word in map(str, command) if Path(word).name.startswith("ricochet-")
+            )
+            print(
+                f"{program}: ended by signal {killed}. Was it killed, or did memory run out? The same command goes on.",
+                file=sys.stderr,
+            )
         raise Failed(process.returncode if process.returncode > 0 else 128 - process.returncode)
     return out
 
@@ -95,8 +114,14 @@ def call(command, capture=False, quiet=False):
 def start(command):
     """A program whose end `refusal` waits for."""
     find(command)
-    return subprocess.Popen(bound(command), env=os.environ | ONE_THREAD, text=True, errors="replace", stdout=subprocess.DEVNULL,
-                            stderr=subprocess.PIPE)
+    return subprocess.Popen(
+        bound(command),
+        env=os.environ | ONE_THREAD,
+        text=True,
+        errors="replace",
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+    )
 
 
 def refusal(process):
@@ -128,8 +153,14 @@ def with_set(settings):
 
 def toml(value):
     if isinstance(value, dict):
-        return "{" + ",".join(f"{key if re.fullmatch('[A-Za-z0-9_-]+', key) else toml(key)}={toml(item)}"
-                              for key, item in value.items()) + "}"
+        return (
+            "{"
+            + ",".join(
+                f"{key if re.fullmatch('[A-Za-z0-9_-]+', key) else toml(key)}={toml(item)}"
+                for key, item in value.items()
+            )
+            + "}"
+        )
     if isinstance(value, list):
         return "[" + ",".join(map(toml, value)) + "]"
     if isinstance(value, float):

@@ -31,7 +31,11 @@ export RICOCHET_BIN={bin} OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1{launcher}
 exec {command}
 """
 
-UNREACHED = ("contact slurm controller", "configuration source", "Socket timed out")  # in what sbatch says then
+UNREACHED = (
+    "contact slurm controller",
+    "configuration source",
+    "Socket timed out",
+)  # in what sbatch says then
 
 
 def directive(word):
@@ -60,13 +64,18 @@ class Jobs:
         """The script of a stage; what the user says for sbatch comes last, and wins."""
         stem = f"{self.folder / self.study.slug}.{stage}"
         launcher = os.environ.get("RICOCHET_LAUNCHER")
-        command = " ".join(word if word.startswith('"$') else shlex.quote(word) for word in map(str, [*self.sweep, *words]))
+        command = " ".join(
+            word if word.startswith('"$') else shlex.quote(word) for word in map(str, [*self.sweep, *words])
+        )
         path = Path(f"{stem}.sh")
         text = JOB.format(
-            name=f"{self.study.slug}-{stage}", log=directive(f"--output={stem.replace('%', '%%')}.{log}.log"),
+            name=f"{self.study.slug}-{stage}",
+            log=directive(f"--output={stem.replace('%', '%%')}.{log}.log"),
             directives="\n".join(f"#SBATCH {directive(word)}" for word in [*own, *more]),
-            bin=shlex.quote(str(programs.BIN)), launcher=f" RICOCHET_LAUNCHER={shlex.quote(launcher)}" if launcher else "",
-            command=command)
+            bin=shlex.quote(str(programs.BIN)),
+            launcher=f" RICOCHET_LAUNCHER={shlex.quote(launcher)}" if launcher else "",
+            command=command,
+        )
         files.write(path, os.fsencode(text))
         return path
 
@@ -75,19 +84,36 @@ class Jobs:
         kernels = directives("--kernel-options", o.kernel_options)
         impacts = directives("--impact-options", o.impact_options)
         return {
-            "kernels": self.write("kernels", ["--kernels", "--ranks", o.ranks, "--jobs", o.ranks], [f"--ntasks={o.ranks}"], kernels),
-            "impacts": self.write("impacts", ["--part", f'"$SLURM_ARRAY_TASK_ID"/{o.parts}', "--jobs", o.cores],
-                                  ["--ntasks=1", f"--cpus-per-task={o.cores}", f"--array=1-{o.parts}"], impacts, log="%A.%a"),
-            "collect": self.write("collect", ["--collect", "--jobs", 1], ["--ntasks=1"], impacts)}
+            "kernels": self.write(
+                "kernels",
+                ["--kernels", "--ranks", o.ranks, "--jobs", o.ranks],
+                [f"--ntasks={o.ranks}"],
+                kernels,
+            ),
+            "impacts": self.write(
+                "impacts",
+                ["--part", f'"$SLURM_ARRAY_TASK_ID"/{o.parts}', "--jobs", o.cores],
+                ["--ntasks=1", f"--cpus-per-task={o.cores}", f"--array=1-{o.parts}"],
+                impacts,
+                log="%A.%a",
+            ),
+            "collect": self.write("collect", ["--collect", "--jobs", 1], ["--ntasks=1"], impacts),
+        }
 
 
 def submit(script, *words):
     """The job's number."""
     done = subprocess.run(["sbatch", "--parsable", *words, str(script)], capture_output=True, text=True)
     if done.returncode != 0:
-        said = [line.removeprefix("sbatch: ").removeprefix("error: ") for line in done.stderr.splitlines() if line.strip()]
+        said = [
+            line.removeprefix("sbatch: ").removeprefix("error: ")
+            for line in done.stderr.splitlines()
+            if line.strip()
+        ]
         if any(text in line for line in said for text in UNREACHED):
-            raise BadInput(f"sbatch reaches no SLURM controller ({said[0]}): look with --dry-run, or run ricochet sweep here")
+            raise BadInput(
+                f"sbatch reaches no SLURM controller ({said[0]}): look with --dry-run, or run ricochet sweep here"
+            )
         raise BadInput(f"sbatch refused {script}: {'; '.join(said)}")
     return done.stdout.strip().split(";")[0]
 
@@ -96,19 +122,29 @@ def words():
     """The command's words, with what sbatch is to be told joined to its option: argparse takes a lone "--time=1:00" for another."""
     given, found = iter(sys.argv[1:]), []
     for word in given:
-        found.append(f"{word}={next(given, '')}" if word in ("--kernel-options", "--impact-options") else word)
+        found.append(
+            f"{word}={next(given, '')}" if word in ("--kernel-options", "--impact-options") else word
+        )
     return found
 
 
 def arguments():
     parser = Parser(__doc__, "STUDY.toml")
     parser.add_argument("study", type=Path, metavar="STUDY.toml", help="as of ricochet sweep")
-    parser.add_argument("--ranks", type=ranks, default=2, help="MPI ranks of the job for kernels (default: 2)")
+    parser.add_argument(
+        "--ranks", type=ranks, default=2, help="MPI ranks of the job for kernels (default: 2)"
+    )
     parser.add_argument("--parts", type=int, default=10, help="jobs in the array of impacts (default: 10)")
     parser.add_argument("--cores", type=int, default=1, help="of each of these (default: 1)")
-    parser.add_argument("--kernel-options", default="", metavar="TEXT", help="more options of sbatch for the kernels")
-    parser.add_argument("--impact-options", default="", metavar="TEXT", help="likewise, for impacts and collecting")
-    parser.add_argument("--out", type=Path, help="folder of kernels and results (default: out/ beside the study)")
+    parser.add_argument(
+        "--kernel-options", default="", metavar="TEXT", help="more options of sbatch for the kernels"
+    )
+    parser.add_argument(
+        "--impact-options", default="", metavar="TEXT", help="likewise, for impacts and collecting"
+    )
+    parser.add_argument(
+        "--out", type=Path, help="folder of kernels and results (default: out/ beside the study)"
+    )
     parser.add_argument("--dry-run", action="store_true", help="write the scripts, submit nothing")
     options = parser.parse_args(words())
     if min(options.parts, options.cores) < 1:
@@ -127,18 +163,25 @@ def main():
             say("\n".join(str(script) for script in scripts.values()))
             return 0
         if not shutil.which("sbatch"):
-            raise BadInput(f"there is no sbatch here: submit {folder}/{study.slug}.*.sh where SLURM is, in the order kernels, "
-                           "impacts, collect")
+            raise BadInput(
+                f"there is no sbatch here: submit {folder}/{study.slug}.*.sh where SLURM is, in the order kernels, "
+                "impacts, collect"
+            )
         kernels = submit(scripts["kernels"])
         impacts = submit(scripts["impacts"], f"--dependency=afterok:{kernels}", "--kill-on-invalid-dep=yes")
         collect = submit(scripts["collect"], f"--dependency=afterany:{impacts}", "--kill-on-invalid-dep=yes")
-        say(f"kernels {kernels}, impacts {impacts} ({options.parts} parts), collect {collect}\n"
-            f"results: {folder / study.slug}.sweep.h5 and .csv when {collect} has ended; logs: {folder / study.slug}.*.log")
+        say(
+            f"kernels {kernels}, impacts {impacts} ({options.parts} parts), collect {collect}\n"
+            f"results: {folder / study.slug}.sweep.h5 and .csv when {collect} has ended; logs: {folder / study.slug}.*.log"
+        )
     except BadInput as problem:
         print(f"batch: {told(problem)}", file=sys.stderr)
         return 2
     except OSError as problem:
-        print(f"batch: {told(problem.filename or folder)}: {problem.strerror or problem}: is the disk full, or the folder read-only? "
-              "Choose another --out", file=sys.stderr)
+        print(
+            f"batch: {told(problem.filename or folder)}: {problem.strerror or problem}: is the disk full, or the folder read-only? "
+            "Choose another --out",
+            file=sys.stderr,
+        )
         return 2
     return 0

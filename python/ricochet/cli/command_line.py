@@ -50,8 +50,11 @@ class Parser(argparse.ArgumentParser):
     """Whose description is the script's docstring, for options and one file, `argument`."""
 
     def __init__(self, doc, argument):
-        super().__init__(usage=f"%(prog)s [OPTIONS] {argument}", description=doc,
-                         formatter_class=argparse.RawDescriptionHelpFormatter)
+        super().__init__(
+            usage=f"%(prog)s [OPTIONS] {argument}",
+            description=doc,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
         self.add_argument("--version", action=Version, nargs=0, help="show the version of Ricochet and exit")
 
     def format_help(self):

@@ -35,7 +35,7 @@ def direction_of(text, what):
     direction = np.array(AXES[text] if text in AXES else numbers(text))
     length = np.linalg.norm(direction)
     if direction.shape != (3,) or not 0 < length < np.inf:
-        raise BadInput(f"{what}: \"{text}\" is no direction: give x, y, z or three numbers")
+        raise BadInput(f'{what}: "{text}" is no direction: give x, y, z or three numbers')
     return direction / length
 
 
@@ -61,7 +61,9 @@ def shape_at(text, file, modes, what):
     point = point_of(place, file, what)
     if point is None:
         known = ", ".join(file.names("/receivers")) or "none"
-        raise BadInput(f"{what}: \"{place}\" is no receiver of {file.path} (it has {known}), no number and no x,y,z")
+        raise BadInput(
+            f'{what}: "{place}" is no receiver of {file.path} (it has {known}), no number and no x,y,z'
+        )
     normals = file.array("/surface/normal", None, 3)
     direction = direction_of(towards, what) if towards else normals[point]
     stored = file.attribute("/surface/shape", "direction")
@@ -84,14 +86,18 @@ def model(given):
         decay = np.where(decay > 0, decay, math.log(1000) / given.t60)
     elastic = omega > 0
     if (elastic & (decay == 0)).any():
-        raise BadInput(f"{given.kernel}: {(elastic & (decay == 0)).sum()} modes never fade: give the body damping, or --t60 [s]")
+        raise BadInput(
+            f"{given.kernel}: {(elastic & (decay == 0)).sum()} modes never fade: give the body damping, or --t60 [s]"
+        )
     ringing = elastic & (decay < omega)
     frequency = np.sqrt(np.where(ringing, omega**2 - decay**2, 0)) / (2 * np.pi)
     kept = ringing & (frequency < given.rate / 2)
     if not kept.any():
         raise BadInput(f"{given.kernel}: no mode rings below {given.rate / 2:g} Hz, half of --rate")
-    notes = [f"{kept.sum()} modes; left out: {(~elastic).sum()} rigid, {(elastic & ~ringing).sum()} that do not ring, "
-             f"{(ringing & ~kept).sum()} above {given.rate / 2:g} Hz"]
+    notes = [
+        f"{kept.sum()} modes; left out: {(~elastic).sum()} rigid, {(elastic & ~ringing).sum()} that do not ring, "
+        f"{(ringing & ~kept).sum()} above {given.rate / 2:g} Hz"
+    ]
     return body, frequency[kept], math.log(1000) / decay[kept], [(struck * one)[kept] for one in heard], notes
 
 
@@ -101,17 +107,23 @@ def plain(text):
 
 
 def text_of(given, body, frequency, t60, gains, notes):
-    lines = [f'declare name "{plain(body)}";', 'import("stdfaust.lib");', "",
-             plain(f"// {given.excite} struck, {', '.join(given.receive)} heard. {'; '.join(notes)}."),
-             f"// Force [N] in, velocity [m/s] out, at sample rates from {given.rate:g} Hz on. Each mode: frequency [Hz], time of decay by",
-             "// 60 dB [s], gain [1/kg]. An input of 1 for a sample is an impulse of 1/SR, and pm.modeFilter answers to it with 2 cos",
-             "// instead of cos; pm.modalModel, which is the same, takes minutes to compile with hundreds of modes."]
+    lines = [
+        f'declare name "{plain(body)}";',
+        'import("stdfaust.lib");',
+        "",
+        plain(f"// {given.excite} struck, {', '.join(given.receive)} heard. {'; '.join(notes)}."),
+        f"// Force [N] in, velocity [m/s] out, at sample rates from {given.rate:g} Hz on. Each mode: frequency [Hz], time of decay by",
+        "// 60 dB [s], gain [1/kg]. An input of 1 for a sample is an impulse of 1/SR, and pm.modeFilter answers to it with 2 cos",
+        "// instead of cos; pm.modalModel, which is the same, takes minutes to compile with hundreds of modes.",
+    ]
     for k, gain in enumerate(gains):
         modes = (f"  pm.modeFilter({f:.9g}, {t:.9g}, {g:.9g})" for f, t, g in zip(frequency, t60, gain))
         lines += [f"modes{k} = _ <:", ",\n".join(modes), "  :> /(2*ma.SR);"]
-    lines += ["body = _ <: " + ", ".join(f"modes{k}" for k in range(len(gains))) + ";",
-              "strike = button(\"strike\") : ba.impulsify : *(ma.SR*hslider(\"impulse [unit:N s]\", 1, 0, 10, 0.001));",
-              "process = " + ("strike : body;" if given.button else "body;")]
+    lines += [
+        "body = _ <: " + ", ".join(f"modes{k}" for k in range(len(gains))) + ";",
+        'strike = button("strike") : ba.impulsify : *(ma.SR*hslider("impulse [unit:N s]", 1, 0, 10, 0.001));',
+        "process = " + ("strike : body;" if given.button else "body;"),
+    ]
     return "\n".join(lines) + "\n"
 
 
@@ -127,10 +139,20 @@ def main():
     parser.add_argument("--faust", action="store_true", required=True, help="write a Faust modal model")
     parser.add_argument("kernel", type=Path, metavar="KERNEL.h5")
     parser.add_argument("--excite", required=True, metavar="PLACE", help="where a force acts")
-    parser.add_argument("--receive", required=True, action="append", metavar="PLACE", help="whose velocity is heard; repeatable")
-    parser.add_argument("--rate", type=positive, default=44100, metavar="HZ", help="lowest sample rate to play at (44100)")
+    parser.add_argument(
+        "--receive",
+        required=True,
+        action="append",
+        metavar="PLACE",
+        help="whose velocity is heard; repeatable",
+    )
+    parser.add_argument(
+        "--rate", type=positive, default=44100, metavar="HZ", help="lowest sample rate to play at (44100)"
+    )
     parser.add_argument("--t60", type=positive, metavar="S", help="decay by 60 dB of modes without damping")
-    parser.add_argument("--button", action="store_true", help="a button strikes, instead of a signal of force")
+    parser.add_argument(
+        "--button", action="store_true", help="a button strikes, instead of a signal of force"
+    )
     given = parser.parse_args()
     signal.signal(signal.SIGPIPE, signal.SIG_DFL)
     try:

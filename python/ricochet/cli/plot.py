@@ -14,7 +14,17 @@ from matplotlib.ticker import LogLocator
 
 from ricochet.cli.command_line import Parser
 from ricochet.pictures.snapshots import snapshots_picture
-from ricochet.pictures.style import DPI, GREY, SHADE, WIDTH, colour_of, largest_of, legend_below, plt, prefixed
+from ricochet.pictures.style import (
+    DPI,
+    GREY,
+    SHADE,
+    WIDTH,
+    colour_of,
+    largest_of,
+    legend_below,
+    plt,
+    prefixed,
+)
 from ricochet.result_file import BadInput, Result, expected, skins_of
 from ricochet.files import save_picture
 
@@ -35,11 +45,30 @@ def force_panel(result, ax, i):
     _, total = result.held(result.force.sum(axis=1))
     scale, shown_unit = prefixed(largest_of(total), "N")
     ax.fill_between(when * ms, here * scale, step="pre", color="#b03a48", alpha=0.25, linewidth=0)
-    ax.plot(when * ms, here * scale, drawstyle="steps-pre", color="#b03a48", linewidth=1.4, label="force at the point")
+    ax.plot(
+        when * ms,
+        here * scale,
+        drawstyle="steps-pre",
+        color="#b03a48",
+        linewidth=1.4,
+        label="force at the point",
+    )
     if len(result.gap) > 1:
-        ax.plot(when * ms, total * scale, ":", drawstyle="steps-pre", color=GREY, linewidth=1.5, label=f"sum over {len(result.gap)} points")
-    ax.set(ylabel=f"contact force ({shown_unit})", title="Contact force", xlabel=f"time ({time_unit})",
-           xlim=(start * ms, end * ms))
+        ax.plot(
+            when * ms,
+            total * scale,
+            ":",
+            drawstyle="steps-pre",
+            color=GREY,
+            linewidth=1.5,
+            label=f"sum over {len(result.gap)} points",
+        )
+    ax.set(
+        ylabel=f"contact force ({shown_unit})",
+        title="Contact force",
+        xlabel=f"time ({time_unit})",
+        xlim=(start * ms, end * ms),
+    )
     if not result.episodes:
         ax.text(0.5, 0.5, "nothing touched", transform=ax.transAxes, ha="center", color=GREY)
 
@@ -57,8 +86,12 @@ def table_picture(result):
     axis = int(np.argmax(np.max(changes, axis=0))) if changes else 0
     scale, unit = prefixed(largest_of(*(v[:, axis] for v in result.velocity.values())), "m/s")
     for body, v in result.velocity.items():
-        axes[1].plot(result.time * ms, v[:, axis] * scale, color=colour_of(result, body),
-                     label=f"{body}, mean of its mass")
+        axes[1].plot(
+            result.time * ms,
+            v[:, axis] * scale,
+            color=colour_of(result, body),
+            label=f"{body}, mean of its mass",
+        )
     axes[1].set(ylabel=f"{'xyz'[axis]}-velocity ({unit})", title="Velocity")
     force_panel(result, axes[2], i)
     handles = {}
@@ -83,23 +116,44 @@ def contact_picture(result):
     mean_place, mean_speed = ({body: values[shown] for body, (_, values) in mean.items()} for mean in means)
 
     figure, axes = plt.subplots(3, 1, figsize=(WIDTH, 8.2), sharex=True, layout="constrained")
-    panels = [(axes[0], "m", "place along normal",
-               "Place of the two surfaces, from where the second one was (they touch where the lines meet)",
-               place, mean_place),
-              (axes[1], "m/s", "velocity along normal", "Velocity", speed, mean_speed)]
+    panels = [
+        (
+            axes[0],
+            "m",
+            "place along normal",
+            "Place of the two surfaces, from where the second one was (they touch where the lines meet)",
+            place,
+            mean_place,
+        ),
+        (axes[1], "m/s", "velocity along normal", "Velocity", speed, mean_speed),
+    ]
     for ax, unit, label, title, at_point, mean in panels:
         scale, shown_unit = prefixed(largest_of(*(v for _, v in at_point.values()), *mean.values()), unit)
         for name, (when, values) in at_point.items():
             # What does not move stands behind, broad and pale: the other side lies on it.
-            style = {"linewidth": 1.8} if name in result.bodies else {"linewidth": 5, "alpha": 0.3, "zorder": 1.4}
-            ax.plot(when * ms, values * scale, color=colour_of(result, name), label=f"{name}, contact point",
-                    **style)
+            style = (
+                {"linewidth": 1.8} if name in result.bodies else {"linewidth": 5, "alpha": 0.3, "zorder": 1.4}
+            )
+            ax.plot(
+                when * ms,
+                values * scale,
+                color=colour_of(result, name),
+                label=f"{name}, contact point",
+                **style,
+            )
             padded = np.concatenate([[np.nan], values, [np.nan]])
             alone = np.isnan(padded[:-2]) & np.isnan(padded[2:])  # an episode of one step
             ax.plot(when[alone] * ms, values[alone] * scale, ".", color=colour_of(result, name))
         for body, values in mean.items():
-            ax.plot(t * ms, values * scale, "--", color=colour_of(result, body), linewidth=1, zorder=1.5,
-                    label=f"{body}, mean of its mass")
+            ax.plot(
+                t * ms,
+                values * scale,
+                "--",
+                color=colour_of(result, body),
+                linewidth=1,
+                zorder=1.5,
+                label=f"{body}, mean of its mass",
+            )
         ax.set(ylabel=f"{label} ({shown_unit})", title=title)
     force_panel(result, axes[2], i)
     for ax in axes:
@@ -125,13 +179,19 @@ def energy_picture(result):
     mj, energy_unit = prefixed(largest_of(ledger, *terms.values()), "J")
     t = result.time * ms
 
-    figure, (top, low) = plt.subplots(2, 1, figsize=(WIDTH, 6.2), sharex=True, height_ratios=[2.2, 1],
-                                      layout="constrained")
+    figure, (top, low) = plt.subplots(
+        2, 1, figsize=(WIDTH, 6.2), sharex=True, height_ratios=[2.2, 1], layout="constrained"
+    )
     colours = ["#2b6cb0", "#d2691e", "#3a8f5c", "#8a4fa3", "#8c6d1f", "#b03a48"]
     for (name, values), colour in zip(terms.items(), colours):
         nothing = not np.any(values)
-        top.plot(t, values * mj, color=colour, linewidth=1 if nothing else 1.6,
-                 label=result.LABELS[name] + (" (0)" if nothing else ""))
+        top.plot(
+            t,
+            values * mj,
+            color=colour,
+            linewidth=1 if nothing else 1.6,
+            label=result.LABELS[name] + (" (0)" if nothing else ""),
+        )
     top.plot(t, ledger * mj, color="black", linewidth=1.8, linestyle=(0, (4, 1.5)), label="sum of all")
     top.set(ylabel=f"energy ({energy_unit})", title="Where the energy is")
     stray = np.abs(ledger - ledger[0]) / (reference or 1)
@@ -142,8 +202,12 @@ def energy_picture(result):
         low.yaxis.set_major_locator(LogLocator(numticks=6))
     else:
         low.text(0.5, 0.5, "nothing: the sum never changes", transform=low.transAxes, ha="center", color=GREY)
-    low.set(ylabel=f"|change of sum| /\n{scale_name}", title="What the ledger fails to account for",
-            xlabel=f"time ({time_unit})", xlim=(t[0], t[-1]))
+    low.set(
+        ylabel=f"|change of sum| /\n{scale_name}",
+        title="What the ledger fails to account for",
+        xlabel=f"time ({time_unit})",
+        xlim=(t[0], t[-1]),
+    )
     for ax in (top, low):
         shade_contact(result, ax, ms)
     handles, names = top.get_legend_handles_labels()
@@ -178,7 +242,9 @@ def main():
         with expected(options.result):
             result = Result(options.result)
             if result.static:
-                raise BadInput(f"{options.result}: bodies at rest have no history to draw. Use ricochet report.")
+                raise BadInput(
+                    f"{options.result}: bodies at rest have no history to draw. Use ricochet report."
+                )
             if result.energy is None:
                 save(table_picture(result), "contact")
                 print("plot: no energies, no snapshots: table kernels do not tell", file=sys.stderr)

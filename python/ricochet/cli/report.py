@@ -19,7 +19,9 @@ def main():
     parser = Parser(__doc__, "RESULT.h5")
     parser.add_argument("result", type=Path, metavar="RESULT.h5")
     parser.add_argument("--out", type=Path, metavar="PAGE.html", help="the page (default: beside the result)")
-    parser.add_argument("--kernels", type=Path, metavar="DIR", help="folder of the kernels (default: beside the result)")
+    parser.add_argument(
+        "--kernels", type=Path, metavar="DIR", help="folder of the kernels (default: beside the result)"
+    )
     options = parser.parse_args()
     try:
         with expected(options.result):

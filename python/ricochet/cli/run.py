@@ -39,9 +39,13 @@ def main():
     parser = Parser(__doc__, "SCENE.toml")
     parser.add_argument("scene", type=Path, metavar="SCENE.toml")
     parser.add_argument("-n", "--ranks", type=ranks, default=2, help="ranks of ricochet-kernel (default: 2)")
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="override a scene key")
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", help="override a scene key"
+    )
     parser.add_argument("--accuracy", metavar="X", help="relative error that the main results may have")
-    parser.add_argument("--out", type=Path, help="folder of kernels, results and pictures (default: out/ beside the scene)")
+    parser.add_argument(
+        "--out", type=Path, help="folder of kernels, results and pictures (default: out/ beside the scene)"
+    )
     options = parser.parse_args()
     arguments = [a for setting in options.set for a in ("--set", setting)]
     arguments += ["--accuracy", options.accuracy] if options.accuracy else []

@@ -32,9 +32,15 @@ def triangles(surface):
     """(T,3,3) corners of a coarse mesh of the surface."""
     tags, xyz, _ = gmsh.model.mesh.getNodes(2, surface, includeBoundary=True)
     place = dict(zip(tags, xyz.reshape(-1, 3)))
-    corners = [gmsh.model.mesh.getElementsByType(kind, surface)[1].reshape(-1, count)[:, corner]
-               for kind, count, corner in all_kinds(surface)]
-    return np.array([[place[tag] for tag in element] for element in np.concatenate(corners)]) if corners else np.empty((0, 3, 3))
+    corners = [
+        gmsh.model.mesh.getElementsByType(kind, surface)[1].reshape(-1, count)[:, corner]
+        for kind, count, corner in all_kinds(surface)
+    ]
+    return (
+        np.array([[place[tag] for tag in element] for element in np.concatenate(corners)])
+        if corners
+        else np.empty((0, 3, 3))
+    )
 
 
 def all_kinds(surface):
@@ -60,7 +66,9 @@ def read(path):
     gmsh.option.setNumber("General.Terminal", 0)
     gmsh.open(str(path))
     if not gmsh.model.mesh.getElements(2)[0].size:
-        gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 24)  # round enough for the eye, whatever its own mesh will be
+        gmsh.option.setNumber(
+            "Mesh.MeshSizeFromCurvature", 24
+        )  # round enough for the eye, whatever its own mesh will be
         gmsh.model.mesh.generate(2)
     return {tag: triangles(tag) for _, tag in gmsh.model.getEntities(2)}
 
@@ -71,12 +79,27 @@ def table(surfaces, named):
 
     rows = []
     for tag, corners in surfaces.items():
-        area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum() / 2
+        area = (
+            np.linalg.norm(
+                np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
+            ).sum()
+            / 2
+        )
         points = np.round(corners.reshape(-1, 3), 9) + 0.0
-        rows.append((str(tag), ", ".join(named.get(tag, [])) or "–", f"{area:.4g}", row(points.min(axis=0)), row(points.max(axis=0))))
+        rows.append(
+            (
+                str(tag),
+                ", ".join(named.get(tag, [])) or "–",
+                f"{area:.4g}",
+                row(points.min(axis=0)),
+                row(points.max(axis=0)),
+            )
+        )
     titles = ("surface", "groups", "area", "from [x, y, z]", "to [x, y, z]")
     widths = [max(len(line[k]) for line in [titles, *rows]) for k in range(len(titles))]
-    return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip() for line in [titles, *rows])
+    return "\n".join(
+        "  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip() for line in [titles, *rows]
+    )
 
 
 def picture(surfaces, path, title):
@@ -85,7 +108,9 @@ def picture(surfaces, path, title):
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     up = abs(normal @ [0.3, -0.5, 0.8]) / np.maximum(np.linalg.norm(normal, axis=1), 1e-300)
     colours = {tag: np.array(plt.cm.tab20(n % 20)[:3]) for n, tag in enumerate(surfaces)}
-    colour = np.concatenate([np.tile(colours[tag], (len(of), 1)) for tag, of in surfaces.items()]) * (0.5 + 0.5 * up[:, None])
+    colour = np.concatenate([np.tile(colours[tag], (len(of), 1)) for tag, of in surfaces.items()]) * (
+        0.5 + 0.5 * up[:, None]
+    )
     low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
     middle, half = (low + high) / 2, np.ptp([low, high], axis=0).max() / 2
     figure = plt.figure(figsize=(10, 5.5))
@@ -95,7 +120,9 @@ def picture(surfaces, path, title):
         for axis, m in zip("xyz", middle):
             ax.set(**{f"{axis}lim": (m - half, m + half), f"{axis}label": axis})
         ax.set_title(f"{title} from {'above' if height > 0 else 'below'}", loc="left")
-    handles = [plt.Line2D([], [], marker="s", linestyle="", color=colours[tag], label=str(tag)) for tag in surfaces]
+    handles = [
+        plt.Line2D([], [], marker="s", linestyle="", color=colours[tag], label=str(tag)) for tag in surfaces
+    ]
     figure.subplots_adjust(left=0, right=0.95, bottom=0.16, top=0.93, wspace=0.05)
     figure.legend(handles=handles, loc="lower center", ncol=min(len(handles), 16), title="surface")
     save_picture(figure, path, dpi=110)
@@ -123,7 +150,9 @@ def main():
         folder.mkdir(parents=True, exist_ok=True)
         picture(surfaces, path, options.drawing.name)
     except OSError as error:
-        print(f"surfaces: {path}: cannot be written ({error.strerror}). Choose another --out.", file=sys.stderr)
+        print(
+            f"surfaces: {path}: cannot be written ({error.strerror}). Choose another --out.", file=sys.stderr
+        )
         return 2
     print(path)
     return 0

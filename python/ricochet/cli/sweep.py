@@ -20,7 +20,9 @@ Results: <title>.sweep.h5 and <title>.sweep.csv in out/ beside the study. ricoch
 import signal
 
 if signal.getsignal(signal.SIGINT) != signal.SIG_IGN:
-    signal.signal(signal.SIGINT, signal.SIG_DFL)  # till all is loaded: numpy makes an error of its own of an interruption
+    signal.signal(
+        signal.SIGINT, signal.SIG_DFL
+    )  # till all is loaded: numpy makes an error of its own of an interruption
 
 import argparse
 import contextlib
@@ -56,7 +58,8 @@ def scene_of(study):
 
 def check(study, kernels, journal):
     """Asks for the kernels of each setting. Returns refusals by index; what identifies each impact: program, scene, setting
-    and kernels; and by index the kernels that an impact still to be run misses (or that hold too few points)."""
+    and kernels; and by index the kernels that an impact still to be run misses (or that hold too few points).
+    """
     scene, version = [scene_of(study), study.fixed], programs.version()
     refused, keys, missing, bar = {}, [None] * len(study.settings), {}, Progress(len(study.settings))
     requests = ({"set": programs.settings(setting), "kernels": True} for setting in study.settings)
@@ -68,7 +71,9 @@ def check(study, kernels, journal):
             continue
         files = [kernel["file"] for kernel in answer["kernels"]]
         kernels.names.update(files)
-        identity = json.dumps([version, scene, study.settings[index], files, answer["reads"]], sort_keys=True, default=str)
+        identity = json.dumps(
+            [version, scene, study.settings[index], files, answer["reads"]], sort_keys=True, default=str
+        )
         keys[index] = hashlib.sha256(identity.encode()).hexdigest()[:24]
         lacking = [kernel["file"] for kernel in answer["kernels"] if not kernel["there"]]
         if lacking and not journal.finished(keys[index]):
@@ -82,7 +87,9 @@ def prepare(study, options, kernels, journal):
     while True:
         refused, keys, missing = check(study, kernels, journal)
         if options.part or options.collect:  # what --kernels could not compute
-            kernels.refused = {index: journal.rows[keys[index]] for index in missing if keys[index] in journal.rows}
+            kernels.refused = {
+                index: journal.rows[keys[index]] for index in missing if keys[index] in journal.rows
+            }
         refused |= kernels.refused
         if len(refused) == len(keys):
             raise programs.Failed(refused[0]["status"], refused[0]["error"])
@@ -91,7 +98,9 @@ def prepare(study, options, kernels, journal):
             return refused, keys
         name = min(missing.values())[0]
         if options.part:
-            raise BadInput(f"{folder}: {len(missing)} settings miss kernels, {name} for one: run ricochet sweep --kernels")
+            raise BadInput(
+                f"{folder}: {len(missing)} settings miss kernels, {name} for one: run ricochet sweep --kernels"
+            )
         if missing == before:
             raise BadInput(f"{folder}: ricochet-kernel does not leave {name} there: compute it by hand")
         kernels.compute(missing)  # one that holds some points may not yet be enough for all settings
@@ -110,21 +119,42 @@ def part(text):
 def arguments():
     parser = Parser(__doc__, "STUDY.toml")
     parser.add_argument("study", type=Path, metavar="STUDY.toml")
-    parser.add_argument("--out", type=Path, help="folder of kernels and results (default: out/ beside the study)")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="impacts side by side (default: all cores)")
+    parser.add_argument(
+        "--out", type=Path, help="folder of kernels and results (default: out/ beside the study)"
+    )
+    parser.add_argument(
+        "--jobs", type=int, default=os.cpu_count() or 1, help="impacts side by side (default: all cores)"
+    )
     parser.add_argument("--ranks", type=ranks, default=2, help="of ricochet-kernel (default: 2)")
     stage = parser.add_mutually_exclusive_group()
     stage.add_argument("--kernels", action="store_true", help="compute the kernels, and stop")
-    stage.add_argument("--part", type=part, metavar="K/N",
-                       help="run the K-th of N parts of the impacts, beside other parts, with kernels that are there")
-    stage.add_argument("--collect", action="store_true", help="write the results of what is finished, and stop")
+    stage.add_argument(
+        "--part",
+        type=part,
+        metavar="K/N",
+        help="run the K-th of N parts of the impacts, beside other parts, with kernels that are there",
+    )
+    stage.add_argument(
+        "--collect", action="store_true", help="write the results of what is finished, and stop"
+    )
     parser.add_argument("--plot", metavar="OUTPUT", help="draw this column")
-    parser.add_argument("--against", nargs="+", metavar="INPUT", help="over one or two columns (default: the first one varied)")
+    parser.add_argument(
+        "--against",
+        nargs="+",
+        metavar="INPUT",
+        help="over one or two columns (default: the first one varied)",
+    )
     options = parser.parse_args()
     if options.jobs < 1 or (options.against and len(options.against) > 2):
         parser.error("--jobs must be 1 or more, --against takes one or two columns")
-    if options.plot == "" or (options.plot is None and options.against) or (options.plot and (options.kernels or options.part)):
-        parser.error("--plot takes the name of a column, --against goes with --plot, and both with a whole sweep or --collect")
+    if (
+        options.plot == ""
+        or (options.plot is None and options.against)
+        or (options.plot and (options.kernels or options.part))
+    ):
+        parser.error(
+            "--plot takes the name of a column, --against goes with --plot, and both with a whole sweep or --collect"
+        )
     return options
 
 
@@ -132,16 +162,23 @@ class Drawn:
     """The columns of the picture that is asked for, refused as soon as it is known that there is none of that name."""
 
     def __init__(self, study, options):
-        self.inputs, self.names = study.keys, [options.plot, *(options.against or study.keys[:1])] if options.plot else []
+        self.inputs, self.names = (
+            study.keys,
+            [options.plot, *(options.against or study.keys[:1])] if options.plot else [],
+        )
         self.unknown = set(self.names) - set(self.inputs)
-        self.alike = not {"accuracy", "contact.scheme", "contact.kernel"} & set(study.keys)  # or summaries differ in columns
+        self.alike = not {"accuracy", "contact.scheme", "contact.kernel"} & set(
+            study.keys
+        )  # or summaries differ in columns
 
     def check(self, row):
         """`row`: of an impact."""
         if self.unknown and self.alike and row["status"] == 0:
             found = outputs(row["summary"])
             if wrong := sorted(self.unknown - set(found)):
-                raise BadInput(f"\"{wrong[0]}\" is no column of this sweep: it has {', '.join([*self.inputs, *found])}")
+                raise BadInput(
+                    f"\"{wrong[0]}\" is no column of this sweep: it has {', '.join([*self.inputs, *found])}"
+                )
             self.unknown = set()
 
 
@@ -152,7 +189,9 @@ def run(study, kernels, journal, keys, left, drawn):
     for key in keys:
         if key in journal.rows:
             drawn.check(journal.rows[key])
-    with contextlib.closing(kernels.ask({"set": programs.settings(study.settings[k])} for k in left)) as answers:
+    with contextlib.closing(
+        kernels.ask({"set": programs.settings(study.settings[k])} for k in left)
+    ) as answers:
         for index, line in answers:
             key = keys[left[index]]
             journal.add(key, line)
@@ -176,20 +215,35 @@ def number(count, what):
 
 
 def report_kernels(names, refused, settings):
-    say(number(len(names), "kernel") + ", all there" +
-        (f"; {len(refused)} of {number(settings, 'impact')} are refused, as {refused[min(refused)]['error']}" if refused else ""))
+    say(
+        number(len(names), "kernel")
+        + ", all there"
+        + (
+            f"; {len(refused)} of {number(settings, 'impact')} are refused, as {refused[min(refused)]['error']}"
+            if refused
+            else ""
+        )
+    )
 
 
 def report_part(part, journal, keys, ran):
     failed = sum(journal.rows[key]["status"] != 0 for key in keys)
-    say(f"part {part[0]}/{part[1]}: {number(len(keys), 'impact')}, all done" + " before" * (not ran) + f", {failed} failed" * bool(failed))
+    say(
+        f"part {part[0]}/{part[1]}: {number(len(keys), 'impact')}, all done"
+        + " before" * (not ran)
+        + f", {failed} failed" * bool(failed)
+    )
 
 
 def report(options, drawn, table, stem, ran):
     failed = sum(status > 0 for status in table.status)
     waiting = sum(status < 0 for status in table.status)
-    say(number(len(table.status), "impact") + (f", {waiting} not run yet" if waiting else "") + ", all done before" * (ran == 0) +
-          (f", {failed} refused or failed (column \"error\")" if failed else ""))
+    say(
+        number(len(table.status), "impact")
+        + (f", {waiting} not run yet" if waiting else "")
+        + ", all done before" * (ran == 0)
+        + (f', {failed} refused or failed (column "error")' if failed else "")
+    )
     say(f"{stem}.sweep.h5\n{stem}.sweep.csv")
     if options.plot:
         picture = Path(f"{stem}.{options.plot}.png")
@@ -242,8 +296,11 @@ def main():
             print(f"sweep: {told(failure.error)}", file=sys.stderr)
         return failure.status
     except OSError as problem:
-        print(f"sweep: {told(problem.filename or folder)}: {problem.strerror or problem}: is the disk full, or the folder read-only? "
-              "Choose another --out", file=sys.stderr)
+        print(
+            f"sweep: {told(problem.filename or folder)}: {problem.strerror or problem}: is the disk full, or the folder read-only? "
+            "Choose another --out",
+            file=sys.stderr,
+        )
         return 2
     except Ended as signalled:
         print("sweep: interrupted; the same command goes on from here", file=sys.stderr)

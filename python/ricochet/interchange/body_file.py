@@ -17,7 +17,9 @@ class Refused(Exception):
 def numbers(path, text):
     """Of a text that has nothing else."""
     with warnings.catch_warnings():
-        warnings.simplefilter("error", DeprecationWarning)  # numpy's, of a text that goes on behind the numbers
+        warnings.simplefilter(
+            "error", DeprecationWarning
+        )  # numpy's, of a text that goes on behind the numbers
         try:
             return np.fromstring(text, sep=" ")
         except DeprecationWarning:
@@ -39,11 +41,17 @@ def entries_of(path, values, rows, columns):
     table = values.reshape(-1, 3)
     wrong = np.flatnonzero(~np.isfinite(table).all(axis=1))
     if wrong.size:
-        raise Refused(f"{path}: entry {wrong[0] + 1} is {' '.join(f'{x:g}' for x in table[wrong[0]])}: must be finite numbers")
-    wrong = np.flatnonzero(((table[:, :2] < 1) | (table[:, :2] > [rows, columns]) | (table[:, :2] % 1 != 0)).any(axis=1))
+        raise Refused(
+            f"{path}: entry {wrong[0] + 1} is {' '.join(f'{x:g}' for x in table[wrong[0]])}: must be finite numbers"
+        )
+    wrong = np.flatnonzero(
+        ((table[:, :2] < 1) | (table[:, :2] > [rows, columns]) | (table[:, :2] % 1 != 0)).any(axis=1)
+    )
     if wrong.size:
-        raise Refused(f"{path}: entry {wrong[0] + 1} is {' '.join(f'{x:.17g}' for x in table[wrong[0]])}: must be a row from 1 to "
-                      f"{rows}, a column from 1 to {columns} and a value")
+        raise Refused(
+            f"{path}: entry {wrong[0] + 1} is {' '.join(f'{x:.17g}' for x in table[wrong[0]])}: must be a row from 1 to "
+            f"{rows}, a column from 1 to {columns} and a value"
+        )
     return table[:, 0].astype(np.int64) - 1, table[:, 1].astype(np.int64) - 1, table[:, 2]
 
 
@@ -51,10 +59,15 @@ def read_matrix_market(path):
     """Rows, columns (from 0), values and shape of a real matrix in coordinates; of a symmetric one both triangles."""
     with open(path, "rb") as file:
         words = file.readline().decode("latin-1").lower().split()
-        if words[:3] != ["%%matrixmarket", "matrix", "coordinate"] or words[3:4] not in (["real"], ["integer"]) or \
-                words[4:5] not in (["general"], ["symmetric"]):
-            raise Refused(f"{path}: begins with \"{' '.join(words[:6])[:60]}\": must be \"%%MatrixMarket matrix coordinate real\" "
-                          "general or symmetric")
+        if (
+            words[:3] != ["%%matrixmarket", "matrix", "coordinate"]
+            or words[3:4] not in (["real"], ["integer"])
+            or words[4:5] not in (["general"], ["symmetric"])
+        ):
+            raise Refused(
+                f"{path}: begins with \"{' '.join(words[:6])[:60]}\": must be \"%%MatrixMarket matrix coordinate real\" "
+                "general or symmetric"
+            )
         line = file.readline()
         while line.startswith(b"%") or line.strip() == b"":
             if not line:
@@ -94,12 +107,15 @@ def rows_of(i, j, value, size):
 
 def clockwise(node, facets, i, j):
     """How many of `facets`, (T,k) node numbers from 0, run clockwise seen from outside, judged by the stiffness at rows i and
-    columns j: the nodes that are coupled with all corners of a facet are those of its element, so they lie behind it."""
-    corners = facets[:, :3 if np.shape(facets)[1] in (3, 6, 10) else 4]
+    columns j: the nodes that are coupled with all corners of a facet are those of its element, so they lie behind it.
+    """
+    corners = facets[:, : 3 if np.shape(facets)[1] in (3, 6, 10) else 4]
     here = np.isin(i // 3, corners)
     pairs = np.unique((i[here] // 3) * len(node) + j[here] // 3)
     nodes, start = np.unique(pairs // len(node), return_index=True)
-    coupled = {of: set(others.tolist()) for of, others in zip(nodes.tolist(), np.split(pairs % len(node), start[1:]))}
+    coupled = {
+        of: set(others.tolist()) for of, others in zip(nodes.tolist(), np.split(pairs % len(node), start[1:]))
+    }
     count = 0
     for facet, corner in zip(facets.tolist(), corners.tolist()):
         behind = list(set.intersection(*(coupled.get(k, set()) for k in corner)).difference(facet))
@@ -107,13 +123,16 @@ def clockwise(node, facets, i, j):
             place = node[corner]
             inward = np.cross(place[2] - place[0], place[1] - place[-1])
             away = node[behind].mean(axis=0) - place.mean(axis=0)
-            count += bool(inward @ away < -1e-6 * np.linalg.norm(inward) * np.linalg.norm(away))  # not where all is in one plane
+            count += bool(
+                inward @ away < -1e-6 * np.linalg.norm(inward) * np.linalg.norm(away)
+            )  # not where all is in one plane
     return count
 
 
 def write_body(path, node, surfaces, matrices, supports=(), skin=None):
     """node (n,3) [m]; surfaces: name → list of facets, (T,k) node numbers from 0; matrices: "stiffness" and "mass" → rows,
-    columns, values; supports: name → node numbers. The file has its name only when it is whole. Throws OSError."""
+    columns, values; supports: name → node numbers. The file has its name only when it is whole. Throws OSError.
+    """
     image = io.BytesIO()  # HDF5 itself crashes on a full disk
     with h5py.File(image, "w") as file:
         file.attrs["format"] = np.bytes_("ricochet-body")

@@ -23,9 +23,13 @@ def page_of(run):
     """The page as text. Only the scripts of this folder may run in it: the policy names their hash."""
     script = "\n" + "\n".join((FOLDER / name).read_text() for name in SCRIPTS)
     data = json.dumps(run, ensure_ascii=False, allow_nan=False, separators=(",", ":"), default=numbers)
-    parts = {"title": html.escape(run["title"]), "style": (FOLDER / "page.css").read_text(),
-             "data": data.replace("<", "\\u003c"), "script": script,
-             "hash": base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()}
+    parts = {
+        "title": html.escape(run["title"]),
+        "style": (FOLDER / "page.css").read_text(),
+        "data": data.replace("<", "\\u003c"),
+        "script": script,
+        "hash": base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
+    }
     page, rest = "", (FOLDER / "page.html").read_text()
     while "{{" in rest:
         before, _, rest = rest.partition("{{")
@@ -38,8 +42,10 @@ def write_page(run, path):
     """Under its final name only when whole."""
     page = page_of(run).encode()
     if len(page) > LARGEST_MB * 2**20:
-        raise BadInput(f"{path}: the page would have {len(page) / 2**20:.0f} MB, more than {LARGEST_MB}. "
-                       "A larger output.snapshot_every, no output.view or fewer receivers make it smaller.")
+        raise BadInput(
+            f"{path}: the page would have {len(page) / 2**20:.0f} MB, more than {LARGEST_MB}. "
+            "A larger output.snapshot_every, no output.view or fewer receivers make it smaller."
+        )
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         files.write(path, page)

@@ -40,10 +40,29 @@ def sound_of(path, most):
         raise BadInput(f"{path}: holds samples that are not finite. Run ricochet-contact again.")
     axis = int(np.argmax(np.ptp(samples, axis=0))) if len(samples) else 0
     data = np.rint(32767 * np.clip(samples[:, axis], -1, 1)).astype("<i2").tobytes()
-    head = struct.pack("<4sI4s4sIHHIIHH4sI", b"RIFF", 36 + len(data), b"WAVE", b"fmt ", 16, 1, 1, rate, 2 * rate, 2, 16,
-                       b"data", len(data))
-    return {"axis": "xyz"[axis], "rate_hz": rate, "seconds": len(samples) / rate, "of_seconds": total / rate,
-            "wav": base64.b64encode(head + data).decode()}
+    head = struct.pack(
+        "<4sI4s4sIHHIIHH4sI",
+        b"RIFF",
+        36 + len(data),
+        b"WAVE",
+        b"fmt ",
+        16,
+        1,
+        1,
+        rate,
+        2 * rate,
+        2,
+        16,
+        b"data",
+        len(data),
+    )
+    return {
+        "axis": "xyz"[axis],
+        "rate_hz": rate,
+        "seconds": len(samples) / rate,
+        "of_seconds": total / rate,
+        "wav": base64.b64encode(head + data).decode(),
+    }
 
 
 def sounds_of(summary, folder):
@@ -52,5 +71,9 @@ def sounds_of(summary, folder):
     named = summary.get("sounds") or {}
     for name, sound in named.items():
         path = folder / Path(sound["file"]).name
-        out[name] = sound_of(path, SAMPLES // len(named)) if is_there(path) else {"missing": f"there is no file {path.name}"}
+        out[name] = (
+            sound_of(path, SAMPLES // len(named))
+            if is_there(path)
+            else {"missing": f"there is no file {path.name}"}
+        )
     return out

@@ -12,11 +12,20 @@ BODY = ["#2b6cb0", "#d2691e", "#3a8f5c", "#8a4fa3"]
 GREY = "#555555"
 SHADE = {"color": "#f2e7c9", "zorder": 0, "linewidth": 0}
 
-plt.rcParams.update({
-    "font.size": 9, "axes.titlesize": 10, "axes.titlelocation": "left", "axes.grid": True,
-    "grid.color": "#e4e4e4", "axes.axisbelow": True, "axes.spines.top": False, "axes.spines.right": False,
-    "legend.frameon": False, "agg.path.chunksize": 20000,
-})
+plt.rcParams.update(
+    {
+        "font.size": 9,
+        "axes.titlesize": 10,
+        "axes.titlelocation": "left",
+        "axes.grid": True,
+        "grid.color": "#e4e4e4",
+        "axes.axisbelow": True,
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "legend.frameon": False,
+        "agg.path.chunksize": 20000,
+    }
+)
 
 
 def colour_of(result, name):

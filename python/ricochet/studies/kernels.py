@@ -9,8 +9,10 @@ from ricochet.progress import Progress
 from ricochet.studies.workers import in_parallel
 
 # Keys that no mesh, group, load or receiver is checked against: settings that differ in these alone are checked once.
-NUMBERS = re.compile(r"(bodies\.[^.]+\.(material(\.[^.]+)?\.(young|density|poisson)|damping|velocity|translate|rotate_deg)"
-                     r"|time|loads\.gravity|contact\.(gap|scheme|restitution))\b")
+NUMBERS = re.compile(
+    r"(bodies\.[^.]+\.(material(\.[^.]+)?\.(young|density|poisson)|damping|velocity|translate|rotate_deg)"
+    r"|time|loads\.gravity|contact\.(gap|scheme|restitution))\b"
+)
 
 
 class Kernels:
@@ -26,7 +28,14 @@ class Kernels:
     def ask(self, requests):
         """Yields (index, answer as a line of JSON)."""
         words = programs.with_set(programs.settings(self.study.fixed))
-        command = [programs.BIN / "ricochet-contact", self.study.scene, "--batch", "--out", self.folder, *words]
+        command = [
+            programs.BIN / "ricochet-contact",
+            self.study.scene,
+            "--batch",
+            "--out",
+            self.folder,
+            *words,
+        ]
         return in_parallel(self.options.jobs, programs.bound(command), requests)
 
     def compute(self, missing):
@@ -72,9 +81,13 @@ class Kernels:
     def _derive(self, new, missing):
         """What follows from a kernel that was computed needs no start of ricochet-kernel."""
         wanted = sorted(set(self._first_of_each(missing).values())) if new else []
-        requests = ({"set": programs.settings(self.study.settings[k]), "kernels": True, "derive": new} for k in wanted)
+        requests = (
+            {"set": programs.settings(self.study.settings[k]), "kernels": True, "derive": new} for k in wanted
+        )
         for _, line in self.ask(requests):
-            self.tried.update(kernel["file"] for kernel in json.loads(line).get("kernels", []) if kernel["there"])
+            self.tried.update(
+                kernel["file"] for kernel in json.loads(line).get("kernels", []) if kernel["there"]
+            )
 
     def _refuse(self, index, failure, missing):
         """A setting, and others for the same reason: what is refused is so by its meshes, and where a computation broke down
@@ -116,7 +129,12 @@ class Kernels:
         try:
             while True:
                 while len(running) < self.options.jobs and (item := next(waiting, None)):
-                    command = [programs.BIN / "ricochet-kernel", self.study.scene, "--check", *self._words(item[1])]
+                    command = [
+                        programs.BIN / "ricochet-kernel",
+                        self.study.scene,
+                        "--check",
+                        *self._words(item[1]),
+                    ]
                     running.append((item[0], programs.start(command)))
                 if not running:
                     return

@@ -62,7 +62,9 @@ def lock(file, path):
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
-        raise BadInput(f"{path}: another sweep is writing it: wait until it has ended, or give another --out") from None
+        raise BadInput(
+            f"{path}: another sweep is writing it: wait until it has ended, or give another --out"
+        ) from None
     except OSError:
         pass
 
@@ -74,8 +76,12 @@ def row_of(line):
         found = outputs(row["summary"]) if row["status"] == 0 else {}
         [float(value) for value in found.values() if value is not None]
         texts = [row["key"], row.get("error", ""), *found]
-        whole = type(row["status"]) is int and row["status"] in (0, 1, 2) and all(map(storable, texts)) and \
-            not any(name in ("", ".") or "/" in name for name in found)
+        whole = (
+            type(row["status"]) is int
+            and row["status"] in (0, 1, 2)
+            and all(map(storable, texts))
+            and not any(name in ("", ".") or "/" in name for name in found)
+        )
         return row if whole else None
     except (ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError):
         return None
@@ -88,7 +94,7 @@ def storable(text):
 
 def whole_lines(path):
     content = path.read_bytes()
-    return content[:content.rfind(b"\n") + 1]
+    return content[: content.rfind(b"\n") + 1]
 
 
 def outputs(summary):
@@ -129,8 +135,10 @@ class Table:
         file = io.StringIO(newline="")
         table = csv.writer(file)
         table.writerow([*self.inputs, *self.outputs, "status", "error"])
-        text = [[value if isinstance(value, (int, float, str)) else json.dumps(value) for value in column]
-                for column in self.inputs.values()]
+        text = [
+            [value if isinstance(value, (int, float, str)) else json.dumps(value) for value in column]
+            for column in self.inputs.values()
+        ]
         table.writerows(zip(*text, *self.outputs.values(), self.status, self.error))
         files.write(path, file.getvalue().encode())
 
@@ -150,13 +158,16 @@ class Table:
 
     def with_values(self, names):
         """This table without the rows in which one of the columns is no finite number and no text or list."""
+
         def value(v):
             return math.isfinite(v) if isinstance(v, (int, float)) else v is not None
 
         kept = [k for k, row in enumerate(zip(*map(self.column, names))) if all(map(value, row))]
         less = copy.copy(self)
-        less.inputs, less.outputs = ({name: [column[k] for k in kept] for name, column in columns.items()}
-                                     for columns in (self.inputs, self.outputs))
+        less.inputs, less.outputs = (
+            {name: [column[k] for k in kept] for name, column in columns.items()}
+            for columns in (self.inputs, self.outputs)
+        )
         less.status, less.error = ([column[k] for k in kept] for column in (self.status, self.error))
         return less
 
@@ -171,4 +182,7 @@ def as_array(column):
     numeric = all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in column)
     if numeric:
         return np.array(column, dtype=float)
-    return np.array([value if isinstance(value, str) else json.dumps(value) for value in column], dtype=h5py.string_dtype())
+    return np.array(
+        [value if isinstance(value, str) else json.dumps(value) for value in column],
+        dtype=h5py.string_dtype(),
+    )

@@ -15,9 +15,11 @@ from dataclasses import dataclass
 
 from ricochet import programs
 
-SCHEMES = {"compliant": {"contact.scheme": "compliant"},
-           "jump": {"contact.scheme": "impulse", "contact.admittance": "jump"},
-           "difference": {"contact.scheme": "impulse", "contact.admittance": "difference"}}
+SCHEMES = {
+    "compliant": {"contact.scheme": "compliant"},
+    "jump": {"contact.scheme": "impulse", "contact.admittance": "jump"},
+    "difference": {"contact.scheme": "impulse", "contact.admittance": "difference"},
+}
 
 
 def words(changes):
@@ -38,8 +40,12 @@ class Kernel:
 
     def changes(self, scene):
         if self.basis == "modes":
-            modes = {"basis": "modes", "count": int(self.size), "residual_flexibility": self.residual,
-                     "relative_residual": self.tolerance}
+            modes = {
+                "basis": "modes",
+                "count": int(self.size),
+                "residual_flexibility": self.residual,
+                "relative_residual": self.tolerance,
+            }
         else:
             modes = {"basis": "contact", "up_to_hz": self.band_hz, "flexibility_error": self.size}
         found = {"modes": modes, "output.view": False, "output.snapshot_every": 0, "output.every": 1000}
@@ -50,8 +56,11 @@ class Kernel:
         return found
 
     def name(self):
-        size = f"{self.size:g} modes{'' if self.residual else ' without R'}" if self.basis == "modes" else \
-            f"fitted to {self.size:g}"
+        size = (
+            f"{self.size:g} modes{'' if self.residual else ' without R'}"
+            if self.basis == "modes"
+            else f"fitted to {self.size:g}"
+        )
         return size + (f", order {self.order}" if self.order is not None else "")
 
 
@@ -62,8 +71,11 @@ class Impact:
     precision: str = "double"
 
     def changes(self):
-        return SCHEMES[self.scheme] | {"time.rate_hz": self.rate_hz} | \
-            ({"time.precision": self.precision} if self.precision != "double" else {})
+        return (
+            SCHEMES[self.scheme]
+            | {"time.rate_hz": self.rate_hz}
+            | ({"time.precision": self.precision} if self.precision != "double" else {})
+        )
 
 
 class Scene:
@@ -74,8 +86,11 @@ class Scene:
         self.text = programs.resolved(path, programs.with_set(settings))
         table = tomllib.loads(self.text)
         self.table = table
-        self.meshed = [name for name, body in table["bodies"].items()
-                       if not str(body["mesh"]).endswith(".msh") and "area" not in body["material"]]
+        self.meshed = [
+            name
+            for name, body in table["bodies"].items()
+            if not str(body["mesh"]).endswith(".msh") and "area" not in body["material"]
+        ]
         self.order = max((table["bodies"][name]["order"] for name in self.meshed), default=None)
         self.spacing = table["contact"].get("spacing")
         self.rate_hz = table["time"].get("rate_hz", 44100.0)
@@ -90,7 +105,7 @@ class Store:
         path.parent.mkdir(parents=True, exist_ok=True)
         if path.exists():
             whole = path.read_bytes()
-            whole = whole[:whole.rfind(b"\n") + 1]
+            whole = whole[: whole.rfind(b"\n") + 1]
             for line in whole.decode().splitlines():
                 row = json.loads(line)
                 self.rows[row["key"]] = row
@@ -114,7 +129,9 @@ class Runner:
         self.store = Store(folder / "runs.jsonl")
 
     def key(self, *settings):
-        return hashlib.sha256(json.dumps([self.scene.text, *settings], sort_keys=True).encode()).hexdigest()[:16]
+        return hashlib.sha256(json.dumps([self.scene.text, *settings], sort_keys=True).encode()).hexdigest()[
+            :16
+        ]
 
     def kernel_key(self, kernel):
         return self.key(kernel.changes(self.scene), self.ranks)
@@ -128,8 +145,14 @@ class Runner:
             return row
         shutil.rmtree(folder, ignore_errors=True)  # a time is of a whole run only
         changes = kernel.changes(self.scene)
-        command = programs.mpirun(self.ranks) + [programs.BIN / "ricochet-kernel", self.scene.path, "--out", folder,
-                                                 *programs.with_set(self.scene.settings), *words(changes)]
+        command = programs.mpirun(self.ranks) + [
+            programs.BIN / "ricochet-kernel",
+            self.scene.path,
+            "--out",
+            folder,
+            *programs.with_set(self.scene.settings),
+            *words(changes),
+        ]
         done = timed(command)
         row = {"key": key, "kernel": changes, "kernel_s": done.seconds}
         if done.status != 0:
@@ -145,8 +168,15 @@ class Runner:
         if key in self.store.rows:
             return self.store.rows[key]
         folder = self.folder / self.kernel_key(kernel)
-        command = [programs.BIN / "ricochet-contact", self.scene.path, "--quiet", "--out", folder,
-                   *programs.with_set(self.scene.settings), *words(changes | {"title": "impact"})]
+        command = [
+            programs.BIN / "ricochet-contact",
+            self.scene.path,
+            "--quiet",
+            "--out",
+            folder,
+            *programs.with_set(self.scene.settings),
+            *words(changes | {"title": "impact"}),
+        ]
         best, duration = None, self.scene.table["time"]["duration"]
         for _ in range(self.repeats):
             done = timed(command)
@@ -156,10 +186,19 @@ class Runner:
             if best is None or summary["real_time_factor"] > best["real_time_factor"]:
                 best = summary
         (folder / "impact.result.h5").unlink(missing_ok=True)
-        return self.store.add({"key": key, "impact_s": duration / best["real_time_factor"], "vectors": sum(best["modes"].values()),
-                               "candidates": best["candidates"], "impact_mib": done.peak_mib,
-                               "exit_velocity": best["exit_velocity"], "impulse_ns": best["impulse_ns"],
-                               "peak_force_n": best["peak_force_n"], "ended": best["contact_end_s"] is not None})
+        return self.store.add(
+            {
+                "key": key,
+                "impact_s": duration / best["real_time_factor"],
+                "vectors": sum(best["modes"].values()),
+                "candidates": best["candidates"],
+                "impact_mib": done.peak_mib,
+                "exit_velocity": best["exit_velocity"],
+                "impulse_ns": best["impulse_ns"],
+                "peak_force_n": best["peak_force_n"],
+                "ended": best["contact_end_s"] is not None,
+            }
+        )
 
 
 @dataclass
@@ -202,13 +241,22 @@ def study(scene, options):
     orders = options.orders if scene.order is not None else [None]
     spacings = [factor * scene.spacing for factor in options.spacings] if scene.spacing else [None]
     core = [Kernel(*vector, order, tolerance, spacing, band) for vector in vectors]
-    every = [Kernel(*vector, *rest, band) for vector in vectors
-             for rest in itertools.product(orders, options.tolerances, spacings)]
-    beside = [("modes", max(options.counts), True)] + [vector for vector in vectors if vector[0] == "contact"][:1]
+    every = [
+        Kernel(*vector, *rest, band)
+        for vector in vectors
+        for rest in itertools.product(orders, options.tolerances, spacings)
+    ]
+    beside = [("modes", max(options.counts), True)] + [
+        vector for vector in vectors if vector[0] == "contact"
+    ][:1]
     star = [Kernel(*vector, o, tolerance, spacing, band) for vector in beside for o in orders]
     star += [Kernel(*beside[0], order, t, spacing, band) for t in options.tolerances]
     star += [Kernel(*vector, order, tolerance, s, band) for vector in beside for s in spacings]
     kernels = list(dict.fromkeys(every if options.full else core + star))
-    impacts = [Impact(scheme, scene.rate_hz * factor, precision) for scheme in options.schemes for factor in options.rates
-               for precision in (options.precisions if scheme == "compliant" else ["double"])]
+    impacts = [
+        Impact(scheme, scene.rate_hz * factor, precision)
+        for scheme in options.schemes
+        for factor in options.rates
+        for precision in (options.precisions if scheme == "compliant" else ["double"])
+    ]
     return [(kernel, impacts) for kernel in kernels]
