@@ -2,7 +2,7 @@
 on the same kernels. The wave solution: force 1/2 from 0 to 20, both ends at 1/2, velocities exchanged, no energy lost.
 
 "jump" is algorithm (30) as printed. By modes it creeps: the relative velocity vanishes at t_k⁺ alone and grows back within
-each step. Its force is that of the formula p = v/(2Z + Δ Ṅ(0⁺)) of the [theory](../../docs/theory.md#7-schemes), with Ṅ(0⁺) here from
+each step. Its force is that of the formula p = v/(2Z + Δ Ṅ(0⁺)) of the [theory](../../docs/theory.md#9-schemes), with Ṅ(0⁺) here from
 a dense eigenproblem of its own; it does not reach the pressure of the paper's Figure 5 (iii), and that stands below as a failure
 of the printed reading."""
 import numpy as np
