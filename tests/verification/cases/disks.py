@@ -17,8 +17,8 @@ MASS = 11.3e3 * np.pi * 0.05**2 * 5e-3
 POSITIONS, MIDDLE = 17, 8
 RATE = 44100
 OPEN = 0.01  # of the contact
-OPENING = ("position 9 is relieved but does not open: the paper does not say how its disks stand and are clamped, nor its mesh, and on this "
-           "reading its opening is not reproduced")
+OPENING = ("position 9 is relieved but does not open: the paper does not state the placement, the clamping or the mesh of its disks, and this "
+           "interpretation does not reproduce the opening")
 
 
 def opened(force):
