@@ -72,7 +72,7 @@ def extremes(path):
         if line.startswith("| ") and cells[0] != "what":
             kinds.setdefault(cells[0], []).append(cells[-1] == "pass")
     passed = [result for results in kinds.values() for result in results]
-    lines = ["## Extremes", "", "`scripts/extremes` tests the ends of the range of each setting, one case per line of [a table](extremes.md). It "
+    lines = ["## Extremes", "", "`scripts/verify --extremes` tests the ends of the range of each setting, one case per line of [a table](extremes.md). It "
              f"has {len(passed)} lines: {sum(passed)} pass, {len(passed) - sum(passed)} fail.", ""]
     return lines + table(["extremes of", "lines", "pass"], [[kind, str(len(results)), str(sum(results))] for kind, results in kinds.items()])
 
