@@ -243,7 +243,9 @@ const Section& contact_keys() {
       joined({"[contact]",
               "",
               {{"scheme", Type::text, "", shown("compliant"), one_of({"compliant", "impulse", "static"}),
-                "contact law. `\"static\"`: equilibrium of the bodies under gravity"},
+                "contact law. `\"compliant\"`: forces with which no point penetrates at the end of a step. "
+                "`\"impulse\"`: impulses on the points that touch. `\"static\"`: equilibrium under gravity, "
+                "without time"},
                {"admittance", Type::text, "", shown("jump"), one_of({"jump", "difference"}),
                 "`impulse` only: velocity jump, or difference quotient over a step. `difference` needs ω_max "
                 "· step < π"},
