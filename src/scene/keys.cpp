@@ -122,7 +122,7 @@ const Section& body_keys() {
         "translation, after `scale` and `rotate_deg`"},
        {"material", Type::table, "", required, any(),
         "one table for the whole body, or one table for each physical volume (for a rod: physical line), "
-        "with its name. A body file has no material"},
+        "named after it. A body file has no material"},
        {"damping", Type::table, "", "`{}`", any(), "one damping law; no damping if empty"},
        {"velocity", Type::vector, "m/s", shown(body.velocity), any(),
         "initial velocity of the whole body, in world axes. A supported body cannot have a velocity that its "
