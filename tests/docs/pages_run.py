@@ -150,7 +150,7 @@ class Surfaces(unittest.TestCase):
 
     def test_of_what_is_no_drawing_are_refused_in_one_line(self):
         done = subprocess.run([BIN / "ricochet", "surfaces", "none.step"], capture_output=True, text=True, check=False)
-        self.assertEqual((done.returncode, done.stderr), (2, "surfaces: none.step: there is no such file: name a .step, .brep, .geo or .msh\n"))
+        self.assertEqual((done.returncode, done.stderr), (2, "ricochet surfaces: none.step: there is no such file: name a .step, .brep, .geo or .msh\n"))
 
 
 class Links(unittest.TestCase):
