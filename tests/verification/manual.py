@@ -65,14 +65,14 @@ def section(name, module, found):
 
 
 def extremes(path):
-    """Section on the table that scripts/extremes wrote at `path`, with its lines counted by kind."""
+    """Section on the table that scripts/verify --extremes wrote at `path`, with its lines counted by kind."""
     kinds = {}
     for line in path.read_text().splitlines():
         cells = [cell.strip() for cell in line.strip("|").split(" | ")]
         if line.startswith("| ") and cells[0] != "what":
             kinds.setdefault(cells[0], []).append(cells[-1] == "pass")
     passed = [result for results in kinds.values() for result in results]
-    lines = ["## Extremes", "", "The ends of every knob, a line a case: [the table](extremes.md), which `scripts/extremes` writes. It has "
+    lines = ["## Extremes", "", "Extreme settings, a line a case: [the table](extremes.md), which `scripts/verify --extremes` writes. It has "
              f"{len(passed)} lines: {sum(passed)} pass, {len(passed) - sum(passed)} fail.", ""]
     return lines + table(["extremes of", "lines", "pass"], [[kind, str(len(results)), str(sum(results))] for kind, results in kinds.items()])
 
