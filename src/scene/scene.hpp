@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "kernels/damping.hpp"
+#include "ricochet/step_options.hpp"
 
 namespace ricochet::scene {
 
@@ -82,10 +83,7 @@ struct Pair {
   bool operator==(const Pair&) const = default;
 };
 
-enum class Scheme { compliant, impulse, at_rest };  ///< at_rest: "static"
 enum class Solver { exact, uzawa };
-enum class Admittance { jump, difference };
-enum class Instant { step, exact };
 
 /// What answers a contact force: the bodies' modes, or kernels sampled in time and convolved with the forces.
 enum class ContactKernel { modes, table };
@@ -103,8 +101,6 @@ struct Contact {
   std::vector<Pair> pairs;        ///< [contact] itself, or each [[contact.pair]]
   bool operator==(const Contact&) const = default;
 };
-
-enum class Precision { float64, float32 };  ///< "double", "single"
 
 struct Time {
   Hertz rate{44100};
@@ -178,6 +174,16 @@ using Override = std::string;
 /// Throws InputError "FILE: dotted.key = value: what. fix." on anything unknown, missing, of the wrong type
 /// or out of range.
 Scene read(const std::filesystem::path& file, const std::vector<Override>& overrides = {});
+
+/// The same of a scene's text. `file` names it in errors and in the scene; paths are relative to its folder.
+/// It need not exist.
+Scene parse(const std::string& text, const std::filesystem::path& file,
+            const std::vector<Override>& overrides = {});
+
+/// The text with the overrides applied, as TOML. Throws InputError as `read` does on text that is not TOML
+/// and on overrides that cannot be applied; checks no key.
+std::string overridden(const std::string& text, const std::filesystem::path& file,
+                       const std::vector<Override>& overrides);
 
 /// The resolved scene as TOML, every default written; reading it back gives the same scene.
 std::string to_toml(const Scene& scene);
