@@ -14,7 +14,6 @@ build/bench-sweep.
 import json
 import os
 import subprocess
-import sys
 import time
 
 from benchmarks import launch, tables, timing
