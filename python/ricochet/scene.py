@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Scenes: what is computed, as a TOML file or a dictionary, checked by the reader of the programs."""
+
+from __future__ import annotations
+
+import os
+import re
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from ricochet import _core
+from ricochet.programs import settings
+
+PathLike = str | os.PathLike[str]
+
+_PART = re.compile(r'(?:"(?P<quoted>[^"]*)"|(?P<bare>[^."\[\]]+))(?P<indices>(?:\[\d+\])*)(?:\.(?!$)|$)')
+
+
+class Scene:
+    """A scene that is valid at any time: what cannot be read, or set, raises `InputError` and changes nothing.
+
+    >>> scene = Scene("meshes/two-disks/two-disks.toml")
+    >>> scene["bodies.upper.velocity"] = [0, -6, 0]
+    >>> scene["time.rate_hz"]
+    44100.0
+
+    Keys are those of docs/keys.md, written as after `--set`: `"loads.point[0].vector"`, `'bodies.ball.support."x plane"'`.
+    All quantities are in SI units.
+    """
+
+    def __init__(self, source: PathLike | Mapping[str, Any], folder: PathLike = ".") -> None:
+        """Reads a scene.
+
+        source: a TOML file, or a dictionary with the tables of one.
+        folder: of a dictionary alone: where its relative paths begin, and where `out` lies.
+
+        Raises InputError, one line, for a file or a key that the programs would refuse.
+        """
+        if isinstance(source, Mapping):
+            self._file = Path(folder).absolute() / "scene.toml"
+            self._text = "\n".join(settings(_plain(source)))
+            self._is_stored = False
+        else:
+            self._file = Path(source).absolute()
+            _core.Scene.read(self._file)  # refuses what is no scene
+            self._text = self._file.read_text("utf-8")
+            self._is_stored = True
+        self._settings: list[str] = []
+        self._load([])
+
+    def _load(self, changes: list[str]) -> None:
+        everything = [*self._settings, *changes]
+        core = _core.Scene(self._text, self._file, everything)
+        self._resolved = tomllib.loads(core.toml(self._file))
+        self._given = tomllib.loads(_core.overridden(self._text, self._file, everything))
+        self._core, self._settings = core, everything
+
+    # ---- Keys ----
+
+    def __getitem__(self, key: str) -> Any:
+        """The value of a key as given, or else its default; a table is a dictionary. Raises KeyError without either."""
+        path = _split(key)
+        for table in (self._given, self._resolved):
+            try:
+                value: Any = table
+                for part in path:
+                    value = value[part]
+                return value
+            except (KeyError, IndexError, TypeError):
+                continue
+        raise KeyError(key)
+
+    def __contains__(self, key: object) -> bool:
+        try:
+            self[str(key)]
+        except KeyError:
+            return False
+        return True
+
+    def __setitem__(self, key: str, value: Any) -> None:
+        """Sets one key. Raises InputError, and changes nothing, where the scene would not be valid."""
+        self.set({key: value})
+
+    def set(self, changes: Mapping[str, Any]) -> None:
+        """Sets several keys at once, for those that are valid only together. Raises InputError and changes nothing otherwise."""
+        self._load(settings(_plain(changes)))
+
+    def changed(self, changes: Mapping[str, Any]) -> Scene:
+        """A copy with these keys set; this scene stays as it is. Raises InputError as `set` does."""
+        other = object.__new__(Scene)
+        other.__dict__.update(self.__dict__)
+        other._settings = list(self._settings)
+        other.set(changes)
+        return other
+
+    # ---- The whole ----
+
+    @property
+    def title(self) -> str:
+        return self._core.title
+
+    @property
+    def slug(self) -> str:
+        """What the names of its result files begin with."""
+        return self._core.slug
+
+    @property
+    def bodies(self) -> list[str]:
+        """Names of the elastic bodies, sorted."""
+        return self._core.bodies
+
+    @property
+    def file(self) -> Path:
+        """The file that it was read from; of a dictionary, the file that it would be."""
+        return self._file
+
+    @property
+    def out(self) -> Path:
+        """The folder of its kernels and results, unless another one is named: `out` beside the file."""
+        return self._file.parent / "out"
+
+    @property
+    def resolved(self) -> dict[str, Any]:
+        """All keys with every default, as the programs read them."""
+        return tomllib.loads(self.to_toml())
+
+    def to_toml(self) -> str:
+        """The resolved scene as TOML: read again from the same folder, it is the same scene."""
+        return self._core.toml(self._file)
+
+    def write(self, path: PathLike) -> Path:
+        """Writes the resolved scene, its paths as seen from the new place. Raises InputError where it cannot be written."""
+        target = Path(path).absolute()
+        partial = target.with_name(f".{target.name}.{os.getpid()}.partial")
+        try:
+            target.parent.mkdir(parents=True, exist_ok=True)
+            partial.write_text(self._core.toml(target), "utf-8")
+            partial.replace(target)
+        except OSError as error:
+            partial.unlink(missing_ok=True)
+            raise _core.InputError(f"{path}: cannot be written ({error.strerror}). Choose another place.") from None
+        return target
+
+    def __repr__(self) -> str:
+        return f"<Scene {self.title!r}: {', '.join(self.bodies) or 'a table'}; {self._file}>"
+
+    # ---- For the functions that run it ----
+
+    def _command(self, out: Path) -> tuple[Path, list[str]]:
+        """A file and the settings behind `--set` that make a program read this scene."""
+        if self._is_stored:
+            return self._file, self._settings
+        return self.write(out / f"{self.slug}.toml"), []
+
+
+def scene_of(source: Scene | PathLike | Mapping[str, Any]) -> Scene:
+    return source if isinstance(source, Scene) else Scene(source)
+
+
+def _split(key: str) -> list[str | int]:
+    """The parts of a dotted key: names, and indices of lists. Raises KeyError for anything else."""
+    parts: list[str | int] = []
+    at = 0
+    while at < len(key):
+        found = _PART.match(key, at)
+        if not found:
+            raise KeyError(key)
+        parts.append(found["quoted"] if found["quoted"] is not None else found["bare"])
+        parts += [int(index) for index in re.findall(r"\d+", found["indices"])]
+        at = found.end()
+    if not parts:
+        raise KeyError(key)
+    return parts
+
+
+def _plain(value: Any) -> Any:
+    """The value with NumPy's arrays and numbers, tuples and paths as what TOML has."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    return value
