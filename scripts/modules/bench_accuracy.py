@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 import bench_runs
-import programs
+from ricochet import programs
 
 ELASTIC = 140
 COUNT = ELASTIC + 6  # with rigid modes of a free body

@@ -7,7 +7,7 @@ import tomllib
 import h5py
 
 import bench_runs
-import programs
+from ricochet import programs
 
 
 class Impacts:

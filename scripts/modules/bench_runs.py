@@ -10,7 +10,7 @@ import tempfile
 import time
 from pathlib import Path
 
-import programs
+from ricochet import programs
 
 RIGID_BELOW_HZ = 1.0  # as in bench_modes: rigid modes come out of CalculiX with the square root of round-off
 

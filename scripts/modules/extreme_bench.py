@@ -5,7 +5,7 @@ import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
-import programs
+from ricochet import programs
 
 # A program that has not ended by then hangs.
 DEADLOCK_S = 120

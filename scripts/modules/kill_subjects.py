@@ -6,7 +6,7 @@ import os
 import h5py
 import numpy as np
 
-import programs
+from ricochet import programs
 
 ROD = """
 DefineConstant[ elements = {20} ];
@@ -232,7 +232,7 @@ class Sweep(Subject):
     keeps = (".kernel.h5",)
 
     def command(self, out):
-        return [programs.ROOT / "scripts" / "sweep", self.scenes / "kills-study.toml", "--jobs", "1", "--ranks", "1", "--out", out]
+        return [programs.BIN / "ricochet", "sweep", self.scenes / "kills-study.toml", "--jobs", "1", "--ranks", "1", "--out", out]
 
     def phase(self, out, said):
         names = files(out)

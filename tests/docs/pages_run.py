@@ -143,13 +143,13 @@ class Surfaces(unittest.TestCase):
         with tempfile.TemporaryDirectory(prefix="ricochet-page-") as name:
             folder = pathlib.Path(name)
             (folder / "sheet.geo").write_text('SetFactory("OpenCASCADE");\nRectangle(1) = {0, 0, 0, 1, 1};\n')
-            done = subprocess.run([pages.SOURCE / "scripts" / "surfaces", folder / "sheet.geo"], cwd="/", capture_output=True,
+            done = subprocess.run([BIN / "ricochet", "surfaces", folder / "sheet.geo"], cwd="/", capture_output=True,
                                   text=True, check=True)
             self.assertEqual(done.stdout.splitlines()[-1], str(folder / "sheet.geo-surfaces.png"))
             self.assertTrue((folder / "sheet.geo-surfaces.png").is_file())
 
     def test_of_what_is_no_drawing_are_refused_in_one_line(self):
-        done = subprocess.run([pages.SOURCE / "scripts" / "surfaces", "none.step"], capture_output=True, text=True, check=False)
+        done = subprocess.run([BIN / "ricochet", "surfaces", "none.step"], capture_output=True, text=True, check=False)
         self.assertEqual((done.returncode, done.stderr), (2, "surfaces: none.step: there is no such file: name a .step, .brep, .geo or .msh\n"))
 
 

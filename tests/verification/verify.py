@@ -18,7 +18,7 @@ def verify(*words):
 
 def verdict_of(compared):
     """In a process of its own: the tests' `programs` module is not the scripts'."""
-    code = (f"import sys; sys.dont_write_bytecode = True; sys.path[:0] = [{str(SOURCE / 'scripts/modules')!r}, {str(MANUAL)!r}]; import case, pathlib; "
+    code = (f"import sys; sys.dont_write_bytecode = True; sys.path[:0] = [{str(SOURCE / 'python')!r}, {str(MANUAL)!r}]; import case, pathlib; "
             f"bench = case.Bench('x', pathlib.Path('.')); {compared}; bench.found['stopped'] = None; print(case.verdict(bench.found))")
     return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True,
                           env=os.environ | {"PYTHONPATH": ""}).stdout.strip()
