@@ -9,13 +9,37 @@
 #include "python/bindings/simulation.hpp"
 #include "ricochet/error.hpp"
 
+namespace {
+
+namespace py = pybind11;
+
+/// The class of the package, alive as long as the process.
+PyObject* error_class(const char* name) {
+  return py::module_::import("ricochet.errors").attr(name).cast<py::object>().release().ptr();
+}
+
+/// InputError and SolverError of the library as those of the package.
+void translate_errors() {
+  static PyObject* const input = error_class("InputError");
+  static PyObject* const solver = error_class("SolverError");
+  py::register_exception_translator([](std::exception_ptr failure) {
+    try {
+      std::rethrow_exception(failure);
+    } catch (const ricochet::InputError& error) {
+      PyErr_SetString(input, error.what());
+    } catch (const ricochet::SolverError& error) {
+      PyErr_SetString(solver, error.what());
+    }
+  });
+}
+
+}  // namespace
+
 PYBIND11_MODULE(_core, module) {
-  using namespace ricochet;
   module.attr("__version__") = RICOCHET_VERSION;
-  pybind11::register_exception<InputError>(module, "InputError", PyExc_ValueError);
-  pybind11::register_exception<SolverError>(module, "SolverError", PyExc_RuntimeError);
-  python::bind_scene(module);
-  python::bind_kernel(module);
-  python::bind_impact(module);
-  python::bind_simulation(module);
+  translate_errors();
+  ricochet::python::bind_scene(module);
+  ricochet::python::bind_kernel(module);
+  ricochet::python::bind_impact(module);
+  ricochet::python::bind_simulation(module);
 }

@@ -13,9 +13,6 @@ _Array = NDArray[np.float64]
 
 __version__: str
 
-class InputError(ValueError): ...
-class SolverError(RuntimeError): ...
-
 class Scene:
     def __init__(self, text: str, file: _Path, settings: Sequence[str]) -> None: ...
     @staticmethod

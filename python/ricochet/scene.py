@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ricochet import _core
+from ricochet.errors import InputError
 from ricochet.programs import settings
 
 PathLike = str | os.PathLike[str]
@@ -40,7 +41,7 @@ class Scene:
         """
         if isinstance(source, Mapping):
             self._file = Path(folder).absolute() / "scene.toml"
-            self._text = "\n".join(settings(_plain(source)))
+            self._text = "\n".join(settings(plain(source)))
             self._is_stored = False
         else:
             self._file = Path(source).absolute()
@@ -85,7 +86,7 @@ class Scene:
 
     def set(self, changes: Mapping[str, Any]) -> None:
         """Sets several keys at once, for those that are valid only together. Raises InputError and changes nothing otherwise."""
-        self._load(settings(_plain(changes)))
+        self._load(settings(plain(changes)))
 
     def changed(self, changes: Mapping[str, Any]) -> Scene:
         """A copy with these keys set; this scene stays as it is. Raises InputError as `set` does."""
@@ -140,7 +141,7 @@ class Scene:
             partial.replace(target)
         except OSError as error:
             partial.unlink(missing_ok=True)
-            raise _core.InputError(f"{path}: cannot be written ({error.strerror}). Choose another place.") from None
+            raise InputError(f"{path}: cannot be written ({error.strerror}). Choose another place.") from None
         return target
 
     def __repr__(self) -> str:
@@ -175,14 +176,14 @@ def _split(key: str) -> list[str | int]:
     return parts
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """The value with NumPy's arrays and numbers, tuples and paths as what TOML has."""
     if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, os.PathLike):
         return os.fspath(value)
     if hasattr(value, "tolist"):
         return value.tolist()
     if isinstance(value, (list, tuple)):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     return value
