@@ -32,8 +32,8 @@ void check_steppable(const scene::Scene& scene) {
   };
   if (scene.contact.kernel == scene::ContactKernel::table)
     refuse("contact.kernel", "kernels of the kind \"table\"");
-  if (scene.contact.scheme == scene::Scheme::at_rest) refuse("contact.scheme", "bodies at rest");
-  if (scene.contact.instant == scene::Instant::exact) refuse("contact.instant", "from event to event");
+  if (scene.contact.scheme == Scheme::at_rest) refuse("contact.scheme", "bodies at rest");
+  if (scene.contact.instant == Instant::exact) refuse("contact.instant", "from event to event");
   if (scene.contact.max_pivots) refuse("contact.max_pivots", "with a bound on the work of a step");
   if (scene.accuracy) refuse("accuracy", "with settings that error estimates choose");
   if (!scene.loads.tractions.empty()) refuse("loads.traction", "under loads other than gravity");
@@ -54,12 +54,11 @@ Scene scene_of(const scene::Scene& scene, const std::vector<Kernel>& kernels,
     out.pairs.push_back({pair.a, pair.b, pair.direction, pair.gap, pair.reach});
   out.pickups = pickups;
   out.gravity = scene.loads.gravity;
-  out.scheme = scene.contact.scheme == scene::Scheme::impulse ? Scheme::impulse : Scheme::compliant;
-  out.admittance =
-      scene.contact.admittance == scene::Admittance::difference ? Admittance::difference : Admittance::jump;
+  out.scheme = scene.contact.scheme;
+  out.admittance = scene.contact.admittance;
   out.restitution = scene.contact.restitution;
   out.rate_hz = scene.time.rate.value;
-  out.single_precision = scene.time.precision == scene::Precision::float32;
+  out.single_precision = scene.time.precision == Precision::float32;
   return out;
 }
 
@@ -101,12 +100,7 @@ class Stepper {
   void step() { check(simulation_.step()); }
 
  private:
-  void check(StepStatus status) {
-    if (status == StepStatus::ok) return;
-    programs::check(status == StepStatus::no_solution ? contact::StepStatus::no_solution
-                                                      : contact::StepStatus::not_finite,
-                    scene_, simulation_.time());
-  }
+  void check(StepStatus status) { programs::check(status, scene_, simulation_.time()); }
 
   scene::Scene scene_;
   Simulation simulation_;

@@ -3,10 +3,8 @@
 
 from __future__ import annotations
 
-import csv
 import html
 import os
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,7 +18,8 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Certificate:
-    """The proof that no mode is missing; of a basis fitted to contact, the error that it met (kernels/FORMAT.md)."""
+    """The proof that no mode is missing; of a basis fitted to contact, the error that it met
+    (kernels/FORMAT.md)."""
 
     below: int  #: modes below the interval that was searched
     upto_hz: float  #: upper end of the interval [Hz]
@@ -29,7 +28,7 @@ class Certificate:
     left_out: int  #: of these, modes that the kernel leaves to the residual flexibility
     complete: bool  #: counts agree and all errors are within their bounds
     orthonormality: float  #: max |Φᵀ M Φ − I|
-    flexibility_error: float  #: relative error of the contact surface's flexibility over the band; 0 if no bound was set
+    flexibility_error: float  #: relative, of the contact surface over the band; 0 if no bound was set
     approximate: int  #: block iterations in place of the certified search; 0: none
 
 
@@ -53,9 +52,9 @@ class KernelReceiver:
 class Kernel:
     """The kernel of one body. Arrays are read-only views of the kernel's memory.
 
-    N modes, M candidate points, c components (3, or 1 where the scene fixes the direction of contact). SI units; axes
-    are the body's own: the mesh after `scale`, before rotation and translation. A mode is normalised by mass,
-    φᵀ M φ = 1, so that shapes have the unit kg^-1/2.
+    N modes, M candidate points, c components (3, or 1 where the scene fixes the direction of contact). SI
+    units; axes are the body's own: the mesh after `scale`, before rotation and translation. A mode is
+    normalised by mass, φᵀ M φ = 1, so that shapes have the unit kg^-1/2.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
@@ -200,8 +199,8 @@ class Kernel:
 
     @property
     def residual_flexibility(self) -> Array | None:
-        """(cM,cM) R, the static flexibility of all that the modes leave out [m/N], index c·i + component; None where the
-        scene does without"""
+        """(cM,cM) R, the static flexibility of all that the modes leave out [m/N], index c·i + component;
+        None where the scene does without"""
         return self._core.residual_flexibility
 
     @property
@@ -223,7 +222,8 @@ class Kernel:
         return Skin(*self._core.skin) if self._core.skin else None
 
     def __repr__(self) -> str:
-        return f"<Kernel of {self.body!r}: {len(self.angular_frequency)} {self.basis}, {len(self.area)} candidates; {self.path}>"
+        content = f"{len(self.angular_frequency)} {self.basis}, {len(self.area)} candidates"
+        return f"<Kernel of {self.body!r}: {content}; {self.path}>"
 
     def _repr_html_(self) -> str:
         facts = {
@@ -232,61 +232,70 @@ class Kernel:
             "basis": f"{len(self.angular_frequency)} {self.basis}, up to {self.frequency[-1]:.6g} Hz",
             "candidates": str(len(self.area)),
         }
-        rows = "".join(f"<tr><th>{name}</th><td>{html.escape(text)}</td></tr>" for name, text in facts.items())
+        rows = "".join(
+            f"<tr><th>{name}</th><td>{html.escape(text)}</td></tr>" for name, text in facts.items()
+        )
         return f"<b>{html.escape(self.body)}</b><table>{rows}</table>"
 
 
 class ModeTable:
     """A row for each mode of a kernel. N modes."""
 
-    COLUMNS = ("mode", "frequency [Hz]", "damping ratio", "effective mass x, y, z [kg]", "compliance at the contact [m/N]")
     #: rows that a notebook shows
     SHOWN = 30
 
     def __init__(self, kernel: Kernel) -> None:
-        self.frequency: Array = kernel.frequency  #: (N) [Hz]
         omega = kernel.angular_frequency
-        elastic = omega > 0
-        self.damping_ratio: Array = np.divide(kernel.decay_rate, omega, out=np.zeros_like(omega), where=elastic)  #: (N) ζ
-        #: (N,3) (φᵀ M e_i)² [kg]; over all modes of a free body each axis sums up to the mass
-        self.effective_mass: Array = kernel.body_force.T**2
+        elastic = np.where(omega > 0, omega, np.inf)
         square = (kernel.normal_shape**2).mean(axis=0)
-        #: (N) mean over the candidates of (n·φ)²/ω², the static give of the contact surface [m/N]; 0 for rigid modes
-        self.contact_compliance: Array = np.divide(square, omega**2, out=np.zeros_like(omega), where=elastic)
+        #: (N) [Hz]
+        self.frequency: Array = kernel.frequency
+        #: (N) ζ; 0 for rigid modes
+        self.damping_ratio: Array = kernel.decay_rate / elastic
+        #: (N,3) (φᵀ M e_i)² [kg]; for a free body the sum over all modes is the mass, along each axis
+        self.effective_mass: Array = kernel.body_force.T**2
+        #: (N) static compliance of the contact surface, mean over the candidates of (n·φ)²/ω² [m/N];
+        #: 0 for rigid modes
+        self.contact_compliance: Array = square / elastic**2
+        self._mass = kernel.mass
 
     def __len__(self) -> int:
         return len(self.frequency)
 
-    def rows(self) -> Iterator[tuple[int, float, float, float, float, float, float]]:
-        """Number (from 1), frequency [Hz], damping ratio, effective mass along x, y, z [kg], compliance [m/N]."""
-        for n in range(len(self)):
-            x, y, z = (float(value) for value in self.effective_mass[n])
-            yield n + 1, float(self.frequency[n]), float(self.damping_ratio[n]), x, y, z, float(self.contact_compliance[n])
+    def table(self) -> Array:
+        """(N,6): frequency [Hz], damping ratio, effective mass along x, y, z [kg], compliance [m/N]"""
+        columns = [self.frequency, self.damping_ratio, *self.effective_mass.T, self.contact_compliance]
+        return np.stack(columns, axis=1)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Writes all rows, SI units in the head. Raises OSError where it cannot."""
-        with open(path, "w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(
-                ["mode", "frequency_hz", "damping_ratio"]
-                + [f"effective_mass_{axis}_kg" for axis in "xyz"]
-                + ["contact_compliance_m_per_n"]
-            )
-            writer.writerows(self.rows())
+        """Writes all rows, with the number of each mode from 1 on. Raises OSError where it cannot."""
+        head = "mode,frequency_hz,damping_ratio," + "".join(f"effective_mass_{axis}_kg," for axis in "xyz")
+        rows = [",".join([str(n), *map(repr, row)]) for n, row in enumerate(self.table().tolist(), 1)]
+        text = "\n".join([head + "contact_compliance_m_per_n", *rows, ""])
+        Path(path).write_text(text, "utf-8")
+
+    def _cells(self) -> list[list[str]]:
+        """Texts for people: a mass that round-off explains is 0."""
+        out = []
+        for n, (frequency, damping, *masses, compliance) in enumerate(self.table().tolist(), 1):
+            shown = [mass if mass > 1e-12 * self._mass else 0.0 for mass in masses]
+            out.append([str(n), f"{frequency:.6g}", *(f"{x:.3g}" for x in [damping, *shown, compliance])])
+        return out
 
     def __repr__(self) -> str:
-        lines = [f"{'mode':>5} {'frequency [Hz]':>15} {'damping':>10} {'effective mass [kg]':>32} {'compliance [m/N]':>17}"]
-        for n, frequency, damping, x, y, z, compliance in self.rows():
-            lines.append(f"{n:5} {frequency:15.6g} {damping:10.3g} {x:10.3g} {y:10.3g} {z:10.3g} {compliance:17.3g}")
-        return "\n".join(lines)
+        head = ["mode", "Hz", "damping", "mass x [kg]", "mass y [kg]", "mass z [kg]", "compliance [m/N]"]
+        widths = [max(10, len(name)) for name in head]
+        return "\n".join(
+            "  ".join(cell.rjust(width) for cell, width in zip(row, widths)) for row in [head, *self._cells()]
+        )
 
     def _repr_html_(self) -> str:
-        head = "".join(
-            f"<th{' colspan=3' if 'x, y, z' in name else ''}>{html.escape(name)}</th>" for name in self.COLUMNS
-        )
+        names = ["mode", "frequency [Hz]", "damping ratio", "compliance at the contact [m/N]"]
+        cells = [f"<th>{name}</th>" for name in names]
+        cells.insert(3, "<th colspan=3>effective mass along x, y, z [kg]</th>")
         body = "".join(
-            f"<tr><td>{n}</td><td>{frequency:.6g}</td>" + "".join(f"<td>{value:.3g}</td>" for value in others) + "</tr>"
-            for n, frequency, *others in list(self.rows())[: self.SHOWN]
+            "<tr>" + "".join(f"<td>{cell}</td>" for cell in row) + "</tr>"
+            for row in self._cells()[: self.SHOWN]
         )
         more = f"<p>{len(self) - self.SHOWN} more</p>" if len(self) > self.SHOWN else ""
-        return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>{more}"
+        return f"<table><thead><tr>{''.join(cells)}</tr></thead><tbody>{body}</tbody></table>{more}"

@@ -105,13 +105,14 @@ class ReceiverMotion(_Data):
 class Result(_Data):
     """The result of an impact. Arrays are read when they are first asked for and then kept.
 
-    K rows of state at the times `time`, k rows of contact at the times `contact_time`, m contact points. SI units, world
-    axes; contact/FORMAT.md defines each quantity. The result keeps its file open: another run may write a file of the same
-    name without changing it.
+    K rows of state at the times `time`, k rows of contact at the times `contact_time`, m contact points. SI
+    units, world axes; contact/FORMAT.md defines each quantity. The result keeps its file open: another run
+    may write a file of the same name without changing it.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        """Opens a `.result.h5`. Raises InputError, one line, for a missing, damaged or foreign file, or one without its summary."""
+        """Opens a `.result.h5`. Raises InputError, one line, for a missing, damaged or foreign file, or one
+        without its summary."""
         self.path = Path(path)
         summary = Path(str(self.path).removesuffix(_SUFFIX) + ".summary.json")
         super().__init__(File(self.path, "ricochet-result"), "")
@@ -207,13 +208,16 @@ class Result(_Data):
 
     @cached_property
     def energy(self) -> dict[str, Array]:
-        """(K) each [J]: `kinetic`, `strain`, `residual` (of the static response), `loads` (their work so far), `damping` and
-        `contact` (taken so far), and `total` = kinetic + strain + residual − loads. Empty for table kernels."""
+        """(K) each [J]: `kinetic`, `strain`, `residual` (of the static response), `loads` (their work so
+        far), `damping` and `contact` (taken so far), and `total` = kinetic + strain + residual − loads. Empty
+        for table kernels.
+        """
         return {name: self._read(f"energy/{name}", None) for name in self._file.names("/energy")}
 
     @cached_property
     def snapshots(self) -> dict[str, Array]:
-        """(s,N) modal coordinates by body [kg^1/2 m] at the (s) times of `time` [s]; empty without `output.snapshot_every`"""
+        """(s,N) modal coordinates by body [kg^1/2 m] at the (s) times of `time` [s]; empty without
+        `output.snapshot_every`"""
         return {
             name: self._read(f"snapshots/{name}", *([None] if name == "time" else [None, None]))
             for name in self._file.names("/snapshots")
@@ -243,33 +247,37 @@ class Result(_Data):
 
     def _repr_html_(self) -> str:
         rows = "".join(
-            f"<tr><th>{html.escape(name)}</th><td>{html.escape(value)}</td></tr>" for name, value in self.figures().items()
+            f"<tr><th>{html.escape(name)}</th><td>{html.escape(value)}</td></tr>"
+            for name, value in self.figures().items()
         )
         warned = "".join(f"<p><b>Warning:</b> {html.escape(warning)}</p>" for warning in self.warnings)
         return f"<b>{html.escape(self.title)}</b>{warned}<table>{rows}</table>{self._force_drawing()}"
 
     def _force_drawing(self) -> str:
-        """The total force over the time of contact as a small SVG; empty where nothing touches or there is no history."""
+        """The total force over the time of contact as a small SVG; empty where nothing touches or there is no
+        history."""
         if len(self.contact_time) == 0 or len(self.time) < 3:
             return ""
         step = self.time[1] - self.time[0]
         margin = 0.1 * (self.contact_time[-1] - self.contact_time[0]) + 2 * step
-        first, last = np.searchsorted(self.time, [self.contact_time[0] - margin, self.contact_time[-1] + margin])
+        first, last = np.searchsorted(
+            self.time, [self.contact_time[0] - margin, self.contact_time[-1] + margin]
+        )
         t, force = self.time[first:last], self.total_force[first:last]
         width, height, most = 420, 120, max(1, -(-len(t) // 800))
         if most > 1:  # the peak of each group stays
             groups = np.arange(0, len(t), most)
             t, force = t[groups], np.maximum.reduceat(force, groups)
-        peak, scale = float(force.max()), _prefix(float(t[-1]))
+        peak, (scale, unit) = float(force.max()), _prefix(float(t[-1]))
         x = (t - t[0]) / max(t[-1] - t[0], step) * width
         y = height - force / (peak or 1) * (height - 8)
         points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y))
         return (
-            f'<svg width="{width}" height="{height + 20}" viewBox="0 -2 {width} {height + 20}" role="img" '
-            f'aria-label="contact force over time"><polyline points="0,{height} {points} {width},{height}" '
-            f'fill="#b03a4830" stroke="#b03a48" stroke-width="1.2"/><g font-size="11" fill="currentColor">'
-            f'<text x="4" y="10">{peak:.4g} N</text><text x="0" y="{height + 15}">{t[0] * scale[0]:.4g} {scale[1]}</text>'
-            f'<text x="{width}" y="{height + 15}" text-anchor="end">{t[-1] * scale[0]:.4g} {scale[1]}</text></g></svg>'
+            f'<svg width="{width}" height="{height + 20}" role="img" aria-label="contact force over time">'
+            f'<polyline points="0,{height} {points} {width},{height}" fill="#b03a4830" stroke="#b03a48"/>'
+            f'<g font-size="11" fill="currentColor"><text x="4" y="10">{peak:.4g} N</text>'
+            f'<text x="0" y="{height + 15}">{t[0] * scale:.4g} {unit}</text>'
+            f'<text x="{width}" y="{height + 15}" text-anchor="end">{t[-1] * scale:.4g} {unit}</text></g></svg>'
         )
 
 
@@ -284,9 +292,13 @@ class Sweep:
         self.path = Path(path)
         file = File(self.path, "ricochet-sweep")
         #: values of the keys that are varied; texts and lists as JSON
-        self.inputs: dict[str, NDArray[Any]] = {name: _column(file, f"inputs/{name}") for name in file.names("/inputs")}
+        self.inputs: dict[str, NDArray[Any]] = {
+            name: _column(file, f"inputs/{name}") for name in file.names("/inputs")
+        }
         #: figures of summary.json, NaN where an impact has none; `exit_velocity.upper.y` and the like
-        self.outputs: dict[str, Array] = {name: _column(file, f"outputs/{name}") for name in file.names("/outputs")}
+        self.outputs: dict[str, Array] = {
+            name: _column(file, f"outputs/{name}") for name in file.names("/outputs")
+        }
         #: 0; 2: refused, 1: broke down, -1: not run yet
         self.status: NDArray[Any] = _column(file, "status")
         #: why an impact was refused or broke down, one line
@@ -300,7 +312,8 @@ class Sweep:
         return len(self.status)
 
     def __repr__(self) -> str:
-        return f"<Sweep of {', '.join(self.inputs)}: {len(self)} impacts, {np.count_nonzero(self.status)} failed; {self.path}>"
+        failed = np.count_nonzero(self.status)
+        return f"<Sweep of {', '.join(self.inputs)}: {len(self)} impacts, {failed} failed; {self.path}>"
 
     def _repr_html_(self) -> str:
         names = [*self.inputs, *(name for name in self.SHOWN if name in self.outputs)]

@@ -27,12 +27,13 @@ _PHASE = re.compile(r"(?P<body>[\w-]+): (?P<phase>.+?) {2,}[\d.]+ (s|min|h)")
 
 
 def kernels(scene: Scene | PathLike, ranks: int = 2, out: PathLike | None = None) -> dict[str, Kernel]:
-    """The kernels of a scene, by body. Those that are not in the folder yet are computed, by ricochet-kernel on so many ranks.
+    """The kernels of a scene, by body. Those that are not in the folder yet are computed, by ricochet-kernel
+    on so many ranks.
 
     out: their folder, otherwise `scene.out`.
 
-    Raises InputError, one line, for a mesh, a material or a setting that ricochet-kernel refuses; SolverError for a
-    computation that breaks down.
+    Raises InputError, one line, for a mesh, a material or a setting that ricochet-kernel refuses; SolverError
+    for a computation that breaks down.
     """
     scene = scene_of(scene)
     folder = _folder(scene, out)
@@ -46,21 +47,25 @@ def stored_kernels(scene: Scene) -> dict[str, Kernel]:
     found = {}
     for body, path, there in scene._core.kernel_files(scene.out):
         if not there:
-            raise InputError(f"{scene.file.name}: no kernel for body {body!r} in {scene.out}. Call kernels(scene) first.")
+            raise InputError(
+                f"{scene.file.name}: no kernel for body {body!r} in {scene.out}. Call kernels(scene) first."
+            )
         found[body] = Kernel(path)
     return found
 
 
 def impact(scene: Scene | PathLike, out: PathLike | None = None) -> Result:
-    """Runs the impact of a scene in this process and returns its result, which is also written as ricochet-contact does.
+    """Runs the impact of a scene in this process and returns its result, which is also written as
+    ricochet-contact does.
 
-    The kernels have to be there: call `kernels` first. Other threads run while steps are made, and Ctrl-C ends the run
-    without leaving files behind.
+    The kernels have to be there: call `kernels` first. Other threads run while steps are made, and Ctrl-C
+    ends the run without leaving files behind.
 
     out: the folder of kernels and results, otherwise `scene.out`.
 
-    Raises InputError, one line, for kernels that are missing and bodies that overlap or do not meet; SolverError where the
-    motion stops being finite. Warns, as UserWarning, where the model leaves its validity.
+    Raises InputError, one line, for kernels that are missing and bodies that overlap or do not meet;
+    SolverError where the motion stops being finite. Warns, as UserWarning, where the model leaves its
+    validity.
     """
     scene = scene_of(scene)
     folder = _folder(scene, out)
@@ -80,7 +85,8 @@ def sweep(
     jobs: int | None = None,
     ranks: int = 2,
 ) -> Sweep:
-    """Runs the impacts of a study, and computes the kernels that they need. What an earlier call finished is not run again.
+    """Runs the impacts of a study, and computes the kernels that they need. What an earlier call finished is
+    not run again.
 
     study: a study file (docs/studies.md), or a Scene of which `grid` varies keys.
     grid: lists of values by key; every combination is run.
@@ -88,8 +94,8 @@ def sweep(
     jobs: impacts side by side, otherwise one for each processor.
     ranks: of ricochet-kernel.
 
-    Raises InputError for a study that is refused, SolverError where its command breaks down. Impacts that fail are rows of
-    the result, with the reason in `error`.
+    Raises InputError for a study that is refused, SolverError where its command breaks down. Impacts that
+    fail are rows of the result, with the reason in `error`.
     """
     if isinstance(study, Scene):
         if not grid:
@@ -98,7 +104,9 @@ def sweep(
         path = _study_file(study, grid, folder)
     else:
         if grid is not None:
-            raise InputError("grid: does not go with a study file, which has a grid of its own. Leave it out.")
+            raise InputError(
+                "grid: does not go with a study file, which has a grid of its own. Leave it out."
+            )
         path = Path(study)
         folder = path.parent / "out" if out is None else Path(out)
     command = [sys.executable, "-m", "ricochet", "sweep", path, "--out", folder, "--ranks", ranks]
@@ -125,7 +133,8 @@ class Picture:
 def plot(result: Result | PathLike, out: PathLike | None = None) -> list[Picture]:
     """Draws the contact, the energy and, where there are snapshots and skins, the bodies.
 
-    out: the folder of the pictures, otherwise that of the result. Raises InputError for a file that cannot be drawn.
+    out: the folder of the pictures, otherwise that of the result. Raises InputError for a file that cannot be
+        drawn.
     """
     return [Picture(path) for path in pictures.draw(_path_of(result), None if out is None else Path(out))]
 
@@ -133,7 +142,8 @@ def plot(result: Result | PathLike, out: PathLike | None = None) -> list[Picture
 def report(result: Result | PathLike, out: PathLike | None = None) -> Path:
     """Writes the page of a run, which opens in any browser, and returns its path.
 
-    out: the page, otherwise `<slug>.report.html` beside the result. Raises InputError for a file that cannot be read.
+    out: the page, otherwise `<slug>.report.html` beside the result. Raises InputError for a file that cannot
+        be read.
     """
     return pages.write_page(_path_of(result), None if out is None else Path(out))
 
@@ -152,7 +162,14 @@ def _path_of(result: Result | PathLike) -> Path:
 def _compute(scene: Scene, folder: Path, ranks: int) -> None:
     """Runs ricochet-kernel, with a bar that counts bodies."""
     file, settings = scene._command(folder)
-    command = [*programs.mpirun(ranks), programs.BIN / "ricochet-kernel", file, "--out", folder, *programs.with_set(settings)]
+    command = [
+        *programs.mpirun(ranks),
+        programs.BIN / "ricochet-kernel",
+        file,
+        "--out",
+        folder,
+        *programs.with_set(settings),
+    ]
     bar, seen = Progress(len(scene.bodies)), ""
 
     def show(line: str) -> None:
@@ -168,8 +185,11 @@ def _compute(scene: Scene, folder: Path, ranks: int) -> None:
     bar.advance("kernels", bar.total - bar.done)
 
 
-def _run(command: Sequence[object], environment: Mapping[str, str], show: Callable[[str], None] = lambda line: None) -> str:
-    """Runs a program to its end, `show` called with each line of its standard error, and returns its standard output.
+def _run(
+    command: Sequence[object], environment: Mapping[str, str], show: Callable[[str], None] = lambda line: None
+) -> str:
+    """Runs a program to its end, `show` called with each line of its standard error, and returns its standard
+    output.
 
     Raises InputError for status 2, SolverError for any other but 0, with the program's own line.
     """
@@ -194,7 +214,10 @@ def _run(command: Sequence[object], environment: Mapping[str, str], show: Callab
             raise
         if status < 0 or status > 128:
             name = signal.Signals(-status if status < 0 else status - 128).name
-            raise SolverError(f"{Path(str(command[0])).name}: ended by {name}: killed, or out of memory? The same call resumes the work.")
+            program = Path(str(command[0])).name
+            raise SolverError(
+                f"{program}: ended by {name}: killed, or out of memory? Repeat the call to resume."
+            )
         if status != 0:
             raise (InputError if status == 2 else SolverError)(programs.complaint("".join(lines)))
         out.seek(0)

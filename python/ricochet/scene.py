@@ -20,15 +20,15 @@ _PART = re.compile(r'(?:"(?P<quoted>[^"]*)"|(?P<bare>[^."\[\]]+))(?P<indices>(?:
 
 
 class Scene:
-    """A scene that is valid at any time: what cannot be read, or set, raises `InputError` and changes nothing.
+    """A scene that is valid at any time: what cannot be read, or set, raises `InputError` and changes
+    nothing.
 
     >>> scene = Scene("meshes/two-disks/two-disks.toml")
     >>> scene["bodies.upper.velocity"] = [0, -6, 0]
-    >>> scene["time.rate_hz"]
-    44100.0
+    >>> scene["time.rate_hz"] 44100.0
 
-    Keys are those of docs/keys.md, written as after `--set`: `"loads.point[0].vector"`, `'bodies.ball.support."x plane"'`.
-    All quantities are in SI units.
+    Keys are those of docs/keys.md, written as after `--set`: `"loads.point[0].vector"`,
+    `'bodies.ball.support."x plane"'`. All quantities are in SI units.
     """
 
     def __init__(self, source: PathLike | Mapping[str, Any], folder: PathLike = ".") -> None:
@@ -61,7 +61,8 @@ class Scene:
     # ---- Keys ----
 
     def __getitem__(self, key: str) -> Any:
-        """The value of a key as given, or else its default; a table is a dictionary. Raises KeyError without either."""
+        """The value of a key as given, or else its default; a table is a dictionary. Raises KeyError without
+        either."""
         path = _split(key)
         for table in (self._given, self._resolved):
             try:
@@ -85,7 +86,8 @@ class Scene:
         self.set({key: value})
 
     def set(self, changes: Mapping[str, Any]) -> None:
-        """Sets several keys at once, for those that are valid only together. Raises InputError and changes nothing otherwise."""
+        """Sets several keys at once, for those that are valid only together. Raises InputError and changes
+        nothing otherwise."""
         self._load(settings(plain(changes)))
 
     def changed(self, changes: Mapping[str, Any]) -> Scene:
@@ -132,7 +134,8 @@ class Scene:
         return self._core.toml(self._file)
 
     def write(self, path: PathLike) -> Path:
-        """Writes the resolved scene, its paths as seen from the new place. Raises InputError where it cannot be written."""
+        """Writes the resolved scene, its paths as seen from the new place. Raises InputError where it cannot
+        be written."""
         target = Path(path).absolute()
         partial = target.with_name(f".{target.name}.{os.getpid()}.partial")
         try:

@@ -65,7 +65,8 @@ class State:
 class Simulation:
     """Bodies in motion, from t = 0 on. m contact points, p pickups; SI units, world axes.
 
-    Steps are those of `impact`. A simulation belongs to one thread at a time; different simulations share nothing.
+    Steps are those of `impact`. A simulation belongs to one thread at a time; different simulations share
+    nothing.
     """
 
     def __init__(
@@ -79,14 +80,17 @@ class Simulation:
         kernels: by body; otherwise those that `ricochet.kernels` left in `scene.out`.
         pickups: channels to listen to; otherwise x, y and z of each receiver of the scene, in its order.
 
-        Raises InputError, one line, for kernels that are missing, bodies that overlap or do not meet, and scenes that only
-        `impact` follows: `accuracy`, loads other than gravity, the scheme "static", table kernels, events in steps.
+        Raises InputError, one line, for kernels that are missing, bodies that overlap or do not meet, and
+        scenes that only `impact` follows: `accuracy`, loads other than gravity, the scheme "static", table
+        kernels, events in steps.
         """
         self.scene = scene_of(scene)
         self.kernels = dict(kernels) if kernels is not None else stored_kernels(self.scene)
         missing = [body for body in self.scene.bodies if body not in self.kernels]
         if missing:
-            raise InputError(f"{self.scene.file.name}: no kernel for body {missing[0]!r} is given. Add it to kernels.")
+            raise InputError(
+                f"{self.scene.file.name}: no kernel for body {missing[0]!r} is given. Add it to kernels."
+            )
         if pickups is None:
             pickups = [
                 Pickup(receiver["body"], direction, receiver["name"])
@@ -103,13 +107,13 @@ class Simulation:
     # ---- Stepping ----
 
     def step(self) -> None:
-        """Makes one step. Raises InputError where no contact forces keep the bodies apart, SolverError where the motion stops
-        being finite; then nothing has changed."""
+        """Makes one step. Raises InputError where no contact forces keep the bodies apart, SolverError where
+        the motion stops being finite; then nothing has changed."""
         self._core.step()
 
     def step_block(self, steps: int, *, force: bool = False, displacement: bool = False) -> Block:
-        """Makes many steps, the same to the last bit, and much faster than `step` in a loop. Other threads run meanwhile, and
-        Ctrl-C ends it. Raises as `step` does, after the steps before.
+        """Makes many steps, the same to the last bit, and much faster than `step` in a loop. Other threads
+        run meanwhile, and Ctrl-C ends it. Raises as `step` does, after the steps before.
 
         force, displacement: also keep those of each point; displacements make steps slower.
         """
@@ -212,6 +216,5 @@ class Simulation:
         return self._core.normal
 
     def __repr__(self) -> str:
-        return f"<Simulation of {self.scene.title!r}: step {self.steps}, t = {self.time:.6g} s, {self.active} points touch>"
-
-
+        now = f"step {self.steps}, t = {self.time:.6g} s, {self.active} points touch"
+        return f"<Simulation of {self.scene.title!r}: {now}>"

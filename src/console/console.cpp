@@ -97,7 +97,9 @@ void Console::say(const std::string& line) {
   if (!quiet_) fmt::print("{}\n", line);
 }
 
-void Console::warn(const std::string& line) { fmt::print(stderr, "warning: {}\n", line); }
+void Console::warn(const std::string& line) {
+  if (!watch_) fmt::print(stderr, "warning: {}\n", line);
+}
 
 std::string Console::table(const std::vector<Phase>& phases) {
   std::size_t width = 5;

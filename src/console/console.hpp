@@ -35,7 +35,7 @@ class Console {
   void end(const std::string& note = "");
   /// One line on stdout, unless quiet.
   void say(const std::string& line);
-  /// One line on stderr "warning: …", also when quiet.
+  /// One line on stderr "warning: …", also when quiet; a program that watches finds warnings in the summary.
   void warn(const std::string& line);
 
   struct Phase {
