@@ -121,7 +121,7 @@ AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)) {
     const SignalsWait until_listed;
     descriptor_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor_ < 0 && errno == EEXIST) continue;
-    if (descriptor_ < 0) kernels::fail(target_, errno);
+    if (descriptor_ < 0) base::fail(target_, errno);
     ::flock(descriptor_, LOCK_EX | LOCK_NB);
     if (names(path_, descriptor_)) {
       slot_ = list(path_.string());
@@ -129,7 +129,7 @@ AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)) {
     }
     ::close(descriptor_);
   }
-  kernels::fail(target_, EEXIST);
+  base::fail(target_, EEXIST);
 }
 
 AtomicFile::~AtomicFile() {
@@ -141,12 +141,12 @@ AtomicFile::~AtomicFile() {
   ::close(descriptor_);
 }
 
-void AtomicFile::fail() const { kernels::fail(target_, errno); }
+void AtomicFile::fail() const { base::fail(target_, errno); }
 
 void AtomicFile::commit(const fs::path& outdated) {
-  if (::fsync(descriptor_) != 0) kernels::fail(target_, errno);
+  if (::fsync(descriptor_) != 0) base::fail(target_, errno);
   if (!outdated.empty()) ::unlink(outdated.c_str());
-  if (::rename(path_.c_str(), target_.c_str()) != 0) kernels::fail(target_, errno);
+  if (::rename(path_.c_str(), target_.c_str()) != 0) base::fail(target_, errno);
   unlist(slot_);
   ::close(std::exchange(descriptor_, -1));
   // Some file systems can't sync a folder; the file itself is whole either way.

@@ -8,10 +8,11 @@
 #include <cerrno>
 #include <cstring>
 #include <limits>
+#include <span>
 #include <system_error>
 
-#include "ricochet/error.hpp"
 #include "base/hdf5_internal.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::base::hdf5 {
 namespace {

@@ -17,6 +17,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using namespace ricochet;
 using namespace ricochet::contact;
 
 MatrixXd flexibility(Index n) {

@@ -17,7 +17,7 @@ namespace {
 
 using namespace ricochet;
 using contact::Integrator;
-using contact::Precision;
+using ricochet::Precision;
 
 constexpr double rate = 44100;
 
@@ -52,13 +52,13 @@ std::string name_of(const Size& size, const Variant& variant) {
 
 /// In contact since 0.1 s: the plates have met and stay together.
 Integrator settled(const Size& size, const Variant& variant) {
-  Integrator integrator(model_of(size), {.scheme = contact::Scheme::compliant,
+  Integrator integrator(model_of(size), {.scheme = ricochet::Scheme::compliant,
                                          .step = 1 / rate,
                                          .block = variant.block,
                                          .precision = variant.precision,
                                          .every_state = variant.every_state});
   while (integrator.time() < 0.1)
-    if (integrator.step() != contact::StepStatus::ok) std::abort();
+    if (integrator.step() != ricochet::StepStatus::ok) std::abort();
   return integrator;
 }
 
@@ -97,7 +97,7 @@ void worst(std::int64_t steps) {
         const auto start = Clock::now();
         auto before = start;
         for (int l = 0; l < length; ++l) {
-          if (integrator.step() != contact::StepStatus::ok) std::abort();
+          if (integrator.step() != ricochet::StepStatus::ok) std::abort();
           const auto now = Clock::now();
           one.push_back(microseconds(before, now));
           before = now;

@@ -4,13 +4,10 @@ include(CMakePackageConfigHelpers)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Ricochet)
 
-install(TARGETS ricochet_kernels ricochet_contact ricochet
+install(TARGETS ricochet_base ricochet_core ricochet_kernels ricochet_contact ricochet
   EXPORT RicochetTargets COMPONENT library
-  INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} ${CMAKE_INSTALL_INCLUDEDIR}/ricochet)
-install(FILES include/ricochet/ricochet.hpp include/ricochet/ricochet.h include/ricochet/denormals.hpp
-  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ricochet COMPONENT library)
-install(FILES kernels/error.hpp kernels/kernel.hpp kernels/units.hpp
-  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ricochet/kernels COMPONENT library)
+  INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(DIRECTORY include/ricochet DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT library)
 install(EXPORT RicochetTargets NAMESPACE Ricochet:: DESTINATION ${package_dir} COMPONENT library)
 
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/RicochetConfig.cmake.in ${PROJECT_BINARY_DIR}/RicochetConfig.cmake

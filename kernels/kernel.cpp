@@ -1,7 +1,5 @@
 #include "ricochet/kernel.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +8,7 @@
 #include <span>
 #include <string_view>
 
+#include "base/format.hpp"
 #include "ricochet/error.hpp"
 
 namespace ricochet::kernels {
@@ -27,18 +26,18 @@ class Validator {
   explicit Validator(const std::string& origin) : origin_(origin) {}
 
   [[noreturn]] void fail(std::string_view name, const std::string& what) const {
-    throw InputError(fmt::format("{}: {} {} Compute it again with ricochet-kernel.", origin_, name, what));
+    throw InputError(base::format("{}: {} {} Compute it again with ricochet-kernel.", origin_, name, what));
   }
 
   void length(std::string_view name, std::size_t found, std::size_t expected) const {
-    if (found != expected) fail(name, fmt::format("has {} values, expected {}.", found, expected));
+    if (found != expected) fail(name, base::format("has {} values, expected {}.", found, expected));
   }
 
   template <class T, class Accept>
   void each(std::string_view name, std::span<const T> values, Accept accept, std::string_view rule) const {
     for (std::size_t i = 0; i < values.size(); ++i)
       if (!accept(values[i]))
-        fail(name, fmt::format("holds {} at place {}: must be {}.", values[i], i, rule));
+        fail(name, base::format("holds {} at place {}: must be {}.", values[i], i, rule));
   }
 
   template <class T>
@@ -58,19 +57,19 @@ class Validator {
   void elements(std::string_view name, const std::vector<std::int64_t>& corners, int per_element,
                 int smallest, std::size_t nodes) const {
     if (per_element < smallest || per_element > 3)
-      fail(name, fmt::format("has {} corners an element: must be {} to 3.", per_element, smallest));
+      fail(name, base::format("has {} corners an element: must be {} to 3.", per_element, smallest));
     if (corners.size() % static_cast<std::size_t>(per_element) != 0)
-      fail(name, fmt::format("has {} values, not a multiple of {}.", corners.size(), per_element));
+      fail(name, base::format("has {} values, not a multiple of {}.", corners.size(), per_element));
     each<std::int64_t>(
         name, corners, [nodes](std::int64_t i) { return i >= 0 && static_cast<std::uint64_t>(i) < nodes; },
-        fmt::format("an index below {}", nodes));
+        base::format("an index below {}", nodes));
   }
 
   void unit(std::string_view name, std::span<const double> vectors) const {
     for (std::size_t i = 0; i + 2 < vectors.size(); i += 3) {
       const double length = std::hypot(vectors[i], vectors[i + 1], vectors[i + 2]);
       if (!(std::abs(length - 1) <= kUnitTolerance))
-        fail(name, fmt::format("has length {} in row {}: must be a unit vector.", length, i / 3));
+        fail(name, base::format("has length {} in row {}: must be a unit vector.", length, i / 3));
     }
   }
 
@@ -84,7 +83,7 @@ void validate_body(const Kernel& kernel, const Validator& check) {
     check.fail("attribute \"body\"", "holds control characters.");
   if (kernel.hash.empty()) check.fail("attribute \"hash\"", "is empty.");
   if (!(std::isfinite(kernel.mass) && kernel.mass > 0))
-    check.fail("attribute \"mass\"", fmt::format("is {}: must be positive.", kernel.mass));
+    check.fail("attribute \"mass\"", base::format("is {}: must be positive.", kernel.mass));
   if (kernel.dofs < 0 || kernel.elements < 0 || kernel.order < 0)
     check.fail("attribute \"dofs\", \"elements\" or \"order\"", "is negative.");
   check.finite("dataset \"/body/centre\"", std::vector<double>(kernel.centre.begin(), kernel.centre.end()),
@@ -116,7 +115,7 @@ void validate_modes(const Modes& modes, const Validator& check) {
 template <class Any>
 void validate_candidates(const Any& surface, const std::string& of, const Validator& check) {
   const std::size_t m = surface.area.size();
-  const auto name = [&](const char* dataset) { return fmt::format("dataset \"{}/{}\"", of, dataset); };
+  const auto name = [&](const char* dataset) { return base::format("dataset \"{}/{}\"", of, dataset); };
   check.finite(name("area"), surface.area, m);
   check.template each<double>(
       name("area"), surface.area, [](double a) { return a > 0; }, "positive");
@@ -135,12 +134,12 @@ void validate_whole(const Surface& surface, const Validator& check) {
   const std::size_t all = whole.area.size();
   check.each<std::int64_t>(
       held, whole.held, [all](std::int64_t i) { return i >= 0 && static_cast<std::uint64_t>(i) < all; },
-      fmt::format("an index below {}", all));
+      base::format("an index below {}", all));
   for (std::size_t i = 0; i < whole.held.size(); ++i) {
     if (i > 0 && whole.held[i - 1] >= whole.held[i]) check.fail(held, "is not ascending.");
     if (!std::equal(&surface.node[3 * i], &surface.node[3 * i] + 3,
                     &whole.node[3 * static_cast<std::size_t>(whole.held[i])]))
-      check.fail(held, fmt::format("names another candidate than that of row {}.", i));
+      check.fail(held, base::format("names another candidate than that of row {}.", i));
   }
 }
 
@@ -148,7 +147,7 @@ void validate_surface(const Surface& surface, std::size_t modes, const Validator
   const std::size_t m = surface.size();
   if (surface.components != 3 && surface.components != 1)
     check.fail("dataset \"/surface/shape\"",
-               fmt::format("has {} components: must be 3 or 1.", surface.components));
+               base::format("has {} components: must be 3 or 1.", surface.components));
   if (surface.direction.has_value() != (surface.components == 1))
     check.fail("dataset \"/surface/shape\"",
                "must have a direction when it holds one component, and only then.");
@@ -169,7 +168,7 @@ void validate_surface(const Surface& surface, std::size_t modes, const Validator
   for (std::size_t i = 0; i < rows; ++i)
     for (std::size_t j = 0; j < i; ++j)
       if (std::abs(r[i * rows + j] - r[j * rows + i]) > kSymmetryTolerance * largest)
-        check.fail(name, fmt::format("is not symmetric at ({}, {}).", i, j));
+        check.fail(name, base::format("is not symmetric at ({}, {}).", i, j));
 }
 
 /// A dataset that is there as a whole or not at all.
@@ -183,9 +182,9 @@ void validate_names(const auto& items, const std::string& group, const Validator
   std::set<std::string> names;
   for (const auto& item : items) {
     if (!is_free_name(item.name))
-      check.fail(fmt::format("group \"{}\"", group), fmt::format("has the name \"{}\".", item.name));
+      check.fail(base::format("group \"{}\"", group), base::format("has the name \"{}\".", item.name));
     if (!names.insert(item.name).second)
-      check.fail(fmt::format("group \"{}\"", group), fmt::format("has \"{}\" twice.", item.name));
+      check.fail(base::format("group \"{}\"", group), base::format("has \"{}\" twice.", item.name));
   }
 }
 

@@ -6,13 +6,14 @@
 #include <cmath>
 #include <limits>
 
-#include "ricochet/error.hpp"
 #include "base/hdf5_writer.hpp"
 #include "base/xdmf.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::kernels {
 
 namespace hdf5 = base::hdf5;
+namespace xdmf = base::xdmf;
 namespace {
 
 /// Diagonal of the box around the nodes (V,3) [m].

@@ -5,9 +5,10 @@
 #include <cmath>
 #include <set>
 
-#include "contact/stepping/integrator.hpp"
-#include "contact/model/model.hpp"
 #include "base/rotation.hpp"
+#include "contact/model/model.hpp"
+#include "contact/stepping/integrator.hpp"
+#include "kernels/read.hpp"
 #include "ricochet/ricochet.hpp"
 
 namespace ricochet {
@@ -79,15 +80,14 @@ contact::Model model_of(const Scene& scene) {
   return contact::build_model(std::move(bodies), obstacles, pairs, finite(scene.gravity, "gravity"));
 }
 
-contact::StepOptions step_options(const Scene& scene) {
+StepOptions step_options(const Scene& scene) {
   if (!(scene.rate_hz > 0 && std::isfinite(scene.rate_hz)))
     throw InputError(fmt::format("rate_hz = {}: must be positive and finite.", scene.rate_hz));
-  return {.scheme = scene.scheme == Scheme::impulse ? contact::Scheme::impulse : contact::Scheme::compliant,
-          .admittance = scene.admittance == Admittance::difference ? contact::Admittance::difference
-                                                                   : contact::Admittance::jump,
+  return {.scheme = scene.scheme,
+          .admittance = scene.admittance,
           .restitution = scene.restitution,
           .step = 1 / scene.rate_hz,
-          .precision = scene.single_precision ? contact::Precision::float32 : contact::Precision::float64};
+          .precision = scene.single_precision ? Precision::float32 : Precision::float64};
 }
 
 /// (3,N) modes at the pickup's place, in the body's own axes; (1,N) along the kernel's only direction.
@@ -150,19 +150,6 @@ std::vector<ContactPoint> points_of(const contact::Model& model) {
                      array(model.normal.row(row)), model.gap(row), model.area(row)});
     }
   return out;
-}
-
-StepStatus status_of(contact::StepStatus status) noexcept {
-  switch (status) {
-    case contact::StepStatus::ok:
-      return StepStatus::ok;
-    case contact::StepStatus::no_solution:
-      return StepStatus::no_solution;
-    case contact::StepStatus::not_finite:
-    case contact::StepStatus::table_ended:  // of table kernels, which a Simulation has none of
-      break;
-  }
-  return StepStatus::not_finite;
 }
 
 std::span<const double> span_of(const contact::Vector& v) noexcept {
@@ -239,7 +226,7 @@ Simulation& Simulation::operator=(Simulation&&) noexcept = default;
 
 StepStatus Simulation::step() noexcept {
   const FlushDenormals scope;
-  return status_of(impl_->integrator.step());
+  return impl_->integrator.step();
 }
 
 // The state is moved a block at a time, unless displacements are asked for after each step.
@@ -253,18 +240,18 @@ BlockResult Simulation::step_block(std::int64_t steps, const Block& out) noexcep
     impl_->write_velocities(out, heard, made());
     heard = made();
   };
-  contact::StepStatus status = contact::StepStatus::ok;
+  StepStatus status = StepStatus::ok;
   integrator.keep(out.displacement != nullptr, out.velocity != nullptr);
-  while (status == contact::StepStatus::ok && made() < steps) {
+  while (status == StepStatus::ok && made() < steps) {
     status = integrator.step();
-    if (status == contact::StepStatus::ok) impl_->write_forces(out, made() - 1);
+    if (status == StepStatus::ok) impl_->write_forces(out, made() - 1);
     if (integrator.pending() == 0) hear();
   }
-  if (integrator.catch_up() != contact::StepStatus::ok) status = contact::StepStatus::not_finite;
+  if (integrator.catch_up() != StepStatus::ok) status = StepStatus::not_finite;
   hear();
   integrator.keep(true, false);
-  if (status != contact::StepStatus::ok) impl_->clear(out, made(), steps);
-  return {made(), status_of(status)};
+  if (status != StepStatus::ok) impl_->clear(out, made(), steps);
+  return {made(), status};
 }
 
 std::int64_t Simulation::steps() const noexcept { return impl_->integrator.steps(); }
@@ -294,10 +281,7 @@ Vector3 Simulation::mean_velocity(std::size_t body) const noexcept {
   return out;
 }
 
-Energy Simulation::energy() const noexcept {
-  const contact::Energy& e = impl_->integrator.energy();
-  return {e.kinetic, e.strain, e.residual, e.loads, e.damping, e.contact};
-}
+Energy Simulation::energy() const noexcept { return impl_->integrator.energy(); }
 
 int Simulation::quasi_static_modes() const noexcept { return impl_->integrator.modes_in_residual(); }
 

@@ -1,8 +1,7 @@
 // Loads, moving supports and receivers, from each body's kernel to the stacked model.
-#include <fmt/format.h>
-
 #include <algorithm>
 
+#include "base/format.hpp"
 #include "contact/model/forcing.hpp"
 #include "ricochet/error.hpp"
 
@@ -24,7 +23,7 @@ std::size_t place_of(const std::vector<Entry>& entries, const DriveRequest& requ
   if (found != entries.end()) return static_cast<std::size_t>(found - entries.begin());
   std::string names;
   for (const Entry& entry : entries) names += (names.empty() ? "\"" : ", \"") + entry.name + "\"";
-  throw InputError(fmt::format(
+  throw InputError(base::format(
       "{}: the kernel of body \"{}\" has no \"{}\", only {}. Compute it again with ricochet-kernel.", what,
       request.body, request.name, names.empty() ? "none" : names));
 }
@@ -33,11 +32,11 @@ std::size_t place_of(const std::vector<Entry>& entries, const DriveRequest& requ
 /// energy.
 void refuse_jump(const DriveRequest& request) {
   if (request.history.time.front() <= 0 || request.history.value.front() == 0) return;
-  throw InputError(
-      fmt::format("loads.motion: the history of \"{}\" of body \"{}\" begins with the factor {} at t = {} s, "
-                  "so the support "
-                  "would jump. Begin it with a factor of 0, or at t = 0.",
-                  request.name, request.body, request.history.value.front(), request.history.time.front()));
+  throw InputError(base::format(
+      "loads.motion: the history of \"{}\" of body \"{}\" begins with the factor {} at t = {} s, "
+      "so the support "
+      "would jump. Begin it with a factor of 0, or at t = 0.",
+      request.name, request.body, request.history.value.front(), request.history.time.front()));
 }
 
 /// The part of `u` (m) at points whose body a is body k.
@@ -107,7 +106,7 @@ void listen(Model& model, int k, const Selection& P) {
     for (const Model::Receiver& other : model.receivers)
       if (other.name == receiver.name)
         throw InputError(
-            fmt::format("output.receiver: \"{}\" names two points. Give each its own name.", other.name));
+            base::format("output.receiver: \"{}\" names two points. Give each its own name.", other.name));
     Model::Receiver out{.name = receiver.name, .body = k, .shape = {}, .flexibility = {}, .drives = {}};
     out.point = block.rotation * Eigen::Map<const Vector3d>(receiver.point.data()) + block.translation;
     out.shape = block.rotation * matrix(receiver.shape, 3, block.modes);
@@ -139,10 +138,10 @@ void refuse_overlap(const Model& model) {
   // 1e-9: of the lift, above the round-off of modes that sum up to it
   if (depth > 1e-9 * lifted.cwiseAbs().maxCoeff())
     throw InputError(
-        fmt::format("loads.motion: supports displaced at t = 0 press the bodies {:.6g} m into each other "
-                    "before they start. Begin "
-                    "the history with 0, or start farther apart (contact.gap, bodies.*.translate).",
-                    depth));
+        base::format("loads.motion: supports displaced at t = 0 press the bodies {:.6g} m into each other "
+                     "before they start. Begin "
+                     "the history with 0, or start farther apart (contact.gap, bodies.*.translate).",
+                     depth));
 }
 
 Vector Model::initial_rates() const {

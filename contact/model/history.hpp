@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <vector>
 
 namespace ricochet::contact {
@@ -29,10 +28,5 @@ struct History {
  private:
   double slope_after(std::size_t knot) const noexcept;
 };
-
-/// Reads a text file with a time [s] and a factor a line, "t, factor", times ascending. Empty lines, lines
-/// that begin with '#', and a first line of names are skipped. Throws InputError, one line with the file and
-/// the line's number, on anything else.
-History read_history(const std::filesystem::path& path);
 
 }  // namespace ricochet::contact

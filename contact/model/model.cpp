@@ -1,12 +1,11 @@
 #include "contact/model/model.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
-#include "contact/pairing/placement.hpp"
+#include "base/format.hpp"
 #include "contact/model/forcing.hpp"
+#include "contact/pairing/placement.hpp"
 #include "ricochet/error.hpp"
 
 namespace ricochet::contact {
@@ -54,7 +53,7 @@ Vector rigid_velocity(const PlacedBody& body, const Model::BodyBlock& block) {
     if (body.kernel->modes.angular_frequency[n] == 0) out(n) = block.momentum.col(n).dot(body.velocity);
   const double energy = block.mass * body.velocity.squaredNorm();
   if (std::abs(out.squaredNorm() - energy) > rigid_slack * energy)
-    throw InputError(fmt::format(
+    throw InputError(base::format(
         "bodies.{}.velocity: {} can't move rigidly that way ({:.3g} of the kinetic energy is in its rigid "
         "modes). {}",
         body.name, block.supported ? "a supported body" : "this body", out.squaredNorm() / energy,
@@ -102,7 +101,7 @@ Model build_model(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& 
   model.gravity = gravity;
   for (const DriveRequest& request : drives)
     if (index_of(request.body, bodies) < 0)
-      throw InputError(fmt::format("loads: \"{}\" is not a body. Name one of bodies.*.", request.body));
+      throw InputError(base::format("loads: \"{}\" is not a body. Name one of bodies.*.", request.body));
 
   int points = 0, modes = 0;
   for (const Meeting& meeting : meetings) {

@@ -1,12 +1,11 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <tuple>
 
-#include "contact/model/model.hpp"
+#include "base/format.hpp"
+#include "contact/pairing/pairing.hpp"
 #include "contact/pairing/pairing_cache.hpp"
 #include "contact/pairing/surface_projection.hpp"
 #include "ricochet/error.hpp"
@@ -46,10 +45,10 @@ double between_means(const WorldSurface& a, std::size_t i, const WorldSurface& b
 }
 
 std::string title(const PairRequest& request) {
-  return fmt::format("contact between \"{}\" and \"{}\"", request.a, request.b);
+  return base::format("contact between \"{}\" and \"{}\"", request.a, request.b);
 }
 
-std::string text(const Vector3d& v) { return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", v.x(), v.y(), v.z()); }
+std::string text(const Vector3d& v) { return base::format("[{:.6g}, {:.6g}, {:.6g}]", v.x(), v.y(), v.z()); }
 
 /// A kernel of one component knows no directions but its own.
 void check_component(const PlacedBody& body, const std::optional<Vector3d>& normal,
@@ -58,7 +57,7 @@ void check_component(const PlacedBody& body, const std::optional<Vector3d>& norm
   if (surface.components != 1) return;
   const Vector3d own = body.rotation * Eigen::Map<const Vector3d>(surface.direction->data());
   if (normal && std::abs(own.dot(*normal)) >= 1 - 1e-9) return;
-  throw InputError(fmt::format(
+  throw InputError(base::format(
       "{}: the kernel of \"{}\" holds the motion along {} alone, but the contact acts along {}. Set "
       "contact.direction = {}, or compute the kernel for this scene with ricochet-kernel.",
       title(request), body.name, text(own), normal ? text(*normal) : "each point's own normal", text(own)));
@@ -122,9 +121,9 @@ const Pairing::Point& closest_pair(const Pairing& pairing) {
 void check_some(const Pairing& pairing, const PairRequest& request) {
   if (pairing.points.empty())
     throw InputError(
-        fmt::format("{}: no point of \"{}\" faces \"{}\" ({} candidates looked at). Check bodies.*.contact, "
-                    "translate and rotate_deg, and contact.direction (it points out of \"{}\").",
-                    title(request), request.a, request.b, pairing.unpaired, request.a));
+        base::format("{}: no point of \"{}\" faces \"{}\" ({} candidates looked at). Check bodies.*.contact, "
+                     "translate and rotate_deg, and contact.direction (it points out of \"{}\").",
+                     title(request), request.a, request.b, pairing.unpaired, request.a));
 }
 
 /// gap, overlap and reach. `find` pairs for a given place of a.
@@ -134,7 +133,7 @@ Pairing arrange(PlacedBody a, const PairRequest& request, double round_off, Find
   check_some(out, request);
   if (request.gap) {
     if (!(*request.gap >= 0))
-      throw InputError(fmt::format("{}: gap = {}: must not be negative.", title(request), *request.gap));
+      throw InputError(base::format("{}: gap = {}: must not be negative.", title(request), *request.gap));
     Vector3d way = Vector3d::Zero();
     for (const auto& point : out.points) way += point.area * point.normal;
     way = request.direction.value_or(way.normalized());
@@ -146,9 +145,9 @@ Pairing arrange(PlacedBody a, const PairRequest& request, double round_off, Find
       if (std::abs(excess) <= round_off + overlap_slack * std::abs(nearest.gap) && round > 0) break;
       if (round == 50 || !(rate > 1e-3))
         throw InputError(
-            fmt::format("{}: gap = {} m can't be reached by moving \"{}\" along {}. Place it nearer with "
-                        "translate, or set contact.direction.",
-                        title(request), *request.gap, a.name, text(way)));
+            base::format("{}: gap = {} m can't be reached by moving \"{}\" along {}. Place it nearer with "
+                         "translate, or set contact.direction.",
+                         title(request), *request.gap, a.name, text(way)));
       shift += excess / rate * way;
       a.translation += excess / rate * way;
       out = find(a);
@@ -159,15 +158,15 @@ Pairing arrange(PlacedBody a, const PairRequest& request, double round_off, Find
   const Pairing::Point nearest = closest_pair(out);
   if (nearest.gap < -round_off)
     throw InputError(
-        fmt::format("{}: they overlap by {:.6g} m at {}. Move one with translate, or set contact.gap.",
-                    title(request), -nearest.gap, text(nearest.a)));
+        base::format("{}: they overlap by {:.6g} m at {}. Move one with translate, or set contact.gap.",
+                     title(request), -nearest.gap, text(nearest.a)));
   for (auto& point : out.points) point.gap = std::max(point.gap, 0.0);
   if (request.reach) {
     out.beyond_reach = static_cast<int>(
         std::erase_if(out.points, [&](const auto& point) { return !(point.gap < *request.reach); }));
     out.unpaired += out.beyond_reach;
     if (out.points.empty())
-      throw InputError(fmt::format(
+      throw InputError(base::format(
           "{}: reach = {} m: the closest pair is {:.6g} m apart. Raise it above that, or set contact.gap.",
           title(request), *request.reach, nearest.gap));
   }
@@ -189,7 +188,7 @@ class Numbers {
     if (held_.empty()) return candidate;
     const int held = held_[static_cast<std::size_t>(candidate)];
     if (held >= 0) return held;
-    throw InputError(fmt::format(
+    throw InputError(base::format(
         "{}: the kernel of \"{}\" was made for less: it lacks candidate {} of {}, which is to meet \"{}\". "
         "Run ricochet-kernel for this scene, or lower contact.reach.",
         title(request), body_.name, candidate, held_.size(),
@@ -224,9 +223,9 @@ Pairing pair(const PlacedBody& a, const PlacedBody& b, const PairRequest& reques
 Pairing pair(const PlacedBody& a, const HalfSpace& b, const PairRequest& request) {
   if (request.direction && request.direction->dot(-b.normal) < 1 - 1e-9)
     throw InputError(
-        fmt::format("{}: direction = {}: against an obstacle contact acts along minus its normal. Leave "
-                    "direction out, or set {}.",
-                    title(request), text(*request.direction), text(-b.normal)));
+        base::format("{}: direction = {}: against an obstacle contact acts along minus its normal. Leave "
+                     "direction out, or set {}.",
+                     title(request), text(*request.direction), text(-b.normal)));
   check_component(a, Vector3d(-b.normal), request);
   const WorldSurface from = surface_of(a);
   const double round_off = round_off_of(from, from) + place_slack * b.point.cwiseAbs().maxCoeff();

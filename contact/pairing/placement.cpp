@@ -1,11 +1,10 @@
 #include "contact/pairing/placement.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <set>
 
+#include "base/format.hpp"
 #include "ricochet/error.hpp"
 
 namespace ricochet::contact {
@@ -30,14 +29,14 @@ Meeting look_up(const PairRequest& request, const std::vector<PlacedBody>& bodie
   for (const HalfSpace& obstacle : obstacles)
     if (obstacle.name == request.b) out.obstacle = &obstacle;
   if (out.a < 0)
-    throw InputError(fmt::format(
+    throw InputError(base::format(
         "contact.between: \"{}\" is not a body. The first name must be one of bodies.*.", request.a));
   if (out.b < 0 && !out.obstacle)
-    throw InputError(fmt::format(
+    throw InputError(base::format(
         "contact.between: \"{}\" is neither a body nor an obstacle. Name one of bodies.* or obstacles.*.",
         request.b));
   if (out.a == out.b)
-    throw InputError(fmt::format("contact.between: \"{}\" can't meet itself. Name two bodies.", request.a));
+    throw InputError(base::format("contact.between: \"{}\" can't meet itself. Name two bodies.", request.a));
   return out;
 }
 
@@ -51,7 +50,7 @@ std::vector<Meeting> meet(std::vector<PlacedBody>& bodies, const std::vector<Hal
     if (std::none_of(out.begin(), out.end(), [&](const Meeting& meeting) {
           return meeting.a == static_cast<int>(k) || meeting.b == static_cast<int>(k);
         }))
-      throw InputError(fmt::format(
+      throw InputError(base::format(
           "bodies.{}: no pair names it, so nothing would ever touch it. Add it to contact, or take it out.",
           bodies[k].name));
   for (const Meeting& meeting : out)
@@ -72,9 +71,9 @@ std::vector<Meeting> meet(std::vector<PlacedBody>& bodies, const std::vector<Hal
     // 1e-9: above the round-off of two placements, far below any gap that matters
     if (std::abs(nearest - *meeting.request.gap) > 1e-9 * (farthest + *meeting.request.gap))
       throw InputError(
-          fmt::format("contact between \"{}\" and \"{}\": gap = {} m, but another pair's gap moves one of "
-                      "them to {:.6g} m. Leave one gap out.",
-                      meeting.request.a, meeting.request.b, *meeting.request.gap, nearest));
+          base::format("contact between \"{}\" and \"{}\": gap = {} m, but another pair's gap moves one of "
+                       "them to {:.6g} m. Leave one gap out.",
+                       meeting.request.a, meeting.request.b, *meeting.request.gap, nearest));
   }
   return out;
 }

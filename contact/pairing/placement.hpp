@@ -1,10 +1,12 @@
 // Bodies in their places at the start, and who meets whom there.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
-#include "contact/model/model.hpp"
+#include "contact/pairing/pairing.hpp"
+#include "contact/pairing/placement.hpp"
 
 namespace ricochet::contact {
 
@@ -24,5 +26,13 @@ struct Meeting {
 /// Throws InputError like build_model. @param known  as of `pair`
 std::vector<Meeting> meet(std::vector<PlacedBody>& bodies, const std::vector<HalfSpace>& obstacles,
                           const std::vector<PairRequest>& requests, Pairings* known = nullptr);
+
+/// The candidates of each body that its pairs make use of, ascending, as its kernel numbers them. Bodies are
+/// placed and paired like those of build_model; of their kernels only the surface is looked at, without
+/// modes. @param known  as of `pair`
+std::vector<std::vector<std::int64_t>> paired_candidates(std::vector<PlacedBody> bodies,
+                                                         const std::vector<HalfSpace>& obstacles,
+                                                         const std::vector<PairRequest>& pairs,
+                                                         Pairings* known = nullptr);
 
 }  // namespace ricochet::contact

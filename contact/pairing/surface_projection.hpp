@@ -9,7 +9,7 @@
 
 #include <unsupported/Eigen/BVH>
 
-#include "contact/model/model.hpp"
+#include "contact/pairing/pairing.hpp"
 
 namespace ricochet::contact {
 

@@ -1,10 +1,9 @@
 #include "contact/static/equilibrium.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
+#include "base/format.hpp"
 #include "contact/complementarity/complementarity.hpp"
 #include "ricochet/error.hpp"
 
@@ -85,7 +84,7 @@ class Minimiser {
       lambda = next;
       if (error <= options_.uzawa_tolerance) return;
       if (iterations_ >= options_.uzawa_iterations)
-        throw SolverError(fmt::format(
+        throw SolverError(base::format(
             "contact.solver = \"uzawa\": gaps of the points that press are still {:.2g} of what they closed "
             "after {} iterations. Use solver = \"exact\".",
             error, options_.uzawa_iterations));
@@ -121,7 +120,7 @@ void check_held(const Model& model, const Parts& parts) {
     if (rest.norm() <= held * magnitude.norm()) continue;
     const Vector3d force = body.momentum * rest;
     const Vector3d moment = body.angular_momentum * rest - body.centre.cross(force);
-    throw InputError(fmt::format(
+    throw InputError(base::format(
         "bodies.{}: no contact forces hold it at rest: a force of [{:.4g}, {:.4g}, {:.4g}] N and a moment of "
         "[{:.4g}, {:.4g}, {:.4g}] N m about its centre stay unbalanced. Place it so that what it touches "
         "carries it (without friction), turn loads.gravity, or give it a support.",
@@ -165,8 +164,8 @@ double balance(const Parts& parts, Minimiser& minimiser, double tolerance, Vecto
     }
     before = imbalance;
   }
-  throw SolverError(fmt::format("contact: the bodies' weights stay unbalanced by {:.2g} after {} rounds",
-                                before, most_rounds));
+  throw SolverError(base::format("contact: the bodies' weights stay unbalanced by {:.2g} after {} rounds",
+                                 before, most_rounds));
 }
 
 }  // namespace

@@ -1,11 +1,10 @@
 #include "contact/stepping/step_system.hpp"
 
-#include <fmt/format.h>
-
 #include <cassert>
 #include <cmath>
 #include <numbers>
 
+#include "base/format.hpp"
 #include "contact/stepping/integrator.hpp"
 #include "ricochet/error.hpp"
 
@@ -19,15 +18,17 @@ constexpr double least_norm = 1e-12;
 void check(const Model& model, const StepOptions& o) {
   if (!(o.step > 0) || !std::isfinite(o.step))
     throw InputError(
-        fmt::format("time step = {} s: must be positive and finite. Set time.rate_hz above 0.", o.step));
+        base::format("time step = {} s: must be positive and finite. Set time.rate_hz above 0.", o.step));
   if (o.max_pivots < 1)
-    throw InputError(fmt::format("contact.max_pivots = {}: must be at least 1.", o.max_pivots));
+    throw InputError(base::format("contact.max_pivots = {}: must be at least 1.", o.max_pivots));
+  if (o.scheme == Scheme::at_rest)
+    throw InputError("contact.scheme = \"static\": has no steps. Choose \"compliant\" or \"impulse\".");
   if (o.scheme != Scheme::impulse) return;
   if (!(o.restitution >= 0 && o.restitution <= 1))
-    throw InputError(fmt::format("contact.restitution = {}: must be between 0 and 1.", o.restitution));
+    throw InputError(base::format("contact.restitution = {}: must be between 0 and 1.", o.restitution));
   const double highest = model.omega.size() > 0 ? model.omega.maxCoeff() : 0;
   if (o.admittance == Admittance::difference && highest * o.step >= std::numbers::pi)
-    throw InputError(fmt::format(
+    throw InputError(base::format(
         "contact.admittance = \"difference\": omega_max * step = {:.4g} is not below pi (highest mode {:.6g} "
         "Hz). Use a step "
         "below {:.4g} s (time.rate_hz above {:.6g}), fewer modes, or \"jump\".",

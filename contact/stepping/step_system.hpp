@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "contact/model/model.hpp"
+#include "ricochet/step_options.hpp"
 
 namespace ricochet::contact {
 
@@ -22,8 +23,6 @@ struct StepSystem {
   bool damped = false;
   int dropped = 0;  ///< modes moved into R
 };
-
-struct StepOptions;
 
 /// Throws InputError on options that `model` can't be stepped with.
 std::shared_ptr<const StepSystem> make_step_system(const Model& model, const StepOptions& options);

@@ -10,13 +10,11 @@
 
 #include <Eigen/Dense>
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <vector>
 
+#include "contact/pairing/types.hpp"
 #include "contact/table/convolution.hpp"
-#include "contact/stepping/integrator.hpp"
-#include "contact/model/model.hpp"
 
 namespace ricochet::contact {
 
@@ -54,16 +52,5 @@ struct Table {
 /// overlap at the start, a mass is not positive, or a linear tail is claimed of a kernel that does not end in
 /// one.
 void validate(const Table& table, const std::string& origin);
-
-/// Reads and validates. Throws InputError, one line.
-Table read_table(const std::filesystem::path& path);
-
-/// Writes beside `path` and renames. Throws InputError when the place can't be written.
-void write_table(const Table& table, const std::filesystem::path& path);
-
-/// The model's kernels and free motion, for `steps` steps of the scheme in `options`: what it needs, and no
-/// more (impulse: displacement and velocity; compliant: flexibility, with R and the modes above half the rate
-/// in S_0). Bodies without supports are in `bodies`. Memory: steps·m² numbers, twice for impulse.
-Table table_from_modes(const Model& model, const StepOptions& options, std::int64_t steps);
 
 }  // namespace ricochet::contact

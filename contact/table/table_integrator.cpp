@@ -1,13 +1,12 @@
 #include "contact/table/table_integrator.hpp"
 
-#include <fmt/format.h>
-
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <span>
 
+#include "base/format.hpp"
 #include "ricochet/error.hpp"
 
 namespace ricochet::contact {
@@ -86,7 +85,7 @@ Eigen::MatrixXd semidefinite(const Eigen::MatrixXd& lag, bool impulse) {
   const char* what = impulse ? "the admittance" : "the flexibility of a step";
   const double largest = lag.cwiseAbs().maxCoeff();
   if ((lag - lag.transpose()).cwiseAbs().maxCoeff() > definite * largest)
-    throw InputError(fmt::format(
+    throw InputError(base::format(
         "contact.table: {} at lag 0 is not symmetric. Forces and displacements must be dual: average it with "
         "its transpose if they are.",
         what));
@@ -94,7 +93,7 @@ Eigen::MatrixXd semidefinite(const Eigen::MatrixXd& lag, bool impulse) {
   const double lowest =
       Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(S, Eigen::EigenvaluesOnly).eigenvalues()(0);
   if (lowest < -definite * largest || !(largest > 0))
-    throw InputError(fmt::format(
+    throw InputError(base::format(
         "contact.table: {} at lag 0 has the eigenvalue {:.3g} beside the largest entry {:.3g}: it must "
         "be positive semidefinite and not 0. Check signs, and what sample 0 means.",
         what, lowest, largest));
@@ -104,10 +103,10 @@ Eigen::MatrixXd semidefinite(const Eigen::MatrixXd& lag, bool impulse) {
 /// Whatever is wrong with the options is the scene's.
 const StepOptions& checked(const StepOptions& options, const Table& table) {
   if (std::abs(options.step - table.step) > 1e-9 * table.step)
-    throw InputError(fmt::format("time.rate_hz = {:.12g}: the table has a step of {:.12g} s. Set {:.12g}.",
-                                 1 / options.step, table.step, 1 / table.step));
+    throw InputError(base::format("time.rate_hz = {:.12g}: the table has a step of {:.12g} s. Set {:.12g}.",
+                                  1 / options.step, table.step, 1 / table.step));
   if (options.scheme == Scheme::impulse && !(options.restitution >= 0 && options.restitution <= 1))
-    throw InputError(fmt::format("contact.restitution = {}: must be between 0 and 1.", options.restitution));
+    throw InputError(base::format("contact.restitution = {}: must be between 0 and 1.", options.restitution));
   return options;
 }
 

@@ -20,9 +20,10 @@
 #include <string>
 #include <vector>
 
+#include "ricochet/denormals.hpp"
 #include "ricochet/error.hpp"
 #include "ricochet/kernel.hpp"
-#include "ricochet/denormals.hpp"
+#include "ricochet/step_options.hpp"
 
 namespace ricochet {
 
@@ -67,12 +68,6 @@ struct Pickup {
   Vector3 direction{};        ///< of any length but 0
 };
 
-enum class Scheme {
-  compliant,  ///< force constant over the step, no penetration at its end, never gains energy
-  impulse,    ///< the source paper's impulses at step ends
-};
-enum class Admittance { jump, difference };  ///< of the impulse scheme
-
 struct Scene {
   std::vector<Body> bodies{};
   std::vector<HalfSpace> obstacles{};
@@ -86,28 +81,11 @@ struct Scene {
   bool single_precision = false;  ///< of products of the compliant scheme: faster, less exact
 };
 
-enum class StepStatus {
-  ok,
-  no_solution,  ///< no contact forces keep the bodies apart: more points than the modes can move
-  not_finite,   ///< the motion stops being finite
-};
-
 struct ContactPoint {
   std::size_t pair = 0;        ///< index into Scene::pairs
   Vector3 a{}, b{}, normal{};  ///< facing places on a and b [m]; unit normal out of a
   double gap = 0;              ///< initial [m]
   double area = 0;             ///< of a's patch [m²]
-};
-
-/// Running ledger [J]: ledger() stays what it was at t = 0, to round-off.
-struct Energy {
-  double kinetic = 0, strain = 0;
-  double residual = 0;  ///< of the static response of modes left out
-  double loads = 0;     ///< work of gravity so far
-  double damping = 0;   ///< taken by damping so far
-  double contact = 0;   ///< taken by contact so far
-  double total() const { return kinetic + strain + residual - loads; }
-  double ledger() const { return total() + damping + contact; }
 };
 
 /// Where step_block writes, a row a step; null: not wanted.

@@ -8,6 +8,7 @@
 
 #include "contact/accuracy/estimate.hpp"
 #include "contact/model/coarsening.hpp"
+#include "kernels/read.hpp"
 
 namespace ricochet::programs {
 namespace {
@@ -122,7 +123,7 @@ std::unique_ptr<contact::Estimator> estimator_of(const scene::Scene& scene, cons
                          .other_order = other_order,
                          .left_of_other = left,
                          .low_rank = scene.modes.low_rank,
-                         .at_rest = scene.contact.scheme == scene::Scheme::at_rest,
+                         .at_rest = scene.contact.scheme == Scheme::at_rest,
                          .duration = scene.time.duration});
   });
 }
@@ -139,15 +140,15 @@ bool alike(const contact::Outcome& all, const contact::Outcome& fewer, double ac
 }
 
 bool may_thin(const scene::Scene& scene) {
-  return scene.contact.scheme != scene::Scheme::at_rest &&
+  return scene.contact.scheme != Scheme::at_rest &&
          std::ranges::none_of(scene.contact.pairs,
                               [](const scene::Pair& pair) { return pair.spacing.has_value(); });
 }
 
 void choose_precision(scene::Scene& scene, contact::Estimator& estimator) {
-  scene.time.precision = scene::Precision::float32;
+  scene.time.precision = Precision::float32;
   const auto share = in_scene(scene, [&] { return estimator.precision(step_options(scene)); });
-  if (!share || *share > of_precision * *scene.accuracy) scene.time.precision = scene::Precision::float64;
+  if (!share || *share > of_precision * *scene.accuracy) scene.time.precision = Precision::float64;
 }
 
 }  // namespace
@@ -165,7 +166,7 @@ Judged choose_and_judge(scene::Scene& scene, const Kernels& kernels, const std::
   if (std::exchange(scene.time.rate_by_accuracy, false)) choose_rate(scene, kernels, *estimator);
   const auto all = outcome(scene, *estimator);
   if (!all || !all->touched()) {
-    scene.time.precision = scene.time.precision.value_or(scene::Precision::float64);
+    scene.time.precision = scene.time.precision.value_or(Precision::float64);
     out.warnings.push_back("nothing touches: no error is estimated");
     return out;
   }

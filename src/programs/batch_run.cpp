@@ -8,8 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "contact/stepping/integrator.hpp"
 #include "contact/output/summary.hpp"
+#include "contact/stepping/integrator.hpp"
+#include "kernels/read.hpp"
+#include "kernels/write.hpp"
 #include "ricochet/error.hpp"
 #include "src/programs/accuracy.hpp"
 #include "src/programs/contact_parts.hpp"
@@ -116,13 +118,13 @@ class Batch {
       judged = choose_and_judge(scene, kernels, options_.out, cache_.pairings);
       model = thinned(std::move(model), judged.thinnings);
     }
-    if (scene.contact.scheme == scene::Scheme::at_rest) {
+    if (scene.contact.scheme == Scheme::at_rest) {
       contact::EquilibriumSummary summary = contact::summarise(model, equilibrium_of(scene, model));
       judged.into(summary);
       summary.wall_s = seconds_since(started);
       return contact::json_text(summary);
     }
-    const contact::StepOptions step = step_options(scene);
+    const StepOptions step = step_options(scene);
     const std::int64_t steps = std::llround(scene.time.duration * scene.time.rate.value);
     const Clock::time_point stepping = Clock::now();
     contact::Integrator integrator = in_scene(scene, [&] { return contact::Integrator(model, step); });

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "contact/static/equilibrium.hpp"
-#include "contact/stepping/integrator.hpp"
 #include "contact/model/model.hpp"
 #include "contact/output/summary.hpp"
+#include "contact/static/equilibrium.hpp"
+#include "contact/stepping/integrator.hpp"
 #include "src/console/console.hpp"
 #include "src/console/options.hpp"
 #include "src/programs/placing.hpp"
@@ -29,13 +29,13 @@ double slowest_wave(const scene::Scene& scene);
 /// @param known  as of contact::pair
 contact::Model model_of(const scene::Scene& scene, const std::vector<const kernels::Kernel*>& kernels,
                         contact::Pairings& known);
-contact::StepOptions step_options(const scene::Scene& scene);
+StepOptions step_options(const scene::Scene& scene);
 
 /// Of a scene with the scheme "static".
 contact::Equilibrium equilibrium_of(const scene::Scene& scene, const contact::Model& model);
 
 /// Throws what a step that failed at `time` [s] means.
-void check(contact::StepStatus status, const scene::Scene& scene, double time);
+void check(StepStatus status, const scene::Scene& scene, double time);
 
 /// Adds a warning to those of a run under "compliant" whose touches all have so few steps that peak force and
 /// rebound hang on the step; with an accuracy the estimate tells.

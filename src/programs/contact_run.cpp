@@ -11,15 +11,16 @@
 #include <ostream>
 #include <vector>
 
-#include "contact/static/equilibrium.hpp"
-#include "contact/output/fclib.hpp"
-#include "contact/stepping/integrator.hpp"
+#include "base/atomic_file.hpp"
+#include "contact/input/history_file.hpp"
 #include "contact/model/model.hpp"
+#include "contact/output/fclib.hpp"
 #include "contact/output/recorder.hpp"
 #include "contact/output/summary.hpp"
+#include "contact/static/equilibrium.hpp"
+#include "contact/stepping/integrator.hpp"
 #include "ricochet/error.hpp"
 #include "ricochet/kernel.hpp"
-#include "base/atomic_file.hpp"
 #include "src/console/console.hpp"
 #include "src/programs/accuracy.hpp"
 #include "src/programs/contact_parts.hpp"
@@ -64,19 +65,14 @@ contact::Model model_of(const scene::Scene& scene, const std::vector<const kerne
                               vector(scene.loads.gravity), drives_of(scene), &known);
 }
 
-contact::StepOptions step_options(const scene::Scene& scene) {
-  return {.scheme = scene.contact.scheme == scene::Scheme::impulse ? contact::Scheme::impulse
-                                                                   : contact::Scheme::compliant,
-          .admittance = scene.contact.admittance == scene::Admittance::difference
-                            ? contact::Admittance::difference
-                            : contact::Admittance::jump,
-          .instant = scene.contact.instant == scene::Instant::exact ? contact::Instant::exact
-                                                                    : contact::Instant::step,
+StepOptions step_options(const scene::Scene& scene) {
+  return {.scheme = scene.contact.scheme,
+          .admittance = scene.contact.admittance,
+          .instant = scene.contact.instant,
           .restitution = scene.contact.restitution,
           .step = 1 / scene.time.rate.value,
           .max_pivots = scene.contact.max_pivots.value_or(std::numeric_limits<int>::max()),
-          .precision = scene.time.precision == scene::Precision::float32 ? contact::Precision::float32
-                                                                         : contact::Precision::float64};
+          .precision = scene.time.precision.value_or(Precision::float64)};
 }
 
 contact::Equilibrium equilibrium_of(const scene::Scene& scene, const contact::Model& model) {
@@ -93,14 +89,14 @@ double slowest_wave(const scene::Scene& scene) {
   return std::isfinite(slowest) ? slowest : 0;
 }
 
-void check(contact::StepStatus status, const scene::Scene& scene, double time) {
-  if (status == contact::StepStatus::no_solution)
+void check(StepStatus status, const scene::Scene& scene, double time) {
+  if (status == StepStatus::no_solution)
     throw InputError(fmt::format(
         "{}: no contact forces keep the bodies apart at t = {:.6g} s, as there are more contact points than "
         "their "
         "modes can move. Set modes.residual_flexibility = true, or fewer candidates (contact.spacing).",
         scene.file.string(), time));
-  if (status == contact::StepStatus::not_finite)
+  if (status == StepStatus::not_finite)
     throw SolverError(
         fmt::format("{}: the motion stops being finite at t = {:.6g} s", scene.file.string(), time));
 }
@@ -151,7 +147,7 @@ constexpr double few_steps = 20;
 }  // namespace
 
 void judge_steps(const scene::Scene& scene, Summary& summary) {
-  if (scene.accuracy || scene.contact.scheme != scene::Scheme::compliant) return;
+  if (scene.accuracy || scene.contact.scheme != Scheme::compliant) return;
   double longest = 0;
   for (const contact::Episode& episode : summary.episodes) {
     if (!episode.end_s) return;
@@ -279,8 +275,8 @@ void run_at_rest(const scene::Scene& scene, const contact::Model& model, const J
 
 /// Throws InputError where --fclib asks for problems that are not posed.
 void refuse_problems(const console::Options& options, const scene::Scene& scene) {
-  if (!options.fclib.empty() && (scene.contact.scheme != scene::Scheme::compliant ||
-                                 scene.contact.kernel != scene::ContactKernel::modes))
+  if (!options.fclib.empty() &&
+      (scene.contact.scheme != Scheme::compliant || scene.contact.kernel != scene::ContactKernel::modes))
     throw InputError(fmt::format(
         "{}: --fclib: only contact.scheme = \"compliant\" with kernel = \"modes\" solves one complementarity "
         "problem of all points each step: choose them, or leave --fclib out",
@@ -325,11 +321,11 @@ int run_contact(const console::Options& options, std::ostream& out) {
                                 : "");
   }
   const Target target = target_of(scene, folder, kernels, motion);
-  if (scene.contact.scheme == scene::Scheme::at_rest) {
+  if (scene.contact.scheme == Scheme::at_rest) {
     run_at_rest(scene, model, judged, target, started, options, console, out);
     return 0;
   }
-  const contact::StepOptions step = step_options(scene);
+  const StepOptions step = step_options(scene);
   const std::int64_t steps = std::llround(scene.time.duration * scene.time.rate.value);
   base::check_place(target.result, contact::least_bytes(model, target.recorder, steps));
 

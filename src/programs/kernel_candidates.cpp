@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "kernels/read.hpp"
 #include "src/mesh/body_file.hpp"
 #include "src/mesh/gmsh_session.hpp"
 #include "src/mesh/parts.hpp"

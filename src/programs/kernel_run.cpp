@@ -9,8 +9,9 @@
 #include <string_view>
 #include <utility>
 
-#include "kernels/band.hpp"
 #include "base/atomic_file.hpp"
+#include "kernels/band.hpp"
+#include "kernels/write.hpp"
 #include "src/mesh/gmsh_session.hpp"
 #include "src/modes/approximate.hpp"
 #include "src/modes/contact_basis.hpp"

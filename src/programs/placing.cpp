@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <limits>
 
+#include "contact/input/history_file.hpp"
 #include "contact/model/history.hpp"
+#include "contact/pairing/placement.hpp"
+#include "kernels/read.hpp"
 
 namespace ricochet::programs {
 namespace {

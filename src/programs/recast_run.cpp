@@ -4,9 +4,11 @@
 
 #include <ostream>
 
-#include "ricochet/error.hpp"
-#include "kernels/modes_file.hpp"
 #include "base/atomic_file.hpp"
+#include "kernels/modes_file.hpp"
+#include "kernels/read.hpp"
+#include "kernels/write.hpp"
+#include "ricochet/error.hpp"
 #include "src/scene/derive.hpp"
 
 namespace ricochet::programs {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "kernels/read.hpp"
 #include "ricochet/error.hpp"
 #include "src/programs/placing.hpp"
 

@@ -6,10 +6,12 @@
 #include <optional>
 #include <ostream>
 
+#include "base/atomic_file.hpp"
+#include "contact/input/table_file.hpp"
+#include "contact/output/table_results.hpp"
+#include "contact/table/modal_table.hpp"
 #include "contact/table/table.hpp"
 #include "contact/table/table_integrator.hpp"
-#include "contact/output/table_results.hpp"
-#include "base/atomic_file.hpp"
 #include "src/programs/contact_parts.hpp"
 
 namespace ricochet::programs {
@@ -19,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// A table from modes, its copy in the convolution and the spectra.
 void check_memory(const scene::Scene& scene, Eigen::Index points, std::int64_t steps) {
-  const double kernels = scene.contact.scheme == scene::Scheme::impulse ? 2 : 1,
+  const double kernels = scene.contact.scheme == Scheme::impulse ? 2 : 1,
                needed = 4 * kernels * 8 * static_cast<double>(steps) * static_cast<double>(points * points),
                there =
                    static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
@@ -71,7 +73,7 @@ std::int64_t steps_of(const scene::Scene& scene) {
 template <class After>
 contact::Summary run(const scene::Scene& scene, const Tabled& tabled, contact::TableIntegrator& integrator,
                      After after) {
-  const contact::StepOptions step = step_options(scene);
+  const StepOptions step = step_options(scene);
   contact::TableObserver observer(integrator, step.step, tabled.unpaired);
   const Clock::time_point started = Clock::now();
   for (std::int64_t k = 1, steps = steps_of(scene); k <= steps; ++k) {
@@ -86,7 +88,7 @@ contact::Summary run(const scene::Scene& scene, const Tabled& tabled, contact::T
       summary.modes[body.name] = body.modes;
       summary.basis[body.name] = body.kernel->modes.kind();
     }
-    if (step.scheme == contact::Scheme::compliant)
+    if (step.scheme == Scheme::compliant)
       summary.modes_in_residual =
           static_cast<int>((tabled.model->omega.array() * step.step > std::numbers::pi).count());
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/read.hpp"
 #include "src/scene/loads.hpp"
 #include "src/scene/toml.hpp"
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "kernels/algebra.hpp"
+#include "kernels/read.hpp"
 #include "src/scene/scene.hpp"
 
 namespace ricochet::scene {

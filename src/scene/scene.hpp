@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "kernels/damping.hpp"
+#include "ricochet/step_options.hpp"
 
 namespace ricochet::scene {
 
@@ -82,10 +83,7 @@ struct Pair {
   bool operator==(const Pair&) const = default;
 };
 
-enum class Scheme { compliant, impulse, at_rest };  ///< at_rest: "static"
 enum class Solver { exact, uzawa };
-enum class Admittance { jump, difference };
-enum class Instant { step, exact };
 
 /// What answers a contact force: the bodies' modes, or kernels sampled in time and convolved with the forces.
 enum class ContactKernel { modes, table };
@@ -103,8 +101,6 @@ struct Contact {
   std::vector<Pair> pairs;        ///< [contact] itself, or each [[contact.pair]]
   bool operator==(const Contact&) const = default;
 };
-
-enum class Precision { float64, float32 };  ///< "double", "single"
 
 struct Time {
   Hertz rate{44100};

@@ -14,10 +14,10 @@
 namespace ricochet::base {
 namespace {
 
-using test::bytes_of;
+using kernels::test::bytes_of;
+using kernels::test::put_bytes;
 using test::complaint_of;
 using test::Folder;
-using test::put_bytes;
 using ::testing::HasSubstr;
 
 TEST(AtomicFile, has_its_name_only_when_it_is_committed) {
@@ -97,7 +97,8 @@ TEST(Place, is_tried_before_it_is_needed) {
   EXPECT_THAT(complaint_of([&] { check_place(folder / "file", 1e18); }), HasSubstr("1e+12 MB are needed"));
   put_bytes(folder / "file", "");
   EXPECT_THAT(complaint_of([&] { check_place(folder / "file/below"); }), HasSubstr("can't make this folder"));
-  EXPECT_THAT(complaint_of([&] { AtomicFile(folder / "none/file"); }), HasSubstr("No such file or directory"));
+  EXPECT_THAT(complaint_of([&] { AtomicFile(folder / "none/file"); }),
+              HasSubstr("No such file or directory"));
 }
 
 // HDF5 itself crashes when such a program ends.

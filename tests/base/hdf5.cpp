@@ -7,6 +7,8 @@
 
 #include <stdexcept>
 
+#include "kernels/read.hpp"
+#include "kernels/write.hpp"
 #include "tests/kernels/sample.hpp"
 
 namespace ricochet::base::hdf5 {
@@ -86,13 +88,13 @@ TEST(Wrapper, leaves_no_handle_open) {
 
 TEST(Wrapper, prints_nothing_about_bad_files_not_even_when_the_program_ends) {
   const Folder folder;
-  write(test::sample_kernel(3), folder / "body.h5");
-  test::put_bytes(folder / "text.h5", "text");
-  std::string spoilt = test::bytes_of(folder / "body.h5");
+  kernels::write(kernels::test::sample_kernel(3), folder / "body.h5");
+  kernels::test::put_bytes(folder / "text.h5", "text");
+  std::string spoilt = kernels::test::bytes_of(folder / "body.h5");
   // Past the header's mark: its checksum fails, which HDF5 remembers until the end.
   for (std::size_t at = 0; (at = spoilt.find("OHDR", at + 1)) != std::string::npos;)
     if (at > 1000) spoilt[at + 20] = static_cast<char>(~spoilt[at + 20]);
-  test::put_bytes(folder / "spoilt.h5", spoilt);
+  kernels::test::put_bytes(folder / "spoilt.h5", spoilt);
   const auto meet_bad_files = [&] {
     complaint_of([&] { Reader(folder / "missing.h5", "Advice."); });
     complaint_of([&] { Reader(folder / "text.h5", "Advice."); });

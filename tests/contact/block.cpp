@@ -13,8 +13,10 @@
 
 namespace {
 
-using namespace ricochet;
 using namespace ricochet::contact;
+using ricochet::Precision;
+using ricochet::StepOptions;
+using ricochet::StepStatus;
 
 constexpr double step = 1 / 44100.0;
 

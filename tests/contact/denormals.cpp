@@ -9,8 +9,8 @@
 #include <limits>
 #include <vector>
 
-#include "contact/stepping/integrator.hpp"
 #include "contact/model/model.hpp"
+#include "contact/stepping/integrator.hpp"
 #include "tests/contact/plate.hpp"
 
 namespace {
@@ -100,7 +100,7 @@ TEST(Simulation, of_a_dying_sound_is_the_same_with_and_without_denormals) {
   double largest = 0, difference = 0;
   std::size_t denormal_plain = 0;
   for (std::size_t k = 0; k < n; ++k) {
-    ASSERT_EQ(plain.step(), contact::StepStatus::ok);
+    ASSERT_EQ(plain.step(), ricochet::StepStatus::ok);
     const double v = w.dot(plain.v().head(struck.modes));
     largest = std::max(largest, std::abs(v));
     difference = std::max(difference, std::abs(v - sound[k]));

@@ -15,6 +15,11 @@
 namespace {
 
 using namespace ricochet::contact;
+using ricochet::Admittance;
+using ricochet::Energy;
+using ricochet::Scheme;
+using ricochet::StepOptions;
+using ricochet::StepStatus;
 using namespace ricochet::contact::test;
 using ricochet::kernels::Kernel;
 using ::testing::HasSubstr;

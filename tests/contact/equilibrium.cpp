@@ -6,6 +6,7 @@
 
 #include <random>
 
+#include "base/hdf5_reader.hpp"
 #include "contact/output/recorder.hpp"
 #include "contact/output/summary.hpp"
 #include "tests/contact/bodies.hpp"

@@ -11,6 +11,9 @@
 namespace {
 
 using namespace ricochet::contact;
+using ricochet::Precision;
+using ricochet::Scheme;
+using ricochet::StepOptions;
 using namespace ricochet::contact::test;
 using ricochet::kernels::Kernel;
 

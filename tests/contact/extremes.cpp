@@ -14,6 +14,9 @@
 namespace {
 
 using namespace ricochet::contact;
+using ricochet::Precision;
+using ricochet::StepOptions;
+using ricochet::StepStatus;
 using namespace ricochet::contact::test;
 using ricochet::kernels::Kernel;
 

@@ -1,4 +1,5 @@
 // Histories: values, slopes, integrals, and files that are refused in one line.
+#include "contact/input/history_file.hpp"
 #include "contact/model/history.hpp"
 
 #include <gmock/gmock.h>

@@ -11,6 +11,11 @@
 namespace {
 
 using namespace ricochet::contact;
+using ricochet::Admittance;
+using ricochet::Instant;
+using ricochet::Scheme;
+using ricochet::StepOptions;
+using ricochet::StepStatus;
 using namespace ricochet::contact::test;
 using ricochet::kernels::Kernel;
 

@@ -16,6 +16,11 @@
 namespace {
 
 using namespace ricochet::contact;
+using ricochet::Admittance;
+using ricochet::Energy;
+using ricochet::Scheme;
+using ricochet::StepOptions;
+using ricochet::StepStatus;
 
 Model blank(Eigen::Index modes, Eigen::Index points) {
   Model model;

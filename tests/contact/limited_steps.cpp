@@ -11,6 +11,9 @@
 namespace {
 
 using namespace ricochet::contact;
+using ricochet::Energy;
+using ricochet::Scheme;
+using ricochet::StepStatus;
 
 /// A body that flies at an obstacle, or lies on it, with many points that touch at once: modes over three
 /// decades, damped or not, weight, residual flexibility of any size or none.

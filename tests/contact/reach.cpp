@@ -3,12 +3,14 @@
 #include <gtest/gtest.h>
 
 #include "contact/output/summary.hpp"
+#include "contact/pairing/placement.hpp"
 #include "kernels/algebra.hpp"
 #include "tests/contact/plate.hpp"
 
 namespace {
 
 using namespace ricochet::contact;
+using ricochet::StepStatus;
 using namespace ricochet::contact::test;
 using ricochet::kernels::Kernel;
 using ::testing::ElementsAre;

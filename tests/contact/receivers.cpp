@@ -7,15 +7,19 @@
 #include <array>
 #include <cmath>
 
+#include "base/hdf5_reader.hpp"
 #include "contact/output/recorder.hpp"
 #include "tests/contact/bodies.hpp"
 
 namespace {
 
 using namespace ricochet::contact;
+using ricochet::Scheme;
+using ricochet::StepOptions;
+using ricochet::StepStatus;
 using namespace ricochet::contact::test;
-using ricochet::kernels::Kernel;
 using ricochet::base::hdf5::Reader;
+using ricochet::kernels::Kernel;
 using ricochet::test::Folder;
 
 constexpr double length = 10;

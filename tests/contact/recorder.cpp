@@ -1,5 +1,6 @@
 // Result files: what is in them after a run, and that there is none before it ends.
 #include "contact/output/recorder.hpp"
+#include "base/hdf5_reader.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -10,11 +11,14 @@
 namespace {
 
 using namespace ricochet::contact;
+using ricochet::Energy;
+using ricochet::StepOptions;
+using ricochet::StepStatus;
 using namespace ricochet::contact::test;
-using ricochet::kernels::Kernel;
 using ricochet::base::hdf5::any;
 using ricochet::base::hdf5::Reader;
 using ricochet::base::hdf5::Shape;
+using ricochet::kernels::Kernel;
 using ricochet::test::Folder;
 
 constexpr int modes = 12;

@@ -13,6 +13,10 @@
 namespace {
 
 using namespace ricochet::contact;
+using ricochet::Admittance;
+using ricochet::Scheme;
+using ricochet::StepOptions;
+using ricochet::StepStatus;
 
 constexpr double length = 10, speed = 1, impedance = 1, step = 0.01, duration = 30;
 constexpr double touching_time = 20;  // 2L/c

@@ -15,6 +15,9 @@
 namespace {
 
 using namespace ricochet::contact;
+using ricochet::Scheme;
+using ricochet::StepOptions;
+using ricochet::StepStatus;
 using namespace ricochet::contact::test;
 using ricochet::kernels::Kernel;
 using ::testing::ElementsAre;

@@ -1,6 +1,8 @@
 // Table kernels: the closed form of two rods against the wave solution, kernels from modes against modal
 // stepping, files, and what is refused.
 #include "contact/table/table.hpp"
+#include "contact/input/table_file.hpp"
+#include "contact/table/modal_table.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,8 +11,8 @@
 #include <numbers>
 #include <random>
 
-#include "contact/table/table_integrator.hpp"
 #include "base/hdf5_reader.hpp"
+#include "contact/table/table_integrator.hpp"
 #include "tests/contact/bodies.hpp"
 #include "tests/contact/heap_counter.hpp"
 #include "tests/kernels/hostile.hpp"
@@ -19,6 +21,10 @@
 namespace {
 
 using namespace ricochet::contact;
+using ricochet::Admittance;
+using ricochet::Scheme;
+using ricochet::StepOptions;
+using ricochet::StepStatus;
 using namespace ricochet::contact::test;
 using ricochet::test::Folder;
 using ::testing::HasSubstr;

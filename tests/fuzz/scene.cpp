@@ -6,6 +6,7 @@
 
 #include <sstream>
 
+#include "kernels/read.hpp"
 #include "src/scene/derive.hpp"
 #include "src/scene/write.hpp"
 #include "tests/fuzz/input.hpp"

@@ -2,6 +2,7 @@
 //
 // An accepted table comes back the same from a file of ours, and can be stepped, or is refused in one line.
 #include "contact/table/table.hpp"
+#include "contact/input/table_file.hpp"
 
 #include "contact/table/table_integrator.hpp"
 #include "tests/fuzz/hdf5_edits.hpp"
@@ -49,7 +50,7 @@ Table sample(unsigned parts) {
   return table;
 }
 
-void step(const Table& table, contact::Scheme scheme, contact::Admittance admittance) {
+void step(const Table& table, ricochet::Scheme scheme, ricochet::Admittance admittance) {
   accepts([&] {
     contact::TableIntegrator integrator(table,
                                         {.scheme = scheme, .admittance = admittance, .step = table.step});
@@ -69,8 +70,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (!accepts([&] { table = contact::read_table(file); })) return 0;
   contact::write_table(table, copy);
   require(same(contact::read_table(copy), table), "a written table is another one");
-  step(table, contact::Scheme::compliant, contact::Admittance::jump);
-  step(table, contact::Scheme::impulse, contact::Admittance::jump);
-  step(table, contact::Scheme::impulse, contact::Admittance::difference);
+  step(table, ricochet::Scheme::compliant, ricochet::Admittance::jump);
+  step(table, ricochet::Scheme::impulse, ricochet::Admittance::jump);
+  step(table, ricochet::Scheme::impulse, ricochet::Admittance::difference);
   return 0;
 }

@@ -2,6 +2,8 @@
 // is wrong.
 #include <functional>
 
+#include "kernels/read.hpp"
+#include "kernels/write.hpp"
 #include "tests/kernels/hostile.hpp"
 #include "tests/kernels/sample.hpp"
 

@@ -10,9 +10,13 @@
 
 #include "base/hdf5_reader.hpp"
 #include "base/hdf5_writer.hpp"
+#include "kernels/read.hpp"
+#include "kernels/write.hpp"
 #include "tests/kernels/sample.hpp"
 
 namespace ricochet::kernels {
+
+namespace hdf5 = base::hdf5;
 namespace {
 
 using test::complaint_of;

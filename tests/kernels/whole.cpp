@@ -2,6 +2,8 @@
 #include <functional>
 
 #include "kernels/algebra.hpp"
+#include "kernels/read.hpp"
+#include "kernels/write.hpp"
 #include "tests/kernels/sample.hpp"
 
 namespace ricochet::kernels {

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include "kernels/write.hpp"
 #include "tests/kernels/bar.hpp"
 #include "tests/kernels/sample.hpp"
 #include "tests/scene/scenes.hpp"

@@ -1,22 +1,22 @@
-"""Writes the validation manual from what the cases found. Every figure in it comes from there."""
+"""Writes the validation manual from the results of the cases, the source of every figure in it."""
 import re
 
 from case import verdict
 
 INTRODUCTION = """# Validation manual
 
-Written by `scripts/verify --long --manual` from the runs themselves: no result is typed by hand. Each case says where its reference
-comes from, how it was run, what came out, how far that is from the reference, and why the bound is what it is.
+`scripts/verify --long --manual` writes this page from the runs themselves; no result is typed by hand. Each case states the source of its
+reference, the commands, the results, their errors, and the reason for each bound.
 
-    scripts/verify                 # all short cases; what is finished is not computed again
-    scripts/verify --long          # the long ones too
-    scripts/verify bars sphere     # these
+    scripts/verify                 # all short cases; finished cases are not computed again
+    scripts/verify --long          # also the long ones
+    scripts/verify bars sphere     # these cases
     scripts/verify --list
 
-The status is 0 if every line passes or is a known failure: one whose reason is established and stands beside it. A known failure
-that passes after all fails the run, so that this page is mended. Scenes and results stay in `build/verify/<case>/`. Errors are
-relative to the reference, but where that is 0 or "abs." says otherwise. Times are processor seconds of one run, on {machine}.
-What lies at the [ends of every knob](#extremes) is in a table of its own.
+The exit status is 0 if every line passes or is a known failure, one whose reason is established and stated beside it. A known failure
+that passes makes the run fail, so that this page is corrected. Scenes and results stay in `build/verify/<case>/`. Errors are
+relative to the reference, except where the reference is 0 or the error is marked "abs.". Times are processor seconds of one run, on {machine}.
+Further tests cover the [ends of the range of each setting](#extremes).
 
 {count}
 """
@@ -50,8 +50,8 @@ def section(name, module, found):
              module.__doc__.strip(), ""]
     commands = list(dict.fromkeys(found["commands"]))
     shown = commands[:4]
-    lines += [f"    scripts/verify {name}", "", f"It takes {found['seconds']:.1f} s of processor time and runs {len(commands)} commands"
-              + (", among them" if len(commands) > len(shown) else "") + ":" if commands else "", ""]
+    lines += [f"    scripts/verify {name}", "", f"It takes {found['seconds']:.1f} s of processor time and runs {len(commands)} "
+              + ("command" if len(commands) == 1 else "commands") + (", among them" if len(commands) > len(shown) else "") + ":" if commands else "", ""]
     lines += [f"    {command}" for command in shown] + [""]
     if found["stopped"]:
         lines += [f"**FAIL**: {found['stopped']}", ""]
@@ -65,15 +65,15 @@ def section(name, module, found):
 
 
 def extremes(path):
-    """Section on the table that scripts/extremes wrote at `path`, with its lines counted by kind."""
+    """Section on the table of extremes at `path`, with its lines counted by kind."""
     kinds = {}
     for line in path.read_text().splitlines():
         cells = [cell.strip() for cell in line.strip("|").split(" | ")]
         if line.startswith("| ") and cells[0] != "what":
             kinds.setdefault(cells[0], []).append(cells[-1] == "pass")
     passed = [result for results in kinds.values() for result in results]
-    lines = ["## Extremes", "", "The ends of every knob, a line a case: [the table](extremes.md), which `scripts/extremes` writes. It has "
-             f"{len(passed)} lines: {sum(passed)} pass, {len(passed) - sum(passed)} fail.", ""]
+    lines = ["## Extremes", "", "`scripts/verify --extremes` tests the ends of the range of each setting, one case per line of [a table](extremes.md). It "
+             f"has {len(passed)} lines: {sum(passed)} pass, {len(passed) - sum(passed)} fail.", ""]
     return lines + table(["extremes of", "lines", "pass"], [[kind, str(len(results)), str(sum(results))] for kind, results in kinds.items()])
 
 

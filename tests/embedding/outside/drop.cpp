@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstdio>
 #include <iostream>
+#include "kernels/write.hpp"
 
 namespace {
 

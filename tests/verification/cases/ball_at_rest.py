@@ -1,10 +1,10 @@
-"""A steel ball of 10 mm radius on a rigid plane (`meshes/hertz/resting-ball.toml`, `scheme = "static"`) under a weight of 246 N, for which
-Hertz's radius of contact is 0.2 mm; meshes twice as fine at the contact each time. A quarter of the ball is meshed.
+"""A steel ball of 10 mm radius rests on a rigid plane (`meshes/hertz/resting-ball.toml`, `scheme = "static"`) under a weight of 246 N, for
+which Hertz's contact radius is 0.2 mm. Each mesh is twice as fine at the contact as the previous one. A quarter of the ball is meshed.
 
-The approach of the centre does not converge to Hertz's, and should not: his ball is half a space near the contact, and a real one
-of ν = 0.3 approaches by about 0.54 a/R less. So the reference is an elastic ball in Legendre series, which has neither mesh nor
-half-space. The radius is that of Hertz's pressure with the second moment of the forces, a² = 5/2 Σ λ r² / Σ λ; that of the pressed
-area asks for no form of the pressure, but counts whole elements."""
+The approach of the centre should not converge to Hertz's value: his ball is a half-space near the contact, and a real ball of ν = 0.3
+approaches by about 0.54 a/R less. The reference is therefore an elastic ball in Legendre series, without a mesh and without the
+half-space. The contact radius is computed from the second moment of the forces as for Hertz's pressure, a² = 5/2 Σ λ r² / Σ λ. The radius
+from the pressed area assumes no form of the pressure, but counts whole elements."""
 import numpy as np
 
 import hertz_theory as hertz
@@ -39,26 +39,26 @@ def run(bench, sizes=(1e-4, 5e-5), bounds=None):
     rows.append(["elastic ball", "", "", f"{1e3 * exact[0]:.4f}", f"{1e6 * exact[1]:.3f}"] + [""] * 4)
     rows.append(["Hertz", "", "", f"{1e3 * ideal:.4f}", f"{1e6 * hertz.approach(contact.total):.3f}"] + [""] * 4)
     bench.table(["elements at the contact", "patches", "pressing", "radius (mm)", "approach (µm)", "radius: error", "approach: error",
-                 "radius of the pressed area: error", "pressure: mean square error over the largest"], rows)
+                 "radius of the pressed area: error", "pressure: rms error over the largest"], rows)
 
     bench.compare("force on the whole ball (N)", contact.total, weight, 1e-10, "round-off: equilibrium")
-    bench.compare("radius (mm), finest mesh, by the elastic ball", 1e3 * contact.radius(), 1e3 * exact[0], bounds["radius"],
-                  "falls faster than the size")
-    bench.compare("approach (µm), finest mesh, by the elastic ball", 1e6 * approach, 1e6 * exact[1], bounds["approach"],
-                  "falls with the size")
-    bench.compare("radius of the pressed area (mm), finest mesh, by Hertz", 1e3 * contact.radius_of_area(), 1e3 * ideal,
+    bench.compare("radius (mm), finest mesh, against the elastic ball", 1e3 * contact.radius(), 1e3 * exact[0], bounds["radius"],
+                  "decreases faster than the element size")
+    bench.compare("approach (µm), finest mesh, against the elastic ball", 1e6 * approach, 1e6 * exact[1], bounds["approach"],
+                  "decreases with the element size")
+    bench.compare("radius of the pressed area (mm), finest mesh, against Hertz", 1e3 * contact.radius_of_area(), 1e3 * ideal,
                   bounds["radius of the area"], "half an element at the edge")
-    bench.compare("radius (mm), finest mesh, by Hertz", 1e3 * contact.radius(), 1e3 * ideal, 0.02, "he leaves out a/R = 0.02")
-    bench.compare("approach (µm), finest mesh, by Hertz", 1e6 * approach, 1e6 * hertz.approach(contact.total), 0.02,
-                  "he leaves out 0.54 a/R = 0.011")
-    bench.below("pressure beside Hertz, finest mesh: mean square error over the largest", errors[-1]["pressure"], bounds["pressure"],
-                "rough at the edge, where it ends like a root")
+    bench.compare("radius (mm), finest mesh, against Hertz", 1e3 * contact.radius(), 1e3 * ideal, 0.02, "Hertz neglects a/R = 0.02")
+    bench.compare("approach (µm), finest mesh, against Hertz", 1e6 * approach, 1e6 * hertz.approach(contact.total), 0.02,
+                  "Hertz neglects 0.54 a/R = 0.011")
+    bench.below("pressure against Hertz, finest mesh: rms error over the largest", errors[-1]["pressure"], bounds["pressure"],
+                "inaccurate at the edge, where the pressure falls like a square root")
     bench.below("largest penetration over the approach", result.summary["max_penetration_m"] / approach, 1e-10,
                 "round-off: equality in (2)")
     for name in errors[0]:
         rates = [np.log2(coarse[name] / fine[name]) for coarse, fine in zip(errors, errors[1:])]
         bench.at_least(f"order: {name} over the size, from the two finest meshes", rates[-1], 0.5,
-                       "an edge that elements do not follow spoils the order")
+                       "elements that do not follow the edge reduce the order")
 
     figure, (left, right) = bench.figure(2)
     for (size, shown), marker, colour in zip(contacts.items(), "s^o", (ORANGE, GREEN, BLUE)):

@@ -1,4 +1,4 @@
-"""The ball of `ball_at_rest` on three meshes, down to elements of a fortieth of the contact's diameter."""
+"""The ball of `ball_at_rest` on three meshes, down to elements of a fortieth of the contact diameter."""
 from cases import ball_at_rest
 
 TITLE = "Hertz at rest, finer"

@@ -1,6 +1,6 @@
-"""A steel bar, free at both ends or clamped at the right one: frequencies n c/2L and (2n − 1) c/4L, and the wave that a force
-suddenly put on its left end sends through it. By d'Alembert the bar's displacement is a sum of ramps that set in as the wave
-comes by and comes back: kinks, which a sum over N modes with the static part of the others rounds off by about 1/N."""
+"""A steel bar, free at both ends or clamped at the right end: its frequencies n c/2L or (2n − 1) c/4L, and the wave that a sudden force on
+its left end sends through it. By d'Alembert, the displacement is a sum of ramps that start each time the wave passes. A sum over N
+modes with the static part of the others rounds off their kinks by about 1/N."""
 import numpy as np
 
 from case import BLUE, GREY, ORANGE
@@ -72,20 +72,20 @@ def run(bench):
         exact = (2 * number + 1) * SPEED / (4 * LENGTH) if clamped else number * SPEED / (2 * LENGTH)
         bench.compare(f"{name}: rigid modes", np.count_nonzero(frequency == 0), 0 if clamped else 1, 0, "a count", absolute=True)
         bench.compare(f"{name}: first elastic frequency (Hz)", frequency[exact > 0][0], exact[exact > 0][0], 1e-9,
-                      "round-off of the eigensolver, by its residual of 1e-8 squared")
+                      "round-off of the eigensolver: the square of its residual of 1e-8")
         worst = np.abs(frequency / np.where(exact > 0, exact, 1) - 1)[exact > 0].max()
         bench.below(f"{name}: largest relative error of {MODES} frequencies", worst, 1e-6,
-                    "order 5, 12 nodes a wavelength at the top: (kh)¹⁰")
+                    "order 5, 12 nodes per wavelength at the highest mode: (kh)¹⁰")
         time = result["receivers/time"]
         for receiver, x, colour in (("end", 0.0, BLUE), ("middle", 0.4, ORANGE)):
             ours = result[f"receivers/{receiver}/displacement"][:, 0]
             theirs = waves(x, time, clamped)
             scale = waves(0.0, np.array([2 * LENGTH / SPEED]), False)[0]
             bench.below(f"{name}: largest error at x = {x:g} m, over F/Z · 2L/c", np.abs(ours - theirs).max() / scale,
-                        2 / (np.pi**2 * MODES), "tail of Σ 1/n² of the modes cut, all in phase at a kink: 2/(π²N)")
+                        2 / (np.pi**2 * MODES), "tail of Σ 1/n² over the truncated modes, all in phase at a kink: 2/(π²N)")
             ax.plot(time * 1e3, ours * 1e6, color=colour, label=f"x = {x:g} m")
             ax.plot(time * 1e3, theirs * 1e6, color=GREY, linestyle="--", linewidth=0.9, label="d'Alembert" if x else None)
         ax.set(xlabel="time (ms)", ylabel="displacement (µm)", title=f"{name}: a force of 1 kN on the left end")
         ax.set_ylim(0, 1.35 * ax.get_ylim()[1])
         ax.legend(loc="upper left", ncols=3)
-    bench.save(figure, "Waves in a bar by 100 modes with static parts, and by images")
+    bench.save(figure, "Waves in a bar: 100 modes with static parts, and d'Alembert's images")

@@ -1,12 +1,12 @@
-"""An elastic bar (L = 10, E = 900, ρ = A = 1, g = 10) falls from h₀ = 5 on a rigid floor. With these numbers the motion is periodic
-of period 16/3, in closed form: with c = 30, v₀ = √(2 g h₀) = 10 and the static shortening u_s(x) = −(g/c²)(L x − x²/2),
+"""An elastic bar (L = 10, E = 900, ρ = A = 1, g = 10) falls from h₀ = 5 on a rigid floor. With these numbers the motion is periodic with
+period 16/3, in closed form. With c = 30, v₀ = √(2 g h₀) = 10 and the static shortening u_s(x) = −(g/c²)(L x − x²/2), the bar
 
-- it falls for 1 s, touches for 2L/c = 2/3 s under the force v₀E/c + ρgc t' = 300 … 500, and has then turned its speed, 2u_s short;
-- it flies for 2v₀/g = 2 s, just three periods of its free vibration, and so arrives as it left, 2u_s short;
-- it touches for 2/3 s under 500 … 300, flies for 2 s without any vibration, and so on.
+- falls for 1 s, touches for 2L/c = 2/3 s under the force v₀E/c + ρgc t' = 300 … 500, and leaves with reversed speed, shortened by 2u_s;
+- flies for 2v₀/g = 2 s, exactly three periods of its free vibration, and so arrives as it left, shortened by 2u_s;
+- touches for 2/3 s under 500 … 300, flies for 2 s without any vibration, and so on.
 
-The elastic wave has to come back in step after each flight. What a scheme loses or delays grows from touch to touch, by the bar's
-own instability: `bouncing_bar_fine` measures that."""
+After each flight the elastic wave must return in phase. Losses and delays of a scheme grow from touch to touch because the motion of the
+bar is itself unstable; `bouncing_bar_fine` measures this."""
 import numpy as np
 
 from case import BLUE, GREY, ORANGE, RED, slopes
@@ -88,7 +88,7 @@ def run(bench, counts=(25, 50, 100), duration=27.0, bound=0.15):
         feet[count] = result, time, foot
         episodes = [e for e in result.summary["episodes"] if e["impulse_ns"] > 1]
         rows.append([count, f"{errors[-1]:.2e}", f"{lost:.2e}", len(episodes), f"{result.summary['max_penetration_m']:.0e}"])
-    bench.table(["modes", "error of the foot over h₀, mean square over all touches", "energy lost over m g h₀", "touches",
+    bench.table(["modes", "rms error of the foot over h₀, all touches", "energy lost over m g h₀", "touches",
                  "penetration (m)"], rows)
 
     finest, time, foot = feet[counts[-1]]
@@ -98,17 +98,17 @@ def run(bench, counts=(25, 50, 100), duration=27.0, bound=0.15):
     touching, force = finest.force()
     bench.compare("impulse of all touches (N s)", finest.summary["impulse_ns"],
                   len(starts) * LENGTH * (2 * ARRIVAL + GRAVITY * TOUCH), 2e-2,
-                  "2 m v₀ and the weight over each touch; some of the speed is lost")
+                  "2 m v₀ and the weight during each touch; some speed is lost")
     for number, start in enumerate(starts[:4]):
         inside = (touching > start + 0.1 * TOUCH) & (touching < start + 0.9 * TOUCH)
         bench.compare(f"touch {number + 1}: mean force (N)", force[inside].mean(), exact(touching[inside])[1].mean(), 2e-2,
-                      "the front that comes back after each flight is spread by the cut")
-    bench.below("error of the foot over h₀, mean square", errors[-1], bound,
-                "departures grow over the ten touches, from about 1/N at the first")
+                      "modal truncation spreads the front that returns after each flight")
+    bench.below("rms error of the foot over h₀", errors[-1], bound,
+                "deviations grow over the ten touches, from about 1/N at the first")
     bench.below("largest penetration (m)", finest.summary["max_penetration_m"], 1e-10, "round-off: equality in (2)")
-    bench.below("departure of the energy ledger", finest.summary["energy_drift"], 1e-10, "round-off of the steps")
+    bench.below("drift of the energy ledger", finest.summary["energy_drift"], 1e-10, "round-off of the steps")
     bench.order("energy lost over the modes", counts, losses, -1.0, 0.4,
-                "each front costs the kinetic energy of the cut, as 1/N; departures that grow blur it")
+                "each front costs the kinetic energy of the truncated modes, about 1/N; growing deviations blur the order")
 
     figure, (left, right) = bench.figure(2)
     for count, colour in ((counts[0], ORANGE), (counts[-1], BLUE)):

@@ -1,7 +1,7 @@
-"""The bar of `bouncing_bar` with up to 400 modes, and for 60 s, 22 touches, where it cannot be followed: the periodic motion is unstable.
-A departure grows by a constant factor each period, until touches split and the bar rattles. That is the bar's own doing: the
-wave equation by the method of characteristics, exact but for the instants at which touches begin and end, does the same. So
-what is compared over many touches is the growth."""
+"""The bar of `bouncing_bar` with up to 400 modes, and over 60 s with 22 touches, where no computation can follow the periodic motion, because
+it is unstable. A deviation grows by a constant factor in each period, until touches split and the bar rattles. This is a property
+of the bar: the wave equation, solved by the method of characteristics, which is exact except for the instants at which touches begin and
+end, behaves likewise. Over many touches, the case therefore compares the growth."""
 import numpy as np
 
 from case import BLUE, GREY
@@ -48,9 +48,9 @@ def run(bench):
                            f"time.rate_hz={30 * MODES}", f"time.duration={DURATION}", "output.every=100")
     ours = departures(result["receivers/time"], bar.HEIGHT + result["receivers/foot/displacement"][:, 0])
     theirs = departures(*characteristics(MODES, DURATION))
-    bench.compare("growth of a departure, factor a period", growth(ours), growth(theirs), 0.1, "a fit over the periods between 0.02 and 0.3 h₀")
+    bench.compare("growth of a deviation, factor per period", growth(ours), growth(theirs), 0.1, "a fit over the periods between 0.02 and 0.3 h₀")
     followed = [2 * int(np.argmax(d > 0.1)) for d in (ours, theirs)]
-    bench.compare("touches until the foot departs by a tenth of h₀", *followed, 4, "two periods: modes and cells depart differently at first",
+    bench.compare("touches until the foot deviates by a tenth of h₀", *followed, 4, "two periods: modes and cells deviate differently at first",
                   absolute=True)
     figure, ax = bench.figure()
     touch = 2 * np.arange(1, len(ours) + 1)
@@ -58,4 +58,4 @@ def run(bench):
     ax.semilogy(touch, theirs, "s--", color=GREY, markersize=4, label=f"characteristics, {MODES} cells")
     ax.set(xlabel="touches", ylabel="departure from the closed form / h₀", title="An unstable periodic motion")
     ax.legend()
-    bench.save(figure, "Bouncing bar: growth of the departure from the periodic motion, two touches a period", "growth")
+    bench.save(figure, "Bouncing bar: growth of the deviation from the periodic motion, two touches per period", "growth")

@@ -1,6 +1,6 @@
-"""A free aluminium box of 100 × 130 × 170 mm and a free cube, two elements of order 5 along each side, against polynomials over the
-whole box. The cube has modes in pairs and triples; as many are found. Both oracles are taken at two degrees, so that
-their own error is seen."""
+"""A free aluminium box of 100 × 130 × 170 mm and a free cube, with two elements of order 5 along each side, compared with polynomials over
+the whole box. The cube has modes in pairs and triples, and the same multiplicities must be found. Both oracles are evaluated at two
+degrees, which shows their own error."""
 import numpy as np
 
 import ritz
@@ -25,19 +25,19 @@ def run(bench):
         ours = kernel["modes/angular_frequency"][:] / (2 * np.pi)
         coarse, fine = (ritz.box(sides, degree, DENSITY, YOUNG, POISSON)[6 : 6 + ELASTIC] for degree in (7, 9))
         bench.compare(f"{name}: rigid modes", np.count_nonzero(ours == 0), 6, 0, "a count")
-        bench.compare(f"{name}: first elastic frequency (Hz)", ours[6], fine[0], 5e-5, "a smooth mode, a quarter of a wave an element")
+        bench.compare(f"{name}: first elastic frequency (Hz)", ours[6], fine[0], 5e-5, "a smooth mode, a quarter of a wavelength per element")
         elastic = ours[6 : 6 + ELASTIC]
         error = np.abs(elastic / fine - 1)
-        bench.below(f"{name}: the oracle's own change from degree 7 to 9, {ELASTIC} frequencies", np.abs(coarse / fine - 1).max(), 5e-4,
+        bench.below(f"{name}: change of the oracle from degree 7 to 9, {ELASTIC} frequencies", np.abs(coarse / fine - 1).max(), 5e-4,
                     "half the bound of the next line")
         bench.below(f"{name}: largest relative error of {ELASTIC} elastic frequencies", error.max(), 1e-3,
-                    "shortest waves about two elements long")
+                    "the shortest wavelengths are about two elements")
         if name == "cube":
             # The last group may be cut by the count.
             known = ritz.multiplicities(fine, 1e-6)[:-1]
             found = ritz.multiplicities(elastic, 1e-6)[: len(known)]
             bench.compare("cube: largest multiplicity", max(found), max(known), 0, "a count")
-            bench.compare("cube: groups of equal frequencies whose size is the oracle's",
+            bench.compare("cube: groups of equal frequencies of the same size as in the oracle",
                           sum(x == y for x, y in zip(found, known)), len(known), 0, "a count")
         ax.semilogy(np.arange(1, ELASTIC + 1), np.maximum(error, 1e-12), "o", markersize=3, color=colour, label=f"{name}: ours")
         ax.semilogy(np.arange(1, ELASTIC + 1), np.maximum(np.abs(coarse / fine - 1), 1e-12), "x", markersize=3, color=colour, alpha=0.6,

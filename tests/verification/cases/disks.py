@@ -1,8 +1,8 @@
-"""The paper's soft lead disks, edge on, at V0 = 1 and 6 m/s (`meshes/two-disks`), on elements of 10 mm and vectors fitted to contact. The
-paper gives pictures and what they show: at 1 m/s the contact stays about position 9 and takes in 8 and 10 at times, position 9
-stays in contact; at 6 m/s it goes beyond 8 and 10, and position 9 opens while its neighbours press. It counts as open here if it does
-not press while others on both of its sides do, for a hundredth of the contact or more: single steps are chatter. Where the first
-touch falls, what the impulse does to the momentum, and the symmetry about position 9 are known in closed form."""
+"""The paper's soft lead disks, edge on, at V0 = 1 and 6 m/s (`meshes/two-disks`), with elements of 10 mm and contact-adapted bases. The
+paper shows the contact in figures and describes it: at 1 m/s, position 9 stays in contact, and 8 and 10 join at times; at 6 m/s the
+contact extends beyond 8 and 10, and position 9 opens while its neighbours press. Here, position 9 counts as open if it carries no force
+for at least a hundredth of the contact while positions on both of its sides do; single steps are chatter. The time of the first touch,
+the effect of the impulse on the momentum, and the symmetry about position 9 are known in closed form."""
 import numpy as np
 
 from ricochet import result_file
@@ -17,8 +17,8 @@ MASS = 11.3e3 * np.pi * 0.05**2 * 5e-3
 POSITIONS, MIDDLE = 17, 8
 RATE = 44100
 OPEN = 0.01  # of the contact
-OPENING = ("position 9 is relieved but does not open: the paper does not say how its disks stand and are clamped, nor its mesh, and on this "
-           "reading its opening is not reproduced")
+OPENING = ("position 9 is relieved but does not open: the paper does not state the placement, the clamping or the mesh of its disks, and this "
+           "interpretation does not reproduce the opening")
 
 
 def opened(force):
@@ -81,26 +81,26 @@ def run(bench, sets=COARSE, ranks=1, laws=()):
         first = (np.sqrt(speed**2 + 2 * GRAVITY * GAP) - speed) / GRAVITY
         step = 1 / RATE
         bench.compare(f"{name}: positions along the rim", force.shape[1], POSITIONS, 0, "a count")
-        bench.below(f"{name}: first touch before or after free fall, in steps",
+        bench.below(f"{name}: deviation of the first touch from free fall, in steps",
                     max(summary["contact_start_s"] - first, first - summary["contact_start_s"] - step, 0) / step, 1.0,
-                    "the patch at position 9 is up to 1.4e-6 of the gap off the rim's lowest point")
+                    "the patch at position 9 is off the lowest point of the rim by up to 1.4e-6 of the gap")
         last = summary["contact_end_s"]
         leaves = -(speed + GRAVITY * last) + summary["impulse_ns"] / MASS
-        bench.compare(f"{name}: upper disk leaves at (m/s), by impulse and weight", summary["exit_velocity"]["upper"][1], leaves, 1e-3,
-                      "the mesh's mass is within 1e-4 of πR²eρ")
+        bench.compare(f"{name}: exit velocity of the upper disk (m/s), from impulse and weight", summary["exit_velocity"]["upper"][1], leaves, 1e-3,
+                      "the mass of the mesh is within 1e-4 of πR²eρ")
         bench.below(f"{name}: asymmetry of the impulses about position 9, over the largest",
                     np.abs(force.sum(axis=0) - force.sum(axis=0)[::-1]).max() / force.sum(axis=0).max(), 0.05, "the mesh is not symmetric")
-        bench.below(f"{name}: departure of the energy ledger", summary["energy_drift"], 1e-10, "round-off of the steps")
+        bench.below(f"{name}: drift of the energy ledger", summary["energy_drift"], 1e-10, "round-off of the steps")
         bench.below(f"{name}: largest penetration (m)", summary["max_penetration_m"], 1e-12, "round-off: equality in (2)")
         reach = np.abs(np.flatnonzero(force.sum(axis=0) > 0) - MIDDLE).max()
         share = opened(force)
         if speed == 1:
-            bench.compare(f"{name}: positions beside 9 that are ever touched, on a side", reach, 1, 0, "Figure 7: 8 and 10")
-            bench.below(f"{name}: longest opening of 9 between its neighbours, share of the contact", share, OPEN,
+            bench.compare(f"{name}: positions on one side of 9 that ever touch", reach, 1, 0, "Figure 7: 8 and 10")
+            bench.below(f"{name}: longest opening of 9 between its neighbours, as a share of the contact", share, OPEN,
                         "Figure 7: it stays in contact")
         else:
-            bench.at_least(f"{name}: positions beside 9 that are ever touched, on a side", reach, 2, "Figure 8: beyond 8 and 10")
-            bench.at_least(f"{name}: longest opening of 9 between its neighbours, share of the contact", share, OPEN,
+            bench.at_least(f"{name}: positions on one side of 9 that ever touch", reach, 2, "Figure 8: beyond 8 and 10")
+            bench.at_least(f"{name}: longest opening of 9 between its neighbours, as a share of the contact", share, OPEN,
                            "Figure 8: a gap appears", known=OPENING)
         rows.append([f"{speed}", f"{1e3 * summary['contact_start_s']:.3f} – {1e3 * last:.3f}", summary["max_active"],
                      f"{summary['peak_force_n']:.1f}", f"{summary['impulse_ns']:.4f}", f"{summary['exit_velocity']['upper'][1]:.3f}",
@@ -110,6 +110,6 @@ def run(bench, sets=COARSE, ranks=1, laws=()):
     for law in laws:
         other = bench.contact(scene, *sets, "bodies.upper.velocity=[0,-6,0]", "contact.scheme=impulse", f"contact.admittance={law}")
         relieved.append([f"impulse, {law}", f"{opened(other['contact/force']):.4f}", f"{relief(other):.2f}"])
-    bench.table(["law, at 6 m/s", "longest opening of 9, share of the contact", "least force on 9 / mean of 8 and 10, over 0.5 ms"], relieved)
-    bench.table(["V0 (m/s)", "contact (ms)", "touching at most", "peak force (N)", "impulse (N s)", "rebound (m/s)",
-                 "energy to contact"], rows)
+    bench.table(["scheme, at 6 m/s", "longest opening of 9, as a share of the contact", "smallest force on 9 / mean of 8 and 10, over 0.5 ms"], relieved)
+    bench.table(["V0 (m/s)", "contact (ms)", "most positions touching", "peak force (N)", "impulse (N s)", "rebound (m/s)",
+                 "energy lost in contact"], rows)

@@ -1,10 +1,9 @@
-"""A rigid body of mass m falls from the height h on a rigid floor (a rod with its rigid mode alone). The variational problem
-(7) has a solution for each energy that the impact may take; the paper's Appendix A.1 names two: (a) the impulse 2 m v₀ at
-t_c = √(2h/g) and no loss, (b) the impulse m v₀, then the weight. They are `restitution` 1 and 0 of the scheme `impulse`, met at the
-instant of contact.
+"""A rigid body of mass m falls from the height h on a rigid floor (a rod with only its rigid mode). The variational problem (7) has a
+solution for each energy loss in the impact. Appendix A.1 of the paper names two: (a) the impulse 2 m v₀ at t_c = √(2h/g) without loss,
+and (b) the impulse m v₀, followed by the weight. They correspond to `restitution` 1 and 0 of the scheme `impulse`, with event location.
 
-`compliant` is made for bodies that can store energy. This one cannot, so the answer lies between (a) and (b) by chance: with the share
-s of the step that passes before the touch, a rigid body leaves at |1 − 2s| v₀."""
+`compliant` is made for bodies that can store energy. This body cannot, so its result lies between (a) and (b) by chance: if the
+share s of the step passes before the touch, a rigid body leaves at |1 − 2s| v₀."""
 import numpy as np
 
 from case import BLUE, GREY, ORANGE
@@ -72,11 +71,11 @@ def run(bench):
     plastic = bench.contact(scene, "contact.restitution=0")
     compliant = bench.contact(scene, 'contact={between=["mass","floor"],direction=[-1,0,0],scheme="compliant"}')
 
-    instant = "the step in which it touches holds the instant"
+    instant = "the step of the touch contains the instant"
     bounces = elastic.summary["episodes"]
     times = fall * (1 + 2 * np.arange(len(bounces)))
     bench.compare("(a): bounces within 4 s", len(bounces), np.floor((4.0 / fall + 1) / 2), 0, "a count")
-    bench.below("(a): farthest that a bounce is from t_c (2n + 1), in steps",
+    bench.below("(a): largest deviation of a bounce from t_c (2n + 1), in steps",
                 max(max(b["start_s"] - t, t - b["end_s"], 0) for b, t in zip(bounces, times)) * RATE, 1e-6, instant)
     bench.compare("(a): impulse of the first bounce (N s)", bounces[0]["impulse_ns"], 2 * MASS * speed, 1e-9,
                   "round-off: the instant is exact")
@@ -85,20 +84,20 @@ def run(bench):
 
     time, force = plastic.force()
     first = plastic.summary["episodes"][0]
-    bench.below("(b): start of contact before or after t_c, in steps",
+    bench.below("(b): deviation of the start of contact from t_c, in steps",
                 max(first["start_s"] - fall, fall - first["start_s"] - 1 / RATE, 0) * RATE, 1e-6, instant)
     row = np.flatnonzero(force)[0]
     bench.compare("(b): impulse of the touch and the rest of its step (N s)", force[row] / RATE,
                   MASS * speed + MASS * GRAVITY * (time[row] - fall), 1e-6,
-                  "round-off; the weight acts on from the touch to the step's end")
-    bench.compare("(b): force after it, mean (N)", force[row + 1 :].mean(), MASS * GRAVITY, 1e-4, "the weight; impulses once a step")
-    bench.below("(b): speed after it (m/s)", np.abs(plastic["bodies/mass/velocity"][row + 1 :]).max(), 1.01 * GRAVITY / RATE,
-                "what gravity adds between two impulses")
+                  "round-off; the weight acts from the touch to the end of the step")
+    bench.compare("(b): mean force after the touch (N)", force[row + 1 :].mean(), MASS * GRAVITY, 1e-4, "the weight, as one impulse per step")
+    bench.below("(b): speed after the touch (m/s)", np.abs(plastic["bodies/mass/velocity"][row + 1 :]).max(), 1.01 * GRAVITY / RATE,
+                "the speed that gravity adds between two impulses")
     bench.compare("(b): share of the energy lost at the touch", plastic["energy/contact"][row] / (MASS * GRAVITY * HEIGHT), 1.0, 1e-5,
-                  "all of it, and what the weight does in the rest of that step")
+                  "all of it, and the work of the weight in the rest of that step")
     share = fall * RATE % 1
-    bench.compare("compliant: speed after its first touch, over v₀", compliant.summary["episodes"][0]["impulse_ns"] / (MASS * speed) - 1,
-                  abs(1 - 2 * share), 2 * GRAVITY / (RATE * speed), "what gravity adds to the speed in two steps", absolute=True)
+    bench.compare("compliant: speed after the first touch, over v₀", compliant.summary["episodes"][0]["impulse_ns"] / (MASS * speed) - 1,
+                  abs(1 - 2 * share), 2 * GRAVITY / (RATE * speed), "the speed that gravity adds in two steps", absolute=True)
     bench.below("compliant: penetration (m)", compliant.summary["max_penetration_m"], 1e-12, "round-off: equality in (2)")
 
     figure, axes = bench.figure(2)

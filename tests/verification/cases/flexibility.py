@@ -1,6 +1,6 @@
-"""A steel block of 60 × 50 × 40 mm on a clamped foot, in 4 × 4 × 4 bricks of order 2. The displacement of the contact patches of its
-top under a unit normal force on each is Σ_n φ_in φ_jn/ω_n² + R_ij, whatever the number of modes: what the modes miss is in R. The
-oracle assembles the same bricks from integrals in one dimension and solves for all patches at once."""
+"""A steel block of 60 × 50 × 40 mm on a clamped foot, in 4 × 4 × 4 bricks of order 2. The displacement of the contact patches on its top
+under a unit normal force on each is Σ_n φ_in φ_jn/ω_n² + R_ij for any number of modes, because R represents the others. The oracle
+assembles the same bricks from one-dimensional integrals and solves for all patches at once."""
 import numpy as np
 
 from block import GEO, Block
@@ -55,8 +55,8 @@ def run(bench):
                     "modes of residual 1e-8 and static solves to 1e-10")
     area = kernel["surface/area"][:]
     bench.below("largest relative error of the areas of the patches", np.abs(area / block.area[rows] - 1).max(), 1e-11,
-                "round-off, that of the mesh generator too")
-    bench.below("smallest eigenvalue of R of 160 modes below 0, over its largest",
+                "round-off, including that of the mesh generator")
+    bench.below("160 modes: negative part of the smallest eigenvalue of R, over the largest entry",
                 max(0.0, -np.linalg.eigvalsh(kernel["surface/residual_flexibility"][:])[0]) / scale, 1e-12, "R is positive semidefinite")
     figure, ax = bench.figure()
     ax.loglog(counts, modal, "o-", color=RED, label="modes alone")
@@ -65,4 +65,4 @@ def run(bench):
     plain_ticks(ax, counts)
     ax.set(xlabel="modes", ylabel="largest error / largest entry", title="Static flexibility of the contact patches")
     ax.legend()
-    bench.save(figure, "What the residual flexibility adds to the modes of a clamped block")
+    bench.save(figure, "Static flexibility of a clamped block by modes alone and with residual flexibility")

@@ -1,7 +1,7 @@
-"""The end of a free rod (ρ = A = E = 1, L = 10) after a unit impulse on it. In closed form N(t) is a stair: 1 up to the first
-return of the wave at 2L/c = 20, then 3, 5, … As a sum over the 100 lowest modes of 100 linear elements the stairs ring, as the
-paper's Figure 4 (ii) and (iii) show. Means over a stair, and the fall of the error with the number of modes, tell that the
-ringing is that of a series cut off and nothing else: a jump is reached as 1/√N in the mean square."""
+"""The end of a free rod (ρ = A = E = 1, L = 10) after a unit impulse on it. In closed form, N(t) is a staircase: 1 up to the first return
+of the wave at 2L/c = 20, then 3, 5, … The sum over the 100 lowest modes of 100 linear elements rings about the stairs, as the paper's
+Figure 4 (ii) and (iii) show. The means over a stair and the decrease of the error with the number of modes show that the ringing is only
+that of a truncated series: at a jump, the root-mean-square error falls as 1/√N."""
 import numpy as np
 
 from case import BLUE, GREY, ORANGE, RED, slopes
@@ -32,9 +32,9 @@ def run(bench):
     for number in range(2):
         inside = (times > 20 * number + 1) & (times < 20 * number + 19)
         bench.compare(f"stair {number + 1} of N, mean over its middle nine tenths (m/(N s))", value[inside].mean(), 1.0 + 2 * number,
-                          5e-3, "ripples of the cut average out over many of their periods")
+                          5e-3, "the ripples of truncation average out over many of their periods")
     bench.compare("mean slope of N over 0 … 40 (1/kg)", value[times < 40].mean() / 20, 0.1, 5e-3,
-                  "the rigid mode alone: 1/(ρAL), with stairs about it")
+                  "the rigid mode alone gives 1/(ρAL), with stairs about it")
 
     order = [f"bodies.{name}.{key}" for name in ("moving", "resting") for key in ("order=5", "geometry={elements=200}")]
     fine = bench.kernel(scene, *order, "modes={count=200}", body="moving", out="fine")
@@ -43,10 +43,10 @@ def run(bench):
     for count in counts:
         series, _, front = by_modes(fine, times, count)
         errors.append(np.sqrt(((series - stair) ** 2).mean()))
-    bench.order("mean-square error of N over the modes kept", counts, errors, -0.5, 0.05,
+    bench.order("rms error of N over the modes kept", counts, errors, -0.5, 0.05,
                 "Fourier series of a jump: coefficients 1/n, tail of their squares 1/N")
     bench.compare("Ṅ(0⁺) of 200 modes (1/kg)", front, (1 + 2 * 199) / LENGTH, 1e-4,
-                  "rigid 1/(ρAL) and 2/(ρAL) a mode; elements of order 5, two a wavelength at least, have little dispersion")
+                  "1/(ρAL) for the rigid mode and 2/(ρAL) for each other one; elements of order 5, at least two per wavelength, disperse little")
 
     figure, (left, right) = bench.figure(2)
     left.plot(times, stair, color=GREY, label="closed form")

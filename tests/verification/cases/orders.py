@@ -1,11 +1,11 @@
-"""How errors fall with the size h and the order p of elements, with the step Δ and with the number N of modes.
+"""How errors decrease with the size h and the order p of elements, with the step Δ and with the number N of modes.
 
-*Elements*: a box between smooth walls at x and y, whose top and foot move along z alone. Its modes are products of sines and cosines,
-ω = c_s|k| and c_p|k| with k = π(l/a, m/b, n/c), so that nothing but the elements is in the error. A Ritz frequency is right to h^2p.
+*Elements*: a box between smooth walls at x and y, whose top and foot move along z only. Its modes are products of sines and cosines with
+ω = c_s|k| and c_p|k|, k = π(l/a, m/b, n/c), so the elements are the only cause of error. The error of a Ritz frequency is of order h^2p.
 
-*Steps and modes*: a bar stands on a rigid floor and its top is pressed by a smooth pulse F sin²(πt/T). The reaction is
-2 F sin²(π(t − L/c)/T) until the wave comes back, in closed form. Contact lasts and is smooth: what is left are the step, in
-which the force is constant, and the cut."""
+*Steps and modes*: a bar stands on a rigid floor, and a smooth pulse F sin²(πt/T) presses its top. Until the wave returns, the reaction is
+2 F sin²(π(t − L/c)/T) in closed form. Contact persists and is smooth; the remaining causes of error are the step, with its constant force,
+and modal truncation."""
 import numpy as np
 
 from block import GEO
@@ -110,7 +110,7 @@ def elements(bench, ax):
             errors.append(np.abs(ours[ours > 0][:LOWEST] / (2 * np.pi) / exact - 1).max())
         sizes = 1 / np.array(meshes)
         bench.order(f"largest error of {LOWEST} frequencies over h, p = {order}", sizes, errors, 2 * order, 0.5,
-                    "2p, which such coarse meshes only come near to")
+                    "2p, which such coarse meshes only approach")
         slopes(ax, sizes, errors, f"p = {order}", colour)
     ax.set(xlabel="h / side", ylabel="relative error", title="Lowest frequencies of a box between walls")
     ax.legend()
@@ -129,7 +129,7 @@ def run(bench):
     for rate in rates:
         errors.append(force_error(bench.contact(scene, f"time.rate_hz={rate}")))
     slopes(axes[0, 1], 1 / rates, errors, "force", BLUE)
-    bench.order("force over Δ, 320 modes with R", 1 / rates, errors, 2.0, 0.5, "a constant force taken at the middle of its step")
+    bench.order("force over Δ, 320 modes with R", 1 / rates, errors, 2.0, 0.5, "a force constant over the step, compared at the middle of the step")
     axes[0, 1].set(xlabel="Δ c/L", ylabel="mean square error / 2F", title="Step, 320 modes with R")
     axes[0, 1].legend()
 
@@ -142,7 +142,7 @@ def run(bench):
             errors.append(force_error(result))
         slopes(axes[1, 0], counts, errors, name, colour)
         bench.order(f"force over N, {name}", counts, errors, expected, 0.5,
-                    "inertia of the cut, Σ 1/n⁴" if residual else "flexibility of the cut, Σ 1/n²")
+                    "inertia of the truncated modes, Σ 1/n⁴" if residual else "flexibility of the truncated modes, Σ 1/n²")
     axes[1, 0].set(xlabel="modes", ylabel="mean square error / 2F", title="Modes, Δ = L/(1600 c)")
     axes[1, 0].legend()
     time, force = result.force()
@@ -150,4 +150,4 @@ def run(bench):
     axes[1, 1].plot(time, reaction(time), color=GREY, linestyle="--", linewidth=0.9, label="closed form")
     axes[1, 1].set(xlabel="time (L/c)", ylabel="force / F", title="Reaction of the floor")
     axes[1, 1].legend()
-    bench.save(figure, "Errors against h and p, Δ, N, and the reaction that the last two are measured on")
+    bench.save(figure, "Errors over h and p, Δ and N, and the reaction from which the last two are measured")

@@ -1,10 +1,10 @@
-"""A steel ball of 10 mm radius falls at 0.3 m/s on steel plates of three thicknesses, so wide that no wave is back from the edge before
-the ball has left: it loses what the bending waves carry off. Zener's plate gives way at the speed F/Z under the ball, Z = 8√(Dρh), and
-the contact obeys Hertz: m ẍ = −F, F = k(x − w)^(3/2), ẇ = F/Z. The restitution depends on the inelasticity λ = m/(Z T₀) alone,
-T₀ = (m/(k√v))^(2/5).
+"""A steel ball of 10 mm radius falls at 0.3 m/s on steel plates of three thicknesses. The plates are so wide that no wave returns from the
+edge before the ball has left, so the ball loses the energy that the bending waves carry away. Zener's plate yields at the speed F/Z
+under the ball, Z = 8√(Dρh), and the contact obeys Hertz's law: m ẍ = −F, F = k(x − w)^(3/2), ẇ = F/Z. The restitution depends only on
+the inelasticity λ = m/(Z T₀), T₀ = (m/(k√v))^(2/5).
 
-Zener leaves out the plate's shear, the waves across its thickness, many of which pass while the ball touches, and what of the
-flexibility is neither a half-space's nor a thin plate's."""
+Zener neglects the shear of the plate, the waves across its thickness, many of which pass during the contact, and the part of the
+flexibility that is neither that of a half-space nor that of a thin plate."""
 import numpy as np
 
 import hertz_theory as hertz
@@ -109,12 +109,12 @@ def run(bench):
         time, force = result.force()
         force *= hertz.QUARTERS
         bench.compare(f"{name}: restitution (λ = {inelastic:.3f})", restitution, ideal, 0.05,
-                      "Zener's plate has no shear and no thickness")
+                      "Zener's plate neglects shear and waves across the thickness")
         bench.compare(f"{name}: peak force (N)", force.max(), ideal_force.max() * MASS * SPEED / UNIT, 0.05,
                       "as for the restitution; patches of 0.1 mm")
-        bench.compare(f"{name}: time of contact (µs)", 1e6 * (result.summary["contact_end_s"] - result.summary["contact_start_s"]),
+        bench.compare(f"{name}: duration of contact (µs)", 1e6 * (result.summary["contact_end_s"] - result.summary["contact_start_s"]),
                       1e6 * ideal_time[-1] * UNIT, 0.05, "as for the restitution")
-        bench.below(f"{name}: departure of the energy ledger", result.summary["energy_drift"], 1e-9, "round-off of the steps")
+        bench.below(f"{name}: drift of the energy ledger", result.summary["energy_drift"], 1e-9, "round-off of the steps")
         found.append((inelastic, restitution))
         left.plot(time * 1e6, force, color=colour, label=name)
         left.plot(ideal_time * UNIT * 1e6, ideal_force * MASS * SPEED / UNIT, color=GREY, linestyle="--", linewidth=0.9)

@@ -1,7 +1,7 @@
-"""Two equal rods (ρ = A = E = 1, L = 10, Δ = 0.01), 1 apart, one at rest and one arriving at 1, by their kernel in closed form
-under the paper's algorithm (30) and under `compliant`. The wave solution: contact lasts from t = 1 to 21, both ends move at 1/2
-under the force Zv/2 = 1/2, then the moving rod stands still and the other leaves at 1. On this kernel the printed algorithm
-is exact: whatever error an impact by modes has comes from the modes."""
+"""Two equal rods (ρ = A = E = 1, L = 10, Δ = 0.01), 1 apart, one at rest and one arriving at 1, with their kernel in closed form, under the
+paper's algorithm (30) and under `compliant`. In the wave solution, contact lasts from t = 1 to 21, and both ends move at 1/2 under the
+force Zv/2 = 1/2; then the moving rod stands still and the other one leaves at 1. On this kernel the printed algorithm is exact, so any
+error of an impact by modes comes from the modes."""
 import subprocess
 import sys
 
@@ -32,7 +32,7 @@ def run(bench):
         bench.compare(f"{scheme}: smallest force (N)", force.min(), 0.5, ROUND_OFF, "round-off: the force is constant")
         bench.compare(f"{scheme}: largest force (N)", force.max(), 0.5, ROUND_OFF, "round-off: the force is constant")
         for body, speed in (("moving", 0.0), ("resting", 1.0)):
-            bench.compare(f"{scheme}: {body} rod leaves at (m/s)", result.summary["exit_velocity"][body][0], speed, ROUND_OFF,
+            bench.compare(f"{scheme}: exit velocity of the {body} rod (m/s)", result.summary["exit_velocity"][body][0], speed, ROUND_OFF,
                           "round-off: the impulse is exact", absolute=True)
         bench.below(f"{scheme}: largest penetration (m)", result.summary["max_penetration_m"], ROUND_OFF, "round-off: equality in (2)")
 

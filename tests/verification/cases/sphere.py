@@ -1,7 +1,6 @@
-"""A free sphere (R = E = ρ = 1, ν = 0.3). Torsional modes of degree l are roots x = ωR/c_s of (l − 1) j_l(x) = x j_{l+1}(x), spheroidal
-ones those of a 2 × 2 determinant of the tractions on the surface; each has 2l + 1 forms. Roots are found here from spherical
-Bessel functions by their series. A mesh has no such symmetry, so finding each root 2l + 1 times shows that no mode is missing or
-invented."""
+"""A free sphere (R = E = ρ = 1, ν = 0.3). Torsional modes of degree l are roots x = ωR/c_s of (l − 1) j_l(x) = x j_{l+1}(x); spheroidal
+ones are roots of a 2 × 2 determinant of the surface tractions. Each root has 2l + 1 modes. The case finds the roots from spherical Bessel
+functions by their series. A mesh has no such symmetry, so finding each root 2l + 1 times shows that no mode is missing or spurious."""
 import math
 
 import numpy as np
@@ -89,7 +88,7 @@ def run(bench):
     table = sorted((x, l, kind) for kind, condition in (("T", torsional), ("S", spheroidal)) for l in range(0 if kind == "S" else 1, 8)
                    for x in roots(lambda x: condition(l, x)))
     flat = np.array([x for x, l, _ in table for _ in range(2 * l + 1)])
-    reason = "elements of order 4, a quarter to half a wave long, on a surface of degree 4"
+    reason = "elements of order 4, a quarter to half a wavelength long, on a surface of degree 4"
     bench.compare("rigid modes", np.count_nonzero(ours == 0), 6, 0, "a count")
     bench.compare(f"elastic modes up to ωR/c_s = {HIGHEST}", len(elastic), len(flat), 0, "a count: Σ (2l + 1) over the roots")
     start = 0
@@ -98,7 +97,7 @@ def run(bench):
         start += 2 * l + 1
         if len(group) == 2 * l + 1:
             worst = group[np.argmax(np.abs(group - x))]
-            bench.compare(f"{kind}, l = {l}: the farthest of its {2 * l + 1} ωR/c_s", worst, x, 2e-3, reason)
+            bench.compare(f"{kind}, l = {l}: farthest of its {2 * l + 1} values of ωR/c_s", worst, x, 2e-3, reason)
 
     figure, ax = bench.figure()
     for kind, colour, name in (("T", ORANGE, "torsional"), ("S", GREEN, "spheroidal")):

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "contact/table/modal_table.hpp"
+
+#include <algorithm>
+#include <numbers>
+#include <vector>
+
+#include "base/format.hpp"
+#include "contact/stepping/integrator.hpp"
+#include "contact/stepping/propagator.hpp"
+#include "ricochet/error.hpp"
+
+namespace ricochet::contact {
+namespace {
+
+/// Coefficient of one mode in the kernels, over the steps: the motion that a unit impulse or a unit force
+/// over the first step leaves behind.
+struct Series {
+  double stiffness, q, v;
+  ModeStep by;
+  void advance() {
+    const double g = -stiffness * q, next = q + by.b * v + by.c * g;
+    v = by.e * v + by.h * g;
+    q = next;
+  }
+};
+
+}  // namespace
+
+Table table_from_modes(const Model& model, const StepOptions& options, std::int64_t steps) {
+  const bool compliant = options.scheme == Scheme::compliant;
+  const Eigen::Index N = model.omega.size(), m = model.gap.size();
+  // A mean rate takes one sample and one instant more.
+  const int more = !compliant && options.admittance == Admittance::difference ? 1 : 0;
+  const std::int64_t L = std::max<std::int64_t>(2, steps + more), K = steps + 1 + more;
+  Table table;
+  table.step = options.step;
+  table.gap = model.gap;
+  table.area = model.area;
+
+  // Without contact: the same bodies, out of reach of each other.
+  Model apart = model;
+  apart.gap.setConstant(1e300);
+  Integrator motion(apart, options);
+  for (std::int64_t k = 0; k < K; ++k) {
+    if (k > 0 && motion.step() != StepStatus::ok)
+      throw SolverError(base::format("the free motion stops being finite at t = {:.6g} s", motion.time()));
+    const Vector &u = motion.displacement(), rate = model.B * motion.v();
+    table.free.insert(table.free.end(), u.data(), u.data() + m);
+    if (!compliant) table.free_velocity.insert(table.free_velocity.end(), rate.data(), rate.data() + m);
+  }
+
+  Matrix at_once = model.R;
+  std::vector<Series> series;
+  std::vector<Eigen::Index> column;
+  for (Eigen::Index n = 0; n < N; ++n) {
+    const double stiffness = model.omega(n) * model.omega(n);
+    if (compliant && model.omega(n) * options.step > std::numbers::pi) {  // as in Integrator
+      at_once.noalias() += model.B.col(n) * model.B.col(n).transpose() / stiffness;
+      continue;
+    }
+    const ModeStep by = mode_step(model.omega(n), model.decay(n), options.step);
+    series.push_back(compliant ? Series{stiffness, by.c, by.h, by} : Series{stiffness, 0, 1, by});
+    column.push_back(n);
+  }
+  const Matrix B = model.B(Eigen::all, column);
+  Matrix weighted(m, B.cols()), sample(m, m);
+  const auto append = [&](std::vector<double>& to, auto coefficient) {
+    for (Eigen::Index n = 0; n < B.cols(); ++n) weighted.col(n) = coefficient(series[n]) * B.col(n);
+    sample.noalias() = weighted * B.transpose();
+    if (compliant && to.empty()) sample += at_once;
+    to.insert(to.end(), sample.data(), sample.data() + m * m);
+  };
+  const std::size_t size = static_cast<std::size_t>(L * m * m);
+  for (std::vector<double>* kernel :
+       compliant ? std::vector{&table.flexibility} : std::vector{&table.displacement, &table.velocity})
+    kernel->reserve(size);
+  for (std::int64_t l = 0; l < L; ++l) {
+    if (compliant) {
+      append(table.flexibility, [](const Series& s) { return s.q; });
+    } else {
+      append(table.displacement, [](const Series& s) { return s.q; });
+      append(table.velocity, [](const Series& s) { return s.v; });
+    }
+    for (Series& s : series) s.advance();
+  }
+
+  for (std::size_t k = 0; k < model.bodies.size(); ++k) {
+    const Model::BodyBlock& block = model.bodies[k];
+    if (block.supported) continue;
+    FreeBody body{block.name, block.mass,
+                  block.momentum * model.v0.segment(block.first_mode, block.modes) / block.mass,
+                  block.weight / block.mass, Matrix::Zero(m, 3)};
+    for (const Model::PairBlock& pair : model.pairs)
+      for (const auto& [side, sign] : {std::pair{pair.a, -1.0}, std::pair{pair.b, 1.0}})
+        if (side == static_cast<int>(k))
+          body.push.middleRows(pair.first_point, pair.points) =
+              sign * model.normal.middleRows(pair.first_point, pair.points);
+    table.bodies.push_back(body);
+  }
+  return table;
+}
+
+}  // namespace ricochet::contact

@@ -1,0 +1,3 @@
+add_serial_test(base atomic_file ricochet_kernels)
+add_serial_test(base hdf5 ricochet_kernels PkgConfig::HDF5)
+add_serial_test(base format ricochet_core)
