@@ -8,7 +8,7 @@
     result = ricochet.impact(scene)
     result.total_force
 
-docs/python.md describes the interface. Names are loaded on first use: the command `ricochet` needs few of them.
+docs/python.md describes the interface. Names are loaded on first use: the command needs few of them.
 """
 
 import importlib
