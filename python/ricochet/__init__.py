@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ricochet._core import __version__
     from ricochet.errors import InputError, RicochetError, SolverError
     from ricochet.kernel import Kernel
-    from ricochet.result import Result, Sweep
+    from ricochet.result import Result, SweepResult
     from ricochet.runs import impact, kernels, plot, report, sweep
     from ricochet.scene import Scene
     from ricochet.simulation import Pickup, Simulation
@@ -33,7 +33,7 @@ __all__ = [
     "Scene",
     "Simulation",
     "SolverError",
-    "Sweep",
+    "SweepResult",
     "__version__",
     "impact",
     "kernels",
@@ -46,7 +46,7 @@ _PLACES = {
     "_core": ["__version__"],
     "errors": ["InputError", "RicochetError", "SolverError"],
     "kernel": ["Kernel"],
-    "result": ["Result", "Sweep"],
+    "result": ["Result", "SweepResult"],
     "runs": ["impact", "kernels", "plot", "report", "sweep"],
     "scene": ["Scene"],
     "simulation": ["Pickup", "Simulation"],

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ricochet.errors import InputError
 from ricochet.result_file import File
+from ricochet.studies.table import Table
 
 Array = NDArray[np.float64]
 
@@ -281,28 +282,26 @@ class Result(_Data):
         )
 
 
-class Sweep:
+class SweepResult:
     """The figures of all impacts of a study: columns of equal length, a row for each setting."""
 
     #: columns that a notebook shows
     SHOWN = ("peak_force_n", "impulse_ns", "restitution", "contact_steps")
 
-    def __init__(self, path: str | os.PathLike[str]) -> None:
-        """Reads a `.sweep.h5`. Raises InputError, one line, for a missing, damaged or foreign file."""
-        self.path = Path(path)
-        file = File(self.path, "ricochet-sweep")
-        #: values of the keys that are varied; texts and lists as JSON
+    def __init__(self, table: Table) -> None:
+        self.title = table.title
+        #: values of the keys that are varied
         self.inputs: dict[str, NDArray[Any]] = {
-            name: _column(file, f"inputs/{name}") for name in file.names("/inputs")
+            name: np.array(column) for name, column in table.inputs.items()
         }
         #: figures of summary.json, NaN where an impact has none; `exit_velocity.upper.y` and the like
         self.outputs: dict[str, Array] = {
-            name: _column(file, f"outputs/{name}") for name in file.names("/outputs")
+            name: np.array(column, dtype=np.float64) for name, column in table.outputs.items()
         }
-        #: 0; 2: refused, 1: broke down, -1: not run yet
-        self.status: NDArray[Any] = _column(file, "status")
+        #: 0; 2: refused, 1: broke down
+        self.status: NDArray[np.int64] = np.array(table.status, dtype=np.int64)
         #: why an impact was refused or broke down, one line
-        self.error: NDArray[Any] = _column(file, "error")
+        self.error: list[str] = list(table.error)
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         """A column, of inputs or outputs. Raises KeyError."""
@@ -313,14 +312,14 @@ class Sweep:
 
     def __repr__(self) -> str:
         failed = np.count_nonzero(self.status)
-        return f"<Sweep of {', '.join(self.inputs)}: {len(self)} impacts, {failed} failed; {self.path}>"
+        return f"<SweepResult {self.title!r}: {', '.join(self.inputs)}; {len(self)} impacts, {failed} failed>"
 
     def _repr_html_(self) -> str:
         names = [*self.inputs, *(name for name in self.SHOWN if name in self.outputs)]
         head = "".join(f"<th>{html.escape(name)}</th>" for name in [*names, "error"])
         body = ""
         for row in range(len(self)):
-            cells = [_text(self[name][row]) for name in names] + [str(self.error[row])]
+            cells = [_text(self[name][row]) for name in names] + [self.error[row]]
             body += "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in cells) + "</tr>"
         return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
 
@@ -343,11 +342,6 @@ _FIGURES = (
 
 def _prefix(seconds: float) -> tuple[float, str]:
     return (1.0, "s") if seconds >= 1 else (1e3, "ms") if seconds >= 1e-3 else (1e6, "µs")
-
-
-def _column(file: File, name: str) -> NDArray[Any]:
-    data = file.file[name]
-    return np.asarray(data.asstr()[:] if data.dtype.kind == "O" else data[:])
 
 
 def _text(value: object) -> str:

@@ -7,20 +7,19 @@ import os
 import re
 import signal
 import subprocess
-import sys
-import tempfile
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import ricochet
 from ricochet import _core, files, pages, pictures, programs
-from ricochet.errors import InputError, SolverError
+from ricochet.errors import InputError, ProgramError, SolverError
 from ricochet.kernel import Kernel
 from ricochet.progress import Progress
-from ricochet.result import Result, Sweep
+from ricochet.result import Result, SweepResult
 from ricochet.scene import PathLike, Scene, plain, scene_of
+from ricochet.studies.study import Study
+from ricochet.studies.sweep import Sweep
 
 #: a line of ricochet-kernel: body, phase, time
 _PHASE = re.compile(r"(?P<body>[\w-]+): (?P<phase>.+?) {2,}[\d.]+ (s|min|h)")
@@ -84,7 +83,7 @@ def sweep(
     out: PathLike | None = None,
     jobs: int | None = None,
     ranks: int = 2,
-) -> Sweep:
+) -> SweepResult:
     """Runs the impacts of a study, and computes the kernels that they need. What an earlier call finished is
     not run again.
 
@@ -109,12 +108,17 @@ def sweep(
             )
         path = Path(study)
         folder = path.parent / "out" if out is None else Path(out)
-    command = [sys.executable, "-m", "ricochet", "sweep", path, "--out", folder, "--ranks", ranks]
-    if jobs is not None:
-        command += ["--jobs", jobs]
-    places = [str(Path(place).parent) for place in ricochet.__path__]
-    printed = _run(command, {"PYTHONPATH": os.pathsep.join(places), "RICOCHET_BIN": str(programs.BIN)})
-    return Sweep(printed.splitlines()[-2])
+    try:
+        run = Sweep(Study(path), folder, jobs, ranks)
+        run.prepare()
+        try:
+            run.run()
+        finally:
+            table = run.write()
+            run.journal.close()
+    except ProgramError as error:
+        raise (InputError if error.status == 2 else SolverError)(str(error)) from None
+    return SweepResult(table)
 
 
 class Picture:
@@ -181,25 +185,22 @@ def _compute(scene: Scene, folder: Path, ranks: int) -> None:
         elif line.startswith("warning: "):
             warnings.warn(line.removeprefix("warning: ").strip(), stacklevel=5)
 
-    _run(command, {}, show)
+    _run(command, show)
     bar.advance("kernels", bar.total - bar.done)
 
 
-def _run(
-    command: Sequence[object], environment: Mapping[str, str], show: Callable[[str], None] = lambda line: None
-) -> str:
-    """Runs a program to its end, `show` called with each line of its standard error, and returns its standard
-    output.
+def _run(command: Sequence[str | Path], show: Callable[[str], None]) -> None:
+    """Runs ricochet-kernel to its end; `show` is called with each line of its standard error.
 
     Raises InputError for status 2, SolverError for any other but 0, with the program's own line.
     """
-    programs.find(list(map(str, command)))
-    with tempfile.TemporaryFile("w+") as out, subprocess.Popen(
-        programs.bound(list(map(str, command))),
-        env=os.environ | programs.ONE_THREAD | dict(environment),
+    programs.find(command)
+    with subprocess.Popen(
+        programs.bound(command),
+        env=os.environ | programs.ONE_THREAD,
         text=True,
         errors="replace",
-        stdout=out,
+        stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
     ) as process:
         assert process.stderr is not None
@@ -212,16 +213,13 @@ def _run(
         except BaseException:  # interrupted: its ranks have to end too, and remove their temporary files
             process.terminate()
             raise
-        if status < 0 or status > 128:
-            name = signal.Signals(-status if status < 0 else status - 128).name
-            program = Path(str(command[0])).name
-            raise SolverError(
-                f"{program}: ended by {name}: killed, or out of memory? Repeat the call to resume."
-            )
-        if status != 0:
-            raise (InputError if status == 2 else SolverError)(programs.complaint("".join(lines)))
-        out.seek(0)
-        return out.read()
+    if status < 0 or status > 128:
+        name = signal.Signals(-status if status < 0 else status - 128).name
+        raise SolverError(
+            f"ricochet-kernel: ended by {name}: killed, or out of memory? Repeat the call to resume."
+        )
+    if status != 0:
+        raise (InputError if status == 2 else SolverError)(programs.complaint("".join(lines)))
 
 
 def _study_file(scene: Scene, grid: Mapping[str, Sequence[Any]], folder: Path) -> Path:

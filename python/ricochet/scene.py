@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ricochet import _core
+from ricochet import _core, files
 from ricochet.errors import InputError
 from ricochet.programs import settings
 
@@ -137,13 +137,10 @@ class Scene:
         """Writes the resolved scene, its paths as seen from the new place. Raises InputError where it cannot
         be written."""
         target = Path(path).absolute()
-        partial = target.with_name(f".{target.name}.{os.getpid()}.partial")
         try:
             target.parent.mkdir(parents=True, exist_ok=True)
-            partial.write_text(self._core.toml(target), "utf-8")
-            partial.replace(target)
+            files.write(target, self._core.toml(target).encode())
         except OSError as error:
-            partial.unlink(missing_ok=True)
             raise InputError(f"{path}: cannot be written ({error.strerror}). Choose another place.") from None
         return target
 
