@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Reads result and kernel files for scripts. What is wrong with a file is a BadInput of one line."""
+"""Reads result and kernel files for scripts."""
 import contextlib
 import tomllib
 import warnings
@@ -8,38 +8,36 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from ricochet.errors import InputError
+
 
 VERSION = 1
 
 
-class BadInput(Exception):
-    """What the user can mend; its text is one line."""
-
-
 def is_there(path):
-    """Whether there is such a file, which can be opened. Throws BadInput where nobody can tell, or it can't be."""
+    """Whether there is such a file, which can be opened. Throws InputError where nobody can tell, or it can't be."""
     try:
         if not path.is_file():
             return False
         with open(path, "rb"):
             return True
     except OSError as error:
-        raise BadInput(
+        raise InputError(
             f"{path}: cannot be read ({error.strerror}). Change its permissions, or name another one."
         ) from None
 
 
 @contextlib.contextmanager
 def expected(path, program="ricochet-contact"):
-    """A BadInput in the place of whatever a file leads to that is whole, but not what the program writes."""
+    """A InputError in the place of whatever a file leads to that is whole, but not what the program writes."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of numpy, on numbers that no run has
             yield
-    except (BadInput, MemoryError):
+    except (InputError, MemoryError):
         raise
     except Exception:
-        raise BadInput(f"{path}: holds what {program} does not write. Compute it again.") from None
+        raise InputError(f"{path}: holds what {program} does not write. Compute it again.") from None
 
 
 class File:
@@ -53,20 +51,20 @@ class File:
                 if kind == "ricochet-kernel"
                 else "a .result.h5 that ricochet-contact wrote"
             )
-            raise BadInput(f"{path}: there is no such file. Name {name}.")
+            raise InputError(f"{path}: there is no such file. Name {name}.")
         try:
             self.file = h5py.File(path, "r")
         except OSError:
             what = "a damaged or truncated" if h5py.is_hdf5(path) else "not an"
-            raise BadInput(f"{path}: is {what} HDF5 file. Compute it again.") from None
+            raise InputError(f"{path}: is {what} HDF5 file. Compute it again.") from None
         if self.text("/", "format") != kind:
-            raise BadInput(f"{path}: is not a {kind} file. Name a file that Ricochet wrote.")
+            raise InputError(f"{path}: is not a {kind} file. Name a file that Ricochet wrote.")
 
         version = self.attribute("/", "version")
         if not isinstance(version, (int, np.integer)):
-            raise BadInput(f"{path}: does not say its format version. Compute it again.")
+            raise InputError(f"{path}: does not say its format version. Compute it again.")
         if not 1 <= version <= VERSION:
-            raise BadInput(
+            raise InputError(
                 f"{path}: has format version {version}, and this program reads {VERSION}. Use a newer Ricochet."
             )
 
@@ -100,24 +98,24 @@ class File:
     def array(self, name, *shape):
         """Values as floats or integers. None in `shape` is a dimension of any length."""
         if not self.has(name):
-            raise BadInput(f'{self.path}: dataset "{name}" is missing. Compute it again.')
+            raise InputError(f'{self.path}: dataset "{name}" is missing. Compute it again.')
         data = self.file[name]
         if len(data.shape) != len(shape) or any(s not in (None, d) for s, d in zip(shape, data.shape)):
             expected = ", ".join("*" if s is None else str(s) for s in shape)
-            raise BadInput(
+            raise InputError(
                 f'{self.path}: dataset "{name}" has shape {data.shape}, expected ({expected}). '
                 "Compute it again."
             )
         if data.nbytes > 64 * self.path.stat().st_size:  # no more memory than the file's size justifies
-            raise BadInput(
+            raise InputError(
                 f'{self.path}: dataset "{name}" claims more than the file can hold. ' "Compute it again."
             )
         try:
             values = data[()]
         except OSError:
-            raise BadInput(f'{self.path}: dataset "{name}" is damaged. Compute it again.') from None
+            raise InputError(f'{self.path}: dataset "{name}" is damaged. Compute it again.') from None
         if values.dtype.kind not in "fi" or not np.isfinite(values).all():
-            raise BadInput(
+            raise InputError(
                 f'{self.path}: dataset "{name}" holds values that are not finite numbers. '
                 "Compute it again."
             )
@@ -148,7 +146,7 @@ class Result:
         steps = len(self.time)
         if steps < 2 and not self.static:
             every = scene.get("output", {}).get("every", 1)
-            raise BadInput(
+            raise InputError(
                 f"{path}: holds nothing but the start: nothing to draw. output.every is {every if isinstance(every, int) else '?'}, "
                 "which must not exceed the number of steps, time.rate_hz times time.duration."
             )
@@ -281,11 +279,11 @@ class Skin:
         self.element = kernel.array("/view/element", None, None).astype(int)
         self.shape = kernel.array("/view/shape", len(self.node), 3, coordinates.shape[1])
         if self.element.size == 0 or self.element.shape[1] not in (2, 3):
-            raise BadInput(
+            raise InputError(
                 f'{kernel.path}: dataset "/view/element" holds neither lines nor triangles. Compute it again.'
             )
         if not (0 <= self.element.min() and self.element.max() < len(self.node)):
-            raise BadInput(
+            raise InputError(
                 f'{kernel.path}: dataset "/view/element" names nodes that do not exist. ' "Compute it again."
             )
         self.rigid = kernel.array("/modes/angular_frequency", coordinates.shape[1]) == 0

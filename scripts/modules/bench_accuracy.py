@@ -80,7 +80,7 @@ def rows_of(options, case, ranks, truth, cache):
         try:
             trials = [bench_runs.calculix(case(order, size), COUNT, threads, options.rounds, cache)
                       for threads in options.threads]
-        except programs.Failed:
+        except programs.ProgramError:
             # Out of memory, as a rule: what has been found stays worth a report.
             print(f"bench-modes: calculix, order {order}, size {size:g}: left out", file=sys.stderr)
             continue

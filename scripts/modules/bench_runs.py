@@ -19,12 +19,12 @@ def build(*targets):
     """Programs as they are in the source now. Needs scripts/build to have run once."""
     if not programs.BIN.is_dir():
         print(f"{programs.BIN}: no programs there. Run scripts/build first.", file=sys.stderr)
-        raise programs.Failed(2)
+        raise programs.ProgramError(2)
     done = subprocess.run(["cmake", "--build", programs.BIN.parent, "--target", *targets], stdout=subprocess.PIPE,
                           text=True)
     if done.returncode != 0:
         print(done.stdout, file=sys.stderr)
-        raise programs.Failed(done.returncode)
+        raise programs.ProgramError(done.returncode)
 
 
 class Case:
@@ -95,7 +95,7 @@ def run_ccx(folder, threads, coretype):
     found = frequencies_of(folder / "body.dat")
     if process.returncode != 0 or not found:
         print("ccx:", (folder / "log").read_text()[-2000:], file=sys.stderr)
-        raise programs.Failed(1)
+        raise programs.ProgramError(1)
     return {"seconds": seconds, "cpu_seconds": usage.ru_utime + usage.ru_stime, "peak_mib": usage.ru_maxrss / 1024,
             "frequency_hz": found}
 

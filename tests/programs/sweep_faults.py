@@ -16,8 +16,8 @@ import h5py
 from programs import BIN, DEADLOCK_S, MESHES, ProgramTest
 
 from ricochet.programs import toml
-from ricochet.result_file import BadInput
-from ricochet.studies.results import Journal, row_of
+from ricochet.errors import InputError
+from ricochet.studies.journal import Journal, row_of
 from ricochet.studies.study import Study
 
 STUDY = 'scene = "two-rods.toml"\ntitle = "Rods"\n[set]\n"modes.count" = 5\n"time.rate_hz" = 20.0\n'
@@ -64,10 +64,10 @@ class Studies(Faults):
                 (gap + '{from = 0, to = 1, steps = 4000}\n"contact.reach" = {from = 0, to = 1, steps = 4000}', "10000000 settings"),
                 (gap + "[1.0, 1979-05-27]", "date"), (gap + '["a\\u0000b"]', "NUL"), (gap + "[" * 3000 + "]" * 3000, "nested"),
                 (gap + "[" * 60 + "]" * 60, "nested")]:
-            with self.subTest(text=text[:80]), self.assertRaisesRegex(BadInput, part):
+            with self.subTest(text=text[:80]), self.assertRaisesRegex(InputError, part):
                 Study(self.study(text))
         for text, part in [("title = 5\n", "title"), ('scene = "none.toml"\n', "No such file")]:
-            with self.assertRaisesRegex(BadInput, part):
+            with self.assertRaisesRegex(InputError, part):
                 Study(self.write("study.toml", text + 'scene = "two-rods.toml"\n' * ("scene" not in text) + gap + "[0.0]"))
 
     def test_draws_between_negative_ends_are_between_them(self):

@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 
 from ricochet import files
-from ricochet.result_file import BadInput
+from ricochet.errors import InputError
 
 FOLDER = Path(__file__).resolve().parent / "assets"
 SCRIPTS = ["base.js", "charts.js", "motion.js", "player.js", "page.js"]
@@ -38,11 +38,11 @@ def page_of(run):
     return page + rest
 
 
-def write_page(run, path):
-    """Under its final name only when whole."""
+def save_page(run, path):
+    """Writes the page; a reader never sees a part of it."""
     page = page_of(run).encode()
     if len(page) > LARGEST_MB * 2**20:
-        raise BadInput(
+        raise InputError(
             f"{path}: the page would have {len(page) / 2**20:.0f} MB, more than {LARGEST_MB}. "
             "A larger output.snapshot_every, no output.view or fewer receivers make it smaller."
         )
@@ -50,5 +50,4 @@ def write_page(run, path):
         path.parent.mkdir(parents=True, exist_ok=True)
         files.write(path, page)
     except OSError as error:
-        raise BadInput(f"{path}: cannot be written ({error.strerror}). Choose another --out.") from None
-    return len(page)
+        raise InputError(f"{path}: cannot be written ({error.strerror}). Choose another --out.") from None

@@ -10,13 +10,14 @@ import numpy as np
 from ricochet.pages import charts
 from ricochet.pages.motion import materials, motion_of
 from ricochet.pages.sound import sounds_of
-from ricochet.result_file import BadInput, File, Result, expected, is_there
+from ricochet.errors import InputError
+from ricochet.result_file import File, Result, expected, is_there
 
 
 def summary_of(path, result):
     """summary.json of the same run."""
     if not is_there(path):
-        raise BadInput(
+        raise InputError(
             f"{path}: there is no such file. Run ricochet-contact again: it writes one beside the result."
         )
     try:
@@ -25,7 +26,7 @@ def summary_of(path, result):
             summary, ensure_ascii=False, allow_nan=False
         ).encode()  # not with 1e999 or half a character
     except (ValueError, RecursionError):
-        raise BadInput(f"{path}: is damaged. Run ricochet-contact again.") from None
+        raise InputError(f"{path}: is damaged. Run ricochet-contact again.") from None
     kind = (
         {"warnings": list, "pairs": list}
         if result.static
@@ -33,7 +34,7 @@ def summary_of(path, result):
     )
     same = isinstance(summary, dict) and all(isinstance(summary.get(key), of) for key, of in kind.items())
     if not same or summary.get("candidates") != len(result.gap):
-        raise BadInput(f"{path}: is not of the run of {result.file.path.name}. Run ricochet-contact again.")
+        raise InputError(f"{path}: is not of the run of {result.file.path.name}. Run ricochet-contact again.")
     return summary
 
 
@@ -44,7 +45,7 @@ def plain(file, where, name):
         return text
     if np.ndim(value) == 0 and isinstance(value, np.number) and np.isfinite(value):
         return value.item()
-    raise BadInput(f'{file.path}: attribute "{name}" of {where} is missing or damaged. Compute it again.')
+    raise InputError(f'{file.path}: attribute "{name}" of {where} is missing or damaged. Compute it again.')
 
 
 def kernel_of(path):
@@ -132,7 +133,7 @@ def digest(path):
 
 
 def run_of(path, kernels=None):
-    """The whole run whose result file is at `path`. Throws BadInput."""
+    """The whole run whose result file is at `path`. Throws InputError."""
     result = Result(path)
     folder = kernels or path.parent
     beside = path.with_name(f"{result.slug}.summary.json")

@@ -6,14 +6,15 @@ from pathlib import Path
 
 import numpy as np
 
-from ricochet.result_file import BadInput, is_there
+from ricochet.errors import InputError
+from ricochet.result_file import is_there
 
 SAMPLES = 700_000  # of all receivers together: 1.9 MB in the page
 
 
 def channels(path, most):
     """(n,3) samples of a WAV file of ricochet-contact, at most so many, their rate, and how many there are."""
-    refusal = BadInput(f"{path}: is not a sound that ricochet-contact wrote. Run it again.")
+    refusal = InputError(f"{path}: is not a sound that ricochet-contact wrote. Run it again.")
     with open(path, "rb") as file:
         riff = file.read(12)
         if riff[:4] != b"RIFF" or riff[8:] != b"WAVE":
@@ -37,7 +38,7 @@ def sound_of(path, most):
     """The channel that moves most, as a WAV file in base64."""
     samples, rate, total = channels(path, most)
     if not np.isfinite(samples).all():
-        raise BadInput(f"{path}: holds samples that are not finite. Run ricochet-contact again.")
+        raise InputError(f"{path}: holds samples that are not finite. Run ricochet-contact again.")
     axis = int(np.argmax(np.ptp(samples, axis=0))) if len(samples) else 0
     data = np.rint(32767 * np.clip(samples[:, axis], -1, 1)).astype("<i2").tobytes()
     head = struct.pack(

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """The picture of moments of a contact: the bodies, seen from where the contact is least hidden, and the force at each point."""
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 
-from ricochet.pictures.style import WIDTH, colour_of, largest_of, legend_below, plt, prefixed
+from ricochet.pictures.style import WIDTH, colour_of, largest_of, legend_below, prefixed
 from ricochet.pictures.viewpoint import clearest
 
 MOMENTS = 9
@@ -41,9 +44,7 @@ def snapshots_picture(result, skins, time):
     beside, rows = shape > 1.3, -(-len(chosen) // 3)
     width = WIDTH / 3 * (0.5 if beside else 1)
     height = width * min(shape, 2.2)
-    figure = plt.figure(
-        figsize=(WIDTH, rows * (height + (0.4 if beside else 1.3)) + 0.8), layout="constrained"
-    )
+    figure = Figure(figsize=(WIDTH, rows * (height + (0.4 if beside else 1.3)) + 0.8), layout="constrained")
     if beside:
         grid = figure.add_gridspec(rows, 6, width_ratios=[1.1, 0.9] * 3)
     else:
@@ -68,7 +69,7 @@ def snapshots_picture(result, skins, time):
             cell,
             labelled=(cell + 3 >= len(chosen), c == 0),
         )
-    handles = [plt.Rectangle((0, 0), 1, 1, color=colour_of(result, body)) for body in skins]
+    handles = [Rectangle((0, 0), 1, 1, color=colour_of(result, body)) for body in skins]
     legend_below(figure, handles, skins)
     scale = "true to scale" if amplify == 1 else f"motion since the first touch {amplify:,.0f} times as large"
     moments = "one moment" if len(chosen) == 1 else f"{len(chosen)} moments"

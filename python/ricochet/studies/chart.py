@@ -3,9 +3,12 @@
 import functools
 import json
 
+import matplotlib
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
-from ricochet.result_file import BadInput
+from ricochet.errors import InputError
 from ricochet.scene_keys import unit
 from ricochet.files import save_picture
 
@@ -106,20 +109,16 @@ def others(table, against, label):
 
 def draw(table, output, against, path, units):
     """`units`: of the scene's keys."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
     told = functools.partial(label, units=units)
     z, _ = axis(table.column(output))
     places = [axis(table.column(name)) for name in against]
     there = np.isfinite(z)
     if not there.any():
-        raise BadInput(f'no finished impact has a value of "{output}": there is nothing to draw')
-    fig, ax = plt.subplots(figsize=(6.4, 4.4), constrained_layout=True)
+        raise InputError(f'no finished impact has a value of "{output}": there is nothing to draw')
+    fig = Figure(figsize=(6.4, 4.4), layout="constrained")
+    ax = fig.subplots()
     if len(places) == 1:
-        lines(ax, plt, z, there, places[0][0], *others(table, against, told))
+        lines(ax, z, there, places[0][0], *others(table, against, told))
         ax.set_ylabel(told(output))
         ax.grid(lw=0.3)
     elif all(len(np.unique(p)) <= FEW or names or is_even(np.unique(p)) for p, names in places) and len(
@@ -139,14 +138,13 @@ def draw(table, output, against, path, units):
         ax.set_ylabel(told(against[1]))
     ax.set(xlabel=told(against[0]), title=table.title)
     save_picture(fig, path, dpi=120)
-    plt.close(fig)
 
 
-def lines(ax, plt, z, there, x, what, names, joined):
+def lines(ax, z, there, x, what, names, joined):
     """A line for each name; points alone where other inputs vary along it."""
     names = np.array(names if names else [""] * len(z))
     found = list(dict.fromkeys(names))
-    colours = plt.cm.viridis(np.linspace(0, 0.85, len(found)))
+    colours = matplotlib.colormaps["viridis"](np.linspace(0, 0.85, len(found)))
     for name, colour in zip(found, colours):
         of = np.flatnonzero(there & (names == name))
         of = of[np.argsort(x[of], kind="stable")]
