@@ -292,7 +292,7 @@ class ModeTable:
     def _repr_html_(self) -> str:
         names = ["mode", "frequency [Hz]", "damping ratio", "compliance at the contact [m/N]"]
         cells = [f"<th>{name}</th>" for name in names]
-        cells.insert(3, "<th colspan=\"3\">effective mass along x, y, z [kg]</th>")
+        cells.insert(3, '<th colspan="3">effective mass along x, y, z [kg]</th>')
         body = "".join(
             "<tr>" + "".join(f"<td>{cell}</td>" for cell in row) + "</tr>"
             for row in self._cells()[: self.SHOWN]
