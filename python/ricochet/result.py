@@ -37,7 +37,7 @@ class _Data:
         return float(self._file.attribute(self._group, name))
 
     def _vector(self, name: str) -> Array:
-        return np.asarray(self._file.attribute(self._group, name), dtype=float)
+        return np.asarray(self._file.attribute(self._group, name), dtype=np.float64)
 
 
 class BodyMotion(_Data):
@@ -278,7 +278,8 @@ class Result(_Data):
             f'<polyline points="0,{height} {points} {width},{height}" fill="#b03a4830" stroke="#b03a48"/>'
             f'<g font-size="11" fill="currentColor"><text x="4" y="10">{peak:.4g} N</text>'
             f'<text x="0" y="{height + 15}">{t[0] * scale:.4g} {unit}</text>'
-            f'<text x="{width}" y="{height + 15}" text-anchor="end">{t[-1] * scale:.4g} {unit}</text></g></svg>'
+            f'<text x="{width}" y="{height + 15}" text-anchor="end">{t[-1] * scale:.4g} {unit}</text>'
+            "</g></svg>"
         )
 
 

@@ -3,9 +3,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
-import signal
 import subprocess
 import warnings
 from collections.abc import Callable, Mapping, Sequence
@@ -110,12 +110,12 @@ def sweep(
         folder = path.parent / "out" if out is None else Path(out)
     try:
         run = Sweep(Study(path), folder, jobs, ranks)
-        run.prepare()
-        try:
-            run.run()
-        finally:
-            table = run.write()
-            run.journal.close()
+        with contextlib.closing(run.journal):
+            run.prepare()
+            try:
+                run.run()
+            finally:
+                table = run.write()
     except ProgramError as error:
         raise (InputError if error.status == 2 else SolverError)(str(error)) from None
     return SweepResult(table)
@@ -214,9 +214,9 @@ def _run(command: Sequence[str | Path], show: Callable[[str], None]) -> None:
             process.terminate()
             raise
     if status < 0 or status > 128:
-        name = signal.Signals(-status if status < 0 else status - 128).name
+        number = -status if status < 0 else status - 128
         raise SolverError(
-            f"ricochet-kernel: ended by {name}: killed, or out of memory? Repeat the call to resume."
+            f"ricochet-kernel: ended by signal {number}: killed, or out of memory? Repeat the call to resume."
         )
     if status != 0:
         raise (InputError if status == 2 else SolverError)(programs.complaint("".join(lines)))

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import copy
 import os
 import re
 import tomllib
@@ -54,7 +55,7 @@ class Scene:
     def _load(self, changes: list[str]) -> None:
         everything = [*self._settings, *changes]
         core = _core.Scene(self._text, self._file, everything)
-        self._resolved = tomllib.loads(core.toml(self._file))
+        self._resolved = tomllib.loads(core.toml())
         self._given = tomllib.loads(_core.overridden(self._text, self._file, everything))
         self._core, self._settings = core, everything
 
@@ -131,21 +132,37 @@ class Scene:
 
     def to_toml(self) -> str:
         """The resolved scene as TOML: read again from the same folder, it is the same scene."""
-        return self._core.toml(self._file)
+        return self._core.toml()
 
     def write(self, path: PathLike) -> Path:
-        """Writes the resolved scene, its paths as seen from the new place. Raises InputError where it cannot
-        be written."""
+        """Writes the scene as given, its relative paths adapted to the new folder, and returns the path of the
+        file. Raises InputError where it cannot be written."""
         target = Path(path).absolute()
         try:
             target.parent.mkdir(parents=True, exist_ok=True)
-            files.write(target, self._core.toml(target).encode())
+            files.write(target, self._text_for(target.parent).encode())
         except OSError as error:
             raise InputError(f"{path}: cannot be written ({error.strerror}). Choose another place.") from None
         return target
 
     def __repr__(self) -> str:
         return f"<Scene {self.title!r}: {', '.join(self.bodies) or 'a table'}; {self._file}>"
+
+    def _text_for(self, folder: Path) -> str:
+        """The scene as given, as TOML for a file in this folder."""
+        table = {"title": self.title} | copy.deepcopy(self._given)
+        loads = [
+            load for group in table.get("loads", {}).values() if isinstance(group, list) for load in group
+        ]
+        for owners, key in (
+            (table.get("bodies", {}).values(), "mesh"),
+            ([table.get("contact", {})], "table"),
+            ([load for load in loads if isinstance(load, dict)], "history"),
+        ):
+            for owner in owners:
+                if key in owner and not os.path.isabs(owner[key]):
+                    owner[key] = os.path.relpath(self._file.parent / owner[key], folder)
+        return _core.overridden("\n".join(settings(table)), self._file, [])
 
     # ---- For the functions that run it ----
 

@@ -216,5 +216,5 @@ class Simulation:
         return self._core.normal
 
     def __repr__(self) -> str:
-        now = f"step {self.steps}, t = {self.time:.6g} s, {self.active} points touch"
+        now = f"step {self.steps}, t = {self.time:.6g} s, {self.active} of {len(self.area)} points touch"
         return f"<Simulation of {self.scene.title!r}: {now}>"

@@ -24,14 +24,14 @@ MIC = {"name": "mic", "body": "resting", "at": [5, 0, 0]}
 
 
 class ScenesTest(ProgramTest):
-    """With a copy of the two rods: `self.file`, and `self.scene` with 30 modes and the receiver."""
+    """With a copy of the two rods: `self.file`, and `self.scene` with 30 modes."""
 
     def setUp(self):
         super().setUp()
         shutil.copytree(MESHES / "two-rods", self.folder / "rods", ignore=shutil.ignore_patterns("out"))
         self.file = self.folder / "rods" / "two-rods.toml"
         self.scene = ricochet.Scene(self.file)
-        self.scene.set({"modes.count": 30, "output.view": False, "output.receiver": [MIC]})
+        self.scene.set({"modes.count": 30, "output.view": False})
 
 
 class KernelsTest(ScenesTest):
@@ -187,6 +187,8 @@ class Impact(KernelsTest):
         return out / f"{scene.slug}.result.h5"
 
     def test_has_the_arrays_of_the_program_bit_for_bit(self):
+        self.scene.set({"output.receiver": [MIC], "time.duration": 5})  # long sounds take long to resample
+        ricochet.kernels(self.scene, ranks=1)
         result = ricochet.impact(self.scene)
         with h5py.File(self.by_program(self.scene)) as file:
             arrays = {
@@ -214,9 +216,7 @@ class Impact(KernelsTest):
                 np.testing.assert_array_equal(file[name][:], array, err_msg=name)
         np.testing.assert_array_equal(result.receivers["mic"].point, [5, 0, 0])
         self.assertAlmostEqual(result.bodies["moving"].mass, 10)
-        # The momentum that one rod loses, 10 kg at 1 m/s, is the impulse; up to modes left out.
         self.assertAlmostEqual(result.total_force.sum() * 0.01, result.summary["impulse_ns"], places=12)
-        self.assertAlmostEqual(result.summary["impulse_ns"], 10, delta=0.1)
 
     def test_lets_other_threads_run(self):
         self.scene.set({"time.rate_hz": 5000, "output.every": 1000, "output.snapshot_every": 0})
@@ -252,6 +252,8 @@ class Impact(KernelsTest):
         second = ricochet.impact(self.scene.changed({"bodies.moving.velocity": [2, 0, 0]}))
         self.assertEqual(first.path, second.path)
         np.testing.assert_allclose(second.force, 2 * first.force, rtol=1e-9, atol=1e-12)
+        # The momentum that one rod loses, 10 kg at 1 m/s, up to modes that are left out.
+        self.assertAlmostEqual(first.total_force.sum() * 0.01, 10, delta=0.1)
 
     def test_warns_where_the_model_leaves_its_validity(self):
         with self.assertWarnsRegex(UserWarning, "approach speed"):
@@ -269,9 +271,7 @@ class Impact(KernelsTest):
             ricochet.Result(self.folder / "none.result.h5")
 
     def test_of_bodies_at_rest_has_one_row(self):
-        scene = self.scene.changed(
-            {"contact.scheme": "static", "output.receiver": [], "output.snapshot_every": 0}
-        )
+        scene = self.scene.changed({"contact.scheme": "static", "output.snapshot_every": 0})
         scene.set({"bodies.resting.support.right": "x", "loads.gravity": [1, 0, 0], "title": "Rest"})
         ricochet.kernels(scene, ranks=1)
         result = ricochet.impact(scene)
@@ -288,9 +288,11 @@ class Impact(KernelsTest):
 
 class Simulation(KernelsTest):
     def test_steps_as_the_impact_does(self):
+        self.scene.set({"output.receiver": [MIC], "time.duration": 5})  # long sounds take long to resample
+        ricochet.kernels(self.scene, ranks=1)
         result = ricochet.impact(self.scene)
         simulation = ricochet.Simulation(self.scene)
-        block = simulation.step_block(3000, force=True, displacement=True)
+        block = simulation.step_block(500, force=True, displacement=True)
         np.testing.assert_array_equal(block.total_force, result.total_force[1:])
         rows = np.searchsorted(result.time, result.contact_time) - 1
         np.testing.assert_array_equal(block.force[rows], result.force)
@@ -301,8 +303,8 @@ class Simulation(KernelsTest):
         np.testing.assert_allclose(
             simulation.mean_velocity("resting"), result.bodies["resting"].velocity[-1], atol=1e-12
         )
-        self.assertEqual((simulation.steps, simulation.active), (3000, 0))
-        self.assertAlmostEqual(simulation.time, 30)
+        self.assertEqual((simulation.steps, simulation.active), (500, 1))
+        self.assertAlmostEqual(simulation.time, 5)
 
     def test_steps_one_by_one_as_in_blocks_and_goes_back(self):
         simulation = ricochet.Simulation(self.scene, self.kernels, [ricochet.Pickup("moving", [1, 0, 0])])
@@ -320,7 +322,7 @@ class Simulation(KernelsTest):
     def test_is_refused_in_one_line(self):
         for key, value in {"accuracy": 0.1, "contact.scheme": "static", "contact.max_pivots": 3}.items():
             with self.assertRaisesRegex(ricochet.InputError, f"^two-rods.toml: {key}: [^\n]*$"):
-                ricochet.Simulation(self.scene.changed({key: value, "output.receiver": []}), self.kernels)
+                ricochet.Simulation(self.scene.changed({key: value}), self.kernels)
         with self.assertRaisesRegex(ricochet.InputError, "no kernel for body 'resting'"):
             ricochet.Simulation(self.scene, {"moving": self.kernels["moving"]})
         with self.assertRaisesRegex(ricochet.InputError, "no receiver"):
@@ -330,19 +332,20 @@ class Simulation(KernelsTest):
 
     def test_is_interrupted_between_blocks(self):
         simulation = ricochet.Simulation(self.scene)
-        threading.Timer(0.3, _thread.interrupt_main).start()
+        threading.Timer(0.2, _thread.interrupt_main).start()
         with self.assertRaises(KeyboardInterrupt):
             simulation.step_block(1_000_000_000 // 64)
 
 
 class Sweep(KernelsTest):
     def test_has_the_figures_of_single_impacts(self):
-        study = {"bodies.moving.velocity[0]": [1, 2], "time.rate_hz": [50.0, -1.0]}
+        study = {"bodies.moving.velocity[0]": [1, 2], "contact.gap": [0.5, -1.0]}
+        self.scene["bodies.moving.velocity"] = [3, 0, 0]
         found = ricochet.sweep(self.scene, study, jobs=1, ranks=1)
-        np.testing.assert_array_equal(found["time.rate_hz"], [50, -1, 50, -1])
+        np.testing.assert_array_equal(found["contact.gap"], [0.5, -1, 0.5, -1])
         np.testing.assert_array_equal(found.status, [0, 2, 0, 2])
-        self.assertIn("must be above 0", found.error[1])
-        single = ricochet.impact(self.scene.changed({"time.rate_hz": 50, "bodies.moving.velocity[0]": 2}))
+        self.assertIn("contact.gap = -1.0: must not be negative", found.error[1])
+        single = ricochet.impact(self.scene.changed({"contact.gap": 0.5, "bodies.moving.velocity[0]": 2}))
         self.assertEqual(found["peak_force_n"][2], single.summary["peak_force_n"])
         self.assertEqual(len(ElementTree.fromstring(found._repr_html_()).findall("tbody/tr")), len(found))
 
