@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Kernels: what a contact sees of a body, as NumPy arrays."""
+"""Kernels as NumPy arrays: the modes of a body and the flexibility of its contact surface."""
 
 from __future__ import annotations
 

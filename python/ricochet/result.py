@@ -25,7 +25,7 @@ _SUFFIX = ".result.h5"
 
 
 class _Data:
-    """Datasets of an open result file, read when they are first asked for."""
+    """Datasets of an open result file, each read on first use."""
 
     def __init__(self, file: File, group: str) -> None:
         self._file, self._group = file, group
@@ -104,7 +104,7 @@ class ReceiverMotion(_Data):
 
 
 class Result(_Data):
-    """The result of an impact. Arrays are read when they are first asked for and then kept.
+    """The result of an impact. Each array is read on first use.
 
     K rows of state at the times `time`, k rows of contact at the times `contact_time`, m contact points. SI
     units, world axes; contact/FORMAT.md defines each quantity. The result keeps its file open: another run
@@ -133,7 +133,7 @@ class Result(_Data):
 
     @property
     def warnings(self) -> list[str]:
-        """Where the model leaves its validity, a sentence each."""
+        """Sentences on where the model leaves its validity."""
         return list(self.summary["warnings"])
 
     # ---- Contact ----
@@ -224,10 +224,10 @@ class Result(_Data):
             for name in self._file.names("/snapshots")
         }
 
-    # ---- What people see ----
+    # ---- Display ----
 
     def figures(self) -> dict[str, str]:
-        """Key figures with their units, as texts by name."""
+        """Key figures by name, as texts with units."""
         out = {}
         for key, name, unit in _FIGURES:
             value = self.summary.get(key)
@@ -284,7 +284,7 @@ class Result(_Data):
 
 
 class SweepResult:
-    """The figures of all impacts of a study: columns of equal length, a row for each setting."""
+    """The figures of all impacts of a study. Columns have equal length, with a row for each impact."""
 
     #: columns that a notebook shows
     SHOWN = ("peak_force_n", "impulse_ns", "restitution", "contact_steps")

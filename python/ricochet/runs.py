@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""What is done with scenes and results: kernels, impacts, studies, pictures, reports."""
+"""Functions on scenes and results: kernels, impacts, studies, pictures and pages."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ from ricochet.scene import PathLike, Scene, plain, scene_of
 from ricochet.studies.study import Study
 from ricochet.studies.sweep import Sweep
 
-#: a line of ricochet-kernel: body, phase, time
+#: a line that ricochet-kernel prints at the end of a phase
 _PHASE = re.compile(r"(?P<body>[\w-]+): (?P<phase>.+?) {2,}[\d.]+ (s|min|h)")
 
 
 def kernels(scene: Scene | PathLike, ranks: int = 2, out: PathLike | None = None) -> dict[str, Kernel]:
-    """The kernels of a scene, by body. Those that are not in the folder yet are computed, by ricochet-kernel
-    on so many ranks.
+    """Returns the kernels of a scene, by body. Missing kernels are computed by ricochet-kernel under mpirun.
 
-    out: their folder, otherwise `scene.out`.
+    ranks: MPI ranks of ricochet-kernel.
+    out: the folder of the kernels, otherwise `scene.out`.
 
     Raises InputError, one line, for a mesh, a material or a setting that ricochet-kernel refuses; SolverError
     for a computation that breaks down.
@@ -54,17 +54,15 @@ def stored_kernels(scene: Scene) -> dict[str, Kernel]:
 
 
 def impact(scene: Scene | PathLike, out: PathLike | None = None) -> Result:
-    """Runs the impact of a scene in this process and returns its result, which is also written as
-    ricochet-contact does.
+    """Runs the impact of a scene in this process and returns its result.
 
-    The kernels have to be there: call `kernels` first. Other threads run while steps are made, and Ctrl-C
-    ends the run without leaving files behind.
+    Kernels must exist: call `kernels` first. The files of the result are those that ricochet-contact writes.
+    Other threads run during the steps. Ctrl-C ends the run and leaves no files behind.
 
     out: the folder of kernels and results, otherwise `scene.out`.
 
-    Raises InputError, one line, for kernels that are missing and bodies that overlap or do not meet;
-    SolverError where the motion stops being finite. Warns, as UserWarning, where the model leaves its
-    validity.
+    Raises InputError, one line, for kernels that are missing and for bodies that overlap or do not meet;
+    SolverError if the motion stops being finite. Issues a UserWarning where the model leaves its validity.
     """
     scene = scene_of(scene)
     folder = _folder(scene, out)
@@ -84,17 +82,16 @@ def sweep(
     jobs: int | None = None,
     ranks: int = 2,
 ) -> SweepResult:
-    """Runs the impacts of a study, and computes the kernels that they need. What an earlier call finished is
-    not run again.
+    """Runs the impacts of a study and computes the kernels that they need. Skips finished impacts.
 
-    study: a study file (docs/studies.md), or a Scene of which `grid` varies keys.
+    study: a study file (docs/studies.md), or a Scene whose keys `grid` varies.
     grid: lists of values by key; every combination is run.
     out: the folder of kernels and results, otherwise `out` beside the study, or `scene.out`.
     jobs: impacts side by side, otherwise one for each processor.
-    ranks: of ricochet-kernel.
+    ranks: MPI ranks of ricochet-kernel.
 
-    Raises InputError for a study that is refused, SolverError where its command breaks down. Impacts that
-    fail are rows of the result, with the reason in `error`.
+    Raises InputError for a study that is refused, and SolverError if all of its impacts break down. Single
+    impacts that fail are rows of the result, with the reason in `error`.
     """
     if isinstance(study, Scene):
         if not grid:
@@ -192,7 +189,7 @@ def _compute(scene: Scene, folder: Path, ranks: int) -> None:
 def _run(command: Sequence[str | Path], show: Callable[[str], None]) -> None:
     """Runs ricochet-kernel to its end; `show` is called with each line of its standard error.
 
-    Raises InputError for status 2, SolverError for any other but 0, with the program's own line.
+    Raises InputError for status 2 and SolverError for any other failure, with the program's own line.
     """
     programs.find(command)
     with subprocess.Popen(
@@ -232,7 +229,7 @@ def _study_file(scene: Scene, grid: Mapping[str, Sequence[Any]], folder: Path) -
 
 
 class _StepBar:
-    """Progress of the phases of a run that count."""
+    """A progress bar for the phases of a run that have a known length."""
 
     def __init__(self) -> None:
         self._bar: Progress | None = None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Scenes: what is computed, as a TOML file or a dictionary, checked by the reader of the programs."""
+"""Scenes: TOML files or dictionaries that describe an impact, checked by the reader of the programs."""
 
 from __future__ import annotations
 
@@ -21,24 +21,24 @@ _PART = re.compile(r'(?:"(?P<quoted>[^"]*)"|(?P<bare>[^."\[\]]+))(?P<indices>(?:
 
 
 class Scene:
-    """A scene that is valid at any time: what cannot be read, or set, raises `InputError` and changes
-    nothing.
+    """A scene that is always valid: a file or a setting that is not raises InputError and changes nothing.
 
     >>> scene = Scene("meshes/two-disks/two-disks.toml")
     >>> scene["bodies.upper.velocity"] = [0, -6, 0]
-    >>> scene["time.rate_hz"] 44100.0
+    >>> scene["time.rate_hz"]
+    44100.0
 
-    Keys are those of docs/keys.md, written as after `--set`: `"loads.point[0].vector"`,
+    docs/keys.md lists the keys. They are written as for the option --set: `"loads.point[0].vector"`,
     `'bodies.ball.support."x plane"'`. All quantities are in SI units.
     """
 
     def __init__(self, source: PathLike | Mapping[str, Any], folder: PathLike = ".") -> None:
         """Reads a scene.
 
-        source: a TOML file, or a dictionary with the tables of one.
-        folder: of a dictionary alone: where its relative paths begin, and where `out` lies.
+        source: a TOML file, or a dictionary with the same tables.
+        folder: of a dictionary: the folder that its relative paths start from, and that holds `out`.
 
-        Raises InputError, one line, for a file or a key that the programs would refuse.
+        Raises InputError, one line, for a file or a key that the programs refuse.
         """
         if isinstance(source, Mapping):
             self._file = Path(folder).absolute() / "scene.toml"
@@ -46,7 +46,7 @@ class Scene:
             self._is_stored = False
         else:
             self._file = Path(source).absolute()
-            _core.Scene.read(self._file)  # refuses what is no scene
+            _core.Scene.read(self._file)  # raises InputError for a file that is not a scene
             self._text = self._file.read_text("utf-8")
             self._is_stored = True
         self._settings: list[str] = []
@@ -62,8 +62,8 @@ class Scene:
     # ---- Keys ----
 
     def __getitem__(self, key: str) -> Any:
-        """The value of a key as given, or else its default; a table is a dictionary. Raises KeyError without
-        either."""
+        """The value of a key: the given one, otherwise the default. A table is a dictionary. Raises KeyError
+        for a key that has neither."""
         path = _split(key)
         for table in (self._given, self._resolved):
             try:
@@ -83,12 +83,11 @@ class Scene:
         return True
 
     def __setitem__(self, key: str, value: Any) -> None:
-        """Sets one key. Raises InputError, and changes nothing, where the scene would not be valid."""
+        """Sets one key. Raises InputError, and changes nothing, if the scene would become invalid."""
         self.set({key: value})
 
     def set(self, changes: Mapping[str, Any]) -> None:
-        """Sets several keys at once, for those that are valid only together. Raises InputError and changes
-        nothing otherwise."""
+        """Sets several keys at once, for keys that are valid only together. Raises InputError as above."""
         self._load(settings(plain(changes)))
 
     def changed(self, changes: Mapping[str, Any]) -> Scene:
@@ -107,7 +106,7 @@ class Scene:
 
     @property
     def slug(self) -> str:
-        """What the names of its result files begin with."""
+        """The start of the names of its result files."""
         return self._core.slug
 
     @property
@@ -117,12 +116,12 @@ class Scene:
 
     @property
     def file(self) -> Path:
-        """The file that it was read from; of a dictionary, the file that it would be."""
+        """The file that it was read from; for a dictionary, a file `scene.toml` that need not exist."""
         return self._file
 
     @property
     def out(self) -> Path:
-        """The folder of its kernels and results, unless another one is named: `out` beside the file."""
+        """The folder of its kernels and results unless another one is named: `out` beside the file."""
         return self._file.parent / "out"
 
     @property
@@ -135,8 +134,8 @@ class Scene:
         return self._core.toml()
 
     def write(self, path: PathLike) -> Path:
-        """Writes the scene as given, its relative paths adapted to the new folder, and returns the path of the
-        file. Raises InputError where it cannot be written."""
+        """Writes the scene as given, with relative paths adapted to the new folder, and returns its path.
+        Raises InputError if the file cannot be written."""
         target = Path(path).absolute()
         try:
             target.parent.mkdir(parents=True, exist_ok=True)
@@ -167,7 +166,7 @@ class Scene:
     # ---- For the functions that run it ----
 
     def _command(self, out: Path) -> tuple[Path, list[str]]:
-        """A file and the settings behind `--set` that make a program read this scene."""
+        """A scene file, and the words for the option --set that turn it into this scene."""
         if self._is_stored:
             return self._file, self._settings
         return self.write(out / f"{self.slug}.toml"), []
@@ -194,7 +193,7 @@ def _split(key: str) -> list[str | int]:
 
 
 def plain(value: Any) -> Any:
-    """The value with NumPy's arrays and numbers, tuples and paths as what TOML has."""
+    """The value as TOML types: NumPy arrays and numbers, tuples and paths are converted."""
     if isinstance(value, Mapping):
         return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, os.PathLike):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Stepping in a loop: forces and motion after each step, or block by block."""
+"""Simulations: stepping through an impact in a loop, one step or one block at a time."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class Energy:
 
 
 class State:
-    """A moment of one simulation, from `Simulation.save`."""
+    """A saved state of one simulation, from `Simulation.save`."""
 
     def __init__(self, core: _core.State) -> None:
         self._core = core
@@ -66,7 +66,7 @@ class Simulation:
     """Bodies in motion, from t = 0 on. m contact points, p pickups; SI units, world axes.
 
     Steps are those of `impact`. A simulation belongs to one thread at a time; different simulations share
-    nothing.
+    only kernels, which never change.
     """
 
     def __init__(
@@ -107,15 +107,15 @@ class Simulation:
     # ---- Stepping ----
 
     def step(self) -> None:
-        """Makes one step. Raises InputError where no contact forces keep the bodies apart, SolverError where
-        the motion stops being finite; then nothing has changed."""
+        """Makes one step. Raises InputError if no contact forces keep the bodies apart, SolverError if the
+        motion stops being finite; a step that fails changes nothing."""
         self._core.step()
 
     def step_block(self, steps: int, *, force: bool = False, displacement: bool = False) -> Block:
-        """Makes many steps, the same to the last bit, and much faster than `step` in a loop. Other threads
-        run meanwhile, and Ctrl-C ends it. Raises as `step` does, after the steps before.
+        """Makes many steps: the same steps, to the last bit, as `step` in a loop, and much faster. Other
+        threads run meanwhile, and Ctrl-C ends the block. Raises as `step` does, when a step fails.
 
-        force, displacement: also keep those of each point; displacements make steps slower.
+        force, displacement: also return those of each point. Displacements slow the steps down.
         """
         if steps < 0:
             raise ValueError(f"steps = {steps}: must not be negative")
@@ -130,11 +130,11 @@ class Simulation:
         return block
 
     def save(self) -> State:
-        """The present moment, to come back to."""
+        """Returns the present state, for `restore`."""
         return State(self._core.save())
 
     def restore(self, state: State) -> None:
-        """Goes back to a moment, to the last bit. Raises ValueError for a state of another simulation."""
+        """Returns to a saved state, to the last bit. Raises ValueError for a state of another simulation."""
         if not self._core.restore(state._core):
             raise ValueError("the state is of another simulation")
 
