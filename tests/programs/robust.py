@@ -304,7 +304,7 @@ class Sweeps(Robust):
 
 class Kills(unittest.TestCase):
     def test_programs_killed_at_random_moments_leave_nothing_partial_and_go_on(self):
-        run = Run(["env", f"RICOCHET_BIN={BIN}", SOURCE / "scripts/kills", "--count", "10", "--seed", "3",
+        run = Run(["env", f"RICOCHET_BIN={BIN}", SOURCE / "scripts/verify", "--kills", "--count", "10", "--seed", "3",
                    "--only", "ricochet-contact"])
         self.assertEqual(run.status, 0, run.out + run.err)
 

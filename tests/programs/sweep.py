@@ -134,7 +134,7 @@ class Pictures(unittest.TestCase):
 class Sweeps(SweepTest):
     def test_each_impact_is_that_of_the_program_alone_and_kernels_are_shared(self):
         study = self.study(GRID)
-        self.assertEqual(self.succeed(Run(self.sweep(study, "--kernels"))).out, "3 kernels, all there\n")
+        self.assertEqual(self.succeed(Run(self.sweep(study, "--kernels"))).out, "3 kernels, all computed\n")
         for before in ("", " before"):
             self.assertEqual(self.succeed(Run(self.sweep(study, "--part", "2/3"))).out, f"part 2/3: 4 impacts, all done{before}\n")
         for before in ("", ", all done before"):

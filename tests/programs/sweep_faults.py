@@ -98,7 +98,7 @@ class Journals(Faults):
         journal = Journal(self.out / "rods")
         for answer in (refused, refused):
             journal.add("k", answer)
-        journal.file.close()
+        journal.records.file.close()
         again = Journal(self.out / "rods")
         self.assertEqual((again.finished("k"), again.rows["k"]["error"]), (False, "no"))  # tables say why
         self.assertEqual((self.out / "rods.sweep.jsonl").read_bytes().count(b"\n"), 1)
@@ -157,14 +157,14 @@ class Ends(Faults):
         while (not journal.exists() or not journal.stat().st_size) and time.monotonic() < before + DEADLOCK_S:
             time.sleep(0.02)
         process.terminate()
-        self.assertIn("goes on from here", process.communicate(timeout=60)[1])
+        self.assertIn("resumes the work", process.communicate(timeout=60)[1])
         self.assertEqual(process.returncode, 128 + signal.SIGTERM)
         self.assertEqual([row["status"] for row in self.rows()], ["0", "-1"])
 
     def test_output_that_goes_nowhere_is_said_and_columns_that_are_not_there_are_refused(self):
         self.study('[grid]\n"contact.gap" = [0.0]\n"bodies.moving.velocity[0]" = [inf, 1.0]\n[[set.output.receiver]]\n'
                    'name = "end"\nbody = "resting"\nat = [10, 0, 0]')
-        self.ends(self.sweep("--plot", "nonsense"), 2, '"nonsense" is no column', "impulse_ns")
+        self.ends(self.sweep("--plot", "nonsense"), 2, '"nonsense" is not a column', "impulse_ns")
         self.ends(self.sweep("--plot", "impulse_ns", "--against", "bodies.moving.velocity[0]", "contact.gap"), 0)
         with open("/dev/full", "w") as full:
             self.ends(self.sweep(stdout=full), 1, "standard output")

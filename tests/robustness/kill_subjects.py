@@ -1,4 +1,5 @@
-"""What scripts/kills kills: the programs on small scenes, and how to tell whether what they left is whole."""
+# SPDX-License-Identifier: BSD-2-Clause
+"""The programs that scripts/verify --kills kills, on small scenes, and the checks of what they left."""
 import csv
 import json
 import os
@@ -69,7 +70,11 @@ def write_scenes(folder):
 
 def files(out):
     """Of final names: (path within `out`, as text): Path."""
-    return {str(path.relative_to(out)): path for path in sorted(out.rglob("*")) if path.is_file() and path.suffix != ".partial"}
+    return {
+        str(path.relative_to(out)): path
+        for path in sorted(out.rglob("*"))
+        if path.is_file() and path.suffix != ".partial"
+    }
 
 
 def leftovers(out):
@@ -88,7 +93,12 @@ def same_numbers(one, other):
             x, y = a[name][()], b[name][()]
             if x.shape != y.shape or x.dtype != y.dtype:
                 return False
-            if x.dtype.kind == "f" and name not in ROUND_OFF and x.size and np.abs(x - y).max() > 1e-7 * np.abs(y).max():
+            if (
+                x.dtype.kind == "f"
+                and name not in ROUND_OFF
+                and x.size
+                and np.abs(x - y).max() > 1e-7 * np.abs(y).max()
+            ):
                 return False
     return True
 
@@ -121,21 +131,39 @@ class Subject:
 
     def finished(self, out):
         """What must neither be lost nor done again, and which file it is."""
-        return {name: (path.stat().st_ino, path.stat().st_mtime_ns) for name, path in files(out).items()
-                if name.endswith(self.keeps)} if self.keeps else {}
+        return (
+            {
+                name: (path.stat().st_ino, path.stat().st_mtime_ns)
+                for name, path in files(out).items()
+                if name.endswith(self.keeps)
+            }
+            if self.keeps
+            else {}
+        )
 
     def lost(self, before, out):
         after = self.finished(out)
         gone = {name for name in before if before[name] != after.get(name)}
         # Slices go when their kernel is there.
-        return sorted(name for name in gone if not (".slices/" in name and (out / name.split(".slices/")[0]).with_name(
-            name.split(".slices/")[0] + ".kernel.h5").exists()))
+        return sorted(
+            name
+            for name in gone
+            if not (
+                ".slices/" in name
+                and (out / name.split(".slices/")[0])
+                .with_name(name.split(".slices/")[0] + ".kernel.h5")
+                .exists()
+            )
+        )
 
     def outlived(self, before, out):
-        """Temporary files that a run told to end should have taken with it. mpirun kills ranks a second after it told them
-        to end, whatever the disk lets them do meanwhile."""
-        return sorted(name for name in set(leftovers(out)) - before
-                      if not (self.under_mpirun and (".slices/" in name or ".kernel.h5." in name)))
+        """Temporary files that a run told to end should have taken with it. mpirun kills ranks a second after
+        it told them to end, whatever the disk lets them do meanwhile."""
+        return sorted(
+            name
+            for name in set(leftovers(out)) - before
+            if not (self.under_mpirun and (".slices/" in name or ".kernel.h5." in name))
+        )
 
     def spoilt(self, out):
         """Names of files that are not whole, or not what an undisturbed run writes."""
@@ -165,13 +193,19 @@ class Kernel(Subject):
         return [programs.BIN / "ricochet-kernel", self.scenes / "kills.toml", "--out", out]
 
     def phase(self, out, said):
-        done = [line.split(":")[1].split("  ")[0].strip() for line in said.splitlines() if line.startswith(("moving:", "resting:"))]
+        done = [
+            line.split(":")[1].split("  ")[0].strip()
+            for line in said.splitlines()
+            if line.startswith(("moving:", "resting:"))
+        ]
         last = done[-1] if done else ""
         if not done:
             return "start"
         if last.startswith(("counts", "slice", "round")):
             return "slices"
-        return {"candidates": "counts", "certificate": "trace, writing", "trace": "trace, writing"}.get(last, "mesh, assembly")
+        return {"candidates": "counts", "certificate": "trace, writing", "trace": "trace, writing"}.get(
+            last, "mesh, assembly"
+        )
 
 
 class Ranks(Kernel):
@@ -213,7 +247,10 @@ class Contact(Subject):
         return path.read_bytes() == wanted.read_bytes()
 
     def spoilt(self, out):
-        found = {name: [run for run in (self.whole, self.earlier) if self.of(path, run)] for name, path in files(out).items()}
+        found = {
+            name: [run for run in (self.whole, self.earlier) if self.of(path, run)]
+            for name, path in files(out).items()
+        }
         wrong = [name for name, runs in found.items() if not runs]
         # Where there is a summary, all is of its run.
         for name in found if not wrong and "kills.summary.json" in found else ():
@@ -222,7 +259,9 @@ class Contact(Subject):
         return wrong
 
     def complete(self, out):
-        return super().complete(out) + [name for name, path in files(out).items() if not self.of(path, self.whole)]
+        return super().complete(out) + [
+            name for name, path in files(out).items() if not self.of(path, self.whole)
+        ]
 
 
 class Sweep(Subject):
@@ -232,7 +271,17 @@ class Sweep(Subject):
     keeps = (".kernel.h5",)
 
     def command(self, out):
-        return [programs.BIN / "ricochet", "sweep", self.scenes / "kills-study.toml", "--jobs", "1", "--ranks", "1", "--out", out]
+        return [
+            programs.BIN / "ricochet",
+            "sweep",
+            self.scenes / "kills-study.toml",
+            "--jobs",
+            "1",
+            "--ranks",
+            "1",
+            "--out",
+            out,
+        ]
 
     def phase(self, out, said):
         names = files(out)
@@ -245,18 +294,22 @@ class Sweep(Subject):
     def journal(self, out):
         path = out / "many.sweep.jsonl"
         content = path.read_bytes() if path.exists() else b""
-        return content[:content.rfind(b"\n") + 1], content
+        return content[: content.rfind(b"\n") + 1], content
 
     def finished(self, out):
         return super().finished(out) | {"journal": self.journal(out)[0]}
 
     def lost(self, before, out):
-        return super().lost({key: value for key, value in before.items() if key != "journal"}, out) + \
-            ["journal"] * (not self.journal(out)[1].startswith(before["journal"]))
+        return super().lost({key: value for key, value in before.items() if key != "journal"}, out) + [
+            "journal"
+        ] * (not self.journal(out)[1].startswith(before["journal"]))
 
     def rows(self, out):
         with open(out / "many.sweep.csv", newline="") as file:
-            return [{key: value for key, value in row.items() if key not in TIMINGS} for row in csv.DictReader(file)]
+            return [
+                {key: value for key, value in row.items() if key not in TIMINGS}
+                for row in csv.DictReader(file)
+            ]
 
     def is_whole(self, name, path):
         if name == "many.sweep.jsonl":
@@ -266,7 +319,8 @@ class Sweep(Subject):
             # Impacts that were not run yet have no outputs.
             rows = self.rows(path.parent)
             return len(rows) == len(self.rows(self.whole)) and all(
-                row == wanted for row, wanted in zip(rows, self.rows(self.whole)) if row["status"] == "0")
+                row == wanted for row, wanted in zip(rows, self.rows(self.whole)) if row["status"] == "0"
+            )
         if name == "many.sweep.h5":
             with h5py.File(path) as file:
                 return len(file["status"]) == len(self.rows(self.whole)) and "error" in file

@@ -1,11 +1,12 @@
-#!/usr/bin/python3
-"""Kills programs at random moments, by SIGKILL, SIGTERM or SIGINT, and looks at what they leave: nothing partial under a
-final name, nothing lost or done twice that was finished, no hang, and a next run that ends as if nothing had been.
+# SPDX-License-Identifier: BSD-2-Clause
+"""Kills programs at random moments by SIGKILL, SIGTERM or SIGINT, and checks what they leave.
 
-    scripts/kills --count 1000 --lanes 4
-    scripts/kills --seed 17.42           # this one life again, to look into a failure
+    scripts/verify --kills --count 1000 --lanes 4
+    scripts/verify --kills --seed 17.42     # repeats one life, to look into a failure
 
-A life is a folder in which a program is run and killed one to four times, then left alone. Status 1 when anything is amiss.
+Nothing partial may have a final name, nothing finished may be lost or done twice, no program may hang, and
+the next run must end as if nothing had happened. A life is a folder in which a program is run and killed one
+to four times, then left alone. The status is 1 if a check fails.
 """
 import argparse
 import collections
@@ -16,14 +17,11 @@ import shutil
 import signal
 import statistics
 import subprocess
-import sys
 import tempfile
 import threading
 import time
 from pathlib import Path
 
-sys.dont_write_bytecode = True
-sys.path[:0] = [str(Path(__file__).resolve().parents[1] / folder) for folder in ("scripts/modules", "python")]
 from ricochet import programs
 from kill_subjects import Contact, Kernel, Ranks, Sweep, leftovers, write_scenes
 
@@ -76,8 +74,14 @@ class Life:
 
     def start(self):
         with open(self.said, "w") as said:
-            return subprocess.Popen([str(word) for word in self.subject.command(self.out)], env=self.subject.environment,
-                                    stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=said, start_new_session=True)
+            return subprocess.Popen(
+                [str(word) for word in self.subject.command(self.out)],
+                env=self.subject.environment,
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=said,
+                start_new_session=True,
+            )
 
     def ends(self, process):
         """Waits for all processes of a run; @return whether they end by themselves."""
@@ -118,7 +122,9 @@ class Life:
             send(number, one)
         found = {"hung": [] if self.ends(process) else [f"for {HANG_S} s"]}
         found |= self.amiss(before)
-        if number != signal.SIGKILL and victim != "one":  # an earlier one's goes when its file is written again
+        if (
+            number != signal.SIGKILL and victim != "one"
+        ):  # an earlier one's goes when its file is written again
             found["left"] = self.subject.outlived(remains, self.out)
         # One that dies may be replaced, and an end may be reached just then; mpirun has statuses of its own.
         usual = {0, -number, 128 + number}
@@ -135,7 +141,9 @@ class Life:
         started = time.monotonic()
         process = self.start()
         found = {"hung": [] if self.ends(process) else [f"for {HANG_S} s"]} | self.amiss(before)
-        found["unfinished"] = [f"status {process.returncode}: {self.said.read_text()[-300:]}"] * (process.returncode != 0)
+        found["unfinished"] = [f"status {process.returncode}: {self.said.read_text()[-300:]}"] * (
+            process.returncode != 0
+        )
         if process.returncode == 0:
             found["unfinished"] = self.subject.complete(self.out)
             found["left"] = leftovers(self.out)
@@ -156,8 +164,13 @@ def undisturbed(subject, out, paces, times=1):
         shutil.rmtree(out, ignore_errors=True)
         subject.prepare(out, random.Random(1))
         started = time.monotonic()
-        subprocess.run([str(word) for word in subject.command(out)], env=subject.environment, check=True,
-                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        subprocess.run(
+            [str(word) for word in subject.command(out)],
+            env=subject.environment,
+            check=True,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
         paces.add(subject.name, time.monotonic() - started)
 
 
@@ -183,8 +196,19 @@ def contact_of(folder, kernel):
     earlier, impact = folder / "earlier", folder / "impact"
     for out, setting in ((earlier, "bodies.moving.velocity=[0.02,0,0]"), (impact, "title=Kills")):
         shutil.copytree(kernel.whole, out)
-        subprocess.run([programs.BIN / "ricochet-contact", folder / "kills.toml", "--out", out, "--quiet", "--set", setting],
-                       check=True, stderr=subprocess.DEVNULL)
+        subprocess.run(
+            [
+                programs.BIN / "ricochet-contact",
+                folder / "kills.toml",
+                "--out",
+                out,
+                "--quiet",
+                "--set",
+                setting,
+            ],
+            check=True,
+            stderr=subprocess.DEVNULL,
+        )
     return Contact(folder, impact, earlier)
 
 
@@ -215,7 +239,10 @@ class Tally:
                 if where:
                     row[what] += 1
                     self.failures += 1
-                    print(f"life {life.seed}: {life.subject.name}, {phase} {how}: {what}: {', '.join(where)}", flush=True)
+                    print(
+                        f"life {life.seed}: {life.subject.name}, {phase} {how}: {what}: {', '.join(where)}",
+                        flush=True,
+                    )
 
     def table(self):
         head = ["program", "phase", "runs", *AMISS]
@@ -223,35 +250,44 @@ class Tally:
         yield "|" + "---|" * len(head)
         for name, phase in sorted(self.rows):
             row = self.rows[name, phase]
-            yield f"| {name} | {phase} | {row['runs']} | " + " | ".join(str(row[what]) for what in AMISS) + " |"
+            yield f"| {name} | {phase} | {row['runs']} | " + " | ".join(
+                str(row[what]) for what in AMISS
+            ) + " |"
 
 
-def arguments():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--count", type=int, default=100, help="kills (default: 100)")
-    parser.add_argument("--seed", default="1", help="of a run, or N.K of one life of it (default: 1)")
-    parser.add_argument("--lanes", type=int, default=1, help="lives side by side (default: 1)")
+def positive(text):
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError("give a number from 1")
+    return int(text)
+
+
+def add_arguments(parser):
+    parser.add_argument("--count", type=positive, default=100, help="kills (default: 100)")
+    parser.add_argument("--seed", default="1", help="seed of a run, or N.K of one life of it (default: 1)")
+    parser.add_argument("--lanes", type=positive, default=1, help="lives side by side (default: 1)")
     parser.add_argument("--only", choices=WEIGHTS, action="append", help="this program; repeatable")
-    options = parser.parse_args()
-    if options.count < 1 or options.lanes < 1:
-        parser.error("--count and --lanes must be 1 or more")
-    return options
 
 
-def main():
-    options = arguments()
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # where it was ignored, programs would ignore it, too
+def run(options):
+    signal.signal(
+        signal.SIGINT, signal.default_int_handler
+    )  # where it was ignored, programs would ignore it, too
     folder = Path(tempfile.mkdtemp(prefix="ricochet-kills-"))
     paces, tally, lives, started = Paces(), Tally(), queue.Queue(), time.monotonic()
     subjects = references(folder, options.only or list(WEIGHTS), paces)
-    print(", ".join(f"{subject.name} {paces.of(subject.name):.2f} s" for subject in subjects) + " undisturbed", flush=True)
+    print(
+        ", ".join(f"{subject.name} {paces.of(subject.name):.2f} s" for subject in subjects) + " undisturbed",
+        flush=True,
+    )
     single = "." in options.seed
     enough, numbers = threading.Event(), iter(range(1 if single else 10**9))
 
     def lane():
         try:
             while not enough.is_set() and (number := next(numbers, None)) is not None:
-                lives.put(life_of(options.seed if single else f"{options.seed}.{number}", subjects, folder, paces))
+                lives.put(
+                    life_of(options.seed if single else f"{options.seed}.{number}", subjects, folder, paces)
+                )
         finally:
             lives.put(None)
 
@@ -268,15 +304,15 @@ def main():
         if tally.kills >= options.count:
             enough.set()
         if tally.kills // 100 > before // 100:
-            print(f"{tally.kills} kills in {time.monotonic() - started:.0f} s, {tally.failures} amiss", flush=True)
+            print(
+                f"{tally.kills} kills in {time.monotonic() - started:.0f} s, {tally.failures} amiss",
+                flush=True,
+            )
     print("\n".join(tally.table()))
-    print(f"{tally.kills} kills, {tally.failures} amiss, {time.monotonic() - started:.0f} s, seed {options.seed}")
+    seconds = time.monotonic() - started
+    print(f"{tally.kills} kills, {tally.failures} amiss, {seconds:.0f} s, seed {options.seed}")
     if tally.failures:
         print(f"what they left is in {folder}")
     else:
         shutil.rmtree(folder)
     return 1 if tally.failures else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

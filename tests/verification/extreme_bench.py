@@ -1,6 +1,8 @@
-"""Scenes small enough for scripts/extremes, and what runs them."""
+# SPDX-License-Identifier: BSD-2-Clause
+"""Scenes small enough for scripts/verify --extremes, and how they are run."""
 
 import json
+import os
 import subprocess
 from dataclasses import dataclass
 from pathlib import Path
@@ -101,7 +103,12 @@ class Bench:
     def __init__(self, folder):
         self.folder = Path(folder)
         self.number = 0
-        for name, text in (("block.geo", BLOCK_GEO), ("block.toml", BLOCK), ("rod.geo", ROD_GEO), ("rods.toml", RODS)):
+        for name, text in (
+            ("block.geo", BLOCK_GEO),
+            ("block.toml", BLOCK),
+            ("rod.geo", ROD_GEO),
+            ("rods.toml", RODS),
+        ):
             (self.folder / name).write_text(text)
 
     def fresh(self):
@@ -112,7 +119,13 @@ class Bench:
     def _run(self, command, sets):
         command = [str(c) for c in command] + ["--quiet"] + [a for s in sets for a in ("--set", s)]
         try:
-            return subprocess.run(command, capture_output=True, text=True, timeout=DEADLOCK_S)
+            return subprocess.run(
+                command,
+                capture_output=True,
+                text=True,
+                timeout=DEADLOCK_S,
+                env=os.environ | programs.ONE_THREAD,
+            )
         except subprocess.TimeoutExpired:
             raise Unexpected("hangs") from None
 
@@ -145,7 +158,8 @@ class Bench:
         return max(out.glob("*.kernel.h5"), key=lambda path: path.stat().st_mtime_ns)
 
     def refusal(self, scene, *sets, out=None, ranks=1):
-        """The line of the first program that refuses; anything else but one line and status 2 is Unexpected."""
+        """The line of the first program that refuses; anything else but one line and status 2 is
+        Unexpected."""
         out = out or self.fresh()
         for run in (self.kernel(scene, out, *sets, ranks=ranks), self.contact(scene, out, *sets)):
             if run.returncode == 0:
