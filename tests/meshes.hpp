@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Small geometries that the collective tests mesh, and the way from one to a distributed mesh.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Body of with_gmsh_errors.
 #pragma once
 

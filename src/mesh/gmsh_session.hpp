@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The gmsh library as a scope, and its errors as ours.
 #pragma once
 

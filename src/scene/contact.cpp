@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // [contact]: who meets whom, and how.
 #include <algorithm>
 #include <optional>

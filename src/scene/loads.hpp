@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Internal to src/scene: loads with histories, moving supports and receivers.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Internal to src/scene: the parts of a resolved scene as TOML.
 #pragma once
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """Runs what a Markdown page says, block by block, in a folder made like this repository.
 
 What a reader sees:

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """Commands and readers of the documentation run, its scenes have keys that exist, and its links lead
 somewhere."""
 

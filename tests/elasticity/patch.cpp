@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Patch tests: what any convergent element must do exactly.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Approximate modes against dense eigenvalues, and their proof.
 #include "src/modes/approximate.hpp"
 

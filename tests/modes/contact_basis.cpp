@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Vectors fitted to contact against dense flexibilities of the whole body.
 #include "src/modes/contact_basis.hpp"
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """What `cmake --install` leaves: programs that work from PATH outside the tree, one version, shell completion, pkg-config."""
 
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """ricochet sweep: the settings of a study, that kernels are shared, that a kill loses nothing, what it writes and refuses."""
 
 import csv

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Contact patches against hand values and the closed forms of hats on flat triangles.
 #include <gtest/gtest.h>
 
