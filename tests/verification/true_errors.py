@@ -125,8 +125,8 @@ def cases(folder):
         exchange(5, moving=0, resting=0.5),
         exchange(20, moving=-1),
     )
-    yield "equal rods, dial", equal, [], 1e-2, swap
-    yield "equal rods, order 3, dial", third, [], 3e-3, swap
+    yield "equal rods, chosen settings", equal, [], 1e-2, swap
+    yield "equal rods, order 3, chosen settings", third, [], 3e-3, swap
     yield "equal rods, 10 modes, 5 Hz", third, ["modes.count=10", "time.rate_hz=5"], 1e-2, swap
     yield "equal rods, 40 modes, jump", third, [
         "modes.count=40",
@@ -138,9 +138,9 @@ def cases(folder):
         "time.rate_hz=200",
         "modes.residual_flexibility=false",
     ], 1e-2, swap
-    yield "short on long rod, dial", short, [], 1e-2, stop
-    yield "rod on wall, dial", wall, [], 1e-2, bounce
-    yield "equal rods, vectors fitted to contact", third, [
+    yield "short on long rod, chosen settings", short, [], 1e-2, stop
+    yield "rod on wall, chosen settings", wall, [], 1e-2, bounce
+    yield "equal rods, contact-adapted basis", third, [
         "modes={basis='contact', up_to_hz=2}",
         "time.rate_hz=100",
     ], 1e-2, swap
@@ -157,7 +157,7 @@ def cases(folder):
     for touches in (1, 2):
         duration, truth = after(touches)
         dial = ["bodies.bar.geometry={elements=60}", "modes={}", f"time={{duration={duration}}}"]
-        yield f"bouncing bar, touches: {touches}, dial", scene, dial, 1e-2, truth
+        yield f"bouncing bar, touches: {touches}, chosen settings", scene, dial, 1e-2, truth
     yield (
         "bouncing bar, touches: 2, 40 modes, 1200 Hz",
         scene,
@@ -182,7 +182,7 @@ def cases(folder):
     )
     for speed in (1, 6):
         truth = disks(speed, 1e-2, 4, *fine)
-        yield f"disks, {speed} m/s, dial", DISKS, disks(
+        yield f"disks, {speed} m/s, chosen settings", DISKS, disks(
             speed, 1e-2, 3, *free, "time={duration=0.04}"
         ), 1e-2, truth
         yield (
