@@ -77,6 +77,13 @@ class Reader(unittest.TestCase):
         self.assertGreater(points["candidates"], given["candidates"])
         self.assertIsNotNone(estimated["error_estimate"]["spacing"])
 
+    def test_python_runs_as_shown(self):
+        names = self.run_page("docs/python.md").names
+        self.assertEqual(names["kernel"].modes.frequency.shape, (30,))
+        self.assertAlmostEqual(names["result"].summary["impulse_ns"], 10, delta=0.1)
+        self.assertAlmostEqual(names["block"].total_force.mean(), 0.5, delta=0.02)  # of the wave solution
+        self.assertEqual(names["page"].name, "two-rods.report.html")
+
     @unittest.skipUnless(shutil.which("ccx"), "CalculiX is not installed: scripts/setup --tests")
     def test_bodies_of_other_programs_are_imported_and_meet_as_shown(self):
         folder = self.run_page("docs/interchange.md").folder / "build/imported"
