@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 #include "base/atomic_file.hpp"
 
 #include <fcntl.h>

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 #include "base/hdf5.hpp"
 
 #include <fmt/format.h>

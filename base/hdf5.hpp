@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // What readers and writers of HDF5 files share: shapes, element types and the owner of an identifier. The header
 // needs no HDF5 header; handles never leave these classes.
 //

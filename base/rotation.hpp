@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // How bodies are turned, in one place for scenes and for programs that embed the library.
 #pragma once
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // XDMF files: a light text that tells ParaView and other viewers how to read an HDF5 file beside it.
 //
 //   xdmf::File file(path, "two-disks.motion.h5");

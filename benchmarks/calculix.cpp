@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 #include "benchmarks/calculix.hpp"
 
 #include <fmt/format.h>

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // The free vibrations of a body as a task for CalculiX, a peer to compare with.
 #pragma once
 

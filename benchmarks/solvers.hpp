@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // The solvers that are timed, from assembled matrices to shapes in hand.
 #pragma once
 

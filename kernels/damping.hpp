@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Laws of damping that leave modes uncoupled.
 #pragma once
 

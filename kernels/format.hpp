@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // What the writer and the reader of kernel files agree on.
 #pragma once
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // The modes of a body's skin, for ParaView (FORMAT.md).
 #pragma once
 

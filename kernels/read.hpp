@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Reads kernel files (FORMAT.md).
 #pragma once
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Small geometries that the collective tests mesh, and the way from one to a distributed mesh.
 #pragma once
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Arithmetic without denormal numbers, for as long as a scope lasts.
 #pragma once
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // The compact kernel of one body: what contact can see of it. No MPI, no PETSc, no Eigen.
 //
 // Every array is row-major and its shape is written beside it:

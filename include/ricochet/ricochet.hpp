@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Impacts of elastic bodies from their kernels, inside another program: place, pair, step, listen.
 //
 //   ricochet::Scene scene;

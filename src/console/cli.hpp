@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Command lines by CLI11, for programs that have other options than `Options`.
 #pragma once
 

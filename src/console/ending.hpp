@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // How a program ends when it is told to, or when it fails.
 #pragma once
 

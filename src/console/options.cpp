@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 #include "src/console/options.hpp"
 
 #include <fmt/format.h>

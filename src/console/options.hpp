@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Command line of both programs: the same options mean the same thing in each.
 #pragma once
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Stiffness and mass of a linear elastic body, or of a rod.
 //
 //   K = ∫ Bᵀ D B dV,  M = ∫ ρ Nᵀ N dV       (rods: ∫ E A N'ᵀN' dx, ∫ ρ A NᵀN dx)

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Stiffness and mass that another program assembled.
 #pragma once
 

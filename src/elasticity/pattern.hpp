@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Internal to src/elasticity: empty matrices of a body whose pattern is known.
 #pragma once
 

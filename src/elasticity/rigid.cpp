@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 #include <cmath>
 
 #include "src/elasticity/assemble.hpp"

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Bodies that another program discretised: their nodes and surfaces, in the layout of docs/interchange.md.
 #pragma once
 

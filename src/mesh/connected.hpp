@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Which nodes of a mesh elements connect.
 #pragma once
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Body of with_gmsh_errors.
 #pragma once
 

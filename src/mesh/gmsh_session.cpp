@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 #include "src/mesh/gmsh_session.hpp"
 
 #include <gmsh.h>

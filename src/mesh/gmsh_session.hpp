@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // The gmsh library as a scope, and its errors as ours.
 #pragma once
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Names of parts of a body, as gmsh's open model knows them.
 #pragma once
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // The nodes of a Lagrange facet as a lattice: its subdivision into linear cells.
 #pragma once
 

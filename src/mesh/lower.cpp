@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 #include "src/mesh/lower.hpp"
 
 #include <gmsh.h>

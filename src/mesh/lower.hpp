@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // The same elements with functions of the next lower order.
 #pragma once
 

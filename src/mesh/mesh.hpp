@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // The mesh of one body: whole on rank 0 while it is read, then in parts.
 #pragma once
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 #include "src/mesh/msh_check.hpp"
 
 #include <fmt/format.h>

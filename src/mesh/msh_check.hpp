@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // A .msh file as a whole, before gmsh sees it.
 #pragma once
 

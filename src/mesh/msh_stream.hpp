@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Internal to src/mesh: the words and numbers of a .msh file, of any size, not trusted.
 #pragma once
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Internal to src/mesh: one part of a body's mesh as its file has it.
 #pragma once
 

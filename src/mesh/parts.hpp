@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Meshes that gmsh split into one file a part, read in parallel.
 #pragma once
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Reference elements, from gmsh's own shape functions and quadrature.
 #pragma once
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Internal to src/mesh: what is particular to rods.
 #pragma once
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Internal to src/mesh: the parts of a split mesh that one rank reads.
 #pragma once
 

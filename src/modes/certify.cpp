@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 #include "src/modes/certify.hpp"
 
 #include <fmt/format.h>

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // What is asked of a mode set before anybody sees it.
 #pragma once
 

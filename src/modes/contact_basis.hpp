@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // A basis fitted to what contact can excite: load-dependent Ritz vectors.
 #pragma once
 

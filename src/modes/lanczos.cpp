@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 #include "src/modes/lanczos.hpp"
 
 #include <algorithm>

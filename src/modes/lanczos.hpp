@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Block Lanczos about one shift.
 #pragma once
 

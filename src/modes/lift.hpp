@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Static lifts of supports that move.
 #pragma once
 

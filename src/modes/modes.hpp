@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Certified modes of K φ = ω² M φ, rigid ones exact.
 #pragma once
 

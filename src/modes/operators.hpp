@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // One body's K and M as the eigensolver needs them.
 #pragma once
 

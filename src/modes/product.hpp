@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Products of a symmetric block matrix with many columns at once.
 #pragma once
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // The search for all modes up to an end: probes, slices in rounds over the teams, repair.
 #pragma once
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // OpenBLAS as it should run here.
 #pragma once
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // How much memory there is.
 #pragma once
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 #include "src/parallel/teams.hpp"
 
 namespace ricochet::parallel {

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Ranks in equal teams that do the same work on different parts of a problem.
 #pragma once
 

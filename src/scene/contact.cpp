@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // [contact]: who meets whom, and how.
 #include <algorithm>
 #include <optional>

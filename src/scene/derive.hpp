@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Which kernels follow from which without modes being computed, and how.
 #pragma once
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // What a scene may hold: each key with its type, unit, default, range and meaning. Readers take keys from
 // here alone (src/scene/toml.hpp), so that none is read that is not described, and values are held to the
 // ranges that the reference prints.

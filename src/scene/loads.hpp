@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Internal to src/scene: loads with histories, moving supports and receivers.
 #pragma once
 

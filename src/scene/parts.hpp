@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Meshes in several files.
 #pragma once
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // The scene as plain data: what the user asked for, with every default resolved. No MPI, no PETSc.
 // Defaults written here are the documented defaults. SI units.
 #pragma once

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Internal to src/scene: checked access to a TOML table.
 #pragma once
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Internal to src/scene: the parts of a resolved scene as TOML.
 #pragma once
 

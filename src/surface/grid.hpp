@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Points by the cell of a regular grid in which they lie, to find those near a place.
 #pragma once
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Where in a body a point lies.
 #pragma once
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Candidate contact patches on a body's surface, and the trace of modes on them.
 #pragma once
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Blocks of steps against plain ones: the same forces and motion to round-off, whatever is left out of sight.
 #include "contact/stepping/look_ahead_block.hpp"
 

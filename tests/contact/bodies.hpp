@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Bodies small enough to know everything about: surfaces without modes, and rods with their exact ones.
 #pragma once
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // What a solve that was stopped by max_pivots still promises, and what a body stepped with it does.
 #include <gtest/gtest.h>
 

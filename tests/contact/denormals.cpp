@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Flush-to-zero: on inside a scope, as it was after it, and without a trace in the results.
 #include "ricochet/denormals.hpp"
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Loads with histories and supports that move: modes and energy against Runge–Kutta steps of the equation of
 // motion itself, bars against their waves and statics.
 #include "contact/stepping/forced_response.hpp"

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Histories: values, slopes, integrals, and files that are refused in one line.
 #include "contact/input/history_file.hpp"
 #include "contact/model/history.hpp"

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Impulses at the exact instants of closing.
 #include <gmock/gmock.h>
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // What must hold of every model and step: energy, the conditions of contact, the ledger, no memory taken.
 #include "contact/stepping/integrator.hpp"
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Places on surfaces against all elements looked at one by one, and pairings that are known against new ones.
 #include "contact/pairing/surface_projection.hpp"
 

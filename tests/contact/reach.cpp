@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Kernels without the candidates beyond reach: the same pairs, the same model, and what they lack is told.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // What receivers see, and what supports carry, of bars that waves and statics tell everything about.
 #include "contact/output/receivers.hpp"
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // The library as other programs see it.
 #include "ricochet/ricochet.hpp"
 

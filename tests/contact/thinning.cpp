@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Contact points at twice their distance: wider patches of the same surface.
 #include "contact/model/coarsening.hpp"
 

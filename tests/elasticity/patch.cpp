@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Patch tests: what any convergent element must do exactly.
 #include <gtest/gtest.h>
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // The inputs of corpus/ without a fuzzer: replay FOLDER…
 #include <algorithm>
 #include <iterator>

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // The kernel of a uniform bar that moves along its axis, every number of it in closed form.
 #pragma once
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // What a kernel must be to go past its loader: each rule broken once, alone.
 #include <functional>
 

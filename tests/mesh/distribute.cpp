@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Parts of a mesh on any number of ranks against the same mesh on one.
 #include <gtest/gtest.h>
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Meshes written by hand, small enough to check by eye.
 #pragma once
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // A mesh in several files, read in parallel, against the same mesh in one file read by each rank alone.
 #include "src/mesh/parts.hpp"
 

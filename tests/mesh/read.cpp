@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Meshes as read: sizes, measures and orientation against closed forms.
 #include <fmt/format.h>
 #include <gmsh.h>

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Reference elements against closed forms.
 #include "src/mesh/reference.hpp"
 

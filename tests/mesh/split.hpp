@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Meshes in one file and in several, in a folder that all ranks use.
 #pragma once
 

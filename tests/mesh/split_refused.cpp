@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // What a mesh in several files is refused for, the same on every rank, and which files it is.
 #include <gmock/gmock.h>
 

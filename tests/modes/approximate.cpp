@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Approximate modes against dense eigenvalues, and their proof.
 #include "src/modes/approximate.hpp"
 

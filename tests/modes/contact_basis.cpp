@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Vectors fitted to contact against dense flexibilities of the whole body.
 #include "src/modes/contact_basis.hpp"
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Dense oracles for small bodies: the matrices gathered on every rank, modes by LAPACK on one.
 #pragma once
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Modes against closed forms of the discrete problem and against dense eigenvalues.
 #include "src/modes/modes.hpp"
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Which shifts are worked at, and what their results prove: pure functions of counts and eigenvalues.
 #include "src/modes/slicing.hpp"
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Which kernels follow from which: all that does, and nothing else.
 #include "src/scene/derive.hpp"
 

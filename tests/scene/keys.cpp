@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // What the reference says of keys, the reader does.
 #include "src/scene/keys.hpp"
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Loads with histories, moving supports and receivers: as read, as refused, as written, and as kernels see
 // them.
 #include <gmock/gmock.h>

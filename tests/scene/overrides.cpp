@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // --set KEY=VALUE: the scene is what it would be with this line in its file.
 #include <gmock/gmock.h>
 

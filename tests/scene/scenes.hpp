@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Scenes small enough to know by heart, each in a folder of its own.
 #pragma once
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // The resolved scene that --dry-run prints is a scene: reading it back gives the same one.
 #include "src/scene/write.hpp"
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // All that the kernel of a body with loads, receivers and moving supports is made of.
 #pragma once
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Contact patches against hand values and the closed forms of hats on flat triangles.
 #include <gtest/gtest.h>
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 // Traces of known fields on patches, and the static flexibility of a rod in closed form.
 #include <gtest/gtest.h>
 

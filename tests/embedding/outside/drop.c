@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-2-Clause
 /* Drops the bob of drop.cpp through the C header and compares with Galilei. */
 #include <ricochet/ricochet.h>
 
