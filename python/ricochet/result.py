@@ -129,7 +129,7 @@ class Result(_Data):
     @cached_property
     def scene(self) -> dict[str, Any]:
         """The resolved scene of the run."""
-        return tomllib.loads(self._file.text("/", "scene"))
+        return tomllib.loads(self._file.text("/", "scene") or "")
 
     @property
     def warnings(self) -> list[str]:

@@ -149,7 +149,7 @@ class Scene:
 
     def _text_for(self, folder: Path) -> str:
         """The scene as given, as TOML for a file in this folder."""
-        table = {"title": self.title} | copy.deepcopy(self._given)
+        table: dict[str, Any] = {"title": self.title} | copy.deepcopy(self._given)
         loads = [
             load for group in table.get("loads", {}).values() if isinstance(group, list) for load in group
         ]
