@@ -32,8 +32,11 @@ double peak_memory_mib() {
   return static_cast<double>(usage.ru_maxrss) / 1024;
 }
 
-Console::Console(bool quiet, std::function<double()> peak)
-    : quiet_(quiet), peak_(std::move(peak)), terminal_(isatty(STDERR_FILENO) != 0) {}
+Console::Console(bool quiet, std::function<double()> peak, Watch watch)
+    : quiet_(quiet),
+      peak_(std::move(peak)),
+      watch_(std::move(watch)),
+      terminal_(isatty(STDERR_FILENO) != 0) {}
 
 void Console::begin(std::string name, std::int64_t total) {
   if (open_) end();
@@ -48,6 +51,7 @@ void Console::begin(std::string name, std::int64_t total) {
 
 void Console::advance(std::int64_t done) {
   done_ = done;
+  if (watch_) watch_(name_, done, total_);
   // Of many steps the clock is read every 64th: a step may take less than a reading.
   if (open_ && terminal_ && !quiet_ && (total_ < 1000 || (done & 63) == 0)) draw(false);
 }
@@ -93,7 +97,9 @@ void Console::say(const std::string& line) {
   if (!quiet_) fmt::print("{}\n", line);
 }
 
-void Console::warn(const std::string& line) { fmt::print(stderr, "warning: {}\n", line); }
+void Console::warn(const std::string& line) {
+  if (!watch_) fmt::print(stderr, "warning: {}\n", line);
+}
 
 std::string Console::table(const std::vector<Phase>& phases) {
   std::size_t width = 5;

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "src/console/options.hpp"
+
 namespace ricochet::console {
 
 /// Peak resident memory of this process [MiB].
@@ -20,7 +22,8 @@ class Console {
  public:
   /// @param peak  peak memory [MiB] to report at the end of a phase; under MPI a collective maximum, and then
   /// every rank's Console must see the same phases
-  explicit Console(bool quiet = false, std::function<double()> peak = peak_memory_mib);
+  /// @param watch  called by `advance`, also when quiet
+  explicit Console(bool quiet = false, std::function<double()> peak = peak_memory_mib, Watch watch = {});
 
   /// Ends the open phase, if any, and starts another. `total` 0: no known end (no percentage is shown).
   void begin(std::string name, std::int64_t total = 0);
@@ -32,7 +35,7 @@ class Console {
   void end(const std::string& note = "");
   /// One line on stdout, unless quiet.
   void say(const std::string& line);
-  /// One line on stderr "warning: …", also when quiet.
+  /// One line on stderr "warning: …", also when quiet; a program that watches finds warnings in the summary.
   void warn(const std::string& line);
 
   struct Phase {
@@ -50,6 +53,7 @@ class Console {
   void draw(bool last);
   bool quiet_;
   std::function<double()> peak_;
+  Watch watch_;
   bool terminal_;
   bool open_ = false;
   std::int64_t total_ = 0, done_ = 0;

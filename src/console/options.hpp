@@ -1,12 +1,17 @@
 // Command line of both programs: the same options mean the same thing in each.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace ricochet::console {
+
+/// Called at each step with the phase, what is done and what there is to do. What it throws ends the run.
+using Watch = std::function<void(const std::string& phase, std::int64_t done, std::int64_t total)>;
 
 struct Options {
   std::filesystem::path scene;
@@ -19,6 +24,7 @@ struct Options {
   bool batch = false;           ///< ricochet-contact: requests on standard input, answers on standard output
   std::filesystem::path fclib;  ///< ricochet-contact: folder of complementarity problems; empty: none
   int fclib_every = 1;          ///< of the steps with contact each so many-th is written there
+  Watch watch{};                ///< of programs that run an impact themselves
 };
 
 /// Which program asks: name, one-line purpose, and examples for --help.

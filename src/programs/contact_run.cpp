@@ -296,7 +296,7 @@ int run_contact(const console::Options& options, std::ostream& out) {
   const fs::path folder = options.out.empty() ? options.scene.parent_path() / "out" : options.out;
   const bool motion = options.vtk || scene.output.vtk_every > 0;
   if (motion) check_motion(scene);
-  console::Console console(options.quiet);
+  console::Console console(options.quiet, console::peak_memory_mib, options.watch);
   if (scene.contact.kernel == scene::ContactKernel::table)
     return run_table(options, scene, folder, console, out);
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Ranges of keys, and the reference of all of them.
 #include <fmt/format.h>
 
@@ -93,10 +94,10 @@ const Key* Section::find(std::string_view name) const {
 std::string key_reference() {
   std::string text =
       "# Keys of a scene\n\n"
-      "Printed by `ricochet-contact --keys`, from what the programs read. \"–\" as a default: the key must "
-      "be "
-      "given. Numbers are\n0 or from 1e-30 to 1e30 in size (directions: any). What keys do together, with "
-      "examples: [the scene](scene.md).\n";
+      "This reference is generated from the code that reads scenes: `ricochet-contact --keys` prints it.\nA "
+      "key whose default is \"–\" is required. Numbers must be 0 or have a magnitude between 1e-30 and 1e30; "
+      "directions may have any length but 0.\n[The scene](scene.md) explains how keys work together, with "
+      "examples.\n";
   for (const Section* section : all_sections()) {
     const bool table = section->title.front() == '[';
     text += fmt::format("\n## {0}{1}{0}\n\n", table ? "`" : "", section->title);

@@ -3,6 +3,7 @@
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <sstream>
 
 #include "src/scene/loads.hpp"
 
@@ -287,18 +288,39 @@ const Obstacle* Scene::find_obstacle(const std::string& name) const {
   return found == obstacles.end() ? nullptr : &*found;
 }
 
-Scene read(const std::filesystem::path& file, const std::vector<Override>& overrides) {
-  const std::string name = file.filename().string();
+namespace {
+
+/// The tables of a scene's text, `name` of its file, with the overrides applied.
+toml::table tables_of(const std::string& text, const std::string& name,
+                      const std::vector<Override>& overrides) {
   toml::table parsed;
-  const std::string written = text_of(file);
   try {
-    parsed = parse_toml(written, name);
+    parsed = parse_toml(text, name);
   } catch (const toml::parse_error& error) {
     throw InputError(one_line(fmt::format("{}:{}:{}: {}", name, error.source().begin.line,
                                           error.source().begin.column, error.description())));
   }
-  for (const Override& text : overrides) apply_override(parsed, text);
+  for (const Override& override : overrides) apply_override(parsed, override);
+  return parsed;
+}
 
+}  // namespace
+
+Scene read(const std::filesystem::path& file, const std::vector<Override>& overrides) {
+  return parse(text_of(file), file, overrides);
+}
+
+std::string overridden(const std::string& text, const std::filesystem::path& file,
+                       const std::vector<Override>& overrides) {
+  std::ostringstream out;
+  out << toml::toml_formatter(tables_of(text, file.filename().string(), overrides));
+  return out.str();
+}
+
+Scene parse(const std::string& text, const std::filesystem::path& file,
+            const std::vector<Override>& overrides) {
+  const std::string name = file.filename().string();
+  const toml::table parsed = tables_of(text, name, overrides);
   Scene scene;
   scene.file = file;
   Table root(parsed, scene_keys(), name, "");

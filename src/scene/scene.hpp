@@ -175,6 +175,16 @@ using Override = std::string;
 /// or out of range.
 Scene read(const std::filesystem::path& file, const std::vector<Override>& overrides = {});
 
+/// The same of a scene's text. `file` names it in errors and in the scene; paths are relative to its folder.
+/// It need not exist.
+Scene parse(const std::string& text, const std::filesystem::path& file,
+            const std::vector<Override>& overrides = {});
+
+/// The text with the overrides applied, as TOML. Throws InputError as `read` does on text that is not TOML
+/// and on overrides that cannot be applied; checks no key.
+std::string overridden(const std::string& text, const std::filesystem::path& file,
+                       const std::vector<Override>& overrides);
+
 /// The resolved scene as TOML, every default written; reading it back gives the same scene.
 std::string to_toml(const Scene& scene);
 

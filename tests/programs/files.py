@@ -3,26 +3,21 @@ can be written or read, titles of any letters."""
 
 import contextlib
 import gc
-import importlib.machinery
-import importlib.util
 import io
 import json
 import os
 import pathlib
 import shutil
 import subprocess
-import sys
 import tempfile
 import unittest
-from unittest import mock
 
 import h5py
 import numpy as np
 
 from programs import BIN, MESHES, SOURCE, ProgramTest, Run, contact, settings
 
-sys.path.append(str(SOURCE / "scripts/modules"))
-import whole_file
+from ricochet import cli, files
 
 TITLE = "a $x^$ 日本語 😀"  # no formula, and letters that no font has
 # Rods of 10 m that waves cross in 1 ms: few rows, and a short sound.
@@ -31,14 +26,6 @@ SETS = ["modes.count=10", "output.view=true", "output.snapshot_every=3", "bodies
         "contact.gap=0.01", 'output.receiver=[{name="mic",body="resting",at=[10,0,0]}]', "title=rods"]
 SCENE = MESHES / "two-rods/two-rods.toml"
 OBSTACLE = '[obstacles.floor]\npoint = [0,0,0]\n[contact]\nscheme = "compliant"\n'
-
-
-def program(name):
-    """scripts/NAME as a module: starting Python takes longer than most of these tests."""
-    loader = importlib.machinery.SourceFileLoader(name, str(SOURCE / "scripts" / name))
-    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(name, loader))
-    loader.exec_module(module)
-    return module
 
 
 def as_nobody(command):
@@ -53,7 +40,6 @@ def as_nobody(command):
 class Files(ProgramTest):
     @classmethod
     def setUpClass(cls):
-        cls.programs = {name: program(name) for name in ("plot", "report")}
         scope = tempfile.TemporaryDirectory(prefix="ricochet-files-")
         cls.addClassCleanup(scope.cleanup)
         cls.all = pathlib.Path(scope.name)
@@ -72,9 +58,8 @@ class Files(ProgramTest):
     def done(self, name, *arguments):
         """Status, and what the script says on stderr."""
         said = io.StringIO()
-        with mock.patch.object(sys, "argv", [name, str(self.result), *map(str, arguments)]), \
-                contextlib.redirect_stderr(said), contextlib.redirect_stdout(io.StringIO()):
-            status = self.programs[name].main()
+        with contextlib.redirect_stderr(said), contextlib.redirect_stdout(io.StringIO()):
+            status = cli.main([name, str(self.result), *map(str, arguments)])
         gc.collect()  # closes the files
         return status, said.getvalue()
 
@@ -152,7 +137,7 @@ class Files(ProgramTest):
                 self.refused(words)
 
     def test_what_may_not_be_read_is_not_called_missing(self):
-        if as_nobody(["test", "-x", SOURCE / "scripts" / "report"]).returncode:
+        if as_nobody(["test", "-x", BIN / "ricochet"]).returncode:
             self.skipTest(f"another user can't read {SOURCE}")
         closed = [self.result, self.summary_path, next(self.out.glob("*.wav")), next(self.out.glob("*.kernel.h5"))]
         for path in closed:
@@ -166,7 +151,7 @@ class Files(ProgramTest):
         self.out.chmod(0o755)
 
     def reads(self, path, name):
-        done = as_nobody([SOURCE / "scripts" / name, self.result])
+        done = as_nobody([BIN / "ricochet", name, self.result])
         self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
         self.assertIn(f"{path.name}: cannot be read (Permission denied)", done.stderr)
 
@@ -186,13 +171,13 @@ class Files(ProgramTest):
             path.write_text("earlier")
         drawing = shutil.copy(MESHES / "two-disks/disk.geo", self.folder / "a$b^$日.geo")
         for command in (["plot", self.result], ["report", self.result], ["surfaces", drawing, "--out", self.out]):
-            command = [SOURCE / "scripts" / command[0], *command[1:]]
+            command = [BIN / "ricochet", *command]
             run = Run(["prlimit", "--fsize=4096", *command])
             self.assertEqual((run.status, run.err.count("\n")), (2, 1), run.err)
             self.assertIn("cannot be written (File too large)", run.err)
             self.assertEqual(list(self.out.glob("*.partial")), [])
         self.assertEqual({path.read_text() for path in made}, {"earlier"})
-        full = subprocess.run(f"exec '{command[0]}' '{drawing}' --out '{self.out}' > /dev/full", shell=True, capture_output=True,
+        full = subprocess.run(f"exec '{command[0]}' surfaces '{drawing}' --out '{self.out}' > /dev/full", shell=True, capture_output=True,
                               text=True, check=False)
         self.assertEqual((full.returncode, full.stderr.count("\n")), (1, 1), full.stderr)
 
@@ -201,11 +186,11 @@ class Files(ProgramTest):
         for path in (left, living, other):
             path.write_text("half")
         with open(living, "rb") as file:
-            self.assertTrue(whole_file.lock(file))
-            whole_file.write(self.folder / "table.csv", b"whole")
+            self.assertTrue(files.lock(file))
+            files.write(self.folder / "table.csv", b"whole")
         self.assertEqual({path.name for path in self.folder.iterdir()}, {"out", "table.csv", living.name, other.name})
         with self.assertRaisesRegex(OSError, "/dev/null"):  # and the device stays one
-            whole_file.write("/dev/null", b"")
+            files.write(pathlib.Path("/dev/null"), b"")
 
 
 if __name__ == "__main__":

@@ -3,7 +3,6 @@
 import re
 import shutil
 import subprocess
-import sys
 import unittest
 
 import h5py
@@ -13,9 +12,9 @@ from box_test import BoxTest
 from boxes import MATERIAL, Box, listed
 from programs import BIN, SOURCE, Run, contact, displacement_kernel, kernel, static_responses
 
-sys.path.insert(0, str(SOURCE / "scripts" / "modules"))
-from body_file import Refused, clockwise, write_body  # noqa: E402
-from calculix_model import BRICK, Model  # noqa: E402
+from ricochet.errors import InputError
+from ricochet.interchange.body import Body, clockwise
+from ricochet.interchange.calculix import BRICK, Model
 
 TIMES = [0.1, 0.5, 2.0, 7.0]
 # Bricks that are not straight have a stiffness whose integrand is no polynomial: two rules of quadrature differ by 1e-9.
@@ -142,8 +141,8 @@ class Imports(BoxTest):
     def test_modes_of_the_second_body_are_checked_before_modes_of_the_first_are_computed(self):
         lower = {"origin": (0, 0, -0.6), "surface": "top"}
         node = self.box.node + lower["origin"]
-        write_body(self.folder / "matrices.h5", node, {"top": [self.box.top]},
-                   {"stiffness": coordinates(self.stiffness), "mass": coordinates(self.mass)})
+        matrices = {"stiffness": coordinates(self.stiffness), "mass": coordinates(self.mass)}
+        Body(node, matrices, {"top": [self.box.top]}).write(self.folder / "matrices.h5")
         self.write_by_the_book(self.folder / "modes.h5", **lower)
         text = (self.all / "imported.toml").read_text().replace("mesh = \"box.h5\"", f"mesh = \"{self.all / 'box.h5'}\"")
         text = text.replace("[obstacles.floor]\nnormal = [0, 0, 1]", "[bodies.lower]\nmesh = \"lower.h5\"\ncontact = \"top\"\n"
@@ -185,8 +184,8 @@ class Imports(BoxTest):
     def refused(self, words, **changes):
         matrices = {"stiffness": self.stiffness, "mass": self.mass}
         node, foot = changes.pop("node", self.box.node), changes.pop("foot", self.box.foot)
-        write_body(self.folder / "bad.h5", node, {"foot": [foot]},
-                   {name: coordinates(matrix) for name, matrix in (matrices | changes).items()})
+        matrices = {name: coordinates(matrix) for name, matrix in (matrices | changes).items()}
+        Body(node, matrices, {"foot": [foot]}).write(self.folder / "bad.h5")
         run = kernel(self.all / "imported.toml", self.folder / "out", f"bodies.box.mesh={self.folder / 'bad.h5'}")
         self.assertEqual(run.status, 2, run.err)
         (line,) = [line for line in run.err.splitlines() if line]
@@ -243,7 +242,7 @@ class Imports(BoxTest):
         for name, solver in names.items():
             self.write(f"{name}.inp", "\n".join([*lines, "*FREQUENCY" + solver, "20", "*END STEP", ""]))
             subprocess.run(["ccx", name], cwd=self.folder, check=True, capture_output=True)
-        self.succeed(Run([SOURCE / "scripts" / "import", "calculix", self.folder / "stored.inp"]))
+        self.succeed(Run([BIN / "ricochet", "import", "calculix", self.folder / "stored.inp"]))
         self.succeed(kernel(self.all / "imported.toml", self.folder, f"bodies.box.mesh={self.folder / 'stored.h5'}",
                             "modes.count=20"))
         table = [line.split() for line in (self.folder / "solved.dat").read_text().splitlines()[7:27]]
@@ -288,12 +287,12 @@ class Imports(BoxTest):
                 self.refuses(words, ["matrices", "--out", self.folder / "no.h5", *arguments])
         self.assertFalse(list(self.folder.glob("no.h5*")))
         unwritten = self.folder / "none" / "box.h5"
-        run = Run([SOURCE / "scripts" / "import", "matrices", *files, "--out", unwritten])
+        run = Run([BIN / "ricochet", "import", "matrices", *files, "--out", unwritten])
         self.assertEqual((run.status, run.err.count("\n")), (2, 1), run.err)
         self.assertIn(f"{unwritten}: cannot be written", run.err)
 
     def test_bodies_that_can_never_touch_are_warned_of(self):
-        command = [SOURCE / "scripts" / "import", "matrices", *(self.all / name for name in ("K.mtx", "M.mtx", "nodes.txt")),
+        command = [BIN / "ricochet", "import", "matrices", *(self.all / name for name in ("K.mtx", "M.mtx", "nodes.txt")),
                    "--out", self.folder / "box.h5"]
         self.assertIn("warning: no surface", self.succeed(Run(command)).err)
         mixed = self.box.foot.copy()
@@ -316,7 +315,7 @@ class Imports(BoxTest):
         self.assertEqual(clockwise(box.node, outward[:, ::-1], i, j), 6)
 
     def refuses(self, words, arguments, lead=()):
-        command = [*lead, SOURCE / "scripts" / "import", *arguments]
+        command = [*lead, BIN / "ricochet", "import", *arguments]
         done = subprocess.run([w if isinstance(w, bytes) else str(w) for w in command], capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 2, done.stderr)
         self.assertIn(words, done.stderr.splitlines()[-1])
@@ -326,7 +325,7 @@ class Imports(BoxTest):
     def test_lists_of_one_name_are_one_list(self):
         files = [self.all / name for name in ("K.mtx", "M.mtx", "nodes.txt")]
         both = [word for name in ("foot", "top") for kind in ("--surface", "--support") for word in (kind, f"s={self.all / name}.txt")]
-        self.succeed(Run([SOURCE / "scripts" / "import", "matrices", *files, *both, "--out", self.folder / "both.h5"]))
+        self.succeed(Run([BIN / "ricochet", "import", "matrices", *files, *both, "--out", self.folder / "both.h5"]))
         with h5py.File(self.folder / "both.h5") as file:
             np.testing.assert_array_equal(file["surface/s/4"][:], np.concatenate([self.box.foot, self.box.top]))
             np.testing.assert_array_equal(file["nodes/s"][:], np.unique([self.box.foot, self.box.top]))
@@ -351,12 +350,12 @@ class Imports(BoxTest):
                                 (r"line 3: can't be read as \*NODE", "2, 1, 0", "2, x, 0")]:
             self.assertIn(old, deck)
             path.write_text(deck.replace(old, new))
-            with self.subTest(new), self.assertRaisesRegex(Refused, words):
+            with self.subTest(new), self.assertRaisesRegex(InputError, words):
                 Model(path).surfaces()
         path.write_text(deck)
         for words, rows in [("of no node", b"\xff.1\n"), ("of no node", "\u00b2.1\n".encode()), ("2.1 twice", b"1.1\n2.1\n2.1\n")]:
             (self.folder / "job.dof").write_bytes(rows)
-            with self.subTest(rows), self.assertRaisesRegex(Refused, words):
+            with self.subTest(rows), self.assertRaisesRegex(InputError, words):
                 Model(path).matrices()
 
 

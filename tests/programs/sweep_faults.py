@@ -1,26 +1,24 @@
 """What can go wrong with a sweep: broken studies and journals, damaged kernels, meshes that refuse, closed outputs, signals."""
 
 import csv
-import importlib.util
 import json
 import os
 import pathlib
 import shutil
 import signal
 import subprocess
-import sys
 import time
 import tomllib
 import unittest
 
 import h5py
 
-from programs import BIN, DEADLOCK_S, MESHES, SOURCE, ProgramTest
+from programs import BIN, DEADLOCK_S, MESHES, ProgramTest
 
-sys.path.append(str(SOURCE / "scripts/modules"))
-from result_file import BadInput
-from sweep_results import Journal, row_of
-from sweep_study import Study
+from ricochet.programs import toml
+from ricochet.errors import InputError
+from ricochet.studies.journal import Journal, row_of
+from ricochet.studies.study import Study
 
 STUDY = 'scene = "two-rods.toml"\ntitle = "Rods"\n[set]\n"modes.count" = 5\n"time.rate_hz" = 20.0\n'
 
@@ -37,7 +35,7 @@ class Faults(ProgramTest):
 
     def script(self, name, *words, env=(), **streams):
         """What a script left behind; a stream that a test names is its own."""
-        command = ["env", *env, SOURCE / "scripts" / name, *words]
+        command = ["env", *env, BIN / "ricochet", name, *words]
         return subprocess.run([str(word) for word in command], text=True, errors="surrogateescape", timeout=DEADLOCK_S,
                               **({"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | streams))
 
@@ -66,10 +64,10 @@ class Studies(Faults):
                 (gap + '{from = 0, to = 1, steps = 4000}\n"contact.reach" = {from = 0, to = 1, steps = 4000}', "10000000 settings"),
                 (gap + "[1.0, 1979-05-27]", "date"), (gap + '["a\\u0000b"]', "NUL"), (gap + "[" * 3000 + "]" * 3000, "nested"),
                 (gap + "[" * 60 + "]" * 60, "nested")]:
-            with self.subTest(text=text[:80]), self.assertRaisesRegex(BadInput, part):
+            with self.subTest(text=text[:80]), self.assertRaisesRegex(InputError, part):
                 Study(self.study(text))
         for text, part in [("title = 5\n", "title"), ('scene = "none.toml"\n', "No such file")]:
-            with self.assertRaisesRegex(BadInput, part):
+            with self.assertRaisesRegex(InputError, part):
                 Study(self.write("study.toml", text + 'scene = "two-rods.toml"\n' * ("scene" not in text) + gap + "[0.0]"))
 
     def test_draws_between_negative_ends_are_between_them(self):
@@ -77,11 +75,8 @@ class Studies(Faults):
         self.assertTrue(all(-10 <= value <= -1 for setting in settings for value in setting.values()))
 
     def test_values_reach_programs_as_the_toml_that_they_were(self):
-        spec = importlib.util.spec_from_file_location("of_scripts", SOURCE / "scripts/modules/programs.py")
-        module = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(module)
         for value in ("é 😀 \x7f \"\\ \n\t", [{"a b": [1, 2.5], "é": {"x": True}}, {}], [[], [1e-300, float("inf")]], {'"': "'"}):
-            self.assertEqual(tomllib.loads("value = " + module.toml(value))["value"], value)
+            self.assertEqual(tomllib.loads("value = " + toml(value))["value"], value)
 
 
 class Journals(Faults):
@@ -103,7 +98,7 @@ class Journals(Faults):
         journal = Journal(self.out / "rods")
         for answer in (refused, refused):
             journal.add("k", answer)
-        journal.file.close()
+        journal.records.file.close()
         again = Journal(self.out / "rods")
         self.assertEqual((again.finished("k"), again.rows["k"]["error"]), (False, "no"))  # tables say why
         self.assertEqual((self.out / "rods.sweep.jsonl").read_bytes().count(b"\n"), 1)
@@ -155,21 +150,21 @@ exec {BIN}/ricochet-kernel "$@"
 class Ends(Faults):
     def test_one_that_is_told_to_end_does_not_wait_for_its_impacts(self):
         self.study('[list]\n"time.rate_hz" = [20.0, 3e7]\n"modes.count" = [5, 90]')  # the second one takes minutes
-        process = subprocess.Popen([SOURCE / "scripts/sweep", self.folder / "study.toml", "--ranks", "1", "--jobs", "1"],
+        process = subprocess.Popen([BIN / "ricochet", "sweep", self.folder / "study.toml", "--ranks", "1", "--jobs", "1"],
                                    stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         self.addCleanup(process.kill)
         journal, before = self.out / "rods.sweep.jsonl", time.monotonic()
         while (not journal.exists() or not journal.stat().st_size) and time.monotonic() < before + DEADLOCK_S:
             time.sleep(0.02)
         process.terminate()
-        self.assertIn("goes on from here", process.communicate(timeout=60)[1])
+        self.assertIn("resumes the work", process.communicate(timeout=60)[1])
         self.assertEqual(process.returncode, 128 + signal.SIGTERM)
         self.assertEqual([row["status"] for row in self.rows()], ["0", "-1"])
 
     def test_output_that_goes_nowhere_is_said_and_columns_that_are_not_there_are_refused(self):
         self.study('[grid]\n"contact.gap" = [0.0]\n"bodies.moving.velocity[0]" = [inf, 1.0]\n[[set.output.receiver]]\n'
                    'name = "end"\nbody = "resting"\nat = [10, 0, 0]')
-        self.ends(self.sweep("--plot", "nonsense"), 2, '"nonsense" is no column', "impulse_ns")
+        self.ends(self.sweep("--plot", "nonsense"), 2, '"nonsense" is not a column', "impulse_ns")
         self.ends(self.sweep("--plot", "impulse_ns", "--against", "bodies.moving.velocity[0]", "contact.gap"), 0)
         with open("/dev/full", "w") as full:
             self.ends(self.sweep(stdout=full), 1, "standard output")

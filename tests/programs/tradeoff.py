@@ -1,4 +1,4 @@
-"""scripts/tradeoff: what it runs, what it says of it, and that a run cut off goes on where it was."""
+"""ricochet tradeoff: what it runs, what it says of it, and that a run cut off goes on where it was."""
 
 import csv
 import json
@@ -9,7 +9,7 @@ import subprocess
 import time
 import unittest
 
-from programs import BIN, MESHES, SOURCE, ProgramTest, Run
+from programs import BIN, MESHES, ProgramTest, Run
 
 SCENE = MESHES / "two-rods" / "two-rods.toml"
 AXES = ["--counts", "10", "40", "--rates", "0.5", "2", "--schemes", "compliant", "jump", "--precisions", "double",
@@ -18,7 +18,7 @@ AXES = ["--counts", "10", "40", "--rates", "0.5", "2", "--schemes", "compliant",
 
 class TradeOff(ProgramTest):
     def command(self, *more):
-        return [SOURCE / "scripts" / "tradeoff", SCENE, "--out", self.folder, *AXES, *more]
+        return [BIN / "ricochet", "tradeoff", SCENE, "--out", self.folder, *AXES, *more]
 
     def lines(self):
         file = self.folder / "runs.jsonl"
@@ -35,7 +35,7 @@ class TradeOff(ProgramTest):
         self.assertEqual(len(points), 2 * 2 * 2 * 2)  # modes × R × steps × schemes
         self.assertTrue((self.folder / "tradeoff.png").is_file())
         self.assertIn("Cheapest for an error of 0.01", done.out)
-        floor = float(done.out.split("right to about ")[1].split()[0])
+        floor = float(done.out.split("reference itself is about ")[1].split()[0])
         front = [point for point in points if point["pareto"] == "True"]
         cost = lambda point: float(point["kernel_s"]) + float(point["impact_s"])
         error = lambda point: max(float(point["error"]), floor)

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "python/bindings/impact.hpp"
+
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <chrono>
+#include <sstream>
+
+#include "src/programs/contact_run.hpp"
+
+namespace ricochet::python {
+
+namespace py = pybind11;
+
+namespace {
+
+/// Calls `progress(phase, done, total)` ten times a second, and lets Ctrl-C end the run.
+class Watch {
+ public:
+  explicit Watch(py::object progress) : progress_(std::move(progress)) {}
+
+  void operator()(const std::string& phase, std::int64_t done, std::int64_t total) {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - last_ < std::chrono::milliseconds(100) && done < total) return;
+    last_ = now;
+    const py::gil_scoped_acquire locked;
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    if (!progress_.is_none()) progress_(phase, done, total);
+  }
+
+ private:
+  py::object progress_;
+  std::chrono::steady_clock::time_point last_{};
+};
+
+/// Writes the result and the summary of the scene into `folder`, as ricochet-contact does.
+void run(const std::filesystem::path& file, const std::vector<std::string>& settings,
+         const std::filesystem::path& folder, const py::object& progress) {
+  Watch watch(progress);
+  console::Options options;
+  options.scene = file;
+  options.overrides = settings;
+  options.out = folder;
+  options.quiet = true;
+  options.watch = [&watch](const std::string& phase, std::int64_t done, std::int64_t total) {
+    watch(phase, done, total);
+  };
+  std::ostringstream nowhere;
+  const py::gil_scoped_release unlocked;
+  programs::run_contact(options, nowhere);
+}
+
+}  // namespace
+
+void bind_impact(py::module_& module) { module.def("run_impact", &run); }
+
+}  // namespace ricochet::python

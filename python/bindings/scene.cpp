@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "python/bindings/scene.hpp"
+
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include "src/programs/stored_kernels.hpp"
+#include "src/scene/scene.hpp"
+
+namespace ricochet::python {
+
+namespace py = pybind11;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// (body, file, whether it is there and holds enough candidates) of each body.
+std::vector<std::tuple<std::string, fs::path, bool>> kernel_files(const scene::Scene& scene,
+                                                                  const fs::path& folder) {
+  programs::KernelCache cache;
+  const std::vector<programs::StoredKernel> stored = programs::find_kernels(scene, folder, cache);
+  std::vector<std::tuple<std::string, fs::path, bool>> out;
+  for (std::size_t k = 0; k < stored.size(); ++k)
+    out.emplace_back(scene.bodies[k].name, stored[k].path, stored[k].enough);
+  return out;
+}
+
+/// The scene as TOML, with paths as seen from the folder of `file`.
+std::string toml_for(scene::Scene scene, const fs::path& file) {
+  scene.file = file;
+  return scene::to_toml(scene);
+}
+
+}  // namespace
+
+void bind_scene(py::module_& module) {
+  py::class_<scene::Scene>(module, "Scene")
+      .def(py::init(
+          [](const std::string& text, const fs::path& file, const std::vector<std::string>& settings) {
+            return scene::parse(text, file, settings);
+          }))
+      .def_static("read", [](const fs::path& file) { return scene::read(file); })
+      .def_readonly("title", &scene::Scene::title)
+      .def_property_readonly("slug", [](const scene::Scene& scene) { return scene::slug(scene.title); })
+      .def_property_readonly("bodies",
+                             [](const scene::Scene& scene) {
+                               std::vector<std::string> names;
+                               for (const scene::Body& body : scene.bodies) names.push_back(body.name);
+                               return names;
+                             })
+      .def_property_readonly("needs_other_orders",
+                             [](const scene::Scene& scene) { return scene.accuracy.has_value(); })
+      .def("toml", &toml_for)
+      .def("kernel_files", &kernel_files);
+  module.def("overridden", &scene::overridden);
+}
+
+}  // namespace ricochet::python

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Scenes: text to checked structs and back.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace ricochet::python {
+
+void bind_scene(pybind11::module_& module);
+
+}  // namespace ricochet::python

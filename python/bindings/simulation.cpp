@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "python/bindings/simulation.hpp"
+
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "python/bindings/arrays.hpp"
+#include "ricochet/ricochet.hpp"
+#include "src/programs/contact_parts.hpp"
+#include "src/scene/scene.hpp"
+
+namespace ricochet::python {
+
+namespace py = pybind11;
+
+namespace {
+
+using Kernel = std::shared_ptr<kernels::Kernel>;
+using Rows = py::array_t<double, py::array::c_style>;
+
+/// Steps between two looks at signals.
+constexpr std::int64_t longest_block = 1024;
+
+/// Refuses what only a whole run follows: ricochet/ricochet.hpp has no place for it.
+void check_steppable(const scene::Scene& scene) {
+  const auto refuse = [&](const char* key, const char* what) {
+    throw InputError(fmt::format("{}: {}: a Simulation cannot step {}. Leave it out, or use impact.",
+                                 scene.file.filename().string(), key, what));
+  };
+  if (scene.contact.kernel == scene::ContactKernel::table)
+    refuse("contact.kernel", "kernels of the kind \"table\"");
+  if (scene.contact.scheme == Scheme::at_rest) refuse("contact.scheme", "bodies at rest");
+  if (scene.contact.instant == Instant::exact) refuse("contact.instant", "from event to event");
+  if (scene.contact.max_pivots) refuse("contact.max_pivots", "with a bound on the work of a step");
+  if (scene.accuracy) refuse("accuracy", "with settings that error estimates choose");
+  if (!scene.loads.tractions.empty()) refuse("loads.traction", "under loads other than gravity");
+  if (!scene.loads.points.empty()) refuse("loads.point", "under loads other than gravity");
+  if (!scene.loads.motions.empty()) refuse("loads.motion", "with supports that move");
+}
+
+Scene scene_of(const scene::Scene& scene, const std::vector<Kernel>& kernels,
+               const std::vector<Pickup>& pickups) {
+  Scene out;
+  for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
+    const scene::Body& body = scene.bodies[k];
+    out.bodies.push_back({body.name, kernels.at(k), body.rotate_deg, body.translate, body.velocity});
+  }
+  for (const scene::Obstacle& obstacle : scene.obstacles)
+    out.obstacles.push_back({obstacle.name, obstacle.point, obstacle.normal});
+  for (const scene::Pair& pair : scene.contact.pairs)
+    out.pairs.push_back({pair.a, pair.b, pair.direction, pair.gap, pair.reach});
+  out.pickups = pickups;
+  out.gravity = scene.loads.gravity;
+  out.scheme = scene.contact.scheme;
+  out.admittance = scene.contact.admittance;
+  out.restitution = scene.contact.restitution;
+  out.rate_hz = scene.time.rate.value;
+  out.single_precision = scene.time.precision == Precision::float32;
+  return out;
+}
+
+class Stepper {
+ public:
+  Stepper(scene::Scene scene, const std::vector<Kernel>& kernels, const std::vector<Pickup>& pickups)
+      : scene_((check_steppable(scene), std::move(scene))),
+        simulation_(
+            programs::in_scene(scene_, [&] { return Simulation(scene_of(scene_, kernels, pickups)); })) {}
+
+  Simulation& simulation() { return simulation_; }
+
+  /// Writes a row a step into arrays that are wanted. Throws what a step that failed means.
+  void step_block(std::int64_t steps, std::optional<Rows>& velocity, std::optional<Rows>& total_force,
+                  std::optional<Rows>& force, std::optional<Rows>& displacement) {
+    const auto data = [](std::optional<Rows>& rows) { return rows ? rows->mutable_data() : nullptr; };
+    Block out{data(velocity), data(total_force), data(force), data(displacement)};
+    const auto points = static_cast<std::int64_t>(simulation_.points().size()),
+               pickups = static_cast<std::int64_t>(simulation_.pickups());
+    for (std::int64_t made = 0; made < steps; made += longest_block) {
+      const std::int64_t count = std::min(steps - made, longest_block);
+      BlockResult done;
+      {
+        const py::gil_scoped_release unlocked;
+        done = simulation_.step_block(count, out);
+      }
+      check(done.status);
+      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+      const auto advance = [count](double*& rows, std::int64_t columns) {
+        if (rows != nullptr) rows += count * columns;
+      };
+      advance(out.velocity, pickups);
+      advance(out.total_force, 1);
+      advance(out.force, points);
+      advance(out.displacement, points);
+    }
+  }
+
+  void step() { check(simulation_.step()); }
+
+ private:
+  void check(StepStatus status) { programs::check(status, scene_, simulation_.time()); }
+
+  scene::Scene scene_;
+  Simulation simulation_;
+};
+
+/// (m,3) of the contact points.
+py::array_t<double> vectors(const Simulation& simulation, Vector3 ContactPoint::*which) {
+  py::array_t<double> out({length(simulation.points().size()), length(3)});
+  double* to = out.mutable_data();
+  for (const ContactPoint& point : simulation.points()) to = std::copy_n((point.*which).data(), 3, to);
+  return out;
+}
+
+/// (m) of the contact points.
+py::array_t<double> numbers(const Simulation& simulation, double ContactPoint::*which) {
+  py::array_t<double> out(length(simulation.points().size()));
+  double* to = out.mutable_data();
+  for (const ContactPoint& point : simulation.points()) *to++ = point.*which;
+  return out;
+}
+
+py::dict energy(const Simulation& simulation) {
+  const Energy e = simulation.energy();
+  py::dict out;
+  out["kinetic"] = e.kinetic;
+  out["strain"] = e.strain;
+  out["residual"] = e.residual;
+  out["loads"] = e.loads;
+  out["damping"] = e.damping;
+  out["contact"] = e.contact;
+  out["total"] = e.total();
+  return out;
+}
+
+py::array_t<double> pickups(const Simulation& simulation,
+                            double (Simulation::*what)(std::size_t) const noexcept) {
+  py::array_t<double> out(length(simulation.pickups()));
+  for (std::size_t k = 0; k < simulation.pickups(); ++k) out.mutable_data()[k] = (simulation.*what)(k);
+  return out;
+}
+
+}  // namespace
+
+void bind_simulation(py::module_& module) {
+  py::class_<Simulation::State, std::shared_ptr<Simulation::State>>(module, "State");
+  py::class_<Pickup>(module, "Pickup")
+      .def(py::init([](std::string body, std::string receiver, std::size_t candidate, Vector3 direction) {
+        return Pickup{std::move(body), std::move(receiver), candidate, direction};
+      }));
+  py::class_<Stepper> stepper(module, "Simulation");
+  stepper.def(py::init<scene::Scene, const std::vector<Kernel>&, const std::vector<Pickup>&>())
+      .def("step", &Stepper::step, py::call_guard<py::gil_scoped_release>())
+      .def("step_block", &Stepper::step_block)
+      .def("save",
+           [](Stepper& self) { return std::make_shared<Simulation::State>(self.simulation().save()); })
+      .def("restore",
+           [](Stepper& self, const Simulation::State& state) { return self.simulation().restore(state); });
+  const auto property = [&](const char* name, auto get) {
+    stepper.def_property_readonly(name, [get](Stepper& self) { return get(self.simulation()); });
+  };
+  property("steps", [](const Simulation& s) { return s.steps(); });
+  property("time", [](const Simulation& s) { return s.time(); });
+  property("active", [](const Simulation& s) { return s.active(); });
+  property("force", [](const Simulation& s) { return copy(s.force()); });
+  property("displacement", [](const Simulation& s) { return copy(s.displacement()); });
+  property("point_a", [](const Simulation& s) { return vectors(s, &ContactPoint::a); });
+  property("point_b", [](const Simulation& s) { return vectors(s, &ContactPoint::b); });
+  property("normal", [](const Simulation& s) { return vectors(s, &ContactPoint::normal); });
+  property("initial_gap", [](const Simulation& s) { return numbers(s, &ContactPoint::gap); });
+  property("area", [](const Simulation& s) { return numbers(s, &ContactPoint::area); });
+  property("pickup_velocity", [](const Simulation& s) { return pickups(s, &Simulation::pickup_velocity); });
+  property("pickup_displacement",
+           [](const Simulation& s) { return pickups(s, &Simulation::pickup_displacement); });
+  property("energy", &energy);
+  property("quasi_static_modes", [](const Simulation& s) { return s.quasi_static_modes(); });
+  stepper.def("mean_velocity",
+              [](Stepper& self, std::size_t body) { return copy(self.simulation().mean_velocity(body)); });
+}
+
+}  // namespace ricochet::python

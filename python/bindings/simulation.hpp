@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Stepping in a loop.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace ricochet::python {
+
+void bind_simulation(pybind11::module_& module);
+
+}  // namespace ricochet::python

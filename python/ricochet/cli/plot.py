@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Draws a result of ricochet-contact: the contact, snapshots of the bodies, and the energy ledger.
+
+    ricochet plot out/two-disks.result.h5
+
+Writes <slug>-contact.png, <slug>-energy.png and, if the scene asked for snapshots and views,
+<slug>-snapshots.png, and prints their paths.
+"""
+import argparse
+import sys
+from pathlib import Path
+
+from ricochet import pictures
+from ricochet.cli.options import add_result
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    add_result(parser)
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", help="folder of the pictures (default: beside the result)"
+    )
+
+
+def draw(result: Path, folder: Path | None = None, kernels: Path | None = None) -> None:
+    def note(text: str) -> None:
+        print(f"ricochet plot: {text}", file=sys.stderr)
+
+    for path in pictures.draw(result, folder, kernels, note):
+        print(path)
+
+
+def run(options: argparse.Namespace) -> None:
+    draw(options.result, options.out, options.kernels)

@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Writes a result as one web page that opens in any browser, without a network: the scene, the impact in motion, charts,
+sound, energy, errors, and the commands that repeat the run.
+
+    ricochet report out/two-disks.result.h5
+
+Writes <slug>.report.html beside the result and prints its path.
+"""
+import argparse
+from pathlib import Path
+
+from ricochet import pages
+from ricochet.cli.options import add_result
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    add_result(parser)
+    parser.add_argument("--out", type=Path, metavar="PAGE.html", help="the page (default: beside the result)")
+
+
+def run(options: argparse.Namespace) -> None:
+    print(pages.write_page(options.result, options.out, options.kernels))

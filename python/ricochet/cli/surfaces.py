@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Lists the surfaces of a drawing or mesh with number, physical groups, area and extent, and draws them.
+
+    ricochet surfaces meshes/bell/bell.step
+
+Reads what gmsh reads: .step, .brep, .geo, .msh. Lengths are those of the file. The picture is <drawing>-surfaces.png beside the
+drawing, or in the working folder if that one can't be written; its path is printed last.
+"""
+import argparse
+import os
+from pathlib import Path
+
+from ricochet import surfaces
+from ricochet.errors import InputError
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("drawing", type=Path, metavar="DRAWING")
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", help="folder of the picture (default: beside the drawing)"
+    )
+
+
+def run(options: argparse.Namespace) -> None:
+    drawing: Path = options.drawing
+    found, groups = surfaces.read(drawing)
+    print(surfaces.table(found, groups))
+    beside = drawing.parent
+    folder = options.out or (beside if os.access(beside, os.W_OK) else Path("."))
+    path = folder / f"{drawing.name}-surfaces.png"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        surfaces.picture(found, path, drawing.name)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({error.strerror}). Choose another --out.") from None
+    print(path)
