@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "contact/static/equilibrium.hpp"
 #include "contact/output/summary.hpp"
+#include "contact/static/equilibrium.hpp"
 #include "contact/stepping/stepper.hpp"
 
 namespace ricochet::contact {

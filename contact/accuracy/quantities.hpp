@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "contact/stepping/stepper.hpp"
 #include "contact/model/model.hpp"
+#include "contact/stepping/stepper.hpp"
 
 namespace ricochet::contact {
 
