@@ -42,7 +42,7 @@ class Installed(ProgramTest):
     def options(self, command):
         """Those that start a line of --help, with a short form before the long one or without."""
         text = self.succeed_in(self.call(*command.split(), "--help"))
-        return {word for line in text.splitlines() for word in re.findall(r"^  (-\w)?\S*?(?: \w+)?,? ?(--[a-z-]+)?", line)[:1]
+        return {word for line in text.splitlines() for word in re.findall(r"^  (-\w)?\S*?(?: \w+)?,? ?(--[a-z][a-z0-9-]*)?", line)[:1]
                 for word in word if word}
 
     def succeed_in(self, done):
