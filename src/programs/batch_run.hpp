@@ -1,4 +1,4 @@
-// Many impacts of one scene in one process: what scripts/sweep drives.
+// Many impacts of one scene in one process: what ricochet sweep drives.
 #pragma once
 
 #include <iosfwd>
