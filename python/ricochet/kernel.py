@@ -29,13 +29,13 @@ class Certificate:
     left_out: int  #: of these, modes that the kernel leaves to the residual flexibility
     complete: bool  #: counts agree and all errors are within their bounds
     orthonormality: float  #: max |Φᵀ M Φ − I|
-    flexibility_error: float  #: relative, of the contact surface over the band; 0 if no bound was set
+    flexibility_error: float  #: relative, of the contact over the band; 0 without a bound
     approximate: int  #: block iterations in place of the certified search; 0: none
 
 
 @dataclass(frozen=True)
 class VisualisationSurface:
-    """The outer surface of a body, for pictures, in its own axes. V nodes, E elements of k corners, N modes."""
+    """The outer surface of a body, in its own axes. V nodes, E elements of k corners, N modes."""
 
     node: Array  #: (V,3) [m]
     element: NDArray[np.int64]  #: (E,k), k = 3 triangles or 2 segments
