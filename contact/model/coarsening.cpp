@@ -70,7 +70,7 @@ Shares shares(const Model& model) {
 
 }  // namespace
 
-Model thinned(const Model& model) {
+Model coarsened(const Model& model) {
   Model out = model;
   const auto [T, area] = shares(model);
   Index first = 0;
