@@ -99,4 +99,9 @@ Model coarsened(const Model& model) {
   return out;
 }
 
+Model coarsened(Model model, int times) {
+  for (int k = 0; k < times; ++k) model = coarsened(model);
+  return model;
+}
+
 }  // namespace ricochet::contact

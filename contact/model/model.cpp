@@ -168,8 +168,7 @@ Model build_model(const Placement& placement, const Vector3d& gravity,
     model.load.segment(first, n) = block.momentum.transpose() * gravity;
     model.v0.segment(first, n) = rigid_velocity(bodies[k], block);
 
-    const Selection& P = model.bodies[k].selection =
-        selection(bodies[k], static_cast<int>(k), pairs, points);
+    const Selection& P = model.bodies[k].selection = selection(bodies[k], static_cast<int>(k), pairs, points);
     const Eigen::Index rows = P.cols();
     model.B.middleCols(first, n) = P * Eigen::Map<const Matrix>(kernel.surface.shape.data(), rows, n);
 

@@ -111,8 +111,8 @@ struct Model {
 };
 
 /// Stacks placed bodies, in their order, and their pairs. Throws InputError when a kernel does not hold a
-/// paired candidate, for a drive that its body's kernel lacks, and for a support that would jump or that makes
-/// bodies overlap at the start.
+/// paired candidate, for a drive that its body's kernel lacks, and for a support that would jump or that
+/// makes bodies overlap at the start.
 Model build_model(const Placement& placement, const Eigen::Vector3d& gravity,
                   const std::vector<DriveRequest>& drives = {});
 

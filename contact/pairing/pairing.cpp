@@ -64,7 +64,8 @@ void check_component(const PlacedBody& body, const std::optional<Vector3d>& norm
 }
 
 /// Pairs for a given position of a, before gap, reach and overlap are examined.
-Pairing find_pairs(const PlacedBody& a, const SurfaceProjection& onto, const std::optional<Vector3d>& direction) {
+Pairing find_pairs(const PlacedBody& a, const SurfaceProjection& onto,
+                   const std::optional<Vector3d>& direction) {
   const WorldSurface& b = onto.surface();
   const WorldSurface from = surface_of(a);
   const double size = size_of(from, b);

@@ -57,8 +57,8 @@ struct Pairing {
 };
 
 /// Pairs a's candidates with b's surface. With `direction`, along it; otherwise each point is projected along
-/// n_i = (n_a − n_b)/|n_a − n_b|, found by iteration from the closest point. A projection onto b is a point of
-/// its candidate mesh (triangles, segments, points); it may lie up to 1e-6 of the element's size beyond an
+/// n_i = (n_a − n_b)/|n_a − n_b|, found by iteration from the closest point. A projection onto b is a point
+/// of its candidate mesh (triangles, segments, points); it may lie up to 1e-6 of the element's size beyond an
 /// edge. Pairs are found on whole surfaces, whichever candidates the kernels hold. Throws InputError when
 /// nothing faces anything, when bodies overlap (with the depth), and when a kernel holds one component only
 /// and the contact acts along another direction.

@@ -46,7 +46,7 @@ WorldSurface placed(const PlacedBody& body, const From& from) {
 
 /// The point of these weights, clipped to [0, 1]. None where the corners' normals cancel.
 std::optional<Projection> projection(const WorldSurface& b, const WorldSurface::Element& element,
-                           std::array<double, 3> weight) {
+                                     std::array<double, 3> weight) {
   Projection out{Vector3d::Zero(), Vector3d::Zero(), element.corner, weight};
   double sum = 0;
   for (double& w : out.weight) sum += w = std::clamp(w, 0.0, 1.0);
@@ -65,8 +65,8 @@ std::optional<Projection> projection(const WorldSurface& b, const WorldSurface::
 double reach_of(const WorldSurface::Element& element) { return element.size * (1 + edge_slack); }
 
 /// Where the line x + t d meets an element.
-std::optional<Projection> intersection(const WorldSurface& b, const WorldSurface::Element& element, const Vector3d& x,
-                          const Vector3d& d, double size) {
+std::optional<Projection> intersection(const WorldSurface& b, const WorldSurface::Element& element,
+                                       const Vector3d& x, const Vector3d& d, double size) {
   const Vector3d& p = b.node[element.corner[0]];
   const auto across = [&](const Vector3d& v) -> Vector3d { return v - v.dot(d) * d; };
   if (b.corners == 1) {
@@ -139,7 +139,8 @@ struct Nearest {
   using Scalar = double;
   Nearest(Bound of_box, At of_element) : bound(of_box), at(of_element) {}
 
-  /// A little less, so that round-off hides neither a projection nor one at the distance of the nearest so far.
+  /// A little less, so that round-off hides neither a projection nor one at the distance of the nearest so
+  /// far.
   double minimumOnVolume(const Eigen::AlignedBox3d& box) {
     const double least = bound(box);
     return least == none ? none : std::max(least, 0.0) * (1 - 1e-9) - std::numeric_limits<double>::min();
@@ -196,8 +197,9 @@ SurfaceProjection::SurfaceProjection(WorldSurface surface) : surface_(std::move(
   elements_.init(number.begin(), number.end(), box.begin(), box.end());
 }
 
-std::optional<Projection> SurfaceProjection::first_along(const Vector3d& x, const Vector3d& d, double size,
-                                         const std::function<bool(const Projection&)>& faces) const {
+std::optional<Projection> SurfaceProjection::first_along(
+    const Vector3d& x, const Vector3d& d, double size,
+    const std::function<bool(const Projection&)>& faces) const {
   Nearest nearest(
       [&](const Eigen::AlignedBox3d& box) {
         const double slack = edge_slack * size;
@@ -230,8 +232,9 @@ std::optional<Projection> SurfaceProjection::closest(const Vector3d& x) const {
   return nearest.projection;
 }
 
-std::optional<std::pair<Projection, Vector3d>> SurfaceProjection::along_mutual_normal(const Vector3d& x, const Vector3d& n_a,
-                                                                      double size) const {
+std::optional<std::pair<Projection, Vector3d>> SurfaceProjection::along_mutual_normal(const Vector3d& x,
+                                                                                      const Vector3d& n_a,
+                                                                                      double size) const {
   const auto faces = [&](const Projection& y) { return n_a.dot(y.normal) < 0; };
   auto y = closest(x);
   if (!y || !faces(*y)) return std::nullopt;

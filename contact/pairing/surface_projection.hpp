@@ -59,7 +59,7 @@ class SurfaceProjection {
   /// abreast of the line along the segment as seen along d, and the line may pass beside it by half the
   /// segment's length. The line hits a point if it passes within 1e-6 of `size`.
   std::optional<Projection> first_along(const Eigen::Vector3d& x, const Eigen::Vector3d& d, double size,
-                                   const std::function<bool(const Projection&)>& faces) const;
+                                        const std::function<bool(const Projection&)>& faces) const;
 
   /// The point closest to x; none without elements, or where their corners' normals cancel.
   std::optional<Projection> closest(const Eigen::Vector3d& x) const;
@@ -68,8 +68,8 @@ class SurfaceProjection {
   /// fixed-point iteration from the closest one. Each round shrinks the error about as the gap compares with
   /// the surface's diameter. A line that misses it on the way is led back to it; the last one must meet it.
   std::optional<std::pair<Projection, Eigen::Vector3d>> along_mutual_normal(const Eigen::Vector3d& x,
-                                                                       const Eigen::Vector3d& n_a,
-                                                                       double size) const;
+                                                                            const Eigen::Vector3d& n_a,
+                                                                            double size) const;
 
  private:
   WorldSurface surface_;
