@@ -8,6 +8,7 @@
 #include "contact/output/summary.hpp"
 #include "contact/static/equilibrium.hpp"
 #include "contact/stepping/run_steps.hpp"
+#include "contact/stepping/stepper.hpp"
 
 namespace ricochet::contact {
 namespace {
@@ -69,7 +70,7 @@ double distance(const Quantities& a, const Quantities& b) {
 
 std::optional<Quantities> impact_quantities(const Model& model, const StepOptions& options,
                                             std::int64_t steps, const std::function<void()>& poll) {
-  Integrator integrator(model, options);
+  const std::unique_ptr<Stepper> stepper = make_stepper(model, options);
   const std::vector<Mover> moving = movers(model);
   std::vector<Vector3d> before = velocities(model, moving, model.initial_rates()), start = before,
                         end = before;
@@ -78,8 +79,8 @@ std::optional<Quantities> impact_quantities(const Model& model, const StepOption
   bool touched = false;
   const auto observe = [&](std::int64_t) {
     if (poll) poll();
-    const double force = integrator.force().sum();
-    if (force > 0 || !touched) before = velocities(model, moving, integrator.v());
+    const double force = stepper->force().sum();
+    if (force > 0 || !touched) before = velocities(model, moving, stepper->modal()->v);
     if (force > 0) {
       touched = true;
       impulse += force * options.step;
@@ -90,7 +91,7 @@ std::optional<Quantities> impact_quantities(const Model& model, const StepOption
       if (!touched) start = end = before;
     }
   };
-  if (run_steps(integrator, steps, observe).status != StepStatus::ok) return std::nullopt;
+  if (run_steps(*stepper, steps, observe).status != StepStatus::ok) return std::nullopt;
   Quantities out;
   const auto count = static_cast<Eigen::Index>(moving.size());
   out.value.setZero(1 + 3 * count);

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "contact/model/model.hpp"
-#include "contact/stepping/integrator.hpp"
+#include "ricochet/step_options.hpp"
 
 namespace ricochet::contact {
 
@@ -28,7 +28,7 @@ struct Quantities {
 double distance(const Quantities& a, const Quantities& b);
 
 /// @param poll  called after each step; it may throw to end the run
-/// @return none when a step has no solution or is not finite. Throws InputError as Integrator does.
+/// @return none when a step has no solution or is not finite. Throws InputError as make_stepper does.
 std::optional<Quantities> impact_quantities(const Model& model, const StepOptions& options,
                                             std::int64_t steps, const std::function<void()>& poll = {});
 

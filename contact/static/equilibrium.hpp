@@ -11,7 +11,7 @@
 
 #include <cstdint>
 
-#include "contact/stepping/integrator.hpp"
+#include "ricochet/step_options.hpp"
 #include "contact/model/model.hpp"
 
 namespace ricochet::contact {

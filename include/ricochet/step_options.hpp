@@ -48,7 +48,7 @@ enum class StepStatus {
   ok,
   no_solution,
   not_finite,
-  table_ended,  ///< TableIntegrator alone: the step is beyond its table
+  table_ended,  ///< tables only: the step is beyond its table
 };
 
 /// Running energy ledger [J]; kinetic + strain + residual − loads + damping + contact stays what it was at t

@@ -35,6 +35,10 @@ class Progress:
         if self.worked and self.done < self.total:
             pace = (now - self.started) / self.worked
             left = f", {duration(pace * (self.total - self.done))} left"
-        self.stream.write(f"\r\033[K[{'#' * filled}{'.' * (self.WIDTH - filled)}] {self.done}/{self.total}{left}  {what}"[:140])
+        self.stream.write(
+            f"\r\033[K[{'#' * filled}{'.' * (self.WIDTH - filled)}] {self.done}/{self.total}{left}  {what}"[
+                :140
+            ]
+        )
         self.stream.write("\n" if self.done >= self.total else "")
         self.stream.flush()

@@ -179,7 +179,7 @@ class Surfaces(unittest.TestCase):
         )
         self.assertEqual(
             (done.returncode, done.stderr),
-            (2, "surfaces: none.step: there is no such file: name a .step, .brep, .geo or .msh\n"),
+            (2, "ricochet surfaces: none.step: there is no such file: name a .step, .brep, .geo or .msh\n"),
         )
 
 

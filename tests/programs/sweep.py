@@ -21,8 +21,8 @@ import numpy as np
 from programs import BIN, MESHES, ProgramTest, Run, contact, kernel
 
 from ricochet import scene_keys
-from ricochet.studies import pictures as sweep_pictures
-from ricochet.result_file import BadInput
+from ricochet.studies import chart
+from ricochet.errors import InputError
 from ricochet.studies.study import Study
 
 
@@ -82,7 +82,7 @@ class Studies(SweepTest):
                            ("[random]\ncount = 2\na = {log_uniform = [-1, 1]}", "of one sign"),
                            ("[grid]\na = [1]\n[list]\na = [2]", "varied twice"),
                            ("[grid]\na = {from = -1, to = 1, steps = 3, scale = 'log'}", "same sign"), ("[grid", "is not TOML")]:
-            with self.assertRaisesRegex(BadInput, part):
+            with self.assertRaisesRegex(InputError, part):
                 self.settings(text)
             done = Run(self.sweep(self.study(text)))
             self.assertEqual((done.status, done.err.count("\n")), (2, 1), done.err)
@@ -94,7 +94,7 @@ class Pictures(unittest.TestCase):
         """The axes of a picture of a table, as matplotlib has them."""
         table = SimpleNamespace(title="t", inputs=inputs, column=lambda name: (inputs | {output: rows})[name])
         with mock.patch("matplotlib.pyplot.close"), tempfile.TemporaryDirectory() as folder:
-            sweep_pictures.draw(table, output, against, Path(folder) / "picture.png", scene_keys.units(Run([BIN / "ricochet-contact", "--keys"]).out))
+            chart.draw(table, output, against, Path(folder) / "picture.png", scene_keys.units(Run([BIN / "ricochet-contact", "--keys"]).out))
         import matplotlib.pyplot as plt
 
         self.addCleanup(plt.close, "all")
@@ -134,7 +134,7 @@ class Pictures(unittest.TestCase):
 class Sweeps(SweepTest):
     def test_each_impact_is_that_of_the_program_alone_and_kernels_are_shared(self):
         study = self.study(GRID)
-        self.assertEqual(self.succeed(Run(self.sweep(study, "--kernels"))).out, "3 kernels, all there\n")
+        self.assertEqual(self.succeed(Run(self.sweep(study, "--kernels"))).out, "3 kernels, all computed\n")
         for before in ("", " before"):
             self.assertEqual(self.succeed(Run(self.sweep(study, "--part", "2/3"))).out, f"part 2/3: 4 impacts, all done{before}\n")
         for before in ("", ", all done before"):
