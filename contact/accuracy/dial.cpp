@@ -52,11 +52,11 @@ Dialled dial(const Subject& subject, Model model, DialRequest request) {
   };
   StepOptions& options = request.options;
   if (request.choose_rate) {
-    out.rate = chosen_rate(*estimator, request, subject.duration);
-    options.step = 1 / out.rate->value;
+    out.settings.rate = chosen_rate(*estimator, request, subject.duration);
+    options.step = 1 / out.settings.rate->value;
   }
   const auto all = estimator->quantities(options);
-  if (request.choose_precision) out.precision = Precision::float64;
+  if (request.choose_precision) out.settings.precision = Precision::float64;
   if (!all || !all->touched()) return with_model();
 
   double by_coarsening = 0;
@@ -67,7 +67,8 @@ Dialled dial(const Subject& subject, Model model, DialRequest request) {
     by_coarsening = distance(*all, *fewer);
     estimator = std::exchange(coarser, nullptr);
   }
-  if (request.choose_precision) options.precision = *(out.precision = chosen_precision(*estimator, request));
+  if (request.choose_precision)
+    options.precision = *(out.settings.precision = chosen_precision(*estimator, request));
   out.estimate = estimator->estimate(options);
   if (out.estimate->spacing) out.estimate->spacing = std::max(*out.estimate->spacing, by_coarsening);
   return with_model();

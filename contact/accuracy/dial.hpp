@@ -15,10 +15,15 @@ struct DialRequest {
   Hertz band{0};  ///< end of the band that the kernels are for; with choose_rate
 };
 
+/// Settings that were left open, as chosen.
+struct Settings {
+  std::optional<Hertz> rate{};
+  std::optional<Precision> precision{};
+};
+
 struct Dialled {
-  Model model;                              ///< its points coarsened where that hardly matters
-  std::optional<Hertz> rate{};              ///< none: not left open
-  std::optional<Precision> precision{};     ///< none: not left open
+  Model model;  ///< its points coarsened where that hardly matters
+  Settings settings{};
   std::optional<ErrorEstimate> estimate{};  ///< none: nothing touches
 };
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Many impacts of one scene in one process: what scripts/sweep drives.
 #pragma once
 

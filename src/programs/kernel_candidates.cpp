@@ -111,7 +111,8 @@ std::vector<Points> needed_points(const scene::Scene& scene,
   parallel::on_first_rank(comm, [&] {
     programs::KernelPointers pointers;
     for (const kernels::Kernel& kernel : surfaces) pointers.push_back(&kernel);
-    points = programs::points_within_reach(scene, programs::place(scene, pointers));
+    points = programs::points_within_reach(
+        scene, programs::in_scene(scene, [&] { return programs::place(scene, pointers); }));
   });
   for (Points& of_body : points) {
     std::vector<char> limited{of_body.has_value()};

@@ -50,9 +50,7 @@ std::vector<contact::PairRequest> pair_requests(const scene::Scene& scene) {
 }
 
 contact::Placement place(const scene::Scene& scene, const KernelPointers& kernels) {
-  return in_scene(scene, [&] {
-    return contact::place(placed_bodies(scene, kernels), half_spaces(scene), pair_requests(scene));
-  });
+  return contact::place(placed_bodies(scene, kernels), half_spaces(scene), pair_requests(scene));
 }
 
 contact::Placement with_kernels(contact::Placement placement, const KernelPointers& kernels) {
@@ -78,8 +76,7 @@ std::vector<contact::DriveRequest> drives_of(const scene::Scene& scene) {
 
 contact::Model model_of(const scene::Scene& scene, const contact::Placement& placement,
                         const std::vector<contact::DriveRequest>& drives) {
-  return in_scene(scene,
-                  [&] { return contact::build_model(placement, vector(scene.loads.gravity), drives); });
+  return contact::build_model(placement, vector(scene.loads.gravity), drives);
 }
 
 bool is_limited(const scene::Scene& scene, const scene::Body& body) {

@@ -41,7 +41,7 @@ contact::Placement with_kernels(contact::Placement placement, const KernelPointe
 /// Loads and moving supports, with their histories. Throws InputError when a history can't be read.
 std::vector<contact::DriveRequest> drives_of(const scene::Scene& scene);
 
-/// Model of placed bodies under the scene's loads.
+/// Model of placed bodies under the scene's loads. Throws InputError as contact::build_model does.
 contact::Model model_of(const scene::Scene& scene, const contact::Placement& placement,
                         const std::vector<contact::DriveRequest>& drives);
 

@@ -48,7 +48,7 @@ contact::Placement PlacementStore::place(const scene::Scene& scene, const Kernel
                           contact::surface_of(body)});
   const auto same = std::ranges::find(known_, key, &std::pair<Key, contact::Placement>::first);
   if (same == known_.end()) {
-    known_.emplace_back(std::move(key), programs::place(scene, kernels));
+    known_.emplace_back(std::move(key), in_scene(scene, [&] { return programs::place(scene, kernels); }));
     if (known_.size() > most_placements) known_.pop_front();
     return known_.back().second;
   }
