@@ -194,8 +194,7 @@ struct Simulation::Impl {
     if (!out.velocity) return;
     const Eigen::Index p = pickups.rows();
     for (std::int64_t k = from; k < to; ++k) {
-      const Eigen::Map<const contact::Vector> v(stepper->rate(static_cast<int>(to - 1 - k)),
-                                                pickups.cols());
+      const Eigen::Map<const contact::Vector> v(stepper->rate(static_cast<int>(to - 1 - k)), pickups.cols());
       for (Eigen::Index i = 0; i < p; ++i) out.velocity[k * p + i] = pickups.row(i).dot(v);
     }
   }
@@ -282,7 +281,8 @@ Vector3 Simulation::mean_velocity(std::size_t body) const noexcept {
   Vector3 out{};
   for (Eigen::Index k = 0; k < 3; ++k)
     out[static_cast<std::size_t>(k)] =
-        block.momentum.row(k).dot(impl_->stepper->modal()->v.segment(block.first_mode, block.modes)) / block.mass;
+        block.momentum.row(k).dot(impl_->stepper->modal()->v.segment(block.first_mode, block.modes)) /
+        block.mass;
   return out;
 }
 

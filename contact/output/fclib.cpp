@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "ricochet/error.hpp"
 #include "base/hdf5_writer.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::contact {
 

@@ -11,8 +11,8 @@ namespace ricochet::contact {
 namespace {
 
 namespace xdmf = base::xdmf;
-using Eigen::Index;
 using base::hdf5::Shape;
+using Eigen::Index;
 
 std::filesystem::path with(std::filesystem::path stem, const char* ending) { return stem += ending; }
 

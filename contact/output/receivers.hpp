@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "contact/stepping/stepper.hpp"
 #include "contact/model/model.hpp"
+#include "contact/stepping/stepper.hpp"
 
 namespace ricochet::contact {
 

@@ -11,11 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "contact/static/equilibrium.hpp"
-#include "contact/stepping/stepper.hpp"
+#include "base/hdf5_writer.hpp"
 #include "contact/model/model.hpp"
 #include "contact/output/receivers.hpp"
-#include "base/hdf5_writer.hpp"
+#include "contact/static/equilibrium.hpp"
+#include "contact/stepping/stepper.hpp"
 
 namespace ricochet::contact {
 

@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "contact/model/model.hpp"
 #include "contact/static/equilibrium.hpp"
 #include "contact/stepping/stepper.hpp"
-#include "contact/model/model.hpp"
 
 namespace ricochet::contact {
 

@@ -16,7 +16,10 @@ void append(base::hdf5::Rows* rows, const Vector& row) {
 
 TableRecorder::TableRecorder(const Table& table, const Model* model, const Stepper& start,
                              const RecorderOptions& options)
-    : initial_gap_(table.gap), every_(options.every), has_power_(start.options().scheme == Scheme::compliant), file_(options.path) {
+    : initial_gap_(table.gap),
+      every_(options.every),
+      has_power_(start.options().scheme == Scheme::compliant),
+      file_(options.path) {
   write_setting(table, model, options);
   make_rows(table);
   state_row(start);
@@ -94,8 +97,7 @@ TableObserver::TableObserver(const Table& table, const Stepper& start, double st
 }
 
 void TableObserver::observe(const Stepper& stepper) {
-  out_.max_penetration_m =
-      std::max(out_.max_penetration_m, (stepper.displacement() - gap_).maxCoeff());
+  out_.max_penetration_m = std::max(out_.max_penetration_m, (stepper.displacement() - gap_).maxCoeff());
   const bool untouched = !out_.contact_start_s, touched = touching_;
   touching_ = count_forces(out_, touched, stepper.force(), stepper.time(), step_);
   if (touching_ && untouched) at_start_ = before_;

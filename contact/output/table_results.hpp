@@ -16,8 +16,7 @@ class TableRecorder {
  public:
   /// @param model  where the table came from modes: then places, normals and placements are written; else
   /// null Makes the file and writes the row of t = 0. Throws InputError when the file can't be made.
-  TableRecorder(const Table& table, const Model* model, const Stepper& start,
-                const RecorderOptions& options);
+  TableRecorder(const Table& table, const Model* model, const Stepper& start, const RecorderOptions& options);
 
   /// After each step. Throws InputError when the disk is full.
   void record(const Stepper& stepper);

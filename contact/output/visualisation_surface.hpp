@@ -7,8 +7,8 @@
 #include <array>
 #include <vector>
 
-#include "contact/stepping/stepper.hpp"
 #include "contact/model/model.hpp"
+#include "contact/stepping/stepper.hpp"
 
 namespace ricochet::contact {
 

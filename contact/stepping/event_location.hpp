@@ -30,11 +30,11 @@ class EventLocation {
   double safe_time(double passed, const ModalState& state) noexcept;
 
   std::vector<int> open_;
-  Vector knot_q_, knot_v_;      ///< (N) at the last knot
-  Vector q_, v_;                ///< (N) at an instant after it
-  Vector force_, slope_;        ///< (N) modal force at the knot and its slope
-  Vector acceleration_;         ///< (N) upper bound on |q̈|
-  Vector s_, rate_, bound_;     ///< (m) s at the knot; ṡ; upper bound on |ü|
+  Vector knot_q_, knot_v_;   ///< (N) at the last knot
+  Vector q_, v_;             ///< (N) at an instant after it
+  Vector force_, slope_;     ///< (N) modal force at the knot and its slope
+  Vector acceleration_;      ///< (N) upper bound on |q̈|
+  Vector s_, rate_, bound_;  ///< (m) s at the knot; ṡ; upper bound on |ü|
 };
 
 }  // namespace ricochet::contact

@@ -13,7 +13,7 @@ ForcedResponse::ForcedResponse(const Model& model, double step, bool static_mode
   for (const Model::Drive& forcing : model.drives) {
     const Model::BodyBlock& body = model.bodies[forcing.body];
     forcing_.push_back({forcing.history, body.first_mode, body.modes, forcing.force, forcing.lift,
-                       forcing.displacement, forcing.support});
+                        forcing.displacement, forcing.support});
   }
   whole_.resize(static_cast<std::size_t>(N));
   for (Eigen::Index n = 0; n < N; ++n) {
@@ -108,8 +108,8 @@ void ForcedResponse::points(double t, Vector& s, Vector& rate) const noexcept {
   }
 }
 
-void ForcedResponse::free_flight(double time, const Vector& force, const Vector& slope, const Vector& q, const Vector& v,
-                   Vector& then_q, Vector& then_v) const noexcept {
+void ForcedResponse::free_flight(double time, const Vector& force, const Vector& slope, const Vector& q,
+                                 const Vector& v, Vector& then_q, Vector& then_v) const noexcept {
   for (Eigen::Index n = 0; n < q.size(); ++n) {
     const ModeResponse m = mode_response(omega_(n), decay_(n), time);
     const double g = force(n) - omega_(n) * omega_(n) * q(n);
@@ -118,8 +118,8 @@ void ForcedResponse::free_flight(double time, const Vector& force, const Vector&
   }
 }
 
-void ForcedResponse::bound(double time, const Vector& force, const Vector& slope, const Vector& q, const Vector& v,
-                   Vector& acceleration) const noexcept {
+void ForcedResponse::bound(double time, const Vector& force, const Vector& slope, const Vector& q,
+                           const Vector& v, Vector& acceleration) const noexcept {
   for (Eigen::Index n = 0; n < q.size(); ++n)
     acceleration(n) =
         std::hypot(force(n) - 2 * decay_(n) * v(n) - omega_(n) * omega_(n) * q(n), omega_(n) * v(n)) +
@@ -154,7 +154,8 @@ Work ForcedResponse::advance(const Interval& over, const Vector& constant, Vecto
     force(t, value_, slope_);
     lift_.setZero();
     for (const Forcing& forcing : forcing_)
-      if (forcing.support) lift_.segment(forcing.first, forcing.modes) += forcing.history.slope(t) * forcing.lift;
+      if (forcing.support)
+        lift_.segment(forcing.first, forcing.modes) += forcing.history.slope(t) * forcing.lift;
     for (Eigen::Index n = 0; n < q.size(); ++n) {
       const ModeStep m = whole ? whole_[n] : mode_step(omega_(n), decay_(n), length);
       const double k = slope_(n), g = constant(n) + value_(n) - omega_(n) * omega_(n) * q(n);

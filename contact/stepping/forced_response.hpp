@@ -53,7 +53,7 @@ class ForcedResponse {
   void points(double t, Vector& s, Vector& rate) const noexcept;
   /// The state after `time` from (q, v) under a force and its slope, without knots in between.
   void free_flight(double time, const Vector& force, const Vector& slope, const Vector& q, const Vector& v,
-             Vector& then_q, Vector& then_v) const noexcept;
+                   Vector& then_q, Vector& then_v) const noexcept;
   /// (N) Upper bound on |q̈| within this time.
   void bound(double time, const Vector& force, const Vector& slope, const Vector& q, const Vector& v,
              Vector& acceleration) const noexcept;

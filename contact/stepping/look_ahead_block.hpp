@@ -19,8 +19,8 @@
 #include <span>
 #include <vector>
 
-#include "contact/stepping/block_system.hpp"
 #include "contact/complementarity/complementarity.hpp"
+#include "contact/stepping/block_system.hpp"
 
 namespace ricochet::contact {
 
@@ -119,7 +119,7 @@ class LookAheadBlock {
   // of this block
   std::vector<double> q_, v_, load_, held_;  ///< (modes) load_: less held_, which is Bᵀλ̄
   std::vector<double> rigid_q_, rigid_v_, rigid_held_;
-  std::vector<double> forcing_;           ///< (L, 2, modes) what drives add to q and q̇
+  std::vector<double> forcing_;         ///< (L, 2, modes) what drives add to q and q̇
   Matrix s_;                            ///< (1, m), driven: (L + 1, m)
   std::vector<T> x_;                    ///< (L, modes)
   std::vector<double> rates_;           ///< (L, modes)

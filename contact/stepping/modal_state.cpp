@@ -111,10 +111,11 @@ int ModalState::strike(const Vector& impulse, Work& work) noexcept {
 }
 
 bool ModalState::commit(const Work& work, double residual) noexcept {
-  const Energy end{.kinetic = 0.5 * (forcing.any() ? (next_v + now.lift).squaredNorm() : next_v.squaredNorm()),
-                   .strain = 0.5 * (system->stiffness.array() * next_q.array().square()).sum(),
-                   .residual = residual,
-                   .loads = (system->load.array() * (next_q.array() - system->q0.array())).sum()};
+  const Energy end{
+      .kinetic = 0.5 * (forcing.any() ? (next_v + now.lift).squaredNorm() : next_v.squaredNorm()),
+      .strain = 0.5 * (system->stiffness.array() * next_q.array().square()).sum(),
+      .residual = residual,
+      .loads = (system->load.array() * (next_q.array() - system->q0.array())).sum()};
   if (!ledger.close(end, work)) return false;
   q.swap(next_q);
   v.swap(next_v);

@@ -16,8 +16,8 @@ class Stepper {
  public:
   virtual ~Stepper() = default;
 
-  /// Advances from t_{k−1} to t_k. A step that fails changes nothing; if the state of a look-ahead block turns
-  /// out not to be finite, all pending steps fail together.
+  /// Advances from t_{k−1} to t_k. A step that fails changes nothing; if the state of a look-ahead block
+  /// turns out not to be finite, all pending steps fail together.
   virtual StepStatus step() noexcept = 0;
 
   virtual std::unique_ptr<Stepper> clone() const = 0;
@@ -80,7 +80,7 @@ class Stepper {
   ComplementaritySolver solver_;
   std::int64_t steps_ = 0;
   Contact contact_;
-  mutable Vector u_;  ///< (m); a scheme may compute it when it is asked for
+  mutable Vector u_;   ///< (m); a scheme may compute it when it is asked for
   Vector next_force_;  ///< (m) of the step under way
 };
 

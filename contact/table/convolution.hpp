@@ -73,12 +73,12 @@ class Convolution {
 
   // Partitioned: B + 1 bins, real parts then imaginary parts.
   std::vector<Transform> transform_;  ///< one
-  std::int64_t partitions_ = 0;     ///< from the second one on
-  std::vector<double> spectra_;     ///< (partitions, columns, rows, 2, B + 1)
-  std::vector<double> inputs_;      ///< (partitions, columns, 2, B + 1) ring of spectra of past blocks
-  std::vector<char> input_active_;  ///< (partitions, columns)
-  std::vector<double> output_;      ///< (rows, 2, B + 1)
-  Eigen::MatrixXd far_;             ///< (rows, B) of the block under way
+  std::int64_t partitions_ = 0;       ///< from the second one on
+  std::vector<double> spectra_;       ///< (partitions, columns, rows, 2, B + 1)
+  std::vector<double> inputs_;        ///< (partitions, columns, 2, B + 1) ring of spectra of past blocks
+  std::vector<char> input_active_;    ///< (partitions, columns)
+  std::vector<double> output_;        ///< (rows, 2, B + 1)
+  Eigen::MatrixXd far_;               ///< (rows, B) of the block under way
 };
 
 }  // namespace ricochet::contact

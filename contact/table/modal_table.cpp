@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "base/format.hpp"
-#include "contact/stepping/stepper.hpp"
 #include "contact/stepping/propagator.hpp"
+#include "contact/stepping/stepper.hpp"
 #include "ricochet/error.hpp"
 
 namespace ricochet::contact {

@@ -114,8 +114,7 @@ Convolution convolution_of(const Kernel& kernel, const Table& table, Convolution
 
 }  // namespace
 
-TableStepper::TableStepper(const Table& table, const StepOptions& options,
-                                 ConvolutionOptions convolution)
+TableStepper::TableStepper(const Table& table, const StepOptions& options, ConvolutionOptions convolution)
     : Stepper(checked(options, table), table.points(), {}),
       free_(table.free),
       free_velocity_(table.free_velocity),

@@ -34,3 +34,7 @@ class ProgramError(RicochetError):
 
     def __init__(self, status: int, text: str = "") -> None:
         super().__init__(text, status)
+
+
+class SolverError(RicochetError):
+    """A computation that breaks down on good input."""

@@ -3,10 +3,13 @@
 import contextlib
 import tomllib
 import warnings
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
+from numpy.typing import NDArray
 
 from ricochet.errors import InputError
 
@@ -14,8 +17,8 @@ from ricochet.errors import InputError
 VERSION = 1
 
 
-def is_there(path):
-    """Whether there is such a file, which can be opened. Throws InputError where nobody can tell, or it can't be."""
+def is_there(path: Path) -> bool:
+    """Whether the file exists and can be opened. Raises InputError if it cannot be opened."""
     try:
         if not path.is_file():
             return False
@@ -28,8 +31,8 @@ def is_there(path):
 
 
 @contextlib.contextmanager
-def expected(path, program="ricochet-contact"):
-    """A InputError in the place of whatever a file leads to that is whole, but not what the program writes."""
+def expected(path: Path, program: str = "ricochet-contact") -> Iterator[None]:
+    """Raises InputError in place of any exception that the content of a foreign file causes."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of numpy, on numbers that no run has
@@ -43,7 +46,7 @@ def expected(path, program="ricochet-contact"):
 class File:
     """An HDF5 file whose datasets are checked as they are read."""
 
-    def __init__(self, path, kind):
+    def __init__(self, path: Path, kind: str) -> None:
         self.path = path
         if not is_there(path):
             name = (
@@ -68,8 +71,8 @@ class File:
                 f"{path}: has format version {version}, and this program reads {VERSION}. Use a newer Ricochet."
             )
 
-    def text(self, where, name):
-        """None of what is no text."""
+    def text(self, where: str, name: str) -> str | None:
+        """An attribute; None unless it is a text."""
         value = self.attribute(where, name)
         return (
             value.decode(errors="replace")
@@ -79,23 +82,23 @@ class File:
             else None
         )
 
-    def attribute(self, where, name):
+    def attribute(self, where: str, name: str) -> Any:
         return self.file[where].attrs.get(name) if where in self.file else None
 
-    def has(self, name):
+    def has(self, name: str) -> bool:
         try:
             item = self.file.get(name)
         except RuntimeError:  # links in a circle
             return False
         return isinstance(item, h5py.Dataset) and item.file.filename == self.file.filename
 
-    def names(self, group):
+    def names(self, group: str) -> list[str]:
         try:
             return sorted(self.file[group]) if isinstance(self.file.get(group), h5py.Group) else []
         except RuntimeError:  # links in a circle
             return []
 
-    def array(self, name, *shape):
+    def array(self, name: str, *shape: int | None) -> NDArray[Any]:
         """Values as floats or integers. None in `shape` is a dimension of any length."""
         if not self.has(name):
             raise InputError(f'{self.path}: dataset "{name}" is missing. Compute it again.')
@@ -111,7 +114,7 @@ class File:
                 f'{self.path}: dataset "{name}" claims more than the file can hold. ' "Compute it again."
             )
         try:
-            values = data[()]
+            values: NDArray[Any] = data[()]
         except OSError:
             raise InputError(f'{self.path}: dataset "{name}" is damaged. Compute it again.') from None
         if values.dtype.kind not in "fi" or not np.isfinite(values).all():

@@ -8,7 +8,6 @@ import os
 import shutil
 import signal
 import subprocess
-import tempfile
 import time
 import unittest
 from pathlib import Path
@@ -93,12 +92,10 @@ class Pictures(unittest.TestCase):
     def drawn(self, inputs, output, against, rows):
         """The axes of a picture of a table, as matplotlib has them."""
         table = SimpleNamespace(title="t", inputs=inputs, column=lambda name: (inputs | {output: rows})[name])
-        with mock.patch("matplotlib.pyplot.close"), tempfile.TemporaryDirectory() as folder:
-            chart.draw(table, output, against, Path(folder) / "picture.png", scene_keys.units(Run([BIN / "ricochet-contact", "--keys"]).out))
-        import matplotlib.pyplot as plt
-
-        self.addCleanup(plt.close, "all")
-        return plt.gcf().axes[0]
+        with mock.patch.object(chart, "save_picture") as saved:
+            units = scene_keys.units(Run([BIN / "ricochet-contact", "--keys"]).out)
+            chart.draw(table, output, against, Path("picture.png"), units)
+        return saved.call_args.args[0].axes[0]
 
     def test_over_one_input_each_value_of_the_others_has_a_line_and_labels_have_units(self):
         speed, metal = [1.0, 2.0, 1.0, 2.0, 1.0, 2.0], [2700.0, 2700.0, 7850.0, 7850.0, 11340.0, 11340.0]

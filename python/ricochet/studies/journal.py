@@ -50,6 +50,11 @@ class Journal:
         if self.records:
             self.records.sync()
 
+    def close(self) -> None:
+        """Lets others write the file."""
+        if self.records:
+            self.records.file.close()
+
 
 def row_of(line: bytes | str) -> Row | None:
     """The row of a line, or None if no sweep wrote it or tables can't hold it."""

@@ -4,6 +4,7 @@ import itertools
 import math
 import os
 import tomllib
+from pathlib import Path
 
 import numpy as np
 
@@ -18,7 +19,7 @@ DEEPEST = 50
 class Study:
     """A study with its scene's text and all its settings: dictionaries from scene keys to values, in an order that does not change."""
 
-    def __init__(self, path):
+    def __init__(self, path: Path) -> None:
         self.path = path
         try:
             table = tomllib.loads(path.read_text(encoding="utf-8"))
