@@ -170,15 +170,19 @@ struct Scene {
 /// One `--set key=value`.
 using Override = std::string;
 
+/// What a scene is read for. Kernels need no [time], nor [contact]: then no body needs a contact surface.
+enum class Purpose { impact, kernels };
+
 /// Reads, applies `overrides` in order and checks every key and range.
 /// Throws InputError "FILE: dotted.key = value: what. fix." on anything unknown, missing, of the wrong type
 /// or out of range.
-Scene read(const std::filesystem::path& file, const std::vector<Override>& overrides = {});
+Scene read(const std::filesystem::path& file, const std::vector<Override>& overrides = {},
+           Purpose purpose = Purpose::impact);
 
 /// The same of a scene's text. `file` names it in errors and in the scene; paths are relative to its folder.
 /// It need not exist.
 Scene parse(const std::string& text, const std::filesystem::path& file,
-            const std::vector<Override>& overrides = {});
+            const std::vector<Override>& overrides = {}, Purpose purpose = Purpose::impact);
 
 /// The text with the overrides applied, as TOML. Throws InputError as `read` does on text that is not TOML
 /// and on overrides that cannot be applied; checks no key.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 add_program_test(programs accuracy)
 add_program_test(programs ranks)
 add_program_test(programs parts)
@@ -19,4 +20,5 @@ add_program_test(programs sweep)
 add_program_test(programs sweep_faults)
 add_program_test(programs report)
 add_program_test(programs batch LONG)
+add_program_test(programs command)
 set_tests_properties(programs/batch programs/report PROPERTIES PROCESSORS 1)  # they wait for SLURM and a browser most of the time
