@@ -42,10 +42,10 @@ std::vector<std::string> warnings(const ErrorEstimate& estimate, double accuracy
     if (cause.share.value_or(0) > *worst.share) worst = cause;
   }
   if (estimate.total() > accuracy)
-    out.push_back(
-        fmt::format("the error is estimated at {:.2g}, above accuracy = {:g}, most of it ({:.2g}) by the "
-                    "{}: it takes {}",
-                    estimate.total(), accuracy, *worst.share, worst.name, worst.advice));
+    out.push_back(fmt::format(
+        "the error is estimated at {:.2g}, above accuracy = {:g}; its largest share ({:.2g}) is that of "
+        "the {}: use {}",
+        estimate.total(), accuracy, *worst.share, worst.name, worst.advice));
   if (!unknown.empty())
     out.push_back(fmt::format("the error estimate leaves out: {}{}", unknown,
                               estimate.mesh

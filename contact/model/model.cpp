@@ -78,8 +78,8 @@ class HeldCandidates {
     const int held = held_[static_cast<std::size_t>(candidate)];
     if (held >= 0) return held;
     throw InputError(base::format(
-        "contact between \"{}\" and \"{}\": the kernel of \"{}\" was made for less: it lacks candidate {} of "
-        "{}, which is to meet \"{}\". Run ricochet-kernel for this scene, or lower contact.reach.",
+        "contact between \"{}\" and \"{}\": the kernel of \"{}\" holds too few candidates: candidate {} of "
+        "{}, which faces \"{}\", is missing. Run ricochet-kernel for this scene, or lower contact.reach.",
         request.a, request.b, body_.name, candidate, held_.size(),
         body_.name == request.a ? request.b : request.a));
   }

@@ -25,7 +25,7 @@ using Json = nlohmann::json;
 
 namespace {
 
-/// Lists and objects within each other that a request may have.
+/// Largest nesting of lists and objects in a request.
 constexpr int most_nested = 16;
 
 class Batch {
@@ -37,7 +37,7 @@ class Batch {
       const Json request = Json::parse(
           line,
           [](int depth, Json::parse_event_t, const Json&) {
-            // Copies of what is nested without end would end the stack.
+            // Copying deeply nested values would overflow the stack.
             if (depth > most_nested) throw InputError("--batch: a request is nested too deep");
             return true;
           },
@@ -68,7 +68,7 @@ class Batch {
  private:
   /// Writes the kernels that the scene lacks and that follow from `file`.
   void derive(const scene::Scene& scene, const fs::path& file) {
-    if (scene.accuracy) return;  // which takes kernels of another element order too
+    if (scene.accuracy) return;  // it also needs kernels of another element order
     const std::vector<StoredKernel> stored = find_kernels(scene, options_.out, store_).of_body;
     for (std::size_t k = 0; k < stored.size(); ++k) {
       if (stored[k].enough || is_limited(scene, scene.bodies[k])) continue;
@@ -83,13 +83,13 @@ class Batch {
     const StoredKernels found = find_kernels(scene, options_.out, store_);
     for (const StoredKernel& kernel : found.of_body) {
       const fs::path& path = kernel.enough ? kernel.path : kernel.whole;
-      if (!kernel.enough && kernels::has_newer_format(path)) kernels::read(path);  // says so
+      if (!kernel.enough && kernels::has_newer_format(path)) kernels::read(path);  // refuses it
       out.push_back({{"file", path.filename().string()}, {"there", kernel.enough}});
     }
     return out;
   }
 
-  /// What tells versions of the files apart that an impact reads beside kernels: size and time of change.
+  /// Size and time of change, which identify a version, of each file that an impact reads beside kernels.
   static Json other_files(const scene::Scene& scene) {
     std::vector<fs::path> paths{scene.contact.table};
     for (const auto* loads : {&scene.loads.tractions, &scene.loads.points, &scene.loads.motions})
@@ -115,7 +115,7 @@ class Batch {
   KernelStore store_;
 };
 
-/// In one line; what a path has that is not UTF-8 becomes U+FFFD.
+/// One line; bytes of a path that are not UTF-8 become U+FFFD.
 std::string text_of(const Json& answer) {
   return answer.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Contact points at twice their distance: wider patches of the same surface.
 #include "contact/model/coarsening.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Error estimates against true errors, where one approximation alone is to blame: rods from their exact
 // modes, whose collision d'Alembert's waves solve (they exchange their velocities, and the impulse is that of
 // one rod).

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Kernels without the candidates beyond reach: the same pairs, the same model, and what they lack is told.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -83,8 +84,8 @@ TEST(KernelsWithinReach, serve_each_smaller_reach_and_tell_what_they_lack_for_a_
     EXPECT_THAT(said, HasSubstr("Run ricochet-kernel"));
     EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 0);
   }
-  EXPECT_THAT(refusal(0.6, a, partner), HasSubstr("of \"a\" was made for less"));
-  EXPECT_THAT(refusal(0.6, kernel, b), HasSubstr("of \"b\" was made for less"));
+  EXPECT_THAT(refusal(0.6, a, partner), HasSubstr("of \"a\" holds too few candidates"));
+  EXPECT_THAT(refusal(0.6, kernel, b), HasSubstr("of \"b\" holds too few candidates"));
 }
 
 /// Points 1 m apart, the k-th raised by k times `rise`.

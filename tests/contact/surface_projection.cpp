@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Projections onto surfaces against all elements searched one by one.
 #include "contact/pairing/surface_projection.hpp"
 
