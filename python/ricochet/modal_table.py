@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Tables of the modes in a kernel file: frequency, damping, effective mass and contribution at the contact."""
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +14,7 @@ from ricochet.errors import InputError
 from ricochet.result_file import File, expected
 
 Array = NDArray[np.float64]
+DISPLAYED = 30  # rows in a notebook
 COLUMNS = [
     "body",
     "mode",
@@ -24,7 +26,7 @@ COLUMNS = [
 ]
 
 
-@dataclass
+@dataclass(repr=False)
 class ModalTable:
     """The N modes of a body, rigid modes first.
 
@@ -74,6 +76,28 @@ class ModalTable:
                 contact_share=shares,
                 residual_share=residual,
             )
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Writes all modes, with a row for each. Raises InputError."""
+        write_csv([self], Path(path))
+
+    def __repr__(self) -> str:
+        return self.text(len(self.frequency_hz))
+
+    def _repr_html_(self) -> str:
+        head = (
+            "<th>mode</th><th>frequency [Hz]</th><th>damping [%]</th>"
+            '<th colspan="3">effective mass along x, y, z [% of the mass]</th><th>contact flexibility [%]</th>'
+        )
+        share = self.effective_mass / self.mass
+        rows = ""
+        for n, frequency in list(enumerate(self.frequency_hz))[:DISPLAYED]:
+            shares = [self.damping[n], *share[n], self.contact_share[n]]
+            cells = [str(n + 1), f"{frequency:.6g}", *(cell(value, 0) for value in shares)]
+            rows += "<tr>" + "".join(f"<td>{text}</td>" for text in cells) + "</tr>"
+        more = len(self.frequency_hz) - DISPLAYED
+        note = f"<p>and {more} more</p>" if more > 0 else ""
+        return f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>{note}"
 
     def rows(self) -> Iterator[list[Any]]:
         """Of the CSV file: the values of COLUMNS."""

@@ -44,7 +44,7 @@ void ImpactFiles::prepared(const Impact& impact) {
 void ImpactFiles::started(const Impact& impact, const contact::Stepper& stepper) {
   const contact::RecorderOptions options = recorder_options(impact);
   if (impact.table) {
-    table_recorder_.emplace(*impact.table, impact.model ? &*impact.model : nullptr, stepper, options);
+    recorder_.emplace(*impact.table, impact.model ? &*impact.model : nullptr, impact.options, options);
     return;
   }
   const contact::Model& model = *impact.model;
@@ -63,10 +63,9 @@ void ImpactFiles::started(const Impact& impact, const contact::Stepper& stepper)
 }
 
 void ImpactFiles::stepped(const contact::Stepper& stepper) {
-  if (table_recorder_) return table_recorder_->record(stepper);
   if (problems_) problems_->observe(stepper);
   recorder_->record(stepper);
-  sounds_->record(recorder_->receivers());
+  if (sounds_) sounds_->record(recorder_->receivers());
   if (motion_) motion_->record(stepper);
 }
 
@@ -77,8 +76,7 @@ void ImpactFiles::at_rest(const Impact& impact, const contact::Equilibrium& equi
 }
 
 void ImpactFiles::commit(ImpactSummary& figures) {
-  if (table_recorder_) table_recorder_->commit(summary());
-  if (recorder_) recorder_->commit(summary());
+  recorder_->commit(summary());
   if (motion_) motion_->commit();
   if (sounds_) std::get<contact::Summary>(figures).sounds = sounds_->write(stem_);
 }

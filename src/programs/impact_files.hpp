@@ -9,7 +9,6 @@
 #include "contact/output/fclib.hpp"
 #include "contact/output/motion_file.hpp"
 #include "contact/output/recorder.hpp"
-#include "contact/output/table_results.hpp"
 #include "src/programs/impact_runner.hpp"
 #include "src/sound/receiver_sounds.hpp"
 
@@ -46,7 +45,6 @@ class ImpactFiles : public ImpactObserver {
   ImpactFileOptions options_;
   std::filesystem::path stem_;  ///< of all files
   std::optional<contact::Recorder> recorder_;
-  std::optional<contact::TableRecorder> table_recorder_;
   std::optional<contact::MotionFile> motion_;
   std::optional<sound::ReceiverSounds> sounds_;
   std::optional<contact::ProblemFiles> problems_;

@@ -9,11 +9,10 @@
 #include <iterator>
 #include <limits>
 #include <memory>
-#include <numbers>
 #include <utility>
 
 #include "contact/accuracy/error_report.hpp"
-#include "contact/output/table_results.hpp"
+#include "contact/output/summary_observer.hpp"
 #include "contact/stepping/run_steps.hpp"
 #include "ricochet/error.hpp"
 #include "src/programs/accuracy.hpp"
@@ -125,17 +124,6 @@ void warn_of_few_steps(const scene::Scene& scene, contact::Summary& summary) {
         longest));
 }
 
-/// Adds the figures of the model that a table was sampled from.
-void add_modes(contact::Summary& summary, const Impact& impact) {
-  for (const contact::Model::BodyBlock& body : impact.model->bodies) {
-    summary.modes[body.name] = body.modes;
-    summary.basis[body.name] = body.kernel->modes.kind();
-  }
-  if (impact.options.scheme == Scheme::compliant)
-    summary.modes_in_residual =
-        static_cast<int>((impact.model->omega.array() * impact.options.step > std::numbers::pi).count());
-}
-
 contact::Summary steps(const Impact& impact, console::Console& console, ImpactObserver& observer) {
   const double step = impact.options.step;
   console.begin("steps", impact.steps);
@@ -145,25 +133,17 @@ contact::Summary steps(const Impact& impact, console::Console& console, ImpactOb
           ? table_stepper(impact)
           : in_scene(impact.scene, [&] { return contact::make_stepper(*impact.model, impact.options); });
   observer.started(impact, *stepper);
-  const auto run = [&](auto figures) {
-    const contact::StepsMade made = contact::run_steps(*stepper, impact.steps, [&](std::int64_t k) {
-      figures.observe(*stepper);
-      observer.stepped(*stepper);
-      console.advance(k);
-    });
-    check(made.status, impact.scene, static_cast<double>(made.steps + 1) * step);
-    return figures.summary();
-  };
-  contact::Summary out;
-  if (impact.table) {
-    int unpaired = 0;
-    if (impact.model)
-      for (const contact::Model::PairBlock& pair : impact.model->pairs) unpaired += pair.unpaired;
-    out = run(contact::TableObserver(*impact.table, *stepper, step, unpaired));
-    if (impact.model) add_modes(out, impact);
-  } else {
-    out = run(contact::SummaryObserver(*impact.model, step, slowest_wave(impact.scene)));
-  }
+  contact::SummaryObserver figures =
+      impact.table
+          ? contact::SummaryObserver(*impact.table, impact.model ? &*impact.model : nullptr, impact.options)
+          : contact::SummaryObserver(*impact.model, step, slowest_wave(impact.scene));
+  const contact::StepsMade made = contact::run_steps(*stepper, impact.steps, [&](std::int64_t k) {
+    figures.observe(*stepper);
+    observer.stepped(*stepper);
+    console.advance(k);
+  });
+  check(made.status, impact.scene, static_cast<double>(made.steps + 1) * step);
+  contact::Summary out = figures.summary();
   const double elapsed = seconds_since(started);
   out.real_time_factor = elapsed > 0 ? stepper->time() / elapsed : 0;
   console.end(fmt::format("{} steps of {:.4g} s", impact.steps, step));
