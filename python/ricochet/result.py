@@ -141,7 +141,7 @@ class Result(_Data):
         try:
             return dict(json.loads(self._summary))
         except (ValueError, TypeError):
-            raise InputError(f"{self.path}: its summary cannot be read. Compute it again.") from None
+            raise InputError(f"{self.path}: the summary cannot be read. Repeat the run.") from None
 
     @property
     def warnings(self) -> list[str]:
