@@ -22,6 +22,8 @@
 #include "src/console/console.hpp"
 #include "src/mesh/gmsh_session.hpp"
 #include "src/parallel/blas.hpp"
+#include "src/scene/read.hpp"
+#include "src/scene/request.hpp"
 
 namespace {
 

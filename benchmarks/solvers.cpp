@@ -1,4 +1,5 @@
 #include "benchmarks/solvers.hpp"
+#include "src/scene/request.hpp"
 
 #include <algorithm>
 #include <chrono>

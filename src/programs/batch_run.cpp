@@ -16,6 +16,8 @@
 #include "src/programs/accuracy.hpp"
 #include "src/programs/contact_parts.hpp"
 #include "src/scene/derive.hpp"
+#include "src/scene/read.hpp"
+#include "src/scene/request.hpp"
 #include "src/scene/scene.hpp"
 
 namespace ricochet::programs {

@@ -25,7 +25,9 @@
 #include "src/programs/accuracy.hpp"
 #include "src/programs/contact_parts.hpp"
 #include "src/programs/motion.hpp"
+#include "src/scene/read.hpp"
 #include "src/scene/scene.hpp"
+#include "src/scene/write.hpp"
 #include "src/sound/wav.hpp"
 
 namespace ricochet::programs {

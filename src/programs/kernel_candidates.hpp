@@ -9,6 +9,7 @@
 #include "src/console/console.hpp"
 #include "src/mesh/mesh.hpp"
 #include "src/programs/placing.hpp"
+#include "src/scene/request.hpp"
 #include "src/surface/surface.hpp"
 
 namespace ricochet {

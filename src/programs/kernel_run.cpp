@@ -22,6 +22,9 @@
 #include "src/programs/imported_modes.hpp"
 #include "src/programs/kernel_candidates.hpp"
 #include "src/scene/derive.hpp"
+#include "src/scene/read.hpp"
+#include "src/scene/request.hpp"
+#include "src/scene/write.hpp"
 
 namespace ricochet {
 

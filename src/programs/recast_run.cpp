@@ -10,6 +10,7 @@
 #include "kernels/write.hpp"
 #include "ricochet/error.hpp"
 #include "src/scene/derive.hpp"
+#include "src/scene/request.hpp"
 
 namespace ricochet::programs {
 

@@ -13,6 +13,7 @@
 #include "src/parallel/blas.hpp"
 #include "src/parallel/parallel.hpp"
 #include "src/programs/kernel_run.hpp"
+#include "src/scene/key_reference.hpp"
 #include "src/scene/keys.hpp"
 
 int main(int argc, char** argv) {

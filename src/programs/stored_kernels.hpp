@@ -10,6 +10,7 @@
 
 #include "contact/pairing/pairing_cache.hpp"
 #include "ricochet/kernel.hpp"
+#include "src/scene/request.hpp"
 #include "src/scene/scene.hpp"
 
 namespace ricochet::programs {

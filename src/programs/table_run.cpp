@@ -13,6 +13,7 @@
 #include "contact/table/table.hpp"
 #include "contact/table/table_integrator.hpp"
 #include "src/programs/contact_parts.hpp"
+#include "src/scene/write.hpp"
 
 namespace ricochet::programs {
 namespace {

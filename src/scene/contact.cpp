@@ -1,8 +1,9 @@
-// [contact]: who meets whom, and how.
-#include <algorithm>
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/scene/contact.hpp"
+
 #include <optional>
 
-#include "src/scene/toml.hpp"
+#include "src/scene/table.hpp"
 
 namespace ricochet::scene {
 

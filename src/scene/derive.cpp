@@ -1,11 +1,14 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/scene/derive.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "kernels/read.hpp"
+#include "src/scene/body.hpp"
 #include "src/scene/loads.hpp"
-#include "src/scene/toml.hpp"
+#include "src/scene/modes.hpp"
+#include "src/scene/table.hpp"
 
 namespace ricochet::scene {
 

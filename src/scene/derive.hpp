@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Which kernels follow from which without modes being computed, and how.
 #pragma once
 
 #include "kernels/algebra.hpp"
 #include "kernels/read.hpp"
-#include "src/scene/scene.hpp"
+#include "src/scene/request.hpp"
 
 namespace ricochet::scene {
 

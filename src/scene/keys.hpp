@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // What a scene may hold: each key with its type, unit, default, range and meaning. Readers take keys from
 // here alone (src/scene/toml.hpp), so that none is read that is not described, and values are held to the
 // ranges that the reference prints.
@@ -6,6 +7,8 @@
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "src/scene/range.hpp"
 
 namespace ricochet::scene {
 
@@ -23,19 +26,6 @@ enum class Type {
   tables,   ///< an array of tables
   numbers,  ///< numbers by names of the user's
   strings,  ///< strings likewise
-};
-
-/// What values are taken. Bounds are kept as they are written, for people.
-struct Range {
-  std::string low{}, high{};                 ///< empty: none
-  bool low_open = false, high_open = false;  ///< the bound itself is refused
-  bool or_zero = false;
-  std::vector<std::string> choices{};  ///< of a text: nothing else is taken
-  std::string remark{};                ///< behind a refusal
-
-  bool holds(double value) const;
-  /// "from 1 to 10", "above 0", "\"double\" or \"single\""; empty when all is taken.
-  std::string text() const;
 };
 
 struct Key {
@@ -76,8 +66,5 @@ const Section& receiver_keys();
 
 /// All of the above, in the order of the reference.
 std::vector<const Section*> all_sections();
-
-/// The reference of all keys, as Markdown; its last line has no end.
-std::string key_reference();
 
 }  // namespace ricochet::scene

@@ -1,9 +1,11 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/scene/loads.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "ricochet/kernel.hpp"
+#include "src/scene/table.hpp"
 #include "src/scene/write.hpp"
 
 namespace ricochet::scene {

@@ -1,11 +1,14 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Internal to src/scene: loads with histories, moving supports and receivers.
 #pragma once
 
 #include <string>
 
-#include "src/scene/toml.hpp"
+#include "src/scene/request.hpp"
 
 namespace ricochet::scene {
+
+class Table;
 
 /// [loads], once the scene's bodies are known.
 void read_loads(Table& root, Scene& scene);

@@ -1,4 +1,7 @@
-#include "src/scene/toml.hpp"
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/scene/overrides.hpp"
+
+#include "src/scene/table.hpp"
 
 namespace ricochet::scene {
 

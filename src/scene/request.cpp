@@ -1,4 +1,8 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/scene/request.hpp"
+
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <fstream>
@@ -7,7 +11,7 @@
 #include <sstream>
 
 #include "ricochet/error.hpp"
-#include "base/rotation.hpp"
+#include "src/scene/hash.hpp"
 #include "src/scene/loads.hpp"
 #include "src/scene/parts.hpp"
 #include "src/scene/write.hpp"
@@ -77,8 +81,6 @@ std::vector<std::string> quoted(std::vector<std::string> texts) {
 }
 
 }  // namespace
-
-std::array<double, 9> rotation_of(const Body& body) { return ricochet::rotation_of(body.rotate_deg); }
 
 KernelRequest kernel_request(const Scene& scene, const Body& body, MeshHashes* known) {
   const std::string file = scene.file.filename().string();

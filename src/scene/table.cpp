@@ -1,10 +1,12 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/scene/table.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <sstream>
 #include <stdexcept>
 
-#include "src/scene/toml.hpp"
 #include "src/scene/write.hpp"
 
 namespace ricochet::scene {

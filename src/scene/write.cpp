@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/scene/write.hpp"
 
 #include <fmt/format.h>
@@ -185,20 +186,6 @@ std::string to_toml(const Scene& scene) {
   if (precision == Precision::float32 || (precision && scene.accuracy && scene.time.duration > 0))
     text += fmt::format("precision = \"{}\"\n", precision == Precision::float32 ? "single" : "double");
   return text + loads_of(scene) + output_of(scene.output);
-}
-
-std::string slug(const std::string& title) {
-  std::string result;
-  for (char c : title) {
-    const char lower = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    if ((lower >= 'a' && lower <= 'z') || (lower >= '0' && lower <= '9')) {
-      result += lower;
-    } else if (!result.empty() && result.back() != '-') {
-      result += '-';
-    }
-  }
-  if (!result.empty() && result.back() == '-') result.pop_back();
-  return result.empty() ? "scene" : result;
 }
 
 }  // namespace ricochet::scene

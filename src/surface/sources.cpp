@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "src/scene/request.hpp"
 #include "src/surface/locate.hpp"
 #include "src/surface/surface.hpp"
 

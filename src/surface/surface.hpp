@@ -6,6 +6,7 @@
 #include "ricochet/kernel.hpp"
 #include "src/mesh/mesh.hpp"
 #include "src/modes/lift.hpp"
+#include "src/scene/request.hpp"
 
 namespace ricochet::surface {
 

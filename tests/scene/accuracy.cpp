@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 
 #include "src/scene/derive.hpp"
+#include "src/scene/read.hpp"
+#include "src/scene/request.hpp"
 #include "src/scene/write.hpp"
 #include "tests/scene/scenes.hpp"
 

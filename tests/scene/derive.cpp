@@ -1,5 +1,7 @@
 // Which kernels follow from which: all that does, and nothing else.
 #include "src/scene/derive.hpp"
+#include "src/scene/read.hpp"
+#include "src/scene/request.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

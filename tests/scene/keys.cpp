@@ -1,5 +1,8 @@
 // What the reference says of keys, the reader does.
 #include "src/scene/keys.hpp"
+#include "src/scene/key_reference.hpp"
+#include "src/scene/read.hpp"
+#include "src/scene/write.hpp"
 
 #include <gmock/gmock.h>
 

@@ -2,6 +2,8 @@
 // them.
 #include <gmock/gmock.h>
 
+#include "src/scene/read.hpp"
+#include "src/scene/request.hpp"
 #include "src/scene/write.hpp"
 #include "tests/scene/scenes.hpp"
 

@@ -1,6 +1,7 @@
 // What a scene says is what the program gets: each key's default and its value, as the design lists them.
 #include <gmock/gmock.h>
 
+#include "src/scene/read.hpp"
 #include "tests/scene/scenes.hpp"
 
 namespace {

@@ -1,5 +1,8 @@
 // A kernel's hash moves with all that the kernel depends on and with nothing else: else runs would take modes
 // of another body, or compute them again for nothing.
+#include "src/scene/request.hpp"
+#include "src/scene/hash.hpp"
+#include "src/scene/read.hpp"
 #include "src/scene/write.hpp"
 
 #include <gmock/gmock.h>

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "ricochet/error.hpp"
+#include "src/scene/read.hpp"
 #include "src/scene/scene.hpp"
 #include "tests/support.hpp"
 

@@ -1,5 +1,6 @@
 // The resolved scene that --dry-run prints is a scene: reading it back gives the same one.
 #include "src/scene/write.hpp"
+#include "src/scene/read.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "src/scene/request.hpp"
 #include "tests/modes/dense.hpp"
 #include "tests/surface/made.hpp"
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "src/modes/contact_basis.hpp"
+#include "src/scene/request.hpp"
 #include "src/surface/surface.hpp"
 #include "tests/meshes.hpp"
 

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "src/scene/request.hpp"
 #include "tests/support.hpp"
 #include "tests/surface/made.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Internal to src/scene: checked access to a TOML table.
 #pragma once
 
@@ -6,18 +7,17 @@
 #include <toml++/toml.h>
 #include <array>
 #include <initializer_list>
+#include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "ricochet/error.hpp"
+#include "ricochet/units.hpp"
 #include "src/scene/keys.hpp"
-#include "src/scene/scene.hpp"
 
 namespace ricochet::scene {
-
-/// `text` with the keys of one "--set" applied, each value parsed as TOML, else taken as a bare string.
-void apply_override(toml::table& root, const Override& text);
 
 /// `text` as TOML. Throws what the parser throws, and InputError that begins with `origin` for keys that nest
 /// deeper than tables can be taken down again.
@@ -88,14 +88,5 @@ class Table {
   std::string file_, where_;
   std::set<std::string> known_;
 };
-
-/// The keys of a body that its kernel depends on, but for its mesh.
-void read_body_matter(Table& table, Body& body);
-
-/// The table [modes] of `root`, where `accuracy` may choose what is left open.
-Modes read_modes(Table& root, const std::optional<double>& accuracy = {});
-
-/// [contact], once the scene's bodies and obstacles are known.
-Contact read_contact(Table& root, const Scene& scene);
 
 }  // namespace ricochet::scene
