@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "base/atomic_file.hpp"
 
 #include <fcntl.h>

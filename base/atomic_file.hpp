@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Files that have their final names only when they are whole, whatever ends the program that writes them.
 //
 //   AtomicFile file("out/body.kernel.h5");     // makes out/body.kernel.h5.<process>.partial

@@ -1,5 +1,6 @@
-// What readers and writers of HDF5 files share: shapes, element types and the owner of an identifier. The header
-// needs no HDF5 header; handles never leave these classes.
+// SPDX-License-Identifier: BSD-2-Clause
+// What readers and writers of HDF5 files share: shapes, element types and the owner of an identifier. The
+// header needs no HDF5 header; handles never leave these classes.
 //
 // HDF5's own error printing is switched off for good, and so is its closing of files at program exit.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // What the writer and the reader of HDF5 files share. Not for other folders: it needs the HDF5 headers.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "base/hdf5_reader.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // HDF5 files, read as untrusted input. Errors are one-line InputErrors. Arrays are row-major.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "base/hdf5_writer.hpp"
 
 #include <fmt/format.h>
@@ -7,8 +8,8 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "ricochet/error.hpp"
 #include "base/hdf5_internal.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::base::hdf5 {
 namespace {

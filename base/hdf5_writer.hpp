@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // HDF5 files, written whole or not at all. Errors are one-line InputErrors.
 //
 //   Writer file(path);                                     // a temporary name beside path

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // How bodies are turned, in one place for scenes and for programs that embed the library.
 #pragma once
 

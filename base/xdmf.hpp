@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // XDMF files: a light text that tells ParaView and other viewers how to read an HDF5 file beside it.
 //
 //   xdmf::File file(path, "two-disks.motion.h5");

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 # What other programs link, as package Ricochet: cmake --install BUILD --component library
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)

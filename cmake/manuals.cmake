@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 # Manual pages of all programs, from what they say to --help under the names that they are installed by.
 find_program(HELP2MAN help2man REQUIRED)
 set(manuals ${PROJECT_BINARY_DIR}/manuals)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 # The programs with the scripts that run them: cmake --install BUILD --component programs. ricochet-kernel is linked with
 # gmsh, so that what is distributed with it is under the GPL; the library is not (see cmake/install.cmake).
 set(share ${CMAKE_INSTALL_DATADIR}/ricochet)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Kernels from kernels, without computing modes: of similar bodies, and cut to less.
 //
 // A body of another stiffness, density and size but the same form and Poisson's ratio moves in the same

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // What a set of modes, or of Ritz vectors, is worth to contact in a band of frequencies.
 #pragma once
 

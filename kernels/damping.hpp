@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Laws of damping that leave modes uncoupled.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // What the writer and the reader of kernel files agree on.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The modes of a body's skin, for ParaView (FORMAT.md).
 #pragma once
 

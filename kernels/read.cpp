@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <limits>
 
-#include "kernels/format.hpp"
 #include "base/hdf5_reader.hpp"
+#include "kernels/format.hpp"
 #include "kernels/read.hpp"
 #include "ricochet/kernel.hpp"
 

@@ -1,6 +1,7 @@
-#include "kernels/format.hpp"
-#include "base/hdf5_writer.hpp"
+// SPDX-License-Identifier: BSD-2-Clause
 #include "kernels/write.hpp"
+#include "base/hdf5_writer.hpp"
+#include "kernels/format.hpp"
 #include "ricochet/kernel.hpp"
 
 namespace ricochet::kernels {

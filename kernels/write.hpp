@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Writes kernel files (FORMAT.md).
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Small geometries that the collective tests mesh, and the way from one to a distributed mesh.
 #pragma once
 
@@ -10,6 +11,8 @@
 
 #include "src/mesh/gmsh_session.hpp"
 #include "src/mesh/mesh.hpp"
+#include "src/mesh/partition.hpp"
+#include "src/mesh/read.hpp"
 #include "src/parallel/teams.hpp"
 
 namespace ricochet::test {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // main of the collective tests: one session, output from every rank, failure of any rank fails the run.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // What tests of several folders need: a folder of their own, and the one line of a refusal.
 #pragma once
 

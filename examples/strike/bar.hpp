@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Kernels written by hand: what ricochet-kernel computes from a mesh, here from formulas.
 #pragma once
 

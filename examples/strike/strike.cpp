@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Strikes a body with a mallet and writes what its surface does as a sound.
 //
 //   strike OUT.wav                      an aluminium bar

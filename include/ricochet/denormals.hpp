@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Arithmetic without denormal numbers, for as long as a scope lasts.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The one exception type for what the user can mend, known to every layer.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The compact kernel of one body: what contact can see of it. No MPI, no PETSc, no Eigen.
 //
 // Every array is row-major and its shape is written beside it:

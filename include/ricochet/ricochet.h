@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Impacts of elastic bodies from their kernels, for C and whatever calls C. The same as ricochet.hpp, where
  * units and rules are given in full.
  *

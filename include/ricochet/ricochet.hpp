@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Impacts of elastic bodies from their kernels, inside another program: place, pair, step, listen.
 //
 //   ricochet::Scene scene;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Frequencies by unit, so that a 2π cannot go missing between them.
 #pragma once
 

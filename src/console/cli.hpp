@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Command lines by CLI11, for programs that have other options than `Options`.
 #pragma once
 

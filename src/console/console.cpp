@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/console/console.hpp"
 
 #include <fmt/format.h>

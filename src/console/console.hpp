@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // What a person at a terminal sees: progress bars, the table of phases, errors in one line. No MPI: ranks
 // other than the first construct a quiet Console.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/console/ending.hpp"
 
 #include <fmt/format.h>
@@ -7,8 +8,8 @@
 #include <iostream>
 #include <new>
 
-#include "ricochet/error.hpp"
 #include "base/atomic_file.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::console {
 namespace {

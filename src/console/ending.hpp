@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // How a program ends when it is told to, or when it fails.
 #pragma once
 

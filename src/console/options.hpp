@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Command line of both programs: the same options mean the same thing in each.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Stiffness and mass of a linear elastic body, or of a rod.
 //
 //   K = ∫ Bᵀ D B dV,  M = ∫ ρ Nᵀ N dV       (rods: ∫ E A N'ᵀN' dx, ∫ ρ A NᵀN dx)
@@ -33,11 +34,5 @@ struct Body {
 /// Throws InputError (on all ranks): an element with a Jacobian that is not positive, with its tag and place.
 Body assemble(const mesh::Mesh& mesh, const std::vector<scene::Material>& materials, const std::string& file,
               const parallel::Progress& progress = {}, const std::vector<std::string>& moved = {});
-
-/// Rigid motions that the supports leave free, M-orthonormal; one column each: six for a free body, one for a
-/// free rod, and as many for each of its parts when it has several that share no node. Of a free part,
-/// translations first.
-/// @return (local rows, r). Collective.
-Eigen::MatrixXd rigid_modes(const mesh::Mesh& mesh, const Body& body);
 
 }  // namespace ricochet::elasticity

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // What supports that move do to a body: the coupling that held rows lose in K and M.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Stiffness and mass that another program assembled.
 #pragma once
 

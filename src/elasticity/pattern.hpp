@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Internal to src/elasticity: empty matrices of a body whose pattern is known.
 #pragma once
 

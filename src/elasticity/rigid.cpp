@@ -1,6 +1,7 @@
-#include <cmath>
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/elasticity/rigid.hpp"
 
-#include "src/elasticity/assemble.hpp"
+#include <cmath>
 
 namespace ricochet::elasticity {
 

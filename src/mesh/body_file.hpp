@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Bodies that another program discretised: their nodes and surfaces, in the layout of docs/interchange.md.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Which nodes of a mesh elements connect.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // What ranks know of things that several of them hold, such as the nodes between two parts of a mesh.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/mesh/faces.hpp"
 
 #include <fmt/format.h>
@@ -6,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "src/mesh/complaints.hpp"
 #include "src/mesh/part.hpp"
 
 namespace ricochet::mesh {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Faces of volume elements: the outside of a body, its skin, and facets that lie on it.
 #pragma once
 

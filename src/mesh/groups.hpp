@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Names of parts of a body, as gmsh's open model knows them.
 #pragma once
 

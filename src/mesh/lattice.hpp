@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The nodes of a Lagrange facet as a lattice: its subdivision into linear cells.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The same elements with functions of the next lower order.
 #pragma once
 

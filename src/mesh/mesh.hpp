@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The mesh of one body: whole on rank 0 while it is read, then in parts.
 #pragma once
 
@@ -52,12 +53,6 @@ struct GlobalMesh {
   FacetMesh contact, loaded, skin;  ///< `node` holds indices into `position`; label: of Asked::loaded
 };
 
-/// Reads a mesh or meshes a geometry. Rank 0 only; needs a GmshSession made with the body's geometry values.
-/// Throws InputError: unreadable file, missing physical group, no volume elements, contact facets inside the
-/// body, an order that gmsh could not reach, a bent rod.
-GlobalMesh read_mesh(const scene::Body& body, const parallel::Progress& progress = {},
-                     const Asked& asked = {});
-
 /// One rank's part. Each rank holds every element that touches a node it owns, so that assembly needs no
 /// communication; an element is `own` on one rank only (integrals over the body count it there).
 struct Mesh {
@@ -84,14 +79,5 @@ struct Mesh {
   }
   bool is_fixed(std::size_t local_node, int component) const { return (fixed[local_node] >> component) & 1; }
 };
-
-/// Copies facets of the first rank of `comm` to its other ranks. Collective.
-void broadcast(FacetMesh& facets, MPI_Comm comm);
-
-/// Copies the mesh of the first rank of `comm` to its other ranks. Collective.
-void broadcast(GlobalMesh& global, MPI_Comm comm);
-
-/// Splits by METIS and hands each rank its part. `global` is used on rank 0 alone. Collective.
-Mesh distribute(GlobalMesh&& global, MPI_Comm comm);
 
 }  // namespace ricochet::mesh

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/mesh/msh_check.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A .msh file as a whole, before gmsh sees it.
 #pragma once
 

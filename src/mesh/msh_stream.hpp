@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Internal to src/mesh: the words and numbers of a .msh file, of any size, not trusted.
 #pragma once
 

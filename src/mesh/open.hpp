@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // From a body's file to a meshed gmsh model.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Internal to src/mesh: one part of a body's mesh as its file has it.
 #pragma once
 
@@ -31,19 +32,5 @@ struct Part {
   Faces outside;                       ///< where the part ends: at the body's surface, or at another part
   std::vector<GroupUse> groups;  ///< of the materials, the contact surface, loaded surfaces, the supports
 };
-
-/// Reads the file body.mesh as one of `parts`; needs a GmshSession. Throws InputError as read_mesh does, but
-/// not for groups that the part does not have.
-Part read_part(const scene::Body& body, int parts, const Asked& asked);
-
-/// Throws InputError when a tag occurs twice in `blocks`, which are the body's `key`.
-void refuse_repeated(const std::vector<Block>& blocks, const char* what, const char* key,
-                     const scene::Body& body);
-
-/// Complaints about the mesh as a whole.
-InputError no_elements(const scene::Body& body);
-InputError holds_nothing(const scene::Body& body, const std::string& support);
-InputError mixed_orders(const scene::Body& body);
-InputError foreign_nodes(const scene::Body& body);
 
 }  // namespace ricochet::mesh

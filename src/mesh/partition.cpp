@@ -1,3 +1,6 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/mesh/partition.hpp"
+
 #include <metis.h>
 
 #include <algorithm>
@@ -5,7 +8,6 @@
 #include <tuple>
 
 #include "src/mesh/connected.hpp"
-#include "src/mesh/mesh.hpp"
 #include "src/parallel/parallel.hpp"
 
 namespace ricochet::mesh {

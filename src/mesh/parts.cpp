@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/mesh/parts.hpp"
 
 #include <fmt/format.h>
@@ -6,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "src/mesh/complaints.hpp"
 #include "src/mesh/connected.hpp"
 #include "src/mesh/directory.hpp"
 #include "src/mesh/share.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Meshes that gmsh split into one file a part, read in parallel.
 #pragma once
 

@@ -1,3 +1,6 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/mesh/read.hpp"
+
 #include <fmt/format.h>
 #include <gmsh.h>
 
@@ -6,12 +9,11 @@
 #include <fstream>
 #include <unordered_map>
 
+#include "src/mesh/complaints.hpp"
 #include "src/mesh/faces.hpp"
 #include "src/mesh/gmsh_session.hpp"
 #include "src/mesh/groups.hpp"
-#include "src/mesh/mesh.hpp"
 #include "src/mesh/open.hpp"
-#include "src/mesh/part.hpp"
 #include "src/mesh/rod.hpp"
 
 namespace ricochet::mesh {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Reference elements, from gmsh's own shape functions and quadrature.
 #pragma once
 

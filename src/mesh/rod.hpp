@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Internal to src/mesh: what is particular to rods.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/mesh/share.hpp"
 
 #include <fmt/format.h>
@@ -6,7 +7,9 @@
 #include <array>
 #include <numeric>
 
+#include "src/mesh/complaints.hpp"
 #include "src/mesh/directory.hpp"
+#include "src/mesh/read.hpp"
 #include "src/scene/parts.hpp"
 
 namespace ricochet::mesh {

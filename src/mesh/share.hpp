@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Internal to src/mesh: the parts of a split mesh that one rank reads.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/modes/approximate.hpp"
 
 #include <fmt/format.h>

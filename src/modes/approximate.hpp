@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Modes from those of a lower element order by block inverse iteration: approximate, their number proved.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // What is asked of a mode set before anybody sees it.
 #pragma once
 

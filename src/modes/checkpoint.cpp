@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/modes/checkpoint.hpp"
 
 #include <fmt/format.h>
@@ -6,9 +7,9 @@
 #include <bit>
 #include <cmath>
 
+#include "base/atomic_file.hpp"
 #include "base/hdf5_reader.hpp"
 #include "base/hdf5_writer.hpp"
-#include "base/atomic_file.hpp"
 
 namespace ricochet::modes {
 
@@ -89,7 +90,7 @@ void Checkpoint::save(const Plan& plan) const {
   parallel::on_first_rank(teams_.world(), [&] {
     // Slices overlap a little: this is the least.
     base::check_place(folder_ / "plan.h5",
-                         sizeof(double) * static_cast<double>(rows) * static_cast<double>(plan.end.below));
+                      sizeof(double) * static_cast<double>(rows) * static_cast<double>(plan.end.below));
     hdf5::Writer file(folder_ / "plan.h5");
     file.write<double>("/end", std::vector<double>{plan.end.sigma, static_cast<double>(plan.end.below)}, {2},
                        "");

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Finished slices on disk, so that a killed search goes on where it was, on any number of ranks.
 #pragma once
 

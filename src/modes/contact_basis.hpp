@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A basis fitted to what contact can excite: load-dependent Ritz vectors.
 #pragma once
 

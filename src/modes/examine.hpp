@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Whether matrices from elsewhere are those of an elastic body.
 #pragma once
 

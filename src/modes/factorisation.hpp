@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // K − σM factored by MUMPS: inertia and block solves.
 #pragma once
 

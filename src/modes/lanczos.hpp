@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Block Lanczos about one shift.
 #pragma once
 

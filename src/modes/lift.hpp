@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Static lifts of supports that move.
 #pragma once
 

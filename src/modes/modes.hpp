@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Certified modes of K φ = ω² M φ, rigid ones exact.
 #pragma once
 
@@ -56,24 +57,5 @@ void refuse_more_than_there_are(std::optional<std::int64_t> count, const elastic
 /// out among the teams.
 ModeSet compute_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
                       Factorisation& factor, const Request& request, const Progress& progress = {});
-
-/// Some local rows of a field on the mesh.
-struct Rows {
-  std::vector<Eigen::Index> row;
-  Eigen::MatrixXd value;  ///< (rows, columns of the field)
-};
-
-/// Quasi-static response of what the modes leave out to a set of loads: Cᵀ Pᵀ (K − σM)⁻¹ P L corrected to
-/// σ = 0, where C, the places at which it is seen, are the first `seen` columns of L.
-///
-/// @param loads  L (local rows, b) [N], held components 0, the same in every team
-/// @param field  when given, its rows of the response itself, Pᵀ (K − σM)⁻¹ P L likewise corrected, to 1e-6:
-/// for
-///               pictures
-/// @return (seen, b) [m/N for unit loads], the same on every rank. Collective on all ranks of `teams`.
-/// Source: MacNeal 1971, Rubin 1975; by the shifted series Σ (−σ)^k … until 1e-12 relative.
-Eigen::MatrixXd residual_response(const parallel::Teams& teams, const mesh::Mesh& mesh,
-                                  const elasticity::Body& body, Factorisation& factor, const ModeSet& modes,
-                                  const Eigen::MatrixXd& loads, Eigen::Index seen, Rows* field = nullptr);
 
 }  // namespace ricochet::modes

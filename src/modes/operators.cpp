@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/modes/operators.hpp"
 
 #include <fmt/format.h>
@@ -8,6 +9,7 @@
 #include <numbers>
 
 #include "ricochet/error.hpp"
+#include "src/elasticity/rigid.hpp"
 
 namespace ricochet::modes {
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // One body's K and M as the eigensolver needs them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Products of a symmetric block matrix with many columns at once.
 #pragma once
 

@@ -1,6 +1,7 @@
-#include <algorithm>
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/modes/residual.hpp"
 
-#include "src/modes/modes.hpp"
+#include <algorithm>
 
 namespace ricochet::modes {
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The search for all modes up to an end: probes, slices in rounds over the teams, repair.
 #pragma once
 

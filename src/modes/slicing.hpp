@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Which shifts to work at, and what their results prove together. No MPI: the same on every rank.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // LAPACK's divide and conquer: Eigen's solver takes several times as long from a few hundred rows on.
 #pragma once
 

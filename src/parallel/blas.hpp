@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // OpenBLAS as it should run here.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // MPI, PETSc and SLEPc as scopes: the session, owners of handles, checked calls, errors that all ranks share.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Ranks in equal teams that do the same work on different parts of a problem.
 #pragma once
 

@@ -7,6 +7,7 @@
 #include "src/elasticity/assemble.hpp"
 #include "src/elasticity/matrix_file.hpp"
 #include "src/mesh/gmsh_session.hpp"
+#include "src/mesh/partition.hpp"
 #include "src/mesh/parts.hpp"
 #include "src/modes/approximate.hpp"
 #include "src/modes/modes.hpp"

@@ -6,7 +6,7 @@
 #include "src/modes/factorisation.hpp"
 #include "src/programs/kernel_candidates.hpp"
 #include "src/scene/request.hpp"
-#include "src/surface/surface.hpp"
+#include "src/surface/sources.hpp"
 
 namespace ricochet {
 

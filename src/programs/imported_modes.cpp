@@ -7,7 +7,10 @@
 
 #include "kernels/algebra.hpp"
 #include "src/mesh/body_file.hpp"
+#include "src/mesh/partition.hpp"
+#include "src/modes/residual.hpp"
 #include "src/programs/kernel_candidates.hpp"
+#include "src/surface/trace.hpp"
 
 namespace ricochet {
 

@@ -8,7 +8,9 @@
 #include "kernels/read.hpp"
 #include "src/mesh/body_file.hpp"
 #include "src/mesh/gmsh_session.hpp"
+#include "src/mesh/partition.hpp"
 #include "src/mesh/parts.hpp"
+#include "src/mesh/read.hpp"
 #include "src/scene/derive.hpp"
 #include "src/scene/parts.hpp"
 

@@ -10,7 +10,7 @@
 #include "src/mesh/mesh.hpp"
 #include "src/programs/placing.hpp"
 #include "src/scene/request.hpp"
-#include "src/surface/surface.hpp"
+#include "src/surface/patches.hpp"
 
 namespace ricochet {
 

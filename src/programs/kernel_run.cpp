@@ -25,6 +25,7 @@
 #include "src/scene/read.hpp"
 #include "src/scene/request.hpp"
 #include "src/scene/write.hpp"
+#include "src/surface/trace.hpp"
 
 namespace ricochet {
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Velocities of a receiver as a sound file: WAV, 32-bit float, one channel for each axis x, y, z of the
 // world.
 #pragma once

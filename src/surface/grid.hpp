@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Points by the cell of a regular grid in which they lie, to find those near a place.
 #pragma once
 

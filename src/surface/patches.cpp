@@ -1,3 +1,6 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/surface/patches.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,7 +13,6 @@
 #include "kernels/algebra.hpp"
 #include "src/mesh/lattice.hpp"
 #include "src/surface/grid.hpp"
-#include "src/surface/surface.hpp"
 
 namespace ricochet::surface {
 
@@ -371,6 +373,10 @@ Patches make_patches(const mesh::Mesh& mesh, const std::vector<std::string>& gro
   surface.components = options.direction ? 1 : 3;
   surface.direction = options.direction;
   return patches;
+}
+
+Eigen::MatrixXd patch_loads(const mesh::Mesh& mesh, const Patches& patches) {
+  return spread(mesh, patches.weights, patches.geometry.size(), patches.geometry.direction, HeldRows::zero);
 }
 
 void keep(Patches& patches, const std::vector<std::int64_t>& points) {

@@ -1,12 +1,13 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/surface/sources.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 
-#include "src/scene/request.hpp"
 #include "src/surface/locate.hpp"
-#include "src/surface/surface.hpp"
 
 namespace ricochet::surface {
 

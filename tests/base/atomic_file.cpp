@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Files that have their names only when they are whole: what stays and what goes, whatever ends the writer.
 #include "base/atomic_file.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The HDF5 wrapper by itself: growing datasets, silence, handles.
 #define H5_USE_110_API
 #include "base/hdf5_reader.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // What is seen of a run: in a log file one line a phase, on a terminal a bar, nothing when quiet.
 #include "src/console/console.hpp"
 

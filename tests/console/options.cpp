@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The command line that both programs share. Bad arguments: status 2 and one line that says what to do.
 #include "src/console/options.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Patch tests: what any convergent element must do exactly.
 #include <gtest/gtest.h>
 
@@ -5,6 +6,7 @@
 #include <cmath>
 
 #include "src/elasticity/assemble.hpp"
+#include "src/elasticity/rigid.hpp"
 #include "src/modes/factorisation.hpp"
 #include "tests/meshes.hpp"
 #include "tests/modes/dense.hpp"

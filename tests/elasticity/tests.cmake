@@ -1,1 +1,2 @@
+# SPDX-License-Identifier: BSD-2-Clause
 add_mpi_test(elasticity patch)

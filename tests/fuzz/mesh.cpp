@@ -11,6 +11,8 @@
 #include "src/mesh/gmsh_session.hpp"
 #include "src/mesh/open.hpp"
 #include "src/mesh/part.hpp"
+#include "src/mesh/partition.hpp"
+#include "src/mesh/read.hpp"
 #include "tests/fuzz/input.hpp"
 
 namespace {

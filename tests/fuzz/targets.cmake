@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 # What scripts/fuzz runs; the tests replay the same files without libFuzzer (tests.cmake).
 function(add_fuzz_target name)
   add_executable(fuzz_${name} ${PROJECT_SOURCE_DIR}/tests/fuzz/${name}.cpp)

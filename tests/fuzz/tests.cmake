@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 # What fuzzing found worth keeping, fed to the same functions without a fuzzer (scripts/fuzz): inputs that once broke a
 # reader, and some that lead far into each.
 function(add_replay name label)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Kernels made of others, against those of bars in closed form.
 #include "kernels/algebra.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The flexibility error and what modes contribute to it, against dense complex matrices.
 #include <gtest/gtest.h>
 

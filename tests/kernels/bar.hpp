@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The kernel of a uniform bar that moves along its axis, every number of it in closed form.
 #pragma once
 

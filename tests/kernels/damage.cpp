@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Kernel files that are cut, spoilt, foreign or made to harm: each is one line that names the file and what
 // is wrong.
 #include <functional>

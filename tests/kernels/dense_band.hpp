@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Modes as contact sees them, and their flexibilities written out as dense complex matrices.
 #pragma once
 

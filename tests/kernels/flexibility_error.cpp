@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Kernels cut to the modes that contact needs, against the response of a bar with modes far beyond them.
 #include <Eigen/Dense>
 #include <complex>

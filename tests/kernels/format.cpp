@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Kernel files: what is written comes back, equal kernels are equal files, and a final name means a whole
 // file.
 #define H5_USE_110_API

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // What may stand in the place of each dataset and attribute of an HDF5 file that somebody made to harm.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Kernels from which the modes that contact does not need are taken out.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A small kernel with every field set to a value of its own, and a folder that goes with its test.
 #pragma once
 

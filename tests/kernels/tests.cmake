@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 add_serial_test(kernels format ricochet_kernels PkgConfig::HDF5)
 add_serial_test(kernels damage ricochet_kernels PkgConfig::HDF5)
 add_serial_test(kernels validate ricochet_kernels)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // What a kernel must be to go past its loader: each rule broken once, alone.
 #include <functional>
 

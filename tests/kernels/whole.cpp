@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Kernels that hold some candidates and remember all of their surface.
 #include <functional>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Parts of a mesh on any number of ranks against the same mesh on one.
 #include <gtest/gtest.h>
 
@@ -5,6 +6,8 @@
 #include <map>
 #include <set>
 
+#include "src/mesh/partition.hpp"
+#include "src/mesh/read.hpp"
 #include "tests/mesh/files.hpp"
 #include "tests/meshes.hpp"
 

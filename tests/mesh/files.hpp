@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Meshes written by hand, small enough to check by eye.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The next lower element order on the same elements.
 #include "src/mesh/lower.hpp"
 

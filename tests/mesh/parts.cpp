@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A mesh in several files, read in parallel, against the same mesh in one file read by each rank alone.
 #include "src/mesh/parts.hpp"
 
@@ -7,6 +8,8 @@
 #include <map>
 #include <set>
 
+#include "src/mesh/partition.hpp"
+#include "src/mesh/read.hpp"
 #include "src/scene/parts.hpp"
 #include "tests/mesh/split.hpp"
 #include "tests/meshes.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Meshes as read: sizes, measures and orientation against closed forms.
 #include <fmt/format.h>
 #include <gmsh.h>
@@ -11,6 +12,7 @@
 #include <set>
 
 #include "src/mesh/mesh.hpp"
+#include "src/mesh/read.hpp"
 #include "tests/meshes.hpp"
 
 namespace ricochet {

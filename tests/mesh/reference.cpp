@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Reference elements against closed forms.
 #include "src/mesh/reference.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // What can't be used is refused in one line that says where, what and what to do, on every rank.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Meshes in one file and in several, in a folder that all ranks use.
 #pragma once
 

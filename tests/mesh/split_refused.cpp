@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // What a mesh in several files is refused for, the same on every rank, and which files it is.
 #include <gmock/gmock.h>
 

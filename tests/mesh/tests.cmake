@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 add_mpi_test(mesh distribute)
 add_mpi_test(mesh lower)
 add_mpi_test(mesh parts)

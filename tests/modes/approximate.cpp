@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Approximate modes against dense eigenvalues, and their proof.
 #include "src/modes/approximate.hpp"
 
@@ -6,6 +7,7 @@
 #include <cmath>
 #include <memory>
 
+#include "src/modes/residual.hpp"
 #include "tests/meshes.hpp"
 #include "tests/modes/dense.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Vectors fitted to contact against dense flexibilities of the whole body.
 #include "src/modes/contact_basis.hpp"
 
@@ -8,7 +9,9 @@
 #include <memory>
 #include <numbers>
 
-#include "src/surface/surface.hpp"
+#include "src/modes/residual.hpp"
+#include "src/surface/patches.hpp"
+#include "src/surface/trace.hpp"
 #include "tests/meshes.hpp"
 #include "tests/modes/dense.hpp"
 

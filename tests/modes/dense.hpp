@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Dense oracles for small bodies: the matrices gathered on every rank, modes by LAPACK on one.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The factorisation against what defines it: (K − σM) x = b, and eigenvalue counts from dense LAPACK.
 #include "src/modes/factorisation.hpp"
 

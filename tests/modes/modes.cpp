@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Modes against closed forms of the discrete problem and against dense eigenvalues.
 #include "src/modes/modes.hpp"
 
@@ -7,6 +8,7 @@
 #include <memory>
 #include <numbers>
 
+#include "src/modes/residual.hpp"
 #include "tests/meshes.hpp"
 #include "tests/modes/dense.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Which shifts are worked at, and what their results prove: pure functions of counts and eigenvalues.
 #include "src/modes/slicing.hpp"
 

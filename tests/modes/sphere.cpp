@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The free sphere's torsional modes in closed form, with their multiplicities, and an end that hits a mode.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 add_mpi_test(modes approximate)
 add_mpi_test(modes contact_basis)
 add_mpi_test(modes factorisation)

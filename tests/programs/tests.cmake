@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 add_program_test(programs accuracy)
 add_program_test(programs ranks)
 add_program_test(programs parts)

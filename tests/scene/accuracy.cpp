@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // `accuracy` chooses what a scene leaves open, and nothing that it gives; kernels chosen for it are of this
 // scene alone.
 #include <gmock/gmock.h>

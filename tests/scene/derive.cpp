@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Which kernels follow from which: all that does, and nothing else.
 #include "src/scene/derive.hpp"
 #include "src/scene/read.hpp"

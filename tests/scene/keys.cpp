@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // What the reference says of keys, the reader does.
 #include "src/scene/keys.hpp"
 #include "src/scene/key_reference.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Loads with histories, moving supports and receivers: as read, as refused, as written, and as kernels see
 // them.
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // --set KEY=VALUE: the scene is what it would be with this line in its file.
 #include <gmock/gmock.h>
 

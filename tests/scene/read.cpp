@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // What a scene says is what the program gets: each key's default and its value, as the design lists them.
 #include <gmock/gmock.h>
 

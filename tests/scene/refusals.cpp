@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A scene that can't be meant is refused in one line: the file, the key, what was found, what to do.
 #include "src/scene/read.hpp"
 #include "tests/scene/scenes.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A kernel's hash moves with all that the kernel depends on and with nothing else: else runs would take modes
 // of another body, or compute them again for nothing.
 #include "src/scene/request.hpp"

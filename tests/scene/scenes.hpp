@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Scenes small enough to know by heart, each in a folder of its own.
 #pragma once
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 add_serial_test(scene loads ricochet_scene)
 add_serial_test(scene read ricochet_scene)
 add_serial_test(scene refusals ricochet_scene)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The resolved scene that --dry-run prints is a scene: reading it back gives the same one.
 #include "src/scene/write.hpp"
 #include "src/scene/read.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Sound files read back by libsndfile: rate, channels, scale, and tones that resampling must not move.
 #include "src/sound/wav.hpp"
 

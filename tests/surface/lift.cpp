@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Supports that move, against dense solves and the closed forms of a rod.
 #include <gtest/gtest.h>
 

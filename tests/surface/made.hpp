@@ -1,9 +1,14 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // All that the kernel of a body with loads, receivers and moving supports is made of.
 #pragma once
 
+#include "src/mesh/partition.hpp"
+#include "src/mesh/read.hpp"
 #include "src/modes/contact_basis.hpp"
 #include "src/scene/request.hpp"
-#include "src/surface/surface.hpp"
+#include "src/surface/patches.hpp"
+#include "src/surface/sources.hpp"
+#include "src/surface/trace.hpp"
 #include "tests/meshes.hpp"
 
 namespace ricochet::test {

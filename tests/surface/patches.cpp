@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Contact patches against hand values and the closed forms of hats on flat triangles.
 #include <gtest/gtest.h>
 
@@ -5,7 +6,9 @@
 #include <numbers>
 
 #include "src/mesh/lattice.hpp"
-#include "src/surface/surface.hpp"
+#include "src/mesh/partition.hpp"
+#include "src/mesh/read.hpp"
+#include "src/surface/patches.hpp"
 #include "tests/meshes.hpp"
 
 namespace ricochet {

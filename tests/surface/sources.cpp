@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Tractions, point forces and receivers on the mesh, and supports that move all of a body, against closed
 // forms.
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Traces of known fields on patches, and the static flexibility of a rod in closed form.
 #include <gtest/gtest.h>
 
@@ -5,7 +6,9 @@
 
 #include <cmath>
 
-#include "src/surface/surface.hpp"
+#include "src/surface/patches.hpp"
+#include "src/surface/sources.hpp"
+#include "src/surface/trace.hpp"
 #include "tests/meshes.hpp"
 
 namespace ricochet {
