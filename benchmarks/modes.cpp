@@ -6,7 +6,7 @@
 //
 // SOLVER: ricochet; contact (the basis fitted to contact, and its residual flexibility); krylov-schur
 // (SLEPc's, one shift, defaults); slicing (SLEPc's spectrum slicing, all in (1, HZ)). Modes are those that
-// [modes] asks for. Prints one line of JSON. scripts/bench-modes calls it in turn, and ccx with the input
+// [modes] asks for. Prints one line of JSON. scripts/bench modes calls it in turn, and ccx with the input
 // that it writes.
 #include <fmt/format.h>
 

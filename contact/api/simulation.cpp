@@ -9,6 +9,7 @@
 #include "contact/model/model.hpp"
 #include "contact/stepping/integrator.hpp"
 #include "kernels/read.hpp"
+#include "kernels/write.hpp"
 #include "ricochet/ricochet.hpp"
 
 namespace ricochet {
@@ -165,6 +166,10 @@ std::uint64_t next_identity() {
 
 SharedKernel load_kernel(const std::filesystem::path& path) {
   return std::make_shared<const kernels::Kernel>(kernels::read(path));
+}
+
+void save_kernel(const kernels::Kernel& kernel, const std::filesystem::path& path) {
+  kernels::write(kernel, path);
 }
 
 struct Simulation::Impl {

@@ -35,6 +35,10 @@ using SharedKernel = std::shared_ptr<const kernels::Kernel>;
 /// HDF5 may not be built for more.
 SharedKernel load_kernel(const std::filesystem::path& path);
 
+/// Writes a kernel file (FORMAT.md of the kernels); a partial file never has the final name. Throws InputError,
+/// one line, when the place cannot be written. One thread at a time, as load_kernel.
+void save_kernel(const kernels::Kernel& kernel, const std::filesystem::path& path);
+
 /// A kernel placed in the world: first turned, then moved.
 struct Body {
   std::string name;

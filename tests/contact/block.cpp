@@ -13,6 +13,7 @@
 
 namespace {
 
+namespace benchmarks = ricochet::benchmarks;
 using namespace ricochet::contact;
 using ricochet::Precision;
 using ricochet::StepOptions;

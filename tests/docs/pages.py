@@ -2,16 +2,15 @@
 
 What a reader sees:
 
-    ```sh                 commands; folder and variables carry on from block to block
-    ```python             run by this Python; names carry on
-    ```text               lines that the output of the commands above holds, in this order; … stands for anything
-    ```toml path/to/file  the content of that file
+    ```sh                 commands; folder and variables carry on from block to block ```python
+    run by this Python; names carry on ```text               lines that the output of the commands above
+    holds, in this order; … stands for anything ```toml path/to/file  the content of that file
 
 What a reader does not see, in comments of the page:
 
-    <!-- run: COMMANDS -->      always, at this place
-    <!-- quick: COMMANDS -->    in quick runs alone: makes the example coarser. Numbers of outputs are not compared then
-    <!-- not run: WHY -->       the block that follows is not run
+    <!-- run: COMMANDS -->      always, at this place <!-- quick: COMMANDS -->    in quick runs alone: makes
+    the example coarser. Numbers of outputs are not compared then <!-- not run: WHY -->       the block that
+    follows is not run
 """
 
 import contextlib
@@ -25,8 +24,11 @@ import time
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 TOLERANCE = 0.02  # of numbers: meshes differ a little between versions of gmsh
-BLOCK = re.compile(r"^```(?P<language>\w+)(?: (?P<info>[^\n]*))?\n(?P<text>.*?)^```$|"
-                   r"^<!-- (?P<kind>run|quick|not run): ?(?P<command>.*?)-->", re.MULTILINE | re.DOTALL)
+BLOCK = re.compile(
+    r"^```(?P<language>\w+)(?: (?P<info>[^\n]*))?\n(?P<text>.*?)^```$|"
+    r"^<!-- (?P<kind>run|quick|not run): ?(?P<command>.*?)-->",
+    re.MULTILINE | re.DOTALL,
+)
 NUMBER = r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
 
 
@@ -57,13 +59,23 @@ def make_folder(folder):
 def matches(expected, line, compare):
     """Whether the line is the one expected, up to blanks and what numbers may differ by."""
     parts = re.split(f"({NUMBER}|…|[ ]+)", expected.strip())
-    pattern = "".join(f"({NUMBER})" if re.fullmatch(NUMBER, part) else ".*" if part == "…" else r"\s+" if part.isspace()
-                      else re.escape(part) for part in parts)
+    pattern = "".join(
+        f"({NUMBER})"
+        if re.fullmatch(NUMBER, part)
+        else ".*"
+        if part == "…"
+        else r"\s+"
+        if part.isspace()
+        else re.escape(part)
+        for part in parts
+    )
     found = re.fullmatch(pattern, line.strip())
     if not found or not compare:
         return bool(found)
     wanted = [float(part) for part in parts if re.fullmatch(NUMBER, part)]
-    return all(abs(float(got) - want) <= TOLERANCE * abs(want) + 1e-12 for got, want in zip(found.groups(), wanted))
+    return all(
+        abs(float(got) - want) <= TOLERANCE * abs(want) + 1e-12 for got, want in zip(found.groups(), wanted)
+    )
 
 
 class Page:
@@ -75,8 +87,13 @@ class Page:
         self.state.write_text("")
         self.where, self.output, self.names = folder, "", {"__name__": "page"}
         self.environment = os.environ | {
-            "PATH": f"/usr/bin:{os.environ['RICOCHET_BIN']}:{os.environ['PATH']}", "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1",
-            "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1"}
+            "PATH": f"/usr/bin:{os.environ['RICOCHET_BIN']}:{os.environ['PATH']}",
+            "OMP_NUM_THREADS": "1",
+            "OPENBLAS_NUM_THREADS": "1",
+            "OMPI_ALLOW_RUN_AS_ROOT": "1",
+            "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+            "OMPI_MCA_rmaps_base_oversubscribe": "1",
+        }
 
     def run(self, languages=("sh", "python", "text", "toml", "geo")):
         skip = False
@@ -86,7 +103,9 @@ class Page:
             elif kind == "run" or (kind == "quick" and self.quick):
                 self.shell(line, text)
             elif kind in languages and not skip:
-                {"sh": self.shell, "python": self.python, "text": self.compare}.get(kind, self.file)(line, text, info)
+                {"sh": self.shell, "python": self.python, "text": self.compare}.get(kind, self.file)(
+                    line, text, info
+                )
             skip = kind == "not run"
         return self
 
@@ -95,9 +114,17 @@ class Page:
 
     def shell(self, line, text, info=""):
         begun = time.monotonic()
-        script = f"set -euo pipefail\n. {self.state}\n{text}\ndeclare -px >{self.state}\npwd >{self.state}.folder\n"
-        done = subprocess.run(["bash", "-c", script], cwd=self.where, env=self.environment, text=True, stdout=subprocess.PIPE,
-                              stderr=subprocess.STDOUT, check=False)
+        script = f"set -euo pipefail\n. {self.state}\n{text}\n"
+        script += f"declare -px >{self.state}\npwd >{self.state}.folder\n"
+        done = subprocess.run(
+            ["bash", "-c", script],
+            cwd=self.where,
+            env=self.environment,
+            text=True,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            check=False,
+        )
         if done.returncode != 0:
             self.fail(line, f"status {done.returncode}\n{text}\n{done.stdout}")
         self.output, self.where = done.stdout, pathlib.Path(f"{self.state}.folder").read_text().strip()
@@ -118,8 +145,12 @@ class Page:
     def compare(self, line, text, info=""):
         lines = iter(self.output.splitlines())
         for expected in text.splitlines():
-            if expected.strip() not in ("", "…") and not any(matches(expected, got, not self.quick) for got in lines):
-                self.fail(line, f"no such line, or not in this place:\n{expected}\nin the output:\n{self.output}")
+            if expected.strip() not in ("", "…") and not any(
+                matches(expected, got, not self.quick) for got in lines
+            ):
+                self.fail(
+                    line, f"no such line, or not in this place:\n{expected}\nin the output:\n{self.output}"
+                )
 
     def file(self, line, text, info=""):
         """A file is shown as it lies in the repository, not as a quick run changed it."""

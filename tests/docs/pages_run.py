@@ -1,4 +1,5 @@
-"""Commands and readers of the documentation run, its scenes have keys that exist, and its links lead somewhere."""
+"""Commands and readers of the documentation run, its scenes have keys that exist, and its links lead
+somewhere."""
 
 import json
 import pathlib
@@ -15,8 +16,11 @@ import numpy as np
 import pages
 from programs import BIN
 
-PAGES = sorted(path for folder in ("", "docs", "docs/tutorials", "kernels", "contact", "tests/verification")
-               for path in (pages.SOURCE / folder).glob("*.md"))
+PAGES = sorted(
+    path
+    for folder in ("", "docs", "docs/tutorials", "kernels", "contact", "tests/verification")
+    for path in (pages.SOURCE / folder).glob("*.md")
+)
 
 
 class Reader(unittest.TestCase):
@@ -44,8 +48,8 @@ class Reader(unittest.TestCase):
 
     def test_the_result_s_has_the_force_and_velocity_of_two_rods_that_meet(self):
         names = self.run_page("contact/FORMAT.md").names
-        # Waves of speed 1 return after 2 · 10; until then the force is half of mass by length, by wave speed, by velocity.
-        # 30 modes resolve the ends of the touch to a wave of the highest one, 2 · 10 / 30.
+        # Waves of speed 1 return after 2 · 10; until then the force is half of mass by length, by wave speed,
+        # by velocity. 30 modes resolve the ends of the touch to a wave of the highest one, 2 · 10 / 30.
         self.assertAlmostEqual(names["when"][-1], 20, delta=0.7)
         self.assertAlmostEqual(names["total"].sum() / 20, 10, delta=0.1)  # N s: it takes all of the momentum
         self.assertAlmostEqual(np.median(names["total"]), 0.5, delta=0.02)
@@ -56,17 +60,22 @@ class Reader(unittest.TestCase):
         names = self.run_page("docs/results.md").names
         self.assertAlmostEqual(names["total"].sum() * names["step"], 10, delta=0.1)
         self.assertEqual(len(names["place"]), 101)
-        # The wave from the struck end passes the middle with half the speed of impact, then takes it to the whole.
+        # The wave from the struck end passes the middle with half the speed of impact, then takes it to the
+        # whole.
         self.assertAlmostEqual(names["v"][np.searchsorted(names["t"], 10), 0], 0.5, delta=0.1)
 
     @unittest.skipUnless(shutil.which("ccx"), "CalculiX is not installed: scripts/setup --tests")
     def test_bodies_of_other_programs_are_imported_and_meet_as_shown(self):
         folder = self.run_page("docs/interchange.md").folder / "build/imported"
-        box, plate = (json.loads((folder / f"out/{name}.summary.json").read_text()) for name in ("box", "box-on-plate"))
+        box, plate = (
+            json.loads((folder / f"out/{name}.summary.json").read_text()) for name in ("box", "box-on-plate")
+        )
         # What the force takes is the momentum that the box loses: 30 x 20 x 20 mm of aluminium from 1 m/s.
         for found in (box, plate):
             self.assertGreater(found["contact_steps"], 4)
-            self.assertAlmostEqual(found["impulse_ns"] / (2700 * 12e-6 * (1 + found["exit_velocity"]["box"][2])), 1, delta=1e-6)
+            self.assertAlmostEqual(
+                found["impulse_ns"] / (2700 * 12e-6 * (1 + found["exit_velocity"]["box"][2])), 1, delta=1e-6
+            )
         self.assertLess(plate["exit_velocity"]["plate"][2], 0)
         (kernel,) = folder.glob("out/plate-*.kernel.h5")
         with h5py.File(kernel) as file:
@@ -85,7 +94,9 @@ def keys_of(table, prefix=()):
 
 class Keys(unittest.TestCase):
     def setUp(self):
-        text = subprocess.run([BIN / "ricochet-contact", "--keys"], capture_output=True, text=True, check=True).stdout
+        text = subprocess.run(
+            [BIN / "ricochet-contact", "--keys"], capture_output=True, text=True, check=True
+        ).stdout
         self.known, section = set(), ""
         for line in text.splitlines():
             if found := re.match(r"## `\[+([^]]+)\]+`", line):
@@ -95,12 +106,17 @@ class Keys(unittest.TestCase):
         self.assertIn("bodies.NAME.material.young", self.known)
 
     def is_key(self, dotted):
-        """`dotted` with the user's own names in the place of NAME; what they hold in geometry and support is theirs alone."""
+        """`dotted` with the user's own names in the place of NAME; what they hold in geometry and support is
+        theirs alone."""
+
         def pattern(key):
             free = r"(\.[^.]+)?" if key.endswith((".geometry", ".support")) else ""
             return key.replace(".", r"\.").replace("NAME", r"[^.]+") + free
 
-        return any(re.fullmatch(pattern(key), dotted) for key in self.known) or re.fullmatch(r"(bodies|obstacles)\.[^.]+", dotted) is not None
+        return (
+            any(re.fullmatch(pattern(key), dotted) for key in self.known)
+            or re.fullmatch(r"(bodies|obstacles)\.[^.]+", dotted) is not None
+        )
 
     def test_of_scenes_in_the_documentation_exist(self):
         scenes = 0
@@ -122,7 +138,9 @@ class Keys(unittest.TestCase):
                 if "scene" not in table:
                     continue
                 studies += 1
-                varied = {key for part in ("set", "grid", "list", "random") for key in table.get(part, {})} - {"count", "seed"}
+                varied = {
+                    key for part in ("set", "grid", "list", "random") for key in table.get(part, {})
+                } - {"count", "seed"}
                 for key in varied:
                     self.assertTrue(self.is_key(re.sub(r"\[\d+\]", "", key)), f"{page}:{line}: {key}")
         self.assertEqual(studies, 2)
@@ -130,7 +148,9 @@ class Keys(unittest.TestCase):
     def test_that_prose_names_exist(self):
         named = set()
         for page in PAGES:
-            if page == pages.SOURCE / "kernels" / "FORMAT.md":  # a kernel keeps its scene with keys of its own
+            if (
+                page == pages.SOURCE / "kernels" / "FORMAT.md"
+            ):  # a kernel keeps its scene with keys of its own
                 continue
             for key in re.findall(r"`((?:contact|modes|time|loads|output)\.[a-z_.]+)`", page.read_text()):
                 named.add(key)
@@ -143,14 +163,24 @@ class Surfaces(unittest.TestCase):
         with tempfile.TemporaryDirectory(prefix="ricochet-page-") as name:
             folder = pathlib.Path(name)
             (folder / "sheet.geo").write_text('SetFactory("OpenCASCADE");\nRectangle(1) = {0, 0, 0, 1, 1};\n')
-            done = subprocess.run([pages.SOURCE / "scripts" / "surfaces", folder / "sheet.geo"], cwd="/", capture_output=True,
-                                  text=True, check=True)
+            done = subprocess.run(
+                [BIN / "ricochet", "surfaces", folder / "sheet.geo"],
+                cwd="/",
+                capture_output=True,
+                text=True,
+                check=True,
+            )
             self.assertEqual(done.stdout.splitlines()[-1], str(folder / "sheet.geo-surfaces.png"))
             self.assertTrue((folder / "sheet.geo-surfaces.png").is_file())
 
     def test_of_what_is_no_drawing_are_refused_in_one_line(self):
-        done = subprocess.run([pages.SOURCE / "scripts" / "surfaces", "none.step"], capture_output=True, text=True, check=False)
-        self.assertEqual((done.returncode, done.stderr), (2, "surfaces: none.step: there is no such file: name a .step, .brep, .geo or .msh\n"))
+        done = subprocess.run(
+            [BIN / "ricochet", "surfaces", "none.step"], capture_output=True, text=True, check=False
+        )
+        self.assertEqual(
+            (done.returncode, done.stderr),
+            (2, "surfaces: none.step: there is no such file: name a .step, .brep, .geo or .msh\n"),
+        )
 
 
 class Links(unittest.TestCase):
@@ -171,7 +201,9 @@ def headings(page):
     found = []
     text = re.sub(r"^```.*?^```$", "", page.read_text(), flags=re.MULTILINE | re.DOTALL)
     for title in re.findall(r"^#+ (.*)$", text, re.MULTILINE):
-        name = re.sub(r"[^\w\- ]", "", re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", title).lower()).replace(" ", "-")
+        name = re.sub(r"[^\w\- ]", "", re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", title).lower()).replace(
+            " ", "-"
+        )
         found.append(name + (f"-{found.count(name)}" if name in found else ""))
     return found
 

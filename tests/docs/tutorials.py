@@ -1,4 +1,5 @@
-"""The tutorials do what they say, in coarser examples than theirs: scripts/tutorials runs them as they stand."""
+"""The tutorials do what they say, in coarser examples than theirs: scripts/verify --tutorials runs them as
+they stand."""
 
 import pathlib
 import tempfile
@@ -47,8 +48,13 @@ class Runner(unittest.TestCase):
             pages.Page(folder / "page.md", folder, quick=False).run()
 
     def test_commands_carry_on_and_hidden_ones_run(self):
-        self.run_page("```sh\nexport A=5\nmkdir b; cd b\n```\n<!-- run: B=6; export B -->\n```sh\necho $A$B $PWD\n```\n```text\n56 …/b\n```\n")
-        self.run_page("```python\nx = 2\n```\n```python\nprint('x is', x * 1.01)\n```\n```text\nx is 2\n```\n")
+        self.run_page(
+            "```sh\nexport A=5\nmkdir b; cd b\n```\n<!-- run: B=6; export B -->\n"
+            "```sh\necho $A$B $PWD\n```\n```text\n56 …/b\n```\n"
+        )
+        self.run_page(
+            "```python\nx = 2\n```\n```python\nprint('x is', x * 1.01)\n```\n```text\nx is 2\n```\n"
+        )
         self.run_page("<!-- not run: never -->\n```sh\nfalse\n```\n```sh\ntrue\n```\n")
 
     def test_a_command_that_fails_is_told_with_its_line(self):

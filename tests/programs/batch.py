@@ -1,11 +1,11 @@
-"""scripts/batch with a real SLURM, its controller and one node started here on the loopback address."""
+"""ricochet batch with a real SLURM, its controller and one node started here on the loopback address."""
 
 import csv
 import shutil
 import unittest
 
 import slurm
-from programs import MESHES, SOURCE, ProgramTest, Run
+from programs import BIN, MESHES, ProgramTest, Run
 
 STUDY = """
 scene = "two-rods.toml"
@@ -31,7 +31,7 @@ class Batch(ProgramTest):
 
     def submit(self, *more):
         """Submits and waits until all jobs have left the queue."""
-        done = self.succeed(Run([SOURCE / "scripts" / "batch", self.study, "--ranks", "2", "--parts", "3", *more]))
+        done = self.succeed(Run([BIN / "ricochet", "batch", self.study, "--ranks", "2", "--parts", "3", *more]))
         slurm.until(lambda: not Run(["squeue", "-h"]).out.strip(), "jobs stay in the queue:\n" + Run(["squeue"]).out)
         return done
 
@@ -49,14 +49,14 @@ class Batch(ProgramTest):
         self.assertEqual(len(list(self.out.glob("*.kernel.h5"))), 3)
         self.assertEqual(len(list(self.out.glob("rods.sweep.*-of-3.jsonl"))), 3)
         alone = self.folder / "alone"
-        self.succeed(Run([SOURCE / "scripts" / "sweep", self.study, "--out", alone]))
+        self.succeed(Run([BIN / "ricochet", "sweep", self.study, "--out", alone]))
         with open(alone / "rods.sweep.csv") as file:
             for one, other in zip(rows, csv.DictReader(file), strict=True):
                 # Kernels of two ranks and of other runs differ by round-off, which the first touches amplify.
                 self.assertAlmostEqual(float(one["impulse_ns"]), float(other["impulse_ns"]), delta=1e-6)
 
     def test_jobs_that_were_killed_are_made_up_for_by_submitting_again(self):
-        done = self.succeed(Run([SOURCE / "scripts" / "batch", self.study, "--parts", "2"]))
+        done = self.succeed(Run([BIN / "ricochet", "batch", self.study, "--parts", "2"]))
         impacts = done.out.split("impacts ")[1].split()[0]
         slurm.until(lambda: list(self.out.glob("*.kernel.h5")), "no kernel")
         Run(["scancel", f"{impacts}_2"])
@@ -67,7 +67,7 @@ class Batch(ProgramTest):
 
     def test_without_kernels_the_impacts_are_not_started(self):
         self.study.write_text(STUDY.replace('"modes.count" = 20', '"modes.count" = 2000'))
-        self.succeed(Run([SOURCE / "scripts" / "batch", self.study, "--kernel-options", "'--comment=it fails'"]))
+        self.succeed(Run([BIN / "ricochet", "batch", self.study, "--kernel-options", "'--comment=it fails'"]))
         slurm.until(lambda: not Run(["squeue", "-h"]).out.strip(), "jobs stay in the queue")
         self.assertEqual(list(self.out.glob("rods.impacts.*.log")), [])
         self.assertIn("free displacements", self.logs())
@@ -83,7 +83,7 @@ class Unreached(ProgramTest):
             # Stands for sbatch, with what that of Debian 12 says without a slurm.conf, and with one but no slurmctld.
             lines = "".join(f"echo 'sbatch: {line}' >&2\n" for line in told)
             self.write("sbatch", f"#!/bin/sh\n{lines}exit 1\n").chmod(0o755)
-            done = Run(["env", f"PATH={self.folder}:/usr/bin:/bin", SOURCE / "scripts" / "batch", study])
+            done = Run(["env", f"PATH={self.folder}:/usr/bin:/bin", BIN / "ricochet", "batch", study])
             self.assertEqual((done.status, done.err.count("\n")), (2, 1), done.err)
             self.assertIn(f"no SLURM controller ({told[0].removeprefix('error: ')}): look with --dry-run", done.err)
 

@@ -5,7 +5,7 @@ import pathlib
 import tempfile
 
 from boxes import MATERIAL, Box, listed, matrix_market
-from programs import SOURCE, ProgramTest, Run, kernel
+from programs import BIN, ProgramTest, Run, kernel
 
 SCENE = """
 title = "Box"
@@ -43,7 +43,7 @@ class BoxTest(ProgramTest):
                   "imported.toml": SCENE.format(mesh="box.h5", material="")}
         for name, text in texts.items():
             (cls.all / name).write_text(text)
-        run = Run([SOURCE / "scripts" / "import", "matrices", *(cls.all / name for name in ("K.mtx", "M.mtx", "nodes.txt")),
+        run = Run([BIN / "ricochet", "import", "matrices", *(cls.all / name for name in ("K.mtx", "M.mtx", "nodes.txt")),
                    "--surface", f"foot={cls.all / 'foot.txt'}", "--surface", f"top={cls.all / 'top.txt'}",
                    "--out", cls.all / "box.h5"])
         assert run.status == 0, run.err

@@ -10,7 +10,7 @@ import numpy as np
 
 from box_test import BoxTest
 from boxes import dense
-from programs import BIN, SOURCE, Run
+from programs import BIN, Run
 
 try:
     import siconos.numerics as siconos
@@ -80,7 +80,7 @@ class Exports(BoxTest):
         self.assertFalse((self.folder / "fclib").exists())
 
     def faust(self, *arguments):
-        return Run([SOURCE / "scripts" / "faust", *arguments])
+        return Run([BIN / "ricochet", "export", "--faust", *arguments])
 
     @unittest.skipUnless(shutil.which("faust"), "Faust is not installed: scripts/setup --tests")
     def test_faust_plays_the_modes_of_the_body(self):

@@ -3,8 +3,7 @@ can be written or read, titles of any letters."""
 
 import contextlib
 import gc
-import importlib.machinery
-import importlib.util
+import importlib
 import io
 import json
 import os
@@ -21,8 +20,7 @@ import numpy as np
 
 from programs import BIN, MESHES, SOURCE, ProgramTest, Run, contact, settings
 
-sys.path.append(str(SOURCE / "scripts/modules"))
-import whole_file
+from ricochet import files as whole_file
 
 TITLE = "a $x^$ 日本語 😀"  # no formula, and letters that no font has
 # Rods of 10 m that waves cross in 1 ms: few rows, and a short sound.
@@ -31,14 +29,6 @@ SETS = ["modes.count=10", "output.view=true", "output.snapshot_every=3", "bodies
         "contact.gap=0.01", 'output.receiver=[{name="mic",body="resting",at=[10,0,0]}]', "title=rods"]
 SCENE = MESHES / "two-rods/two-rods.toml"
 OBSTACLE = '[obstacles.floor]\npoint = [0,0,0]\n[contact]\nscheme = "compliant"\n'
-
-
-def program(name):
-    """scripts/NAME as a module: starting Python takes longer than most of these tests."""
-    loader = importlib.machinery.SourceFileLoader(name, str(SOURCE / "scripts" / name))
-    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(name, loader))
-    loader.exec_module(module)
-    return module
 
 
 def as_nobody(command):
@@ -53,7 +43,7 @@ def as_nobody(command):
 class Files(ProgramTest):
     @classmethod
     def setUpClass(cls):
-        cls.programs = {name: program(name) for name in ("plot", "report")}
+        cls.programs = {name: importlib.import_module(f"ricochet.cli.{name}") for name in ("plot", "report")}
         scope = tempfile.TemporaryDirectory(prefix="ricochet-files-")
         cls.addClassCleanup(scope.cleanup)
         cls.all = pathlib.Path(scope.name)
@@ -152,7 +142,7 @@ class Files(ProgramTest):
                 self.refused(words)
 
     def test_what_may_not_be_read_is_not_called_missing(self):
-        if as_nobody(["test", "-x", SOURCE / "scripts" / "report"]).returncode:
+        if as_nobody(["test", "-x", BIN / "ricochet"]).returncode:
             self.skipTest(f"another user can't read {SOURCE}")
         closed = [self.result, self.summary_path, next(self.out.glob("*.wav")), next(self.out.glob("*.kernel.h5"))]
         for path in closed:
@@ -166,7 +156,7 @@ class Files(ProgramTest):
         self.out.chmod(0o755)
 
     def reads(self, path, name):
-        done = as_nobody([SOURCE / "scripts" / name, self.result])
+        done = as_nobody([BIN / "ricochet", name, self.result])
         self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
         self.assertIn(f"{path.name}: cannot be read (Permission denied)", done.stderr)
 
@@ -186,13 +176,13 @@ class Files(ProgramTest):
             path.write_text("earlier")
         drawing = shutil.copy(MESHES / "two-disks/disk.geo", self.folder / "a$b^$日.geo")
         for command in (["plot", self.result], ["report", self.result], ["surfaces", drawing, "--out", self.out]):
-            command = [SOURCE / "scripts" / command[0], *command[1:]]
+            command = [BIN / "ricochet", *command]
             run = Run(["prlimit", "--fsize=4096", *command])
             self.assertEqual((run.status, run.err.count("\n")), (2, 1), run.err)
             self.assertIn("cannot be written (File too large)", run.err)
             self.assertEqual(list(self.out.glob("*.partial")), [])
         self.assertEqual({path.read_text() for path in made}, {"earlier"})
-        full = subprocess.run(f"exec '{command[0]}' '{drawing}' --out '{self.out}' > /dev/full", shell=True, capture_output=True,
+        full = subprocess.run(f"exec '{command[0]}' surfaces '{drawing}' --out '{self.out}' > /dev/full", shell=True, capture_output=True,
                               text=True, check=False)
         self.assertEqual((full.returncode, full.stderr.count("\n")), (1, 1), full.stderr)
 

@@ -3,7 +3,6 @@
 import re
 import shutil
 import subprocess
-import sys
 import unittest
 
 import h5py
@@ -13,9 +12,8 @@ from box_test import BoxTest
 from boxes import MATERIAL, Box, listed
 from programs import BIN, SOURCE, Run, contact, displacement_kernel, kernel, static_responses
 
-sys.path.insert(0, str(SOURCE / "scripts" / "modules"))
-from body_file import Refused, clockwise, write_body  # noqa: E402
-from calculix_model import BRICK, Model  # noqa: E402
+from ricochet.interchange.body_file import Refused, clockwise, write_body
+from ricochet.interchange.calculix import BRICK, Model
 
 TIMES = [0.1, 0.5, 2.0, 7.0]
 # Bricks that are not straight have a stiffness whose integrand is no polynomial: two rules of quadrature differ by 1e-9.
@@ -243,7 +241,7 @@ class Imports(BoxTest):
         for name, solver in names.items():
             self.write(f"{name}.inp", "\n".join([*lines, "*FREQUENCY" + solver, "20", "*END STEP", ""]))
             subprocess.run(["ccx", name], cwd=self.folder, check=True, capture_output=True)
-        self.succeed(Run([SOURCE / "scripts" / "import", "calculix", self.folder / "stored.inp"]))
+        self.succeed(Run([BIN / "ricochet", "import", "calculix", self.folder / "stored.inp"]))
         self.succeed(kernel(self.all / "imported.toml", self.folder, f"bodies.box.mesh={self.folder / 'stored.h5'}",
                             "modes.count=20"))
         table = [line.split() for line in (self.folder / "solved.dat").read_text().splitlines()[7:27]]
@@ -288,12 +286,12 @@ class Imports(BoxTest):
                 self.refuses(words, ["matrices", "--out", self.folder / "no.h5", *arguments])
         self.assertFalse(list(self.folder.glob("no.h5*")))
         unwritten = self.folder / "none" / "box.h5"
-        run = Run([SOURCE / "scripts" / "import", "matrices", *files, "--out", unwritten])
+        run = Run([BIN / "ricochet", "import", "matrices", *files, "--out", unwritten])
         self.assertEqual((run.status, run.err.count("\n")), (2, 1), run.err)
         self.assertIn(f"{unwritten}: cannot be written", run.err)
 
     def test_bodies_that_can_never_touch_are_warned_of(self):
-        command = [SOURCE / "scripts" / "import", "matrices", *(self.all / name for name in ("K.mtx", "M.mtx", "nodes.txt")),
+        command = [BIN / "ricochet", "import", "matrices", *(self.all / name for name in ("K.mtx", "M.mtx", "nodes.txt")),
                    "--out", self.folder / "box.h5"]
         self.assertIn("warning: no surface", self.succeed(Run(command)).err)
         mixed = self.box.foot.copy()
@@ -316,7 +314,7 @@ class Imports(BoxTest):
         self.assertEqual(clockwise(box.node, outward[:, ::-1], i, j), 6)
 
     def refuses(self, words, arguments, lead=()):
-        command = [*lead, SOURCE / "scripts" / "import", *arguments]
+        command = [*lead, BIN / "ricochet", "import", *arguments]
         done = subprocess.run([w if isinstance(w, bytes) else str(w) for w in command], capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 2, done.stderr)
         self.assertIn(words, done.stderr.splitlines()[-1])
@@ -326,7 +324,7 @@ class Imports(BoxTest):
     def test_lists_of_one_name_are_one_list(self):
         files = [self.all / name for name in ("K.mtx", "M.mtx", "nodes.txt")]
         both = [word for name in ("foot", "top") for kind in ("--surface", "--support") for word in (kind, f"s={self.all / name}.txt")]
-        self.succeed(Run([SOURCE / "scripts" / "import", "matrices", *files, *both, "--out", self.folder / "both.h5"]))
+        self.succeed(Run([BIN / "ricochet", "import", "matrices", *files, *both, "--out", self.folder / "both.h5"]))
         with h5py.File(self.folder / "both.h5") as file:
             np.testing.assert_array_equal(file["surface/s/4"][:], np.concatenate([self.box.foot, self.box.top]))
             np.testing.assert_array_equal(file["nodes/s"][:], np.unique([self.box.foot, self.box.top]))

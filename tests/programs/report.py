@@ -1,4 +1,4 @@
-"""scripts/report: the page in a browser without network, its numbers beside the summary's, its motion and sound beside the
+"""ricochet report: the page in a browser without network, its numbers beside the summary's, its motion and sound beside the
 result's, and what it refuses. `report.py --keep FOLDER` also keeps the pages, and a picture of each, in FOLDER."""
 
 import base64
@@ -16,12 +16,11 @@ from types import SimpleNamespace
 import h5py
 import numpy as np
 
-from programs import DEADLOCK_S, MESHES, SOURCE, ProgramTest, Run, contact, kernel
+from programs import BIN, DEADLOCK_S, MESHES, ProgramTest, Run, contact, kernel
 
-sys.path.append(str(SOURCE / "scripts/modules"))
-from plot_snapshots import amplification
-from report_motion import coarser
-from viewpoint import clearest
+from ricochet.pictures.snapshots import amplification
+from ricochet.pages.motion import coarser
+from ricochet.pictures.viewpoint import clearest
 
 KEEP = None
 if sys.argv[1:2] == ["--keep"]:
@@ -132,7 +131,7 @@ class ReportTest(ProgramTest):
     def page(self, result, *more):
         """The page of a result: its text, and its data."""
         path = self.folder / "page.html"
-        done = self.succeed(Run([SOURCE / "scripts/report", result, "--out", path, *more]))
+        done = self.succeed(Run([BIN / "ricochet", "report", result, "--out", path, *more]))
         self.assertEqual(done.out, f"{path}\n")
         text = path.read_text()
         return path, text, json.loads(re.search(r'<script type="application/json" id="run">(.*?)</script>', text, re.DOTALL)[1])
@@ -203,7 +202,7 @@ class Rods(ReportTest):
         self.assertLess(float(canvas["data-covered"]), 0.5)
         self.assertEqual(found.one(id="sound")[2].count("4 ms of sound: lengthen time.duration to hear it"), 2)
         self.assertNotIn("audio", [e[0] for e in found.found])
-        self.assertIn("scripts/report out/", found.one(id="repeat")[2])
+        self.assertIn("ricochet report out/", found.one(id="repeat")[2])
         self.pictures_are_drawn()
         self.scene_repeats_the_run(found.one(id="scene")[2], summary)
         self.motion_is_that_of_the_modes(run["motion"])
@@ -244,7 +243,7 @@ class Rods(ReportTest):
         self.assertEqual(self.summary(self.out)["impulse_ns"], summary["impulse_ns"])
 
     def pictures_are_drawn(self):
-        done = self.succeed(Run([SOURCE / "scripts/plot", self.result, "--out", self.folder / "pictures"]))
+        done = self.succeed(Run([BIN / "ricochet", "plot", self.result, "--out", self.folder / "pictures"]))
         names = [self.result.name.replace(".result.h5", f"-{name}.png") for name in ("contact", "snapshots", "energy")]
         self.assertEqual(done.out.split("\n"), [*(f"{self.folder}/pictures/{name}" for name in names), ""])
 
@@ -280,7 +279,7 @@ class Rods(ReportTest):
         page = self.folder / "none.html"
 
         def refused(part, result=self.result, out=page, *more):
-            done = Run([SOURCE / "scripts/report", result, "--out", out, *more])
+            done = Run([BIN / "ricochet", "report", result, "--out", out, *more])
             self.assertEqual((done.status, done.err.count("\n")), (2, 1), done.err)
             self.assertIn(part, done.err)
             self.assertEqual(list(self.folder.glob("none.html*")), [])
@@ -371,8 +370,8 @@ class Others(ReportTest):
         pressure = unpacked(chart["lines"][0]["y"])
         self.assertAlmostEqual(pressure.max(), self.summary(out)["pairs"][0]["peak_pressure_pa"], delta=1e-6 * pressure.max())  # 32 bits
         (result,) = out.glob("*.result.h5")
-        done = Run([SOURCE / "scripts/plot", result])
-        self.assertEqual((done.status, done.err), (2, f"plot: {result}: bodies at rest have no history to draw. Use scripts/report.\n"))
+        done = Run([BIN / "ricochet", "plot", result])
+        self.assertEqual((done.status, done.err), (2, f"plot: {result}: bodies at rest have no history to draw. Use ricochet report.\n"))
 
 
 if __name__ == "__main__":

@@ -6,7 +6,6 @@ import os
 import resource
 import signal
 import subprocess
-import sys
 import time
 import unittest
 
@@ -16,8 +15,7 @@ import numpy as np
 from errors import ROD, SCENE
 from programs import BIN, SOURCE, ProgramTest, Run, contact, displacement_kernel, kernel, settings
 
-sys.path.append(str(SOURCE / "scripts/modules"))
-from result_file import BadInput, Result
+from ricochet.result_file import BadInput, Result
 
 # Two slices a body, in some tenths of a second.
 SLICED = ["bodies.a.mesh=long.geo", "bodies.b.mesh=long.geo", "modes.count=300"]
@@ -155,7 +153,7 @@ class Places(Robust):
         self.refused(kernel(self.scene, file, ranks=1), "file: can't make this folder")
         (path,) = self.out.glob("a-*.kernel.h5")
         self.refused(Run([BIN / "ricochet-recast", path, "--young-factor", "2", "--out", file]), "file: can't make this folder")
-        self.refused(Run([SOURCE / "scripts/sweep", self.write("study.toml", STUDY), "--out", file]), "sweep: ", "file")
+        self.refused(Run([BIN / "ricochet", "sweep", self.write("study.toml", STUDY), "--out", file]), "sweep: ", "file")
 
     def test_output_that_goes_nowhere_is_no_success(self):
         for option in ("--dry-run", "--batch"):
@@ -260,7 +258,7 @@ class Files(Robust):
 
 class Sweeps(Robust):
     def sweep(self, *more):
-        return [SOURCE / "scripts/sweep", self.study, "--ranks", "1", "--jobs", "1", "--out", self.out, *more]
+        return [BIN / "ricochet", "sweep", self.study, "--ranks", "1", "--jobs", "1", "--out", self.out, *more]
 
     def test_one_that_is_told_to_end_has_its_tables_written_and_two_at_once_are_refused(self):
         self.study = self.write("study.toml", STUDY + '[set]\n"time.rate_hz" = 1e5\n')
@@ -305,7 +303,7 @@ class Sweeps(Robust):
 
 class Kills(unittest.TestCase):
     def test_programs_killed_at_random_moments_leave_nothing_partial_and_go_on(self):
-        run = Run(["env", f"RICOCHET_BIN={BIN}", SOURCE / "scripts/kills", "--count", "10", "--seed", "3",
+        run = Run(["env", f"RICOCHET_BIN={BIN}", SOURCE / "scripts/verify", "--kills", "--count", "10", "--seed", "3",
                    "--only", "ricochet-contact"])
         self.assertEqual(run.status, 0, run.out + run.err)
 

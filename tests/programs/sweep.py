@@ -1,4 +1,4 @@
-"""scripts/sweep: the settings of a study, that kernels are shared, that a kill loses nothing, what it writes and refuses."""
+"""ricochet sweep: the settings of a study, that kernels are shared, that a kill loses nothing, what it writes and refuses."""
 
 import csv
 import itertools
@@ -8,7 +8,6 @@ import os
 import shutil
 import signal
 import subprocess
-import sys
 import tempfile
 import time
 import unittest
@@ -19,13 +18,12 @@ from unittest import mock
 import h5py
 import numpy as np
 
-from programs import BIN, MESHES, SOURCE, ProgramTest, Run, contact, kernel
+from programs import BIN, MESHES, ProgramTest, Run, contact, kernel
 
-sys.path.append(str(SOURCE / "scripts/modules"))
-import scene_keys
-import sweep_pictures
-from result_file import BadInput
-from sweep_study import Study
+from ricochet import scene_keys
+from ricochet.studies import pictures as sweep_pictures
+from ricochet.result_file import BadInput
+from ricochet.studies.study import Study
 
 
 class SweepTest(ProgramTest):
@@ -39,7 +37,7 @@ class SweepTest(ProgramTest):
         return self.write("study.toml", f'scene = "{scene}"\ntitle = "Rods"\n{text}')
 
     def sweep(self, study, *more):
-        return [SOURCE / "scripts" / "sweep", study, "--ranks", "1", *more]
+        return [BIN / "ricochet", "sweep", study, "--ranks", "1", *more]
 
     def rows(self):
         with open(self.out / "rods.sweep.csv") as file:

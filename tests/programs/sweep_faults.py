@@ -1,26 +1,24 @@
 """What can go wrong with a sweep: broken studies and journals, damaged kernels, meshes that refuse, closed outputs, signals."""
 
 import csv
-import importlib.util
 import json
 import os
 import pathlib
 import shutil
 import signal
 import subprocess
-import sys
 import time
 import tomllib
 import unittest
 
 import h5py
 
-from programs import BIN, DEADLOCK_S, MESHES, SOURCE, ProgramTest
+from programs import BIN, DEADLOCK_S, MESHES, ProgramTest
 
-sys.path.append(str(SOURCE / "scripts/modules"))
-from result_file import BadInput
-from sweep_results import Journal, row_of
-from sweep_study import Study
+from ricochet.programs import toml
+from ricochet.result_file import BadInput
+from ricochet.studies.results import Journal, row_of
+from ricochet.studies.study import Study
 
 STUDY = 'scene = "two-rods.toml"\ntitle = "Rods"\n[set]\n"modes.count" = 5\n"time.rate_hz" = 20.0\n'
 
@@ -37,7 +35,7 @@ class Faults(ProgramTest):
 
     def script(self, name, *words, env=(), **streams):
         """What a script left behind; a stream that a test names is its own."""
-        command = ["env", *env, SOURCE / "scripts" / name, *words]
+        command = ["env", *env, BIN / "ricochet", name, *words]
         return subprocess.run([str(word) for word in command], text=True, errors="surrogateescape", timeout=DEADLOCK_S,
                               **({"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | streams))
 
@@ -77,11 +75,8 @@ class Studies(Faults):
         self.assertTrue(all(-10 <= value <= -1 for setting in settings for value in setting.values()))
 
     def test_values_reach_programs_as_the_toml_that_they_were(self):
-        spec = importlib.util.spec_from_file_location("of_scripts", SOURCE / "scripts/modules/programs.py")
-        module = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(module)
         for value in ("é 😀 \x7f \"\\ \n\t", [{"a b": [1, 2.5], "é": {"x": True}}, {}], [[], [1e-300, float("inf")]], {'"': "'"}):
-            self.assertEqual(tomllib.loads("value = " + module.toml(value))["value"], value)
+            self.assertEqual(tomllib.loads("value = " + toml(value))["value"], value)
 
 
 class Journals(Faults):
@@ -155,7 +150,7 @@ exec {BIN}/ricochet-kernel "$@"
 class Ends(Faults):
     def test_one_that_is_told_to_end_does_not_wait_for_its_impacts(self):
         self.study('[list]\n"time.rate_hz" = [20.0, 3e7]\n"modes.count" = [5, 90]')  # the second one takes minutes
-        process = subprocess.Popen([SOURCE / "scripts/sweep", self.folder / "study.toml", "--ranks", "1", "--jobs", "1"],
+        process = subprocess.Popen([BIN / "ricochet", "sweep", self.folder / "study.toml", "--ranks", "1", "--jobs", "1"],
                                    stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         self.addCleanup(process.kill)
         journal, before = self.out / "rods.sweep.jsonl", time.monotonic()

@@ -1,4 +1,4 @@
-"""scripts/tradeoff: what it runs, what it says of it, and that a run cut off goes on where it was."""
+"""ricochet tradeoff: what it runs, what it says of it, and that a run cut off goes on where it was."""
 
 import csv
 import json
@@ -9,7 +9,7 @@ import subprocess
 import time
 import unittest
 
-from programs import BIN, MESHES, SOURCE, ProgramTest, Run
+from programs import BIN, MESHES, ProgramTest, Run
 
 SCENE = MESHES / "two-rods" / "two-rods.toml"
 AXES = ["--counts", "10", "40", "--rates", "0.5", "2", "--schemes", "compliant", "jump", "--precisions", "double",
@@ -18,7 +18,7 @@ AXES = ["--counts", "10", "40", "--rates", "0.5", "2", "--schemes", "compliant",
 
 class TradeOff(ProgramTest):
     def command(self, *more):
-        return [SOURCE / "scripts" / "tradeoff", SCENE, "--out", self.folder, *AXES, *more]
+        return [BIN / "ricochet", "tradeoff", SCENE, "--out", self.folder, *AXES, *more]
 
     def lines(self):
         file = self.folder / "runs.jsonl"

@@ -11,7 +11,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-import programs
+from ricochet import programs
 
 # A program that has not ended by then is stuck.
 DEADLOCK_S = 1800

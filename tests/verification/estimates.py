@@ -1,5 +1,6 @@
-"""Error estimates hold for the impacts of rods and a bouncing bar in scripts/estimates, against closed forms: of ten true errors nine are within
-three estimates, and seven are not below a tenth. The other cases there, against finer runs, take minutes."""
+"""Error estimates hold for the impacts of rods and a bouncing bar in scripts/verify --estimates, against
+closed forms: of ten true errors nine are within three estimates, and seven are not below a tenth. The other
+cases there, against finer runs, take minutes."""
 
 import subprocess
 import unittest
@@ -9,8 +10,20 @@ from programs import SOURCE, ProgramTest
 
 class Estimates(ProgramTest):
     def test_hold_for_rods_and_the_bouncing_bar(self):
-        done = subprocess.run([SOURCE / "scripts" / "estimates", "--only", "rod", "bar", "--check", "--out", self.folder],
-                              capture_output=True, text=True)
+        done = subprocess.run(
+            [
+                SOURCE / "scripts" / "verify",
+                "--estimates",
+                "--only",
+                "rod",
+                "bar",
+                "--check",
+                "--out",
+                self.folder,
+            ],
+            capture_output=True,
+            text=True,
+        )
         print(done.stdout)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(sum("rod" in line or "bar" in line for line in done.stdout.splitlines()), 15)

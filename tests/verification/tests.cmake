@@ -10,7 +10,7 @@ foreach(file ${cases})
   file(STRINGS ${file} short REGEX "^LONG = False")
   if(short)
     get_filename_component(case ${file} NAME_WE)
-    add_test(NAME verification/manual.${case} COMMAND /usr/bin/python3 ${PROJECT_SOURCE_DIR}/scripts/verify --again
+    add_test(NAME verification/manual.${case} COMMAND ${PROJECT_SOURCE_DIR}/scripts/verify --again
       --cache ${CMAKE_CURRENT_BINARY_DIR}/manual ${case})
     set_tests_properties(verification/manual.${case} PROPERTIES TIMEOUT 600 LABELS programs
       ENVIRONMENT "OMP_NUM_THREADS=1;OPENBLAS_NUM_THREADS=1;RICOCHET_BIN=${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")

@@ -1,44 +1,55 @@
-"""The program of the validation manual: what it counts as a failure, what it keeps, and that the manual holds every case."""
+"""The program of the validation manual: what it counts as a failure, what it keeps, and that the manual holds
+every case."""
 
 import json
-import os
 import pathlib
 import subprocess
-import sys
 import tempfile
 import unittest
+
+import case
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 MANUAL = SOURCE / "tests" / "verification"
 
 
 def verify(*words):
-    return subprocess.run([SOURCE / "scripts" / "verify", *words], capture_output=True, text=True, timeout=240)
+    return subprocess.run(
+        [SOURCE / "scripts" / "verify", *words], capture_output=True, text=True, timeout=240
+    )
 
 
-def verdict_of(compared):
-    """In a process of its own: the tests' `programs` module is not the scripts'."""
-    code = (f"import sys; sys.dont_write_bytecode = True; sys.path[:0] = [{str(SOURCE / 'scripts/modules')!r}, {str(MANUAL)!r}]; import case, pathlib; "
-            f"bench = case.Bench('x', pathlib.Path('.')); {compared}; bench.found['stopped'] = None; print(case.verdict(bench.found))")
-    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True,
-                          env=os.environ | {"PYTHONPATH": ""}).stdout.strip()
+def verdict_of(compare):
+    bench = case.Bench("x", pathlib.Path("."))
+    compare(bench)
+    bench.found["stopped"] = None
+    return case.verdict(bench.found)
 
 
 class Verify(unittest.TestCase):
     def test_an_error_above_its_bound_fails_and_one_on_it_passes(self):
-        self.assertEqual(verdict_of("bench.compare('x', 1.5, 1.0, 0.5, 'why')"), "pass")
-        self.assertEqual(verdict_of("bench.compare('x', 1.51, 1.0, 0.5, 'why')"), "FAIL")
-        self.assertEqual(verdict_of("bench.compare('x', 4.5, 4.0, 0.4, 'why', absolute=True)"), "FAIL")
-        self.assertEqual(verdict_of("bench.below('x', -2.0, 1.0, 'why')"), "FAIL")
-        self.assertEqual(verdict_of("bench.below('x', float('nan'), 1.0, 'why')"), "FAIL")
+        self.assertEqual(verdict_of(lambda bench: bench.compare("x", 1.5, 1.0, 0.5, "why")), "pass")
+        self.assertEqual(verdict_of(lambda bench: bench.compare("x", 1.51, 1.0, 0.5, "why")), "FAIL")
+        self.assertEqual(
+            verdict_of(lambda bench: bench.compare("x", 4.5, 4.0, 0.4, "why", absolute=True)), "FAIL"
+        )
+        self.assertEqual(verdict_of(lambda bench: bench.below("x", -2.0, 1.0, "why")), "FAIL")
+        self.assertEqual(verdict_of(lambda bench: bench.below("x", float("nan"), 1.0, "why")), "FAIL")
 
     def test_a_known_failure_passes_until_it_holds(self):
-        self.assertEqual(verdict_of("bench.below('x', 2.0, 1.0, 'why', known='because')"), "pass, known failures")
-        self.assertEqual(verdict_of("bench.below('x', 0.5, 1.0, 'why', known='because')"), "FAIL")
+        self.assertEqual(
+            verdict_of(lambda bench: bench.below("x", 2.0, 1.0, "why", known="because")),
+            "pass, known failures",
+        )
+        self.assertEqual(verdict_of(lambda bench: bench.below("x", 0.5, 1.0, "why", known="because")), "FAIL")
 
     def test_an_order_is_fitted_to_logarithms(self):
-        self.assertEqual(verdict_of("bench.order('x', [1, 2, 4], [3, 12, 48], 2.0, 1e-12, 'why')"), "pass")
-        self.assertEqual(verdict_of("bench.order('x', [1, 2, 4], [3, 12, 48], 1.0, 0.9, 'why')"), "FAIL")
+        self.assertEqual(
+            verdict_of(lambda bench: bench.order("x", [1, 2, 4], [3, 12, 48], 2.0, 1e-12, "why")), "pass"
+        )
+        self.assertEqual(
+            verdict_of(lambda bench: bench.order("x", [1, 2, 4], [3, 12, 48], 1.0, 0.9, "why")), "FAIL"
+        )
 
     def test_a_finished_case_is_kept_until_asked_again(self):
         with tempfile.TemporaryDirectory(prefix="ricochet-test-") as folder:
@@ -63,7 +74,9 @@ class Verify(unittest.TestCase):
             self.assertEqual(len(kernels), 2)
             (place / "found.json").unlink()
             self.assertEqual(verify(*words).returncode, 0)
-            self.assertEqual(kernels, {path: path.stat().st_mtime_ns for path in place.glob("out/*.kernel.h5")})
+            self.assertEqual(
+                kernels, {path: path.stat().st_mtime_ns for path in place.glob("out/*.kernel.h5")}
+            )
 
     def test_an_unknown_case_is_refused_in_one_line(self):
         run = verify("nonsense")
@@ -77,7 +90,10 @@ class Verify(unittest.TestCase):
             name = line.split()[0]
             self.assertIn(f"| `{name}` |", text)
             self.assertIn(f"    scripts/verify {name}\n", text)
-        extremes = sum(line.endswith((" pass |", " **FAIL** |")) for line in (MANUAL / "extremes.md").read_text().splitlines())
+        extremes = sum(
+            line.endswith((" pass |", " **FAIL** |"))
+            for line in (MANUAL / "extremes.md").read_text().splitlines()
+        )
         self.assertIn(f"It has {extremes} lines: {extremes} pass, 0 fail.", text)
         drawn = {path.name for path in (MANUAL / "figures").glob("*.png")}
         self.assertEqual({part.split(")")[0] for part in text.split("](figures/")[1:]}, drawn)

@@ -12,7 +12,6 @@
 #include <cmath>
 #include <cstdio>
 #include <iostream>
-#include "kernels/write.hpp"
 
 namespace {
 
@@ -50,7 +49,7 @@ ricochet::kernels::Kernel bob() {
 }  // namespace
 
 int main(int, char** arguments) {
-  ricochet::kernels::write(bob(), arguments[1]);
+  ricochet::save_kernel(bob(), arguments[1]);
 
   ricochet::Scene scene;
   scene.rate_hz = 1000;

@@ -10,7 +10,7 @@ import numpy as np
 import hertz_theory as hertz
 from case import BLUE, GREEN, ORANGE, PURPLE, RED, slopes
 from elastic_ball import ElasticBall
-from programs import ROOT
+from ricochet.programs import ROOT
 
 TITLE = "Hertz at rest: a ball on a plane"
 SOURCE = ("Hertz 1882 as in Johnson 1985, *Contact Mechanics*, section 4.2; an elastic ball in Legendre series after Love 1927, "

@@ -13,7 +13,7 @@ from case import BLUE, GREY, ORANGE, RED, slopes
 
 TITLE = "The bouncing bar of Doyen, Ern and Piperno"
 SOURCE = ("Doyen, Ern & Piperno 2011, *Time-integration schemes for the finite element dynamic Signorini problem*, SIAM J. Sci. "
-          "Comput. 33, 223; the solution above follows from d'Alembert's and is evaluated in the case.")
+          "Comput. 33, 223; the periodic solution follows from d'Alembert's and is evaluated in the case.")
 LONG = False
 LENGTH, YOUNG, GRAVITY, HEIGHT = 10.0, 900.0, 10.0, 5.0
 SPEED, ARRIVAL = np.sqrt(YOUNG), np.sqrt(2 * GRAVITY * HEIGHT)

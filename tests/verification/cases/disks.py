@@ -5,9 +5,9 @@ for at least a hundredth of the contact while positions on both of its sides do;
 the effect of the impulse on the momentum, and the symmetry about position 9 are known in closed form."""
 import numpy as np
 
-import result_file
+from ricochet import result_file
 from case import BLUE, ORANGE, RED
-from programs import ROOT
+from ricochet.programs import ROOT
 
 TITLE = "The paper's Figures 7 and 8: two disks"
 SOURCE = "Bensoam, section 4.2, Table 1 and the captions of Figures 7 and 8; free fall and balance of momentum."

@@ -21,7 +21,7 @@ def by_modes(kernel, times, count=None):
 
 
 def run(bench):
-    from programs import ROOT
+    from ricochet.programs import ROOT
 
     scene = ROOT / "meshes" / "two-rods" / "two-rods.toml"
     times = np.arange(STEP / 2, 50, STEP)

@@ -9,7 +9,7 @@ import numpy as np
 
 import hertz_theory as hertz
 from case import BLUE, GREEN, GREY, ORANGE, RED
-from programs import ROOT
+from ricochet.programs import ROOT
 
 TITLE = "Zener's inelastic collision: a ball on a thick plate"
 SOURCE = "Zener 1941, *The intrinsic inelasticity of large plates*, Phys. Rev. 59, 669; his equation integrated in the case."

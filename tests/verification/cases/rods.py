@@ -8,7 +8,7 @@ eigenproblem. It does not reach the pressure of the paper's Figure 5 (iii), whic
 import numpy as np
 
 from case import BLUE, GREEN, GREY, RED
-from programs import ROOT
+from ricochet.programs import ROOT
 
 TITLE = "The paper's Figure 5 (iii, iv): rods by modes, each contact law"
 SOURCE = ("Bensoam, section 4.1.2 and Figure 5 (iii, iv); wave solution of Taylor & Papadopoulos 1993; `jump`: the creep formula of "

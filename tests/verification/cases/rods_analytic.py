@@ -6,7 +6,7 @@ import subprocess
 import sys
 
 from case import BLUE, GREY, ORANGE, Stopped
-from programs import ROOT
+from ricochet.programs import ROOT
 
 TITLE = "The paper's Figure 5 (i, ii): rods by their closed form"
 SOURCE = "Bensoam, section 4.1.1 and Figure 5 (i, ii); Taylor & Papadopoulos 1993, Int. J. Numer. Methods Eng. 36, 2123: the rods."

@@ -5,7 +5,7 @@ import numpy as np
 
 import ritz
 from case import BLUE, GREY
-from programs import ROOT
+from ricochet.programs import ROOT
 
 TITLE = "The disk of the paper's Table 1"
 SOURCE = "Bensoam, Table 1; Rayleigh–Ritz in global polynomials, computed in the case: Visscher et al. 1991, J. Acoust. Soc. Am. 90, 2154."

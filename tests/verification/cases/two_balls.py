@@ -5,7 +5,7 @@ import numpy as np
 
 import hertz_theory as hertz
 from case import BLUE
-from programs import ROOT
+from ricochet.programs import ROOT
 
 TITLE = "Hertz in impact: two balls"
 SOURCE = "Hertz 1882 as in Johnson 1985, *Contact Mechanics*, section 11.4; waves: Hunter 1957, J. Mech. Phys. Solids 5, 162."

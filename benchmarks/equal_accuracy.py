@@ -1,0 +1,224 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Equal accuracy: time of scripts/bench modes against the error of the lowest elastic frequencies, ours and
+CalculiX's."""
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks import calculix, launch, tables, timing
+from ricochet import programs
+
+ELASTIC = 140
+COUNT = ELASTIC + 6  # with rigid modes of a free body
+HEAD = ["solver", "order", "size", "unknowns", "time (s)", "runs (s)", "largest error"]
+
+OURS = [
+    "2:5e-3",
+    "2:3.4e-3",
+    "2:2.6e-3",
+    "2:2e-3",
+    "3:1e-2",
+    "3:7e-3",
+    "3:5e-3",
+    "3:4e-3",
+    "4:1.4e-2",
+    "4:1e-2",
+    "4:7e-3",
+]
+CALCULIX = ["2:5e-3", "2:3.4e-3", "2:2.6e-3", "2:2e-3"]
+REFERENCE = ["4", "4e-3"]
+
+
+def order_and_size(text):
+    order, size = text.split(":")
+    return int(order), float(size)
+
+
+def add_arguments(parser):
+    group = parser.add_argument_group(
+        "equal accuracy",
+        f"time against the largest relative error of the lowest {ELASTIC} elastic frequencies; times "
+        "are those of assembly and search, of CalculiX those of the whole program",
+    )
+    group.add_argument("--accuracy", action="store_true", help="compare at equal accuracy")
+    group.add_argument(
+        "--ours",
+        type=order_and_size,
+        nargs="+",
+        default=[order_and_size(t) for t in OURS],
+        metavar="ORDER:SIZE",
+        help=f"our runs (default: {' '.join(OURS)})",
+    )
+    group.add_argument(
+        "--calculix",
+        type=order_and_size,
+        nargs="*",
+        default=[order_and_size(t) for t in CALCULIX],
+        metavar="ORDER:SIZE",
+        help=f"CalculiX's, order 1 or 2 (default: {' '.join(CALCULIX)})",
+    )
+    group.add_argument(
+        "--reference",
+        nargs=2,
+        default=REFERENCE,
+        metavar=("ORDER", "SIZE"),
+        help=f"our run that stands for the truth (default: {' '.join(REFERENCE)})",
+    )
+    group.add_argument(
+        "--target", type=float, default=1e-3, help="error at which times are compared (default: 1e-3)"
+    )
+
+
+def time_at(points, target):
+    """Time at which the error is `target`, and whether that lies beyond the points (error, time): on the line
+    in log-log through the two next to it."""
+    points = sorted(points, reverse=True)
+    if len(points) < 2:
+        return None, True
+    after = next((k for k in range(1, len(points)) if points[k][0] <= target), len(points) - 1)
+    (e0, t0), (e1, t1) = np.log(points[after - 1]), np.log(points[after])
+    inside = points[-1][0] <= target <= points[0][0]
+    return float(np.exp(t0 + (t1 - t0) * (np.log(target) - e0) / (e1 - e0))), not inside
+
+
+def row_of(solver, order, size, runs, seconds, truth):
+    found = np.array(runs[0]["frequency_hz"][:ELASTIC])
+    if len(found) < ELASTIC:
+        print(
+            f"bench modes: {solver}, order {order}, size {size:g}: only {len(found)} elastic modes",
+            file=sys.stderr,
+        )
+        return None
+    return {
+        "solver": solver,
+        "order": order,
+        "size": size,
+        "unknowns": runs[0]["unknowns"],
+        "seconds": float(np.median(seconds)),
+        "runs": seconds,
+        "error": float(np.abs(found / truth - 1).max()),
+        "command": runs[0]["command"],
+    }
+
+
+def curves(rows):
+    """Points (error, time) by solver and order; of sizes that make the same mesh, one."""
+    found = {}
+    for row in rows:
+        found.setdefault(f"{row['solver']}, order {row['order']}", {})[row["unknowns"]] = (
+            row["error"],
+            row["seconds"],
+        )
+    return {name: list(points.values()) for name, points in found.items()}
+
+
+def rows_of(options, case, ranks, truth, cache):
+    modes = (
+        "{"
+        + f"count={COUNT}"
+        + (f",relative_residual={options.tolerance}" if options.tolerance else "")
+        + "}"
+    )
+    candidates = {
+        (order, size): lambda order=order, size=size: launch.search(
+            "ricochet", case(order, size), modes, ranks, frequencies=True
+        )
+        for order, size in options.ours
+    }
+    for (order, size), runs in timing.alternate(options.rounds, candidates).items():
+        seconds = [run["assembly_seconds"] + run["seconds"] for run in runs]
+        yield row_of("ricochet", order, size, runs, seconds, truth)
+    if not options.calculix or not calculix.installed():
+        return
+    for order, size in options.calculix:
+        # With the number of threads that suits it better.
+        try:
+            trials = [
+                calculix.run(case(order, size), COUNT, threads, options.rounds, cache)
+                for threads in options.threads
+            ]
+        except programs.Failed:
+            # Out of memory, as a rule: what has been found stays worth a report.
+            print(f"bench modes: calculix, order {order}, size {size:g}: left out", file=sys.stderr)
+            continue
+        runs = min(trials, key=timing.median)
+        yield row_of("calculix", order, size, runs, [run["seconds"] for run in runs], truth)
+
+
+def report(rows, target):
+    """Times for the target error, by solver and order, and how ours compare with CalculiX's."""
+    needed = {}
+    for name, points in curves(rows).items():
+        seconds, beyond = time_at(points, target)
+        if seconds is None:
+            print(f"{name}: one mesh is not enough for its time at {target:.2g}")
+            continue
+        needed[name] = seconds, beyond
+        print(
+            f"{name}: {seconds:.3g} s for an error of {target:.2g}, "
+            + ("extrapolated: no runs on both sides of it" if beyond else "interpolated")
+        )
+    # What lies between runs counts before what was extrapolated.
+    best = {
+        family: min(
+            (beyond, seconds, name) for name, (seconds, beyond) in needed.items() if name.startswith(family)
+        )
+        for family in ("ricochet", "calculix")
+        if any(name.startswith(family) for name in needed)
+    }
+    if len(best) == 2:
+        (ours_beyond, ours, name), (peer_beyond, peer, peer_name) = best["ricochet"], best["calculix"]
+        print(
+            f"{name} is faster than {peer_name} by {peer / ours:.3g}"
+            + (", extrapolated" if ours_beyond or peer_beyond else "")
+        )
+
+
+def draw(rows, target, path):
+    plt = tables.pyplot()
+    figure, ax = plt.subplots(figsize=(6.5, 4.5), layout="constrained")
+    for name, points in curves(rows).items():
+        errors, seconds = zip(*sorted(points))
+        ax.loglog(seconds, errors, marker="s" if name.startswith("calculix") else "o", label=name)
+    ax.axhline(target, color="black", linestyle="--", linewidth=0.8)
+    ax.set(xlabel="time (s)", ylabel=f"largest error of {ELASTIC} frequencies")
+    ax.grid(True, which="both", color="#e4e4e4")
+    ax.legend(frameon=False)
+    figure.savefig(path, dpi=150)
+    print(path)
+
+
+def compare(options, cache):
+    def case(order, size):
+        return launch.Case(options.scene, options.body, order, size, options.set)
+
+    ranks = options.ranks[0]
+    order, size = int(options.reference[0]), float(options.reference[1])
+    run = launch.search("ricochet", case(order, size), f"{{count={COUNT}}}", ranks, frequencies=True)
+    truth = np.array(run["frequency_hz"][:ELASTIC])
+    print(f"Reference: order {order}, size {size:g}, {run['unknowns']} unknowns, {run['seconds']:.2f} s\n")
+    rows = []
+    tables.head(HEAD)
+    for row in rows_of(options, case, ranks, truth, cache):
+        if row is None:
+            continue
+        rows.append(row)
+        tables.row(
+            [
+                row["solver"],
+                row["order"],
+                f"{row['size']:g}",
+                row["unknowns"],
+                f"{row['seconds']:.2f}",
+                " ".join(f"{t:.2f}" for t in row["runs"]),
+                f"{row['error']:.2e}",
+            ]
+        )
+        if options.json:
+            Path(options.json).write_text(json.dumps({"reference": run, "rows": rows}, indent=1) + "\n")
+    print()
+    report(rows, options.target)
+    if options.figure:
+        draw(rows, options.target, options.figure)

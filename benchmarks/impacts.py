@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Impacts of one scene computed with different kernels, and how far they are from a reference."""
+import json
+import math
+import sys
+import tomllib
+from pathlib import Path
+
+import h5py
+
+from ricochet import programs
+
+
+def add_arguments(parser):
+    """The scene and what its impacts vary, for subcommands that compare impacts."""
+    parser.add_argument("scene", type=Path, metavar="SCENE.toml")
+    parser.add_argument("--body", default="upper", help="body whose rebound is compared (default: upper)")
+    parser.add_argument(
+        "--speeds", type=float, nargs="+", default=[1.0, 6.0], help="its speeds [m/s] (default: 1 6)"
+    )
+    parser.add_argument(
+        "--band", type=float, default=500.0, help="band in which contact acts [Hz] (default: 500)"
+    )
+    parser.add_argument("--ranks", type=int, default=2, help="ranks of ricochet-kernel (default: 2)")
+    parser.add_argument("--json", type=Path, help="write the results into this file")
+
+
+class Impacts:
+    """Impacts of one scene at several speeds, their files in one folder."""
+
+    def __init__(self, options, folder, settings=()):
+        self.scene, self.body, self.speeds = options.scene, options.body, options.speeds
+        self.settings = list(settings)
+        self.ranks, self.folder = options.ranks, folder
+        resolved = tomllib.loads(programs.resolved(self.scene, programs.with_set(self.settings)))
+        self.bodies = sorted(resolved["bodies"])
+        if self.body not in self.bodies:
+            print(f'{self.scene}: there is no body "{self.body}": give --body', file=sys.stderr)
+            raise programs.Failed(2)
+        velocity = resolved["bodies"][self.body]["velocity"]
+        if not any(velocity):
+            print(
+                f"{self.scene}: {self.body} is at rest: name the body that moves by --body", file=sys.stderr
+            )
+            raise programs.Failed(2)
+        self.direction = [v / math.hypot(*velocity) for v in velocity]
+
+    def words(self, modes, *more):
+        own = [f"modes={modes}", "output.view=false", "output.snapshot_every=0"]
+        return ["--quiet", "--out", self.folder, *programs.with_set([*own, *self.settings, *more])]
+
+    def compute(self, modes):
+        """Vectors of each body, the largest estimate of their flexibility's error, and by speed the rebound
+        velocity [m/s] (None: still touching) and the impulse [N s]."""
+        programs.kernel(self.scene, self.words(modes), self.ranks)
+        impacts = {}
+        for speed in self.speeds:
+            velocity = ",".join(str(speed * d) for d in self.direction)
+            programs.contact(
+                self.scene, self.words(modes, f"bodies.{self.body}.velocity=[{velocity}]", "title=impact")
+            )
+            summary = json.loads((self.folder / "impact.summary.json").read_text())
+            exit_velocity = summary["exit_velocity"].get(self.body)
+            rebound = exit_velocity and sum(v * d for v, d in zip(exit_velocity, self.direction))
+            impacts[speed] = {"rebound": rebound, "impulse": summary["impulse_ns"]}
+        vectors, error = {}, 0.0
+        with h5py.File(self.folder / "impact.result.h5") as result:
+            kernels = {body: group.attrs["kernel"].decode() for body, group in result["bodies"].items()}
+        for body, name in kernels.items():
+            with h5py.File(self.folder / name) as kernel:
+                vectors[body] = len(kernel["modes/angular_frequency"])
+                error = max(error, float(kernel["modes/certificate"].attrs["flexibility_error"]))
+        return {"vectors": vectors, "estimate": error, "impacts": impacts}
+
+
+def relative(value, reference):
+    return None if value is None or not reference else abs(value / reference - 1)
+
+
+def compare(found, reference):
+    """Relative errors by speed, rebound and impulse."""
+    return {
+        speed: {key: relative(impact[key], reference["impacts"][speed][key]) for key in impact}
+        for speed, impact in found["impacts"].items()
+    }

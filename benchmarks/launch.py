@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Builds what is timed, and runs bench_modes under mpirun on a body of a scene."""
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from ricochet import programs
+
+
+def build(*targets):
+    """Brings programs up to date with the source; scripts/build must have run once."""
+    if not programs.BIN.is_dir():
+        print(f"{programs.BIN}: no programs there. Run scripts/build first.", file=sys.stderr)
+        raise programs.Failed(2)
+    done = subprocess.run(
+        ["cmake", "--build", programs.BIN.parent, "--target", *targets], stdout=subprocess.PIPE, text=True
+    )
+    if done.returncode != 0:
+        print(done.stdout, file=sys.stderr)
+        raise programs.Failed(done.returncode)
+
+
+class Case:
+    """A body of a scene, meshed with elements of an order and a size (None: the scene's own)."""
+
+    def __init__(self, scene, body, order=None, size=None, settings=()):
+        self.scene, self.body, self.order, self.size, self.settings = scene, body, order, size, list(settings)
+
+    def words(self, modes):
+        """SCENE BODY --set …, with this [modes]; what the user sets comes last and wins."""
+        own = [f"modes={modes}"]
+        own += [f"bodies.{self.body}.order={self.order}"] if self.order else []
+        own += [f"bodies.{self.body}.geometry.size={self.size}"] if self.size else []
+        return [self.scene, self.body, *programs.with_set(own + self.settings)]
+
+
+def text(command):
+    return " ".join(str(word) for word in command)
+
+
+def search(solver, case, modes, ranks, upto_hz=None, frequencies=False):
+    """One run of bench_modes: what it prints, and the elastic frequencies where they are wanted."""
+    with tempfile.TemporaryDirectory(prefix="ricochet-bench-") as folder:
+        file = Path(folder) / "frequencies"
+        command = programs.mpirun(ranks) + [programs.BIN / "bench_modes", solver, *case.words(modes)]
+        command += ["--upto-hz", f"{upto_hz:.6f}"] if upto_hz else []
+        command += ["--frequencies", file] if frequencies else []
+        run = json.loads(programs.call(command, capture=True).strip().splitlines()[-1])
+        if frequencies:
+            run["frequency_hz"] = [float(line) for line in file.read_text().split()]
+    return run | {"command": text(command)}

@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Overhead of a sweep beside its impacts.
+
+    scripts/bench sweep
+    scripts/bench sweep --impacts 10000 --scenes two-rods --set modes.count=20 --set time.rate_hz=20.0
+
+The bare impacts run in as many processes as --jobs, each with its share of the requests on its standard
+input. Their own time is the sum of what their summaries report, from kernels in memory to results in memory.
+The overhead is the extra time of a sweep, which includes starts, checks, the journal and the tables: its wall
+time × processes, divided by the time of the bare impacts. On a machine with other work, compare processor
+times instead; that of the bare processes includes reading their requests. Kernels are kept in
+build/bench-sweep.
+"""
+import json
+import os
+import subprocess
+import sys
+import time
+
+from benchmarks import launch, tables, timing
+from ricochet import programs
+from ricochet.result_file import BadInput
+from ricochet.studies.study import Study
+
+# Scene, body and component of the velocity that is drawn from a range [m/s].
+SCENES = {
+    "two-disks": ("bodies.upper.velocity[1]", -2.0, -0.5),
+    "two-rods": ("bodies.moving.velocity[0]", 0.5, 2.0),
+}
+
+
+def write_study(folder, name, options):
+    key, low, high = SCENES[name]
+    path = folder / f"{name}.toml"
+    path.write_text(
+        f'scene = "{programs.ROOT}/meshes/{name}/{name}.toml"\n[set]\n"output.view" = false\n'
+        + "".join(f'"{key}" = {value}\n' for key, value in (setting.split("=", 1) for setting in options.set))
+        + f"[random]\ncount = {options.impacts}\n"
+        f'"{key}" = {{ uniform = [{low}, {high}] }}\n"contact.gap" = {{ uniform = [1e-4, 1e-3] }}\n'
+    )
+    return path
+
+
+def sweep(study, folder, options, *more):
+    """Wall and processor time [s]."""
+    started, before = time.monotonic(), timing.children_seconds()
+    programs.call(
+        [programs.BIN / "ricochet", "sweep", study, "--out", folder, "--jobs", options.jobs, *more],
+        capture=True,
+    )
+    return time.monotonic() - started, timing.children_seconds() - before
+
+
+def bare(study, folder, options):
+    """Time of all impacts as their processes report it, and processor time [s]."""
+    before = timing.children_seconds()
+    command = [
+        programs.BIN / "ricochet-contact",
+        study.scene,
+        "--batch",
+        "--out",
+        folder,
+        *programs.with_set(programs.settings(study.fixed)),
+    ]
+    lines = [json.dumps({"set": programs.settings(setting)}) + "\n" for setting in study.settings]
+    running = []
+    for k in range(options.jobs):
+        requests, answers = folder / f"requests.{k}", folder / f"answers.{k}"
+        requests.write_text("".join(lines[k :: options.jobs]))
+        with open(requests) as given, open(answers, "w") as found:
+            running.append(
+                (
+                    subprocess.Popen(
+                        list(map(str, command)),
+                        stdin=given,
+                        stdout=found,
+                        env=os.environ | programs.ONE_THREAD,
+                    ),
+                    answers,
+                )
+            )
+    for process, _ in running:
+        if process.wait() != 0:
+            raise programs.Failed(process.returncode)
+    reported = [json.loads(line) for _, answers in running for line in answers.read_text().splitlines()]
+    failed = [answer["error"] for answer in reported if answer["status"] != 0]
+    if failed:
+        raise BadInput(f"{len(failed)} impacts failed: {failed[0]}")
+    return sum(answer["summary"]["wall_s"] for answer in reported), timing.children_seconds() - before
+
+
+def measure(name, options, folder):
+    path = write_study(folder, name, options)
+    sweep(path, folder, options, "--kernels")
+
+    def anew():
+        for journal in folder.glob(f"{name}.sweep.*"):
+            journal.unlink()
+        return sweep(path, folder, options)
+
+    found = timing.alternate(
+        options.rounds, {"bare": lambda: bare(Study(path), folder, options), "sweep": anew}
+    )
+    rounds = sorted(
+        (wall * options.jobs / own - 1, wall, own, cpu, own_cpu)
+        for (own, own_cpu), (wall, cpu) in zip(found["bare"], found["sweep"])
+    )
+    share, wall, own, cpu, own_cpu = rounds[len(rounds) // 2]
+    cells = [
+        name,
+        options.impacts,
+        f"{own:.1f}",
+        f"{wall:.1f}",
+        f"{100 * share:.1f} %",
+        f"{own_cpu:.1f}",
+        f"{cpu:.1f}",
+    ]
+    tables.row(cells + [f"{1e3 * (cpu - own_cpu) / options.impacts:.2f}"])
+
+
+def add_arguments(parser):
+    parser.add_argument(
+        "--scenes", nargs="+", choices=SCENES, default=list(SCENES), help="scenes of meshes/ (default: all)"
+    )
+    parser.add_argument("--impacts", type=int, default=10000, help="impacts of the study (default: 10000)")
+    parser.add_argument(
+        "--jobs", type=int, default=os.cpu_count() or 1, help="processes (default: all cores)"
+    )
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", help="override a key of the scenes"
+    )
+    parser.add_argument(
+        "--rounds", type=int, default=1, help="rounds, of which the median counts (default: 1)"
+    )
+
+
+def run(options):
+    launch.build("ricochet-kernel", "ricochet-contact")
+    folder = programs.ROOT / "build" / "bench-sweep"
+    folder.mkdir(parents=True, exist_ok=True)
+    print(f"{options.jobs} processes\n")
+    tables.head(
+        [
+            "scene",
+            "impacts",
+            "bare (s)",
+            "sweep (s)",
+            "overhead",
+            "processor time: bare (s)",
+            "sweep (s)",
+            "beside an impact (ms)",
+        ]
+    )
+    try:
+        for name in options.scenes:
+            measure(name, options, folder)
+    except BadInput as problem:
+        print(f"bench sweep: {problem}", file=sys.stderr)
+        raise programs.Failed(2) from None

@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""The motion of a run for a page: the bodies' skins, moved by a few shapes that stand for all their modes."""
+import base64
+
+import numpy as np
+
+from ricochet import result_file
+from ricochet.pictures.viewpoint import clearest
+
+MOMENTS = 1200  # snapshots at most; further ones are thinned evenly
+TRIANGLES = 80_000  # of all bodies together; finer skins are made coarser
+SHAPES = 80  # of each body, beside rigid motion
+SHAPES_MB = 4  # of all bodies together
+LEFT_OUT = 3e-4  # of the deformation, root mean square: where shapes are enough
+POINTS = 300  # contact points whose forces are drawn: those of most impulse
+SIDES = 12  # of a rod's cross-section
+
+
+def packed(values, kind="f4"):
+    """An array as text. i2 and u2 are fractions of the largest, to 15 and 16 bits; f4 and u4 are the values."""
+    values = np.asarray(values)
+    out = {"type": kind, "shape": list(values.shape)}
+    if kind in ("i2", "u2"):
+        largest = float(np.max(np.abs(values), initial=0)) or 1.0
+        out["scale"] = largest / (32767 if kind == "i2" else 65535)
+        values = np.rint(values / out["scale"])
+    return out | {"data": base64.b64encode(np.ascontiguousarray(values, "<" + kind).tobytes()).decode()}
+
+
+def few_shapes(shape, coordinates, most, left_out):
+    """Fields (n,r) and amplitudes (S,r) with fields · amplitudesᵀ ≈ shape · coordinatesᵀ, the best ones of their number;
+    `left_out` is the root mean square that may miss, relative."""
+    if shape.shape[1] == 0:
+        return np.zeros((len(shape), 0)), np.zeros((len(coordinates), 0))
+    parts = np.array_split(shape, len(shape) // 10_000 + 1)  # in double precision by parts, as it may be large
+    values, vectors = np.linalg.eigh(sum(part.T.astype(float) @ part for part in parts))
+    held = values > 1e-14 * max(values[-1], 1e-300)
+    root, vectors = np.sqrt(values[held]), vectors[:, held]
+    left, size, right = np.linalg.svd((coordinates @ vectors) * root, full_matrices=False)
+    behind = np.sqrt(np.append(np.cumsum(size[::-1] ** 2)[::-1], 0))  # what is missed with the first 0, 1, … of them
+    count = min(int(np.argmax(behind <= left_out * behind[0])), most)
+    mix = (vectors / root) @ right[:count].T
+    return np.concatenate([part @ mix for part in parts]), left[:, :count] * size[:count]
+
+
+def coarser(node, element, limit):
+    """Which nodes to keep, and triangles between them, such that there are at most `limit`: nodes of one cell of a grid
+    become one."""
+    kept, cells = np.arange(len(node)), 2.0 * np.sqrt(limit)
+    while len(element) > limit:
+        width = np.ptp(node, axis=0).max() / cells
+        cell = np.floor((node - node.min(axis=0)) / width).astype(int)
+        _, first, of = np.unique(cell, axis=0, return_index=True, return_inverse=True)
+        merged = of.ravel()[element]
+        whole = (merged[:, 0] != merged[:, 1]) & (merged[:, 1] != merged[:, 2]) & (merged[:, 2] != merged[:, 0])
+        corners, where = np.unique(np.sort(merged[whole], axis=1), axis=0, return_index=True)
+        kept, thinner, cells = first, merged[whole][where], 0.8 * cells
+        if len(corners) <= limit:
+            return kept, thinner
+    return kept, element
+
+
+def tube(node, element, radius):
+    """A rod's line as a tube: triangles between rings of new nodes, the old node of each, and where each lies from it."""
+    along = node[element[0, 1]] - node[element[0, 0]]
+    along = along / (np.linalg.norm(along) or 1)
+    across = np.cross(along, np.eye(3)[np.argmin(np.abs(along))])
+    across /= np.linalg.norm(across)
+    angle = 2 * np.pi * np.arange(SIDES) / SIDES
+    ring = radius * (np.outer(np.cos(angle), across) + np.outer(np.sin(angle), np.cross(along, across)))
+    of = np.repeat(np.arange(len(node)), SIDES)
+    here = np.arange(SIDES)
+    turned = (here + 1) % SIDES
+    faces = []
+    for a, b in element * SIDES:
+        faces += [np.stack([a + here, b + here, b + turned], 1), np.stack([a + here, b + turned, a + turned], 1)]
+    ends, counts = np.unique(element, return_counts=True)
+    for end in ends[counts == 1] * SIDES:
+        faces.append(np.stack([np.full(SIDES - 2, end), end + here[1:-1], end + here[2:]], 1))
+    return np.concatenate(faces), of, np.tile(ring, (len(node), 1))
+
+
+def radius_of(body, length):
+    """Of a rod, by its area, and thick enough to be seen."""
+    area = max((part.get("area", 0) for part in materials(body).values()), default=0)
+    return max(np.sqrt(area / np.pi), 0.01 * length)
+
+
+def materials(body):
+    """By physical volume; "" is the whole body."""
+    found = body.get("material", {})
+    return {"": found} if "density" in found else found
+
+
+def body_of(name, skin, chosen, share, scene):
+    """One body of the page, its places at rest, its triangles, and the part of its deformation [m] that is missed. `share` of what all
+    bodies may take is its own."""
+    node, element, coordinates = skin.node, skin.element, skin.coordinates[chosen]
+    offset, of, tubular = 0.0, np.arange(len(node)), element.shape[1] == 2
+    if tubular:
+        length = np.ptp(node, axis=0).max()
+        element, of, offset = tube(node, element, radius_of(scene.get("bodies", {}).get(name, {}), length))
+    elif len(element) > share * TRIANGLES:
+        of, element = coarser(node, element, share * TRIANGLES)
+    shape = np.einsum("ij,vjn->vin", skin.rotation.astype("f4"), skin.shape[of]).reshape(3 * len(of), -1)
+    most = max(1, min(SHAPES, int(share * SHAPES_MB * 2**20 / (6 * len(of)))))
+    rigid, moved = few_shapes(shape[:, skin.rigid], coordinates[:, skin.rigid], 6, 1e-12)
+    shape, coordinates = shape[:, ~skin.rigid], coordinates[:, ~skin.rigid]
+    bent, amount = few_shapes(shape, coordinates, most, LEFT_OUT)
+    some = np.unique(np.linspace(0, len(chosen) - 1, 60).astype(int))
+    exact = shape @ coordinates[some].T
+    missed = np.abs(exact - bent @ amount[some].T).max(initial=0)
+    largest = np.abs(exact).max(initial=0)
+    place = (node[of] + offset) @ skin.rotation.T + skin.translation
+    return {"name": name, "node": packed(place), "element": packed(element, "u4"), "lines": not tubular,
+            "rigid": packed(rigid.T), "moved": packed(moved), "bent": [packed(column, "i2") for column in bent.T],
+            "amount": packed(amount)}, place, element, (missed, largest)
+
+
+def half_space(name, obstacle, low, high):
+    """A square of an obstacle's surface below all that moves."""
+    point, normal = np.array(obstacle.get("point", [0, 0, 0]), float), np.array(obstacle["normal"], float)
+    normal /= np.linalg.norm(normal)
+    centre = (low + high) / 2
+    centre -= normal * (normal @ (centre - point))
+    side = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
+    side *= 0.7 * np.max(high - low) / np.linalg.norm(side)
+    other = np.cross(normal, side)
+    corners = centre + np.array([side + other, side - other, -side - other, other - side])
+    return {"name": name, "node": packed(corners), "element": packed([[0, 1, 2], [0, 2, 3]], "u4")}
+
+
+def nearest(points, places):
+    """For each point the body and node that lie nearest, and where it lies from that node."""
+    best, found, offset = np.full(len(points), np.inf), np.zeros((len(points), 2), int), np.zeros((len(points), 3))
+    for body, place in enumerate(places):
+        for i, point in enumerate(points):
+            away = np.sum((place - point) ** 2, axis=1)
+            if away.min() < best[i]:
+                node = away.argmin()
+                best[i], found[i], offset[i] = away[node], (body, node), point - place[node]
+    return found, offset
+
+
+def forces_at(result, times, points):
+    """(S,p) force at these points in the step of each moment; 0 where the moment is in no row of contact."""
+    out = np.zeros((len(times), len(points)))
+    if len(result.contact_time):
+        half = 0.5 * result.spacing
+        row = np.minimum(np.searchsorted(result.contact_time, times - half), len(result.contact_time) - 1)
+        near = np.abs(result.contact_time[row] - times) <= half
+        out[near] = result.force[row[near]][:, points]
+    return out
+
+
+def motion_of(result, folder, scene):
+    """What the page animates; {"missing": why} when the run has no skins or no snapshots, or kernels are gone."""
+    skins, time = result_file.skins_of(result, folder)
+    if not skins:
+        return {"missing": time}
+    every = -(-len(time) // MOMENTS)
+    chosen = np.arange(0, len(time), every)
+    bodies, places, elements, misses = zip(*(body_of(name, skin, chosen, 1 / len(skins), scene) for name, skin in skins.items()))
+    everything = np.concatenate(places)
+    low, high = everything.min(axis=0), everything.max(axis=0)
+    points = np.sort(np.argsort(result.impulse())[::-1][:POINTS])
+    points = points[result.impulse()[points] > 0]
+    largest = max(size for _, size in misses)
+    anchor, offset = nearest(result.point[points], places)
+    view = clearest(list(zip(places, elements)), result.point[points], tilted=True)
+    return {"time": packed(time[chosen]), "thinned": every, "bodies": bodies,
+            "obstacles": [half_space(name, obstacle, low, high) for name, obstacle in scene.get("obstacles", {}).items()],
+            "view": {"base": view.base, "azimuth": view.azimuth, "elevation": view.elevation}, "shapes": sum(len(body["bent"]) for body in bodies),
+            "coordinates": sum(len(skin.rigid) for skin in skins.values()),
+            "missed": max(miss for miss, _ in misses) / largest if largest else 0.0,
+            "points": {"anchor": anchor.tolist(), "offset": packed(offset), "normal": packed(result.normal[points]),
+                       "force": packed(forces_at(result, time[chosen], points), "u2"),
+                       "left_out": int(np.count_nonzero(result.impulse())) - len(points)}}

@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Puts a run into the page: template, style, scripts and data in one file that asks for no other."""
+import base64
+import hashlib
+import html
+import json
+from pathlib import Path
+
+from ricochet import files
+from ricochet.result_file import BadInput
+
+FOLDER = Path(__file__).resolve().parent / "assets"
+SCRIPTS = ["base.js", "charts.js", "motion.js", "player.js", "page.js"]
+LARGEST_MB = 16
+
+
+def numbers(value):
+    """What json can't write by itself."""
+    return value.tolist()
+
+
+def page_of(run):
+    """The page as text. Only the scripts of this folder may run in it: the policy names their hash."""
+    script = "\n" + "\n".join((FOLDER / name).read_text() for name in SCRIPTS)
+    data = json.dumps(run, ensure_ascii=False, allow_nan=False, separators=(",", ":"), default=numbers)
+    parts = {"title": html.escape(run["title"]), "style": (FOLDER / "page.css").read_text(),
+             "data": data.replace("<", "\\u003c"), "script": script,
+             "hash": base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()}
+    page, rest = "", (FOLDER / "page.html").read_text()
+    while "{{" in rest:
+        before, _, rest = rest.partition("{{")
+        name, _, rest = rest.partition("}}")
+        page += before + parts[name]
+    return page + rest
+
+
+def write_page(run, path):
+    """Under its final name only when whole."""
+    page = page_of(run).encode()
+    if len(page) > LARGEST_MB * 2**20:
+        raise BadInput(f"{path}: the page would have {len(page) / 2**20:.0f} MB, more than {LARGEST_MB}. "
+                       "A larger output.snapshot_every, no output.view or fewer receivers make it smaller.")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        files.write(path, page)
+    except OSError as error:
+        raise BadInput(f"{path}: cannot be written ({error.strerror}). Choose another --out.") from None
+    return len(page)

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Everything that the page of a run tells, as one object of plain values."""
+import hashlib
+import json
+import shlex
+from pathlib import Path
+
+import numpy as np
+
+from ricochet.pages import charts
+from ricochet.pages.motion import materials, motion_of
+from ricochet.pages.sound import sounds_of
+from ricochet.result_file import BadInput, File, Result, expected, is_there
+
+
+def summary_of(path, result):
+    """summary.json of the same run."""
+    if not is_there(path):
+        raise BadInput(f"{path}: there is no such file. Run ricochet-contact again: it writes one beside the result.")
+    try:
+        summary = json.loads(path.read_text(), parse_constant=lambda word: None)
+        json.dumps(summary, ensure_ascii=False, allow_nan=False).encode()  # not with 1e999 or half a character
+    except (ValueError, RecursionError):
+        raise BadInput(f"{path}: is damaged. Run ricochet-contact again.") from None
+    kind = {"warnings": list, "pairs": list} if result.static else {"warnings": list, "episodes": list, "sounds": dict}
+    same = isinstance(summary, dict) and all(isinstance(summary.get(key), of) for key, of in kind.items())
+    if not same or summary.get("candidates") != len(result.gap):
+        raise BadInput(f"{path}: is not of the run of {result.file.path.name}. Run ricochet-contact again.")
+    return summary
+
+
+def plain(file, where, name):
+    """An attribute of a file: text or a finite number."""
+    text, value = file.text(where, name), file.attribute(where, name)
+    if text is not None:
+        return text
+    if np.ndim(value) == 0 and isinstance(value, np.number) and np.isfinite(value):
+        return value.item()
+    raise BadInput(f"{file.path}: attribute \"{name}\" of {where} is missing or damaged. Compute it again.")
+
+
+def kernel_of(path):
+    """What a kernel file says of itself; None where it is gone."""
+    if not is_there(path):
+        return None
+    file = File(path, "ricochet-kernel")
+    out = {name: plain(file, "/", name) for name in
+           ["hash", "mesh_sha256", "created_by", "dofs", "elements", "order", "supported"]}
+    out["basis"] = plain(file, "/modes", "basis")
+    out["approximate"] = file.attribute("/modes/certificate", "approximate") is not None
+    return out | {name: plain(file, "/modes/certificate", name) for name in
+                  ["complete", "upto_hz", "count_found", "left_out", "flexibility_error"]}
+
+
+def bodies_of(result, folder, scene):
+    out = []
+    for name in result.bodies:
+        where, asked = f"/bodies/{name}", scene.get("bodies", {}).get(name, {})
+        file = Path(result.file.text(where, "kernel") or "").name
+        out.append({"name": name, "mass": plain(result.file, where, "mass"), "file": file,
+                    "kernel": kernel_of(folder / file) if file else None, "mesh": asked.get("mesh"),
+                    "velocity": asked.get("velocity"), "materials": materials(asked)})
+    return out
+
+
+def commands_of(result, scene, bodies):
+    """How to come to the same result, as (command, what it does)."""
+    text, out = shlex.quote(f"{result.slug}.toml"), []
+    if any(body["file"] for body in bodies):
+        names = ", ".join(body["file"] for body in bodies)
+        out.append((f"mpirun -n 2 ricochet-kernel {text}", f"Any number of ranks. It makes, or finds, out/: {names}. "
+                    "An equal name is an equal kernel."))
+    elif scene.get("contact", {}).get("table"):
+        out.append(("", f"The kernels are in {scene['contact']['table']}, which no command of Ricochet makes."))
+    out.append((f"ricochet-contact {text}", "The impact."))
+    out.append((f"ricochet report {shlex.quote(f'out/{result.slug}.result.h5')}", "This page."))
+    return out
+
+
+def charts_of(result, by_table):
+    """By section of the page."""
+    i = int(np.argmax(result.impulse())) if result.episodes else 0
+    still = len(result.time) == 1
+    out = {"contact": [], "energy": []}
+    if not still:
+        out["contact"].append(charts.force_chart(result, i))
+        out["contact"] += charts.table_charts(result, i) if by_table else charts.along_normal_charts(result, i)
+    several = not by_table and np.count_nonzero(result.impulse()) > 1
+    if several:
+        out["contact"].append(charts.pressure_chart(result, result.file.array("/contact/area", len(result.gap))))
+    if not still and result.episodes:
+        out["contact"].append(charts.spectrum_chart(result))
+    if not still and not by_table:
+        out["energy"] = charts.energy_charts(result)
+    return out, charts.force_map(result) if several and not still else None
+
+
+def digest(path):
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def run_of(path, kernels=None):
+    """The whole run whose result file is at `path`. Throws BadInput."""
+    result = Result(path)
+    folder = kernels or path.parent
+    beside = path.with_name(f"{result.slug}.summary.json")
+    summary = summary_of(beside, result)
+    with expected(beside):
+        sounds = sounds_of(summary, path.parent)
+    scene = result.scene()
+    by_table = result.energy is None
+    drawn, force_map = charts_of(result, by_table)
+    bodies = bodies_of(result, folder, scene)
+    motion = {"missing": "runs by table kernels know no bodies"} if by_table else motion_of(result, folder, scene)
+    steps = {"rows": len(result.time), "every": scene.get("output", {}).get("every", 1),
+             "duration_s": scene.get("time", {}).get("duration"), "rate_hz": scene.get("time", {}).get("rate_hz")}
+    ends = {} if by_table else {name: [values[0], values[-1]] for name, values in result.energy.items()}
+    return {"title": result.title, "slug": result.slug, "summary": summary, "scene": result.file.text("/", "scene") or "",
+            "asked": {name: scene.get(name) for name in ["accuracy", "modes", "contact", "time", "loads"]},
+            "static": result.static, "by_table": by_table, "bodies": bodies, "steps": steps,
+            "labels": Result.LABELS, "energy": ends, "charts": drawn, "map": force_map, "motion": motion,
+            "episodes": result.spans()[:2000],
+            "sounds": sounds, "receivers": charts.receiver_charts(result),
+            "points": len(result.gap), "commands": commands_of(result, scene, bodies),
+            "file": {"name": path.name, "bytes": path.stat().st_size, "sha256": digest(path),
+                     "created_by": result.file.text("/", "created_by")}}

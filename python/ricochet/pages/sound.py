@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Sound of receivers for a page: one channel of 16 bits, of a length that a page can bear."""
+import base64
+import struct
+from pathlib import Path
+
+import numpy as np
+
+from ricochet.result_file import BadInput, is_there
+
+SAMPLES = 700_000  # of all receivers together: 1.9 MB in the page
+
+
+def channels(path, most):
+    """(n,3) samples of a WAV file of ricochet-contact, at most so many, their rate, and how many there are."""
+    refusal = BadInput(f"{path}: is not a sound that ricochet-contact wrote. Run it again.")
+    with open(path, "rb") as file:
+        riff = file.read(12)
+        if riff[:4] != b"RIFF" or riff[8:] != b"WAVE":
+            raise refusal
+        shape = None
+        while len(head := file.read(8)) == 8:
+            name, size = head[:4], struct.unpack("<I", head[4:])[0]
+            if name == b"data" and shape:
+                total = min(size, path.stat().st_size - file.tell()) // 12
+                return np.fromfile(file, "<f4", 3 * min(total, most)).reshape(-1, 3), shape[2], total
+            if name == b"fmt " and size >= 16:
+                shape = struct.unpack("<HHIIHH", file.read(16).ljust(16, b"\0"))
+                if shape[0] not in (3, 0xFFFE) or shape[1] != 3 or shape[5] != 32 or shape[2] == 0:
+                    raise refusal
+                size -= 16
+            file.seek(size + size % 2, 1)
+    raise refusal
+
+
+def sound_of(path, most):
+    """The channel that moves most, as a WAV file in base64."""
+    samples, rate, total = channels(path, most)
+    if not np.isfinite(samples).all():
+        raise BadInput(f"{path}: holds samples that are not finite. Run ricochet-contact again.")
+    axis = int(np.argmax(np.ptp(samples, axis=0))) if len(samples) else 0
+    data = np.rint(32767 * np.clip(samples[:, axis], -1, 1)).astype("<i2").tobytes()
+    head = struct.pack("<4sI4s4sIHHIIHH4sI", b"RIFF", 36 + len(data), b"WAVE", b"fmt ", 16, 1, 1, rate, 2 * rate, 2, 16,
+                       b"data", len(data))
+    return {"axis": "xyz"[axis], "rate_hz": rate, "seconds": len(samples) / rate, "of_seconds": total / rate,
+            "wav": base64.b64encode(head + data).decode()}
+
+
+def sounds_of(summary, folder):
+    """Of each receiver that the summary names a file of; {"missing": why} in the place of one that is gone."""
+    out = {}
+    named = summary.get("sounds") or {}
+    for name, sound in named.items():
+        path = folder / Path(sound["file"]).name
+        out[name] = sound_of(path, SAMPLES // len(named)) if is_there(path) else {"missing": f"there is no file {path.name}"}
+    return out

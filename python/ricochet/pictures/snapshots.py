@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""The picture of moments of a contact: the bodies, seen from where the contact is least hidden, and the force at each point."""
+import numpy as np
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import to_rgb
+
+from ricochet.pictures.style import WIDTH, colour_of, largest_of, legend_below, plt, prefixed
+from ricochet.pictures.viewpoint import clearest
+
+MOMENTS = 9
+STILL = 0.01  # of the size: where bodies deform less, motion is drawn larger than it is
+SHOWN = 0.05  # of the size: about how far it is then drawn
+
+
+def snapshots_picture(result, skins, time):
+    """Of the contact that carries most; None when no snapshot falls into it."""
+    impulse_of = [result.force[first:behind].sum() for first, behind in result.episodes]
+    longest = int(np.argmax(impulse_of))
+    start, end = result.spans()[longest]
+    half = result.spacing / 2
+    during = np.flatnonzero((time > start + half) & (time <= end + half))
+    if len(during) == 0:
+        return None
+    chosen = during[np.unique(np.round(np.linspace(0, len(during) - 1, MOMENTS)).astype(int))]
+    touch = max(int(np.searchsorted(time, start, side="right")) - 1, 0)
+    amplify = amplification(skins, chosen, touch)
+    places = [{body: skin.at(k, touch, amplify) for body, skin in skins.items()} for k in chosen]
+    view = clearest([(skin.at(touch), skin.element) for skin in skins.values()], result.point[result.impulse() > 0])
+    turn = view.turn()
+
+    everything = np.concatenate([place for moment in places for place in moment.values()]) @ turn.T
+    low, high = everything.min(axis=0)[:2], everything.max(axis=0)[:2]
+    if high[1] - low[1] < 0.02 * (high[0] - low[0]):  # rods: room above and below a line
+        low[1], high[1] = low[1] - 0.1 * (high[0] - low[0]), high[1] + 0.1 * (high[0] - low[0])
+    margin = 0.04 * (high - low).max()
+    shape = (high[1] - low[1] + 2 * margin) / (high[0] - low[0] + 2 * margin)
+
+    # Bars stand beside tall pictures and below wide ones.
+    beside, rows = shape > 1.3, -(-len(chosen) // 3)
+    width = WIDTH / 3 * (0.5 if beside else 1)
+    height = width * min(shape, 2.2)
+    figure = plt.figure(figsize=(WIDTH, rows * (height + (0.4 if beside else 1.3)) + 0.8), layout="constrained")
+    if beside:
+        grid = figure.add_gridspec(rows, 6, width_ratios=[1.1, 0.9] * 3)
+    else:
+        grid = figure.add_gridspec(2 * rows, 3, height_ratios=[height, 0.9] * rows)
+    ms, time_unit = prefixed(end, "s")
+    forces = Forces(result, [int(np.argmin(np.abs(result.contact_time - time[k]))) for k in chosen])
+    for cell, (k, moment) in enumerate(zip(chosen, places)):
+        r, c = divmod(cell, 3)
+        ax = figure.add_subplot(grid[r, 2 * c] if beside else grid[2 * r, c])
+        paint(ax, result, skins, moment, turn)
+        ax.set(xlim=(low[0] - margin, high[0] + margin), ylim=(low[1] - margin, high[1] + margin), aspect="equal",
+               title=f"{time[k] * ms:#.4g} {time_unit}")
+        ax.axis("off")
+        if cell == 0:
+            scale_bar(ax, low[0], low[1] - margin / 2, high[0] - low[0])
+        forces.draw(figure.add_subplot(grid[r, 2 * c + 1] if beside else grid[2 * r + 1, c]), cell,
+                    labelled=(cell + 3 >= len(chosen), c == 0))
+    handles = [plt.Rectangle((0, 0), 1, 1, color=colour_of(result, body)) for body in skins]
+    legend_below(figure, handles, skins)
+    scale = "true to scale" if amplify == 1 else f"motion since the first touch {amplify:,.0f} times as large"
+    moments = "one moment" if len(chosen) == 1 else f"{len(chosen)} moments"
+    figure.suptitle(f"{result.title}: {moments} of the contact, {scale}, and its force", fontsize=11)
+    return figure
+
+
+def amplification(skins, chosen, touch):
+    """1, or a round number where neither deformation nor motion since the first touch could be seen."""
+    before = {body: skin.at(touch) for body, skin in skins.items()}
+    everything = np.concatenate(list(before.values()))
+    size = np.linalg.norm(np.ptp(everything, axis=0))
+    if max(skin.deformation(k) for skin in skins.values() for k in chosen) >= STILL * size:
+        return 1
+    moved = max(np.linalg.norm(skin.at(k) - before[body], axis=1).max() for body, skin in skins.items() for k in chosen)
+    wanted = SHOWN * size / moved if moved > 0 else 1
+    if wanted < 2:
+        return 1
+    ten = 10.0 ** np.floor(np.log10(wanted))
+    return ten * max(factor for factor in (1, 2, 5) if factor * ten <= wanted)
+
+
+def paint(ax, result, skins, places, turn):
+    """Triangles and outlines from the farthest to the nearest."""
+    patches, depth, face, edge, width = [], [], [], [], []
+    light = np.array([0.35, 0.5, 0.8]) / np.linalg.norm([0.35, 0.5, 0.8])
+    # Of flat bodies that overlap a little the later one is in front, and outlines lie on what they bound.
+    near = 0.02 * np.ptp(np.concatenate(list(places.values())), axis=0).max()
+    for number, (body, skin) in enumerate(skins.items()):
+        seen, colour = places[body] @ turn.T, np.array(to_rgb(colour_of(result, body)))
+        outline = skin.rim(seen[:, :2])
+        line = skin.element.shape[1] == 2
+        if not line:
+            corner = seen[skin.element]
+            normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+            normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+            shaded = colour * (0.62 + 0.38 * np.abs(normal @ light))[:, None]
+            patches += list(corner[:, :, :2])
+            depth += list(corner[:, :, 2].mean(axis=1) + number * near)
+            face += list(shaded)
+            edge += list(shaded)
+            width += [0.3] * len(corner)
+        patches += list(seen[outline][:, :, :2])
+        depth += list(seen[outline][:, :, 2].mean(axis=1) + (len(skins) + 1) * near)
+        face += [colour] * len(outline)
+        edge += [colour if line else np.zeros(3)] * len(outline)
+        width += [4 if line else 0.7] * len(outline)
+    order = np.argsort(depth, kind="stable")
+    ax.add_collection(PolyCollection([patches[k] for k in order], facecolors=[face[k] for k in order],
+                                     edgecolors=[edge[k] for k in order], linewidths=[width[k] for k in order]))
+
+
+def scale_bar(ax, left, bottom, wide):
+    length = 10.0 ** np.floor(np.log10(0.5 * wide))
+    m, unit = prefixed(length, "m")
+    ax.plot([left, left + length], [bottom, bottom], color="black", linewidth=2)
+    ax.text(left + length, bottom, f"  {length * m:g} {unit}", va="center", fontsize=8)
+
+
+class Forces:
+    """Panels of force by point in rows of the contact: over the number of the point where they stand in a line, in order;
+    else over the place in it, or the distance from the first touch."""
+
+    def __init__(self, result, rows):
+        order, where, what = result.positions()
+        self.force = result.force[rows]
+        self.scale, self.unit = prefixed(largest_of(self.force), "N")
+        self.top = 1.08 * largest_of(self.force) * self.scale or 1
+        numbers = np.arange(1, len(order) + 1)
+        self.numbered = len(order) == 1 or (what.startswith("position") and np.all(np.abs(np.diff(order)) == 1))
+        if self.numbered:
+            self.where, self.label = numbers, "position"
+            return
+        self.force = self.force[:, order]
+        far = 1.6 * np.abs(where[result.impulse()[order] > 0]).max() or np.abs(where).max()
+        shown = np.abs(where) <= far  # the rest only says that it is open
+        factor, unit = prefixed(far, "m")
+        self.force, self.where, self.label = self.force[:, shown], where[shown] * factor, f"{what} ({unit})"
+
+    def draw(self, ax, row, labelled):
+        force = self.force[row] * self.scale
+        if self.numbered:
+            ax.bar(self.where, force, width=0.8 if len(force) < 60 else 1, color="#b03a48")
+            ax.set_xlim(0.4, len(force) + 0.6)
+            if len(force) <= 3:
+                ax.set_xticks(self.where)
+            else:
+                ax.xaxis.get_major_locator().set_params(integer=True)
+        else:
+            ax.vlines(self.where, 0, force, color="#b03a48", linewidth=2)
+            ax.plot(self.where, force, ".", color="#b03a48", markersize=4)
+        ax.set_ylim(0, self.top)
+        ax.grid(axis="x", visible=False)
+        if labelled[0]:
+            ax.set_xlabel(self.label)
+        if labelled[1]:
+            ax.set_ylabel(f"force ({self.unit})")
+        else:
+            ax.set_yticklabels([])

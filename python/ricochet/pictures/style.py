@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""How the pictures of ricochet plot look: colours, units, legends."""
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+
+DPI = 150
+WIDTH = 8.0  # inches: 1200 pixels, the width of a README
+BODY = ["#2b6cb0", "#d2691e", "#3a8f5c", "#8a4fa3"]
+GREY = "#555555"
+SHADE = {"color": "#f2e7c9", "zorder": 0, "linewidth": 0}
+
+plt.rcParams.update({
+    "font.size": 9, "axes.titlesize": 10, "axes.titlelocation": "left", "axes.grid": True,
+    "grid.color": "#e4e4e4", "axes.axisbelow": True, "axes.spines.top": False, "axes.spines.right": False,
+    "legend.frameon": False, "agg.path.chunksize": 20000,
+})
+
+
+def colour_of(result, name):
+    """The same for a body in every picture; grey for what does not move."""
+    return BODY[result.bodies.index(name) % len(BODY)] if name in result.bodies else GREY
+
+
+def prefixed(largest, unit):
+    """Factor and unit with the SI prefix that brings `largest` into 1…1000, or none from 0.1 on."""
+    for power, prefix in [(9, "G"), (6, "M"), (3, "k"), (0, ""), (-3, "m"), (-6, "µ"), (-9, "n")]:
+        factor = 10.0**-power
+        if largest * factor >= (0.1 if power == 0 else 1):
+            return factor, prefix + unit
+    return (1, unit) if largest == 0 else (1e9, "n" + unit)
+
+
+def largest_of(*arrays):
+    return max((float(np.nanmax(np.abs(a))) for a in arrays if np.size(a)), default=0.0)
+
+
+def legend_below(figure, handles, names, columns=4):
+    """A legend in room of its own at the lower edge; constrained layout keeps the panels out of it."""
+    names = list(names)
+    rows = -(-len(names) // columns)
+    room = (0.1 + 0.19 * rows) / figure.get_figheight()
+    figure.get_layout_engine().set(rect=(0, room, 1, 1 - room))
+    figure.legend(list(handles), names, loc="lower center", ncol=min(len(names), columns))

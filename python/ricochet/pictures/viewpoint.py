@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Where to look from, so that no body hides another and as little as can be stands before the contact."""
+import itertools
+
+import numpy as np
+
+CELLS = 48  # of the longer side of a picture in which it is tried what hides what
+GAIN = 0.05  # by which a view must be better than those before it
+
+
+class View:
+    """Rows of `base`: right, up, towards the eye, before the eye goes round by `azimuth` and up by `elevation` [rad]."""
+
+    def __init__(self, toward, up, azimuth=0.0, elevation=0.0):
+        right = np.cross(up, toward)
+        self.base = np.array([right, np.cross(toward, right), toward]) / np.linalg.norm(right)
+        self.azimuth, self.elevation = azimuth, elevation
+
+    def turn(self):
+        """(3,3) rows: right, up, towards the eye."""
+        right, up, toward = self.base
+        c, s, ce, se = np.cos(self.azimuth), np.sin(self.azimuth), np.cos(self.elevation), np.sin(self.elevation)
+        deep = c * toward - s * right
+        return np.array([c * right + s * toward, ce * up - se * deep, se * up + ce * deep])
+
+
+def views(low, high, tilted):
+    """Along the axes, the one of least extent first, and along the diagonals of space; `tilted`: a little aside from the axes."""
+    extent, axes = high - low, np.eye(3)
+    depth = 2 if extent[2] <= 1.001 * extent.min() else int(np.argmin(extent))
+    flat = extent[depth] < 0.3 * np.delete(extent, depth).min()
+    aside = ((-0.12, 0.06) if flat else (-0.35, 0.2)) if tilted else (0.0, 0.0)
+    for axis in [depth, *(axis for axis in range(3) if axis != depth)]:
+        for way in (-1, 1) if axis == 1 else (1, -1):
+            yield View(way * axes[axis], axes[1 if axis == 2 else 2], *aside)
+    for x, y, way in itertools.product((1, -1), (-1, 1), (1, -1)):
+        yield View(np.array([x, y, 0]) / np.sqrt(2), axes[2], 0.0, way * np.arctan(np.sqrt(0.5)))
+
+
+def spread(node, element, distance):
+    """Points over lines or triangles, no farther from each other than `distance`."""
+    corner = node[element]
+    longest = np.linalg.norm(corner - np.roll(corner, 1, axis=1), axis=2).max(axis=1)
+    parts = 2 ** np.ceil(np.log2(np.maximum(longest / distance, 1))).astype(int)
+    out = []
+    for n in np.unique(parts):
+        weights = [(i, n - i) for i in range(n + 1)] if element.shape[1] == 2 else \
+            [(i, j, n - i - j) for i in range(n + 1) for j in range(n + 1 - i)]
+        out.append(np.einsum("wk,ekx->wex", np.array(weights) / n, corner[parts == n]).reshape(-1, 3))
+    return np.concatenate(out)
+
+
+def clearness(view, bodies, contact, cell):
+    """At most 1: the least share of a body's outline that no other one hides, less what stands before the contact by its
+    depth over the size of all. `bodies`: (·,3) points of each, no farther apart than a `cell`."""
+    turn = view.turn()
+    seen = [points @ turn.T for points in [*bodies, contact]]
+    low, high = np.min([p.min(axis=0) for p in seen if len(p)], axis=0), np.max([p.max(axis=0) for p in seen if len(p)], axis=0)
+    wide = int((high[0] - low[0]) / cell) + 1
+
+    def places(points):
+        right, up = ((points[:, :2] - low[:2]) / cell).astype(int).T
+        return up * wide + right
+
+    front = np.full((len(bodies), (int((high[1] - low[1]) / cell) + 1) * wide), -np.inf)
+    for depth, points in zip(front, seen):
+        np.maximum.at(depth, places(points), points[:, 2])
+    nearest = front.max(axis=0)
+    shares = [np.mean(depth[np.isfinite(depth)] >= nearest[np.isfinite(depth)] - cell) for depth in front]
+    before = np.maximum(nearest[places(seen[-1])] - seen[-1][:, 2], 0) if len(contact) else np.zeros(1)
+    return min(shares) - before.mean() / np.linalg.norm(high - low)
+
+
+def clearest(skins, contact, tilted=False):
+    """The first view that none is much better than. `skins`: (nodes (V,3), elements (E,2 or 3)) of each body; `contact`:
+    (·,3) points in use."""
+    places = np.concatenate([node for node, _ in skins])
+    low, high = places.min(axis=0), places.max(axis=0)
+    cell = (high - low).max() / CELLS
+    bodies = [spread(node, element, 0.7 * cell) for node, element in skins]
+    best, most = None, -np.inf
+    for view in views(low, high, tilted):
+        clear = clearness(view, bodies, contact, cell)
+        if clear > most + GAIN:
+            best, most = view, clear
+    return best

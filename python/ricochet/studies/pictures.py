@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Pictures of a sweep: an output over one input, a line for each value of the others, or over two, a cell for each pair."""
+import functools
+import json
+
+import numpy as np
+
+from ricochet.result_file import BadInput
+from ricochet.scene_keys import unit
+from ricochet.files import save_picture
+
+FEW = 12  # values of an input that can be told apart on an axis
+LINES = 8  # of different colour in a picture
+WRITTEN = 64  # cells whose values are written into them
+
+WORDS = {
+    "contact_start_s": "first touch (s)", "contact_end_s": "last touch (s)", "contact_steps": "steps with contact",
+    "episodes": "episodes", "peak_force_n": "peak force (N)", "impulse_ns": "impulse (N s)", "restitution": "restitution",
+    "energy_drift": "energy drift, relative", "energy_lost_contact": "energy to contact, relative",
+    "max_penetration_m": "deepest penetration (m)", "candidates": "contact points", "unpaired": "points that face nothing",
+    "max_active": "most points that touch at once", "real_time_factor": "speed of steps (× real time)",
+    "wall_s": "time of ricochet-contact (s)", "warnings": "warnings", "iterations": "iterations", "force_n": "force (N)",
+    "approach_m": "approach (m)", "contact_points": "points that press", "contact_area_m2": "area of contact (m²)",
+    "peak_pressure_pa": "largest pressure (Pa)", "imbalance": "imbalance, relative",
+}
+
+
+def label(name, units):
+    """Words and unit of an output; a key of the scene as it is written there, with its unit of `units` (scene_keys.units)."""
+    path = name.split(".")
+    if name in WORDS:
+        return WORDS[name]
+    if path[0] == "exit_velocity" and len(path) > 2:
+        return f"exit velocity of {'.'.join(path[1:-1])}, {path[-1]} (m/s)"
+    if path[0] == "pairs" and path[-1] in WORDS:
+        return f"{WORDS[path[-1]]}, pair {int(path[1]) + 1}"
+    if path[0] == "error_estimate":
+        return "estimated error, " + ("relative" if path[-1] == "total" else f"{path[-1]} alone, relative")
+    found = unit(name, units)
+    return f"{name} ({found})" if found else name
+
+
+def axis(values):
+    """Places on an axis, and the labels of what is not a number."""
+    if all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values):
+        return np.array(values, dtype=float), None
+    labels = [text(value) for value in values]
+    names = list(dict.fromkeys(labels))
+    return np.array([names.index(label) for label in labels], dtype=float), names
+
+
+def text(value):
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        return f"{value:.6g}"
+    return value if isinstance(value, str) else json.dumps(value)
+
+
+def looks_logarithmic(values):
+    """Positive, over more than a decade, and spread evenly rather by ratio."""
+    values = np.unique(values[np.isfinite(values)])
+    return len(values) > 2 and values[0] > 0 and values[-1] > 12 * values[0] and \
+        np.median(values) < 0.3 * (values[0] + values[-1])
+
+
+def is_even(values):
+    """Whether ascending values stand at equal distances or ratios, so that their number is a scale."""
+    by_ratio = np.log(values) if values[0] > 0 else values
+    return any(np.ptp(np.diff(v)) <= 1e-3 * np.abs(np.diff(v)).max() for v in (values, by_ratio))
+
+
+def others(table, against, label):
+    """What the lines of a picture are: a name for all, and that of each setting (None where there are too many); and whether
+    nothing else varies along a line."""
+    columns = {key: [text(value) for value in column] for key, column in table.inputs.items() if key not in against}
+    columns = {key: column for key, column in columns.items() if len(set(column)) > 1}
+    settings = list(zip(*columns.values()))
+    for key, column in columns.items():  # one that tells all others, as of inputs that are varied together
+        if len(set(column)) == len(set(settings)) <= LINES:
+            return label(key), column, True
+    if columns and len(set(settings)) <= LINES:
+        return ", ".join(map(label, columns)), [", ".join(setting) for setting in settings], True
+    few = [key for key in columns if len(set(columns[key])) <= LINES]
+    return (label(few[0]), columns[few[0]], False) if few else (None, None, not columns)
+
+
+def draw(table, output, against, path, units):
+    """`units`: of the scene's keys."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    told = functools.partial(label, units=units)
+    z, _ = axis(table.column(output))
+    places = [axis(table.column(name)) for name in against]
+    there = np.isfinite(z)
+    if not there.any():
+        raise BadInput(f"no finished impact has a value of \"{output}\": there is nothing to draw")
+    fig, ax = plt.subplots(figsize=(6.4, 4.4), constrained_layout=True)
+    if len(places) == 1:
+        lines(ax, plt, z, there, places[0][0], *others(table, against, told))
+        ax.set_ylabel(told(output))
+        ax.grid(lw=0.3)
+    elif all(len(np.unique(p)) <= FEW or names or is_even(np.unique(p)) for p, names in places) and \
+            len(np.unique(places[0][0])) * len(np.unique(places[1][0])) <= 4 * len(z):
+        cells(fig, ax, z, there, places, told(output))
+    else:
+        fig.colorbar(ax.scatter(places[0][0][there], places[1][0][there], c=z[there], s=14), label=told(output))
+    if len(places) == 1 or not ax.images:
+        for (values, names), set_scale, set_ticks in zip(places, (ax.set_xscale, ax.set_yscale), (ax.set_xticks, ax.set_yticks)):
+            scale(set_scale, set_ticks, values, names)
+    if len(places) == 2:
+        ax.set_ylabel(told(against[1]))
+    ax.set(xlabel=told(against[0]), title=table.title)
+    save_picture(fig, path, dpi=120)
+    plt.close(fig)
+
+
+def lines(ax, plt, z, there, x, what, names, joined):
+    """A line for each name; points alone where other inputs vary along it."""
+    names = np.array(names if names else [""] * len(z))
+    found = list(dict.fromkeys(names))
+    colours = plt.cm.viridis(np.linspace(0, 0.85, len(found)))
+    for name, colour in zip(found, colours):
+        of = np.flatnonzero(there & (names == name))
+        of = of[np.argsort(x[of], kind="stable")]
+        ax.plot(x[of], z[of], "o-" if joined else ".", ms=4, lw=1, color=colour, alpha=1 if joined else 0.7, label=name)
+    if what:
+        ax.legend(title=what, fontsize=8, title_fontsize=8)
+
+
+def cells(fig, ax, z, there, places, what):
+    """A cell for each pair of values that was run; the mean where other inputs were varied, too."""
+    values = [np.unique(place) for place, _ in places]
+    at = tuple(np.searchsorted(v, place[there]) for v, (place, _) in zip(values[::-1], places[::-1]))
+    total, count = np.zeros((2, len(values[1]), len(values[0])))
+    np.add.at(total, at, z[there])
+    np.add.at(count, at, 1)
+    mean = np.divide(total, count, out=np.full_like(total, np.nan), where=count > 0)
+    image = ax.imshow(mean, origin="lower", aspect="auto", interpolation="nearest")
+    fig.colorbar(image, label=f"mean of {what}" if count.max() > 1 else what)
+    for set_ticks, v, (_, names) in zip((ax.set_xticks, ax.set_yticks), values, places):
+        shown = np.arange(0, len(v), -(-len(v) // FEW))
+        set_ticks(shown, [names[k] if names else text(float(v[k])) for k in shown])
+    if mean.size <= WRITTEN:
+        for (row, column), value in np.ndenumerate(mean):
+            if np.isfinite(value):
+                ax.text(column, row, f"{float(f'{value:.3g}'):g}", ha="center", va="center", fontsize=8,
+                        color="black" if image.norm(value) > 0.6 else "white")
+
+
+def scale(set_scale, set_ticks, values, labels):
+    if labels:
+        set_ticks(range(len(labels)), labels)
+    elif looks_logarithmic(values):
+        set_scale("log")

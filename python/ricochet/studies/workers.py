@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Processes of ricochet-contact that answer requests side by side (src/programs/batch_run.hpp)."""
+import itertools
+import json
+import os
+import selectors
+import subprocess
+from collections import deque
+
+from ricochet import programs
+
+# A process has the next request at hand while it computes, as long as a pipe surely holds what it has not read.
+AHEAD, PIPE_BYTES = 2, 32768
+READ_BYTES = 1 << 20
+
+
+class Worker:
+    """A ricochet-contact that answers requests in their order; started anew when it died."""
+
+    def __init__(self, command, selector):
+        self.command, self.selector = command, selector
+        self.asked, self.rest, self.deaths = deque(), b"", 0  # asked: (index, line) without an answer
+        self.start()
+
+    def start(self):
+        self.process = subprocess.Popen(self.command, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                        env=os.environ | programs.ONE_THREAD, bufsize=0)
+        self.selector.register(self.process.stdout, selectors.EVENT_READ, self)
+
+    def fill(self, requests):
+        """Takes of `requests`, pairs of an index and a line, what it may have at hand."""
+        while len(self.asked) < AHEAD and sum(len(line) for _, line in self.asked) < PIPE_BYTES:
+            request = next(requests, None)
+            if request is None:
+                break
+            self.ask(request)
+
+    def ask(self, request):
+        self.asked.append(request)
+        self.send(request[1])
+
+    def send(self, line):
+        try:
+            self.process.stdin.write(line)
+        except BrokenPipeError:
+            pass  # its output tells
+
+    def answers(self):
+        """Pairs of an index and an answer, a line. Where the program dies of a request twice the answer is {"died": true, …}:
+        it may have been killed, and is to be asked again."""
+        found = os.read(self.process.stdout.fileno(), READ_BYTES)
+        if not found:
+            yield from self.revive()
+            return
+        *lines, self.rest = (self.rest + found).split(b"\n")
+        for line in lines:
+            self.deaths = 0
+            yield self.asked.popleft()[0], line
+
+    def revive(self):
+        self.close()
+        status = self.process.wait()
+        self.rest, self.deaths = b"", self.deaths + 1
+        if self.deaths == 2 and self.asked:
+            self.deaths = 0
+            told = {"status": 1, "error": f"ricochet-contact ended with status {status}", "died": True}
+            yield self.asked.popleft()[0], json.dumps(told).encode()
+        self.start()
+        for _, line in self.asked:
+            self.send(line)
+
+    def close(self):
+        self.selector.unregister(self.process.stdout)
+        self.process.stdin.close()
+        self.process.stdout.close()
+
+    def dismiss(self):
+        """Without a request the process ends by itself; else, and that may take as long as an impact, it is told to."""
+        if self.asked:
+            self.process.terminate()
+        self.close()
+
+
+def in_parallel(jobs, command, requests):
+    """Yields (index, answer as a line of JSON) of requests, Python objects, as up to `jobs` processes answer them."""
+    waiting = ((index, json.dumps(request).encode() + b"\n") for index, request in enumerate(requests))
+    with selectors.DefaultSelector() as selector:
+        workers = []
+        try:
+            for request in itertools.islice(waiting, jobs):
+                workers.append(Worker(command, selector))
+                workers[-1].ask(request)
+            for worker in workers:
+                worker.fill(waiting)
+            while any(worker.asked for worker in workers):
+                for key, _ in selector.select():
+                    yield from key.data.answers()
+                    key.data.fill(waiting)
+        finally:
+            for worker in workers:
+                worker.dismiss()
+            for worker in workers:
+                worker.process.wait()

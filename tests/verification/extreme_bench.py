@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Scenes small enough for scripts/verify --extremes, and how they are run."""
+
+import json
+import os
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+from ricochet import programs
+
+# A program that has not ended by then hangs.
+DEADLOCK_S = 120
+
+BLOCK_GEO = """
+DefineConstant[a = 1, b = 1, c = 1, x = 0, y = 0, z = 0, nx = 2, ny = 2, nz = 2, copies = 1];
+SetFactory("Built-in");
+For k In {1 : copies}
+  p = newp; l = newl; s = news;
+  left = x + 3 * (k - 1) * a;
+  Point(p) = {left, y, z}; Point(p + 1) = {left + a, y, z};
+  Point(p + 2) = {left + a, y + b, z}; Point(p + 3) = {left, y + b, z};
+  Line(l) = {p, p + 1}; Line(l + 1) = {p + 1, p + 2}; Line(l + 2) = {p + 2, p + 3}; Line(l + 3) = {p + 3, p};
+  Transfinite Curve{l, l + 2} = nx + 1; Transfinite Curve{l + 1, l + 3} = ny + 1;
+  Curve Loop(1000 + k) = {l : l + 3}; Plane Surface(s) = {1000 + k};
+  Transfinite Surface{s}; Recombine Surface{s};
+  block[] = Extrude {0, 0, c} { Surface{s}; Layers{nz}; Recombine; };
+  foot[k] = s; top[k] = block[0]; volume[k] = block[1];
+EndFor
+Physical Volume("block") = {volume[]};
+Physical Surface("foot") = {foot[]};
+Physical Surface("top") = {top[]};
+"""
+
+# A cube of side 1 with √(E/ρ) = 1 that meets the floor at a hundredth of that.
+BLOCK = """
+title = "Block"
+[bodies.block]
+mesh = "block.geo"
+order = 2
+material = { density = 1.0, young = 1.0, poisson = 0.3 }
+velocity = [0, 0, -0.01]
+contact = "foot"
+[obstacles.floor]
+normal = [0, 0, 1]
+[modes]
+count = 30
+[contact]
+between = ["block", "floor"]
+[time]
+rate_hz = 100.0
+duration = 10.0
+"""
+
+ROD_GEO = """
+DefineConstant[elements = 100];
+Point(1) = {0, 0, 0}; Point(2) = {10, 0, 0}; Line(1) = {1, 2};
+Transfinite Curve{1} = elements + 1;
+Physical Curve("rod") = {1}; Physical Point("left") = {1}; Physical Point("right") = {2};
+"""
+
+# Of length 10 with c = 1, Z = ρcA = 1: contact lasts 2L/c = 20.
+RODS = """
+title = "Rods"
+[bodies.moving]
+mesh = "rod.geo"
+order = 1
+translate = [-10, 0, 0]
+material = { density = 1.0, young = 1.0, area = 1.0 }
+velocity = [0.01, 0, 0]
+contact = "right"
+[bodies.resting]
+mesh = "rod.geo"
+order = 1
+material = { density = 1.0, young = 1.0, area = 1.0 }
+contact = "left"
+[modes]
+count = 100
+[contact]
+between = ["moving", "resting"]
+direction = [1, 0, 0]
+[time]
+rate_hz = 100.0
+duration = 30.0
+"""
+
+
+@dataclass
+class Row:
+    case: str
+    oracle: str
+    bound: float
+    found: float
+
+
+class Unexpected(Exception):
+    """A program ended as it should not have."""
+
+
+class Bench:
+    """Runs scenes in a folder of its own."""
+
+    def __init__(self, folder):
+        self.folder = Path(folder)
+        self.number = 0
+        for name, text in (
+            ("block.geo", BLOCK_GEO),
+            ("block.toml", BLOCK),
+            ("rod.geo", ROD_GEO),
+            ("rods.toml", RODS),
+        ):
+            (self.folder / name).write_text(text)
+
+    def fresh(self):
+        """A folder without kernels, so that none is derived from another one."""
+        self.number += 1
+        return self.folder / f"out-{self.number}"
+
+    def _run(self, command, sets):
+        command = [str(c) for c in command] + ["--quiet"] + [a for s in sets for a in ("--set", s)]
+        try:
+            return subprocess.run(
+                command,
+                capture_output=True,
+                text=True,
+                timeout=DEADLOCK_S,
+                env=os.environ | programs.ONE_THREAD,
+            )
+        except subprocess.TimeoutExpired:
+            raise Unexpected("hangs") from None
+
+    def kernel(self, scene, out, *sets, ranks=1):
+        start = programs.mpirun(ranks) if ranks > 1 else []
+        return self._run(start + [programs.BIN / "ricochet-kernel", self.folder / scene, "--out", out], sets)
+
+    def contact(self, scene, out, *sets):
+        return self._run([programs.BIN / "ricochet-contact", self.folder / scene, "--out", out], sets)
+
+    def impact(self, scene, *sets, out=None, ranks=1):
+        """The summary of the impact. Kernels that are in `out` serve it if they can."""
+        out = out or self.fresh()
+        run = self.contact(scene, out, *sets) if out.exists() else None
+        if run is None or "no kernel for body" in run.stderr:
+            run = self.kernel(scene, out, *sets, ranks=ranks)
+            if run.returncode == 0:
+                run = self.contact(scene, out, *sets)
+        if run.returncode != 0:
+            raise Unexpected(f"status {run.returncode}: {run.stderr.strip()}")
+        (path,) = out.glob("*.summary.json")
+        return json.loads(path.read_text())
+
+    def body(self, scene, *sets, out=None, ranks=1):
+        """The one kernel file of a scene."""
+        out = out or self.fresh()
+        run = self.kernel(scene, out, *sets, ranks=ranks)
+        if run.returncode != 0:
+            raise Unexpected(f"status {run.returncode}: {run.stderr.strip()}")
+        return max(out.glob("*.kernel.h5"), key=lambda path: path.stat().st_mtime_ns)
+
+    def refusal(self, scene, *sets, out=None, ranks=1):
+        """The line of the first program that refuses; anything else but one line and status 2 is
+        Unexpected."""
+        out = out or self.fresh()
+        for run in (self.kernel(scene, out, *sets, ranks=ranks), self.contact(scene, out, *sets)):
+            if run.returncode == 0:
+                continue
+            lines = [line for line in run.stderr.split("-----")[0].splitlines() if line.strip()]
+            if run.returncode != 2 or len(lines) != 1:
+                raise Unexpected(f"status {run.returncode}, {len(lines)} lines: {run.stderr.strip()}")
+            return lines[0]
+        raise Unexpected("is not refused")
