@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Laws of damping that leave modes uncoupled.
+// Laws of damping that do not couple the modes.
 #pragma once
 
 #include "ricochet/units.hpp"

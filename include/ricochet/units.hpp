@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Frequencies by unit, so that a 2π cannot go missing between them.
+// Frequencies by unit, so that no factor 2π is lost between them.
 #pragma once
 
 #include <array>

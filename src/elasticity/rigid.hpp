@@ -8,9 +8,8 @@
 
 namespace ricochet::elasticity {
 
-/// Rigid motions that the supports leave free, M-orthonormal; one column each: six for a free body, one for a
-/// free rod, and as many for each of its parts when it has several that share no node. Of a free part,
-/// translations first.
+/// Rigid motions that the supports leave free, M-orthonormal, one column each: six for a free body, one for a
+/// free rod, and as many for each connected part of the body. Translations come first in each part.
 /// @return (local rows, r). Collective.
 Eigen::MatrixXd rigid_modes(const mesh::Mesh& mesh, const Body& body);
 

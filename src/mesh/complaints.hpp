@@ -10,11 +10,11 @@
 
 namespace ricochet::mesh {
 
-/// Throws InputError when a tag occurs twice in `blocks`, which are the body's `key`.
+/// Throws InputError if a tag occurs twice in `blocks`, which belong to `key` of the body.
 void refuse_repeated(const std::vector<Block>& blocks, const char* what, const char* key,
                      const scene::Body& body);
 
-/// Complaints about the mesh as a whole.
+/// Errors about the mesh as a whole.
 InputError no_elements(const scene::Body& body);
 InputError holds_nothing(const scene::Body& body, const std::string& support);
 InputError mixed_orders(const scene::Body& body);

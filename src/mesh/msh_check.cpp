@@ -25,7 +25,7 @@ struct ElementType {
   int dim = 0, nodes = 0;
 };
 
-/// The types with nodes that gmsh places on lattices, complete or on edges alone.
+/// Element types whose nodes lie on lattices, complete or on edges only.
 const std::map<int, ElementType>& element_types() {
   static const auto all = [] {
     std::map<int, ElementType> types{{15, {0, 1}}};
@@ -131,7 +131,7 @@ class Check {
     }
   }
 
-  /// Whole numbers of the file's own kinds.
+  /// Whole numbers in the formats of the file.
   std::int64_t count(const char* what) { return in_.integer<std::uint64_t>(what, 0, largest_tag); }
   std::int64_t tag(const char* what) { return in_.integer<std::uint64_t>(what, 1, largest_tag); }
   int number(const char* what, std::int64_t low, std::int64_t high) {
@@ -193,7 +193,7 @@ class Check {
     for (std::int64_t i = 0; i < n; ++i) number("a partition", 1, partitions_);
   }
 
-  /// What bounds a partition may be in the file of another one.
+  /// The entities that bound a partition may be in the file of another one.
   void boundary(int dim, bool partitioned) {
     const std::int64_t n = count("the number of bounding entities");
     for (std::int64_t i = 0; i < n; ++i)
@@ -234,7 +234,7 @@ class Check {
     sort_nodes();
   }
 
-  /// Behind a count that is text in binary files, too.
+  /// After a count that is text even in binary files.
   void skip_to_numbers() {
     if (!binary_) return;
     in_.skip_line();
@@ -288,13 +288,13 @@ class Check {
     if (held != all) in_.fail("blocks hold another number of elements than it says");
   }
 
-  /// @param n  tags of one of `elements`
+  /// @param n  number of tags of an element in `elements`
   void old_tags(int n, std::int64_t elements) {
     for (int i = 0; i < n; ++i) {
       const int value = number("an element's group", -largest_int, largest_int);
       if (i == 1 && value < 0) in_.fail("an element's entity is negative");
       if (i == 2 && n > 3 && value != n - 3) in_.fail("an element has parts that do not agree, or a parent");
-      // gmsh keeps a list as long as the largest.
+      // gmsh allocates a list as long as the largest value.
       if (i == 3 && (value < 1 || value > elements))
         in_.fail("an element's partition is not from 1 to the number of elements");
       if (i > 3) in_.fail("has ghost cells: save the mesh without them");
@@ -373,7 +373,7 @@ class Check {
 
 namespace {
 
-/// The end is where most files that are not whole show it.
+/// Checks the end of the file, which most truncated files lack.
 void refuse_cut_off(const std::filesystem::path& msh) {
   std::ifstream stream(msh, std::ios::binary | std::ios::ate);
   const std::streamoff size = stream.tellg(), length = std::min<std::streamoff>(size, 256);

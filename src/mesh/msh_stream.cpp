@@ -14,12 +14,12 @@ namespace ricochet::mesh {
 
 namespace {
 
-/// gmsh reads lines into 256 bytes.
+/// Longest line: gmsh reads lines into 256 bytes.
 constexpr std::size_t longest_line = 255;
 
 bool is_space(int c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
-/// Of a word that may hold anything.
+/// Printable form of a word with arbitrary bytes.
 std::string printed(std::string_view word) {
   std::string text(word.substr(0, 40));
   for (char& c : text)
@@ -118,7 +118,7 @@ std::int64_t MshStream::integer(const char* what, std::int64_t low, std::int64_t
   if (binary_) {
     T number{};
     raw(&number, sizeof number, what);
-    // What is beyond becomes negative, hence out of range.
+    // Values beyond the range become negative, hence out of range.
     value = static_cast<std::int64_t>(number);
   } else {
     const std::string_view text = word(what);
@@ -140,7 +140,7 @@ double MshStream::real(const char* what) {
     const std::string_view text = word(what);
     const std::size_t sign = text.starts_with('+') ? 1 : 0;
     const auto [end, failure] = std::from_chars(text.data() + sign, text.data() + text.size(), value);
-    // Too small for a double is as good as 0, which is what gmsh makes of it.
+    // A number too small for a double counts as 0, as in gmsh.
     if (failure == std::errc::result_out_of_range &&
         text.find("e-") + text.find("E-") != 2 * std::string_view::npos)
       value = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Internal to src/mesh: one part of a body's mesh as its file has it.
+// Internal to src/mesh: one part of a body's mesh, as in its file.
 #pragma once
 
 #include <array>
@@ -11,25 +11,25 @@
 
 namespace ricochet::mesh {
 
-/// The scene's key of surfaces that tractions act on, in messages.
+/// Key of the scene for surfaces under tractions, in messages.
 inline constexpr const char* traction_key = "loads.traction.group";
 
-/// What a part has of a group that the scene names.
+/// Occurrence in a part of a group that the scene names.
 struct GroupUse {
   std::array<bool, 4> found{};  ///< by dimension
   bool holds = false;           ///< supports: nodes of the body
-  Choice choice;                ///< names there are instead, where it was not found
+  Choice choice;                ///< available names, if it was not found
 };
 
-/// Nodes are named by gmsh's tags, which all parts share.
+/// Nodes are identified by gmsh's tags, which all parts share.
 struct Part {
   int order = 0;                    ///< 0: no elements of the body
   std::vector<std::int64_t> tag;    ///< (n) of the nodes
   std::vector<double> position;     ///< (n,3) [m], scaled
   std::vector<std::int64_t> fixed;  ///< (n) as in GlobalMesh, by supports of this part
   std::vector<Block> blocks;
-  std::vector<Block> contact, loaded;  ///< facets, not yet turned outward
-  Faces outside;                       ///< where the part ends: at the body's surface, or at another part
+  std::vector<Block> contact, loaded;  ///< facets, not yet oriented
+  Faces outside;                       ///< faces on the boundary of the body or next to another part
   std::vector<GroupUse> groups;  ///< of the materials, the contact surface, loaded surfaces, the supports
 };
 

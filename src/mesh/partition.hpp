@@ -6,13 +6,13 @@
 
 namespace ricochet::mesh {
 
-/// Copies facets of the first rank of `comm` to its other ranks. Collective.
+/// Copies the facets of the first rank of `comm` to its other ranks. Collective.
 void broadcast(FacetMesh& facets, MPI_Comm comm);
 
 /// Copies the mesh of the first rank of `comm` to its other ranks. Collective.
 void broadcast(GlobalMesh& global, MPI_Comm comm);
 
-/// Splits by METIS and hands each rank its part. `global` is used on rank 0 alone. Collective.
+/// Partitions the mesh by METIS and sends each rank its part. `global` is used on rank 0 only. Collective.
 Mesh distribute(GlobalMesh&& global, MPI_Comm comm);
 
 }  // namespace ricochet::mesh

@@ -84,9 +84,10 @@ kernels::Kernel with_modes(kernels::Kernel kernel, const Modes& had, const Modes
   if (had.basis == Basis::contact)
     fail(kernel, "holds vectors fitted to contact in another band or direction: compute others");
   if (wanted.flexibility_error)
-    return kernels::cut_to_flexibility_error(std::move(kernel), *wanted.up_to, *wanted.flexibility_error);
-  if (wanted.count) return kernels::cut_to_count(std::move(kernel), *wanted.count);
-  return kernels::cut_to_band(std::move(kernel), *wanted.up_to);
+    return kernels::truncated_to_flexibility_error(std::move(kernel), *wanted.up_to,
+                                                   *wanted.flexibility_error);
+  if (wanted.count) return kernels::truncated_to_count(std::move(kernel), *wanted.count);
+  return kernels::truncated_to_band(std::move(kernel), *wanted.up_to);
 }
 
 /// Places of the points of `wanted` among the candidates of `had`.
@@ -178,10 +179,10 @@ kernels::Kernel derived(kernels::Kernel kernel, const KernelRequest& had, const 
   if (wanted.view && !kernel.view) fail(kernel, "has no view: compute it with one");
   kernel = kernels::rescaled(std::move(kernel), *factors, wanted.body.damping);
   const bool turned = had.direction != wanted.direction;
-  if (turned) kernel = kernels::cut_to_direction(std::move(kernel), *wanted.direction);
+  if (turned) kernel = kernels::restricted_to_direction(std::move(kernel), *wanted.direction);
   if (wanted.points && (wanted.points != had.points || wanted.within_reach != had.within_reach)) {
     kernels::WholeSurface whole = kernels::whole_surface(kernel.surface);
-    kernel = kernels::cut_to_points(std::move(kernel), places(had, wanted));
+    kernel = kernels::restricted_to_points(std::move(kernel), places(had, wanted));
     if (wanted.within_reach) {
       whole.held = *wanted.points;
       kernel.surface.whole = std::move(whole);

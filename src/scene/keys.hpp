@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a scene may hold: each key with its type, unit, default, range and meaning. Readers take keys from
-// here alone (src/scene/toml.hpp), so that none is read that is not described, and values are held to the
-// ranges that the reference prints.
+// The keys of a scene: type, unit, default, range and meaning of each. Tables (src/scene/table.hpp) accept
+// only keys that are described here and enforce the ranges that the reference prints.
 #pragma once
 
 #include <string>
@@ -24,16 +23,15 @@ enum class Type {
   direction,  ///< three numbers, not all 0
   table,
   tables,   ///< an array of tables
-  numbers,  ///< numbers by names of the user's
-  strings,  ///< strings likewise
+  numbers,  ///< numbers under names that the user chooses
+  strings,  ///< strings under such names
 };
 
 struct Key {
   std::string name;
   Type type;
   std::string unit;
-  std::string
-      fallback;  ///< as in the reference: a value in backticks, "none", "–" where the key must be given
+  std::string fallback;  ///< as in the reference: a value in backticks, "none", "–" if the key is required
   Range range;
   std::string meaning;
 };
@@ -44,7 +42,7 @@ struct Section {
   std::string meaning;  ///< a sentence
   std::vector<Key> keys;
 
-  /// Null: the table has no such key.
+  /// Returns null if the table has no such key.
   const Key* find(std::string_view name) const;
 };
 

@@ -54,7 +54,7 @@ Vector3 in_body(const std::array<double, 9>& rotation, const Vector3& world) {
 }
 
 /// A support moves along the components that it holds.
-void check_motion(Table& table, const Body& body, const Driven& motion) {
+void check_motion(Table& table, const Body& body, const Forcing& motion) {
   const auto support = body.support.find(motion.group);
   if (support == body.support.end()) {
     std::string all;
@@ -78,8 +78,8 @@ void check_motion(Table& table, const Body& body, const Driven& motion) {
 
 enum class Kind { traction, point, motion };
 
-Driven read_driven(Table& table, Kind kind, std::size_t number, const Scene& scene) {
-  Driven driven;
+Forcing read_driven(Table& table, Kind kind, std::size_t number, const Scene& scene) {
+  Forcing driven;
   driven.body = read_body(table, scene);
   if (kind == Kind::point)
     driven.at = required_vector(table, "at", "where the force acts, [x, y, z] in world axes");
@@ -101,8 +101,8 @@ Driven read_driven(Table& table, Kind kind, std::size_t number, const Scene& sce
   return driven;
 }
 
-void refuse_second(const Table& table, const std::vector<Driven>& before, const Driven& driven) {
-  for (const Driven& other : before)
+void refuse_second(const Table& table, const std::vector<Forcing>& before, const Forcing& driven) {
+  for (const Forcing& other : before)
     if (other.body == driven.body && other.name == driven.name)
       table.complain("name",
                      fmt::format("bodies.{} has a load or motion \"{}\" already: give each its own name",
@@ -123,7 +123,7 @@ void read_loads(Table& root, Scene& scene) {
   if (!table) return;
   Loads& loads = scene.loads;
   loads.gravity = table->vector("gravity").value_or(Vector3{});
-  std::vector<Driven> all;
+  std::vector<Forcing> all;
   for (const auto& [key, keys, kind, target] :
        {std::tuple{"traction", &traction_keys(), Kind::traction, &loads.tractions},
         std::tuple{"point", &point_keys(), Kind::point, &loads.points},
@@ -157,7 +157,7 @@ void take_sources(const Scene& all, const Body& placed, KernelRequest& request) 
   for (const auto& [from, to] :
        {std::pair{&all.loads.tractions, &request.tractions},
         std::pair{&all.loads.points, &request.point_forces}, std::pair{&all.loads.motions, &request.motions}})
-    for (Driven driven : *from) {
+    for (Forcing driven : *from) {
       if (driven.body != placed.name) continue;
       driven.vector = {};
       driven.history.clear();
@@ -165,7 +165,7 @@ void take_sources(const Scene& all, const Body& placed, KernelRequest& request) 
       // A support moves in one way for all its histories.
       if (from == &all.loads.motions) driven.name = driven.group;
       if (std::none_of(to->begin(), to->end(),
-                       [&](const Driven& other) { return other.name == driven.name; }))
+                       [&](const Forcing& other) { return other.name == driven.name; }))
         to->push_back(driven);
     }
   for (Receiver receiver : all.output.receivers) {
@@ -180,7 +180,7 @@ std::string toml_sources(const KernelRequest& request) {
   for (const auto& [table, list] :
        {std::pair{"traction", &request.tractions}, std::pair{"point", &request.point_forces},
         std::pair{"motion", &request.motions}})
-    for (const Driven& driven : *list)
+    for (const Forcing& driven : *list)
       text += fmt::format("[[loads.{}]]\nname = {}\n{}\n", table, toml_string(driven.name),
                           list == &request.point_forces ? "at = " + toml_vector(driven.at)
                                                         : "group = " + toml_string(driven.group));

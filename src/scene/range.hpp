@@ -7,16 +7,16 @@
 
 namespace ricochet::scene {
 
-/// What values are taken. Bounds are kept as they are written, for people.
+/// The accepted values. Bounds are kept as they are written, for messages.
 struct Range {
   std::string low{}, high{};                 ///< empty: none
-  bool low_open = false, high_open = false;  ///< the bound itself is refused
+  bool low_open = false, high_open = false;  ///< whether the bound itself is refused
   bool or_zero = false;
-  std::vector<std::string> choices{};  ///< of a text: nothing else is taken
-  std::string remark{};                ///< behind a refusal
+  std::vector<std::string> choices{};  ///< of a text: the only accepted ones
+  std::string remark{};                ///< appended to a refusal
 
   bool holds(double value) const;
-  /// "from 1 to 10", "above 0", "\"double\" or \"single\""; empty when all is taken.
+  /// The range in words, such as "from 1 to 10" or "above 0"; empty if every value is accepted.
   std::string text() const;
 };
 

@@ -126,7 +126,7 @@ std::string loads_of(const Scene& scene) {
   for (const auto& [table, list] :
        {std::pair{"traction", &scene.loads.tractions}, std::pair{"point", &scene.loads.points},
         std::pair{"motion", &scene.loads.motions}})
-    for (const Driven& driven : *list) {
+    for (const Forcing& driven : *list) {
       text += fmt::format("\n[[loads.{}]]\nname = {}\nbody = {}\n{}\nvector = {}\n", table,
                           toml_string(driven.name), toml_string(driven.body),
                           list == &scene.loads.points ? "at = " + toml_vector(driven.at)

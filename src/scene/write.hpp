@@ -8,14 +8,14 @@
 
 namespace ricochet::scene {
 
-/// The resolved scene as TOML, every default written; reading it back gives the same scene.
+/// The resolved scene as TOML, with every default; reading it gives the same scene.
 std::string to_toml(const Scene& scene);
 
-std::string toml_number(double value);  ///< shortest text that reads back the same, always a float
+std::string toml_number(double value);  ///< shortest text that reads back to the same number, always a float
 std::string toml_string(const std::string& text);
 std::string toml_vector(const Vector3& v);
-/// What the kernel of a body depends on but for its mesh file: geometry, order, scale, material, damping,
-/// contact, support.
+/// The keys of a body that its kernel depends on, except its mesh file: geometry, order, scale, material,
+/// damping, contact, support.
 std::string toml_body_matter(const Body& body);
 std::string toml_modes(const Modes& modes);
 

@@ -9,22 +9,23 @@
 
 namespace ricochet::surface {
 
-/// What else than contact acts on the body or is seen of it, the same on every rank but for rows of the mesh.
+/// Loads, moving supports and receivers of a body; the same on every rank except for rows of the mesh.
 struct Sources {
   std::vector<kernels::Load> loads;          ///< name, unit, total and moment
-  std::vector<kernels::Motion> motions;      ///< names, in the order of mesh::Asked::moved
+  std::vector<kernels::Motion> motions;      ///< names, in the order of mesh::RequestedGroups::moved
   std::vector<kernels::Receiver> receivers;  ///< names and points
   std::vector<Weight> at_receivers;
-  Eigen::MatrixXd load;      ///< (local rows, 3 each): unit traction or force in each component; held 0
-  Eigen::MatrixXd receiver;  ///< likewise, of a unit force at each receiver
-  modes::Lift lift;          ///< of the supports that move; filled in when there are factors
+  Eigen::MatrixXd load;      ///< (local rows, 3 each): unit traction or force; held rows 0
+  Eigen::MatrixXd receiver;  ///< (local rows, 3 each): unit force at each receiver
+  modes::Lift lift;          ///< of the moving supports; set once the matrices are factored
 };
 
-/// What the body's mesh is asked for by a request.
-mesh::Asked asked_of(const scene::KernelRequest& request);
+/// The groups of the mesh that a request needs.
+mesh::RequestedGroups requested_groups(const scene::KernelRequest& request);
 
-/// All but the lift. `mesh` was read with asked_of(request). Needs a GmshSession. Collective.
-/// Throws InputError when a point is farther from the body than 1e-6 of its size.
+/// Everything except the lift. `mesh` was read with requested_groups(request). Needs a GmshSession.
+/// Collective.
+/// Throws InputError if a point is farther from the body than 1e-6 of its size.
 Sources make_sources(const mesh::Mesh& mesh, const scene::KernelRequest& request);
 
 }  // namespace ricochet::surface

@@ -7,7 +7,8 @@ namespace ricochet::surface {
 
 namespace {
 
-/// Share of a displacement component of the mesh in component k, or in that along a direction.
+/// Contribution of a displacement component of the mesh to component k, or to the component along a
+/// direction.
 double component(const mesh::Mesh& mesh, const std::optional<Vector3>& direction, int mesh_component, int k) {
   const Vector3 out = direction.value_or(Vector3{k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0});
   if (mesh.dim == 3) return out[static_cast<std::size_t>(mesh_component)];

@@ -152,9 +152,9 @@ TEST_P(BothBars, cut_to_a_band_are_those_with_fewer_modes) {
   for (const std::size_t modes : {39U, 15U, 1U}) {
     Bar fewer = bar_;
     fewer.modes = modes;
-    expect_same(cut_to_band(bar_.kernel(), fewer.end()), fewer.kernel(), of_differences);
+    expect_same(truncated_to_band(bar_.kernel(), fewer.end()), fewer.kernel(), of_differences);
   }
-  expect_same(cut_to_band(bar_.kernel(), bar_.end()), bar_.kernel());
+  expect_same(truncated_to_band(bar_.kernel(), bar_.end()), bar_.kernel());
 }
 
 /// Σ φ φᵀ/ω² + R of the elastic modes.
@@ -176,14 +176,15 @@ TEST_P(BothBars, yield_to_static_forces_as_before_whatever_is_cut) {
     for (int j = 0; j < 4; ++j)
       exact(i, j) = bar_.flexibility((i + 1) * bar_.length / 4, (j + 1) * bar_.length / 4);
   const auto off = [&](const Kernel& kernel) { return (flexibility(kernel) - exact).norm() / exact.norm(); };
-  EXPECT_LT(off(cut_to_band(bar_.kernel(), {0.9})), 1e-12);
-  EXPECT_LT(off(cut_to_count(bar_.kernel(), 3)), 1e-12);
-  EXPECT_LT(off(cut_to_flexibility_error(bar_.kernel(), {1.0}, 0.05)), 1e-12);
+  EXPECT_LT(off(truncated_to_band(bar_.kernel(), {0.9})), 1e-12);
+  EXPECT_LT(off(truncated_to_count(bar_.kernel(), 3)), 1e-12);
+  EXPECT_LT(off(truncated_to_flexibility_error(bar_.kernel(), {1.0}, 0.05)), 1e-12);
 }
 
 TEST(Cuts, never_take_rigid_modes) {
   const Bar bar{.clamped = false};
-  for (const Kernel& kernel : {cut_to_band(bar.kernel(), {1e-9}), cut_to_count(bar.kernel(), 1)}) {
+  for (const Kernel& kernel :
+       {truncated_to_band(bar.kernel(), {1e-9}), truncated_to_count(bar.kernel(), 1)}) {
     EXPECT_EQ(kernel.modes.angular_frequency, std::vector<double>{0.0});
     EXPECT_EQ(kernel.modes.certificate.count_by_inertia, 1);
     EXPECT_NO_THROW(validate(kernel, "origin"));
@@ -194,12 +195,12 @@ TEST(Cuts, to_a_number_take_a_multiple_mode_whole) {
   Kernel kernel = Bar{}.kernel();
   std::vector<double>& omega = kernel.modes.angular_frequency;
   omega[5] = omega[4] * (1 + 1e-8);
-  EXPECT_EQ(cut_to_count(kernel, 4).modes.size(), 4U);
-  const Kernel cut = cut_to_count(kernel, 5);
+  EXPECT_EQ(truncated_to_count(kernel, 4).modes.size(), 4U);
+  const Kernel cut = truncated_to_count(kernel, 5);
   EXPECT_EQ(cut.modes.size(), 6U);
   EXPECT_GT(cut.modes.certificate.upto_hz, to_hertz({omega[5]}).value);
   EXPECT_LT(cut.modes.certificate.upto_hz, to_hertz({omega[6]}).value);
-  EXPECT_EQ(cut_to_count(kernel, 40).modes.certificate.upto_hz, kernel.modes.certificate.upto_hz);
+  EXPECT_EQ(truncated_to_count(kernel, 40).modes.certificate.upto_hz, kernel.modes.certificate.upto_hz);
 }
 
 TEST(Cuts, need_no_residual_flexibility_and_no_view) {
@@ -207,7 +208,7 @@ TEST(Cuts, need_no_residual_flexibility_and_no_view) {
   kernel.surface.residual_flexibility.clear();
   kernel.loads.body_force_residual.clear();
   kernel.view.reset();
-  const Kernel cut = cut_to_points(cut_to_count(kernel, 7), {2});
+  const Kernel cut = restricted_to_points(truncated_to_count(kernel, 7), {2});
   EXPECT_EQ(cut.modes.size(), 7U);
   EXPECT_TRUE(cut.surface.residual_flexibility.empty());
   EXPECT_NO_THROW(validate(cut, "origin"));
@@ -228,19 +229,19 @@ TEST_P(BothBars, cut_to_points_are_those_with_fewer) {
   Kernel expected = fewer.kernel();
   expected.surface.element = {1, 0};  // as it was turned
   expected.view = with_columns(*bar_.kernel().view, {2, 1});
-  expect_same(cut_to_points(bar_.kernel(), {2, 1}), expected);
+  expect_same(restricted_to_points(bar_.kernel(), {2, 1}), expected);
   // No two of these are neighbours.
   fewer.at = {0.25, 0.75};
   expected = fewer.kernel();
   expected.surface.element_corners = 1;
   expected.surface.element = {0, 1};
   expected.view = with_columns(*bar_.kernel().view, {0, 2});
-  expect_same(cut_to_points(bar_.kernel(), {0, 2}), expected);
+  expect_same(restricted_to_points(bar_.kernel(), {0, 2}), expected);
 }
 
 TEST(Cuts, to_points_keep_all_components_of_each) {
   const std::size_t n = 5, m = 4;
-  const Kernel whole = plain_kernel(3, n, m), cut = cut_to_points(whole, {3, 1});
+  const Kernel whole = plain_kernel(3, n, m), cut = restricted_to_points(whole, {3, 1});
   EXPECT_NO_THROW(validate(cut, "origin"));
   const std::size_t row[] = {9, 10, 11, 3, 4, 5};
   for (std::size_t i = 0; i < 6; ++i) {
@@ -297,8 +298,8 @@ TEST(Rescaling, lets_sources_move_a_body_as_its_size_and_stiffness_say) {
 
 TEST(Cuts, of_candidates_are_refused_where_loads_or_receivers_know_of_them) {
   for (const std::string& line :
-       {complaint_of([] { cut_to_points(sample_kernel(3), {0}); }), complaint_of([] {
-          cut_to_direction(sample_kernel(3), {1, 0, 0});
+       {complaint_of([] { restricted_to_points(sample_kernel(3), {0}); }), complaint_of([] {
+          restricted_to_direction(sample_kernel(3), {1, 0, 0});
         })})
     EXPECT_NE(line.find("has loads, supports that move or receivers"), std::string::npos) << line;
 }
@@ -307,7 +308,7 @@ TEST(Cuts, to_a_direction_keep_the_component_along_it) {
   const std::size_t n = 5, m = 4;
   const Kernel whole = plain_kernel(3, n, m);
   const Vector3 d{0.6, 0, -0.8};
-  const Kernel cut = cut_to_direction(whole, d);
+  const Kernel cut = restricted_to_direction(whole, d);
   EXPECT_NO_THROW(validate(cut, "origin"));
   EXPECT_EQ(cut.surface.direction, d);
   // A unit force along d on patch i, in the three components of each patch.
@@ -340,23 +341,23 @@ void expect_refusal(Action action, const std::string& fragment) {
 
 TEST(Cuts, are_refused_where_the_kernel_does_not_hold_what_they_take) {
   const Kernel whole = Bar{}.kernel();
-  expect_refusal([&] { cut_to_band(whole, {1e3}); }, "all modes up to 14.");
-  expect_refusal([&] { cut_to_band(whole, {0}); }, "not up to 0");
-  expect_refusal([&] { cut_to_count(whole, 41); }, "has 40 modes, not 41");
-  expect_refusal([&] { cut_to_flexibility_error(whole, {14}, 1e-3); }, "may make an error of");
-  expect_refusal([&] { cut_to_points(whole, {0, 4}); }, "no candidate point 4: they go from 0 to 3");
-  expect_refusal([&] { cut_to_points(whole, {-1}); }, "no candidate point -1");
-  expect_refusal([&] { cut_to_points(whole, {1, 1}); }, "named twice");
-  expect_refusal([&] { cut_to_points(whole, {}); }, "name one at least");
+  expect_refusal([&] { truncated_to_band(whole, {1e3}); }, "all modes up to 14.");
+  expect_refusal([&] { truncated_to_band(whole, {0}); }, "not up to 0");
+  expect_refusal([&] { truncated_to_count(whole, 41); }, "has 40 modes, not 41");
+  expect_refusal([&] { truncated_to_flexibility_error(whole, {14}, 1e-3); }, "may make an error of");
+  expect_refusal([&] { restricted_to_points(whole, {0, 4}); }, "no candidate point 4: they go from 0 to 3");
+  expect_refusal([&] { restricted_to_points(whole, {-1}); }, "no candidate point -1");
+  expect_refusal([&] { restricted_to_points(whole, {1, 1}); }, "named twice");
+  expect_refusal([&] { restricted_to_points(whole, {}); }, "name one at least");
   Kernel bare = whole;
   bare.surface.residual_flexibility.clear();
-  expect_refusal([&] { cut_to_flexibility_error(bare, {1}, 0.1); }, "no residual flexibility");
-  const Kernel less = cut_to_flexibility_error(whole, {1}, 0.1);
-  expect_refusal([&] { cut_to_band(less, {1}); }, "were left out of it");
-  expect_refusal([&] { cut_to_direction(whole, {1, 0, 0}); }, "holds one direction only");
+  expect_refusal([&] { truncated_to_flexibility_error(bare, {1}, 0.1); }, "no residual flexibility");
+  const Kernel less = truncated_to_flexibility_error(whole, {1}, 0.1);
+  expect_refusal([&] { truncated_to_band(less, {1}); }, "were left out of it");
+  expect_refusal([&] { restricted_to_direction(whole, {1, 0, 0}); }, "holds one direction only");
   Kernel fitted = whole;
   fitted.modes.basis = "contact";
-  expect_refusal([&] { cut_to_count(fitted, 3); }, "vectors fitted to contact");
+  expect_refusal([&] { truncated_to_count(fitted, 3); }, "vectors fitted to contact");
 }
 
 }  // namespace

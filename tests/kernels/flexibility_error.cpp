@@ -46,7 +46,7 @@ TEST(CutsToAFlexibilityError, make_no_larger_one_than_they_tell) {
   const RadPerSecond band{Bar{}.omega(6)};
   std::size_t last = 60;
   for (const double bound : {0.02, 0.05, 0.2}) {
-    const Kernel cut = cut_to_flexibility_error(whole, to_hertz(band), bound);
+    const Kernel cut = truncated_to_flexibility_error(whole, to_hertz(band), bound);
     EXPECT_NO_THROW(validate(cut, "origin"));
     EXPECT_LT(cut.modes.size(), last);
     last = cut.modes.size();
@@ -68,7 +68,7 @@ TEST(CutsToAFlexibilityError, count_what_lies_above_their_modes) {
     const double above = error_above(whole, band, RadPerSecond(Hertz{whole.modes.certificate.upto_hz}));
     EXPECT_GE(above, error_of(whole, band));
     EXPECT_LE(above, 5 * error_of(whole, band));  // most of them lie far above: Σ 1/n⁴ is 1/3 of Σ 1/n² / N²
-    const Kernel cut = cut_to_flexibility_error(whole, to_hertz(band), 1.05 * above);
+    const Kernel cut = truncated_to_flexibility_error(whole, to_hertz(band), 1.05 * above);
     EXPECT_LE(cut.modes.certificate.flexibility_error, 1.05 * above);
     EXPECT_GE(cut.modes.certificate.flexibility_error, above);
     EXPECT_LE(error_of(cut, band), cut.modes.certificate.flexibility_error);

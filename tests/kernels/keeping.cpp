@@ -69,7 +69,7 @@ class Keeping : public testing::TestWithParam<int> {
   /// The kernel without the modes that are not worth `error`.
   Kernel kept(double error) {
     Kernel kernel = whole_;
-    made_ = keep_contributing(kernel, band, error);
+    made_ = truncate_least_contributing(kernel, band, error);
     return kernel;
   }
   /// Which of the elastic modes are gone.
@@ -107,13 +107,13 @@ TEST_P(Keeping, what_contributes_makes_the_error_that_it_tells_within_the_bound)
 TEST_P(Keeping, modes_up_to_an_end_makes_the_error_that_is_told) {
   for (const double share : {0.0, 0.3, 1.0, 1.7}) {
     const RadPerSecond end{share * band.value};
-    const Kernel kernel = up_to(whole_, end);
+    const Kernel kernel = truncated_above(whole_, end);
     EXPECT_EQ(kernel.modes.size(), 3 + static_cast<std::size_t>(std::ranges::count_if(
                                            whole_.modes.angular_frequency,
                                            [&](double omega) { return omega > 0 && omega <= end.value; })));
     EXPECT_NO_THROW(validate(kernel, "origin"));
     const double error = dense_error_without(elastic_modes(whole_), gone(kernel));
-    EXPECT_NEAR(error_up_to(whole_, end, band), error, 1e-12 * (1 + error));
+    EXPECT_NEAR(truncation_error(whole_, end, band), error, 1e-12 * (1 + error));
   }
 }
 

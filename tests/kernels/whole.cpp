@@ -20,7 +20,7 @@ const std::vector<std::int64_t> held = {1, 3, 4};
 Kernel partial_kernel() {
   Kernel kernel = plain_kernel(3, 5, 6);
   WholeSurface whole = whole_surface(kernel.surface);
-  kernel = cut_to_points(std::move(kernel), held);
+  kernel = restricted_to_points(std::move(kernel), held);
   whole.held = held;
   kernel.surface.whole = whole;
   return kernel;
@@ -66,7 +66,7 @@ TEST(WholeSurface, grows_with_the_body) {
 }
 
 TEST(WholeSurface, is_forgotten_where_points_are_chosen) {
-  EXPECT_FALSE(cut_to_points(partial_kernel(), {0, 2}).surface.whole);
+  EXPECT_FALSE(restricted_to_points(partial_kernel(), {0, 2}).surface.whole);
 }
 
 TEST(WholeSurface, must_fit_the_candidates) {

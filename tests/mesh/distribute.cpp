@@ -171,7 +171,7 @@ TEST_P(Distribute, contact_surface_is_whole_on_every_rank_and_the_skin_on_the_fi
   };
   expect_same(mesh_.contact, whole_.contact);
   EXPECT_EQ(mesh_.contact.blocks.empty(), GetParam().extension == ".msh");
-  if (parallel::rank_of(mesh_.comm) == 0) expect_same(mesh_.skin, whole_.skin);
+  if (parallel::rank_of(mesh_.comm) == 0) expect_same(mesh_.visualisation, whole_.visualisation);
 }
 
 INSTANTIATE_TEST_SUITE_P(Meshes, Distribute,

@@ -200,10 +200,10 @@ TEST_P(Parts, have_the_contact_surface_and_skin_of_the_whole) {
   for (const mesh::Block& block : mesh_.contact.blocks)
     EXPECT_TRUE(std::is_sorted(block.tag.begin(), block.tag.end()));
   if (me() == 0) {
-    EXPECT_EQ(facets(mesh_.skin), facets(whole_.skin));
-    expect_numbers(mesh_.skin);
+    EXPECT_EQ(facets(mesh_.visualisation), facets(whole_.visualisation));
+    expect_numbers(mesh_.visualisation);
   } else {
-    EXPECT_TRUE(mesh_.skin.blocks.empty());
+    EXPECT_TRUE(mesh_.visualisation.blocks.empty());
   }
 }
 

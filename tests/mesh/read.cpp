@@ -84,7 +84,7 @@ Flux flux_of(const GlobalMesh& mesh, std::int64_t label) {
 /// V by the flat triangles of the skin: right only if all of them point outward.
 double enclosed_by_skin(const GlobalMesh& mesh) {
   double volume = 0;
-  const auto& node = mesh.skin.blocks.front().node;
+  const auto& node = mesh.visualisation.blocks.front().node;
   for (std::size_t t = 0; t < node.size(); t += 3)
     volume += at(mesh, node[t]).dot(at(mesh, node[t + 1]).cross(at(mesh, node[t + 2]))) / 6;
   return volume;

@@ -154,7 +154,7 @@ TEST(Motions, of_a_turned_body_are_along_what_its_support_holds) {
               HasSubstr("along the body's y, which it does not hold"));
 }
 
-void expect_same(const std::vector<Driven>& a, const std::vector<Driven>& b) {
+void expect_same(const std::vector<Forcing>& a, const std::vector<Forcing>& b) {
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t k = 0; k < a.size(); ++k) {
     EXPECT_EQ(a[k].name, b[k].name);

@@ -27,8 +27,8 @@ inline MatrixXd rows(const std::vector<double>& values, std::size_t count) {
                                     static_cast<Eigen::Index>(values.size() / count));
 }
 
-inline scene::Driven load(const std::string& name, const std::string& group, const Vector3& at = {}) {
-  scene::Driven driven;
+inline scene::Forcing load(const std::string& name, const std::string& group, const Vector3& at = {}) {
+  scene::Forcing driven;
   driven.name = name;
   driven.group = group;
   driven.at = at;
@@ -48,7 +48,7 @@ struct Made {
     body.materials[0].poisson = poisson;
     request.body = body;
     mesh::GlobalMesh global;
-    const mesh::Asked wanted = surface::asked_of(request);
+    const mesh::RequestedGroups wanted = surface::requested_groups(request);
     parallel::on_first_rank(PETSC_COMM_WORLD, [&] { global = mesh::read_mesh(body, {}, wanted); });
     mesh = mesh::distribute(std::move(global), PETSC_COMM_WORLD);
     std::vector<std::string> moved;

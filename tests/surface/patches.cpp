@@ -256,7 +256,7 @@ TEST(Keep, leaves_patches_and_loads_of_those_that_stay_as_they_are) {
       if (before.node[3 * i] > 0.45) points.push_back(static_cast<std::int64_t>(i));
     ASSERT_GT(points.size(), 1U);
     ASSERT_LT(points.size(), before.size());
-    surface::keep(made.patches, points);
+    surface::restrict_to(made.patches, points);
     const kernels::Surface& geometry = made.patches.geometry;
     const Eigen::MatrixXd kept = surface::patch_loads(made.mesh, made.patches);
     ASSERT_EQ(geometry.size(), points.size());
