@@ -32,8 +32,8 @@ def main():
     options = parser.parse_args()
     try:
         options.run(options)
-    except programs.Failed as failure:
-        return failure.status
+    except programs.RicochetError as failure:
+        return failure.report("bench")
     return 0
 
 

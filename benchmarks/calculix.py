@@ -52,7 +52,7 @@ def run_ccx(folder, threads, coretype):
     found = frequencies_of(folder / "body.dat")
     if process.returncode != 0 or not found:
         print("ccx:", (folder / "log").read_text()[-2000:], file=sys.stderr)
-        raise programs.Failed(1)
+        raise programs.ProgramError(1)
     return {
         "seconds": seconds,
         "cpu_seconds": usage.ru_utime + usage.ru_stime,

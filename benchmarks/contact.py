@@ -17,7 +17,7 @@ from ricochet import programs
 def call(command, **options):
     done = subprocess.run([str(word) for word in command], **options)
     if done.returncode != 0:
-        raise programs.Failed(done.returncode)
+        raise programs.ProgramError(done.returncode)
     return done
 
 

@@ -139,7 +139,7 @@ def rows_of(options, case, ranks, truth, cache):
                 calculix.run(case(order, size), COUNT, threads, options.rounds, cache)
                 for threads in options.threads
             ]
-        except programs.Failed:
+        except programs.ProgramError:
             # Out of memory, as a rule: what has been found stays worth a report.
             print(f"bench modes: calculix, order {order}, size {size:g}: left out", file=sys.stderr)
             continue

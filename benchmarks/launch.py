@@ -13,13 +13,13 @@ def build(*targets):
     """Brings programs up to date with the source; scripts/build must have run once."""
     if not programs.BIN.is_dir():
         print(f"{programs.BIN}: no programs there. Run scripts/build first.", file=sys.stderr)
-        raise programs.Failed(2)
+        raise programs.ProgramError(2)
     done = subprocess.run(
         ["cmake", "--build", programs.BIN.parent, "--target", *targets], stdout=subprocess.PIPE, text=True
     )
     if done.returncode != 0:
         print(done.stdout, file=sys.stderr)
-        raise programs.Failed(done.returncode)
+        raise programs.ProgramError(done.returncode)
 
 
 class Case:

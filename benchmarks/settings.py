@@ -61,7 +61,7 @@ def kernel_run(options, words):
     peak = re.search(r"^total .* (\d+) MiB", done.stderr + done.stdout, re.MULTILINE)
     if done.returncode != 0 or not peak:
         print(done.stderr, file=sys.stderr)
-        raise programs.Failed(done.returncode or 1)
+        raise programs.ProgramError(done.returncode or 1)
     return seconds, int(peak[1])
 
 

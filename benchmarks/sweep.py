@@ -14,12 +14,11 @@ build/bench-sweep.
 import json
 import os
 import subprocess
-import sys
 import time
 
 from benchmarks import launch, tables, timing
 from ricochet import programs
-from ricochet.result_file import BadInput
+from ricochet.errors import InputError
 from ricochet.studies.study import Study
 
 # Scene, body and component of the velocity that is drawn from a range [m/s].
@@ -81,11 +80,11 @@ def bare(study, folder, options):
             )
     for process, _ in running:
         if process.wait() != 0:
-            raise programs.Failed(process.returncode)
+            raise programs.ProgramError(process.returncode)
     reported = [json.loads(line) for _, answers in running for line in answers.read_text().splitlines()]
     failed = [answer["error"] for answer in reported if answer["status"] != 0]
     if failed:
-        raise BadInput(f"{len(failed)} impacts failed: {failed[0]}")
+        raise InputError(f"{len(failed)} impacts failed: {failed[0]}")
     return sum(answer["summary"]["wall_s"] for answer in reported), timing.children_seconds() - before
 
 
@@ -151,9 +150,5 @@ def run(options):
             "beside an impact (ms)",
         ]
     )
-    try:
-        for name in options.scenes:
-            measure(name, options, folder)
-    except BadInput as problem:
-        print(f"bench sweep: {problem}", file=sys.stderr)
-        raise programs.Failed(2) from None
+    for name in options.scenes:
+        measure(name, options, folder)

@@ -27,12 +27,6 @@ std::vector<std::tuple<std::string, fs::path, bool>> kernel_files(const scene::S
   return out;
 }
 
-/// The scene as TOML, with paths as seen from the folder of `file`.
-std::string toml_for(scene::Scene scene, const fs::path& file) {
-  scene.file = file;
-  return scene::to_toml(scene);
-}
-
 }  // namespace
 
 void bind_scene(py::module_& module) {
@@ -52,7 +46,7 @@ void bind_scene(py::module_& module) {
                              })
       .def_property_readonly("needs_other_orders",
                              [](const scene::Scene& scene) { return scene.accuracy.has_value(); })
-      .def("toml", &toml_for)
+      .def("toml", &scene::to_toml)
       .def("kernel_files", &kernel_files);
   module.def("overridden", &scene::overridden);
 }

@@ -1,5 +1,66 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Ricochet from Python: scenes, kernels, impacts, studies and pictures of them."""
+"""Frictionless impact of elastic bodies, from Python: scenes, kernels, impacts, studies and pictures.
+
+    import ricochet
+
+    scene = ricochet.Scene("meshes/two-disks/two-disks.toml")
+    ricochet.kernels(scene)
+    result = ricochet.impact(scene)
+    result.total_force
+
+docs/python.md describes the interface. Names are loaded on first use: the command needs few of them.
+"""
+
+import importlib
 import pkgutil
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ricochet._core import __version__
+    from ricochet.errors import InputError, RicochetError, SolverError
+    from ricochet.kernel import Kernel
+    from ricochet.result import Result, SweepResult
+    from ricochet.runs import impact, kernels, plot, report, sweep
+    from ricochet.scene import Scene
+    from ricochet.simulation import Pickup, Simulation
+
+__all__ = [
+    "InputError",
+    "Kernel",
+    "Pickup",
+    "Result",
+    "RicochetError",
+    "Scene",
+    "Simulation",
+    "SolverError",
+    "SweepResult",
+    "__version__",
+    "impact",
+    "kernels",
+    "plot",
+    "report",
+    "sweep",
+]
+
+_PLACES = {
+    "_core": ["__version__"],
+    "errors": ["InputError", "RicochetError", "SolverError"],
+    "kernel": ["Kernel"],
+    "result": ["Result", "SweepResult"],
+    "runs": ["impact", "kernels", "plot", "report", "sweep"],
+    "scene": ["Scene"],
+    "simulation": ["Pickup", "Simulation"],
+}
+_PLACE = {name: place for place, names in _PLACES.items() for name in names}
 
 __path__ = pkgutil.extend_path(__path__, __name__)  # in a checkout the extension module lies in the build
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _PLACE:
+        raise AttributeError(f"module 'ricochet' has no attribute {name!r}")
+    return getattr(importlib.import_module(f"ricochet.{_PLACE[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -1,21 +1,26 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Files that are whole under their names, or stay what they were: written beside as <name>.<process>.partial, synced, renamed."""
+"""Writes files atomically: as <name>.<process>.partial beside the final name, synced, renamed."""
 import contextlib
+import csv
 import errno
 import fcntl
 import io
 import os
 import re
 import warnings
+from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import Any, BinaryIO
+
+from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 
-def write(path, content):
-    """`content`: bytes. Throws OSError, whose filename is `path`."""
-    path = Path(path)
+def write(path: Path, content: bytes | memoryview) -> None:
+    """Writes the file, or leaves it as it was. Raises OSError, whose filename is `path`."""
     try:
         if path.exists() and not path.is_file():  # a device would become a file
-            raise FileExistsError(errno.EEXIST, "something that is no file has this name")
+            raise FileExistsError(errno.EEXIST, "this name belongs to something other than a file")
         remove_left(path)
         partial = path.with_name(f"{path.name}.{os.getpid()}.partial")
         try:
@@ -29,7 +34,7 @@ def write(path, content):
             partial.unlink(missing_ok=True)
     except OSError as error:
         raise OSError(error.errno, error.strerror or str(error), str(path)) from None
-    with contextlib.suppress(OSError):  # some file systems can't sync a folder; the file itself is whole either way
+    with contextlib.suppress(OSError):  # some file systems can't sync a folder; the file itself is complete
         folder = os.open(path.parent, os.O_RDONLY)
         try:
             os.fsync(folder)
@@ -37,8 +42,8 @@ def write(path, content):
             os.close(folder)
 
 
-def lock(file):
-    """Whether the file could be locked, which tells others that its writer lives."""
+def lock(file: BinaryIO) -> bool:
+    """Locks the file, which shows others that its writer is alive; returns whether that was possible."""
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         return True
@@ -46,21 +51,31 @@ def lock(file):
         return False
 
 
-def remove_left(path):
-    """Removes what killed writers of the file left."""
+def remove_left(path: Path) -> None:
+    """Removes the partial files of writers that were killed."""
     mine = re.compile(re.escape(path.name) + r"\.[0-9]+\.partial")
     with contextlib.suppress(OSError):  # a folder that can't be listed
         for left in [other for other in path.parent.iterdir() if mine.fullmatch(other.name)]:
-            with contextlib.suppress(OSError), open(left, "rb+") as file:  # gone by now, or another user's
+            with contextlib.suppress(OSError), open(left, "rb+") as file:  # already gone, or another user's
                 if lock(file):
                     left.unlink()
 
 
-def save_picture(figure, path, **options):
-    """A matplotlib figure, as PNG. Throws OSError. Dollars in titles and names are dollars: only matplotlib's own labels are
-    formulas; a letter that no font has is an empty box."""
-    from matplotlib.text import Text
+def write_csv(path: Path, titles: Iterable[str], rows: Iterable[Sequence[Any]]) -> None:
+    """Raises OSError."""
+    text = io.StringIO(newline="")
+    table = csv.writer(text)
+    table.writerow(list(titles))
+    table.writerows(rows)
+    write(path, text.getvalue().encode())
 
+
+def save_picture(figure: Figure, path: Path, **options: Any) -> None:
+    """Writes a figure as PNG. Raises OSError.
+
+    Dollars in titles and names stay dollars: only matplotlib's own labels are formulas. A letter that no font has becomes an
+    empty box.
+    """
     for text in figure.findobj(Text):
         if "$" in text.get_text() and not text.get_text().startswith(r"$\mathdefault"):
             text.set_parse_math(False)

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""A progress bar on standard error, with the time left; nothing where that is no terminal."""
+"""A progress bar on standard error, with the time left, on terminals and in notebooks."""
 import sys
 import time
+from typing import TextIO
 
 
-def duration(seconds):
-    """As people say it: 45 s, 3 min 20 s, 2 h 5 min."""
+def duration(seconds: float) -> str:
+    """In words: 45 s, 3 min 20 s, 2 h 5 min."""
     seconds = round(seconds)
     if seconds < 60:
         return f"{seconds} s"
@@ -15,19 +16,20 @@ def duration(seconds):
 
 
 class Progress:
-    """Counts pieces of work of similar length. Pieces that were there from an earlier run don't enter the pace."""
+    """Counts pieces of work of similar length. Pieces that an earlier run finished don't count for the pace."""
 
     WIDTH = 30
 
-    def __init__(self, total, stream=None):
+    def __init__(self, total: int, stream: TextIO | None = None) -> None:
         self.total, self.done, self.worked = total, 0, 0
-        self.stream, self.started, self.drawn = stream or sys.stderr, time.monotonic(), 0
+        self.stream, self.started, self.drawn = stream or sys.stderr, time.monotonic(), 0.0
+        self.visible = self.stream.isatty() or type(self.stream).__module__.startswith("ipykernel")
 
-    def advance(self, what, pieces=1, already=False):
+    def advance(self, what: str, pieces: int = 1, already: bool = False) -> None:
         self.done += pieces
         self.worked += 0 if already else pieces
         now = time.monotonic()
-        if not self.stream.isatty() or (now - self.drawn < 0.1 and 0 < self.done < self.total):
+        if not self.visible or (now - self.drawn < 0.1 and 0 < self.done < self.total):
             return
         self.drawn = now
         filled = self.WIDTH * self.done // max(self.total, 1)
@@ -35,6 +37,10 @@ class Progress:
         if self.worked and self.done < self.total:
             pace = (now - self.started) / self.worked
             left = f", {duration(pace * (self.total - self.done))} left"
-        self.stream.write(f"\r\033[K[{'#' * filled}{'.' * (self.WIDTH - filled)}] {self.done}/{self.total}{left}  {what}"[:140])
+        self.stream.write(
+            f"\r\033[K[{'#' * filled}{'.' * (self.WIDTH - filled)}] {self.done}/{self.total}{left}  {what}"[
+                :140
+            ]
+        )
         self.stream.write("\n" if self.done >= self.total else "")
         self.stream.flush()

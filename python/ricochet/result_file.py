@@ -1,107 +1,127 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Reads result and kernel files for scripts. What is wrong with a file is a BadInput of one line."""
+"""Reads result and kernel files for scripts."""
 import contextlib
 import tomllib
 import warnings
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
+from numpy.typing import NDArray
+
+from ricochet.errors import InputError
 
 
 VERSION = 1
 
 
-class BadInput(Exception):
-    """What the user can mend; its text is one line."""
-
-
-def is_there(path):
-    """Whether there is such a file, which can be opened. Throws BadInput where nobody can tell, or it can't be."""
+def is_there(path: Path) -> bool:
+    """Whether the file exists and can be opened. Raises InputError if it cannot be opened."""
     try:
         if not path.is_file():
             return False
         with open(path, "rb"):
             return True
     except OSError as error:
-        raise BadInput(f"{path}: cannot be read ({error.strerror}). Change its permissions, or name another one.") from None
+        raise InputError(
+            f"{path}: cannot be read ({error.strerror}). Change its permissions, or name another one."
+        ) from None
 
 
 @contextlib.contextmanager
-def expected(path, program="ricochet-contact"):
-    """A BadInput in the place of whatever a file leads to that is whole, but not what the program writes."""
+def expected(path: Path, program: str = "ricochet-contact") -> Iterator[None]:
+    """Raises InputError in place of any exception that the content of a foreign file causes."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of numpy, on numbers that no run has
             yield
-    except (BadInput, MemoryError):
+    except (InputError, MemoryError):
         raise
     except Exception:
-        raise BadInput(f"{path}: holds what {program} does not write. Compute it again.") from None
+        raise InputError(f"{path}: holds what {program} does not write. Compute it again.") from None
 
 
 class File:
     """An HDF5 file whose datasets are checked as they are read."""
 
-    def __init__(self, path, kind):
+    def __init__(self, path: Path, kind: str) -> None:
         self.path = path
         if not is_there(path):
-            name = "a .kernel.h5 that ricochet-kernel wrote" if kind == "ricochet-kernel" else "a .result.h5 that ricochet-contact wrote"
-            raise BadInput(f"{path}: there is no such file. Name {name}.")
+            name = (
+                "a .kernel.h5 that ricochet-kernel wrote"
+                if kind == "ricochet-kernel"
+                else "a .result.h5 that ricochet-contact wrote"
+            )
+            raise InputError(f"{path}: there is no such file. Name {name}.")
         try:
             self.file = h5py.File(path, "r")
         except OSError:
             what = "a damaged or truncated" if h5py.is_hdf5(path) else "not an"
-            raise BadInput(f"{path}: is {what} HDF5 file. Compute it again.") from None
+            raise InputError(f"{path}: is {what} HDF5 file. Compute it again.") from None
         if self.text("/", "format") != kind:
-            raise BadInput(f"{path}: is not a {kind} file. Name a file that Ricochet wrote.")
+            raise InputError(f"{path}: is not a {kind} file. Name a file that Ricochet wrote.")
 
         version = self.attribute("/", "version")
         if not isinstance(version, (int, np.integer)):
-            raise BadInput(f"{path}: does not say its format version. Compute it again.")
+            raise InputError(f"{path}: does not say its format version. Compute it again.")
         if not 1 <= version <= VERSION:
-            raise BadInput(f"{path}: has format version {version}, and this program reads {VERSION}. Use a newer Ricochet.")
+            raise InputError(
+                f"{path}: has format version {version}, and this program reads {VERSION}. Use a newer Ricochet."
+            )
 
-    def text(self, where, name):
-        """None of what is no text."""
+    def text(self, where: str, name: str) -> str | None:
+        """An attribute; None unless it is a text."""
         value = self.attribute(where, name)
-        return value.decode(errors="replace") if isinstance(value, bytes) else value if isinstance(value, str) else None
+        return (
+            value.decode(errors="replace")
+            if isinstance(value, bytes)
+            else value
+            if isinstance(value, str)
+            else None
+        )
 
-    def attribute(self, where, name):
+    def attribute(self, where: str, name: str) -> Any:
         return self.file[where].attrs.get(name) if where in self.file else None
 
-    def has(self, name):
+    def has(self, name: str) -> bool:
         try:
             item = self.file.get(name)
         except RuntimeError:  # links in a circle
             return False
         return isinstance(item, h5py.Dataset) and item.file.filename == self.file.filename
 
-    def names(self, group):
+    def names(self, group: str) -> list[str]:
         try:
             return sorted(self.file[group]) if isinstance(self.file.get(group), h5py.Group) else []
         except RuntimeError:  # links in a circle
             return []
 
-    def array(self, name, *shape):
+    def array(self, name: str, *shape: int | None) -> NDArray[Any]:
         """Values as floats or integers. None in `shape` is a dimension of any length."""
         if not self.has(name):
-            raise BadInput(f"{self.path}: dataset \"{name}\" is missing. Compute it again.")
+            raise InputError(f'{self.path}: dataset "{name}" is missing. Compute it again.')
         data = self.file[name]
         if len(data.shape) != len(shape) or any(s not in (None, d) for s, d in zip(shape, data.shape)):
             expected = ", ".join("*" if s is None else str(s) for s in shape)
-            raise BadInput(f"{self.path}: dataset \"{name}\" has shape {data.shape}, expected ({expected}). "
-                           "Compute it again.")
+            raise InputError(
+                f'{self.path}: dataset "{name}" has shape {data.shape}, expected ({expected}). '
+                "Compute it again."
+            )
         if data.nbytes > 64 * self.path.stat().st_size:  # no more memory than the file's size justifies
-            raise BadInput(f"{self.path}: dataset \"{name}\" claims more than the file can hold. "
-                           "Compute it again.")
+            raise InputError(
+                f'{self.path}: dataset "{name}" claims more than the file can hold. ' "Compute it again."
+            )
         try:
-            values = data[()]
+            values: NDArray[Any] = data[()]
         except OSError:
-            raise BadInput(f"{self.path}: dataset \"{name}\" is damaged. Compute it again.") from None
+            raise InputError(f'{self.path}: dataset "{name}" is damaged. Compute it again.') from None
         if values.dtype.kind not in "fi" or not np.isfinite(values).all():
-            raise BadInput(f"{self.path}: dataset \"{name}\" holds values that are not finite numbers. "
-                           "Compute it again.")
+            raise InputError(
+                f'{self.path}: dataset "{name}" holds values that are not finite numbers. '
+                "Compute it again."
+            )
         return values
 
 
@@ -110,8 +130,14 @@ class Result:
 
     TERMS = ["kinetic", "strain", "residual", "loads", "damping", "contact"]
 
-    LABELS = {"kinetic": "kinetic", "strain": "strain", "residual": "strain of modes left out", "loads": "− work of loads",
-              "damping": "lost in damping", "contact": "lost in contact"}
+    LABELS = {
+        "kinetic": "kinetic",
+        "strain": "strain",
+        "residual": "strain of modes left out",
+        "loads": "− work of loads",
+        "damping": "lost in damping",
+        "contact": "lost in contact",
+    }
 
     def __init__(self, path):
         f = self.file = File(path, "ricochet-result")
@@ -123,11 +149,14 @@ class Result:
         steps = len(self.time)
         if steps < 2 and not self.static:
             every = scene.get("output", {}).get("every", 1)
-            raise BadInput(f"{path}: holds nothing but the start: nothing to draw. output.every is {every if isinstance(every, int) else '?'}, "
-                           "which must not exceed the number of steps, time.rate_hz times time.duration.")
+            raise InputError(
+                f"{path}: holds nothing but the start: nothing to draw. output.every is {every if isinstance(every, int) else '?'}, "
+                "which must not exceed the number of steps, time.rate_hz times time.duration."
+            )
         by_table = not f.has("/energy/total") and f.has("/contact/gap")
-        self.energy = None if by_table else {name: f.array(f"/energy/{name}", steps)
-                                             for name in ["total"] + self.TERMS}
+        self.energy = (
+            None if by_table else {name: f.array(f"/energy/{name}", steps) for name in ["total"] + self.TERMS}
+        )
         self.bodies = f.names("/bodies")
         self.velocity = {body: f.array(f"/bodies/{body}/velocity", steps, 3) for body in self.bodies}
         self.gap = f.array("/contact/initial_gap", None)
@@ -139,9 +168,14 @@ class Result:
         rows = len(self.contact_time)
         self.force = f.array("/contact/force", rows, points)
         self.gap_now = f.array("/contact/gap", rows, points)
-        self.sides = None if by_table else {
-            name: f.array(f"/contact/{name}", rows, points)
-            for name in ["displacement_a", "displacement_b", "velocity_a", "velocity_b"]}
+        self.sides = (
+            None
+            if by_table
+            else {
+                name: f.array(f"/contact/{name}", rows, points)
+                for name in ["displacement_a", "displacement_b", "velocity_a", "velocity_b"]
+            }
+        )
         self.spacing = float(np.min(np.diff(self.time), initial=np.inf))  # of rows
         self.episodes = self._episodes()
 
@@ -174,8 +208,10 @@ class Result:
             along = axes[:, 2] * np.sign(axes[np.argmax(np.abs(axes[:, 2])), 2])
             where, what = away @ along, "position along the contact"
         else:
-            where, what = np.linalg.norm(away, axis=1), \
-                "distance from where the gap was least" if self.static else "distance from the first touch"
+            where, what = (
+                np.linalg.norm(away, axis=1),
+                "distance from where the gap was least" if self.static else "distance from the first touch",
+            )
         order = np.argsort(where, kind="stable")
         return order, where[order], what
 
@@ -215,7 +251,8 @@ class Result:
 
     def along_normal(self, i):
         """Motion along the normal of point i, each by name as (times, values): place and speed of the two sides there, of
-        the mean of each body's mass. Places count from where b's surface was: the sides touch where their lines meet."""
+        the mean of each body's mass. Places count from where b's surface was: the sides touch where their lines meet.
+        """
         n, gap, names = self.normal[i], self.gap[i], self.sides_names()
         place, speed, mean_place, mean_speed = {}, {}, {}, {}
         for side, name, offset in [("a", names[0], gap), ("b", names[1], 0.0)]:
@@ -245,17 +282,23 @@ class Skin:
         self.element = kernel.array("/view/element", None, None).astype(int)
         self.shape = kernel.array("/view/shape", len(self.node), 3, coordinates.shape[1])
         if self.element.size == 0 or self.element.shape[1] not in (2, 3):
-            raise BadInput(f"{kernel.path}: dataset \"/view/element\" holds neither lines nor triangles. Compute it again.")
+            raise InputError(
+                f'{kernel.path}: dataset "/view/element" holds neither lines nor triangles. Compute it again.'
+            )
         if not (0 <= self.element.min() and self.element.max() < len(self.node)):
-            raise BadInput(f"{kernel.path}: dataset \"/view/element\" names nodes that do not exist. "
-                           "Compute it again.")
+            raise InputError(
+                f'{kernel.path}: dataset "/view/element" names nodes that do not exist. ' "Compute it again."
+            )
         self.rigid = kernel.array("/modes/angular_frequency", coordinates.shape[1]) == 0
         self.coordinates = coordinates
 
     def at(self, k, start=None, amplify=1.0):
         """(V,3) places of the skin's nodes at snapshot k [m], with motion since snapshot `start` so many times as large."""
-        now = self.coordinates[k] if start is None else \
-            self.coordinates[start] + amplify * (self.coordinates[k] - self.coordinates[start])
+        now = (
+            self.coordinates[k]
+            if start is None
+            else self.coordinates[start] + amplify * (self.coordinates[k] - self.coordinates[start])
+        )
         return (self.node + self.shape @ now) @ self.rotation.T + self.translation
 
     def deformation(self, k):
@@ -294,8 +337,11 @@ def skins_of(result, folder):
         if not f.has(f"/snapshots/{body}"):
             continue
         where = f"/bodies/{body}"
-        name, rotation, translation = (f.text(where, "kernel"), f.attribute(where, "rotation"),
-                                       f.attribute(where, "translation"))
+        name, rotation, translation = (
+            f.text(where, "kernel"),
+            f.attribute(where, "rotation"),
+            f.attribute(where, "translation"),
+        )
         if not name or not are_finite(rotation, 9) or not are_finite(translation, 3):
             return None, f"the result does not say where {body} stands"
         path = folder / Path(name).name

@@ -1,16 +1,19 @@
-"""Runs what a Markdown page says, block by block, in a folder made like this repository.
+# SPDX-License-Identifier: BSD-2-Clause
+"""Runs a Markdown page, block by block, in a folder that looks like this repository.
 
-What a reader sees:
+Blocks that a reader sees:
 
-    ```sh                 commands; folder and variables carry on from block to block ```python
-    run by this Python; names carry on ```text               lines that the output of the commands above
-    holds, in this order; … stands for anything ```toml path/to/file  the content of that file
+    ```sh                 commands; the folder and variables carry over to the next block
+    ```python             run by this Python; names carry over
+    ```text               lines that the output of the block before must contain, in this order; … matches anything
+    ```toml path/to/file  the content of that file
 
-What a reader does not see, in comments of the page:
+Comments that a reader does not see:
 
-    <!-- run: COMMANDS -->      always, at this place <!-- quick: COMMANDS -->    in quick runs alone: makes
-    the example coarser. Numbers of outputs are not compared then <!-- not run: WHY -->       the block that
-    follows is not run
+    <!-- run: COMMANDS -->      commands that always run
+    <!-- quick: COMMANDS -->    commands for quick runs only, to make the example coarser; numbers of outputs are
+                                then not compared
+    <!-- not run: WHY -->       skips the next block
 """
 
 import contextlib

@@ -1,5 +1,5 @@
-"""Commands and readers of the documentation run, its scenes have keys that exist, and its links lead
-somewhere."""
+# SPDX-License-Identifier: BSD-2-Clause
+"""Runs the commands and Python blocks of the documentation, and checks its keys and links."""
 
 import json
 import pathlib
@@ -63,6 +63,26 @@ class Reader(unittest.TestCase):
         # The wave from the struck end passes the middle with half the speed of impact, then takes it to the
         # whole.
         self.assertAlmostEqual(names["v"][np.searchsorted(names["t"], 10), 0], 0.5, delta=0.1)
+
+    def test_the_page_on_convergence_varies_what_it_says(self):
+        out = self.run_page("docs/converged.md").folder / "meshes/two-disks/out"
+        fine, given, coarse, points, estimated = (
+            json.loads((out / f"{name}.summary.json").read_text())
+            for name in ("fine-step", "two-disks", "coarse-step", "more-points", "estimated")
+        )
+        # Contact takes less energy with each shorter step (theory, section 11), and steps of 1 ms are too few.
+        self.assertLess(fine["energy_lost_contact"], given["energy_lost_contact"])
+        self.assertLess(given["energy_lost_contact"], coarse["energy_lost_contact"])
+        self.assertGreater(len(coarse["warnings"]), len(given["warnings"]))
+        self.assertGreater(points["candidates"], given["candidates"])
+        self.assertIsNotNone(estimated["error_estimate"]["spacing"])
+
+    def test_python_runs_as_shown(self):
+        names = self.run_page("docs/python.md").names
+        self.assertEqual(names["kernel"].modes.frequency.shape, (30,))
+        self.assertAlmostEqual(names["result"].summary["impulse_ns"], 10, delta=0.1)
+        self.assertAlmostEqual(names["block"].total_force.mean(), 0.5, delta=0.02)  # of the wave solution
+        self.assertEqual(names["page"].name, "two-rods.report.html")
 
     @unittest.skipUnless(shutil.which("ccx"), "CalculiX is not installed: scripts/setup --tests")
     def test_bodies_of_other_programs_are_imported_and_meet_as_shown(self):
@@ -179,7 +199,7 @@ class Surfaces(unittest.TestCase):
         )
         self.assertEqual(
             (done.returncode, done.stderr),
-            (2, "surfaces: none.step: there is no such file: name a .step, .brep, .geo or .msh\n"),
+            (2, "ricochet surfaces: none.step: there is no such file: name a .step, .brep, .geo or .msh\n"),
         )
 
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """The tutorials do what they say, in coarser examples than theirs: scripts/verify --tutorials runs them as
 they stand."""
 

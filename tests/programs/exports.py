@@ -110,8 +110,8 @@ class Exports(BoxTest):
 
     def test_places_that_are_not_there_are_refused(self):
         file = self.one(self.all / "imported")
-        for words, excite, more in (("contact points 0 to 11", "12", []), ("\"mic\" is no receiver", "mic", []),
-                                    ("no mode rings below 0.05 Hz", "1", ["--rate", 0.1]), ("is no direction", "1:w", [])):
+        for words, excite, more in (("contact points 0 to 11", "12", []), ("\"mic\" is not a receiver", "mic", []),
+                                    ("no mode rings below 0.05 Hz", "1", ["--rate", 0.1]), ("is not a direction", "1:w", [])):
             run = self.faust(file, "--excite", excite, "--receive", 1, *more)
             self.assertEqual((run.status, run.out), (2, ""))
             self.assertIn(words, run.err)
@@ -123,8 +123,8 @@ class Exports(BoxTest):
         def silent(file):
             file["modes/angular_frequency"][7] = float("nan")
 
-        cases = [("--receive: \"²\" is no receiver", "²", None), ("\".\" is no receiver", ".:x", None),
-                 ("\"nan,0,0\" is no receiver", "nan,0,0", None), ("has format version 99", 7, version),
+        cases = [("--receive: \"²\" is not a receiver", "²", None), ("\".\" is not a receiver", ".:x", None),
+                 ("\"nan,0,0\" is not a receiver", "nan,0,0", None), ("has format version 99", 7, version),
                  ("not finite numbers", 7, silent)]
         cases += [(f"\"/{name}\" is missing", 7, lambda file, name=name: file.__delitem__(name))
                   for name in ("surface/node", "surface/shape", "modes/angular_frequency")]

@@ -3,24 +3,21 @@ can be written or read, titles of any letters."""
 
 import contextlib
 import gc
-import importlib
 import io
 import json
 import os
 import pathlib
 import shutil
 import subprocess
-import sys
 import tempfile
 import unittest
-from unittest import mock
 
 import h5py
 import numpy as np
 
 from programs import BIN, MESHES, SOURCE, ProgramTest, Run, contact, settings
 
-from ricochet import files as whole_file
+from ricochet import cli, files
 
 TITLE = "a $x^$ 日本語 😀"  # no formula, and letters that no font has
 # Rods of 10 m that waves cross in 1 ms: few rows, and a short sound.
@@ -43,7 +40,6 @@ def as_nobody(command):
 class Files(ProgramTest):
     @classmethod
     def setUpClass(cls):
-        cls.programs = {name: importlib.import_module(f"ricochet.cli.{name}") for name in ("plot", "report")}
         scope = tempfile.TemporaryDirectory(prefix="ricochet-files-")
         cls.addClassCleanup(scope.cleanup)
         cls.all = pathlib.Path(scope.name)
@@ -62,9 +58,8 @@ class Files(ProgramTest):
     def done(self, name, *arguments):
         """Status, and what the script says on stderr."""
         said = io.StringIO()
-        with mock.patch.object(sys, "argv", [name, str(self.result), *map(str, arguments)]), \
-                contextlib.redirect_stderr(said), contextlib.redirect_stdout(io.StringIO()):
-            status = self.programs[name].main()
+        with contextlib.redirect_stderr(said), contextlib.redirect_stdout(io.StringIO()):
+            status = cli.main([name, str(self.result), *map(str, arguments)])
         gc.collect()  # closes the files
         return status, said.getvalue()
 
@@ -191,11 +186,11 @@ class Files(ProgramTest):
         for path in (left, living, other):
             path.write_text("half")
         with open(living, "rb") as file:
-            self.assertTrue(whole_file.lock(file))
-            whole_file.write(self.folder / "table.csv", b"whole")
+            self.assertTrue(files.lock(file))
+            files.write(self.folder / "table.csv", b"whole")
         self.assertEqual({path.name for path in self.folder.iterdir()}, {"out", "table.csv", living.name, other.name})
         with self.assertRaisesRegex(OSError, "/dev/null"):  # and the device stays one
-            whole_file.write("/dev/null", b"")
+            files.write(pathlib.Path("/dev/null"), b"")
 
 
 if __name__ == "__main__":

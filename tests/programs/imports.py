@@ -12,7 +12,8 @@ from box_test import BoxTest
 from boxes import MATERIAL, Box, listed
 from programs import BIN, SOURCE, Run, contact, displacement_kernel, kernel, static_responses
 
-from ricochet.interchange.body_file import Refused, clockwise, write_body
+from ricochet.errors import InputError
+from ricochet.interchange.body import Body, clockwise
 from ricochet.interchange.calculix import BRICK, Model
 
 TIMES = [0.1, 0.5, 2.0, 7.0]
@@ -140,8 +141,8 @@ class Imports(BoxTest):
     def test_modes_of_the_second_body_are_checked_before_modes_of_the_first_are_computed(self):
         lower = {"origin": (0, 0, -0.6), "surface": "top"}
         node = self.box.node + lower["origin"]
-        write_body(self.folder / "matrices.h5", node, {"top": [self.box.top]},
-                   {"stiffness": coordinates(self.stiffness), "mass": coordinates(self.mass)})
+        matrices = {"stiffness": coordinates(self.stiffness), "mass": coordinates(self.mass)}
+        Body(node, matrices, {"top": [self.box.top]}).write(self.folder / "matrices.h5")
         self.write_by_the_book(self.folder / "modes.h5", **lower)
         text = (self.all / "imported.toml").read_text().replace("mesh = \"box.h5\"", f"mesh = \"{self.all / 'box.h5'}\"")
         text = text.replace("[obstacles.floor]\nnormal = [0, 0, 1]", "[bodies.lower]\nmesh = \"lower.h5\"\ncontact = \"top\"\n"
@@ -183,8 +184,8 @@ class Imports(BoxTest):
     def refused(self, words, **changes):
         matrices = {"stiffness": self.stiffness, "mass": self.mass}
         node, foot = changes.pop("node", self.box.node), changes.pop("foot", self.box.foot)
-        write_body(self.folder / "bad.h5", node, {"foot": [foot]},
-                   {name: coordinates(matrix) for name, matrix in (matrices | changes).items()})
+        matrices = {name: coordinates(matrix) for name, matrix in (matrices | changes).items()}
+        Body(node, matrices, {"foot": [foot]}).write(self.folder / "bad.h5")
         run = kernel(self.all / "imported.toml", self.folder / "out", f"bodies.box.mesh={self.folder / 'bad.h5'}")
         self.assertEqual(run.status, 2, run.err)
         (line,) = [line for line in run.err.splitlines() if line]
@@ -349,12 +350,12 @@ class Imports(BoxTest):
                                 (r"line 3: can't be read as \*NODE", "2, 1, 0", "2, x, 0")]:
             self.assertIn(old, deck)
             path.write_text(deck.replace(old, new))
-            with self.subTest(new), self.assertRaisesRegex(Refused, words):
+            with self.subTest(new), self.assertRaisesRegex(InputError, words):
                 Model(path).surfaces()
         path.write_text(deck)
         for words, rows in [("of no node", b"\xff.1\n"), ("of no node", "\u00b2.1\n".encode()), ("2.1 twice", b"1.1\n2.1\n2.1\n")]:
             (self.folder / "job.dof").write_bytes(rows)
-            with self.subTest(rows), self.assertRaisesRegex(Refused, words):
+            with self.subTest(rows), self.assertRaisesRegex(InputError, words):
                 Model(path).matrices()
 
 

@@ -371,7 +371,7 @@ class Others(ReportTest):
         self.assertAlmostEqual(pressure.max(), self.summary(out)["pairs"][0]["peak_pressure_pa"], delta=1e-6 * pressure.max())  # 32 bits
         (result,) = out.glob("*.result.h5")
         done = Run([BIN / "ricochet", "plot", result])
-        self.assertEqual((done.status, done.err), (2, f"plot: {result}: bodies at rest have no history to draw. Use ricochet report.\n"))
+        self.assertEqual((done.status, done.err), (2, f"ricochet plot: {result}: bodies at rest have no history to draw. Use ricochet report.\n"))
 
 
 if __name__ == "__main__":

@@ -15,7 +15,8 @@ import numpy as np
 from errors import ROD, SCENE
 from programs import BIN, SOURCE, ProgramTest, Run, contact, displacement_kernel, kernel, settings
 
-from ricochet.result_file import BadInput, Result
+from ricochet.errors import InputError
+from ricochet.result_file import Result
 
 # Two slices a body, in some tenths of a second.
 SLICED = ["bodies.a.mesh=long.geo", "bodies.b.mesh=long.geo", "modes.count=300"]
@@ -251,7 +252,7 @@ class Files(Robust):
                 with h5py.File(path, "r+") as file:
                     del file[name]
                     file.create_group(name) if isinstance(value, str) else file.__setitem__(name, value)
-                with self.subTest(name=name, value=str(value)[:30]), self.assertRaises(BadInput) as caught:
+                with self.subTest(name=name, value=str(value)[:30]), self.assertRaises(InputError) as caught:
                     Result(path)
                 self.assertEqual(str(caught.exception).count("\n"), 0)
 

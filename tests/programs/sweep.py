@@ -8,7 +8,6 @@ import os
 import shutil
 import signal
 import subprocess
-import tempfile
 import time
 import unittest
 from pathlib import Path
@@ -21,8 +20,8 @@ import numpy as np
 from programs import BIN, MESHES, ProgramTest, Run, contact, kernel
 
 from ricochet import scene_keys
-from ricochet.studies import pictures as sweep_pictures
-from ricochet.result_file import BadInput
+from ricochet.studies import chart
+from ricochet.errors import InputError
 from ricochet.studies.study import Study
 
 
@@ -82,7 +81,7 @@ class Studies(SweepTest):
                            ("[random]\ncount = 2\na = {log_uniform = [-1, 1]}", "of one sign"),
                            ("[grid]\na = [1]\n[list]\na = [2]", "varied twice"),
                            ("[grid]\na = {from = -1, to = 1, steps = 3, scale = 'log'}", "same sign"), ("[grid", "is not TOML")]:
-            with self.assertRaisesRegex(BadInput, part):
+            with self.assertRaisesRegex(InputError, part):
                 self.settings(text)
             done = Run(self.sweep(self.study(text)))
             self.assertEqual((done.status, done.err.count("\n")), (2, 1), done.err)
@@ -93,12 +92,10 @@ class Pictures(unittest.TestCase):
     def drawn(self, inputs, output, against, rows):
         """The axes of a picture of a table, as matplotlib has them."""
         table = SimpleNamespace(title="t", inputs=inputs, column=lambda name: (inputs | {output: rows})[name])
-        with mock.patch("matplotlib.pyplot.close"), tempfile.TemporaryDirectory() as folder:
-            sweep_pictures.draw(table, output, against, Path(folder) / "picture.png", scene_keys.units(Run([BIN / "ricochet-contact", "--keys"]).out))
-        import matplotlib.pyplot as plt
-
-        self.addCleanup(plt.close, "all")
-        return plt.gcf().axes[0]
+        with mock.patch.object(chart, "save_picture") as saved:
+            units = scene_keys.units(Run([BIN / "ricochet-contact", "--keys"]).out)
+            chart.draw(table, output, against, Path("picture.png"), units)
+        return saved.call_args.args[0].axes[0]
 
     def test_over_one_input_each_value_of_the_others_has_a_line_and_labels_have_units(self):
         speed, metal = [1.0, 2.0, 1.0, 2.0, 1.0, 2.0], [2700.0, 2700.0, 7850.0, 7850.0, 11340.0, 11340.0]
@@ -134,7 +131,7 @@ class Pictures(unittest.TestCase):
 class Sweeps(SweepTest):
     def test_each_impact_is_that_of_the_program_alone_and_kernels_are_shared(self):
         study = self.study(GRID)
-        self.assertEqual(self.succeed(Run(self.sweep(study, "--kernels"))).out, "3 kernels, all there\n")
+        self.assertEqual(self.succeed(Run(self.sweep(study, "--kernels"))).out, "3 kernels, all computed\n")
         for before in ("", " before"):
             self.assertEqual(self.succeed(Run(self.sweep(study, "--part", "2/3"))).out, f"part 2/3: 4 impacts, all done{before}\n")
         for before in ("", ", all done before"):

@@ -16,8 +16,8 @@ import h5py
 from programs import BIN, DEADLOCK_S, MESHES, ProgramTest
 
 from ricochet.programs import toml
-from ricochet.result_file import BadInput
-from ricochet.studies.results import Journal, row_of
+from ricochet.errors import InputError
+from ricochet.studies.journal import Journal, row_of
 from ricochet.studies.study import Study
 
 STUDY = 'scene = "two-rods.toml"\ntitle = "Rods"\n[set]\n"modes.count" = 5\n"time.rate_hz" = 20.0\n'
@@ -64,10 +64,10 @@ class Studies(Faults):
                 (gap + '{from = 0, to = 1, steps = 4000}\n"contact.reach" = {from = 0, to = 1, steps = 4000}', "10000000 settings"),
                 (gap + "[1.0, 1979-05-27]", "date"), (gap + '["a\\u0000b"]', "NUL"), (gap + "[" * 3000 + "]" * 3000, "nested"),
                 (gap + "[" * 60 + "]" * 60, "nested")]:
-            with self.subTest(text=text[:80]), self.assertRaisesRegex(BadInput, part):
+            with self.subTest(text=text[:80]), self.assertRaisesRegex(InputError, part):
                 Study(self.study(text))
         for text, part in [("title = 5\n", "title"), ('scene = "none.toml"\n', "No such file")]:
-            with self.assertRaisesRegex(BadInput, part):
+            with self.assertRaisesRegex(InputError, part):
                 Study(self.write("study.toml", text + 'scene = "two-rods.toml"\n' * ("scene" not in text) + gap + "[0.0]"))
 
     def test_draws_between_negative_ends_are_between_them(self):
@@ -98,7 +98,7 @@ class Journals(Faults):
         journal = Journal(self.out / "rods")
         for answer in (refused, refused):
             journal.add("k", answer)
-        journal.file.close()
+        journal.records.file.close()
         again = Journal(self.out / "rods")
         self.assertEqual((again.finished("k"), again.rows["k"]["error"]), (False, "no"))  # tables say why
         self.assertEqual((self.out / "rods.sweep.jsonl").read_bytes().count(b"\n"), 1)
@@ -157,14 +157,14 @@ class Ends(Faults):
         while (not journal.exists() or not journal.stat().st_size) and time.monotonic() < before + DEADLOCK_S:
             time.sleep(0.02)
         process.terminate()
-        self.assertIn("goes on from here", process.communicate(timeout=60)[1])
+        self.assertIn("resumes the work", process.communicate(timeout=60)[1])
         self.assertEqual(process.returncode, 128 + signal.SIGTERM)
         self.assertEqual([row["status"] for row in self.rows()], ["0", "-1"])
 
     def test_output_that_goes_nowhere_is_said_and_columns_that_are_not_there_are_refused(self):
         self.study('[grid]\n"contact.gap" = [0.0]\n"bodies.moving.velocity[0]" = [inf, 1.0]\n[[set.output.receiver]]\n'
                    'name = "end"\nbody = "resting"\nat = [10, 0, 0]')
-        self.ends(self.sweep("--plot", "nonsense"), 2, '"nonsense" is no column', "impulse_ns")
+        self.ends(self.sweep("--plot", "nonsense"), 2, '"nonsense" is not a column', "impulse_ns")
         self.ends(self.sweep("--plot", "impulse_ns", "--against", "bodies.moving.velocity[0]", "contact.gap"), 0)
         with open("/dev/full", "w") as full:
             self.ends(self.sweep(stdout=full), 1, "standard output")

@@ -35,7 +35,7 @@ class TradeOff(ProgramTest):
         self.assertEqual(len(points), 2 * 2 * 2 * 2)  # modes × R × steps × schemes
         self.assertTrue((self.folder / "tradeoff.png").is_file())
         self.assertIn("Cheapest for an error of 0.01", done.out)
-        floor = float(done.out.split("right to about ")[1].split()[0])
+        floor = float(done.out.split("reference itself is about ")[1].split()[0])
         front = [point for point in points if point["pareto"] == "True"]
         cost = lambda point: float(point["kernel_s"]) + float(point["impact_s"])
         error = lambda point: max(float(point["error"]), floor)

@@ -39,8 +39,8 @@ def main(words):
         parser.error(f"{misplaced[0]} must be the first option")
     try:
         return module.run(options)
-    except programs.Failed as failure:
-        return failure.status
+    except programs.RicochetError as failure:
+        return failure.report("verify")
 
 
 if __name__ == "__main__":

@@ -87,7 +87,7 @@ def modules(wanted):
                 f"verify: {name}: there is no such case. The cases are {', '.join(sorted(names))}.",
                 file=sys.stderr,
             )
-            raise programs.Failed(2)
+            raise programs.ProgramError(2)
     ordered = sorted(
         wanted or names, key=lambda name: (ORDER.index(name) if name in ORDER else len(ORDER), name)
     )

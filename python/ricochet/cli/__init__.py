@@ -1,16 +1,118 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The command `ricochet`: one module a verb."""
+"""The command `ricochet`: one module a verb, with `add_arguments(parser)` and `run(options)`."""
+import difflib
 import importlib
+import io
+import os
+import signal
 import sys
+from types import FrameType, ModuleType
 
-VERBS = ("run", "plot", "report", "sweep", "tradeoff", "batch", "import", "export", "surfaces")
+from ricochet.cli.options import Parser, Unprinted
+from ricochet.errors import RicochetError, one_line
+
+VERBS = {
+    "run": "compute kernels and impact of a scene, and draw the result",
+    "modes": "list and draw the modes of the bodies of a scene",
+    "kernel": "compute the kernels of a scene: ricochet-kernel under mpirun",
+    "impact": "compute the impact of a scene from its kernels: ricochet-contact",
+    "plot": "draw a result as pictures",
+    "report": "write a result as one web page",
+    "sweep": "run a study: a scene over values of its keys",
+    "tradeoff": "compare cost and error of the settings of a scene",
+    "surfaces": "list and draw the surfaces of a drawing or mesh",
+    "import": "write a body file from the matrices of another program",
+    "export": "write a kernel in the form that another program reads",
+    "batch": "run a study on a SLURM cluster",
+}
+MODULES = {"import": "import_"}  # a Python keyword is no name of a module
+RESUMED = {"run", "modes", "sweep", "tradeoff"}  # verbs that skip finished work
+
+DESCRIPTION = "Frictionless impact of elastic bodies from modal kernels."
+EPILOG = "ricochet VERB --help describes a verb. A scene starts as a copy of one of the folders in meshes/."
 
 
-def main():
-    verb = sys.argv[1] if len(sys.argv) > 1 else ""
+class Interrupted(BaseException):
+    """A signal asked this process to end."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__(number)
+        self.number = number
+
+
+def interrupt(number: int, _: FrameType | None) -> None:
+    raise Interrupted(number)
+
+
+def module_of(verb: str) -> ModuleType:
+    return importlib.import_module(f"ricochet.cli.{MODULES.get(verb, verb)}")
+
+
+def parser_of(verb: str | None = None) -> Parser:
+    """The parser of all verbs; only `verb` gets its own arguments, which saves importing the modules of the others."""
+    parser = Parser(prog="ricochet", description=DESCRIPTION, epilog=EPILOG)
+    verbs = parser.add_subparsers(
+        title="verbs", metavar="VERB", dest="verb", required=True, parser_class=Parser
+    )
+    for name, purpose in VERBS.items():
+        if name == verb:
+            module = module_of(name)
+            module.add_arguments(verbs.add_parser(name, help=purpose, description=module.__doc__))
+        else:
+            verbs.add_parser(name, help=purpose)
+    return parser
+
+
+def dispatch(words: list[str]) -> int:
+    verb = words[0] if words and not words[0].startswith("-") else None
+    if verb is None:
+        parser_of().parse_args(words or ["--help"])
     if verb not in VERBS:
-        print(f"ricochet: unknown verb \"{verb}\": give one of {', '.join(VERBS)}", file=sys.stderr)
+        near = difflib.get_close_matches(str(verb), VERBS, 1, 0.4)
+        hint = f'did you mean "{near[0]}"?' if near else f"the verbs are {', '.join(VERBS)}"
+        print(f'ricochet: there is no verb "{one_line(verb)}": {hint}', file=sys.stderr)
         return 2
-    sys.argv = [f"ricochet {verb}", *sys.argv[2:]]
-    module = importlib.import_module(f"ricochet.cli.{'import_' if verb == 'import' else verb}")
-    return importlib.import_module("ricochet.cli.command_line").run(module.main)
+    heard = [
+        n for n in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP) if signal.getsignal(n) != signal.SIG_IGN
+    ]
+    for number in heard:
+        signal.signal(
+            number, signal.SIG_DFL
+        )  # until imports are done: numpy turns an interrupt into an error
+    module = module_of(verb)
+    parser = parser_of(verb)
+    for number in heard:
+        signal.signal(number, interrupt)
+    try:
+        options, rest = parser.parse_known_args(getattr(module, "joined", list)(words))
+        if rest and not hasattr(module, "PASSES_ON"):
+            parser.error(f"unrecognized arguments: {' '.join(rest)}")
+        options.words = rest
+        module.run(options)
+        return 0
+    except RicochetError as problem:
+        return problem.report(f"ricochet {verb}")
+    except Interrupted as signalled:
+        more = "; the same command resumes the work" if verb in RESUMED else ""
+        print(f"ricochet {verb}: interrupted{more}", file=sys.stderr)
+        return 128 + signalled.number
+
+
+def main(words: list[str] | None = None) -> int:
+    """Runs a command line and returns its exit status: 0, 1 for a failure, 2 for a mistake of the user."""
+    if sys.stderr is None:  # closed: its descriptor is taken, so that no file gets it
+        sys.stderr = open(os.devnull, "w")
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="surrogateescape")  # file names may be any bytes
+    words = sys.argv[1:] if words is None else words
+    try:
+        try:
+            return dispatch(words)
+        finally:
+            print(end="", flush=True)
+    except (OSError, Unprinted) as error:
+        why = error.strerror if isinstance(error, OSError) else error
+        name = " ".join(["ricochet", *words[:1]])
+        print(f"{one_line(name)}: standard output can't be written ({why})", file=sys.stderr)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # for the output that is still to be flushed
+        return 1

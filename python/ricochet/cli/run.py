@@ -1,69 +1,73 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Takes a scene from mesh to pictures: kernels, impact, figures, page. What is there and up to date is not done again.
+"""Takes a scene from mesh to pictures: kernels, impact, figures, page. Skips what exists and is up to date.
 
     ricochet run meshes/two-disks/two-disks.toml
     ricochet run -n 4 meshes/two-disks/two-disks.toml --set title=fast --set 'bodies.upper.velocity=[0,-6,0]'
 
 The options --set, --accuracy and --out are those of ricochet-kernel and ricochet-contact.
 """
-import subprocess
-import sys
+import argparse
 import tomllib
 from pathlib import Path
 
 import h5py
 
-from ricochet import programs
-from ricochet.cli.command_line import Parser, ranks
+from ricochet import pages, pictures, programs
+from ricochet.cli import plot
+from ricochet.cli.options import add_ranks, add_scene
 
 
-def newer(target, *sources):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    add_scene(parser)
+    add_ranks(parser)
+    parser.add_argument("--accuracy", metavar="X", help="relative error that the main results may have")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        metavar="DIR",
+        help="folder of kernels, results and pictures (default: out/ beside the scene)",
+    )
+
+
+def newer(target: Path, *sources: Path) -> bool:
     """Whether `target` exists and none of the sources changed after it."""
     return target.exists() and all(source.stat().st_mtime <= target.stat().st_mtime for source in sources)
 
 
-def current(result, scene):
-    """Whether the result file is of this resolved scene, these kernels and this program, and all of its run is there."""
+def current(result: Path, scene: str) -> bool:
+    """Whether the result file is complete and belongs to this resolved scene, these kernels and this program."""
     if not result.exists() or not Path(str(result).removesuffix(".result.h5") + ".summary.json").exists():
         return False
     try:
         with h5py.File(result) as file:
             kernels = [result.parent / group.attrs["kernel"].decode() for group in file["bodies"].values()]
             same = file.attrs["scene"].decode() == scene
-    except (OSError, KeyError, AttributeError, TypeError):  # not one that ricochet-contact wrote
+    except (OSError, KeyError, AttributeError, TypeError):  # not a file of ricochet-contact
         return False
     return same and newer(result, programs.BIN / "ricochet-contact", *kernels)
 
 
-def main():
-    parser = Parser(__doc__, "SCENE.toml")
-    parser.add_argument("scene", type=Path, metavar="SCENE.toml")
-    parser.add_argument("-n", "--ranks", type=ranks, default=2, help="ranks of ricochet-kernel (default: 2)")
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="override a scene key")
-    parser.add_argument("--accuracy", metavar="X", help="relative error that the main results may have")
-    parser.add_argument("--out", type=Path, help="folder of kernels, results and pictures (default: out/ beside the scene)")
-    options = parser.parse_args()
-    arguments = [a for setting in options.set for a in ("--set", setting)]
-    arguments += ["--accuracy", options.accuracy] if options.accuracy else []
-    arguments += ["--out", options.out] if options.out else []
+def run(options: argparse.Namespace) -> None:
+    words = programs.with_set(options.set)
+    words += ["--accuracy", options.accuracy] if options.accuracy else []
+    words += ["--out", str(options.out)] if options.out else []
     out = programs.out_folder(options.scene, options.out)
-    try:
-        scene = programs.resolved(options.scene, arguments)
-        slug = programs.slug(scene)
-        programs.kernel(options.scene, arguments, options.ranks)
-        result = out / f"{slug}.result.h5"
-        if current(result, scene):
-            print(f"{result}: up to date")
-        else:
-            programs.contact(options.scene, arguments)
-    except programs.Failed as failure:
-        return failure.status
-    drawn = [("report", f"{slug}.report.html")]
+    scene = programs.resolved(options.scene, words)
+    slug = programs.slug_of(scene)
+    programs.kernel(options.scene, words, options.ranks)
+    result = out / f"{slug}.result.h5"
+    if current(result, scene):
+        print(f"{result}: up to date")
+    else:
+        programs.contact(options.scene, words)
     if tomllib.loads(scene)["contact"]["scheme"] != "static":  # bodies at rest have no history to draw
-        drawn.insert(0, ("plot", f"{slug}-energy.png"))
-    for name, last in drawn:
-        if newer(out / last, result, Path(__file__)):
-            print(f"{out / last}: up to date")
-        elif status := subprocess.run([sys.executable, "-P", "-m", "ricochet", name, result]).returncode:
-            return status
-    return 0
+        last = out / f"{slug}-energy.png"
+        if newer(last, result, Path(pictures.__file__)):
+            print(f"{last}: up to date")
+        else:
+            plot.draw(result)
+    page = out / f"{slug}.report.html"
+    if newer(page, result, Path(pages.__file__)):
+        print(f"{page}: up to date")
+    else:
+        print(pages.write_page(result))

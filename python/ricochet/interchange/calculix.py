@@ -5,14 +5,20 @@ from pathlib import Path
 
 import numpy as np
 
-from ricochet.interchange.body_file import Refused, both_triangles, entries_of, is_name, is_number, numbers
+from ricochet.errors import InputError
+from ricochet.interchange.body import Body, is_name
+from ricochet.interchange.numbers import Array, Entries, both_triangles, entries_of, is_number, numbers
 
 # Corner nodes of the faces S1, S2, …, and edges in the order of the middle nodes; numbered from 0.
 TETRAHEDRON = ([(0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)], [(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)])
-WEDGE = ([(0, 1, 2), (3, 5, 4), (0, 3, 4, 1), (1, 4, 5, 2), (2, 5, 3, 0)],
-         [(0, 1), (1, 2), (0, 2), (3, 4), (4, 5), (3, 5), (0, 3), (1, 4), (2, 5)])
-BRICK = ([(0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)],
-         [(0, 1), (1, 2), (2, 3), (0, 3), (4, 5), (5, 6), (6, 7), (4, 7), (0, 4), (1, 5), (2, 6), (3, 7)])
+WEDGE = (
+    [(0, 1, 2), (3, 5, 4), (0, 3, 4, 1), (1, 4, 5, 2), (2, 5, 3, 0)],
+    [(0, 1), (1, 2), (0, 2), (3, 4), (4, 5), (3, 5), (0, 3), (1, 4), (2, 5)],
+)
+BRICK = (
+    [(0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)],
+    [(0, 1), (1, 2), (2, 3), (0, 3), (4, 5), (5, 6), (6, 7), (4, 7), (0, 4), (1, 5), (2, 6), (3, 7)],
+)
 KINDS = {4: TETRAHEDRON, 10: TETRAHEDRON, 6: WEDGE, 15: WEDGE, 8: BRICK, 20: BRICK}
 # Of a face of eight nodes, which has no node in its middle: four triangles at its corners and what is between.
 CORNERS_OF_EIGHT, MIDDLE_OF_EIGHT = [(0, 4, 7), (1, 5, 4), (2, 6, 5), (3, 7, 6)], (4, 5, 6, 7)
@@ -30,7 +36,11 @@ class Line(list):
 def lines_of(path):
     """Numbered, without comments and what is empty."""
     text = Path(path).read_text(errors="replace")
-    return [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip() and not line.startswith("**")]
+    return [
+        (number, line)
+        for number, line in enumerate(text.splitlines(), 1)
+        if line.strip() and not line.startswith("**")
+    ]
 
 
 def cards(path, outer=()):
@@ -52,10 +62,10 @@ def cards(path, outer=()):
         if "INPUT" in parameters:
             inner = Path(path).parent / parameters["INPUT"]
             if not inner.is_file():
-                raise Refused(f"{card[0]}: includes {inner}: no such file")
+                raise InputError(f"{card[0]}: includes {inner}: no such file")
             if card[1] == "INCLUDE":
                 if inner.resolve() in outer:
-                    raise Refused(f"{card[0]}: includes {inner}, which is being read already")
+                    raise InputError(f"{card[0]}: includes {inner}, which is being read already")
                 card = None
                 yield from cards(inner, outer)
             else:
@@ -70,7 +80,7 @@ def members(lines, parameters, sets):
         for line in lines:
             first, last, step = [int(word) for word in line[:2]] + [int(line[2]) if len(line) > 2 else 1]
             if (last - first) / step > MOST:
-                raise Refused(f"{line.where}: a range of more than {MOST} numbers")
+                raise InputError(f"{line.where}: a range of more than {MOST} numbers")
             yield from range(first, last + 1, step)
         return
     for line in lines:
@@ -80,7 +90,7 @@ def members(lines, parameters, sets):
 
 def set_of(sets, name, line):
     if name.upper() not in sets:
-        raise Refused(f"{line.where}: names the set {name}, which is not there")
+        raise InputError(f"{line.where}: names the set {name}, which is not there")
     return sets[name.upper()]
 
 
@@ -90,23 +100,25 @@ class Model:
         self.position, self.element = {}, {}
         self.node_sets, self.element_sets, self.names, self.surface_lines = {}, {}, {}, {}
         if not self.path.is_file():
-            raise Refused(f"{path}: there is no such file. Name the input file of a job")
+            raise InputError(f"{path}: there is no such file. Name the input file of a job")
         for where, keyword, parameters, lines in cards(path):
             try:
                 self.where = where
                 self.take(keyword, parameters, lines)
             except (ValueError, KeyError, IndexError, ZeroDivisionError):
-                raise Refused(f"{self.where}: can't be read as *{keyword} of CalculiX") from None
+                raise InputError(f"{self.where}: can't be read as *{keyword} of CalculiX") from None
         if not self.element:
-            raise Refused(f"{path}: has no solid elements (*ELEMENT of a type C3D4, 6, 8, 10, 15 or 20)")
-        self.number = {node: k for k, node in enumerate(sorted({n for nodes in self.element.values() for n in nodes}))}
+            raise InputError(f"{path}: has no solid elements (*ELEMENT of a type C3D4, 6, 8, 10, 15 or 20)")
+        self.number = {
+            node: k for k, node in enumerate(sorted({n for nodes in self.element.values() for n in nodes}))
+        }
 
     def take(self, keyword, parameters, lines):
         if keyword == "NODE":
             for line in self.each(lines):
                 place = [float(x) for x in (line[1:4] + ["0"] * 3)[:3]]
                 if not np.isfinite(place).all():
-                    raise Refused(f"{line.where}: node {line[0]} has a coordinate that is not finite")
+                    raise InputError(f"{line.where}: node {line[0]} has a coordinate that is not finite")
                 self.position[int(line[0])] = place
             self.add(self.node_sets, parameters.get("NSET"), (int(line[0]) for line in lines))
         elif keyword == "ELEMENT":
@@ -117,8 +129,10 @@ class Model:
         elif keyword == "SURFACE" and parameters.get("TYPE", "ELEMENT").upper() == "ELEMENT":
             name = parameters["NAME"]
             if not is_name(name) or name == "skin" or name in self.surface_lines:
-                raise Refused(f"{self.where}: surface \"{name}\" has the name of another one, or of the whole skin (skin), or no "
-                              "name: rename it")
+                raise InputError(
+                    f'{self.where}: surface "{name}" has the name of another one, or of the whole skin (skin), or no '
+                    "name: rename it"
+                )
             self.surface_lines[name] = lines
 
     def each(self, lines):
@@ -131,16 +145,20 @@ class Model:
         kind = parameters["TYPE"].upper().rstrip("R")
         size = int(kind[3:]) if kind.startswith("C3D") and kind[3:].isdigit() else 0
         if size not in KINDS:
-            raise Refused(f"{self.path}: has elements of type {parameters['TYPE']}: solids are read, C3D4, 6, 8, 8R, 10, 15, 20, 20R")
+            raise InputError(
+                f"{self.path}: has elements of type {parameters['TYPE']}: solids are read, C3D4, 6, 8, 8R, 10, 15, 20, 20R"
+            )
         words = [int(word) for line in self.each(lines) for word in line if word]
         for start in range(0, len(words), size + 1):
-            nodes = words[start + 1:start + size + 1]
+            nodes = words[start + 1 : start + size + 1]
             if len(nodes) < size or any(node not in self.position for node in nodes):
-                raise Refused(f"{self.path}: element {words[start]} lacks nodes, or names one that is not there")
+                raise InputError(
+                    f"{self.path}: element {words[start]} lacks nodes, or names one that is not there"
+                )
             if words[start] in self.element:
-                raise Refused(f"{self.path}: element {words[start]} is there twice")
+                raise InputError(f"{self.path}: element {words[start]} is there twice")
             self.element[words[start]] = nodes
-        self.add(self.element_sets, parameters.get("ELSET"), words[::size + 1])
+        self.add(self.element_sets, parameters.get("ELSET"), words[:: size + 1])
 
     def add(self, sets, name, numbers):
         if name is not None:
@@ -158,7 +176,9 @@ class Model:
             a, b, c = position[list(face[:3])]
             if np.dot(np.cross(b - a, c - a), a - position[:corners].mean(axis=0)) < 0:
                 face = face[::-1]
-            around = [middle[tuple(sorted(pair))] for pair in zip(face, face[1:] + face[:1])] if middle else []
+            around = (
+                [middle[tuple(sorted(pair))] for pair in zip(face, face[1:] + face[:1])] if middle else []
+            )
             yield [nodes[k] for k in [*face, *around]]
 
     def blocks(self, faces):
@@ -189,11 +209,15 @@ class Model:
                 of, side = (line + [""])[:2]
                 for element in [int(of)] if is_number(of) else set_of(self.element_sets, of, line):
                     if element not in self.element:
-                        raise Refused(f"{line.where}: surface {name} names element {element}, which is no solid of the model")
+                        raise InputError(
+                            f"{line.where}: surface {name} names element {element}, which is no solid of the model"
+                        )
                     known = {f"S{k}": face for k, face in enumerate(self.faces(element), 1)}
                     if side.upper() not in known:
-                        raise Refused(f"{line.where}: surface {name} has \"{side}\" of element {element}: must be a face, "
-                                      f"S1 to S{len(known)}")
+                        raise InputError(
+                            f'{line.where}: surface {name} has "{side}" of element {element}: must be a face, '
+                            f"S1 to S{len(known)}"
+                        )
                     faces.append(known[side.upper()])
             found[name] = self.blocks(faces)
         return found
@@ -202,35 +226,59 @@ class Model:
         return np.array([self.position[node] for node in self.number])
 
     def supports(self):
-        sets = {self.names[name]: [self.number[n] for n in nodes if n in self.number] for name, nodes in self.node_sets.items()}
+        sets = {
+            self.names[name]: [self.number[n] for n in nodes if n in self.number]
+            for name, nodes in self.node_sets.items()
+        }
         if wrong := [name for name in sets if not is_name(name)]:
-            raise Refused(f"{self.path}: node set \"{wrong[0]}\" can't be named in a scene: rename it")
+            raise InputError(f'{self.path}: node set "{wrong[0]}" can\'t be named in a scene: rename it')
         return {name: nodes for name, nodes in sets.items() if nodes}
 
     def matrices(self):
         """Of job.sti, job.mas and job.dof, which SOLVER=MATRIXSTORAGE writes: one triangle, rows as listed."""
         dof = self.path.with_suffix(".dof")
         if not dof.is_file():
-            raise Refused(f"{dof}: no such file: run ccx on {self.path} with *FREQUENCY, SOLVER=MATRIXSTORAGE first")
+            raise InputError(
+                f"{dof}: no such file: run ccx on {self.path} with *FREQUENCY, SOLVER=MATRIXSTORAGE first"
+            )
         rows = {}  # in the order of the file
         for word in dof.read_text(errors="replace").split():
             node, _, direction = word.partition(".")
             if not is_number(node) or int(node) not in self.number or direction not in ("1", "2", "3"):
-                raise Refused(f"{dof}: has displacement {word[:40]} of no node of a solid in {self.path.name}: shells and beams, "
-                              "which ccx expands, are not read")
+                raise InputError(
+                    f"{dof}: has displacement {word[:40]} of no node of a solid in {self.path.name}: shells and beams, "
+                    "which ccx expands, are not read"
+                )
             row = 3 * self.number[int(node)] + int(direction) - 1
             if row in rows:
-                raise Refused(f"{dof}: has displacement {word} twice: run ccx again")
+                raise InputError(f"{dof}: has displacement {word} twice: run ccx again")
             rows[row] = True
         rows = np.array(list(rows))
         found = {}
         for name, suffix in (("stiffness", ".sti"), ("mass", ".mas")):
             path = self.path.with_suffix(suffix)
             if not path.is_file():
-                raise Refused(f"{path}: no such file: run ccx on {self.path} with *FREQUENCY, SOLVER=MATRIXSTORAGE first")
+                raise InputError(
+                    f"{path}: no such file: run ccx on {self.path} with *FREQUENCY, SOLVER=MATRIXSTORAGE first"
+                )
             values = numbers(path, path.read_bytes())
             if values.size % 3 or values.size == 0:
-                raise Refused(f"{path}: is not a matrix of the {rows.size} rows of {dof.name}: run ccx again")
+                raise InputError(
+                    f"{path}: is not a matrix of the {rows.size} rows of {dof.name}: run ccx again"
+                )
             i, j, value = both_triangles(path, *entries_of(path, values, rows.size, rows.size))
             found[name] = rows[i], rows[j], value
         return found
+
+
+def read(job: Path) -> Body:
+    """Reads a job whose matrices ccx has stored, in the units of the job. Raises InputError and OSError."""
+    model = Model(job)
+    skin = model.blocks(model.skin())
+    triangles = [
+        facets[:, corners]
+        for facets in skin
+        for corners in ([[0, 1, 2]] if facets.shape[1] in (3, 6) else [[0, 1, 2], [0, 2, 3]])
+    ]
+    surfaces = {"skin": skin} | model.surfaces()
+    return Body(model.nodes(), model.matrices(), surfaces, model.supports(), np.concatenate(triangles))

@@ -17,7 +17,10 @@ def thinned(x, y):
     kept = []
     for first, behind in zip(edges[:-1], edges[1:]):
         piece, gaps = y[first:behind], np.isnan(y[first:behind])
-        kept += [first + np.argmin(np.where(gaps, np.inf, piece)), first + np.argmax(np.where(gaps, -np.inf, piece))]
+        kept += [
+            first + np.argmin(np.where(gaps, np.inf, piece)),
+            first + np.argmax(np.where(gaps, -np.inf, piece)),
+        ]
         kept += [first + np.argmax(gaps)] if gaps.any() else []
     kept = np.unique(kept)
     return x[kept], y[kept]
@@ -49,18 +52,35 @@ def colour_of(result, name):
 def on_time(result):
     """Sum of the contact forces on the whole axis of time [N]."""
     force = np.zeros(len(result.time))
-    force[np.minimum(np.searchsorted(result.time, result.contact_time), len(force) - 1)] = result.force.sum(axis=1)
+    force[np.minimum(np.searchsorted(result.time, result.contact_time), len(force) - 1)] = result.force.sum(
+        axis=1
+    )
     return force
 
 
 def force_chart(result, i):
     total, one = result.held(result.force.sum(axis=1)), result.held(result.force[:, i])
-    lines = [line(f"sum of {len(result.gap)} points" if len(result.gap) > 1 else "force", "force", *total, "held filled")]
+    lines = [
+        line(
+            f"sum of {len(result.gap)} points" if len(result.gap) > 1 else "force",
+            "force",
+            *total,
+            "held filled",
+        )
+    ]
     if len(result.gap) > 1:
         lines.append(line(f"point {i + 1}", "second", *one, "held dashed"))
     note = "" if result.episodes else "Nothing touched."
-    return chart("force", "Contact force", axis("time", "s"), axis("force", "N", zero=True), lines, note, cursor=True,
-                 window=result.window())
+    return chart(
+        "force",
+        "Contact force",
+        axis("time", "s"),
+        axis("force", "N", zero=True),
+        lines,
+        note,
+        cursor=True,
+        window=result.window(),
+    )
 
 
 def along_normal_charts(result, i):
@@ -68,32 +88,68 @@ def along_normal_charts(result, i):
     place, speed, mean_place, mean_speed = result.along_normal(i)
     out = []
     for key, title, label, unit, here, means, note in [
-            ("place", "Place of the two surfaces", "place along the normal", "m", place, mean_place,
-             "From where the second surface was: the sides touch where their lines meet."),
-            ("speed", "Velocity", "velocity along the normal", "m/s", speed, mean_speed, "")]:
-        lines = [line(f"{name}, mean of its mass", colour_of(result, name), *shown(*curve, window), "dashed")
-                 for name, curve in means.items()]
-        lines += [line(f"{name}, contact point", colour_of(result, name), *curve) for name, curve in here.items()]
-        out.append(chart(key, title, axis("time", "s"), axis(label, unit), lines, note, cursor=True, window=window))
+        (
+            "place",
+            "Place of the two surfaces",
+            "place along the normal",
+            "m",
+            place,
+            mean_place,
+            "From where the second surface was: the sides touch where their lines meet.",
+        ),
+        ("speed", "Velocity", "velocity along the normal", "m/s", speed, mean_speed, ""),
+    ]:
+        lines = [
+            line(f"{name}, mean of its mass", colour_of(result, name), *shown(*curve, window), "dashed")
+            for name, curve in means.items()
+        ]
+        lines += [
+            line(f"{name}, contact point", colour_of(result, name), *curve) for name, curve in here.items()
+        ]
+        out.append(
+            chart(key, title, axis("time", "s"), axis(label, unit), lines, note, cursor=True, window=window)
+        )
     return out
 
 
 def table_charts(result, i):
     """Of a run by table kernels: the gap, and velocities of free bodies along the axis in which they change most."""
     window = result.window()
-    out = [chart("gap", "Gap while touching", axis("time", "s"), axis("gap", "m"),
-                 [line("gap", "force", *result.broken(result.gap_now[:, i]))], "Negative: penetration.", window=window)]
+    out = [
+        chart(
+            "gap",
+            "Gap while touching",
+            axis("time", "s"),
+            axis("gap", "m"),
+            [line("gap", "force", *result.broken(result.gap_now[:, i]))],
+            "Negative: penetration.",
+            window=window,
+        )
+    ]
     if result.velocity:
         a = int(np.argmax(np.max([np.ptp(v, axis=0) for v in result.velocity.values()], axis=0)))
-        lines = [line(f"{body}, mean of its mass", colour_of(result, body), *shown(result.time, v[:, a], window))
-                 for body, v in result.velocity.items()]
-        out.append(chart("speed", "Velocity", axis("time", "s"), axis(f"{'xyz'[a]}-velocity", "m/s"), lines, window=window))
+        lines = [
+            line(f"{body}, mean of its mass", colour_of(result, body), *shown(result.time, v[:, a], window))
+            for body, v in result.velocity.items()
+        ]
+        out.append(
+            chart(
+                "speed",
+                "Velocity",
+                axis("time", "s"),
+                axis(f"{'xyz'[a]}-velocity", "m/s"),
+                lines,
+                window=window,
+            )
+        )
     return out
 
 
 def spectrum(values, step, factor):
     """Frequencies [Hz] and the largest |Σ values exp(−iωt)| · factor in each piece of a logarithmic axis."""
-    length = min(1 << (8 * len(values) - 1).bit_length(), max(1 << 20, len(values)))  # zeros behind make it smooth
+    length = min(
+        1 << (8 * len(values) - 1).bit_length(), max(1 << 20, len(values))
+    )  # zeros behind make it smooth
     size = np.abs(np.fft.rfft(values, length))[1:] * factor
     frequency = np.arange(1, len(size) + 1) / (length * step)
     inside = frequency >= 0.5 / (len(values) * step)  # below, the record tells nothing
@@ -106,9 +162,14 @@ def spectrum(values, step, factor):
 def spectrum_chart(result):
     step = result.time[1] - result.time[0]
     frequency, size = spectrum(on_time(result), step, step)
-    return chart("spectrum", "Spectrum of the contact force", axis("frequency", "Hz", log=True),
-                 axis("|∫ F exp(−iωt) dt|", "N s", log=True, decades=7), [line("sum of all points", "force", frequency, size)],
-                 "Its left end is the impulse of the contact.")
+    return chart(
+        "spectrum",
+        "Spectrum of the contact force",
+        axis("frequency", "Hz", log=True),
+        axis("|∫ F exp(−iωt) dt|", "N s", log=True, decades=7),
+        [line("sum of all points", "force", frequency, size)],
+        "Its left end is the impulse of the contact.",
+    )
 
 
 def pressure_chart(result, area):
@@ -119,9 +180,17 @@ def pressure_chart(result, area):
     pressing = pressure > 0
     far = 1.6 * np.abs(where[pressing]).max()
     near = np.abs(where) <= max(far, np.abs(where).min())  # the rest only says that it is open
-    note = f"{np.count_nonzero(pressing)} of {len(order)} points press" + ("." if len(result.time) == 1 else " when the force is largest.")
-    return chart("pressure", "Contact pressure", axis(what, "m"), axis("pressure", "Pa", zero=True),
-                 [line("pressure", "force", where[near], pressure[near], "dots")], note)
+    note = f"{np.count_nonzero(pressing)} of {len(order)} points press" + (
+        "." if len(result.time) == 1 else " when the force is largest."
+    )
+    return chart(
+        "pressure",
+        "Contact pressure",
+        axis(what, "m"),
+        axis("pressure", "Pa", zero=True),
+        [line("pressure", "force", where[near], pressure[near], "dots")],
+        note,
+    )
 
 
 def force_map(result):
@@ -135,29 +204,66 @@ def force_map(result):
     first, last = result.contact_time[0], result.contact_time[-1]
     step = result.spacing
     columns = min(COLUMNS, int(round((last - first) / step)) + 1)
-    column = np.minimum(((result.contact_time - first + 0.5 * step) / (last - first + step) * columns).astype(int), columns - 1)
+    column = np.minimum(
+        ((result.contact_time - first + 0.5 * step) / (last - first + step) * columns).astype(int),
+        columns - 1,
+    )
     cells = np.zeros((columns, len(order)))
     np.maximum.at(cells, column, result.force[:, order])
-    return {"from": result.spans()[0][0], "to": last, "what": what, "where": packed(where), "points": (order + 1).tolist(),
-            "force": packed(cells, "u2"), "left_out": int(np.count_nonzero(used)) - len(order)}
+    return {
+        "from": result.spans()[0][0],
+        "to": last,
+        "what": what,
+        "where": packed(where),
+        "points": (order + 1).tolist(),
+        "force": packed(cells, "u2"),
+        "left_out": int(np.count_nonzero(used)) - len(order),
+    }
 
 
 def energy_charts(result):
     terms = {name: result.energy[name] * (-1 if name == "loads" else 1) for name in result.TERMS}
     ledger = result.energy["total"] + result.energy["damping"] + result.energy["contact"]
-    lines = [line(result.LABELS[name], number, result.time, values) for number, (name, values) in enumerate(terms.items())
-             if np.any(values)]
+    lines = [
+        line(result.LABELS[name], number, result.time, values)
+        for number, (name, values) in enumerate(terms.items())
+        if np.any(values)
+    ]
     lines.append(line("sum of all", "still", result.time, ledger, "dashed"))
     nothing = [result.LABELS[name] for name, values in terms.items() if not np.any(values)]
     largest = max(np.abs(values).max() for values in [ledger, *terms.values()]) or 1
     stray = np.abs(ledger - ledger[0]) / largest
-    out = [chart("energy", "Where the energy is", axis("time", "s"), axis("energy", "J", zero=True), lines,
-                 f"Zero throughout: {', '.join(nothing)}." if nothing else "", cursor=True)]
+    out = [
+        chart(
+            "energy",
+            "Where the energy is",
+            axis("time", "s"),
+            axis("energy", "J", zero=True),
+            lines,
+            f"Zero throughout: {', '.join(nothing)}." if nothing else "",
+            cursor=True,
+        )
+    ]
     if np.any(stray):
-        out.append(chart("ledger", "What the ledger fails to account for", axis("time", "s"),
-                         axis("relative change", "", log=True, whole=True),
-                         [line("change of the sum over the largest term", "still", result.time[stray > 0], stray[stray > 0], "specks")],
-                         cursor=True, window=(result.time[0], result.time[-1])))
+        out.append(
+            chart(
+                "ledger",
+                "What the ledger fails to account for",
+                axis("time", "s"),
+                axis("relative change", "", log=True, whole=True),
+                [
+                    line(
+                        "change of the sum over the largest term",
+                        "still",
+                        result.time[stray > 0],
+                        stray[stray > 0],
+                        "specks",
+                    )
+                ],
+                cursor=True,
+                window=(result.time[0], result.time[-1]),
+            )
+        )
     return out
 
 
@@ -170,12 +276,26 @@ def receiver_charts(result):
         step = time[1] - time[0]
         window = np.hanning(len(time) + 2)[1:-1]
         moved = [k for k in range(3) if np.ptp(velocity[:, k]) > 1e-9 * np.ptp(velocity, axis=0).max()]
-        swing = {k: spectrum((velocity[:, k] - velocity[:, k].mean()) * window, step, 2 / window.sum()) for k in moved}
+        swing = {
+            k: spectrum((velocity[:, k] - velocity[:, k].mean()) * window, step, 2 / window.sum())
+            for k in moved
+        }
         out[name] = [
-            chart(f"receiver-{number}", "Velocity", axis("time", "s"), axis("velocity", "m/s"),
-                  [line("xyz"[k], k, time, velocity[:, k]) for k in moved], "" if moved else "It does not move."),
-            chart(f"receiver-{number}-spectrum", "Spectrum", axis("frequency", "Hz", log=True),
-                  axis("amplitude", "m/s", log=True, decades=6),
-                  [line("xyz"[k], k, *curve) for k, curve in swing.items()],
-                  "Amplitude of a steady tone, without the mean; Hann's window over the whole record.")]
+            chart(
+                f"receiver-{number}",
+                "Velocity",
+                axis("time", "s"),
+                axis("velocity", "m/s"),
+                [line("xyz"[k], k, time, velocity[:, k]) for k in moved],
+                "" if moved else "It does not move.",
+            ),
+            chart(
+                f"receiver-{number}-spectrum",
+                "Spectrum",
+                axis("frequency", "Hz", log=True),
+                axis("amplitude", "m/s", log=True, decades=6),
+                [line("xyz"[k], k, *curve) for k, curve in swing.items()],
+                "Amplitude of a steady tone, without the mean; Hann's window over the whole record.",
+            ),
+        ]
     return out

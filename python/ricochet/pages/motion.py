@@ -32,12 +32,16 @@ def few_shapes(shape, coordinates, most, left_out):
     `left_out` is the root mean square that may miss, relative."""
     if shape.shape[1] == 0:
         return np.zeros((len(shape), 0)), np.zeros((len(coordinates), 0))
-    parts = np.array_split(shape, len(shape) // 10_000 + 1)  # in double precision by parts, as it may be large
+    parts = np.array_split(
+        shape, len(shape) // 10_000 + 1
+    )  # in double precision by parts, as it may be large
     values, vectors = np.linalg.eigh(sum(part.T.astype(float) @ part for part in parts))
     held = values > 1e-14 * max(values[-1], 1e-300)
     root, vectors = np.sqrt(values[held]), vectors[:, held]
     left, size, right = np.linalg.svd((coordinates @ vectors) * root, full_matrices=False)
-    behind = np.sqrt(np.append(np.cumsum(size[::-1] ** 2)[::-1], 0))  # what is missed with the first 0, 1, … of them
+    behind = np.sqrt(
+        np.append(np.cumsum(size[::-1] ** 2)[::-1], 0)
+    )  # what is missed with the first 0, 1, … of them
     count = min(int(np.argmax(behind <= left_out * behind[0])), most)
     mix = (vectors / root) @ right[:count].T
     return np.concatenate([part @ mix for part in parts]), left[:, :count] * size[:count]
@@ -52,7 +56,9 @@ def coarser(node, element, limit):
         cell = np.floor((node - node.min(axis=0)) / width).astype(int)
         _, first, of = np.unique(cell, axis=0, return_index=True, return_inverse=True)
         merged = of.ravel()[element]
-        whole = (merged[:, 0] != merged[:, 1]) & (merged[:, 1] != merged[:, 2]) & (merged[:, 2] != merged[:, 0])
+        whole = (
+            (merged[:, 0] != merged[:, 1]) & (merged[:, 1] != merged[:, 2]) & (merged[:, 2] != merged[:, 0])
+        )
         corners, where = np.unique(np.sort(merged[whole], axis=1), axis=0, return_index=True)
         kept, thinner, cells = first, merged[whole][where], 0.8 * cells
         if len(corners) <= limit:
@@ -73,7 +79,10 @@ def tube(node, element, radius):
     turned = (here + 1) % SIDES
     faces = []
     for a, b in element * SIDES:
-        faces += [np.stack([a + here, b + here, b + turned], 1), np.stack([a + here, b + turned, a + turned], 1)]
+        faces += [
+            np.stack([a + here, b + here, b + turned], 1),
+            np.stack([a + here, b + turned, a + turned], 1),
+        ]
     ends, counts = np.unique(element, return_counts=True)
     for end in ends[counts == 1] * SIDES:
         faces.append(np.stack([np.full(SIDES - 2, end), end + here[1:-1], end + here[2:]], 1))
@@ -112,9 +121,21 @@ def body_of(name, skin, chosen, share, scene):
     missed = np.abs(exact - bent @ amount[some].T).max(initial=0)
     largest = np.abs(exact).max(initial=0)
     place = (node[of] + offset) @ skin.rotation.T + skin.translation
-    return {"name": name, "node": packed(place), "element": packed(element, "u4"), "lines": not tubular,
-            "rigid": packed(rigid.T), "moved": packed(moved), "bent": [packed(column, "i2") for column in bent.T],
-            "amount": packed(amount)}, place, element, (missed, largest)
+    return (
+        {
+            "name": name,
+            "node": packed(place),
+            "element": packed(element, "u4"),
+            "lines": not tubular,
+            "rigid": packed(rigid.T),
+            "moved": packed(moved),
+            "bent": [packed(column, "i2") for column in bent.T],
+            "amount": packed(amount),
+        },
+        place,
+        element,
+        (missed, largest),
+    )
 
 
 def half_space(name, obstacle, low, high):
@@ -132,7 +153,11 @@ def half_space(name, obstacle, low, high):
 
 def nearest(points, places):
     """For each point the body and node that lie nearest, and where it lies from that node."""
-    best, found, offset = np.full(len(points), np.inf), np.zeros((len(points), 2), int), np.zeros((len(points), 3))
+    best, found, offset = (
+        np.full(len(points), np.inf),
+        np.zeros((len(points), 2), int),
+        np.zeros((len(points), 3)),
+    )
     for body, place in enumerate(places):
         for i, point in enumerate(points):
             away = np.sum((place - point) ** 2, axis=1)
@@ -160,7 +185,9 @@ def motion_of(result, folder, scene):
         return {"missing": time}
     every = -(-len(time) // MOMENTS)
     chosen = np.arange(0, len(time), every)
-    bodies, places, elements, misses = zip(*(body_of(name, skin, chosen, 1 / len(skins), scene) for name, skin in skins.items()))
+    bodies, places, elements, misses = zip(
+        *(body_of(name, skin, chosen, 1 / len(skins), scene) for name, skin in skins.items())
+    )
     everything = np.concatenate(places)
     low, high = everything.min(axis=0), everything.max(axis=0)
     points = np.sort(np.argsort(result.impulse())[::-1][:POINTS])
@@ -168,11 +195,22 @@ def motion_of(result, folder, scene):
     largest = max(size for _, size in misses)
     anchor, offset = nearest(result.point[points], places)
     view = clearest(list(zip(places, elements)), result.point[points], tilted=True)
-    return {"time": packed(time[chosen]), "thinned": every, "bodies": bodies,
-            "obstacles": [half_space(name, obstacle, low, high) for name, obstacle in scene.get("obstacles", {}).items()],
-            "view": {"base": view.base, "azimuth": view.azimuth, "elevation": view.elevation}, "shapes": sum(len(body["bent"]) for body in bodies),
-            "coordinates": sum(len(skin.rigid) for skin in skins.values()),
-            "missed": max(miss for miss, _ in misses) / largest if largest else 0.0,
-            "points": {"anchor": anchor.tolist(), "offset": packed(offset), "normal": packed(result.normal[points]),
-                       "force": packed(forces_at(result, time[chosen], points), "u2"),
-                       "left_out": int(np.count_nonzero(result.impulse())) - len(points)}}
+    return {
+        "time": packed(time[chosen]),
+        "thinned": every,
+        "bodies": bodies,
+        "obstacles": [
+            half_space(name, obstacle, low, high) for name, obstacle in scene.get("obstacles", {}).items()
+        ],
+        "view": {"base": view.base, "azimuth": view.azimuth, "elevation": view.elevation},
+        "shapes": sum(len(body["bent"]) for body in bodies),
+        "coordinates": sum(len(skin.rigid) for skin in skins.values()),
+        "missed": max(miss for miss, _ in misses) / largest if largest else 0.0,
+        "points": {
+            "anchor": anchor.tolist(),
+            "offset": packed(offset),
+            "normal": packed(result.normal[points]),
+            "force": packed(forces_at(result, time[chosen], points), "u2"),
+            "left_out": int(np.count_nonzero(result.impulse())) - len(points),
+        },
+    }

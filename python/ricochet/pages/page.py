@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 
 from ricochet import files
-from ricochet.result_file import BadInput
+from ricochet.errors import InputError
 
 FOLDER = Path(__file__).resolve().parent / "assets"
 SCRIPTS = ["base.js", "charts.js", "motion.js", "player.js", "page.js"]
@@ -23,9 +23,13 @@ def page_of(run):
     """The page as text. Only the scripts of this folder may run in it: the policy names their hash."""
     script = "\n" + "\n".join((FOLDER / name).read_text() for name in SCRIPTS)
     data = json.dumps(run, ensure_ascii=False, allow_nan=False, separators=(",", ":"), default=numbers)
-    parts = {"title": html.escape(run["title"]), "style": (FOLDER / "page.css").read_text(),
-             "data": data.replace("<", "\\u003c"), "script": script,
-             "hash": base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()}
+    parts = {
+        "title": html.escape(run["title"]),
+        "style": (FOLDER / "page.css").read_text(),
+        "data": data.replace("<", "\\u003c"),
+        "script": script,
+        "hash": base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
+    }
     page, rest = "", (FOLDER / "page.html").read_text()
     while "{{" in rest:
         before, _, rest = rest.partition("{{")
@@ -34,15 +38,16 @@ def page_of(run):
     return page + rest
 
 
-def write_page(run, path):
-    """Under its final name only when whole."""
+def save_page(run, path):
+    """Writes the page; a reader never sees a part of it."""
     page = page_of(run).encode()
     if len(page) > LARGEST_MB * 2**20:
-        raise BadInput(f"{path}: the page would have {len(page) / 2**20:.0f} MB, more than {LARGEST_MB}. "
-                       "A larger output.snapshot_every, no output.view or fewer receivers make it smaller.")
+        raise InputError(
+            f"{path}: the page would have {len(page) / 2**20:.0f} MB, more than {LARGEST_MB}. "
+            "A larger output.snapshot_every, no output.view or fewer receivers make it smaller."
+        )
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         files.write(path, page)
     except OSError as error:
-        raise BadInput(f"{path}: cannot be written ({error.strerror}). Choose another --out.") from None
-    return len(page)
+        raise InputError(f"{path}: cannot be written ({error.strerror}). Choose another --out.") from None

@@ -10,22 +10,31 @@ import numpy as np
 from ricochet.pages import charts
 from ricochet.pages.motion import materials, motion_of
 from ricochet.pages.sound import sounds_of
-from ricochet.result_file import BadInput, File, Result, expected, is_there
+from ricochet.errors import InputError
+from ricochet.result_file import File, Result, expected, is_there
 
 
 def summary_of(path, result):
     """summary.json of the same run."""
     if not is_there(path):
-        raise BadInput(f"{path}: there is no such file. Run ricochet-contact again: it writes one beside the result.")
+        raise InputError(
+            f"{path}: there is no such file. Run ricochet-contact again: it writes one beside the result."
+        )
     try:
         summary = json.loads(path.read_text(), parse_constant=lambda word: None)
-        json.dumps(summary, ensure_ascii=False, allow_nan=False).encode()  # not with 1e999 or half a character
+        json.dumps(
+            summary, ensure_ascii=False, allow_nan=False
+        ).encode()  # not with 1e999 or half a character
     except (ValueError, RecursionError):
-        raise BadInput(f"{path}: is damaged. Run ricochet-contact again.") from None
-    kind = {"warnings": list, "pairs": list} if result.static else {"warnings": list, "episodes": list, "sounds": dict}
+        raise InputError(f"{path}: is damaged. Run ricochet-contact again.") from None
+    kind = (
+        {"warnings": list, "pairs": list}
+        if result.static
+        else {"warnings": list, "episodes": list, "sounds": dict}
+    )
     same = isinstance(summary, dict) and all(isinstance(summary.get(key), of) for key, of in kind.items())
     if not same or summary.get("candidates") != len(result.gap):
-        raise BadInput(f"{path}: is not of the run of {result.file.path.name}. Run ricochet-contact again.")
+        raise InputError(f"{path}: is not of the run of {result.file.path.name}. Run ricochet-contact again.")
     return summary
 
 
@@ -36,7 +45,7 @@ def plain(file, where, name):
         return text
     if np.ndim(value) == 0 and isinstance(value, np.number) and np.isfinite(value):
         return value.item()
-    raise BadInput(f"{file.path}: attribute \"{name}\" of {where} is missing or damaged. Compute it again.")
+    raise InputError(f'{file.path}: attribute "{name}" of {where} is missing or damaged. Compute it again.')
 
 
 def kernel_of(path):
@@ -44,12 +53,16 @@ def kernel_of(path):
     if not is_there(path):
         return None
     file = File(path, "ricochet-kernel")
-    out = {name: plain(file, "/", name) for name in
-           ["hash", "mesh_sha256", "created_by", "dofs", "elements", "order", "supported"]}
+    out = {
+        name: plain(file, "/", name)
+        for name in ["hash", "mesh_sha256", "created_by", "dofs", "elements", "order", "supported"]
+    }
     out["basis"] = plain(file, "/modes", "basis")
     out["approximate"] = file.attribute("/modes/certificate", "approximate") is not None
-    return out | {name: plain(file, "/modes/certificate", name) for name in
-                  ["complete", "upto_hz", "count_found", "left_out", "flexibility_error"]}
+    return out | {
+        name: plain(file, "/modes/certificate", name)
+        for name in ["complete", "upto_hz", "count_found", "left_out", "flexibility_error"]
+    }
 
 
 def bodies_of(result, folder, scene):
@@ -57,9 +70,17 @@ def bodies_of(result, folder, scene):
     for name in result.bodies:
         where, asked = f"/bodies/{name}", scene.get("bodies", {}).get(name, {})
         file = Path(result.file.text(where, "kernel") or "").name
-        out.append({"name": name, "mass": plain(result.file, where, "mass"), "file": file,
-                    "kernel": kernel_of(folder / file) if file else None, "mesh": asked.get("mesh"),
-                    "velocity": asked.get("velocity"), "materials": materials(asked)})
+        out.append(
+            {
+                "name": name,
+                "mass": plain(result.file, where, "mass"),
+                "file": file,
+                "kernel": kernel_of(folder / file) if file else None,
+                "mesh": asked.get("mesh"),
+                "velocity": asked.get("velocity"),
+                "materials": materials(asked),
+            }
+        )
     return out
 
 
@@ -68,10 +89,17 @@ def commands_of(result, scene, bodies):
     text, out = shlex.quote(f"{result.slug}.toml"), []
     if any(body["file"] for body in bodies):
         names = ", ".join(body["file"] for body in bodies)
-        out.append((f"mpirun -n 2 ricochet-kernel {text}", f"Any number of ranks. It makes, or finds, out/: {names}. "
-                    "An equal name is an equal kernel."))
+        out.append(
+            (
+                f"mpirun -n 2 ricochet-kernel {text}",
+                f"Any number of ranks. It makes, or finds, out/: {names}. "
+                "An equal name is an equal kernel.",
+            )
+        )
     elif scene.get("contact", {}).get("table"):
-        out.append(("", f"The kernels are in {scene['contact']['table']}, which no command of Ricochet makes."))
+        out.append(
+            ("", f"The kernels are in {scene['contact']['table']}, which no command of Ricochet makes.")
+        )
     out.append((f"ricochet-contact {text}", "The impact."))
     out.append((f"ricochet report {shlex.quote(f'out/{result.slug}.result.h5')}", "This page."))
     return out
@@ -84,10 +112,14 @@ def charts_of(result, by_table):
     out = {"contact": [], "energy": []}
     if not still:
         out["contact"].append(charts.force_chart(result, i))
-        out["contact"] += charts.table_charts(result, i) if by_table else charts.along_normal_charts(result, i)
+        out["contact"] += (
+            charts.table_charts(result, i) if by_table else charts.along_normal_charts(result, i)
+        )
     several = not by_table and np.count_nonzero(result.impulse()) > 1
     if several:
-        out["contact"].append(charts.pressure_chart(result, result.file.array("/contact/area", len(result.gap))))
+        out["contact"].append(
+            charts.pressure_chart(result, result.file.array("/contact/area", len(result.gap)))
+        )
     if not still and result.episodes:
         out["contact"].append(charts.spectrum_chart(result))
     if not still and not by_table:
@@ -101,7 +133,7 @@ def digest(path):
 
 
 def run_of(path, kernels=None):
-    """The whole run whose result file is at `path`. Throws BadInput."""
+    """The whole run whose result file is at `path`. Throws InputError."""
     result = Result(path)
     folder = kernels or path.parent
     beside = path.with_name(f"{result.slug}.summary.json")
@@ -112,16 +144,40 @@ def run_of(path, kernels=None):
     by_table = result.energy is None
     drawn, force_map = charts_of(result, by_table)
     bodies = bodies_of(result, folder, scene)
-    motion = {"missing": "runs by table kernels know no bodies"} if by_table else motion_of(result, folder, scene)
-    steps = {"rows": len(result.time), "every": scene.get("output", {}).get("every", 1),
-             "duration_s": scene.get("time", {}).get("duration"), "rate_hz": scene.get("time", {}).get("rate_hz")}
+    motion = (
+        {"missing": "runs by table kernels know no bodies"} if by_table else motion_of(result, folder, scene)
+    )
+    steps = {
+        "rows": len(result.time),
+        "every": scene.get("output", {}).get("every", 1),
+        "duration_s": scene.get("time", {}).get("duration"),
+        "rate_hz": scene.get("time", {}).get("rate_hz"),
+    }
     ends = {} if by_table else {name: [values[0], values[-1]] for name, values in result.energy.items()}
-    return {"title": result.title, "slug": result.slug, "summary": summary, "scene": result.file.text("/", "scene") or "",
-            "asked": {name: scene.get(name) for name in ["accuracy", "modes", "contact", "time", "loads"]},
-            "static": result.static, "by_table": by_table, "bodies": bodies, "steps": steps,
-            "labels": Result.LABELS, "energy": ends, "charts": drawn, "map": force_map, "motion": motion,
-            "episodes": result.spans()[:2000],
-            "sounds": sounds, "receivers": charts.receiver_charts(result),
-            "points": len(result.gap), "commands": commands_of(result, scene, bodies),
-            "file": {"name": path.name, "bytes": path.stat().st_size, "sha256": digest(path),
-                     "created_by": result.file.text("/", "created_by")}}
+    return {
+        "title": result.title,
+        "slug": result.slug,
+        "summary": summary,
+        "scene": result.file.text("/", "scene") or "",
+        "asked": {name: scene.get(name) for name in ["accuracy", "modes", "contact", "time", "loads"]},
+        "static": result.static,
+        "by_table": by_table,
+        "bodies": bodies,
+        "steps": steps,
+        "labels": Result.LABELS,
+        "energy": ends,
+        "charts": drawn,
+        "map": force_map,
+        "motion": motion,
+        "episodes": result.spans()[:2000],
+        "sounds": sounds,
+        "receivers": charts.receiver_charts(result),
+        "points": len(result.gap),
+        "commands": commands_of(result, scene, bodies),
+        "file": {
+            "name": path.name,
+            "bytes": path.stat().st_size,
+            "sha256": digest(path),
+            "created_by": result.file.text("/", "created_by"),
+        },
+    }

@@ -6,14 +6,15 @@ from pathlib import Path
 
 import numpy as np
 
-from ricochet.result_file import BadInput, is_there
+from ricochet.errors import InputError
+from ricochet.result_file import is_there
 
 SAMPLES = 700_000  # of all receivers together: 1.9 MB in the page
 
 
 def channels(path, most):
     """(n,3) samples of a WAV file of ricochet-contact, at most so many, their rate, and how many there are."""
-    refusal = BadInput(f"{path}: is not a sound that ricochet-contact wrote. Run it again.")
+    refusal = InputError(f"{path}: is not a sound that ricochet-contact wrote. Run it again.")
     with open(path, "rb") as file:
         riff = file.read(12)
         if riff[:4] != b"RIFF" or riff[8:] != b"WAVE":
@@ -37,13 +38,32 @@ def sound_of(path, most):
     """The channel that moves most, as a WAV file in base64."""
     samples, rate, total = channels(path, most)
     if not np.isfinite(samples).all():
-        raise BadInput(f"{path}: holds samples that are not finite. Run ricochet-contact again.")
+        raise InputError(f"{path}: holds samples that are not finite. Run ricochet-contact again.")
     axis = int(np.argmax(np.ptp(samples, axis=0))) if len(samples) else 0
     data = np.rint(32767 * np.clip(samples[:, axis], -1, 1)).astype("<i2").tobytes()
-    head = struct.pack("<4sI4s4sIHHIIHH4sI", b"RIFF", 36 + len(data), b"WAVE", b"fmt ", 16, 1, 1, rate, 2 * rate, 2, 16,
-                       b"data", len(data))
-    return {"axis": "xyz"[axis], "rate_hz": rate, "seconds": len(samples) / rate, "of_seconds": total / rate,
-            "wav": base64.b64encode(head + data).decode()}
+    head = struct.pack(
+        "<4sI4s4sIHHIIHH4sI",
+        b"RIFF",
+        36 + len(data),
+        b"WAVE",
+        b"fmt ",
+        16,
+        1,
+        1,
+        rate,
+        2 * rate,
+        2,
+        16,
+        b"data",
+        len(data),
+    )
+    return {
+        "axis": "xyz"[axis],
+        "rate_hz": rate,
+        "seconds": len(samples) / rate,
+        "of_seconds": total / rate,
+        "wav": base64.b64encode(head + data).decode(),
+    }
 
 
 def sounds_of(summary, folder):
@@ -52,5 +72,9 @@ def sounds_of(summary, folder):
     named = summary.get("sounds") or {}
     for name, sound in named.items():
         path = folder / Path(sound["file"]).name
-        out[name] = sound_of(path, SAMPLES // len(named)) if is_there(path) else {"missing": f"there is no file {path.name}"}
+        out[name] = (
+            sound_of(path, SAMPLES // len(named))
+            if is_there(path)
+            else {"missing": f"there is no file {path.name}"}
+        )
     return out

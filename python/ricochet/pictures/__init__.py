@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Pictures of results: contact, snapshots and energy, as matplotlib figures and as files."""
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import matplotlib
+from matplotlib.figure import Figure
+
+from ricochet.errors import InputError
+from ricochet.files import save_picture
+from ricochet.pictures.contact import contact_picture, table_picture
+from ricochet.pictures.energy import energy_picture
+from ricochet.pictures.snapshots import snapshots_picture
+from ricochet.pictures.style import DPI, STYLE
+from ricochet.result_file import Result, expected, skins_of
+
+
+def figures(result: Result, kernels: Path, note: Callable[[str], None]) -> Iterator[tuple[str, Figure]]:
+    """The figures of a result by name: "contact", "snapshots", "energy".
+
+    @param kernels  folder of the kernels
+    @param note     called with the reason of each figure that is left out
+    """
+    if result.static:
+        raise InputError(f"{result.file.path}: bodies at rest have no history to draw. Use ricochet report.")
+    if result.energy is None:
+        yield "contact", table_picture(result)
+        note("no energies and no snapshots: runs with table kernels have neither")
+        return
+    yield "contact", contact_picture(result)
+    skins, time = skins_of(result, kernels)
+    figure = snapshots_picture(result, skins, time) if skins and result.episodes else None
+    if figure:
+        yield "snapshots", figure
+    else:
+        note(f"no picture of snapshots: {'no snapshot falls into a contact' if skins else time}")
+    yield "energy", energy_picture(result)
+
+
+def draw(
+    path: Path,
+    folder: Path | None = None,
+    kernels: Path | None = None,
+    note: Callable[[str], None] = lambda _: None,
+) -> Iterator[Path]:
+    """Writes the pictures of the result file `path` as <slug>-<name>.png and yields their paths. Raises InputError."""
+    folder = folder or path.parent
+    with expected(path), matplotlib.rc_context(STYLE):
+        result = Result(path)
+        for name, figure in figures(result, kernels or path.parent, note):
+            picture = folder / f"{result.slug}-{name}.png"
+            try:
+                folder.mkdir(parents=True, exist_ok=True)
+                save_picture(figure, picture, dpi=DPI)
+            except OSError as error:
+                raise InputError(
+                    f"{picture}: cannot be written ({error.strerror}). Choose another --out."
+                ) from None
+            yield picture

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """The picture of moments of a contact: the bodies, seen from where the contact is least hidden, and the force at each point."""
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 
-from ricochet.pictures.style import WIDTH, colour_of, largest_of, legend_below, plt, prefixed
+from ricochet.pictures.style import WIDTH, colour_of, largest_of, legend_below, prefixed
 from ricochet.pictures.viewpoint import clearest
 
 MOMENTS = 9
@@ -25,7 +28,9 @@ def snapshots_picture(result, skins, time):
     touch = max(int(np.searchsorted(time, start, side="right")) - 1, 0)
     amplify = amplification(skins, chosen, touch)
     places = [{body: skin.at(k, touch, amplify) for body, skin in skins.items()} for k in chosen]
-    view = clearest([(skin.at(touch), skin.element) for skin in skins.values()], result.point[result.impulse() > 0])
+    view = clearest(
+        [(skin.at(touch), skin.element) for skin in skins.values()], result.point[result.impulse() > 0]
+    )
     turn = view.turn()
 
     everything = np.concatenate([place for moment in places for place in moment.values()]) @ turn.T
@@ -39,7 +44,7 @@ def snapshots_picture(result, skins, time):
     beside, rows = shape > 1.3, -(-len(chosen) // 3)
     width = WIDTH / 3 * (0.5 if beside else 1)
     height = width * min(shape, 2.2)
-    figure = plt.figure(figsize=(WIDTH, rows * (height + (0.4 if beside else 1.3)) + 0.8), layout="constrained")
+    figure = Figure(figsize=(WIDTH, rows * (height + (0.4 if beside else 1.3)) + 0.8), layout="constrained")
     if beside:
         grid = figure.add_gridspec(rows, 6, width_ratios=[1.1, 0.9] * 3)
     else:
@@ -50,14 +55,21 @@ def snapshots_picture(result, skins, time):
         r, c = divmod(cell, 3)
         ax = figure.add_subplot(grid[r, 2 * c] if beside else grid[2 * r, c])
         paint(ax, result, skins, moment, turn)
-        ax.set(xlim=(low[0] - margin, high[0] + margin), ylim=(low[1] - margin, high[1] + margin), aspect="equal",
-               title=f"{time[k] * ms:#.4g} {time_unit}")
+        ax.set(
+            xlim=(low[0] - margin, high[0] + margin),
+            ylim=(low[1] - margin, high[1] + margin),
+            aspect="equal",
+            title=f"{time[k] * ms:#.4g} {time_unit}",
+        )
         ax.axis("off")
         if cell == 0:
             scale_bar(ax, low[0], low[1] - margin / 2, high[0] - low[0])
-        forces.draw(figure.add_subplot(grid[r, 2 * c + 1] if beside else grid[2 * r + 1, c]), cell,
-                    labelled=(cell + 3 >= len(chosen), c == 0))
-    handles = [plt.Rectangle((0, 0), 1, 1, color=colour_of(result, body)) for body in skins]
+        forces.draw(
+            figure.add_subplot(grid[r, 2 * c + 1] if beside else grid[2 * r + 1, c]),
+            cell,
+            labelled=(cell + 3 >= len(chosen), c == 0),
+        )
+    handles = [Rectangle((0, 0), 1, 1, color=colour_of(result, body)) for body in skins]
     legend_below(figure, handles, skins)
     scale = "true to scale" if amplify == 1 else f"motion since the first touch {amplify:,.0f} times as large"
     moments = "one moment" if len(chosen) == 1 else f"{len(chosen)} moments"
@@ -72,7 +84,11 @@ def amplification(skins, chosen, touch):
     size = np.linalg.norm(np.ptp(everything, axis=0))
     if max(skin.deformation(k) for skin in skins.values() for k in chosen) >= STILL * size:
         return 1
-    moved = max(np.linalg.norm(skin.at(k) - before[body], axis=1).max() for body, skin in skins.items() for k in chosen)
+    moved = max(
+        np.linalg.norm(skin.at(k) - before[body], axis=1).max()
+        for body, skin in skins.items()
+        for k in chosen
+    )
     wanted = SHOWN * size / moved if moved > 0 else 1
     if wanted < 2:
         return 1
@@ -106,8 +122,14 @@ def paint(ax, result, skins, places, turn):
         edge += [colour if line else np.zeros(3)] * len(outline)
         width += [4 if line else 0.7] * len(outline)
     order = np.argsort(depth, kind="stable")
-    ax.add_collection(PolyCollection([patches[k] for k in order], facecolors=[face[k] for k in order],
-                                     edgecolors=[edge[k] for k in order], linewidths=[width[k] for k in order]))
+    ax.add_collection(
+        PolyCollection(
+            [patches[k] for k in order],
+            facecolors=[face[k] for k in order],
+            edgecolors=[edge[k] for k in order],
+            linewidths=[width[k] for k in order],
+        )
+    )
 
 
 def scale_bar(ax, left, bottom, wide):
@@ -127,7 +149,9 @@ class Forces:
         self.scale, self.unit = prefixed(largest_of(self.force), "N")
         self.top = 1.08 * largest_of(self.force) * self.scale or 1
         numbers = np.arange(1, len(order) + 1)
-        self.numbered = len(order) == 1 or (what.startswith("position") and np.all(np.abs(np.diff(order)) == 1))
+        self.numbered = len(order) == 1 or (
+            what.startswith("position") and np.all(np.abs(np.diff(order)) == 1)
+        )
         if self.numbered:
             self.where, self.label = numbers, "position"
             return

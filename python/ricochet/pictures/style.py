@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""How the pictures of ricochet plot look: colours, units, legends."""
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
+"""The look of pictures: colours, units, legends. Draw within matplotlib.rc_context(STYLE)."""
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ricochet.result_file import Result
 
 DPI = 150
 WIDTH = 8.0  # inches: 1200 pixels, the width of a README
@@ -12,11 +12,18 @@ BODY = ["#2b6cb0", "#d2691e", "#3a8f5c", "#8a4fa3"]
 GREY = "#555555"
 SHADE = {"color": "#f2e7c9", "zorder": 0, "linewidth": 0}
 
-plt.rcParams.update({
-    "font.size": 9, "axes.titlesize": 10, "axes.titlelocation": "left", "axes.grid": True,
-    "grid.color": "#e4e4e4", "axes.axisbelow": True, "axes.spines.top": False, "axes.spines.right": False,
-    "legend.frameon": False, "agg.path.chunksize": 20000,
-})
+STYLE = {
+    "font.size": 9,
+    "axes.titlesize": 10,
+    "axes.titlelocation": "left",
+    "axes.grid": True,
+    "grid.color": "#e4e4e4",
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "legend.frameon": False,
+    "agg.path.chunksize": 20000,
+}  # of matplotlib
 
 
 def colour_of(result, name):
@@ -44,3 +51,8 @@ def legend_below(figure, handles, names, columns=4):
     room = (0.1 + 0.19 * rows) / figure.get_figheight()
     figure.get_layout_engine().set(rect=(0, room, 1, 1 - room))
     figure.legend(list(handles), names, loc="lower center", ncol=min(len(names), columns))
+
+
+def shade_contact(result, ax, scale):
+    for start, end in result.spans():
+        ax.axvspan(start * scale, end * scale, **SHADE)

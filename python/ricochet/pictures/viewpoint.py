@@ -19,7 +19,12 @@ class View:
     def turn(self):
         """(3,3) rows: right, up, towards the eye."""
         right, up, toward = self.base
-        c, s, ce, se = np.cos(self.azimuth), np.sin(self.azimuth), np.cos(self.elevation), np.sin(self.elevation)
+        c, s, ce, se = (
+            np.cos(self.azimuth),
+            np.sin(self.azimuth),
+            np.cos(self.elevation),
+            np.sin(self.elevation),
+        )
         deep = c * toward - s * right
         return np.array([c * right + s * toward, ce * up - se * deep, se * up + ce * deep])
 
@@ -44,8 +49,11 @@ def spread(node, element, distance):
     parts = 2 ** np.ceil(np.log2(np.maximum(longest / distance, 1))).astype(int)
     out = []
     for n in np.unique(parts):
-        weights = [(i, n - i) for i in range(n + 1)] if element.shape[1] == 2 else \
-            [(i, j, n - i - j) for i in range(n + 1) for j in range(n + 1 - i)]
+        weights = (
+            [(i, n - i) for i in range(n + 1)]
+            if element.shape[1] == 2
+            else [(i, j, n - i - j) for i in range(n + 1) for j in range(n + 1 - i)]
+        )
         out.append(np.einsum("wk,ekx->wex", np.array(weights) / n, corner[parts == n]).reshape(-1, 3))
     return np.concatenate(out)
 
@@ -55,7 +63,9 @@ def clearness(view, bodies, contact, cell):
     depth over the size of all. `bodies`: (·,3) points of each, no farther apart than a `cell`."""
     turn = view.turn()
     seen = [points @ turn.T for points in [*bodies, contact]]
-    low, high = np.min([p.min(axis=0) for p in seen if len(p)], axis=0), np.max([p.max(axis=0) for p in seen if len(p)], axis=0)
+    low, high = np.min([p.min(axis=0) for p in seen if len(p)], axis=0), np.max(
+        [p.max(axis=0) for p in seen if len(p)], axis=0
+    )
     wide = int((high[0] - low[0]) / cell) + 1
 
     def places(points):

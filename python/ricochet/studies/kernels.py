@@ -3,21 +3,32 @@
 import json
 import re
 from collections import deque
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
 
 from ricochet import programs
+from ricochet.errors import ProgramError
 from ricochet.progress import Progress
+from ricochet.programs import Answer, Word
+from ricochet.studies.study import Study
 from ricochet.studies.workers import in_parallel
 
 # Keys that no mesh, group, load or receiver is checked against: settings that differ in these alone are checked once.
-NUMBERS = re.compile(r"(bodies\.[^.]+\.(material(\.[^.]+)?\.(young|density|poisson)|damping|velocity|translate|rotate_deg)"
-                     r"|time|loads\.gravity|contact\.(gap|scheme|restitution))\b")
+NUMBERS = re.compile(
+    r"(bodies\.[^.]+\.(material(\.[^.]+)?\.(young|density|poisson)|damping|velocity|translate|rotate_deg)"
+    r"|time|loads\.gravity|contact\.(gap|scheme|restitution))\b"
+)
+
+
+Files = dict[int, list[str]]  # by index of a setting: kernel files
 
 
 class Kernels:
     """Of a study's settings, in `folder`."""
 
-    def __init__(self, study, options, folder):
-        self.study, self.options, self.folder = study, options, folder
+    def __init__(self, study: Study, folder: Path, jobs: int, ranks: int) -> None:
+        self.study, self.folder, self.jobs, self.ranks = study, folder, jobs, ranks
         self.refused = {}  # by index: an answer as that of an impact
         self.names = set()  # of the files of all settings
         self.checked = {}  # by meshes: None or an answer
@@ -26,8 +37,15 @@ class Kernels:
     def ask(self, requests):
         """Yields (index, answer as a line of JSON)."""
         words = programs.with_set(programs.settings(self.study.fixed))
-        command = [programs.BIN / "ricochet-contact", self.study.scene, "--batch", "--out", self.folder, *words]
-        return in_parallel(self.options.jobs, programs.bound(command), requests)
+        command = [
+            programs.BIN / "ricochet-contact",
+            self.study.scene,
+            "--batch",
+            "--out",
+            self.folder,
+            *words,
+        ]
+        return in_parallel(self.jobs, programs.bound(command), requests)
 
     def compute(self, missing):
         """`missing`: by index the files that a setting lacks. Each is computed once, or its settings join `refused`."""
@@ -40,10 +58,10 @@ class Kernels:
             bar.advance(name, 0)
             before = self._stamps()
             try:
-                programs.kernel(self.study.scene, self._words(index), self.options.ranks, quiet=True)
+                programs.kernel(self.study.scene, self._words(index), self.ranks, quiet=True)
                 self.tried.add(name)
-            except programs.Failed as failure:
-                if not failure.error:
+            except ProgramError as failure:
+                if not str(failure):
                     raise
                 self._refuse(index, failure, missing)
             new = sorted(name for name, stamp in self._stamps().items() if before.get(name) != stamp)
@@ -72,9 +90,13 @@ class Kernels:
     def _derive(self, new, missing):
         """What follows from a kernel that was computed needs no start of ricochet-kernel."""
         wanted = sorted(set(self._first_of_each(missing).values())) if new else []
-        requests = ({"set": programs.settings(self.study.settings[k]), "kernels": True, "derive": new} for k in wanted)
+        requests = (
+            {"set": programs.settings(self.study.settings[k]), "kernels": True, "derive": new} for k in wanted
+        )
         for _, line in self.ask(requests):
-            self.tried.update(kernel["file"] for kernel in json.loads(line).get("kernels", []) if kernel["there"])
+            self.tried.update(
+                kernel["file"] for kernel in json.loads(line).get("kernels", []) if kernel["there"]
+            )
 
     def _refuse(self, index, failure, missing):
         """A setting, and others for the same reason: what is refused is so by its meshes, and where a computation broke down
@@ -83,7 +105,7 @@ class Kernels:
         blamed = next((file for file in missing[index] if file not in there), missing[index][0])
         for other, files in missing.items():
             if blamed in files if failure.status == 1 else self._meshes(other) == self._meshes(index):
-                self.refused[other] = {"status": failure.status, "error": failure.error}
+                self.refused[other] = {"status": failure.status, "error": str(failure)}
 
     def _meshes(self, index):
         """What of a setting its meshes have to do with; all of it where reaches choose points by the place of bodies."""
@@ -115,8 +137,13 @@ class Kernels:
         running, waiting = deque(), iter(asked.items())
         try:
             while True:
-                while len(running) < self.options.jobs and (item := next(waiting, None)):
-                    command = [programs.BIN / "ricochet-kernel", self.study.scene, "--check", *self._words(item[1])]
+                while len(running) < self.jobs and (item := next(waiting, None)):
+                    command = [
+                        programs.BIN / "ricochet-kernel",
+                        self.study.scene,
+                        "--check",
+                        *self._words(item[1]),
+                    ]
                     running.append((item[0], programs.start(command)))
                 if not running:
                     return

@@ -4,11 +4,12 @@ import itertools
 import math
 import os
 import tomllib
+from pathlib import Path
 
 import numpy as np
 
-from ricochet.result_file import BadInput
-from ricochet.titles import slug
+from ricochet.errors import InputError
+from ricochet.programs import slug
 
 DRAWS = {"uniform": 2, "log_uniform": 2, "normal": 2}
 MOST = 10**7  # settings, also of one key: they are held in memory
@@ -18,32 +19,36 @@ DEEPEST = 50
 class Study:
     """A study with its scene's text and all its settings: dictionaries from scene keys to values, in an order that does not change."""
 
-    def __init__(self, path):
+    def __init__(self, path: Path) -> None:
         self.path = path
         try:
             table = tomllib.loads(path.read_text(encoding="utf-8"))
         except OSError as error:
-            raise BadInput(f"{path}: {error.strerror}. Name a study, a TOML file that names a scene.") from None
+            raise InputError(
+                f"{path}: {error.strerror}. Name a study, a TOML file that names a scene."
+            ) from None
         except RecursionError:
-            raise BadInput(f"{path}: has lists or tables nested too deep: {DEEPEST} are the most") from None
+            raise InputError(f"{path}: has lists or tables nested too deep: {DEEPEST} are the most") from None
         except ValueError as error:
-            raise BadInput(f"{path}: is not TOML: {error}") from None
+            raise InputError(f"{path}: is not TOML: {error}") from None
         known = {"scene", "title", "set", "grid", "list", "random"}
         for key in table:
             if key not in known:
-                raise BadInput(f"{path}: unknown key \"{key}\": a study has {', '.join(sorted(known))}")
+                raise InputError(f"{path}: unknown key \"{key}\": a study has {', '.join(sorted(known))}")
             if wrong := unfit(table[key]):
-                raise BadInput(f"{path}: {key}: {wrong}")
+                raise InputError(f"{path}: {key}: {wrong}")
         if not isinstance(table.get("scene"), str):
-            raise BadInput(f"{path}: scene is missing: give the path of a scene, relative to the study")
+            raise InputError(f"{path}: scene is missing: give the path of a scene, relative to the study")
         self.scene = path.parent / table["scene"]
         try:
             self.text = self.scene.read_bytes().decode(errors="replace")
         except OSError as error:
-            raise BadInput(f"{path}: scene: {self.scene}: {error.strerror}. Give the path of a scene, relative to the study.") from None
+            raise InputError(
+                f"{path}: scene: {self.scene}: {error.strerror}. Give the path of a scene, relative to the study."
+            ) from None
         self.title = table.get("title", utf8(path.stem))
         if not isinstance(self.title, str):
-            raise BadInput(f"{path}: title = {self.title}: give a text, in quotes")
+            raise InputError(f"{path}: title = {self.title}: give a text, in quotes")
         self.slug = slug(self.title)
         self.fixed = self._keys(table, "set")
         grid = {key: self._values("grid", key, value) for key, value in self._keys(table, "grid").items()}
@@ -52,38 +57,61 @@ class Study:
         self.keys = [*grid, *(rows[0] if rows[0] else ()), *(draws[0] if draws[0] else ())]
         twice = {key for key in self.keys if self.keys.count(key) > 1}
         if twice:
-            raise BadInput(f"{path}: {', '.join(sorted(twice))} is varied twice: name a key once")
+            raise InputError(f"{path}: {', '.join(sorted(twice))} is varied twice: name a key once")
         if math.prod(map(len, grid.values())) * len(rows) * len(draws) > MOST:
-            raise BadInput(f"{path}: has more than {MOST} settings: take fewer values, or draw some by [random]")
-        self.settings = [dict(zip(grid, values)) | row | draw
-                         for values in itertools.product(*grid.values()) for row in rows for draw in draws]
+            raise InputError(
+                f"{path}: has more than {MOST} settings: take fewer values, or draw some by [random]"
+            )
+        self.settings = [
+            dict(zip(grid, values)) | row | draw
+            for values in itertools.product(*grid.values())
+            for row in rows
+            for draw in draws
+        ]
         if not self.keys:
-            raise BadInput(f"{path}: varies nothing: give [grid], [list] or [random] some keys of the scene")
+            raise InputError(
+                f"{path}: varies nothing: give [grid], [list] or [random] some keys of the scene"
+            )
 
     def _keys(self, table, name):
         found = table.get(name, {})
         if not isinstance(found, dict):
-            raise BadInput(f"{self.path}: {name} must be a table of scene keys")
-        return {key: value for outer, item in found.items() for key, value in flat(outer, item)} if name != "random" else found
+            raise InputError(f"{self.path}: {name} must be a table of scene keys")
+        return (
+            {key: value for outer, item in found.items() for key, value in flat(outer, item)}
+            if name != "random"
+            else found
+        )
 
     def _values(self, where, key, value):
         if isinstance(value, list) and value:
             return value
-        if isinstance(value, dict) and {"from", "to", "steps"} <= set(value) <= {"from", "to", "steps", "scale"}:
+        if isinstance(value, dict) and {"from", "to", "steps"} <= set(value) <= {
+            "from",
+            "to",
+            "steps",
+            "scale",
+        }:
             low, high, steps = value["from"], value["to"], value["steps"]
             if isinstance(steps, int) and 2 <= steps <= MOST and numbers(low, high):
                 if value.get("scale", "linear") == "linear" and math.isfinite(high - low):
                     return [float(v) for v in np.linspace(low, high, steps)]
                 if value.get("scale") == "log" and same_sign(low, high):
-                    return [float(v) for v in math.copysign(1, low) * np.geomspace(abs(low), abs(high), steps)]
-        raise BadInput(f"{self.path}: {where}.\"{key}\" = {shown(value)}: give a list of values, or {{from, to, steps}} with 2 to "
-                       f"{MOST} steps and, where both ends have the same sign, scale = \"log\"")
+                    return [
+                        float(v) for v in math.copysign(1, low) * np.geomspace(abs(low), abs(high), steps)
+                    ]
+        raise InputError(
+            f'{self.path}: {where}."{key}" = {shown(value)}: give a list of values, or {{from, to, steps}} with 2 to '
+            f'{MOST} steps and, where both ends have the same sign, scale = "log"'
+        )
 
     def _rows(self, table):
         columns = {key: self._values("list", key, value) for key, value in table.items()}
         if len({len(column) for column in columns.values()}) > 1:
             lengths = ", ".join(f"{key}: {len(column)}" for key, column in columns.items())
-            raise BadInput(f"{self.path}: list: the keys are walked through together and need as many values each, got {lengths}")
+            raise InputError(
+                f"{self.path}: list: the keys are walked through together and need as many values each, got {lengths}"
+            )
         return [dict(zip(columns, row)) for row in zip(*columns.values())] if columns else [{}]
 
     def _draws(self, table):
@@ -91,18 +119,18 @@ class Study:
             return [{}]
         count, seed = table.pop("count", None), table.pop("seed", 1)
         if not isinstance(count, int) or not 1 <= count <= MOST or not isinstance(seed, int) or seed < 0:
-            raise BadInput(f"{self.path}: random: give count = 1 … {MOST} and, if you like, a seed ≥ 0")
+            raise InputError(f"{self.path}: random: give count = 1 … {MOST} and, if you like, a seed ≥ 0")
         random, columns = np.random.default_rng(seed), {}
         for outer, item in table.items():
             for key, value in flat(outer, item, DRAWS):
                 columns[key] = self._draw(random, key, value, count)
         if not columns:
-            raise BadInput(f"{self.path}: random: draws nothing: give it keys of the scene")
+            raise InputError(f"{self.path}: random: draws nothing: give it keys of the scene")
         return [dict(zip(columns, row)) for row in zip(*columns.values())]
 
     def _draw(self, random, key, value, count):
         if isinstance(value, dict) and len(value) == 1:
-            (kind, given), = value.items()
+            ((kind, given),) = value.items()
             if kind == "choice" and isinstance(given, list) and given:
                 return [given[k] for k in random.integers(len(given), size=count)]
             if kind in DRAWS and isinstance(given, list) and len(given) == 2 and numbers(*given):
@@ -114,8 +142,10 @@ class Study:
                 if kind == "log_uniform" and same_sign(low, high):
                     ends = sorted((math.log(abs(low)), math.log(abs(high))))
                     return [float(v) for v in math.copysign(1, low) * np.exp(random.uniform(*ends, count))]
-        raise BadInput(f"{self.path}: random.\"{key}\" = {shown(value)}: give {{uniform = [low, high]}}, {{log_uniform = [low, high]}} "
-                       "of one sign, {normal = [mean, deviation]} or {choice = [values]}")
+        raise InputError(
+            f'{self.path}: random."{key}" = {shown(value)}: give {{uniform = [low, high]}}, {{log_uniform = [low, high]}} '
+            "of one sign, {normal = [mean, deviation]} or {choice = [values]}"
+        )
 
 
 def numbers(*values):
@@ -147,7 +177,7 @@ def unfit(value, depth=1):
         return next(filter(None, (unfit(item, depth + 1) for item in value)), "")
     if isinstance(value, str):
         return "a text has a NUL character: take it out" if "\0" in value else ""
-    if isinstance(value, int) and not -2**63 <= value < 2**63:
+    if isinstance(value, int) and not -(2**63) <= value < 2**63:
         return "a whole number has more than 64 bits: write it with a point"
     if not isinstance(value, (int, float)):
         return f"{value} is a date or a time, which no key of a scene takes: give a number, a text or a list"
@@ -157,7 +187,11 @@ def unfit(value, depth=1):
 def flat(key, value, leaves=()):
     """Pairs (dotted key, value) of a nested TOML table: [grid.bodies.upper] young = [1, 2] and
     [grid] "bodies.upper.young" = [1, 2] say the same. A table of from, to, steps or of a draw is a value."""
-    if isinstance(value, dict) and not {"from", "to", "steps"} & set(value) and not set(value) & {*leaves, "choice"}:
+    if (
+        isinstance(value, dict)
+        and not {"from", "to", "steps"} & set(value)
+        and not set(value) & {*leaves, "choice"}
+    ):
         for name, item in value.items():
             yield from flat(f"{key}.{name}", item, leaves)
     else:

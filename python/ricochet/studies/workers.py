@@ -23,8 +23,13 @@ class Worker:
         self.start()
 
     def start(self):
-        self.process = subprocess.Popen(self.command, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                                        env=os.environ | programs.ONE_THREAD, bufsize=0)
+        self.process = subprocess.Popen(
+            self.command,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            env=os.environ | programs.ONE_THREAD,
+            bufsize=0,
+        )
         self.selector.register(self.process.stdout, selectors.EVENT_READ, self)
 
     def fill(self, requests):

@@ -3,9 +3,12 @@
 import functools
 import json
 
+import matplotlib
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
-from ricochet.result_file import BadInput
+from ricochet.errors import InputError
 from ricochet.scene_keys import unit
 from ricochet.files import save_picture
 
@@ -14,14 +17,29 @@ LINES = 8  # of different colour in a picture
 WRITTEN = 64  # cells whose values are written into them
 
 WORDS = {
-    "contact_start_s": "first touch (s)", "contact_end_s": "last touch (s)", "contact_steps": "steps with contact",
-    "episodes": "episodes", "peak_force_n": "peak force (N)", "impulse_ns": "impulse (N s)", "restitution": "restitution",
-    "energy_drift": "energy drift, relative", "energy_lost_contact": "energy to contact, relative",
-    "max_penetration_m": "deepest penetration (m)", "candidates": "contact points", "unpaired": "points that face nothing",
-    "max_active": "most points that touch at once", "real_time_factor": "speed of steps (× real time)",
-    "wall_s": "time of ricochet-contact (s)", "warnings": "warnings", "iterations": "iterations", "force_n": "force (N)",
-    "approach_m": "approach (m)", "contact_points": "points that press", "contact_area_m2": "area of contact (m²)",
-    "peak_pressure_pa": "largest pressure (Pa)", "imbalance": "imbalance, relative",
+    "contact_start_s": "first touch (s)",
+    "contact_end_s": "last touch (s)",
+    "contact_steps": "steps with contact",
+    "episodes": "episodes",
+    "peak_force_n": "peak force (N)",
+    "impulse_ns": "impulse (N s)",
+    "restitution": "restitution",
+    "energy_drift": "energy drift, relative",
+    "energy_lost_contact": "energy to contact, relative",
+    "max_penetration_m": "deepest penetration (m)",
+    "candidates": "contact points",
+    "unpaired": "points that face nothing",
+    "max_active": "most points that touch at once",
+    "real_time_factor": "speed of steps (× real time)",
+    "wall_s": "time of ricochet-contact (s)",
+    "warnings": "warnings",
+    "iterations": "iterations",
+    "force_n": "force (N)",
+    "approach_m": "approach (m)",
+    "contact_points": "points that press",
+    "contact_area_m2": "area of contact (m²)",
+    "peak_pressure_pa": "largest pressure (Pa)",
+    "imbalance": "imbalance, relative",
 }
 
 
@@ -58,8 +76,12 @@ def text(value):
 def looks_logarithmic(values):
     """Positive, over more than a decade, and spread evenly rather by ratio."""
     values = np.unique(values[np.isfinite(values)])
-    return len(values) > 2 and values[0] > 0 and values[-1] > 12 * values[0] and \
-        np.median(values) < 0.3 * (values[0] + values[-1])
+    return (
+        len(values) > 2
+        and values[0] > 0
+        and values[-1] > 12 * values[0]
+        and np.median(values) < 0.3 * (values[0] + values[-1])
+    )
 
 
 def is_even(values):
@@ -71,7 +93,9 @@ def is_even(values):
 def others(table, against, label):
     """What the lines of a picture are: a name for all, and that of each setting (None where there are too many); and whether
     nothing else varies along a line."""
-    columns = {key: [text(value) for value in column] for key, column in table.inputs.items() if key not in against}
+    columns = {
+        key: [text(value) for value in column] for key, column in table.inputs.items() if key not in against
+    }
     columns = {key: column for key, column in columns.items() if len(set(column)) > 1}
     settings = list(zip(*columns.values()))
     for key, column in columns.items():  # one that tells all others, as of inputs that are varied together
@@ -85,46 +109,55 @@ def others(table, against, label):
 
 def draw(table, output, against, path, units):
     """`units`: of the scene's keys."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
     told = functools.partial(label, units=units)
     z, _ = axis(table.column(output))
     places = [axis(table.column(name)) for name in against]
     there = np.isfinite(z)
     if not there.any():
-        raise BadInput(f"no finished impact has a value of \"{output}\": there is nothing to draw")
-    fig, ax = plt.subplots(figsize=(6.4, 4.4), constrained_layout=True)
+        raise InputError(f'no finished impact has a value of "{output}": there is nothing to draw')
+    fig = Figure(figsize=(6.4, 4.4), layout="constrained")
+    ax = fig.subplots()
     if len(places) == 1:
-        lines(ax, plt, z, there, places[0][0], *others(table, against, told))
+        lines(ax, z, there, places[0][0], *others(table, against, told))
         ax.set_ylabel(told(output))
         ax.grid(lw=0.3)
-    elif all(len(np.unique(p)) <= FEW or names or is_even(np.unique(p)) for p, names in places) and \
-            len(np.unique(places[0][0])) * len(np.unique(places[1][0])) <= 4 * len(z):
+    elif all(len(np.unique(p)) <= FEW or names or is_even(np.unique(p)) for p, names in places) and len(
+        np.unique(places[0][0])
+    ) * len(np.unique(places[1][0])) <= 4 * len(z):
         cells(fig, ax, z, there, places, told(output))
     else:
-        fig.colorbar(ax.scatter(places[0][0][there], places[1][0][there], c=z[there], s=14), label=told(output))
+        fig.colorbar(
+            ax.scatter(places[0][0][there], places[1][0][there], c=z[there], s=14), label=told(output)
+        )
     if len(places) == 1 or not ax.images:
-        for (values, names), set_scale, set_ticks in zip(places, (ax.set_xscale, ax.set_yscale), (ax.set_xticks, ax.set_yticks)):
+        for (values, names), set_scale, set_ticks in zip(
+            places, (ax.set_xscale, ax.set_yscale), (ax.set_xticks, ax.set_yticks)
+        ):
             scale(set_scale, set_ticks, values, names)
     if len(places) == 2:
         ax.set_ylabel(told(against[1]))
     ax.set(xlabel=told(against[0]), title=table.title)
     save_picture(fig, path, dpi=120)
-    plt.close(fig)
 
 
-def lines(ax, plt, z, there, x, what, names, joined):
+def lines(ax, z, there, x, what, names, joined):
     """A line for each name; points alone where other inputs vary along it."""
     names = np.array(names if names else [""] * len(z))
     found = list(dict.fromkeys(names))
-    colours = plt.cm.viridis(np.linspace(0, 0.85, len(found)))
+    colours = matplotlib.colormaps["viridis"](np.linspace(0, 0.85, len(found)))
     for name, colour in zip(found, colours):
         of = np.flatnonzero(there & (names == name))
         of = of[np.argsort(x[of], kind="stable")]
-        ax.plot(x[of], z[of], "o-" if joined else ".", ms=4, lw=1, color=colour, alpha=1 if joined else 0.7, label=name)
+        ax.plot(
+            x[of],
+            z[of],
+            "o-" if joined else ".",
+            ms=4,
+            lw=1,
+            color=colour,
+            alpha=1 if joined else 0.7,
+            label=name,
+        )
     if what:
         ax.legend(title=what, fontsize=8, title_fontsize=8)
 
@@ -145,8 +178,15 @@ def cells(fig, ax, z, there, places, what):
     if mean.size <= WRITTEN:
         for (row, column), value in np.ndenumerate(mean):
             if np.isfinite(value):
-                ax.text(column, row, f"{float(f'{value:.3g}'):g}", ha="center", va="center", fontsize=8,
-                        color="black" if image.norm(value) > 0.6 else "white")
+                ax.text(
+                    column,
+                    row,
+                    f"{float(f'{value:.3g}'):g}",
+                    ha="center",
+                    va="center",
+                    fontsize=8,
+                    color="black" if image.norm(value) > 0.6 else "white",
+                )
 
 
 def scale(set_scale, set_ticks, values, labels):

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""The extension module of python/bindings; the modules around it document what users see."""
+
+from collections.abc import Callable, Sequence
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+_Path = str | PathLike[str]
+_Array = NDArray[np.float64]
+
+__version__: str
+
+class Scene:
+    def __init__(self, text: str, file: _Path, settings: Sequence[str]) -> None: ...
+    @staticmethod
+    def read(file: _Path) -> Scene: ...
+    title: str
+    slug: str
+    bodies: list[str]
+    needs_other_orders: bool
+    def toml(self) -> str: ...
+    def kernel_files(self, folder: _Path) -> list[tuple[str, Path, bool]]: ...
+
+def overridden(text: str, file: _Path, settings: Sequence[str]) -> str: ...
+
+class Kernel:
+    body: str
+    hash: str
+    scene: str
+    created_by: str
+    dofs: int
+    elements: int
+    order: int
+    mass: float
+    supported: bool
+    basis: str
+    certificate: dict[str, float | int | bool]
+    centre: _Array
+    inertia: _Array
+    components: int
+    direction: _Array | None
+    group: list[str]
+    skin: tuple[_Array, NDArray[np.int64], NDArray[np.float32]] | None
+    receivers: dict[str, tuple[_Array, _Array]]
+    angular_frequency: _Array
+    decay_rate: _Array
+    residual: _Array
+    node: _Array
+    centroid: _Array
+    normal: _Array
+    area: _Array
+    element: NDArray[np.int64]
+    shape: _Array
+    residual_flexibility: _Array | None
+    body_force: _Array
+    rotation: _Array
+
+def read_kernel(path: _Path) -> Kernel: ...
+def run_impact(
+    file: _Path,
+    settings: Sequence[str],
+    folder: _Path,
+    progress: Callable[[str, int, int], object] | None,
+) -> None: ...
+
+class State: ...
+
+class Pickup:
+    def __init__(self, body: str, receiver: str, candidate: int, direction: Sequence[float]) -> None: ...
+
+class Simulation:
+    def __init__(self, scene: Scene, kernels: Sequence[Kernel], pickups: Sequence[Pickup]) -> None: ...
+    def step(self) -> None: ...
+    def step_block(
+        self,
+        steps: int,
+        velocity: _Array | None,
+        total_force: _Array | None,
+        force: _Array | None,
+        displacement: _Array | None,
+    ) -> None: ...
+    def save(self) -> State: ...
+    def restore(self, state: State) -> bool: ...
+    def mean_velocity(self, body: int) -> _Array: ...
+    steps: int
+    time: float
+    active: int
+    force: _Array
+    displacement: _Array
+    point_a: _Array
+    point_b: _Array
+    normal: _Array
+    initial_gap: _Array
+    area: _Array
+    pickup_velocity: _Array
+    pickup_displacement: _Array
+    energy: dict[str, float]
+    quasi_static_modes: int

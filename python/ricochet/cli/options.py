@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""What command lines share: the parser, types of arguments, output."""
+import argparse
+import contextlib
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from ricochet import programs
+from ricochet.errors import InputError, RicochetError
+
+MOST_RANKS = 4096
+
+
+class Version(argparse.Action):
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: str | Sequence[Any] | None,
+        option_string: str | None = None,
+    ) -> None:
+        try:
+            print(parser.prog, programs.version())
+        except RicochetError as problem:
+            parser.exit(problem.status, f"{parser.prog}: {problem}\n" if str(problem) else None)
+        parser.exit()
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser that keeps the lines of its description and knows --version; `more_help` is put below its own help."""
+
+    def __init__(self, **more: Any) -> None:
+        super().__init__(formatter_class=argparse.RawDescriptionHelpFormatter, **more)
+        self.more_help: Callable[[], str] = str
+        self.add_argument("--version", action=Version, nargs=0, help="show the version of Ricochet and exit")
+
+    def format_help(self) -> str:
+        return super().format_help() + self.more_help()
+
+
+def options_of(program: str) -> str:
+    """The options that a program lists."""
+    text = programs.call([programs.BIN / program, "--help"], capture=True)
+    return f"\noptions of {program}:\n" + text.partition("\nOptions:\n")[2]
+
+
+# ---- Types of arguments ----
+
+
+def ranks(text: str) -> int:
+    if not text.isdecimal() or not 1 <= int(text[:9]) <= MOST_RANKS:
+        raise argparse.ArgumentTypeError(f"give a number from 1 to {MOST_RANKS}")
+    return int(text)
+
+
+def count(text: str) -> int:
+    if not text.isdecimal() or not 1 <= int(text[:9]):
+        raise argparse.ArgumentTypeError("give a number from 1 on")
+    return int(text[:9])
+
+
+def positive(text: str) -> float:
+    value = float(text)
+    if not 0 < value < float("inf"):
+        raise argparse.ArgumentTypeError("must be positive")
+    return value
+
+
+# ---- Arguments of several verbs ----
+
+
+def add_scene(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("scene", type=Path, metavar="SCENE.toml")
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", help="override a scene key; repeatable"
+    )
+
+
+def add_ranks(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "-n", "--ranks", type=ranks, default=2, metavar="N", help="MPI ranks of ricochet-kernel (default: 2)"
+    )
+
+
+def add_result(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("result", type=Path, metavar="RESULT.h5")
+    parser.add_argument(
+        "--kernels", type=Path, metavar="DIR", help="folder of the kernels (default: beside the result)"
+    )
+
+
+# ---- Output ----
+
+
+class Unprinted(Exception):
+    """Standard output can't be written; the text gives the reason."""
+
+
+def say(text: object) -> None:
+    """Prints at once. A failure is not an OSError, which would be taken for one of the files being written."""
+    try:
+        print(text, flush=True)
+    except OSError as error:
+        raise Unprinted(error.strerror) from None
+
+
+@contextlib.contextmanager
+def writing(folder: Path) -> Iterator[None]:
+    """Turns an OSError, of files in `folder`, into an InputError."""
+    try:
+        yield
+    except OSError as problem:
+        raise InputError(
+            f"{problem.filename or folder}: {problem.strerror or problem}: is the disk full, or the folder "
+            "read-only? Choose another --out"
+        ) from None

@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Errors of the package: each has the exit status of the command and a text of one line."""
+import re
+import sys
+
+
+def one_line(text: object) -> str:
+    return re.sub(r"[\x00-\x1f\x7f]", " ", str(text))
+
+
+class RicochetError(Exception):
+    """A failure with an exit `status`; its text is one line, empty where a program has already reported why."""
+
+    def __init__(self, text: str = "", status: int = 1) -> None:
+        super().__init__(text)
+        self.status = status
+
+    def report(self, command: str) -> int:
+        """Prints the text as an error of `command` and returns the exit status."""
+        if str(self):
+            print(f"{command}: {one_line(self)}", file=sys.stderr)
+        return self.status
+
+
+class InputError(RicochetError):
+    """A mistake that the user can correct: the text says where, what was found and what to do."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__(text, 2)
+
+
+class ProgramError(RicochetError):
+    """A program that ended with a status other than 0."""
+
+    def __init__(self, status: int, text: str = "") -> None:
+        super().__init__(text, status)
+
+
+class SolverError(RicochetError):
+    """A computation that breaks down on good input."""

@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Bodies from MatrixMarket files and lists of nodes and facets."""
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from ricochet.errors import InputError
+from ricochet.interchange.body import Body, clockwise
+from ricochet.interchange.numbers import Array, numbers_from_zero, read_matrix_market, table
+
+FACETS = (3, 4, 6, 9, 10, 16)  # nodes of the facets that are read
+Named = Sequence[tuple[str, Path]]
+
+
+def read(stiffness: Path, mass: Path, nodes: Path, surfaces: Named, supports: Named) -> Body:
+    """Reads a body in the units of its files. Raises InputError and OSError."""
+    node = table(nodes, "x y z of a node")
+    if node.shape[1] != 3:
+        raise InputError(f"{nodes}: has {node.shape[1]} columns: give x y z of each node")
+    matrices = {}
+    for name, path in (("stiffness", stiffness), ("mass", mass)):
+        matrices[name], shape = read_matrix_market(path)
+        if shape != (3 * len(node), 3 * len(node)):
+            raise InputError(
+                f"{path}: is {shape[0]} x {shape[1]}: {len(node)} nodes have {3 * len(node)} displacements"
+            )
+    body = Body(node, matrices, {})
+    blocks: dict[str, dict[int, list[Array]]] = {}
+    for name, path in surfaces:
+        facets = numbers_from_zero(path, len(node), "the nodes of a facet, numbered from 1")
+        size = facets.shape[1]
+        if size not in FACETS:
+            raise InputError(f"{path}: has facets of {size} nodes: read are {', '.join(map(str, FACETS))}")
+        blocks.setdefault(name, {}).setdefault(size, []).append(facets)
+        if wrong := clockwise(node, facets, *matrices["stiffness"][:2]):
+            body.warnings.append(
+                f"{path}: {wrong} of {len(facets)} facets run clockwise seen from outside, so that opposite surfaces "
+                "will not be found. Reverse the order of their nodes"
+            )
+    body.surfaces = {name: [np.vstack(same) for same in sizes.values()] for name, sizes in blocks.items()}
+    for name, path in supports:
+        numbers = numbers_from_zero(path, len(node), "nodes, numbered from 1")
+        body.supports[name] = np.union1d(body.supports.get(name, []), numbers)
+    return body

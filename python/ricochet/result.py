@@ -1,0 +1,349 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Results: forces, gaps, motion and energy of an impact as NumPy arrays."""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+import tomllib
+from collections.abc import Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ricochet.errors import InputError
+from ricochet.result_file import File
+from ricochet.studies.table import Table
+
+Array = NDArray[np.float64]
+
+_SUFFIX = ".result.h5"
+
+
+class _Data:
+    """Datasets of an open result file, each read on first use."""
+
+    def __init__(self, file: File, group: str) -> None:
+        self._file, self._group = file, group
+
+    def _read(self, name: str, *shape: int | None) -> Array:
+        return np.asarray(self._file.array(f"{self._group}/{name}", *shape))
+
+    def _number(self, name: str) -> float:
+        return float(self._file.attribute(self._group, name))
+
+    def _vector(self, name: str) -> Array:
+        return np.asarray(self._file.attribute(self._group, name), dtype=np.float64)
+
+
+class BodyMotion(_Data):
+    """Rigid part of the motion of a body. K rows, at the times `Result.time`; world axes."""
+
+    @cached_property
+    def velocity(self) -> Array:
+        """(K,3) mass-mean [m/s]"""
+        return self._read("velocity", None, 3)
+
+    @cached_property
+    def momentum(self) -> Array:
+        """(K,3) [kg m/s]"""
+        return self._read("momentum", None, 3)
+
+    @cached_property
+    def angular_momentum(self) -> Array:
+        """(K,3) about the world's origin [kg m²/s]"""
+        return self._read("angular_momentum", None, 3)
+
+    @cached_property
+    def reaction(self) -> Array:
+        """(K,3) force of the supports on the body, mean since the row before [N]"""
+        return self._read("reaction", None, 3)
+
+    @property
+    def mass(self) -> float:
+        """[kg]"""
+        return self._number("mass")
+
+    @property
+    def rotation(self) -> Array:
+        """(3,3) world = rotation · body + translation, at the start"""
+        return self._vector("rotation").reshape(3, 3)
+
+    @property
+    def translation(self) -> Array:
+        """(3) [m]"""
+        return self._vector("translation")
+
+
+class ReceiverMotion(_Data):
+    """Motion of a receiver. S rows, at the times `Result.receiver_time`, every step; world axes."""
+
+    @cached_property
+    def displacement(self) -> Array:
+        """(S,3) [m]"""
+        return self._read("displacement", None, 3)
+
+    @cached_property
+    def velocity(self) -> Array:
+        """(S,3) [m/s]"""
+        return self._read("velocity", None, 3)
+
+    @cached_property
+    def acceleration(self) -> Array:
+        """(S,3) of the modes [m/s²]"""
+        return self._read("acceleration", None, 3)
+
+    @property
+    def point(self) -> Array:
+        """(3) where it is at the start [m]"""
+        return self._vector("point")
+
+
+class Result(_Data):
+    """The result of an impact. Each array is read on first use.
+
+    K rows of state at the times `time`, k rows of contact at the times `contact_time`, m contact points. SI
+    units, world axes; contact/FORMAT.md defines each quantity. The result keeps its file open: another run
+    may write a file of the same name without changing it.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        """Opens a `.result.h5`. Raises InputError, one line, for a missing, damaged or foreign file, or one
+        without its summary."""
+        self.path = Path(path)
+        summary = Path(str(self.path).removesuffix(_SUFFIX) + ".summary.json")
+        super().__init__(File(self.path, "ricochet-result"), "")
+        try:
+            self.summary: Mapping[str, Any] = json.loads(summary.read_text("utf-8"))
+        except (OSError, ValueError):
+            raise InputError(f"{summary}: cannot be read. Compute the result again.") from None
+
+    @property
+    def title(self) -> str:
+        return str(self._file.text("/", "title"))
+
+    @cached_property
+    def scene(self) -> dict[str, Any]:
+        """The resolved scene of the run."""
+        return tomllib.loads(self._file.text("/", "scene") or "")
+
+    @property
+    def warnings(self) -> list[str]:
+        """Sentences on where the model leaves its validity."""
+        return list(self.summary["warnings"])
+
+    # ---- Contact ----
+
+    @cached_property
+    def time(self) -> Array:
+        """(K) t [s]: 0 and each `output.every`-th step"""
+        return self._read("time", None)
+
+    @cached_property
+    def contact_time(self) -> Array:
+        """(k) the rows of `time` whose step has a force [s]"""
+        return self._read("contact/time", None)
+
+    @cached_property
+    def force(self) -> Array:
+        """(k,m) λ ≥ 0, compressive [N]: constant over the step that ends at the row's time"""
+        return self._read("contact/force", None, None)
+
+    @cached_property
+    def total_force(self) -> Array:
+        """(K) Σ λ [N], 0 where nothing touches"""
+        out = np.zeros(len(self.time))
+        out[np.searchsorted(self.time, self.contact_time)] = self.force.sum(axis=1)
+        return out
+
+    @cached_property
+    def gap(self) -> Array:
+        """(k,m) [m]; negative: penetration"""
+        return self._read("contact/gap", None, None)
+
+    @cached_property
+    def initial_gap(self) -> Array:
+        """(m) [m]"""
+        return self._read("contact/initial_gap", None)
+
+    @cached_property
+    def area(self) -> Array:
+        """(m) of the patches on the first body of the pair [m²]; pressure is force / area"""
+        return self._read("contact/area", None)
+
+    @cached_property
+    def point_a(self) -> Array:
+        """(m,3) contact points on the first body of the pair, at the start [m]"""
+        return self._read("contact/point_a", None, 3)
+
+    @cached_property
+    def point_b(self) -> Array:
+        """(m,3) the places that they face [m]"""
+        return self._read("contact/point_b", None, 3)
+
+    @cached_property
+    def normal(self) -> Array:
+        """(m,3) unit normals out of the first body"""
+        return self._read("contact/normal", None, 3)
+
+    # ---- Motion and energy ----
+
+    @cached_property
+    def bodies(self) -> dict[str, BodyMotion]:
+        return {name: BodyMotion(self._file, f"/bodies/{name}") for name in self._file.names("/bodies")}
+
+    @cached_property
+    def receivers(self) -> dict[str, ReceiverMotion]:
+        """Motion by the names of `[[output.receiver]]`."""
+        names = [name for name in self._file.names("/receivers") if name != "time"]
+        return {name: ReceiverMotion(self._file, f"/receivers/{name}") for name in names}
+
+    @cached_property
+    def receiver_time(self) -> Array:
+        """(S) 0 and every step [s]. Raises InputError where the scene has no receivers."""
+        return self._read("receivers/time", None)
+
+    @cached_property
+    def energy(self) -> dict[str, Array]:
+        """(K) each [J]: `kinetic`, `strain`, `residual` (of the static response), `loads` (their work so
+        far), `damping` and `contact` (taken so far), and `total` = kinetic + strain + residual − loads. Empty
+        for table kernels.
+        """
+        return {name: self._read(f"energy/{name}", None) for name in self._file.names("/energy")}
+
+    @cached_property
+    def snapshots(self) -> dict[str, Array]:
+        """(s,N) modal coordinates by body [kg^1/2 m] at the (s) times of `time` [s]; empty without
+        `output.snapshot_every`"""
+        return {
+            name: self._read(f"snapshots/{name}", *([None] if name == "time" else [None, None]))
+            for name in self._file.names("/snapshots")
+        }
+
+    # ---- Display ----
+
+    def figures(self) -> dict[str, str]:
+        """Key figures by name, as texts with units."""
+        out = {}
+        for key, name, unit in _FIGURES:
+            value = self.summary.get(key)
+            if isinstance(value, (int, float)):
+                out[name] = f"{value:.6g}{unit}"
+        for body, velocity in self.summary.get("exit_velocity", {}).items():
+            out[f"exit velocity of {body}"] = "[" + ", ".join(f"{v:.4g}" for v in velocity) + "] m/s"
+        for number, pair in enumerate(self.summary.get("pairs", ()), 1):
+            out[f"force of pair {number}"] = f"{pair['force_n']:.6g} N on {pair['contact_points']} points"
+        estimate = self.summary.get("error_estimate")
+        if estimate and estimate.get("total") is not None:
+            out["error estimate"] = f"{estimate['total']:.2g}"
+        return out
+
+    def __repr__(self) -> str:
+        figures = "; ".join(f"{name} {value}" for name, value in list(self.figures().items())[:4])
+        return f"<Result {self.title!r}: {figures}; {self.path}>"
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><th>{html.escape(name)}</th><td>{html.escape(value)}</td></tr>"
+            for name, value in self.figures().items()
+        )
+        warned = "".join(f"<p><b>Warning:</b> {html.escape(warning)}</p>" for warning in self.warnings)
+        return f"<b>{html.escape(self.title)}</b>{warned}<table>{rows}</table>{self._force_drawing()}"
+
+    def _force_drawing(self) -> str:
+        """The total force over the time of contact as a small SVG; empty where nothing touches or there is no
+        history."""
+        if len(self.contact_time) == 0 or len(self.time) < 3:
+            return ""
+        step = self.time[1] - self.time[0]
+        margin = 0.1 * (self.contact_time[-1] - self.contact_time[0]) + 2 * step
+        first, last = np.searchsorted(
+            self.time, [self.contact_time[0] - margin, self.contact_time[-1] + margin]
+        )
+        t, force = self.time[first:last], self.total_force[first:last]
+        width, height, most = 420, 120, max(1, -(-len(t) // 800))
+        if most > 1:  # the peak of each group stays
+            groups = np.arange(0, len(t), most)
+            t, force = t[groups], np.maximum.reduceat(force, groups)
+        peak, (scale, unit) = float(force.max()), _prefix(float(t[-1]))
+        x = (t - t[0]) / max(t[-1] - t[0], step) * width
+        y = height - force / (peak or 1) * (height - 8)
+        points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y))
+        return (
+            f'<svg width="{width}" height="{height + 20}" role="img" aria-label="contact force over time">'
+            f'<polyline points="0,{height} {points} {width},{height}" fill="#b03a4830" stroke="#b03a48"/>'
+            f'<g font-size="11" fill="currentColor"><text x="4" y="10">{peak:.4g} N</text>'
+            f'<text x="0" y="{height + 15}">{t[0] * scale:.4g} {unit}</text>'
+            f'<text x="{width}" y="{height + 15}" text-anchor="end">{t[-1] * scale:.4g} {unit}</text>'
+            "</g></svg>"
+        )
+
+
+class SweepResult:
+    """The figures of all impacts of a study. Columns have equal length, with a row for each impact."""
+
+    #: columns that a notebook shows
+    SHOWN = ("peak_force_n", "impulse_ns", "restitution", "contact_steps")
+
+    def __init__(self, table: Table) -> None:
+        self.title = table.title
+        #: values of the keys that are varied
+        self.inputs: dict[str, NDArray[Any]] = {
+            name: np.array(column) for name, column in table.inputs.items()
+        }
+        #: figures of summary.json, NaN where an impact has none; `exit_velocity.upper.y` and the like
+        self.outputs: dict[str, Array] = {
+            name: np.array(column, dtype=np.float64) for name, column in table.outputs.items()
+        }
+        #: 0; 2: refused, 1: broke down
+        self.status: NDArray[np.int64] = np.array(table.status, dtype=np.int64)
+        #: why an impact was refused or broke down, one line
+        self.error: list[str] = list(table.error)
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        """A column, of inputs or outputs. Raises KeyError."""
+        return self.inputs[name] if name in self.inputs else self.outputs[name]
+
+    def __len__(self) -> int:
+        return len(self.status)
+
+    def __repr__(self) -> str:
+        failed = np.count_nonzero(self.status)
+        return f"<SweepResult {self.title!r}: {', '.join(self.inputs)}; {len(self)} impacts, {failed} failed>"
+
+    def _repr_html_(self) -> str:
+        names = [*self.inputs, *(name for name in self.SHOWN if name in self.outputs)]
+        head = "".join(f"<th>{html.escape(name)}</th>" for name in [*names, "error"])
+        body = ""
+        for row in range(len(self)):
+            cells = [_text(self[name][row]) for name in names] + [self.error[row]]
+            body += "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in cells) + "</tr>"
+        return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+
+
+#: keys of the summary that make key figures, their names and units
+_FIGURES = (
+    ("contact_start_s", "contact starts", " s"),
+    ("contact_end_s", "contact ends", " s"),
+    ("peak_force_n", "peak force", " N"),
+    ("impulse_ns", "impulse", " N s"),
+    ("restitution", "restitution", ""),
+    ("energy_lost_contact", "energy lost to contact", " of the energy before"),
+    ("energy_drift", "energy drift", ""),
+    ("max_penetration_m", "deepest penetration", " m"),
+    ("candidates", "contact points", ""),
+    ("max_active", "most that touch at once", ""),
+    ("imbalance", "imbalance", ""),
+)
+
+
+def _prefix(seconds: float) -> tuple[float, str]:
+    return (1.0, "s") if seconds >= 1 else (1e3, "ms") if seconds >= 1e-3 else (1e6, "µs")
+
+
+def _text(value: object) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)

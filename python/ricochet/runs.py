@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Functions on scenes and results: kernels, impacts, studies, pictures and pages."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import subprocess
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ricochet import _core, files, pages, pictures, programs
+from ricochet.errors import InputError, ProgramError, SolverError
+from ricochet.kernel import Kernel
+from ricochet.progress import Progress
+from ricochet.result import Result, SweepResult
+from ricochet.scene import PathLike, Scene, plain, scene_of
+from ricochet.studies.study import Study
+from ricochet.studies.sweep import Sweep
+
+#: a line that ricochet-kernel prints at the end of a phase
+_PHASE = re.compile(r"(?P<body>[\w-]+): (?P<phase>.+?) {2,}[\d.]+ (s|min|h)")
+
+
+def kernels(scene: Scene | PathLike, ranks: int = 2, out: PathLike | None = None) -> dict[str, Kernel]:
+    """Returns the kernels of a scene, by body. Missing kernels are computed by ricochet-kernel under mpirun.
+
+    ranks: MPI ranks of ricochet-kernel.
+    out: the folder of the kernels, otherwise `scene.out`.
+
+    Raises InputError, one line, for a mesh, a material or a setting that ricochet-kernel refuses; SolverError
+    for a computation that breaks down.
+    """
+    scene = scene_of(scene)
+    folder = _folder(scene, out)
+    if scene._core.needs_other_orders or not all(there for _, _, there in scene._core.kernel_files(folder)):
+        _compute(scene, folder, ranks)
+    return {body: Kernel(path) for body, path, _ in scene._core.kernel_files(folder)}
+
+
+def stored_kernels(scene: Scene) -> dict[str, Kernel]:
+    """The kernels that are in `scene.out`, by body. Raises InputError where one is missing."""
+    found = {}
+    for body, path, there in scene._core.kernel_files(scene.out):
+        if not there:
+            raise InputError(
+                f"{scene.file.name}: no kernel for body {body!r} in {scene.out}. Call kernels(scene) first."
+            )
+        found[body] = Kernel(path)
+    return found
+
+
+def impact(scene: Scene | PathLike, out: PathLike | None = None) -> Result:
+    """Runs the impact of a scene in this process and returns its result.
+
+    Kernels must exist: call `kernels` first. The files of the result are those that ricochet-contact writes.
+    Other threads run during the steps. Ctrl-C ends the run and leaves no files behind.
+
+    out: the folder of kernels and results, otherwise `scene.out`.
+
+    Raises InputError, one line, for kernels that are missing and for bodies that overlap or do not meet;
+    SolverError if the motion stops being finite. Issues a UserWarning where the model leaves its validity.
+    """
+    scene = scene_of(scene)
+    folder = _folder(scene, out)
+    file, settings = scene._command(folder)
+    _core.run_impact(file, settings, folder, _StepBar().show)
+    result = Result(folder / f"{scene.slug}.result.h5")
+    for warning in result.warnings:
+        warnings.warn(warning, stacklevel=2)
+    return result
+
+
+def sweep(
+    study: Scene | PathLike,
+    grid: Mapping[str, Sequence[Any]] | None = None,
+    *,
+    out: PathLike | None = None,
+    jobs: int | None = None,
+    ranks: int = 2,
+) -> SweepResult:
+    """Runs the impacts of a study and computes the kernels that they need. Skips finished impacts.
+
+    study: a study file (docs/studies.md), or a Scene whose keys `grid` varies.
+    grid: lists of values by key; every combination is run.
+    out: the folder of kernels and results, otherwise `out` beside the study, or `scene.out`.
+    jobs: impacts side by side, otherwise one for each processor.
+    ranks: MPI ranks of ricochet-kernel.
+
+    Raises InputError for a study that is refused, and SolverError if all of its impacts break down. Single
+    impacts that fail are rows of the result, with the reason in `error`.
+    """
+    if isinstance(study, Scene):
+        if not grid:
+            raise InputError("grid: is missing: name keys of the scene, with lists of their values")
+        folder = _folder(study, out)
+        path = _study_file(study, grid, folder)
+    else:
+        if grid is not None:
+            raise InputError(
+                "grid: does not go with a study file, which has a grid of its own. Leave it out."
+            )
+        path = Path(study)
+        folder = path.parent / "out" if out is None else Path(out)
+    try:
+        run = Sweep(Study(path), folder, jobs, ranks)
+        with contextlib.closing(run.journal):
+            run.prepare()
+            try:
+                run.run()
+            finally:
+                table = run.write()
+    except ProgramError as error:
+        raise (InputError if error.status == 2 else SolverError)(str(error)) from None
+    return SweepResult(table)
+
+
+class Picture:
+    """A PNG file, which a notebook shows."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    def _repr_png_(self) -> bytes:
+        return self.path.read_bytes()
+
+    def __repr__(self) -> str:
+        return f"<Picture {self.path}>"
+
+
+def plot(result: Result | PathLike, out: PathLike | None = None) -> list[Picture]:
+    """Draws the contact, the energy and, where there are snapshots and skins, the bodies.
+
+    out: the folder of the pictures, otherwise that of the result. Raises InputError for a file that cannot be
+        drawn.
+    """
+    return [Picture(path) for path in pictures.draw(_path_of(result), None if out is None else Path(out))]
+
+
+def report(result: Result | PathLike, out: PathLike | None = None) -> Path:
+    """Writes the page of a run, which opens in any browser, and returns its path.
+
+    out: the page, otherwise `<slug>.report.html` beside the result. Raises InputError for a file that cannot
+        be read.
+    """
+    return pages.write_page(_path_of(result), None if out is None else Path(out))
+
+
+# ---- Parts ----
+
+
+def _folder(scene: Scene, out: PathLike | None) -> Path:
+    return scene.out if out is None else Path(out).absolute()
+
+
+def _path_of(result: Result | PathLike) -> Path:
+    return result.path if isinstance(result, Result) else Path(result)
+
+
+def _compute(scene: Scene, folder: Path, ranks: int) -> None:
+    """Runs ricochet-kernel, with a bar that counts bodies."""
+    file, settings = scene._command(folder)
+    command = [
+        *programs.mpirun(ranks),
+        programs.BIN / "ricochet-kernel",
+        file,
+        "--out",
+        folder,
+        *programs.with_set(settings),
+    ]
+    bar, seen = Progress(len(scene.bodies)), ""
+
+    def show(line: str) -> None:
+        nonlocal seen
+        if found := _PHASE.match(line):
+            body = found["body"]
+            bar.advance(f"{body}: {found['phase']}", int(body != seen and seen != ""))
+            seen = body
+        elif line.startswith("warning: "):
+            warnings.warn(line.removeprefix("warning: ").strip(), stacklevel=5)
+
+    _run(command, show)
+    bar.advance("kernels", bar.total - bar.done)
+
+
+def _run(command: Sequence[str | Path], show: Callable[[str], None]) -> None:
+    """Runs ricochet-kernel to its end; `show` is called with each line of its standard error.
+
+    Raises InputError for status 2 and SolverError for any other failure, with the program's own line.
+    """
+    programs.find(command)
+    with subprocess.Popen(
+        programs.bound(command),
+        env=os.environ | programs.ONE_THREAD,
+        text=True,
+        errors="replace",
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+    ) as process:
+        assert process.stderr is not None
+        lines = []
+        try:
+            for line in process.stderr:
+                lines.append(line)
+                show(line)
+            status = process.wait()
+        except BaseException:  # interrupted: its ranks have to end too, and remove their temporary files
+            process.terminate()
+            raise
+    if status < 0 or status > 128:
+        number = -status if status < 0 else status - 128
+        raise SolverError(
+            f"ricochet-kernel: ended by signal {number}: killed, or out of memory? Repeat the call to resume."
+        )
+    if status != 0:
+        raise (InputError if status == 2 else SolverError)(programs.complaint("".join(lines)))
+
+
+def _study_file(scene: Scene, grid: Mapping[str, Sequence[Any]], folder: Path) -> Path:
+    """Writes the scene and a study that varies it into `folder`."""
+    written = scene.write(folder / f"{scene.slug}.toml")
+    path = folder / f"{scene.slug}.study.toml"
+    table = {"scene": written.name, "title": scene.title, "grid": plain(grid)}
+    files.write(path, "\n".join(programs.settings(table)).encode())
+    return path
+
+
+class _StepBar:
+    """A progress bar for the phases of a run that have a known length."""
+
+    def __init__(self) -> None:
+        self._bar: Progress | None = None
+
+    def show(self, phase: str, done: int, total: int) -> None:
+        if total > 0:
+            self._bar = self._bar or Progress(total)
+            self._bar.advance(phase, done - self._bar.done)

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Records of finished runs: files with a line of JSON each, which survive a kill at any moment."""
+import fcntl
+import json
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from ricochet.errors import InputError
+
+Row = dict[str, Any]
+
+
+def whole_lines(path: Path) -> bytes:
+    """The content up to the last line end; a kill may leave half a line behind it."""
+    content = path.read_bytes()
+    return content[: content.rfind(b"\n") + 1]
+
+
+class Records:
+    """A file that this process alone appends to. An incomplete last line is cut off."""
+
+    def __init__(self, path: Path) -> None:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        self.path = path
+        self.file = open(path, "ab")
+        lock(self)
+        self.file.truncate(len(whole_lines(path)))
+
+    def lines(self) -> Iterator[bytes]:
+        yield from whole_lines(self.path).splitlines()
+
+    def append(self, line: bytes) -> None:
+        self.file.write(line + b"\n")
+        self.file.flush()
+
+    def sync(self) -> None:
+        os.fsync(self.file.fileno())
+
+
+def lock(records: Records) -> None:
+    """Holds until this process ends. A file system without locks can't report another writer."""
+    try:
+        fcntl.flock(records.file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise InputError(
+            f"{records.path}: another sweep is writing it: wait until it has ended, or give another --out"
+        ) from None
+    except OSError:
+        pass
+
+
+class Store:
+    """Rows by their "key"; each is on the disk before it counts as finished."""
+
+    def __init__(self, path: Path) -> None:
+        self.records = Records(path)
+        self.rows: dict[str, Row] = {row["key"]: row for row in map(json.loads, self.records.lines())}
+
+    def add(self, row: Row) -> Row:
+        self.rows[row["key"]] = row
+        self.records.append(json.dumps(row).encode())
+        self.records.sync()
+        return row

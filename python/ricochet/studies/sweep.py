@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Runs a study: kernels first, each once, then impacts side by side. Finished work is skipped."""
+import contextlib
+import hashlib
+import json
+import os
+import time
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from ricochet import programs
+from ricochet.errors import InputError, ProgramError
+from ricochet.progress import Progress
+from ricochet.studies.journal import Journal, Part
+from ricochet.studies.kernels import Files, Kernels
+from ricochet.studies.records import Row
+from ricochet.studies.study import Study
+from ricochet.studies.table import Table
+
+SYNC_S = 2.0
+
+
+class Sweep:
+    """A study in a folder of kernels and results.
+
+    @param part      runs this part of the impacts only, beside other parts, with kernels that exist
+    @param collects  runs nothing: only gathers what is finished
+    """
+
+    def __init__(
+        self,
+        study: Study,
+        folder: Path | None = None,
+        jobs: int | None = None,
+        ranks: int = 2,
+        part: Part | None = None,
+        collects: bool = False,
+    ) -> None:
+        self.study, self.part, self.collects = study, part, collects
+        self.folder = folder or study.path.parent / "out"
+        self.stem = self.folder / study.slug
+        self.journal = Journal(self.stem, part, reads_only=collects)
+        self.kernels = Kernels(study, self.folder, jobs or os.cpu_count() or 1, ranks)
+        self.keys = [""] * len(
+            study.settings
+        )  # identify impacts: program, scene, setting, kernels, files that are read
+        self.refused: dict[int, Row] = {}  # answers by index of the setting
+
+    def prepare(self) -> None:
+        """Checks all settings and computes the kernels that this stage needs. Raises InputError and ProgramError."""
+        before = None
+        while True:
+            missing = self._check()
+            if self.part or self.collects:  # kernels that an earlier stage could not compute
+                rows = self.journal.rows
+                self.kernels.refused = {k: rows[self.keys[k]] for k in missing if self.keys[k] in rows}
+            self.refused |= self.kernels.refused
+            if len(self.refused) == len(self.keys):
+                raise ProgramError(self.refused[0]["status"], self.refused[0]["error"])
+            missing = {index: files for index, files in missing.items() if index not in self.refused}
+            if not missing or self.collects:
+                return
+            name = min(missing.values())[0]
+            if self.part:
+                raise InputError(
+                    f"{self.folder}: the kernels of {len(missing)} settings are missing, such as {name}: "
+                    "run ricochet sweep --kernels"
+                )
+            if missing == before:
+                raise InputError(
+                    f"{self.folder}: ricochet-kernel does not leave {name} there: compute it by hand"
+                )
+            self.kernels.compute(
+                missing
+            )  # a kernel with some candidates may not yet be enough for all settings
+            for index, answer in self.kernels.refused.items():
+                self.journal.add(self.keys[index], json.dumps(answer).encode())
+            before = missing
+
+    def _check(self) -> Files:
+        """Asks for the kernels of each setting; fills `keys` and `refused`. Returns, by index, the kernels that an unfinished
+        impact needs and that don't exist or hold too few candidates."""
+        study = self.study
+        scene, version = [content_of(study.text), study.fixed], programs.version()
+        self.refused, missing, bar = {}, {}, Progress(len(study.settings))
+        requests = ({"set": programs.settings(setting), "kernels": True} for setting in study.settings)
+        for index, line in self.kernels.ask(requests):
+            answer = json.loads(line)
+            bar.advance("checking")
+            if answer["status"] != 0:
+                self.refused[index] = answer
+                continue
+            files = [kernel["file"] for kernel in answer["kernels"]]
+            self.kernels.names.update(files)
+            identity = [version, scene, study.settings[index], files, answer["reads"]]
+            text = json.dumps(identity, sort_keys=True, default=str)
+            self.keys[index] = hashlib.sha256(text.encode()).hexdigest()[:24]
+            lacking = [kernel["file"] for kernel in answer["kernels"] if not kernel["there"]]
+            if lacking and not self.journal.finished(self.keys[index]):
+                missing[index] = lacking
+        return missing
+
+    def own(self) -> list[int]:
+        """The settings of this part that are not refused."""
+        k, n = self.part or (1, 1)
+        return [index for index in range(k - 1, len(self.keys), n) if index not in self.refused]
+
+    def left(self) -> list[int]:
+        """Those that are to be run still."""
+        return [index for index in self.own() if not self.journal.finished(self.keys[index])]
+
+    def run(self, check: Callable[[Row], None] = lambda _: None) -> int:
+        """Runs the impacts that are left and returns their number. `check` sees each row, and may raise InputError."""
+        left, rows = self.left(), self.journal.rows
+        bar, synced = Progress(len(self.keys)), time.monotonic()
+        bar.advance("impacts", len(self.keys) - len(left), already=True)
+        for key in self.keys:
+            if key in rows:
+                check(rows[key])
+        requests = ({"set": programs.settings(self.study.settings[index])} for index in left)
+        with contextlib.closing(self.kernels.ask(requests)) as answers:
+            for index, line in answers:
+                key = self.keys[left[index]]
+                self.journal.add(key, line)
+                check(rows[key])
+                bar.advance("impacts")
+                if time.monotonic() - synced > SYNC_S:
+                    self.journal.sync()
+                    synced = time.monotonic()
+        self.journal.sync()
+        return len(left)
+
+    def write(self) -> Table:
+        """Writes the table of all settings as <slug>.sweep.csv and <slug>.sweep.h5."""
+        rows = [self.refused.get(k) or self.journal.rows.get(key) for k, key in enumerate(self.keys)]
+        table = Table(self.study, rows)
+        table.write_csv(Path(f"{self.stem}.sweep.csv"))
+        table.write_hdf5(Path(f"{self.stem}.sweep.h5"))
+        return table
+
+
+def content_of(scene: str) -> dict[str, Any] | str:
+    """The content of a scene without comments and layout. ricochet-contact refuses a text that is not TOML."""
+    try:
+        return tomllib.loads(scene)
+    except (ValueError, RecursionError):
+        return scene

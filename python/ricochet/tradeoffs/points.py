@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Points of a trade-off study: settings with their cost and error, and the best of them."""
+import math
+from collections.abc import Callable, Iterable, Sequence
+
+from ricochet.studies.records import Row
+from ricochet.tradeoffs.settings import Impact, Kernel
+
+COLUMNS = [
+    "basis",
+    "size",
+    "residual_flexibility",
+    "order",
+    "relative_residual",
+    "spacing_m",
+    "scheme",
+    "rate_hz",
+    "precision",
+    "vectors",
+    "candidates",
+    "kernel_s",
+    "kernel_mib",
+    "impact_s",
+    "impact_mib",
+    "rebound_error",
+    "impulse_error",
+    "peak_force_error",
+    "error",
+    "pareto",
+    "refused",
+]
+
+
+def errors(row: Row, reference: Row) -> dict[str, float]:
+    """Relative errors of exit velocities (to the largest one of the reference), impulse and peak force.
+
+    The error of the velocities is infinite if the contact has not ended.
+    """
+    speed = max(math.hypot(*v) for v in reference["exit_velocity"].values())
+    worst = math.inf
+    if row["ended"] and set(row["exit_velocity"]) == set(reference["exit_velocity"]):
+        worst = (
+            max(math.dist(v, reference["exit_velocity"][body]) for body, v in row["exit_velocity"].items())
+            / speed
+        )
+    return {
+        "rebound_error": worst,
+        "impulse_error": abs(row["impulse_ns"] / reference["impulse_ns"] - 1),
+        "peak_force_error": abs(row["peak_force_n"] / reference["peak_force_n"] - 1),
+    }
+
+
+class Point:
+    """One setting with its cost and error."""
+
+    def __init__(
+        self,
+        kernel: Kernel,
+        impact: Impact,
+        kernel_row: Row,
+        impact_row: Row,
+        reference: Row,
+        measures: Iterable[str],
+    ) -> None:
+        self.kernel, self.impact, self.refused = kernel, impact, impact_row.get("refused")
+        self.row: Row = {
+            "basis": kernel.basis,
+            "size": kernel.size,
+            "residual_flexibility": kernel.residual,
+            "order": kernel.order,
+            "relative_residual": kernel.tolerance,
+            "spacing_m": kernel.spacing,
+            "scheme": impact.scheme,
+            "rate_hz": impact.rate_hz,
+            "precision": impact.precision,
+            "kernel_s": kernel_row["kernel_s"],
+            "kernel_mib": kernel_row.get("kernel_mib"),
+            "refused": self.refused or "",
+            "pareto": False,
+        }
+        self.error = math.inf
+        if not self.refused:
+            found = errors(impact_row, reference)
+            self.row |= found | {
+                name: impact_row[name] for name in ["vectors", "candidates", "impact_s", "impact_mib"]
+            }
+            self.error = max(found[f"{measure}_error"] for measure in measures)
+        self.row["error"] = self.error
+
+    def cost(self, impacts: int) -> float:
+        """Time [s] of the kernels and so many impacts."""
+        return self.row["kernel_s"] + impacts * self.row["impact_s"]
+
+    def name(self) -> str:
+        return f"{self.kernel.name()}, {self.impact.scheme} at {self.impact.rate_hz:g} Hz" + (
+            ", single" if self.impact.precision == "single" else ""
+        )
+
+
+Cost = Callable[[Point], float]
+
+
+def pareto(points: Sequence[Point], cost: Cost, floor: float) -> list[Point]:
+    """Points that no other one beats in both cost and error, by rising cost. Errors below `floor` count as equal."""
+    front: list[Point] = []
+    least = math.inf
+    for point in sorted((p for p in points if math.isfinite(p.error)), key=lambda p: (cost(p), p.error)):
+        if max(point.error, floor) < least:
+            front.append(point)
+            least = max(point.error, floor)
+    return front
+
+
+def cheapest(points: Sequence[Point], error: float, cost: Cost) -> Point | None:
+    fit = [point for point in points if point.error <= error]
+    return min(fit, key=cost) if fit else None

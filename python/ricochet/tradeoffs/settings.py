@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""The settings of a trade-off study: kernels, impacts, and the product of what is varied."""
+import argparse
+import itertools
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ricochet import programs
+
+SCHEMES = {
+    "compliant": {"contact.scheme": "compliant"},
+    "jump": {"contact.scheme": "impulse", "contact.admittance": "jump"},
+    "difference": {"contact.scheme": "impulse", "contact.admittance": "difference"},
+}
+
+
+class Scene:
+    """A scene with every default, from which the settings start."""
+
+    def __init__(self, path: Path, settings: list[str], band_hz: float | None = None) -> None:
+        self.path, self.settings = path, settings
+        self.text = programs.resolved(path, programs.with_set(settings))
+        self.table = table = tomllib.loads(self.text)
+        self.meshed = [
+            name
+            for name, body in table["bodies"].items()
+            if not str(body["mesh"]).endswith(".msh") and "area" not in body["material"]
+        ]
+        self.order = max((table["bodies"][name]["order"] for name in self.meshed), default=None)
+        self.spacing = table["contact"].get("spacing")
+        self.rate_hz = table["time"].get("rate_hz", 44100.0)
+        self.duration_s = table["time"]["duration"]
+        self.band_hz = band_hz or table["modes"].get("up_to_hz")
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """The settings of a kernel."""
+
+    basis: str
+    size: float  # number of modes, or flexibility error of a contact-adapted basis
+    residual: bool
+    order: int | None
+    tolerance: float
+    spacing: float | None
+    band_hz: float | None
+
+    def changes(self, scene: Scene) -> dict[str, Any]:
+        if self.basis == "modes":
+            modes = {
+                "basis": "modes",
+                "count": int(self.size),
+                "residual_flexibility": self.residual,
+                "relative_residual": self.tolerance,
+            }
+        else:
+            modes = {"basis": "contact", "up_to_hz": self.band_hz, "flexibility_error": self.size}
+        found = {"modes": modes, "output.view": False, "output.snapshot_every": 0, "output.every": 1000}
+        if self.order is not None:
+            found |= {f"bodies.{body}.order": self.order for body in scene.meshed}
+        if self.spacing is not None:
+            found["contact.spacing"] = self.spacing
+        return found
+
+    def name(self) -> str:
+        if self.basis == "modes":
+            size = f"{self.size:g} modes{'' if self.residual else ' without R'}"
+        else:
+            size = f"contact-adapted to {self.size:g}"
+        return size + (f", order {self.order}" if self.order is not None else "")
+
+
+@dataclass(frozen=True)
+class Impact:
+    """The settings of an impact."""
+
+    scheme: str
+    rate_hz: float
+    precision: str = "double"
+
+    def changes(self) -> dict[str, Any]:
+        found: dict[str, Any] = SCHEMES[self.scheme] | {"time.rate_hz": self.rate_hz}
+        return found | ({"time.precision": self.precision} if self.precision != "double" else {})
+
+
+@dataclass
+class Axes:
+    """The values of each setting; the defaults of ricochet tradeoff are in its options."""
+
+    counts: list[int]
+    fitted: list[float]
+    residual: list[bool]
+    orders: list[int]
+    tolerances: list[float]
+    spacings: list[float]
+    schemes: list[str]
+    rates: list[float]
+    precisions: list[str]
+    full: bool
+
+    @classmethod
+    def of(cls, options: argparse.Namespace, scene: Scene) -> "Axes":
+        most = scene.table["modes"].get("count") or 400
+        order = scene.order or 1
+        return cls(
+            counts=options.counts or [max(1, most // part) for part in (16, 8, 4, 2, 1)],
+            fitted=options.fitted,
+            residual=[word == "with" for word in options.residual],
+            orders=options.orders or [order, max(1, order - 1), order + 1],
+            tolerances=options.tolerances,
+            spacings=options.spacings,
+            schemes=options.schemes,
+            rates=options.rates,
+            precisions=options.precisions,
+            full=options.full,
+        )
+
+    def settings(self, scene: Scene) -> list[tuple[Kernel, list[Impact]]]:
+        """Basis × R × step × scheme in full; order, tolerance, spacing and precision beside the largest kernel of each basis,
+        or in full too."""
+        bases: list[tuple[str, float, bool]]
+        bases = [("modes", count, residual) for count in self.counts for residual in self.residual]
+        bases += [("contact", error, True) for error in self.fitted if scene.band_hz]
+        order, tolerance, spacing, band = scene.order, self.tolerances[0], scene.spacing, scene.band_hz
+        orders = self.orders if order is not None else [None]
+        spacings = [factor * spacing for factor in self.spacings] if spacing else [None]
+        kernels: list[Kernel]
+        if self.full:
+            rest = itertools.product(orders, self.tolerances, spacings)
+            kernels = [Kernel(*basis, *values, band) for basis, values in itertools.product(bases, rest)]
+        else:
+            beside: list[tuple[str, float, bool]] = [("modes", max(self.counts), True)]
+            beside += [basis for basis in bases if basis[0] == "contact"][:1]
+            kernels = [Kernel(*basis, order, tolerance, spacing, band) for basis in bases]
+            kernels += [Kernel(*basis, o, tolerance, spacing, band) for basis in beside for o in orders]
+            kernels += [Kernel(*beside[0], order, t, spacing, band) for t in self.tolerances]
+            kernels += [Kernel(*basis, order, tolerance, s, band) for basis in beside for s in spacings]
+        impacts = [
+            Impact(scheme, scene.rate_hz * factor, precision)
+            for scheme in self.schemes
+            for factor in self.rates
+            for precision in (self.precisions if scheme == "compliant" else ["double"])
+        ]
+        return [(kernel, impacts) for kernel in dict.fromkeys(kernels)]

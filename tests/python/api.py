@@ -1,0 +1,375 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""The Python interface: scenes, kernels, impacts, steps, studies, and the texts that notebooks show."""
+
+import _thread
+import gc
+import pathlib
+import shutil
+import tempfile
+import threading
+import time
+import unittest
+from unittest import mock
+from xml.etree import ElementTree
+
+import h5py
+import numpy as np
+
+import programs
+import ricochet
+from programs import MESHES, ProgramTest
+
+
+MIC = {"name": "mic", "body": "resting", "at": [5, 0, 0]}
+
+
+class ScenesTest(ProgramTest):
+    """With a copy of the two rods: `self.file`, and `self.scene` with 30 modes."""
+
+    def setUp(self):
+        super().setUp()
+        shutil.copytree(MESHES / "two-rods", self.folder / "rods", ignore=shutil.ignore_patterns("out"))
+        self.file = self.folder / "rods" / "two-rods.toml"
+        self.scene = ricochet.Scene(self.file)
+        self.scene.set({"modes.count": 30, "output.view": False})
+
+
+class KernelsTest(ScenesTest):
+    """With the kernels, computed once for all tests of the class."""
+
+    @classmethod
+    def setUpClass(cls):
+        scope = tempfile.TemporaryDirectory(prefix="ricochet-test-")
+        cls.addClassCleanup(scope.cleanup)
+        cls.stored = pathlib.Path(scope.name)
+
+    def setUp(self):
+        super().setUp()
+        shutil.copytree(self.stored, self.scene.out)
+        self.kernels = ricochet.kernels(self.scene, ranks=1)
+        shutil.copytree(self.scene.out, self.stored, dirs_exist_ok=True)
+
+
+class Scene(ScenesTest):
+    def test_has_keys_as_given_and_defaults(self):
+        self.assertEqual(self.scene["time.duration"], 30)
+        self.assertEqual(self.scene["contact.between"], ["moving", "resting"])
+        self.assertEqual(self.scene["contact.pair[0].between[1]"], "resting")
+        self.assertEqual(self.scene["contact.scheme"], "compliant")  # a default
+        self.assertNotIn("contact.gap", self.scene)
+        for missing in ("contact.gap", "contact.pair[7]", "", "time.", "time..duration"):
+            with self.assertRaises(KeyError):
+                self.scene[missing]
+
+    def test_takes_values_of_numpy_and_keys_in_quotes(self):
+        self.scene["bodies.moving.velocity"] = np.array([2.0, 0, 0])
+        self.scene['bodies.moving.support."left"'] = "yz"
+        self.scene["time.rate_hz"] = np.float64(50)
+        self.assertEqual(self.scene["bodies.moving.velocity"], [2, 0, 0])
+        self.assertEqual(self.scene['bodies.moving.support."left"'], "yz")
+        self.assertEqual(self.scene.resolved["time"]["rate_hz"], 50)
+
+    def test_that_would_not_be_valid_is_refused_as_by_the_programs_and_stays_as_it_was(self):
+        before = self.scene.to_toml()
+        for key, value in {"time.rate_hz": -1, "modes.colour": 5, "bodies.moving.mesh": 3, "x[": 1}.items():
+            run = programs.contact(self.file, self.folder, f"{key}={value}")
+            with self.assertRaises(ricochet.InputError) as refused:
+                self.scene[key] = value
+            self.assertEqual(run.err, f"ricochet-contact: {refused.exception}\n")
+            self.assertEqual(self.scene.to_toml(), before)
+
+    def test_that_cannot_be_read_is_refused_in_one_line(self):
+        self.write("broken.toml", "title = [")
+        for name, why in {"none.toml": "no such file", "broken.toml": "broken.toml:1:"}.items():
+            with self.assertRaisesRegex(ricochet.InputError, why) as refused:
+                ricochet.Scene(self.folder / name)
+            self.assertNotIn("\n", str(refused.exception))
+        with self.assertRaisesRegex(ricochet.InputError, "scene.toml: bodies: is missing"):
+            ricochet.Scene({"title": "Nothing"})
+
+    def test_that_is_written_elsewhere_is_the_same_scene_with_the_same_kernels(self):
+        path = self.scene.write(self.folder / "other" / "copy.toml")
+        copy = ricochet.Scene(path)
+        self.assertEqual(
+            (path.parent / copy["bodies.moving.mesh"]).resolve(), self.folder / "rods" / "rod.geo"
+        )
+        same = copy.changed({f"bodies.{body}.mesh": "rod.geo" for body in copy.bodies})
+        self.assertEqual(same.to_toml(), self.scene.to_toml())
+        names = [[file.name for _, file, _ in s._core.kernel_files(s.out)] for s in (copy, self.scene)]
+        self.assertEqual(*names)
+        with self.assertRaisesRegex(ricochet.InputError, "cannot be written"):
+            self.scene.write(self.file / "inside-a-file.toml")
+
+    def test_of_a_dictionary_is_that_of_the_file(self):
+        same = ricochet.Scene(self.scene.resolved, self.folder / "rods")
+        self.assertEqual(same.to_toml(), self.scene.to_toml())
+        self.assertEqual(same.out, self.scene.out)
+
+    def test_that_is_changed_leaves_the_first_one_alone(self):
+        fast = self.scene.changed({"bodies.moving.velocity": [2, 0, 0], "title": "Fast"})
+        self.assertEqual((fast.title, fast.slug, fast["modes.count"]), ("Fast", "fast", 30))
+        self.assertEqual(self.scene["bodies.moving.velocity"], [1, 0, 0])
+
+
+class Kernels(KernelsTest):
+    def test_are_those_of_a_rod(self):
+        kernel = self.kernels["moving"]
+        n = np.arange(30)
+        # Linear elements: relative error (n pi / 100)^2 / 24, 3.5 % at n = 29; speed of waves 1, length 10.
+        np.testing.assert_allclose(kernel.frequency, n / 20, rtol=0.04, atol=1e-12)
+        np.testing.assert_allclose(kernel.mass, 10)
+        np.testing.assert_allclose(kernel.centre, [5, 0, 0])
+        modes = kernel.modes
+        # Rigid: shape 1/√10, so all of the mass. The others are cosines of shape² 2/10 at the end, without momentum.
+        np.testing.assert_allclose(modes.effective_mass[:, 0], [10] + [0] * 29, atol=1e-9)
+        self.assertEqual(modes.contact_compliance[0], 0)
+        # Normalised by the mass of linear elements, shape² is larger by (n pi / 100)^2 / 6 and terms of higher order.
+        shape2 = modes.contact_compliance[1:] * kernel.angular_frequency[1:] ** 2
+        np.testing.assert_array_less(abs(shape2 / 0.2 - 1), 1.1 * (n[1:] * np.pi / 100) ** 2 / 6)
+        self.assertTrue(kernel.certificate.complete)
+        self.assertEqual(kernel.certificate.count_found, 30)
+        with h5py.File(kernel.path) as file:
+            for name, array in {
+                "modes/angular_frequency": kernel.angular_frequency,
+                "modes/residual": kernel.residual,
+                "surface/node": kernel.node,
+                "surface/normal": kernel.normal,
+                "surface/area": kernel.area,
+                "surface/residual_flexibility": kernel.residual_flexibility,
+                "loads/body_force": kernel.body_force,
+            }.items():
+                np.testing.assert_array_equal(file[name][:], array)
+            np.testing.assert_array_equal(file["surface/shape"][:], kernel.shape[:, 0])
+        with self.assertRaises(ValueError):
+            kernel.shape[:] = 0
+        lines = (self.folder / "modes.csv", str(modes), modes._repr_html_())
+        modes.to_csv(lines[0])
+        table = np.genfromtxt(lines[0], delimiter=",", names=True)
+        np.testing.assert_array_equal(table["frequency_hz"], modes.frequency)
+        self.assertEqual(len(lines[1].splitlines()), 31)
+        self.assertEqual(len(ElementTree.fromstring(lines[2]).findall("tbody/tr")), 30)
+
+    def test_have_arrays_that_outlive_them(self):
+        path = self.kernels["moving"].path
+        shape = ricochet.Kernel(path).shape
+        gc.collect()
+        np.testing.assert_array_equal(shape, ricochet.Kernel(path).shape)
+
+    def test_that_are_there_are_not_computed_again(self):
+        with mock.patch("ricochet.runs._compute", side_effect=AssertionError):
+            again = ricochet.kernels(self.scene.write(self.file.with_name("copy.toml")))
+        self.assertEqual(
+            [kernel.hash for kernel in again.values()], [kernel.hash for kernel in self.kernels.values()]
+        )
+
+    def test_that_cannot_be_computed_are_refused_in_one_line(self):
+        self.scene["bodies.moving.mesh"] = "none.geo"
+        with self.assertRaisesRegex(ricochet.InputError, "none.geo"):
+            ricochet.kernels(self.scene, ranks=1)
+        with self.assertRaisesRegex(ricochet.InputError, "^[^\n]*no kernel for body[^\n]*$"):
+            ricochet.impact(ricochet.Scene(self.file))
+        with self.assertRaisesRegex(ricochet.InputError, "^[^\n]*no such file[^\n]*$"):
+            ricochet.Kernel("none.kernel.h5")
+
+
+class Impact(KernelsTest):
+    def setUp(self):
+        super().setUp()
+        self.scene["output.snapshot_every"] = 100
+
+    def by_program(self, scene):
+        """The result file of ricochet-contact, in a folder of its own."""
+        out = self.folder / "by-program"
+        out.mkdir()
+        for kernel in scene.out.glob("*.kernel.h5"):
+            (out / kernel.name).symlink_to(kernel)
+        self.succeed(programs.contact(scene.write(self.file.with_name("same.toml")), out))
+        return out / f"{scene.slug}.result.h5"
+
+    def test_has_the_arrays_of_the_program_bit_for_bit(self):
+        self.scene.set({"output.receiver": [MIC], "time.duration": 5})  # long sounds take long to resample
+        ricochet.kernels(self.scene, ranks=1)
+        result = ricochet.impact(self.scene)
+        with h5py.File(self.by_program(self.scene)) as file:
+            arrays = {
+                "time": result.time,
+                "contact/time": result.contact_time,
+                "contact/force": result.force,
+                "contact/gap": result.gap,
+                "contact/initial_gap": result.initial_gap,
+                "contact/area": result.area,
+                "contact/point_a": result.point_a,
+                "contact/point_b": result.point_b,
+                "contact/normal": result.normal,
+                "receivers/time": result.receiver_time,
+            }
+            for name in ("displacement", "velocity", "acceleration"):
+                arrays[f"receivers/mic/{name}"] = getattr(result.receivers["mic"], name)
+            for body in ("moving", "resting"):
+                for name in ("velocity", "momentum", "angular_momentum", "reaction"):
+                    arrays[f"bodies/{body}/{name}"] = getattr(result.bodies[body], name)
+                arrays[f"snapshots/{body}"] = result.snapshots[body]
+            for name in file["energy"]:
+                arrays[f"energy/{name}"] = result.energy[name]
+            self.assertEqual(len(result.energy), len(file["energy"]))
+            for name, array in arrays.items():
+                np.testing.assert_array_equal(file[name][:], array, err_msg=name)
+        np.testing.assert_array_equal(result.receivers["mic"].point, [5, 0, 0])
+        self.assertAlmostEqual(result.bodies["moving"].mass, 10)
+        self.assertAlmostEqual(result.total_force.sum() * 0.01, result.summary["impulse_ns"], places=12)
+
+    def test_lets_other_threads_run(self):
+        self.scene.set({"time.rate_hz": 5000, "output.every": 1000, "output.snapshot_every": 0})
+        ticks, ended = [], threading.Event()
+
+        def tick():
+            while not ended.wait(1e-3):
+                ticks.append(time.monotonic())
+
+        thread = threading.Thread(target=tick)
+        thread.start()
+        started = time.monotonic()
+        ricochet.impact(self.scene)
+        between = time.monotonic()
+        ricochet.Simulation(self.scene).step_block(100_000)
+        finished = time.monotonic()
+        ended.set()
+        thread.join()
+        for start, end in ((started, between), (between, finished)):
+            quarter = (end - start) / 4
+            # Some ticks, of a hundred or more; none of them if the lock were held.
+            self.assertGreater(sum(start + quarter < t < end - quarter for t in ticks), 5)
+
+    def test_is_ended_by_an_interrupt_and_leaves_nothing_behind(self):
+        self.scene.set({"time.rate_hz": 100_000, "time.duration": 1000, "title": "Long"})
+        threading.Timer(0.5, _thread.interrupt_main).start()
+        with self.assertRaises(KeyboardInterrupt):
+            ricochet.impact(self.scene)
+        self.assertEqual([path.name for path in self.scene.out.iterdir() if "long" in path.name], [])
+
+    def test_keeps_its_arrays_when_another_one_gets_its_name(self):
+        first = ricochet.impact(self.scene)
+        second = ricochet.impact(self.scene.changed({"bodies.moving.velocity": [2, 0, 0]}))
+        self.assertEqual(first.path, second.path)
+        np.testing.assert_allclose(second.force, 2 * first.force, rtol=1e-9, atol=1e-12)
+        # The momentum that one rod loses, 10 kg at 1 m/s, up to modes that are left out.
+        self.assertAlmostEqual(first.total_force.sum() * 0.01, 10, delta=0.1)
+
+    def test_warns_where_the_model_leaves_its_validity(self):
+        with self.assertWarnsRegex(UserWarning, "approach speed"):
+            result = ricochet.impact(self.scene)
+        self.assertEqual(len(result.warnings), 1)
+
+    def test_is_shown_with_its_figures_and_its_force(self):
+        result = ricochet.impact(self.scene)
+        page = ElementTree.fromstring(f"<div>{result._repr_html_()}</div>")
+        shown = {row.find("th").text: row.find("td").text for row in page.iter("tr")}
+        self.assertEqual(shown["peak force"], f"{result.summary['peak_force_n']:.6g} N")
+        self.assertIsNotNone(page.find("svg/polyline"))
+        self.assertIn("peak force", repr(result))
+        with self.assertRaisesRegex(ricochet.InputError, "no such file"):
+            ricochet.Result(self.folder / "none.result.h5")
+
+    def test_of_bodies_at_rest_has_one_row(self):
+        scene = self.scene.changed({"contact.scheme": "static", "output.snapshot_every": 0})
+        scene.set({"bodies.resting.support.right": "x", "loads.gravity": [1, 0, 0], "title": "Rest"})
+        ricochet.kernels(scene, ranks=1)
+        result = ricochet.impact(scene)
+        self.assertAlmostEqual(result.total_force[0], 10)  # the weight of the other rod
+        self.assertIn("10 N on 1 points", result._repr_html_())
+
+    def test_is_drawn_and_reported(self):
+        result = ricochet.impact(self.scene)
+        pictures = ricochet.plot(result, self.folder / "pictures")
+        self.assertEqual([p.path.name for p in pictures], ["two-rods-contact.png", "two-rods-energy.png"])
+        self.assertTrue(all(p._repr_png_().startswith(b"\x89PNG") for p in pictures))
+        self.assertIn("<html", ricochet.report(result).read_text())
+
+
+class Simulation(KernelsTest):
+    def test_steps_as_the_impact_does(self):
+        self.scene.set({"output.receiver": [MIC], "time.duration": 5})  # long sounds take long to resample
+        ricochet.kernels(self.scene, ranks=1)
+        result = ricochet.impact(self.scene)
+        simulation = ricochet.Simulation(self.scene)
+        block = simulation.step_block(500, force=True, displacement=True)
+        np.testing.assert_array_equal(block.total_force, result.total_force[1:])
+        rows = np.searchsorted(result.time, result.contact_time) - 1
+        np.testing.assert_array_equal(block.force[rows], result.force)
+        np.testing.assert_array_equal(simulation.initial_gap - block.displacement[rows], result.gap)
+        # The pickups are x, y, z of the receiver; another order of the sum over the modes.
+        np.testing.assert_allclose(block.velocity, result.receivers["mic"].velocity[1:], atol=1e-12)
+        self.assertAlmostEqual(simulation.energy.total, result.energy["total"][-1], delta=1e-12)
+        np.testing.assert_allclose(
+            simulation.mean_velocity("resting"), result.bodies["resting"].velocity[-1], atol=1e-12
+        )
+        self.assertEqual((simulation.steps, simulation.active), (500, 1))
+        self.assertAlmostEqual(simulation.time, 5)
+
+    def test_steps_one_by_one_as_in_blocks_and_goes_back(self):
+        simulation = ricochet.Simulation(self.scene, self.kernels, [ricochet.Pickup("moving", [1, 0, 0])])
+        start = simulation.save()
+        block = simulation.step_block(50, force=True)
+        simulation.restore(start)
+        for k in range(50):
+            simulation.step()
+            np.testing.assert_array_equal(simulation.force, block.force[k])
+            np.testing.assert_array_equal(simulation.pickup_velocity, block.velocity[k])
+            np.testing.assert_array_equal(simulation.gap, simulation.initial_gap - simulation.displacement)
+        with self.assertRaises(ValueError):
+            ricochet.Simulation(self.scene).restore(start)
+
+    def test_is_refused_in_one_line(self):
+        for key, value in {"accuracy": 0.1, "contact.scheme": "static", "contact.max_pivots": 3}.items():
+            with self.assertRaisesRegex(ricochet.InputError, f"^two-rods.toml: {key}: [^\n]*$"):
+                ricochet.Simulation(self.scene.changed({key: value}), self.kernels)
+        with self.assertRaisesRegex(ricochet.InputError, "no kernel for body 'resting'"):
+            ricochet.Simulation(self.scene, {"moving": self.kernels["moving"]})
+        with self.assertRaisesRegex(ricochet.InputError, "no receiver"):
+            ricochet.Simulation(self.scene, pickups=[ricochet.Pickup("moving", [1, 0, 0], receiver="none")])
+        with self.assertRaisesRegex(ricochet.InputError, "Call kernels"):
+            ricochet.Simulation(self.scene.changed({"modes.count": 7}))
+
+    def test_is_interrupted_between_blocks(self):
+        simulation = ricochet.Simulation(self.scene)
+        threading.Timer(0.2, _thread.interrupt_main).start()
+        with self.assertRaises(KeyboardInterrupt):
+            simulation.step_block(1_000_000_000 // 64)
+
+
+class Sweep(KernelsTest):
+    def test_has_the_figures_of_single_impacts(self):
+        study = {"bodies.moving.velocity[0]": [1, 2], "contact.gap": [0.5, -1.0]}
+        self.scene["bodies.moving.velocity"] = [3, 0, 0]
+        found = ricochet.sweep(self.scene, study, jobs=1, ranks=1)
+        np.testing.assert_array_equal(found["contact.gap"], [0.5, -1, 0.5, -1])
+        np.testing.assert_array_equal(found.status, [0, 2, 0, 2])
+        self.assertIn("contact.gap = -1.0: must not be negative", found.error[1])
+        single = ricochet.impact(self.scene.changed({"contact.gap": 0.5, "bodies.moving.velocity[0]": 2}))
+        self.assertEqual(found["peak_force_n"][2], single.summary["peak_force_n"])
+        self.assertEqual(len(ElementTree.fromstring(found._repr_html_()).findall("tbody/tr")), len(found))
+
+    def test_of_a_study_file_is_that_of_the_command(self):
+        path = self.write(
+            "rods/study.toml",
+            'scene = "two-rods.toml"\n[set]\n"modes.count" = 9\n[grid]\n"time.rate_hz" = [50]\n',
+        )
+        found = ricochet.sweep(path, jobs=1, ranks=1)
+        self.assertEqual(found["modes.moving"][0], 9)
+        with self.assertRaisesRegex(ricochet.InputError, "grid"):
+            ricochet.sweep(path, {"time.rate_hz": [50]})
+        with self.assertRaisesRegex(ricochet.InputError, "unknown key"):
+            ricochet.sweep(self.scene, {"time.rate": [50]})
+
+
+class Package(unittest.TestCase):
+    def test_has_the_names_that_it_lists(self):
+        for name in ricochet.__all__:
+            self.assertIsNotNone(getattr(ricochet, name))
+        with self.assertRaises(AttributeError):
+            ricochet.nothing
+        self.assertRegex(ricochet.__version__, r"^\d+\.\d+\.\d+$")
+
+
+if __name__ == "__main__":
+    unittest.main(warnings="ignore")  # the rods meet at the speed of sound, which each run warns of

@@ -1,0 +1,3 @@
+# SPDX-License-Identifier: BSD-2-Clause
+add_program_test(python api)
+add_program_test(python notebooks)
