@@ -48,7 +48,7 @@ Parsed parse(const Program& program, int argc, const char* const* argv, bool spe
       "--keys", [&] { throw CLI::CallForVersion(program.keys, 0); },
       "Print the reference of all keys of a scene and stop");
   app.add_option("SCENE", scene, "Scene file (TOML)")->required();
-  // One value each, taken as it is: vectors hold commas and brackets.
+  // Each option takes one value verbatim: vectors contain commas and brackets.
   app.add_option("--set", options.overrides,
                  "Override a scene key: KEY=VALUE, dotted, [i] for list entries; repeatable")
       ->type_name("KEY=VALUE")
@@ -73,7 +73,7 @@ Parsed parse(const Program& program, int argc, const char* const* argv, bool spe
     app.add_option("--fclib", fclib,
                    "Write the complementarity problems of steps into this folder, for FCLIB")
         ->type_name("DIR");
-    app.add_option("--fclib-every", options.fclib_every, "Of the steps with contact write each N-th (1)")
+    app.add_option("--fclib-every", options.fclib_every, "Write every N-th step with contact (default: 1)")
         ->type_name("N")
         ->check(above_zero());
   }

@@ -77,7 +77,7 @@ Hertz band(const Kernels& kernels) {
   Hertz highest{0};
   for (const auto& kernel : kernels.kernel) {
     const kernels::Modes& modes = kernel->modes;
-    const Hertz end = modes.fitted() ? Hertz{modes.certificate.upto_hz}
+    const Hertz end = modes.contact_adapted() ? Hertz{modes.certificate.upto_hz}
                       : modes.angular_frequency.empty()
                           ? Hertz{0}
                           : to_hertz(RadPerSecond{modes.angular_frequency.back()});

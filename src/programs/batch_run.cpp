@@ -94,7 +94,7 @@ class Batch {
   static Json other_files(const scene::Scene& scene) {
     std::vector<fs::path> paths{scene.contact.table};
     for (const auto* loads : {&scene.loads.tractions, &scene.loads.points, &scene.loads.motions})
-      for (const scene::Driven& driven : *loads) paths.push_back(driven.history);
+      for (const scene::Forcing& driven : *loads) paths.push_back(driven.history);
     Json out = Json::object();
     for (const fs::path& path : paths) {
       std::error_code missing;  // refused when it is read

@@ -47,8 +47,8 @@ double seconds_since(Clock::time_point start) {
 
 std::vector<contact::DriveRequest> drives_of(const scene::Scene& scene) {
   std::vector<contact::DriveRequest> out;
-  const auto add = [&](const std::vector<scene::Driven>& all, bool support) {
-    for (const scene::Driven& driven : all) {
+  const auto add = [&](const std::vector<scene::Forcing>& all, bool support) {
+    for (const scene::Forcing& driven : all) {
       contact::DriveRequest request{
           driven.body, support ? driven.group : driven.name, support, vector(driven.vector), {}};
       if (!driven.history.empty()) request.history = contact::read_history(driven.history);

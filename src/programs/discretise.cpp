@@ -38,7 +38,7 @@ Discretised assembled(const scene::KernelRequest& request, Source& source, int c
   const scene::Body& body = request.body;
   const std::string file = body.mesh.filename().string();
   const auto bar = [&](std::int64_t done, std::int64_t total) { console.advance(done, total); };
-  const mesh::Asked asked = surface::asked_of(request);
+  const mesh::RequestedGroups asked = surface::requested_groups(request);
   std::vector<std::string> moved;
   for (const std::string& support : asked.moved) moved.push_back(body.support.at(support));
   Discretised made{std::make_unique<parallel::Teams>(comm, count), {}, {}, {}, {}};
@@ -67,7 +67,7 @@ Discretised assembled(const scene::KernelRequest& request, Source& source, int c
 }
 
 Source open(const scene::KernelRequest& request, MPI_Comm comm, console::Console& console) {
-  return open_source(request.body, surface::asked_of(request), comm,
+  return open_source(request.body, surface::requested_groups(request), comm,
                      [&](std::int64_t done, std::int64_t total) { console.advance(done, total); });
 }
 

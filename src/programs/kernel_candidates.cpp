@@ -16,7 +16,7 @@
 
 namespace ricochet {
 
-Source open_source(const scene::Body& body, const mesh::Asked& asked, MPI_Comm comm,
+Source open_source(const scene::Body& body, const mesh::RequestedGroups& asked, MPI_Comm comm,
                    const parallel::Progress& progress) {
   Source source;
   std::vector<char> in_parts(1, 0);

@@ -22,7 +22,7 @@ struct Source {
   mesh::GlobalMesh whole;
 };
 
-Source open_source(const scene::Body& body, const mesh::Asked& asked, MPI_Comm comm,
+Source open_source(const scene::Body& body, const mesh::RequestedGroups& asked, MPI_Comm comm,
                    const parallel::Progress& progress);
 
 /// All candidates of the body. Needs a GmshSession.

@@ -65,7 +65,7 @@ std::vector<contact::PairRequest> pair_requests(const scene::Scene& scene) {
 
 void check_histories(const scene::Scene& scene) {
   for (const auto* driven : {&scene.loads.tractions, &scene.loads.points, &scene.loads.motions})
-    for (const scene::Driven& one : *driven)
+    for (const scene::Forcing& one : *driven)
       if (!one.history.empty()) contact::read_history(one.history);
 }
 

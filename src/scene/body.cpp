@@ -18,7 +18,7 @@ Material read_material(Table& table, const std::string& group) {
   return material;
 }
 
-/// None where none are given, as for an imported body.
+/// Returns an empty list if the table is missing, as for an imported body.
 std::vector<Material> read_materials(Table& body) {
   auto table = body.table("material", material_keys());
   if (!table || table->raw().empty()) return {};
@@ -81,14 +81,14 @@ void read_body_matter(Table& table, Body& body) {
 
 namespace {
 
-/// What belongs to a mesh, and what to an imported body.
+/// Checks the keys that a meshed body needs and an imported body must not have.
 void check_matter(Table& table, const Body& body) {
   if (!body.imported()) {
     if (body.materials.empty())
       table.complain("material", "is missing: give { density = …, young = …, poisson = … }");
     return;
   }
-  const char* fixed = "a body file (.h5) has it in its numbers: leave it out";
+  const char* fixed = "is part of the data of a body file (.h5): leave it out";
   if (!body.materials.empty()) table.complain("material", fixed);
   if (!body.geometry.empty()) table.complain("geometry", fixed);
   if (body.scale != 1) table.complain("scale", fixed);
@@ -102,7 +102,7 @@ Body read_body(const std::string& name, Table& table, const std::filesystem::pat
   if (name.empty() ||
       name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") !=
           std::string::npos)
-    table.complain("", "a body's name is made of letters, digits, - and _");
+    table.complain("", "the name of a body must consist of letters, digits, - and _");
   const auto mesh = table.text("mesh");
   if (!mesh)
     table.complain("mesh", "is missing: name a .geo, .step, .brep or .msh file, or a body file (.h5)");

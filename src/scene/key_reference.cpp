@@ -47,7 +47,7 @@ std::string range_of(const Key& key) {
   return key.range.text();
 }
 
-/// As a cell of a Markdown table.
+/// Escapes text for a cell of a Markdown table.
 std::string cell(const std::string& text) {
   std::string escaped;
   for (const char c : text) {

@@ -12,7 +12,7 @@ namespace ricochet::scene {
 
 namespace {
 
-/// The value of `key`, which must be given.
+/// The value of a required key.
 std::string required_text(Table& table, const std::string& key, const char* what) {
   const auto text = table.text(key);
   if (!text) table.complain(key, std::string("is missing: ") + what);
@@ -31,12 +31,12 @@ std::string read_body(Table& table, const Scene& scene) {
   return name;
 }
 
-/// Of a name that kernels are to have.
+/// Checks a name that kernels will use.
 void check_name(const Table& table, const std::string& key, const std::string& name) {
   if (!kernels::is_free_name(name))
     table.complain(key,
                    "\"" + name +
-                       "\" can't be a name: give 1 to 100 bytes without \"/\" and control characters, and "
+                       "\" is not a valid name: use 1 to 100 bytes without \"/\" and control characters, but "
                        "not body_force, body_force_residual or rotation");
 }
 
@@ -53,7 +53,7 @@ Vector3 in_body(const std::array<double, 9>& rotation, const Vector3& world) {
   return own;
 }
 
-/// A support moves along the components that it holds.
+/// Checks that a support moves along components that it holds.
 void check_motion(Table& table, const Body& body, const Forcing& motion) {
   const auto support = body.support.find(motion.group);
   if (support == body.support.end()) {
@@ -69,10 +69,11 @@ void check_motion(Table& table, const Body& body, const Forcing& motion) {
   for (std::size_t k = 0; k < 3; ++k) {
     const char component = "xyz"[k];
     if (std::abs(own[k]) > 1e-9 * length && support->second.find(component) == std::string::npos)
-      table.complain("vector",
-                     fmt::format("moves \"{}\" along the body's {}, which it does not hold (it holds "
-                                 "\"{}\"): add it to bodies.{}.support, or move along what is held",
-                                 motion.group, component, support->second, body.name));
+      table.complain(
+          "vector",
+          fmt::format("moves \"{}\" along the body's {}, which it does not hold (it holds "
+                      "\"{}\"): add it to bodies.{}.support, or move along a component that is held",
+                      motion.group, component, support->second, body.name));
   }
 }
 
@@ -112,7 +113,7 @@ void refuse_second(const Table& table, const std::vector<Forcing>& before, const
 void move_to_frame(const Body& body, Vector3& at) {
   for (std::size_t k = 0; k < 3; ++k) at[k] -= body.translate[k];
   at = in_body(rotation_of(body), at);
-  // Round-off must not change hashes.
+  // Rounded, so that round-off does not change hashes.
   for (double& x : at) x = std::round(x * 1e12) / 1e12;
 }
 
@@ -162,7 +163,7 @@ void take_sources(const Scene& all, const Body& placed, KernelRequest& request) 
       driven.vector = {};
       driven.history.clear();
       if (from == &all.loads.points) move_to_frame(placed, driven.at);
-      // A support moves in one way for all its histories.
+      // All histories of a support share its motion.
       if (from == &all.loads.motions) driven.name = driven.group;
       if (std::none_of(to->begin(), to->end(),
                        [&](const Forcing& other) { return other.name == driven.name; }))

@@ -25,20 +25,21 @@ Modes read_modes(Table& root, const std::optional<double>& accuracy) {
   }
   if (const auto threshold = table->number("low_rank")) {
     if (*threshold != 0 && modes.basis != Basis::contact)
-      table->complain("low_rank", "proves no count of modes: it goes with basis = \"contact\"");
+      table->complain("low_rank", "does not allow an inertia count: use it with basis = \"contact\"");
     modes.low_rank = *threshold;
   }
   if (const auto iterations = table->integer("approximate")) {
     if (*iterations > 0 && modes.basis == Basis::contact)
-      table->complain("approximate", "goes with basis = \"modes\": vectors fitted to contact need no start");
+      table->complain("approximate",
+                      "is for basis = \"modes\": a contact-adapted basis needs no initial modes");
     if (*iterations > 0 && (modes.flexibility_error || (!modes.up_to && !modes.count)))
-      table->complain("approximate", "goes with up_to_hz or count alone: leave flexibility_error out");
+      table->complain("approximate", "needs up_to_hz or count, without flexibility_error");
     modes.approximate = static_cast<int>(*iterations);
   }
   if (accuracy && !modes.up_to && !modes.count) {
     modes.accuracy = accuracy;
     if (modes.basis == Basis::modes && !modes.residual_flexibility)
-      root.complain("modes", "accuracy needs residual_flexibility = true, to which modes are left");
+      root.complain("modes", "accuracy needs residual_flexibility = true, to represent truncated modes");
   } else if (modes.basis == Basis::contact) {
     if (!modes.up_to)
       root.complain("modes", "basis = \"contact\" needs up_to_hz, the band in which contact acts");
@@ -51,7 +52,8 @@ Modes read_modes(Table& root, const std::optional<double>& accuracy) {
     if (modes.flexibility_error && !modes.up_to)
       root.complain("modes", "flexibility_error needs up_to_hz, the band in which contact acts");
     if (modes.flexibility_error && !modes.residual_flexibility)
-      root.complain("modes", "flexibility_error needs residual_flexibility = true, to which modes are left");
+      root.complain("modes",
+                    "flexibility_error needs residual_flexibility = true, to represent truncated modes");
   }
   modes.relative_residual = table->number("relative_residual").value_or(modes.relative_residual);
   table->refuse_unknown();

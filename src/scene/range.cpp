@@ -11,7 +11,7 @@ namespace {
 
 double value_of(const std::string& bound) { return std::strtod(bound.c_str(), nullptr); }
 
-/// "a, b or c".
+/// The choices as "a, b or c".
 std::string either(const std::vector<std::string>& choices) {
   std::string text;
   for (std::size_t k = 0; k < choices.size(); ++k)

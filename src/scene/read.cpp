@@ -44,30 +44,32 @@ void read_output(Table& root, Scene& scene) {
   const auto view = table->boolean("view");
   output.vtk_every = table->integer("vtk_every").value_or(output.vtk_every);
   if (output.vtk_every > 0 && view && !*view)
-    table->complain("view", "vtk_every draws the skin of each body: leave view out, or set it to true");
+    table->complain("view", "vtk_every needs the visualisation surfaces: leave view out, or set it to true");
   output.view = view.value_or(output.vtk_every > 0);
   output.snapshot_every = table->integer("snapshot_every").value_or(output.snapshot_every);
   output.receivers = read_receivers(*table, scene);
   table->refuse_unknown();
 }
 
-/// Modes that an imported body can't have, as it has neither elements nor a wave speed.
+/// Refuses settings of modes that need elements or a wave speed, which an imported body does not have.
 void refuse_what_needs_elements(Table& root, const Scene& scene) {
   const Modes& modes = scene.modes;
   const char* what = modes.approximate > 0 ? "approximate" : modes.low_rank > 0 ? "low_rank" : nullptr;
   for (const Body& body : scene.bodies) {
     if (!body.imported()) continue;
     if (modes.accuracy)
-      root.complain("accuracy", fmt::format("can't choose modes for bodies.{}, a body file: give "
+      root.complain("accuracy", fmt::format("cannot choose modes for bodies.{}, a body file: give "
                                             "modes.up_to_hz or modes.count",
                                             body.name));
     if (what != nullptr)
       root.table("modes", modes_keys())
-          ->complain(what, fmt::format("does not go with bodies.{}, a body file: leave it out", body.name));
+          ->complain(what,
+                     fmt::format("is not possible with bodies.{}, a body file: leave it out", body.name));
   }
 }
 
-/// File systems end names at 255 bytes; the longest are those of temporary files, "<name>.<process>.partial".
+/// Refuses names that exceed the 255 bytes of file systems; the longest are those of temporary files,
+/// "<name>.<process>.partial".
 void refuse_long_names(const Scene& scene) {
   constexpr std::size_t most = 255, temporary = 16;
   std::size_t ending = std::string_view(".summary.json").size();
@@ -76,12 +78,12 @@ void refuse_long_names(const Scene& scene) {
   const std::size_t length = slug(scene.title).size() + ending + temporary;
   if (length > most)
     throw InputError(
-        fmt::format("{}: title: with the names of receivers it makes names of files of {} bytes, more than "
+        fmt::format("{}: title: with the names of receivers, it gives file names of {} bytes, more than "
                     "{}: shorten it",
                     scene.file.filename().string(), length, most));
 }
 
-/// Output and loads that a table or bodies at rest know nothing of.
+/// Refuses output and loads that do not exist for tables or at equilibrium.
 void refuse_what_does_not_go(Table& root, const Scene& scene) {
   const bool table = scene.contact.kernel == ContactKernel::table;
   if (table && scene.output.snapshot_every > 0)
@@ -89,7 +91,7 @@ void refuse_what_does_not_go(Table& root, const Scene& scene) {
         ->complain("snapshot_every", "contact.kernel = \"table\" has no modal coordinates: leave it out");
   if (table && scene.output.vtk_every > 0)
     root.table("output", output_keys())
-        ->complain("vtk_every", "contact.kernel = \"table\" knows no motion of the bodies: leave it out");
+        ->complain("vtk_every", "contact.kernel = \"table\" gives no motion of the bodies: leave it out");
   if (table && scene.accuracy)
     root.complain("accuracy", "errors of runs by contact.kernel = \"table\" are not estimated: leave it out");
   if (!table && scene.contact.scheme != Scheme::at_rest) return;
@@ -97,9 +99,10 @@ void refuse_what_does_not_go(Table& root, const Scene& scene) {
   const Loads& loads = scene.loads;
   if (!loads.tractions.empty() || !loads.points.empty() || !loads.motions.empty())
     root.table("loads", loads_keys())
-        ->complain("", fmt::format("{} takes gravity alone: leave the others out", with));
+        ->complain("", fmt::format("{} allows gravity only: leave the other loads out", with));
   if (!scene.output.receivers.empty())
-    root.table("output", output_keys())->complain("receiver", fmt::format("{} has none: leave it out", with));
+    root.table("output", output_keys())
+        ->complain("receiver", fmt::format("{} allows none: leave it out", with));
 }
 
 std::string text_of(const std::filesystem::path& file) {
@@ -109,14 +112,14 @@ std::string text_of(const std::filesystem::path& file) {
     throw InputError(fmt::format("{}: no such file", file.string()));
   if (std::filesystem::file_size(file, failure) > most)
     throw InputError(
-        fmt::format("{}: has more than 4 MiB: it is no scene, name another file", file.string()));
+        fmt::format("{}: is larger than 4 MiB, so it is not a scene: name another file", file.string()));
   std::ifstream stream(file, std::ios::binary);
   std::string text(std::istreambuf_iterator<char>(stream), {});
   if (!stream) throw InputError(fmt::format("{}: cannot be read", file.string()));
   return text;
 }
 
-/// The tables of a scene's text, `name` of its file, with the overrides applied.
+/// Parses the text of a scene, whose file is called `name`, and applies the overrides.
 toml::table tables_of(const std::string& text, const std::string& name,
                       const std::vector<Override>& overrides) {
   toml::table parsed;
@@ -154,9 +157,7 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   scene.accuracy = root.number("accuracy");
   if (parsed["contact"]["table"]) {
     for (const char* key : {"bodies", "obstacles", "modes", "loads"})
-      if (parsed.contains(key))
-        root.complain(key,
-                      "does not go with contact.table, a file that takes its place: leave one of them out");
+      if (parsed.contains(key)) root.complain(key, "is replaced by contact.table: leave one of them out");
     scene.contact = read_contact(root, scene);
     read_time(root, scene.contact, scene.accuracy, scene.time);
     read_output(root, scene);

@@ -8,7 +8,7 @@
 namespace ricochet::scene {
 
 std::string toml_number(double value) {
-  if (value == 0) value = 0;  // no "-0"
+  if (value == 0) value = 0;  // not "-0"
   std::string text = fmt::format("{}", value);
   if (text.find_first_of(".en") == std::string::npos) text += ".0";
   return text;
@@ -98,7 +98,7 @@ std::string toml_modes(const Modes& modes) {
 
 namespace {
 
-/// As seen from the scene's folder.
+/// A path relative to the folder of the scene.
 std::string path_of(const Scene& scene, const std::filesystem::path& path) {
   const auto relative =
       path.lexically_relative(scene.file.parent_path().empty() ? "." : scene.file.parent_path());

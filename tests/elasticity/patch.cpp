@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Patch tests: what any convergent element must do exactly.
+// Patch tests: properties that any convergent element has exactly.
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -62,7 +62,7 @@ TEST_P(Patch, linear_displacement_leaves_no_force_inside_and_the_exact_energy) {
   largest = parallel::largest(mesh.comm, largest);
   left = parallel::largest(mesh.comm, left);
   ASSERT_GT(parallel::sum(mesh.comm, interior), 0);
-  // Some tens of elements add to a node, each to round-off.
+  // Some tens of elements contribute to a node, each to round-off.
   EXPECT_LT(left / largest, 1e-12);
 
   // Exact: W = ½ λ tr(ε)² V + μ ε:ε V, with the volume of a truncated pyramid.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Kernels cut to the modes that contact needs, against the response of a bar with modes far beyond them.
+// Kernels truncated to the modes that contact needs, compared with the response of a bar with many more
+// modes.
 #include <Eigen/Dense>
 #include <complex>
 
@@ -28,8 +29,8 @@ Eigen::MatrixXcd response(const Kernel& kernel, double omega) {
   return sum;
 }
 
-/// Largest relative error of a kernel's response up to `band` against that of 2000 modes, whose own is a
-/// thousand times smaller than any bound here.
+/// Largest relative error of the response of a kernel up to `band`, compared with 2000 modes, whose own error
+/// is a thousand times below every bound here.
 double error_of(const Kernel& kernel, RadPerSecond band) {
   static const Kernel truth = Bar{.modes = 2000}.kernel();
   double error = 0;
@@ -41,7 +42,7 @@ double error_of(const Kernel& kernel, RadPerSecond band) {
   return error;
 }
 
-TEST(CutsToAFlexibilityError, make_no_larger_one_than_they_tell) {
+TEST(TruncationToAFlexibilityError, reports_a_bound_of_the_error) {
   const Kernel whole = Bar{.modes = 60}.kernel();
   const RadPerSecond band{Bar{}.omega(6)};
   std::size_t last = 60;
@@ -56,12 +57,12 @@ TEST(CutsToAFlexibilityError, make_no_larger_one_than_they_tell) {
     EXPECT_EQ(told.upto_hz, whole.modes.certificate.upto_hz);
     EXPECT_LE(told.flexibility_error, bound);
     EXPECT_LE(error_of(cut, band), told.flexibility_error);
-    EXPECT_GT(error_of(cut, band), told.flexibility_error / 10);  // nor is the figure idle
+    EXPECT_GT(error_of(cut, band), told.flexibility_error / 10);  // and the bound is not loose
   }
 }
 
-// Little of the error is left for modes within the band when those above the end may make almost all of it.
-TEST(CutsToAFlexibilityError, count_what_lies_above_their_modes) {
+// Little of the error remains for modes within the band if those above the end may cause almost all of it.
+TEST(TruncationToAFlexibilityError, includes_the_modes_above_the_end) {
   const RadPerSecond band{Bar{}.omega(6)};
   for (const std::size_t modes : {12U, 20U, 60U}) {
     const Kernel whole = Bar{.modes = modes}.kernel();

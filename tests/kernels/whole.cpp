@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Kernels that hold some candidates and remember all of their surface.
+// Kernels that hold some of the candidates and record the complete surface.
 #include <functional>
 
 #include "kernels/algebra.hpp"
@@ -26,7 +26,7 @@ Kernel partial_kernel() {
   return kernel;
 }
 
-TEST(WholeSurface, of_a_whole_kernel_is_its_own) {
+TEST(WholeSurface, of_a_complete_kernel_is_its_own) {
   const Kernel kernel = plain_kernel();
   const WholeSurface whole = whole_surface(kernel.surface);
   EXPECT_EQ(whole.node, kernel.surface.node);
@@ -65,7 +65,7 @@ TEST(WholeSurface, grows_with_the_body) {
   EXPECT_EQ(after.normal, before.normal);
 }
 
-TEST(WholeSurface, is_forgotten_where_points_are_chosen) {
+TEST(WholeSurface, is_dropped_if_points_are_chosen) {
   EXPECT_FALSE(restricted_to_points(partial_kernel(), {0, 2}).surface.whole);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Parts of a mesh on any number of ranks against the same mesh on one.
+// The parts of a mesh on any number of ranks, compared with the same mesh on one.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -54,7 +54,7 @@ class Distribute : public testing::TestWithParam<Case> {
       body.materials[1].group = "left";
     }
     if (GetParam().extension == ".geo") body.support = {{"top", "x"}};
-    // Every rank reads for itself: the reference that no rank count can touch.
+    // Every rank reads the mesh itself: a reference that is independent of the number of ranks.
     whole_ = mesh::distribute(mesh::read_mesh(body), PETSC_COMM_SELF);
     mesh_ = test::mesh_of(body);
   }
@@ -111,13 +111,13 @@ TEST_P(Distribute, every_node_is_owned_once_in_rank_order) {
   EXPECT_EQ(held, mesh_.owned_nodes);
   parallel::sum(mesh_.comm, owners.data(), owners.size());
   EXPECT_EQ(owners, std::vector<double>(owners.size(), 1));
-  // METIS leaves no rank without work where there is enough.
+  // METIS gives every rank elements if there are enough.
   if (mesh_.total_elements >= 8 * ranks) {
     EXPECT_GT(mesh_.owned_nodes, 0);
   }
 }
 
-TEST_P(Distribute, nodes_keep_their_place_and_supports) {
+TEST_P(Distribute, nodes_keep_their_positions_and_supports) {
   ASSERT_EQ(whole_.node.size(), static_cast<std::size_t>(whole_.total_nodes));
   std::map<std::int64_t, std::size_t> of;
   for (std::size_t i = 0; i < whole_.node.size(); ++i) of[whole_.canonical[i]] = i;
@@ -149,7 +149,7 @@ TEST_P(Distribute, every_element_is_own_once_and_held_wherever_one_of_its_nodes_
   EXPECT_EQ(times, std::vector<double>(times.size(), 1));
 }
 
-TEST_P(Distribute, contact_surface_is_whole_on_every_rank_and_the_skin_on_the_first) {
+TEST_P(Distribute, contact_surface_is_complete_on_every_rank_and_the_visualisation_surface_on_the_first) {
   const auto expect_same = [&](const mesh::FacetMesh& got, const mesh::FacetMesh& wanted) {
     EXPECT_EQ(got.position, wanted.position);
     EXPECT_EQ(got.end_normal, wanted.end_normal);
@@ -160,7 +160,7 @@ TEST_P(Distribute, contact_surface_is_whole_on_every_rank_and_the_skin_on_the_fi
       EXPECT_EQ(got.blocks[b].tag, wanted.blocks[b].tag);
       EXPECT_EQ(got.blocks[b].label, wanted.blocks[b].label);
     }
-    // Global numbers of this rank's own nodes lead to the same places.
+    // Global numbers of the own nodes of this rank refer to the same positions.
     for (std::size_t i = 0; i < got.node.size(); ++i) {
       const auto local =
           std::lower_bound(mesh_.node.begin(), mesh_.node.end(), got.node[i]) - mesh_.node.begin();

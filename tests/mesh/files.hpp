@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Meshes written by hand, small enough to check by eye.
+// Hand-written meshes, small enough to check by eye.
 #pragma once
 
 #include <fmt/format.h>
