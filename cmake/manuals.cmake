@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# Manual pages of all programs, from what they say to --help under the names that they are installed by.
+# Manual pages of all programs, generated from --help under their installed names.
 find_program(HELP2MAN help2man REQUIRED)
 set(manuals ${PROJECT_BINARY_DIR}/manuals)
 file(MAKE_DIRECTORY ${manuals})
