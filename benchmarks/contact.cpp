@@ -11,12 +11,12 @@
 #include <string_view>
 
 #include "benchmarks/plates.hpp"
-#include "contact/stepping/integrator.hpp"
+#include "contact/stepping/stepper.hpp"
 
 namespace {
 
 using namespace ricochet;
-using contact::Integrator;
+using contact::Stepper;
 using ricochet::Precision;
 
 constexpr double rate = 44100;
@@ -51,28 +51,28 @@ std::string name_of(const Size& size, const Variant& variant) {
 }
 
 /// In contact since 0.1 s: the plates have met and stay together.
-Integrator settled(const Size& size, const Variant& variant) {
-  Integrator integrator(model_of(size), {.scheme = ricochet::Scheme::compliant,
-                                         .step = 1 / rate,
-                                         .block = variant.block,
-                                         .precision = variant.precision,
-                                         .every_state = variant.every_state});
-  while (integrator.time() < 0.1)
-    if (integrator.step() != ricochet::StepStatus::ok) std::abort();
-  return integrator;
+std::unique_ptr<Stepper> settled(const Size& size, const Variant& variant) {
+  auto stepper = contact::make_stepper(model_of(size), {.scheme = ricochet::Scheme::compliant,
+                                                        .step = 1 / rate,
+                                                        .block = variant.block,
+                                                        .precision = variant.precision,
+                                                        .every_state = variant.every_state});
+  while (stepper->time() < 0.1)
+    if (stepper->step() != ricochet::StepStatus::ok) std::abort();
+  return stepper;
 }
 
 void stepping(benchmark::State& state, const Size& size, const Variant& variant) {
-  static std::map<std::string, Integrator> warm;
+  static std::map<std::string, std::unique_ptr<Stepper>> warm;
   const std::string name = name_of(size, variant);
   if (!warm.contains(name)) warm.emplace(name, settled(size, variant));
-  Integrator& integrator = warm.at(name);
+  Stepper& stepper = *warm.at(name);
   std::int64_t steps = 0, active = 0;
   constexpr int batch = 64;
   for (auto _ : state)
     for (int k = 0; k < batch; ++k) {
-      benchmark::DoNotOptimize(integrator.step());
-      active += integrator.active();
+      benchmark::DoNotOptimize(stepper.step());
+      active += stepper.active();
       ++steps;
     }
   state.counters["x_real_time"] =
@@ -89,7 +89,7 @@ void worst(std::int64_t steps) {
       "| scene | of | median (us) | p99 | p99.9 | largest | budget |\n|---|---|---|---|---|---|---|\n");
   for (const Size& size : sizes)
     for (const Variant& variant : variants) {
-      Integrator integrator = settled(size, variant);
+      const std::unique_ptr<Stepper> stepper = settled(size, variant);
       std::vector<double> one, block;
       constexpr int length = 64;
       const std::int64_t count = size.nx * size.ny < 1000 ? steps : steps / 10;
@@ -97,7 +97,7 @@ void worst(std::int64_t steps) {
         const auto start = Clock::now();
         auto before = start;
         for (int l = 0; l < length; ++l) {
-          if (integrator.step() != ricochet::StepStatus::ok) std::abort();
+          if (stepper->step() != ricochet::StepStatus::ok) std::abort();
           const auto now = Clock::now();
           one.push_back(microseconds(before, now));
           before = now;

@@ -4,8 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "contact/static/equilibrium.hpp"
 #include "contact/output/summary.hpp"
+#include "contact/static/equilibrium.hpp"
+#include "contact/stepping/stepper.hpp"
 
 namespace ricochet::contact {
 namespace {
@@ -66,7 +67,7 @@ double distance(const Outcome& a, const Outcome& b) {
 }
 
 std::optional<Outcome> impact(const Model& model, const StepOptions& options, std::int64_t steps) {
-  Integrator integrator(model, options);
+  const std::unique_ptr<Stepper> stepper = make_stepper(model, options);
   const std::vector<Mover> moving = movers(model);
   std::vector<Vector3d> before = velocities(model, moving, model.initial_rates()), start = before,
                         end = before;
@@ -74,9 +75,9 @@ std::optional<Outcome> impact(const Model& model, const StepOptions& options, st
   std::int64_t touch = 0;
   bool touched = false;
   for (std::int64_t k = 0; k < steps; ++k) {
-    if (integrator.step() != StepStatus::ok) return std::nullopt;
-    const double force = integrator.force().sum();
-    if (force > 0 || !touched) before = velocities(model, moving, integrator.v());
+    if (stepper->step() != StepStatus::ok) return std::nullopt;
+    const double force = stepper->force().sum();
+    if (force > 0 || !touched) before = velocities(model, moving, stepper->modal()->v);
     if (force > 0) {
       touched = true;
       impulse += force * options.step;

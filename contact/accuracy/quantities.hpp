@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "contact/stepping/integrator.hpp"
 #include "contact/model/model.hpp"
+#include "contact/stepping/stepper.hpp"
 
 namespace ricochet::contact {
 
@@ -25,7 +25,7 @@ struct Outcome {
 /// Relative distance: max |a − b| / scale of a. Where a scale is 0, both have to be.
 double distance(const Outcome& a, const Outcome& b);
 
-/// @return none when a step has no solution or is not finite. Throws InputError as Integrator does.
+/// @return none when a step has no solution or is not finite. Throws InputError as make_stepper does.
 std::optional<Outcome> impact(const Model& model, const StepOptions& options, std::int64_t steps);
 
 /// Throws as find_equilibrium does.

@@ -7,7 +7,7 @@
 
 #include "base/rotation.hpp"
 #include "contact/model/model.hpp"
-#include "contact/stepping/integrator.hpp"
+#include "contact/stepping/stepper.hpp"
 #include "kernels/read.hpp"
 #include "kernels/write.hpp"
 #include "ricochet/ricochet.hpp"
@@ -175,7 +175,7 @@ void save_kernel(const kernels::Kernel& kernel, const std::filesystem::path& pat
 struct Simulation::Impl {
   explicit Impl(const Scene& scene)
       : model(model_of(scene)),
-        integrator(model, step_options(scene)),
+        stepper(contact::make_stepper(model, step_options(scene))),
         pickups(pickups_of(scene, model)),
         points(points_of(model)) {
     for (const Body& body : scene.bodies) kernels.push_back(body.kernel);
@@ -183,10 +183,10 @@ struct Simulation::Impl {
 
   /// Row k of the forces of the last step.
   void write_forces(const Block& out, std::int64_t k) const noexcept {
-    const Eigen::Index m = integrator.force().size();
-    if (out.total_force) out.total_force[k] = integrator.force().sum();
-    if (out.force) std::copy_n(integrator.force().data(), m, out.force + k * m);
-    if (out.displacement) std::copy_n(integrator.displacement().data(), m, out.displacement + k * m);
+    const Eigen::Index m = stepper->force().size();
+    if (out.total_force) out.total_force[k] = stepper->force().sum();
+    if (out.force) std::copy_n(stepper->force().data(), m, out.force + k * m);
+    if (out.displacement) std::copy_n(stepper->displacement().data(), m, out.displacement + k * m);
   }
 
   /// Rows from … to of velocities: of the steps that the state was moved through last.
@@ -194,14 +194,13 @@ struct Simulation::Impl {
     if (!out.velocity) return;
     const Eigen::Index p = pickups.rows();
     for (std::int64_t k = from; k < to; ++k) {
-      const Eigen::Map<const contact::Vector> v(integrator.rate(static_cast<int>(to - 1 - k)),
-                                                pickups.cols());
+      const Eigen::Map<const contact::Vector> v(stepper->rate(static_cast<int>(to - 1 - k)), pickups.cols());
       for (Eigen::Index i = 0; i < p; ++i) out.velocity[k * p + i] = pickups.row(i).dot(v);
     }
   }
 
   void clear(const Block& out, std::int64_t from, std::int64_t to) const noexcept {
-    const Eigen::Index m = integrator.force().size(), p = pickups.rows();
+    const Eigen::Index m = stepper->force().size(), p = pickups.rows();
     const auto rows = [&](double* values, std::int64_t columns) {
       if (values) std::fill(values + from * columns, values + to * columns, 0.0);
     };
@@ -214,14 +213,14 @@ struct Simulation::Impl {
   std::uint64_t identity = next_identity();
   std::vector<SharedKernel> kernels;  ///< the model points at them
   contact::Model model;
-  contact::Integrator integrator;
+  std::unique_ptr<contact::Stepper> stepper;
   contact::Matrix pickups;  ///< (p,N)
   std::vector<ContactPoint> points;
 };
 
 struct Simulation::State::Impl {
   std::uint64_t identity;
-  contact::Integrator integrator;
+  std::unique_ptr<contact::Stepper> stepper;
 };
 
 Simulation::Simulation(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {}
@@ -231,50 +230,50 @@ Simulation& Simulation::operator=(Simulation&&) noexcept = default;
 
 StepStatus Simulation::step() noexcept {
   const FlushDenormals scope;
-  return impl_->integrator.step();
+  return impl_->stepper->step();
 }
 
 // The state is moved a block at a time, unless displacements are asked for after each step.
 BlockResult Simulation::step_block(std::int64_t steps, const Block& out) noexcept {
   const FlushDenormals scope;
-  contact::Integrator& integrator = impl_->integrator;
-  const std::int64_t first = integrator.steps();
-  const auto made = [&] { return integrator.steps() - first; };
+  contact::Stepper& stepper = *impl_->stepper;
+  const std::int64_t first = stepper.steps();
+  const auto made = [&] { return stepper.steps() - first; };
   std::int64_t heard = 0;
   const auto hear = [&] {
     impl_->write_velocities(out, heard, made());
     heard = made();
   };
   StepStatus status = StepStatus::ok;
-  integrator.keep(out.displacement != nullptr, out.velocity != nullptr);
+  stepper.keep(out.displacement != nullptr, out.velocity != nullptr);
   while (status == StepStatus::ok && made() < steps) {
-    status = integrator.step();
+    status = stepper.step();
     if (status == StepStatus::ok) impl_->write_forces(out, made() - 1);
-    if (integrator.pending() == 0) hear();
+    if (stepper.pending() == 0) hear();
   }
-  if (integrator.catch_up() != StepStatus::ok) status = StepStatus::not_finite;
+  if (stepper.catch_up() != StepStatus::ok) status = StepStatus::not_finite;
   hear();
-  integrator.keep(true, false);
+  stepper.keep(true, false);
   if (status != StepStatus::ok) impl_->clear(out, made(), steps);
   return {made(), status};
 }
 
-std::int64_t Simulation::steps() const noexcept { return impl_->integrator.steps(); }
-double Simulation::time() const noexcept { return impl_->integrator.time(); }
+std::int64_t Simulation::steps() const noexcept { return impl_->stepper->steps(); }
+double Simulation::time() const noexcept { return impl_->stepper->time(); }
 
 std::span<const ContactPoint> Simulation::points() const noexcept { return impl_->points; }
-std::span<const double> Simulation::force() const noexcept { return span_of(impl_->integrator.force()); }
+std::span<const double> Simulation::force() const noexcept { return span_of(impl_->stepper->force()); }
 std::span<const double> Simulation::displacement() const noexcept {
-  return span_of(impl_->integrator.displacement());
+  return span_of(impl_->stepper->displacement());
 }
-int Simulation::active() const noexcept { return impl_->integrator.active(); }
+int Simulation::active() const noexcept { return impl_->stepper->active(); }
 
 std::size_t Simulation::pickups() const noexcept { return static_cast<std::size_t>(impl_->pickups.rows()); }
 double Simulation::pickup_velocity(std::size_t pickup) const noexcept {
-  return impl_->pickups.row(static_cast<Eigen::Index>(pickup)).dot(impl_->integrator.v());
+  return impl_->pickups.row(static_cast<Eigen::Index>(pickup)).dot(impl_->stepper->modal()->v);
 }
 double Simulation::pickup_displacement(std::size_t pickup) const noexcept {
-  return impl_->pickups.row(static_cast<Eigen::Index>(pickup)).dot(impl_->integrator.q());
+  return impl_->pickups.row(static_cast<Eigen::Index>(pickup)).dot(impl_->stepper->modal()->q);
 }
 
 Vector3 Simulation::mean_velocity(std::size_t body) const noexcept {
@@ -282,22 +281,23 @@ Vector3 Simulation::mean_velocity(std::size_t body) const noexcept {
   Vector3 out{};
   for (Eigen::Index k = 0; k < 3; ++k)
     out[static_cast<std::size_t>(k)] =
-        block.momentum.row(k).dot(impl_->integrator.v().segment(block.first_mode, block.modes)) / block.mass;
+        block.momentum.row(k).dot(impl_->stepper->modal()->v.segment(block.first_mode, block.modes)) /
+        block.mass;
   return out;
 }
 
-Energy Simulation::energy() const noexcept { return impl_->integrator.energy(); }
+Energy Simulation::energy() const noexcept { return impl_->stepper->modal()->energy(); }
 
-int Simulation::quasi_static_modes() const noexcept { return impl_->integrator.modes_in_residual(); }
+int Simulation::quasi_static_modes() const noexcept { return impl_->stepper->modal()->modes_in_residual(); }
 
 Simulation::State Simulation::save() const {
-  return State(std::make_unique<const State::Impl>(State::Impl{impl_->identity, impl_->integrator}));
+  return State(std::make_unique<const State::Impl>(State::Impl{impl_->identity, impl_->stepper->clone()}));
 }
 
-// Assigned to, not replaced: the integrator's arrays keep their memory, and what they have room for.
+// Assigned to, not replaced: the stepper's arrays keep their memory and their capacity.
 bool Simulation::restore(const State& state) noexcept {
   if (!state.impl_ || state.impl_->identity != impl_->identity) return false;
-  impl_->integrator = state.impl_->integrator;
+  impl_->stepper->assign(*state.impl_->stepper);
   return true;
 }
 

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "ricochet/error.hpp"
 #include "base/hdf5_writer.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::contact {
 
@@ -73,19 +73,19 @@ ProblemFiles::ProblemFiles(const Model& model, const StepOptions& step, ProblemO
                                  options_.folder.string(), failure.message()));
 }
 
-void ProblemFiles::observe(const Integrator& integrator) {
-  if (integrator.active() == 0 || integrator.residual().scale > 0) return;
+void ProblemFiles::observe(const Stepper& stepper) {
+  if (stepper.active() == 0 || stepper.residual().scale > 0) return;
   if (seen_++ % options_.every != 0) return;
-  write(integrator);
+  write(stepper);
   ++written_;
 }
 
-void ProblemFiles::write(const Integrator& integrator) const {
-  const Vector& force = integrator.force();
-  const Vector gap = model_.gap - integrator.displacement();
+void ProblemFiles::write(const Stepper& stepper) const {
+  const Vector& force = stepper.force();
+  const Vector gap = model_.gap - stepper.displacement();
   const Vector q = gap - system_->S * force;
   const Eigen::Index m = force.size();
-  Writer file(options_.folder / fmt::format("{}-i{:08}-{}.hdf5", options_.name, integrator.steps(), m));
+  Writer file(options_.folder / fmt::format("{}-i{:08}-{}.hdf5", options_.name, stepper.steps(), m));
   write_integer(file, "/fclib_local/spacedim", rows_each);
   write_matrix(file, system_->S);
   write_normal(file, "/fclib_local/vectors/q", q, "m");
@@ -97,7 +97,7 @@ void ProblemFiles::write(const Integrator& integrator) const {
       fmt::format("Frictionless impact of elastic bodies, step {} (t = {:.9g} s) of {} contact points. "
                   "W: normal displacement by forces held over the step [m/N]; r: forces [N]; u: gaps "
                   "[m] at its end.",
-                  integrator.steps(), integrator.time(), m));
+                  stepper.steps(), stepper.time(), m));
   write_text(file, "/fclib_local/info/math_info",
              "Normal rows: a linear complementarity problem whose matrix is symmetric positive semidefinite, "
              "definite with residual flexibility. Tangential rows: uncoupled, mu = 0.");

@@ -12,7 +12,7 @@
 #include <memory>
 #include <string>
 
-#include "contact/stepping/integrator.hpp"
+#include "contact/stepping/stepper.hpp"
 
 namespace ricochet::contact {
 
@@ -31,12 +31,12 @@ class ProblemFiles {
 
   /// Writes the step's problem and its solution, where it has a force and was solved to the end (not cut
   /// short by max_pivots). Throws InputError when the file can't be written.
-  void observe(const Integrator& integrator);
+  void observe(const Stepper& stepper);
 
   int written() const { return written_; }
 
  private:
-  void write(const Integrator& integrator) const;
+  void write(const Stepper& stepper) const;
 
   const Model& model_;
   ProblemOptions options_;

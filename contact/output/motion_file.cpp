@@ -11,8 +11,8 @@ namespace ricochet::contact {
 namespace {
 
 namespace xdmf = base::xdmf;
-using Eigen::Index;
 using base::hdf5::Shape;
+using Eigen::Index;
 
 std::filesystem::path with(std::filesystem::path stem, const char* ending) { return stem += ending; }
 
@@ -57,9 +57,9 @@ MotionFile::MotionFile(const Model& model, const StepOptions& step, const Motion
   write_setting(options);
 }
 
-MotionFile::MotionFile(const Integrator& start, const Model& model, const MotionOptions& options)
+MotionFile::MotionFile(const Stepper& start, const Model& model, const MotionOptions& options)
     : MotionFile(model, start.options(), options) {
-  frame(0, start.q(), start.v(), start.displacement(), start.force());
+  frame(0, start.modal()->q, start.modal()->v, start.displacement(), start.force());
 }
 
 MotionFile::MotionFile(const Equilibrium& equilibrium, const Model& model, const MotionOptions& options)
@@ -118,9 +118,9 @@ void MotionFile::write_setting(const MotionOptions& options) {
   }
 }
 
-void MotionFile::record(const Integrator& integrator) {
-  if (integrator.steps() % every_ != 0) return;
-  frame(integrator.time(), integrator.q(), integrator.v(), integrator.displacement(), integrator.force());
+void MotionFile::record(const Stepper& stepper) {
+  if (stepper.steps() % every_ != 0) return;
+  frame(stepper.time(), stepper.modal()->q, stepper.modal()->v, stepper.displacement(), stepper.force());
 }
 
 void MotionFile::frame(double t, const Vector& q, const Vector& v, const Vector& u, const Vector& force) {

@@ -1,8 +1,8 @@
 // Streams the motion of the bodies' skins and the contact forces into <stem>.h5, with <stem>.xdmf for
 // ParaView beside it (FORMAT.md). Both have their final names only once they are whole.
 //
-//   MotionFile motion(integrator, model, {.stem = "out/two-disks.motion", .every = 8});
-//   while (…) { integrator.step(); motion.record(integrator); }
+//   MotionFile motion(stepper, model, {.stem = "out/two-disks.motion", .every = 8});
+//   while (…) { stepper.step(); motion.record(stepper); }
 //   motion.commit();
 #pragma once
 
@@ -11,11 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "contact/static/equilibrium.hpp"
-#include "contact/stepping/integrator.hpp"
+#include "base/hdf5_writer.hpp"
 #include "contact/model/model.hpp"
 #include "contact/output/visualisation_surface.hpp"
-#include "base/hdf5_writer.hpp"
+#include "contact/static/equilibrium.hpp"
+#include "contact/stepping/stepper.hpp"
 
 namespace ricochet::contact {
 
@@ -28,15 +28,15 @@ struct MotionOptions {
 
 class MotionFile {
  public:
-  /// Makes the file and writes the frame of `start`, an integrator that has not stepped. Every body's kernel
+  /// Makes the file and writes the frame of `start`, a stepper that has not stepped. Every body's kernel
   /// has a view. `model` outlives the file. Throws InputError when the file can't be made.
-  MotionFile(const Integrator& start, const Model& model, const MotionOptions& options);
+  MotionFile(const Stepper& start, const Model& model, const MotionOptions& options);
 
   /// Bodies at rest as the one frame, of t = 0. Throws likewise.
   MotionFile(const Equilibrium& equilibrium, const Model& model, const MotionOptions& options);
 
-  /// After each step of `integrator`. Throws InputError when the disk is full.
-  void record(const Integrator& integrator);
+  /// After each step of `stepper`. Throws InputError when the disk is full.
+  void record(const Stepper& stepper);
 
   /// Gives the files their names. Nothing may be called after it.
   void commit();

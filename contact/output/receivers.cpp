@@ -26,8 +26,8 @@ Receivers::Receivers(const Model& model, const StepOptions& options)
   update(0, model.q0, model.initial_rates(), Vector::Zero(model.gap.size()));
 }
 
-void Receivers::observe(const Integrator& integrator) noexcept {
-  update(integrator.time(), integrator.q(), integrator.v(), integrator.force());
+void Receivers::observe(const Stepper& stepper) noexcept {
+  update(stepper.time(), stepper.modal()->q, stepper.modal()->v, stepper.force());
 }
 
 /// q̈ = f + F h − Bᵀ λ − 2δ q̇ − ω² q; impulses act at the instant before.

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "contact/stepping/integrator.hpp"
 #include "contact/model/model.hpp"
+#include "contact/stepping/stepper.hpp"
 
 namespace ricochet::contact {
 
@@ -24,8 +24,8 @@ class Receivers {
   std::size_t size() const { return motion_.size(); }
   const ReceiverMotion& operator[](std::size_t receiver) const { return motion_[receiver]; }
 
-  /// After a step of `integrator`. Takes no memory.
-  void observe(const Integrator& integrator) noexcept;
+  /// After a step of `stepper`. Takes no memory.
+  void observe(const Stepper& stepper) noexcept;
 
  private:
   void update(double t, const Vector& q, const Vector& v, const Vector& force) noexcept;

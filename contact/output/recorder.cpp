@@ -12,7 +12,7 @@ void append(base::hdf5::Rows* rows, const Eigen::Ref<const Vector>& row) {
   rows->append(std::span<const double>(row.data(), static_cast<std::size_t>(row.size())));
 }
 
-/// The initial state has no integrator: its energy is that of q0, v0.
+/// Energy of q0, v0.
 Energy initial_energy(const Model& model) {
   Energy out;
   out.kinetic = 0.5 * model.v0.squaredNorm();
@@ -60,7 +60,7 @@ Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOp
     : Recorder(model, options, step) {
   if (step.scheme == Scheme::compliant) {
     R_a_ = model.R_a;
-    // The integrator moves modes above half the rate into R and s; a's share of them follows.
+    // Steps move modes above half the rate into R and s; a's share of them follows.
     for (Eigen::Index n = 0; n < model.omega.size(); ++n)
       if (!sampled(model.omega(n), step.step)) {
         const double stiffness = model.omega(n) * model.omega(n);
@@ -153,21 +153,21 @@ void Recorder::make_rows() {
   }
 }
 
-void Recorder::record(const Integrator& integrator) {
-  if (integrator.active() > 0) push(integrator.force(), step_);
-  const std::int64_t k = integrator.steps();
+void Recorder::record(const Stepper& stepper) {
+  if (stepper.active() > 0) push(stepper.force(), step_);
+  const std::int64_t k = stepper.steps();
   if (k % every_ == 0) {
-    time_->append(integrator.time());
-    bodies_row(integrator.v(), static_cast<double>(last_row_) * step_, integrator.time());
-    energy_row(integrator.energy(), integrator.persistency());
-    if (integrator.active() > 0)
-      contact_row(integrator.time(), integrator.q(), integrator.v(), integrator.displacement(),
-                  integrator.force());
+    time_->append(stepper.time());
+    bodies_row(stepper.modal()->v, static_cast<double>(last_row_) * step_, stepper.time());
+    energy_row(stepper.modal()->energy(), stepper.persistency());
+    if (stepper.active() > 0)
+      contact_row(stepper.time(), stepper.modal()->q, stepper.modal()->v, stepper.displacement(),
+                  stepper.force());
     last_row_ = k;
   }
-  if (snapshot_every_ > 0 && k % snapshot_every_ == 0) snapshot_row(integrator.time(), integrator.q());
-  receivers_.observe(integrator);
-  receivers_row(integrator.time());
+  if (snapshot_every_ > 0 && k % snapshot_every_ == 0) snapshot_row(stepper.time(), stepper.modal()->q);
+  receivers_.observe(stepper);
+  receivers_row(stepper.time());
 }
 
 /// The impulses of contact on the bodies while `force` (m) lasts for `duration` [s].

@@ -1,7 +1,7 @@
 // Streams a run into a result file (FORMAT.md). The file has its final name only once it is whole.
 //
 //   Recorder recorder(model, step_options, {.path = "out/two-disks.result.h5", …});
-//   while (…) { integrator.step(); recorder.record(integrator); }
+//   while (…) { stepper.step(); recorder.record(stepper); }
 //   recorder.commit();
 #pragma once
 
@@ -11,11 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "contact/static/equilibrium.hpp"
-#include "contact/stepping/integrator.hpp"
+#include "base/hdf5_writer.hpp"
 #include "contact/model/model.hpp"
 #include "contact/output/receivers.hpp"
-#include "base/hdf5_writer.hpp"
+#include "contact/static/equilibrium.hpp"
+#include "contact/stepping/stepper.hpp"
 
 namespace ricochet::contact {
 
@@ -41,8 +41,8 @@ class Recorder {
   /// Makes the file and writes bodies at rest as its one row, of t = 0. Throws likewise.
   Recorder(const Model& model, const Equilibrium& equilibrium, const RecorderOptions& options);
 
-  /// After each step of `integrator`, whatever `every` is. Throws InputError when the disk is full.
-  void record(const Integrator& integrator);
+  /// After each step of `stepper`, whatever `every` is. Throws InputError when the disk is full.
+  void record(const Stepper& stepper);
 
   /// Motion of the model's receivers after the last step.
   const Receivers& receivers() const { return receivers_; }

@@ -150,34 +150,34 @@ SummaryObserver::SummaryObserver(const Model& model, double step, double wave_sp
   initial_ledger_ = largest_energy_ = energy_before_;
 }
 
-void SummaryObserver::observe(const Integrator& integrator) {
-  const Energy& energy = integrator.energy();
+void SummaryObserver::observe(const Stepper& stepper) {
+  const Energy& energy = stepper.modal()->energy();
   worst_ledger_ = std::max(worst_ledger_, std::abs(energy.ledger() - initial_ledger_));
   largest_energy_ = std::max({largest_energy_, energy.kinetic + energy.strain + energy.residual,
                               std::abs(energy.loads), std::abs(energy.contact)});
-  out_.modes_in_residual = integrator.modes_in_residual();
-  out_.precision = integrator.options().precision;
+  out_.modes_in_residual = stepper.modal()->modes_in_residual();
+  out_.precision = stepper.options().precision;
   if (model_.gap.size() > 0)
     out_.max_penetration_m =
-        std::max(out_.max_penetration_m, (integrator.displacement() - model_.gap).maxCoeff());
-  out_.limited_steps = integrator.solver().limited;
-  if (const SolveResidual& left = integrator.residual(); left.scale > 0)
+        std::max(out_.max_penetration_m, (stepper.displacement() - model_.gap).maxCoeff());
+  out_.limited_steps = stepper.solver().limited;
+  if (const SolveResidual& left = stepper.residual(); left.scale > 0)
     out_.limited_residual = std::max(out_.limited_residual, left.violation / left.scale);
   const bool untouched = !out_.contact_start_s, touched = touching_;
-  touching_ = count_forces(out_, touched, integrator.force(), integrator.time(), step_);
+  touching_ = count_forces(out_, touched, stepper.force(), stepper.time(), step_);
   if (touching_ && untouched) {
-    at_start_ = mean_velocities(integrator.time() - step_);
+    at_start_ = mean_velocities(stepper.time() - step_);
     energy_at_start_ = energy_before_;
   }
   if (touching_) {
-    push(integrator.force());
-    look_at_validity(integrator);
+    push(stepper.force());
+    look_at_validity(stepper);
   } else if (touched) {
-    at_end_ = mean_velocities(integrator.time() - step_);
+    at_end_ = mean_velocities(stepper.time() - step_);
   }
   energy_lost_ = energy.contact;
   energy_before_ = energy.kinetic + energy.strain;
-  before_ = integrator.v();
+  before_ = stepper.modal()->v;
 }
 
 /// At the end of the step before, which was at `time`.
@@ -196,10 +196,10 @@ void SummaryObserver::push(const Vector& force) {
   }
 }
 
-void SummaryObserver::look_at_validity(const Integrator& integrator) {
+void SummaryObserver::look_at_validity(const Stepper& stepper) {
   std::vector<RigidMotion> moved, speed;
   for (std::size_t k = 0; k < model_.bodies.size(); ++k) {
-    moved.push_back(rigid_motion(model_.bodies[k], inverse_inertia_[k], integrator.q()));
+    moved.push_back(rigid_motion(model_.bodies[k], inverse_inertia_[k], stepper.modal()->q));
     speed.push_back(rigid_motion(model_.bodies[k], inverse_inertia_[k], before_));
     const double angle = moved.back().rotation.norm();
     if (angle > tilt_) {
@@ -215,7 +215,7 @@ void SummaryObserver::look_at_validity(const Integrator& integrator) {
   for (std::size_t p = 0; p < model_.pairs.size(); ++p) {
     const Model::PairBlock& pair = model_.pairs[p];
     for (int i = pair.first_point; i < pair.first_point + pair.points; ++i) {
-      const bool pressed = integrator.force()(i) > 0;
+      const bool pressed = stepper.force()(i) > 0;
       if (!pressed && !pair.reach) continue;
       const Vector3d n = model_.normal.row(i).transpose();
       nearer_[p] = std::max(nearer_[p], n.dot(relative(moved, pair, i)));

@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "contact/static/equilibrium.hpp"
-#include "contact/stepping/integrator.hpp"
 #include "contact/model/model.hpp"
+#include "contact/static/equilibrium.hpp"
+#include "contact/stepping/stepper.hpp"
 
 namespace ricochet::contact {
 
@@ -83,7 +83,7 @@ class SummaryObserver {
   /// warning `model` outlives the observer.
   SummaryObserver(const Model& model, double step, double wave_speed);
 
-  void observe(const Integrator& integrator);
+  void observe(const Stepper& stepper);
 
   /// The times are the caller's to fill.
   Summary summary() const;
@@ -91,7 +91,7 @@ class SummaryObserver {
  private:
   std::vector<Eigen::Vector3d> mean_velocities(double time) const;
   void push(const Vector& force);
-  void look_at_validity(const Integrator& integrator);
+  void look_at_validity(const Stepper& stepper);
   std::vector<std::string> warnings() const;
 
   const Model& model_;

@@ -14,9 +14,12 @@ void append(base::hdf5::Rows* rows, const Vector& row) {
 
 }  // namespace
 
-TableRecorder::TableRecorder(const Table& table, const Model* model, const TableIntegrator& start,
+TableRecorder::TableRecorder(const Table& table, const Model* model, const Stepper& start,
                              const RecorderOptions& options)
-    : every_(options.every), has_power_(start.scheme() == Scheme::compliant), file_(options.path) {
+    : initial_gap_(table.gap),
+      every_(options.every),
+      has_power_(start.options().scheme == Scheme::compliant),
+      file_(options.path) {
   write_setting(table, model, options);
   make_rows(table);
   state_row(start);
@@ -61,48 +64,48 @@ void TableRecorder::make_rows(const Table& table) {
                        &file_.rows("/bodies/" + body.name + "/momentum", {3}, "kg m/s")});
 }
 
-void TableRecorder::state_row(const TableIntegrator& integrator) {
-  time_->append(integrator.time());
-  if (has_power_) persistency_->append(integrator.persistency());
+void TableRecorder::state_row(const Stepper& stepper) {
+  time_->append(stepper.time());
+  if (has_power_) persistency_->append(stepper.persistency());
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    const Vector velocity = integrator.velocities().col(static_cast<Eigen::Index>(b));
+    const Vector velocity = (*stepper.body_velocities()).col(static_cast<Eigen::Index>(b));
     append(bodies_[b].velocity, velocity);
     append(bodies_[b].momentum, bodies_[b].mass * velocity);
   }
-  if (integrator.active() == 0) return;
-  contact_time_->append(integrator.time());
-  append(force_, integrator.force());
-  append(gap_, integrator.gap() - integrator.displacement());
+  if (stepper.active() == 0) return;
+  contact_time_->append(stepper.time());
+  append(force_, stepper.force());
+  append(gap_, initial_gap_ - stepper.displacement());
 }
 
-void TableRecorder::record(const TableIntegrator& integrator) {
-  if (integrator.steps() % every_ == 0) state_row(integrator);
+void TableRecorder::record(const Stepper& stepper) {
+  if (stepper.steps() % every_ == 0) state_row(stepper);
 }
 
 void TableRecorder::commit(const std::filesystem::path& summary) { file_.commit(summary); }
 
-TableObserver::TableObserver(const TableIntegrator& start, double step, int unpaired)
-    : bodies_(start.bodies()),
+TableObserver::TableObserver(const Table& table, const Stepper& start, double step, int unpaired)
+    : bodies_(table.bodies),
+      gap_(table.gap),
       step_(step),
-      before_(start.velocities()),
+      before_(*start.body_velocities()),
       at_start_(before_),
       at_end_(before_),
       impulse_(Eigen::Matrix3Xd::Zero(3, before_.cols())) {
-  out_.candidates = static_cast<int>(start.gap().size());
+  out_.candidates = static_cast<int>(gap_.size());
   out_.unpaired = unpaired;
 }
 
-void TableObserver::observe(const TableIntegrator& integrator) {
-  out_.max_penetration_m =
-      std::max(out_.max_penetration_m, (integrator.displacement() - integrator.gap()).maxCoeff());
+void TableObserver::observe(const Stepper& stepper) {
+  out_.max_penetration_m = std::max(out_.max_penetration_m, (stepper.displacement() - gap_).maxCoeff());
   const bool untouched = !out_.contact_start_s, touched = touching_;
-  touching_ = count_forces(out_, touched, integrator.force(), integrator.time(), step_);
+  touching_ = count_forces(out_, touched, stepper.force(), stepper.time(), step_);
   if (touching_ && untouched) at_start_ = before_;
   if (touched && !touching_) at_end_ = before_;
   if (touching_)
     for (std::size_t b = 0; b < bodies_.size(); ++b)
-      impulse_.col(static_cast<Eigen::Index>(b)) += step_ * bodies_[b].push.transpose() * integrator.force();
-  before_ = integrator.velocities();
+      impulse_.col(static_cast<Eigen::Index>(b)) += step_ * bodies_[b].push.transpose() * stepper.force();
+  before_ = (*stepper.body_velocities());
 }
 
 Summary TableObserver::summary() const {

@@ -7,7 +7,7 @@
 #include "contact/output/recorder.hpp"
 #include "contact/output/summary.hpp"
 #include "contact/table/table.hpp"
-#include "contact/table/table_integrator.hpp"
+#include "contact/table/table_stepper.hpp"
 
 namespace ricochet::contact {
 
@@ -16,11 +16,10 @@ class TableRecorder {
  public:
   /// @param model  where the table came from modes: then places, normals and placements are written; else
   /// null Makes the file and writes the row of t = 0. Throws InputError when the file can't be made.
-  TableRecorder(const Table& table, const Model* model, const TableIntegrator& start,
-                const RecorderOptions& options);
+  TableRecorder(const Table& table, const Model* model, const Stepper& start, const RecorderOptions& options);
 
   /// After each step. Throws InputError when the disk is full.
-  void record(const TableIntegrator& integrator);
+  void record(const Stepper& stepper);
 
   /// Writes what is held back and gives the file its name. Nothing may be called after it.
   void commit(const std::filesystem::path& summary = {});
@@ -34,8 +33,9 @@ class TableRecorder {
 
   void write_setting(const Table& table, const Model* model, const RecorderOptions& options);
   void make_rows(const Table& table);
-  void state_row(const TableIntegrator& integrator);
+  void state_row(const Stepper& stepper);
 
+  Vector initial_gap_;
   std::int64_t every_;
   bool has_power_;
   base::hdf5::Writer file_;
@@ -49,15 +49,16 @@ class TableRecorder {
 class TableObserver {
  public:
   /// @param unpaired  candidates dropped, where the table came from modes
-  TableObserver(const TableIntegrator& start, double step, int unpaired = 0);
+  TableObserver(const Table& table, const Stepper& start, double step, int unpaired = 0);
 
-  void observe(const TableIntegrator& integrator);
+  void observe(const Stepper& stepper);
 
   /// The times are the caller's to fill.
   Summary summary() const;
 
  private:
   std::vector<FreeBody> bodies_;
+  Vector gap_;
   double step_;
   Summary out_;
   bool touching_ = false;

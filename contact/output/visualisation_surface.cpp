@@ -51,7 +51,7 @@ Skin::Skin(const Model& model, int body, const StepOptions& options)
   if (options.scheme == Scheme::compliant) add_dropped(options);
 }
 
-/// The integrator moves modes above half the rate into R and s; what they do to the skin follows.
+/// Steps move modes above half the rate into R and s; what they do to the skin follows.
 void Skin::add_dropped(const StepOptions& options) {
   for (Index i = 0; i < body_.modes; ++i) {
     const Index n = body_.first_mode + i;

@@ -7,8 +7,8 @@
 #include <array>
 #include <vector>
 
-#include "contact/stepping/integrator.hpp"
 #include "contact/model/model.hpp"
+#include "contact/stepping/stepper.hpp"
 
 namespace ricochet::contact {
 
@@ -28,7 +28,7 @@ class Skin {
   std::size_t nodes() const { return view_.node.size() / 3; }
   const kernels::View& view() const { return view_; }
 
-  /// @param q, v, force  (N), (N), (m) as of an integrator at time t
+  /// @param q, v, force  (N), (N), (m) the state of a stepper at time t
   const SkinMotion& at(double t, const Vector& q, const Vector& v, const Vector& force);
 
   /// The place on the skin closest to x [m], with the bodies as placed: nodes and their weights.

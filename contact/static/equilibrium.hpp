@@ -11,8 +11,8 @@
 
 #include <cstdint>
 
-#include "contact/stepping/integrator.hpp"
 #include "contact/model/model.hpp"
+#include "ricochet/step_options.hpp"
 
 namespace ricochet::contact {
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Which points a block watches, and what it gathers of its system for them.
 #include <algorithm>
 #include <array>
@@ -87,7 +88,7 @@ void Gathered<T>::need(const BlockSystem<T>& system, int position) noexcept {
 /// could_: what changes as large as budget_ could add, where changes are expected to be some times those of
 /// the block before. Clears the latter.
 template <class T>
-void Block<T>::expect() noexcept {
+void LookAheadBlock<T>::expect() noexcept {
   budget_.setZero();
   factor_.clear();
   for (int i : have_changed_) {
@@ -107,7 +108,7 @@ void Block<T>::expect() noexcept {
 
 /// sum_ = Σ_k factor_k row_k of a matrix (·, width)
 template <class T>
-void Block<T>::combine(const std::vector<T>& rows, std::span<const int> of) noexcept {
+void LookAheadBlock<T>::combine(const std::vector<T>& rows, std::span<const int> of) noexcept {
   system_->loops->combine(system_->width, rows.data(), system_->width, of.data(), of.size(), factor_.data(),
                           sum_.data());
 }
@@ -115,7 +116,7 @@ void Block<T>::combine(const std::vector<T>& rows, std::span<const int> of) noex
 /// margin_: the gap less the farthest that a point gets at the end of any step. Without force the energy of
 /// an elastic mode about its rest never grows, and |Σ B y| ≤ (Σ B²/ω²)^½ (Σ ω²y² + ẏ²)^½.
 template <class T>
-void Block<T>::bound_by_energy() noexcept {
+void LookAheadBlock<T>::bound_by_energy() noexcept {
   const BlockSystem<T>& of = *system_;
   factor_.clear();
   for (int j : pressed_) factor_.push_back(static_cast<T>(held_force_(j)));
@@ -147,14 +148,14 @@ void Block<T>::bound_by_energy() noexcept {
 
 /// Sets ahead_ of `rows`, and margin_ to what is left of their gaps without changes of force.
 template <class T>
-void Block<T>::predict(std::span<const int> rows) noexcept {
+void LookAheadBlock<T>::predict(std::span<const int> rows) noexcept {
   const std::size_t width = system_->width;
   for (int i : rows) {
     is_predicted_[static_cast<std::size_t>(i)] = 1;
     if (!system_->rigid.empty()) rigid_at_.noalias() = rigid_motion_ * system_->rigid_B.row(i).transpose();
     for (int l = 0; l < length(); ++l)
       ahead_[static_cast<std::size_t>(l) * width + static_cast<std::size_t>(i)] =
-          s_(driven_ ? l + 1 : 0, i) + rigid_at_(l) - held_rest_(i);
+          s_(forced_ ? l + 1 : 0, i) + rigid_at_(l) - held_rest_(i);
   }
   system_->loops->displacement(system_->modes, system_->B.data(), rows.data(), rows.size(), x_.data(),
                                static_cast<std::size_t>(length()), ahead_.data(), width);
@@ -170,7 +171,7 @@ void Block<T>::predict(std::span<const int> rows) noexcept {
 
 /// Predicts those points that could close if changes were `times` what is expected.
 template <class T>
-void Block<T>::predict_what_matters(double times) noexcept {
+void LookAheadBlock<T>::predict_what_matters(double times) noexcept {
   predicted_.clear();
   for (int i = 0; i < system_->points; ++i)
     if (is_predicted_[static_cast<std::size_t>(i)] == 0 && matters(i, times)) predicted_.push_back(i);
@@ -178,8 +179,8 @@ void Block<T>::predict_what_matters(double times) noexcept {
 }
 
 template <class T>
-void Block<T>::choose_watched() noexcept {
-  if (driven_)
+void LookAheadBlock<T>::choose_watched() noexcept {
+  if (forced_)
     margin_.setConstant(-1);  // the energy may grow: all are predicted
   else
     bound_by_energy();
@@ -207,7 +208,7 @@ void Block<T>::choose_watched() noexcept {
 
 /// Makes up for the forces so far. The point is predicted.
 template <class T>
-void Block<T>::watch(int point) noexcept {
+void LookAheadBlock<T>::watch(int point) noexcept {
   const std::size_t k = watched_.size(), width = system_->width;
   const auto i = static_cast<std::size_t>(point);
   position_[i] = static_cast<int>(k);
@@ -225,7 +226,7 @@ void Block<T>::watch(int point) noexcept {
 }
 
 template <class T>
-void Block<T>::gather() noexcept {
+void LookAheadBlock<T>::gather() noexcept {
   const bool same = gathered_ == watched_;
   if (!same) {
     gathered_ = watched_;
@@ -241,7 +242,7 @@ void Block<T>::gather() noexcept {
 
 /// Gives points more whose forces change by more than could_ counts with. Whether there are any.
 template <class T>
-bool Block<T>::raise_budgets() noexcept {
+bool LookAheadBlock<T>::raise_budgets() noexcept {
   raised_.clear();
   factor_.clear();
   for (std::size_t k = 0; k < watched_.size(); ++k) {
@@ -261,7 +262,7 @@ bool Block<T>::raise_budgets() noexcept {
 
 /// Takes points in that could now close. Whether there are any.
 template <class T>
-bool Block<T>::see_more() noexcept {
+bool LookAheadBlock<T>::see_more() noexcept {
   predict_what_matters(1);
   bool more = false;
   for (int i = 0; i < system_->points; ++i)
@@ -275,7 +276,7 @@ bool Block<T>::see_more() noexcept {
 
 template class Gathered<double>;
 template class Gathered<float>;
-template class Block<double>;
-template class Block<float>;
+template class LookAheadBlock<double>;
+template class LookAheadBlock<float>;
 
 }  // namespace ricochet::contact

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "contact/stepping/look_ahead_block.hpp"
 
 #include <algorithm>
@@ -6,10 +7,10 @@
 namespace ricochet::contact {
 
 template <class T>
-Block<T>::Block(std::shared_ptr<const BlockSystem<T>> system, bool driven)
+LookAheadBlock<T>::LookAheadBlock(std::shared_ptr<const BlockSystem<T>> system, bool forced)
     : system_(std::move(system)),
       near_(*system_),
-      driven_(driven),
+      forced_(forced),
       taken_(system_->length),
       advanced_(system_->length) {
   const auto m = static_cast<std::size_t>(system_->points), L = static_cast<std::size_t>(system_->length);
@@ -18,8 +19,8 @@ Block<T>::Block(std::shared_ptr<const BlockSystem<T>> system, bool driven)
   for (std::vector<double>* x : {&rigid_q_, &rigid_v_, &rigid_held_}) x->assign(rigid, 0.0);
   rigid_motion_.setZero(system_->length, static_cast<Eigen::Index>(rigid));
   rigid_at_.setZero(system_->length);
-  if (driven_) drive_.assign(2 * L * N, 0.0);
-  s_ = system_->plain->s.transpose().replicate(driven_ ? system_->length + 1 : 1, 1);
+  if (forced_) forcing_.assign(2 * L * N, 0.0);
+  s_ = system_->plain->s.transpose().replicate(forced_ ? system_->length + 1 : 1, 1);
   x_.assign(L * N, T(0));
   rates_.assign(L * N, 0.0);
   ahead_.assign(L * width, 0.0);
@@ -39,7 +40,7 @@ Block<T>::Block(std::shared_ptr<const BlockSystem<T>> system, bool driven)
 }
 
 template <class T>
-simd::Modes Block<T>::modes() const {
+simd::Modes LookAheadBlock<T>::modes() const {
   const BlockSystem<T>& of = *system_;
   return {of.modes,          of.stiffness.data(), load_.data(),     of.b.data(),  of.c.data(),
           of.e.data(),       of.h.data(),         of.load.data(),   held_.data(), of.origin.data(),
@@ -47,17 +48,17 @@ simd::Modes Block<T>::modes() const {
 }
 
 template <class T>
-void Block<T>::drive(int l, const Vector& q, const Vector& v, const Vector& s) noexcept {
+void LookAheadBlock<T>::set_forcing(int l, const Vector& q, const Vector& v, const Vector& s) noexcept {
   s_.row(l) = s.transpose();
   if (l == 0) return;
-  double* to = &drive_[2 * static_cast<std::size_t>(l - 1) * system_->modes];
+  double* to = &forcing_[2 * static_cast<std::size_t>(l - 1) * system_->modes];
   std::copy(q.begin(), q.end(), to);
   std::copy(v.begin(), v.end(), to + system_->modes);
 }
 
 /// Takes λ̄ into the load.
 template <class T>
-void Block<T>::hold(const Vector& force) noexcept {
+void LookAheadBlock<T>::hold(const Vector& force) noexcept {
   held_force_ = force;
   pressed_.clear();
   factor_.clear();
@@ -83,7 +84,7 @@ void Block<T>::hold(const Vector& force) noexcept {
 }
 
 template <class T>
-void Block<T>::start(const Vector& q, const Vector& v, const Vector& force) noexcept {
+void LookAheadBlock<T>::start(const Vector& q, const Vector& v, const Vector& force) noexcept {
   std::fill(was_watched_.begin(), was_watched_.end(), 0);
   for (std::size_t k = 0; k < watched_.size(); ++k) {
     was_watched_[static_cast<std::size_t>(watched_[k])] = 1;
@@ -100,14 +101,14 @@ void Block<T>::start(const Vector& q, const Vector& v, const Vector& force) noex
   hold(force);
   std::fill(is_predicted_.begin(), is_predicted_.end(), 0);
   system_->loops->free_motion(modes(), static_cast<std::size_t>(length()), q_.data(), v_.data(),
-                              driven_ ? drive_.data() : nullptr, x_.data());
+                              forced_ ? forcing_.data() : nullptr, x_.data());
   predict_rigid();
   choose_watched();
 }
 
 /// Motion of the rigid modes under λ̄.
 template <class T>
-void Block<T>::predict_rigid() noexcept {
+void LookAheadBlock<T>::predict_rigid() noexcept {
   const StepSystem& plain = *system_->plain;
   for (std::size_t r = 0; r < rigid_q_.size(); ++r) {
     const int n = system_->rigid[r];
@@ -116,8 +117,8 @@ void Block<T>::predict_rigid() noexcept {
     for (int l = 0; l < length(); ++l) {
       q += plain.b(n) * v + plain.c(n) * load;
       v = plain.e(n) * v + plain.h(n) * load;
-      if (driven_) {
-        const double* more = &drive_[2 * static_cast<std::size_t>(l) * system_->modes];
+      if (forced_) {
+        const double* more = &forcing_[2 * static_cast<std::size_t>(l) * system_->modes];
         q += more[n];
         v += more[system_->modes + static_cast<std::size_t>(n)];
       }
@@ -128,7 +129,7 @@ void Block<T>::predict_rigid() noexcept {
 
 /// u when the block started.
 template <class T>
-double Block<T>::at_start(int point) const noexcept {
+double LookAheadBlock<T>::at_start(int point) const noexcept {
   if (was_watched_[static_cast<std::size_t>(point)] != 0) return ended_(point);
   const StepSystem& plain = *system_->plain;
   double u = s_(0, point);
@@ -138,7 +139,7 @@ double Block<T>::at_start(int point) const noexcept {
 }
 
 template <class T>
-SolveStatus Block<T>::step(ComplementaritySolver& solver, Vector& force) noexcept {
+SolveStatus LookAheadBlock<T>::step(ComplementaritySolver& solver, Vector& force) noexcept {
   const bool deep = solver.statistics().limited > 0;
   const int l = taken_ + 1;
   SolveStatus status = SolveStatus::solved;
@@ -195,7 +196,7 @@ SolveStatus Block<T>::step(ComplementaritySolver& solver, Vector& force) noexcep
 }
 
 template <class T>
-double Block<T>::energy_in_residual() const noexcept {
+double LookAheadBlock<T>::energy_in_residual() const noexcept {
   if (!system_->yields || pushing_ == 0) return 0;
   const auto n = static_cast<Eigen::Index>(watched_.size());
   double twice = 0;
@@ -205,14 +206,14 @@ double Block<T>::energy_in_residual() const noexcept {
 }
 
 template <class T>
-void Block<T>::take_back() noexcept {
+void LookAheadBlock<T>::take_back() noexcept {
   taken_ = advanced_ = length();
   for (int i : watched_) position_[static_cast<std::size_t>(i)] = -1;
   watched_.clear();
 }
 
 template <class T>
-simd::Sums Block<T>::advance(bool keep_rates) noexcept {
+simd::Sums LookAheadBlock<T>::advance(bool keep_rates) noexcept {
   simd::Sums sums;
   const auto from = static_cast<std::size_t>(advanced_), L = static_cast<std::size_t>(length());
   system_->loops->pushed_motion(
@@ -225,7 +226,7 @@ simd::Sums Block<T>::advance(bool keep_rates) noexcept {
 }
 
 template <class T>
-void Block<T>::advance_rigid(bool keep_rates, simd::Sums& sums) noexcept {
+void LookAheadBlock<T>::advance_rigid(bool keep_rates, simd::Sums& sums) noexcept {
   const StepSystem& plain = *system_->plain;
   for (std::size_t r = 0; r < rigid_q_.size(); ++r) {
     const int n = system_->rigid[r];
@@ -250,12 +251,12 @@ void Block<T>::advance_rigid(bool keep_rates, simd::Sums& sums) noexcept {
 }
 
 template <class T>
-void Block<T>::copy_state(Vector& q, Vector& v) const noexcept {
+void LookAheadBlock<T>::copy_state(Vector& q, Vector& v) const noexcept {
   std::copy_n(q_.begin(), q.size(), q.begin());
   std::copy_n(v_.begin(), v.size(), v.begin());
 }
 
-template class Block<double>;
-template class Block<float>;
+template class LookAheadBlock<double>;
+template class LookAheadBlock<float>;
 
 }  // namespace ricochet::contact

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Contact ahead: a block of steps of the compliant scheme by matrix products.
 //
 // Over a block of L steps the motion under the last known force λ̄, held on, is known beforehand: one product
@@ -18,8 +19,8 @@
 #include <span>
 #include <vector>
 
-#include "contact/stepping/block_system.hpp"
 #include "contact/complementarity/complementarity.hpp"
+#include "contact/stepping/block_system.hpp"
 
 namespace ricochet::contact {
 
@@ -52,14 +53,14 @@ class Gathered {
 };
 
 template <class T>
-class Block {
+class LookAheadBlock {
  public:
   /// `driven`: loads or supports vary. Allocates; nothing below does.
-  Block(std::shared_ptr<const BlockSystem<T>> system, bool driven);
+  LookAheadBlock(std::shared_ptr<const BlockSystem<T>> system, bool forced);
 
   /// What drives add to q, q̇ (N) in step l = 1…L of the block to start, and s (m) at its end; s at its start
   /// is that of l = 0. To be told of all before `start`.
-  void drive(int l, const Vector& q, const Vector& v, const Vector& s) noexcept;
+  void set_forcing(int l, const Vector& q, const Vector& v, const Vector& s) noexcept;
 
   /// Starts a block from q, q̇ (N) under the force λ (m) of the step before.
   void start(const Vector& q, const Vector& v, const Vector& force) noexcept;
@@ -113,12 +114,12 @@ class Block {
 
   std::shared_ptr<const BlockSystem<T>> system_;
   Gathered<T> near_;
-  bool driven_;
+  bool forced_;
   int taken_, advanced_;
   // of this block
   std::vector<double> q_, v_, load_, held_;  ///< (modes) load_: less held_, which is Bᵀλ̄
   std::vector<double> rigid_q_, rigid_v_, rigid_held_;
-  std::vector<double> drive_;           ///< (L, 2, modes) what drives add to q and q̇
+  std::vector<double> forcing_;         ///< (L, 2, modes) what drives add to q and q̇
   Matrix s_;                            ///< (1, m), driven: (L + 1, m)
   std::vector<T> x_;                    ///< (L, modes)
   std::vector<double> rates_;           ///< (L, modes)
@@ -143,7 +144,7 @@ class Block {
   double work_ = 0;
 };
 
-extern template class Block<double>;
-extern template class Block<float>;
+extern template class LookAheadBlock<double>;
+extern template class LookAheadBlock<float>;
 
 }  // namespace ricochet::contact

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "contact/stepping/step_system.hpp"
 
 #include <cassert>
@@ -5,7 +6,7 @@
 #include <numbers>
 
 #include "base/format.hpp"
-#include "contact/stepping/integrator.hpp"
+#include "contact/stepping/forced_response.hpp"
 #include "ricochet/error.hpp"
 
 namespace ricochet::contact {
@@ -58,7 +59,7 @@ std::shared_ptr<const StepSystem> make_step_system(const Model& model, const Ste
     const double omega = model.omega(n), delta = model.decay(n);
     if (compliant && !sampled(omega, options.step)) {
       // At rest but for its static displacement (f_n − Σ B_in λ_i)/ω², which the points see through s
-      // (Drives) and R.
+      // (ForcedResponse) and R.
       out.R.noalias() += out.B.col(n) * out.B.col(n).transpose() / out.stiffness(n);
       out.B.col(n).setZero();
       out.stiffness(n) = out.load(n) = out.q0(n) = 0;
@@ -85,7 +86,7 @@ std::shared_ptr<const StepSystem> make_step_system(const Model& model, const Ste
     out.S.diagonal().array() += least_norm * out.S.diagonal().mean();
     out.norm = out.B.rowwise().norm();
   }
-  out.s = Drives(model, options.step, compliant).start().s;
+  out.s = ForcedResponse(model, options.step, compliant).start().s;
   return std::make_shared<const StepSystem>(std::move(out));
 }
 

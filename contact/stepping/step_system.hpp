@@ -1,4 +1,4 @@
-// What is constant while a Model is stepped, shared by an integrator, its blocks and their copies.
+// The constants of stepping a Model, shared by a stepper, its blocks and their copies.
 #pragma once
 
 #include <Eigen/Dense>

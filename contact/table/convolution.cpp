@@ -58,8 +58,8 @@ class Convolution::Transform {
   std::vector<std::complex<double>> in_, out_;
 };
 
-Convolution::Convolution(Convolution&&) noexcept = default;
-Convolution& Convolution::operator=(Convolution&&) noexcept = default;
+Convolution::Convolution(const Convolution&) = default;
+Convolution& Convolution::operator=(const Convolution&) = default;
 Convolution::~Convolution() = default;
 
 Convolution::Convolution(std::span<const double> kernel, int rows, int columns,
@@ -104,7 +104,7 @@ void Convolution::spectra_of(std::span<const double> kernel) {
   const std::size_t B = static_cast<std::size_t>(block_), rows = static_cast<std::size_t>(rows_),
                     columns = static_cast<std::size_t>(columns_), L = static_cast<std::size_t>(length_);
   const std::size_t width = 2 * (B + 1);
-  transform_ = std::make_unique<Transform>(block_);
+  Transform& transform = transform_.emplace_back(block_);
   partitions_ = static_cast<std::int64_t>((L - 1) / B);  // lags B … L−1
   const std::size_t count = static_cast<std::size_t>(partitions_);
   spectra_.resize(count * columns * rows * width);
@@ -118,9 +118,9 @@ void Convolution::spectra_of(std::span<const double> kernel) {
       for (std::size_t i = 0; i < rows; ++i) {
         for (std::size_t k = 0; k < 2 * B; ++k) {
           const std::size_t l = p * B + k;
-          transform_->signal(k) = k < B && l < L ? kernel[(l * rows + i) * columns + j] : 0.0;
+          transform.signal(k) = k < B && l < L ? kernel[(l * rows + i) * columns + j] : 0.0;
         }
-        transform_->forward(spectrum);
+        transform.forward(spectrum);
         spectrum += width;
       }
 }
@@ -166,11 +166,11 @@ void Convolution::finish_block() noexcept {
       const std::int64_t sample = samples_ - 2 * block_ + static_cast<std::int64_t>(k);
       const double value = sample < 0 ? 0 : past_(static_cast<Eigen::Index>(j), slot(sample));
       active = active || value != 0;
-      transform_->signal(k) = value;
+      transform_.front().signal(k) = value;
     }
     const std::size_t at = newest * columns + j;
     input_active_[at] = active;
-    if (active) transform_->forward(&inputs_[at * width]);
+    if (active) transform_.front().forward(&inputs_[at * width]);
   }
 
   std::fill(output_.begin(), output_.end(), 0.0);
@@ -193,7 +193,7 @@ void Convolution::finish_block() noexcept {
     return;
   }
   for (std::size_t i = 0; i < rows; ++i)
-    transform_->inverse(&output_[i * width], far_.row(static_cast<Eigen::Index>(i)));
+    transform_.front().inverse(&output_[i * width], far_.row(static_cast<Eigen::Index>(i)));
 }
 
 double Convolution::departure(std::span<const double> kernel, int rows, int columns) {

@@ -14,7 +14,6 @@
 #include <complex>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -37,8 +36,8 @@ class Convolution {
   /// @param kernel  (L, rows, columns), row-major, L ≥ 1; not needed afterwards
   /// Allocates here only. The partitioned form holds twice the kernel's memory, the direct one once.
   Convolution(std::span<const double> kernel, int rows, int columns, const ConvolutionOptions& options = {});
-  Convolution(Convolution&&) noexcept;
-  Convolution& operator=(Convolution&&) noexcept;
+  Convolution(const Convolution&);
+  Convolution& operator=(const Convolution&);
   ~Convolution();
 
   /// y_k of the next sample, k = samples().
@@ -73,13 +72,13 @@ class Convolution {
   Eigen::VectorXd sum_, weighted_sum_;  ///< Σ_{l ≥ L} x_{k−l} and Σ_{l ≥ L} (l − L + 1) x_{k−l}
 
   // Partitioned: B + 1 bins, real parts then imaginary parts.
-  std::unique_ptr<Transform> transform_;
-  std::int64_t partitions_ = 0;     ///< from the second one on
-  std::vector<double> spectra_;     ///< (partitions, columns, rows, 2, B + 1)
-  std::vector<double> inputs_;      ///< (partitions, columns, 2, B + 1) ring of spectra of past blocks
-  std::vector<char> input_active_;  ///< (partitions, columns)
-  std::vector<double> output_;      ///< (rows, 2, B + 1)
-  Eigen::MatrixXd far_;             ///< (rows, B) of the block under way
+  std::vector<Transform> transform_;  ///< one
+  std::int64_t partitions_ = 0;       ///< from the second one on
+  std::vector<double> spectra_;       ///< (partitions, columns, rows, 2, B + 1)
+  std::vector<double> inputs_;        ///< (partitions, columns, 2, B + 1) ring of spectra of past blocks
+  std::vector<char> input_active_;    ///< (partitions, columns)
+  std::vector<double> output_;        ///< (rows, 2, B + 1)
+  Eigen::MatrixXd far_;               ///< (rows, B) of the block under way
 };
 
 }  // namespace ricochet::contact

@@ -2,12 +2,11 @@
 #include "contact/table/modal_table.hpp"
 
 #include <algorithm>
-#include <numbers>
 #include <vector>
 
 #include "base/format.hpp"
-#include "contact/stepping/integrator.hpp"
 #include "contact/stepping/propagator.hpp"
+#include "contact/stepping/stepper.hpp"
 #include "ricochet/error.hpp"
 
 namespace ricochet::contact {
@@ -41,11 +40,11 @@ Table table_from_modes(const Model& model, const StepOptions& options, std::int6
   // Without contact: the same bodies, out of reach of each other.
   Model apart = model;
   apart.gap.setConstant(1e300);
-  Integrator motion(apart, options);
+  const std::unique_ptr<Stepper> motion = make_stepper(apart, options);
   for (std::int64_t k = 0; k < K; ++k) {
-    if (k > 0 && motion.step() != StepStatus::ok)
-      throw SolverError(base::format("the free motion stops being finite at t = {:.6g} s", motion.time()));
-    const Vector &u = motion.displacement(), rate = model.B * motion.v();
+    if (k > 0 && motion->step() != StepStatus::ok)
+      throw SolverError(base::format("the free motion stops being finite at t = {:.6g} s", motion->time()));
+    const Vector &u = motion->displacement(), rate = model.B * motion->modal()->v;
     table.free.insert(table.free.end(), u.data(), u.data() + m);
     if (!compliant) table.free_velocity.insert(table.free_velocity.end(), rate.data(), rate.data() + m);
   }
@@ -55,7 +54,7 @@ Table table_from_modes(const Model& model, const StepOptions& options, std::int6
   std::vector<Eigen::Index> column;
   for (Eigen::Index n = 0; n < N; ++n) {
     const double stiffness = model.omega(n) * model.omega(n);
-    if (compliant && model.omega(n) * options.step > std::numbers::pi) {  // as in Integrator
+    if (compliant && !sampled(model.omega(n), options.step)) {
       at_once.noalias() += model.B.col(n) * model.B.col(n).transpose() / stiffness;
       continue;
     }

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: BSD-2-Clause
 """Draws bell.step with the OpenCASCADE kernel of gmsh: a church bell of 400 mm diameter, its profile turned about the z axis.
 Lengths in millimetres.
 

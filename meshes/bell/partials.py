@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: BSD-2-Clause
 """Names the partials of a bell by their shapes, from its kernel with a view: partials.py out/bell-*.kernel.h5
 
 A partial goes as cos(m θ) around the bell. Its lip and its waist move outward together, or against each other.

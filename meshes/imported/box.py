@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: BSD-2-Clause
 """Writes stiffness and mass of an aluminium box, as another finite element program would: K.mtx, M.mtx, nodes.txt, foot.txt.
 
 Into the working folder. The box has 3 x 2 x 2 equal bricks of eight nodes. N of such a brick is a product of hats along the axes,

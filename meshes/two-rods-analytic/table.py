@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: BSD-2-Clause
 """Writes the kernel of two equal free rods that meet end to end, in closed form, as a table.
 
     meshes/two-rods-analytic/table.py                 # out/rods.table.h5, for two-rods-analytic.toml

@@ -10,10 +10,10 @@ import re
 import warnings
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
-from matplotlib.figure import Figure
-from matplotlib.text import Text
+if TYPE_CHECKING:  # it takes half a second to import, and few commands draw
+    from matplotlib.figure import Figure
 
 
 def write(path: Path, content: bytes | memoryview) -> None:
@@ -70,12 +70,14 @@ def write_csv(path: Path, titles: Iterable[str], rows: Iterable[Sequence[Any]]) 
     write(path, text.getvalue().encode())
 
 
-def save_picture(figure: Figure, path: Path, **options: Any) -> None:
+def save_picture(figure: "Figure", path: Path, **options: Any) -> None:
     """Writes a figure as PNG. Raises OSError.
 
     Dollars in titles and names stay dollars: only matplotlib's own labels are formulas. A letter that no font has becomes an
     empty box.
     """
+    from matplotlib.text import Text
+
     for text in figure.findobj(Text):
         if "$" in text.get_text() and not text.get_text().startswith(r"$\mathdefault"):
             text.set_parse_math(False)

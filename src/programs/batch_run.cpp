@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "contact/output/summary.hpp"
-#include "contact/stepping/integrator.hpp"
+#include "contact/stepping/stepper.hpp"
 #include "kernels/read.hpp"
 #include "kernels/write.hpp"
 #include "ricochet/error.hpp"
@@ -129,17 +129,17 @@ class Batch {
     const StepOptions step = step_options(scene);
     const std::int64_t steps = std::llround(scene.time.duration * scene.time.rate.value);
     const Clock::time_point stepping = Clock::now();
-    contact::Integrator integrator = in_scene(scene, [&] { return contact::Integrator(model, step); });
+    const auto stepper = in_scene(scene, [&] { return contact::make_stepper(model, step); });
     contact::SummaryObserver observer(model, step.step, slowest_wave(scene));
     for (std::int64_t k = 1; k <= steps; ++k) {
-      check(integrator.step(), scene, static_cast<double>(k) * step.step);
-      observer.observe(integrator);
+      check(stepper->step(), scene, static_cast<double>(k) * step.step);
+      observer.observe(*stepper);
     }
     const double elapsed = seconds_since(stepping);
     contact::Summary summary = observer.summary();
     judged.into(summary);
     judge_steps(scene, summary);
-    summary.real_time_factor = elapsed > 0 ? integrator.time() / elapsed : 0;
+    summary.real_time_factor = elapsed > 0 ? stepper->time() / elapsed : 0;
     summary.wall_s = seconds_since(started);
     return contact::json_text(summary);
   }

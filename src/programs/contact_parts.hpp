@@ -10,7 +10,7 @@
 #include "contact/model/model.hpp"
 #include "contact/output/summary.hpp"
 #include "contact/static/equilibrium.hpp"
-#include "contact/stepping/integrator.hpp"
+#include "contact/stepping/stepper.hpp"
 #include "src/console/console.hpp"
 #include "src/console/options.hpp"
 #include "src/programs/placing.hpp"

@@ -18,7 +18,7 @@
 #include "contact/output/recorder.hpp"
 #include "contact/output/summary.hpp"
 #include "contact/static/equilibrium.hpp"
-#include "contact/stepping/integrator.hpp"
+#include "contact/stepping/stepper.hpp"
 #include "ricochet/error.hpp"
 #include "ricochet/kernel.hpp"
 #include "src/console/console.hpp"
@@ -333,10 +333,10 @@ int run_contact(const console::Options& options, std::ostream& out) {
 
   console.begin("steps", steps);
   const Clock::time_point stepping = Clock::now();
-  contact::Integrator integrator = in_scene(scene, [&] { return contact::Integrator(model, step); });
+  const auto stepper = in_scene(scene, [&] { return contact::make_stepper(model, step); });
   contact::Recorder recorder(model, step, target.recorder);
   std::optional<contact::MotionFile> film;
-  if (target.motion) film.emplace(integrator, model, *target.motion);
+  if (target.motion) film.emplace(*stepper, model, *target.motion);
   Microphones microphones = in_scene(scene, [&] { return Microphones(model, steps, scene.time.rate.value); });
   microphones.listen(recorder.receivers());
   contact::SummaryObserver observer(model, step.step, slowest_wave(scene));
@@ -348,12 +348,12 @@ int run_contact(const console::Options& options, std::ostream& out) {
                                              .title = scene.title,
                                              .every = options.fclib_every});
   for (std::int64_t k = 1; k <= steps; ++k) {
-    check(integrator.step(), scene, static_cast<double>(k) * step.step);
-    if (problems) problems->observe(integrator);
-    observer.observe(integrator);
-    recorder.record(integrator);
+    check(stepper->step(), scene, static_cast<double>(k) * step.step);
+    if (problems) problems->observe(*stepper);
+    observer.observe(*stepper);
+    recorder.record(*stepper);
     microphones.listen(recorder.receivers());
-    if (film) film->record(integrator);
+    if (film) film->record(*stepper);
     console.advance(k);
   }
   const double elapsed = seconds_since(stepping);
@@ -368,7 +368,7 @@ int run_contact(const console::Options& options, std::ostream& out) {
   judged.into(summary);
   judge_steps(scene, summary);
   summary.sounds = microphones.write(folder / scene::slug(scene.title));
-  summary.real_time_factor = elapsed > 0 ? integrator.time() / elapsed : 0;
+  summary.real_time_factor = elapsed > 0 ? stepper->time() / elapsed : 0;
   summary.wall_s = seconds_since(started);
   contact::write_json(summary, target.summary);
   console.end(target.result.filename().string());

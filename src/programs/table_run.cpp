@@ -11,7 +11,7 @@
 #include "contact/output/table_results.hpp"
 #include "contact/table/modal_table.hpp"
 #include "contact/table/table.hpp"
-#include "contact/table/table_integrator.hpp"
+#include "contact/table/table_stepper.hpp"
 #include "src/programs/contact_parts.hpp"
 #include "src/scene/write.hpp"
 
@@ -34,9 +34,9 @@ void check_memory(const scene::Scene& scene, Eigen::Index points, std::int64_t s
                     scene.file.string(), steps, points, points, needed * 1e-9, there * 1e-9));
 }
 
-void check_length(const scene::Scene& scene, const contact::TableIntegrator& integrator, std::int64_t steps) {
-  if (steps <= integrator.available()) return;
-  const double longest = static_cast<double>(integrator.available()) / scene.time.rate.value;
+void check_length(const scene::Scene& scene, const contact::TableStepper& stepper, std::int64_t steps) {
+  if (steps <= stepper.available()) return;
+  const double longest = static_cast<double>(stepper.available()) / scene.time.rate.value;
   throw InputError(
       fmt::format("{}: time.duration = {:.6g} s: {} has samples for {:.6g} s. Shorten the run, or make the "
                   "table longer (tail = "
@@ -72,14 +72,14 @@ std::int64_t steps_of(const scene::Scene& scene) {
 
 /// All steps, `after` each; `wall_s` is left to the caller.
 template <class After>
-contact::Summary run(const scene::Scene& scene, const Tabled& tabled, contact::TableIntegrator& integrator,
+contact::Summary run(const scene::Scene& scene, const Tabled& tabled, contact::TableStepper& stepper,
                      After after) {
   const StepOptions step = step_options(scene);
-  contact::TableObserver observer(integrator, step.step, tabled.unpaired);
+  contact::TableObserver observer(tabled.table, stepper, step.step, tabled.unpaired);
   const Clock::time_point started = Clock::now();
   for (std::int64_t k = 1, steps = steps_of(scene); k <= steps; ++k) {
-    check(integrator.step(), scene, static_cast<double>(k) * step.step);
-    observer.observe(integrator);
+    check(stepper.step(), scene, static_cast<double>(k) * step.step);
+    observer.observe(stepper);
     after(k);
   }
   const double elapsed = seconds_since(started);
@@ -93,13 +93,13 @@ contact::Summary run(const scene::Scene& scene, const Tabled& tabled, contact::T
       summary.modes_in_residual =
           static_cast<int>((tabled.model->omega.array() * step.step > std::numbers::pi).count());
   }
-  summary.real_time_factor = elapsed > 0 ? integrator.time() / elapsed : 0;
+  summary.real_time_factor = elapsed > 0 ? stepper.time() / elapsed : 0;
   return summary;
 }
 
-contact::TableIntegrator integrator_of(const scene::Scene& scene, const Tabled& tabled) {
-  contact::TableIntegrator out =
-      in_scene(scene, [&] { return contact::TableIntegrator(tabled.table, step_options(scene)); });
+contact::TableStepper stepper_of(const scene::Scene& scene, const Tabled& tabled) {
+  contact::TableStepper out =
+      in_scene(scene, [&] { return contact::TableStepper(tabled.table, step_options(scene)); });
   check_length(scene, out, steps_of(scene));
   return out;
 }
@@ -108,8 +108,8 @@ contact::TableIntegrator integrator_of(const scene::Scene& scene, const Tabled& 
 
 contact::Summary summary_by_table(const scene::Scene& scene, const fs::path& folder, KernelCache& cache) {
   const Tabled table = tabled(scene, folder, cache, steps_of(scene));
-  contact::TableIntegrator integrator = integrator_of(scene, table);
-  return run(scene, table, integrator, [](std::int64_t) {});
+  contact::TableStepper stepper = stepper_of(scene, table);
+  return run(scene, table, stepper, [](std::int64_t) {});
 }
 
 int run_table(const console::Options& options, const scene::Scene& scene, const fs::path& folder,
@@ -128,16 +128,16 @@ int run_table(const console::Options& options, const scene::Scene& scene, const 
   base::check_place(result);
 
   console.begin("steps", steps);
-  contact::TableIntegrator integrator = integrator_of(scene, source);
-  contact::TableRecorder recorder(source.table, source.model ? &*source.model : nullptr, integrator,
+  contact::TableStepper stepper = stepper_of(scene, source);
+  contact::TableRecorder recorder(source.table, source.model ? &*source.model : nullptr, stepper,
                                   {.path = result,
                                    .title = scene.title,
                                    .scene = scene::to_toml(scene),
                                    .created_by = std::string("ricochet-contact ") + RICOCHET_VERSION,
                                    .kernel_files = source.kernels.file,
                                    .every = scene.output.every});
-  contact::Summary summary = run(scene, source, integrator, [&](std::int64_t k) {
-    recorder.record(integrator);
+  contact::Summary summary = run(scene, source, stepper, [&](std::int64_t k) {
+    recorder.record(stepper);
     console.advance(k);
   });
   console.end(fmt::format("{} steps of {:.4g} s", steps, step_options(scene).step));

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "benchmarks/plates.hpp"
-#include "contact/stepping/integrator.hpp"
+#include "contact/stepping/stepper.hpp"
 #include "tests/contact/heap_counter.hpp"
 
 namespace {
@@ -59,21 +59,22 @@ Difference compare(const Model& model, StepOptions options, int steps) {
   StepOptions plain = options;
   plain.block = 1;
   plain.every_state = true;
-  Integrator expected(model, plain), found(model, options);
+  const auto expected = make_stepper(model, plain);
+  const auto found = make_stepper(model, options);
   double force = 0, motion = 0, displacement = 0;
   Difference worst;
   for (int k = 1; k <= steps; ++k) {
-    EXPECT_EQ(expected.step(), StepStatus::ok);
-    EXPECT_EQ(found.step(), StepStatus::ok);
-    force = std::max(force, expected.force().maxCoeff());
-    worst.force = std::max(worst.force, (expected.force() - found.force()).cwiseAbs().maxCoeff());
-    worst.touches += expected.active() > 0 ? 1 : 0;
+    EXPECT_EQ(expected->step(), StepStatus::ok);
+    EXPECT_EQ(found->step(), StepStatus::ok);
+    force = std::max(force, expected->force().maxCoeff());
+    worst.force = std::max(worst.force, (expected->force() - found->force()).cwiseAbs().maxCoeff());
+    worst.touches += expected->active() > 0 ? 1 : 0;
     if (!options.every_state && k % options.block != 0) continue;
-    motion = std::max(motion, expected.v().norm());
-    worst.motion = std::max(worst.motion, (expected.v() - found.v()).norm());
-    displacement = std::max(displacement, expected.displacement().cwiseAbs().maxCoeff());
-    worst.displacement =
-        std::max(worst.displacement, (expected.displacement() - found.displacement()).cwiseAbs().maxCoeff());
+    motion = std::max(motion, expected->modal()->v.norm());
+    worst.motion = std::max(worst.motion, (expected->modal()->v - found->modal()->v).norm());
+    displacement = std::max(displacement, expected->displacement().cwiseAbs().maxCoeff());
+    worst.displacement = std::max(worst.displacement,
+                                  (expected->displacement() - found->displacement()).cwiseAbs().maxCoeff());
   }
   worst.force /= force;
   worst.motion /= motion;
@@ -107,13 +108,13 @@ TEST(Blocks, make_up_for_earlier_forces_at_points_that_come_into_sight) {
   model.v0 << 0.26, 0, 0.01;
   model.gap << 5e-7, 4.3e-4, 4.7e-5;
   const StepOptions options{.step = step, .block = 64};
-  Integrator integrator(model, options);
+  const auto stepper = make_stepper(model, options);
   for (int k = 0; k < 64; ++k) {
-    ASSERT_EQ(integrator.step(), StepStatus::ok);
-    if (integrator.force()(1) > 0) break;
+    ASSERT_EQ(stepper->step(), StepStatus::ok);
+    if (stepper->force()(1) > 0) break;
   }
-  EXPECT_GT(integrator.force()(1), 0);
-  EXPECT_GT(integrator.steps(), 30);
+  EXPECT_GT(stepper->force()(1), 0);
+  EXPECT_GT(stepper->steps(), 30);
   const Difference difference = compare(model, options, 64);
   EXPECT_LT(difference.force, 1e-9);
   EXPECT_LT(difference.motion, 1e-9);
@@ -160,10 +161,10 @@ TEST(Blocks, in_single_precision_give_the_impulse_to_1e_4) {
   const Model model = benchmarks::plates(6, 5, 80);
   double impulse[2] = {0, 0};
   for (const Precision precision : {Precision::float64, Precision::float32}) {
-    Integrator integrator(model, {.step = step, .precision = precision, .every_state = false});
+    const auto stepper = make_stepper(model, {.step = step, .precision = precision, .every_state = false});
     for (int k = 0; k < 512; ++k) {
-      ASSERT_EQ(integrator.step(), StepStatus::ok);
-      impulse[precision == Precision::float32] += integrator.force().sum() * step;
+      ASSERT_EQ(stepper->step(), StepStatus::ok);
+      impulse[precision == Precision::float32] += stepper->force().sum() * step;
     }
   }
   EXPECT_GT(impulse[0], 0);
@@ -173,9 +174,9 @@ TEST(Blocks, in_single_precision_give_the_impulse_to_1e_4) {
 TEST(Blocks, take_no_memory) {
   const Model model = dropped(60, 12, 1e-4, 5);
   for (const bool every_state : {true, false}) {
-    Integrator integrator(model, {.step = step, .every_state = every_state});
+    const auto stepper = make_stepper(model, {.step = step, .every_state = every_state});
     const auto before = heap_counter::calls.load();
-    for (int k = 0; k < 5000; ++k) ASSERT_EQ(integrator.step(), StepStatus::ok);
+    for (int k = 0; k < 5000; ++k) ASSERT_EQ(stepper->step(), StepStatus::ok);
     EXPECT_EQ(heap_counter::calls.load(), before);
   }
 }
@@ -184,9 +185,9 @@ TEST(Blocks, are_not_taken_beyond_a_step_that_fails) {
   Model model = dropped(5, 2, 0, 1);
   model.v0(0) = std::numeric_limits<double>::quiet_NaN();
   for (const bool every_state : {true, false}) {
-    Integrator integrator(model, {.step = step, .every_state = every_state});
+    const auto stepper = make_stepper(model, {.step = step, .every_state = every_state});
     StepStatus status = StepStatus::ok;
-    for (int k = 0; k < 16 && status == StepStatus::ok; ++k) status = integrator.step();
+    for (int k = 0; k < 16 && status == StepStatus::ok; ++k) status = stepper->step();
     EXPECT_EQ(status, StepStatus::not_finite);
   }
 }
@@ -197,23 +198,24 @@ TEST(Blocks, leave_the_state_before_them_when_they_fail_and_fail_again) {
   Model model = dropped(5, 2, 0, 1);
   model.v0(0) = -1e200;
   for (const bool every_state : {true, false}) {
-    Integrator integrator(model, {.step = step, .block = 4, .every_state = every_state});
+    const auto stepper = make_stepper(model, {.step = step, .block = 4, .every_state = every_state});
     for (int attempt = 0; attempt < 3; ++attempt) {
-      for (int k = 1; k < 4 && !every_state; ++k) ASSERT_EQ(integrator.step(), StepStatus::ok);
-      EXPECT_EQ(integrator.step(), StepStatus::not_finite);
-      EXPECT_EQ(integrator.steps(), 0);
-      EXPECT_EQ(integrator.pending(), 0);
-      EXPECT_EQ(integrator.force(), Vector::Zero(2));
-      EXPECT_EQ(integrator.active(), 0);
-      EXPECT_EQ(integrator.v(), model.v0);
+      for (int k = 1; k < 4 && !every_state; ++k) ASSERT_EQ(stepper->step(), StepStatus::ok);
+      EXPECT_EQ(stepper->step(), StepStatus::not_finite);
+      EXPECT_EQ(stepper->steps(), 0);
+      EXPECT_EQ(stepper->pending(), 0);
+      EXPECT_EQ(stepper->force(), Vector::Zero(2));
+      EXPECT_EQ(stepper->active(), 0);
+      EXPECT_EQ(stepper->modal()->v, model.v0);
     }
   }
 }
 
 /// Steps of a block from a state, and what it says of the last.
 template <class T>
-void run(Block<T>& block, ComplementaritySolver& solver, const Integrator& from, int steps, Vector& force) {
-  block.start(from.q(), from.v(), from.force());
+void run(LookAheadBlock<T>& block, ComplementaritySolver& solver, const Stepper& from, int steps,
+         Vector& force) {
+  block.start(from.modal()->q, from.modal()->v, from.force());
   for (int k = 0; k < steps; ++k) ASSERT_EQ(block.step(solver, force), SolveStatus::solved);
 }
 
@@ -221,21 +223,21 @@ void run(Block<T>& block, ComplementaritySolver& solver, const Integrator& from,
 TEST(Blocks, that_are_taken_back_start_again_as_new_ones) {
   const Model model = dropped(60, 12, 1e-5, 3);
   const StepOptions options{.step = step, .block = 1};
-  Integrator integrator(model, options);
-  while (integrator.active() == 0) ASSERT_EQ(integrator.step(), StepStatus::ok);
+  const auto stepper = make_stepper(model, options);
+  while (stepper->active() == 0) ASSERT_EQ(stepper->step(), StepStatus::ok);
   const auto system =
       std::make_shared<const BlockSystem<double>>(make_step_system(model, options), 8, options.step);
   const auto solver = [] { return ComplementaritySolver(12, {.same_matrix = true}); };
   for (const int steps : {1, 3, 8}) {
-    Block<double> block(system, false), fresh(system, false);
+    LookAheadBlock<double> block(system, false), fresh(system, false);
     ComplementaritySolver used = solver(), unused = solver();
     Vector force = Vector::Zero(12), expected = force;
-    run(block, used, integrator, steps, force);
+    run(block, used, *stepper, steps, force);
     block.take_back();
     EXPECT_TRUE(block.over());
     EXPECT_EQ(block.watched(), 0);
-    run(block, used, integrator, 1, force);
-    run(fresh, unused, integrator, 1, expected);
+    run(block, used, *stepper, 1, force);
+    run(fresh, unused, *stepper, 1, expected);
     EXPECT_GT(expected.maxCoeff(), 0);
     // 1e-9: the matrices of the two problems may hold other points.
     EXPECT_LT((force - expected).norm(), 1e-9 * expected.norm());

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <random>
 
-#include "contact/stepping/integrator.hpp"
+#include "contact/stepping/stepper.hpp"
 #include "tests/contact/bodies.hpp"
 #include "tests/contact/heap_counter.hpp"
 
@@ -102,7 +102,7 @@ TEST(Drives, move_modes_of_any_damping_exactly_whatever_their_knots) {
       const History history = ragged(steps * step, 3, start);
       const Model model = loose(history, support, step);
       for (const Scheme scheme : {Scheme::compliant, Scheme::impulse}) {
-        Integrator integrator(model, {.scheme = scheme, .step = step});
+        const auto stepper = make_stepper(model, {.scheme = scheme, .step = step});
         std::vector<Mode> modes;
         for (Eigen::Index n = 0; n < model.omega.size(); ++n) {
           modes.push_back(
@@ -110,16 +110,16 @@ TEST(Drives, move_modes_of_any_damping_exactly_whatever_their_knots) {
           modes.back().p = modes.back().lift * history.at(0);
         }
         for (int k = 1; k <= steps; ++k) {
-          ASSERT_EQ(integrator.step(), StepStatus::ok);
+          ASSERT_EQ(stepper->step(), StepStatus::ok);
           for (Eigen::Index n = 0; n < model.omega.size(); ++n) {
             Mode& mode = modes[n];
             mode.run(history, (k - 1) * step, k * step, step / 1000);
             const double lift = model.drives[0].lift(n), size = support ? 1 : 1e-2;
-            EXPECT_NEAR(integrator.q()(n) + lift * history.at(k * step), static_cast<double>(mode.p),
+            EXPECT_NEAR(stepper->modal()->q(n) + lift * history.at(k * step), static_cast<double>(mode.p),
                         1e-9 * size)
                 << n << " " << k << " " << support;
-            EXPECT_NEAR(integrator.v()(n) + lift * history.slope(k * step), static_cast<double>(mode.rate),
-                        1e-7 * size)
+            EXPECT_NEAR(stepper->modal()->v(n) + lift * history.slope(k * step),
+                        static_cast<double>(mode.rate), 1e-7 * size)
                 << n << " " << k << " " << support;
           }
         }
@@ -157,17 +157,17 @@ TEST(Ledger, closes_with_loads_and_supports_that_change_within_steps) {
          {StepOptions{.scheme = Scheme::compliant, .step = step},
           StepOptions{.scheme = Scheme::impulse, .restitution = 0.3, .step = step},
           StepOptions{.scheme = Scheme::impulse, .admittance = Admittance::difference, .step = step}}) {
-      Integrator integrator(busy(step, 1e-3, seed), options);
-      const double start = integrator.energy().ledger();
-      double size = 0, worst = 0, before = integrator.energy().total(), growth = 0;
+      const auto stepper = make_stepper(busy(step, 1e-3, seed), options);
+      const double start = stepper->modal()->energy().ledger();
+      double size = 0, worst = 0, before = stepper->modal()->energy().total(), growth = 0;
       for (int k = 0; k < 400; ++k) {
-        ASSERT_EQ(integrator.step(), StepStatus::ok);
-        const Energy& e = integrator.energy();
+        ASSERT_EQ(stepper->step(), StepStatus::ok);
+        const Energy& e = stepper->modal()->energy();
         size = std::max({size, e.kinetic + e.strain, std::abs(e.loads)});
         worst = std::max(worst, std::abs(e.ledger() - start));
         growth = std::max(growth, e.total() - before);
         before = e.total();
-        touching += integrator.active() > 0;
+        touching += stepper->active() > 0;
       }
       EXPECT_LT(worst, 1e-12 * size) << seed;
       if (options.admittance == Admittance::jump) {
@@ -182,8 +182,8 @@ TEST(Ledger, counts_the_work_of_a_load_as_its_integral) {
   const double step = 0.01;
   const History history = ragged(20 * step, 8);
   const Model model = loose(history, false, step);
-  Integrator integrator(model, {.step = step});
-  for (int k = 0; k < 20; ++k) ASSERT_EQ(integrator.step(), StepStatus::ok);
+  const auto stepper = make_stepper(model, {.step = step});
+  for (int k = 0; k < 20; ++k) ASSERT_EQ(stepper->step(), StepStatus::ok);
   long double work = 0, lost = 0;
   for (Eigen::Index n = 0; n < model.omega.size(); ++n) {
     Mode mode{model.omega(n), model.decay(n), 1.5L, 0};
@@ -200,9 +200,10 @@ TEST(Ledger, counts_the_work_of_a_load_as_its_integral) {
     }
   }
   // the midpoint rule of 2000 pieces a step, the highest mode at ωΔ = 2.5: 1e-7
-  EXPECT_NEAR(integrator.energy().loads, static_cast<double>(work),
+  EXPECT_NEAR(stepper->modal()->energy().loads, static_cast<double>(work),
               1e-6 * std::abs(static_cast<double>(work)));
-  EXPECT_NEAR(integrator.energy().damping, static_cast<double>(lost), 1e-6 * static_cast<double>(lost));
+  EXPECT_NEAR(stepper->modal()->energy().damping, static_cast<double>(lost),
+              1e-6 * static_cast<double>(lost));
 }
 
 // A unit mass on a support that lifts it at speed 2 from t = 0: the lift is rigid, and the ledger must find
@@ -216,15 +217,15 @@ TEST(Ledger, counts_the_work_of_a_support_that_gets_a_body_moving) {
   model.bodies[0].modes = 1;
   model.drives[0].force = Vector::Zero(1);
   model.drives[0].lift = Vector::Ones(1);
-  Integrator integrator(model, {.step = 0.01});
-  EXPECT_EQ(integrator.energy().kinetic, 0);
-  for (int k = 0; k < 500; ++k) ASSERT_EQ(integrator.step(), StepStatus::ok);
-  EXPECT_NEAR(integrator.energy().kinetic, 2, 1e-12);
-  EXPECT_NEAR(integrator.energy().strain, 0, 1e-12);
+  const auto stepper = make_stepper(model, {.step = 0.01});
+  EXPECT_EQ(stepper->modal()->energy().kinetic, 0);
+  for (int k = 0; k < 500; ++k) ASSERT_EQ(stepper->step(), StepStatus::ok);
+  EXPECT_NEAR(stepper->modal()->energy().kinetic, 2, 1e-12);
+  EXPECT_NEAR(stepper->modal()->energy().strain, 0, 1e-12);
   // the support works 2 J on the mass and 2 J on the damper: seen from the support, the mass starts at speed
   // −2
-  EXPECT_NEAR(integrator.energy().damping, 2, 1e-12);
-  EXPECT_NEAR(integrator.energy().loads, 4, 1e-12);
+  EXPECT_NEAR(stepper->modal()->energy().damping, 2, 1e-12);
+  EXPECT_NEAR(stepper->modal()->energy().loads, 4, 1e-12);
 }
 
 constexpr double length = 10;
@@ -243,22 +244,22 @@ TEST(Bar, whose_foot_moves_follows_the_waves) {
   const Kernel bar = clamped_bar(200, length);
   const double speed = 0.3, step = 0.07;
   const Model model = bar_at_wall(bar, 50, {{"bar", "foot", true, {speed, 0, 0}, {{0, 1000}, {0, 1000}}}});
-  Integrator integrator(model, {.scheme = Scheme::impulse, .step = step});
+  const auto stepper = make_stepper(model, {.scheme = Scheme::impulse, .step = step});
   double largest = 0;
   for (int k = 1; k <= 1000; ++k) {
-    ASSERT_EQ(integrator.step(), StepStatus::ok);
-    const double t = integrator.time();
+    ASSERT_EQ(stepper->step(), StepStatus::ok);
+    const double t = stepper->time();
     double tip = 0;
     for (double front = length; front < t; front += 4 * length)
       tip += 2 * speed * std::min(t - front, 2 * length);
-    largest = std::max(largest, std::abs(integrator.displacement()(0) - tip));
+    largest = std::max(largest, std::abs(stepper->displacement()(0) - tip));
     if (std::abs(std::fmod(t, 2 * length) - length) > 1) {
-      const double rate = model.B.row(0).dot(integrator.v()) + speed;  // Ψ = 1
+      const double rate = model.B.row(0).dot(stepper->modal()->v) + speed;  // Ψ = 1
       EXPECT_NEAR(rate, std::fmod(t + length, 4 * length) > 2 * length ? 2 * speed : 0, 0.15 * speed) << t;
     }
   }
   EXPECT_LT(largest, 2e-3 * speed * length);
-  EXPECT_LT(integrator.energy().ledger(), 1e-10);
+  EXPECT_LT(stepper->modal()->energy().ledger(), 1e-10);
 }
 
 // Pressed by its foot against the wall slowly and left to rest, the bar is a spring EA/L. 1e-6: the damper.
@@ -268,12 +269,12 @@ TEST(Bar, pressed_by_its_foot_is_a_spring) {
     for (double& decay : bar.modes.decay_rate) decay = 0.5;
     const double travel = 0.03, gap = 0.01;
     const Model model = bar_at_wall(bar, gap, {{"bar", "foot", true, {travel, 0, 0}, {{3, 40}, {0, 1}}}});
-    Integrator integrator(model, {.scheme = Scheme::compliant, .step = 0.1});
-    for (int k = 0; k < 2000; ++k) ASSERT_EQ(integrator.step(), StepStatus::ok);
-    EXPECT_NEAR(integrator.force()(0), (travel - gap) / length, 1e-6 * travel / length) << modes;
-    EXPECT_NEAR(integrator.displacement()(0), gap, 1e-15);
+    const auto stepper = make_stepper(model, {.scheme = Scheme::compliant, .step = 0.1});
+    for (int k = 0; k < 2000; ++k) ASSERT_EQ(stepper->step(), StepStatus::ok);
+    EXPECT_NEAR(stepper->force()(0), (travel - gap) / length, 1e-6 * travel / length) << modes;
+    EXPECT_NEAR(stepper->displacement()(0), gap, 1e-15);
     // work of the foot: ½ k x² in the bar, and what damping and contact took
-    const Energy& e = integrator.energy();
+    const Energy& e = stepper->modal()->energy();
     EXPECT_NEAR(e.kinetic, 0, 1e-12);
     EXPECT_LT(std::abs(e.ledger()), 1e-15);
   }
@@ -287,10 +288,10 @@ TEST(Bar, stretches_by_its_load_whichever_of_its_modes_are_static) {
     for (double& decay : bar.modes.decay_rate) decay = 0.15;
     const Model model =
         bar_at_wall(bar, 100, {{"bar", "tip", false, {2, 0, 0}, {{0, 30, 31.7}, {0, 0.5, 1}}}});
-    Integrator integrator(model, {.scheme = Scheme::compliant, .step = step});
-    while (integrator.time() < 300) ASSERT_EQ(integrator.step(), StepStatus::ok);
-    EXPECT_NEAR(integrator.displacement()(0), 2 * length, 1e-9) << step;
-    EXPECT_EQ(integrator.modes_in_residual() > 0, step > 0.5);
+    const auto stepper = make_stepper(model, {.scheme = Scheme::compliant, .step = step});
+    while (stepper->time() < 300) ASSERT_EQ(stepper->step(), StepStatus::ok);
+    EXPECT_NEAR(stepper->displacement()(0), 2 * length, 1e-9) << step;
+    EXPECT_EQ(stepper->modal()->modes_in_residual() > 0, step > 0.5);
   }
 }
 
@@ -298,11 +299,11 @@ TEST(Bar, stretches_by_its_load_whichever_of_its_modes_are_static) {
 TEST(Bar, whose_foot_is_displaced_from_the_start_is_at_rest) {
   const Kernel bar = clamped_bar(20, length);
   const Model model = bar_at_wall(bar, 1, {{"bar", "foot", true, {0.25, 0, 0}, {}}});
-  Integrator integrator(model, {.step = 0.1});
-  for (int k = 0; k < 100; ++k) ASSERT_EQ(integrator.step(), StepStatus::ok);
-  EXPECT_NEAR(integrator.displacement()(0), 0.25, 1e-14);
-  EXPECT_EQ(integrator.v().norm(), 0);
-  EXPECT_EQ(integrator.energy().total(), 0);
+  const auto stepper = make_stepper(model, {.step = 0.1});
+  for (int k = 0; k < 100; ++k) ASSERT_EQ(stepper->step(), StepStatus::ok);
+  EXPECT_NEAR(stepper->displacement()(0), 0.25, 1e-14);
+  EXPECT_EQ(stepper->modal()->v.norm(), 0);
+  EXPECT_EQ(stepper->modal()->energy().total(), 0);
 }
 
 // Two ends of one body against two walls, with no modes below half the rate: λ = R⁻¹ (d h − g), R not
@@ -335,9 +336,9 @@ TEST(Pairs, of_one_body_are_coupled_through_its_residual_flexibility) {
       {{"block", "left", {}, {}, 0.5}, {"block", "right", {}, {}, 0.5}}, Vector3d::Zero(),
       {{"block", "swell", false, {1, 0, 0}, {{0, 1}, {0, 1}}}});
   ASSERT_EQ(model.gap.size(), 2);
-  Integrator integrator(model, {.step = 0.05});
+  const auto stepper = make_stepper(model, {.step = 0.05});
   for (int k = 1; k <= 30; ++k) {
-    ASSERT_EQ(integrator.step(), StepStatus::ok);
+    ASSERT_EQ(stepper->step(), StepStatus::ok);
     const double h = std::min(1.0, k * 0.05);
     // along the normals R is [2, 0.5; 0.5, 3]: both ends pressed, or one alone
     const double a = 0.4 * h - 0.1, b = 0.7 * h - 0.2, both = 2 * 3 - 0.25;
@@ -347,10 +348,10 @@ TEST(Pairs, of_one_body_are_coupled_through_its_residual_flexibility) {
       right = left > 0 && b - 0.25 * a <= 0 ? 0 : std::max(0.0, b / 3);
       if (right > 0 && left > 0) left = 0;
     }
-    EXPECT_NEAR(integrator.force()(0), left, 1e-14) << h;
-    EXPECT_NEAR(integrator.force()(1), right, 1e-14) << h;
+    EXPECT_NEAR(stepper->force()(0), left, 1e-14) << h;
+    EXPECT_NEAR(stepper->force()(1), right, 1e-14) << h;
   }
-  EXPECT_GT(integrator.force().minCoeff(), 0.1);
+  EXPECT_GT(stepper->force().minCoeff(), 0.1);
 }
 
 TEST(Drives, that_a_kernel_has_not_got_or_that_jump_or_overlap_are_refused) {
@@ -381,13 +382,13 @@ TEST(Drives, that_a_kernel_has_not_got_or_that_jump_or_overlap_are_refused) {
 #if RICOCHET_HEAP_COUNTED
 TEST(Drives, take_no_memory) {
   for (const Scheme scheme : {Scheme::compliant, Scheme::impulse}) {
-    Integrator integrator(busy(0.01, 1e-3, 4),
-                          {.scheme = scheme, .admittance = Admittance::difference, .step = 0.01});
+    const auto stepper = make_stepper(busy(0.01, 1e-3, 4),
+                                      {.scheme = scheme, .admittance = Admittance::difference, .step = 0.01});
     const long before = heap_counter::calls;
     for (int k = 0; k < 300; ++k)
-      if (integrator.step() != StepStatus::ok) break;
+      if (stepper->step() != StepStatus::ok) break;
     EXPECT_EQ(heap_counter::calls, before);
-    EXPECT_EQ(integrator.steps(), 300);
+    EXPECT_EQ(stepper->steps(), 300);
   }
 }
 #endif

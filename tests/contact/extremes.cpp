@@ -8,7 +8,7 @@
 #include <cmath>
 #include <string>
 
-#include "contact/stepping/integrator.hpp"
+#include "contact/stepping/stepper.hpp"
 #include "tests/contact/bodies.hpp"
 
 namespace {
@@ -71,19 +71,19 @@ struct Impact {
 };
 
 Impact collide(const Model& model, const StepOptions& options, int steps) {
-  Integrator integrator(model, options);
-  const double initial = integrator.energy().ledger();
-  double before = integrator.energy().total();
+  const auto stepper = make_stepper(model, options);
+  const double initial = stepper->modal()->energy().ledger();
+  double before = stepper->modal()->energy().total();
   Impact out;
   for (int k = 0; k < steps && out.ok; ++k) {
-    out.ok = integrator.step() == StepStatus::ok;
-    out.impulse += options.step * integrator.force().sum();
-    const double now = integrator.energy().total();
+    out.ok = stepper->step() == StepStatus::ok;
+    out.impulse += options.step * stepper->force().sum();
+    const double now = stepper->modal()->energy().total();
     out.growth = std::max(out.growth, (now - before) / initial);
-    out.drift = std::max(out.drift, std::abs(integrator.energy().ledger() / initial - 1));
+    out.drift = std::max(out.drift, std::abs(stepper->modal()->energy().ledger() / initial - 1));
     before = now;
   }
-  out.velocity = model.momentum(0, integrator.v(), integrator.time()).x() / model.bodies[0].mass;
+  out.velocity = model.momentum(0, stepper->modal()->v, stepper->time()).x() / model.bodies[0].mass;
   return out;
 }
 
@@ -112,11 +112,11 @@ TEST(Step, far_below_the_periods_loads_the_residual_spring) {
   const Model model = against_wall(kernel);
   for (const double share : {1e-12, 1e-10, 1e-8}) {
     const double step = share * shortest_period(model);
-    Integrator integrator(model, {.step = step});
+    const auto stepper = make_stepper(model, {.step = step});
     Row row(fmt::format("Δ = {:g} shortest periods, 100 steps", share), "λ = v t/R", 1e-6);
     for (int k = 1; k <= 100; ++k) {
-      ASSERT_EQ(integrator.step(), StepStatus::ok);
-      row.relative(integrator.force()(0), k * step / model.R(0, 0));
+      ASSERT_EQ(stepper->step(), StepStatus::ok);
+      row.relative(stepper->force()(0), k * step / model.R(0, 0));
     }
   }
 }
@@ -162,17 +162,18 @@ TEST(SinglePrecision, follows_double_in_any_units) {
     for (double& x : kernel.loads.body_force) x *= std::sqrt(mass);
     for (double& x : kernel.surface.residual_flexibility) x *= time * time / mass;
     const Model model = against_wall(kernel, 0.05, 1 / time), reference = against_wall(unit, 0.05);
-    Integrator found(model, {.step = 0.01 * time, .block = 16, .precision = Precision::float32}),
-        expected(reference, {.step = 0.01});
+    const auto found =
+        make_stepper(model, {.step = 0.01 * time, .block = 16, .precision = Precision::float32});
+    const auto expected = make_stepper(reference, {.step = 0.01});
     // 1e-4: 24 bits over 16 steps of a block, of a force that is an amplified difference
     Row row(fmt::format("single precision, masses times {:g}, times times {:g}", mass, time),
             "double precision in other units", 1e-4);
     double impulse = 0, same = 0;
     for (int k = 0; k < 2400; ++k) {
-      ASSERT_EQ(found.step(), StepStatus::ok);
-      ASSERT_EQ(expected.step(), StepStatus::ok);
-      impulse += found.force().sum() * 0.01 * time / mass * time;
-      same += expected.force().sum() * 0.01;
+      ASSERT_EQ(found->step(), StepStatus::ok);
+      ASSERT_EQ(expected->step(), StepStatus::ok);
+      impulse += found->force().sum() * 0.01 * time / mass * time;
+      same += expected->force().sum() * 0.01;
       if (k % 100 == 99) row.error(impulse, same, 2 * length);
     }
   }
@@ -184,17 +185,18 @@ TEST(TenMillionSteps, of_free_motion_keep_phase_and_energy) {
   const Model model = build_model({{"bar", &kernel}}, {{"wall", {2 * length, 0, 0}, {-1, 0, 0}}},
                                   {{"bar", "wall", {}, {}, {}}}, {0.01, 0, 0});
   const double step = 0.0123;  // no share of a period: 4L/(2n + 1)
-  Integrator integrator(model, {.step = step});
+  const auto stepper = make_stepper(model, {.step = step});
   constexpr std::int64_t steps = 10'000'000;
-  for (std::int64_t k = 0; k < steps; ++k) ASSERT_EQ(integrator.step(), StepStatus::ok);
+  for (std::int64_t k = 0; k < steps; ++k) ASSERT_EQ(stepper->step(), StepStatus::ok);
   // Each step may turn a mode by a rounding too much, 1e-16 of its state: 1e-9 if all have one sign.
   Row row("1e7 steps of free motion under gravity", "q = f (1 − cos ωt)/ω²", 1e-8);
   for (Eigen::Index n = 0; n < model.omega.size(); ++n) {
     const double rest = model.load(n) / (model.omega(n) * model.omega(n));
-    row.error(integrator.q()(n), rest * (1 - std::cos(model.omega(n) * static_cast<double>(steps) * step)),
-              std::abs(rest));
+    row.error(stepper->modal()->q(n),
+              rest * (1 - std::cos(model.omega(n) * static_cast<double>(steps) * step)), std::abs(rest));
   }
-  row.error(integrator.energy().ledger(), 0, (model.load.array() / model.omega.array()).square().sum());
+  row.error(stepper->modal()->energy().ledger(), 0,
+            (model.load.array() / model.omega.array()).square().sum());
 }
 
 // Damped, it stands in the end as it would if it had been laid down.
@@ -205,12 +207,12 @@ TEST(MillionSteps, at_rest_under_gravity_carry_the_weight_without_sinking) {
   for (const double gap : {0.0, 1e-6}) {
     const Model model = build_model({{"rod", &kernel}}, {{"wall", {length + gap, 0, 0}, {-1, 0, 0}}},
                                     {{"rod", "wall", {}, {}, {}}}, {0.01, 0, 0});
-    Integrator integrator(model, {.step = 0.01});
-    for (int k = 0; k < 1'000'000; ++k) ASSERT_EQ(integrator.step(), StepStatus::ok);
+    const auto stepper = make_stepper(model, {.step = 0.01});
+    for (int k = 0; k < 1'000'000; ++k) ASSERT_EQ(stepper->step(), StepStatus::ok);
     Row row(fmt::format("1e6 steps under gravity, from a gap of {:g}", gap), "λ = m g; u = gap", 1e-9);
-    row.relative(integrator.force()(0), weight);
-    row.error(integrator.displacement()(0), gap, 0.1);
-    row.error(integrator.v().norm(), 0, 1);
+    row.relative(stepper->force()(0), weight);
+    row.error(stepper->displacement()(0), gap, 0.1);
+    row.error(stepper->modal()->v.norm(), 0, 1);
   }
 }
 

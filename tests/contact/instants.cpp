@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "contact/stepping/integrator.hpp"
+#include "contact/stepping/stepper.hpp"
 #include "tests/contact/bodies.hpp"
 #include "tests/contact/heap_counter.hpp"
 
@@ -52,26 +52,26 @@ TEST(ExactInstant, makes_a_mass_bounce_as_galilei_has_it) {
   const double gravity = 9.81, height = 0.7, restitution = 0.8, step = 0.0137;
   const Kernel kernel = mass();
   const Model model = above_floor(kernel, height, 0, gravity);
-  Integrator integrator(model, exact(step, restitution));
+  const auto stepper = make_stepper(model, exact(step, restitution));
   double landing = std::sqrt(2 * height / gravity), speed = gravity * landing;
   int bounces = 0;
   double lost = 0;
   while (bounces < 12) {
-    ASSERT_EQ(integrator.step(), StepStatus::ok);
-    const double t = integrator.time();
+    ASSERT_EQ(stepper->step(), StepStatus::ok);
+    const double t = stepper->time();
     if (t > landing) {
-      EXPECT_NEAR(integrator.force()(0) * step, (1 + restitution) * speed, 1e-10) << bounces;
+      EXPECT_NEAR(stepper->force()(0) * step, (1 + restitution) * speed, 1e-10) << bounces;
       lost += 0.5 * speed * speed * (1 - restitution * restitution);
-      EXPECT_NEAR(integrator.energy().contact, lost, 1e-10);
+      EXPECT_NEAR(stepper->modal()->energy().contact, lost, 1e-10);
       speed *= restitution;
       const double flight = t - landing;
-      EXPECT_NEAR(-integrator.displacement()(0) + height, speed * flight - 0.5 * gravity * flight * flight,
+      EXPECT_NEAR(-stepper->displacement()(0) + height, speed * flight - 0.5 * gravity * flight * flight,
                   1e-10);
       landing += 2 * speed / gravity;
       ++bounces;
     }
-    EXPECT_LE(integrator.displacement()(0), height + 1e-12);
-    EXPECT_LT(std::abs(integrator.energy().ledger()), 1e-11);
+    EXPECT_LE(stepper->displacement()(0), height + 1e-12);
+    EXPECT_LT(std::abs(stepper->modal()->energy().ledger()), 1e-11);
   }
 }
 
@@ -82,15 +82,15 @@ TEST(ExactInstant, is_found_under_a_load_that_grows_within_the_step) {
   const double gap = 0.002, growth = 20, start = 0.03, step = 0.2;
   const Model model = above_floor(
       kernel, gap, 0, 0, {{"mass", "hammer", false, {0, 0, -1}, {{start, 10}, {0, (10 - start) * growth}}}});
-  Integrator integrator(model, exact(step));
-  ASSERT_EQ(integrator.step(), StepStatus::ok);
+  const auto stepper = make_stepper(model, exact(step));
+  ASSERT_EQ(stepper->step(), StepStatus::ok);
   const double flight = std::cbrt(6 * gap / growth), speed = growth * flight * flight / 2;
   ASSERT_LT(start + flight, step);
   const double met = start + flight, left = step - met;
   // then pushed on from rest by the load; beyond the gap at t_1, and so met there again
   const double again = growth * flight * left + growth * left * left / 2;
-  EXPECT_NEAR(integrator.force()(0) * step, speed + again, 1e-10);
-  EXPECT_NEAR(integrator.displacement()(0) - gap,
+  EXPECT_NEAR(stepper->force()(0) * step, speed + again, 1e-10);
+  EXPECT_NEAR(stepper->displacement()(0) - gap,
               growth * flight * left * left / 2 + growth * left * left * left / 6, 1e-10);
 }
 
@@ -107,10 +107,11 @@ TEST(ExactInstant, leaves_no_penetration_at_the_first_touch) {
   for (const double gap : {0.0, 0.0037, 0.0999, 0.31}) {
     double deepest[2];
     for (const Instant instant : {Instant::step, Instant::exact}) {
-      Integrator integrator(rods(kernel, gap), {.scheme = Scheme::impulse, .instant = instant, .step = 0.1});
-      while (integrator.active() == 0) ASSERT_EQ(integrator.step(), StepStatus::ok);
-      EXPECT_EQ(integrator.steps(), static_cast<int>(gap / 0.1) + 1);
-      deepest[instant == Instant::exact] = integrator.displacement()(0) - gap;
+      const auto stepper =
+          make_stepper(rods(kernel, gap), {.scheme = Scheme::impulse, .instant = instant, .step = 0.1});
+      while (stepper->active() == 0) ASSERT_EQ(stepper->step(), StepStatus::ok);
+      EXPECT_EQ(stepper->steps(), static_cast<int>(gap / 0.1) + 1);
+      deepest[instant == Instant::exact] = stepper->displacement()(0) - gap;
     }
     const double late = 0.1 * (static_cast<int>(gap / 0.1) + 1) - gap;
     EXPECT_NEAR(deepest[0], late, 1e-12);
@@ -138,27 +139,28 @@ TEST(ExactInstant, is_the_first_at_which_any_point_closes) {
     Model free = many;
     free.gap.setConstant(1e9);
     constexpr int grid = 20000;
-    Integrator fine(free, {.scheme = Scheme::impulse, .step = step / grid});
+    const auto fine = make_stepper(free, {.scheme = Scheme::impulse, .step = step / grid});
     double first = step, speed = 0;
     int point = -1;
     for (int k = 1; k <= grid && point < 0; ++k) {
-      fine.step();
+      fine->step();
       Eigen::Index i = 0;
-      if (fine.displacement().maxCoeff(&i) > 0.4) {
+      if (fine->displacement().maxCoeff(&i) > 0.4) {
         point = static_cast<int>(i);
         first = k * step / grid;
-        speed = many.B.row(i).dot(fine.v());
+        speed = many.B.row(i).dot(fine->modal()->v);
       }
     }
-    Integrator integrator(many, exact(step));
-    ASSERT_EQ(integrator.step(), StepStatus::ok);
-    EXPECT_EQ(integrator.active() > 0, point >= 0) << trial;
+    const auto stepper = make_stepper(many, exact(step));
+    ASSERT_EQ(stepper->step(), StepStatus::ok);
+    EXPECT_EQ(stepper->active() > 0, point >= 0) << trial;
     if (point < 0) continue;
     // the ledger takes what the first impulse takes at least: (u̇)² / 2A of the point that closes first
     const double least = 0.5 * speed * speed / many.B.row(point).squaredNorm();
-    EXPECT_GT(integrator.energy().contact, least * (1 - 1e-3)) << trial << " " << first;
-    EXPECT_GT(integrator.force()(point), 0);
-    EXPECT_LT(std::abs(integrator.energy().ledger() - fine.energy().ledger()), 1e-11);  // 20 000 steps
+    EXPECT_GT(stepper->modal()->energy().contact, least * (1 - 1e-3)) << trial << " " << first;
+    EXPECT_GT(stepper->force()(point), 0);
+    EXPECT_LT(std::abs(stepper->modal()->energy().ledger() - fine->modal()->energy().ledger()),
+              1e-11);  // 20 000 steps
   }
 }
 
@@ -166,14 +168,14 @@ TEST(ExactInstant, is_the_first_at_which_any_point_closes) {
 TEST(ExactInstant, takes_no_memory) {
   const Kernel kernel = rod(30, 10);
   for (const Admittance admittance : {Admittance::jump, Admittance::difference}) {
-    Integrator integrator(
+    const auto stepper = make_stepper(
         rods(kernel, 0.31),
         {.scheme = Scheme::impulse, .admittance = admittance, .instant = Instant::exact, .step = 0.1});
     const long before = heap_counter::calls;
     for (int k = 0; k < 300; ++k)
-      if (integrator.step() != StepStatus::ok) break;
+      if (stepper->step() != StepStatus::ok) break;
     EXPECT_EQ(heap_counter::calls, before);
-    EXPECT_EQ(integrator.steps(), 300);
+    EXPECT_EQ(stepper->steps(), 300);
   }
 }
 #endif

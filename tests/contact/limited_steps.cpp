@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "contact/stepping/integrator.hpp"
+#include "contact/stepping/stepper.hpp"
 #include "tests/contact/heap_counter.hpp"
 #include "tests/support.hpp"
 
@@ -48,17 +48,17 @@ TEST(LimitedStep, never_gains_energy_though_points_are_let_in) {
   for (int trial = 0; trial < 120; ++trial) {
     const Model model = flying(random, 4 + trial % 20);
     for (const double step : {1e-5, 1e-4, 1e-3}) {
-      Integrator integrator(model, {.step = step, .max_pivots = 1 + trial % 3});
-      double before = integrator.energy().total(), size = before;
+      const auto stepper = make_stepper(model, {.step = step, .max_pivots = 1 + trial % 3});
+      double before = stepper->modal()->energy().total(), size = before;
       for (int k = 0; k < 400; ++k) {
-        ASSERT_EQ(integrator.step(), StepStatus::ok);
-        const Energy& energy = integrator.energy();
+        ASSERT_EQ(stepper->step(), StepStatus::ok);
+        const Energy& energy = stepper->modal()->energy();
         size = std::max(size, energy.kinetic + energy.strain + std::abs(energy.loads));
         ASSERT_LE(energy.total() - before, 1e-12 * size) << trial << ' ' << step << ' ' << k;
         before = energy.total();
-        held += (integrator.displacement() - model.gap).maxCoeff() > 1e-9;
+        held += (stepper->displacement() - model.gap).maxCoeff() > 1e-9;
       }
-      limited += integrator.solver().limited;
+      limited += stepper->solver().limited;
     }
   }
   EXPECT_GT(limited, 1000);
@@ -70,14 +70,14 @@ TEST(LimitedStep, lets_no_point_in_deeper_once_the_forces_are_found) {
   int steps_after = 0;
   for (int trial = 0; trial < 60; ++trial) {
     const Model model = flying(random, 12);
-    Integrator integrator(model, {.step = 1e-4, .max_pivots = 2});
+    const auto stepper = make_stepper(model, {.step = 1e-4, .max_pivots = 2});
     for (int k = 0; k < 400; ++k) {
-      const Vector before = integrator.displacement().cwiseMax(model.gap);
-      const auto limited = integrator.solver().limited;
-      ASSERT_EQ(integrator.step(), StepStatus::ok);
-      if (integrator.solver().limited > limited) continue;
-      EXPECT_EQ(integrator.residual().violation, 0);
-      ASSERT_LE((integrator.displacement() - before).maxCoeff(), 1e-12) << trial << ' ' << k;
+      const Vector before = stepper->displacement().cwiseMax(model.gap);
+      const auto limited = stepper->solver().limited;
+      ASSERT_EQ(stepper->step(), StepStatus::ok);
+      if (stepper->solver().limited > limited) continue;
+      EXPECT_EQ(stepper->residual().violation, 0);
+      ASSERT_LE((stepper->displacement() - before).maxCoeff(), 1e-12) << trial << ' ' << k;
       steps_after += limited > 0;
     }
   }
@@ -101,14 +101,14 @@ Model on_six_points(double R) {
 TEST(LimitedStep, ends_without_penetration_after_the_bodies_have_parted) {
   Model model = on_six_points(1e-6);
   model.v0(0) = 1;  // comes back in 0.2 s after each bounce off R
-  Integrator integrator(model, {.step = 1e-4, .max_pivots = 5});
+  const auto stepper = make_stepper(model, {.step = 1e-4, .max_pivots = 5});
   int limited = 0;
   bool parted = false;
   for (int k = 0; k < 4000; ++k) {
-    ASSERT_EQ(integrator.step(), StepStatus::ok);
-    const double depth = integrator.displacement().maxCoeff();
-    if (integrator.solver().limited > limited) {
-      limited = static_cast<int>(integrator.solver().limited);
+    ASSERT_EQ(stepper->step(), StepStatus::ok);
+    const double depth = stepper->displacement().maxCoeff();
+    if (stepper->solver().limited > limited) {
+      limited = static_cast<int>(stepper->solver().limited);
       parted = false;
     }
     parted = parted || depth < 0;
@@ -123,17 +123,17 @@ TEST(LimitedStep, ends_without_penetration_after_the_bodies_have_parted) {
 TEST(LimitedStep, rests_as_deep_as_it_was_left) {
   Model model = on_six_points(1e-4);
   model.decay(0) = 200;
-  Integrator integrator(model, {.step = 1e-4, .max_pivots = 5});
-  ASSERT_EQ(integrator.step(), StepStatus::ok);
-  ASSERT_EQ(integrator.solver().limited, 1);
-  const double depth = integrator.displacement().maxCoeff();
+  const auto stepper = make_stepper(model, {.step = 1e-4, .max_pivots = 5});
+  ASSERT_EQ(stepper->step(), StepStatus::ok);
+  ASSERT_EQ(stepper->solver().limited, 1);
+  const double depth = stepper->displacement().maxCoeff();
   EXPECT_GT(depth, 1e-8);
   for (int k = 0; k < 20000; ++k) {
-    ASSERT_EQ(integrator.step(), StepStatus::ok);
-    ASSERT_NEAR(integrator.displacement().maxCoeff(), depth, 1e-15) << k;
+    ASSERT_EQ(stepper->step(), StepStatus::ok);
+    ASSERT_NEAR(stepper->displacement().maxCoeff(), depth, 1e-15) << k;
   }
-  EXPECT_EQ(integrator.solver().limited, 1);
-  EXPECT_NEAR(integrator.force().sum(), 10, 1e-6);
+  EXPECT_EQ(stepper->solver().limited, 1);
+  EXPECT_NEAR(stepper->force().sum(), 10, 1e-6);
 }
 
 TEST(LimitedStep, reports_how_deep_it_let_a_point_in) {
@@ -141,13 +141,13 @@ TEST(LimitedStep, reports_how_deep_it_let_a_point_in) {
   int seen = 0;
   for (int trial = 0; trial < 60; ++trial) {
     const Model model = flying(random, 15);
-    Integrator integrator(model, {.step = 1e-4, .max_pivots = 2});
+    const auto stepper = make_stepper(model, {.step = 1e-4, .max_pivots = 2});
     for (int k = 0; k < 100; ++k) {
-      ASSERT_EQ(integrator.step(), StepStatus::ok);
-      if (integrator.solver().limited == 0) continue;  // the first limited step, from u ≤ g
-      const double depth = (integrator.displacement() - model.gap).maxCoeff();
-      EXPECT_NEAR(integrator.residual().violation, std::max(depth, 0.0), 1e-15);
-      EXPECT_GE(integrator.residual().scale, depth);
+      ASSERT_EQ(stepper->step(), StepStatus::ok);
+      if (stepper->solver().limited == 0) continue;  // the first limited step, from u ≤ g
+      const double depth = (stepper->displacement() - model.gap).maxCoeff();
+      EXPECT_NEAR(stepper->residual().violation, std::max(depth, 0.0), 1e-15);
+      EXPECT_GE(stepper->residual().scale, depth);
       ++seen;
       break;
     }
@@ -160,17 +160,17 @@ TEST(LimitedStep, never_gains_energy_by_impulses_either) {
   std::int64_t limited = 0;
   for (int trial = 0; trial < 60; ++trial) {
     const Model model = flying(random, 15);
-    Integrator integrator(
+    const auto stepper = make_stepper(
         model, {.scheme = Scheme::impulse, .restitution = 0.4 * (trial % 3), .step = 1e-4, .max_pivots = 2});
-    double before = integrator.energy().total(), size = before;
+    double before = stepper->modal()->energy().total(), size = before;
     for (int k = 0; k < 400; ++k) {
-      ASSERT_EQ(integrator.step(), StepStatus::ok);
-      const Energy& energy = integrator.energy();
+      ASSERT_EQ(stepper->step(), StepStatus::ok);
+      const Energy& energy = stepper->modal()->energy();
       size = std::max(size, energy.kinetic + energy.strain + std::abs(energy.loads));
       ASSERT_LE(energy.total() - before, 1e-12 * size) << trial << ' ' << k;
       before = energy.total();
     }
-    limited += integrator.solver().limited;
+    limited += stepper->solver().limited;
   }
   EXPECT_GT(limited, 500);
 }
@@ -179,23 +179,23 @@ TEST(LimitedStep, is_the_plain_one_where_the_limit_is_not_met) {
   std::mt19937 random(5);
   for (const Scheme scheme : {Scheme::compliant, Scheme::impulse}) {
     const Model model = flying(random, 12);
-    Integrator plain(model, {.scheme = scheme, .step = 1e-4});
-    Integrator wide(model, {.scheme = scheme, .step = 1e-4, .max_pivots = 1000});
+    const auto plain = make_stepper(model, {.scheme = scheme, .step = 1e-4});
+    const auto wide = make_stepper(model, {.scheme = scheme, .step = 1e-4, .max_pivots = 1000});
     for (int k = 0; k < 2000; ++k) {
-      ASSERT_EQ(plain.step(), StepStatus::ok);
-      ASSERT_EQ(wide.step(), StepStatus::ok);
-      ASSERT_EQ(plain.q(), wide.q());
-      ASSERT_EQ(plain.force(), wide.force());
+      ASSERT_EQ(plain->step(), StepStatus::ok);
+      ASSERT_EQ(wide->step(), StepStatus::ok);
+      ASSERT_EQ(plain->modal()->q, wide->modal()->q);
+      ASSERT_EQ(plain->force(), wide->force());
     }
-    EXPECT_EQ(wide.solver().limited, 0);
-    EXPECT_GT(wide.solver().pivots, 10);
+    EXPECT_EQ(wide->solver().limited, 0);
+    EXPECT_GT(wide->solver().pivots, 10);
   }
 }
 
 TEST(LimitedStep, needs_a_pivot_at_least) {
   std::mt19937 random(6);
   const Model model = flying(random, 3);
-  EXPECT_EQ(ricochet::test::complaint_of([&] { Integrator(model, {.step = 1e-4, .max_pivots = 0}); }),
+  EXPECT_EQ(ricochet::test::complaint_of([&] { make_stepper(model, {.step = 1e-4, .max_pivots = 0}); }),
             "contact.max_pivots = 0: must be at least 1.");
 }
 
@@ -203,14 +203,14 @@ TEST(LimitedStep, needs_a_pivot_at_least) {
 TEST(LimitedStep, takes_no_memory) {
   std::mt19937 random(7);
   const Model model = flying(random, 40);
-  Integrator integrator(model, {.step = 1e-4, .max_pivots = 2});
+  const auto stepper = make_stepper(model, {.step = 1e-4, .max_pivots = 2});
   const long before = heap_counter::calls;
   for (int k = 0; k < 10000; ++k)
-    if (integrator.step() != StepStatus::ok) break;
+    if (stepper->step() != StepStatus::ok) break;
   const long after = heap_counter::calls;
   EXPECT_EQ(after, before);
-  EXPECT_EQ(integrator.steps(), 10000);
-  EXPECT_GT(integrator.solver().limited, 10);
+  EXPECT_EQ(stepper->steps(), 10000);
+  EXPECT_GT(stepper->solver().limited, 10);
 }
 #endif
 

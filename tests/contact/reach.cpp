@@ -128,11 +128,11 @@ std::vector<std::string> warnings(double rise, double reach) {
   const Model model = build_model({{"plate", &kernel, Matrix3d::Identity(), {0, 0, 0.001}, {0, 0, -1}}},
                                   floor, {{"plate", "floor", {}, {}, reach}}, Vector3d::Zero());
   constexpr double step = 1e-5;
-  Integrator integrator(model, {.step = step});
+  const auto stepper = make_stepper(model, {.step = step});
   SummaryObserver observer(model, step, 0);
   for (int k = 0; k < 2000; ++k) {
-    EXPECT_EQ(integrator.step(), StepStatus::ok);
-    observer.observe(integrator);
+    EXPECT_EQ(stepper->step(), StepStatus::ok);
+    observer.observe(*stepper);
   }
   EXPECT_GT(observer.summary().impulse_ns, 1);
   return observer.summary().warnings;

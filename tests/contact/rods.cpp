@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "contact/stepping/integrator.hpp"
+#include "contact/stepping/stepper.hpp"
 
 namespace {
 
@@ -46,8 +46,8 @@ Model two_rods() {
 }
 
 /// Of a whole rod, mass-mean: its rigid mode over √mass.
-double velocity(const Integrator& integrator, int rod) {
-  return integrator.v()(rod * modes) / std::sqrt(length);
+double velocity(const Stepper& stepper, int rod) {
+  return stepper.modal()->v(rod * modes) / std::sqrt(length);
 }
 
 struct Outcome {
@@ -63,26 +63,26 @@ struct Outcome {
 };
 
 Outcome collide(const StepOptions& options) {
-  Integrator integrator(two_rods(), options);
-  const double initial = integrator.energy().total();
+  const auto stepper = make_stepper(two_rods(), options);
+  const double initial = stepper->modal()->energy().total();
   double before = initial, at_1 = 0, at_18 = 0;
   Outcome out;
   for (int k = 1; k <= std::lround(duration / options.step); ++k) {
-    EXPECT_EQ(integrator.step(), StepStatus::ok);
-    const double t = integrator.time(), force = integrator.force()(0), total = integrator.energy().total();
+    EXPECT_EQ(stepper->step(), StepStatus::ok);
+    const double t = stepper->time(), force = stepper->force()(0), total = stepper->modal()->energy().total();
     out.impulse += force * options.step;
     if (t > 1 + 0.5 * options.step && t < 18 + 0.5 * options.step)
       out.early_mean += force * options.step / 17;
-    if (std::abs(t - 1) < 0.5 * options.step) at_1 = integrator.displacement()(0);
-    if (std::abs(t - 18) < 0.5 * options.step) at_18 = integrator.displacement()(0);
+    if (std::abs(t - 1) < 0.5 * options.step) at_1 = stepper->displacement()(0);
+    if (std::abs(t - 18) < 0.5 * options.step) at_18 = stepper->displacement()(0);
     if (force > 0) out.last_contact = t;
-    out.penetration = std::max(out.penetration, integrator.displacement()(0));
+    out.penetration = std::max(out.penetration, stepper->displacement()(0));
     out.energy_growth = std::max(out.energy_growth, (total - before) / initial);
-    out.ledger = std::max(out.ledger, std::abs(integrator.energy().ledger() - initial) / initial);
+    out.ledger = std::max(out.ledger, std::abs(stepper->modal()->energy().ledger() - initial) / initial);
     before = total;
   }
-  out.exit_a = velocity(integrator, 0);
-  out.exit_b = velocity(integrator, 1);
+  out.exit_a = velocity(*stepper, 0);
+  out.exit_b = velocity(*stepper, 1);
   out.penetration_rate = (at_18 - at_1) / 17;
   out.energy_lost = 1 - before / initial;
   return out;
@@ -136,10 +136,11 @@ TEST(RodsImpulseDifference, press_as_the_waves_do_and_penetrate_less_than_a_step
 // The first instant of the impulse scheme is t_1: ends that touch at t_0 are met one step, hence v Δ, later.
 TEST(RodsImpulse, meet_first_at_the_end_of_the_first_step) {
   for (const Admittance admittance : {Admittance::jump, Admittance::difference}) {
-    Integrator integrator(two_rods(), {.scheme = Scheme::impulse, .admittance = admittance, .step = step});
-    ASSERT_EQ(integrator.step(), StepStatus::ok);
-    EXPECT_NEAR(integrator.displacement()(0), speed * step, 1e-15);
-    EXPECT_GT(integrator.force()(0), 0);
+    const auto stepper =
+        make_stepper(two_rods(), {.scheme = Scheme::impulse, .admittance = admittance, .step = step});
+    ASSERT_EQ(stepper->step(), StepStatus::ok);
+    EXPECT_NEAR(stepper->displacement()(0), speed * step, 1e-15);
+    EXPECT_GT(stepper->force()(0), 0);
   }
 }
 

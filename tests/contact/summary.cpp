@@ -36,21 +36,21 @@ Summary run(const Model& model, double duration, double wave_speed = 0, double r
             double dt = step) {
   StepOptions options{.step = dt};
   if (restitution >= 0) options = {.scheme = Scheme::impulse, .restitution = restitution, .step = dt};
-  Integrator integrator(model, options);
+  const auto stepper = make_stepper(model, options);
   SummaryObserver observer(model, dt, wave_speed);
   for (long k = std::lround(duration / dt); k > 0; --k) {
-    EXPECT_EQ(integrator.step(), StepStatus::ok);
-    observer.observe(integrator);
+    EXPECT_EQ(stepper->step(), StepStatus::ok);
+    observer.observe(*stepper);
   }
   return observer.summary();
 }
 
 double largest_force(const Model& model, double duration) {
-  Integrator integrator(model, {.step = step});
+  const auto stepper = make_stepper(model, {.step = step});
   double largest = 0;
   for (long k = std::lround(duration / step); k > 0; --k) {
-    integrator.step();
-    largest = std::max(largest, integrator.force().sum());
+    stepper->step();
+    largest = std::max(largest, stepper->force().sum());
   }
   return largest;
 }

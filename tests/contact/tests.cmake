@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 add_serial_test(contact block ricochet_contact)
 add_serial_test(contact complementarity ricochet_contact)
 add_serial_test(contact drives ricochet_contact)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """The shared library from Python's ctypes: python3 shared.py PREFIX KERNEL, the kernel of a bob of 4 kg."""
 
 import ctypes

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """The example's bar sounds at the frequencies of the tables: python3 strike.py PROGRAM FOLDER."""
 
 import pathlib

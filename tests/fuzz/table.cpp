@@ -4,7 +4,7 @@
 #include "contact/table/table.hpp"
 #include "contact/input/table_file.hpp"
 
-#include "contact/table/table_integrator.hpp"
+#include "contact/table/table_stepper.hpp"
 #include "tests/fuzz/hdf5_edits.hpp"
 
 namespace {
@@ -52,9 +52,8 @@ Table sample(unsigned parts) {
 
 void step(const Table& table, ricochet::Scheme scheme, ricochet::Admittance admittance) {
   accepts([&] {
-    contact::TableIntegrator integrator(table,
-                                        {.scheme = scheme, .admittance = admittance, .step = table.step});
-    for (int k = 0; k < 4; ++k) integrator.step();
+    contact::TableStepper stepper(table, {.scheme = scheme, .admittance = admittance, .step = table.step});
+    for (int k = 0; k < 4; ++k) stepper.step();
   });
 }
 

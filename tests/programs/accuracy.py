@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """One wanted accuracy for both programs: what it chooses for rods reaches it, against d'Alembert's waves, and the summary says
 what keeps a scene from it."""
 

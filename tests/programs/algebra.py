@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """Kernels derived from others of the folder, by ricochet-kernel or ricochet-recast, are those that modes give."""
 
 import unittest

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """ricochet batch with a real SLURM, its controller and one node started here on the loopback address."""
 
 import csv

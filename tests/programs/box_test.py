@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """The box of boxes.py, from its own mesh and from its matrices: what tests of bodies from other programs, and of what other
 programs read, start from."""
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """A box of eight-node bricks, assembled with numpy alone, and the same bricks as a gmsh mesh; matrices from and to files."""
 
 import itertools

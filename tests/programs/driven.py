@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """A rod whose foot is moved and whose tip is struck, from mesh to sound, against the waves on it (c = 1, L = 10): what a
 receiver in the middle sees, and what is left of bad histories."""
 

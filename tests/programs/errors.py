@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """Bad input: one line that says where, what and what to do; status 2; nothing lost; no rank hangs."""
 
 import unittest

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """Contact problems and sounds that other programs solve and play."""
 
 import re

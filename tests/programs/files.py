@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """What plot, report, surfaces and sweep make of files that nobody expects: results that are damaged, places where nothing
 can be written or read, titles of any letters."""
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """Bodies from other programs: a box whose matrices numpy assembles."""
 
 import re

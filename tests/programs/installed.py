@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """What `cmake --install` leaves: programs that work from PATH outside the tree, one version, shell completion, pkg-config."""
 
 import os
@@ -112,7 +113,7 @@ class Installed(ProgramTest):
         self.assertEqual(self.completed("contact", "--set bodies."), set())
         # What a scene doesn't know it refuses by saying so; values and combinations may not be what it takes.
         for key in keys:
-            refused = self.call("ricochet-kernel", "two-rods.toml", "--dry-run", "--set", key + "0")
+            refused = self.call("ricochet-contact", "two-rods.toml", "--dry-run", "--set", key + "0")
             self.assertNotIn("unknown key", refused.stderr, key)
 
 

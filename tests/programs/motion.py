@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """What ParaView is given: the motion of bodies and the forces between them, read as XDMF says and compared with the result
 file, with receivers at the skin's nodes and with free flight; modes of a rod against cosines. Where ParaView is installed
 (scripts/setup --peers) its own reader has to see the same."""

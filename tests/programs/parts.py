@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """A mesh in several files gives the kernel of the same mesh in one."""
 
 import pathlib

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """Runs the two programs as a user does, for the tests of this folder and of tests/verification."""
 
 import json

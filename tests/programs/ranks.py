@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """The kernel of a body does not depend on how many ranks computed it."""
 
 import unittest

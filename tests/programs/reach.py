@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """Kernels without the candidates that reach leaves out do what whole ones do, and are found and made anew as needed."""
 
 import unittest

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """ricochet report: the page in a browser without network, its numbers beside the summary's, its motion and sound beside the
 result's, and what it refuses. `report.py --keep FOLDER` also keeps the pages, and a picture of each, in FOLDER."""
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """A killed ricochet-kernel goes on from its finished slices, on any number of ranks, and gives the same kernel."""
 
 import os

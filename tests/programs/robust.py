@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """What programs do when things go wrong around them: signals, full disks, folders that can't be written, ranks that die,
 files made to harm; and that inputs are checked before anything long."""
 

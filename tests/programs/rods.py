@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """Two rods of the paper from mesh to impact, against the wave solution: they part at t = 2L/c = 20 with exchanged
 velocities after a constant force of Zv/2 = 1/2 (Taylor & Papadopoulos 1993)."""
 

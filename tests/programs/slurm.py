@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """A real SLURM, its controller and one node, on the loopback address."""
 
 import contextlib

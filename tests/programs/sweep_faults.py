@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """What can go wrong with a sweep: broken studies and journals, damaged kernels, meshes that refuse, closed outputs, signals."""
 
 import csv

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """Table kernels as a user runs them: the shipped example against the wave solution of two rods (d'Alembert), and kernels
 sampled from modes against modal stepping."""
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """ricochet tradeoff: what it runs, what it says of it, and that a run cut off goes on where it was."""
 
 import csv

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """A box of n × n × n equal bricks of order p as products of piecewise polynomials in one dimension: small dense matrices that share
 no code, no quadrature and no node numbering with Ricochet, for the same discrete space."""
 import numpy as np

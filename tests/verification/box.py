@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """A free cube and a clamped box on 1 to 3 ranks against Rayleigh-Ritz solutions, which share nothing with finite elements."""
 
 import unittest

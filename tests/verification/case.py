@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """What a case of the validation manual works with: running the programs, comparing, fitting orders, drawing.
 
 A case is a module in cases/ with TITLE, SOURCE, a docstring for the manual, and run(bench: Bench)."""

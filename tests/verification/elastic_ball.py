@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """An elastic ball on a rigid plane, pressed by its own weight, in Legendre series: no mesh and no half-space.
 
 In a unit ball, with P_n' = dP_n/dθ, Navier's equations have the regular solutions of degree n (Love 1927, section 173)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """Error estimates hold for the impacts of rods and a bouncing bar in scripts/verify --estimates, against
 closed forms: of ten true errors nine are within three estimates, and seven are not below a tenth. The other
 cases there, against finer runs, take minutes."""

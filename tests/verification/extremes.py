@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """Every line of the table of extremes holds."""
 
 import subprocess

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """Hertz's contact of balls (Johnson, Contact Mechanics, 1985, sections 4.2 and 11.4), and what a result says of it."""
 
 import h5py

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """Writes the validation manual from the results of the cases, the source of every figure in it."""
 import re
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """Rayleigh-Ritz frequencies of boxes and disks in products of Legendre polynomials: resonant ultrasound spectroscopy (Demarest
 1971, J. Acoust. Soc. Am. 49, 768; Visscher, Migliori, Bell & Reinert 1991, 90, 2154). No mesh, no elements and no shift: errors
 fall exponentially with the degree. Even and odd functions do not couple, so each of their classes is solved on its own."""

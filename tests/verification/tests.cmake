@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 add_program_test(verification box LONG)
 add_program_test(verification estimates)
 add_program_test(verification extremes LONG)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """Uzawa's iteration on the pressures of a ball at rest, against the exact solver of the same complementarity problem."""
 
 import unittest

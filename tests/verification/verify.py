@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """The program of the validation manual: what it counts as a failure, what it keeps, and that the manual holds
 every case."""
 

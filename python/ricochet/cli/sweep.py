@@ -25,7 +25,6 @@ from pathlib import Path
 from ricochet import programs, scene_keys
 from ricochet.cli.options import add_ranks, count, say, writing
 from ricochet.errors import InputError
-from ricochet.studies.chart import draw
 from ricochet.studies.journal import outputs
 from ricochet.studies.records import Row
 from ricochet.studies.study import Study
@@ -138,6 +137,8 @@ def report(sweep: Sweep, table: Table, drawn: Drawn, ran: int) -> None:
         output, *against = drawn.names
         picture = Path(f"{sweep.stem}.{output}.png")
         keys = programs.call([programs.BIN / "ricochet-contact", "--keys"], capture=True)
+        from ricochet.studies.chart import draw
+
         draw(table.with_values(drawn.names), output, against, picture, scene_keys.units(keys))
         say(picture)
 

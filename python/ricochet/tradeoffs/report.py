@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from ricochet import files
 from ricochet.tradeoffs.points import COLUMNS, Point, cheapest, pareto
@@ -56,6 +55,8 @@ def scheme_lines(points: Sequence[Point], error: float) -> str:
 
 
 def draw(points: Sequence[Point], floor: float, error: float, impacts: int, title: str, path: Path) -> None:
+    from matplotlib.figure import Figure
+
     fig = Figure(figsize=(11, 4.6), layout="constrained")
     axes = fig.subplots(1, 2, sharey=True)
     shown = [point for point in points if math.isfinite(point.error) and point.error > 0]

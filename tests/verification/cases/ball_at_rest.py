@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """A steel ball of 10 mm radius rests on a rigid plane (`meshes/hertz/resting-ball.toml`, `scheme = "static"`) under a weight of 246 N, for
 which Hertz's contact radius is 0.2 mm. Each mesh is twice as fine at the contact as the previous one. A quarter of the ball is meshed.
 

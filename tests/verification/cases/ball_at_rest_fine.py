@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """The ball of `ball_at_rest` on three meshes, down to elements of a fortieth of the contact diameter."""
 from cases import ball_at_rest
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """A steel bar, free at both ends or clamped at the right end: its frequencies n c/2L or (2n − 1) c/4L, and the wave that a sudden force on
 its left end sends through it. By d'Alembert, the displacement is a sum of ramps that start each time the wave passes. A sum over N
 modes with the static part of the others rounds off their kinks by about 1/N."""

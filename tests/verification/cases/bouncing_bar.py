@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """An elastic bar (L = 10, E = 900, ρ = A = 1, g = 10) falls from h₀ = 5 on a rigid floor. With these numbers the motion is periodic with
 period 16/3, in closed form. With c = 30, v₀ = √(2 g h₀) = 10 and the static shortening u_s(x) = −(g/c²)(L x − x²/2), the bar
 

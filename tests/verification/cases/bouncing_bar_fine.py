@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """The bar of `bouncing_bar` with up to 400 modes, and over 60 s with 22 touches, where no computation can follow the periodic motion, because
 it is unstable. A deviation grows by a constant factor in each period, until touches split and the bar rattles. This is a property
 of the bar: the wave equation, solved by the method of characteristics, which is exact except for the instants at which touches begin and

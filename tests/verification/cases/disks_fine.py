@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """The scene `meshes/two-disks` unchanged: elements of 5 mm and all modes up to 1500 Hz, certified. The case also checks whether position 9
 opens with the schemes of the paper's algorithm."""
 from cases import disks

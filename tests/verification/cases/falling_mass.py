@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """A rigid body of mass m falls from the height h on a rigid floor (a rod with only its rigid mode). The variational problem (7) has a
 solution for each energy loss in the impact. Appendix A.1 of the paper names two: (a) the impulse 2 m v₀ at t_c = √(2h/g) without loss,
 and (b) the impulse m v₀, followed by the weight. They correspond to `restitution` 1 and 0 of the scheme `impulse`, with event location.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """A steel block of 60 × 50 × 40 mm on a clamped foot, in 4 × 4 × 4 bricks of order 2. The displacement of the contact patches on its top
 under a unit normal force on each is Σ_n φ_in φ_jn/ω_n² + R_ij for any number of modes, because R represents the others. The oracle
 assembles the same bricks from one-dimensional integrals and solves for all patches at once."""

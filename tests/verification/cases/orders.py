@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """How errors decrease with the size h and the order p of elements, with the step Δ and with the number N of modes.
 
 *Elements*: a box between smooth walls at x and y, whose top and foot move along z only. Its modes are products of sines and cosines with

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """A steel ball of 10 mm radius falls at 0.3 m/s on steel plates of three thicknesses. The plates are so wide that no wave returns from the
 edge before the ball has left, so the ball loses the energy that the bending waves carry away. Zener's plate yields at the speed F/Z
 under the ball, Z = 8√(Dρh), and the contact obeys Hertz's law: m ẍ = −F, F = k(x − w)^(3/2), ẇ = F/Z. The restitution depends only on

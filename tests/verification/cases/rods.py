@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """The same rods from mesh to impact, touching from t = 0: 100 linear elements and 100 modes each, Δ = 0.01, with each scheme on the same
 kernels. In the wave solution, the force is 1/2 from 0 to 20, both ends move at 1/2, the rods exchange their velocities, and no energy is
 lost.

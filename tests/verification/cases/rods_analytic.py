@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """Two equal rods (ρ = A = E = 1, L = 10, Δ = 0.01), 1 apart, one at rest and one arriving at 1, with their kernel in closed form, under the
 paper's algorithm (30) and under `compliant`. In the wave solution, contact lasts from t = 1 to 21, and both ends move at 1/2 under the
 force Zv/2 = 1/2; then the moving rod stands still and the other one leaves at 1. On this kernel the printed algorithm is exact, so any

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """A free sphere (R = E = ρ = 1, ν = 0.3). Torsional modes of degree l are roots x = ωR/c_s of (l − 1) j_l(x) = x j_{l+1}(x); spheroidal
 ones are roots of a 2 × 2 determinant of the surface tractions. Each root has 2l + 1 modes. The case finds the roots from spherical Bessel
 functions by their series. A mesh has no such symmetry, so finding each root 2l + 1 times shows that no mode is missing or spurious."""

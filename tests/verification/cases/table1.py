@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """The free disk of the paper's Table 1 (soft lead: ρ = 11 300 kg/m³, E = 10.4 MPa, ν = 0.37, radius 50 mm, thickness 5 mm), on the mesh of
 `meshes/two-disks` with elements of order 3. Its mass and its elastic frequencies are compared with polynomials over the whole disk, which
 have no mesh."""

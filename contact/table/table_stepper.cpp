@@ -1,4 +1,5 @@
-#include "contact/table/table_integrator.hpp"
+// SPDX-License-Identifier: BSD-2-Clause
+#include "contact/table/table_stepper.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -14,10 +15,6 @@ namespace {
 
 /// Round-off of the convolution: a point within this share of the terms of u − g touches.
 constexpr double touch = 1e-12;
-
-/// As in Integrator: share of A's mean diagonal added to it where A is singular, which picks the P of least
-/// norm.
-constexpr double least_norm = 1e-12;
 
 /// Of the largest entry of lag 0: asymmetry and negative eigenvalues up to here are round-off.
 constexpr double definite = 1e-9;
@@ -117,14 +114,12 @@ Convolution convolution_of(const Kernel& kernel, const Table& table, Convolution
 
 }  // namespace
 
-TableIntegrator::TableIntegrator(const Table& table, const StepOptions& options,
-                                 ConvolutionOptions convolution)
-    : options_(checked(options, table)),
+TableStepper::TableStepper(const Table& table, const StepOptions& options, ConvolutionOptions convolution)
+    : Stepper(checked(options, table), table.points(), {}),
       free_(table.free),
       free_velocity_(table.free_velocity),
       gap_(table.gap),
       bodies_(table.bodies),
-      solver_(table.points()),
       // S_ and available_, declared before it, come from the same arrays.
       convolution_([&] {
         const Kernel kernel = kernel_of(table, options);
@@ -150,14 +145,14 @@ TableIntegrator::TableIntegrator(const Table& table, const StepOptions& options,
     rigid_acceleration_ -= bodies_[b].push * bodies_[b].gravity;
     velocity_.col(static_cast<Eigen::Index>(b)) = bodies_[b].velocity;
   }
-  for (Vector* x : {&force_, &next_u_, &next_force_, &rhs_, &solution_, &rate_, &u_}) x->setZero(m);
+  for (Vector* x : {&next_u_, &rhs_, &solution_, &rate_}) x->setZero(m);
   sub_.setZero(m, m);
   touching_.reserve(width);
   free_motion(0, u_);
 }
 
 /// ũ_k.
-void TableIntegrator::free_motion(std::int64_t k, Vector& u) const noexcept {
+void TableStepper::free_motion(std::int64_t k, Vector& u) const noexcept {
   if (free_.empty()) {
     const double t = static_cast<double>(k) * options_.step;
     u = t * rigid_velocity_ + (0.5 * t * t) * rigid_acceleration_;
@@ -167,7 +162,7 @@ void TableIntegrator::free_motion(std::int64_t k, Vector& u) const noexcept {
 }
 
 /// ũ̇_k, or its mean over the step that follows.
-void TableIntegrator::free_rate(std::int64_t k, Vector& v) const noexcept {
+void TableStepper::free_rate(std::int64_t k, Vector& v) const noexcept {
   if (free_.empty()) {
     const double later = options_.admittance == Admittance::difference ? 0.5 : 0.0;
     v = rigid_velocity_ + ((static_cast<double>(k) + later) * options_.step) * rigid_acceleration_;
@@ -176,31 +171,30 @@ void TableIntegrator::free_rate(std::int64_t k, Vector& v) const noexcept {
   }
 }
 
-StepStatus TableIntegrator::step() noexcept {
+StepStatus TableStepper::step() noexcept {
   const std::int64_t k = steps_ + 1;
   if (k > available_) return StepStatus::table_ended;
   free_motion(k, next_u_);
   next_force_.setZero();
   const SolveStatus status = options_.scheme == Scheme::compliant ? compliant() : impulses();
-  if (status == SolveStatus::not_finite) return StepStatus::not_finite;
-  if (status == SolveStatus::no_solution) return StepStatus::no_solution;
+  if (!has_forces(status)) return failure(status);
   if (!next_u_.allFinite() || !next_force_.allFinite()) return StepStatus::not_finite;
 
   convolution_.push(next_force_);
-  active_ = static_cast<int>((next_force_.array() > 0).count());
-  persistency_ = 0;
+  contact_.active = static_cast<int>((next_force_.array() > 0).count());
+  contact_.persistency = 0;
   if (options_.scheme == Scheme::impulse)
     next_force_ /= options_.step;
-  else if (active_ > 0)
-    persistency_ = -next_force_.dot(next_u_ - u_) / options_.step;
+  else if (contact_.active > 0)
+    contact_.persistency = -next_force_.dot(next_u_ - u_) / options_.step;
   u_.swap(next_u_);
-  force_.swap(next_force_);
+  contact_.force.swap(next_force_);
   steps_ = k;
   push_bodies();
   return StepStatus::ok;
 }
 
-SolveStatus TableIntegrator::compliant() noexcept {
+SolveStatus TableStepper::compliant() noexcept {
   next_u_ -= convolution_.history();
   rhs_ = next_u_ - gap_;
   if ((rhs_.array() < 0).all()) return SolveStatus::solved;
@@ -209,7 +203,7 @@ SolveStatus TableIntegrator::compliant() noexcept {
   return status;
 }
 
-SolveStatus TableIntegrator::impulses() noexcept {
+SolveStatus TableStepper::impulses() noexcept {
   const Eigen::Index m = gap_.size();
   touching_.clear();
   for (Eigen::Index i = 0; i < m; ++i) {
@@ -232,12 +226,12 @@ SolveStatus TableIntegrator::impulses() noexcept {
 }
 
 /// Newton's law of each body as a whole.
-void TableIntegrator::push_bodies() noexcept {
+void TableStepper::push_bodies() noexcept {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     auto v = velocity_.col(static_cast<Eigen::Index>(b));
     v += options_.step * bodies_[b].gravity;
-    if (active_ > 0)
-      v.noalias() += (options_.step / bodies_[b].mass) * (bodies_[b].push.transpose() * force_);
+    if (contact_.active > 0)
+      v.noalias() += (options_.step / bodies_[b].mass) * (bodies_[b].push.transpose() * contact_.force);
   }
 }
 

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "contact/stepping/energy_ledger.hpp"
+
+#include <cmath>
+
+namespace ricochet::contact {
+
+void EnergyLedger::Sum::add(double x) noexcept {
+  const double sum = value + x;
+  carry += std::abs(value) >= std::abs(x) ? (value - sum) + x : (x - sum) + value;
+  value = sum;
+}
+
+bool EnergyLedger::close(const Energy& end, const Work& work) noexcept {
+  if (!std::isfinite(end.kinetic + end.strain + work.contact + end.residual + work.damping + work.forcing))
+    return false;
+  damping_.add(work.damping);
+  forcing_.add(work.forcing);
+  contact_.add(work.contact - (end.residual - energy_.residual));
+  energy_ = {.kinetic = end.kinetic,
+             .strain = end.strain,
+             .residual = end.residual,
+             .loads = end.loads + forcing_.total(),
+             .damping = damping_.total(),
+             .contact = contact_.total()};
+  return true;
+}
+
+}  // namespace ricochet::contact

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The energy ledger of a run: energies at the end of a step, and work summed over all steps.
+#pragma once
+
+#include "ricochet/step_options.hpp"
+
+namespace ricochet::contact {
+
+/// Work over one or more steps [J].
+struct Work {
+  double damping = 0;  ///< ∫ 2δ q̇²
+  double forcing = 0;  ///< ∫ f·q̇ of the loads with histories, ∫ Γ (dū/dt) q̈ of the supports
+  double contact = 0;  ///< taken from the bodies by contact
+};
+
+class EnergyLedger {
+ public:
+  /// @param start  energies at t = 0
+  explicit EnergyLedger(const Energy& start) : energy_(start) {}
+
+  const Energy& energy() const { return energy_; }
+
+  /// Closes the ledger after one or more steps. False, without any change, if a value is not finite.
+  /// @param end  kinetic, strain and residual energy, and the work of constant loads, at the end
+  bool close(const Energy& end, const Work& work) noexcept;
+
+ private:
+  /// A compensated sum (Neumaier), for ledgers of millions of steps.
+  struct Sum {
+    double value = 0, carry = 0;
+    void add(double x) noexcept;
+    double total() const { return value + carry; }
+  };
+
+  Energy energy_;
+  Sum damping_, contact_, forcing_;
+};
+
+}  // namespace ricochet::contact

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The first instant of a free motion at which an open point closes (event location).
+//
+// Between knots |q̈| ≤ √(q̈² + ω² q̇²) + |f'| ℓ, because damping takes energy from q̈ and q̇ too. So |ü_i| ≤ A_i,
+// and a point at the distance d that closes at the rate u̇ stays open while u̇ t + ½ A t² < d. Steps of that
+// length can't pass the first closing, and converge to it as fast as Newton's do.
+#pragma once
+
+#include <vector>
+
+#include "contact/stepping/modal_state.hpp"
+
+namespace ricochet::contact {
+
+class EventLocation {
+ public:
+  explicit EventLocation(const StepSystem& system);
+
+  /// The points that may close: all of them; those that are open in the state, with the displacement u (m).
+  void open_all() noexcept;
+  void open(const ModalState& state, const Vector& u) noexcept;
+  /// Removes points that have closed. Ascending.
+  void close(const std::vector<int>& points) noexcept;
+
+  /// The first instant in [from, to) at which an open point of the motion from (next_q, next_v) closes to
+  /// round-off; `to` if there is none.
+  double first_closing(double from, double to, const ModalState& state) noexcept;
+
+ private:
+  double safe_time(double passed, const ModalState& state) noexcept;
+
+  std::vector<int> open_;
+  Vector knot_q_, knot_v_;   ///< (N) at the last knot
+  Vector q_, v_;             ///< (N) at an instant after it
+  Vector force_, slope_;     ///< (N) modal force at the knot and its slope
+  Vector acceleration_;      ///< (N) upper bound on |q̈|
+  Vector s_, rate_, bound_;  ///< (m) s at the knot; ṡ; upper bound on |ü|
+};
+
+}  // namespace ricochet::contact

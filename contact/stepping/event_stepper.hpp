@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The impulse scheme with event location: if points that were open at t_{k−1} close within the step, free
+// motion ends at the first such instant, impulses follow, and the rest of the step goes on from there. Each
+// point closes at most once per step. Points that touch at t_0 get their impulses there.
+#pragma once
+
+#include "contact/stepping/event_location.hpp"
+#include "contact/stepping/impulse_problem.hpp"
+#include "contact/stepping/stepper.hpp"
+
+namespace ricochet::contact {
+
+class EventStepper final : public Stepper {
+ public:
+  /// Throws as make_stepper does.
+  EventStepper(const Model& model, const StepOptions& options);
+
+  StepStatus step() noexcept override;
+  std::unique_ptr<Stepper> clone() const override { return std::make_unique<EventStepper>(*this); }
+  void assign(const Stepper& clone) noexcept override { *this = static_cast<const EventStepper&>(clone); }
+  const ModalState* modal() const noexcept override { return &state_; }
+
+ private:
+  ModalState state_;
+  ImpulseProblem problem_;
+  EventLocation events_;
+  Vector next_u_, impulse_;  ///< (m) impulse_: Σ P of the step
+};
+
+}  // namespace ricochet::contact

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The impulses of the points that touch at one instant:  0 ≤ P ⟂ A P − (1 + e) v̂ ≥ 0  on the points with
+// u ≥ g, to round-off. R plays no part, because an impulse has no static response. If there are more points
+// than modes, P is not unique; the one of least norm is taken.
+#pragma once
+
+#include <vector>
+
+#include "contact/complementarity/complementarity.hpp"
+#include "contact/stepping/modal_state.hpp"
+
+namespace ricochet::contact {
+
+/// Points closer than this to their gap touch: the round-off of u_i, a sum over modes.
+/// @param size  |q|   @param s  static displacement of point i
+double touching_margin(const StepSystem& system, Eigen::Index i, double size, double s) noexcept;
+
+class ImpulseProblem {
+ public:
+  ImpulseProblem(const ModalState& state, const StepOptions& options);
+
+  /// Solves for P (m) [N s] at the end of the interval state.now, where the displacement is u (m).
+  SolveStatus solve(ModalState& state, const Vector& u, ComplementaritySolver& solver,
+                    Vector& impulse) noexcept;
+
+  /// Points that touched in the last problem, ascending.
+  const std::vector<int>& touching() const { return touching_; }
+
+ private:
+  StepOptions options_;
+  ForcedResponse::Interval next_;  ///< the step after, of "difference"
+  Vector rhs_, solution_;          ///< (m) of the touching points
+  Eigen::MatrixXd sub_;            ///< (m,m) A of the touching points
+  std::vector<int> touching_;
+};
+
+}  // namespace ricochet::contact

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "contact/stepping/impulse_stepper.hpp"
+
+namespace ricochet::contact {
+
+ImpulseStepper::ImpulseStepper(const Model& model, const StepOptions& options)
+    : Stepper(options, model.gap.size(), {.max_pivots = options.max_pivots}),
+      state_(model, options),
+      problem_(state_, options) {
+  next_u_.setZero(model.gap.size());
+  state_.displacement(contact_.force, u_);
+}
+
+StepStatus ImpulseStepper::step() noexcept {
+  state_.begin(steps_ + 1);
+  Work work = state_.free_step();
+  next_u_ = state_.now.s;
+  next_u_.noalias() += state_.system->B * state_.next_q;
+  const SolveStatus status = problem_.solve(state_, next_u_, solver_, next_force_);
+  if (!has_forces(status)) return failure(status);
+  const int active = state_.strike(next_force_, work);
+  if (!state_.commit(work, 0)) return StepStatus::not_finite;
+  contact_.active = active;
+  contact_.persistency = -work.contact / options_.step;
+  contact_.residual = problem_.touching().empty() ? SolveResidual{} : solver_.residual();
+  next_force_ /= options_.step;
+  contact_.force.swap(next_force_);
+  u_.swap(next_u_);
+  ++steps_;
+  return StepStatus::ok;
+}
+
+}  // namespace ricochet::contact

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The impulse scheme, the source paper's algorithm (30): free motion from t_{k−1} to t_k, where the points
+// with u ≥ g get impulses P that jump q̇. The first such instant is t_1: points that touch at t_0 and approach
+// get their impulse one step later, within Δ times their velocity.
+#pragma once
+
+#include "contact/stepping/impulse_problem.hpp"
+#include "contact/stepping/stepper.hpp"
+
+namespace ricochet::contact {
+
+class ImpulseStepper final : public Stepper {
+ public:
+  /// Throws as make_stepper does.
+  ImpulseStepper(const Model& model, const StepOptions& options);
+
+  StepStatus step() noexcept override;
+  std::unique_ptr<Stepper> clone() const override { return std::make_unique<ImpulseStepper>(*this); }
+  void assign(const Stepper& clone) noexcept override { *this = static_cast<const ImpulseStepper&>(clone); }
+  const ModalState* modal() const noexcept override { return &state_; }
+
+ private:
+  ModalState state_;
+  ImpulseProblem problem_;
+  Vector next_u_;  ///< (m)
+};
+
+}  // namespace ricochet::contact

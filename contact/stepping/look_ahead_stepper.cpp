@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "contact/stepping/look_ahead_stepper.hpp"
+
+namespace ricochet::contact {
+namespace {
+
+/// The cost of near history grows with the block and with the square of the points, that of far history only
+/// with the modes: with few points longer blocks pay.
+constexpr Eigen::Index few_points = 64;
+constexpr int long_block = 24, short_block = 8;
+
+int length_of(const StepOptions& options, Eigen::Index points) {
+  return options.block > 0 ? options.block : points <= few_points ? long_block : short_block;
+}
+
+}  // namespace
+
+template <class T>
+LookAheadStepper<T>::LookAheadStepper(const Model& model, const StepOptions& options)
+    : Stepper(options, model.gap.size(), {.same_matrix = true, .max_pivots = options.max_pivots}),
+      state_(model, options),
+      block_(std::make_shared<const BlockSystem<T>>(state_.system, length_of(options, model.gap.size()),
+                                                    options.step),
+             state_.forcing.any()) {
+  state_.displacement(contact_.force, u_);
+  known_ = contact_;
+}
+
+template <class T>
+StepStatus LookAheadStepper<T>::step() noexcept {
+  if (block_.over()) start_block();
+  const SolveStatus solved = block_.step(solver_, next_force_);
+  if (!has_forces(solved)) return failure(solved);
+  u_is_current_ = false;
+  if (state_.forcing.any()) {
+    state_.begin(steps_ + 1);
+    if (!state_.step_under(next_force_)) {
+      block_.take_back();
+      return StepStatus::not_finite;
+    }
+  } else {
+    ++pending_;
+    if (options_.every_state || block_.over())
+      if (const StepStatus status = move_state(); status != StepStatus::ok) return status;
+  }
+  contact_.force.swap(next_force_);
+  contact_.active = block_.pushing();
+  contact_.persistency = -block_.work() / options_.step;
+  contact_.residual = solved == SolveStatus::limited ? solver_.residual() : SolveResidual{};
+  ++steps_;
+  if (!options_.every_state && pending_ == 0) known_ = contact_;
+  return StepStatus::ok;
+}
+
+template <class T>
+void LookAheadStepper<T>::start_block() noexcept {
+  if (state_.forcing.any()) {
+    ForcedResponse::Interval& now = state_.now;
+    block_.set_forcing(0, now.q, now.v, state_.s);
+    for (int l = 1; l <= block_.length(); ++l) {
+      state_.forcing.step(steps_ + l, now);
+      block_.set_forcing(l, now.q, now.v, now.s);
+    }
+  }
+  block_.start(state_.q, state_.v, contact_.force);
+}
+
+/// Moves q, q̇ and the ledger through the pending steps; the last of them is not counted in steps_ yet. If
+/// that fails, none of them was made.
+template <class T>
+StepStatus LookAheadStepper<T>::move_state() noexcept {
+  const simd::Sums sums = block_.advance(keeps_rates_);
+  const bool finite = state_.ledger.close({.kinetic = sums.kinetic,
+                                           .strain = sums.strain,
+                                           .residual = block_.energy_in_residual(),
+                                           .loads = sums.loads},
+                                          {.damping = sums.damping, .contact = sums.contact});
+  if (finite) {
+    block_.copy_state(state_.q, state_.v);
+  } else {
+    block_.take_back();
+    if (pending_ > 1) {
+      steps_ -= pending_ - 1;
+      contact_ = known_;
+    }
+  }
+  pending_ = 0;
+  return finite ? StepStatus::ok : StepStatus::not_finite;
+}
+
+template <class T>
+StepStatus LookAheadStepper<T>::catch_up() noexcept {
+  if (pending_ == 0) return StepStatus::ok;
+  --steps_;
+  const StepStatus status = move_state();
+  if (status == StepStatus::ok) ++steps_;
+  u_is_current_ = false;
+  known_ = contact_;
+  return status;
+}
+
+template <class T>
+void LookAheadStepper<T>::keep(bool every_state, bool rates) noexcept {
+  if (pending_ == 0) known_ = contact_;
+  options_.every_state = every_state;
+  keeps_rates_ = rates;
+}
+
+template <class T>
+const double* LookAheadStepper<T>::rate(int back) const noexcept {
+  return state_.forcing.any() ? state_.v.data() : block_.rate(block_.advanced() - back);
+}
+
+template <class T>
+const Vector& LookAheadStepper<T>::displacement() const noexcept {
+  if (!u_is_current_) state_.displacement(pending_ > 0 ? known_.force : contact_.force, u_);
+  u_is_current_ = true;
+  return u_;
+}
+
+template class LookAheadStepper<double>;
+template class LookAheadStepper<float>;
+
+}  // namespace ricochet::contact

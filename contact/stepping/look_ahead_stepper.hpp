@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The compliant scheme by look-ahead blocks: CompliantStepper's steps, to round-off, at the cost of those
+// points that could close.
+#pragma once
+
+#include "contact/stepping/look_ahead_block.hpp"
+#include "contact/stepping/stepper.hpp"
+
+namespace ricochet::contact {
+
+/// @tparam T  of the products of a block
+template <class T>
+class LookAheadStepper final : public Stepper {
+ public:
+  /// The model has contact points. Throws as make_stepper does.
+  LookAheadStepper(const Model& model, const StepOptions& options);
+
+  StepStatus step() noexcept override;
+  std::unique_ptr<Stepper> clone() const override { return std::make_unique<LookAheadStepper>(*this); }
+  void assign(const Stepper& clone) noexcept override { *this = static_cast<const LookAheadStepper&>(clone); }
+  const ModalState* modal() const noexcept override { return &state_; }
+  const Vector& displacement() const noexcept override;
+  void keep(bool every_state, bool rates) noexcept override;
+  int pending() const noexcept override { return pending_; }
+  StepStatus catch_up() noexcept override;
+  const double* rate(int back) const noexcept override;
+
+ private:
+  void start_block() noexcept;
+  StepStatus move_state() noexcept;
+
+  ModalState state_;
+  LookAheadBlock<T> block_;
+  bool keeps_rates_ = false;
+  mutable bool u_is_current_ = true;
+  int pending_ = 0;  ///< steps of the block that state_ does not include
+  Contact known_;    ///< in the last step that state_ includes, while some are pending
+};
+
+extern template class LookAheadStepper<double>;
+extern template class LookAheadStepper<float>;
+
+}  // namespace ricochet::contact

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "contact/stepping/modal_state.hpp"
+
+namespace ricochet::contact {
+namespace {
+
+Vector sampled_rates(const Model& model, const StepOptions& options) {
+  Vector out = model.v0;
+  if (options.scheme == Scheme::compliant)
+    for (Eigen::Index n = 0; n < out.size(); ++n)
+      if (!sampled(model.omega(n), options.step)) out(n) = 0;
+  return out;
+}
+
+}  // namespace
+
+ModalState::ModalState(const Model& model, const StepOptions& options)
+    : system(make_step_system(model, options)),
+      forcing(model, options.step, options.scheme == Scheme::compliant),
+      q(system->q0),
+      v(sampled_rates(model, options)),
+      ledger({.kinetic = 0.5 * v.squaredNorm(), .strain = 0.5 * system->stiffness.dot(q.cwiseAbs2())}),
+      now(forcing.start()) {
+  s = now.s;
+  v -= now.lift;
+  for (Vector* x : {&next_q, &next_v, &g_, &dq_, &push_, &work_q_, &work_v_}) x->setZero(q.size());
+}
+
+void ModalState::begin(std::int64_t k) noexcept {
+  if (forcing.any()) forcing.step(k, now);
+  next_q = q + free_motion(q, v, now);
+}
+
+/// q⁺ − q = b q̇ + c g, and the response to the forcing. With a = 1 − ω²c and d = −ω²h these increments are
+/// the propagator, and they keep the work of a force on a slow motion free of cancellation.
+Vector& ModalState::free_motion(const Vector& from_q, const Vector& from_v,
+                                const ForcedResponse::Interval& over) noexcept {
+  g_.array() = system->load.array() - system->stiffness.array() * from_q.array();
+  dq_.array() = system->b.array() * from_v.array() + system->c.array() * g_.array();
+  if (forcing.any()) dq_ += over.q;
+  return dq_;
+}
+
+/// push_ = Bᵀ λ; returns the number of points with λ > 0.
+int ModalState::push(const Vector& lambda) noexcept {
+  int active = 0;
+  push_.setZero();
+  for (Eigen::Index i = 0; i < lambda.size(); ++i)
+    if (lambda(i) > 0) {
+      push_ += lambda(i) * system->B.row(i).transpose();
+      ++active;
+    }
+  return active;
+}
+
+/// Work of the step that starts at (q, v) under the acceleration g_ and the forcing.
+Work ModalState::work() noexcept {
+  if (forcing.any()) {
+    work_q_ = q;
+    work_v_ = v;
+    push_.array() = g_.array() + system->stiffness.array() * q.array();
+    return forcing.advance(now, push_, work_q_, work_v_);
+  }
+  if (!system->damped) return {};
+  return {.damping = (system->damp_ss.array() * g_.array().square() +
+                      system->damp_sr.array() * g_.array() * v.array() +
+                      system->damp_rr.array() * v.array().square())
+                         .sum()};
+}
+
+Work ModalState::free_step() noexcept {
+  next_v.array() = system->e.array() * v.array() + system->h.array() * g_.array();
+  if (forcing.any()) next_v += now.v;
+  return work();
+}
+
+/// ½ λᵀ R λ
+double ModalState::residual_energy(const Vector& force) const noexcept {
+  double energy = 0;
+  for (Eigen::Index j = 0; j < force.size(); ++j) {
+    if (force(j) == 0) continue;
+    for (Eigen::Index i = 0; i < force.size(); ++i)
+      if (force(i) != 0) energy += 0.5 * force(j) * system->R(i, j) * force(i);
+  }
+  return energy;
+}
+
+bool ModalState::step_under(const Vector& force) noexcept {
+  const double against_s = force.dot(now.s - s);
+  double contact = against_s;
+  if (push(force) > 0) {
+    dq_.array() -= system->c.array() * push_.array();
+    g_ -= push_;
+    contact += push_.dot(dq_);
+    next_q = q + dq_;
+  }
+  Work spent = free_step();
+  spent.forcing += against_s;
+  spent.contact = contact;
+  return commit(spent, residual_energy(force));
+}
+
+int ModalState::strike(const Vector& impulse, Work& work) noexcept {
+  const int active = push(impulse);
+  if (active == 0) return 0;
+  const double on_rate = impulse.dot(now.rate);
+  work.contact += push_.dot(next_v) + on_rate - 0.5 * push_.squaredNorm();  // Pᵀ (u̇⁻ + u̇⁺)/2
+  work.forcing += on_rate - push_.dot(now.lift);
+  next_v -= push_;
+  return active;
+}
+
+bool ModalState::commit(const Work& work, double residual) noexcept {
+  const Energy end{
+      .kinetic = 0.5 * (forcing.any() ? (next_v + now.lift).squaredNorm() : next_v.squaredNorm()),
+      .strain = 0.5 * (system->stiffness.array() * next_q.array().square()).sum(),
+      .residual = residual,
+      .loads = (system->load.array() * (next_q.array() - system->q0.array())).sum()};
+  if (!ledger.close(end, work)) return false;
+  q.swap(next_q);
+  v.swap(next_v);
+  s = now.s;
+  return true;
+}
+
+void ModalState::displacement(const Vector& force, Vector& u) const noexcept {
+  u = s;
+  u.noalias() += system->B * q;
+  for (Eigen::Index i = 0; i < force.size(); ++i)
+    if (force(i) != 0) u -= force(i) * system->R.col(i);
+}
+
+}  // namespace ricochet::contact

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Modal coordinates of all bodies with their energy ledger, and their exact motion over one step.
+//
+// The step under way ends in next_q, next_v; nothing before it changes until `commit` succeeds.
+#pragma once
+
+#include <memory>
+
+#include "contact/model/model.hpp"
+#include "contact/stepping/energy_ledger.hpp"
+#include "contact/stepping/forced_response.hpp"
+#include "contact/stepping/step_system.hpp"
+
+namespace ricochet::contact {
+
+struct ModalState {
+  /// Throws InputError on options that `model` can't be stepped with.
+  ModalState(const Model& model, const StepOptions& options);
+
+  const Energy& energy() const { return ledger.energy(); }
+  int modes_in_residual() const { return system->dropped; }  ///< modes moved into R because ωΔ > π
+
+  /// Starts step k: next_q is q after the motion from (q, v) without contact.
+  void begin(std::int64_t k) noexcept;
+  /// Motion without contact from (q, v) over `over`: sets g = f − ω²q and returns q⁺ − q.
+  Vector& free_motion(const Vector& q, const Vector& v, const ForcedResponse::Interval& over) noexcept;
+  /// After `begin`: completes the step without contact.
+  Work free_step() noexcept;
+  /// After `begin`: completes the step under λ (m), held over it, and commits it.
+  bool step_under(const Vector& force) noexcept;
+  /// q̇⁺ = q̇⁻ − Bᵀ P at the end of the step. Adds to `work`; returns the number of points with P > 0.
+  int strike(const Vector& impulse, Work& work) noexcept;
+  /// Takes next_q, next_v as the state. False, without any change, if it is not finite.
+  bool commit(const Work& work, double residual) noexcept;
+  /// u = B q + s − R λ (m)
+  void displacement(const Vector& force, Vector& u) const noexcept;
+
+  std::shared_ptr<const StepSystem> system;
+  ForcedResponse forcing;
+  Vector q, v;  ///< (N) q relative to the lift of moving supports, and q̇
+  Vector s;     ///< (m) s at t_k
+  EnergyLedger ledger;
+  ForcedResponse::Interval now;  ///< the step under way, or its last interval
+  Vector next_q, next_v;         ///< (N)
+
+ private:
+  int push(const Vector& lambda) noexcept;
+  Work work() noexcept;
+  double residual_energy(const Vector& force) const noexcept;
+
+  Vector g_, dq_, push_;    ///< (N) f − ω²q, q⁺ − q, Bᵀλ
+  Vector work_q_, work_v_;  ///< (N) scratch of the work of forcing
+};
+
+}  // namespace ricochet::contact

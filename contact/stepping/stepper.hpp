@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// One scheme that advances contact through time. `step` neither throws nor allocates.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "contact/complementarity/complementarity.hpp"
+#include "contact/model/model.hpp"
+#include "contact/stepping/modal_state.hpp"
+#include "ricochet/step_options.hpp"
+
+namespace ricochet::contact {
+
+class Stepper {
+ public:
+  virtual ~Stepper() = default;
+
+  /// Advances from t_{k−1} to t_k. A step that fails changes nothing; if the state of a look-ahead block
+  /// turns out not to be finite, all pending steps fail together.
+  virtual StepStatus step() noexcept = 0;
+
+  virtual std::unique_ptr<Stepper> clone() const = 0;
+  /// Takes the state of a clone, without allocating.
+  virtual void assign(const Stepper& clone) noexcept = 0;
+
+  const StepOptions& options() const { return options_; }
+  std::int64_t steps() const { return steps_; }
+  double time() const { return static_cast<double>(steps_) * options_.step; }
+
+  /// (m) λ_k [N] over (t_{k−1}, t_k]; impulses as P/Δ
+  const Vector& force() const { return contact_.force; }
+  /// (m) u at t_k, residual included [m]; of a step whose state is pending, u after the last known state.
+  virtual const Vector& displacement() const noexcept { return u_; }
+  int active() const { return contact_.active; }  ///< points with λ > 0 in this step
+  /// Power through the contact, σ_n u̇_n of (16), mean of the step [W]: compliant −λᵀ(u_k − u_{k−1})/Δ;
+  /// impulse −Pᵀ(u̇⁻ + u̇⁺)/(2Δ), the velocities just before and after the impulses.
+  double persistency() const { return contact_.persistency; }
+  const SolveStatistics& solver() const { return solver_.statistics(); }
+  /// By how much the last step's forces violate complementarity; 0 unless max_pivots cut the step short.
+  /// compliant: u beyond its bound [m]; impulse: remaining approach (1 + e) v̂ − A P [m/s].
+  const SolveResidual& residual() const { return contact_.residual; }
+
+  /// Motion and energy of the bodies; null where only the contact points are known (tables).
+  virtual const ModalState* modal() const noexcept { return nullptr; }
+  /// (3,bodies) mass-mean velocities of a table's bodies after the step [m/s]; null with modes.
+  virtual const Eigen::Matrix3Xd* body_velocities() const noexcept { return nullptr; }
+
+  // Schemes that step in look-ahead blocks may know the state after the last step of a block only.
+  /// Applies options.every_state from the next step on. `rates`: record q̇ after each step for rate().
+  virtual void keep(bool /*every_state*/, bool /*rates*/) noexcept {}
+  /// Steps whose state is not known yet.
+  virtual int pending() const noexcept { return 0; }
+  /// Moves the state to the last step. Fails as `step` does.
+  virtual StepStatus catch_up() noexcept { return StepStatus::ok; }
+  /// (N) q̇, `back` steps before the last one, within the steps that the last move of the state covered.
+  virtual const double* rate(int /*back*/) const noexcept { return modal()->v.data(); }
+
+ protected:
+  /// Contact in one step.
+  struct Contact {
+    Vector force;
+    int active = 0;
+    double persistency = 0;
+    SolveResidual residual;
+  };
+
+  Stepper(const StepOptions& options, Eigen::Index points, const SolveOptions& solver);
+  Stepper(const Stepper&) = default;
+  Stepper& operator=(const Stepper&) = default;
+
+  static bool has_forces(SolveStatus status) noexcept {
+    return status == SolveStatus::solved || status == SolveStatus::limited;
+  }
+  static StepStatus failure(SolveStatus status) noexcept {
+    return status == SolveStatus::not_finite ? StepStatus::not_finite : StepStatus::no_solution;
+  }
+
+  StepOptions options_;
+  ComplementaritySolver solver_;
+  std::int64_t steps_ = 0;
+  Contact contact_;
+  mutable Vector u_;   ///< (m); a scheme may compute it when it is asked for
+  Vector next_force_;  ///< (m) of the step under way
+};
+
+/// The stepper of the scheme in `options`.
+/// Throws InputError: `impulse` with "difference" and ω_max Δ ≥ π; a restitution outside [0, 1]; a
+/// max_pivots below 1. `compliant`: modes with ωΔ > π carry no sampled information; they move into R and into
+/// the static displacement, and leave q (their q, q̇ stay 0).
+std::unique_ptr<Stepper> make_stepper(const Model& model, const StepOptions& options);
+
+}  // namespace ricochet::contact

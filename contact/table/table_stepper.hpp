@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Steps the contact forces of a Table through time: the source paper's formulation, in which the motion of
+// the contact points is a convolution with all earlier forces.
+//
+// impulse, step k: û_k = ũ_k − Σ_{l≥1} N_l P_{k−l}; on the points with û ≥ g, to round-off,
+//   0 ≤ P ⟂ A P − (1 + e) v̂ ≥ 0
+//   "jump":        A = Ṅ_0,    v̂ = ũ̇_k − Σ_{l≥1} Ṅ_l P_{k−l}
+//   "difference":  the same with (N_{l+1} − N_l)/Δ for Ṅ_l and (ũ_{k+1} − ũ_k)/Δ for ũ̇_k
+// As in the source paper the first instant is t_1. displacement() is that before the impulses.
+//
+// compliant, step k: 0 ≤ λ ⟂ S_0 λ − (û − g) ≥ 0,  û = ũ_k − Σ_{l≥1} S_l λ_{k−l},  over all points.
+//
+// With kernels from modes both are the modal schemes, to round-off. The energy of the bodies is not known
+// here; whether a step can gain energy depends on the table. persistency() is known for `compliant` only.
+#pragma once
+
+#include <Eigen/Dense>
+#include <limits>
+#include <vector>
+
+#include "contact/stepping/stepper.hpp"
+#include "contact/table/convolution.hpp"
+#include "contact/table/table.hpp"
+
+namespace ricochet::contact {
+
+class TableStepper final : public Stepper {
+ public:
+  /// Without end: the tail is known.
+  static constexpr std::int64_t endless = std::numeric_limits<std::int64_t>::max();
+
+  /// @param table  valid; not needed afterwards
+  /// @param convolution  its `tail` is replaced by the table's
+  /// Throws InputError if the table lacks what the scheme needs, has another step than `options`, or its
+  /// lag 0 (A or S_0) is not symmetric and positive semidefinite; if restitution is outside [0, 1].
+  TableStepper(const Table& table, const StepOptions& options, ConvolutionOptions convolution = {});
+
+  /// Steps that the table has kernels and free motion for.
+  std::int64_t available() const { return available_; }
+
+  /// `table_ended` if the step is beyond `available`; the state then stays.
+  StepStatus step() noexcept override;
+  std::unique_ptr<Stepper> clone() const override { return std::make_unique<TableStepper>(*this); }
+  void assign(const Stepper& clone) noexcept override { *this = static_cast<const TableStepper&>(clone); }
+  const Eigen::Matrix3Xd* body_velocities() const noexcept override { return &velocity_; }
+
+ private:
+  void free_motion(std::int64_t k, Vector& u) const noexcept;
+  void free_rate(std::int64_t k, Vector& v) const noexcept;
+  SolveStatus compliant() noexcept;
+  SolveStatus impulses() noexcept;
+  void push_bodies() noexcept;
+
+  std::int64_t available_ = endless;
+  std::vector<double> free_, free_velocity_;    ///< (K,m), (·,m)
+  Vector rigid_velocity_, rigid_acceleration_;  ///< (m) of ũ, where there is no `free_`
+  Vector gap_;
+  Eigen::MatrixXd S_;  ///< (m,m) S_0 or A
+  std::vector<FreeBody> bodies_;
+  Convolution convolution_;  ///< compliant: S (m rows); impulse: N and Ṅ (2m rows)
+  Eigen::Matrix3Xd velocity_;
+
+  // the step under way
+  Vector next_u_, rhs_, solution_, rate_;  ///< (m)
+  Eigen::MatrixXd sub_;
+  std::vector<int> touching_;
+};
+
+}  // namespace ricochet::contact

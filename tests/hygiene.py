@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Tracked files: every source has its licence line, none is a fuzzing artefact, names a machine's folder or is large.
+
+    python3 tests/hygiene.py [FOLDER]    # status 1 and a line a finding; 77 where there is no git checkout
+"""
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+LICENCE = "SPDX-License-Identifier: BSD-2-Clause"
+SOURCES = {".c", ".cmake", ".cpp", ".css", ".h", ".hpp", ".js", ".py", ".sh"}
+ARTEFACT = re.compile(r"(crash|leak|oom|timeout|slow-unit)-")
+HOME = re.compile(rb"/(home|root|work|Users)/\w")
+LARGEST = 1 << 20
+
+
+def is_source(path, content):
+    return path.suffix in SOURCES or path.name == "CMakeLists.txt" or content.startswith(b"#!")
+
+
+def findings(root, names):
+    for name in names:
+        path = root / name
+        if not path.is_file():
+            continue
+        content = path.read_bytes()
+        if ARTEFACT.match(path.name):
+            yield f"{name}: is an artefact of a fuzzer: remove it, or keep it in tests/fuzz/corpus under another name"
+        if len(content) > LARGEST:
+            yield f"{name}: has {len(content)} bytes, more than 1 MiB"
+        if name.startswith("tests/fuzz/corpus/"):
+            continue
+        if content and is_source(path, content) and LICENCE.encode() not in b"\n".join(content.split(b"\n")[:3]):
+            yield f"{name}: has no line {LICENCE}"
+        if found := HOME.search(content):
+            line = content.count(b"\n", 0, found.start()) + 1
+            yield f"{name}:{line}: names a folder of one machine"
+
+
+def main(root):
+    listed = subprocess.run(["git", "-C", root, "ls-files", "-z"], capture_output=True, text=True)
+    if listed.returncode != 0:
+        print(f"{root}: not a git checkout")
+        return 77
+    found = list(findings(root, filter(None, listed.stdout.split("\0"))))
+    print("\n".join(found))
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).resolve().parents[1]))
