@@ -35,13 +35,13 @@ void end_cleanly_on_signals() {
   std::signal(SIGXFSZ, SIG_IGN);
 }
 
-std::string told(const std::exception& failure) {
+std::string message_of(const std::exception& failure) {
   if (dynamic_cast<const std::bad_alloc*>(&failure) == nullptr) return failure.what();
   return "there is not enough memory: request fewer modes, candidates or steps, or use a larger machine";
 }
 
 int status_of(const std::exception& failure, const std::string& name) {
-  fmt::print(stderr, "{}: {}\n", name, told(failure));
+  fmt::print(stderr, "{}: {}\n", name, message_of(failure));
   return dynamic_cast<const InputError*>(&failure) != nullptr ? 2 : 1;
 }
 

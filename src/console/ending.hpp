@@ -13,7 +13,7 @@ namespace ricochet::console {
 void end_cleanly_on_signals();
 
 /// Message of a failure, in one line.
-std::string told(const std::exception& failure);
+std::string message_of(const std::exception& failure);
 
 /// Prints "NAME: message" on stderr. @return the exit status: 2 after bad input, otherwise 1.
 int status_of(const std::exception& failure, const std::string& name);

@@ -55,9 +55,10 @@ Parsed parse(const Program& program, int argc, const char* const* argv, bool spe
       ->take_all()
       ->expected(1)
       ->allow_extra_args(false);
-  app.add_option("--accuracy", accuracy,
-                 "Relative error that the main results may have: chooses what the scene leaves open, and "
-                 "estimates errors; as --set accuracy=X")
+  app.add_option(
+         "--accuracy", accuracy,
+         "Relative error allowed in the main results: chooses the settings that the scene leaves open, "
+         "and estimates errors; like --set accuracy=X")
       ->type_name("X");
   app.add_option("--out", out, "Folder of kernels and results (default: out/ beside the scene)")
       ->type_name("DIR");
@@ -66,8 +67,8 @@ Parsed parse(const Program& program, int argc, const char* const* argv, bool spe
   if (program.impacts) {
     CLI::Option* vtk =
         app.add_flag("--vtk", options.vtk,
-                     "Write the motion for ParaView: <title>.motion.xdmf, about 200 frames or as "
-                     "output.vtk_every says");
+                     "Write the motion for ParaView: <title>.motion.xdmf, about 200 frames, or one "
+                     "every output.vtk_every steps");
     app.add_flag("--batch", options.batch, "Answer requests on standard input, a line of JSON each")
         ->excludes(vtk);
     app.add_option("--fclib", fclib,

@@ -68,7 +68,7 @@ std::string_view MshStream::word(const char* expected) {
     word_ += static_cast<char>(c);
     ++at_;
     if (word_.size() > longest_line)
-      fail(fmt::format("a word of more than {} bytes in the place of {}", longest_line, expected));
+      fail(fmt::format("a word of more than {} bytes instead of {}", longest_line, expected));
   }
   return word_;
 }
@@ -124,7 +124,7 @@ std::int64_t MshStream::integer(const char* what, std::int64_t low, std::int64_t
     const std::string_view text = word(what);
     const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (failure != std::errc() || end != text.data() + text.size())
-      fail(fmt::format("\"{}\" in the place of {}, a whole number", printed(text), what));
+      fail(fmt::format("\"{}\" instead of {}, a whole number", printed(text), what));
   }
   if (value < low || value > high) out_of_range(what, value, low, high);
   return value;
@@ -145,7 +145,7 @@ double MshStream::real(const char* what) {
         text.find("e-") + text.find("E-") != 2 * std::string_view::npos)
       value = 0;
     else if (failure != std::errc() || end != text.data() + text.size())
-      fail(fmt::format("\"{}\" in the place of {}, a number", printed(text), what));
+      fail(fmt::format("\"{}\" instead of {}, a number", printed(text), what));
   }
   if (!std::isfinite(value)) fail(fmt::format("{} is not finite", what));
   return value;

@@ -71,10 +71,10 @@ class Damage : public testing::Test {
 
   /// Expects that reading is refused, with a line that starts with the file and contains each of `parts`.
   void expect_refused(const std::vector<std::string>& parts) const {
-    const std::string said = complaint_of([&] { read(path_); });
-    EXPECT_EQ(said.find(path_.string() + ": "), 0U) << said;
+    const std::string message = complaint_of([&] { read(path_); });
+    EXPECT_EQ(message.find(path_.string() + ": "), 0U) << message;
     for (const std::string& part : parts)
-      EXPECT_NE(said.find(part), std::string::npos) << part << " in: " << said;
+      EXPECT_NE(message.find(part), std::string::npos) << part << " in: " << message;
   }
 
   Folder folder_;

@@ -51,13 +51,13 @@ TEST(TruncationToAFlexibilityError, reports_a_bound_of_the_error) {
     EXPECT_NO_THROW(validate(cut, "origin"));
     EXPECT_LT(cut.modes.size(), last);
     last = cut.modes.size();
-    const Certificate& told = cut.modes.certificate;
-    EXPECT_EQ(told.count_found, 60);
-    EXPECT_EQ(told.left_out, 60 - static_cast<std::int64_t>(last));
-    EXPECT_EQ(told.upto_hz, whole.modes.certificate.upto_hz);
-    EXPECT_LE(told.flexibility_error, bound);
-    EXPECT_LE(error_of(cut, band), told.flexibility_error);
-    EXPECT_GT(error_of(cut, band), told.flexibility_error / 10);  // and the bound is not loose
+    const Certificate& reported = cut.modes.certificate;
+    EXPECT_EQ(reported.count_found, 60);
+    EXPECT_EQ(reported.left_out, 60 - static_cast<std::int64_t>(last));
+    EXPECT_EQ(reported.upto_hz, whole.modes.certificate.upto_hz);
+    EXPECT_LE(reported.flexibility_error, bound);
+    EXPECT_LE(error_of(cut, band), reported.flexibility_error);
+    EXPECT_GT(error_of(cut, band), reported.flexibility_error / 10);  // and the bound is not loose
   }
 }
 

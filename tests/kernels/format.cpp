@@ -251,8 +251,8 @@ TEST(KernelFile, a_kernel_that_would_not_be_read_is_not_written) {
   const Folder folder;
   Kernel kernel = sample_kernel(1);
   kernel.surface.area[1] = std::nan("");
-  const std::string said = complaint_of([&] { write(kernel, folder / "body.kernel.h5"); });
-  EXPECT_NE(said.find("/surface/area"), std::string::npos) << said;
+  const std::string message = complaint_of([&] { write(kernel, folder / "body.kernel.h5"); });
+  EXPECT_NE(message.find("/surface/area"), std::string::npos) << message;
   EXPECT_EQ(folder.entries(), 0U);
 }
 
@@ -263,8 +263,8 @@ TEST(KernelFile, a_scene_too_long_for_an_attribute_is_refused_and_not_cut) {
   write(kernel, folder / "longest.kernel.h5");
   EXPECT_EQ(read(folder / "longest.kernel.h5").scene, kernel.scene);
   kernel.scene += '#';
-  const std::string said = complaint_of([&] { write(kernel, folder / "body.kernel.h5"); });
-  EXPECT_NE(said.find("attribute scene of / has 64001 bytes"), std::string::npos) << said;
+  const std::string message = complaint_of([&] { write(kernel, folder / "body.kernel.h5"); });
+  EXPECT_NE(message.find("attribute scene of / has 64001 bytes"), std::string::npos) << message;
   EXPECT_EQ(folder.entries(), 1U);
 }
 
@@ -273,8 +273,8 @@ TEST(KernelFile, a_place_that_cannot_be_written_is_an_input_error_that_names_it)
   test::put_bytes(folder / "file", "not a folder");
   std::filesystem::create_directory(folder / "occupied");
   for (const std::string place : {"missing/body.h5", "file/body.h5", "occupied"}) {
-    const std::string said = complaint_of([&] { write(sample_kernel(1), folder / place); });
-    EXPECT_EQ(said.find((folder / place).string() + ": cannot write"), 0U) << said;
+    const std::string message = complaint_of([&] { write(sample_kernel(1), folder / place); });
+    EXPECT_EQ(message.find((folder / place).string() + ": cannot write"), 0U) << message;
   }
   EXPECT_EQ(folder.entries(), 2U) << "a temporary file was left behind";
 }

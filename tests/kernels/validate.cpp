@@ -25,10 +25,10 @@ TEST_P(Rule, is_enforced) {
     Kernel kernel = sample_kernel(components);
     ASSERT_NO_THROW(validate(kernel, "origin"));
     GetParam().commit(kernel);
-    const std::string said = complaint_of([&] { validate(kernel, "origin"); });
-    EXPECT_EQ(said.find("origin: "), 0U) << said;
-    EXPECT_NE(said.find(GetParam().named), std::string::npos) << said;
-    EXPECT_NE(said.find("Compute it again"), std::string::npos) << said;
+    const std::string message = complaint_of([&] { validate(kernel, "origin"); });
+    EXPECT_EQ(message.find("origin: "), 0U) << message;
+    EXPECT_NE(message.find(GetParam().named), std::string::npos) << message;
+    EXPECT_NE(message.find("Compute it again"), std::string::npos) << message;
   }
 }
 

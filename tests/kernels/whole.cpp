@@ -87,9 +87,9 @@ TEST(WholeSurface, must_fit_the_candidates) {
     Kernel kernel = partial_kernel();
     ASSERT_NO_THROW(validate(kernel, "origin"));
     breach(*kernel.surface.whole);
-    const std::string said = complaint_of([&] { validate(kernel, "origin"); });
-    EXPECT_EQ(said.find("origin: "), 0U) << said;
-    EXPECT_NE(said.find(named), std::string::npos) << said;
+    const std::string message = complaint_of([&] { validate(kernel, "origin"); });
+    EXPECT_EQ(message.find("origin: "), 0U) << message;
+    EXPECT_NE(message.find(named), std::string::npos) << message;
   }
 }
 

@@ -154,15 +154,15 @@ TEST(Refusal, a_mesh_file_that_gmsh_cannot_be_trusted_with_is_refused_before) {
     std::string whole, from, to, said;
   };
   for (const auto& [whole, from, to, said] :
-       {Change{now, "4.1 0", "3.0 0", "line 2: is of a version that is not read"},
+       {Change{now, "4.1 0", "3.0 0", "line 2: has an unsupported version"},
         Change{now, "0 0 0 1\n", "0 0 0 4000000000000\n", "the number of entities is 4000000000000"},
-        Change{now, "1 5 1 5", "1 4000000000 1 5", "another number of nodes"},
+        Change{now, "1 5 1 5", "1 4000000000 1 5", "the number of nodes differs"},
         Change{now, "3 1 0 5", "3 1 0 5000", "a node's tag is 0: must be from 1 to 5"},
-        Change{now, "1 2 1 2", "1 4000000000 1 2", "another number of elements"},
-        Change{now, "\n2\n3\n", "\n2\n2\n", "node 2 is there twice"},
+        Change{now, "1 2 1 2", "1 4000000000 1 2", "the number of elements differs"},
+        Change{now, "\n2\n3\n", "\n2\n2\n", "node 2 occurs twice"},
         Change{now, "\n1 0 0\n", "\n1 nan 0\n", "a coordinate is not finite"},
-        Change{now, "3 1 4 2", "2 1 4 2", "another dimension than their entity"},
-        Change{now, "3 1 4 2", "3 1 35 2", "elements of type 35 are not read"},
+        Change{now, "3 1 4 2", "2 1 4 2", "differ in dimension"},
+        Change{now, "3 1 4 2", "3 1 35 2", "elements of type 35 are not supported"},
         Change{now, "$Nodes\n", "$GhostElements\n0\n$EndGhostElements\n$Nodes\n",
                "without results and ghost cells"},
         Change{now, "$Nodes\n", "$Entities\n0 0 0 0\n$EndEntities\n$Nodes\n",
@@ -170,7 +170,7 @@ TEST(Refusal, a_mesh_file_that_gmsh_cannot_be_trusted_with_is_refused_before) {
         Change{old, "1 4 2 1 1", "1 4 4 1 1 1 2000000000",
                "partition is not from 1 to the number of elements"},
         Change{old, "1 4 2 1 1", "1 4 5 1 1 1 1 77", "or a parent"},
-        Change{old, "1 4 2 1 1", "1 34 2 1 1 200000000", "elements of type 34 are not read"},
+        Change{old, "1 4 2 1 1", "1 34 2 1 1 200000000", "elements of type 34 are not supported"},
         Change{old, "$Elements\n", "$Periodic\n1\n2 1 1\n1234567\n$EndPeriodic\n$Elements\n",
                "must be below 100000"}}) {
     std::string text = whole;
