@@ -1,4 +1,6 @@
-# Completes options of Ricochet's programs, as their --help lists them, the keys that --set takes, and the files that they read.
+# SPDX-License-Identifier: BSD-2-Clause
+# Completes the verbs and options of ricochet and of its programs, from their --help, the keys that --set takes, and the files that
+# they read.
 
 # Keys that --set may name, for the bodies and obstacles of the scene $2 by their names. $1: ricochet-contact.
 _ricochet_keys() {
@@ -13,10 +15,21 @@ _ricochet_keys() {
         done
 }
 
+# Verbs, or the sources of ricochet import, as its help lists them.
+_ricochet_verbs() { "$@" --help 2>/dev/null | sed -n 's/^    \([a-z]\+\) \+[^ ].*/\1/p'; }
+
 _ricochet() {
-    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} choices scene command=
-    case ${1##*/}:$before in
-        *:--out|ricochet-plot:--kernels|ricochet-report:--kernels) mapfile -t COMPREPLY < <(compgen -d -- "$word"); return ;;
+    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} what=${1##*/} ending endings=toml
+    local command=("$1") words=("${COMP_WORDS[@]:1:COMP_CWORD-1}") choices scene
+    if [[ $what == ricochet ]]; then
+        if [[ $COMP_CWORD -eq 1 && $word != -* ]]; then
+            mapfile -t COMPREPLY < <(compgen -W "$(_ricochet_verbs "$1")" -- "$word"); return
+        elif [[ $COMP_CWORD -gt 1 ]]; then
+            command+=("${words[0]}") what=${words[0]}
+        fi
+    fi
+    case $what:$before in
+        *:--out|plot:--kernels|report:--kernels) mapfile -t COMPREPLY < <(compgen -d -- "$word"); return ;;
         *:--set)
             scene=$(printf '%s\n' "${COMP_WORDS[@]}" | grep -m 1 '\.toml$')
             choices=$(_ricochet_keys "${1%"${1##*/}"}ricochet-contact" "${scene:-/dev/null}")
@@ -24,22 +37,26 @@ _ricochet() {
             compopt -o nospace 2>/dev/null  # the value comes next
             return ;;
     esac
-    # ricochet-import takes a command first, which has options of its own.
-    [[ $1 == *-import ]] && command=$(printf '%s\n' "${COMP_WORDS[@]:1:COMP_CWORD-1}" | grep -m 1 -xE 'calculix|matrices')
-    if [[ $word == -* ]]; then
-        choices=$("$1" $command --help 2>/dev/null | sed -n 's/^  \(-.*\)/\1/p' | sed 's/  .*//' |
-            grep -oE -- '(^|[ ,])--?[a-z][a-z-]*' | tr -d ' ,' | sort -u)
-        mapfile -t COMPREPLY < <(compgen -W "$choices" -- "$word")
-    elif [[ $1 == *-import && ! $command ]]; then
-        mapfile -t COMPREPLY < <(compgen -W "calculix matrices" -- "$word")
-    else
-        local ending endings=toml
-        [[ $1 == *-plot || $1 == *-report || $1 == *-recast || $1 == *-faust ]] && endings=h5
-        [[ $command == calculix ]] && endings=inp
-        [[ $command == matrices ]] && endings='mtx txt'
-        [[ $1 == *-surfaces ]] && endings='step stp brep geo msh'
-        mapfile -t COMPREPLY < <(for ending in $endings; do compgen -f -X "!*.$ending" -- "$word"; done; compgen -d -- "$word")
+    if [[ $what == import ]]; then
+        # The source comes first and has options of its own.
+        what=$(printf '%s\n' "${words[@]:1}" | grep -m 1 -xE 'calculix|matrices')
+        [[ $what ]] && command+=("$what")
+        if [[ ! $what && $word != -* ]]; then
+            mapfile -t COMPREPLY < <(compgen -W "$(_ricochet_verbs "${command[@]}")" -- "$word"); return
+        fi
     fi
+    if [[ $word == -* ]]; then
+        choices=$("${command[@]}" --help 2>/dev/null | sed -n 's/^  \(-.*\)/\1/p' | sed 's/  .*//' |
+            grep -oE -- '(^|[ ,])--?[a-z][a-z0-9-]*' | tr -d ' ,' | sort -u)
+        mapfile -t COMPREPLY < <(compgen -W "$choices" -- "$word")
+        return
+    fi
+    case $what in
+        plot|report|export|ricochet-recast) endings=h5 ;;
+        calculix) endings=inp ;;
+        matrices) endings='mtx txt' ;;
+        surfaces) endings='step stp brep geo msh' ;;
+    esac
+    mapfile -t COMPREPLY < <(for ending in $endings; do compgen -f -X "!*.$ending" -- "$word"; done; compgen -d -- "$word")
 }
-complete -o filenames -F _ricochet ricochet-contact ricochet-kernel ricochet-recast ricochet-run ricochet-plot \
-    ricochet-report ricochet-sweep ricochet-tradeoff ricochet-batch ricochet-surfaces ricochet-import ricochet-faust
+complete -o filenames -F _ricochet ricochet ricochet-contact ricochet-kernel ricochet-recast

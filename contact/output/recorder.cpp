@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "contact/output/recorder.hpp"
 
 namespace ricochet::contact {
@@ -34,26 +35,47 @@ double least_bytes(const Model& model, const RecorderOptions& options, std::int6
   return sizeof(double) * numbers;
 }
 
-Recorder::Recorder(const Model& model, const RecorderOptions& options, const StepOptions& step)
+Recorder::Recorder(const Model* model, const Vector& gap, const Vector& area, double step,
+                   const RecorderOptions& options)
     : model_(model),
-      step_(step.step),
+      gap_(gap),
+      step_(step),
       every_(options.every),
-      snapshot_every_(options.snapshot_every),
-      file_(options.path),
-      B_a_(Matrix::Zero(model.B.rows(), model.B.cols())),
-      R_a_(Matrix::Zero(model.R.rows(), model.R.cols())),
-      s_a_(model.static_a),
-      driven_a_(Matrix::Zero(model.B.rows(), static_cast<Eigen::Index>(model.drives.size()))),
-      receivers_(model, step) {
+      snapshot_every_(model ? options.snapshot_every : 0),
+      file_(options.path) {
+  file_.attribute("/", "format", "ricochet-result");
+  file_.attribute("/", "version", 1);
+  file_.attribute("/", "title", options.title);
+  file_.attribute("/", "scene", options.scene);
+  file_.attribute("/", "created_by", options.created_by);
+  const std::size_t m = static_cast<std::size_t>(gap.size());
+  file_.write<double>("/contact/initial_gap", flat(gap), {m}, "m");
+  if (model || area.size() > 0) file_.write<double>("/contact/area", flat(area), {m}, "m^2");
+  time_ = &file_.rows("/time", {}, "s");
+  contact_ = {&file_.rows("/contact/time", {}, "s"), &file_.rows("/contact/force", {m}, "N"),
+              &file_.rows("/contact/gap", {m}, "m")};
+  time_->append(0);
+}
+
+Recorder::Recorder(const Model& model, const RecorderOptions& options, const StepOptions& step)
+    : Recorder(&model, model.gap, model.area, step.step, options) {
+  B_a_.setZero(model.B.rows(), model.B.cols());
+  R_a_.setZero(model.R.rows(), model.R.cols());
+  s_a_ = model.static_a;
+  driven_a_.setZero(model.B.rows(), static_cast<Eigen::Index>(model.drives.size()));
+  receivers_.emplace(model, step);
   for (const Model::PairBlock& pair : model.pairs) {
     const Model::BodyBlock& a = model.bodies[pair.a];
     B_a_.block(pair.first_point, a.first_mode, pair.points, a.modes) =
         model.B.block(pair.first_point, a.first_mode, pair.points, a.modes);
   }
   for (std::size_t d = 0; d < model.drives.size(); ++d) driven_a_.col(d) = model.drives[d].displacement_a;
-  write_setting(options);
-  make_rows();
-  time_->append(0);
+  write_points(model);
+  for (std::size_t k = 0; k < model.bodies.size(); ++k) {
+    add_body(model.bodies[k].name, model.bodies[k].mass);
+    write_body(model.bodies[k], k, options);
+  }
+  make_model_rows();
 }
 
 Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOptions& options)
@@ -74,7 +96,8 @@ Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOp
       }
   }
   bodies_row(model.initial_rates(), 0, 0);
-  energy_row(initial_energy(model), 0);
+  energy_row(initial_energy(model));
+  persistency_->append(0);
   if (snapshot_every_ > 0) snapshot_row(0, model.q0);
   receivers_row(0);
 }
@@ -85,95 +108,117 @@ Recorder::Recorder(const Model& model, const Equilibrium& equilibrium, const Rec
   const Vector rest = Vector::Zero(model.omega.size());
   push(equilibrium.force, 1);  // for a second, in which momentum does not change
   bodies_row(rest, 0, 1);
-  energy_row(equilibrium.energy, 0);
-  if (equilibrium.active > 0)
-    contact_row(0, equilibrium.q, rest, equilibrium.displacement, equilibrium.force);
+  energy_row(equilibrium.energy);
+  persistency_->append(0);
+  if (equilibrium.active > 0) {
+    contact_row(0, equilibrium.displacement, equilibrium.force);
+    sides_row(0, equilibrium.q, rest, equilibrium.displacement, equilibrium.force);
+  }
   if (snapshot_every_ > 0) snapshot_row(0, equilibrium.q);
 }
 
-void Recorder::write_setting(const RecorderOptions& options) {
-  file_.attribute("/", "format", "ricochet-result");
-  file_.attribute("/", "version", 1);
-  file_.attribute("/", "title", options.title);
-  file_.attribute("/", "scene", options.scene);
-  file_.attribute("/", "created_by", options.created_by);
-  for (std::size_t k = 0; k < model_.bodies.size(); ++k) {
-    const Model::BodyBlock& body = model_.bodies[k];
-    const std::string group = "/bodies/" + body.name;
-    file_.group(group);
-    file_.attribute(group, "kernel", k < options.kernel_files.size() ? options.kernel_files[k] : "");
-    const Matrix rotation = body.rotation;
-    file_.attribute(group, "rotation", flat(rotation));
-    file_.attribute(group, "translation", flat(Vector(body.translation)));
-    file_.attribute(group, "mass", body.mass);
+Recorder::Recorder(const Table& table, const Model* source, const StepOptions& step,
+                   const RecorderOptions& options)
+    : Recorder(nullptr, table.gap, table.area, step.step, options) {
+  Eigen::Matrix3Xd velocity(3, std::ssize(table.bodies));
+  for (std::size_t b = 0; b < table.bodies.size(); ++b) {
+    add_body(table.bodies[b].name, table.bodies[b].mass);
+    velocity.col(static_cast<Eigen::Index>(b)) = table.bodies[b].velocity;
   }
-  const std::size_t m = static_cast<std::size_t>(model_.gap.size());
-  file_.write<double>("/contact/point_a", flat(model_.point_a), {m, 3}, "m");
-  file_.write<double>("/contact/point_b", flat(model_.point_b), {m, 3}, "m");
-  file_.write<double>("/contact/normal", flat(model_.normal), {m, 3}, "1");
-  file_.write<double>("/contact/initial_gap", flat(model_.gap), {m}, "m");
-  file_.write<double>("/contact/area", flat(model_.area), {m}, "m^2");
+  if (source) write_points(*source);
+  for (std::size_t k = 0; source && k < source->bodies.size(); ++k)
+    if (!source->bodies[k].supported) write_body(source->bodies[k], k, options);
+  if (step.scheme == Scheme::compliant) {
+    persistency_ = &file_.rows("/contact/persistency", {}, "W");
+    persistency_->append(0);
+  }
+  bodies_row(velocity);
 }
 
-void Recorder::make_rows() {
-  const std::size_t m = static_cast<std::size_t>(model_.gap.size());
-  time_ = &file_.rows("/time", {}, "s");
-  contact_ = {&file_.rows("/contact/time", {}, "s"),
-              &file_.rows("/contact/force", {m}, "N"),
-              &file_.rows("/contact/gap", {m}, "m"),
-              &file_.rows("/contact/displacement_a", {m}, "m"),
-              &file_.rows("/contact/displacement_b", {m}, "m"),
-              &file_.rows("/contact/velocity_a", {m}, "m/s"),
-              &file_.rows("/contact/velocity_b", {m}, "m/s")};
-  energy_ = {&file_.rows("/energy/total", {}, "J"),   &file_.rows("/energy/kinetic", {}, "J"),
-             &file_.rows("/energy/strain", {}, "J"),  &file_.rows("/energy/residual", {}, "J"),
-             &file_.rows("/energy/loads", {}, "J"),   &file_.rows("/energy/damping", {}, "J"),
-             &file_.rows("/energy/contact", {}, "J"), &file_.rows("/contact/persistency", {}, "W")};
+void Recorder::write_points(const Model& model) {
+  const std::size_t m = static_cast<std::size_t>(model.gap.size());
+  file_.write<double>("/contact/point_a", flat(model.point_a), {m, 3}, "m");
+  file_.write<double>("/contact/point_b", flat(model.point_b), {m, 3}, "m");
+  file_.write<double>("/contact/normal", flat(model.normal), {m, 3}, "1");
+}
+
+void Recorder::write_body(const Model::BodyBlock& body, std::size_t number, const RecorderOptions& options) {
+  const std::string group = "/bodies/" + body.name;
+  file_.attribute(group, "kernel", number < options.kernel_files.size() ? options.kernel_files[number] : "");
+  file_.attribute(group, "rotation", flat(Matrix(body.rotation)));
+  file_.attribute(group, "translation", flat(Vector(body.translation)));
+}
+
+Recorder::BodyRows& Recorder::add_body(const std::string& name, double mass) {
+  const std::string group = "/bodies/" + name;
+  file_.group(group);
+  file_.attribute(group, "mass", mass);
+  return bodies_.emplace_back(BodyRows{.velocity = &file_.rows(group + "/velocity", {3}, "m/s"),
+                                       .momentum = &file_.rows(group + "/momentum", {3}, "kg m/s"),
+                                       .mass = mass});
+}
+
+void Recorder::make_model_rows() {
+  const std::size_t m = static_cast<std::size_t>(gap_.size());
+  contact_.displacement_a = &file_.rows("/contact/displacement_a", {m}, "m");
+  contact_.displacement_b = &file_.rows("/contact/displacement_b", {m}, "m");
+  contact_.velocity_a = &file_.rows("/contact/velocity_a", {m}, "m/s");
+  contact_.velocity_b = &file_.rows("/contact/velocity_b", {m}, "m/s");
+  energy_ = {&file_.rows("/energy/total", {}, "J"),  &file_.rows("/energy/kinetic", {}, "J"),
+             &file_.rows("/energy/strain", {}, "J"), &file_.rows("/energy/residual", {}, "J"),
+             &file_.rows("/energy/loads", {}, "J"),  &file_.rows("/energy/damping", {}, "J"),
+             &file_.rows("/energy/contact", {}, "J")};
+  persistency_ = &file_.rows("/contact/persistency", {}, "W");
   if (snapshot_every_ > 0) snapshot_time_ = &file_.rows("/snapshots/time", {}, "s");
-  for (const Model::BodyBlock& body : model_.bodies) {
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    const Model::BodyBlock& body = model_->bodies[k];
     const std::string group = "/bodies/" + body.name;
-    BodyRows rows;
-    rows.velocity = &file_.rows(group + "/velocity", {3}, "m/s");
-    rows.momentum = &file_.rows(group + "/momentum", {3}, "kg m/s");
-    rows.angular_momentum = &file_.rows(group + "/angular_momentum", {3}, "kg m^2/s");
-    rows.reaction = &file_.rows(group + "/reaction", {3}, "N");
+    bodies_[k].angular_momentum = &file_.rows(group + "/angular_momentum", {3}, "kg m^2/s");
+    bodies_[k].reaction = &file_.rows(group + "/reaction", {3}, "N");
     if (snapshot_every_ > 0)
-      rows.snapshot =
+      bodies_[k].snapshot =
           &file_.rows("/snapshots/" + body.name, {static_cast<std::size_t>(body.modes)}, "kg^1/2 m");
-    bodies_.push_back(rows);
   }
-  if (!model_.receivers.empty()) receiver_time_ = &file_.rows("/receivers/time", {}, "s");
-  for (const Model::Receiver& receiver : model_.receivers) {
+  if (!model_->receivers.empty()) receiver_time_ = &file_.rows("/receivers/time", {}, "s");
+  for (const Model::Receiver& receiver : model_->receivers) {
     const std::string group = "/receivers/" + receiver.name;
     receiver_rows_.push_back({&file_.rows(group + "/displacement", {3}, "m"),
                               &file_.rows(group + "/velocity", {3}, "m/s"),
                               &file_.rows(group + "/acceleration", {3}, "m/s^2")});
-    file_.attribute(group, "body", model_.bodies[receiver.body].name);
+    file_.attribute(group, "body", model_->bodies[receiver.body].name);
     file_.attribute(group, "point", flat(Vector(receiver.point)));
   }
 }
 
 void Recorder::record(const Stepper& stepper) {
-  if (stepper.active() > 0) push(stepper.force(), step_);
   const std::int64_t k = stepper.steps();
+  const double t = stepper.time();
+  const ModalState* modal = stepper.modal();
+  const bool touching = stepper.active() > 0;
+  if (modal && touching) push(stepper.force(), step_);
   if (k % every_ == 0) {
-    time_->append(stepper.time());
-    bodies_row(stepper.modal()->v, static_cast<double>(last_row_) * step_, stepper.time());
-    energy_row(stepper.modal()->energy(), stepper.persistency());
-    if (stepper.active() > 0)
-      contact_row(stepper.time(), stepper.modal()->q, stepper.modal()->v, stepper.displacement(),
-                  stepper.force());
+    time_->append(t);
+    if (persistency_) persistency_->append(stepper.persistency());
+    if (touching) contact_row(t, stepper.displacement(), stepper.force());
+    if (modal) {
+      bodies_row(modal->v, static_cast<double>(last_row_) * step_, t);
+      energy_row(modal->energy());
+      if (touching) sides_row(t, modal->q, modal->v, stepper.displacement(), stepper.force());
+    } else {
+      bodies_row(*stepper.body_velocities());
+    }
     last_row_ = k;
   }
-  if (snapshot_every_ > 0 && k % snapshot_every_ == 0) snapshot_row(stepper.time(), stepper.modal()->q);
-  receivers_.observe(stepper);
-  receivers_row(stepper.time());
+  if (!modal) return;
+  if (snapshot_every_ > 0 && k % snapshot_every_ == 0) snapshot_row(t, modal->q);
+  receivers_->observe(stepper);
+  receivers_row(t);
 }
 
 /// The impulses of contact on the bodies while `force` (m) lasts for `duration` [s].
 void Recorder::push(const Vector& force, double duration) {
-  for (const Model::PairBlock& pair : model_.pairs) {
-    const Vector3d impulse = duration * model_.normal.middleRows(pair.first_point, pair.points).transpose() *
+  for (const Model::PairBlock& pair : model_->pairs) {
+    const Vector3d impulse = duration * model_->normal.middleRows(pair.first_point, pair.points).transpose() *
                              force.segment(pair.first_point, pair.points);
     bodies_[pair.a].contact_impulse -= impulse;
     if (pair.b >= 0) bodies_[pair.b].contact_impulse += impulse;
@@ -183,35 +228,43 @@ void Recorder::push(const Vector& force, double duration) {
 /// `from`: the time of the row before, `to` in the first one.
 void Recorder::bodies_row(const Vector& v, double from, double to) {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    const Model::BodyBlock& body = model_.bodies[k];
+    const Model::BodyBlock& body = model_->bodies[k];
     BodyRows& rows = bodies_[k];
-    const Vector3d momentum = model_.momentum(static_cast<int>(k), v, to);
+    const Vector3d momentum = model_->momentum(static_cast<int>(k), v, to);
     Vector3d reaction = Vector3d::Zero();
     if (body.supported && to > from) {
       Vector3d impulse = rows.contact_impulse + (to - from) * body.weight;
-      for (const Model::Drive& drive : model_.drives)
+      for (const Model::Drive& drive : model_->drives)
         if (drive.body == static_cast<int>(k)) impulse += drive.history.integral(from, to) * drive.total;
       reaction = (momentum - rows.last_momentum - impulse) / (to - from);
     }
     append(rows.velocity, momentum / body.mass);
     append(rows.momentum, momentum);
-    append(rows.angular_momentum, model_.angular_momentum(static_cast<int>(k), v, to));
+    append(rows.angular_momentum, model_->angular_momentum(static_cast<int>(k), v, to));
     append(rows.reaction, reaction);
     rows.last_momentum = momentum;
     rows.contact_impulse.setZero();
   }
 }
 
-void Recorder::receivers_row(double time) {
-  if (receiver_time_) receiver_time_->append(time);
-  for (std::size_t k = 0; k < receiver_rows_.size(); ++k) {
-    append(receiver_rows_[k].displacement, receivers_[k].displacement);
-    append(receiver_rows_[k].velocity, receivers_[k].velocity);
-    append(receiver_rows_[k].acceleration, receivers_[k].acceleration);
+void Recorder::bodies_row(const Eigen::Matrix3Xd& velocity) {
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const Vector3d v = velocity.col(static_cast<Eigen::Index>(b));
+    append(bodies_[b].velocity, v);
+    append(bodies_[b].momentum, bodies_[b].mass * v);
   }
 }
 
-void Recorder::energy_row(const Energy& energy, double persistency) {
+void Recorder::receivers_row(double time) {
+  if (receiver_time_) receiver_time_->append(time);
+  for (std::size_t k = 0; k < receiver_rows_.size(); ++k) {
+    append(receiver_rows_[k].displacement, (*receivers_)[k].displacement);
+    append(receiver_rows_[k].velocity, (*receivers_)[k].velocity);
+    append(receiver_rows_[k].acceleration, (*receivers_)[k].acceleration);
+  }
+}
+
+void Recorder::energy_row(const Energy& energy) {
   energy_.total->append(energy.total());
   energy_.kinetic->append(energy.kinetic);
   energy_.strain->append(energy.strain);
@@ -219,31 +272,33 @@ void Recorder::energy_row(const Energy& energy, double persistency) {
   energy_.loads->append(energy.loads);
   energy_.damping->append(energy.damping);
   energy_.contact->append(energy.contact);
-  energy_.persistency->append(persistency);
 }
 
-/// u = n·u_a − n·u_b, and n·u_a = B_a q + s_a − R_a λ with the drives' share in s_a and its rate.
-void Recorder::contact_row(double time, const Vector& q, const Vector& v, const Vector& u,
-                           const Vector& force) {
+void Recorder::contact_row(double time, const Vector& u, const Vector& force) {
+  contact_.time->append(time);
+  append(contact_.force, force);
+  append(contact_.gap, gap_ - u);
+}
+
+/// u = n·u_a − n·u_b, and n·u_a = B_a q + s_a − R_a λ with the share of the forcing in s_a and its rate.
+void Recorder::sides_row(double time, const Vector& q, const Vector& v, const Vector& u,
+                         const Vector& force) {
   Vector u_a = B_a_ * q + s_a_ - R_a_ * force;
-  Vector v_a = B_a_ * v, v_relative = model_.B * v;
-  for (std::size_t d = 0; d < model_.drives.size(); ++d) {
-    const Model::Drive& drive = model_.drives[d];
+  Vector v_a = B_a_ * v, v_relative = model_->B * v;
+  for (std::size_t d = 0; d < model_->drives.size(); ++d) {
+    const Model::Drive& drive = model_->drives[d];
     const double slope = drive.history.slope(time);
     u_a += drive.history.at(time) * driven_a_.col(d);
     v_a += slope * drive.displacement_a;
     v_relative += slope * drive.displacement;
   }
   Vector u_b = u_a - u, v_b = v_a - v_relative;
-  for (const Model::PairBlock& pair : model_.pairs)
+  for (const Model::PairBlock& pair : model_->pairs)
     if (pair.b < 0) {  // a half-space stays where it is
       u_a.segment(pair.first_point, pair.points) = u.segment(pair.first_point, pair.points);
       u_b.segment(pair.first_point, pair.points).setZero();
       v_b.segment(pair.first_point, pair.points).setZero();
     }
-  contact_.time->append(time);
-  append(contact_.force, force);
-  append(contact_.gap, model_.gap - u);
   append(contact_.displacement_a, u_a);
   append(contact_.displacement_b, u_b);
   append(contact_.velocity_a, v_a);
@@ -254,8 +309,8 @@ void Recorder::contact_row(double time, const Vector& q, const Vector& v, const 
 void Recorder::snapshot_row(double time, const Vector& q) {
   snapshot_time_->append(time);
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    Vector modal = q.segment(model_.bodies[k].first_mode, model_.bodies[k].modes);
-    for (const Model::Drive& drive : model_.drives)
+    Vector modal = q.segment(model_->bodies[k].first_mode, model_->bodies[k].modes);
+    for (const Model::Drive& drive : model_->drives)
       if (drive.body == static_cast<int>(k)) modal += drive.history.at(time) * drive.lift;
     append(bodies_[k].snapshot, modal);
   }

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "contact/output/receivers.hpp"
 #include "contact/static/equilibrium.hpp"
 #include "contact/stepping/stepper.hpp"
+#include "contact/table/table.hpp"
 
 namespace ricochet::contact {
 
@@ -41,11 +43,16 @@ class Recorder {
   /// Makes the file and writes bodies at rest as its one row, of t = 0. Throws likewise.
   Recorder(const Model& model, const Equilibrium& equilibrium, const RecorderOptions& options);
 
+  /// A run by table kernels. Energies, the motion of the two sides and modal coordinates are not known; their
+  /// datasets are absent. `snapshot_every` is not used.
+  /// @param source  the model that the table was sampled from, for places and normals, or null
+  Recorder(const Table& table, const Model* source, const StepOptions& step, const RecorderOptions& options);
+
   /// After each step of `stepper`, whatever `every` is. Throws InputError when the disk is full.
   void record(const Stepper& stepper);
 
-  /// Motion of the model's receivers after the last step.
-  const Receivers& receivers() const { return receivers_; }
+  /// Motion of the model's receivers after the last step. Not with a table.
+  const Receivers& receivers() const { return *receivers_; }
 
   /// Writes what is held back and gives the file its name. Nothing may be called after it.
   /// @param summary  of an earlier run, removed just before: one is written last, and tells that all is there
@@ -54,40 +61,49 @@ class Recorder {
  private:
   using Rows = base::hdf5::Rows;
   struct BodyRows {
-    Rows *velocity = nullptr, *momentum = nullptr, *angular_momentum = nullptr, *reaction = nullptr;
-    Rows* snapshot = nullptr;
+    Rows *velocity, *momentum, *angular_momentum = nullptr, *reaction = nullptr, *snapshot = nullptr;
+    double mass = 0;
     Eigen::Vector3d last_momentum = Eigen::Vector3d::Zero();    ///< at the last row
     Eigen::Vector3d contact_impulse = Eigen::Vector3d::Zero();  ///< on this body, since the last row [N s]
   };
   struct ContactRows {
-    Rows *time, *force, *gap, *displacement_a, *displacement_b, *velocity_a, *velocity_b;
+    Rows *time, *force, *gap;
+    Rows *displacement_a = nullptr, *displacement_b = nullptr, *velocity_a = nullptr, *velocity_b = nullptr;
   };
   struct ReceiverRows {
     Rows *displacement, *velocity, *acceleration;
   };
   struct EnergyRows {
-    Rows *total, *kinetic, *strain, *residual, *loads, *damping, *contact, *persistency;
+    Rows *total, *kinetic, *strain, *residual, *loads, *damping, *contact;
   };
 
+  Recorder(const Model* model, const Vector& gap, const Vector& area, double step,
+           const RecorderOptions& options);
   Recorder(const Model& model, const RecorderOptions& options, const StepOptions& step);
-  void write_setting(const RecorderOptions& options);
-  void make_rows();
+  void write_points(const Model& model);
+  void write_body(const Model::BodyBlock& body, std::size_t number, const RecorderOptions& options);
+  BodyRows& add_body(const std::string& name, double mass);
+  void make_model_rows();
   void push(const Vector& force, double duration);
   void bodies_row(const Vector& v, double from, double to);
-  void energy_row(const Energy& energy, double persistency);
-  void contact_row(double time, const Vector& q, const Vector& v, const Vector& u, const Vector& force);
+  void bodies_row(const Eigen::Matrix3Xd& velocity);
+  void energy_row(const Energy& energy);
+  void contact_row(double time, const Vector& u, const Vector& force);
+  void sides_row(double time, const Vector& q, const Vector& v, const Vector& u, const Vector& force);
   void snapshot_row(double time, const Vector& q);
   void receivers_row(double time);
 
-  const Model& model_;
+  const Model* model_;  ///< null with a table
+  Vector gap_;          ///< (m)
   double step_;
   std::int64_t every_, snapshot_every_, last_row_ = 0;
   base::hdf5::Writer file_;
   Matrix B_a_, R_a_;  ///< (m,N), (m,m) share of body a of each point; R_a_ zero under `impulse`
   Vector s_a_;        ///< (m), constant
   Matrix driven_a_;   ///< (m,drives) for a factor of 1
-  Receivers receivers_;
-  Rows* time_ = nullptr;
+  std::optional<Receivers> receivers_;
+  Rows* time_;
+  Rows* persistency_ = nullptr;
   Rows* snapshot_time_ = nullptr;
   Rows* receiver_time_ = nullptr;
   ContactRows contact_{};

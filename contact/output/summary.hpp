@@ -13,7 +13,6 @@
 
 #include "contact/model/model.hpp"
 #include "contact/static/equilibrium.hpp"
-#include "contact/stepping/stepper.hpp"
 
 namespace ricochet::contact {
 
@@ -70,48 +69,6 @@ struct Summary {
   std::vector<std::string> warnings;
   double real_time_factor = 0;  ///< simulated over elapsed time of the stepping
   double wall_s = 0;
-};
-
-/// Adds a step that ends at `time` to what the forces (m) alone tell: the first members of `out` down to
-/// impulse_ns, and max_active. `touching`: the step before had a force. Returns whether this one has.
-bool count_forces(Summary& out, bool touching, const Vector& force, double time, double step);
-
-/// Watches a run. `observe` is called after each step.
-class SummaryObserver {
- public:
-  /// @param wave_speed  smallest √(E/ρ) of the bodies [m/s], for the warning on fast impacts; 0: unknown, no
-  /// warning `model` outlives the observer.
-  SummaryObserver(const Model& model, double step, double wave_speed);
-
-  void observe(const Stepper& stepper);
-
-  /// The times are the caller's to fill.
-  Summary summary() const;
-
- private:
-  std::vector<Eigen::Vector3d> mean_velocities(double time) const;
-  void push(const Vector& force);
-  void look_at_validity(const Stepper& stepper);
-  std::vector<std::string> warnings() const;
-
-  const Model& model_;
-  double step_, wave_speed_;
-  Summary out_;
-  bool touching_ = false;
-  Vector before_;  ///< (N) q̇ at the end of the step before
-  std::vector<Eigen::Vector3d> at_start_,
-      at_end_;                            ///< by body, mass-mean velocity when contact started, last ended
-  std::vector<Eigen::Vector3d> impulse_;  ///< by pair, Σ λ n Δ [N s]
-  std::vector<Eigen::Matrix3d> inverse_inertia_;  ///< by body, pseudo-inverse
-  std::vector<double> spacing_;  ///< by pair, smallest distance of neighbouring candidates of a [m]
-  double initial_ledger_ = 0, worst_ledger_ = 0, largest_energy_ = 0;
-  double energy_before_ = 0;  ///< kinetic + strain at the end of the step before
-  double energy_at_start_ = 0, energy_lost_ = 0;
-  double approach_ = 0;  ///< largest normal approach speed of a point in the first step of contact [m/s]
-  std::vector<double> nearer_;  ///< by pair, farthest that its points moved rigidly towards each other [m]
-  double slip_ = 0, slip_share_ = 0;  ///< worst tangential motion [m] and its share of the spacing
-  double tilt_ = 0;                   ///< largest rotation of a free body while touching [rad]
-  std::string tilted_;                ///< that body
 };
 
 /// The figures of bodies at rest.

@@ -16,20 +16,27 @@ namespace {
 
 using kernels::Kernel;
 
-/// A property that views one array of the kernel in this shape; None where the array is empty.
+/// A property that views one array of the kernel in this shape.
 template <class Values>
 auto array(Values values, std::function<Shape(const Kernel&)> shape) {
-  return [values, shape](const py::object& self) -> py::object {
+  return [values, shape](const py::object& self) {
     const Kernel& kernel = self.cast<const Kernel&>();
-    if (values(kernel).empty()) return py::none();
     return view(values(kernel), shape(kernel), self);
   };
+}
+
+/// (cM,cM); None where the scene does without.
+py::object residual_flexibility(const py::object& self) {
+  const Kernel& kernel = self.cast<const Kernel&>();
+  const kernels::Surface& surface = kernel.surface;
+  if (surface.residual_flexibility.empty()) return py::none();
+  const py::ssize_t rows = length(surface.size()) * surface.components;
+  return view(surface.residual_flexibility, {rows, rows}, self);
 }
 
 Shape modes(const Kernel& k) { return {length(k.modes.size())}; }
 Shape candidates(const Kernel& k) { return {length(k.surface.size())}; }
 Shape places(const Kernel& k) { return {length(k.surface.size()), 3}; }
-py::ssize_t rows(const Kernel& k) { return length(k.surface.size()) * k.surface.components; }
 
 py::dict certificate(const Kernel& kernel) {
   const kernels::Certificate& c = kernel.modes.certificate;
@@ -94,6 +101,7 @@ void bind_kernel(py::module_& module) {
                                return copy(*k.surface.direction);
                              })
       .def_property_readonly("group", [](const Kernel& k) { return k.surface.group; })
+      .def_property_readonly("residual_flexibility", &residual_flexibility)
       .def_property_readonly("skin", &skin)
       .def_property_readonly("receivers", &receivers);
   const auto property = [&](const char* name, auto values, auto shape) {
@@ -126,11 +134,6 @@ void bind_kernel(py::module_& module) {
       "shape", [](const Kernel& k) -> auto& { return k.surface.shape; },
       [](const Kernel& k) -> Shape {
         return {length(k.surface.size()), k.surface.components, length(k.modes.size())};
-      });
-  property(
-      "residual_flexibility", [](const Kernel& k) -> auto& { return k.surface.residual_flexibility; },
-      [](const Kernel& k) -> Shape {
-        return {rows(k), rows(k)};
       });
   const auto by_axis = [](const Kernel& k) -> Shape { return {3, length(k.modes.size())}; };
   property(

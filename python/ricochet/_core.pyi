@@ -13,8 +13,12 @@ _Array = NDArray[np.float64]
 
 __version__: str
 
+class Purpose:
+    impact: Purpose
+    kernels: Purpose
+
 class Scene:
-    def __init__(self, text: str, file: _Path, settings: Sequence[str]) -> None: ...
+    def __init__(self, text: str, file: _Path, settings: Sequence[str], purpose: Purpose) -> None: ...
     @staticmethod
     def read(file: _Path) -> Scene: ...
     title: str

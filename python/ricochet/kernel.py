@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ricochet import _core
+from ricochet.modal_table import ModalTable
 
 Array = NDArray[np.float64]
 
@@ -151,9 +152,9 @@ class Kernel:
         return self._core.rotation
 
     @property
-    def modes(self) -> ModeTable:
-        """A table of the modes, which a notebook shows as one."""
-        return ModeTable(self)
+    def modes(self) -> ModalTable:
+        """A table of the modes, which a notebook displays. Raises InputError if the file is gone."""
+        return ModalTable.read(self.path)
 
     # ---- Contact surface ----
 
@@ -236,66 +237,3 @@ class Kernel:
             f"<tr><th>{name}</th><td>{html.escape(text)}</td></tr>" for name, text in facts.items()
         )
         return f"<b>{html.escape(self.body)}</b><table>{rows}</table>"
-
-
-class ModeTable:
-    """A row for each mode of a kernel. N modes."""
-
-    #: rows that a notebook shows
-    SHOWN = 30
-
-    def __init__(self, kernel: Kernel) -> None:
-        omega = kernel.angular_frequency
-        elastic = np.where(omega > 0, omega, np.inf)
-        square = (kernel.normal_shape**2).mean(axis=0)
-        #: (N) [Hz]
-        self.frequency: Array = kernel.frequency
-        #: (N) ζ; 0 for rigid modes
-        self.damping_ratio: Array = kernel.decay_rate / elastic
-        #: (N,3) (φᵀ M e_i)² [kg]; for a free body the sum over all modes is the mass, along each axis
-        self.effective_mass: Array = kernel.body_force.T**2
-        #: (N) static compliance of the contact surface, mean over the candidates of (n·φ)²/ω² [m/N];
-        #: 0 for rigid modes
-        self.contact_compliance: Array = square / elastic**2
-        self._mass = kernel.mass
-
-    def __len__(self) -> int:
-        return len(self.frequency)
-
-    def table(self) -> Array:
-        """(N,6): frequency [Hz], damping ratio, effective mass along x, y, z [kg], compliance [m/N]"""
-        columns = [self.frequency, self.damping_ratio, *self.effective_mass.T, self.contact_compliance]
-        return np.stack(columns, axis=1)
-
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Writes all rows, with the number of each mode from 1 on. Raises OSError where it cannot."""
-        head = "mode,frequency_hz,damping_ratio," + "".join(f"effective_mass_{axis}_kg," for axis in "xyz")
-        rows = [",".join([str(n), *map(repr, row)]) for n, row in enumerate(self.table().tolist(), 1)]
-        text = "\n".join([head + "contact_compliance_m_per_n", *rows, ""])
-        Path(path).write_text(text, "utf-8")
-
-    def _cells(self) -> list[list[str]]:
-        """Texts for people: a mass that round-off explains is 0."""
-        out = []
-        for n, (frequency, damping, *masses, compliance) in enumerate(self.table().tolist(), 1):
-            shown = [mass if mass > 1e-12 * self._mass else 0.0 for mass in masses]
-            out.append([str(n), f"{frequency:.6g}", *(f"{x:.3g}" for x in [damping, *shown, compliance])])
-        return out
-
-    def __repr__(self) -> str:
-        head = ["mode", "Hz", "damping", "mass x [kg]", "mass y [kg]", "mass z [kg]", "compliance [m/N]"]
-        widths = [max(10, len(name)) for name in head]
-        return "\n".join(
-            "  ".join(cell.rjust(width) for cell, width in zip(row, widths)) for row in [head, *self._cells()]
-        )
-
-    def _repr_html_(self) -> str:
-        names = ["mode", "frequency [Hz]", "damping ratio", "compliance at the contact [m/N]"]
-        cells = [f"<th>{name}</th>" for name in names]
-        cells.insert(3, '<th colspan="3">effective mass along x, y, z [kg]</th>')
-        body = "".join(
-            "<tr>" + "".join(f"<td>{cell}</td>" for cell in row) + "</tr>"
-            for row in self._cells()[: self.SHOWN]
-        )
-        more = f"<p>{len(self) - self.SHOWN} more</p>" if len(self) > self.SHOWN else ""
-        return f"<table><thead><tr>{''.join(cells)}</tr></thead><tbody>{body}</tbody></table>{more}"

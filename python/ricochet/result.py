@@ -21,14 +21,12 @@ from ricochet.studies.table import Table
 
 Array = NDArray[np.float64]
 
-_SUFFIX = ".result.h5"
-
 
 class _Data:
     """Datasets of an open result file, each read on first use."""
 
-    def __init__(self, file: File, group: str) -> None:
-        self._file, self._group = file, group
+    def __init__(self, file: File, group: str, rows: int | None = None) -> None:
+        self._file, self._group, self._rows = file, group, rows
 
     def _read(self, name: str, *shape: int | None) -> Array:
         return np.asarray(self._file.array(f"{self._group}/{name}", *shape))
@@ -46,22 +44,22 @@ class BodyMotion(_Data):
     @cached_property
     def velocity(self) -> Array:
         """(K,3) mass-mean [m/s]"""
-        return self._read("velocity", None, 3)
+        return self._read("velocity", self._rows, 3)
 
     @cached_property
     def momentum(self) -> Array:
         """(K,3) [kg m/s]"""
-        return self._read("momentum", None, 3)
+        return self._read("momentum", self._rows, 3)
 
     @cached_property
     def angular_momentum(self) -> Array:
         """(K,3) about the world's origin [kg m²/s]"""
-        return self._read("angular_momentum", None, 3)
+        return self._read("angular_momentum", self._rows, 3)
 
     @cached_property
     def reaction(self) -> Array:
         """(K,3) force of the supports on the body, mean since the row before [N]"""
-        return self._read("reaction", None, 3)
+        return self._read("reaction", self._rows, 3)
 
     @property
     def mass(self) -> float:
@@ -85,17 +83,17 @@ class ReceiverMotion(_Data):
     @cached_property
     def displacement(self) -> Array:
         """(S,3) [m]"""
-        return self._read("displacement", None, 3)
+        return self._read("displacement", self._rows, 3)
 
     @cached_property
     def velocity(self) -> Array:
         """(S,3) [m/s]"""
-        return self._read("velocity", None, 3)
+        return self._read("velocity", self._rows, 3)
 
     @cached_property
     def acceleration(self) -> Array:
         """(S,3) of the modes [m/s²]"""
-        return self._read("acceleration", None, 3)
+        return self._read("acceleration", self._rows, 3)
 
     @property
     def point(self) -> Array:
@@ -112,24 +110,38 @@ class Result(_Data):
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        """Opens a `.result.h5`. Raises InputError, one line, for a missing, damaged or foreign file, or one
-        without its summary."""
+        """Opens a `.result.h5`. Raises InputError, one line, for a missing, damaged or foreign file."""
         self.path = Path(path)
-        summary = Path(str(self.path).removesuffix(_SUFFIX) + ".summary.json")
         super().__init__(File(self.path, "ricochet-result"), "")
-        try:
-            self.summary: Mapping[str, Any] = json.loads(summary.read_text("utf-8"))
+        try:  # now, as another run may write it anew
+            self._summary = self.path.with_name(f"{self.slug}.summary.json").read_text("utf-8")
         except (OSError, ValueError):
-            raise InputError(f"{summary}: cannot be read. Compute the result again.") from None
+            self._summary = ""
+
+    @property
+    def slug(self) -> str:
+        """The start of the names of its files."""
+        return self.path.name.removesuffix(".h5").removesuffix(".result")
 
     @property
     def title(self) -> str:
-        return str(self._file.text("/", "title"))
+        return self._file.text("/", "title") or self.slug
 
     @cached_property
     def scene(self) -> dict[str, Any]:
-        """The resolved scene of the run."""
-        return tomllib.loads(self._file.text("/", "scene") or "")
+        """The resolved scene of the run; empty if the file holds none."""
+        try:
+            return tomllib.loads(self._file.text("/", "scene") or "")
+        except tomllib.TOMLDecodeError:
+            return {}
+
+    @cached_property
+    def summary(self) -> Mapping[str, Any]:
+        """The content of the summary beside the file. Raises InputError if there is none, or a damaged one."""
+        try:
+            return dict(json.loads(self._summary))
+        except (ValueError, TypeError):
+            raise InputError(f"{self.path}: the summary cannot be read. Repeat the run.") from None
 
     @property
     def warnings(self) -> list[str]:
@@ -151,7 +163,7 @@ class Result(_Data):
     @cached_property
     def force(self) -> Array:
         """(k,m) λ ≥ 0, compressive [N]: constant over the step that ends at the row's time"""
-        return self._read("contact/force", None, None)
+        return self._read("contact/force", len(self.contact_time), len(self.initial_gap))
 
     @cached_property
     def total_force(self) -> Array:
@@ -163,7 +175,7 @@ class Result(_Data):
     @cached_property
     def gap(self) -> Array:
         """(k,m) [m]; negative: penetration"""
-        return self._read("contact/gap", None, None)
+        return self._read("contact/gap", len(self.contact_time), len(self.initial_gap))
 
     @cached_property
     def initial_gap(self) -> Array:
@@ -173,34 +185,39 @@ class Result(_Data):
     @cached_property
     def area(self) -> Array:
         """(m) of the patches on the first body of the pair [m²]; pressure is force / area"""
-        return self._read("contact/area", None)
+        return self._read("contact/area", len(self.initial_gap))
 
     @cached_property
     def point_a(self) -> Array:
         """(m,3) contact points on the first body of the pair, at the start [m]"""
-        return self._read("contact/point_a", None, 3)
+        return self._read("contact/point_a", len(self.initial_gap), 3)
 
     @cached_property
     def point_b(self) -> Array:
         """(m,3) the places that they face [m]"""
-        return self._read("contact/point_b", None, 3)
+        return self._read("contact/point_b", len(self.initial_gap), 3)
 
     @cached_property
     def normal(self) -> Array:
         """(m,3) unit normals out of the first body"""
-        return self._read("contact/normal", None, 3)
+        return self._read("contact/normal", len(self.initial_gap), 3)
 
     # ---- Motion and energy ----
 
     @cached_property
     def bodies(self) -> dict[str, BodyMotion]:
-        return {name: BodyMotion(self._file, f"/bodies/{name}") for name in self._file.names("/bodies")}
+        return {
+            name: BodyMotion(self._file, f"/bodies/{name}", len(self.time))
+            for name in self._file.names("/bodies")
+        }
 
     @cached_property
     def receivers(self) -> dict[str, ReceiverMotion]:
         """Motion by the names of `[[output.receiver]]`."""
         names = [name for name in self._file.names("/receivers") if name != "time"]
-        return {name: ReceiverMotion(self._file, f"/receivers/{name}") for name in names}
+        return {
+            name: ReceiverMotion(self._file, f"/receivers/{name}", len(self.receiver_time)) for name in names
+        }
 
     @cached_property
     def receiver_time(self) -> Array:
@@ -213,7 +230,9 @@ class Result(_Data):
         far), `damping` and `contact` (taken so far), and `total` = kinetic + strain + residual − loads. Empty
         for table kernels.
         """
-        return {name: self._read(f"energy/{name}", None) for name in self._file.names("/energy")}
+        if not self._file.has("/energy/total"):
+            return {}
+        return {name: self._read(f"energy/{name}", len(self.time)) for name in _TERMS}
 
     @cached_property
     def snapshots(self) -> dict[str, Array]:
@@ -324,6 +343,9 @@ class SweepResult:
             body += "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in cells) + "</tr>"
         return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
 
+
+#: datasets of the energy ledger
+_TERMS = ("kinetic", "strain", "residual", "loads", "damping", "contact", "total")
 
 #: keys of the summary that make key figures, their names and units
 _FIGURES = (

@@ -10,6 +10,7 @@
 #include "src/mesh/complaints.hpp"
 #include "src/mesh/connected.hpp"
 #include "src/mesh/directory.hpp"
+#include "src/mesh/partition.hpp"
 #include "src/mesh/share.hpp"
 
 namespace ricochet::mesh {

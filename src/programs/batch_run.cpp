@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "contact/output/summary.hpp"
+#include "contact/output/summary_observer.hpp"
 #include "contact/stepping/stepper.hpp"
 #include "kernels/read.hpp"
 #include "kernels/write.hpp"

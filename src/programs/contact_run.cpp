@@ -16,7 +16,7 @@
 #include "contact/model/model.hpp"
 #include "contact/output/fclib.hpp"
 #include "contact/output/recorder.hpp"
-#include "contact/output/summary.hpp"
+#include "contact/output/summary_observer.hpp"
 #include "contact/static/equilibrium.hpp"
 #include "contact/stepping/stepper.hpp"
 #include "ricochet/error.hpp"

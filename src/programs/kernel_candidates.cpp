@@ -36,6 +36,7 @@ Source open_source(const scene::Body& body, const mesh::RequestedGroups& asked, 
 }
 
 surface::Patches patches_of(const scene::KernelRequest& request, const mesh::Mesh& mesh) {
+  if (request.body.contact.empty()) return {};  // a scene without [contact]: no candidates
   return surface::make_patches(
       mesh, request.body.contact,
       {.direction = request.direction, .along = request.along, .spacing = request.spacing});

@@ -158,8 +158,9 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::f
   kernel.modes.certificate = modes.certificate;
   for (double omega : modes.angular_frequency)
     kernel.modes.decay_rate.push_back(kernels::decay_rate(body.damping, RadPerSecond{omega}));
-  surface::trace(teams, mesh, matrices, *made.factor, modes, patches, std::move(loads),
-                 request.modes.residual_flexibility, request.view, kernel, made.sources);
+  const bool residual = request.modes.residual_flexibility && patches.geometry.size() > 0;
+  surface::trace(teams, mesh, matrices, *made.factor, modes, patches, std::move(loads), residual,
+                 request.view, kernel, made.sources);
   if (request.modes.basis == scene::Basis::modes && request.modes.flexibility_error)
     leave_to_residual(request, kernel);
   console.end(fmt::format("{} {} kept", kernel.modes.size(), fitted ? "vectors" : "modes"));
@@ -201,7 +202,7 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
   scene::Scene scene;
   std::vector<scene::KernelRequest> requests;
   parallel::on_all_ranks(comm, [&] {  // each reads the small scene file
-    scene = scene::read(options.scene, options.overrides);
+    scene = scene::read(options.scene, options.overrides, scene::Purpose::kernels);
     if (!options.dry_run)
       for (const scene::Body& body : scene.bodies) requests.push_back(scene::kernel_request(scene, body));
   });

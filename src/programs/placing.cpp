@@ -70,9 +70,10 @@ void check_histories(const scene::Scene& scene) {
 }
 
 bool is_limited(const scene::Scene& scene, const scene::Body& body) {
-  return std::ranges::all_of(scene.contact.pairs, [&](const scene::Pair& pair) {
-    return pair.reach || (pair.a != body.name && pair.b != body.name);
-  });
+  const auto names = [&](const scene::Pair& pair) { return pair.a == body.name || pair.b == body.name; };
+  return std::ranges::any_of(scene.contact.pairs, names) &&
+         std::ranges::all_of(scene.contact.pairs,
+                             [&](const scene::Pair& pair) { return pair.reach || !names(pair); });
 }
 
 std::vector<Points> points_within_reach(const scene::Scene& scene,

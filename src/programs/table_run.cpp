@@ -2,13 +2,13 @@
 #include <unistd.h>
 
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <ostream>
 
 #include "base/atomic_file.hpp"
 #include "contact/input/table_file.hpp"
-#include "contact/output/table_results.hpp"
+#include "contact/output/recorder.hpp"
+#include "contact/output/summary_observer.hpp"
 #include "contact/table/modal_table.hpp"
 #include "contact/table/table.hpp"
 #include "contact/table/table_stepper.hpp"
@@ -48,7 +48,6 @@ struct Tabled {
   Kernels kernels;  ///< none where the table is a file
   std::optional<contact::Model> model;
   contact::Table table;
-  int unpaired = 0;
 };
 
 Tabled tabled(const scene::Scene& scene, const fs::path& folder, KernelCache& cache, std::int64_t steps) {
@@ -62,7 +61,6 @@ Tabled tabled(const scene::Scene& scene, const fs::path& folder, KernelCache& ca
   check_memory(scene, out.model->gap.size(), steps);
   out.table =
       in_scene(scene, [&] { return contact::table_from_modes(*out.model, step_options(scene), steps); });
-  for (const contact::Model::PairBlock& pair : out.model->pairs) out.unpaired += pair.unpaired;
   return out;
 }
 
@@ -75,7 +73,7 @@ template <class After>
 contact::Summary run(const scene::Scene& scene, const Tabled& tabled, contact::TableStepper& stepper,
                      After after) {
   const StepOptions step = step_options(scene);
-  contact::TableObserver observer(tabled.table, stepper, step.step, tabled.unpaired);
+  contact::SummaryObserver observer(tabled.table, tabled.model ? &*tabled.model : nullptr, step);
   const Clock::time_point started = Clock::now();
   for (std::int64_t k = 1, steps = steps_of(scene); k <= steps; ++k) {
     check(stepper.step(), scene, static_cast<double>(k) * step.step);
@@ -84,15 +82,6 @@ contact::Summary run(const scene::Scene& scene, const Tabled& tabled, contact::T
   }
   const double elapsed = seconds_since(started);
   contact::Summary summary = observer.summary();
-  if (tabled.model) {
-    for (const contact::Model::BodyBlock& body : tabled.model->bodies) {
-      summary.modes[body.name] = body.modes;
-      summary.basis[body.name] = body.kernel->modes.kind();
-    }
-    if (step.scheme == Scheme::compliant)
-      summary.modes_in_residual =
-          static_cast<int>((tabled.model->omega.array() * step.step > std::numbers::pi).count());
-  }
   summary.real_time_factor = elapsed > 0 ? stepper.time() / elapsed : 0;
   return summary;
 }
@@ -129,13 +118,13 @@ int run_table(const console::Options& options, const scene::Scene& scene, const 
 
   console.begin("steps", steps);
   contact::TableStepper stepper = stepper_of(scene, source);
-  contact::TableRecorder recorder(source.table, source.model ? &*source.model : nullptr, stepper,
-                                  {.path = result,
-                                   .title = scene.title,
-                                   .scene = scene::to_toml(scene),
-                                   .created_by = std::string("ricochet-contact ") + RICOCHET_VERSION,
-                                   .kernel_files = source.kernels.file,
-                                   .every = scene.output.every});
+  contact::Recorder recorder(source.table, source.model ? &*source.model : nullptr, step_options(scene),
+                             {.path = result,
+                              .title = scene.title,
+                              .scene = scene::to_toml(scene),
+                              .created_by = std::string("ricochet-contact ") + RICOCHET_VERSION,
+                              .kernel_files = source.kernels.file,
+                              .every = scene.output.every});
   contact::Summary summary = run(scene, source, stepper, [&](std::int64_t k) {
     recorder.record(stepper);
     console.advance(k);

@@ -135,8 +135,8 @@ toml::table tables_of(const std::string& text, const std::string& name,
 
 }  // namespace
 
-Scene read(const std::filesystem::path& file, const std::vector<Override>& overrides) {
-  return parse(text_of(file), file, overrides);
+Scene read(const std::filesystem::path& file, const std::vector<Override>& overrides, Purpose purpose) {
+  return parse(text_of(file), file, overrides, purpose);
 }
 
 std::string overridden(const std::string& text, const std::filesystem::path& file,
@@ -147,7 +147,7 @@ std::string overridden(const std::string& text, const std::filesystem::path& fil
 }
 
 Scene parse(const std::string& text, const std::filesystem::path& file,
-            const std::vector<Override>& overrides) {
+            const std::vector<Override>& overrides, Purpose purpose) {
   const std::string name = file.filename().string();
   const toml::table parsed = tables_of(text, name, overrides);
   Scene scene;
@@ -183,13 +183,25 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
     }
   scene.modes = read_modes(root, scene.accuracy);
   refuse_what_needs_elements(root, scene);
-  scene.contact = read_contact(root, scene);
-  read_time(root, scene.contact, scene.accuracy, scene.time);
+  const bool meets = purpose == Purpose::impact || parsed.contains("contact");
+  if (meets) scene.contact = read_contact(root, scene);
+  if (!meets && scene.accuracy) root.complain("accuracy", "needs [contact]: leave it out, or add [contact]");
+  if (purpose == Purpose::impact || parsed.contains("time"))
+    read_time(root, scene.contact, scene.accuracy, scene.time);
   read_loads(root, scene);
   read_output(root, scene);
   refuse_what_does_not_go(root, scene);
   refuse_long_names(scene);
   root.refuse_unknown();
+  if (!meets) {
+    for (const Body& body : scene.bodies)
+      if (body.contact.empty() && (scene.modes.basis == Basis::contact || scene.modes.flexibility_error))
+        throw InputError(fmt::format(
+            "{}: bodies.{}.contact: is missing: modes.basis = \"contact\" and modes.flexibility_error need a "
+            "contact surface",
+            name, body.name));
+    return scene;
+  }
   for (const Body& body : scene.bodies) {
     const bool paired = std::any_of(scene.contact.pairs.begin(), scene.contact.pairs.end(),
                                     [&](const Pair& p) { return p.a == body.name || p.b == body.name; });

@@ -121,6 +121,19 @@ std::string scheme_of(const Contact& contact) {
   return text;
 }
 
+std::string time_of(const Scene& scene) {
+  std::string text;
+  if (scene.time.duration > 0)
+    text += fmt::format(
+        "\n[time]\n{}duration = {}\n",
+        scene.time.rate_by_accuracy ? "" : fmt::format("rate_hz = {}\n", toml_number(scene.time.rate.value)),
+        toml_number(scene.time.duration));
+  const auto& precision = scene.time.precision;
+  if (precision == Precision::float32 || (precision && scene.accuracy && scene.time.duration > 0))
+    text += fmt::format("precision = \"{}\"\n", precision == Precision::float32 ? "single" : "double");
+  return text;
+}
+
 std::string loads_of(const Scene& scene) {
   std::string text = "\n[loads]\ngravity = " + toml_vector(scene.loads.gravity) + "\n";
   for (const auto& [table, list] :
@@ -166,8 +179,10 @@ std::string to_toml(const Scene& scene) {
   for (const Obstacle& o : scene.obstacles)
     text += fmt::format("\n[obstacles.{}]\npoint = {}\nnormal = {}\n", toml_string(o.name),
                         toml_vector(o.point), toml_vector(o.normal));
-  text += fmt::format("\n{}\n[contact]\n", toml_modes(scene.modes));
-  text += fmt::format("kernel = \"{}\"\n", scene.contact.kernel == ContactKernel::table ? "table" : "modes");
+  text += fmt::format("\n{}", toml_modes(scene.modes));
+  if (scene.contact.pairs.empty()) return text + time_of(scene) + loads_of(scene) + output_of(scene.output);
+  text += fmt::format("\n[contact]\nkernel = \"{}\"\n",
+                      scene.contact.kernel == ContactKernel::table ? "table" : "modes");
   text += scheme_of(scene.contact);
   for (const Pair& pair : scene.contact.pairs) {
     text += fmt::format("\n[[contact.pair]]\nbetween = [{}, {}]\n", toml_string(pair.a), toml_string(pair.b));
@@ -177,15 +192,7 @@ std::string to_toml(const Scene& scene) {
     if (pair.gap) text += "gap = " + toml_number(*pair.gap) + "\n";
     if (pair.reach) text += "reach = " + toml_number(*pair.reach) + "\n";
   }
-  if (scene.time.duration > 0)
-    text += fmt::format(
-        "\n[time]\n{}duration = {}\n",
-        scene.time.rate_by_accuracy ? "" : fmt::format("rate_hz = {}\n", toml_number(scene.time.rate.value)),
-        toml_number(scene.time.duration));
-  const auto& precision = scene.time.precision;
-  if (precision == Precision::float32 || (precision && scene.accuracy && scene.time.duration > 0))
-    text += fmt::format("precision = \"{}\"\n", precision == Precision::float32 ? "single" : "double");
-  return text + loads_of(scene) + output_of(scene.output);
+  return text + time_of(scene) + loads_of(scene) + output_of(scene.output);
 }
 
 }  // namespace ricochet::scene

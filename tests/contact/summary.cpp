@@ -1,6 +1,6 @@
 // The figures of a run, against what mechanics says of two rods: contact lasts 2L/c and the rods trade
 // velocities.
-#include "contact/output/summary.hpp"
+#include "contact/output/summary_observer.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

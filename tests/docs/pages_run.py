@@ -79,7 +79,7 @@ class Reader(unittest.TestCase):
 
     def test_python_runs_as_shown(self):
         names = self.run_page("docs/python.md").names
-        self.assertEqual(names["kernel"].modes.frequency.shape, (30,))
+        self.assertEqual(names["kernel"].frequency.shape, (30,))
         self.assertAlmostEqual(names["result"].summary["impulse_ns"], 10, delta=0.1)
         self.assertAlmostEqual(names["block"].total_force.mean(), 0.5, delta=0.02)  # of the wave solution
         self.assertEqual(names["page"].name, "two-rods.report.html")

@@ -17,7 +17,7 @@ from errors import ROD, SCENE
 from programs import BIN, SOURCE, ProgramTest, Run, contact, displacement_kernel, kernel, settings
 
 from ricochet.errors import InputError
-from ricochet.result_file import Result
+from ricochet.pictures.history import History
 
 # Two slices a body, in some tenths of a second.
 SLICED = ["bodies.a.mesh=long.geo", "bodies.b.mesh=long.geo", "modes.count=300"]
@@ -244,7 +244,7 @@ class Files(Robust):
         self.succeed(contact(self.scene, self.out))
         (path,) = self.out.glob("*.result.h5")
         whole = path.read_bytes()
-        Result(path)
+        History(path)
         for name in ("time", "energy/kinetic", "contact/time", "contact/force", "bodies/a/velocity"):
             for value in (np.float64(1), np.array([b"x"] * 101), np.full(101, np.nan), np.zeros((101, 7, 2)),
                           np.zeros(101, dtype=[("a", "f8"), ("b", "f8")]), h5py.ExternalLink("/dev/zero", "/x"),
@@ -254,7 +254,7 @@ class Files(Robust):
                     del file[name]
                     file.create_group(name) if isinstance(value, str) else file.__setitem__(name, value)
                 with self.subTest(name=name, value=str(value)[:30]), self.assertRaises(InputError) as caught:
-                    Result(path)
+                    History(path)
                 self.assertEqual(str(caught.exception).count("\n"), 0)
 
 
@@ -263,13 +263,13 @@ class Sweeps(Robust):
         return [BIN / "ricochet", "sweep", self.study, "--ranks", "1", "--jobs", "1", "--out", self.out, *more]
 
     def test_one_that_is_told_to_end_has_its_tables_written_and_two_at_once_are_refused(self):
-        self.study = self.write("study.toml", STUDY + '[set]\n"time.rate_hz" = 1e5\n')
+        self.study = self.write("study.toml", STUDY + '[set]\n"time.rate_hz" = 4e5\n')
         first = self.start(*self.sweep())
         journal = self.out / "many.sweep.jsonl"
         self.until(lambda: journal.exists() and journal.stat().st_size)
         self.refused(Run(["env", f"RICOCHET_BIN={BIN}", *self.sweep()]), "many.sweep.jsonl", "another sweep")
         first.terminate()
-        self.assertIn("the same command goes on", first.communicate(timeout=60)[1])
+        self.assertIn("the same command resumes", first.communicate(timeout=60)[1])
         self.assertEqual(first.returncode, 128 + signal.SIGTERM)
         with h5py.File(self.out / "many.sweep.h5") as file:
             status = file["status"][:]

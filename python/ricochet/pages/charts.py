@@ -46,29 +46,20 @@ def shown(x, y, window):
 
 
 def colour_of(result, name):
-    return result.bodies.index(name) % 6 if name in result.bodies else "still"
-
-
-def on_time(result):
-    """Sum of the contact forces on the whole axis of time [N]."""
-    force = np.zeros(len(result.time))
-    force[np.minimum(np.searchsorted(result.time, result.contact_time), len(force) - 1)] = result.force.sum(
-        axis=1
-    )
-    return force
+    return list(result.bodies).index(name) % 6 if name in result.bodies else "still"
 
 
 def force_chart(result, i):
     total, one = result.held(result.force.sum(axis=1)), result.held(result.force[:, i])
     lines = [
         line(
-            f"sum of {len(result.gap)} points" if len(result.gap) > 1 else "force",
+            f"sum of {len(result.initial_gap)} points" if len(result.initial_gap) > 1 else "force",
             "force",
             *total,
             "held filled",
         )
     ]
-    if len(result.gap) > 1:
+    if len(result.initial_gap) > 1:
         lines.append(line(f"point {i + 1}", "second", *one, "held dashed"))
     note = "" if result.episodes else "Nothing touched."
     return chart(
@@ -121,7 +112,7 @@ def table_charts(result, i):
             "Gap while touching",
             axis("time", "s"),
             axis("gap", "m"),
-            [line("gap", "force", *result.broken(result.gap_now[:, i]))],
+            [line("gap", "force", *result.broken(result.gap[:, i]))],
             "Negative: penetration.",
             window=window,
         )
@@ -161,7 +152,7 @@ def spectrum(values, step, factor):
 
 def spectrum_chart(result):
     step = result.time[1] - result.time[0]
-    frequency, size = spectrum(on_time(result), step, step)
+    frequency, size = spectrum(result.total_force, step, step)
     return chart(
         "spectrum",
         "Spectrum of the contact force",

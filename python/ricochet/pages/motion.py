@@ -4,7 +4,7 @@ import base64
 
 import numpy as np
 
-from ricochet import result_file
+from ricochet.pictures.skins import skins_of
 from ricochet.pictures.viewpoint import clearest
 
 MOMENTS = 1200  # snapshots at most; further ones are thinned evenly
@@ -180,9 +180,10 @@ def forces_at(result, times, points):
 
 def motion_of(result, folder, scene):
     """What the page animates; {"missing": why} when the run has no skins or no snapshots, or kernels are gone."""
-    skins, time = result_file.skins_of(result, folder)
-    if not skins:
-        return {"missing": time}
+    found = skins_of(result, folder)
+    if isinstance(found, str):
+        return {"missing": found}
+    skins, time = found
     every = -(-len(time) // MOMENTS)
     chosen = np.arange(0, len(time), every)
     bodies, places, elements, misses = zip(
@@ -193,8 +194,8 @@ def motion_of(result, folder, scene):
     points = np.sort(np.argsort(result.impulse())[::-1][:POINTS])
     points = points[result.impulse()[points] > 0]
     largest = max(size for _, size in misses)
-    anchor, offset = nearest(result.point[points], places)
-    view = clearest(list(zip(places, elements)), result.point[points], tilted=True)
+    anchor, offset = nearest(result.point_a[points], places)
+    view = clearest(list(zip(places, elements)), result.point_a[points], tilted=True)
     return {
         "time": packed(time[chosen]),
         "thinned": every,

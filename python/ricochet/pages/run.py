@@ -11,7 +11,8 @@ from ricochet.pages import charts
 from ricochet.pages.motion import materials, motion_of
 from ricochet.pages.sound import sounds_of
 from ricochet.errors import InputError
-from ricochet.result_file import File, Result, expected, is_there
+from ricochet.pictures.history import History
+from ricochet.result_file import File, expected, is_there
 
 
 def summary_of(path, result):
@@ -33,8 +34,8 @@ def summary_of(path, result):
         else {"warnings": list, "episodes": list, "sounds": dict}
     )
     same = isinstance(summary, dict) and all(isinstance(summary.get(key), of) for key, of in kind.items())
-    if not same or summary.get("candidates") != len(result.gap):
-        raise InputError(f"{path}: is not of the run of {result.file.path.name}. Run ricochet-contact again.")
+    if not same or summary.get("candidates") != len(result.initial_gap):
+        raise InputError(f"{path}: is not of the run of {result.path.name}. Run ricochet-contact again.")
     return summary
 
 
@@ -117,9 +118,7 @@ def charts_of(result, by_table):
         )
     several = not by_table and np.count_nonzero(result.impulse()) > 1
     if several:
-        out["contact"].append(
-            charts.pressure_chart(result, result.file.array("/contact/area", len(result.gap)))
-        )
+        out["contact"].append(charts.pressure_chart(result, result.area))
     if not still and result.episodes:
         out["contact"].append(charts.spectrum_chart(result))
     if not still and not by_table:
@@ -134,14 +133,14 @@ def digest(path):
 
 def run_of(path, kernels=None):
     """The whole run whose result file is at `path`. Throws InputError."""
-    result = Result(path)
+    result = History(path)
     folder = kernels or path.parent
     beside = path.with_name(f"{result.slug}.summary.json")
     summary = summary_of(beside, result)
     with expected(beside):
         sounds = sounds_of(summary, path.parent)
-    scene = result.scene()
-    by_table = result.energy is None
+    scene = result.scene
+    by_table = not result.energy
     drawn, force_map = charts_of(result, by_table)
     bodies = bodies_of(result, folder, scene)
     motion = (
@@ -164,7 +163,7 @@ def run_of(path, kernels=None):
         "by_table": by_table,
         "bodies": bodies,
         "steps": steps,
-        "labels": Result.LABELS,
+        "labels": History.LABELS,
         "energy": ends,
         "charts": drawn,
         "map": force_map,
@@ -172,7 +171,7 @@ def run_of(path, kernels=None):
         "episodes": result.spans()[:2000],
         "sounds": sounds,
         "receivers": charts.receiver_charts(result),
-        "points": len(result.gap),
+        "points": len(result.initial_gap),
         "commands": commands_of(result, scene, bodies),
         "file": {
             "name": path.name,

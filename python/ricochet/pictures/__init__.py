@@ -12,28 +12,31 @@ from ricochet.pictures.contact import contact_picture, table_picture
 from ricochet.pictures.energy import energy_picture
 from ricochet.pictures.snapshots import snapshots_picture
 from ricochet.pictures.style import DPI, STYLE
-from ricochet.result_file import Result, expected, skins_of
+from ricochet.pictures.history import History
+from ricochet.pictures.skins import skins_of
+from ricochet.result_file import expected
 
 
-def figures(result: Result, kernels: Path, note: Callable[[str], None]) -> Iterator[tuple[str, Figure]]:
+def figures(result: History, kernels: Path, note: Callable[[str], None]) -> Iterator[tuple[str, Figure]]:
     """The figures of a result by name: "contact", "snapshots", "energy".
 
     @param kernels  folder of the kernels
     @param note     called with the reason of each figure that is left out
     """
     if result.static:
-        raise InputError(f"{result.file.path}: bodies at rest have no history to draw. Use ricochet report.")
-    if result.energy is None:
+        raise InputError(f"{result.path}: bodies at rest have no history to draw. Use ricochet report.")
+    if not result.energy:
         yield "contact", table_picture(result)
         note("no energies and no snapshots: runs with table kernels have neither")
         return
     yield "contact", contact_picture(result)
-    skins, time = skins_of(result, kernels)
-    figure = snapshots_picture(result, skins, time) if skins and result.episodes else None
-    if figure:
+    found = skins_of(result, kernels)
+    if isinstance(found, str):
+        note(f"no picture of snapshots: {found}")
+    elif result.episodes and (figure := snapshots_picture(result, *found)):
         yield "snapshots", figure
     else:
-        note(f"no picture of snapshots: {'no snapshot falls into a contact' if skins else time}")
+        note("no picture of snapshots: no snapshot falls into a contact")
     yield "energy", energy_picture(result)
 
 
@@ -46,7 +49,7 @@ def draw(
     """Writes the pictures of the result file `path` as <slug>-<name>.png and yields their paths. Raises InputError."""
     folder = folder or path.parent
     with expected(path), matplotlib.rc_context(STYLE):
-        result = Result(path)
+        result = History(path)
         for name, figure in figures(result, kernels or path.parent, note):
             picture = folder / f"{result.slug}-{name}.png"
             try:

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Pictures of a contact over time: gap or place, velocity and force at the point that takes the largest impulse."""
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
@@ -15,7 +14,6 @@ from ricochet.pictures.style import (
     prefixed,
     shade_contact,
 )
-from ricochet.result_file import Result
 
 
 def force_panel(result, ax, i):
@@ -34,7 +32,7 @@ def force_panel(result, ax, i):
         linewidth=1.4,
         label="force at the point",
     )
-    if len(result.gap) > 1:
+    if len(result.initial_gap) > 1:
         ax.plot(
             when * ms,
             total * scale,
@@ -42,7 +40,7 @@ def force_panel(result, ax, i):
             drawstyle="steps-pre",
             color=GREY,
             linewidth=1.5,
-            label=f"sum over {len(result.gap)} points",
+            label=f"sum over {len(result.initial_gap)} points",
         )
     ax.set(
         ylabel=f"contact force ({shown_unit})",
@@ -60,7 +58,7 @@ def table_picture(result):
     ms, _ = prefixed(result.window()[1], "s")
     figure = Figure(figsize=(WIDTH, 8.2), layout="constrained")
     axes = figure.subplots(3, 1, sharex=True)
-    when, gap = result.broken(result.gap_now[:, i])
+    when, gap = result.broken(result.gap[:, i])
     scale, unit = prefixed(largest_of(gap), "m")
     axes[0].plot(when * ms, gap * scale, color=GREY, label="gap while touching")
     axes[0].set(ylabel=f"gap ({unit})", title="Gap at the point (negative: penetration)")
@@ -82,14 +80,14 @@ def table_picture(result):
         handles |= dict(zip(*reversed(ax.get_legend_handles_labels())))
     handles["in contact"] = Rectangle((0, 0), 1, 1, **SHADE)
     legend_below(figure, handles.values(), handles.keys())
-    figure.suptitle(f"{result.title}: contact at point {i + 1} of {len(result.gap)}", fontsize=11)
+    figure.suptitle(f"{result.title}: contact at point {i + 1} of {len(result.initial_gap)}", fontsize=11)
     return figure
 
 
 def contact_picture(result):
     """Place and velocity of both sides where the most impulse passes, and the force there, against time."""
     i = int(np.argmax(result.impulse())) if result.episodes else 0
-    points = len(result.gap)
+    points = len(result.initial_gap)
     start, end = result.window()
     shown = (result.time >= start) & (result.time <= end)
     t = result.time[shown]
@@ -146,6 +144,6 @@ def contact_picture(result):
         handles |= dict(zip(*reversed(ax.get_legend_handles_labels())))
     handles["in contact"] = Rectangle((0, 0), 1, 1, **SHADE)
     legend_below(figure, handles.values(), handles.keys())
-    where = ", ".join(f"{x:.4g}" for x in result.point[i])
+    where = ", ".join(f"{x:.4g}" for x in result.point_a[i])
     figure.suptitle(f"{result.title}: contact at point {i + 1} of {points}, at ({where}) m", fontsize=11)
     return figure

@@ -6,7 +6,6 @@ from matplotlib.patches import Rectangle
 from matplotlib.ticker import LogLocator
 
 from ricochet.pictures.style import GREY, SHADE, WIDTH, largest_of, legend_below, prefixed, shade_contact
-from ricochet.result_file import Result
 
 
 def energy_picture(result):

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """The picture of moments of a contact: the bodies, seen from where the contact is least hidden, and the force at each point."""
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
@@ -29,7 +28,7 @@ def snapshots_picture(result, skins, time):
     amplify = amplification(skins, chosen, touch)
     places = [{body: skin.at(k, touch, amplify) for body, skin in skins.items()} for k in chosen]
     view = clearest(
-        [(skin.at(touch), skin.element) for skin in skins.values()], result.point[result.impulse() > 0]
+        [(skin.at(touch), skin.element) for skin in skins.values()], result.point_a[result.impulse() > 0]
     )
     turn = view.turn()
 

@@ -1,10 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """The look of pictures: colours, units, legends. Draw within matplotlib.rc_context(STYLE)."""
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from ricochet.result_file import Result
 
 DPI = 150
 WIDTH = 8.0  # inches: 1200 pixels, the width of a README
@@ -28,7 +25,7 @@ STYLE = {
 
 def colour_of(result, name):
     """The same for a body in every picture; grey for what does not move."""
-    return BODY[result.bodies.index(name) % len(BODY)] if name in result.bodies else GREY
+    return BODY[list(result.bodies).index(name) % len(BODY)] if name in result.bodies else GREY
 
 
 def prefixed(largest, unit):

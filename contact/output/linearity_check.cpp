@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "contact/output/linearity_check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace ricochet::contact {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+namespace {
+
+// Bounds beyond which linear elasticity with pairs fixed in the reference configuration does not model the
+// impact.
+constexpr double fastest_share = 0.02;        // of the wave speed: strains of per cents
+constexpr double farthest_share = 0.5;        // of the spacing: the neighbour would be the nearer candidate
+constexpr double largest_rotation_deg = 5.0;  // linear rotations lengthen a body by 1 − cos, 0.4 % here
+
+/// Smallest distance of two corners of one surface element; infinite for rods.
+/// @param surface  kernels::Surface or kernels::WholeSurface
+template <class Any>
+double spacing_of(const Any& surface) {
+  double smallest = std::numeric_limits<double>::infinity();
+  const std::size_t k = static_cast<std::size_t>(surface.element_corners);
+  const auto node = [&](std::size_t corner) {
+    return Eigen::Map<const Vector3d>(&surface.node[3 * static_cast<std::size_t>(surface.element[corner])]);
+  };
+  for (std::size_t t = 0; t + k <= surface.element.size(); t += k)
+    for (std::size_t i = 0; i < k; ++i)
+      for (std::size_t j = 0; j < i; ++j) smallest = std::min(smallest, (node(t + i) - node(t + j)).norm());
+  return smallest;
+}
+
+}  // namespace
+
+RigidMotion rigid_motion(const Model::BodyBlock& body, const Matrix3d& inverse_inertia, const Vector& state) {
+  RigidMotion out;
+  out.centre = body.centre;
+  if (body.supported) return out;
+  const auto modal = state.segment(body.first_mode, body.modes);
+  const Vector3d linear = body.momentum * modal, angular = body.angular_momentum * modal;
+  out.linear = linear / body.mass;
+  out.rotation = inverse_inertia * (angular - body.centre.cross(linear));
+  return out;
+}
+
+Matrix3d pseudo_inverse(const Matrix3d& inertia) {
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(inertia);
+  Vector3d inverse = Vector3d::Zero();
+  for (int k = 0; k < 3; ++k)
+    if (eigen.eigenvalues()(k) > 1e-9 * eigen.eigenvalues()(2)) inverse(k) = 1 / eigen.eigenvalues()(k);
+  return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+std::optional<std::string> rotation_warning(const std::string& body, double angle) {
+  if (!(angle * 180 / std::numbers::pi > largest_rotation_deg)) return {};
+  return fmt::format("{} turned by {:.3g} degrees while touching (above {:g}): rotations are linearised",
+                     body, angle * 180 / std::numbers::pi, largest_rotation_deg);
+}
+
+std::optional<std::string> reach_warning(const Model& model, const Model::PairBlock& pair, double nearer) {
+  if (!pair.reach || !(nearer >= *pair.reach)) return {};
+  return fmt::format(
+      "{} came {:.4g} m nearer to what it touches, beyond reach = {:g} m: points that reach left out may "
+      "touch, too",
+      model.bodies[pair.a].name, nearer, *pair.reach);
+}
+
+LinearityCheck::LinearityCheck(const Model& model, double wave_speed)
+    : model_(model), wave_speed_(wave_speed), nearer_(model.pairs.size(), 0) {
+  for (const Model::BodyBlock& body : model.bodies) inverse_inertia_.push_back(pseudo_inverse(body.inertia));
+  for (const Model::PairBlock& pair : model.pairs) {
+    const kernels::Surface& surface = model.bodies[pair.a].kernel->surface;
+    spacing_.push_back(surface.whole ? spacing_of(*surface.whole) : spacing_of(surface));
+  }
+}
+
+void LinearityCheck::observe(const Stepper& stepper, const Vector& before, bool first) {
+  std::vector<RigidMotion> moved, speed;
+  for (std::size_t k = 0; k < model_.bodies.size(); ++k) {
+    moved.push_back(rigid_motion(model_.bodies[k], inverse_inertia_[k], stepper.modal()->q));
+    speed.push_back(rigid_motion(model_.bodies[k], inverse_inertia_[k], before));
+    const double angle = moved.back().rotation.norm();
+    if (angle > tilt_) {
+      tilt_ = angle;
+      tilted_ = model_.bodies[k].name;
+    }
+  }
+  const auto relative = [&](const std::vector<RigidMotion>& motion, const Model::PairBlock& pair, int i) {
+    Vector3d out = motion[pair.a].at(model_.point_a.row(i).transpose());
+    if (pair.b >= 0) out -= motion[pair.b].at(model_.point_b.row(i).transpose());
+    return out;
+  };
+  for (std::size_t p = 0; p < model_.pairs.size(); ++p) {
+    const Model::PairBlock& pair = model_.pairs[p];
+    for (int i = pair.first_point; i < pair.first_point + pair.points; ++i) {
+      const bool pressed = stepper.force()(i) > 0;
+      if (!pressed && !pair.reach) continue;
+      const Vector3d n = model_.normal.row(i).transpose();
+      nearer_[p] = std::max(nearer_[p], n.dot(relative(moved, pair, i)));
+      if (!pressed) continue;
+      if (first) approach_ = std::max(approach_, n.dot(relative(speed, pair, i)));
+      const Vector3d shift = relative(moved, pair, i);
+      const double slip = (shift - shift.dot(n) * n).norm();
+      if (slip / spacing_[p] > slip_share_) {
+        slip_ = slip;
+        slip_share_ = slip / spacing_[p];
+      }
+    }
+  }
+}
+
+std::vector<std::string> LinearityCheck::warnings() const {
+  std::vector<std::string> out;
+  if (wave_speed_ > 0 && approach_ > fastest_share * wave_speed_)
+    out.push_back(
+        fmt::format("approach speed {:.4g} m/s is {:.3g} % of the wave speed {:.4g} m/s (above {:g} %): "
+                    "strains may be too large for linear elasticity",
+                    approach_, 100 * approach_ / wave_speed_, wave_speed_, 100 * fastest_share));
+  if (slip_share_ > farthest_share)
+    out.push_back(
+        fmt::format("tangential motion {:.4g} m is {:.3g} times the candidate spacing (above {:g}): pairs "
+                    "are fixed in the initial configuration",
+                    slip_, slip_share_, farthest_share));
+  if (auto warning = rotation_warning(tilted_, tilt_)) out.push_back(*warning);
+  for (std::size_t p = 0; p < model_.pairs.size(); ++p)
+    if (auto warning = reach_warning(model_, model_.pairs[p], nearer_[p])) out.push_back(*warning);
+  return out;
+}
+
+}  // namespace ricochet::contact

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Whether a run stays within linear elasticity with pairs fixed in the reference configuration.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "contact/model/model.hpp"
+#include "contact/stepping/stepper.hpp"
+
+namespace ricochet::contact {
+
+/// Mass-mean displacement and rotation (or their rates) of a body. Supported bodies have none.
+struct RigidMotion {
+  Eigen::Vector3d linear{0, 0, 0}, rotation{0, 0, 0}, centre{0, 0, 0};
+  Eigen::Vector3d at(const Eigen::Vector3d& x) const { return linear + rotation.cross(x - centre); }
+};
+
+RigidMotion rigid_motion(const Model::BodyBlock& body, const Eigen::Matrix3d& inverse_inertia,
+                         const Vector& state);
+
+/// Of an inertia tensor: rods have no inertia about their axis, or none at all.
+Eigen::Matrix3d pseudo_inverse(const Eigen::Matrix3d& inertia);
+
+/// A warning if `body` turned by more than linear rotations allow.
+/// @param angle  [rad], while touching
+std::optional<std::string> rotation_warning(const std::string& body, double angle);
+
+/// A warning if points that `reach` left out may touch.
+/// @param nearer  by how much the bodies of the pair approached each other [m]
+std::optional<std::string> reach_warning(const Model& model, const Model::PairBlock& pair, double nearer);
+
+class LinearityCheck {
+ public:
+  /// @param wave_speed  smallest √(E/ρ) of the bodies [m/s]; 0: unknown, no warning on fast impacts
+  /// `model` outlives the check.
+  LinearityCheck(const Model& model, double wave_speed);
+
+  /// After a step with a force. @param before  (N) q̇ at its start @param first  the first such step of a run
+  void observe(const Stepper& stepper, const Vector& before, bool first);
+
+  std::vector<std::string> warnings() const;
+
+ private:
+  const Model& model_;
+  double wave_speed_;
+  std::vector<Eigen::Matrix3d> inverse_inertia_;  ///< by body, pseudo-inverse
+  std::vector<double> spacing_;  ///< by pair, smallest distance between neighbouring candidates of a [m]
+  double approach_ = 0;  ///< largest normal approach speed of a point in the first step of contact [m/s]
+  std::vector<double> nearer_;        ///< by pair, farthest rigid approach of its points [m]
+  double slip_ = 0, slip_share_ = 0;  ///< worst tangential motion [m] and its share of the spacing
+  double tilt_ = 0;                   ///< largest rotation of a free body while touching [rad]
+  std::string tilted_;                ///< that body
+};
+
+}  // namespace ricochet::contact

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "contact/output/summary_observer.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ricochet::contact {
+
+using Eigen::Matrix3Xd;
+using Eigen::Vector3d;
+
+bool count_forces(Summary& out, bool touching, const Vector& force, double time, double step) {
+  const int active = static_cast<int>((force.array() > 0).count());
+  if (active == 0) {
+    if (touching) out.contact_end_s = out.episodes.back().end_s = time - step;
+    return false;
+  }
+  if (!touching) out.episodes.push_back({.start_s = time - step, .end_s = {}});
+  if (!out.contact_start_s) out.contact_start_s = time - step;
+  out.contact_end_s.reset();
+  const double sum = force.sum();
+  Episode& episode = out.episodes.back();
+  episode.impulse_ns += sum * step;
+  episode.peak_force_n = std::max(episode.peak_force_n, sum);
+  out.impulse_ns += sum * step;
+  out.peak_force_n = std::max(out.peak_force_n, sum);
+  out.max_active = std::max(out.max_active, active);
+  ++out.contact_steps;
+  return true;
+}
+
+SummaryObserver::SummaryObserver(const Model& model, double step, double wave_speed)
+    : model_(&model),
+      gap_(model.gap),
+      step_(step),
+      before_(model.initial_rates()),
+      impulse_(Matrix3Xd::Zero(3, static_cast<Eigen::Index>(model.pairs.size()))),
+      check_(std::in_place, model, wave_speed) {
+  add_model(model);
+  energy_before_ =
+      0.5 * model.v0.squaredNorm() + 0.5 * (model.omega.array() * model.q0.array()).square().sum();
+  initial_ledger_ = largest_energy_ = energy_before_;
+}
+
+SummaryObserver::SummaryObserver(const Table& table, const Model* source, const StepOptions& options)
+    : bodies_(table.bodies),
+      gap_(table.gap),
+      step_(options.step),
+      before_(3 * std::ssize(bodies_)),
+      impulse_(Matrix3Xd::Zero(3, std::ssize(bodies_))) {
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    before_.segment<3>(3 * static_cast<Eigen::Index>(b)) = bodies_[b].velocity;
+  out_.candidates = table.points();
+  if (!source) return;
+  add_model(*source);
+  if (options.scheme == Scheme::compliant)
+    for (const double omega : source->omega) out_.modes_in_residual += sampled(omega, step_) ? 0 : 1;
+}
+
+void SummaryObserver::add_model(const Model& model) {
+  for (const Model::BodyBlock& body : model.bodies) {
+    out_.modes[body.name] = body.modes;
+    out_.basis[body.name] = body.kernel->modes.kind();
+  }
+  for (const Model::PairBlock& pair : model.pairs) out_.unpaired += pair.unpaired;
+  out_.candidates = static_cast<int>(model.gap.size());
+}
+
+void SummaryObserver::observe(const Stepper& stepper) {
+  const ModalState* modal = stepper.modal();
+  if (gap_.size() > 0)
+    out_.max_penetration_m = std::max(out_.max_penetration_m, (stepper.displacement() - gap_).maxCoeff());
+  out_.limited_steps = stepper.solver().limited;
+  if (const SolveResidual& left = stepper.residual(); left.scale > 0)
+    out_.limited_residual = std::max(out_.limited_residual, left.violation / left.scale);
+  const bool untouched = !out_.contact_start_s, touched = touching_;
+  touching_ = count_forces(out_, touched, stepper.force(), stepper.time(), step_);
+  if (touching_ && untouched) {
+    at_start_ = mean_velocities(stepper.time() - step_);
+    energy_at_start_ = energy_before_;
+  }
+  if (touching_) {
+    push(stepper.force());
+    if (modal) check_->observe(stepper, before_, out_.contact_steps == 1);
+  } else if (touched) {
+    at_end_ = mean_velocities(stepper.time() - step_);
+  }
+  if (modal) {
+    out_.modes_in_residual = modal->modes_in_residual();
+    out_.precision = stepper.options().precision;
+    observe_energy(modal->energy());
+    before_ = modal->v;
+  } else {
+    before_ = stepper.body_velocities()->reshaped();
+  }
+}
+
+void SummaryObserver::observe_energy(const Energy& energy) {
+  worst_ledger_ = std::max(worst_ledger_, std::abs(energy.ledger() - initial_ledger_));
+  largest_energy_ = std::max({largest_energy_, energy.kinetic + energy.strain + energy.residual,
+                              std::abs(energy.loads), std::abs(energy.contact)});
+  energy_lost_ = energy.contact;
+  energy_before_ = energy.kinetic + energy.strain;
+}
+
+/// By body, at the end of the step before, which was at `time`.
+Matrix3Xd SummaryObserver::mean_velocities(double time) const {
+  if (!model_) return before_.reshaped(3, std::ssize(bodies_));
+  Matrix3Xd out(3, std::ssize(model_->bodies));
+  for (Eigen::Index k = 0; k < out.cols(); ++k)
+    out.col(k) = model_->momentum(static_cast<int>(k), before_, time) /
+                 model_->bodies[static_cast<std::size_t>(k)].mass;
+  return out;
+}
+
+void SummaryObserver::push(const Vector& force) {
+  for (Eigen::Index k = 0; k < impulse_.cols(); ++k)
+    if (model_) {
+      const Model::PairBlock& pair = model_->pairs[static_cast<std::size_t>(k)];
+      impulse_.col(k) += step_ * model_->normal.middleRows(pair.first_point, pair.points).transpose() *
+                         force.segment(pair.first_point, pair.points);
+    } else {
+      impulse_.col(k) += step_ * bodies_[static_cast<std::size_t>(k)].push.transpose() * force;
+    }
+}
+
+/// Closing speed of the bodies along the impulse, supported bodies and obstacles at 0. None unless it is that
+/// of one pair.
+std::optional<double> SummaryObserver::closing_speed(const Matrix3Xd& velocity) const {
+  if (model_) {
+    const Eigen::Array<bool, 1, Eigen::Dynamic> touched = impulse_.colwise().norm().array() > 0;
+    if (touched.count() != 1) return {};
+    Eigen::Index p = 0;
+    while (!touched(p)) ++p;
+    const Model::PairBlock& pair = model_->pairs[static_cast<std::size_t>(p)];
+    Vector3d relative = Vector3d::Zero();
+    if (!model_->bodies[pair.a].supported) relative += velocity.col(pair.a);
+    if (pair.b >= 0 && !model_->bodies[pair.b].supported) relative -= velocity.col(pair.b);
+    return relative.dot(impulse_.col(p).normalized());
+  }
+  // Two bodies that others push too have unequal impulses. 1e-9: far above the round-off of a sum of steps.
+  const bool pair = impulse_.cols() == 2 && impulse_.rowwise().sum().norm() < 1e-9 * impulse_.norm();
+  if (impulse_.cols() != 1 && !pair) return {};
+  const double size = impulse_.col(0).norm();
+  if (!(size > 0)) return {};
+  return -velocity.cwiseProduct(impulse_).sum() / size;
+}
+
+Summary SummaryObserver::summary() const {
+  Summary out = out_;
+  if (model_) {
+    out.energy_drift = largest_energy_ > 0 ? worst_ledger_ / largest_energy_ : 0;
+    if (energy_at_start_ > 0)
+      out.energy_lost_contact = energy_lost_ / energy_at_start_;
+    else if (energy_lost_ == 0)
+      out.energy_lost_contact = 0;
+    out.warnings = check_->warnings();
+  }
+  if (!out.contact_end_s) return out;
+  for (Eigen::Index k = 0; k < at_end_.cols(); ++k) {
+    const auto body = static_cast<std::size_t>(k);
+    out.exit_velocity[model_ ? model_->bodies[body].name : bodies_[body].name] = at_end_.col(k);
+  }
+  if (const auto approach = closing_speed(at_start_); approach && *approach > 0)
+    out.restitution = -*closing_speed(at_end_) / *approach;
+  return out;
+}
+
+}  // namespace ricochet::contact

@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Lists the modes of the bodies of a scene; computes kernels that do not exist yet. The scene needs no [contact] and no [time].
+
+    ricochet modes meshes/two-disks/two-disks.toml
+    ricochet modes bell.toml --set modes.up_to_hz=5000 --csv bell.csv --plot
+
+Columns: frequency, damping ratio, effective mass along each axis as a share of the mass of the body, and the share of the mode in
+the static flexibility of the contact. Effective masses of all modes of a free body add up to its mass. The CSV file has
+participation factors and effective masses in SI units as well.
+"""
+import argparse
+import tomllib
+from pathlib import Path
+
+import matplotlib
+
+from ricochet import programs
+from ricochet.cli.options import add_ranks, add_scene, count
+from ricochet.errors import InputError
+from ricochet.files import save_picture
+from ricochet.modal_table import ModalTable, write_csv
+from ricochet.pictures.modes import modes_picture
+from ricochet.pictures.style import DPI, STYLE
+from ricochet.result_file import File, expected
+
+DRAWN = 6
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    add_scene(parser)
+    add_ranks(parser)
+    parser.add_argument("--accuracy", metavar="X", help="relative error that the main results may have")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        metavar="DIR",
+        help="folder of kernels and pictures (default: out/ beside the scene)",
+    )
+    parser.add_argument(
+        "--first", type=count, default=20, metavar="N", help="modes that are printed (default: 20)"
+    )
+    parser.add_argument("--csv", type=Path, metavar="FILE", help="write all modes of all bodies")
+    parser.add_argument(
+        "--plot",
+        action="store_true",
+        help=f"draw the first {DRAWN} elastic modes as <body>-modes.png; sets output.view = true",
+    )
+
+
+def kernels(options: argparse.Namespace) -> list[Path]:
+    """Computes missing kernels; the kernel files of all bodies, in the order of the scene."""
+    settings = [*options.set, *(["output.view=true"] if options.plot else [])]
+    words = programs.with_set(settings)
+    words += ["--accuracy", options.accuracy] if options.accuracy else []
+    words += ["--out", str(options.out)] if options.out else []
+    program = programs.BIN / "ricochet-kernel"
+    bodies = tomllib.loads(programs.resolved(options.scene, words, program.name)).get("bodies", {})
+    if not bodies:
+        raise InputError(
+            f"{options.scene}: takes its kernels from contact.table: there are no bodies with modes"
+        )
+    launcher = programs.mpirun(options.ranks) if options.ranks > 1 else []
+    report = programs.call([*launcher, program, options.scene, *words], capture=True)
+    out = programs.out_folder(options.scene, options.out)
+    found: dict[str, Path] = {}
+    for line in report.splitlines():
+        body, _, rest = line.partition(": ")
+        if body in bodies and rest.endswith(".kernel.h5"):
+            found.setdefault(body, out / rest.rpartition("/")[2])  # with accuracy, another order follows
+    return list(found.values())
+
+
+def draw(kernel: Path, folder: Path) -> Path:
+    with expected(kernel, "ricochet-kernel"), matplotlib.rc_context(STYLE | {"axes.grid": False}):
+        file = File(kernel, "ricochet-kernel")
+        path = folder / f"{file.text('/', 'body') or 'body'}-modes.png"
+        figure = modes_picture(file, DRAWN)
+        try:
+            save_picture(figure, path, dpi=DPI)
+        except OSError as error:
+            raise InputError(f"{path}: cannot be written ({error.strerror}). Choose another --out.") from None
+    return path
+
+
+def run(options: argparse.Namespace) -> None:
+    found = kernels(options)
+    tables = [ModalTable.read(kernel) for kernel in found]
+    print("\n\n".join(table.text(options.first) for table in tables))
+    if options.csv:
+        write_csv(tables, options.csv)
+        print(options.csv)
+    if options.plot:
+        for kernel in found:
+            print(draw(kernel, kernel.parent))

@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""A result as it is drawn: episodes of contact, the time around them, motion along the normal of a point."""
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ricochet.errors import InputError
+from ricochet.result import Array, Result
+
+Curve = tuple[Array, Array]  # times [s] and values, NaN between episodes
+
+
+class History(Result):
+    """A result whose arrays are read at once. A run by table kernels has no `energy` and no `sides`."""
+
+    TERMS = ["kinetic", "strain", "residual", "loads", "damping", "contact"]
+
+    LABELS = {
+        "kinetic": "kinetic",
+        "strain": "strain",
+        "residual": "strain of modes left out",
+        "loads": "− work of loads",
+        "damping": "lost in damping",
+        "contact": "lost in contact",
+    }
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(path)
+        self.file = self._file
+        self.static = self.scene.get("contact", {}).get("scheme") == "static"
+        if len(self.time) < 2 and not self.static:
+            every = self.scene.get("output", {}).get("every", 1)
+            raise InputError(
+                f"{path}: holds nothing but the start: nothing to draw. output.every is "
+                f"{every if isinstance(every, int) else '?'}, which must not exceed the number of steps, "
+                "time.rate_hz times time.duration."
+            )
+        self.velocity = {name: body.velocity for name, body in self.bodies.items()}
+        self.sides: dict[str, Array] = {}
+        if self.energy:
+            shape = (len(self.contact_time), len(self.initial_gap))
+            for name in ("displacement_a", "displacement_b", "velocity_a", "velocity_b"):
+                self.sides[name] = self._read(f"contact/{name}", *shape)
+            self.point_a, self.normal  # on first use arrays are checked, and refused if they are damaged
+        self.force, self.gap
+        self.spacing = float(np.min(np.diff(self.time), initial=np.inf))  # of rows
+        self.episodes = self._episodes()
+
+    def _episodes(self) -> list[tuple[int, int]]:
+        """Index ranges (first, behind last) of contact rows without a pause between them."""
+        t = self.contact_time
+        if len(t) == 0:
+            return []
+        pause = np.flatnonzero(np.diff(t) > 1.5 * self.spacing) + 1
+        edges = [0, *pause, len(t)]
+        return [(int(first), int(behind)) for first, behind in zip(edges[:-1], edges[1:])]
+
+    def spans(self) -> list[tuple[float, float]]:
+        """Start and end of each episode [s]. Its first force acts from the row before on."""
+        before = np.maximum(np.searchsorted(self.time, self.contact_time - 0.5 * self.spacing) - 1, 0)
+        return [
+            (float(self.time[before[first]]), float(self.contact_time[behind - 1]))
+            for first, behind in self.episodes
+        ]
+
+    def impulse(self) -> Array:
+        """(m) impulse of each contact point, over the step [N]"""
+        return np.asarray(self.force.sum(axis=0))
+
+    def positions(self) -> tuple[NDArray[np.int64], Array, str]:
+        """Contact points sorted by place, their places [m], and a description of the place."""
+        weight, gap = self.impulse(), self.initial_gap
+        used = weight > 0
+        first = used & (gap <= gap[used].min() + 1e-3 * np.ptp(gap[used]))  # all, where surfaces are parallel
+        away = self.point_a - weight[first] @ self.point_a[first] / weight[first].sum()
+        spread, axes = np.linalg.eigh(away[used].T @ away[used])
+        if spread[1] < 0.1 * spread[2]:  # the points that touch stand along a line
+            along = axes[:, 2] * np.sign(axes[np.argmax(np.abs(axes[:, 2])), 2])
+            where, what = away @ along, "position along the contact"
+        else:
+            where, what = (
+                np.linalg.norm(away, axis=1),
+                "distance from where the gap was least" if self.static else "distance from the first touch",
+            )
+        order = np.argsort(where, kind="stable")
+        return order, where[order], what
+
+    def window(self) -> tuple[float, float]:
+        """Start and end of the contact with a margin, or of the run if nothing touched [s]."""
+        t = self.time
+        if not self.episodes or len(t) == 1:
+            return float(t[0]), float(t[-1])
+        first, last = self.spans()[0][0], float(self.contact_time[-1])
+        margin = max(0.35 * (last - first), 4 * (t[1] - t[0]))
+        start, end = max(float(t[0]), first - margin), min(float(t[-1]), last + margin)
+        return start - 0.01 * (end - start), end  # a force from the first step on stands clear of the axis
+
+    def broken(self, values: Array) -> Curve:
+        """Contact rows with a NaN between episodes, so that no line crosses a time without contact."""
+        times, parts = [], []
+        for first, behind in self.episodes:
+            times += [self.contact_time[first:behind], np.array([np.nan])]
+            parts += [values[first:behind], np.array([np.nan])]
+        return (np.concatenate(times), np.concatenate(parts)) if times else (np.array([]), np.array([]))
+
+    def held(self, values: Array) -> Curve:
+        """The same for forces, which are constant between rows: drawn as steps that end at these times, they
+        rise from 0, return to 0, and enclose the impulse."""
+        times, parts = [], []
+        for (first, behind), (start, end) in zip(self.episodes, self.spans()):
+            times += [np.array([start]), self.contact_time[first:behind], np.array([end, np.nan])]
+            parts += [np.array([0.0]), values[first:behind], np.array([0.0, np.nan])]
+        return (np.concatenate(times), np.concatenate(parts)) if times else (np.array([]), np.array([]))
+
+    def along_normal(
+        self, i: int
+    ) -> tuple[dict[str, Curve], dict[str, Curve], dict[str, Curve], dict[str, Curve]]:
+        """Motion along the normal of point i: place and speed of the two sides there, by name, then of the mass-mean of
+        each body. Places count from the start of the second surface: the sides touch where their lines meet.
+        """
+        n, gap, names = self.normal[i], self.initial_gap[i], self.sides_names()
+        place: dict[str, Curve] = {}
+        speed: dict[str, Curve] = {}
+        mean_place: dict[str, Curve] = {}
+        mean_speed: dict[str, Curve] = {}
+        for side, name, offset in [("a", names[0], gap), ("b", names[1], 0.0)]:
+            place[name] = self.broken(self.sides["displacement_" + side][:, i] - offset)
+            speed[name] = self.broken(self.sides["velocity_" + side][:, i])
+        for body, v in self.velocity.items():
+            along = v @ n
+            path = np.concatenate([[0], np.cumsum(0.5 * (along[1:] + along[:-1]) * np.diff(self.time))])
+            mean_place[body] = self.time, path - (gap if body == names[0] else 0)
+            mean_speed[body] = self.time, along
+        return place, speed, mean_place, mean_speed
+
+    def sides_names(self) -> tuple[str, str]:
+        """Names of the two sides if the scene has one pair. With several, a point does not know its pair."""
+        contact = self.scene.get("contact", {})
+        pairs = contact.get("pair", [contact])
+        between = pairs[0].get("between", []) if len(pairs) == 1 else []
+        return (between[0], between[1]) if len(between) == 2 else ("side a", "side b")

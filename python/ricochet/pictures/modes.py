@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""The picture of mode shapes on the visualisation surface of a kernel."""
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from ricochet.errors import InputError
+from ricochet.pictures.style import BODY, WIDTH
+from ricochet.pictures.viewpoint import clearest
+from ricochet.result_file import File
+
+Array = NDArray[np.float64]
+AMPLITUDE = 0.08  # of the size of the body: the largest displacement that is drawn
+COLUMNS = 3
+
+
+def modes_picture(file: File, count: int) -> Figure:
+    """The first `count` elastic modes of a kernel file, in their largest deflection; rods as displacement along the axis.
+
+    Raises InputError if the kernel has no visualisation surface.
+    """
+    if not file.has("/view/node"):
+        raise InputError(
+            f"{file.path}: has no visualisation surface: set output.view = true and compute it again"
+        )
+    omega = file.array("/modes/angular_frequency", None)
+    node, element = file.array("/view/node", None, 3), file.array("/view/element", None, None)
+    shape = file.array("/view/shape", len(node), 3, len(omega)).astype(float)
+    chosen = np.flatnonzero(omega > 0)[:count]
+    rows = max(1, -(-len(chosen) // COLUMNS))
+    figure = Figure(figsize=(WIDTH, 2.3 * rows + 0.5), layout="constrained")
+    axes = figure.subplots(rows, COLUMNS, squeeze=False).ravel()
+    draw = draw_rod if element.shape[1] == 2 else draw_surface
+    for ax, n in zip(axes, chosen):
+        draw(ax, node, element, shape[:, :, n])
+        ax.set_title(f"mode {n + 1}: {omega[n] / (2 * np.pi):.5g} Hz", fontsize=9)
+    for ax in axes[len(chosen) :]:
+        ax.axis("off")
+    figure.suptitle(f"{file.text('/', 'body') or 'body'}: elastic modes", fontsize=11)
+    return figure
+
+
+def draw_rod(ax: Axes, node: Array, element: Array, shape: Array) -> None:
+    """Displacement along the rod over the place on it."""
+    ends = node[[np.argmin(node.sum(axis=1)), np.argmax(node.sum(axis=1))]]
+    axis = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
+    where, value = node @ axis, shape @ axis
+    order = np.argsort(where)
+    ax.plot(where[order], value[order] / np.abs(value).max(), color=BODY[0])
+    ax.set(xlabel="place (m)", ylim=(-1.1, 1.1), yticks=[-1, 0, 1])
+
+
+def draw_surface(ax: Axes, node: Array, element: Array, shape: Array) -> None:
+    """The deflected surface, coloured by the size of its displacement, over the outline at rest."""
+    size = np.linalg.norm(np.ptp(node, axis=0))
+    moved = np.linalg.norm(shape, axis=1)
+    view = clearest([(node, element)], np.empty((0, 3)), tilted=True).turn()
+    at_rest = (node @ view.T)[element]
+    deflected = ((node + AMPLITUDE * size / moved.max() * shape) @ view.T)[element]
+    normal = np.cross(deflected[:, 1] - deflected[:, 0], deflected[:, 2] - deflected[:, 0])
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+    colour = matplotlib.colormaps["viridis"](moved[element].mean(axis=1) / moved.max())
+    colour[:, :3] *= (0.65 + 0.35 * np.abs(normal[:, 2]))[:, None]
+    order = np.argsort(deflected[:, :, 2].mean(axis=1), kind="stable")
+    ax.add_collection(
+        PolyCollection(at_rest[:, :, :2], facecolors="#e8e8e8", edgecolors="#e8e8e8", linewidths=0.3)
+    )
+    patches = PolyCollection(
+        deflected[order][:, :, :2], facecolors=colour[order], edgecolors=colour[order], linewidths=0.3
+    )
+    ax.add_collection(patches)
+    everything = np.concatenate([at_rest, deflected]).reshape(-1, 3)[:, :2]
+    low, high = everything.min(axis=0), everything.max(axis=0)
+    margin = 0.03 * (high - low).max()
+    ax.set(xlim=(low[0] - margin, high[0] + margin), ylim=(low[1] - margin, high[1] + margin), aspect="equal")
+    ax.axis("off")

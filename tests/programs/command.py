@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""The command ricochet: help, mistakes in its words, programs that it hands on to, and the table of modes beside the kernel's data."""
+
+import csv
+import math
+import os
+import unittest
+
+import h5py
+import numpy as np
+
+from programs import BIN, MESHES, ProgramTest, Run
+
+VERBS = "run modes kernel impact plot report sweep tradeoff surfaces import export batch".split()
+# A free bar of 300 x 50 x 20 mm: no contact, no time.
+BAR = """[bodies.bar]
+mesh = "bar.geo"
+order = 2
+material = { density = 2700, young = 70e9, poisson = 0.33 }
+damping = { ratio = 0.01 }
+[modes]
+count = 12
+[output]
+view = true
+"""
+GEO = """SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 0.3, 0.05, 0.02};
+Mesh.MeshSizeMax = 0.02;
+Mesh.MeshSizeMin = 0.02;
+"""
+
+
+def ricochet(*words):
+    return Run([BIN / "ricochet", *words])
+
+
+class Words(ProgramTest):
+    def test_help_has_a_line_for_each_verb(self):
+        done = self.succeed(ricochet("--help"))
+        listed = [line.split() for line in done.out.splitlines() if line.startswith("    ")]
+        self.assertEqual([words[0] for words in listed if len(words) > 1], VERBS)
+
+    def test_each_verb_describes_itself_and_knows_the_version(self):
+        version = self.succeed(ricochet("--version")).out.split()[1]
+        for verb in VERBS:
+            done = self.succeed(ricochet(verb, "--help"))
+            self.assertTrue(done.out.startswith(f"usage: ricochet {verb} "), done.out)
+            self.assertEqual(self.succeed(ricochet(verb, "--version")).out, f"ricochet {verb} {version}\n")
+
+    def test_an_unknown_verb_is_refused_in_one_line_with_the_nearest_one(self):
+        done = ricochet("swep", "study.toml")
+        expected = 'ricochet: there is no verb "swep": did you mean "sweep"?\n'
+        self.assertEqual((done.status, done.out, done.err), (2, "", expected))
+        done = ricochet("\x1bxyzzy\n")
+        self.assertEqual((done.status, done.err.count("\n")), (2, 1))
+
+    def test_the_programs_get_all_words_that_are_not_the_command_s_own(self):
+        scene = MESHES / "two-rods/two-rods.toml"
+        sets = ["--set", "modes.count=5", "--set", "bodies.moving.velocity=[-1,0,0]"]
+        for verb, program in (("impact", "ricochet-contact"), ("kernel", "ricochet-kernel")):
+            direct = self.succeed(Run([BIN / program, scene, "--dry-run", *sets]))
+            for ranks in ([], ["-n", "1"], ["--ranks=2"]) if verb == "kernel" else ([],):
+                self.assertEqual(self.succeed(ricochet(verb, *ranks, scene, "--dry-run", *sets)).out, direct.out)
+        self.assertEqual(ricochet("impact", scene, "--out", self.folder / "none").status, 2)
+
+    def test_kernels_are_computed_on_as_many_ranks_as_asked_for(self):
+        launcher = self.folder / "launcher"
+        launcher.write_text(f'#!/bin/sh\necho "$1" > {self.folder}/ranks\nshift\nexec "$@"\n')
+        launcher.chmod(0o755)
+        scene = MESHES / "two-rods/two-rods.toml"
+        command = ["env", f"RICOCHET_LAUNCHER={launcher} {{ranks}}", BIN / "ricochet", "kernel", "-n", "3", scene]
+        self.succeed(Run([*command, "--out", self.folder, "--set", "modes.count=5", "--quiet"]))
+        self.assertEqual((self.folder / "ranks").read_text(), "3\n")
+        self.assertEqual(len(list(self.folder.glob("*.kernel.h5"))), 2)
+
+    def test_an_output_that_cannot_be_written_is_an_error(self):
+        done = Run(["sh", "-c", f"{BIN}/ricochet --help > /dev/full"])
+        self.assertEqual((done.status, done.err), (1, "ricochet --help: standard output can't be written (No space left on device)\n"))
+
+
+class Modes(ProgramTest):
+    """Beside the kernel's own data, with another formula for each column."""
+
+    def rows(self, path):
+        with open(path, newline="") as file:
+            return list(csv.DictReader(file))
+
+    def column(self, rows, name):
+        return np.array([float(row[name] or "nan") for row in rows])
+
+    def test_a_scene_without_contact_and_time_has_modes_and_pictures_of_them(self):
+        self.write("bar.geo", GEO)
+        scene = self.write("bar.toml", BAR)
+        done = self.succeed(ricochet("modes", scene, "-n", "1", "--csv", self.folder / "bar.csv", "--plot", "--first", "8"))
+        self.assertIn("bar: 12 modes, mass 0.81 kg", done.out)
+        self.assertIn("and 4 more", done.out)
+        self.assertTrue((self.folder / "out/bar-modes.png").is_file())
+        rows = self.rows(self.folder / "bar.csv")
+        frequency = self.column(rows, "frequency_hz")
+        self.assertEqual(list(frequency[:6]), [0] * 6)
+        # Timoshenko's correction of Euler's beam is 2 % for these thicknesses and the mesh adds 1 %.
+        bending = 4.73004**2 / (2 * math.pi * 0.3**2) * math.sqrt(70e9 * 0.02**2 / 12 / 2700)
+        self.assertAlmostEqual(frequency[6] / bending, 1, delta=0.03)
+        # Rigid motion takes all of the mass along each axis; elastic modes of a free body take none.
+        for axis in "xyz":
+            mass = self.column(rows, f"effective_mass_{axis}_kg")
+            self.assertAlmostEqual(mass[:6].sum() / (2700 * 0.3 * 0.05 * 0.02), 1, delta=1e-9)
+            self.assertLess(mass[6:].max(), 1e-9)
+        np.testing.assert_allclose(self.column(rows, "damping_ratio")[6:], 0.01, rtol=1e-12)
+        self.assertTrue(np.isnan(self.column(rows, "contact_share")).all())  # there are no candidates
+        again = self.succeed(ricochet("modes", scene, "-n", "1"))
+        self.assertIn("bar: 12 modes", again.out)
+        self.assertEqual(len(list((self.folder / "out").glob("*.kernel.h5"))), 1)  # the kernel is reused
+        refused = ricochet("impact", scene)
+        self.assertEqual((refused.status, refused.err.count("\n")), (2, 1), refused.err)
+
+    def test_shares_at_the_contact_are_those_of_the_static_flexibility(self):
+        scene = MESHES / "two-rods/two-rods.toml"
+        table = self.folder / "rods.csv"
+        self.succeed(ricochet("modes", scene, "-n", "1", "--out", self.folder, "--set", "modes.count=8", "--csv", table))
+        rows = [row for row in self.rows(table) if row["body"] == "moving"]
+        (kernel,) = self.folder.glob("moving-*.kernel.h5")
+        with h5py.File(kernel) as file:
+            omega, shape = file["modes/angular_frequency"][:], file["surface/shape"][:]
+            residual = file["surface/residual_flexibility"][:]
+        # One candidate, one direction. The flexibility of a free rod of 100 elements at its end without rigid motion, by
+        # cos(nπx/L): Σ 2/(m ω_n²) with ω_n = nπ/L, m = L = 10, is L/3 (Euler's Σ 1/n² = π²/6).
+        share = self.column(rows, "contact_share")
+        self.assertTrue(np.isnan(share[0]))
+        n = np.arange(1, 8)
+        np.testing.assert_allclose(share[1:], 6 / (n * math.pi) ** 2, rtol=1e-2)  # the mesh: (7π/100)²/12
+        self.assertAlmostEqual(np.nansum(share) + residual.sum() / (10 / 3), 1, delta=1e-3)
+        self.assertEqual(shape.shape, (1, len(omega)))
+
+    def test_scenes_without_bodies_are_refused(self):
+        scene = self.write("table.toml", '[contact]\nkernel = "table"\ntable = "k.h5"\n[time]\nduration = 1.0\n')
+        done = ricochet("modes", scene, "-n", "1")
+        self.assertEqual((done.status, done.err.count("\n")), (2, 1), done.err)
+        self.assertIn("there are no bodies with modes", done.err)
+
+
+if __name__ == "__main__":
+    os.environ.pop("RICOCHET_LAUNCHER", None)
+    unittest.main()
