@@ -344,22 +344,22 @@ TEST(Truncation, is_refused_if_the_kernel_lacks_the_data_for_it) {
   const Kernel whole = Bar{}.kernel();
   expect_refusal([&] { truncated_to_band(whole, {1e3}); }, "all modes up to 14.");
   expect_refusal([&] { truncated_to_band(whole, {0}); }, "not up to 0");
-  expect_refusal([&] { truncated_to_count(whole, 41); }, "has 40 modes, not 41");
-  expect_refusal([&] { truncated_to_flexibility_error(whole, {14}, 1e-3); }, "may make an error of");
+  expect_refusal([&] { truncated_to_count(whole, 41); }, "has 40 modes, fewer than 41");
+  expect_refusal([&] { truncated_to_flexibility_error(whole, {14}, 1e-3); }, "may cause an error of");
   expect_refusal(
       [&] {
         restricted_to_points(whole, {0, 4});
       },
-      "no candidate point 4: they are numbered from 0 to 3");
-  expect_refusal([&] { restricted_to_points(whole, {-1}); }, "no candidate point -1");
+      "no candidate 4: they are numbered from 0 to 3");
+  expect_refusal([&] { restricted_to_points(whole, {-1}); }, "no candidate -1");
   expect_refusal([&] { restricted_to_points(whole, {1, 1}); }, "named twice");
-  expect_refusal([&] { restricted_to_points(whole, {}); }, "name one at least");
+  expect_refusal([&] { restricted_to_points(whole, {}); }, "name at least one");
   Kernel bare = whole;
   bare.surface.residual_flexibility.clear();
   expect_refusal([&] { truncated_to_flexibility_error(bare, {1}, 0.1); }, "no residual flexibility");
   const Kernel less = truncated_to_flexibility_error(whole, {1}, 0.1);
   expect_refusal([&] { truncated_to_band(less, {1}); }, "were truncated");
-  expect_refusal([&] { restricted_to_direction(whole, {1, 0, 0}); }, "holds one direction only");
+  expect_refusal([&] { restricted_to_direction(whole, {1, 0, 0}); }, "has one direction only");
   Kernel fitted = whole;
   fitted.modes.basis = "contact";
   expect_refusal([&] { truncated_to_count(fitted, 3); }, "contact-adapted basis");

@@ -78,7 +78,7 @@ TEST(WholeSurface, must_fit_the_candidates) {
            {[](WholeSurface& w) {
               w.held = {1, 3, 5};
             },
-            "another candidate"},
+            "a candidate that differs"},
            {[](WholeSurface& w) { w.node.pop_back(); }, "whole/node"},
            {[](WholeSurface& w) { w.centroid.resize(9); }, "whole/centroid"},
            {[](WholeSurface& w) { w.area[0] = 0; }, "whole/area"},
