@@ -124,7 +124,7 @@ TEST_F(Damage, files_that_are_not_kernels_are_recognised) {
 TEST_F(Damage, a_newer_version_is_refused_with_advice) {
   const std::int64_t version = 2;
   replace_attribute("/", "version", H5T_NATIVE_INT64, &version);
-  expect_refused({"format version 2", "reads up to 1", "Use a newer Ricochet"});
+  expect_refused({"format version 2", "reads versions up to 1", "Use a newer Ricochet"});
   EXPECT_EQ(read_hash(path_), "");
 }
 
@@ -213,13 +213,13 @@ TEST_F(Damage, a_value_that_is_not_a_number_is_refused_wherever_it_stands) {
                                  "/view/node"}) {
     put_bytes(path_, whole);
     poke(name, 2, std::nan(""));
-    expect_refused({"dataset \"" + name + "\" holds nan at place 2"});
+    expect_refused({"dataset \"" + name + "\" contains nan at index 2"});
   }
 }
 
 TEST_F(Damage, a_negative_area_is_refused) {
   poke("/surface/area", 3, -1e-6);
-  expect_refused({"\"/surface/area\" holds -1e-06 at place 3: must be positive"});
+  expect_refused({"\"/surface/area\" contains -1e-06 at index 3: must be positive"});
 }
 
 TEST_F(Damage, a_normal_of_another_length_is_refused) {
@@ -232,7 +232,7 @@ TEST_F(Damage, a_surface_element_of_points_that_do_not_exist_is_refused) {
     const std::vector<std::int64_t> element = {0, 1, index, 2};
     replace("/surface/element", H5T_NATIVE_INT64, {2, 2}, element.data());
     expect_refused(
-        {"\"/surface/element\" holds " + std::to_string(index) + " at place 2: must be an index below 4"});
+        {"\"/surface/element\" contains " + std::to_string(index) + " at index 2: must be an index below 4"});
   }
 }
 

@@ -243,7 +243,7 @@ class Motion(ProgramTest):
         scene = self.blocks()
         plain, table = ("output.vtk_every=0", "output.view=false"), ("output.vtk_every=0", "contact.kernel=table")
         for run, part in [(self.vtk(scene, *plain), "output.view = false: --vtk draws the skin of each body"),
-                          (self.vtk(scene, "loads={}", "output={}", *table[1:]), 'contact.kernel = "table" knows no motion'),
+                          (self.vtk(scene, "loads={}", "output={}", *table[1:]), 'contact.kernel = "table" gives no motion'),
                           (contact(scene, self.folder / "out", "output.view=false"), "vtk_every needs the visualisation surfaces"),
                           (Run([BIN / "ricochet-contact", "--vtk", "--batch", scene]), "--vtk excludes --batch")]:
             self.assertEqual(run.status, 2, run.err)

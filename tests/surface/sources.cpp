@@ -89,7 +89,7 @@ TEST(Receiver, off_the_body_is_refused_with_its_distance_and_the_nearest_point) 
   request.receivers = {receiver("mic", {0.25, 0.5, 1.5})};
   const std::string said = test::complaint_of([&] { Made(test::block_geo("hex", 2, 0), 2, request); });
   EXPECT_THAT(said, AllOf(HasSubstr("output.receiver \"mic\" lies 0.5 m off bodies.body"),
-                          HasSubstr("nearest place, (0.25, 0.5, 1)")));
+                          HasSubstr("nearest point, (0.25, 0.5, 1)")));
   request.receivers.clear();
   request.point_forces = {load("tap", "", {1 + 1e-4, 0.5, 0.5})};
   EXPECT_THAT(test::complaint_of([&] { Made(test::block_geo("tet", 2, 0), 2, request); }),
