@@ -54,14 +54,14 @@ py::dict certificate(const Kernel& kernel) {
 }
 
 /// (node (V,3), element (E,k), shape (V,3,N)) of the visualisation surface; None without one.
-py::object skin(const py::object& self) {
+py::object visualisation_surface(const py::object& self) {
   const Kernel& kernel = self.cast<const Kernel&>();
   if (!kernel.view) return py::none();
-  const kernels::View& skin = *kernel.view;
-  const py::ssize_t nodes = length(skin.node.size()) / 3, corners = skin.element_corners;
-  return py::make_tuple(view(skin.node, {nodes, 3}, self),
-                        view(skin.element, {length(skin.element.size()) / corners, corners}, self),
-                        view(skin.shape, {nodes, 3, length(kernel.modes.size())}, self));
+  const kernels::View& surface = *kernel.view;
+  const py::ssize_t nodes = length(surface.node.size()) / 3, corners = surface.element_corners;
+  return py::make_tuple(view(surface.node, {nodes, 3}, self),
+                        view(surface.element, {length(surface.element.size()) / corners, corners}, self),
+                        view(surface.shape, {nodes, 3, length(kernel.modes.size())}, self));
 }
 
 /// By name: (point (3), shape (3,N)).
@@ -102,7 +102,7 @@ void bind_kernel(py::module_& module) {
                              })
       .def_property_readonly("group", [](const Kernel& k) { return k.surface.group; })
       .def_property_readonly("residual_flexibility", &residual_flexibility)
-      .def_property_readonly("skin", &skin)
+      .def_property_readonly("visualisation_surface", &visualisation_surface)
       .def_property_readonly("receivers", &receivers);
   const auto property = [&](const char* name, auto values, auto shape) {
     kernel.def_property_readonly(name, array(values, shape));

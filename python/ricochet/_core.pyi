@@ -47,7 +47,7 @@ class Kernel:
     components: int
     direction: _Array | None
     group: list[str]
-    skin: tuple[_Array, NDArray[np.int64], NDArray[np.float32]] | None
+    visualisation_surface: tuple[_Array, NDArray[np.int64], NDArray[np.float32]] | None
     receivers: dict[str, tuple[_Array, _Array]]
     angular_frequency: _Array
     decay_rate: _Array

@@ -137,7 +137,7 @@ class Result(_Data):
 
     @cached_property
     def summary(self) -> Mapping[str, Any]:
-        """The content of the summary beside the file. Raises InputError if there is none, or a damaged one."""
+        """The content of summary.json. Raises InputError if the file is missing or damaged."""
         try:
             return dict(json.loads(self._summary))
         except (ValueError, TypeError):

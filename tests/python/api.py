@@ -154,6 +154,7 @@ class Kernels(KernelsTest):
             np.testing.assert_array_equal(file["surface/shape"][:], kernel.shape[:, 0])
         with self.assertRaises(ValueError):
             kernel.shape[:] = 0
+        self.assertIsNone(kernel.visualisation_surface)
         lines = (self.folder / "modes.csv", str(modes), modes._repr_html_())
         modes.to_csv(lines[0])
         table = np.genfromtxt(lines[0], delimiter=",", names=True)
