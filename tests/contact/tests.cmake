@@ -27,3 +27,13 @@ add_serial_test(contact equilibrium ricochet_contact)
 add_serial_test(contact thinning ricochet_contact)
 add_serial_test(contact estimate ricochet_contact)
 add_serial_test(contact extremes ricochet_contact)
+
+# The core links and includes nothing from above it: no precompiled header, which would bring other libraries in.
+add_executable(test_contact_core_alone contact/core_alone.cpp)
+target_link_libraries(test_contact_core_alone PRIVATE ricochet_core GTest::gtest_main)
+add_dependencies(serial_tests test_contact_core_alone)
+gtest_discover_tests(test_contact_core_alone PROPERTIES TIMEOUT ${serial_timeout} LABELS serial)
+add_test(NAME contact/core_includes
+  COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/contact/core_includes.py ${CMAKE_CXX_COMPILER} ${PROJECT_SOURCE_DIR}
+    $<TARGET_PROPERTY:Eigen3::Eigen,INTERFACE_INCLUDE_DIRECTORIES>)
+set_tests_properties(contact/core_includes PROPERTIES TIMEOUT 120 LABELS serial)
