@@ -6,14 +6,16 @@ file(MAKE_DIRECTORY ${manuals})
 file(GLOB_RECURSE package_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/python/ricochet/*.py)
 set(command ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/ricochet)
 
-# The page NAME of the command line `program [verb]`. Examples are printed line by line.
+# The page NAME of the command line `program [VERB]`.
 function(add_manual name purpose program)
   cmake_parse_arguments(PARSE_ARGV 3 manual "" VERB DEPENDS)
+  string(TOUPPER ${name} title)
   add_custom_command(OUTPUT ${manuals}/${name}.1.gz
-    COMMAND ${CMAKE_COMMAND} -E env RICOCHET_BIN=${CMAKE_RUNTIME_OUTPUT_DIRECTORY} OMPI_MCA_btl=self COLUMNS=100
-      ${HELP2MAN} --locale C.UTF-8 --no-info --no-discard-stderr --name ${purpose} --output ${manuals}/${name}.1
+    COMMAND ${CMAKE_COMMAND} -E env RICOCHET_BIN=${CMAKE_RUNTIME_OUTPUT_DIRECTORY} OMPI_MCA_btl=self COLUMNS=1000
+      ${HELP2MAN} --locale C.UTF-8 --no-info --name ${purpose} --output ${manuals}/${name}.1
       "--help-option=${manual_VERB} --help" "--version-option=${manual_VERB} --version" ${program}
-    COMMAND sed -i -e "/^[.]IP$/a.nf" -e "/^[.]IP$/,/^[.][STP]/{/^[.][STP]/i.fi" -e "}" ${manuals}/${name}.1
+    COMMAND sed -i -e "s/^[.]TH [^ ]*/.TH ${title}/" -e "/^[.]SH NAME/{n;s/^[^ ]*/${name}/}"
+      -f ${PROJECT_SOURCE_DIR}/cmake/manual.sed ${manuals}/${name}.1
     COMMAND gzip -9nf ${manuals}/${name}.1
     DEPENDS ${program} ricochet-contact ${manual_DEPENDS} VERBATIM)
   set_property(GLOBAL APPEND PROPERTY ricochet_manuals ${manuals}/${name}.1.gz)

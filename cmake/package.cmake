@@ -10,7 +10,7 @@ set(CPACK_PACKAGE_VENDOR "Ricochet")
 set(CPACK_PACKAGE_CONTACT ${packager})
 set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
-set(CPACK_COMPONENTS_ALL programs library)
+set(CPACK_COMPONENTS_ALL programs python library)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
@@ -19,15 +19,33 @@ set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_STRIP_FILES ON)
 
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_NAME ricochet)
-set(CPACK_DEBIAN_PROGRAMS_PACKAGE_DEPENDS
-  "openmpi-bin, python3 (>= 3.11), python3-numpy, python3-h5py, python3-matplotlib, python3-gmsh")
+set(CPACK_DEBIAN_PROGRAMS_PACKAGE_DEPENDS "openmpi-bin, python3-gmsh, python3-ricochet (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SUGGESTS "slurm-client")
 set(CPACK_DEBIAN_PROGRAMS_DESCRIPTION "frictionless impact of elastic bodies from modal kernels
-Programs that compute kernels of elastic bodies from gmsh meshes, and
-impacts from kernels.
+The command ricochet and programs that compute kernels of elastic bodies
+from gmsh meshes, and impacts from kernels.
 .
 As ricochet-kernel is linked with gmsh, this package is distributed under
 the GNU GPL, version 3 or later.")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-ricochet)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+  "python3 (>= 3.11), python3 (<< 3.12), python3-numpy, python3-h5py, python3-matplotlib")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "ricochet (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_GENERATE_SHLIBS OFF)
+file(WRITE ${PROJECT_BINARY_DIR}/package/python/postinst "#!/bin/sh\nset -e\n[ \"$1\" != configure ] || py3compile -p python3-ricochet\n")
+file(WRITE ${PROJECT_BINARY_DIR}/package/python/prerm "#!/bin/sh\nset -e\npy3clean -p python3-ricochet\n")
+file(CHMOD ${PROJECT_BINARY_DIR}/package/python/postinst ${PROJECT_BINARY_DIR}/package/python/prerm PERMISSIONS
+  OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/package/python/postinst
+  ${PROJECT_BINARY_DIR}/package/python/prerm)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DESCRIPTION "frictionless impact of elastic bodies, from Python
+The Python package ricochet: scenes, kernels, impacts, studies and
+pictures as objects and NumPy arrays. The package ricochet has the
+programs that compute kernels.
+.
+Distributed under the BSD licence of two clauses; nothing in it needs MPI,
+PETSc or gmsh.")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libricochet-dev)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS "libhdf5-dev, libfmt-dev")
@@ -58,7 +76,8 @@ endfunction()
 add_documents(programs ricochet "The sources are under BSD-2-Clause. The program ricochet-kernel is linked with the gmsh library,
  which is under the GNU General Public License, version 2 or later, and with OpenSSL 3 and METIS, whose licence (Apache 2.0)
  goes with version 3 of it. So this package as a whole is distributed under the GPL, version 3 or later, see
- /usr/share/common-licenses/GPL-3. What is in libricochet-dev does not contain gmsh and stays under BSD-2-Clause.")
+ /usr/share/common-licenses/GPL-3. The packages libricochet-dev and python3-ricochet do not contain gmsh and stay under BSD-2-Clause.")
+add_documents(python python3-ricochet "Nothing in this package is linked with what is under the GNU General Public License.")
 add_documents(library libricochet-dev "Nothing in this package is linked with what is under the GNU General Public License.")
 file(WRITE ${PROJECT_BINARY_DIR}/package/libricochet-dev.lintian
 "# The shared library is for hosts that load it, in other languages: it has no package of its own.

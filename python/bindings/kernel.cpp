@@ -16,20 +16,27 @@ namespace {
 
 using kernels::Kernel;
 
-/// A property that views one array of the kernel in this shape; None where the array is empty.
+/// A property that views one array of the kernel in this shape.
 template <class Values>
 auto array(Values values, std::function<Shape(const Kernel&)> shape) {
-  return [values, shape](const py::object& self) -> py::object {
+  return [values, shape](const py::object& self) {
     const Kernel& kernel = self.cast<const Kernel&>();
-    if (values(kernel).empty()) return py::none();
     return view(values(kernel), shape(kernel), self);
   };
+}
+
+/// (cM,cM); None where the scene does without.
+py::object residual_flexibility(const py::object& self) {
+  const Kernel& kernel = self.cast<const Kernel&>();
+  const kernels::Surface& surface = kernel.surface;
+  if (surface.residual_flexibility.empty()) return py::none();
+  const py::ssize_t rows = length(surface.size()) * surface.components;
+  return view(surface.residual_flexibility, {rows, rows}, self);
 }
 
 Shape modes(const Kernel& k) { return {length(k.modes.size())}; }
 Shape candidates(const Kernel& k) { return {length(k.surface.size())}; }
 Shape places(const Kernel& k) { return {length(k.surface.size()), 3}; }
-py::ssize_t rows(const Kernel& k) { return length(k.surface.size()) * k.surface.components; }
 
 py::dict certificate(const Kernel& kernel) {
   const kernels::Certificate& c = kernel.modes.certificate;
@@ -47,14 +54,14 @@ py::dict certificate(const Kernel& kernel) {
 }
 
 /// (node (V,3), element (E,k), shape (V,3,N)) of the visualisation surface; None without one.
-py::object skin(const py::object& self) {
+py::object visualisation_surface(const py::object& self) {
   const Kernel& kernel = self.cast<const Kernel&>();
   if (!kernel.view) return py::none();
-  const kernels::View& skin = *kernel.view;
-  const py::ssize_t nodes = length(skin.node.size()) / 3, corners = skin.element_corners;
-  return py::make_tuple(view(skin.node, {nodes, 3}, self),
-                        view(skin.element, {length(skin.element.size()) / corners, corners}, self),
-                        view(skin.shape, {nodes, 3, length(kernel.modes.size())}, self));
+  const kernels::View& surface = *kernel.view;
+  const py::ssize_t nodes = length(surface.node.size()) / 3, corners = surface.element_corners;
+  return py::make_tuple(view(surface.node, {nodes, 3}, self),
+                        view(surface.element, {length(surface.element.size()) / corners, corners}, self),
+                        view(surface.shape, {nodes, 3, length(kernel.modes.size())}, self));
 }
 
 /// By name: (point (3), shape (3,N)).
@@ -94,7 +101,8 @@ void bind_kernel(py::module_& module) {
                                return copy(*k.surface.direction);
                              })
       .def_property_readonly("group", [](const Kernel& k) { return k.surface.group; })
-      .def_property_readonly("skin", &skin)
+      .def_property_readonly("residual_flexibility", &residual_flexibility)
+      .def_property_readonly("visualisation_surface", &visualisation_surface)
       .def_property_readonly("receivers", &receivers);
   const auto property = [&](const char* name, auto values, auto shape) {
     kernel.def_property_readonly(name, array(values, shape));
@@ -126,11 +134,6 @@ void bind_kernel(py::module_& module) {
       "shape", [](const Kernel& k) -> auto& { return k.surface.shape; },
       [](const Kernel& k) -> Shape {
         return {length(k.surface.size()), k.surface.components, length(k.modes.size())};
-      });
-  property(
-      "residual_flexibility", [](const Kernel& k) -> auto& { return k.surface.residual_flexibility; },
-      [](const Kernel& k) -> Shape {
-        return {rows(k), rows(k)};
       });
   const auto by_axis = [](const Kernel& k) -> Shape { return {3, length(k.modes.size())}; };
   property(

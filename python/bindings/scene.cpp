@@ -28,12 +28,14 @@ std::vector<std::tuple<std::string, fs::path, bool>> kernel_files(const scene::S
 }  // namespace
 
 void bind_scene(py::module_& module) {
+  py::enum_<scene::Purpose>(module, "Purpose")
+      .value("impact", scene::Purpose::impact)
+      .value("kernels", scene::Purpose::kernels);
   py::class_<scene::Scene>(module, "Scene")
-      .def(py::init(
-          [](const std::string& text, const fs::path& file, const std::vector<std::string>& settings) {
-            return scene::parse(text, file, settings);
-          }))
-      .def_static("read", [](const fs::path& file) { return scene::read(file); })
+      .def(
+          py::init([](const std::string& text, const fs::path& file, const std::vector<std::string>& settings,
+                      scene::Purpose purpose) { return scene::parse(text, file, settings, purpose); }))
+      .def_static("read", [](const fs::path& file) { return scene::read(file, {}, scene::Purpose::kernels); })
       .def_readonly("title", &scene::Scene::title)
       .def_property_readonly("slug", [](const scene::Scene& scene) { return scene::slug(scene.title); })
       .def_property_readonly("bodies",

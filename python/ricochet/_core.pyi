@@ -13,8 +13,12 @@ _Array = NDArray[np.float64]
 
 __version__: str
 
+class Purpose:
+    impact: Purpose
+    kernels: Purpose
+
 class Scene:
-    def __init__(self, text: str, file: _Path, settings: Sequence[str]) -> None: ...
+    def __init__(self, text: str, file: _Path, settings: Sequence[str], purpose: Purpose) -> None: ...
     @staticmethod
     def read(file: _Path) -> Scene: ...
     title: str
@@ -43,7 +47,7 @@ class Kernel:
     components: int
     direction: _Array | None
     group: list[str]
-    skin: tuple[_Array, NDArray[np.int64], NDArray[np.float32]] | None
+    visualisation_surface: tuple[_Array, NDArray[np.int64], NDArray[np.float32]] | None
     receivers: dict[str, tuple[_Array, _Array]]
     angular_frequency: _Array
     decay_rate: _Array

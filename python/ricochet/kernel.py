@@ -29,13 +29,13 @@ class Certificate:
     left_out: int  #: of these, modes that the kernel leaves to the residual flexibility
     complete: bool  #: counts agree and all errors are within their bounds
     orthonormality: float  #: max |Φᵀ M Φ − I|
-    flexibility_error: float  #: relative, of the contact surface over the band; 0 if no bound was set
+    flexibility_error: float  #: relative, of the contact over the band; 0 without a bound
     approximate: int  #: block iterations in place of the certified search; 0: none
 
 
 @dataclass(frozen=True)
-class Skin:
-    """The visible surface of a body in its own axes. V nodes, E elements of k corners, N modes."""
+class VisualisationSurface:
+    """The outer surface of a body, in its own axes. V nodes, E elements of k corners, N modes."""
 
     node: Array  #: (V,3) [m]
     element: NDArray[np.int64]  #: (E,k), k = 3 triangles or 2 segments
@@ -218,9 +218,10 @@ class Kernel:
         return {name: KernelReceiver(*values) for name, values in self._core.receivers.items()}
 
     @property
-    def skin(self) -> Skin | None:
-        """The visible surface; None unless the scene has `output.view = true`."""
-        return Skin(*self._core.skin) if self._core.skin else None
+    def visualisation_surface(self) -> VisualisationSurface | None:
+        """The outer surface with its modes; None unless the scene has `output.view = true`."""
+        surface = self._core.visualisation_surface
+        return VisualisationSurface(*surface) if surface else None
 
     def __repr__(self) -> str:
         content = f"{len(self.angular_frequency)} {self.basis}, {len(self.area)} candidates"

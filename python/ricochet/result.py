@@ -137,11 +137,11 @@ class Result(_Data):
 
     @cached_property
     def summary(self) -> Mapping[str, Any]:
-        """The content of the summary beside the file. Raises InputError if there is none, or a damaged one."""
+        """The content of summary.json. Raises InputError if the file is missing or damaged."""
         try:
             return dict(json.loads(self._summary))
         except (ValueError, TypeError):
-            raise InputError(f"{self.path}: its summary cannot be read. Compute it again.") from None
+            raise InputError(f"{self.path}: the summary cannot be read. Repeat the run.") from None
 
     @property
     def warnings(self) -> list[str]:

@@ -131,13 +131,19 @@ class Picture:
         return f"<Picture {self.path}>"
 
 
-def plot(result: Result | PathLike, out: PathLike | None = None) -> list[Picture]:
-    """Draws the contact, the energy and, where there are snapshots and skins, the bodies.
+def plot(what: Result | Kernel | PathLike, out: PathLike | None = None) -> list[Picture]:
+    """Draws a result: the contact, the energy and, if there are snapshots, the bodies. Or draws a kernel: its
+    first elastic modes, for which the scene needs `output.view = true`.
 
-    out: the folder of the pictures, otherwise that of the result. Raises InputError for a file that cannot be
-        drawn.
+    what: also the path of a result.
+    out: the folder of the pictures, otherwise that of the result or of the kernel.
+
+    Raises InputError for a file that cannot be drawn.
     """
-    return [Picture(path) for path in pictures.draw(_path_of(result), None if out is None else Path(out))]
+    folder = None if out is None else Path(out)
+    if isinstance(what, Kernel):
+        return [Picture(pictures.draw_modes(what.path, folder or what.path.parent))]
+    return [Picture(path) for path in pictures.draw(_path_of(what), folder)]
 
 
 def report(result: Result | PathLike, out: PathLike | None = None) -> Path:

@@ -13,7 +13,7 @@ from typing import Any
 
 from ricochet import _core, files
 from ricochet.errors import InputError
-from ricochet.programs import settings
+from ricochet.programs import settings, toml
 
 PathLike = str | os.PathLike[str]
 
@@ -28,8 +28,9 @@ class Scene:
     >>> scene["time.rate_hz"]
     44100.0
 
-    docs/keys.md lists the keys. They are written as for the option --set: `"loads.point[0].vector"`,
-    `'bodies.ball.support."x plane"'`. All quantities are in SI units.
+    A scene without [contact] or [time] is enough for `kernels`. docs/keys.md lists the keys. They are written
+    as for the option --set: `"loads.point[0].vector"`, `'bodies.ball.support."x plane"'`. All quantities are
+    in SI units.
     """
 
     def __init__(self, source: PathLike | Mapping[str, Any], folder: PathLike = ".") -> None:
@@ -54,7 +55,7 @@ class Scene:
 
     def _load(self, changes: list[str]) -> None:
         everything = [*self._settings, *changes]
-        core = _core.Scene(self._text, self._file, everything)
+        core = _core.Scene(self._text, self._file, everything, _core.Purpose.kernels)
         self._resolved = tomllib.loads(core.toml())
         self._given = tomllib.loads(_core.overridden(self._text, self._file, everything))
         self._core, self._settings = core, everything
@@ -161,9 +162,13 @@ class Scene:
             for owner in owners:
                 if key in owner and not os.path.isabs(owner[key]):
                     owner[key] = os.path.relpath(self._file.parent / owner[key], folder)
-        return _core.overridden("\n".join(settings(table)), self._file, [])
+        return _as_toml(table)
 
     # ---- For the functions that run it ----
+
+    def _for_impact(self) -> _core.Scene:
+        """Raises InputError if the scene lacks something that impacts need."""
+        return _core.Scene(self._text, self._file, self._settings, _core.Purpose.impact)
 
     def _command(self, out: Path) -> tuple[Path, list[str]]:
         """A scene file, and the words for the option --set that turn it into this scene."""
@@ -190,6 +195,26 @@ def _split(key: str) -> list[str | int]:
     if not parts:
         raise KeyError(key)
     return parts
+
+
+def _as_toml(scene: Mapping[str, Any]) -> str:
+    """The tables of a scene as people write them: a section for each table and for each body and obstacle."""
+    lines = _lines({name: value for name, value in scene.items() if not isinstance(value, Mapping)})
+    for name, table in scene.items():
+        if isinstance(table, Mapping):
+            by_name = all(isinstance(value, Mapping) for value in table.values())
+            sections = {f"{name}.{_quoted(key)}": table[key] for key in table} if by_name else {name: table}
+            for title, section in sections.items():
+                lines += ["", f"[{title}]", *_lines(section)]
+    return "\n".join(lines) + "\n"
+
+
+def _quoted(key: str) -> str:
+    return key if re.fullmatch("[A-Za-z0-9_-]+", key) else toml(key)
+
+
+def _lines(table: Mapping[str, Any]) -> list[str]:
+    return [line.replace("=", " = ", 1) for line in settings(table)]
 
 
 def plain(value: Any) -> Any:

@@ -85,6 +85,7 @@ class Simulation:
         kernels, events in steps.
         """
         self.scene = scene_of(scene)
+        core = self.scene._for_impact()
         self.kernels = dict(kernels) if kernels is not None else stored_kernels(self.scene)
         missing = [body for body in self.scene.bodies if body not in self.kernels]
         if missing:
@@ -99,7 +100,7 @@ class Simulation:
             ]
         self.pickups = list(pickups)
         self._core = _core.Simulation(
-            self.scene._core,
+            core,
             [self.kernels[body]._core for body in self.scene.bodies],
             [_core.Pickup(p.body, p.receiver, p.candidate, list(p.direction)) for p in self.pickups],
         )

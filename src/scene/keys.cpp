@@ -92,9 +92,10 @@ const Section& scene_keys() {
        {"obstacles", Type::table, "", none, any(), "`[obstacles.NAME]`, rigid half-spaces"},
        {"modes", Type::table, "", required, any(),
         "basis of every body: which modes, or which Ritz vectors. Optional with `accuracy`"},
-       {"contact", Type::table, "", required, any(), "contact pairs and contact law"},
+       {"contact", Type::table, "", required, any(),
+        "contact pairs and contact law. Optional for kernels and modes"},
        {"time", Type::table, "", required, any(),
-        "time step and duration. Optional with `scheme = \"static\"`"},
+        "time step and duration. Optional for kernels and modes, and with `scheme = \"static\"`"},
        {"loads", Type::table, "", none, any(), "gravity, tractions, point forces, moving supports"},
        {"output", Type::table, "", none, any(), "what is written, and receivers"}}};
   return section;
@@ -128,7 +129,8 @@ const Section& body_keys() {
         "initial velocity of the whole body, in world axes. A supported body cannot have a velocity that its "
         "supports prevent; a rod moves along its axis only"},
        {"contact", Type::texts, "", required, any(),
-        "physical surface (for a rod: physical point) that may touch, or a list of them"},
+        "physical surface (for a rod: physical point) that may touch, or a list of them. Optional in a scene "
+        "without `[contact]`"},
        {"support", Type::strings, "", "`{}`", any(),
         "physical group (surface, curve, point or volume) = held components, some of `\"xyz\"`, in the axes "
         "of the mesh (before `rotate_deg`). A rod is held if a named component has a share along its axis"}}};

@@ -15,9 +15,12 @@ from programs import BIN, MESHES, SOURCE, ProgramTest
 
 BUILD = BIN.parent
 VERSION = re.search(r"project\(Ricochet VERSION (\S+)", (SOURCE / "CMakeLists.txt").read_text())[1]
-PROGRAMS = ["contact", "kernel", "recast", "run", "plot", "report", "sweep", "tradeoff", "batch", "surfaces", "import", "faust"]
+PROGRAMS = ["ricochet", "ricochet-contact", "ricochet-kernel", "ricochet-recast"]
+VERBS = ["run", "modes", "kernel", "impact", "plot", "report", "sweep", "tradeoff", "surfaces", "import", "export", "batch"]
+COMMANDS = [*PROGRAMS[1:], *(f"ricochet {verb}" for verb in VERBS)]
 # What each reads, if not a scene or a study.
-READS = dict.fromkeys(["plot", "report", "recast", "faust"], "b.result.h5") | {"surfaces": "d.step"}
+READS = dict.fromkeys(["ricochet plot", "ricochet report", "ricochet-recast", "ricochet export"], "b.result.h5")
+READS |= {"ricochet surfaces": "d.step"}
 
 
 class Installed(ProgramTest):
@@ -26,7 +29,7 @@ class Installed(ProgramTest):
         scope = tempfile.TemporaryDirectory(prefix="ricochet-installed-")
         cls.addClassCleanup(scope.cleanup)
         cls.prefix = Path(scope.name)
-        for component in ("programs", "library"):
+        for component in ("programs", "python", "library"):
             subprocess.run(["cmake", "--install", BUILD, "--component", component, "--prefix", cls.prefix], check=True,
                            capture_output=True)
 
@@ -36,10 +39,10 @@ class Installed(ProgramTest):
         found |= {"PATH": path.format(bin=self.prefix / "bin"), "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
         return subprocess.run([str(word) for word in command], env=found | more, cwd=self.folder, capture_output=True, text=True)
 
-    def options(self, program):
+    def options(self, command):
         """Those that start a line of --help, with a short form before the long one or without."""
-        text = self.succeed_in(self.call(*f"ricochet-{program}".split(), "--help"))
-        return {word for line in text.splitlines() for word in re.findall(r"^  (-\w)?\S*?(?: \w+)?,? ?(--[a-z-]+)?", line)[:1]
+        text = self.succeed_in(self.call(*command.split(), "--help"))
+        return {word for line in text.splitlines() for word in re.findall(r"^  (-\w)?\S*?(?: \w+)?,? ?(--[a-z][a-z0-9-]*)?", line)[:1]
                 for word in word if word}
 
     def succeed_in(self, done):
@@ -47,9 +50,9 @@ class Installed(ProgramTest):
         return done.stdout
 
     def test_every_program_is_there_and_says_the_version_of_the_project(self):
-        self.assertEqual({path.name for path in (self.prefix / "bin").iterdir()}, {f"ricochet-{name}" for name in PROGRAMS})
-        for name in PROGRAMS:
-            self.assertEqual(self.succeed_in(self.call(f"ricochet-{name}", "--version")), f"ricochet-{name} {VERSION}\n")
+        self.assertEqual({path.name for path in (self.prefix / "bin").iterdir()}, set(PROGRAMS))
+        for name in (*PROGRAMS, *COMMANDS):
+            self.assertEqual(self.succeed_in(self.call(*name.split(), "--version")), f"{name} {VERSION}\n")
         self.assertEqual(self.succeed_in(self.call("pkg-config", "--modversion", "ricochet",
                                                    PKG_CONFIG_PATH=str(self.prefix / "share/pkgconfig"))).strip(), VERSION)
         (config,) = self.prefix.glob("lib/**/RicochetConfigVersion.cmake")
@@ -60,57 +63,63 @@ class Installed(ProgramTest):
     def test_a_scene_goes_from_mesh_to_pictures_and_a_study_to_its_table(self):
         for path in (MESHES / "two-rods").glob("*.*"):
             shutil.copy(path, self.folder)
-        self.succeed_in(self.call("ricochet-run", "-n", "1", "two-rods.toml", "--out", "found", "--set", "modes.count=5"))
+        self.succeed_in(self.call("ricochet", "run", "-n", "1", "two-rods.toml", "--out", "found", "--set", "modes.count=5"))
         self.assertTrue((self.folder / "found/two-rods-contact.png").is_file())
         for path in (self.folder / "found").glob("*.h5"):
             with h5py.File(path) as file:
                 self.assertEqual(file.attrs["created_by"].decode().split()[-1], VERSION, path)
         self.write("study.toml", 'scene = "two-rods.toml"\n[set]\n"modes.count" = 5\n[grid]\n"contact.gap" = [0.0, 0.1]\n')
-        self.succeed_in(self.call("ricochet-sweep", "study.toml", "--out", "found"))
+        self.succeed_in(self.call("ricochet", "sweep", "study.toml", "--out", "found"))
         self.assertEqual(len((self.folder / "found/study.sweep.csv").read_text().splitlines()), 3)
-        refused = self.call("ricochet-batch", "study.toml", path="{bin}")
+        refused = self.call("ricochet", "batch", "study.toml", path="{bin}")
         self.assertEqual((refused.returncode, refused.stderr.count("\n")), (2, 1), refused.stderr)
         self.assertIn("there is no sbatch here", refused.stderr)
 
-    def completed(self, program, words):
+    def completed(self, command, words):
         """What the shell offers for the last of `words`."""
-        script = (f"source {self.prefix}/share/bash-completion/completions/ricochet-{program}\n"
-                  f"COMP_WORDS=(ricochet-{program} {words}); COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1))\n"
-                  f"_ricochet ricochet-{program}; printf '%s\\n' \"${{COMPREPLY[@]}}\"")
+        program = command.split()[0]
+        script = (f"source {self.prefix}/share/bash-completion/completions/{program}\n"
+                  f"COMP_WORDS=({command} {words}); COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1))\n"
+                  f"_ricochet {program}; printf '%s\\n' \"${{COMPREPLY[@]}}\"")
         return set(self.succeed_in(self.call("bash", "-c", script)).split())
 
     def test_the_shell_completes_all_options_and_the_files_that_programs_read(self):
         for name in ("a.toml", "b.result.h5", "c.csv", "d.step", "e.inp"):
             self.write(name, "")
         (self.folder / "folder").mkdir()
-        for name in PROGRAMS:
+        for name in COMMANDS:
             options = self.options(name)
-            self.assertLess({"--help", "--version"}, options)
+            self.assertLessEqual({"--help", "--version"}, options)
             self.assertEqual(self.completed(name, "-"), options)
-            reads = {"calculix", "matrices"} if name == "import" else {READS.get(name, "a.toml"), "folder"}
+            reads = {"calculix", "matrices"} if name == "ricochet import" else {READS.get(name, "a.toml"), "folder"}
             self.assertEqual(self.completed(name, '""'), reads)
         for name, option in (("sweep", "--out"), ("plot", "--kernels"), ("report", "--kernels")):
-            self.assertEqual(self.completed(name, f"{option} ''"), {"folder"})
+            self.assertEqual(self.completed(f"ricochet {name}", f"{option} ''"), {"folder"})
+
+    def test_the_shell_completes_verbs(self):
+        self.assertEqual(self.completed("ricochet", "''"), set(VERBS))
+        self.assertEqual(self.completed("ricochet", "im"), {"impact", "import"})
+        self.assertEqual(self.completed("ricochet", "--v"), {"--version"})
 
     def test_the_shell_completes_the_commands_of_import_with_what_each_takes(self):
         for name in ("e.inp", "k.mtx", "n.txt", "a.toml"):
             self.write(name, "")
-        self.assertEqual(self.completed("import", "mat"), {"matrices"})
-        self.assertEqual(self.completed("import", "calculix ''"), {"e.inp"})
-        self.assertEqual(self.completed("import", "matrices k.mtx ''"), {"k.mtx", "n.txt"})
-        self.assertEqual(self.completed("import", "matrices --s"), {"--surface", "--support"})
+        self.assertEqual(self.completed("ricochet import", "mat"), {"matrices"})
+        self.assertEqual(self.completed("ricochet import", "calculix ''"), {"e.inp"})
+        self.assertEqual(self.completed("ricochet import", "matrices k.mtx ''"), {"k.mtx", "n.txt"})
+        self.assertEqual(self.completed("ricochet import", "matrices --s"), {"--surface", "--support"})
         for command in ("calculix", "matrices"):
-            self.assertEqual(self.completed("import", f"{command} -"), self.options(f"import {command}"))
+            self.assertEqual(self.completed("ricochet import", f"{command} -"), self.options(f"ricochet import {command}"))
 
     def test_the_shell_completes_the_keys_of_a_scene_and_they_are_accepted(self):
         for path in (MESHES / "two-rods").glob("*.*"):
             shutil.copy(path, self.folder)
-        keys = self.completed("contact", "two-rods.toml --set ''")
+        keys = self.completed("ricochet impact", "two-rods.toml --set ''")
         self.assertLess({"title=", "accuracy=", "contact.gap=", "modes.count=", "bodies.moving.material.young=", "bodies.resting.mesh="},
                         keys)
         self.assertFalse([key for key in keys if "NAME" in key or not re.fullmatch(r"[a-z_.]+=", key)])
-        self.assertEqual(self.completed("run", "two-rods.toml --set modes.co"), {"modes.count="})
-        self.assertEqual(self.completed("contact", "--set bodies."), set())
+        self.assertEqual(self.completed("ricochet run", "two-rods.toml --set modes.co"), {"modes.count="})
+        self.assertEqual(self.completed("ricochet impact", "--set bodies."), set())
         # What a scene doesn't know it refuses by saying so; values and combinations may not be what it takes.
         for key in keys:
             refused = self.call("ricochet-contact", "two-rods.toml", "--dry-run", "--set", key + "0")

@@ -65,9 +65,11 @@ class Scene(ScenesTest):
         self.scene["bodies.moving.velocity"] = np.array([2.0, 0, 0])
         self.scene['bodies.moving.support."left"'] = "yz"
         self.scene["time.rate_hz"] = np.float64(50)
+        self.scene['obstacles."a wall"'] = {"normal": (1, 0, 0), "point": np.zeros(3)}
         self.assertEqual(self.scene["bodies.moving.velocity"], [2, 0, 0])
         self.assertEqual(self.scene['bodies.moving.support."left"'], "yz")
         self.assertEqual(self.scene.resolved["time"]["rate_hz"], 50)
+        self.assertEqual(ricochet.Scene(self.scene.write(self.file)).to_toml(), self.scene.to_toml())
 
     def test_that_would_not_be_valid_is_refused_as_by_the_programs_and_stays_as_it_was(self):
         before = self.scene.to_toml()
@@ -90,6 +92,7 @@ class Scene(ScenesTest):
     def test_that_is_written_elsewhere_is_the_same_scene_with_the_same_kernels(self):
         path = self.scene.write(self.folder / "other" / "copy.toml")
         copy = ricochet.Scene(path)
+        self.assertIn("[bodies.moving]\n", path.read_text())
         self.assertEqual(
             (path.parent / copy["bodies.moving.mesh"]).resolve(), self.folder / "rods" / "rod.geo"
         )
@@ -104,6 +107,15 @@ class Scene(ScenesTest):
         same = ricochet.Scene(self.scene.resolved, self.folder / "rods")
         self.assertEqual(same.to_toml(), self.scene.to_toml())
         self.assertEqual(same.out, self.scene.out)
+
+    def test_without_contact_is_enough_for_kernels_alone(self):
+        table = self.scene.resolved
+        scene = ricochet.Scene({key: table[key] for key in ("bodies", "modes")}, self.folder / "rods")
+        kernel = ricochet.kernels(scene, ranks=1)["moving"]
+        self.assertEqual((len(kernel.frequency), len(kernel.modes.frequency_hz)), (30, 30))
+        for function in (ricochet.impact, ricochet.Simulation):
+            with self.assertRaisesRegex(ricochet.InputError, "contact: is missing"):
+                function(scene)
 
     def test_that_is_changed_leaves_the_first_one_alone(self):
         fast = self.scene.changed({"bodies.moving.velocity": [2, 0, 0], "title": "Fast"})
@@ -142,6 +154,7 @@ class Kernels(KernelsTest):
             np.testing.assert_array_equal(file["surface/shape"][:], kernel.shape[:, 0])
         with self.assertRaises(ValueError):
             kernel.shape[:] = 0
+        self.assertIsNone(kernel.visualisation_surface)
         lines = (self.folder / "modes.csv", str(modes), modes._repr_html_())
         modes.to_csv(lines[0])
         table = np.genfromtxt(lines[0], delimiter=",", names=True)

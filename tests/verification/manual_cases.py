@@ -84,7 +84,7 @@ def modules(wanted):
     for name in wanted:
         if name not in names:
             print(
-                f"verify: {name}: there is no such case. The cases are {', '.join(sorted(names))}.",
+                f"verify: {name}: no such case. The cases are {', '.join(sorted(names))}.",
                 file=sys.stderr,
             )
             raise programs.ProgramError(2)

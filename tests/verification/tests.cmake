@@ -14,6 +14,6 @@ foreach(file ${cases})
     add_test(NAME verification/manual.${case} COMMAND ${PROJECT_SOURCE_DIR}/scripts/verify --again
       --cache ${CMAKE_CURRENT_BINARY_DIR}/manual ${case})
     set_tests_properties(verification/manual.${case} PROPERTIES TIMEOUT 600 LABELS programs
-      ENVIRONMENT "OMP_NUM_THREADS=1;OPENBLAS_NUM_THREADS=1;RICOCHET_BIN=${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
+      ENVIRONMENT "${one_thread};${waiting};RICOCHET_BIN=${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
   endif()
 endforeach()

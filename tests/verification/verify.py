@@ -83,7 +83,7 @@ class Verify(unittest.TestCase):
         run = verify("nonsense")
         self.assertEqual(run.returncode, 2)
         self.assertEqual(len(run.stderr.splitlines()), 1)
-        self.assertIn("nonsense: there is no such case", run.stderr)
+        self.assertIn("nonsense: no such case", run.stderr)
 
     def test_the_manual_holds_every_case_and_its_figures(self):
         text = (MANUAL / "README.md").read_text()

@@ -12,18 +12,11 @@ import argparse
 import tomllib
 from pathlib import Path
 
-import matplotlib
-
 from ricochet import programs
 from ricochet.cli.options import add_ranks, add_scene, count
 from ricochet.errors import InputError
-from ricochet.files import save_picture
 from ricochet.modal_table import ModalTable, write_csv
-from ricochet.pictures.modes import modes_picture
-from ricochet.pictures.style import DPI, STYLE
-from ricochet.result_file import File, expected
-
-DRAWN = 6
+from ricochet.pictures import DRAWN_MODES, draw_modes
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -43,7 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--plot",
         action="store_true",
-        help=f"draw the first {DRAWN} elastic modes as <body>-modes.png; sets output.view = true",
+        help=f"draw the first {DRAWN_MODES} elastic modes as <body>-modes.png; sets output.view = true",
     )
 
 
@@ -70,18 +63,6 @@ def kernels(options: argparse.Namespace) -> list[Path]:
     return list(found.values())
 
 
-def draw(kernel: Path, folder: Path) -> Path:
-    with expected(kernel, "ricochet-kernel"), matplotlib.rc_context(STYLE | {"axes.grid": False}):
-        file = File(kernel, "ricochet-kernel")
-        path = folder / f"{file.text('/', 'body') or 'body'}-modes.png"
-        figure = modes_picture(file, DRAWN)
-        try:
-            save_picture(figure, path, dpi=DPI)
-        except OSError as error:
-            raise InputError(f"{path}: cannot be written ({error.strerror}). Choose another --out.") from None
-    return path
-
-
 def run(options: argparse.Namespace) -> None:
     found = kernels(options)
     tables = [ModalTable.read(kernel) for kernel in found]
@@ -91,4 +72,4 @@ def run(options: argparse.Namespace) -> None:
         print(options.csv)
     if options.plot:
         for kernel in found:
-            print(draw(kernel, kernel.parent))
+            print(draw_modes(kernel, kernel.parent))

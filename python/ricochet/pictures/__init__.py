@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Pictures of results: contact, snapshots and energy, as matplotlib figures and as files."""
+"""Pictures of results (contact, snapshots, energy) and of modes, as matplotlib figures and as files."""
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -10,11 +10,14 @@ from ricochet.errors import InputError
 from ricochet.files import save_picture
 from ricochet.pictures.contact import contact_picture, table_picture
 from ricochet.pictures.energy import energy_picture
+from ricochet.pictures.modes import modes_picture
 from ricochet.pictures.snapshots import snapshots_picture
 from ricochet.pictures.style import DPI, STYLE
 from ricochet.pictures.history import History
 from ricochet.pictures.skins import skins_of
-from ricochet.result_file import expected
+from ricochet.result_file import File, expected
+
+DRAWN_MODES = 6
 
 
 def figures(result: History, kernels: Path, note: Callable[[str], None]) -> Iterator[tuple[str, Figure]]:
@@ -46,17 +49,34 @@ def draw(
     kernels: Path | None = None,
     note: Callable[[str], None] = lambda _: None,
 ) -> Iterator[Path]:
-    """Writes the pictures of the result file `path` as <slug>-<name>.png and yields their paths. Raises InputError."""
+    """Writes the pictures of the result file `path` as <slug>-<name>.png and yields their paths. Raises
+    InputError."""
     folder = folder or path.parent
     with expected(path), matplotlib.rc_context(STYLE):
         result = History(path)
         for name, figure in figures(result, kernels or path.parent, note):
             picture = folder / f"{result.slug}-{name}.png"
-            try:
-                folder.mkdir(parents=True, exist_ok=True)
-                save_picture(figure, picture, dpi=DPI)
-            except OSError as error:
-                raise InputError(
-                    f"{picture}: cannot be written ({error.strerror}). Choose another --out."
-                ) from None
+            save(figure, picture)
             yield picture
+
+
+def draw_modes(kernel: Path, folder: Path) -> Path:
+    """Writes the picture of the first elastic modes of a kernel file as <body>-modes.png and returns its
+    path.
+
+    Raises InputError, also if the kernel has no visualisation surface.
+    """
+    with expected(kernel, "ricochet-kernel"), matplotlib.rc_context(STYLE | {"axes.grid": False}):
+        file = File(kernel, "ricochet-kernel")
+        path = folder / f"{file.text('/', 'body') or 'body'}-modes.png"
+        save(modes_picture(file, DRAWN_MODES), path)
+    return path
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Raises InputError."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        save_picture(figure, path, dpi=DPI)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({error.strerror}). Choose another --out.") from None
