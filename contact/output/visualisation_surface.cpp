@@ -106,7 +106,7 @@ std::vector<Skin::Place> Skin::closest(const Eigen::Ref<const Matrix>& x) const 
     for (std::size_t j = 0; j < k; ++j) element.corner[j] = static_cast<int>(view_.element[e + j]);
     surface.add(element);
   }
-  const Target target(std::move(surface));
+  const SurfaceProjection target(std::move(surface));
   std::vector<Place> out;
   for (Index i = 0; i < x.rows(); ++i) {
     const auto found = target.closest(x.row(i).transpose());

@@ -64,7 +64,8 @@ struct Pair {
   std::optional<double> reach{};  ///< [m] drops points whose initial gap is not below it
 };
 
-/// A channel to listen to: a place of a body along a direction.
+/// An audio channel: the motion of a point of a body along a direction. It keeps a name of its own, which the C
+/// functions share: unlike a receiver, it may be a contact candidate and has one component.
 struct Pickup {
   std::string body;
   std::string receiver{};     ///< one of the kernel's receivers, by name; empty: a candidate of contact

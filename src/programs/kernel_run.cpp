@@ -205,7 +205,8 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
     if (first) std::cout << scene::to_toml(scene);
     return 0;
   }
-  parallel::on_first_rank(comm, [&] { programs::check_histories(scene); });
+  // Histories are read here only to refuse bad ones before anything is computed.
+  parallel::on_first_rank(comm, [&] { programs::drives_of(scene); });
 
   console::Console console(options.quiet || !first,
                            [comm] { return parallel::largest(comm, console::peak_memory_mib()); });

@@ -1,9 +1,9 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/programs/motion.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "ricochet/error.hpp"
 
@@ -35,8 +35,8 @@ void check_skins(const Kernels& kernels) {
           kernels.file[k]));
 }
 
-contact::MotionOptions motion_options(const scene::Scene& scene, const std::filesystem::path& stem) {
-  const std::int64_t steps = std::llround(scene.time.duration * scene.time.rate.value);
+contact::MotionOptions motion_options(const scene::Scene& scene, std::int64_t steps,
+                                      const std::filesystem::path& stem) {
   contact::MotionOptions out{.stem = stem,
                              .title = scene.title,
                              .created_by = std::string("ricochet-contact ") + RICOCHET_VERSION,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // ricochet-contact: impacts of elastic bodies from their kernels.
 #include <exception>
 #include <iostream>

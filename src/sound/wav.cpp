@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/sound/wav.hpp"
 
 #include <fmt/format.h>
@@ -8,8 +9,8 @@
 #include <array>
 #include <cmath>
 
-#include "ricochet/error.hpp"
 #include "base/atomic_file.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::sound {
 namespace {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Velocities of a receiver as a sound file: WAV, 32-bit float, one channel for each axis x, y, z of the
 // world.
 #pragma once
@@ -8,15 +9,15 @@
 
 namespace ricochet::sound {
 
-/// What the samples of a file mean.
+/// Rate and scale of a file.
 struct Scale {
   double rate_hz = 0;  ///< of the file
   double full_scale_m_per_s =
       0;  ///< velocity of a sample of 1: the largest |component| of any axis; 1 if all is 0
 };
 
-/// The rate of the file: `rate_hz` itself if it is a rate that players know (44.1, 48, 88.2, 96, 176.4, 192
-/// kHz), else 44.1 kHz for its other whole multiples and 48 kHz for all else.
+/// The rate of the file: `rate_hz` itself if players support it (44.1, 48, 88.2, 96, 176.4, 192 kHz);
+/// otherwise 44.1 kHz for its whole multiples and 48 kHz for all other rates.
 double audio_rate(double rate_hz);
 
 /// Throws InputError when `frames` at `rate_hz` make more than the 4 GB that a WAV file holds.

@@ -1,3 +1,4 @@
+add_serial_test(programs placement_store ricochet_impact)
 # SPDX-License-Identifier: BSD-2-Clause
 add_program_test(programs accuracy)
 add_program_test(programs ranks)

@@ -1,4 +1,5 @@
-// Places on surfaces against all elements looked at one by one, and pairings that are known against new ones.
+// SPDX-License-Identifier: BSD-2-Clause
+// Projections onto surfaces against all elements searched one by one.
 #include "contact/pairing/surface_projection.hpp"
 
 #include <gtest/gtest.h>
@@ -6,7 +7,6 @@
 #include <algorithm>
 #include <random>
 
-#include "contact/pairing/pairing_cache.hpp"
 #include "tests/contact/plate.hpp"
 
 namespace {
@@ -63,7 +63,7 @@ class Places : public testing::TestWithParam<double> {
  protected:
   const Vector3d origin_{GetParam(), -GetParam(), 0};
   const WorldSurface surface_ = soup(300, origin_);
-  const Target target_{surface_};
+  const SurfaceProjection target_{surface_};
   /// Of places, a few ulps of their coordinates through a system whose conditioning slender triangles make.
   const double round_off_ = 1e-10 + 1e-12 * GetParam();
 
@@ -94,7 +94,7 @@ TEST_P(Places, first_along_a_line_are_those_of_all_elements) {
   for (int k = 0; k < 400; ++k) {
     const Vector3d x = origin_ + 3 * Vector3d::Random(), d = Vector3d::Random().normalized();
     const double expected = least([&](const auto& p) { return along(x, d, p); });
-    const auto found = target_.first_along(x, d, 10, [](const Place&) { return true; });
+    const auto found = target_.first_along(x, d, 10, [](const Projection&) { return true; });
     ASSERT_EQ(found.has_value(), std::isfinite(expected)) << k;
     if (!found) continue;
     ++met;
@@ -106,16 +106,17 @@ TEST_P(Places, first_along_a_line_are_those_of_all_elements) {
 // 1e5: meshes far from the origin.
 INSTANTIATE_TEST_SUITE_P(NearAndFar, Places, testing::Values(0.0, 1e5));
 
-TEST(Target, without_elements_has_no_places) {
-  const Target target{WorldSurface{}};
+TEST(SurfaceProjection, without_elements_finds_nothing) {
+  const SurfaceProjection target{WorldSurface{}};
   EXPECT_FALSE(target.closest(Vector3d::Zero()));
-  EXPECT_FALSE(target.first_along(Vector3d::Zero(), Vector3d::UnitX(), 1, [](const Place&) { return true; }));
+  EXPECT_FALSE(
+      target.first_along(Vector3d::Zero(), Vector3d::UnitX(), 1, [](const Projection&) { return true; }));
 }
 
-TEST(Target, of_equal_places_takes_the_one_on_the_first_element) {
+TEST(SurfaceProjection, of_equal_points_is_the_one_on_the_first_element) {
   const auto kernel = cap(12, 3, 0.3);
   const WorldSurface surface = surface_of({"b", &kernel});
-  const Target target(surface);
+  const SurfaceProjection target(surface);
   for (std::size_t i = 0; i < surface.node.size(); ++i) {  // each node is a corner of several elements
     const auto found = target.closest(surface.node[i]);
     ASSERT_TRUE(found);
@@ -124,42 +125,6 @@ TEST(Target, of_equal_places_takes_the_one_on_the_first_element) {
     });
     EXPECT_EQ(found->corner, first->corner);
   }
-}
-
-TEST(Pairings, serve_bodies_that_stand_alike_and_no_others) {
-  const auto a = cap(8, 1, 0.3), b = cap(12, 3, 0.3);
-  auto softer = b;
-  for (double& omega : softer.modes.angular_frequency) omega /= 2;
-  Pairings known;
-  PairRequest request{"a", "b", {}, 0.01, 0.2};
-  double height = 4.2;
-  const auto paired = [&](const ricochet::kernels::Kernel& other, Pairings* with) {
-    return pair({"a", &a}, {"b", &other, upside_down(), height * Vector3d::UnitZ()}, request, with);
-  };
-  const auto expect_as_new = [&] {
-    const Pairing found = paired(softer, &known), expected = paired(softer, nullptr);
-    EXPECT_EQ(found.shift, expected.shift);
-    EXPECT_EQ(found.unpaired, expected.unpaired);
-    ASSERT_EQ(found.points.size(), expected.points.size());
-    for (std::size_t i = 0; i < found.points.size(); ++i)
-      EXPECT_EQ(found.points[i].gap, expected.points[i].gap);
-  };
-  paired(b, &known);
-  expect_as_new();
-  height = 4.3;
-  expect_as_new();
-  request.gap = 0.02;
-  expect_as_new();
-  request.reach = 0.1;
-  expect_as_new();
-  int looked = 0;
-  const WorldSurface one = surface_of({"a", &a}), other = surface_of({"b", &b});
-  for (int k = 0; k < 3; ++k)
-    known.get(one, other, request, [&] {
-      ++looked;
-      return Pairing{};
-    });
-  EXPECT_EQ(looked, 1);
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Contact points at twice their distance: wider patches of the same surface.
 #include "contact/model/coarsening.hpp"
 
@@ -40,10 +41,10 @@ double nearest(const Model& model) {
   return least;
 }
 
-TEST(Thinned, points_stand_about_twice_as_far_apart) {
+TEST(Coarsened, points_stand_about_twice_as_far_apart) {
   ricochet::kernels::Kernel kernel;
   for (const auto& [bare, points] : {std::pair{square(16, 16), 17 * 17}, std::pair{square(30, 1), 62}}) {
-    const Model fine = sheet_on_floor(bare, kernel), wide = thinned(fine);
+    const Model fine = sheet_on_floor(bare, kernel), wide = coarsened(fine);
     ASSERT_EQ(fine.gap.size(), points);
     // Patches at an edge are means over what lies inwards of it too.
     EXPECT_GT(nearest(wide), 1.05 * nearest(fine));
@@ -53,9 +54,9 @@ TEST(Thinned, points_stand_about_twice_as_far_apart) {
   }
 }
 
-TEST(Thinned, surface_is_as_large_and_moves_rigidly_as_it_did) {
+TEST(Coarsened, surface_is_as_large_and_moves_rigidly_as_it_did) {
   ricochet::kernels::Kernel kernel;
-  const Model fine = sheet_on_floor(square(9, 7), kernel), wide = thinned(fine);
+  const Model fine = sheet_on_floor(square(9, 7), kernel), wide = coarsened(fine);
   EXPECT_NEAR(wide.area.sum(), fine.area.sum(), 1e-13);
   EXPECT_LT((wide.B.array() - fine.B(0, 0)).abs().maxCoeff(), 1e-13);
   EXPECT_LT((wide.gap.array() - 1).abs().maxCoeff(), 1e-13);
@@ -64,28 +65,28 @@ TEST(Thinned, surface_is_as_large_and_moves_rigidly_as_it_did) {
 
 // The same pressure everywhere, as the forces λ_i = A_i of the fine and λ_I = A_I of the wide patches, does
 // the same work.
-TEST(Thinned, surface_yields_to_a_uniform_pressure_as_it_did) {
+TEST(Coarsened, surface_yields_to_a_uniform_pressure_as_it_did) {
   ricochet::kernels::Kernel kernel;
-  const Model fine = sheet_on_floor(square(9, 7), kernel), wide = thinned(fine);
+  const Model fine = sheet_on_floor(square(9, 7), kernel), wide = coarsened(fine);
   const double work = fine.area.dot(fine.R * fine.area);
   EXPECT_NEAR(wide.area.dot(wide.R * wide.area), work, 1e-12 * work);
 }
 
-TEST(Thinned, points_know_the_candidates_that_they_are_made_of) {
+TEST(Coarsened, points_know_the_candidates_that_they_are_made_of) {
   ricochet::kernels::Kernel kernel;
-  const Model wide = thinned(sheet_on_floor(square(9, 7), kernel));
+  const Model wide = coarsened(sheet_on_floor(square(9, 7), kernel));
   const Matrix P = wide.bodies[0].selection;
   const auto m = static_cast<Eigen::Index>(kernel.surface.size());
   const Eigen::Map<const Matrix> R(kernel.surface.residual_flexibility.data(), m, m);
   EXPECT_LT((P * R * P.transpose() - wide.R).cwiseAbs().maxCoeff(), 1e-13);
 }
 
-TEST(Thinned, point_that_stands_alone_stays) {
+TEST(Coarsened, point_that_stands_alone_stays) {
   const ricochet::kernels::Kernel one = rod(3, 10), other = rod(3, 10);
   const Model model = build_model(
       {{.name = "a", .kernel = &one, .translation = {-10, 0, 0}}, {.name = "b", .kernel = &other}}, {},
       {PairRequest{"a", "b", Vector3d(1, 0, 0), {}, {}}}, {0, 0, 0});
-  const Model same = thinned(model);
+  const Model same = coarsened(model);
   EXPECT_EQ(same.gap.size(), model.gap.size());
   EXPECT_EQ(same.B, model.B);
   EXPECT_EQ(same.R, model.R);
