@@ -7,6 +7,7 @@
 #include "src/elasticity/assemble.hpp"
 #include "src/mesh/mesh.hpp"
 #include "src/parallel/teams.hpp"
+#include "src/scene/request.hpp"
 
 namespace ricochet::bench {
 

@@ -35,7 +35,7 @@ std::vector<double> frequency_errors(const kernels::Modes& modes, double low_ran
   std::vector<double> error(omega.size(), 0.0);
   for (std::size_t n = 0; n < omega.size(); ++n) {
     if (omega[n] == 0) continue;
-    if (modes.fitted()) {
+    if (modes.contact_adapted()) {
       error[n] = low_rank / 2;
       continue;
     }
@@ -54,7 +54,7 @@ std::vector<double> frequency_errors(const kernels::Modes& modes, double low_ran
 /// This share of the highest frequency, or of the band of a contact-adapted basis.
 RadPerSecond end_of(const kernels::Kernel& kernel, double share) {
   const kernels::Modes& modes = kernel.modes;
-  if (modes.fitted()) return RadPerSecond{share * RadPerSecond(Hertz{modes.certificate.upto_hz}).value};
+  if (modes.contact_adapted()) return RadPerSecond{share * RadPerSecond(Hertz{modes.certificate.upto_hz}).value};
   return RadPerSecond{modes.size() > 0 ? share * modes.angular_frequency.back() : 0};
 }
 
@@ -161,7 +161,7 @@ std::optional<double> Estimator::modes(const StepOptions& options, const Quantit
   const auto cut = [&](double share) {
     std::vector<kernels::Kernel> out;
     for (const kernels::Kernel& kernel : subject_.kernels)
-      out.push_back(kernels::up_to(kernel, end_of(kernel, share)));
+      out.push_back(kernels::truncated_above(kernel, end_of(kernel, share)));
     return out;
   };
   const std::vector<kernels::Kernel> half = cut(0.5);
@@ -172,11 +172,11 @@ std::optional<double> Estimator::modes(const StepOptions& options, const Quantit
   for (std::size_t k = 0; k < half.size(); ++k) {
     const kernels::Kernel& kernel = subject_.kernels[k];
     fewer = fewer || half[k].modes.size() < kernel.modes.size();
-    if (!kernel.modes.fitted()) continue;
+    if (!kernel.modes.contact_adapted()) continue;
     fitted = true;
     rods = rods || kernel.surface.element_corners == 1;
     left = std::max(left, kernel.modes.certificate.flexibility_error);
-    made = std::max(made, kernels::error_up_to(kernel, end_of(kernel, 0.5), end_of(kernel, 1)));
+    made = std::max(made, kernels::truncation_error(kernel, end_of(kernel, 0.5), end_of(kernel, 1)));
   }
   if (!fewer) return std::nullopt;
   const auto once = mean(half, options);

@@ -5,7 +5,9 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "src/programs/stored_kernels.hpp"
+#include "src/scene/read.hpp"
 #include "src/scene/scene.hpp"
+#include "src/scene/write.hpp"
 
 namespace ricochet::python {
 

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ricochet.errors import InputError, ProgramError, RicochetError
+from ricochet.errors import InputError, ProgramError
 
 Word = str | Path
 Answer = dict[str, Any]  # of ricochet-contact --batch: status, and summary or error

@@ -3,7 +3,7 @@
 import re
 
 
-def units(reference):
+def units(reference: str) -> dict[str, str]:
     """Unit of each key by its dotted name, with NAME for a body or an obstacle."""
     found, within = {}, ""
     for line in reference.splitlines():
@@ -15,8 +15,8 @@ def units(reference):
     return found
 
 
-def unit(key, units):
+def unit(key: str, units: dict[str, str]) -> str:
     """Of a key as studies name it; "" where it has none."""
     name = re.sub(r"^(bodies|obstacles)\.[^.]+", r"\1.NAME", re.sub(r"\[\d+\]", "", key))
-    found = units.get(name) or units.get(re.sub(r"\.material\.[^.]+\.", ".material.", name), "")
+    found = units.get(name) or units.get(re.sub(r"\.material\.[^.]+\.", ".material.", name)) or ""
     return "" if found == "1" else found

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "kernels/read.hpp"
+#include "src/scene/request.hpp"
 
 namespace ricochet::programs {
 namespace {
@@ -34,7 +35,7 @@ Hertz band(const Kernels& kernels) {
   Hertz highest{0};
   for (const auto& kernel : kernels.kernel) {
     const kernels::Modes& modes = kernel->modes;
-    const Hertz end = modes.fitted() ? Hertz{modes.certificate.upto_hz}
+    const Hertz end = modes.contact_adapted() ? Hertz{modes.certificate.upto_hz}
                       : modes.angular_frequency.empty()
                           ? Hertz{0}
                           : to_hertz(RadPerSecond{modes.angular_frequency.back()});

@@ -16,6 +16,8 @@
 #include "ricochet/error.hpp"
 #include "src/programs/impact_runner.hpp"
 #include "src/scene/derive.hpp"
+#include "src/scene/read.hpp"
+#include "src/scene/request.hpp"
 #include "src/scene/scene.hpp"
 
 namespace ricochet::programs {
@@ -93,7 +95,7 @@ class Batch {
   static Json other_files(const scene::Scene& scene) {
     std::vector<fs::path> paths{scene.contact.table};
     for (const auto* loads : {&scene.loads.tractions, &scene.loads.points, &scene.loads.motions})
-      for (const scene::Driven& driven : *loads) paths.push_back(driven.history);
+      for (const scene::Forcing& driven : *loads) paths.push_back(driven.history);
     Json out = Json::object();
     for (const fs::path& path : paths) {
       std::error_code missing;  // refused when it is read

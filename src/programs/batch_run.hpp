@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Many impacts of one scene in one process, for sweeps.
+// Many impacts of one scene in one process, for ricochet sweep.
 #pragma once
 
 #include <iosfwd>

@@ -10,6 +10,8 @@
 #include "src/programs/impact_files.hpp"
 #include "src/programs/impact_report.hpp"
 #include "src/programs/motion.hpp"
+#include "src/scene/read.hpp"
+#include "src/scene/write.hpp"
 
 namespace ricochet::programs {
 

@@ -5,7 +5,8 @@
 
 #include "src/modes/factorisation.hpp"
 #include "src/programs/kernel_candidates.hpp"
-#include "src/surface/surface.hpp"
+#include "src/scene/request.hpp"
+#include "src/surface/sources.hpp"
 
 namespace ricochet {
 

@@ -5,6 +5,7 @@
 
 #include "base/atomic_file.hpp"
 #include "src/programs/motion.hpp"
+#include "src/scene/write.hpp"
 
 namespace ricochet::programs {
 

@@ -5,6 +5,7 @@
 
 #include "ricochet/kernel.hpp"
 #include "src/console/console.hpp"
+#include "src/scene/request.hpp"
 #include "src/scene/scene.hpp"
 
 namespace ricochet {

@@ -9,13 +9,16 @@
 #include "kernels/read.hpp"
 #include "src/mesh/body_file.hpp"
 #include "src/mesh/gmsh_session.hpp"
+#include "src/mesh/partition.hpp"
 #include "src/mesh/parts.hpp"
+#include "src/mesh/read.hpp"
 #include "src/scene/derive.hpp"
 #include "src/scene/parts.hpp"
+#include "src/scene/request.hpp"
 
 namespace ricochet {
 
-Source open_source(const scene::Body& body, const mesh::Asked& asked, MPI_Comm comm,
+Source open_source(const scene::Body& body, const mesh::RequestedGroups& asked, MPI_Comm comm,
                    const parallel::Progress& progress) {
   Source source;
   std::vector<char> in_parts(1, 0);

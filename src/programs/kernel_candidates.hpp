@@ -10,7 +10,8 @@
 #include "src/console/console.hpp"
 #include "src/mesh/mesh.hpp"
 #include "src/programs/placing.hpp"
-#include "src/surface/surface.hpp"
+#include "src/scene/request.hpp"
+#include "src/surface/patches.hpp"
 
 namespace ricochet {
 
@@ -22,7 +23,7 @@ struct Source {
   mesh::GlobalMesh whole;
 };
 
-Source open_source(const scene::Body& body, const mesh::Asked& asked, MPI_Comm comm,
+Source open_source(const scene::Body& body, const mesh::RequestedGroups& asked, MPI_Comm comm,
                    const parallel::Progress& progress);
 
 /// All candidates of the body. Needs a GmshSession.

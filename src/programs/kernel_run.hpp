@@ -7,6 +7,7 @@
 
 #include "src/console/console.hpp"
 #include "src/console/options.hpp"
+#include "src/scene/request.hpp"
 #include "src/scene/scene.hpp"
 
 namespace ricochet {

@@ -17,7 +17,7 @@ constexpr std::int64_t usual_frames = 200;
 void check_motion(const scene::Scene& scene) {
   if (scene.contact.kernel == scene::ContactKernel::table)
     throw InputError(
-        fmt::format("{}: contact.kernel = \"table\" knows no motion of the bodies: leave out --vtk, or set "
+        fmt::format("{}: contact.kernel = \"table\" gives no motion of the bodies: leave out --vtk, or set "
                     "contact.kernel = \"modes\".",
                     scene.file.string()));
   if (!scene.output.view)

@@ -7,6 +7,7 @@
 #include "contact/input/history_file.hpp"
 #include "contact/pairing/placement.hpp"
 #include "kernels/read.hpp"
+#include "src/scene/request.hpp"
 
 namespace ricochet::programs {
 namespace {
@@ -60,8 +61,8 @@ contact::Placement with_kernels(contact::Placement placement, const KernelPointe
 
 std::vector<contact::DriveRequest> drives_of(const scene::Scene& scene) {
   std::vector<contact::DriveRequest> out;
-  const auto add = [&](const std::vector<scene::Driven>& all, bool support) {
-    for (const scene::Driven& driven : all) {
+  const auto add = [&](const std::vector<scene::Forcing>& all, bool support) {
+    for (const scene::Forcing& driven : all) {
       contact::DriveRequest request{
           driven.body, support ? driven.group : driven.name, support, vector(driven.vector), {}};
       if (!driven.history.empty()) request.history = contact::read_history(driven.history);

@@ -11,6 +11,7 @@
 
 #include "contact/model/model.hpp"
 #include "ricochet/error.hpp"
+#include "src/scene/request.hpp"
 #include "src/scene/scene.hpp"
 
 namespace ricochet::programs {

@@ -13,6 +13,7 @@
 #include "src/parallel/blas.hpp"
 #include "src/parallel/parallel.hpp"
 #include "src/programs/kernel_run.hpp"
+#include "src/scene/key_reference.hpp"
 #include "src/scene/keys.hpp"
 
 int main(int argc, char** argv) {
@@ -43,7 +44,7 @@ int main(int argc, char** argv) {
     // speaks.
     if (!first) std::this_thread::sleep_for(std::chrono::milliseconds(300));
     std::cerr << "ricochet-kernel: rank " << parallel::rank_of(PETSC_COMM_WORLD) << ": "
-              << console::told(error) << std::endl;
+              << console::message_of(error) << std::endl;
     MPI_Abort(PETSC_COMM_WORLD, 1);
     return 1;
   }

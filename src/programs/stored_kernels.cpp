@@ -7,6 +7,7 @@
 
 #include "kernels/read.hpp"
 #include "ricochet/error.hpp"
+#include "src/scene/request.hpp"
 
 namespace ricochet::programs {
 

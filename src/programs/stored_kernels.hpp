@@ -15,6 +15,7 @@
 #include "contact/pairing/surface_projection.hpp"
 #include "ricochet/kernel.hpp"
 #include "src/programs/placing.hpp"
+#include "src/scene/request.hpp"
 #include "src/scene/scene.hpp"
 
 namespace ricochet::programs {

@@ -24,7 +24,7 @@ const Vector3d up(0, 0, 1);
 /// The kernel without all but these candidates, as reach would leave it.
 Kernel cut(const Kernel& kernel, const Points& held) {
   auto whole = ricochet::kernels::whole_surface(kernel.surface);
-  Kernel out = ricochet::kernels::cut_to_points(kernel, held);
+  Kernel out = ricochet::kernels::restricted_to_points(kernel, held);
   whole.held = held;
   out.surface.whole = whole;
   return out;

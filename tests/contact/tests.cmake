@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: BSD-2-Clause
-add_serial_test(contact block ricochet_contact)
+add_serial_test(contact look_ahead_block ricochet_contact)
 add_serial_test(contact complementarity ricochet_contact)
-add_serial_test(contact drives ricochet_contact)
-add_serial_test(contact histories ricochet_contact)
-add_serial_test(contact instants ricochet_contact)
+add_serial_test(contact forced_response ricochet_contact)
+add_serial_test(contact history ricochet_contact)
+add_serial_test(contact event_location ricochet_contact)
 add_serial_test(contact complementarity_bench ricochet_contact)
 add_serial_test(contact complementarity_limits ricochet_contact)
 add_serial_test(contact convolution ricochet_contact)
-add_serial_test(contact integrator ricochet_contact)
+add_serial_test(contact stepper ricochet_contact)
 add_serial_test(contact limited_steps ricochet_contact)
 add_serial_test(contact propagator ricochet_contact)
 add_serial_test(contact rods ricochet_contact)
@@ -27,3 +27,13 @@ add_serial_test(contact equilibrium ricochet_contact)
 add_serial_test(contact coarsening ricochet_contact)
 add_serial_test(contact estimate ricochet_contact)
 add_serial_test(contact extremes ricochet_contact)
+
+# The core links and includes nothing from above it: no precompiled header, which would bring other libraries in.
+add_executable(test_contact_core_alone contact/core_alone.cpp)
+target_link_libraries(test_contact_core_alone PRIVATE ricochet_core GTest::gtest_main)
+add_dependencies(serial_tests test_contact_core_alone)
+gtest_discover_tests(test_contact_core_alone PROPERTIES TIMEOUT ${serial_timeout} LABELS serial)
+add_test(NAME contact/core_includes
+  COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/contact/core_includes.py ${CMAKE_CXX_COMPILER} ${PROJECT_SOURCE_DIR}
+    $<TARGET_PROPERTY:Eigen3::Eigen,INTERFACE_INCLUDE_DIRECTORIES>)
+set_tests_properties(contact/core_includes PROPERTIES TIMEOUT 120 LABELS serial)

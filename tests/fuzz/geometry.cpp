@@ -2,6 +2,7 @@
 //
 // gmsh does not see it: its language runs commands.
 #include "src/mesh/open.hpp"
+#include "src/scene/request.hpp"
 #include "tests/fuzz/input.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

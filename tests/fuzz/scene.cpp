@@ -3,6 +3,8 @@
 // An accepted scene, written out, is read back as the same scene, and what its kernels say of themselves is
 // understood when they are asked again.
 #include "src/scene/scene.hpp"
+#include "src/scene/read.hpp"
+#include "src/scene/request.hpp"
 
 #include <sstream>
 

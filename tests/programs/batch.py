@@ -86,7 +86,7 @@ class Unreached(ProgramTest):
             self.write("sbatch", f"#!/bin/sh\n{lines}exit 1\n").chmod(0o755)
             done = Run(["env", f"PATH={self.folder}:/usr/bin:/bin", BIN / "ricochet", "batch", study])
             self.assertEqual((done.status, done.err.count("\n")), (2, 1), done.err)
-            self.assertIn(f"no SLURM controller ({told[0].removeprefix('error: ')}): look with --dry-run", done.err)
+            self.assertIn(f"no SLURM controller ({told[0].removeprefix('error: ')}): inspect the jobs with --dry-run", done.err)
 
 
 if __name__ == "__main__":

@@ -105,7 +105,7 @@ class Journals(Faults):
         self.assertEqual((self.out / "rods.sweep.jsonl").read_bytes().count(b"\n"), 1)
         again.add("k", done)
         again.add("k", refused)
-        again.file.close()
+        again.records.file.close()
         self.assertTrue(Journal(self.out / "rods", reads_only=True).finished("k"))
 
 

@@ -1,3 +1,4 @@
 # SPDX-License-Identifier: BSD-2-Clause
 add_program_test(python api)
 add_program_test(python notebooks)
+add_program_test(python style)

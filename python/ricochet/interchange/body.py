@@ -9,7 +9,8 @@ import numpy as np
 
 from ricochet import files
 from ricochet.errors import InputError
-from ricochet.interchange.numbers import Array, Entries
+from ricochet.arrays import Array
+from ricochet.interchange.numbers import Entries
 
 
 @dataclass

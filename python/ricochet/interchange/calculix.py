@@ -1,39 +1,53 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Solid models of CalculiX: nodes, elements, sets and surfaces of an input file, and the matrices that ccx stores."""
 
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 
+from ricochet.arrays import Array
 from ricochet.errors import InputError
 from ricochet.interchange.body import Body, is_name
-from ricochet.interchange.numbers import Array, Entries, both_triangles, entries_of, is_number, numbers
+from ricochet.interchange.numbers import Entries, both_triangles, entries_of, is_number, numbers
 
+Corners = list[tuple[int, ...]]
 # Corner nodes of the faces S1, S2, …, and edges in the order of the middle nodes; numbered from 0.
-TETRAHEDRON = ([(0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)], [(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)])
-WEDGE = (
+TETRAHEDRON: tuple[Corners, Corners] = (
+    [(0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)],
+    [(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)],
+)
+WEDGE: tuple[Corners, Corners] = (
     [(0, 1, 2), (3, 5, 4), (0, 3, 4, 1), (1, 4, 5, 2), (2, 5, 3, 0)],
     [(0, 1), (1, 2), (0, 2), (3, 4), (4, 5), (3, 5), (0, 3), (1, 4), (2, 5)],
 )
-BRICK = (
+BRICK: tuple[Corners, Corners] = (
     [(0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)],
     [(0, 1), (1, 2), (2, 3), (0, 3), (4, 5), (5, 6), (6, 7), (4, 7), (0, 4), (1, 5), (2, 6), (3, 7)],
 )
-KINDS = {4: TETRAHEDRON, 10: TETRAHEDRON, 6: WEDGE, 15: WEDGE, 8: BRICK, 20: BRICK}
+KINDS: dict[int, tuple[Corners, Corners]] = {
+    4: TETRAHEDRON,
+    10: TETRAHEDRON,
+    6: WEDGE,
+    15: WEDGE,
+    8: BRICK,
+    20: BRICK,
+}
 # Of a face of eight nodes, which has no node in its middle: four triangles at its corners and what is between.
 CORNERS_OF_EIGHT, MIDDLE_OF_EIGHT = [(0, 4, 7), (1, 5, 4), (2, 6, 5), (3, 7, 6)], (4, 5, 6, 7)
+Card = tuple[str, str, dict[str, str], list["Line"]]  # place, keyword, parameters, lines of data
 MOST = 10**8  # numbers of a generated set
 
 
-class Line(list):
+class Line(list[str]):
     """The words of a line, and where it is from."""
 
-    def __init__(self, text, path, number):
+    def __init__(self, text: str, path: Path, number: int) -> None:
         super().__init__(word.strip() for word in text.rstrip().rstrip(",").split(","))
         self.where = f"{path}: line {number}"
 
 
-def lines_of(path):
+def lines_of(path: Path) -> list[tuple[int, str]]:
     """Numbered, without comments and what is empty."""
     text = Path(path).read_text(errors="replace")
     return [
@@ -43,9 +57,10 @@ def lines_of(path):
     ]
 
 
-def cards(path, outer=()):
+def cards(path: Path, outer: tuple[Path, ...] = ()) -> Iterator[Card]:
     """Place, keyword, its parameters, and its lines of data, one card after the other; includes are followed."""
-    card, outer = None, (*outer, Path(path).resolve())
+    card: Card | None = None
+    outer = (*outer, Path(path).resolve())
     for number, line in lines_of(path):
         if not line.startswith("*"):
             if card:
@@ -74,7 +89,7 @@ def cards(path, outer=()):
         yield card
 
 
-def members(lines, parameters, sets):
+def members(lines: Iterable[Line], parameters: dict[str, str], sets: dict[str, list[int]]) -> Iterator[int]:
     """Numbers of a set's lines, with other sets and ranges."""
     if "GENERATE" in parameters:
         for line in lines:
@@ -88,17 +103,21 @@ def members(lines, parameters, sets):
             yield from [int(word)] if is_number(word.lstrip("-")) else set_of(sets, word, line)
 
 
-def set_of(sets, name, line):
+def set_of(sets: dict[str, list[int]], name: str, line: Line) -> list[int]:
     if name.upper() not in sets:
         raise InputError(f"{line.where}: names the set {name}, which is not there")
     return sets[name.upper()]
 
 
 class Model:
-    def __init__(self, path):
+    def __init__(self, path: Path) -> None:
         self.path = Path(path)
-        self.position, self.element = {}, {}
-        self.node_sets, self.element_sets, self.names, self.surface_lines = {}, {}, {}, {}
+        self.position: dict[int, list[float]] = {}
+        self.element: dict[int, list[int]] = {}
+        self.node_sets: dict[str, list[int]] = {}
+        self.element_sets: dict[str, list[int]] = {}
+        self.names: dict[str, str] = {}
+        self.surface_lines: dict[str, list[Line]] = {}
         if not self.path.is_file():
             raise InputError(f"{path}: there is no such file. Name the input file of a job")
         for where, keyword, parameters, lines in cards(path):
@@ -113,7 +132,7 @@ class Model:
             node: k for k, node in enumerate(sorted({n for nodes in self.element.values() for n in nodes}))
         }
 
-    def take(self, keyword, parameters, lines):
+    def take(self, keyword: str, parameters: dict[str, str], lines: list[Line]) -> None:
         if keyword == "NODE":
             for line in self.each(lines):
                 place = [float(x) for x in (line[1:4] + ["0"] * 3)[:3]]
@@ -135,13 +154,13 @@ class Model:
                 )
             self.surface_lines[name] = lines
 
-    def each(self, lines):
+    def each(self, lines: Iterable[Line]) -> Iterator[Line]:
         """The lines; a complaint is of the one that was given last."""
         for line in lines:
             self.where = line.where
             yield line
 
-    def take_elements(self, parameters, lines):
+    def take_elements(self, parameters: dict[str, str], lines: Iterable[Line]) -> None:
         kind = parameters["TYPE"].upper().rstrip("R")
         size = int(kind[3:]) if kind.startswith("C3D") and kind[3:].isdigit() else 0
         if size not in KINDS:
@@ -160,12 +179,12 @@ class Model:
             self.element[words[start]] = nodes
         self.add(self.element_sets, parameters.get("ELSET"), words[:: size + 1])
 
-    def add(self, sets, name, numbers):
+    def add(self, sets: dict[str, list[int]], name: str | None, numbers: Iterable[int]) -> None:
         if name is not None:
             self.names.setdefault(name.upper(), name)
             sets.setdefault(name.upper(), []).extend(numbers)
 
-    def faces(self, element):
+    def faces(self, element: int) -> Iterator[list[int]]:
         """Nodes of each face, corners first, then middles; corners run counter-clockwise seen from outside."""
         nodes = self.element[element]
         faces, edges = KINDS[len(nodes)]
@@ -177,31 +196,31 @@ class Model:
             if np.dot(np.cross(b - a, c - a), a - position[:corners].mean(axis=0)) < 0:
                 face = face[::-1]
             around = (
-                [middle[tuple(sorted(pair))] for pair in zip(face, face[1:] + face[:1])] if middle else []
+                [middle[min(pair), max(pair)] for pair in zip(face, face[1:] + face[:1])] if middle else []
             )
             yield [nodes[k] for k in [*face, *around]]
 
-    def blocks(self, faces):
+    def blocks(self, faces: Iterable[Sequence[int]]) -> list[Array]:
         """Facets by their number of nodes, numbered as in the body file."""
-        found = {}
+        found: dict[int, list[list[int]]] = {}
         for face in faces:
-            face = [self.number[node] for node in face]
-            parts = [face]
-            if len(face) == 8:
-                parts = [[face[k] for k in part] for part in [*CORNERS_OF_EIGHT, MIDDLE_OF_EIGHT]]
+            nodes = [self.number[node] for node in face]
+            parts = [nodes]
+            if len(nodes) == 8:
+                parts = [[nodes[k] for k in part] for part in [*CORNERS_OF_EIGHT, MIDDLE_OF_EIGHT]]
             for part in parts:
                 found.setdefault(len(part), []).append(part)
         return [np.array(facets) for facets in found.values()]
 
-    def skin(self):
+    def skin(self) -> list[list[int]]:
         """Faces of one element only."""
-        seen = {}
+        seen: dict[frozenset[int], list[list[int]]] = {}
         for element in self.element:
             for face in self.faces(element):
                 seen.setdefault(frozenset(face), []).append(face)
         return [faces[0] for faces in seen.values() if len(faces) == 1]
 
-    def surfaces(self):
+    def surfaces(self) -> dict[str, list[Array]]:
         found = {}
         for name, lines in self.surface_lines.items():
             faces = []
@@ -222,26 +241,26 @@ class Model:
             found[name] = self.blocks(faces)
         return found
 
-    def nodes(self):
+    def nodes(self) -> Array:
         return np.array([self.position[node] for node in self.number])
 
-    def supports(self):
+    def supports(self) -> dict[str, Array]:
         sets = {
             self.names[name]: [self.number[n] for n in nodes if n in self.number]
             for name, nodes in self.node_sets.items()
         }
         if wrong := [name for name in sets if not is_name(name)]:
             raise InputError(f'{self.path}: node set "{wrong[0]}" can\'t be named in a scene: rename it')
-        return {name: nodes for name, nodes in sets.items() if nodes}
+        return {name: np.array(nodes) for name, nodes in sets.items() if nodes}
 
-    def matrices(self):
+    def matrices(self) -> dict[str, Entries]:
         """Of job.sti, job.mas and job.dof, which SOLVER=MATRIXSTORAGE writes: one triangle, rows as listed."""
         dof = self.path.with_suffix(".dof")
         if not dof.is_file():
             raise InputError(
                 f"{dof}: no such file: run ccx on {self.path} with *FREQUENCY, SOLVER=MATRIXSTORAGE first"
             )
-        rows = {}  # in the order of the file
+        listed: dict[int, bool] = {}  # in the order of the file
         for word in dof.read_text(errors="replace").split():
             node, _, direction = word.partition(".")
             if not is_number(node) or int(node) not in self.number or direction not in ("1", "2", "3"):
@@ -250,10 +269,10 @@ class Model:
                     "which ccx expands, are not read"
                 )
             row = 3 * self.number[int(node)] + int(direction) - 1
-            if row in rows:
+            if row in listed:
                 raise InputError(f"{dof}: has displacement {word} twice: run ccx again")
-            rows[row] = True
-        rows = np.array(list(rows))
+            listed[row] = True
+        rows = np.array(list(listed))
         found = {}
         for name, suffix in (("stiffness", ".sti"), ("mass", ".mas")):
             path = self.path.with_suffix(suffix)

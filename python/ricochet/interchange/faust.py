@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ricochet.errors import InputError
-from ricochet.interchange.numbers import Array
+from ricochet.arrays import Array
 from ricochet.result_file import File, are_finite, expected
 
 AXES = dict(zip("xyz", np.eye(3)))

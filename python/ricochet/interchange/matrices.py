@@ -7,7 +7,8 @@ import numpy as np
 
 from ricochet.errors import InputError
 from ricochet.interchange.body import Body, clockwise
-from ricochet.interchange.numbers import Array, numbers_from_zero, read_matrix_market, table
+from ricochet.arrays import Array
+from ricochet.interchange.numbers import numbers_from_zero, read_matrix_market, table
 
 FACETS = (3, 4, 6, 9, 10, 16)  # nodes of the facets that are read
 Named = Sequence[tuple[str, Path]]

@@ -2,14 +2,12 @@
 """Reads numbers, lists and sparse matrices from text files. Raises InputError."""
 import warnings
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ricochet.arrays import Array
 from ricochet.errors import InputError
 
-Array = NDArray[Any]
 Entries = tuple[Array, Array, Array]  # rows, columns and values of a sparse matrix
 
 

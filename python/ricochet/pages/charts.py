@@ -1,15 +1,19 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """The charts of a run as data for a page: what is drawn, not how."""
+from typing import Any
+
 import numpy as np
 
+from ricochet.arrays import Array
 from ricochet.pages.motion import packed
+from ricochet.pictures.history import History
 
 DOTS = 1600  # of a line: the extremes of as many pieces of it
 COLUMNS, ROWS = 400, 120  # of the map of forces, at most
 PIECES = 700  # of a spectrum
 
 
-def thinned(x, y):
+def thinned(x: Array, y: Array) -> tuple[Array, Array]:
     """The line through the least and the largest value of each piece of it; gaps (NaN) stay."""
     if len(x) <= DOTS:
         return x, y
@@ -26,41 +30,49 @@ def thinned(x, y):
     return x[kept], y[kept]
 
 
-def line(name, colour, x, y, style=""):
+def line(name: str, colour: int | str, x: Any, y: Any, style: str = "") -> dict[str, Any]:
     """`colour`: number of a body, or a word that the style sheet knows; `style`: words of charts.js, such as "held dashed"."""
     x, y = thinned(np.asarray(x), np.asarray(y))
     return {"name": name, "colour": colour, "style": style, "x": packed(x), "y": packed(y)}
 
 
-def chart(key, title, x, y, lines, note="", **more):
+def chart(
+    key: str,
+    title: str,
+    x: dict[str, Any],
+    y: dict[str, Any],
+    lines: list[dict[str, Any]],
+    note: str = "",
+    **more: Any,
+) -> dict[str, Any]:
     return {"key": key, "title": title, "x": x, "y": y, "lines": lines, "note": note} | more
 
 
-def axis(label, unit, **more):
+def axis(label: str, unit: str, **more: Any) -> dict[str, Any]:
     return {"label": label, "unit": unit} | more
 
 
-def shown(x, y, window):
+def shown(x: Array, y: Array, window: tuple[float, float]) -> tuple[Array, Array]:
     inside = (x >= window[0]) & (x <= window[1])
     return x[inside], y[inside]
 
 
-def colour_of(result, name):
+def colour_of(result: History, name: str) -> int | str:
     return list(result.bodies).index(name) % 6 if name in result.bodies else "still"
 
 
-def force_chart(result, i):
+def force_chart(result: History, i: int) -> dict[str, Any]:
     total, one = result.held(result.force.sum(axis=1)), result.held(result.force[:, i])
     lines = [
         line(
             f"sum of {len(result.initial_gap)} points" if len(result.initial_gap) > 1 else "force",
             "force",
             *total,
-            "held filled",
+            style="held filled",
         )
     ]
     if len(result.initial_gap) > 1:
-        lines.append(line(f"point {i + 1}", "second", *one, "held dashed"))
+        lines.append(line(f"point {i + 1}", "second", *one, style="held dashed"))
     note = "" if result.episodes else "Nothing touched."
     return chart(
         "force",
@@ -74,7 +86,7 @@ def force_chart(result, i):
     )
 
 
-def along_normal_charts(result, i):
+def along_normal_charts(result: History, i: int) -> list[dict[str, Any]]:
     window = result.window()
     place, speed, mean_place, mean_speed = result.along_normal(i)
     out = []
@@ -91,7 +103,12 @@ def along_normal_charts(result, i):
         ("speed", "Velocity", "velocity along the normal", "m/s", speed, mean_speed, ""),
     ]:
         lines = [
-            line(f"{name}, mean of its mass", colour_of(result, name), *shown(*curve, window), "dashed")
+            line(
+                f"{name}, mean of its mass",
+                colour_of(result, name),
+                *shown(curve[0], curve[1], window),
+                style="dashed",
+            )
             for name, curve in means.items()
         ]
         lines += [
@@ -103,7 +120,7 @@ def along_normal_charts(result, i):
     return out
 
 
-def table_charts(result, i):
+def table_charts(result: History, i: int) -> list[dict[str, Any]]:
     """Of a run by table kernels: the gap, and velocities of free bodies along the axis in which they change most."""
     window = result.window()
     out = [
@@ -136,7 +153,7 @@ def table_charts(result, i):
     return out
 
 
-def spectrum(values, step, factor):
+def spectrum(values: Array, step: float, factor: float) -> tuple[Array, Array]:
     """Frequencies [Hz] and the largest |Σ values exp(−iωt)| · factor in each piece of a logarithmic axis."""
     length = min(
         1 << (8 * len(values) - 1).bit_length(), max(1 << 20, len(values))
@@ -150,7 +167,7 @@ def spectrum(values, step, factor):
     return frequency[best], size[best]
 
 
-def spectrum_chart(result):
+def spectrum_chart(result: History) -> dict[str, Any]:
     step = result.time[1] - result.time[0]
     frequency, size = spectrum(result.total_force, step, step)
     return chart(
@@ -163,7 +180,7 @@ def spectrum_chart(result):
     )
 
 
-def pressure_chart(result, area):
+def pressure_chart(result: History, area: Array) -> dict[str, Any]:
     """Pressure of each point in the step of the largest force."""
     row = int(np.argmax(result.force.sum(axis=1)))
     order, where, what = result.positions()
@@ -184,7 +201,7 @@ def pressure_chart(result, area):
     )
 
 
-def force_map(result):
+def force_map(result: History) -> dict[str, Any]:
     """Force by point and time: the largest of each cell. Points that never touch are left out."""
     order, where, what = result.positions()
     used = result.impulse()[order] > 0
@@ -212,7 +229,7 @@ def force_map(result):
     }
 
 
-def energy_charts(result):
+def energy_charts(result: History) -> list[dict[str, Any]]:
     terms = {name: result.energy[name] * (-1 if name == "loads" else 1) for name in result.TERMS}
     ledger = result.energy["total"] + result.energy["damping"] + result.energy["contact"]
     lines = [
@@ -258,10 +275,12 @@ def energy_charts(result):
     return out
 
 
-def receiver_charts(result):
-    f, out = result.file, {}
+def receiver_charts(result: History) -> dict[str, Any]:
+    f, out = result.file, dict[str, Any]()
     names = [name for name in f.names("/receivers") if name != "time"]
-    time = f.array("/receivers/time", None) if names else []
+    if not names:
+        return {}
+    time = f.array("/receivers/time", None)
     for number, name in enumerate(names):
         velocity = f.array(f"/receivers/{name}/velocity", len(time), 3)
         step = time[1] - time[0]

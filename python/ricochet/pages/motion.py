@@ -1,11 +1,19 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """The motion of a run for a page: the bodies' skins, moved by a few shapes that stand for all their modes."""
 import base64
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from ricochet.arrays import Array
 from ricochet.pictures.skins import skins_of
 from ricochet.pictures.viewpoint import clearest
+from ricochet.pictures.skins import Skin
+from ricochet.pictures.history import History
+
+Packed = dict[str, Any]  # an array as text
 
 MOMENTS = 1200  # snapshots at most; further ones are thinned evenly
 TRIANGLES = 80_000  # of all bodies together; finer skins are made coarser
@@ -16,10 +24,10 @@ POINTS = 300  # contact points whose forces are drawn: those of most impulse
 SIDES = 12  # of a rod's cross-section
 
 
-def packed(values, kind="f4"):
+def packed(values: Any, kind: str = "f4") -> Packed:
     """An array as text. i2 and u2 are fractions of the largest, to 15 and 16 bits; f4 and u4 are the values."""
     values = np.asarray(values)
-    out = {"type": kind, "shape": list(values.shape)}
+    out: Packed = {"type": kind, "shape": list(values.shape)}
     if kind in ("i2", "u2"):
         largest = float(np.max(np.abs(values), initial=0)) or 1.0
         out["scale"] = largest / (32767 if kind == "i2" else 65535)
@@ -27,7 +35,7 @@ def packed(values, kind="f4"):
     return out | {"data": base64.b64encode(np.ascontiguousarray(values, "<" + kind).tobytes()).decode()}
 
 
-def few_shapes(shape, coordinates, most, left_out):
+def few_shapes(shape: Array, coordinates: Array, most: int, left_out: float) -> tuple[Array, Array]:
     """Fields (n,r) and amplitudes (S,r) with fields · amplitudesᵀ ≈ shape · coordinatesᵀ, the best ones of their number;
     `left_out` is the root mean square that may miss, relative."""
     if shape.shape[1] == 0:
@@ -47,7 +55,7 @@ def few_shapes(shape, coordinates, most, left_out):
     return np.concatenate([part @ mix for part in parts]), left[:, :count] * size[:count]
 
 
-def coarser(node, element, limit):
+def coarser(node: Array, element: Array, limit: int) -> tuple[Array, Array]:
     """Which nodes to keep, and triangles between them, such that there are at most `limit`: nodes of one cell of a grid
     become one."""
     kept, cells = np.arange(len(node)), 2.0 * np.sqrt(limit)
@@ -66,7 +74,7 @@ def coarser(node, element, limit):
     return kept, element
 
 
-def tube(node, element, radius):
+def tube(node: Array, element: Array, radius: float) -> tuple[Array, Array, Array]:
     """A rod's line as a tube: triangles between rings of new nodes, the old node of each, and where each lies from it."""
     along = node[element[0, 1]] - node[element[0, 0]]
     along = along / (np.linalg.norm(along) or 1)
@@ -89,28 +97,31 @@ def tube(node, element, radius):
     return np.concatenate(faces), of, np.tile(ring, (len(node), 1))
 
 
-def radius_of(body, length):
+def radius_of(body: dict[str, Any], length: float) -> float:
     """Of a rod, by its area, and thick enough to be seen."""
     area = max((part.get("area", 0) for part in materials(body).values()), default=0)
     return max(np.sqrt(area / np.pi), 0.01 * length)
 
 
-def materials(body):
+def materials(body: dict[str, Any]) -> dict[str, dict[str, Any]]:
     """By physical volume; "" is the whole body."""
     found = body.get("material", {})
     return {"": found} if "density" in found else found
 
 
-def body_of(name, skin, chosen, share, scene):
+def body_of(
+    name: str, skin: Skin, chosen: Array, share: float, scene: dict[str, Any]
+) -> tuple[dict[str, Any], Array, Array, tuple[float, float]]:
     """One body of the page, its places at rest, its triangles, and the part of its deformation [m] that is missed. `share` of what all
     bodies may take is its own."""
     node, element, coordinates = skin.node, skin.element, skin.coordinates[chosen]
-    offset, of, tubular = 0.0, np.arange(len(node)), element.shape[1] == 2
+    offset: Any = 0.0
+    of, tubular = np.arange(len(node)), element.shape[1] == 2
     if tubular:
         length = np.ptp(node, axis=0).max()
         element, of, offset = tube(node, element, radius_of(scene.get("bodies", {}).get(name, {}), length))
     elif len(element) > share * TRIANGLES:
-        of, element = coarser(node, element, share * TRIANGLES)
+        of, element = coarser(node, element, int(share * TRIANGLES))
     shape = np.einsum("ij,vjn->vin", skin.rotation.astype("f4"), skin.shape[of]).reshape(3 * len(of), -1)
     most = max(1, min(SHAPES, int(share * SHAPES_MB * 2**20 / (6 * len(of)))))
     rigid, moved = few_shapes(shape[:, skin.rigid], coordinates[:, skin.rigid], 6, 1e-12)
@@ -138,7 +149,7 @@ def body_of(name, skin, chosen, share, scene):
     )
 
 
-def half_space(name, obstacle, low, high):
+def half_space(name: str, obstacle: dict[str, Any], low: Array, high: Array) -> dict[str, Any]:
     """A square of an obstacle's surface below all that moves."""
     point, normal = np.array(obstacle.get("point", [0, 0, 0]), float), np.array(obstacle["normal"], float)
     normal /= np.linalg.norm(normal)
@@ -151,7 +162,7 @@ def half_space(name, obstacle, low, high):
     return {"name": name, "node": packed(corners), "element": packed([[0, 1, 2], [0, 2, 3]], "u4")}
 
 
-def nearest(points, places):
+def nearest(points: Array, places: Sequence[Array]) -> tuple[Array, Array]:
     """For each point the body and node that lie nearest, and where it lies from that node."""
     best, found, offset = (
         np.full(len(points), np.inf),
@@ -167,7 +178,7 @@ def nearest(points, places):
     return found, offset
 
 
-def forces_at(result, times, points):
+def forces_at(result: History, times: Array, points: Array) -> Array:
     """(S,p) force at these points in the step of each moment; 0 where the moment is in no row of contact."""
     out = np.zeros((len(times), len(points)))
     if len(result.contact_time):
@@ -178,7 +189,7 @@ def forces_at(result, times, points):
     return out
 
 
-def motion_of(result, folder, scene):
+def motion_of(result: History, folder: Path, scene: dict[str, Any]) -> dict[str, Any]:
     """What the page animates; {"missing": why} when the run has no skins or no snapshots, or kernels are gone."""
     found = skins_of(result, folder)
     if isinstance(found, str):

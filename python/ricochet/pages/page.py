@@ -5,6 +5,7 @@ import hashlib
 import html
 import json
 from pathlib import Path
+from typing import Any
 
 from ricochet import files
 from ricochet.errors import InputError
@@ -14,12 +15,12 @@ SCRIPTS = ["base.js", "charts.js", "motion.js", "player.js", "page.js"]
 LARGEST_MB = 16
 
 
-def numbers(value):
+def numbers(value: Any) -> Any:
     """What json can't write by itself."""
     return value.tolist()
 
 
-def page_of(run):
+def page_of(run: dict[str, Any]) -> str:
     """The page as text. Only the scripts of this folder may run in it: the policy names their hash."""
     script = "\n" + "\n".join((FOLDER / name).read_text() for name in SCRIPTS)
     data = json.dumps(run, ensure_ascii=False, allow_nan=False, separators=(",", ":"), default=numbers)
@@ -38,7 +39,7 @@ def page_of(run):
     return page + rest
 
 
-def save_page(run, path):
+def save_page(run: dict[str, Any], path: Path) -> None:
     """Writes the page; a reader never sees a part of it."""
     page = page_of(run).encode()
     if len(page) > LARGEST_MB * 2**20:

@@ -4,6 +4,7 @@ import hashlib
 import json
 import shlex
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from ricochet.pictures.history import History
 from ricochet.result_file import File, expected, is_there
 
 
-def summary_of(path, result):
+def summary_of(path: Path, result: History) -> dict[str, Any]:
     """summary.json of the same run."""
     if not is_there(path):
         raise InputError(
@@ -28,7 +29,7 @@ def summary_of(path, result):
         ).encode()  # not with 1e999 or half a character
     except (ValueError, RecursionError):
         raise InputError(f"{path}: is damaged. Run ricochet-contact again.") from None
-    kind = (
+    kind: dict[str, type] = (
         {"warnings": list, "pairs": list}
         if result.static
         else {"warnings": list, "episodes": list, "sounds": dict}
@@ -39,7 +40,7 @@ def summary_of(path, result):
     return summary
 
 
-def plain(file, where, name):
+def plain(file: File, where: str, name: str) -> Any:
     """An attribute of a file: text or a finite number."""
     text, value = file.text(where, name), file.attribute(where, name)
     if text is not None:
@@ -49,7 +50,7 @@ def plain(file, where, name):
     raise InputError(f'{file.path}: attribute "{name}" of {where} is missing or damaged. Compute it again.')
 
 
-def kernel_of(path):
+def kernel_of(path: Path) -> dict[str, Any] | None:
     """What a kernel file says of itself; None where it is gone."""
     if not is_there(path):
         return None
@@ -66,7 +67,7 @@ def kernel_of(path):
     }
 
 
-def bodies_of(result, folder, scene):
+def bodies_of(result: History, folder: Path, scene: dict[str, Any]) -> list[dict[str, Any]]:
     out = []
     for name in result.bodies:
         where, asked = f"/bodies/{name}", scene.get("bodies", {}).get(name, {})
@@ -85,7 +86,9 @@ def bodies_of(result, folder, scene):
     return out
 
 
-def commands_of(result, scene, bodies):
+def commands_of(
+    result: History, scene: dict[str, Any], bodies: list[dict[str, Any]]
+) -> list[tuple[str, str]]:
     """How to come to the same result, as (command, what it does)."""
     text, out = shlex.quote(f"{result.slug}.toml"), []
     if any(body["file"] for body in bodies):
@@ -106,11 +109,11 @@ def commands_of(result, scene, bodies):
     return out
 
 
-def charts_of(result, by_table):
+def charts_of(result: History, by_table: bool) -> tuple[dict[str, Any], dict[str, Any] | None]:
     """By section of the page."""
     i = int(np.argmax(result.impulse())) if result.episodes else 0
     still = len(result.time) == 1
-    out = {"contact": [], "energy": []}
+    out: dict[str, list[dict[str, Any]]] = {"contact": [], "energy": []}
     if not still:
         out["contact"].append(charts.force_chart(result, i))
         out["contact"] += (
@@ -126,12 +129,12 @@ def charts_of(result, by_table):
     return out, charts.force_map(result) if several and not still else None
 
 
-def digest(path):
+def digest(path: Path) -> str:
     with open(path, "rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def run_of(path, kernels=None):
+def run_of(path: Path, kernels: Path | None = None) -> dict[str, Any]:
     """The whole run whose result file is at `path`. Throws InputError."""
     result = History(path)
     folder = kernels or path.parent

@@ -3,16 +3,18 @@
 import base64
 import struct
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from ricochet.arrays import Array
 from ricochet.errors import InputError
 from ricochet.result_file import is_there
 
 SAMPLES = 700_000  # of all receivers together: 1.9 MB in the page
 
 
-def channels(path, most):
+def channels(path: Path, most: int) -> tuple[Array, int, int]:
     """(n,3) samples of a WAV file of ricochet-contact, at most so many, their rate, and how many there are."""
     refusal = InputError(f"{path}: is not a sound that ricochet-contact wrote. Run it again.")
     with open(path, "rb") as file:
@@ -34,7 +36,7 @@ def channels(path, most):
     raise refusal
 
 
-def sound_of(path, most):
+def sound_of(path: Path, most: int) -> dict[str, Any]:
     """The channel that moves most, as a WAV file in base64."""
     samples, rate, total = channels(path, most)
     if not np.isfinite(samples).all():
@@ -66,7 +68,7 @@ def sound_of(path, most):
     }
 
 
-def sounds_of(summary, folder):
+def sounds_of(summary: dict[str, Any], folder: Path) -> dict[str, Any]:
     """Of each receiver that the summary names a file of; {"missing": why} in the place of one that is gone."""
     out = {}
     named = summary.get("sounds") or {}

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Pictures of a contact over time: gap or place, velocity and force at the point that takes the largest impulse."""
+from matplotlib.axes import Axes
+from typing import Any
+
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
@@ -14,9 +17,10 @@ from ricochet.pictures.style import (
     prefixed,
     shade_contact,
 )
+from ricochet.pictures.history import History
 
 
-def force_panel(result, ax, i):
+def force_panel(result: History, ax: Axes, i: int) -> None:
     """Force at point i and the sum of all, over the time of the contact: steps, whose area is the impulse."""
     start, end = result.window()
     ms, time_unit = prefixed(end, "s")
@@ -52,7 +56,7 @@ def force_panel(result, ax, i):
         ax.text(0.5, 0.5, "nothing touched", transform=ax.transAxes, ha="center", color=GREY)
 
 
-def table_picture(result):
+def table_picture(result: History) -> Figure:
     """What a run by table kernels knows: the gap where the most impulse passes, velocities of free bodies, the force."""
     i = int(np.argmax(result.impulse())) if result.episodes else 0
     ms, _ = prefixed(result.window()[1], "s")
@@ -74,7 +78,7 @@ def table_picture(result):
         )
     axes[1].set(ylabel=f"{'xyz'[axis]}-velocity ({unit})", title="Velocity")
     force_panel(result, axes[2], i)
-    handles = {}
+    handles: dict[str, Any] = {}
     for ax in axes:
         shade_contact(result, ax, ms)
         handles |= dict(zip(*reversed(ax.get_legend_handles_labels())))
@@ -84,7 +88,7 @@ def table_picture(result):
     return figure
 
 
-def contact_picture(result):
+def contact_picture(result: History) -> Figure:
     """Place and velocity of both sides where the most impulse passes, and the force there, against time."""
     i = int(np.argmax(result.impulse())) if result.episodes else 0
     points = len(result.initial_gap)
@@ -139,7 +143,7 @@ def contact_picture(result):
     force_panel(result, axes[2], i)
     for ax in axes:
         shade_contact(result, ax, ms)
-    handles = {}
+    handles: dict[str, Any] = {}
     for ax in (axes[0], axes[2]):
         handles |= dict(zip(*reversed(ax.get_legend_handles_labels())))
     handles["in contact"] = Rectangle((0, 0), 1, 1, **SHADE)

@@ -6,9 +6,10 @@ from matplotlib.patches import Rectangle
 from matplotlib.ticker import LogLocator
 
 from ricochet.pictures.style import GREY, SHADE, WIDTH, largest_of, legend_below, prefixed, shade_contact
+from ricochet.pictures.history import History
 
 
-def energy_picture(result):
+def energy_picture(result: History) -> Figure:
     """Every term of the energy ledger with their sum, and how far the sum strays from its first value."""
     terms = {name: result.energy[name] * (-1 if name == "loads" else 1) for name in result.TERMS}
     ledger = result.energy["total"] + result.energy["damping"] + result.energy["contact"]

@@ -1,20 +1,24 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """The picture of moments of a contact: the bodies, seen from where the contact is least hidden, and the force at each point."""
+from matplotlib.axes import Axes
 import numpy as np
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
+from ricochet.arrays import Array
 from ricochet.pictures.style import WIDTH, colour_of, largest_of, legend_below, prefixed
 from ricochet.pictures.viewpoint import clearest
+from ricochet.pictures.skins import Skin
+from ricochet.pictures.history import History
 
 MOMENTS = 9
 STILL = 0.01  # of the size: where bodies deform less, motion is drawn larger than it is
 SHOWN = 0.05  # of the size: about how far it is then drawn
 
 
-def snapshots_picture(result, skins, time):
+def snapshots_picture(result: History, skins: dict[str, Skin], time: Array) -> Figure | None:
     """Of the contact that carries most; None when no snapshot falls into it."""
     impulse_of = [result.force[first:behind].sum() for first, behind in result.episodes]
     longest = int(np.argmax(impulse_of))
@@ -76,7 +80,7 @@ def snapshots_picture(result, skins, time):
     return figure
 
 
-def amplification(skins, chosen, touch):
+def amplification(skins: dict[str, Skin], chosen: Array, touch: int) -> float:
     """1, or a round number where neither deformation nor motion since the first touch could be seen."""
     before = {body: skin.at(touch) for body, skin in skins.items()}
     everything = np.concatenate(list(before.values()))
@@ -95,14 +99,15 @@ def amplification(skins, chosen, touch):
     return ten * max(factor for factor in (1, 2, 5) if factor * ten <= wanted)
 
 
-def paint(ax, result, skins, places, turn):
+def paint(ax: Axes, result: History, skins: dict[str, Skin], places: dict[str, Array], turn: Array) -> None:
     """Triangles and outlines from the farthest to the nearest."""
     patches, depth, face, edge, width = [], [], [], [], []
     light = np.array([0.35, 0.5, 0.8]) / np.linalg.norm([0.35, 0.5, 0.8])
     # Of flat bodies that overlap a little the later one is in front, and outlines lie on what they bound.
     near = 0.02 * np.ptp(np.concatenate(list(places.values())), axis=0).max()
     for number, (body, skin) in enumerate(skins.items()):
-        seen, colour = places[body] @ turn.T, np.array(to_rgb(colour_of(result, body)))
+        seen: Array = places[body] @ turn.T
+        colour: Array = np.array(to_rgb(colour_of(result, body)))
         outline = skin.rim(seen[:, :2])
         line = skin.element.shape[1] == 2
         if not line:
@@ -131,7 +136,7 @@ def paint(ax, result, skins, places, turn):
     )
 
 
-def scale_bar(ax, left, bottom, wide):
+def scale_bar(ax: Axes, left: float, bottom: float, wide: float) -> None:
     length = 10.0 ** np.floor(np.log10(0.5 * wide))
     m, unit = prefixed(length, "m")
     ax.plot([left, left + length], [bottom, bottom], color="black", linewidth=2)
@@ -142,7 +147,7 @@ class Forces:
     """Panels of force by point in rows of the contact: over the number of the point where they stand in a line, in order;
     else over the place in it, or the distance from the first touch."""
 
-    def __init__(self, result, rows):
+    def __init__(self, result: History, rows: list[int]) -> None:
         order, where, what = result.positions()
         self.force = result.force[rows]
         self.scale, self.unit = prefixed(largest_of(self.force), "N")
@@ -160,7 +165,7 @@ class Forces:
         factor, unit = prefixed(far, "m")
         self.force, self.where, self.label = self.force[:, shown], where[shown] * factor, f"{what} ({unit})"
 
-    def draw(self, ax, row, labelled):
+    def draw(self, ax: Axes, row: int, labelled: tuple[bool, bool]) -> None:
         force = self.force[row] * self.scale
         if self.numbered:
             ax.bar(self.where, force, width=0.8 if len(force) < 60 else 1, color="#b03a48")

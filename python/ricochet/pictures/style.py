@@ -1,6 +1,14 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """The look of pictures: colours, units, legends. Draw within matplotlib.rc_context(STYLE)."""
+from collections.abc import Iterable
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 import numpy as np
+
+from ricochet.arrays import Array
+from ricochet.pictures.history import History
 
 
 DPI = 150
@@ -23,12 +31,12 @@ STYLE = {
 }  # of matplotlib
 
 
-def colour_of(result, name):
+def colour_of(result: History, name: str) -> str:
     """The same for a body in every picture; grey for what does not move."""
     return BODY[list(result.bodies).index(name) % len(BODY)] if name in result.bodies else GREY
 
 
-def prefixed(largest, unit):
+def prefixed(largest: float, unit: str) -> tuple[float, str]:
     """Factor and unit with the SI prefix that brings `largest` into 1…1000, or none from 0.1 on."""
     for power, prefix in [(9, "G"), (6, "M"), (3, "k"), (0, ""), (-3, "m"), (-6, "µ"), (-9, "n")]:
         factor = 10.0**-power
@@ -37,11 +45,11 @@ def prefixed(largest, unit):
     return (1, unit) if largest == 0 else (1e9, "n" + unit)
 
 
-def largest_of(*arrays):
+def largest_of(*arrays: Array) -> float:
     return max((float(np.nanmax(np.abs(a))) for a in arrays if np.size(a)), default=0.0)
 
 
-def legend_below(figure, handles, names, columns=4):
+def legend_below(figure: Figure, handles: Iterable[Any], names: Iterable[str], columns: int = 4) -> None:
     """A legend in room of its own at the lower edge; constrained layout keeps the panels out of it."""
     names = list(names)
     rows = -(-len(names) // columns)
@@ -50,6 +58,6 @@ def legend_below(figure, handles, names, columns=4):
     figure.legend(list(handles), names, loc="lower center", ncol=min(len(names), columns))
 
 
-def shade_contact(result, ax, scale):
+def shade_contact(result: History, ax: Axes, scale: float) -> None:
     for start, end in result.spans():
         ax.axvspan(start * scale, end * scale, **SHADE)

@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Where to look from, so that no body hides another and as little as can be stands before the contact."""
+from collections.abc import Iterator, Sequence
 import itertools
 
 import numpy as np
+
+from ricochet.arrays import Array
 
 CELLS = 48  # of the longer side of a picture in which it is tried what hides what
 GAIN = 0.05  # by which a view must be better than those before it
@@ -11,12 +14,12 @@ GAIN = 0.05  # by which a view must be better than those before it
 class View:
     """Rows of `base`: right, up, towards the eye, before the eye goes round by `azimuth` and up by `elevation` [rad]."""
 
-    def __init__(self, toward, up, azimuth=0.0, elevation=0.0):
+    def __init__(self, toward: Array, up: Array, azimuth: float = 0.0, elevation: float = 0.0) -> None:
         right = np.cross(up, toward)
         self.base = np.array([right, np.cross(toward, right), toward]) / np.linalg.norm(right)
         self.azimuth, self.elevation = azimuth, elevation
 
-    def turn(self):
+    def turn(self) -> Array:
         """(3,3) rows: right, up, towards the eye."""
         right, up, toward = self.base
         c, s, ce, se = (
@@ -29,7 +32,7 @@ class View:
         return np.array([c * right + s * toward, ce * up - se * deep, se * up + ce * deep])
 
 
-def views(low, high, tilted):
+def views(low: Array, high: Array, tilted: bool) -> Iterator[View]:
     """Along the axes, the one of least extent first, and along the diagonals of space; `tilted`: a little aside from the axes."""
     extent, axes = high - low, np.eye(3)
     depth = 2 if extent[2] <= 1.001 * extent.min() else int(np.argmin(extent))
@@ -42,14 +45,14 @@ def views(low, high, tilted):
         yield View(np.array([x, y, 0]) / np.sqrt(2), axes[2], 0.0, way * np.arctan(np.sqrt(0.5)))
 
 
-def spread(node, element, distance):
+def spread(node: Array, element: Array, distance: float) -> Array:
     """Points over lines or triangles, no farther from each other than `distance`."""
     corner = node[element]
     longest = np.linalg.norm(corner - np.roll(corner, 1, axis=1), axis=2).max(axis=1)
     parts = 2 ** np.ceil(np.log2(np.maximum(longest / distance, 1))).astype(int)
     out = []
     for n in np.unique(parts):
-        weights = (
+        weights: list[tuple[int, ...]] = (
             [(i, n - i) for i in range(n + 1)]
             if element.shape[1] == 2
             else [(i, j, n - i - j) for i in range(n + 1) for j in range(n + 1 - i)]
@@ -58,7 +61,7 @@ def spread(node, element, distance):
     return np.concatenate(out)
 
 
-def clearness(view, bodies, contact, cell):
+def clearness(view: View, bodies: Sequence[Array], contact: Array, cell: float) -> float:
     """At most 1: the least share of a body's outline that no other one hides, less what stands before the contact by its
     depth over the size of all. `bodies`: (·,3) points of each, no farther apart than a `cell`."""
     turn = view.turn()
@@ -68,7 +71,7 @@ def clearness(view, bodies, contact, cell):
     )
     wide = int((high[0] - low[0]) / cell) + 1
 
-    def places(points):
+    def places(points: Array) -> Array:
         right, up = ((points[:, :2] - low[:2]) / cell).astype(int).T
         return up * wide + right
 
@@ -81,15 +84,16 @@ def clearness(view, bodies, contact, cell):
     return min(shares) - before.mean() / np.linalg.norm(high - low)
 
 
-def clearest(skins, contact, tilted=False):
+def clearest(skins: Sequence[tuple[Array, Array]], contact: Array, tilted: bool = False) -> View:
     """The first view that none is much better than. `skins`: (nodes (V,3), elements (E,2 or 3)) of each body; `contact`:
     (·,3) points in use."""
     places = np.concatenate([node for node, _ in skins])
     low, high = places.min(axis=0), places.max(axis=0)
     cell = (high - low).max() / CELLS
     bodies = [spread(node, element, 0.7 * cell) for node, element in skins]
-    best, most = None, -np.inf
-    for view in views(low, high, tilted):
+    choices = list(views(low, high, tilted))
+    best, most = choices[0], -np.inf
+    for view in choices:
         clear = clearness(view, bodies, contact, cell)
         if clear > most + GAIN:
             best, most = view, clear

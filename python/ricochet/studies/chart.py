@@ -1,16 +1,22 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Pictures of a sweep: an output over one input, a line for each value of the others, or over two, a cell for each pair."""
+from collections.abc import Callable, Sequence
 import functools
 import json
+from pathlib import Path
+from typing import Any
 
 import matplotlib
-import numpy as np
 from matplotlib.axes import Axes
+import numpy as np
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
+from ricochet.arrays import Array
 from ricochet.errors import InputError
 from ricochet.scene_keys import unit
 from ricochet.files import save_picture
+from ricochet.studies.table import Table
 
 FEW = 12  # values of an input that can be told apart on an axis
 LINES = 8  # of different colour in a picture
@@ -43,7 +49,7 @@ WORDS = {
 }
 
 
-def label(name, units):
+def label(name: str, units: dict[str, str]) -> str:
     """Words and unit of an output; a key of the scene as it is written there, with its unit of `units` (scene_keys.units)."""
     path = name.split(".")
     if name in WORDS:
@@ -58,7 +64,7 @@ def label(name, units):
     return f"{name} ({found})" if found else name
 
 
-def axis(values):
+def axis(values: Sequence[Any]) -> tuple[Array, list[str] | None]:
     """Places on an axis, and the labels of what is not a number."""
     if all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values):
         return np.array(values, dtype=float), None
@@ -67,13 +73,13 @@ def axis(values):
     return np.array([names.index(label) for label in labels], dtype=float), names
 
 
-def text(value):
+def text(value: Any) -> str:
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         return f"{value:.6g}"
     return value if isinstance(value, str) else json.dumps(value)
 
 
-def looks_logarithmic(values):
+def looks_logarithmic(values: Array) -> bool:
     """Positive, over more than a decade, and spread evenly rather by ratio."""
     values = np.unique(values[np.isfinite(values)])
     return (
@@ -84,13 +90,15 @@ def looks_logarithmic(values):
     )
 
 
-def is_even(values):
+def is_even(values: Array) -> bool:
     """Whether ascending values stand at equal distances or ratios, so that their number is a scale."""
     by_ratio = np.log(values) if values[0] > 0 else values
     return any(np.ptp(np.diff(v)) <= 1e-3 * np.abs(np.diff(v)).max() for v in (values, by_ratio))
 
 
-def others(table, against, label):
+def others(
+    table: Table, against: Sequence[str], label: Callable[[str], str]
+) -> tuple[str | None, list[str] | None, bool]:
     """What the lines of a picture are: a name for all, and that of each setting (None where there are too many); and whether
     nothing else varies along a line."""
     columns = {
@@ -107,7 +115,7 @@ def others(table, against, label):
     return (label(few[0]), columns[few[0]], False) if few else (None, None, not columns)
 
 
-def draw(table, output, against, path, units):
+def draw(table: Table, output: str, against: Sequence[str], path: Path, units: dict[str, str]) -> None:
     """`units`: of the scene's keys."""
     told = functools.partial(label, units=units)
     z, _ = axis(table.column(output))
@@ -140,7 +148,9 @@ def draw(table, output, against, path, units):
     save_picture(fig, path, dpi=120)
 
 
-def lines(ax, z, there, x, what, names, joined):
+def lines(
+    ax: Axes, z: Array, there: NDArray[np.bool_], x: Array, what: str | None, names: Any, joined: bool
+) -> None:
     """A line for each name; points alone where other inputs vary along it."""
     names = np.array(names if names else [""] * len(z))
     found = list(dict.fromkeys(names))
@@ -162,7 +172,14 @@ def lines(ax, z, there, x, what, names, joined):
         ax.legend(title=what, fontsize=8, title_fontsize=8)
 
 
-def cells(fig, ax, z, there, places, what):
+def cells(
+    fig: Figure,
+    ax: Axes,
+    z: Array,
+    there: NDArray[np.bool_],
+    places: Sequence[tuple[Array, list[str] | None]],
+    what: str,
+) -> None:
     """A cell for each pair of values that was run; the mean where other inputs were varied, too."""
     values = [np.unique(place) for place, _ in places]
     at = tuple(np.searchsorted(v, place[there]) for v, (place, _) in zip(values[::-1], places[::-1]))
@@ -189,7 +206,9 @@ def cells(fig, ax, z, there, places, what):
                 )
 
 
-def scale(set_scale, set_ticks, values, labels):
+def scale(
+    set_scale: Callable[[str], Any], set_ticks: Callable[..., Any], values: Array, labels: list[str] | None
+) -> None:
     if labels:
         set_ticks(range(len(labels)), labels)
     elif looks_logarithmic(values):

@@ -2,15 +2,15 @@
 """The kernels of a sweep: what their meshes refuse, found before the first one is computed, and computing them."""
 import json
 import re
+import subprocess
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Generator, Iterable, Iterator
 from pathlib import Path
-from typing import Any
 
 from ricochet import programs
 from ricochet.errors import ProgramError
-from ricochet.progress import Progress
 from ricochet.programs import Answer, Word
+from ricochet.progress import Progress
 from ricochet.studies.study import Study
 from ricochet.studies.workers import in_parallel
 
@@ -29,12 +29,12 @@ class Kernels:
 
     def __init__(self, study: Study, folder: Path, jobs: int, ranks: int) -> None:
         self.study, self.folder, self.jobs, self.ranks = study, folder, jobs, ranks
-        self.refused = {}  # by index: an answer as that of an impact
-        self.names = set()  # of the files of all settings
-        self.checked = {}  # by meshes: None or an answer
-        self.tried = set()  # files of the present round
+        self.refused: dict[int, Answer] = {}  # by index: an answer as that of an impact
+        self.names: set[str] = set()  # of the files of all settings
+        self.checked: dict[str, Answer | None] = {}  # by meshes: None or an answer
+        self.tried: set[str] = set()  # files of the present round
 
-    def ask(self, requests):
+    def ask(self, requests: Iterable[Answer]) -> Generator[tuple[int, bytes], None, None]:
         """Yields (index, answer as a line of JSON)."""
         words = programs.with_set(programs.settings(self.study.fixed))
         command = [
@@ -47,7 +47,7 @@ class Kernels:
         ]
         return in_parallel(self.jobs, programs.bound(command), requests)
 
-    def compute(self, missing):
+    def compute(self, missing: Files) -> None:
         """`missing`: by index the files that a setting lacks. Each is computed once, or its settings join `refused`."""
         self.tried = set()
         self._check(missing)
@@ -67,19 +67,20 @@ class Kernels:
             new = sorted(name for name, stamp in self._stamps().items() if before.get(name) != stamp)
             self.tried.update(new)
             self._derive(new, missing)
-            before, left = len(left), self._first_of_each(missing)
-            bar.advance(name, before - len(left))
+            remaining = self._first_of_each(missing)
+            bar.advance(name, len(left) - len(remaining))
+            left = remaining
 
-    def _words(self, index):
+    def _words(self, index: int) -> list[Word]:
         overrides = programs.with_set(programs.settings(self.study.fixed | self.study.settings[index]))
         return ["--quiet", "--out", self.folder, *overrides]
 
-    def _stamps(self):
+    def _stamps(self) -> dict[str, int]:
         return {path.name: path.stat().st_mtime_ns for path in self.folder.glob("*.kernel.h5")}
 
-    def _first_of_each(self, missing):
+    def _first_of_each(self, missing: Files) -> dict[str, int]:
         """By file that is still to be computed: the first setting that needs it."""
-        found = {}
+        found: dict[str, int] = {}
         for index, files in missing.items():
             if index not in self.refused:
                 for file in files:
@@ -87,7 +88,7 @@ class Kernels:
                         found.setdefault(file, index)
         return found
 
-    def _derive(self, new, missing):
+    def _derive(self, new: list[str], missing: Files) -> None:
         """What follows from a kernel that was computed needs no start of ricochet-kernel."""
         wanted = sorted(set(self._first_of_each(missing).values())) if new else []
         requests = (
@@ -98,7 +99,7 @@ class Kernels:
                 kernel["file"] for kernel in json.loads(line).get("kernels", []) if kernel["there"]
             )
 
-    def _refuse(self, index, failure, missing):
+    def _refuse(self, index: int, failure: ProgramError, missing: Files) -> None:
         """A setting, and others for the same reason: what is refused is so by its meshes, and where a computation broke down
         it was that of the first body whose kernel is not there."""
         there = self._stamps()
@@ -107,17 +108,17 @@ class Kernels:
             if blamed in files if failure.status == 1 else self._meshes(other) == self._meshes(index):
                 self.refused[other] = {"status": failure.status, "error": str(failure)}
 
-    def _meshes(self, index):
+    def _meshes(self, index: int) -> str:
         """What of a setting its meshes have to do with; all of it where reaches choose points by the place of bodies."""
         setting = self.study.fixed | self.study.settings[index]
         reach = "reach" in self.study.text or any("reach" in key for key in setting)
         return json.dumps({key: value for key, value in setting.items() if reach or not NUMBERS.match(key)})
 
-    def _check(self, missing):
+    def _check(self, missing: Files) -> None:
         """Lets ricochet-kernel check the meshes of all settings that need it, side by side. Those of the first kernel it
         checks anyway before it computes."""
         while True:
-            asked = {}
+            asked: dict[str, int] = {}
             for index in self._first_of_each(missing).values():
                 asked.setdefault(self._meshes(index), index)
             asked = {meshes: index for meshes, index in asked.items() if meshes not in self.checked}
@@ -132,9 +133,10 @@ class Kernels:
                     if answer := self.checked.get(self._meshes(index)):
                         self.refused[index] = answer
 
-    def _answers(self, asked):
+    def _answers(self, asked: dict[str, int]) -> Iterator[tuple[str, Answer | None]]:
         """Pairs of meshes and what their setting is refused with, or None. `asked`: index by meshes."""
-        running, waiting = deque(), iter(asked.items())
+        running: deque[tuple[str, subprocess.Popen[str]]] = deque()
+        waiting = iter(asked.items())
         try:
             while True:
                 while len(running) < self.jobs and (item := next(waiting, None)):

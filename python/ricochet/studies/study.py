@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Study files of ricochet sweep: which keys of a scene take which values."""
+from collections.abc import Iterable, Iterator
 import itertools
 import math
 import os
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -46,7 +48,7 @@ class Study:
             raise InputError(
                 f"{path}: scene: {self.scene}: {error.strerror}. Give the path of a scene, relative to the study."
             ) from None
-        self.title = table.get("title", utf8(path.stem))
+        self.title = table.get("title", utf8(Path(path.stem)))
         if not isinstance(self.title, str):
             raise InputError(f"{path}: title = {self.title}: give a text, in quotes")
         self.slug = slug(self.title)
@@ -73,7 +75,7 @@ class Study:
                 f"{path}: varies nothing: give [grid], [list] or [random] some keys of the scene"
             )
 
-    def _keys(self, table, name):
+    def _keys(self, table: dict[str, Any], name: str) -> dict[str, Any]:
         found = table.get(name, {})
         if not isinstance(found, dict):
             raise InputError(f"{self.path}: {name} must be a table of scene keys")
@@ -83,7 +85,7 @@ class Study:
             else found
         )
 
-    def _values(self, where, key, value):
+    def _values(self, where: str, key: str, value: Any) -> list[Any]:
         if isinstance(value, list) and value:
             return value
         if isinstance(value, dict) and {"from", "to", "steps"} <= set(value) <= {
@@ -105,7 +107,7 @@ class Study:
             f'{MOST} steps and, where both ends have the same sign, scale = "log"'
         )
 
-    def _rows(self, table):
+    def _rows(self, table: dict[str, Any]) -> list[dict[str, Any]]:
         columns = {key: self._values("list", key, value) for key, value in table.items()}
         if len({len(column) for column in columns.values()}) > 1:
             lengths = ", ".join(f"{key}: {len(column)}" for key, column in columns.items())
@@ -114,7 +116,7 @@ class Study:
             )
         return [dict(zip(columns, row)) for row in zip(*columns.values())] if columns else [{}]
 
-    def _draws(self, table):
+    def _draws(self, table: dict[str, Any]) -> list[dict[str, Any]]:
         if not table:
             return [{}]
         count, seed = table.pop("count", None), table.pop("seed", 1)
@@ -128,7 +130,7 @@ class Study:
             raise InputError(f"{self.path}: random: draws nothing: give it keys of the scene")
         return [dict(zip(columns, row)) for row in zip(*columns.values())]
 
-    def _draw(self, random, key, value, count):
+    def _draw(self, random: np.random.Generator, key: str, value: Any, count: int) -> list[Any]:
         if isinstance(value, dict) and len(value) == 1:
             ((kind, given),) = value.items()
             if kind == "choice" and isinstance(given, list) and given:
@@ -141,33 +143,36 @@ class Study:
                     return [float(v) for v in random.uniform(low, high, count)]
                 if kind == "log_uniform" and same_sign(low, high):
                     ends = sorted((math.log(abs(low)), math.log(abs(high))))
-                    return [float(v) for v in math.copysign(1, low) * np.exp(random.uniform(*ends, count))]
+                    return [
+                        float(v)
+                        for v in math.copysign(1, low) * np.exp(random.uniform(ends[0], ends[1], count))
+                    ]
         raise InputError(
             f'{self.path}: random."{key}" = {shown(value)}: give {{uniform = [low, high]}}, {{log_uniform = [low, high]}} '
             "of one sign, {normal = [mean, deviation]} or {choice = [values]}"
         )
 
 
-def numbers(*values):
+def numbers(*values: Any) -> bool:
     return all(isinstance(v, (int, float)) and not isinstance(v, bool) and math.isfinite(v) for v in values)
 
 
-def same_sign(low, high):
+def same_sign(low: float, high: float) -> bool:
     return min(low, high) > 0 or max(low, high) < 0
 
 
-def shown(value):
+def shown(value: Any) -> str:
     """In a message."""
     text = str(value)
     return text if len(text) < 200 else text[:200] + "…"
 
 
-def utf8(path):
+def utf8(path: Path) -> str:
     """As text to be stored, also where the file system's bytes are none."""
     return os.fsencode(path).decode(errors="replace")
 
 
-def unfit(value, depth=1):
+def unfit(value: Any, depth: int = 1) -> str:
     """What no scene takes, in words: "" of all that it may."""
     if depth > DEEPEST:
         return f"lists or tables are nested too deep: {DEEPEST} are the most"
@@ -184,7 +189,7 @@ def unfit(value, depth=1):
     return ""
 
 
-def flat(key, value, leaves=()):
+def flat(key: str, value: Any, leaves: Iterable[str] = ()) -> Iterator[tuple[str, Any]]:
     """Pairs (dotted key, value) of a nested TOML table: [grid.bodies.upper] young = [1, 2] and
     [grid] "bodies.upper.young" = [1, 2] say the same. A table of from, to, steps or of a draw is a value."""
     if (

@@ -6,6 +6,8 @@ import os
 import selectors
 import subprocess
 from collections import deque
+from collections.abc import Generator, Iterable, Iterator, Sequence
+from typing import Any
 
 from ricochet import programs
 
@@ -17,12 +19,13 @@ READ_BYTES = 1 << 20
 class Worker:
     """A ricochet-contact that answers requests in their order; started anew when it died."""
 
-    def __init__(self, command, selector):
+    def __init__(self, command: Sequence[str], selector: selectors.DefaultSelector) -> None:
         self.command, self.selector = command, selector
-        self.asked, self.rest, self.deaths = deque(), b"", 0  # asked: (index, line) without an answer
+        self.asked: deque[tuple[int, bytes]] = deque()  # without an answer
+        self.rest, self.deaths = b"", 0
         self.start()
 
-    def start(self):
+    def start(self) -> None:
         self.process = subprocess.Popen(
             self.command,
             stdin=subprocess.PIPE,
@@ -30,9 +33,11 @@ class Worker:
             env=os.environ | programs.ONE_THREAD,
             bufsize=0,
         )
-        self.selector.register(self.process.stdout, selectors.EVENT_READ, self)
+        assert self.process.stdin and self.process.stdout
+        self.requests, self.replies = self.process.stdin, self.process.stdout
+        self.selector.register(self.replies, selectors.EVENT_READ, self)
 
-    def fill(self, requests):
+    def fill(self, requests: Iterator[tuple[int, bytes]]) -> None:
         """Takes of `requests`, pairs of an index and a line, what it may have at hand."""
         while len(self.asked) < AHEAD and sum(len(line) for _, line in self.asked) < PIPE_BYTES:
             request = next(requests, None)
@@ -40,20 +45,20 @@ class Worker:
                 break
             self.ask(request)
 
-    def ask(self, request):
+    def ask(self, request: tuple[int, bytes]) -> None:
         self.asked.append(request)
         self.send(request[1])
 
-    def send(self, line):
+    def send(self, line: bytes) -> None:
         try:
-            self.process.stdin.write(line)
+            self.requests.write(line)
         except BrokenPipeError:
             pass  # its output tells
 
-    def answers(self):
+    def answers(self) -> Generator[tuple[int, bytes], None, None]:
         """Pairs of an index and an answer, a line. Where the program dies of a request twice the answer is {"died": true, …}:
         it may have been killed, and is to be asked again."""
-        found = os.read(self.process.stdout.fileno(), READ_BYTES)
+        found = os.read(self.replies.fileno(), READ_BYTES)
         if not found:
             yield from self.revive()
             return
@@ -62,7 +67,7 @@ class Worker:
             self.deaths = 0
             yield self.asked.popleft()[0], line
 
-    def revive(self):
+    def revive(self) -> Generator[tuple[int, bytes], None, None]:
         self.close()
         status = self.process.wait()
         self.rest, self.deaths = b"", self.deaths + 1
@@ -74,19 +79,21 @@ class Worker:
         for _, line in self.asked:
             self.send(line)
 
-    def close(self):
-        self.selector.unregister(self.process.stdout)
-        self.process.stdin.close()
-        self.process.stdout.close()
+    def close(self) -> None:
+        self.selector.unregister(self.replies)
+        self.requests.close()
+        self.replies.close()
 
-    def dismiss(self):
+    def dismiss(self) -> None:
         """Without a request the process ends by itself; else, and that may take as long as an impact, it is told to."""
         if self.asked:
             self.process.terminate()
         self.close()
 
 
-def in_parallel(jobs, command, requests):
+def in_parallel(
+    jobs: int, command: Sequence[str], requests: Iterable[Any]
+) -> Generator[tuple[int, bytes], None, None]:
     """Yields (index, answer as a line of JSON) of requests, Python objects, as up to `jobs` processes answer them."""
     waiting = ((index, json.dumps(request).encode() + b"\n") for index, request in enumerate(requests))
     with selectors.DefaultSelector() as selector:

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """The outcome of a trade-off study as tables and a picture of error against cost."""
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ricochet import files
-from ricochet.tradeoffs.points import COLUMNS, Point, cheapest, pareto
+from ricochet.tradeoffs.points import COLUMNS, Cost, Point, cheapest, pareto
 
 
 def write_csv(points: Sequence[Point], path: Path) -> None:
@@ -30,7 +31,8 @@ def front_table(front: Sequence[Point], impacts: int) -> str:
 
 def scheme_lines(points: Sequence[Point], error: float) -> str:
     """The shortest time of an impact with each scheme within the error, without the kernels."""
-    best, lines = {}, []
+    best: dict[str, Point | None] = {}
+    lines = []
     for scheme in dict.fromkeys(point.impact.scheme for point in points):
         own = [point for point in points if point.impact.scheme == scheme]
         found = best[scheme] = cheapest(own, error, lambda point: point.row["impact_s"])
@@ -46,10 +48,10 @@ def scheme_lines(points: Sequence[Point], error: float) -> str:
             )
         else:
             lines.append(f"{scheme}: the contact ends with none of the settings")
-    own = best.get("compliant")
-    for scheme, found in best.items():
-        if own and scheme != "compliant" and found:
-            factor = found.row["impact_s"] / own.row["impact_s"]
+    cheap = best.get("compliant")
+    for scheme, other in best.items():
+        if cheap and scheme != "compliant" and other:
+            factor = other.row["impact_s"] / cheap.row["impact_s"]
             lines.append(f"compliant is {factor:.0f} times cheaper than {scheme}")
     return "\n".join(lines)
 
@@ -60,13 +62,13 @@ def draw(points: Sequence[Point], floor: float, error: float, impacts: int, titl
     fig = Figure(figsize=(11, 4.6), layout="constrained")
     axes = fig.subplots(1, 2, sharey=True)
     shown = [point for point in points if math.isfinite(point.error) and point.error > 0]
-    families = {
+    families: dict[str, Callable[[Point], bool]] = {
         "modes and R": lambda p: p.kernel.basis == "modes" and p.kernel.residual,
         "modes alone": lambda p: p.kernel.basis == "modes" and not p.kernel.residual,
         "contact-adapted": lambda p: p.kernel.basis == "contact",
     }
     colours = {"compliant": "C0", "jump": "C3", "difference": "C1"}
-    panels = [
+    panels: list[tuple[Any, str, Cost]] = [
         (axes[0], "time of the kernels (s)", lambda p: p.row["kernel_s"]),
         (axes[1], "time of all steps of an impact (s)", lambda p: p.row["impact_s"]),
     ]

@@ -116,7 +116,7 @@ class Runner:
         if key in self.store.rows:
             return self.store.rows[key]
         folder = self.folder / self.kernel_key(kernel)
-        command = [
+        command: list[Word] = [
             programs.BIN / "ricochet-contact",
             self.scene.path,
             "--quiet",

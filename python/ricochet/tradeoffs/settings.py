@@ -124,12 +124,12 @@ class Axes:
         bases = [("modes", count, residual) for count in self.counts for residual in self.residual]
         bases += [("contact", error, True) for error in self.fitted if scene.band_hz]
         order, tolerance, spacing, band = scene.order, self.tolerances[0], scene.spacing, scene.band_hz
-        orders = self.orders if order is not None else [None]
+        orders: list[int | None] = [*self.orders] if order is not None else [None]
         spacings = [factor * spacing for factor in self.spacings] if spacing else [None]
         kernels: list[Kernel]
         if self.full:
             rest = itertools.product(orders, self.tolerances, spacings)
-            kernels = [Kernel(*basis, *values, band) for basis, values in itertools.product(bases, rest)]
+            kernels = [Kernel(*basis, o, t, s, band) for basis, (o, t, s) in itertools.product(bases, rest)]
         else:
             beside: list[tuple[str, float, bool]] = [("modes", max(self.counts), True)]
             beside += [basis for basis in bases if basis[0] == "contact"][:1]

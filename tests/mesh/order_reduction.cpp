@@ -1,5 +1,6 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The next lower element order on the same elements.
-#include "src/mesh/lower.hpp"
+#include "src/mesh/order_reduction.hpp"
 
 #include <gtest/gtest.h>
 
@@ -18,7 +19,7 @@ struct Case {
   int order;
 };
 
-/// Displacements that are polynomials of total degree `degree` in the place.
+/// Displacements that are polynomials of total degree `degree` in the position.
 Eigen::MatrixXd polynomial(const mesh::Mesh& mesh, int degree) {
   const int c = mesh.components();
   Eigen::MatrixXd values(mesh.owned_nodes * c, 1);
@@ -32,29 +33,29 @@ Eigen::MatrixXd polynomial(const mesh::Mesh& mesh, int degree) {
   return values;
 }
 
-class Lower : public testing::TestWithParam<Case> {};
+class OrderReduction : public testing::TestWithParam<Case> {};
 
-TEST_P(Lower, order_holds_the_polynomials_that_it_should) {
+TEST_P(OrderReduction, order_contains_the_polynomials_of_its_degree) {
   const mesh::GmshSession gmsh;
   const test::SharedFile file(".geo", GetParam().geo);
   const mesh::Mesh mesh = test::mesh_of(test::body_of(file.path(), GetParam().order));
-  const mesh::Lower lower(mesh);
+  const mesh::OrderReduction lower(mesh);
   const int degree = GetParam().order - 1;
   ASSERT_EQ(lower.mesh().order, degree);
-  const Eigen::MatrixXd error = lower.raise(polynomial(lower.mesh(), degree)) - polynomial(mesh, degree);
-  // Round-off of the values, up to 4.5^degree, and of gmsh's places.
+  const Eigen::MatrixXd error = lower.prolong(polynomial(lower.mesh(), degree)) - polynomial(mesh, degree);
+  // Round-off of the values, up to 4.5^degree, and of the positions by gmsh.
   EXPECT_LT(parallel::largest(mesh.comm, test::largest_entry(error)), 1e-13 * std::pow(4.5, degree) * 10);
 }
 
-// Of nested spaces the smaller one's matrices are projections of the larger one's: numbering, ghosts and
-// supports all show in this.
-TEST_P(Lower, order_has_the_matrices_that_its_displacements_have_in_the_higher_one) {
+// The matrices of the smaller of two nested spaces are projections of those of the larger: the test covers
+// numbering, ghosts and supports.
+TEST_P(OrderReduction, order_has_the_projected_matrices_of_the_higher_one) {
   const mesh::GmshSession gmsh;
   const test::SharedFile file(".geo", GetParam().geo);
   scene::Body given = test::body_of(file.path(), GetParam().order);
   if (GetParam().name != std::string("rod")) given.support = {{"bottom", "xz"}};
   const mesh::Mesh mesh = test::mesh_of(given);
-  const mesh::Lower lower(mesh);
+  const mesh::OrderReduction lower(mesh);
   const elasticity::Body body = elasticity::assemble(mesh, given.materials, "test"),
                          below = elasticity::assemble(lower.mesh(), given.materials, "test");
   EXPECT_NEAR(below.total_mass, body.total_mass, 1e-12 * body.total_mass);
@@ -63,14 +64,14 @@ TEST_P(Lower, order_has_the_matrices_that_its_displacements_have_in_the_higher_o
     const auto row = static_cast<double>(lower.mesh().first_node * mesh.components() + i);
     x.row(i) << std::sin(row), std::cos(3 * row);
   }
-  // Held displacements are no part of the space.
+  // Held displacements do not belong to the space.
   for (std::size_t i = 0; i < lower.mesh().node.size(); ++i) {
     const std::int64_t row = lower.mesh().node[i] - lower.mesh().first_node;
     if (row < 0 || row >= lower.mesh().owned_nodes) continue;
     for (int k = 0; k < mesh.components(); ++k)
       if (lower.mesh().is_fixed(i, k)) x.row(row * mesh.components() + k).setZero();
   }
-  const Eigen::MatrixXd raised = lower.raise(x);
+  const Eigen::MatrixXd raised = lower.prolong(x);
   for (const bool mass : {false, true}) {
     const Eigen::MatrixXd expected = modes::inner(mesh.comm, raised,
                                                   test::product(mass ? body.mass : body.stiffness, raised)),
@@ -80,7 +81,7 @@ TEST_P(Lower, order_has_the_matrices_that_its_displacements_have_in_the_higher_o
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Elements, Lower,
+INSTANTIATE_TEST_SUITE_P(Elements, OrderReduction,
                          testing::Values(Case{"tet_2", test::block_geo("tet", 2, 0), 2},
                                          Case{"tet_3", test::block_geo("tet", 2, 0), 3},
                                          Case{"tet_5", test::block_geo("tet", 1, 0), 5},

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Internal to src/scene: checked access to a TOML table.
 #pragma once
 
@@ -6,33 +7,32 @@
 #include <toml++/toml.h>
 #include <array>
 #include <initializer_list>
+#include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "ricochet/error.hpp"
+#include "ricochet/units.hpp"
 #include "src/scene/keys.hpp"
-#include "src/scene/scene.hpp"
 
 namespace ricochet::scene {
 
-/// `text` with the keys of one "--set" applied, each value parsed as TOML, else taken as a bare string.
-void apply_override(toml::table& root, const Override& text);
-
-/// `text` as TOML. Throws what the parser throws, and InputError that begins with `origin` for keys that nest
-/// deeper than tables can be taken down again.
+/// Parses `text` as TOML. Throws the exceptions of the parser, and InputError that begins with `origin` for
+/// keys nested so deeply that destroying the tables would exhaust the stack.
 toml::table parse_toml(const std::string& text, const std::string& origin);
 
-/// `text` with line breaks and other control characters as spaces: complaints are one line whatever keys
-/// hold.
+/// `text` with control characters replaced by spaces, so that errors are one line whatever keys contain.
 std::string one_line(std::string text);
 
-/// Numbers farther from 1 than this factor are refused: their squares, and products with their like, leave
-/// what arithmetic can hold.
+/// Numbers must be 0 or have a magnitude between 1/largest_number and largest_number, so that their squares
+/// and products do not overflow.
 constexpr double largest_number = 1e30;
 
-/// Reads keys of one table, holds them to what its section says, remembers which, and complains in one line:
-/// "FILE: dotted.key = value: what. fix." A key that its section does not describe is a std::logic_error.
+/// Reads the keys of one table, enforces the ranges of its section, records which keys were read, and reports
+/// errors in one line: "FILE: dotted.key = value: what. fix." Reading a key that the section does not
+/// describe is a std::logic_error.
 class Table {
  public:
   /// `keys` must outlive the table.
@@ -46,9 +46,9 @@ class Table {
   std::optional<bool> boolean(const std::string& key);
   std::optional<std::string> text(const std::string& key);
   std::optional<Vector3> vector(const std::string& key);
-  /// A vector of any length but 0, at length 1.
+  /// A vector of any length but 0, normalised.
   std::optional<Vector3> direction(const std::string& key);
-  /// Two numbers, neither negative; `names` are for the complaint.
+  /// Two numbers, neither negative; `names` appear in the error.
   std::optional<std::array<double, 2>> pair(const std::string& key, const char* names);
   /// A string or a list of strings.
   std::vector<std::string> texts(const std::string& key);
@@ -57,11 +57,11 @@ class Table {
   std::vector<std::pair<std::string, Table>> tables(const Section& keys) const;
   /// Entries of an array of tables.
   std::vector<Table> array(const std::string& key, const Section& keys);
-  /// Every entry must be a string: group → components.
+  /// A table whose entries must all be strings.
   std::map<std::string, std::string> strings(const std::string& key);
   std::map<std::string, double> numbers(const std::string& key);
 
-  /// Throws for a key that no call asked for, naming the nearest known one.
+  /// Throws InputError for a key that was not read, with the most similar known key.
   void refuse_unknown() const;
 
   [[noreturn]] void complain(const std::string& key, const std::string& what) const;
@@ -70,15 +70,15 @@ class Table {
   const toml::table& raw() const { return table_; }
 
  private:
-  /// No keys: names are the user's.
+  /// Without `keys` any name is accepted.
   Table(const toml::table& table, const Section* keys, std::string file, std::string where)
       : table_(table), keys_(keys), file_(std::move(file)), where_(std::move(where)) {}
-  /// The key's value, null when it is not given. Remembers that it was asked for.
+  /// The value of the key, or null if it is absent. Records that it was read.
   const toml::node* value(const std::string& key, std::initializer_list<Type> types);
   std::optional<Table> free_table(const std::string& key, Type type);
   Vector3 vector_at(const std::string& key, const toml::node& node, double largest) const;
   void check_range(const std::string& key, double value) const;
-  /// The table itself when `key` is empty.
+  /// The dotted name of `key`; of the table itself if `key` is empty.
   std::string dotted(const std::string& key) const {
     return where_.empty() || key.empty() ? where_ + key : where_ + "." + key;
   }
@@ -88,14 +88,5 @@ class Table {
   std::string file_, where_;
   std::set<std::string> known_;
 };
-
-/// The keys of a body that its kernel depends on, but for its mesh.
-void read_body_matter(Table& table, Body& body);
-
-/// The table [modes] of `root`, where `accuracy` may choose what is left open.
-Modes read_modes(Table& root, const std::optional<double>& accuracy = {});
-
-/// [contact], once the scene's bodies and obstacles are known.
-Contact read_contact(Table& root, const Scene& scene);
 
 }  // namespace ricochet::scene

@@ -1,4 +1,5 @@
-#include "src/modes/examine.hpp"
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/modes/validate.hpp"
 
 #include <fmt/format.h>
 
@@ -8,12 +9,12 @@
 
 namespace ricochet::modes {
 
-void examine(const mesh::Mesh& mesh, const elasticity::Body& body, Factorisation& factor,
-             const std::string& origin) {
+void validate_matrices(const mesh::Mesh& mesh, const elasticity::Body& body, Factorisation& factor,
+                       const std::string& origin) {
   const Operators operators(mesh, body);
   const double most = operators.stiffest();
 
-  // Printed matrices have 13 digits or so, which round-off of many elements adds to.
+  // Printed matrices have about 13 digits, and the sums of many elements add round-off.
   constexpr double grounded = 1e-9;
   const Eigen::Index rigid = operators.rigid.cols();
   if (rigid > 0) {
@@ -24,12 +25,12 @@ void examine(const mesh::Mesh& mesh, const elasticity::Body& body, Factorisation
     if (left > grounded)
       throw InputError(fmt::format(
           "{}: the stiffness resists rigid motion (by {:.2g} of its largest entry): leave supports out of it "
-          "and name them in the scene's support, or leave out the rows that they hold; row 3·node + k has to "
+          "and name them in the scene's support, or leave out the rows that they hold; row 3·node + k must "
           "be displacement k of a node",
           origin, left));
   }
 
-  // A direction in which M is negative has an eigenvalue below any −K/M of the body.
+  // A direction with negative M gives an eigenvalue below any −K/M of the body.
   constexpr double beyond = 1e6;
   factor.factor(-beyond * most);
   if (factor.below() > 0)
@@ -47,8 +48,8 @@ void examine(const mesh::Mesh& mesh, const elasticity::Body& body, Factorisation
                                  origin, negative));
   if (at_zero != rigid)
     throw InputError(fmt::format(
-        "{}: the stiffness has {} modes at zero frequency, but {} rigid motions are free: parts that nothing "
-        "joins, or nodes without an element",
+        "{}: the stiffness has {} modes at zero frequency, but {} rigid motions are free: there may be "
+        "unconnected parts, or nodes without an element",
         origin, at_zero, rigid));
 }
 

@@ -235,7 +235,7 @@ TEST(Blocks, that_are_taken_back_start_again_as_new_ones) {
     run(block, used, *stepper, steps, force);
     block.take_back();
     EXPECT_TRUE(block.over());
-    EXPECT_EQ(block.watched(), 0);
+    EXPECT_EQ(block.kept(), 0);
     run(block, used, *stepper, 1, force);
     run(fresh, unused, *stepper, 1, expected);
     EXPECT_GT(expected.maxCoeff(), 0);

@@ -1,4 +1,5 @@
-#include "src/mesh/lower.hpp"
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/mesh/order_reduction.hpp"
 
 #include <gmsh.h>
 
@@ -31,7 +32,7 @@ ReferenceElement of_order(Family family, int order) {
   return reference_element(gmsh::model::mesh::getElementType(name_of(family), order));
 }
 
-/// Functions of `element` at the nodes of `at`. (nodes of at, nodes of element)
+/// Shape functions of `element` at the nodes of `at`. (nodes of at, nodes of element)
 Table functions_at(const ReferenceElement& element, const ReferenceElement& at) {
   std::vector<double> local(static_cast<std::size_t>(3 * at.nodes), 0.0);
   for (int a = 0; a < at.nodes; ++a)
@@ -41,10 +42,9 @@ Table functions_at(const ReferenceElement& element, const ReferenceElement& at) 
   return Eigen::Map<const Table>(basis.value.data(), basis.points, basis.nodes);
 }
 
-/// One element type at both orders.
+/// One element type in both orders.
 struct Pair {
-  /// The inside of a corner, edge, face or of the element: which corners span it, and the nodes that lie
-  /// there.
+  /// The interior of a corner, edge, face or element: the corners that span it, and the nodes that lie in it.
   struct Inside {
     std::vector<int> corner, high, low;
   };
@@ -75,8 +75,8 @@ struct Pair {
   std::vector<Inside> parts;
 };
 
-/// Which node of an element each of its nodes of the lower order takes: both in an order that all elements
-/// about an edge or a face share.
+/// Chooses, for each node of the lower order, a node of the element. Both are sorted in an order that all
+/// elements around an edge or a face share.
 void match(const Pair& pair, const Mesh& mesh, const std::int64_t* nodes, std::vector<std::int64_t>& taken) {
   const auto canonical = [&](int a) { return mesh.canonical[static_cast<std::size_t>(nodes[a])]; };
   const auto by_number = [&](int a, int b) { return canonical(a) < canonical(b); };
@@ -99,7 +99,7 @@ void match(const Pair& pair, const Mesh& mesh, const std::int64_t* nodes, std::v
 
 }  // namespace
 
-Lower::Lower(const Mesh& mesh) : start_(static_cast<std::size_t>(mesh.owned_nodes) + 1, 0) {
+OrderReduction::OrderReduction(const Mesh& mesh) : start_(static_cast<std::size_t>(mesh.owned_nodes) + 1, 0) {
   mesh_.comm = mesh.comm;
   mesh_.dim = mesh.dim;
   mesh_.order = mesh.order - 1;
@@ -108,7 +108,7 @@ Lower::Lower(const Mesh& mesh) : start_(static_cast<std::size_t>(mesh.owned_node
   mesh_.parts = mesh.parts;
   mesh_.own = mesh.own;
 
-  // Nodes of the lower order by the local ones that they take, and their places.
+  // Nodes of the lower order, identified by local nodes of the higher one, and their positions.
   std::vector<std::int64_t> taken;
   std::vector<double> position(mesh.position.size());
   const auto owned_row = [&](std::int64_t node) {
@@ -149,7 +149,7 @@ Lower::Lower(const Mesh& mesh) : start_(static_cast<std::size_t>(mesh.owned_node
   taken.erase(std::unique(taken.begin(), taken.end()), taken.end());
   number(mesh, taken);
 
-  // From local nodes of the higher order to those of the lower one.
+  // Renumber from local nodes of the higher order to those of the lower one.
   const auto local = [&](std::int64_t node) {
     return std::lower_bound(taken.begin(), taken.end(), node) - taken.begin();
   };
@@ -173,8 +173,8 @@ Lower::Lower(const Mesh& mesh) : start_(static_cast<std::size_t>(mesh.owned_node
   prepare_exchange();
 }
 
-void Lower::number(const Mesh& mesh, const std::vector<std::int64_t>& taken) {
-  // Local nodes are in the order of their global numbers, and so are those that are taken.
+void OrderReduction::number(const Mesh& mesh, const std::vector<std::int64_t>& taken) {
+  // Local nodes, and therefore also the chosen ones, are in the order of their global numbers.
   std::vector<std::int64_t> tags, numbers;
   for (const std::int64_t node : taken) {
     const auto i = static_cast<std::size_t>(node);
@@ -194,7 +194,7 @@ void Lower::number(const Mesh& mesh, const std::vector<std::int64_t>& taken) {
   mesh_.node = directory.combined(numbers, [](auto a, auto b) { return std::max(a, b); });
 }
 
-void Lower::prepare_exchange() {
+void OrderReduction::prepare_exchange() {
   const auto ranks = static_cast<std::size_t>(parallel::size_of(mesh_.comm));
   std::vector<std::int64_t> first(ranks);
   MPI_Allgather(&mesh_.first_node, 1, MPI_INT64_T, first.data(), 1, MPI_INT64_T, mesh_.comm);
@@ -213,15 +213,15 @@ void Lower::prepare_exchange() {
     for (std::int64_t& node : list) node -= mesh_.first_node;
 }
 
-Eigen::MatrixXd Lower::raise(const Eigen::Ref<const Eigen::MatrixXd>& columns) const {
+Eigen::MatrixXd OrderReduction::prolong(const Eigen::Ref<const Eigen::MatrixXd>& columns) const {
   const Eigen::Index c = mesh_.components(), n = columns.cols();
-  // All local nodes' values, those of others fetched.
-  std::vector<std::vector<double>> told(asked_.size());
+  // Values at all local nodes, including those fetched from other ranks.
+  std::vector<std::vector<double>> answers(asked_.size());
   for (std::size_t r = 0; r < asked_.size(); ++r)
     for (const std::int64_t row : asked_[r])
       for (Eigen::Index j = 0; j < n; ++j)
-        for (Eigen::Index k = 0; k < c; ++k) told[r].push_back(columns(row * c + k, j));
-  const std::vector<std::vector<double>> heard = parallel::exchange(mesh_.comm, told);
+        for (Eigen::Index k = 0; k < c; ++k) answers[r].push_back(columns(row * c + k, j));
+  const std::vector<std::vector<double>> received = parallel::exchange(mesh_.comm, answers);
   Eigen::MatrixXd all(static_cast<Eigen::Index>(mesh_.node.size()) * c, n);
   for (std::size_t i = 0; i < mesh_.node.size(); ++i) {
     const std::int64_t row = mesh_.node[i] - mesh_.first_node;
@@ -231,7 +231,7 @@ Eigen::MatrixXd Lower::raise(const Eigen::Ref<const Eigen::MatrixXd>& columns) c
   for (std::size_t r = 0; r < ghost_.size(); ++r)
     for (std::size_t g = 0; g < ghost_[r].size(); ++g)
       all.middleRows(ghost_[r][g] * c, c) =
-          Eigen::Map<const Eigen::MatrixXd>(&heard[r][g * static_cast<std::size_t>(n * c)], c, n);
+          Eigen::Map<const Eigen::MatrixXd>(&received[r][g * static_cast<std::size_t>(n * c)], c, n);
 
   Eigen::MatrixXd raised = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(start_.size() - 1) * c, n);
   for (Eigen::Index j = 0; j < n; ++j)

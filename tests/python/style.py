@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""The Python package is formatted by Debian's black, and flake8 and mypy (strict) have no complaint. Each tool runs on its own."""
+
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+from programs import SOURCE
+
+PYTHON = SOURCE / "python"
+
+
+class Style(unittest.TestCase):
+    def check(self, *command):
+        if not shutil.which(command[0]):
+            self.skipTest(f"{command[0]} is not installed: scripts/setup --tests")
+        done = subprocess.run([*map(str, command)], cwd=PYTHON, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
+    def test_black_leaves_the_package_as_it_is(self):
+        self.check("black", "--check", "--quiet", "--config", "pyproject.toml", "ricochet")
+
+    def test_flake8_has_no_complaint(self):
+        self.check("flake8", "--config", ".flake8", "ricochet")
+
+    def test_types_agree(self):
+        with tempfile.TemporaryDirectory(prefix="ricochet-mypy-") as cache:
+            self.check("mypy", "--cache-dir", cache, "ricochet")
+
+
+if __name__ == "__main__":
+    unittest.main()
