@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // One search for modes of a body of a scene, timed from assembled matrices to shapes in hand, by this
 // program's engines or one of their peers:
 //

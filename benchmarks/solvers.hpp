@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The solvers that are timed, from assembled matrices to shapes in hand.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Fewer contact points in place of those of a model, as kernels with a wider spacing would have them.
 #pragma once
 

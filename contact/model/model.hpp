@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Two or more bodies and the pairs of surfaces that may touch, as one constant modal system.
 //
 // Modes of all bodies are stacked in q (N); paired candidates of all pairs are stacked in i (m).

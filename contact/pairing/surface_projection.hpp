@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Candidate surfaces in the world, and the projection of a point onto them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A body from its mesh to its matrices, on teams of ranks as memory allows.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // ricochet-kernel: from a scene to one kernel file a body.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/programs/recast_run.hpp"
 
 #include <fmt/format.h>

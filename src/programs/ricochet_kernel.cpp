@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // ricochet-kernel SCENE.toml: elastic modes of each body, kept where contact can see them.
 //
 //   mpirun -n 2 ricochet-kernel meshes/two-disks/two-disks.toml

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Impulses at the exact instants of closing.
 #include <gmock/gmock.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Loads with histories and supports that move: modes and energy against Runge–Kutta steps of the equation of
 // motion itself, bars against their waves and statics.
 #include "contact/stepping/forced_response.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Histories: values, slopes, integrals, and files that are refused in one line.
 #include "contact/input/history_file.hpp"
 #include "contact/model/history.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Blocks of steps against plain ones: the same forces and motion to round-off, whatever is left out of sight.
 #include "contact/stepping/look_ahead_block.hpp"
 

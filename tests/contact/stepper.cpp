@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // What must hold of every model and step: energy, the conditions of contact, the ledger, no memory taken.
 #include "contact/stepping/stepper.hpp"
 

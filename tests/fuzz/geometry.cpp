@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A .geo file: the parameters that it defines, and its hash with all that it includes, itself perhaps.
 //
 // gmsh does not see it: its language runs commands.

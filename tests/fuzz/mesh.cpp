@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A .msh file, read as a whole body, as one with named parts, and as a part of a split mesh.
 //
 // What is accepted has its numbers in range, and becomes matrices or is refused in one line.

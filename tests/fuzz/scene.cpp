@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A scene, and behind a line "---" overrides, a line each.
 //
 // An accepted scene, written out, is read back as the same scene, and what its kernels say of themselves is
