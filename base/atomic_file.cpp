@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "base/atomic_file.hpp"
 
 #include <fcntl.h>
@@ -27,7 +28,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kEnding = ".partial";
 
-/// What a handler of signals can read: no allocation, no lock.
+/// Data that a signal handler can read: no allocation, no lock.
 struct Listed {
   std::atomic<bool> taken = false, ready = false;
   std::array<char, PATH_MAX> path{};
@@ -35,7 +36,7 @@ struct Listed {
 std::array<Listed, 32> listed;
 static_assert(std::atomic<bool>::is_always_lock_free);
 
-/// A signal that comes while a file is made finds it listed.
+/// Ensures that a file is listed before a signal can arrive.
 class SignalsWait {
  public:
   SignalsWait() {
@@ -51,7 +52,7 @@ class SignalsWait {
   sigset_t before_{};
 };
 
-/// @return its place, or -1 when there is none: then the next writer removes what a killed one left.
+/// @return its entry, or -1 if there is none: the next writer then removes the file of a killed process
 int list(const std::string& path) {
   for (std::size_t k = 0; k < listed.size() && path.size() < PATH_MAX; ++k)
     if (!listed[k].taken.exchange(true)) {
@@ -71,7 +72,7 @@ void unlist(int slot) {
 
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : "."; }
 
-/// Whether `name` is one that a AtomicFile for `target` may have.
+/// Whether `name` may belong to an AtomicFile for `target`.
 bool is_temporary_of(const std::string& name, const std::string& target) {
   const std::string begin = target + ".", end = kEnding;
   if (name.size() <= begin.size() + end.size() || !name.starts_with(begin) || !name.ends_with(end))
@@ -79,7 +80,7 @@ bool is_temporary_of(const std::string& name, const std::string& target) {
   return name.find_first_not_of("0123456789-", begin.size()) == name.size() - end.size();
 }
 
-/// Where a file system has no locks, nothing tells who lives: files stay.
+/// On a file system without locks, running writers cannot be recognised, so files stay.
 void remove_if_left(const fs::path& path) {
   const int descriptor = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
   if (descriptor < 0) return;
@@ -95,8 +96,8 @@ void remove_left(const fs::path& target) {
       remove_if_left(entry->path());
 }
 
-/// Whether `path` still names what `descriptor` has open: another writer may have taken it for left behind
-/// before it was locked.
+/// Whether `path` still names the file that `descriptor` has open: before it was locked, another writer may
+/// have removed it as an abandoned one.
 bool names(const fs::path& path, int descriptor) {
   struct stat there {
   }, mine{};
@@ -114,7 +115,7 @@ bool names(const fs::path& path, int descriptor) {
 
 AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)) {
   remove_left(target_);
-  // Processes of two machines may have one number.
+  // Processes on two machines may have the same number.
   for (int attempt = 0; attempt < 100; ++attempt) {
     path_ = target_;
     path_ += fmt::format(".{}{}{}", ::getpid(), attempt > 0 ? fmt::format("-{}", attempt) : "", kEnding);
@@ -134,7 +135,7 @@ AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)) {
 
 AtomicFile::~AtomicFile() {
   if (descriptor_ < 0) return;
-  // What HDF5 could not close keeps the file open: its space is free all the same.
+  // HDF5 may keep a file open that it could not close; truncation frees its space nevertheless.
   (void)!::ftruncate(descriptor_, 0);
   ::unlink(path_.c_str());
   unlist(slot_);
@@ -149,7 +150,7 @@ void AtomicFile::commit(const fs::path& outdated) {
   if (::rename(path_.c_str(), target_.c_str()) != 0) base::fail(target_, errno);
   unlist(slot_);
   ::close(std::exchange(descriptor_, -1));
-  // Some file systems can't sync a folder; the file itself is whole either way.
+  // Some file systems cannot sync a folder; the file itself is complete in any case.
   const int opened = ::open(folder_of(target_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (opened < 0) return;
   ::fsync(opened);
@@ -166,7 +167,7 @@ void check_place(const fs::path& file, double bytes) {
   std::error_code failed;
   fs::create_directories(folder, failed);
   if (failed)
-    throw InputError(fmt::format("{}: can't make this folder ({}): choose another with --out",
+    throw InputError(fmt::format("{}: cannot create this folder ({}): choose another with --out",
                                  folder.string(), failed.message()));
   const AtomicFile probe(file);
   struct statvfs disk {};

@@ -1,11 +1,13 @@
-// Files that have their final names only when they are whole, whatever ends the program that writes them.
+// SPDX-License-Identifier: BSD-2-Clause
+// Files that take their final name only once they are complete, even if the program that writes them is
+// killed.
 //
 //   AtomicFile file("out/body.kernel.h5");     // makes out/body.kernel.h5.<process>.partial
 //   write_to(file.path());
-//   file.commit();                            // synced, then renamed
+//   file.commit();                             // syncs, then renames
 //
-// The file is locked as long as its writer lives: so the next writer of the same name tells what a killed
-// one left, and removes it.
+// The writer holds a lock on its temporary file. The next writer of the same name therefore recognises and
+// removes what a killed writer left.
 #pragma once
 
 #include <filesystem>
@@ -14,7 +16,7 @@ namespace ricochet::base {
 
 class AtomicFile {
  public:
-  /// An empty file beside `target`. Throws InputError when it can't be made.
+  /// Creates an empty file beside `target`. Throws InputError if it cannot be created.
   explicit AtomicFile(std::filesystem::path target);
   /// Removes the file unless it was committed.
   ~AtomicFile();
@@ -24,25 +26,25 @@ class AtomicFile {
   const std::filesystem::path& target() const { return target_; }
   const std::filesystem::path& path() const { return path_; }
 
-  /// Throws the InputError of a file that could not be written.
+  /// Throws an InputError: the file could not be written.
   [[noreturn]] void fail() const;
 
-  /// Syncs the file to the disk, gives it its final name, and syncs the folder. Whoever wrote to `path` has
-  /// closed it. Throws InputError when any of it fails; then what had the final name still has it.
-  /// @param outdated  a file that tells of the one to be replaced: removed just before
+  /// Syncs the file to disk, gives it its final name, and syncs the folder. The file at `path` must be
+  /// closed. Throws InputError on failure; a file that had the final name before still has it then.
+  /// @param outdated  a file that describes the one to be replaced; it is removed just before
   void commit(const std::filesystem::path& outdated = {});
 
  private:
   std::filesystem::path target_, path_;
   int descriptor_ = -1;  ///< holds the lock
-  int slot_ = -1;        ///< in the list of remove_unfinished_files
+  int slot_ = -1;        ///< entry in the list of remove_unfinished_files
 };
 
-/// Removes the temporary files of this process. For handlers of signals that end it.
+/// Removes the temporary files of this process. Signal handlers that end the process may call it.
 void remove_unfinished_files() noexcept;
 
-/// Makes the folder of `file` where it is missing, and a AtomicFile for a try. Throws InputError when that
-/// fails, or when fewer than `bytes` are free there.
+/// Creates the folder of `file` if it is missing, and creates and removes an AtomicFile as a trial. Throws
+/// InputError if that fails, or if fewer than `bytes` are free there.
 void check_place(const std::filesystem::path& file, double bytes = 0);
 
 }  // namespace ricochet::base

@@ -9,7 +9,7 @@
 namespace ricochet::base {
 namespace {
 
-/// Positional below 1e16 and from 1e-4 on, as people write numbers; scientific beyond.
+/// Positional notation from 1e-4 to below 1e16, scientific notation otherwise.
 std::chars_format notation(double value) {
   const double size = std::abs(value);
   return size == 0 || (size >= 1e-4 && size < 1e16) ? std::chars_format::fixed

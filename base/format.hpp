@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Messages of the core, which needs the standard library alone: std::format's place until compilers have it.
+// Formatting of messages for the core, which depends on the standard library alone. Replaces std::format
+// until the supported compilers have it.
 #pragma once
 
 #include <concepts>
@@ -10,8 +11,8 @@
 
 namespace ricochet::base {
 
-/// A value of a message. Numbers print as the shortest text that reads back to them; in "{:.Ng}" with N
-/// digits.
+/// A value in a message. A number prints as the shortest text that reads back to it, or with N digits for
+/// "{:.Ng}".
 class FormatArgument {
  public:
   FormatArgument(std::string_view text) : kind_(Kind::text), text_(text) {}
@@ -31,7 +32,7 @@ class FormatArgument {
   std::int64_t integer_ = 0;
 };
 
-/// Replaces "{}" and "{:.Ng}" by the arguments in their order.
+/// Replaces "{}" and "{:.Ng}" by the arguments, in order.
 std::string format_arguments(std::string_view text, std::initializer_list<FormatArgument> arguments);
 
 template <class... Arguments>

@@ -1,7 +1,8 @@
-// What readers and writers of HDF5 files share: shapes, element types and the owner of an identifier. The header
-// needs no HDF5 header; handles never leave these classes.
+// SPDX-License-Identifier: BSD-2-Clause
+// Types shared by the readers and writers of HDF5 files: shapes, element types and the owner of an
+// identifier. No HDF5 header is needed here; handles never leave these classes.
 //
-// HDF5's own error printing is switched off for good, and so is its closing of files at program exit.
+// The error printing of HDF5 is switched off permanently, and so is its closing of files at program exit.
 #pragma once
 
 #include <concepts>
@@ -15,7 +16,7 @@ namespace ricochet::base::hdf5 {
 
 using Shape = std::vector<std::size_t>;
 
-/// In an expected shape: a dimension of any length.
+/// Matches any length in an expected shape.
 inline constexpr std::size_t any = static_cast<std::size_t>(-1);
 
 /// "(5, 3)"; a dimension `any` is written "*".

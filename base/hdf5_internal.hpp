@@ -1,7 +1,9 @@
-// What the writer and the reader of HDF5 files share. Not for other folders: it needs the HDF5 headers.
+// SPDX-License-Identifier: BSD-2-Clause
+// Shared by the writer and the reader of HDF5 files. Not for other folders, because it needs the HDF5
+// headers.
 #pragma once
 
-// Later releases of HDF5 still offer the functions of 1.10 by their old names.
+// Later releases of HDF5 still offer the functions of version 1.10 by their old names.
 #define H5_USE_110_API
 #include <hdf5.h>
 
@@ -11,9 +13,11 @@ namespace ricochet::base::hdf5 {
 
 static_assert(std::same_as<hid_t, std::int64_t>);
 
-/// HDF5 prints its own error stack; ours are one line. For the thread and for good: were printing restored, a
-/// damaged file would make HDF5 complain once more when the program ends.
-/// And when the program ends HDF5 closes no file: one that a full disk keeps from closing crashes it there.
+/// Suppresses the error stack that HDF5 prints, because our errors are one line. This holds for the thread
+/// and permanently: if printing were restored, a damaged file would make HDF5 print again when the program
+/// ends.
+/// HDF5 also closes no files at exit: closing a file that a full disk keeps from being closed would crash
+/// there.
 inline void silence() {
   static const herr_t never_at_exit = H5dont_atexit();
   (void)never_at_exit;
@@ -30,8 +34,8 @@ hid_t memory_type() {
     return H5T_NATIVE_INT64;
 }
 
-/// Final names only ever belong to whole files, so locks protect nothing, and some network file systems lack
-/// locks.
+/// Disables file locks. Only complete files have their final name, so locks protect nothing, and some network
+/// file systems do not support them.
 inline Id unlocked_access() {
   Id list(H5Pcreate(H5P_FILE_ACCESS));
   H5Pset_file_locking(list.get(), false, true);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "base/hdf5_reader.hpp"
 
 #include <fmt/format.h>
@@ -17,11 +18,11 @@
 namespace ricochet::base::hdf5 {
 namespace {
 
-/// A dataset never needs more memory than this times the file's size (room for narrow or compressed data,
-/// none for bombs) and a little for chunks that are not full.
+/// A dataset may need at most this many times the size of the file in memory (which allows for narrow or
+/// compressed data, but not for decompression bombs), plus a little for chunks that are not full.
 constexpr std::uintmax_t kMemoryPerFileByte = 64, kMemoryOfSmallFiles = 1 << 20;
 
-/// Product of `shape` and `element`, or the largest number when it overflows.
+/// Product of `shape` and `element`, or the largest number if it overflows.
 std::uintmax_t bytes_of(std::span<const hsize_t> shape, std::uintmax_t element) {
   std::uintmax_t bytes = element;
   if (std::ranges::find(shape, hsize_t{0}) != shape.end()) return 0;
@@ -33,8 +34,8 @@ std::uintmax_t bytes_of(std::span<const hsize_t> shape, std::uintmax_t element) 
   return bytes;
 }
 
-/// The data lies in this file, behind filters that every HDF5 has, and no chunk of it needs more than `bound`
-/// bytes.
+/// Whether the data is stored in this file, behind filters that every HDF5 has, and no chunk of it needs more
+/// than `bound` bytes.
 bool data_is_inside(hid_t dataset, std::uintmax_t element, std::uintmax_t bound) {
   const Id list(H5Dget_create_plist(dataset));
   const H5D_layout_t layout = H5Pget_layout(list.get());
@@ -78,13 +79,13 @@ Reader::Reader(std::filesystem::path path, std::string advice)
 
 void Reader::fail(const std::string& what) const {
   std::string line = fmt::format("{}: {} {}", path_.string(), what, advice_);
-  // Values of the file may be quoted.
+  // The message may quote values of the file.
   std::ranges::replace_if(
       line, [](unsigned char c) { return c < 32 || c == 127; }, ' ');
   throw InputError(line);
 }
 
-/// Of something that is there: nothing else than a group may be where a group belongs.
+/// Checks that an existing object is a group, where a group is required.
 void Reader::check_group(const std::string& name) const {
   H5O_info_t info{};
   if (!name.empty() && H5Oget_info_by_name(file_.get(), name.c_str(), &info, H5P_DEFAULT) >= 0 &&

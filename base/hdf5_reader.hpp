@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // HDF5 files, read as untrusted input. Errors are one-line InputErrors. Arrays are row-major.
 #pragma once
 
@@ -10,33 +11,34 @@
 
 namespace ricochet::base::hdf5 {
 
-/// An existing file, opened read-only and not trusted: links out of the file or across it, data stored in
-/// other files, filters from plug-ins, strings of variable length, and datasets that claim far more than the
-/// file can hold are refused. HDF5 itself checks the headers that Writer makes by their checksums.
+/// An existing file, opened read-only and not trusted. Refused are links out of the file or across it, data
+/// stored in other files, filters from plug-ins, strings of variable length, and datasets that claim far more
+/// data than the file can hold. HDF5 itself verifies the headers that Writer makes by their checksums.
 class Reader {
  public:
-  /// @param advice  sentence that ends each error, such as "Compute it again with ricochet-kernel."
-  /// Throws InputError when `path` is missing, not HDF5, or damaged.
+  /// @param advice  last sentence of every error, such as "Compute it again with ricochet-kernel."
+  /// Throws InputError if `path` is missing, is not HDF5, or is damaged.
   Reader(std::filesystem::path path, std::string advice);
 
-  /// Whether there is a group or dataset of this name. Throws InputError when it is a link, or behind one.
+  /// Whether a group or dataset of this name exists. Throws InputError if it is a link or is reached through
+  /// one.
   bool exists(const std::string& object) const;
   bool has_attribute(const std::string& object, const std::string& name) const;
 
-  /// Shape of a dataset. Throws InputError when there is none.
+  /// Shape of a dataset. Throws InputError if there is no such dataset.
   Shape shape(const std::string& dataset) const;
 
   /// Values of a dataset of floating-point numbers (double, float) or integers (int64), row-major.
-  /// Throws InputError on a missing dataset, another kind of value or another shape.
+  /// Throws InputError if the dataset is missing, or if its type or shape differs from the expected one.
   template <Element T>
   std::vector<T> read(const std::string& dataset, const Shape& expected) const;
   std::vector<std::string> read_strings(const std::string& dataset, std::size_t expected) const;
 
-  /// Scalars. Throw InputError when missing or of another kind.
+  /// Scalar attributes. They throw InputError if the attribute is missing or has another type.
   std::string string_attribute(const std::string& object, const std::string& name) const;
   double double_attribute(const std::string& object, const std::string& name) const;
   std::int64_t integer_attribute(const std::string& object, const std::string& name) const;
-  /// A list of `count` numbers.
+  /// An attribute that holds `count` numbers.
   std::vector<double> doubles_attribute(const std::string& object, const std::string& name,
                                         std::size_t count) const;
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "base/hdf5_writer.hpp"
 
 #include <fmt/format.h>
@@ -7,16 +8,16 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "ricochet/error.hpp"
 #include "base/hdf5_internal.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::base::hdf5 {
 namespace {
 
-/// What a header's message holds, less room for the name and the type.
+/// Capacity of a message in an object header, minus space for name and type.
 constexpr std::size_t kLongestAttribute = 64'000;
 
-/// Files are little-endian wherever they are written, so that equal kernels are equal files.
+/// Files are little-endian on every machine, so that equal kernels are equal files.
 template <Element T>
 hid_t file_type() {
   if constexpr (std::same_as<T, double>)
@@ -27,8 +28,8 @@ hid_t file_type() {
     return H5T_STD_I64LE;
 }
 
-/// Strings have a fixed length: HDF5's heap for variable ones is not checked when it is read, and a spoilt
-/// one crashes.
+/// Strings have a fixed length: HDF5 does not check its heap for strings of variable length when reading, and
+/// a damaged one crashes.
 Id utf8_type(std::size_t size) {
   Id type(H5Tcopy(H5T_C_S1));
   H5Tset_size(type.get(), std::max<std::size_t>(size, 1));
@@ -42,9 +43,9 @@ Id simple_space(const Shape& shape) {
   return Id(H5Screate_simple(static_cast<int>(dims.size()), dims.data(), nullptr));
 }
 
-/// For files, groups and datasets: no times, and links and attributes in the object's header, which has a
-/// checksum. The heaps where HDF5 puts them when there are many have none for everything, and a spoilt one
-/// crashes its reader.
+/// Creation properties of files, groups and datasets: no times, and links and attributes in the object
+/// header, which has a checksum. The heaps that HDF5 uses for many of them have incomplete checksums, and a
+/// damaged heap crashes the reader.
 Id properties(hid_t property_class) {
   constexpr unsigned kInHeader = 64;
   Id list(H5Pcreate(property_class));
@@ -111,7 +112,7 @@ Writer::Writer(std::filesystem::path path)
   silence();
   const Id creation = properties(H5P_FILE_CREATE);
   const Id access = unlocked_access();
-  // The format of HDF5 1.8 puts checksums on metadata.
+  // The file format of HDF5 1.8 adds checksums to metadata.
   H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V18);
   errno = 0;
   file_ = Id(H5Fcreate(temporary_->path().c_str(), H5F_ACC_TRUNC, creation.get(), access.get()));
@@ -126,7 +127,7 @@ Writer::~Writer() {
 void Writer::group(const std::string& name) {
   silence();
   errno = 0;
-  // One by one: groups that HDF5 makes on the way to an object would carry the time.
+  // Created one by one: groups that HDF5 creates implicitly would store the time.
   for (std::size_t end = 0; end != std::string::npos;) {
     end = name.find('/', end + 1);
     const std::string part = name.substr(0, end);
@@ -185,7 +186,7 @@ Rows& Writer::rows(const std::string& dataset, const Shape& row, const std::stri
   {
     silence();
     std::vector<hsize_t> size(row.begin(), row.end()), limit, chunk;
-    // A row without columns still needs a chunk of some width.
+    // Even a row without columns needs a chunk of nonzero width.
     for (const hsize_t length : size) chunk.push_back(std::max<hsize_t>(length, 1));
     limit = chunk;
     size.insert(size.begin(), 0);
@@ -208,7 +209,7 @@ void Writer::write_attribute(const std::string& object, const std::string& name,
   errno = 0;
   const Id target(H5Acreate_by_name(file_.get(), object.c_str(), name.c_str(), type, space.get(), H5P_DEFAULT,
                                     H5P_DEFAULT, H5P_DEFAULT));
-  // The type in memory is the file's, but for byte order, which the native types below carry.
+  // The types in memory and in the file differ only in byte order, which the native types below carry.
   const hid_t memory = H5Tget_class(type) == H5T_FLOAT     ? H5T_NATIVE_DOUBLE
                        : H5Tget_class(type) == H5T_INTEGER ? H5T_NATIVE_INT64
                                                            : type;
@@ -221,7 +222,7 @@ void Writer::attribute(const std::string& object, const std::string& name, const
     throw InputError(
         fmt::format("{}: attribute {} of {} has {} bytes, and HDF5 keeps up to {}. Shorten the scene.",
                     path_.string(), name, object, value.size(), kLongestAttribute));
-  // c_str(), because an empty string still takes one byte.
+  // c_str(), because even an empty string takes one byte.
   write_attribute(object, name, utf8_type(value.size()).get(), Id(H5Screate(H5S_SCALAR)), value.c_str());
 }
 
@@ -242,7 +243,7 @@ void Writer::commit(const std::filesystem::path& outdated) {
   for (const auto& rows : rows_) rows->flush();
   rows_.clear();
   errno = 0;
-  // Flushed first: closing does not report everything that it fails to write.
+  // Flush first: closing does not report every write error.
   if (H5Fflush(file_.get(), H5F_SCOPE_GLOBAL) < 0) write_failed(path_.string(), "the file");
   if (H5Fclose(file_.release()) < 0) write_failed(path_.string(), "the file");
   temporary_->commit(outdated);

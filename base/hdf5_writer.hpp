@@ -1,13 +1,14 @@
-// HDF5 files, written whole or not at all. Errors are one-line InputErrors.
+// SPDX-License-Identifier: BSD-2-Clause
+// HDF5 files, written completely or not at all. Errors are one-line InputErrors.
 //
-//   Writer file(path);                                     // a temporary name beside path
+//   Writer file(path);                                     // opens a temporary file beside path
 //   file.attribute("/", "format", "my-format");
 //   file.write<double>("/modes/angular_frequency", omega, {omega.size()}, "rad/s");
-//   Rows& force = file.rows("/contact/force", {m}, "N");   // grows by a row at a time
+//   Rows& force = file.rows("/contact/force", {m}, "N");   // grows by one row at a time
 //   force.append(lambda);
 //   file.commit();                                         // now path exists
 //
-// Names start with "/"; groups on the way to a dataset are created as needed. No times are stored, so equal
+// Names start with "/"; the groups above a dataset are created as needed. No times are stored, so equal
 // content gives equal bytes. Arrays are row-major.
 #pragma once
 
@@ -24,18 +25,18 @@
 
 namespace ricochet::base::hdf5 {
 
-/// A dataset that grows along its first dimension. Rows are held back and written in blocks.
+/// A dataset that grows along its first dimension. Rows are buffered and written in blocks.
 class Rows {
  public:
-  /// @param block  rows that are written at once
+  /// @param block  number of rows written at once
   Rows(Id dataset, std::string file, std::string name, Shape row, std::size_t block);
 
-  /// @param row  as many values as a row holds
-  /// Throws InputError when the file can't be written, std::logic_error when the length is another one.
+  /// @param row  the values of one row
+  /// Throws InputError if the file cannot be written, std::logic_error if the number of values differs.
   void append(std::span<const double> row);
   void append(double value) { append(std::span<const double>(&value, 1)); }
 
-  /// Rows appended so far, those held back included.
+  /// Number of rows appended so far, including the buffered ones.
   std::size_t size() const { return written_ + held_; }
 
  private:
@@ -49,20 +50,20 @@ class Rows {
   std::vector<double> block_;
 };
 
-/// A new file. Until `commit` it has a temporary name; destroyed without it, it leaves nothing behind.
+/// A new file. It has a temporary name until `commit`; if it is destroyed before, nothing remains.
 class Writer {
  public:
-  /// Throws InputError when the file can't be made.
+  /// Throws InputError if the file cannot be created.
   explicit Writer(std::filesystem::path path);
   Writer(Writer&& other) = default;
   Writer& operator=(Writer&&) = delete;
   ~Writer();
 
-  /// Makes an empty group (and those above it), for attributes that come before any dataset.
+  /// Creates an empty group (and those above it), for attributes that are written before any dataset.
   void group(const std::string& name);
 
-  /// @param values  as many as `shape` says, else std::logic_error
-  /// @param unit    SI, "1" for pure numbers; no attribute when empty
+  /// @param values  as many as `shape` requires; otherwise std::logic_error
+  /// @param unit    SI, "1" for pure numbers; an empty unit writes no attribute
   template <Element T>
   void write(const std::string& dataset, std::span<const T> values, const Shape& shape,
              const std::string& unit);
@@ -71,13 +72,13 @@ class Writer {
              const std::string& unit) {
     write(dataset, std::span<const T>(values), shape, unit);
   }
-  /// One-dimensional, UTF-8, padded to the longest.
+  /// Writes a one-dimensional dataset of UTF-8 strings, padded to the longest.
   void write_strings(const std::string& dataset, const std::vector<std::string>& values);
 
-  /// An empty dataset of shape (0, row...) that grows; the reference holds until `commit`.
+  /// Creates an empty dataset of shape (0, row...) that grows. The reference is valid until `commit`.
   Rows& rows(const std::string& dataset, const Shape& row, const std::string& unit);
 
-  /// Attributes of "/", a group or a dataset that exists.
+  /// Write an attribute of "/", or of a group or dataset that exists.
   void attribute(const std::string& object, const std::string& name, const std::string& value);
   void attribute(const std::string& object, const std::string& name, double value);
   void attribute(const std::string& object, const std::string& name, std::span<const double> values);
@@ -86,9 +87,9 @@ class Writer {
     integer_attribute(object, name, static_cast<std::int64_t>(value));
   }
 
-  /// Writes what is held back, closes, syncs to the disk and renames. Nothing may be called after it.
-  /// Throws InputError when any of it fails; then there is no file at the final path, or the old one.
-  /// @param outdated  as of AtomicFile
+  /// Writes buffered rows, closes the file, syncs it to disk and renames it. No member may be called
+  /// afterwards. Throws InputError on failure; the final path then holds the previous file, or none.
+  /// @param outdated  as for AtomicFile
   void commit(const std::filesystem::path& outdated = {});
 
   const std::filesystem::path& path() const { return path_; }

@@ -1,4 +1,5 @@
-// How bodies are turned, in one place for scenes and for programs that embed the library.
+// SPDX-License-Identifier: BSD-2-Clause
+// The rotation of bodies, shared by scenes and by programs that embed the library.
 #pragma once
 
 #include <array>
@@ -9,7 +10,7 @@
 
 namespace ricochet {
 
-/// Turns about the fixed axes x, then y, then z. Exact for quarter turns.
+/// Rotation about the fixed axes x, then y, then z, each by an angle in degrees. Exact for quarter turns.
 /// @return row-major (3,3): world = rotation · body
 inline std::array<double, 9> rotation_of(const Vector3& degrees) {
   const auto cosine = [](double angle) {

@@ -1,12 +1,13 @@
-// XDMF files: a light text that tells ParaView and other viewers how to read an HDF5 file beside it.
+// SPDX-License-Identifier: BSD-2-Clause
+// XDMF files: a short text that tells ParaView and other viewers how to read an HDF5 file beside it.
 //
 //   xdmf::File file(path, "two-disks.motion.h5");
 //   file.begin("upper");                      // a grid that moves …
-//   for (…) file.add(grid, time);             // … by its frames
+//   for (…) file.add(grid, time);             // … and its frames
 //   file.end();
 //   file.commit();                            // now path exists
 //
-// Each frame has datasets of its own: ParaView's readers fail on parts of a dataset.
+// Each frame has datasets of its own because ParaView's readers fail on parts of a dataset.
 #pragma once
 
 #include <filesystem>
@@ -39,18 +40,18 @@ struct Grid {
 class File {
  public:
   /// @param data  name of the HDF5 file, in the same folder
-  /// Until `commit` the file has a temporary name; destroyed without it, it leaves nothing behind.
+  /// The file has a temporary name until `commit`; if it is destroyed before, nothing remains.
   File(const std::filesystem::path& path, std::string data);
   File(const File&) = delete;
   File& operator=(const File&) = delete;
 
   void begin(const std::string& name);
-  /// A frame of what was begun, or, without a time, a grid that stays.
+  /// Adds a frame to the open grid, or, without a time, a grid that does not move.
   void add(const Grid& grid, std::optional<double> time = {});
   void end();
 
-  /// Ends the text, syncs it to the disk and renames. Nothing may be called after it. Throws InputError when
-  /// any of it fails; then there is no file at the final path, or the old one.
+  /// Completes the text, syncs it to disk and renames the file. No member may be called afterwards. Throws
+  /// InputError on failure; the final path then holds the previous file, or none.
   void commit();
 
  private:

@@ -9,7 +9,7 @@ import argparse
 import importlib
 import sys
 
-from ricochet import programs
+from ricochet import errors
 
 SUBCOMMANDS = ("modes", "basis", "settings", "contact", "sweep")
 
@@ -32,7 +32,7 @@ def main():
     options = parser.parse_args()
     try:
         options.run(options)
-    except programs.RicochetError as failure:
+    except errors.RicochetError as failure:
         return failure.report("bench")
     return 0
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The free vibrations of a body as a task for CalculiX, a peer to compare with.
 #pragma once
 

@@ -11,7 +11,7 @@ import time
 from pathlib import Path
 
 from benchmarks import launch
-from ricochet import programs
+from ricochet import errors, programs
 
 RIGID_BELOW_HZ = 1.0  # as in bench_modes: CalculiX finds rigid modes at the square root of round-off
 
@@ -52,7 +52,7 @@ def run_ccx(folder, threads, coretype):
     found = frequencies_of(folder / "body.dat")
     if process.returncode != 0 or not found:
         print("ccx:", (folder / "log").read_text()[-2000:], file=sys.stderr)
-        raise programs.ProgramError(1)
+        raise errors.ProgramError(1)
     return {
         "seconds": seconds,
         "cpu_seconds": usage.ru_utime + usage.ru_stime,

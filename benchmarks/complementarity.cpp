@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // One solve of the complementarity problem of a time step, while a quarter of the points stay in contact.
 //
 //   hold     the same points push in every step

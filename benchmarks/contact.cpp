@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Speed of contact stepping on one core, in times real time at 44.1 kHz, and how long the slowest steps take.
 //
 //   bench_contact [--benchmark_…]      blocks against plain steps, alternating

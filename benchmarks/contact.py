@@ -11,13 +11,13 @@ import json
 import subprocess
 
 from benchmarks import launch, tables
-from ricochet import programs
+from ricochet import errors, programs
 
 
 def call(command, **options):
     done = subprocess.run([str(word) for word in command], **options)
     if done.returncode != 0:
-        raise programs.ProgramError(done.returncode)
+        raise errors.ProgramError(done.returncode)
     return done
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks import calculix, launch, tables, timing
-from ricochet import programs
+from ricochet import errors
 
 ELASTIC = 140
 COUNT = ELASTIC + 6  # with rigid modes of a free body
@@ -139,7 +139,7 @@ def rows_of(options, case, ranks, truth, cache):
                 calculix.run(case(order, size), COUNT, threads, options.rounds, cache)
                 for threads in options.threads
             ]
-        except programs.ProgramError:
+        except errors.ProgramError:
             # Out of memory, as a rule: what has been found stays worth a report.
             print(f"bench modes: calculix, order {order}, size {size:g}: left out", file=sys.stderr)
             continue

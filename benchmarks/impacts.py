@@ -8,7 +8,7 @@ from pathlib import Path
 
 import h5py
 
-from ricochet import programs
+from ricochet import errors, programs
 
 
 def add_arguments(parser):
@@ -36,13 +36,13 @@ class Impacts:
         self.bodies = sorted(resolved["bodies"])
         if self.body not in self.bodies:
             print(f'{self.scene}: there is no body "{self.body}": give --body', file=sys.stderr)
-            raise programs.ProgramError(2)
+            raise errors.ProgramError(2)
         velocity = resolved["bodies"][self.body]["velocity"]
         if not any(velocity):
             print(
                 f"{self.scene}: {self.body} is at rest: name the body that moves by --body", file=sys.stderr
             )
-            raise programs.ProgramError(2)
+            raise errors.ProgramError(2)
         self.direction = [v / math.hypot(*velocity) for v in velocity]
 
     def words(self, modes, *more):

@@ -6,20 +6,20 @@ import sys
 import tempfile
 from pathlib import Path
 
-from ricochet import programs
+from ricochet import errors, programs
 
 
 def build(*targets):
     """Brings programs up to date with the source; scripts/build must have run once."""
     if not programs.BIN.is_dir():
         print(f"{programs.BIN}: no programs there. Run scripts/build first.", file=sys.stderr)
-        raise programs.ProgramError(2)
+        raise errors.ProgramError(2)
     done = subprocess.run(
         ["cmake", "--build", programs.BIN.parent, "--target", *targets], stdout=subprocess.PIPE, text=True
     )
     if done.returncode != 0:
         print(done.stdout, file=sys.stderr)
-        raise programs.ProgramError(done.returncode)
+        raise errors.ProgramError(done.returncode)
 
 
 class Case:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // One search for modes of a body of a scene, timed from assembled matrices to shapes in hand, by this
 // program's engines or one of their peers:
 //
@@ -21,7 +22,11 @@
 #include "benchmarks/solvers.hpp"
 #include "src/console/console.hpp"
 #include "src/mesh/gmsh_session.hpp"
+#include "src/mesh/partition.hpp"
+#include "src/mesh/read.hpp"
 #include "src/parallel/blas.hpp"
+#include "src/scene/read.hpp"
+#include "src/scene/request.hpp"
 
 namespace {
 

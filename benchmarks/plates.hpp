@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Two simply supported plates, one above the other, the upper one pressed on the lower: contact that
 // persists, with modes in closed form, of as many points and modes as asked for.
 #pragma once

@@ -28,7 +28,7 @@ import numpy as np
 
 from benchmarks import impacts, launch, tables, timing
 from benchmarks.impacts import Impacts, compare
-from ricochet import programs
+from ricochet import errors, programs
 
 CONTACT = 'basis="contact",up_to_hz={band:g}'
 SETTINGS = [
@@ -61,7 +61,7 @@ def kernel_run(options, words):
     peak = re.search(r"^total .* (\d+) MiB", done.stderr + done.stdout, re.MULTILINE)
     if done.returncode != 0 or not peak:
         print(done.stderr, file=sys.stderr)
-        raise programs.ProgramError(done.returncode or 1)
+        raise errors.ProgramError(done.returncode or 1)
     return seconds, int(peak[1])
 
 

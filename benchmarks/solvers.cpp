@@ -1,4 +1,6 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "benchmarks/solvers.hpp"
+#include "src/scene/request.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -7,7 +9,8 @@
 
 #include "src/modes/approximate.hpp"
 #include "src/modes/contact_basis.hpp"
-#include "src/surface/surface.hpp"
+#include "src/modes/residual.hpp"
+#include "src/surface/patches.hpp"
 
 namespace ricochet::bench {
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The solvers that are timed, from assembled matrices to shapes in hand.
 #pragma once
 
@@ -7,6 +8,7 @@
 #include "src/elasticity/assemble.hpp"
 #include "src/mesh/mesh.hpp"
 #include "src/parallel/teams.hpp"
+#include "src/scene/request.hpp"
 
 namespace ricochet::bench {
 

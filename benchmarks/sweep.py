@@ -17,7 +17,7 @@ import subprocess
 import time
 
 from benchmarks import launch, tables, timing
-from ricochet import programs
+from ricochet import errors, programs
 from ricochet.errors import InputError
 from ricochet.studies.study import Study
 
@@ -80,7 +80,7 @@ def bare(study, folder, options):
             )
     for process, _ in running:
         if process.wait() != 0:
-            raise programs.ProgramError(process.returncode)
+            raise errors.ProgramError(process.returncode)
     reported = [json.loads(line) for _, answers in running for line in answers.read_text().splitlines()]
     failed = [answer["error"] for answer in reported if answer["status"] != 0]
     if failed:

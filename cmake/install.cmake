@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# What other programs link, as package Ricochet: cmake --install BUILD --component library
+# The library for other programs, as package Ricochet: cmake --install BUILD --component library
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# Debian packages by cpack -G DEB, one for each licence: scripts/package makes them with everything in them.
+# Debian packages by cpack -G DEB, one for each licence: scripts/package makes them complete.
 if(DEFINED ENV{DEBEMAIL})
   set(packager "$ENV{DEBFULLNAME} <$ENV{DEBEMAIL}>")
 else()
@@ -59,7 +59,7 @@ Distributed under the BSD licence of two clauses; nothing in it needs MPI,
 PETSc or gmsh.")
 include(CPack)
 
-# What Debian expects in a package's folder of documents.
+# The files that Debian expects in the documentation folder of a package.
 string(TIMESTAMP date "%a, %d %b %Y %H:%M:%S +0000" UTC)
 file(READ LICENSE license)
 string(REGEX REPLACE "^.*developers\n+" "" license "${license}")
@@ -80,10 +80,10 @@ add_documents(programs ricochet "The sources are under BSD-2-Clause. The program
 add_documents(python python3-ricochet "Nothing in this package is linked with what is under the GNU General Public License.")
 add_documents(library libricochet-dev "Nothing in this package is linked with what is under the GNU General Public License.")
 file(WRITE ${PROJECT_BINARY_DIR}/package/libricochet-dev.lintian
-"# The shared library is for hosts that load it, in other languages: it has no package of its own.
+"# The shared library is for programs in other languages that load it: it has no package of its own.
 libricochet-dev: package-name-doesnt-match-sonames
 libricochet-dev: link-to-shared-library-in-wrong-package
-# CPack writes these scripts.
+# CPack generates these scripts.
 libricochet-dev: maintscript-calls-ldconfig
 ")
 install(FILES ${PROJECT_BINARY_DIR}/package/libricochet-dev.lintian DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides

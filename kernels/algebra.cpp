@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "kernels/algebra.hpp"
 
 #include <fmt/format.h>
@@ -12,7 +13,7 @@
 namespace ricochet::kernels {
 namespace {
 
-/// What a body's stiffness and mass grow by.
+/// Factors by which stiffness and mass of a body grow.
 struct Growth {
   double stiffness, mass;
 };
@@ -31,27 +32,28 @@ void multiply(Range& values, double factor) {
   throw InputError(fmt::format("kernel of \"{}\": {}", kernel.body, what));
 }
 
-/// What loads, supports and receivers know of the candidates is not cut with them.
+/// Restriction is not implemented for the data that loads, supports and receivers hold for the candidates.
 void refuse_sources(const Kernel& kernel) {
   if (!kernel.applied.empty() || !kernel.motions.empty() || !kernel.receivers.empty())
-    fail(kernel, "has loads, supports that move or receivers: compute the one that is asked for");
+    fail(kernel, "has loads, moving supports or receivers: compute the requested kernel");
 }
 
-/// It has all modes below its end that were found.
+/// Requires all modes below the end of the certificate.
 void require_all_found(const Kernel& kernel) {
-  if (kernel.modes.fitted())
-    fail(kernel, "holds vectors fitted to contact, which only serve together: compute another for less");
+  if (kernel.modes.contact_adapted())
+    fail(kernel, "holds a contact-adapted basis, which cannot be truncated: compute another one");
   if (kernel.modes.certificate.left_out > 0)
     fail(kernel,
-         fmt::format("{} modes were left out of it: cut the kernel that has them, or compute it without "
-                     "flexibility_error",
-                     kernel.modes.certificate.left_out));
+         fmt::format(
+             "{} of its modes were truncated: truncate the kernel that has them, or compute it without "
+             "flexibility_error",
+             kernel.modes.certificate.left_out));
 }
 
-/// Ends that differ by less are the same but for round-off.
+/// Relative difference of ends that is due to round-off.
 constexpr double same_end = 1e-9;
 
-/// Rows of a matrix by blocks of `height`, the blocks in another order or number.
+/// Selects rows of a matrix, by blocks of `height` rows, in the given order.
 void take_rows(std::vector<double>& matrix, std::size_t width, const std::vector<std::int64_t>& blocks,
                std::size_t height = 1) {
   std::vector<double> taken;
@@ -63,7 +65,8 @@ void take_rows(std::vector<double>& matrix, std::size_t width, const std::vector
   matrix = std::move(taken);
 }
 
-/// Elements all of whose corners are among `points`, by their numbers there; else the points themselves.
+/// Keeps the elements all of whose corners are among `points`, renumbered; if there are none, the points
+/// themselves.
 void take_elements(Surface& surface, const std::vector<std::int64_t>& points) {
   std::vector<std::int64_t> number(surface.size(), -1), element;
   for (std::size_t i = 0; i < points.size(); ++i)
@@ -93,7 +96,8 @@ double frequency_factor(const Similarity& factors) {
 Kernel rescaled(Kernel kernel, const Similarity& factors, const Damping& damping) {
   const auto [k, m] = growth(factors);
   const double frequency = frequency_factor(factors), s = factors.scale, root = std::sqrt(m);
-  // Each structure by all its members: a new one has to be given its factor here, or this does not compile.
+  // Each structure is decomposed into all its members: a new member must get its factor here, or this does
+  // not compile.
   auto& [body, hash, scene, mesh_sha256, created_by, dofs, elements, order, mass, centre, inertia, supported,
          modes, surface, loads, applied, motions, receivers, view] = kernel;
   mass *= m;
@@ -163,16 +167,16 @@ Kernel rescaled(Kernel kernel, const Similarity& factors, const Damping& damping
   return kernel;
 }
 
-Kernel cut_to_band(Kernel kernel, Hertz band) {
+Kernel truncated_to_band(Kernel kernel, Hertz band) {
   require_all_found(kernel);
   Certificate& certificate = kernel.modes.certificate;
   if (!(band.value > 0 && band.value <= certificate.upto_hz * (1 + same_end)))
-    fail(kernel, fmt::format("has all modes up to {:.6g} Hz, not up to {:.6g}: cut it lower, or compute more "
+    fail(kernel, fmt::format("has all modes up to {:.6g} Hz, not up to {:.6g}: request less, or compute more "
                              "modes",
                              certificate.upto_hz, band.value));
   std::vector<bool> keep;
   for (const double omega : kernel.modes.angular_frequency) keep.push_back(omega <= RadPerSecond(band).value);
-  leave_out(kernel, keep);
+  truncate(kernel, keep);
   certificate.upto_hz = std::min(band.value, certificate.upto_hz);
   certificate.count_found = static_cast<std::int64_t>(kernel.modes.size());
   if (certificate.complete) certificate.count_by_inertia = certificate.count_found;
@@ -180,11 +184,12 @@ Kernel cut_to_band(Kernel kernel, Hertz band) {
   return kernel;
 }
 
-Kernel cut_to_count(Kernel kernel, std::int64_t count) {
+Kernel truncated_to_count(Kernel kernel, std::int64_t count) {
   require_all_found(kernel);
   const std::vector<double>& omega = kernel.modes.angular_frequency;
   if (count < 1 || static_cast<std::uint64_t>(count) > omega.size())
-    fail(kernel, fmt::format("has {} modes, not {}: ask for fewer, or compute more", omega.size(), count));
+    fail(kernel,
+         fmt::format("has {} modes, fewer than {}: request fewer, or compute more", omega.size(), count));
   const auto square = [&](std::size_t n) { return omega[n] * omega[n]; };
   auto kept = std::max<std::size_t>(static_cast<std::size_t>(count),
                                     static_cast<std::size_t>(std::ranges::count(omega, 0.0)));
@@ -192,10 +197,10 @@ Kernel cut_to_count(Kernel kernel, std::int64_t count) {
   const Hertz end = kept < omega.size()
                         ? to_hertz(RadPerSecond{std::sqrt((square(kept - 1) + square(kept)) / 2)})
                         : Hertz{kernel.modes.certificate.upto_hz};
-  return cut_to_band(std::move(kernel), end);
+  return truncated_to_band(std::move(kernel), end);
 }
 
-void keep_candidates(Surface& surface, const std::vector<std::int64_t>& points) {
+void restrict_candidates(Surface& surface, const std::vector<std::int64_t>& points) {
   take_elements(surface, points);
   surface.whole.reset();
   std::vector<std::string> group;
@@ -207,21 +212,21 @@ void keep_candidates(Surface& surface, const std::vector<std::int64_t>& points) 
   take_rows(surface.area, 1, points);
 }
 
-Kernel cut_to_points(Kernel kernel, const std::vector<std::int64_t>& points) {
+Kernel restricted_to_points(Kernel kernel, const std::vector<std::int64_t>& points) {
   Surface& surface = kernel.surface;
   const std::size_t m = surface.size(), n = kernel.modes.size(),
                     c = static_cast<std::size_t>(surface.components);
   refuse_sources(kernel);
-  if (points.empty()) fail(kernel, "no candidate point would be left: name one at least");
+  if (points.empty()) fail(kernel, "no candidate would remain: name at least one");
   std::vector<bool> named(m, false);
   for (const std::int64_t i : points) {
     if (i < 0 || static_cast<std::uint64_t>(i) >= m)
-      fail(kernel, fmt::format("there is no candidate point {}: they go from 0 to {}", i, m - 1));
+      fail(kernel, fmt::format("there is no candidate {}: they are numbered from 0 to {}", i, m - 1));
     if (named[static_cast<std::size_t>(i)])
-      fail(kernel, fmt::format("candidate point {} is named twice: name it once", i));
+      fail(kernel, fmt::format("candidate {} is named twice: name it once", i));
     named[static_cast<std::size_t>(i)] = true;
   }
-  keep_candidates(surface, points);
+  restrict_candidates(surface, points);
   take_rows(surface.shape, n, points, c);
   if (!surface.residual_flexibility.empty()) {
     std::vector<double> square;
@@ -246,13 +251,12 @@ Kernel cut_to_points(Kernel kernel, const std::vector<std::int64_t>& points) {
   return kernel;
 }
 
-Kernel cut_to_direction(Kernel kernel, const Vector3& direction) {
+Kernel restricted_to_direction(Kernel kernel, const Vector3& direction) {
   refuse_sources(kernel);
   Surface& surface = kernel.surface;
-  if (surface.components != 3)
-    fail(kernel, "holds one direction only: compute one without contact.direction");
+  if (surface.components != 3) fail(kernel, "has one direction only: compute it without contact.direction");
   const std::size_t m = surface.size();
-  // Of each three rows of `width` numbers one.
+  // Combines each three rows of `width` numbers into one.
   const auto along = [&]<class T>(std::vector<T>& matrix, std::size_t width) {
     std::vector<T> sums(matrix.size() / 3, 0);
     for (std::size_t row = 0; row * width < matrix.size(); ++row)
@@ -272,21 +276,20 @@ Kernel cut_to_direction(Kernel kernel, const Vector3& direction) {
   return kernel;
 }
 
-Kernel cut_to_flexibility_error(Kernel kernel, Hertz band, double error) {
+Kernel truncated_to_flexibility_error(Kernel kernel, Hertz band, double error) {
   require_all_found(kernel);
   if (!kernel.modes.certificate.complete)
-    fail(kernel,
-         "holds imported modes, of which nothing proves that none is missing: leave flexibility_error out");
+    fail(kernel, "holds imported modes, which are not known to be complete: leave flexibility_error out");
   if (kernel.surface.residual_flexibility.empty())
-    fail(kernel, "has no residual flexibility, to which modes could be left: compute it with one");
+    fail(kernel, "has no residual flexibility to represent truncated modes: compute it with one");
   Certificate& certificate = kernel.modes.certificate;
   const double above = error_above(kernel, RadPerSecond(band), RadPerSecond(Hertz{certificate.upto_hz}));
   if (!(above < error))
-    fail(kernel, fmt::format("its modes end at {:.6g} Hz, and those above may make an error of {:.2g} up to "
-                             "{:.6g} Hz: allow more, or compute modes further up",
+    fail(kernel, fmt::format("its modes end at {:.6g} Hz, and those above may cause an error of {:.2g} up to "
+                             "{:.6g} Hz: allow a larger error, or compute modes further up",
                              certificate.upto_hz, above, band.value));
   const std::size_t all = kernel.modes.size();
-  const double made = keep_contributing(kernel, RadPerSecond(band), error - above);
+  const double made = truncate_least_contributing(kernel, RadPerSecond(band), error - above);
   certificate.left_out = static_cast<std::int64_t>(all - kernel.modes.size());
   certificate.flexibility_error = made + above;
   return kernel;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "kernels/band.hpp"
 
 #include <Eigen/Dense>
@@ -22,8 +23,8 @@ Matrix traces(const BandModes& modes) {
   return Eigen::Map<const Matrix>(modes.trace.data(), static_cast<Eigen::Index>(modes.trace.size()) / n, n);
 }
 
-/// What a matrix of c columns is multiplied with to estimate its Frobenius norm: all directions, or, of a
-/// large one, 64 of random signs (Hutchinson).
+/// The factor by which a matrix of c columns is multiplied to estimate its Frobenius norm: the identity, or,
+/// for a large matrix, 64 vectors of random signs (Hutchinson).
 Matrix directions(Eigen::Index c) {
   constexpr Eigen::Index most = 64;
   if (c <= most) return Matrix::Identity(c, c);
@@ -32,7 +33,7 @@ Matrix directions(Eigen::Index c) {
                              [&](Eigen::Index, Eigen::Index) { return random() % 2 == 0 ? 0.125 : -0.125; });
 }
 
-/// s² along the ray s = ω e^{iπ/4}, evenly in ω up to the band's end.
+/// s² along the ray s = ω e^{iπ/4}, with ω evenly spaced up to the end of the band.
 std::vector<Complex> samples(RadPerSecond band) {
   constexpr int count = 24;
   std::vector<Complex> squares;
@@ -46,8 +47,8 @@ std::vector<double> gram(const BandModes& modes) {
   return {products.data(), products.data() + products.size()};
 }
 
-/// Frobenius norm of Σ x_n B_n B_nᵀ: with the Gram matrix of the traces no matrix of the surface's size is
-/// made.
+/// Frobenius norm of Σ x_n B_n B_nᵀ. With the Gram matrix of the traces, no matrix of the size of the surface
+/// is formed.
 double norm_of(const std::vector<Complex>& x, const std::vector<double>& grams) {
   double sum = 0;
   for (std::size_t i = 0; i < x.size(); ++i)
@@ -69,7 +70,7 @@ std::vector<Complex> weights(const BandModes& modes, Complex square, bool less_s
 
 double flexibility_error(const BandModes& coarse, const BandModes& fine, RadPerSecond band,
                          bool quasi_static) {
-  // Not by Gram matrices: their rounding would hide errors below 1e-8 (band/lowest mode)².
+  // Gram matrices are not used here: their rounding would hide errors below 1e-8 (band/lowest mode)².
   const Matrix f = traces(fine);
   const Matrix b = coarse.lambda.empty() ? Matrix(f.rows(), 0) : traces(coarse);
   const Matrix sketch = directions(f.rows());
@@ -136,7 +137,7 @@ std::size_t Contributions::dispensable(const std::vector<std::size_t>& order, do
 
 namespace {
 
-/// Columns of a (rows, keep.size()) matrix that are kept.
+/// Keeps the selected columns of a (rows, keep.size()) matrix.
 template <class T>
 void keep_columns(std::vector<T>& matrix, const std::vector<bool>& keep) {
   std::size_t to = 0;
@@ -145,8 +146,8 @@ void keep_columns(std::vector<T>& matrix, const std::vector<bool>& keep) {
   matrix.resize(to);
 }
 
-/// Block `at` of the `blocks` side by side in a matrix of columns (rows, blocks · width):
-/// += left_k right_kᵀ / λ with left (rows, n), right (width, n). An empty matrix stays empty.
+/// Updates block `at` of `blocks` blocks side by side in a matrix of columns (rows, blocks · width): +=
+/// left_k right_kᵀ / λ with left (rows, n), right (width, n). An empty matrix stays empty.
 template <class T>
 void add_product(std::vector<T>& matrix, const std::vector<T>& left, const std::vector<double>& right,
                  std::size_t k, std::size_t n, double lambda, std::size_t at = 0, std::size_t blocks = 1) {
@@ -156,7 +157,7 @@ void add_product(std::vector<T>& matrix, const std::vector<T>& left, const std::
       matrix[(i * blocks + at) * width + j] += static_cast<T>(left[i * n + k] * right[j * n + k] / lambda);
 }
 
-/// What mode k gives statically where the motion is seen: at a receiver or on the skin.
+/// Static part of mode k at the outputs: a receiver or the visualisation surface.
 void leave_seen(auto& seen, const Kernel& kernel, std::size_t k, double lambda) {
   const std::size_t n = kernel.modes.size(), loads = kernel.applied.size(), motions = kernel.motions.size();
   add_product(seen.residual_flexibility, seen.shape, kernel.surface.shape, k, n, lambda);
@@ -167,8 +168,8 @@ void leave_seen(auto& seen, const Kernel& kernel, std::size_t k, double lambda) 
     add_product(seen.motion_residual, seen.shape, kernel.motions[s].participation, k, n, 1, s, motions);
 }
 
-/// Adds what mode k gives statically to the residuals of loads, supports that move, receivers and the skin. A
-/// support takes along what it moved of the mode: Ψ − ΦΓ grows by φ_k Γ_k.
+/// Adds the static part of mode k to the residuals of loads, moving supports, receivers and the visualisation
+/// surface. A support also takes over its share of the mode: Ψ − ΦΓ grows by φ_k Γ_k.
 void leave_sources(Kernel& kernel, std::size_t k, double lambda) {
   const std::size_t n = kernel.modes.size();
   const std::vector<double>&shape = kernel.surface.shape, &gravity = kernel.loads.body_force;
@@ -181,7 +182,7 @@ void leave_sources(Kernel& kernel, std::size_t k, double lambda) {
   if (kernel.view) leave_seen(*kernel.view, kernel, k, lambda);
 }
 
-/// The elastic modes of a kernel; rigid ones come first.
+/// The elastic modes of a kernel; rigid modes come first.
 struct Elastic {
   std::size_t rigid;
   std::vector<double> lambda, trace;
@@ -203,7 +204,7 @@ Elastic elastic_of(const Kernel& kernel) {
 
 }  // namespace
 
-void leave_out(Kernel& kernel, const std::vector<bool>& keep) {
+void truncate(Kernel& kernel, const std::vector<bool>& keep) {
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   using Eigen::Index;
   std::vector<Index> leaving;
@@ -237,14 +238,14 @@ void leave_out(Kernel& kernel, const std::vector<bool>& keep) {
   if (kernel.view) keep_columns(kernel.view->shape, keep);
 }
 
-Kernel up_to(Kernel kernel, RadPerSecond end) {
+Kernel truncated_above(Kernel kernel, RadPerSecond end) {
   std::vector<bool> keep;
   for (const double omega : kernel.modes.angular_frequency) keep.push_back(omega <= end.value);
-  leave_out(kernel, keep);
+  truncate(kernel, keep);
   return kernel;
 }
 
-double error_up_to(const Kernel& kernel, RadPerSecond end, RadPerSecond band) {
+double truncation_error(const Kernel& kernel, RadPerSecond end, RadPerSecond band) {
   const Elastic elastic = elastic_of(kernel);
   std::vector<bool> without;
   for (const double lambda : elastic.lambda) without.push_back(lambda > end.value * end.value);
@@ -258,7 +259,7 @@ double error_above(const Kernel& kernel, RadPerSecond band, RadPerSecond end) {
   return Contributions(elastic_of(kernel).modes(), band).error_above(end, entries.norm());
 }
 
-double keep_contributing(Kernel& kernel, RadPerSecond band, double error) {
+double truncate_least_contributing(Kernel& kernel, RadPerSecond band, double error) {
   const Elastic elastic = elastic_of(kernel);
   const std::size_t n = kernel.modes.size(), rigid = elastic.rigid;
   if (rigid == n) return 0;
@@ -269,7 +270,7 @@ double keep_contributing(Kernel& kernel, RadPerSecond band, double error) {
     keep[rigid + worth.ascending()[k]] = false;
     without[worth.ascending()[k]] = true;
   }
-  leave_out(kernel, keep);
+  truncate(kernel, keep);
   return worth.error_without(without);
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "kernels/damping.hpp"
 
 namespace ricochet::kernels {

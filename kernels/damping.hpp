@@ -1,4 +1,5 @@
-// Laws of damping that leave modes uncoupled.
+// SPDX-License-Identifier: BSD-2-Clause
+// Laws of damping that do not couple the modes.
 #pragma once
 
 #include "ricochet/units.hpp"

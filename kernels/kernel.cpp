@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "ricochet/kernel.hpp"
 
 #include <algorithm>
@@ -14,11 +15,12 @@
 namespace ricochet::kernels {
 namespace {
 
-/// Normals and directions are normalised in double precision: this leaves room for a few roundings, not for a
-/// mistake.
+/// Tolerance of normals and directions, which are normalised in double precision: it allows for a few
+/// roundings, but not for a mistake.
 constexpr double kUnitTolerance = 1e-9;
 
-/// R comes from iterated static solves, symmetric to about their tolerance.
+/// Relative asymmetry of R, which comes from iterated static solves and is symmetric to about their
+/// tolerance.
 constexpr double kSymmetryTolerance = 1e-6;
 
 class Validator {
@@ -37,7 +39,7 @@ class Validator {
   void each(std::string_view name, std::span<const T> values, Accept accept, std::string_view rule) const {
     for (std::size_t i = 0; i < values.size(); ++i)
       if (!accept(values[i]))
-        fail(name, base::format("holds {} at place {}: must be {}.", values[i], i, rule));
+        fail(name, base::format("contains {} at index {}: must be {}.", values[i], i, rule));
   }
 
   template <class T>
@@ -57,7 +59,7 @@ class Validator {
   void elements(std::string_view name, const std::vector<std::int64_t>& corners, int per_element,
                 int smallest, std::size_t nodes) const {
     if (per_element < smallest || per_element > 3)
-      fail(name, base::format("has {} corners an element: must be {} to 3.", per_element, smallest));
+      fail(name, base::format("has {} corners per element: must be {} to 3.", per_element, smallest));
     if (corners.size() % static_cast<std::size_t>(per_element) != 0)
       fail(name, base::format("has {} values, not a multiple of {}.", corners.size(), per_element));
     each<std::int64_t>(
@@ -80,7 +82,7 @@ class Validator {
 void validate_body(const Kernel& kernel, const Validator& check) {
   if (kernel.body.empty()) check.fail("attribute \"body\"", "is empty.");
   if (std::ranges::any_of(kernel.body, [](unsigned char c) { return c < 32 || c == 127; }))
-    check.fail("attribute \"body\"", "holds control characters.");
+    check.fail("attribute \"body\"", "contains control characters.");
   if (kernel.hash.empty()) check.fail("attribute \"hash\"", "is empty.");
   if (!(std::isfinite(kernel.mass) && kernel.mass > 0))
     check.fail("attribute \"mass\"", base::format("is {}: must be positive.", kernel.mass));
@@ -94,7 +96,7 @@ void validate_body(const Kernel& kernel, const Validator& check) {
 
 void validate_modes(const Modes& modes, const Validator& check) {
   const std::size_t n = modes.size();
-  if (modes.basis != "modes" && !modes.fitted() && !modes.imported())
+  if (modes.basis != "modes" && !modes.contact_adapted() && !modes.imported())
     check.fail("attribute \"basis\" of \"/modes\"", "is neither \"modes\", \"contact\" nor \"imported\".");
   check.finite_not_negative("dataset \"/modes/angular_frequency\"", modes.angular_frequency, n);
   if (!std::ranges::is_sorted(modes.angular_frequency))
@@ -104,14 +106,14 @@ void validate_modes(const Modes& modes, const Validator& check) {
   const Certificate& certificate = modes.certificate;
   if (certificate.below < 0 || certificate.count_by_inertia < 0 || certificate.count_found < 0 ||
       certificate.left_out < 0 || certificate.approximate < 0)
-    check.fail("group \"/modes/certificate\"", "holds a negative count.");
+    check.fail("group \"/modes/certificate\"", "contains a negative count.");
   if (!(std::isfinite(certificate.upto_hz) && certificate.upto_hz >= 0 &&
         std::isfinite(certificate.orthonormality) && certificate.orthonormality >= 0 &&
         std::isfinite(certificate.flexibility_error) && certificate.flexibility_error >= 0))
-    check.fail("group \"/modes/certificate\"", "holds a number that is negative or not finite.");
+    check.fail("group \"/modes/certificate\"", "contains a number that is negative or not finite.");
 }
 
-/// @param surface  Surface or WholeSurface, @param of its datasets' group
+/// @param surface  Surface or WholeSurface, @param of  the group of its datasets
 template <class Any>
 void validate_candidates(const Any& surface, const std::string& of, const Validator& check) {
   const std::size_t m = surface.area.size();
@@ -139,7 +141,7 @@ void validate_whole(const Surface& surface, const Validator& check) {
     if (i > 0 && whole.held[i - 1] >= whole.held[i]) check.fail(held, "is not ascending.");
     if (!std::equal(&surface.node[3 * i], &surface.node[3 * i] + 3,
                     &whole.node[3 * static_cast<std::size_t>(whole.held[i])]))
-      check.fail(held, base::format("names another candidate than that of row {}.", i));
+      check.fail(held, base::format("names a candidate that differs from row {}.", i));
   }
 }
 
@@ -149,8 +151,7 @@ void validate_surface(const Surface& surface, std::size_t modes, const Validator
     check.fail("dataset \"/surface/shape\"",
                base::format("has {} components: must be 3 or 1.", surface.components));
   if (surface.direction.has_value() != (surface.components == 1))
-    check.fail("dataset \"/surface/shape\"",
-               "must have a direction when it holds one component, and only then.");
+    check.fail("dataset \"/surface/shape\"", "must have a direction if and only if it has one component.");
   if (surface.direction) check.unit("attribute \"direction\" of \"/surface/shape\"", *surface.direction);
   const std::size_t c = static_cast<std::size_t>(surface.components);
   validate_candidates(surface, "/surface", check);
@@ -171,7 +172,7 @@ void validate_surface(const Surface& surface, std::size_t modes, const Validator
         check.fail(name, base::format("is not symmetric at ({}, {}).", i, j));
 }
 
-/// A dataset that is there as a whole or not at all.
+/// Checks a dataset that is either complete or empty.
 template <class T>
 void finite_or_none(const Validator& check, const std::string& name, const std::vector<T>& values,
                     std::size_t expected) {
@@ -197,7 +198,8 @@ void validate_sources(const Kernel& kernel, const Validator& check) {
   for (const Load& load : kernel.applied) {
     const std::string data = "dataset \"/load_data/" + load.name;
     if (load.unit != "Pa" && load.unit != "N")
-      check.fail("dataset \"/loads/" + load.name + "\"", "is of neither a traction nor a force.");
+      check.fail("dataset \"/loads/" + load.name + "\"",
+                 "has neither the unit of a traction nor that of a force.");
     check.finite("dataset \"/loads/" + load.name + "\"", load.participation, 3 * n);
     check.finite(data + "/total\"", load.total, 9);
     check.finite(data + "/moment\"", load.moment, 9);

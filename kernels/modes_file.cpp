@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "kernels/modes_file.hpp"
 
 #include <fmt/format.h>
@@ -16,7 +17,7 @@ namespace hdf5 = base::hdf5;
 namespace xdmf = base::xdmf;
 namespace {
 
-/// Diagonal of the box around the nodes (V,3) [m].
+/// Diagonal of the bounding box of the nodes (V,3) [m].
 double size_of(const std::vector<double>& node) {
   double square = 0;
   for (std::size_t d = 0; d < 3; ++d) {
@@ -34,8 +35,8 @@ double size_of(const std::vector<double>& node) {
 
 void write_modes(const Kernel& kernel, const std::filesystem::path& stem) {
   if (!kernel.view || kernel.view->node.empty())
-    throw InputError(fmt::format("kernel of \"{}\": has no skin to draw: compute it with output.view = true",
-                                 kernel.body));
+    throw InputError(fmt::format(
+        "kernel of \"{}\": has no visualisation surface: compute it with output.view = true", kernel.body));
   const View& view = *kernel.view;
   const std::size_t n = kernel.modes.size(), nodes = view.node.size() / 3,
                     corners = static_cast<std::size_t>(view.element_corners);
@@ -78,7 +79,7 @@ void write_modes(const Kernel& kernel, const std::filesystem::path& stem) {
   file.write("/amplitude", amplitude, {n}, "kg^1/2 m");
 
   std::error_code ignored;
-  std::filesystem::remove(text, ignored);  // one of before would misread the new data
+  std::filesystem::remove(text, ignored);  // a text of an earlier run would misread the new data
   file.commit();
   xdmf::File light(text, data.filename().string());
   light.add(grid);

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <limits>
 
-#include "kernels/format.hpp"
 #include "base/hdf5_reader.hpp"
+#include "kernels/format.hpp"
 #include "kernels/read.hpp"
 #include "ricochet/kernel.hpp"
 
@@ -17,7 +18,7 @@ using hdf5::any;
 
 constexpr const char* kAdvice = "Compute it again with ricochet-kernel.";
 
-/// Whether the file says that it is a kernel; which version is checked apart.
+/// Whether the file is marked as a kernel; its version is checked separately.
 bool is_kernel(const hdf5::Reader& file) {
   return file.has_attribute("/", "format") && file.string_attribute("/", "format") == kFormat;
 }
@@ -33,8 +34,9 @@ void read_root(const hdf5::Reader& file, Kernel& kernel) {
   if (!is_kernel(file)) file.fail("is not a Ricochet kernel (no attribute format = \"ricochet-kernel\").");
   const std::int64_t version = file.integer_attribute("/", "version");
   if (version > kVersion)
-    file.fail(fmt::format("has format version {}, and this program reads up to {}. Use a newer Ricochet.",
-                          version, kVersion));
+    file.fail(
+        fmt::format("has format version {}, but this program reads versions up to {}. Use a newer Ricochet.",
+                    version, kVersion));
   if (version < 1) file.fail(fmt::format("has format version {}, which never existed.", version));
   kernel.body = file.string_attribute("/", "body");
   kernel.hash = file.string_attribute("/", "hash");
@@ -77,7 +79,7 @@ Modes read_modes(const hdf5::Reader& file) {
     file.fail(fmt::format("its certificate is not complete ({} modes found, {} proved).",
                           certificate.count_found, certificate.count_by_inertia));
   if (certificate.count_found < 0 || certificate.left_out < 0)
-    file.fail("its certificate holds a negative count.");
+    file.fail("its certificate contains a negative count.");
   const std::int64_t kept = certificate.count_found - certificate.left_out;
   if (kept < 0 || static_cast<std::uint64_t>(kept) != n)
     file.fail(
@@ -85,7 +87,7 @@ Modes read_modes(const hdf5::Reader& file) {
   return modes;
 }
 
-/// Corners of the elements that a dataset holds; 4 stands for more.
+/// Corners of the elements in a dataset; 4 means more than 3.
 int corners_of(const hdf5::Reader& file, const std::string& dataset) {
   return static_cast<int>(std::min<std::size_t>(file.shape(dataset)[1], 4));
 }
@@ -139,14 +141,15 @@ Loads read_loads(const hdf5::Reader& file, const Surface& surface, std::size_t n
   return loads;
 }
 
-/// Names in a list that may be missing. They become those of datasets, so they are checked before.
+/// Reads the names in a list, which may be missing. They become names of datasets and are therefore checked
+/// first.
 std::vector<std::string> read_names(const hdf5::Reader& file, const std::string& list) {
   if (!file.exists(list)) return {};
   const hdf5::Shape shape = file.shape(list);
   if (shape.size() != 1) file.fail(fmt::format("dataset \"{}\" is not a list.", list));
   std::vector<std::string> names = file.read_strings(list, shape[0]);
   for (const std::string& name : names)
-    if (!is_free_name(name)) file.fail(fmt::format("dataset \"{}\" holds a name that can't be one.", list));
+    if (!is_free_name(name)) file.fail(fmt::format("dataset \"{}\" contains an invalid name.", list));
   return names;
 }
 
@@ -155,7 +158,7 @@ std::vector<T> read_if_there(const hdf5::Reader& file, const std::string& datase
   return file.exists(dataset) ? file.read<T>(dataset, shape) : std::vector<T>{};
 }
 
-/// Loads with histories, motions of supports, receivers.
+/// Reads loads with histories, motions of supports, and receivers.
 void read_sources(const hdf5::Reader& file, Kernel& kernel) {
   const std::size_t m = kernel.surface.size(), n = kernel.modes.size();
   const bool directed = kernel.surface.direction.has_value();

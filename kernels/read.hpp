@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Reads kernel files (FORMAT.md).
 #pragma once
 
@@ -11,24 +12,24 @@
 
 namespace ricochet::kernels {
 
-/// Reads and validates. Throws InputError, one line, on a missing, truncated, foreign or inconsistent file.
-/// @param view  false: leave the skin out, which pictures alone need
+/// Reads and validates a kernel file. Throws InputError, one line, if the file is missing, truncated, not a
+/// kernel, or inconsistent. @param view  false skips the visualisation surface, which only pictures need
 Kernel read(const std::filesystem::path& path, bool view = true);
 
-/// What a kernel file says of itself ahead of its data.
+/// The attributes that identify a kernel file.
 struct Header {
   std::string hash, scene, mesh_sha256;
-  std::optional<std::vector<std::int64_t>> held{};  ///< of WholeSurface; none: no candidate was left out
+  std::optional<std::vector<std::int64_t>> held{};  ///< as in WholeSurface; none: all candidates are held
 };
 
-/// Cheap. None when `path` is not a kernel file of a format known here.
+/// Reads the attributes only. Returns none if `path` is not a kernel file of a known format.
 std::optional<Header> read_header(const std::filesystem::path& path) noexcept;
 
-/// Only the root attribute `hash`: cheap test of whether `path` is a whole kernel file and whose. Empty when
-/// it is not one.
+/// Reads the root attribute `hash` only: a cheap test of whether `path` is a complete kernel file, and which
+/// one. Returns an empty string if it is not.
 std::string read_hash(const std::filesystem::path& path) noexcept;
 
-/// Whether `path` is a kernel file that only a newer Ricochet reads.
+/// Whether `path` is a kernel file whose format is newer than this program.
 bool has_newer_format(const std::filesystem::path& path) noexcept;
 
 }  // namespace ricochet::kernels

@@ -1,6 +1,7 @@
-#include "kernels/format.hpp"
-#include "base/hdf5_writer.hpp"
+// SPDX-License-Identifier: BSD-2-Clause
 #include "kernels/write.hpp"
+#include "base/hdf5_writer.hpp"
+#include "kernels/format.hpp"
 #include "ricochet/kernel.hpp"
 
 namespace ricochet::kernels {
@@ -89,7 +90,7 @@ void write_names(hdf5::Writer& file, const std::string& dataset, const std::vect
   if (!names.empty()) file.write_strings(dataset, names);
 }
 
-/// Nothing where there are no values.
+/// Writes a dataset unless it is empty.
 template <hdf5::Element T>
 void write_some(hdf5::Writer& file, const std::string& dataset, const std::vector<T>& values,
                 const hdf5::Shape& shape, const std::string& unit) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Writes kernel files (FORMAT.md).
 #pragma once
 
@@ -7,8 +8,8 @@
 
 namespace ricochet::kernels {
 
-/// Writes `kernel` beside `path` and renames it: a partial file never has the final name.
-/// Throws InputError when the place can't be written.
+/// Writes `kernel` under a temporary name and renames it to `path`: a partial file never has the final name.
+/// Throws InputError if the place cannot be written.
 void write(const Kernel& kernel, const std::filesystem::path& path);
 
 }  // namespace ricochet::kernels

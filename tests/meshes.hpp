@@ -1,4 +1,5 @@
-// Small geometries that the collective tests mesh, and the way from one to a distributed mesh.
+// SPDX-License-Identifier: BSD-2-Clause
+// Small geometries for the collective tests, and functions that mesh and distribute them.
 #pragma once
 
 #include <fmt/format.h>
@@ -10,6 +11,8 @@
 
 #include "src/mesh/gmsh_session.hpp"
 #include "src/mesh/mesh.hpp"
+#include "src/mesh/partition.hpp"
+#include "src/mesh/read.hpp"
 #include "src/parallel/teams.hpp"
 
 namespace ricochet::test {
@@ -44,7 +47,7 @@ inline std::string block_geo(const std::string& kind, int divisions, double lean
          "Physical Surface(\"sides\") = {3:6};\n";
 }
 
-/// A triangulated square drawn out in layers: prisms.
+/// A triangulated square, extruded in layers: prisms.
 inline std::string prism_geo(int divisions) {
   const double h = 1.0 / divisions;
   return fmt::format(
@@ -68,7 +71,7 @@ inline std::string rod_geo(int elements) {
       elements + 1);
 }
 
-/// A file that one rank writes and all read; gone at the end of the scope.
+/// A file that one rank writes and all read; removed at the end of the scope.
 class SharedFile {
  public:
   SharedFile(const std::string& extension, const std::string& text) {
@@ -105,7 +108,7 @@ inline scene::Body body_of(const std::filesystem::path& mesh, int order) {
 
 /// All ranks as one team.
 inline const parallel::Teams& one_team() {
-  // Never destroyed: that would be after the end of MPI.
+  // Never destroyed, because that would happen after MPI ends.
   static const auto* teams = new parallel::Teams(PETSC_COMM_WORLD, 1);
   return *teams;
 }

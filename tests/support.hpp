@@ -1,4 +1,5 @@
-// What tests of several folders need: a folder of their own, and the one line of a refusal.
+// SPDX-License-Identifier: BSD-2-Clause
+// Helpers for the tests of several folders: temporary folders, and the one line of a refusal.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -13,7 +14,7 @@
 
 namespace ricochet::test {
 
-/// A new folder, removed with all it holds.
+/// A new folder, removed with its contents at the end of the scope.
 class Folder {
  public:
   Folder() {
@@ -40,7 +41,7 @@ class Folder {
   std::filesystem::path path_;
 };
 
-/// The InputError's text; a test failure when none is thrown or it has more than one line.
+/// The message of the InputError; the test fails if none is thrown or it has more than one line.
 template <class Action>
 std::string complaint_of(Action action) {
   try {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "contact/accuracy/estimate.hpp"
 
 #include <algorithm>
@@ -5,6 +6,7 @@
 #include <random>
 
 #include "contact/model/coarsening.hpp"
+#include "contact/stepping/run_steps.hpp"
 #include "kernels/algebra.hpp"
 #include "kernels/band.hpp"
 #include "ricochet/error.hpp"
@@ -12,16 +14,16 @@
 namespace ricochet::contact {
 namespace {
 
-/// Relative change of frequencies by which small errors of theirs are made visible.
+/// Relative change of frequencies that makes their small errors visible.
 constexpr double visible = 1e-3;
 
 /// Unit round-off of double over that of single precision, and the latter.
 constexpr double double_over_single = 0x1p-29, single_round_off = 0x1p-24;
 
-/// What doubling again and again would change: the last change that it made, d, times ρ + ρ² + … with the
-/// ratio ρ of d to the change before, ½ where that is not known. Both hold accidents: ρ is at most ½, and d
-/// not taken for less than a quarter of the one before.
-double still_to_come(double change, double before) {
+/// Change that repeated doubling would still make: the last change d times ρ + ρ² + … with the ratio ρ of d
+/// to the change before, ½ where that is not known. As either may be small by chance, ρ is at most ½ and d at
+/// least a quarter of the change before.
+double remaining_change(double change, double before) {
   const double last = std::max(change, before / 4), pace = before > 0 ? std::min(last / before, 0.5) : 0.5;
   return last * pace / (1 - pace);
 }
@@ -33,7 +35,7 @@ std::vector<double> frequency_errors(const kernels::Modes& modes, double low_ran
   std::vector<double> error(omega.size(), 0.0);
   for (std::size_t n = 0; n < omega.size(); ++n) {
     if (omega[n] == 0) continue;
-    if (modes.fitted()) {
+    if (modes.contact_adapted()) {
       error[n] = low_rank / 2;
       continue;
     }
@@ -49,10 +51,10 @@ std::vector<double> frequency_errors(const kernels::Modes& modes, double low_ran
   return error;
 }
 
-/// This share of the highest frequency; of vectors fitted to contact, of their band.
+/// This share of the highest frequency, or of the band of a contact-adapted basis.
 RadPerSecond end_of(const kernels::Kernel& kernel, double share) {
   const kernels::Modes& modes = kernel.modes;
-  if (modes.fitted()) return RadPerSecond{share * RadPerSecond(Hertz{modes.certificate.upto_hz}).value};
+  if (modes.contact_adapted()) return RadPerSecond{share * RadPerSecond(Hertz{modes.certificate.upto_hz}).value};
   return RadPerSecond{modes.size() > 0 ? share * modes.angular_frequency.back() : 0};
 }
 
@@ -71,19 +73,29 @@ double left_by_order(int order) {
   return order == 1 ? 1 : order == 2 ? 1.0 / 8 : 1.0 / 3;
 }
 
-Estimator::Estimator(Subject subject)
-    : subject_(std::move(subject)), model_(subject_.place(subject_.kernels)) {}
+Estimator::Estimator(const Subject& subject, Model model, int coarsenings)
+    : subject_(subject), model_(std::move(model)), coarsenings_(coarsenings) {}
 
-std::optional<Outcome> Estimator::run(const Model& model, const StepOptions& options) const {
-  if (subject_.at_rest) return rest(model);
-  return impact(model, options, std::max<std::int64_t>(1, std::llround(subject_.duration / options.step)));
+std::unique_ptr<Estimator>& Estimator::coarser() {
+  if (!coarser_) {
+    coarser_.emplace();
+    Model wide = coarsened(model_);
+    if (wide.gap.size() < model_.gap.size())
+      *coarser_ = std::make_unique<Estimator>(subject_, std::move(wide), coarsenings_ + 1);
+  }
+  return *coarser_;
 }
 
-const std::optional<Outcome>& Estimator::outcome(const StepOptions& options) {
+std::optional<Quantities> Estimator::run(const Model& model, const StepOptions& options) const {
+  if (subject_.at_rest) return rest_quantities(model);
+  return impact_quantities(model, options, step_count(subject_.duration, 1 / options.step), subject_.poll);
+}
+
+const std::optional<Quantities>& Estimator::quantities(const StepOptions& options) {
   const std::pair key{options.step, options.precision};
-  const auto known = outcomes_.find(key);
-  return known != outcomes_.end() ? known->second
-                                  : outcomes_.emplace(key, run(model_, options)).first->second;
+  const auto known = quantities_.find(key);
+  return known != quantities_.end() ? known->second
+                                    : quantities_.emplace(key, run(model_, options)).first->second;
 }
 
 namespace {
@@ -93,31 +105,33 @@ StepOptions divided(StepOptions options, double parts) {
   return options;
 }
 
-std::optional<Outcome> mean_of(const std::optional<Outcome>& one, const std::optional<Outcome>& other) {
+std::optional<Quantities> mean_of(const std::optional<Quantities>& one,
+                                  const std::optional<Quantities>& other) {
   if (!one || !other) return std::nullopt;
-  return Outcome{0.5 * one->value + 0.5 * other->value, one->scale, one->longest_touch};
+  return Quantities{0.5 * one->value + 0.5 * other->value, one->scale, one->longest_touch};
 }
 
 }  // namespace
 
-std::optional<Outcome> Estimator::base(const StepOptions& options) {
-  return subject_.at_rest ? outcome(options) : mean_of(outcome(options), outcome(divided(options, 2)));
+std::optional<Quantities> Estimator::base(const StepOptions& options) {
+  return subject_.at_rest ? quantities(options)
+                          : mean_of(quantities(options), quantities(divided(options, 2)));
 }
 
-std::optional<Outcome> Estimator::mean(const Model& model, const StepOptions& options) const {
+std::optional<Quantities> Estimator::mean(const Model& model, const StepOptions& options) const {
   const auto one = run(model, options);
   return subject_.at_rest ? one : mean_of(one, run(model, divided(options, 2)));
 }
 
-std::optional<Outcome> Estimator::mean(const std::vector<kernels::Kernel>& kernels,
-                                       const StepOptions& options) const {
-  return mean(subject_.place(kernels), options);
+std::optional<Quantities> Estimator::mean(const std::vector<kernels::Kernel>& kernels,
+                                          const StepOptions& options) const {
+  return mean(coarsened(subject_.rebuild(kernels), coarsenings_), options);
 }
 
 std::optional<double> Estimator::step(const StepOptions& options) {
   if (subject_.at_rest) return 0;
-  const auto whole = outcome(options), half = outcome(divided(options, 2)),
-             quarter = outcome(divided(options, 4));
+  const auto whole = quantities(options), half = quantities(divided(options, 2)),
+             quarter = quantities(divided(options, 4));
   if (!whole || !half || !quarter) return std::nullopt;
   return std::max(4.0 / 3 * distance(*whole, *quarter), distance(*whole, *half));
 }
@@ -127,11 +141,11 @@ std::optional<double> Estimator::precision(const StepOptions& options) {
   StepOptions other = options;
   other.precision = is_single ? Precision::float64 : Precision::float32;
   const auto here = base(options);
-  std::optional<Outcome> there;
+  std::optional<Quantities> there;
   if (options.scheme == Scheme::compliant && !subject_.at_rest) {
     there = base(other);
   } else {
-    // Nothing is done in single precision: frequencies are rounded to it instead.
+    // These schemes have no products in single precision: the frequencies are rounded to it instead.
     std::vector<kernels::Kernel> kernels = subject_.kernels;
     for (kernels::Kernel& kernel : kernels)
       detune(kernel.modes, std::vector(kernel.modes.size(), single_round_off), 1);
@@ -141,70 +155,70 @@ std::optional<double> Estimator::precision(const StepOptions& options) {
   return distance(*here, *there) * (is_single ? 1 : double_over_single);
 }
 
-std::optional<double> Estimator::modes(const StepOptions& options, const Outcome& base) {
+std::optional<double> Estimator::modes(const StepOptions& options, const Quantities& base) {
   if (subject_.at_rest && model_.has_residual) return 0;
   // By the share of the highest frequency, or of the band, that is kept.
   const auto cut = [&](double share) {
     std::vector<kernels::Kernel> out;
     for (const kernels::Kernel& kernel : subject_.kernels)
-      out.push_back(kernels::up_to(kernel, end_of(kernel, share)));
+      out.push_back(kernels::truncated_above(kernel, end_of(kernel, share)));
     return out;
   };
   const std::vector<kernels::Kernel> half = cut(0.5);
-  // To the end of a rod waves come back whole, so that resonances count, which the error of the flexibility
-  // passes over.
+  // Waves return whole from the end of a rod, so its resonances count, which the error of the flexibility
+  // ignores.
   bool fewer = false, fitted = false, rods = false;
   double left = 0, made = 0;
   for (std::size_t k = 0; k < half.size(); ++k) {
     const kernels::Kernel& kernel = subject_.kernels[k];
     fewer = fewer || half[k].modes.size() < kernel.modes.size();
-    if (!kernel.modes.fitted()) continue;
+    if (!kernel.modes.contact_adapted()) continue;
     fitted = true;
     rods = rods || kernel.surface.element_corners == 1;
     left = std::max(left, kernel.modes.certificate.flexibility_error);
-    made = std::max(made, kernels::error_up_to(kernel, end_of(kernel, 0.5), end_of(kernel, 1)));
+    made = std::max(made, kernels::truncation_error(kernel, end_of(kernel, 0.5), end_of(kernel, 1)));
   }
   if (!fewer) return std::nullopt;
   const auto once = mean(half, options);
   if (!once) return std::nullopt;
   const double change = distance(base, *once);
   if (fitted) {
-    // Above the band nothing is known of the vectors: what they do counts in full.
+    // Nothing is known of vectors above the band: their effect counts in full.
     const auto in_band = mean(cut(1), options);
     return std::max(left < made && !rods ? change * left / made : change,
                     in_band ? distance(base, *in_band) : 0);
   }
   const auto nearly = mean(cut(0.75), options), twice = mean(cut(0.25), options);
-  return still_to_come(std::max(change, nearly ? distance(base, *nearly) : 0),
-                       twice ? distance(*once, *twice) : 0);
+  return remaining_change(std::max(change, nearly ? distance(base, *nearly) : 0),
+                          twice ? distance(*once, *twice) : 0);
 }
 
-std::optional<double> Estimator::spacing(const StepOptions& options, const Outcome& base) const {
-  const Model wide = thinned(model_);
-  if (wide.gap.size() == model_.gap.size()) return 0;
-  const auto once = mean(wide, options);
+std::optional<double> Estimator::spacing(const StepOptions& options, const Quantities& base) {
+  Estimator* const wide = coarser().get();
+  if (!wide) return 0;
+  const auto once = wide->base(options);
   if (!once) return std::nullopt;
-  const Model wider = thinned(wide);
-  const auto twice = wider.gap.size() < wide.gap.size() ? mean(wider, options) : std::nullopt;
-  return still_to_come(distance(base, *once), twice ? distance(*once, *twice) : 0);
+  Estimator* const wider = wide->coarser().get();
+  const auto twice = wider ? wider->base(options) : std::nullopt;
+  return remaining_change(distance(base, *once), twice ? distance(*once, *twice) : 0);
 }
 
-std::optional<double> Estimator::mesh(const StepOptions& options, const Outcome& base) const {
-  if (subject_.other_order.empty()) return std::nullopt;
-  std::optional<Outcome> other;
+std::optional<double> Estimator::mesh(const StepOptions& options, const Quantities& base) const {
+  if (!subject_.other_order) return std::nullopt;
+  std::optional<Quantities> other;
   try {
-    other = mean(subject_.other_order, options);
-  } catch (const InputError&) {  // other candidates may not find each other
+    other = mean(coarsened(subject_.other_order(), coarsenings_), options);
+  } catch (const InputError&) {  // its candidates may not face each other
   }
   if (!other) return std::nullopt;
   return distance(base, *other) * subject_.left_of_other;
 }
 
-std::optional<double> Estimator::eigensolver(const StepOptions& options, const Outcome& base) const {
+std::optional<double> Estimator::eigensolver(const StepOptions& options, const Quantities& base) const {
   std::vector<kernels::Kernel> kernels = subject_.kernels;
   double largest = 0;
   for (const kernels::Kernel& kernel : kernels) {
-    // So large it says nothing: imported modes may have come without theirs.
+    // So large a residual bounds nothing: imported modes may have come without theirs.
     if (std::ranges::any_of(kernel.modes.residual, [](double r) { return r >= 1; })) return std::nullopt;
     for (const double error : frequency_errors(kernel.modes, subject_.low_rank))
       largest = std::max(largest, error);

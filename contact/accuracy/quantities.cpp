@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "contact/accuracy/quantities.hpp"
 
 #include <algorithm>
@@ -6,6 +7,7 @@
 
 #include "contact/output/summary.hpp"
 #include "contact/static/equilibrium.hpp"
+#include "contact/stepping/run_steps.hpp"
 #include "contact/stepping/stepper.hpp"
 
 namespace ricochet::contact {
@@ -55,7 +57,7 @@ double approach(const Model& model, const std::vector<Vector3d>& velocity) {
 
 }  // namespace
 
-double distance(const Outcome& a, const Outcome& b) {
+double distance(const Quantities& a, const Quantities& b) {
   double largest = 0;
   for (Eigen::Index i = 0; i < a.value.size(); ++i) {
     const double apart = std::abs(a.value[i] - b.value[i]);
@@ -66,7 +68,8 @@ double distance(const Outcome& a, const Outcome& b) {
   return largest;
 }
 
-std::optional<Outcome> impact(const Model& model, const StepOptions& options, std::int64_t steps) {
+std::optional<Quantities> impact_quantities(const Model& model, const StepOptions& options,
+                                            std::int64_t steps, const std::function<void()>& poll) {
   const std::unique_ptr<Stepper> stepper = make_stepper(model, options);
   const std::vector<Mover> moving = movers(model);
   std::vector<Vector3d> before = velocities(model, moving, model.initial_rates()), start = before,
@@ -74,8 +77,8 @@ std::optional<Outcome> impact(const Model& model, const StepOptions& options, st
   double impulse = 0, longest = 0;
   std::int64_t touch = 0;
   bool touched = false;
-  for (std::int64_t k = 0; k < steps; ++k) {
-    if (stepper->step() != StepStatus::ok) return std::nullopt;
+  const auto observe = [&](std::int64_t) {
+    if (poll) poll();
     const double force = stepper->force().sum();
     if (force > 0 || !touched) before = velocities(model, moving, stepper->modal()->v);
     if (force > 0) {
@@ -87,8 +90,9 @@ std::optional<Outcome> impact(const Model& model, const StepOptions& options, st
       touch = 0;
       if (!touched) start = end = before;
     }
-  }
-  Outcome out;
+  };
+  if (run_steps(*stepper, steps, observe).status != StepStatus::ok) return std::nullopt;
+  Quantities out;
   const auto count = static_cast<Eigen::Index>(moving.size());
   out.value.setZero(1 + 3 * count);
   out.scale.setZero(1 + 3 * count);
@@ -103,9 +107,9 @@ std::optional<Outcome> impact(const Model& model, const StepOptions& options, st
   return out;
 }
 
-Outcome rest(const Model& model) {
+Quantities rest_quantities(const Model& model) {
   const EquilibriumSummary found = summarise(model, find_equilibrium(model));
-  Outcome out;
+  Quantities out;
   out.value.setZero(2 * static_cast<Eigen::Index>(found.pairs.size()));
   for (std::size_t p = 0; p < found.pairs.size(); ++p) {
     const auto i = 2 * static_cast<Eigen::Index>(p);

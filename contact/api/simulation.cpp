@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,6 +8,7 @@
 
 #include "base/rotation.hpp"
 #include "contact/model/model.hpp"
+#include "contact/stepping/run_steps.hpp"
 #include "contact/stepping/stepper.hpp"
 #include "kernels/read.hpp"
 #include "kernels/write.hpp"
@@ -20,7 +22,7 @@ using Eigen::Vector3d;
 Vector3d finite(const Vector3& v, const std::string& where) {
   if (!std::ranges::all_of(v, [](double x) { return std::isfinite(x); }))
     throw InputError(
-        fmt::format("{} = [{}, {}, {}]: holds what is not a finite number.", where, v[0], v[1], v[2]));
+        fmt::format("{} = [{}, {}, {}]: contains a value that is not finite.", where, v[0], v[1], v[2]));
   return {v[0], v[1], v[2]};
 }
 
@@ -244,13 +246,11 @@ BlockResult Simulation::step_block(std::int64_t steps, const Block& out) noexcep
     impl_->write_velocities(out, heard, made());
     heard = made();
   };
-  StepStatus status = StepStatus::ok;
   stepper.keep(out.displacement != nullptr, out.velocity != nullptr);
-  while (status == StepStatus::ok && made() < steps) {
-    status = stepper.step();
-    if (status == StepStatus::ok) impl_->write_forces(out, made() - 1);
-    if (stepper.pending() == 0) hear();
-  }
+  StepStatus status = contact::run_steps(stepper, steps, [&](std::int64_t k) {
+                        impl_->write_forces(out, k - 1);
+                        if (stepper.pending() == 0) hear();
+                      }).status;
   if (stepper.catch_up() != StepStatus::ok) status = StepStatus::not_finite;
   hear();
   stepper.keep(true, false);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "contact/complementarity/active_set.hpp"
 
 #include <algorithm>
@@ -17,7 +18,7 @@ Eigen::Map<Eigen::VectorXd> head(std::vector<double>& x, int n) { return {x.data
 
 }  // namespace
 
-Face::Face(int capacity) : stride_(std::max(capacity, 1)) {
+ActiveSet::ActiveSet(int capacity) : stride_(std::max(capacity, 1)) {
   const auto n = static_cast<std::size_t>(stride_);
   active_.resize(n);
   is_active_.resize(n);
@@ -26,14 +27,14 @@ Face::Face(int capacity) : stride_(std::max(capacity, 1)) {
   d_.resize(n);
 }
 
-void Face::clear() noexcept {
+void ActiveSet::clear() noexcept {
   for (int k = 0; k < count_; ++k) is_active_[active_[k]] = 0;
   count_ = 0;
 }
 
 /// j depends on P when its Schur complement dᵀ S d, d_j = 1, d_P = −S_PP⁻¹ S_Pj, is within the round-off of
 /// that sum, n ε (Σ |d_i| √S_ii)².
-bool Face::enter(const Symmetric& S, int j, bool trusted) noexcept {
+bool ActiveSet::enter(const Symmetric& S, int j, bool trusted) noexcept {
   const double* const column = &S.coeffRef(0, j);
   for (int k = 0; k < count_; ++k) row_[k] = column[active_[k]];
   auto l = head(row_, count_);
@@ -58,7 +59,7 @@ bool Face::enter(const Symmetric& S, int j, bool trusted) noexcept {
 
 /// With row k of L gone, S_PP behind it is L₃₃ L₃₃ᵀ + l lᵀ, l what column k held there: Givens rotations take
 /// l into the columns of L₃₃ one by one, which move up and to the left.
-void Face::leave(int position) noexcept {
+void ActiveSet::leave(int position) noexcept {
   is_active_[active_[position]] = 0;
   std::copy(active_.begin() + position + 1, active_.begin() + count_, active_.begin() + position);
   const int last = --count_;
@@ -78,7 +79,7 @@ void Face::leave(int position) noexcept {
   }
 }
 
-bool Face::renew(const Symmetric& S) noexcept {
+bool ActiveSet::renew(const Symmetric& S) noexcept {
   const int wanted = count_;
   for (int k = 0; k < wanted; ++k) is_active_[active_[k]] = 0;
   count_ = 0;
@@ -87,7 +88,7 @@ bool Face::renew(const Symmetric& S) noexcept {
   return count_ == wanted;
 }
 
-void Face::minimise(const Eigen::Ref<const Eigen::VectorXd>& r, std::vector<double>& z) const noexcept {
+void ActiveSet::minimise(const Eigen::Ref<const Eigen::VectorXd>& r, std::vector<double>& z) const noexcept {
   for (int k = 0; k < count_; ++k) z[k] = r(active_[k]);
   auto x = head(z, count_);
   if (count_ > few) {

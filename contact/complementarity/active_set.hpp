@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The active set P of a complementarity problem with the Cholesky factor of S_PP, kept as indices enter and
 // leave. Takes memory in the constructor only.
 #pragma once
@@ -10,9 +11,9 @@ namespace ricochet::contact {
 /// S (n,n), symmetric positive semidefinite, both triangles.
 using Symmetric = Eigen::Ref<const Eigen::MatrixXd>;
 
-class Face {
+class ActiveSet {
  public:
-  explicit Face(int capacity);
+  explicit ActiveSet(int capacity);
 
   int size() const { return count_; }                 ///< p
   int operator[](int k) const { return active_[k]; }  ///< P, in the order of the factor's rows

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "contact/complementarity/complementarity.hpp"
 
 #include <algorithm>
@@ -21,7 +22,7 @@ double largest_of(const std::vector<double>& x, int n) {
 }  // namespace
 
 ComplementaritySolver::ComplementaritySolver(int capacity, const SolveOptions& options)
-    : options_(options), face_(capacity) {
+    : options_(options), active_set_(capacity) {
   const auto n = static_cast<std::size_t>(std::max(capacity, 1));
   for (std::vector<double>* x : {&z_, &x_, &best_value_}) x->resize(n);
   for (std::vector<int>* x : {&leaving_, &entering_, &rows_}) x->reserve(n);
@@ -31,7 +32,7 @@ ComplementaritySolver::ComplementaritySolver(int capacity, const SolveOptions& o
 }
 
 void ComplementaritySolver::reset() noexcept {
-  face_.clear();
+  active_set_.clear();
   weight_.setZero();
   known_ = 0;
   warm_ = stopped_ = descending_ = false;
@@ -51,16 +52,16 @@ bool ComplementaritySolver::know(const Symmetric& S) noexcept {
 }
 
 bool ComplementaritySolver::renew(const Symmetric& S) noexcept {
-  if (face_.size() > 0) ++statistics_.renewals;
-  const bool whole = face_.renew(S);
+  if (active_set_.size() > 0) ++statistics_.renewals;
+  const bool whole = active_set_.renew(S);
   weight_.setZero();
-  for (int k = 0; k < face_.size(); ++k) weight_.head(S.rows()) += S.col(face_[k]).cwiseAbs();
+  for (int k = 0; k < active_set_.size(); ++k) weight_.head(S.rows()) += S.col(active_set_[k]).cwiseAbs();
   changed_ = true;
   return whole;
 }
 
 bool ComplementaritySolver::enter(const Symmetric& S, int j, bool trusted) noexcept {
-  if (!face_.enter(S, j, trusted)) return false;
+  if (!active_set_.enter(S, j, trusted)) return false;
   weight_.head(S.rows()) += S.col(j).cwiseAbs();
   changed_ = true;
   ++statistics_.pivots;
@@ -69,34 +70,34 @@ bool ComplementaritySolver::enter(const Symmetric& S, int j, bool trusted) noexc
 }
 
 void ComplementaritySolver::drop(const Symmetric& S, int position) noexcept {
-  weight_.head(S.rows()) -= S.col(face_[position]).cwiseAbs();
-  std::copy(x_.begin() + position + 1, x_.begin() + face_.size(), x_.begin() + position);
-  face_.leave(position);
+  weight_.head(S.rows()) -= S.col(active_set_[position]).cwiseAbs();
+  std::copy(x_.begin() + position + 1, x_.begin() + active_set_.size(), x_.begin() + position);
+  active_set_.leave(position);
   changed_ = true;
   ++statistics_.pivots;
   --left_;
-  if (face_.size() == 0) weight_.setZero();
+  if (active_set_.size() == 0) weight_.setZero();
 }
 
-/// w = S λ − r and its tolerance, for λ_P = on_face a minimiser on its face. Rows that can't be negative are
-/// left at 0. S is semidefinite, so for any μ whose f = S μ is known
+/// w = S λ − r and its tolerance, for λ_P = on_set the minimiser on the active set. Rows that can't be
+/// negative are left at 0. S is semidefinite, so for any μ whose f = S μ is known
 ///
 ///   |S_i λ − f_i| ≤ √S_ii ‖λ − μ‖,   ‖λ − μ‖² = λᵀSλ − 2 λᵀf + μᵀf,   λᵀSλ = λᵀr up to the tolerance of w;
 ///
 /// μ is the λ for which all rows were last evaluated, or 0. False: not finite.
 bool ComplementaritySolver::evaluate(const Symmetric& S, const Right& r,
-                                     const std::vector<double>& on_face) noexcept {
-  const int n = static_cast<int>(r.size()), p = face_.size();
+                                     const std::vector<double>& on_set) noexcept {
+  const int n = static_cast<int>(r.size()), p = active_set_.size();
   auto w = w_.head(n);
   if (changed_) heaviest_ = weight_.head(n).maxCoeff<Eigen::PropagateNaN>();
   changed_ = false;
   double sum = 0, work = 0, common = 0;
   for (int k = 0; k < p; ++k) {
-    sum += std::abs(on_face[k]);
-    work += on_face[k] * r(face_[k]);
-    common += on_face[k] * seen_.push(face_[k]);
+    sum += std::abs(on_set[k]);
+    work += on_set[k] * r(active_set_[k]);
+    common += on_set[k] * seen_.push(active_set_[k]);
   }
-  tolerance_ = round_off * (r.cwiseAbs().maxCoeff() + heaviest_ * largest_of(on_face, p));
+  tolerance_ = round_off * (r.cwiseAbs().maxCoeff() + heaviest_ * largest_of(on_set, p));
   if (!std::isfinite(sum + work + tolerance_)) return false;
 
   const double slack = (sum + seen_.sum) * (tolerance_ + seen_.tolerance);
@@ -105,7 +106,7 @@ bool ComplementaritySolver::evaluate(const Symmetric& S, const Right& r,
   rows_.clear();
   for (int i = 0; i < n; ++i)
     if (r(i) > -root_(i) * from_zero && r(i) > seen_.push(i) - seen_.tolerance - root_(i) * from_seen &&
-        !face_.contains(i))
+        !active_set_.contains(i))
       rows_.push_back(i);
 
   if (4 * rows_.size() > static_cast<std::size_t>(n)) {  // a row gathered costs about four of whole columns
@@ -113,14 +114,14 @@ bool ComplementaritySolver::evaluate(const Symmetric& S, const Right& r,
     push.setZero();
     int k = 0;
     for (; k + 4 <= p; k += 4)
-      push += on_face[k] * S.col(face_[k]) + on_face[k + 1] * S.col(face_[k + 1]) +
-              on_face[k + 2] * S.col(face_[k + 2]) + on_face[k + 3] * S.col(face_[k + 3]);
-    for (; k < p; ++k) push += on_face[k] * S.col(face_[k]);
+      push += on_set[k] * S.col(active_set_[k]) + on_set[k + 1] * S.col(active_set_[k + 1]) +
+              on_set[k + 2] * S.col(active_set_[k + 2]) + on_set[k + 3] * S.col(active_set_[k + 3]);
+    for (; k < p; ++k) push += on_set[k] * S.col(active_set_[k]);
     w = push - r;
     seen_.sum = sum;
     seen_.tolerance = tolerance_;
     seen_.square = 0;
-    for (k = 0; k < p; ++k) seen_.square += on_face[k] * push(face_[k]);
+    for (k = 0; k < p; ++k) seen_.square += on_set[k] * push(active_set_[k]);
   } else {
     w.setZero();
     for (const int i : rows_) {
@@ -128,10 +129,10 @@ bool ComplementaritySolver::evaluate(const Symmetric& S, const Right& r,
       double even = -r(i), odd = 0;
       int k = 0;
       for (; k + 2 <= p; k += 2) {
-        even += row[face_[k]] * on_face[k];
-        odd += row[face_[k + 1]] * on_face[k + 1];
+        even += row[active_set_[k]] * on_set[k];
+        odd += row[active_set_[k + 1]] * on_set[k + 1];
       }
-      if (k < p) even += row[face_[k]] * on_face[k];
+      if (k < p) even += row[active_set_[k]] * on_set[k];
       w(i) = even + odd;
     }
   }
@@ -140,13 +141,13 @@ bool ComplementaritySolver::evaluate(const Symmetric& S, const Right& r,
 
 /// leaving_: positions with λ < 0; entering_: indices with w < 0.
 void ComplementaritySolver::find_infeasible(int n) noexcept {
-  const double least = -negative * largest_of(z_, face_.size());
+  const double least = -negative * largest_of(z_, active_set_.size());
   leaving_.clear();
   entering_.clear();
-  for (int k = 0; k < face_.size(); ++k)
+  for (int k = 0; k < active_set_.size(); ++k)
     if (z_[k] < least) leaving_.push_back(k);
   for (int i = 0; i < n; ++i)
-    if (w_[i] < -tolerance_ && !face_.contains(i)) entering_.push_back(i);
+    if (w_[i] < -tolerance_ && !active_set_.contains(i)) entering_.push_back(i);
 }
 
 /// Cuts the lists down to the pivots left: tension goes first, then the deepest come in.
@@ -170,12 +171,12 @@ SolveStatus ComplementaritySolver::pivot(const Symmetric& S, const Right& r) noe
     patience_ = patience_of_pivots;
   }
   while (true) {
-    face_.minimise(r, z_);
+    active_set_.minimise(r, z_);
     if (!evaluate(S, r, z_)) return SolveStatus::not_finite;
     find_infeasible(n);
     const int infeasible = static_cast<int>(leaving_.size() + entering_.size());
     if (infeasible == 0) {
-      for (int k = 0; k < face_.size(); ++k) x_[k] = std::max(z_[k], 0.0);
+      for (int k = 0; k < active_set_.size(); ++k) x_[k] = std::max(z_[k], 0.0);
       return SolveStatus::solved;
     }
     if (bounded()) {
@@ -197,20 +198,20 @@ SolveStatus ComplementaritySolver::pivot(const Symmetric& S, const Right& r) noe
   }
 }
 
-/// From λ_P = x_ ≥ 0 to the minimiser on a face of P where it is ≥ 0: steps towards it, dropping what reaches
-/// 0 first. False: no pivots left, x_ is as far as they went.
-bool ComplementaritySolver::move_on_face(const Symmetric& S, const Right& r) noexcept {
+/// From λ_P = x_ ≥ 0 to the minimiser on a subset of P where it is ≥ 0: steps towards it, dropping what
+/// reaches 0 first. False: no pivots left, x_ is as far as they went.
+bool ComplementaritySolver::move_on_active_set(const Symmetric& S, const Right& r) noexcept {
   while (true) {
-    face_.minimise(r, z_);
-    const double least = -negative * largest_of(z_, face_.size());
+    active_set_.minimise(r, z_);
+    const double least = -negative * largest_of(z_, active_set_.size());
     double reach = 1;
     int blocking = -1;
-    for (int k = 0; k < face_.size(); ++k)
+    for (int k = 0; k < active_set_.size(); ++k)
       if (z_[k] < least && x_[k] / (x_[k] - z_[k]) < reach) {
         reach = x_[k] / (x_[k] - z_[k]);
         blocking = k;
       }
-    for (int k = 0; k < face_.size(); ++k)
+    for (int k = 0; k < active_set_.size(); ++k)
       x_[k] = std::max(0.0, blocking < 0 ? z_[k] : x_[k] + reach * (z_[k] - x_[k]));
     if (blocking < 0) return true;
     if (left_ <= 0) return false;
@@ -222,9 +223,9 @@ bool ComplementaritySolver::move_on_face(const Symmetric& S, const Right& r) noe
 /// 0 and j takes its place. False: nothing blocks, so the problem has no solution. A slope within round-off
 /// refuses j instead.
 bool ComplementaritySolver::exchange(const Symmetric& S, int j) noexcept {
-  const std::vector<double>& d = face_.null_direction();
+  const std::vector<double>& d = active_set_.null_direction();
   double length = 1;
-  for (int k = 0; k < face_.size(); ++k) length += std::abs(d[k]);
+  for (int k = 0; k < active_set_.size(); ++k) length += std::abs(d[k]);
   if (-w_[j] <= tolerance_ * length) {
     refused_[j] = 1;
     return true;
@@ -233,7 +234,7 @@ bool ComplementaritySolver::exchange(const Symmetric& S, int j) noexcept {
   double reach = std::numeric_limits<double>::infinity();
   // The swap changes the determinant of S_PP by the factor d_k²: a small d_k blocks only where no other does.
   for (const double least : {1e-8, 1e-12}) {
-    for (int k = 0; k < face_.size(); ++k)
+    for (int k = 0; k < active_set_.size(); ++k)
       if (d[k] < -least * length && x_[k] < -d[k] * reach) {
         reach = -x_[k] / d[k];
         blocking = k;
@@ -241,9 +242,9 @@ bool ComplementaritySolver::exchange(const Symmetric& S, int j) noexcept {
     if (blocking >= 0) break;
   }
   if (blocking < 0) return false;
-  for (int k = 0; k < face_.size(); ++k) x_[k] = std::max(0.0, x_[k] + reach * d[k]);
+  for (int k = 0; k < active_set_.size(); ++k) x_[k] = std::max(0.0, x_[k] + reach * d[k]);
   drop(S, blocking);
-  x_[face_.size()] = reach;
+  x_[active_set_.size()] = reach;
   return enter(S, j, true);
 }
 
@@ -253,14 +254,14 @@ bool ComplementaritySolver::exchange(const Symmetric& S, int j) noexcept {
 SolveStatus ComplementaritySolver::descend(const Symmetric& S, const Right& r) noexcept {
   const int n = static_cast<int>(r.size());
   ++statistics_.fallbacks;
-  face_.minimise(r, z_);
+  active_set_.minimise(r, z_);
   if (bounded()) offer(S, r, z_);
   if (!std::exchange(descending_, false)) {
     // Start from the part of the active set that pushes.
     std::fill(refused_.begin(), refused_.begin() + n, char{0});
     entered_ = -1;
-    std::copy(z_.begin(), z_.begin() + face_.size(), x_.begin());
-    for (int k = face_.size() - 1; k >= 0; --k)
+    std::copy(z_.begin(), z_.begin() + active_set_.size(), x_.begin());
+    for (int k = active_set_.size() - 1; k >= 0; --k)
       if (!(x_[k] > 0)) {
         if (left_ <= 0) return SolveStatus::limited;
         drop(S, k);
@@ -270,7 +271,7 @@ SolveStatus ComplementaritySolver::descend(const Symmetric& S, const Right& r) n
   const int most = 1000 + 50 * n;  // far beyond what falling objectives need: round-off alone could get there
   bool regular = true;
   for (int round = 0; regular && round < most; ++round) {
-    if (!move_on_face(S, r)) {
+    if (!move_on_active_set(S, r)) {
       offer(S, r, x_);
       descending_ = true;
       return SolveStatus::limited;
@@ -278,7 +279,7 @@ SolveStatus ComplementaritySolver::descend(const Symmetric& S, const Right& r) n
     if (entered_ >= 0) {
       // Exactly, j grows from 0; where it was dropped at once, w_j was round-off. Any real progress reopens
       // all cases.
-      if (face_.contains(entered_))
+      if (active_set_.contains(entered_))
         std::fill(refused_.begin(), refused_.begin() + n, char{0});
       else
         refused_[entered_] = 1;
@@ -287,7 +288,7 @@ SolveStatus ComplementaritySolver::descend(const Symmetric& S, const Right& r) n
     do {
       entered_ = -1;
       for (int i = 0; i < n; ++i)
-        if (!face_.contains(i) && !refused_[i] && w_[i] < -tolerance_ &&
+        if (!active_set_.contains(i) && !refused_[i] && w_[i] < -tolerance_ &&
             (entered_ < 0 || w_[i] < w_[entered_]))
           entered_ = i;
       if (entered_ < 0) return SolveStatus::solved;
@@ -298,7 +299,7 @@ SolveStatus ComplementaritySolver::descend(const Symmetric& S, const Right& r) n
         return SolveStatus::limited;
       }
       if (enter(S, entered_, false)) {
-        x_[face_.size() - 1] = 0;
+        x_[active_set_.size() - 1] = 0;
         break;
       }
       regular = exchange(S, entered_);
@@ -307,26 +308,26 @@ SolveStatus ComplementaritySolver::descend(const Symmetric& S, const Right& r) n
   return SolveStatus::no_solution;
 }
 
-/// Remembers t x, x = max(on_face, 0), if its objective is the least so far. The t that is best,
+/// Remembers t x, x = max(on_set, 0), if its objective is the least so far. The t that is best,
 /// t = xᵀr / xᵀSx, makes λᵀw = 0 and F = −½ (xᵀr)² / xᵀSx < 0.
 void ComplementaritySolver::offer(const Symmetric& S, const Right& r,
-                                  const std::vector<double>& on_face) noexcept {
+                                  const std::vector<double>& on_set) noexcept {
   double gain = 0, quadratic = 0;
-  for (int k = 0; k < face_.size(); ++k) {
-    if (!(on_face[k] > 0)) continue;
-    const double* const column = &S.coeffRef(0, face_[k]);
-    double sum = 0.5 * column[face_[k]] * on_face[k];
-    for (int i = 0; i < k; ++i) sum += column[face_[i]] * std::max(on_face[i], 0.0);
-    quadratic += 2 * on_face[k] * sum;
-    gain += on_face[k] * r(face_[k]);
+  for (int k = 0; k < active_set_.size(); ++k) {
+    if (!(on_set[k] > 0)) continue;
+    const double* const column = &S.coeffRef(0, active_set_[k]);
+    double sum = 0.5 * column[active_set_[k]] * on_set[k];
+    for (int i = 0; i < k; ++i) sum += column[active_set_[i]] * std::max(on_set[i], 0.0);
+    quadratic += 2 * on_set[k] * sum;
+    gain += on_set[k] * r(active_set_[k]);
   }
   if (!(gain > 0) || !(quadratic > 0) || !(-0.5 * gain * (gain / quadratic) < best_objective_)) return;
   best_objective_ = -0.5 * gain * (gain / quadratic);
   best_count_ = 0;
-  for (int k = 0; k < face_.size(); ++k) {
-    if (!(on_face[k] > 0)) continue;
-    best_index_[best_count_] = face_[k];
-    best_value_[best_count_++] = gain / quadratic * on_face[k];
+  for (int k = 0; k < active_set_.size(); ++k) {
+    if (!(on_set[k] > 0)) continue;
+    best_index_[best_count_] = active_set_[k];
+    best_value_[best_count_++] = gain / quadratic * on_set[k];
   }
 }
 
@@ -367,8 +368,8 @@ SolveStatus ComplementaritySolver::solve(const Symmetric& S, const Right& r,
     ++statistics_.limited;
     answer_with_best(S, r, lambda);
   } else if (warm_) {
-    statistics_.max_active = std::max(statistics_.max_active, face_.size());
-    for (int k = 0; k < face_.size(); ++k) lambda(face_[k]) = x_[k];
+    statistics_.max_active = std::max(statistics_.max_active, active_set_.size());
+    for (int k = 0; k < active_set_.size(); ++k) lambda(active_set_[k]) = x_[k];
   } else {
     reset();
   }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Linear complementarity problems of a symmetric positive semidefinite matrix, solved exactly:
 //
 //   0 ≤ λ  ⟂  w = S λ − r ≥ 0      ⇔      minimise F(λ) = ½ λᵀ S λ − rᵀ λ over λ ≥ 0
@@ -47,8 +48,8 @@ struct SolveStatistics {
 };
 
 /// Active set with warm start; block principal pivoting; a finite primal active-set method (strictly
-/// decreasing objective, singular faces followed along their null direction) where those cycle or meet a
-/// singular face. Allocates in the constructor only.
+/// decreasing objective, singular active sets followed along their null direction) where those cycle or
+/// meet a singular active set. Allocates in the constructor only.
 class ComplementaritySolver {
  public:
   /// @param capacity  largest problem size m
@@ -78,13 +79,13 @@ class ComplementaritySolver {
   void drop(const Symmetric& S, int position) noexcept;
   SolveStatus pivot(const Symmetric& S, const Right& r) noexcept;
   SolveStatus descend(const Symmetric& S, const Right& r) noexcept;
-  bool evaluate(const Symmetric& S, const Right& r, const std::vector<double>& on_face) noexcept;
+  bool evaluate(const Symmetric& S, const Right& r, const std::vector<double>& on_set) noexcept;
   void find_infeasible(int n) noexcept;
   void cut_to_budget() noexcept;
-  bool move_on_face(const Symmetric& S, const Right& r) noexcept;
+  bool move_on_active_set(const Symmetric& S, const Right& r) noexcept;
   bool exchange(const Symmetric& S, int j) noexcept;
   bool bounded() const { return options_.max_pivots < std::numeric_limits<int>::max(); }
-  void offer(const Symmetric& S, const Right& r, const std::vector<double>& on_face) noexcept;
+  void offer(const Symmetric& S, const Right& r, const std::vector<double>& on_set) noexcept;
   void answer_with_best(const Symmetric& S, const Right& r, Eigen::Ref<Eigen::VectorXd> lambda) noexcept;
 
   /// f = S μ for the λ_P = μ at which all rows were last evaluated.
@@ -96,7 +97,7 @@ class ComplementaritySolver {
   SolveOptions options_;
   SolveStatistics statistics_;
   SolveResidual residual_;
-  Face face_;                      ///< P
+  ActiveSet active_set_;           ///< P
   Eigen::Index known_ = 0;         ///< size of the matrix whose factor and diagonal are at hand
   bool warm_ = false;              ///< P is that of a solved problem
   bool stopped_ = false;           ///< the problem before was `limited`
@@ -106,7 +107,7 @@ class ComplementaritySolver {
   int left_ = 0;                   ///< pivots
   int fewest_ = 0, patience_ = 0;  ///< least number of infeasible indices; rounds left without a new one
   std::vector<char> refused_;      ///< (n) dependent rows found consistent
-  std::vector<double> z_, x_;      ///< (p) minimiser on the face, current λ_P
+  std::vector<double> z_, x_;      ///< (p) minimiser on the active set, current λ_P
   std::vector<int> leaving_, entering_, rows_;  ///< positions in P, ascending; indices; rows of w at work
   Eigen::VectorXd w_, weight_, root_;           ///< (n) w or 0 where it is not negative; Σ_P |S_ij|; √S_ii
   Seen seen_;

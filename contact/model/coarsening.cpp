@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "contact/model/coarsening.hpp"
 
 #include <algorithm>
@@ -70,7 +71,7 @@ Shares shares(const Model& model) {
 
 }  // namespace
 
-Model thinned(const Model& model) {
+Model coarsened(const Model& model) {
   Model out = model;
   const auto [T, area] = shares(model);
   Index first = 0;
@@ -97,6 +98,11 @@ Model thinned(const Model& model) {
   for (Model::BodyBlock& body : out.bodies) body.selection = Selection(T.sparseView()) * body.selection;
   for (Model::Receiver& receiver : out.receivers) receiver.flexibility = receiver.flexibility * T.transpose();
   return out;
+}
+
+Model coarsened(Model model, int times) {
+  for (int k = 0; k < times; ++k) model = coarsened(model);
+  return model;
 }
 
 }  // namespace ricochet::contact

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Loads, moving supports and receivers, from each body's kernel to the stacked model.
 #include <algorithm>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // What model.cpp and model_drives.cpp share.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Factors that vary in time, piecewise linear: of loads, and of supports that move.
 #pragma once
 

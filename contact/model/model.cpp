@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "contact/model/model.hpp"
 
 #include <algorithm>
@@ -5,7 +6,6 @@
 
 #include "base/format.hpp"
 #include "contact/model/forcing.hpp"
-#include "contact/pairing/placement.hpp"
 #include "ricochet/error.hpp"
 
 namespace ricochet::contact {
@@ -63,18 +63,47 @@ Vector rigid_velocity(const PlacedBody& body, const Model::BodyBlock& block) {
   return out;
 }
 
+/// From numbers on the whole surface to those of the candidates that a kernel holds.
+class HeldCandidates {
+ public:
+  explicit HeldCandidates(const PlacedBody& body) : body_(body) {
+    const auto& whole = body.kernel->surface.whole;
+    if (!whole) return;
+    held_.assign(whole->area.size(), -1);
+    for (std::size_t i = 0; i < whole->held.size(); ++i)
+      held_[static_cast<std::size_t>(whole->held[i])] = static_cast<int>(i);
+  }
+
+  int operator()(int candidate, const PairRequest& request) const {
+    if (held_.empty()) return candidate;
+    const int held = held_[static_cast<std::size_t>(candidate)];
+    if (held >= 0) return held;
+    throw InputError(base::format(
+        "contact between \"{}\" and \"{}\": the kernel of \"{}\" holds too few candidates: candidate {} of "
+        "{}, which faces \"{}\", is missing. Run ricochet-kernel for this scene, or lower contact.reach.",
+        request.a, request.b, body_.name, candidate, held_.size(),
+        body_.name == request.a ? request.b : request.a));
+  }
+
+ private:
+  const PlacedBody& body_;
+  std::vector<int> held_;
+};
+
 /// P (m, cM) with u = Σ_bodies P · (displacement of the body's candidates in its own frame): a's rows are n,
 /// b's −n W.
-Selection selection(const PlacedBody& body, int index, const std::vector<Meeting>& meetings, int points) {
+Selection selection(const PlacedBody& body, int index, const std::vector<ContactPair>& pairs, int points) {
   const kernels::Surface& surface = body.kernel->surface;
   const int c = surface.components;
   Selection out(points, c * static_cast<int>(surface.size()));
   std::vector<Eigen::Triplet<double>> entries;
   int row = 0;
-  for (const Meeting& meeting : meetings)
-    for (const Pairing::Point& point : meeting.pairing.points) {
+  const HeldCandidates held(body);
+  for (const ContactPair& pair : pairs)
+    for (const Pairing::Point& point : pair.pairing.points) {
       const Vector3d n = body.rotation.transpose() * point.normal;
-      const auto add = [&](int candidate, double weight) {
+      const auto add = [&](int number, double weight) {
+        const int candidate = held(number, pair.request);
         if (c == 1)  // pairing has made sure that n is ± the stored direction
           entries.emplace_back(
               row, candidate,
@@ -82,8 +111,8 @@ Selection selection(const PlacedBody& body, int index, const std::vector<Meeting
         else
           for (int k = 0; k < 3; ++k) entries.emplace_back(row, 3 * candidate + k, weight * n(k));
       };
-      if (meeting.a == index) add(point.candidate, 1);
-      if (meeting.b == index)
+      if (pair.a == index) add(point.candidate, 1);
+      if (pair.b == index)
         for (const auto& [candidate, weight] : point.weights) add(candidate, -weight);
       ++row;
     }
@@ -93,10 +122,9 @@ Selection selection(const PlacedBody& body, int index, const std::vector<Meeting
 
 }  // namespace
 
-Model build_model(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& obstacles,
-                  const std::vector<PairRequest>& pairs, const Vector3d& gravity,
-                  const std::vector<DriveRequest>& drives, Pairings* known) {
-  const std::vector<Meeting> meetings = meet(bodies, obstacles, pairs, known);
+Model build_model(const Placement& placement, const Vector3d& gravity,
+                  const std::vector<DriveRequest>& drives) {
+  const auto& [bodies, pairs] = placement;
   Model model;
   model.gravity = gravity;
   for (const DriveRequest& request : drives)
@@ -104,10 +132,10 @@ Model build_model(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& 
       throw InputError(base::format("loads: \"{}\" is not a body. Name one of bodies.*.", request.body));
 
   int points = 0, modes = 0;
-  for (const Meeting& meeting : meetings) {
-    const int count = static_cast<int>(meeting.pairing.points.size());
-    model.pairs.push_back({points, count, meeting.pairing.unpaired, meeting.a, meeting.b, {}});
-    if (meeting.pairing.beyond_reach > 0) model.pairs.back().reach = meeting.request.reach;
+  for (const ContactPair& pair : pairs) {
+    const int count = static_cast<int>(pair.pairing.points.size());
+    model.pairs.push_back({points, count, pair.pairing.unpaired, pair.a, pair.b, {}});
+    if (pair.pairing.beyond_reach > 0) model.pairs.back().reach = pair.request.reach;
     points += count;
   }
   for (const PlacedBody& body : bodies) {
@@ -118,8 +146,8 @@ Model build_model(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& 
   for (Vector* v : {&model.gap, &model.area, &model.static_displacement, &model.static_a}) v->setZero(points);
   for (Matrix* x : {&model.point_a, &model.point_b, &model.normal}) x->setZero(points, 3);
   int i = 0;
-  for (const Meeting& meeting : meetings)
-    for (const Pairing::Point& point : meeting.pairing.points) {
+  for (const ContactPair& pair : pairs)
+    for (const Pairing::Point& point : pair.pairing.points) {
       model.gap(i) = point.gap;
       model.area(i) = point.area;
       model.point_a.row(i) = point.a;
@@ -141,8 +169,7 @@ Model build_model(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& 
     model.load.segment(first, n) = block.momentum.transpose() * gravity;
     model.v0.segment(first, n) = rigid_velocity(bodies[k], block);
 
-    const Selection& P = model.bodies[k].selection =
-        selection(bodies[k], static_cast<int>(k), meetings, points);
+    const Selection& P = model.bodies[k].selection = selection(bodies[k], static_cast<int>(k), pairs, points);
     const Eigen::Index rows = P.cols();
     model.B.middleCols(first, n) = P * Eigen::Map<const Matrix>(kernel.surface.shape.data(), rows, n);
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Two or more bodies and the pairs of surfaces that may touch, as one constant modal system.
 //
 // Modes of all bodies are stacked in q (N); paired candidates of all pairs are stacked in i (m).
@@ -14,7 +15,7 @@
 #include <vector>
 
 #include "contact/model/history.hpp"
-#include "contact/pairing/pairing.hpp"
+#include "contact/pairing/placement.hpp"
 #include "contact/pairing/types.hpp"
 #include "ricochet/kernel.hpp"
 
@@ -110,11 +111,17 @@ struct Model {
   Eigen::Vector3d angular_momentum(int body, const Vector& v, double t) const;
 };
 
-/// Places, pairs and stacks. Bodies keep their order; a body that no pair names is an error.
-/// Throws InputError as `pair` does, and for a drive that its body's kernel has not got, or a support that
-/// would jump, or makes bodies overlap at the start. @param known  as of `pair`
-Model build_model(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& obstacles,
-                  const std::vector<PairRequest>& pairs, const Eigen::Vector3d& gravity,
-                  const std::vector<DriveRequest>& drives = {}, Pairings* known = nullptr);
+/// Stacks placed bodies, in their order, and their pairs. Throws InputError when a kernel does not hold a
+/// paired candidate, for a drive that its body's kernel lacks, and for a support that would jump or that
+/// makes bodies overlap at the start.
+Model build_model(const Placement& placement, const Eigen::Vector3d& gravity,
+                  const std::vector<DriveRequest>& drives = {});
+
+/// Places the bodies first. Throws InputError as `place` does, too.
+inline Model build_model(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& obstacles,
+                         const std::vector<PairRequest>& pairs, const Eigen::Vector3d& gravity,
+                         const std::vector<DriveRequest>& drives = {}) {
+  return build_model(place(std::move(bodies), obstacles, pairs), gravity, drives);
+}
 
 }  // namespace ricochet::contact

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "contact/output/fclib.hpp"
 
 #include <fmt/format.h>
@@ -69,7 +70,7 @@ ProblemFiles::ProblemFiles(const Model& model, const StepOptions& step, ProblemO
   std::error_code failure;
   std::filesystem::create_directories(options_.folder, failure);
   if (failure)
-    throw InputError(fmt::format("{}: can't make this folder ({}): choose another with --fclib",
+    throw InputError(fmt::format("{}: cannot create this folder ({}): choose another with --fclib",
                                  options_.folder.string(), failure.message()));
 }
 

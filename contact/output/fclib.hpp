@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The complementarity problems of a run as files of FCLIB, a collection of contact problems in HDF5 that
 // other nonsmooth solvers read (Acary et al. 2014; github.com/FrictionalContactLibrary/fclib, fclib.h).
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "contact/output/motion_file.hpp"
 
 #include <fmt/format.h>
@@ -51,7 +52,8 @@ std::vector<int> candidates_of(const Selection& selection, const Model::PairBloc
 
 MotionFile::MotionFile(const Model& model, const StepOptions& step, const MotionOptions& options)
     : model_(model), stem_(options.stem), every_(options.every), file_(with(stem_, ".h5")) {
-  for (std::size_t k = 0; k < model.bodies.size(); ++k) skins_.emplace_back(model, static_cast<int>(k), step);
+  for (std::size_t k = 0; k < model.bodies.size(); ++k)
+    surfaces_.emplace_back(model, static_cast<int>(k), step);
   for (std::size_t p = 0; p < model.pairs.size(); ++p)
     patches_.push_back(patch_of(model.pairs[p], options.pairs.at(p)));
   write_setting(options);
@@ -94,7 +96,7 @@ MotionFile::Patch MotionFile::patch_of(const Model::PairBlock& pair, const std::
     for (int i = 0; i < out.count; ++i) out.element.push_back(i);
   }
   out.offset = model_.point_a.middleRows(out.first, out.count);
-  out.place = skins_[static_cast<std::size_t>(pair.a)].closest(out.offset);
+  out.place = surfaces_[static_cast<std::size_t>(pair.a)].closest(out.offset);
   for (int i = 0; i < out.count; ++i) out.offset.row(i) -= out.place[static_cast<std::size_t>(i)].point;
   return out;
 }
@@ -108,8 +110,9 @@ void MotionFile::write_setting(const MotionOptions& options) {
     const auto k = static_cast<std::size_t>(corners);
     file_.write(group + "/element", element, {element.size() / k, k}, "1");
   };
-  for (std::size_t k = 0; k < skins_.size(); ++k)
-    elements(group_of(model_.bodies[k].name), skins_[k].view().element, skins_[k].view().element_corners);
+  for (std::size_t k = 0; k < surfaces_.size(); ++k)
+    elements(group_of(model_.bodies[k].name), surfaces_[k].view().element,
+             surfaces_[k].view().element_corners);
   for (std::size_t p = 0; p < patches_.size(); ++p) {
     elements(group_of(p), patches_[p].element, patches_[p].corners);
     file_.attribute(group_of(p), "name", patches_[p].name);
@@ -125,27 +128,27 @@ void MotionFile::record(const Stepper& stepper) {
 
 void MotionFile::frame(double t, const Vector& q, const Vector& v, const Vector& u, const Vector& force) {
   const std::string number = number_of(time_.size());
-  for (std::size_t k = 0; k < skins_.size(); ++k) {
+  for (std::size_t k = 0; k < surfaces_.size(); ++k) {
     const std::string group = group_of(model_.bodies[k].name);
-    const SkinMotion& skin = skins_[k].at(t, q, v, force);
-    write(file_, group + "/position" + number, skin.position, "m");
-    write(file_, group + "/deformation" + number, skin.deformation, "m");
-    write(file_, group + "/velocity" + number, skin.velocity, "m/s");
+    const SurfaceMotion& surface = surfaces_[k].at(t, q, v, force);
+    write(file_, group + "/position" + number, surface.position, "m");
+    write(file_, group + "/deformation" + number, surface.deformation, "m");
+    write(file_, group + "/velocity" + number, surface.velocity, "m/s");
     for (std::size_t p = 0; p < patches_.size(); ++p)
-      if (patches_[p].body == static_cast<int>(k)) contact_frame(p, number, u, force, skin);
+      if (patches_[p].body == static_cast<int>(k)) contact_frame(p, number, u, force, surface);
   }
   time_.push_back(t);
 }
 
 void MotionFile::contact_frame(std::size_t pair, const std::string& number, const Vector& u,
-                               const Vector& force, const SkinMotion& skin) {
+                               const Vector& force, const SurfaceMotion& surface) {
   const Patch& patch = patches_[pair];
   const auto own = [&](const Vector& x) -> Vector { return x.segment(patch.first, patch.count); };
   Matrix position = patch.offset;
   for (int i = 0; i < patch.count; ++i) {
-    const Skin::Place& place = patch.place[static_cast<std::size_t>(i)];
+    const SurfacePoint& place = patch.place[static_cast<std::size_t>(i)];
     for (std::size_t j = 0; j < 3; ++j)
-      position.row(i) += place.weight[j] * skin.position.row(place.node[j]).cast<double>();
+      position.row(i) += place.weight[j] * surface.position.row(place.node[j]).cast<double>();
   }
   const Vector lambda = own(force);
   const std::string group = group_of(pair);
@@ -187,13 +190,13 @@ void MotionFile::write_xdmf() const {
     }
     text.end();
   };
-  for (std::size_t k = 0; k < skins_.size(); ++k) {
-    const kernels::View& view = skins_[k].view();
+  for (std::size_t k = 0; k < surfaces_.size(); ++k) {
+    const kernels::View& view = surfaces_[k].view();
     const std::string &name = model_.bodies[k].name, group = group_of(name);
     film({.name = name,
           .corners = view.element_corners,
           .elements = view.element.size() / static_cast<std::size_t>(view.element_corners),
-          .nodes = skins_[k].nodes(),
+          .nodes = surfaces_[k].nodes(),
           .element = group + "/element"},
          group, {{"position", "", true, 4}, {"deformation", "", true, 4}, {"velocity", "", true, 4}});
   }

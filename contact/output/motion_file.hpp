@@ -1,4 +1,5 @@
-// Streams the motion of the bodies' skins and the contact forces into <stem>.h5, with <stem>.xdmf for
+// SPDX-License-Identifier: BSD-2-Clause
+// Streams the motion of the bodies' surfaces and the contact forces into <stem>.h5, with <stem>.xdmf for
 // ParaView beside it (FORMAT.md). Both have their final names only once they are whole.
 //
 //   MotionFile motion(stepper, model, {.stem = "out/two-disks.motion", .every = 8});
@@ -50,8 +51,8 @@ class MotionFile {
     int first = 0, count = 0, body = 0;  ///< of its points; a
     int corners = 1;                     ///< of an element: 1 where points make no surface
     std::vector<std::int64_t> element;   ///< by point of the pair
-    std::vector<Skin::Place> place;      ///< of each point on a's skin
-    Matrix offset;                       ///< (count,3) of each point from its place, at the start [m]
+    std::vector<SurfacePoint> place;     ///< of the visualisation surface of a closest to each point
+    Matrix offset;                       ///< (count,3) of each point from that point, at the start [m]
   };
 
   MotionFile(const Model& model, const StepOptions& step, const MotionOptions& options);
@@ -59,14 +60,14 @@ class MotionFile {
   void write_setting(const MotionOptions& options);
   void frame(double t, const Vector& q, const Vector& v, const Vector& u, const Vector& force);
   void contact_frame(std::size_t pair, const std::string& number, const Vector& u, const Vector& force,
-                     const SkinMotion& skin);
+                     const SurfaceMotion& surface);
   void write_xdmf() const;
 
   const Model& model_;
   std::filesystem::path stem_;
   std::int64_t every_;
   base::hdf5::Writer file_;
-  std::vector<Skin> skins_;  ///< by body
+  std::vector<VisualisationSurface> surfaces_;  ///< by body
   std::vector<Patch> patches_;
   std::vector<double> time_;  ///< of the frames
 };

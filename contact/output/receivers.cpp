@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "contact/output/receivers.hpp"
 
 namespace ricochet::contact {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The motion of the model's receivers at the end of each step: what a sensor glued to the body would see.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Streams a run into a result file (FORMAT.md). The file has its final name only once it is whole.
 //
 //   Recorder recorder(model, step_options, {.path = "out/two-disks.result.h5", …});

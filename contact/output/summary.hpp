@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The figures of one run, gathered step by step, and summary.json.
 //
 // λ_k acts over (t_{k−1}, t_k]: contact starts at the beginning of the first step with a force and ends at

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "contact/output/visualisation_surface.hpp"
 
 #include <algorithm>
@@ -20,7 +21,7 @@ auto columns_of(const std::vector<float>& values, Index rows) {
 
 }  // namespace
 
-Skin::Skin(const Model& model, int body, const StepOptions& options)
+VisualisationSurface::VisualisationSurface(const Model& model, int body, const StepOptions& options)
     : model_(model),
       body_(model.bodies[body]),
       view_(*body_.kernel->view),
@@ -51,8 +52,8 @@ Skin::Skin(const Model& model, int body, const StepOptions& options)
   if (options.scheme == Scheme::compliant) add_dropped(options);
 }
 
-/// Steps move modes above half the rate into R and s; what they do to the skin follows.
-void Skin::add_dropped(const StepOptions& options) {
+/// Steps move modes above half the rate into R and s; their effect on the surface follows.
+void VisualisationSurface::add_dropped(const StepOptions& options) {
   for (Index i = 0; i < body_.modes; ++i) {
     const Index n = body_.first_mode + i;
     if (sampled(model_.omega(n), options.step)) continue;
@@ -65,7 +66,8 @@ void Skin::add_dropped(const StepOptions& options) {
   }
 }
 
-const SkinMotion& Skin::at(double t, const Vector& q, const Vector& v, const Vector& force) {
+const SurfaceMotion& VisualisationSurface::at(double t, const Vector& q, const Vector& v,
+                                              const Vector& force) {
   const Index rows = shape_.rows(), elastic = body_.modes - rigid_;
   const VectorXd own = q.segment(body_.first_mode, body_.modes),
                  rate = v.segment(body_.first_mode, body_.modes);
@@ -92,7 +94,7 @@ const SkinMotion& Skin::at(double t, const Vector& q, const Vector& v, const Vec
   return out_;
 }
 
-std::vector<Skin::Place> Skin::closest(const Eigen::Ref<const Matrix>& x) const {
+std::vector<SurfacePoint> VisualisationSurface::closest(const Eigen::Ref<const Matrix>& x) const {
   WorldSurface surface;
   surface.corners = view_.element_corners;
   for (std::size_t i = 0; i < view_.node.size(); i += 3) {
@@ -106,11 +108,11 @@ std::vector<Skin::Place> Skin::closest(const Eigen::Ref<const Matrix>& x) const 
     for (std::size_t j = 0; j < k; ++j) element.corner[j] = static_cast<int>(view_.element[e + j]);
     surface.add(element);
   }
-  const Target target(std::move(surface));
-  std::vector<Place> out;
+  const SurfaceProjection target(std::move(surface));
+  std::vector<SurfacePoint> out;
   for (Index i = 0; i < x.rows(); ++i) {
     const auto found = target.closest(x.row(i).transpose());
-    out.push_back(found ? Place{found->corner, found->weight, found->point} : Place{});
+    out.push_back(found ? SurfacePoint{found->corner, found->weight, found->point} : SurfacePoint{});
   }
   return out;
 }

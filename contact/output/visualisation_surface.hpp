@@ -1,4 +1,5 @@
-// Where the skin of a body is, for pictures: x = Q (x_0 + φ q + r) + t, in single precision.
+// SPDX-License-Identifier: BSD-2-Clause
+// The motion of a body's visualisation surface: x = Q (x_0 + φ q + r) + t, in single precision.
 //
 // r is the static part of what the modes left out, under contact, gravity, loads and supports, as of
 // receivers.
@@ -13,31 +14,33 @@
 namespace ricochet::contact {
 
 /// World axes; V nodes.
-struct SkinMotion {
+struct SurfaceMotion {
   using Rows = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
   Rows position;     ///< (V,3) [m]
   Rows deformation;  ///< (V,3) displacement but for that by modes of frequency 0 [m]
   Rows velocity;     ///< (V,3) of the modes, supports, and loads that change [m/s]
 };
 
-class Skin {
+/// A point of a visualisation surface: nodes and their weights.
+struct SurfacePoint {
+  std::array<int, 3> node{};
+  std::array<double, 3> weight{};
+  Eigen::Vector3d point{0, 0, 0};  ///< [m]
+};
+
+class VisualisationSurface {
  public:
-  /// Of a body of the model whose kernel has a view. `model` outlives the skin.
-  Skin(const Model& model, int body, const StepOptions& options);
+  /// Of a body of the model whose kernel has a view. `model` outlives the surface.
+  VisualisationSurface(const Model& model, int body, const StepOptions& options);
 
   std::size_t nodes() const { return view_.node.size() / 3; }
   const kernels::View& view() const { return view_; }
 
   /// @param q, v, force  (N), (N), (m) the state of a stepper at time t
-  const SkinMotion& at(double t, const Vector& q, const Vector& v, const Vector& force);
+  const SurfaceMotion& at(double t, const Vector& q, const Vector& v, const Vector& force);
 
-  /// The place on the skin closest to x [m], with the bodies as placed: nodes and their weights.
-  struct Place {
-    std::array<int, 3> node{};
-    std::array<double, 3> weight{};
-    Eigen::Vector3d point{0, 0, 0};  ///< [m]
-  };
-  std::vector<Place> closest(const Eigen::Ref<const Matrix>& x) const;
+  /// The points of the surface closest to x (·,3) [m], with the bodies as placed.
+  std::vector<SurfacePoint> closest(const Eigen::Ref<const Matrix>& x) const;
 
  private:
   using Values = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -52,7 +55,7 @@ class Skin {
   Eigen::VectorXf constant_;        ///< (3V) under gravity [m]
   Values drives_;                   ///< (3V,drives) for a factor of 1, in the order of the body's drives
   std::vector<const Model::Drive*> drive_;
-  SkinMotion out_;
+  SurfaceMotion out_;
 };
 
 }  // namespace ricochet::contact

@@ -1,3 +1,6 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "contact/pairing/pairing.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -5,8 +8,6 @@
 #include <tuple>
 
 #include "base/format.hpp"
-#include "contact/pairing/pairing.hpp"
-#include "contact/pairing/pairing_cache.hpp"
 #include "contact/pairing/surface_projection.hpp"
 #include "ricochet/error.hpp"
 
@@ -21,7 +22,7 @@ constexpr double facing_slack = 1e-6;
 /// Depths below this share of the bodies' size are round-off of a touching placement.
 constexpr double overlap_slack = 1e-12;
 
-/// Round-off of a place, of the largest coordinate that it was computed from: a turn and two sums.
+/// Round-off of a point, relative to the largest coordinate that it was computed from: a turn and two sums.
 constexpr double place_slack = 16 * std::numeric_limits<double>::epsilon();
 
 /// Cosine between mutual normal and direction below which patches only glance: their gap stretches no
@@ -36,7 +37,7 @@ double round_off_of(const WorldSurface& a, const WorldSurface& b) {
 /// What the gap along n between the means of the patches has over that between their nodes, as displacements
 /// are means too. Lopsided patches stand off their nodes sideways; the surfaces meet across their mutual
 /// normal, so that only what lies along it separates them.
-double between_means(const WorldSurface& a, std::size_t i, const WorldSurface& b, const Place& y,
+double between_means(const WorldSurface& a, std::size_t i, const WorldSurface& b, const Projection& y,
                      const Vector3d& n) {
   Vector3d apart = -a.offset[i];
   for (int j = 0; j < b.corners; ++j) apart += y.weight[j] * b.offset[static_cast<std::size_t>(y.corner[j])];
@@ -63,21 +64,22 @@ void check_component(const PlacedBody& body, const std::optional<Vector3d>& norm
       title(request), body.name, text(own), normal ? text(*normal) : "each point's own normal", text(own)));
 }
 
-/// Pairs for a given place of a, before gap, reach and overlap are looked at.
-Pairing find_pairs(const PlacedBody& a, const Target& onto, const std::optional<Vector3d>& direction) {
+/// Pairs for a given position of a, before gap, reach and overlap are examined.
+Pairing find_pairs(const PlacedBody& a, const SurfaceProjection& onto,
+                   const std::optional<Vector3d>& direction) {
   const WorldSurface& b = onto.surface();
   const WorldSurface from = surface_of(a);
   const double size = size_of(from, b);
   Pairing out;
   for (std::size_t i = 0; i < from.node.size(); ++i) {
     const Vector3d& x = from.node[i];
-    std::optional<Place> y;
+    std::optional<Projection> y;
     Vector3d n = direction.value_or(Vector3d::Zero());
     if (!direction) {
       if (const auto found = onto.along_mutual_normal(x, from.normal[i], size)) std::tie(y, n) = *found;
     } else if (from.normal[i].dot(n) > -facing_slack) {
       y = onto.first_along(x, n, size,
-                           [&](const Place& place) { return place.normal.dot(n) < facing_slack; });
+                           [&](const Projection& found) { return found.normal.dot(n) < facing_slack; });
     }
     if (!y) {
       ++out.unpaired;
@@ -126,7 +128,7 @@ void check_some(const Pairing& pairing, const PairRequest& request) {
                      title(request), request.a, request.b, pairing.unpaired, request.a));
 }
 
-/// gap, overlap and reach. `find` pairs for a given place of a.
+/// Applies gap, overlap and reach. `find` pairs for a given position of a.
 template <class Find>
 Pairing arrange(PlacedBody a, const PairRequest& request, double round_off, Find find) {
   Pairing out = find(a);
@@ -173,51 +175,14 @@ Pairing arrange(PlacedBody a, const PairRequest& request, double round_off, Find
   return out;
 }
 
-/// From numbers of the whole surface to those that a kernel gives the candidates it holds.
-class Numbers {
- public:
-  explicit Numbers(const PlacedBody& body) : body_(body) {
-    const auto& whole = body.kernel->surface.whole;
-    if (!whole) return;
-    held_.assign(whole->area.size(), -1);
-    for (std::size_t i = 0; i < whole->held.size(); ++i)
-      held_[static_cast<std::size_t>(whole->held[i])] = static_cast<int>(i);
-  }
-
-  int operator()(int candidate, const PairRequest& request) const {
-    if (held_.empty()) return candidate;
-    const int held = held_[static_cast<std::size_t>(candidate)];
-    if (held >= 0) return held;
-    throw InputError(base::format(
-        "{}: the kernel of \"{}\" was made for less: it lacks candidate {} of {}, which is to meet \"{}\". "
-        "Run ricochet-kernel for this scene, or lower contact.reach.",
-        title(request), body_.name, candidate, held_.size(),
-        body_.name == request.a ? request.b : request.a));
-  }
-
- private:
-  const PlacedBody& body_;
-  std::vector<int> held_;
-};
-
 }  // namespace
 
-Pairing pair(const PlacedBody& a, const PlacedBody& b, const PairRequest& request, Pairings* known) {
+Pairing pair(const PlacedBody& a, const PlacedBody& b, const PairRequest& request) {
   check_component(a, request.direction, request);
   check_component(b, request.direction, request);
-  const WorldSurface from = surface_of(a), met = surface_of(b);
-  const auto find = [&] {
-    const Target onto(met);
-    return arrange(a, request, round_off_of(from, met),
-                   [&](const PlacedBody& moved) { return find_pairs(moved, onto, request.direction); });
-  };
-  Pairing out = known ? known->get(from, met, request, find) : find();
-  const Numbers of_a(a), of_b(b);
-  for (Pairing::Point& point : out.points) {
-    point.candidate = of_a(point.candidate, request);
-    for (auto& [candidate, weight] : point.weights) candidate = of_b(candidate, request);
-  }
-  return out;
+  const SurfaceProjection onto(surface_of(b));
+  return arrange(a, request, round_off_of(surface_of(a), onto.surface()),
+                 [&](const PlacedBody& moved) { return find_pairs(moved, onto, request.direction); });
 }
 
 Pairing pair(const PlacedBody& a, const HalfSpace& b, const PairRequest& request) {
@@ -229,10 +194,7 @@ Pairing pair(const PlacedBody& a, const HalfSpace& b, const PairRequest& request
   check_component(a, Vector3d(-b.normal), request);
   const WorldSurface from = surface_of(a);
   const double round_off = round_off_of(from, from) + place_slack * b.point.cwiseAbs().maxCoeff();
-  Pairing out = arrange(a, request, round_off, [&](const PlacedBody& moved) { return find_pairs(moved, b); });
-  const Numbers of_a(a);
-  for (Pairing::Point& point : out.points) point.candidate = of_a(point.candidate, request);
-  return out;
+  return arrange(a, request, round_off, [&](const PlacedBody& moved) { return find_pairs(moved, b); });
 }
 
 }  // namespace ricochet::contact

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// From two candidate surfaces in the world to contact pairs: which candidate faces which place, along which
-// normal, with which gap.
+// From two candidate surfaces in the world to contact pairs: which candidate projects onto which point,
+// along which normal, with which gap.
 #pragma once
 
 #include <Eigen/Dense>
@@ -27,11 +27,10 @@ struct HalfSpace {
   std::string name;
   Eigen::Vector3d point = Eigen::Vector3d::Zero();
   Eigen::Vector3d normal = Eigen::Vector3d::UnitY();
+  bool operator==(const HalfSpace&) const = default;
 };
 
-class Pairings;
-
-/// Which surfaces meet, by name; `b` names a body or a half-space.
+/// Which surfaces may touch, by name; `b` names a body or a half-space.
 struct PairRequest {
   std::string a, b;
   std::optional<Eigen::Vector3d> direction;  ///< unit, out of a; world frame
@@ -40,10 +39,11 @@ struct PairRequest {
   bool operator==(const PairRequest&) const = default;
 };
 
-/// Candidates of a that face a place on b (world frame, after `gap` has moved a).
+/// Candidates of a that face a point of b's surface (world frame, after `gap` has moved a). Candidates are
+/// numbered as on whole surfaces, whichever of them the kernels hold.
 struct Pairing {
   struct Point {
-    int candidate = 0;             ///< of those that a's kernel holds
+    int candidate = 0;             ///< of a
     Eigen::Vector3d a, b, normal;  ///< x_i, y_i [m], n_i out of a
     double gap = 0;                ///< g_i between the means of the patches, about n_i·(y_i − x_i) [m]
     double area = 0;               ///< [m²], of a's patch
@@ -57,14 +57,12 @@ struct Pairing {
 };
 
 /// Pairs a's candidates with b's surface. With `direction`, along it; otherwise each point is projected along
-/// n_i = (n_a − n_b)/|n_a − n_b|, found by iteration from the closest point. A place on b is a point of its
-/// candidate mesh (triangles, segments, points), met within 1e-6 of the element's size beyond its edges.
-/// Pairs are found on whole surfaces, whatever part of their candidates the kernels hold. Throws InputError
-/// when nothing faces anything, when bodies overlap (with the depth), when a kernel holds one component only
-/// and the direction asked for is another one, or does not hold a candidate that is paired.
-/// @param known  takes from it, and adds to it, what does not depend on the kernels' modes; null: nothing is
-///               known
-Pairing pair(const PlacedBody& a, const PlacedBody& b, const PairRequest& request, Pairings* known = nullptr);
+/// n_i = (n_a − n_b)/|n_a − n_b|, found by iteration from the closest point. A projection onto b is a point
+/// of its candidate mesh (triangles, segments, points); it may lie up to 1e-6 of the element's size beyond an
+/// edge. Pairs are found on whole surfaces, whichever candidates the kernels hold. Throws InputError when
+/// nothing faces anything, when bodies overlap (with the depth), and when a kernel holds one component only
+/// and the contact acts along another direction.
+Pairing pair(const PlacedBody& a, const PlacedBody& b, const PairRequest& request);
 Pairing pair(const PlacedBody& a, const HalfSpace& b, const PairRequest& request);
 
 }  // namespace ricochet::contact

@@ -1,4 +1,5 @@
-// Bodies in their places at the start, and who meets whom there.
+// SPDX-License-Identifier: BSD-2-Clause
+// Bodies in their initial positions, and the contact pairs found there.
 #pragma once
 
 #include <cstdint>
@@ -6,33 +7,31 @@
 #include <vector>
 
 #include "contact/pairing/pairing.hpp"
-#include "contact/pairing/placement.hpp"
 
 namespace ricochet::contact {
 
-/// Place of a body in the list; −1: not there.
+/// Index of a body in the list; −1: not there.
 int index_of(const std::string& name, const std::vector<PlacedBody>& bodies);
 
-/// A pair with its names looked up.
-struct Meeting {
+/// A request with its names looked up, and its pairing.
+struct ContactPair {
   PairRequest request;
-  int a = 0, b = -1;
-  const HalfSpace* obstacle = nullptr;
+  int a = 0, b = -1;  ///< index into the bodies; b = −1: a half-space
   Pairing pairing;
 };
 
-/// Moves the bodies whose pairs ask for a gap, then pairs all. A body that two pairs move in different ways
-/// has no place that serves both.
-/// Throws InputError like build_model. @param known  as of `pair`
-std::vector<Meeting> meet(std::vector<PlacedBody>& bodies, const std::vector<HalfSpace>& obstacles,
-                          const std::vector<PairRequest>& requests, Pairings* known = nullptr);
+struct Placement {
+  std::vector<PlacedBody> bodies;  ///< those whose pairs ask for a gap have been moved
+  std::vector<ContactPair> pairs;  ///< in the order of the requests
+};
 
-/// The candidates of each body that its pairs make use of, ascending, as its kernel numbers them. Bodies are
-/// placed and paired like those of build_model; of their kernels only the surface is looked at, without
-/// modes. @param known  as of `pair`
-std::vector<std::vector<std::int64_t>> paired_candidates(std::vector<PlacedBody> bodies,
-                                                         const std::vector<HalfSpace>& obstacles,
-                                                         const std::vector<PairRequest>& pairs,
-                                                         Pairings* known = nullptr);
+/// Moves the bodies whose pairs ask for a gap, then finds all pairs. Of the kernels only the surfaces are
+/// used. Throws InputError as `pair` does, for an unknown name, for a body that no pair names, and when two
+/// gaps cannot both be met.
+Placement place(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& obstacles,
+                const std::vector<PairRequest>& requests);
+
+/// The candidates of each body that its pairs use, ascending, numbered as on whole surfaces.
+std::vector<std::vector<std::int64_t>> paired_candidates(const Placement& placement);
 
 }  // namespace ricochet::contact

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "contact/pairing/surface_projection.hpp"
 
 #include <algorithm>
@@ -44,10 +45,10 @@ WorldSurface placed(const PlacedBody& body, const From& from) {
   return to;
 }
 
-/// The place of these weights, clipped to [0, 1]. None where the corners' normals cancel.
-std::optional<Place> place(const WorldSurface& b, const WorldSurface::Element& element,
-                           std::array<double, 3> weight) {
-  Place out{Vector3d::Zero(), Vector3d::Zero(), element.corner, weight};
+/// The point of these weights, clipped to [0, 1]. None where the corners' normals cancel.
+std::optional<Projection> projection(const WorldSurface& b, const WorldSurface::Element& element,
+                                     std::array<double, 3> weight) {
+  Projection out{Vector3d::Zero(), Vector3d::Zero(), element.corner, weight};
   double sum = 0;
   for (double& w : out.weight) sum += w = std::clamp(w, 0.0, 1.0);
   for (int j = 0; j < b.corners; ++j) {
@@ -65,13 +66,13 @@ std::optional<Place> place(const WorldSurface& b, const WorldSurface::Element& e
 double reach_of(const WorldSurface::Element& element) { return element.size * (1 + edge_slack); }
 
 /// Where the line x + t d meets an element.
-std::optional<Place> meet(const WorldSurface& b, const WorldSurface::Element& element, const Vector3d& x,
-                          const Vector3d& d, double size) {
+std::optional<Projection> intersection(const WorldSurface& b, const WorldSurface::Element& element,
+                                       const Vector3d& x, const Vector3d& d, double size) {
   const Vector3d& p = b.node[element.corner[0]];
   const auto across = [&](const Vector3d& v) -> Vector3d { return v - v.dot(d) * d; };
   if (b.corners == 1) {
     if (across(x - p).norm() > edge_slack * size) return std::nullopt;
-    return place(b, element, {1, 0, 0});
+    return projection(b, element, {1, 0, 0});
   }
   const double reach = reach_of(element);
   if (across(x - element.centre).squaredNorm() > reach * reach) return std::nullopt;
@@ -84,7 +85,7 @@ std::optional<Place> meet(const WorldSurface& b, const WorldSurface::Element& el
     const double margin = std::min(edge_slack * element.size / length, 0.5);
     if (s < -margin || s > 1 + margin) return std::nullopt;
     if ((across(r) - s * tangent).norm() > 0.5 * element.size) return std::nullopt;
-    return place(b, element, {1 - s, s, 0});
+    return projection(b, element, {1 - s, s, 0});
   }
   // r + t d = u e1 + v e2
   const Vector3d e2 = b.node[element.corner[2]] - p;
@@ -94,7 +95,7 @@ std::optional<Place> meet(const WorldSurface& b, const WorldSurface::Element& el
   const double u = r.dot(e2.cross(d)) / determinant, v = r.dot(d.cross(e1)) / determinant;
   const double margin = std::min(edge_slack * element.size * element.size / std::abs(determinant), 0.5);
   if (u < -margin || v < -margin || u + v > 1 + margin) return std::nullopt;
-  return place(b, element, {1 - u - v, u, v});
+  return projection(b, element, {1 - u - v, u, v});
 }
 
 /// Weights of the point of an element that is closest to x.
@@ -131,15 +132,16 @@ std::array<double, 3> closest_weights(const WorldSurface& b, const WorldSurface:
 
 constexpr double none = std::numeric_limits<double>::max();
 
-/// What Eigen::BVMinimize asks for: the nearest place, the first element's among equals.
-/// `bound`: of a box, the least that a distance in it can be; `none` where there is no place in it.
-/// `at`: of an element, its place and how far that is.
+/// The objective of Eigen::BVMinimize: the nearest projection, the first element's among equals.
+/// `bound`: lower bound of the distance within a box; `none` if the box holds no projection.
+/// `at`: the projection onto an element and its distance.
 template <class Bound, class At>
 struct Nearest {
   using Scalar = double;
   Nearest(Bound of_box, At of_element) : bound(of_box), at(of_element) {}
 
-  /// A little less, so that round-off hides no place, nor one that is as far as the nearest so far.
+  /// A little less, so that round-off hides neither a projection nor one at the distance of the nearest so
+  /// far.
   double minimumOnVolume(const Eigen::AlignedBox3d& box) {
     const double least = bound(box);
     return least == none ? none : std::max(least, 0.0) * (1 - 1e-9) - std::numeric_limits<double>::min();
@@ -149,7 +151,7 @@ struct Nearest {
     if (!found) return none;
     const double far = found->second;
     if (far < distance || (far == distance && number < element)) {
-      place = found->first;
+      projection = found->first;
       distance = far;
       element = number;
     }
@@ -158,7 +160,7 @@ struct Nearest {
 
   Bound bound;
   At at;
-  std::optional<Place> place;
+  std::optional<Projection> projection;
   double distance = none;
   int element = 0;
 };
@@ -185,7 +187,7 @@ double size_of(const WorldSurface& a, const WorldSurface& b) {
   return extent > 0 ? extent : 1 + std::max(a.farthest, b.farthest);
 }
 
-Target::Target(WorldSurface surface) : surface_(std::move(surface)) {
+SurfaceProjection::SurfaceProjection(WorldSurface surface) : surface_(std::move(surface)) {
   std::vector<int> number(surface_.element.size());
   std::iota(number.begin(), number.end(), 0);
   std::vector<Eigen::AlignedBox3d> box;
@@ -196,8 +198,9 @@ Target::Target(WorldSurface surface) : surface_(std::move(surface)) {
   elements_.init(number.begin(), number.end(), box.begin(), box.end());
 }
 
-std::optional<Place> Target::first_along(const Vector3d& x, const Vector3d& d, double size,
-                                         const std::function<bool(const Place&)>& faces) const {
+std::optional<Projection> SurfaceProjection::first_along(
+    const Vector3d& x, const Vector3d& d, double size,
+    const std::function<bool(const Projection&)>& faces) const {
   Nearest nearest(
       [&](const Eigen::AlignedBox3d& box) {
         const double slack = edge_slack * size;
@@ -209,30 +212,31 @@ std::optional<Place> Target::first_along(const Vector3d& x, const Vector3d& d, d
         }
         return std::abs(d.dot(away)) - half.dot(d.cwiseAbs());
       },
-      [&](int element) -> std::optional<std::pair<Place, double>> {
-        const auto found = meet(surface_, surface_.element[element], x, d, size);
+      [&](int element) -> std::optional<std::pair<Projection, double>> {
+        const auto found = intersection(surface_, surface_.element[element], x, d, size);
         if (!found || !faces(*found)) return std::nullopt;
         return std::pair(*found, std::abs(d.dot(found->point - x)));
       });
   Eigen::BVMinimize(elements_, nearest);
-  return nearest.place;
+  return nearest.projection;
 }
 
-std::optional<Place> Target::closest(const Vector3d& x) const {
+std::optional<Projection> SurfaceProjection::closest(const Vector3d& x) const {
   Nearest nearest([&](const Eigen::AlignedBox3d& box) { return box.exteriorDistance(x); },
-                  [&](int element) -> std::optional<std::pair<Place, double>> {
+                  [&](int element) -> std::optional<std::pair<Projection, double>> {
                     const WorldSurface::Element& on = surface_.element[element];
-                    const auto found = place(surface_, on, closest_weights(surface_, on, x));
+                    const auto found = projection(surface_, on, closest_weights(surface_, on, x));
                     if (!found) return std::nullopt;
                     return std::pair(*found, (found->point - x).norm());
                   });
   Eigen::BVMinimize(elements_, nearest);
-  return nearest.place;
+  return nearest.projection;
 }
 
-std::optional<std::pair<Place, Vector3d>> Target::along_mutual_normal(const Vector3d& x, const Vector3d& n_a,
-                                                                      double size) const {
-  const auto faces = [&](const Place& y) { return n_a.dot(y.normal) < 0; };
+std::optional<std::pair<Projection, Vector3d>> SurfaceProjection::along_mutual_normal(const Vector3d& x,
+                                                                                      const Vector3d& n_a,
+                                                                                      double size) const {
+  const auto faces = [&](const Projection& y) { return n_a.dot(y.normal) < 0; };
   auto y = closest(x);
   if (!y || !faces(*y)) return std::nullopt;
   Vector3d n = (n_a - y->normal).normalized();

@@ -1,4 +1,5 @@
-// Candidate surfaces in the world, and the places on them that a point faces.
+// SPDX-License-Identifier: BSD-2-Clause
+// Candidate surfaces in the world, and the projection of a point onto them.
 #pragma once
 
 #include <array>
@@ -33,8 +34,8 @@ struct WorldSurface {
   bool operator==(const WorldSurface&) const = default;
 };
 
-/// A place on a candidate surface.
-struct Place {
+/// A point on a candidate surface, by weights of an element's corners.
+struct Projection {
   Eigen::Vector3d point, normal;
   std::array<int, 3> corner{};
   std::array<double, 3> weight{};
@@ -46,30 +47,30 @@ WorldSurface surface_of(const PlacedBody& body);
 /// What round-off is measured by [m]. Rods have no extent; then a metre counts, and how far out they are.
 double size_of(const WorldSurface& a, const WorldSurface& b);
 
-/// A surface that is looked for, by a tree of boxes around its elements. Of places that are equally good the
-/// one on the first element counts.
-class Target {
+/// Projects points onto a surface, searched through a tree of boxes around its elements. Among equally good
+/// projections the one on the first element counts.
+class SurfaceProjection {
  public:
-  explicit Target(WorldSurface surface);
+  explicit SurfaceProjection(WorldSurface surface);
   const WorldSurface& surface() const { return surface_; }
 
-  /// Of the places where the line x + t d meets the surface and `faces` holds, the one with the smallest |t|.
+  /// Where the line x + t d meets the surface and `faces` holds: the point with the smallest |t|.
   ///
-  /// Triangles are met by projection along d. Segments stand for strips that extend sideways, so the place is
-  /// the one abreast of the line along the segment as seen along d, and the line may pass beside it by half
-  /// the segment's length. Points are met within 1e-6 of `size`.
-  std::optional<Place> first_along(const Eigen::Vector3d& x, const Eigen::Vector3d& d, double size,
-                                   const std::function<bool(const Place&)>& faces) const;
+  /// Triangles are intersected along d. Segments stand for strips that extend sideways: the projection lies
+  /// abreast of the line along the segment as seen along d, and the line may pass beside it by half the
+  /// segment's length. The line hits a point if it passes within 1e-6 of `size`.
+  std::optional<Projection> first_along(const Eigen::Vector3d& x, const Eigen::Vector3d& d, double size,
+                                        const std::function<bool(const Projection&)>& faces) const;
 
-  /// The place closest to x; none where there are no elements, or their corners' normals cancel.
-  std::optional<Place> closest(const Eigen::Vector3d& x) const;
+  /// The point closest to x; none without elements, or where their corners' normals cancel.
+  std::optional<Projection> closest(const Eigen::Vector3d& x) const;
 
-  /// The place that x faces along the mutual normal n = (n_a − n_b)/|n_a − n_b|, which depends on the place:
+  /// Projection of x along the mutual normal n = (n_a − n_b)/|n_a − n_b|, which depends on the result:
   /// fixed-point iteration from the closest one. Each round shrinks the error about as the gap compares with
   /// the surface's diameter. A line that misses it on the way is led back to it; the last one must meet it.
-  std::optional<std::pair<Place, Eigen::Vector3d>> along_mutual_normal(const Eigen::Vector3d& x,
-                                                                       const Eigen::Vector3d& n_a,
-                                                                       double size) const;
+  std::optional<std::pair<Projection, Eigen::Vector3d>> along_mutual_normal(const Eigen::Vector3d& x,
+                                                                            const Eigen::Vector3d& n_a,
+                                                                            double size) const;
 
  private:
   WorldSurface surface_;

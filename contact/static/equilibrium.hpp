@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Static contact: the bodies at rest under constant loads.
 //
 //   u = û + B_r ρ − S₀ λ      û = Σ B_n f_n/ω_n² + s,   S₀ = Σ B_n B_nᵀ/ω_n² + R   over elastic modes

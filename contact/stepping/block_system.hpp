@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // What is constant of blocks of steps, in the order in which their loops read it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "ricochet/denormals.hpp"
 
 #if defined(__x86_64__)

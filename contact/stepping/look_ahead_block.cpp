@@ -6,10 +6,15 @@
 
 namespace ricochet::contact {
 
+/// A new set of kept points includes those that this many times the budgeted changes could reach, so that the
+/// set lasts.
+constexpr double provision = 1.5;
+
 template <class T>
 LookAheadBlock<T>::LookAheadBlock(std::shared_ptr<const BlockSystem<T>> system, bool forced)
     : system_(std::move(system)),
       near_(*system_),
+      screening_(*system_),
       forced_(forced),
       taken_(system_->length),
       advanced_(system_->length) {
@@ -23,19 +28,17 @@ LookAheadBlock<T>::LookAheadBlock(std::shared_ptr<const BlockSystem<T>> system, 
   s_ = system_->plain->s.transpose().replicate(forced_ ? system_->length + 1 : 1, 1);
   x_.assign(L * N, T(0));
   rates_.assign(L * N, 0.0);
-  ahead_.assign(L * width, 0.0);
+  predicted_u_.assign(L * width, 0.0);
   u_.assign(L * width, 0.0);
   changes_.assign(m * L, T(0));
-  for (Vector* x : {&held_force_, &margin_, &could_, &spent_, &budget_, &held_rest_, &held_push_, &rhs_,
-                    &solution_, &ended_})
+  for (Vector* x : {&held_force_, &held_rest_, &held_push_, &rhs_, &solution_, &ended_})
     x->setZero(system_->points);
-  for (std::vector<char>* x : {&was_watched_, &is_predicted_, &has_changed_}) x->assign(m, 0);
+  for (std::vector<char>* x : {&was_kept_, &is_predicted_, &has_changed_}) x->assign(m, 0);
   position_.assign(m, -1);
-  for (std::vector<int>* x :
-       {&pressed_, &predicted_, &watched_, &gathered_, &have_changed_, &changed_, &raised_})
+  for (std::vector<int>* x : {&pressed_, &predicted_, &kept_, &gathered_, &have_changed_, &changed_})
     x->reserve(m);
   change_.reserve(m);
-  factor_.reserve(std::max<std::size_t>(m, bands));
+  factor_.reserve(m);
   sum_.assign(std::max(N, width), T(0));
 }
 
@@ -56,7 +59,7 @@ void LookAheadBlock<T>::set_forcing(int l, const Vector& q, const Vector& v, con
   std::copy(v.begin(), v.end(), to + system_->modes);
 }
 
-/// Takes λ̄ into the load.
+/// Includes λ̄ in the load.
 template <class T>
 void LookAheadBlock<T>::hold(const Vector& force) noexcept {
   held_force_ = force;
@@ -74,7 +77,8 @@ void LookAheadBlock<T>::hold(const Vector& force) noexcept {
     load_[n] = system_->load[n] - held_[n];
   }
   if (system_->yields) {
-    combine(system_->residual, pressed_);
+    system_->loops->combine(system_->width, system_->residual.data(), system_->width, pressed_.data(),
+                            pressed_.size(), factor_.data(), sum_.data());
     std::copy_n(sum_.begin(), system_->points, held_rest_.begin());
   }
   for (std::size_t r = 0; r < rigid_held_.size(); ++r) {
@@ -85,10 +89,10 @@ void LookAheadBlock<T>::hold(const Vector& force) noexcept {
 
 template <class T>
 void LookAheadBlock<T>::start(const Vector& q, const Vector& v, const Vector& force) noexcept {
-  std::fill(was_watched_.begin(), was_watched_.end(), 0);
-  for (std::size_t k = 0; k < watched_.size(); ++k) {
-    was_watched_[static_cast<std::size_t>(watched_[k])] = 1;
-    ended_(watched_[k]) = u(k, taken_);
+  std::fill(was_kept_.begin(), was_kept_.end(), 0);
+  for (std::size_t k = 0; k < kept_.size(); ++k) {
+    was_kept_[static_cast<std::size_t>(kept_[k])] = 1;
+    ended_(kept_[k]) = u(k, taken_);
   }
   taken_ = advanced_ = 0;
   std::copy(q.begin(), q.end(), q_.begin());
@@ -97,13 +101,18 @@ void LookAheadBlock<T>::start(const Vector& q, const Vector& v, const Vector& fo
     rigid_q_[r] = q(system_->rigid[r]);
     rigid_v_[r] = v(system_->rigid[r]);
   }
-  expect();
+  screening_.start(*system_, have_changed_);
+  for (int i : have_changed_) {
+    has_changed_[static_cast<std::size_t>(i)] = 0;
+    std::fill_n(changes_.begin() + i * length(), length(), T(0));
+  }
+  have_changed_.clear();
   hold(force);
   std::fill(is_predicted_.begin(), is_predicted_.end(), 0);
   system_->loops->free_motion(modes(), static_cast<std::size_t>(length()), q_.data(), v_.data(),
                               forced_ ? forcing_.data() : nullptr, x_.data());
   predict_rigid();
-  choose_watched();
+  choose_kept();
 }
 
 /// Motion of the rigid modes under λ̄.
@@ -127,10 +136,10 @@ void LookAheadBlock<T>::predict_rigid() noexcept {
   }
 }
 
-/// u when the block started.
+/// u at the start of the block.
 template <class T>
 double LookAheadBlock<T>::at_start(int point) const noexcept {
-  if (was_watched_[static_cast<std::size_t>(point)] != 0) return ended_(point);
+  if (was_kept_[static_cast<std::size_t>(point)] != 0) return ended_(point);
   const StepSystem& plain = *system_->plain;
   double u = s_(0, point);
   for (int j : pressed_) u -= plain.R(j, point) * held_force_(j);
@@ -143,14 +152,14 @@ SolveStatus LookAheadBlock<T>::step(ComplementaritySolver& solver, Vector& force
   const bool deep = solver.statistics().limited > 0;
   const int l = taken_ + 1;
   SolveStatus status = SolveStatus::solved;
-  if (!watched_.empty() && !near_.holds()) near_.take(*system_, gathered_);
+  if (!kept_.empty() && !near_.holds()) near_.take(*system_, gathered_);
   do {
-    const auto n = static_cast<Eigen::Index>(watched_.size());
+    const auto n = static_cast<Eigen::Index>(kept_.size());
     bool closed = false;
     for (Eigen::Index k = 0; k < n; ++k) {
-      const double gap = system_->plain->gap(watched_[k]);
+      const double gap = system_->plain->gap(kept_[k]);
       rhs_(k) = u(k, l) + held_push_(k) - gap;
-      if (deep) rhs_(k) -= std::max(0.0, (taken_ > 0 ? u(k, taken_) : at_start(watched_[k])) - gap);
+      if (deep) rhs_(k) -= std::max(0.0, (taken_ > 0 ? u(k, taken_) : at_start(kept_[k])) - gap);
       closed = closed || !(rhs_(k) < 0);  // NaN included
     }
     if (closed) {
@@ -161,13 +170,13 @@ SolveStatus LookAheadBlock<T>::step(ComplementaritySolver& solver, Vector& force
     } else {
       solution_.head(n).setZero();
     }
-  } while (raise_budgets() && see_more());
+  } while (screening_.raise_budgets(*system_, kept_, solution_, held_force_) && keep_more());
 
   force.setZero();
   changed_.clear();
   change_.clear();
-  for (std::size_t k = 0; k < watched_.size(); ++k) {
-    const int i = watched_[k];
+  for (std::size_t k = 0; k < kept_.size(); ++k) {
+    const int i = kept_[k];
     force(i) = solution_(static_cast<Eigen::Index>(k));
     const auto change = static_cast<T>(force(i) - held_force_(i));
     if (change == 0) continue;
@@ -175,7 +184,7 @@ SolveStatus LookAheadBlock<T>::step(ComplementaritySolver& solver, Vector& force
     changed_.push_back(static_cast<int>(k));
     change_.push_back(change);
     changes_[static_cast<std::size_t>(i * length() + taken_)] = change;
-    spent_(i) += std::abs(force(i) - held_force_(i));
+    screening_.spend(i, force(i) - held_force_(i));
     if (has_changed_[static_cast<std::size_t>(i)] == 0) have_changed_.push_back(i);
     has_changed_[static_cast<std::size_t>(i)] = 1;
   }
@@ -185,11 +194,11 @@ SolveStatus LookAheadBlock<T>::step(ComplementaritySolver& solver, Vector& force
                          &u(0, l), system_->width);
   pushing_ = 0;
   work_ = 0;
-  for (std::size_t k = 0; k < watched_.size(); ++k) {
+  for (std::size_t k = 0; k < kept_.size(); ++k) {
     const double lambda = solution_(static_cast<Eigen::Index>(k));
     if (!(lambda > 0)) continue;
     ++pushing_;
-    work_ += lambda * (u(k, l) - (taken_ > 0 ? u(k, taken_) : at_start(watched_[k])));
+    work_ += lambda * (u(k, l) - (taken_ > 0 ? u(k, taken_) : at_start(kept_[k])));
   }
   taken_ = l;
   return status;
@@ -198,7 +207,7 @@ SolveStatus LookAheadBlock<T>::step(ComplementaritySolver& solver, Vector& force
 template <class T>
 double LookAheadBlock<T>::energy_in_residual() const noexcept {
   if (!system_->yields || pushing_ == 0) return 0;
-  const auto n = static_cast<Eigen::Index>(watched_.size());
+  const auto n = static_cast<Eigen::Index>(kept_.size());
   double twice = 0;
   for (Eigen::Index k = 0; k < n; ++k)
     if (solution_(k) != 0) twice += solution_(k) * near_.R.col(k).head(n).dot(solution_.head(n));
@@ -208,8 +217,8 @@ double LookAheadBlock<T>::energy_in_residual() const noexcept {
 template <class T>
 void LookAheadBlock<T>::take_back() noexcept {
   taken_ = advanced_ = length();
-  for (int i : watched_) position_[static_cast<std::size_t>(i)] = -1;
-  watched_.clear();
+  for (int i : kept_) position_[static_cast<std::size_t>(i)] = -1;
+  kept_.clear();
 }
 
 template <class T>
@@ -254,6 +263,115 @@ template <class T>
 void LookAheadBlock<T>::copy_state(Vector& q, Vector& v) const noexcept {
   std::copy_n(q_.begin(), q.size(), q.begin());
   std::copy_n(v_.begin(), v.size(), v.begin());
+}
+
+/// Sets predicted_u_ of the points `rows`, and their margins without changes of force.
+template <class T>
+void LookAheadBlock<T>::predict(std::span<const int> rows) noexcept {
+  const std::size_t width = system_->width;
+  for (int i : rows) {
+    is_predicted_[static_cast<std::size_t>(i)] = 1;
+    if (!system_->rigid.empty()) rigid_at_.noalias() = rigid_motion_ * system_->rigid_B.row(i).transpose();
+    for (int l = 0; l < length(); ++l)
+      predicted_u_[static_cast<std::size_t>(l) * width + static_cast<std::size_t>(i)] =
+          s_(forced_ ? l + 1 : 0, i) + rigid_at_(l) - held_rest_(i);
+  }
+  system_->loops->displacement(system_->modes, system_->B.data(), rows.data(), rows.size(), x_.data(),
+                               static_cast<std::size_t>(length()), predicted_u_.data(), width);
+  for (int i : rows) {
+    double farthest = predicted_u_[static_cast<std::size_t>(i)];
+    for (int l = 1; l < length(); ++l) {
+      const double u = predicted_u_[static_cast<std::size_t>(l) * width + static_cast<std::size_t>(i)];
+      farthest = u > farthest || u != u ? u : farthest;
+    }
+    screening_.set_margin(i, system_->plain->gap(i) - farthest);
+  }
+}
+
+/// Predicts the points that must be kept if forces change by `times` their budgets.
+template <class T>
+void LookAheadBlock<T>::predict_kept(double times) noexcept {
+  predicted_.clear();
+  for (int i = 0; i < system_->points; ++i)
+    if (is_predicted_[static_cast<std::size_t>(i)] == 0 && must_keep(i, times)) predicted_.push_back(i);
+  predict(predicted_);
+}
+
+template <class T>
+void LookAheadBlock<T>::choose_kept() noexcept {
+  if (forced_)
+    screening_.drop_margins();
+  else
+    screening_.bound_by_energy(*system_, {q_.data(), v_.data(), load_.data()}, held_force_, pressed_,
+                               rigid_motion_);
+  predict_kept(1);
+  std::size_t needed = 0, covered = 0;
+  for (int i = 0; i < system_->points; ++i) needed += must_keep(i, 1) ? 1 : 0;
+  for (int i : gathered_) covered += must_keep(i, 1) ? 1 : 0;
+  // Some points too many cost less than a new matrix.
+  const bool reuse = needed > 0 && covered == needed && gathered_.size() <= 2 * needed + 8;
+  for (int i : kept_) position_[static_cast<std::size_t>(i)] = -1;
+  kept_.clear();
+  if (reuse) {
+    predicted_.clear();
+    for (int i : gathered_)
+      if (is_predicted_[static_cast<std::size_t>(i)] == 0) predicted_.push_back(i);
+    predict(predicted_);
+    for (int i : gathered_) keep(i);
+  } else if (needed > 0) {
+    predict_kept(provision);
+    for (int i = 0; i < system_->points; ++i)
+      if (must_keep(i, provision)) keep(i);
+  }
+  if (!kept_.empty()) gather();
+}
+
+/// Adds a predicted point to the kept ones, with the effect of all forces so far in this block.
+template <class T>
+void LookAheadBlock<T>::keep(int point) noexcept {
+  const std::size_t k = kept_.size(), width = system_->width;
+  const auto i = static_cast<std::size_t>(point);
+  position_[i] = static_cast<int>(k);
+  kept_.push_back(point);
+  for (int l = 1; l <= length(); ++l) u(k, l) = predicted_u_[static_cast<std::size_t>(l - 1) * width + i];
+  for (int j : have_changed_) {
+    const T* lag = &system_->lag[static_cast<std::size_t>(j * length()) * width + i];
+    for (int from = 1; from <= taken_; ++from) {
+      const auto change = static_cast<double>(changes_[static_cast<std::size_t>(j * length() + from - 1)]);
+      if (change == 0) continue;
+      for (int l = from; l <= length(); ++l)
+        u(k, l) -= change * static_cast<double>(lag[static_cast<std::size_t>(l - from) * width]);
+    }
+  }
+}
+
+template <class T>
+void LookAheadBlock<T>::gather() noexcept {
+  const bool same = gathered_ == kept_;
+  if (!same) {
+    gathered_ = kept_;
+    is_new_problem_ = true;
+  }
+  if (!same || !near_.holds()) near_.take(*system_, gathered_);
+  const auto n = static_cast<Eigen::Index>(kept_.size());
+  held_push_.head(n).setZero();
+  for (Eigen::Index k = 0; k < n; ++k)
+    if (const double force = held_force_(kept_[k]); force != 0)
+      held_push_.head(n) += force * near_.S.col(k).head(n);
+}
+
+/// Keeps further points that could now close. Returns whether there are any.
+template <class T>
+bool LookAheadBlock<T>::keep_more() noexcept {
+  predict_kept(1);
+  bool more = false;
+  for (int i = 0; i < system_->points; ++i)
+    if (position_[static_cast<std::size_t>(i)] < 0 && must_keep(i, 1)) {
+      keep(i);
+      more = true;
+    }
+  if (more) gather();
+  return more;
 }
 
 template class LookAheadBlock<double>;

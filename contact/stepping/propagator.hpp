@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Exact motion of one mode over one step under a constant force.
 //
 //   q̈ + 2 δ q̇ + ω² q = f,   f constant over the step Δ

@@ -1,9 +1,10 @@
-// Compiled once for each instruction set: RICOCHET_SIMD names the function that hands the loops out. Uses
-// no inline functions from elsewhere, which a linker could take from here and run on a processor that lacks
-// the instructions: of <utility> only types.
-#include <utility>
+// SPDX-License-Identifier: BSD-2-Clause
+// Compiled once for each instruction set, which RICOCHET_SIMD names. Uses no inline functions from other
+// headers, which a linker could take from here and run on a processor that lacks the instructions: only types
+// from <utility>.
+#include "contact/stepping/simd_loops.hpp"
 
-#include "contact/stepping/simd.hpp"
+#include <utility>
 
 namespace ricochet::contact::simd {
 namespace {
@@ -72,7 +73,7 @@ struct Group {
 };
 
 template <class T>
-void free_motion(const Modes& m, std::size_t steps, const double* q0, const double* v0, const double* driven,
+void free_motion(const Modes& m, std::size_t steps, const double* q0, const double* v0, const double* forced,
                  T* x) {
   for (std::size_t first = 0; first < m.modes; first += group) {
     Group at(q0 + first, v0 + first);
@@ -82,9 +83,9 @@ void free_motion(const Modes& m, std::size_t steps, const double* q0, const doub
         const Double::type g = Double::load(m.load + n) - Double::load(m.stiffness + n) * at.q[w];
         at.q[w] += Double::load(m.b + n) * at.v[w] + Double::load(m.c + n) * g;
         at.v[w] = Double::load(m.e + n) * at.v[w] + Double::load(m.h + n) * g;
-        if (driven) {
-          at.q[w] += Double::load(driven + 2 * l * m.modes + n);
-          at.v[w] += Double::load(driven + (2 * l + 1) * m.modes + n);
+        if (forced) {
+          at.q[w] += Double::load(forced + 2 * l * m.modes + n);
+          at.v[w] += Double::load(forced + (2 * l + 1) * m.modes + n);
         }
         Narrow<T>::store(x + l * m.modes + n, __builtin_convertvector(at.q[w], typename Narrow<T>::type));
       }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The constants of stepping a Model, shared by a stepper, its blocks and their copies.
 #pragma once
 

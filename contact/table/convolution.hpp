@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Convolution of a sampled matrix kernel with a history that grows by a sample at a time.
 //
 //   y_k = Σ_{l ≥ 1} H_l x_{k−l}          H_l (rows, columns), l = 0 … L−1; x_j (columns), j = 0, 1, …

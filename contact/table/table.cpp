@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "contact/table/table.hpp"
 
 #include <algorithm>

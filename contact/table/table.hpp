@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Sampled kernels of the contact points, for what is not modal: closed forms, measurements, other solvers.
 // TABLE.md is the file format and says what a sample means.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "bar.hpp"
 
 #include <cmath>
@@ -14,8 +15,8 @@ double wave_number(int n) {
   return x;
 }
 
-/// Shape of the mode at s = x/L from an end, mean square 1: cosh ξ + cos ξ − σ (sinh ξ + sin ξ), ξ = k s,
-/// with the growing part written so that it does not cancel.
+/// Shape of the mode at s = x/L from an end, with mean square 1: cosh ξ + cos ξ − σ (sinh ξ + sin ξ), ξ = k
+/// s, with the growing part written so that it does not cancel.
 double bending_shape(double k, double s) {
   const double xi = k * s, bottom = std::sinh(k) - std::sin(k);
   const double rest = (std::cos(k) - std::sin(k) - std::exp(-k)) / bottom;  // 1 − σ
@@ -31,7 +32,7 @@ void add_candidate(ricochet::kernels::Surface& surface, const ricochet::Vector3&
   surface.area.push_back(area);
 }
 
-/// Modes whose φᵀ M e_i and φᵀ M (e_i × x) are not set below have none.
+/// A kernel whose φᵀ M e_i and φᵀ M (e_i × x) are 0 unless set below.
 void add_modes(ricochet::kernels::Kernel& kernel, const std::vector<double>& omega, double loss_factor) {
   const std::size_t n = omega.size();
   kernel.modes.angular_frequency = omega;
@@ -51,7 +52,7 @@ ricochet::SharedKernel bar_kernel(const Bar& bar, int bending, int candidates) {
   kernel.inertia = {0, 0, 0, 0, inertia, 0, 0, 0, inertia};
 
   const double stretch = std::sqrt(bar.young / bar.density) * bar.height / std::sqrt(12.0);
-  std::vector<double> omega = {0, 0};  // it moves as a whole, and turns about y
+  std::vector<double> omega = {0, 0};  // translation, and rotation about y
   for (int n = 1; n <= bending; ++n) omega.push_back(std::pow(wave_number(n) / bar.length, 2) * stretch);
   add_modes(kernel, omega, bar.loss_factor);
   const std::size_t modes = omega.size();

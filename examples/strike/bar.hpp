@@ -1,4 +1,5 @@
-// Kernels written by hand: what ricochet-kernel computes from a mesh, here from formulas.
+// SPDX-License-Identifier: BSD-2-Clause
+// Kernels from formulas instead of from a mesh.
 #pragma once
 
 #include "ricochet/ricochet.hpp"
@@ -12,10 +13,10 @@ struct Bar {
 };
 
 /// A free Euler–Bernoulli bar along x about the origin that moves along z: two rigid modes and `bending`
-/// more. Candidates of contact stand on the middle line of its upper face, from end to end.
+/// elastic ones. The contact candidates lie on the middle line of its upper face, from end to end.
 ricochet::SharedKernel bar_kernel(const Bar& bar, int bending = 40, int candidates = 31);
 
-/// A rigid mass that moves along the unit vector `out` and has a springy head, which faces against it.
+/// A rigid mass that moves along the unit vector `out`, with an elastic head that faces against it.
 /// @param mass  [kg]   @param stiffness  of the head [N/m]
 ricochet::SharedKernel mallet_kernel(double mass, double stiffness, const ricochet::Vector3& out);
 

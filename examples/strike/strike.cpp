@@ -1,10 +1,11 @@
-// Strikes a body with a mallet and writes what its surface does as a sound.
+// SPDX-License-Identifier: BSD-2-Clause
+// Strikes a body with a mallet and writes the motion of its surface as a sound.
 //
 //   strike OUT.wav                      an aluminium bar
-//   strike OUT.wav KERNEL [CANDIDATE]   a body that ricochet-kernel has prepared, struck at a candidate
+//   strike OUT.wav KERNEL [CANDIDATE]   a body prepared by ricochet-kernel, struck at a candidate
 //
-// Left: where it is struck; right: its first candidate. The samples are velocities without what is slower
-// than 40 Hz; 0.9 of full scale is the loudest one, which is printed.
+// Left channel: the point of the strike; right channel: the first candidate. The samples are velocities
+// without components below 40 Hz; the loudest sample is 0.9 of full scale, and its velocity is printed.
 #include <sndfile.h>
 
 #include <algorithm>
@@ -20,7 +21,7 @@
 namespace {
 
 constexpr int rate = 44100;
-constexpr std::int64_t block = 512;  // as an audio callback would ask for
+constexpr std::int64_t block = 512;  // as in an audio callback
 constexpr double seconds = 2, impact_speed = 2, headroom = 0.9;
 
 using ricochet::InputError;
@@ -30,7 +31,7 @@ Vector3 row(const std::vector<double>& values, std::size_t i) {
   return {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
 }
 
-/// Out of the body at the candidate, along what its kernel knows.
+/// Direction out of the body at the candidate, along the component that its kernel has.
 Vector3 outward(const ricochet::kernels::Surface& surface, std::size_t candidate) {
   const Vector3 normal = row(surface.normal, candidate);
   if (!surface.direction) return normal;
@@ -67,14 +68,15 @@ ricochet::Scene scene_of(const ricochet::SharedKernel& body, std::size_t candida
   return scene;
 }
 
-/// (n,2) velocities without their slow part, by a filter of first order.
+/// (n,2) velocities without their slow components, by a first-order filter.
 std::vector<double> render(ricochet::Simulation& simulation) {
   const std::int64_t total = static_cast<std::int64_t>(seconds * rate);
   std::vector<double> sound(static_cast<std::size_t>(2 * total));
   for (std::int64_t done = 0; done < total; done += block) {
     const std::int64_t n = std::min(block, total - done);
     if (simulation.step_block(n, {.velocity = sound.data() + 2 * done}).status != ricochet::StepStatus::ok)
-      throw InputError("the motion of this body can't be continued; has its kernel a residual flexibility?");
+      throw InputError(
+          "the motion of this body cannot be continued; does its kernel have a residual flexibility?");
   }
   const double keep = std::exp(-2 * std::numbers::pi * 40 / rate);
   for (std::size_t channel = 0; channel < 2; ++channel) {
@@ -101,7 +103,7 @@ void write_wav(const std::string& path, std::vector<double> sound) {
   if (file == nullptr) throw InputError(path + ": " + sf_strerror(nullptr));
   const sf_count_t frames = static_cast<sf_count_t>(sound.size() / 2);
   const bool whole = sf_writef_double(file, sound.data(), frames) == frames;
-  if (sf_close(file) != 0 || !whole) throw InputError(path + ": can't be written to its end");
+  if (sf_close(file) != 0 || !whole) throw InputError(path + ": cannot be written completely");
   std::printf("%s: full scale is %.4g m/s\n", path.c_str(), loudest / headroom);
 }
 

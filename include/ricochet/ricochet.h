@@ -1,5 +1,6 @@
-/* Impacts of elastic bodies from their kernels, for C and whatever calls C. The same as ricochet.hpp, where
- * units and rules are given in full.
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Impacts of elastic bodies from their kernels, for C and for languages that call C. The interface is that of
+ * ricochet.hpp, which gives units and rules in full.
  *
  *   ricochet_kernel* kernel = ricochet_kernel_load("bar.kernel.h5");
  *   ricochet_scene* scene = ricochet_scene_new(44100);
@@ -10,11 +11,11 @@
  *   ricochet_simulation* simulation = ricochet_simulation_new(scene);
  *   ricochet_simulation_step_block(simulation, 512, &block);
  *
- * What refuses its input returns NULL or RICOCHET_REFUSED; ricochet_error() then says in one line where, what
- * was found and what to do. Vectors are three doubles in SI units and world axes. rotate_deg, translate,
- * velocity, direction, gap, reach and receiver may be NULL: not given. Handles of simulations are not
- * checked. What was made may be freed in any order: a simulation keeps what it needs of its scene and
- * kernels. */
+ * A function that refuses its input returns NULL or RICOCHET_REFUSED; ricochet_error() then states in one line
+ * where, what was found and what to do. Vectors are three doubles in SI units and world axes. rotate_deg,
+ * translate, velocity, direction, gap, reach and receiver may be NULL: not given. Handles of simulations are
+ * not checked. Objects may be freed in any order: a simulation keeps the parts of its scene and kernels that it
+ * needs. */
 #ifndef RICOCHET_H
 #define RICOCHET_H
 
@@ -34,7 +35,7 @@ extern "C" {
 enum {
   RICOCHET_OK = 0,
   RICOCHET_NO_SOLUTION = 1, /* no contact forces keep the bodies apart */
-  RICOCHET_NOT_FINITE = 2,  /* the motion stops being finite */
+  RICOCHET_NOT_FINITE = 2,  /* the motion is no longer finite */
   RICOCHET_REFUSED = 3      /* see ricochet_error() */
 };
 enum { RICOCHET_JUMP = 0, RICOCHET_DIFFERENCE = 1 }; /* admittance of the impulse scheme */
@@ -44,13 +45,13 @@ typedef struct ricochet_scene ricochet_scene;
 typedef struct ricochet_simulation ricochet_simulation;
 typedef struct ricochet_state ricochet_state;
 
-/* Of the library that runs, as RICOCHET_VERSION_NUMBER of the header that was compiled. */
+/* Version of the library at run time; RICOCHET_VERSION_NUMBER is that of the header at compile time. */
 int ricochet_version(void);
 
-/* Of this thread's last call that failed; "" before the first. Valid until the next that fails. */
+/* Message of the last call that failed on this thread; "" before the first. Valid until the next failure. */
 const char* ricochet_error(void);
 
-/* Kernels. Load on one thread at a time; a kernel is constant after that. */
+/* Kernels. Load from one thread at a time; a loaded kernel is constant. */
 ricochet_kernel* ricochet_kernel_load(const char* path);
 void ricochet_kernel_free(ricochet_kernel* kernel);
 double ricochet_kernel_mass(const ricochet_kernel* kernel);         /* [kg] */
@@ -58,7 +59,7 @@ size_t ricochet_kernel_modes(const ricochet_kernel* kernel);        /* N */
 size_t ricochet_kernel_candidates(const ricochet_kernel* kernel);   /* M */
 const double* ricochet_kernel_nodes(const ricochet_kernel* kernel); /* (M,3) [m], the body's frame */
 
-/* What is to happen: scheme "compliant" and no gravity unless set otherwise. */
+/* Scenes: scheme "compliant" and no gravity unless set otherwise. */
 ricochet_scene* ricochet_scene_new(double rate_hz);
 void ricochet_scene_free(ricochet_scene* scene);
 int ricochet_scene_body(ricochet_scene* scene, const char* name, const ricochet_kernel* kernel,
@@ -68,13 +69,13 @@ int ricochet_scene_half_space(ricochet_scene* scene, const char* name, const dou
 /* direction: a vector; gap, reach: one number [m]. */
 int ricochet_scene_pair(ricochet_scene* scene, const char* a, const char* b, const double* direction,
                         const double* gap, const double* reach);
-/* A receiver of the kernel by name, or, when that is NULL, a candidate by its number. */
+/* A receiver of the kernel by name, or, if that is NULL, a candidate by its number. */
 int ricochet_scene_pickup(ricochet_scene* scene, const char* body, const char* receiver, size_t candidate,
                           const double* direction);
 int ricochet_scene_gravity(ricochet_scene* scene, const double* gravity);
 int ricochet_scene_impulse(ricochet_scene* scene, int admittance, double restitution);
 
-/* Simulations: one thread at a time each. From here on only ricochet_simulation_new and _save allocate. */
+/* Simulations: use each from one thread at a time. Below, only ricochet_simulation_new and _save allocate. */
 typedef struct ricochet_block { /* each may be NULL */
   double* velocity;             /* (n,p) of the pickups [m/s] */
   double* total_force;          /* (n) [N] */
@@ -88,15 +89,15 @@ typedef struct ricochet_energy { /* [J] */
 
 typedef struct ricochet_point {
   size_t pair;
-  double a[3], b[3], normal[3]; /* facing places [m]; unit normal out of a */
-  double gap, area;             /* initial [m]; of a's patch [m^2] */
+  double a[3], b[3], normal[3]; /* points that face each other [m]; unit normal out of a */
+  double gap, area;             /* initial [m]; of the patch of a [m^2] */
 } ricochet_point;
 
 ricochet_simulation* ricochet_simulation_new(const ricochet_scene* scene);
 void ricochet_simulation_free(ricochet_simulation* simulation);
 
-/* Return RICOCHET_OK, RICOCHET_NO_SOLUTION or RICOCHET_NOT_FINITE. A step that fails changes nothing; rows of
- * the block from there on are 0. block may be NULL. */
+/* Return RICOCHET_OK, RICOCHET_NO_SOLUTION or RICOCHET_NOT_FINITE. A failed step changes nothing; the rows of
+ * the block from it on are 0. block may be NULL. */
 int ricochet_simulation_step(ricochet_simulation* simulation);
 int ricochet_simulation_step_block(ricochet_simulation* simulation, int64_t steps,
                                    const ricochet_block* block);
@@ -105,11 +106,11 @@ int64_t ricochet_simulation_steps(const ricochet_simulation* simulation);
 double ricochet_simulation_time(const ricochet_simulation* simulation);    /* [s] */
 size_t ricochet_simulation_points(const ricochet_simulation* simulation);  /* m */
 size_t ricochet_simulation_pickups(const ricochet_simulation* simulation); /* p */
-int ricochet_simulation_active(const ricochet_simulation* simulation);     /* points that push */
-/* (m), of the last step; valid until the next. */
+int ricochet_simulation_active(const ricochet_simulation* simulation);     /* points with a force */
+/* (m), of the last step; valid until the next step. */
 const double* ricochet_simulation_force(const ricochet_simulation* simulation);        /* [N] */
 const double* ricochet_simulation_displacement(const ricochet_simulation* simulation); /* [m] */
-/* point < m, pickup < p, body in the order of ricochet_scene_body: not checked. */
+/* point < m, pickup < p, body in the order of the calls of ricochet_scene_body; not checked. */
 void ricochet_simulation_point(const ricochet_simulation* simulation, size_t point, ricochet_point* out);
 double ricochet_simulation_pickup_velocity(const ricochet_simulation* simulation, size_t pickup);
 double ricochet_simulation_pickup_displacement(const ricochet_simulation* simulation, size_t pickup);
@@ -117,7 +118,7 @@ void ricochet_simulation_mean_velocity(const ricochet_simulation* simulation, si
 void ricochet_simulation_energy(const ricochet_simulation* simulation, ricochet_energy* out);
 
 ricochet_state* ricochet_simulation_save(const ricochet_simulation* simulation);
-/* RICOCHET_REFUSED with a state of another simulation. */
+/* Returns RICOCHET_REFUSED for a state of another simulation. */
 int ricochet_simulation_restore(ricochet_simulation* simulation, const ricochet_state* state);
 void ricochet_state_free(ricochet_state* state);
 

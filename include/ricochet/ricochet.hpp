@@ -1,13 +1,17 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Impacts of elastic bodies from their kernels, inside another program: place, pair, step, listen.
 //
 //   ricochet::Scene scene;
-//   scene.bodies = {{.name = "bar", .kernel = ricochet::load_kernel("bar.kernel.h5"), .velocity = {0, 0,
-//   -1}}}; scene.obstacles = {{.name = "floor", .normal = {0, 0, 1}}}; scene.pairs = {{.a = "bar", .b =
-//   "floor", .gap = 1e-3}}; scene.pickups = {{.body = "bar", .direction = {0, 0, 1}}}; ricochet::Simulation
-//   simulation(scene); std::vector<double> sound(512); simulation.step_block(512, {.velocity =
-//   sound.data()});
+//   scene.bodies = {{.name = "bar", .kernel = ricochet::load_kernel("bar.kernel.h5"),
+//                    .velocity = {0, 0, -1}}};
+//   scene.obstacles = {{.name = "floor", .normal = {0, 0, 1}}};
+//   scene.pairs = {{.a = "bar", .b = "floor", .gap = 1e-3}};
+//   scene.pickups = {{.body = "bar", .direction = {0, 0, 1}}};
+//   ricochet::Simulation simulation(scene);
+//   std::vector<double> sound(512);
+//   simulation.step_block(512, {.velocity = sound.data()});
 //
-// Needs the standard library alone. SI units, world axes. Every array is row-major, its shape beside it:
+// Needs the standard library alone. SI units, world axes. Every array is row-major, with its shape beside it:
 // n steps, m contact points, p pickups.
 #pragma once
 
@@ -27,18 +31,18 @@
 
 namespace ricochet {
 
-/// Constant, and shared by any number of simulations and threads.
+/// A constant kernel, shared by any number of simulations and threads.
 using SharedKernel = std::shared_ptr<const kernels::Kernel>;
 
-/// Throws InputError, one line, on a missing, truncated, foreign or inconsistent file. One thread at a time:
-/// HDF5 may not be built for more.
+/// Reads a kernel file. Throws InputError, one line, if the file is missing, truncated, not a kernel, or
+/// inconsistent. Call it from one thread at a time: HDF5 may not be built for more.
 SharedKernel load_kernel(const std::filesystem::path& path);
 
-/// Writes a kernel file (FORMAT.md of the kernels); a partial file never has the final name. Throws
-/// InputError, one line, when the place cannot be written. One thread at a time, as load_kernel.
+/// Writes a kernel file (kernels/FORMAT.md); a partial file never has the final name. Throws InputError, one
+/// line, if the place cannot be written. Call it from one thread at a time, like load_kernel.
 void save_kernel(const kernels::Kernel& kernel, const std::filesystem::path& path);
 
-/// A kernel placed in the world: first turned, then moved.
+/// A kernel placed in the world: first rotated, then translated.
 struct Body {
   std::string name;
   SharedKernel kernel{};
@@ -51,24 +55,25 @@ struct Body {
 struct HalfSpace {
   std::string name;
   Vector3 point{};   ///< [m]
-  Vector3 normal{};  ///< out of it, of any length but 0
+  Vector3 normal{};  ///< outward, of any length but 0
 };
 
-/// Which surfaces meet, by name.
+/// Two surfaces that may touch, by name.
 struct Pair {
   std::string a;                       ///< a body
   std::string b;                       ///< a body or a half-space
-  std::optional<Vector3> direction{};  ///< of contact, out of a; otherwise found from the surfaces' normals
-  std::optional<double>
-      gap{};  ///< [m] moves body a along the direction until the closest points have this gap
-  std::optional<double> reach{};  ///< [m] drops points whose initial gap is not below it
+  std::optional<Vector3> direction{};  ///< of contact, out of a; none: from the normals of the surfaces
+  /// Moves body a along the direction until the closest points have this gap [m].
+  std::optional<double> gap{};
+  std::optional<double> reach{};  ///< drops points whose initial gap is not below this [m]
 };
 
-/// A channel to listen to: a place of a body along a direction.
+/// An audio channel: the motion of a point of a body along a direction. It keeps a name of its own, which the C
+/// functions share: unlike a receiver, it may be a contact candidate and has one component.
 struct Pickup {
   std::string body;
-  std::string receiver{};     ///< one of the kernel's receivers, by name; empty: a candidate of contact
-  std::size_t candidate = 0;  ///< row of the kernel's surface.node, where no receiver is named
+  std::string receiver{};     ///< a receiver of the kernel, by name; empty: a candidate
+  std::size_t candidate = 0;  ///< row of the kernel's surface.node, if no receiver is named
   Vector3 direction{};        ///< of any length but 0
 };
 
@@ -81,18 +86,18 @@ struct Scene {
   Scheme scheme = Scheme::compliant;
   Admittance admittance = Admittance::jump;
   double restitution = 0;         ///< of the impulse scheme, in [0, 1]
-  double rate_hz = 44100;         ///< steps a second
-  bool single_precision = false;  ///< of products of the compliant scheme: faster, less exact
+  double rate_hz = 44100;         ///< steps per second
+  bool single_precision = false;  ///< of the products of the compliant scheme: faster, less exact
 };
 
 struct ContactPoint {
   std::size_t pair = 0;        ///< index into Scene::pairs
-  Vector3 a{}, b{}, normal{};  ///< facing places on a and b [m]; unit normal out of a
+  Vector3 a{}, b{}, normal{};  ///< points on a and b that face each other [m]; unit normal out of a
   double gap = 0;              ///< initial [m]
-  double area = 0;             ///< of a's patch [m²]
+  double area = 0;             ///< of the patch of a [m²]
 };
 
-/// Where step_block writes, a row a step; null: not wanted.
+/// Destinations of step_block, one row per step; null: not wanted.
 struct Block {
   double* velocity = nullptr;      ///< (n,p) of the pickups [m/s]
   double* total_force = nullptr;   ///< (n) Σ λ_i [N]
@@ -101,28 +106,29 @@ struct Block {
 };
 
 struct BlockResult {
-  std::int64_t steps = 0;  ///< made; less than asked for only when the status is not ok
+  std::int64_t steps = 0;  ///< steps made; fewer than requested only if the status is not ok
   StepStatus status = StepStatus::ok;
 };
 
-/// Bodies in motion. What is constant is computed and allocated by the constructor; what is noexcept
-/// neither allocates, locks nor calls the system, so it may run in an audio callback. One thread at a time
-/// each; different simulations share nothing that changes. One that was moved from can only be assigned to.
+/// Bodies in motion. The constructor computes and allocates all constant data. Functions that are noexcept do
+/// not allocate, lock or call the system, so they may run in an audio callback. Use each simulation from one
+/// thread at a time; different simulations share nothing that changes. A moved-from simulation can only be
+/// assigned to.
 class Simulation {
  public:
   class State;
 
-  /// Throws InputError, one line, on what can't be placed, paired or stepped.
+  /// Throws InputError, one line, if the scene cannot be placed, paired or stepped.
   explicit Simulation(const Scene& scene);
   ~Simulation();
   Simulation(Simulation&&) noexcept;
   Simulation& operator=(Simulation&&) noexcept;
 
-  /// Unless the status is ok, nothing has changed.
+  /// Makes one step. If the status is not ok, nothing has changed.
   StepStatus step() noexcept;
 
-  /// `steps` steps, as step() makes them to the last bit, and faster unless displacements are asked for. Rows
-  /// after one that fails are 0.
+  /// Makes `steps` steps, bitwise equal to those of step(), and faster unless displacements are requested.
+  /// Rows from a failed step on are 0.
   BlockResult step_block(std::int64_t steps, const Block& out = {}) noexcept;
 
   std::int64_t steps() const noexcept;  ///< since t = 0
@@ -130,22 +136,23 @@ class Simulation {
 
   std::span<const ContactPoint> points() const noexcept;  ///< (m)
   std::span<const double> force() const noexcept;         ///< (m) λ_i ≥ 0 [N] over the last step
-  std::span<const double> displacement() const noexcept;  ///< (m) u_i [m]: the gap is now g_i − u_i
-  int active() const noexcept;                            ///< points that push in the last step
+  std::span<const double> displacement() const noexcept;  ///< (m) u_i [m]; the gap is now g_i − u_i
+  int active() const noexcept;                            ///< points with a force in the last step
 
   std::size_t pickups() const noexcept;  ///< p
-  /// Of the modes, at the end of the last step: without the static response of modes left out.
+  /// Motion of the modes at the end of the last step, without the static correction.
   double pickup_velocity(std::size_t pickup) const noexcept;      ///< [m/s]
   double pickup_displacement(std::size_t pickup) const noexcept;  ///< since t = 0 [m]
 
-  Vector3 mean_velocity(std::size_t body) const noexcept;  ///< mass-mean, by index into Scene::bodies [m/s]
+  Vector3 mean_velocity(
+      std::size_t body) const noexcept;  ///< averaged over the mass; index into Scene::bodies [m/s]
   Energy energy() const noexcept;
-  int quasi_static_modes() const noexcept;  ///< above half the rate: they respond statically
+  int quasi_static_modes() const noexcept;  ///< modes above half the rate, which respond statically
 
-  /// All that stepping changes. Allocates.
+  /// Returns the complete state of motion. Allocates.
   State save() const;
 
-  /// Goes on from there, to the last bit. False, and nothing done, with a state of another simulation.
+  /// Continues from `state`, bitwise. Returns false, and changes nothing, for a state of another simulation.
   bool restore(const State& state) noexcept;
 
  private:
@@ -153,7 +160,7 @@ class Simulation {
   std::unique_ptr<Impl> impl_;
 };
 
-/// A moment of one simulation.
+/// The state of one simulation at one time.
 class Simulation::State {
  public:
   ~State();

@@ -1,4 +1,5 @@
-// Frequencies by unit, so that a 2π cannot go missing between them.
+// SPDX-License-Identifier: BSD-2-Clause
+// Frequencies by unit, so that no factor 2π is lost between them.
 #pragma once
 
 #include <array>

@@ -5,7 +5,9 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "src/programs/stored_kernels.hpp"
+#include "src/scene/read.hpp"
 #include "src/scene/scene.hpp"
+#include "src/scene/write.hpp"
 
 namespace ricochet::python {
 
@@ -17,8 +19,8 @@ namespace {
 /// (body, file, whether it is there and holds enough candidates) of each body.
 std::vector<std::tuple<std::string, fs::path, bool>> kernel_files(const scene::Scene& scene,
                                                                   const fs::path& folder) {
-  programs::KernelCache cache;
-  const std::vector<programs::StoredKernel> stored = programs::find_kernels(scene, folder, cache);
+  programs::KernelStore store;
+  const std::vector<programs::StoredKernel> stored = programs::find_kernels(scene, folder, store).of_body;
   std::vector<std::tuple<std::string, fs::path, bool>> out;
   for (std::size_t k = 0; k < stored.size(); ++k)
     out.emplace_back(scene.bodies[k].name, stored[k].path, stored[k].enough);

@@ -9,7 +9,7 @@
 
 #include "python/bindings/arrays.hpp"
 #include "ricochet/ricochet.hpp"
-#include "src/programs/contact_parts.hpp"
+#include "src/programs/impact_runner.hpp"
 #include "src/scene/scene.hpp"
 
 namespace ricochet::python {

@@ -215,6 +215,7 @@ def _run(command: Sequence[str | Path], show: Callable[[str], None]) -> None:
             status = process.wait()
         except BaseException:  # interrupted: its ranks have to end too, and remove their temporary files
             process.terminate()
+            process.wait()
             raise
     if status < 0 or status > 128:
         number = -status if status < 0 else status - 128

@@ -1,4 +1,5 @@
-// Command lines by CLI11, for programs that have other options than `Options`.
+// SPDX-License-Identifier: BSD-2-Clause
+// Command lines by CLI11, for programs whose options are not `Options`.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -6,11 +7,12 @@
 
 namespace ricochet::console {
 
-/// Parses into what `app` is bound to. The exit status when nothing is left to do (--help, --version: 0; bad
-/// arguments: 2, with one line on stderr); none when the program is to go on. `speak` false prints nothing.
+/// Parses the arguments into the variables bound to `app`. Returns the exit status if the program should end
+/// (--help, --version: 0; bad arguments: 2, with one line on stderr), otherwise none. If `speak` is false,
+/// nothing is printed.
 std::optional<int> status_of_parsing(CLI::App& app, int argc, const char* const* argv, bool speak = true);
 
-/// Of an option: a number above 0, and not beyond 1e18, so that whole numbers fit.
+/// Validator of an option: a number above 0 and at most 1e18, so that whole numbers fit.
 CLI::Validator above_zero();
 
 }  // namespace ricochet::console

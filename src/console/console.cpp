@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/console/console.hpp"
 
 #include <fmt/format.h>
@@ -52,7 +53,7 @@ void Console::begin(std::string name, std::int64_t total) {
 void Console::advance(std::int64_t done) {
   done_ = done;
   if (watch_) watch_(name_, done, total_);
-  // Of many steps the clock is read every 64th: a step may take less than a reading.
+  // With many steps, the clock is read at every 64th only: a step may take less time than a reading.
   if (open_ && terminal_ && !quiet_ && (total_ < 1000 || (done & 63) == 0)) draw(false);
 }
 

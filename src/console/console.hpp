@@ -1,5 +1,6 @@
-// What a person at a terminal sees: progress bars, the table of phases, errors in one line. No MPI: ranks
-// other than the first construct a quiet Console.
+// SPDX-License-Identifier: BSD-2-Clause
+// Output at the terminal: progress bars, the table of phases, one-line errors. No MPI: ranks other than the
+// first construct a quiet Console.
 #pragma once
 
 #include <cstdint>
@@ -14,28 +15,29 @@ namespace ricochet::console {
 /// Peak resident memory of this process [MiB].
 double peak_memory_mib();
 
-/// Progress of long phases on stderr and the table of their times on stdout.
+/// Shows the progress of long phases on stderr and a table of their times on stdout.
 ///
-/// On a terminal a phase is one line redrawn in place at most ten times a second; elsewhere (a log file, CI)
-/// it is one line when the phase ends. A quiet console prints nothing but still measures.
+/// On a terminal a phase is one line, redrawn in place at most ten times a second; otherwise (a log file, CI)
+/// it is one line at the end of the phase. A quiet console prints nothing but still measures.
 class Console {
  public:
-  /// @param peak  peak memory [MiB] to report at the end of a phase; under MPI a collective maximum, and then
-  /// every rank's Console must see the same phases
-  /// @param watch  called by `advance`, also when quiet
+  /// @param peak  returns the peak memory [MiB] to report at the end of a phase; under MPI a collective
+  /// maximum, so that the Consoles of all ranks must have the same phases
+  /// @param watch  called by `advance`, also if quiet
   explicit Console(bool quiet = false, std::function<double()> peak = peak_memory_mib, Watch watch = {});
 
-  /// Ends the open phase, if any, and starts another. `total` 0: no known end (no percentage is shown).
+  /// Ends the open phase, if any, and starts another. `total` 0: unknown end (no percentage is shown).
   void begin(std::string name, std::int64_t total = 0);
-  /// `done` of `total` so far; cheap enough for every step.
+  /// Reports `done` of `total`; cheap enough for every step.
   void advance(std::int64_t done);
-  /// Likewise, where the total is known only now.
+  /// Reports progress and the total, if it becomes known only now.
   void advance(std::int64_t done, std::int64_t total);
-  /// Ends the open phase; `note` is shown behind its time ("61 600 unknowns").
+  /// Ends the open phase; `note` is shown after its time ("61 600 unknowns").
   void end(const std::string& note = "");
-  /// One line on stdout, unless quiet.
+  /// Prints one line on stdout, unless quiet.
   void say(const std::string& line);
-  /// One line on stderr "warning: …", also when quiet; a program that watches finds warnings in the summary.
+  /// Prints one line "warning: …" on stderr, also if quiet. With a watch nothing is printed; its program
+  /// finds the warnings in the summary.
   void warn(const std::string& line);
 
   struct Phase {
@@ -46,7 +48,7 @@ class Console {
   };
   const std::vector<Phase>& phases() const { return phases_; }
 
-  /// The table of phases, a line each, with a total; ready to print.
+  /// The table of phases, one line each, with a total; ready to print.
   static std::string table(const std::vector<Phase>& phases);
 
  private:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/console/ending.hpp"
 
 #include <fmt/format.h>
@@ -7,13 +8,13 @@
 #include <iostream>
 #include <new>
 
-#include "ricochet/error.hpp"
 #include "base/atomic_file.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::console {
 namespace {
 
-/// SA_RESETHAND: a second signal ends the program at once, and so does the one raised here.
+/// SA_RESETHAND: a second signal, such as the one raised here, ends the program at once.
 extern "C" void end(int signal) {
   base::remove_unfinished_files();
   ::raise(signal);
@@ -27,26 +28,26 @@ void end_cleanly_on_signals() {
   action.sa_flags = static_cast<int>(SA_RESETHAND | SA_NODEFER);
   for (const int signal : {SIGHUP, SIGINT, SIGTERM, SIGPIPE, SIGXCPU}) {
     struct sigaction before {};
-    // One that is ignored stays so: nohup.
+    // An ignored signal stays ignored: nohup.
     if (::sigaction(signal, nullptr, &before) == 0 && before.sa_handler == SIG_IGN) continue;
     ::sigaction(signal, &action, nullptr);
   }
   std::signal(SIGXFSZ, SIG_IGN);
 }
 
-std::string told(const std::exception& failure) {
+std::string message_of(const std::exception& failure) {
   if (dynamic_cast<const std::bad_alloc*>(&failure) == nullptr) return failure.what();
-  return "there is not enough memory: ask for fewer modes, candidates or steps, or take a larger machine";
+  return "there is not enough memory: request fewer modes, candidates or steps, or use a larger machine";
 }
 
 int status_of(const std::exception& failure, const std::string& name) {
-  fmt::print(stderr, "{}: {}\n", name, told(failure));
+  fmt::print(stderr, "{}: {}\n", name, message_of(failure));
   return dynamic_cast<const InputError*>(&failure) != nullptr ? 2 : 1;
 }
 
 bool all_printed(const std::string& name) {
   if (std::cout.flush() && std::fflush(stdout) == 0) return true;
-  fmt::print(stderr, "{}: standard output can't be written: is the disk full?\n", name);
+  fmt::print(stderr, "{}: cannot write to standard output: is the disk full?\n", name);
   return false;
 }
 

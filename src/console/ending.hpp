@@ -1,4 +1,5 @@
-// How a program ends when it is told to, or when it fails.
+// SPDX-License-Identifier: BSD-2-Clause
+// The end of a program on a signal or an error.
 #pragma once
 
 #include <exception>
@@ -6,18 +7,18 @@
 
 namespace ricochet::console {
 
-/// From here on SIGHUP, SIGINT, SIGTERM, SIGPIPE and SIGXCPU end the program as they would, once its
-/// temporary files are removed: its parent sees the signal, a shell the status 128 + its number. A file that
-/// would be longer than the limit (SIGXFSZ) can't be written, and is told as such.
+/// From here on, SIGHUP, SIGINT, SIGTERM, SIGPIPE and SIGXCPU first remove the temporary files and then end
+/// the program as usual: its parent sees the signal, a shell the status 128 + its number. A file that exceeds
+/// the size limit (SIGXFSZ) raises an ordinary write error.
 void end_cleanly_on_signals();
 
-/// What happened, in one line.
-std::string told(const std::exception& failure);
+/// Message of a failure, in one line.
+std::string message_of(const std::exception& failure);
 
-/// Prints "NAME: what happened" on stderr. @return the status to end with: 2 after bad input, 1 otherwise.
+/// Prints "NAME: message" on stderr. @return the exit status: 2 after bad input, otherwise 1.
 int status_of(const std::exception& failure, const std::string& name);
 
-/// Whether all that was printed went out; else it says so on stderr.
+/// Whether all output reached stdout; if not, prints an error on stderr.
 bool all_printed(const std::string& name);
 
 }  // namespace ricochet::console

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/console/options.hpp"
 
 #include <fmt/format.h>
@@ -47,16 +48,17 @@ Parsed parse(const Program& program, int argc, const char* const* argv, bool spe
       "--keys", [&] { throw CLI::CallForVersion(program.keys, 0); },
       "Print the reference of all keys of a scene and stop");
   app.add_option("SCENE", scene, "Scene file (TOML)")->required();
-  // One value each, taken as it is: vectors hold commas and brackets.
+  // Each option takes one value verbatim: vectors contain commas and brackets.
   app.add_option("--set", options.overrides,
                  "Override a scene key: KEY=VALUE, dotted, [i] for list entries; repeatable")
       ->type_name("KEY=VALUE")
       ->take_all()
       ->expected(1)
       ->allow_extra_args(false);
-  app.add_option("--accuracy", accuracy,
-                 "Relative error that the main results may have: chooses what the scene leaves open, and "
-                 "estimates errors; as --set accuracy=X")
+  app.add_option(
+         "--accuracy", accuracy,
+         "Relative error allowed in the main results: chooses the settings that the scene leaves open, "
+         "and estimates errors; like --set accuracy=X")
       ->type_name("X");
   app.add_option("--out", out, "Folder of kernels and results (default: out/ beside the scene)")
       ->type_name("DIR");
@@ -65,14 +67,14 @@ Parsed parse(const Program& program, int argc, const char* const* argv, bool spe
   if (program.impacts) {
     CLI::Option* vtk =
         app.add_flag("--vtk", options.vtk,
-                     "Write the motion for ParaView: <title>.motion.xdmf, about 200 frames or as "
-                     "output.vtk_every says");
+                     "Write the motion for ParaView: <title>.motion.xdmf, about 200 frames, or one "
+                     "every output.vtk_every steps");
     app.add_flag("--batch", options.batch, "Answer requests on standard input, a line of JSON each")
         ->excludes(vtk);
     app.add_option("--fclib", fclib,
                    "Write the complementarity problems of steps into this folder, for FCLIB")
         ->type_name("DIR");
-    app.add_option("--fclib-every", options.fclib_every, "Of the steps with contact write each N-th (1)")
+    app.add_option("--fclib-every", options.fclib_every, "Write every N-th step with contact (default: 1)")
         ->type_name("N")
         ->check(above_zero());
   }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/elasticity/assemble.hpp"
 
 #include <fmt/format.h>
@@ -15,9 +16,9 @@ using mesh::Basis;
 using mesh::Block;
 using mesh::Mesh;
 
-/// Quadrature degree. Straight simplices have constant Jacobians, so 2p integrates the mass exactly;
-/// elsewhere the Jacobian adds degrees, and 2p + 2 keeps the patch test exact up to order 4 (cofactors have
-/// degree 2(p − 1), gradients p − 1).
+/// Quadrature degree. Straight simplices have constant Jacobians, so that 2p integrates the mass exactly; for
+/// other elements the Jacobian adds degrees, and 2p + 2 keeps the patch test exact up to order 4 (cofactors
+/// have degree 2(p − 1), gradients p − 1).
 int degree_of(const mesh::ReferenceElement& element, bool affine) {
   const bool simplex = element.family == mesh::Family::tetrahedron || element.family == mesh::Family::line;
   return 2 * element.order + (simplex && affine ? 0 : 2);
@@ -33,7 +34,7 @@ Material material_of(const scene::Material& m, int dim) {
           m.young / (2 * (1 + m.poisson))};
 }
 
-/// Element matrices of one block, from tables made once.
+/// Element matrices of one block, from tables that are computed once.
 class Element {
  public:
   Element(const Mesh& mesh, const Block& block)
@@ -51,8 +52,7 @@ class Element {
     M.resize(n_, n_);
   }
 
-  /// Fills K (cn, cn) and the scalar mass M (n, n); returns false when the Jacobian is not positive
-  /// somewhere.
+  /// Fills K (cn, cn) and the scalar mass M (n, n); returns false if the Jacobian is not positive everywhere.
   bool compute(const std::int64_t* nodes, const Material& material) {
     for (int a = 0; a < n_; ++a)
       for (int k = 0; k < 3; ++k)
@@ -64,7 +64,7 @@ class Element {
       if (mesh_.dim == 1) {
         double slope = 0;
         for (int k = 0; k < 3; ++k) slope += local.col(0).dot(position_.col(k)) * mesh_.axis[k];
-        // A line has no inside: it may run either way along the rod.
+        // A line has no interior: it may have either direction along the rod.
         measure_(q) = std::abs(slope) * weight_[q];
         if (!(measure_(q) > 0)) return false;
         gradient_.col(q) = local.col(0) / slope;
@@ -101,8 +101,8 @@ class Element {
   const Eigen::Matrix<double, Eigen::Dynamic, 3>& position() const { return position_; }
 
  private:
-  /// Whether every element of the block is the affine image of the reference: its nodes lie where its corners
-  /// say.
+  /// Whether every element of the block is an affine image of the reference element: its corners determine
+  /// its nodes.
   bool all_affine(const Block& block) const {
     if (reference_.order == 1) return true;
     for (std::size_t e = 0; e < block.size(); ++e) {
@@ -117,7 +117,7 @@ class Element {
           double x = at(0, k);
           for (int d = 0; d < reference_.dim; ++d) {
             const double xi = reference_.node[static_cast<std::size_t>(a) * reference_.dim + d];
-            // Lines run over [−1, 1], tetrahedra over [0, 1]; other families never take the affine rule.
+            // Lines span [−1, 1], tetrahedra [0, 1]; other families never use the affine rule.
             x += (reference_.dim == 1 ? (xi + 1) / 2 : xi) *
                  (at(std::min(d + 1, reference_.corners - 1), k) - at(0, k));
           }
@@ -141,7 +141,7 @@ class Element {
   Eigen::Matrix<double, Eigen::Dynamic, 3> position_;
 };
 
-/// Counted exactly from the elements.
+/// The pattern, counted exactly from the elements.
 Pattern pattern_of(const Mesh& mesh) {
   std::vector<std::vector<std::int64_t>> columns(static_cast<std::size_t>(mesh.owned_nodes));
   for (const Block& block : mesh.blocks) {
@@ -155,7 +155,7 @@ Pattern pattern_of(const Mesh& mesh) {
           const std::int64_t column = mesh.node[block.node[e * n + b]];
           if (column >= row + mesh.first_node) list.push_back(column);
         }
-        // Elements repeat columns: compact now and then so that memory stays near the final size.
+        // Elements repeat columns; occasional compaction keeps memory near the final size.
         if (list.size() > 512 && list.size() > 2 * list.capacity() / 3) {
           std::sort(list.begin(), list.end());
           list.erase(std::unique(list.begin(), list.end()), list.end());

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Stiffness and mass of a linear elastic body, or of a rod.
 //
 //   K = ∫ Bᵀ D B dV,  M = ∫ ρ Nᵀ N dV       (rods: ∫ E A N'ᵀN' dx, ∫ ρ A NᵀN dx)
 //
-// Rows are global node × components + component. A held component keeps its row with a positive diagonal in K
-// and a zero row in M: an infinite eigenvalue, invisible to every count below a shift.
+// Rows are global node × components + component. A held component keeps its row, with a positive diagonal in
+// K and a zero row in M: an infinite eigenvalue, which no count below a shift includes.
 #pragma once
 
 #include <Eigen/Dense>
@@ -17,27 +18,22 @@ namespace ricochet::elasticity {
 struct Body {
   parallel::Matrix stiffness;  ///< SBAIJ, block size = components
   parallel::Matrix mass;       ///< same pattern
-  /// (local rows, 6): M applied to the rigid motions e_x, e_y, e_z, e_x × x, e_y × x, e_z × x before
-  /// supports; held rows zero.
+  /// (local rows, 6): M times the rigid motions e_x, e_y, e_z, e_x × x, e_y × x, e_z × x before supports;
+  /// held rows are zero.
   Eigen::MatrixXd rigid_load;
   std::int64_t local_rows = 0, total_rows = 0;
-  std::int64_t free_rows = 0;       ///< displacements that no support holds
+  std::int64_t free_rows = 0;       ///< rows that no support holds
   double total_mass = 0;            ///< [kg]
   Vector3 centre{};                 ///< [m]
   std::array<double, 9> inertia{};  ///< about the centre [kg m²]
   double wave_speed = 0;            ///< largest sqrt(E/ρ) [m/s]
-  Imposed imposed;                  ///< by supports that move
+  Imposed imposed;                  ///< by moving supports
 };
 
-/// Collective. Needs a GmshSession. `file` names the mesh in messages; `moved`: as of Imposing.
-/// Throws InputError (on all ranks): an element with a Jacobian that is not positive, with its tag and place.
+/// Assembles K and M. `file` names the mesh in messages; `moved`: as for Imposing. Collective. Needs a
+/// GmshSession. Throws InputError on all ranks for an element whose Jacobian is not positive, with its tag
+/// and position.
 Body assemble(const mesh::Mesh& mesh, const std::vector<scene::Material>& materials, const std::string& file,
               const parallel::Progress& progress = {}, const std::vector<std::string>& moved = {});
-
-/// Rigid motions that the supports leave free, M-orthonormal; one column each: six for a free body, one for a
-/// free rod, and as many for each of its parts when it has several that share no node. Of a free part,
-/// translations first.
-/// @return (local rows, r). Collective.
-Eigen::MatrixXd rigid_modes(const mesh::Mesh& mesh, const Body& body);
 
 }  // namespace ricochet::elasticity

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/elasticity/imposed.hpp"
 
 namespace ricochet::elasticity {
@@ -28,7 +29,7 @@ Eigen::RowVectorXd Imposing::row(std::size_t local_node, int component) const {
       values[static_cast<Eigen::Index>(3 * s) + k] =
           mesh_.dim == 3 ? 1 : mesh_.axis[static_cast<std::size_t>(k)];
     }
-    // What several supports hold moves with the first of them, once.
+    // A node of several supports moves with the first of them only.
     if (!values.isZero(0)) break;
   }
   return values;

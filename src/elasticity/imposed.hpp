@@ -1,4 +1,5 @@
-// What supports that move do to a body: the coupling that held rows lose in K and M.
+// SPDX-License-Identifier: BSD-2-Clause
+// Forcing by moving supports: the coupling that held rows lose in K and M.
 #pragma once
 
 #include <Eigen/Dense>
@@ -9,8 +10,8 @@
 
 namespace ricochet::elasticity {
 
-/// For S supports, three columns each: unit displacements along the body's x, y and z. A column is 0 where
-/// the support does not hold that component. f: free rows, s: held ones.
+/// For S supports, three columns each: unit displacements along x, y and z of the body. A column is 0 if the
+/// support does not hold that component. f: free rows, s: held rows.
 struct Imposed {
   Eigen::MatrixXd shape;     ///< (local rows, 3S) E: the displacement of held rows; free rows 0
   Eigen::MatrixXd force;     ///< (local rows, 3S) −K_fs E [N/m]; held rows 0
@@ -20,13 +21,13 @@ struct Imposed {
 
 using ElementMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Sums the elements of one rank up.
+/// Accumulates the elements of one rank.
 class Imposing {
  public:
-  /// @param moved  components that each support of mesh::Asked::moved holds, some of "xyz"
+  /// @param moved  components that each support of mesh::RequestedGroups::moved holds, some of "xyz"
   Imposing(const mesh::Mesh& mesh, const std::vector<std::string>& moved);
 
-  /// @param nodes        local, of one element
+  /// @param nodes        local nodes of one element
   /// @param K, M         (cn, cn), before supports
   /// @param translation  (cn, ≥ 3) M times e_x, e_y, e_z
   void add(const std::int64_t* nodes, int count, const ElementMatrix& K, const ElementMatrix& M,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/elasticity/matrix_file.hpp"
 
 #include <fmt/format.h>
@@ -18,7 +19,7 @@ using base::hdf5::any;
 using base::hdf5::Reader;
 using mesh::Mesh;
 
-/// Rows of a sparse matrix, columns ascending.
+/// Rows of a sparse matrix, with ascending columns.
 struct Rows {
   std::vector<std::int64_t> start{0}, column;
   std::vector<double> value;
@@ -59,7 +60,7 @@ Rows read_rows(const Reader& file, const std::string& name, std::int64_t rows) {
     matrix.for_each(i, [&](std::int64_t j, double value) {
       if (j <= last || j >= rows)
         file.fail(
-            fmt::format("dataset \"{}/column\" has {} behind {} in row {}: columns ascend and are below "
+            fmt::format("dataset \"{}/column\" has {} behind {} in row {}: columns must ascend and be below "
                         "{}.",
                         name, j, last, i, rows));
       if (!std::isfinite(value)) file.fail(fmt::format("\"{}\" holds {} in row {}.", name, value, i));
@@ -70,7 +71,7 @@ Rows read_rows(const Reader& file, const std::string& name, std::int64_t rows) {
 }
 
 void check_symmetric(const Reader& file, const char* name, const Rows& matrix) {
-  // Sums of element matrices differ by round-off; printed ones by their last digit.
+  // Sums of element matrices differ by round-off; printed matrices by their last digit.
   constexpr double tolerance = 1e-9;
   for (std::int64_t i = 0; i < matrix.size(); ++i)
     matrix.for_each(i, [&](std::int64_t j, double value) {
@@ -79,12 +80,12 @@ void check_symmetric(const Reader& file, const char* name, const Rows& matrix) {
       if (std::abs(value - other) > tolerance * (std::abs(matrix.at(i, i)) + std::abs(matrix.at(j, j))))
         file.fail(
             fmt::format("\"{}\" is not symmetric: row {} has {:.6g} in column {}, row {} has {:.6g} in "
-                        "column {}; both triangles have to be there.",
+                        "column {}; both triangles are required.",
                         name, i, value, j, j, other, i));
     });
 }
 
-/// Whether each displacement has no row (n); refuses those that have stiffness or mass alone.
+/// Whether each displacement has no row (n). Refuses displacements that have only stiffness or only mass.
 std::vector<char> absent_rows(const Reader& file, const Rows& stiffness, const Rows& mass) {
   std::vector<char> absent;
   for (std::int64_t i = 0; i < stiffness.size(); ++i) {
@@ -92,7 +93,7 @@ std::vector<char> absent_rows(const Reader& file, const Rows& stiffness, const R
     if (k < 0 || (k == 0 && m != 0))
       file.fail(
           fmt::format("\"/stiffness\" has {:.6g} on its diagonal in row {} (node {}, {}): must be "
-                      "positive, or 0 like the mass where a displacement is held.",
+                      "positive, or 0 like the mass if the displacement is held.",
                       k, i, i / 3, "xyz"[i % 3]));
     if (m < 0 || (m == 0 && k != 0))
       file.fail(
@@ -104,8 +105,8 @@ std::vector<char> absent_rows(const Reader& file, const Rows& stiffness, const R
   return absent;
 }
 
-/// Connected part of each node, numbered by first nodes. Nodes without any row are held; they belong to the
-/// body's one part, whose neighbours they were.
+/// Index of the connected part of each node, ordered by first nodes. Nodes without any row are held; they
+/// belong to the single part of the body that they were connected to.
 std::vector<std::int64_t> connected(const Reader& file, const Rows& stiffness,
                                     const std::vector<char>& absent) {
   std::vector<std::int64_t> first(static_cast<std::size_t>(stiffness.size() / 3));
@@ -135,13 +136,13 @@ std::vector<std::int64_t> connected(const Reader& file, const Rows& stiffness,
   }
   if (lost && parts > 1)
     file.fail(
-        fmt::format("\"/stiffness\" has {} parts that nothing joins, and nodes without rows that may "
-                    "belong to any: keep their rows, and name them in the scene's support.",
+        fmt::format("\"/stiffness\" has {} unconnected parts, and nodes without rows that may "
+                    "belong to any of them: keep their rows, and name them in the scene's support.",
                     parts));
   return part;
 }
 
-/// Each rank's own rows of what is whole on rank 0. Collective.
+/// Distributes rows that rank 0 holds to their owners. Collective.
 Rows share_out(const Rows& whole, const Mesh& mesh) {
   const auto ranks = static_cast<std::size_t>(parallel::size_of(mesh.comm));
   std::vector<std::int64_t> own{3 * mesh.owned_nodes};
@@ -163,11 +164,11 @@ Rows share_out(const Rows& whole, const Mesh& mesh) {
           parallel::scatter(mesh.comm, value)};
 }
 
-/// What each rank knows of all nodes, in the order of the file.
+/// Data of all nodes on each rank, in the order of the file.
 struct Nodes {
   std::vector<double> position;     ///< (n,3)
   std::vector<std::int64_t> fixed;  ///< (n) as in Mesh
-  Eigen::MatrixXd imposed;          ///< (3n,3S) displacement of held rows by supports that move
+  Eigen::MatrixXd imposed;          ///< (3n,3S) displacement of held rows by moving supports
   bool held(std::int64_t row) const { return (fixed[static_cast<std::size_t>(row / 3)] >> (row % 3)) & 1; }
   double x(std::int64_t row, int k) const { return position[static_cast<std::size_t>(row / 3 * 3 + k)]; }
 };
@@ -182,7 +183,7 @@ Eigen::MatrixXd imposed_displacements(const Nodes& nodes, const std::vector<std:
       const bool of_support = (nodes.fixed[static_cast<std::size_t>(row / 3)] >> (3 + s)) & 1;
       if (!of_support || moved[s].find("xyz"[k]) == std::string::npos) continue;
       shape(row, static_cast<Eigen::Index>(3 * s) + k) = 1;
-      break;  // What several supports hold moves with the first of them, once.
+      break;  // a node of several supports moves with the first of them only
     }
   return shape;
 }
@@ -204,7 +205,7 @@ Pattern pattern_of(const Mesh& mesh, const Rows& stiffness, const Rows& mass) {
   return pattern;
 }
 
-/// Both matrices get the blocks of either, as K − σM has them.
+/// Both matrices get the blocks of either, because K − σM has them all.
 void fill(const Mesh& mesh, const Nodes& nodes, const Rows& stiffness, const Rows& mass, Body& body) {
   const Pattern pattern = pattern_of(mesh, stiffness, mass);
   body.stiffness = create(mesh, pattern);
@@ -232,11 +233,11 @@ void fill(const Mesh& mesh, const Nodes& nodes, const Rows& stiffness, const Row
   }
 }
 
-/// What sums over this rank's rows tell.
+/// Sums over the rows of this rank.
 struct Sums {
-  std::array<double, 10> moments{};  ///< as of finish_inertia, means of the three directions
+  std::array<double, 10> moments{};  ///< as for finish_inertia, means of the three directions
   std::array<double, 3> mass{};      ///< by direction
-  std::array<double, 3> stretch{};   ///< uᵀKu of u = x_k e_k
+  std::array<double, 3> stretch{};   ///< uᵀKu for u = x_k e_k
   double stiffest = 0;
 };
 
@@ -324,13 +325,13 @@ Body read_matrices(Mesh& mesh, const std::filesystem::path& path, const std::vec
   parallel::sum(mesh.comm, sums.stretch.data(), 3);
   finish_inertia(mesh.comm, sums.moments, body);
   const auto [least, most] = std::ranges::minmax(sums.mass);
-  // Rows that are not there take mass with them, in their direction.
+  // Missing rows reduce the mass in their direction.
   const bool whole = std::ranges::count(absent, 1) == 0;
   if (!(least > 0) || (whole && most > (1 + 1e-6) * least))
-    throw InputError(fmt::format(
-        "{}: the mass is {:.6g} kg along x, {:.6g} along y, {:.6g} along z: row 3·node + k has to "
-        "be displacement k of a node, and masses the same in all directions. {}",
-        path.string(), sums.mass[0], sums.mass[1], sums.mass[2], mesh::body_file_advice));
+    throw InputError(
+        fmt::format("{}: the mass is {:.6g} kg along x, {:.6g} along y, {:.6g} along z: row 3·node + k must "
+                    "be displacement k of a node, and masses must be equal in all directions. {}",
+                    path.string(), sums.mass[0], sums.mass[1], sums.mass[2], mesh::body_file_advice));
   body.wave_speed = std::sqrt(*std::ranges::max_element(sums.stretch) / body.total_mass);
   finish_rows(mesh, sums.stiffest, body);
   return body;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/elasticity/pattern.hpp"
 
 #include <algorithm>
@@ -72,7 +73,7 @@ void finish_inertia(MPI_Comm comm, std::array<double, 10>& moments, Body& body) 
 
 void finish_rows(const mesh::Mesh& mesh, double stiffest, Body& body) {
   const int c = mesh.components();
-  // The value on held rows only has to be positive; the stiffest diagonal keeps the conditioning.
+  // The value on held rows is arbitrary but positive; the largest diagonal entry keeps the conditioning.
   stiffest = parallel::largest(mesh.comm, stiffest);
   std::int64_t held = 0;
   for (std::size_t i = 0; i < mesh.node.size(); ++i) {

@@ -1,4 +1,5 @@
-// Internal to src/elasticity: empty matrices of a body whose pattern is known.
+// SPDX-License-Identifier: BSD-2-Clause
+// Internal to src/elasticity: empty matrices with a known pattern.
 #pragma once
 
 #include <vector>
@@ -12,21 +13,22 @@ struct Body;
 
 /// Columns of each owned block row at or right of the diagonal.
 struct Pattern {
-  std::vector<PetscInt> diagonal, off_diagonal;  ///< per owned node: in and outside this rank's column range
+  std::vector<PetscInt> diagonal, off_diagonal;  ///< per owned node: inside and outside this rank's columns
 };
 
-/// Appends a row that has these columns (node numbers, ascending, each once, none left of the diagonal).
+/// Appends a row with these columns (node numbers, ascending, each once, none left of the diagonal).
 void append_row(Pattern& pattern, const mesh::Mesh& mesh, const std::vector<std::int64_t>& columns);
 
-/// SBAIJ with room for the pattern. Collective.
+/// Creates an SBAIJ matrix with memory for the pattern. Collective.
 parallel::Matrix create(const mesh::Mesh& mesh, const Pattern& pattern);
 
-/// Value on the diagonal of held rows, and their number into `free_rows`; assembles both matrices.
+/// Sets the diagonal of held rows, counts free rows into `free_rows`, and assembles both matrices.
 /// Collective.
-/// @param stiffest  largest diagonal entry at hand, 0 where there is none
+/// @param stiffest  largest diagonal entry on this rank; 0 if there is none
 void finish_rows(const mesh::Mesh& mesh, double stiffest, Body& body);
 
-/// Mass, centre and inertia from sums over this rank: 1, x_i, x_i x_j weighted with ρ dV. Collective.
+/// Computes mass, centre and inertia from the sums over this rank of 1, x_i and x_i x_j, weighted with ρ dV.
+/// Collective.
 void finish_inertia(MPI_Comm comm, std::array<double, 10>& moments, Body& body);
 
 /// Value of rigid motion k (0–2 translations, 3–5 rotations) at x in displacement component c.

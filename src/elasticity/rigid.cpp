@@ -1,6 +1,7 @@
-#include <cmath>
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/elasticity/rigid.hpp"
 
-#include "src/elasticity/assemble.hpp"
+#include <cmath>
 
 namespace ricochet::elasticity {
 
@@ -16,7 +17,8 @@ Eigen::MatrixXd rigid_modes_of(const mesh::Mesh& mesh, const Body& body, std::in
         visit(i, row, Eigen::Map<const Eigen::Vector3d>(&mesh.position[3 * i]));
     }
   };
-  // Motions about the middle of the part's nodes, turns in units of its size: numbers of order one.
+  // Motions about the centroid of the part's nodes, with rotations in units of its size, so that entries are
+  // of order one.
   Eigen::Matrix<double, 5, 1> sums = Eigen::Matrix<double, 5, 1>::Zero();
   for_each_own_node([&](std::size_t, std::int64_t, const Eigen::Vector3d& x) {
     sums.head<3>() += x;
@@ -27,8 +29,8 @@ Eigen::MatrixXd rigid_modes_of(const mesh::Mesh& mesh, const Body& body, std::in
   const Eigen::Vector3d middle = sums.head<3>() / sums[4];
   const double size = std::sqrt(std::max(sums[3] / sums[4] - middle.squaredNorm(), 1e-300));
 
-  // Column m of `motion`: a combination of e_x, e_y, e_z, e_x × x, e_y × x, e_z × x about the origin, in
-  // whose terms M times them is known.
+  // Column m of `motion` is a combination of e_x, e_y, e_z, e_x × x, e_y × x, e_z × x about the origin, whose
+  // products with M are known.
   const Eigen::Index m = mesh.dim == 1 ? 1 : 6;
   Eigen::MatrixXd motion = Eigen::MatrixXd::Zero(6, m);
   if (mesh.dim == 1) {
@@ -56,7 +58,7 @@ Eigen::MatrixXd rigid_modes_of(const mesh::Mesh& mesh, const Body& body, std::in
   });
   parallel::sum(mesh.comm, seen.data(), static_cast<std::size_t>(seen.size()));
 
-  // The supports see what is not in the null space of `seen`.
+  // The supports permit the null space of `seen`.
   Eigen::MatrixXd free = Eigen::MatrixXd::Identity(m, m);
   if (!seen.isZero(0)) {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(seen);
@@ -69,7 +71,7 @@ Eigen::MatrixXd rigid_modes_of(const mesh::Mesh& mesh, const Body& body, std::in
     for (int k = 0; k < c; ++k)
       if (mesh.is_fixed(i, k)) modes.row(row * c + k).setZero();
   });
-  // Held rows are zero in the modes, so that it does not matter that they are in the loads.
+  // Held rows of the modes are zero, so their entries in the loads do not matter.
   Eigen::MatrixXd gram = modes.transpose() * (load * free);
   parallel::sum(mesh.comm, gram.data(), static_cast<std::size_t>(gram.size()));
   const Eigen::LLT<Eigen::MatrixXd> cholesky((gram + gram.transpose()) / 2);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/mesh/body_file.hpp"
 
 #include <fmt/format.h>
@@ -14,7 +15,7 @@ using base::hdf5::Reader;
 
 constexpr std::int64_t version = 1;
 
-/// Facets by their number of nodes, in gmsh's order of nodes.
+/// Kinds of facets by their number of nodes, in the node order of gmsh.
 struct FacetKind {
   int nodes, gmsh_type, corners, order;
 };
@@ -23,18 +24,18 @@ constexpr FacetKind facet_kinds[] = {{3, 2, 3, 1}, {6, 9, 3, 2},  {10, 21, 3, 3}
 
 class Content {
  public:
-  Content(const scene::Body& body, const Asked& asked)
+  Content(const scene::Body& body, const RequestedGroups& asked)
       : body_(body), asked_(asked), file_(open_body_file(body.mesh)) {}
 
   GlobalMesh read() {
     mesh_.position = file_.read<double>("/node", {any, 3});
     if (mesh_.position.empty()) file_.fail("dataset \"/node\" is empty.");
     for (const double x : mesh_.position)
-      if (!std::isfinite(x)) file_.fail("dataset \"/node\" holds a place that is not finite.");
+      if (!std::isfinite(x)) file_.fail("dataset \"/node\" contains a position that is not finite.");
     mesh_.fixed.assign(mesh_.position.size() / 3, 0);
     collect(body_.contact, fmt::format("bodies.{}.contact", body_.name), mesh_.contact);
     collect(asked_.loaded, "loads.traction.group", mesh_.loaded);
-    collect_skin();
+    collect_visualisation();
     mark_supports();
     return std::move(mesh_);
   }
@@ -82,12 +83,12 @@ class Content {
     }
   }
 
-  /// What pictures show: the triangles of the file, else the contact surface.
-  void collect_skin() {
-    Block skin{2, 3, {}, {}, {}};
+  /// Reads the visualisation surface: the triangles of the file, otherwise the contact surface.
+  void collect_visualisation() {
+    Block surface{2, 3, {}, {}, {}};
     if (file_.exists("/skin")) {
-      skin.node = file_.read<std::int64_t>("/skin", {any, 3});
-      check_nodes("/skin", skin.node);
+      surface.node = file_.read<std::int64_t>("/skin", {any, 3});
+      check_nodes("/skin", surface.node);
     } else {
       for (const Block& block : mesh_.contact.blocks) {
         const auto n = static_cast<std::size_t>(block.nodes_per_element);
@@ -95,12 +96,12 @@ class Content {
         for (std::size_t e = 0; e < block.size(); ++e)
           for (int t = 2; t < kind.corners; ++t)
             for (const int corner : {0, t - 1, t})
-              skin.node.push_back(block.node[e * n + static_cast<std::size_t>(corner)]);
+              surface.node.push_back(block.node[e * n + static_cast<std::size_t>(corner)]);
       }
     }
-    skin.tag.assign(skin.node.size() / 3, 0);
-    skin.label = skin.tag;
-    mesh_.skin.blocks.push_back(std::move(skin));
+    surface.tag.assign(surface.node.size() / 3, 0);
+    surface.label = surface.tag;
+    mesh_.visualisation.blocks.push_back(std::move(surface));
   }
 
   std::vector<std::int64_t> nodes_of(const std::string& name) const {
@@ -131,7 +132,7 @@ class Content {
       const auto moved = std::ranges::find(asked_.moved, name) - asked_.moved.begin();
       if (moved < std::ssize(asked_.moved)) {
         if (moved >= 29)
-          file_.fail(fmt::format("more than 29 supports of bodies.{} move: join some in one.", body_.name));
+          file_.fail(fmt::format("more than 29 supports of bodies.{} move: join some of them.", body_.name));
         bits |= 1U << (3 + moved);
       }
       for (const std::int64_t node : nodes) mesh_.fixed[static_cast<std::size_t>(node)] |= bits;
@@ -139,7 +140,7 @@ class Content {
   }
 
   const scene::Body& body_;
-  const Asked& asked_;
+  const RequestedGroups& asked_;
   Reader file_;
   GlobalMesh mesh_;
 };
@@ -151,10 +152,12 @@ Reader open_body_file(const std::filesystem::path& path) {
   if (!file.has_attribute("/", "format") || file.string_attribute("/", "format") != "ricochet-body")
     file.fail("is not a body file (its attribute \"format\" is not \"ricochet-body\").");
   if (const std::int64_t found = file.integer_attribute("/", "version"); found != version)
-    file.fail(fmt::format("is of version {}, known here is {}.", found, version));
+    file.fail(fmt::format("has version {}; this program reads version {}.", found, version));
   return file;
 }
 
-GlobalMesh read_body_file(const scene::Body& body, const Asked& asked) { return Content(body, asked).read(); }
+GlobalMesh read_body_file(const scene::Body& body, const RequestedGroups& asked) {
+  return Content(body, asked).read();
+}
 
 }  // namespace ricochet::mesh

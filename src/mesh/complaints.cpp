@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/mesh/complaints.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
-
-#include "src/mesh/part.hpp"
 
 namespace ricochet::mesh {
 

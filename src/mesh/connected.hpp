@@ -1,4 +1,5 @@
-// Which nodes of a mesh elements connect.
+// SPDX-License-Identifier: BSD-2-Clause
+// Connected parts of a mesh.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +9,7 @@
 
 namespace ricochet::mesh {
 
-/// For each of `nodes` nodes the first that elements connect it to.
+/// For each of `nodes` nodes, the lowest node that elements connect it to.
 std::vector<std::int64_t> first_connected(std::size_t nodes, const std::vector<Block>& blocks);
 
 }  // namespace ricochet::mesh

@@ -1,4 +1,5 @@
-// What ranks know of things that several of them hold, such as the nodes between two parts of a mesh.
+// SPDX-License-Identifier: BSD-2-Clause
+// Data about entities that several ranks hold, such as the nodes between two parts of a mesh.
 #pragma once
 
 #include <cstddef>
@@ -10,50 +11,49 @@
 
 namespace ricochet::mesh {
 
-/// Brings together what ranks say of a tag. Each rank looks after a range of tags, so that none needs to know
-/// all of them.
+/// Combines the values that ranks hold for a tag. Each rank is responsible for a range of tags, so that none
+/// needs to know all of them.
 class Directory {
  public:
-  /// @param tags  this rank's, not negative, each once. Collective.
+  /// @param tags  of this rank, not negative, each once. Collective.
   Directory(MPI_Comm comm, const std::vector<std::int64_t>& tags);
 
-  /// For each of this rank's tags, how many lower ones there are on all ranks together. Collective.
+  /// For each of this rank's tags, the number of lower tags on all ranks. Collective.
   std::vector<std::int64_t> order() const;
 
-  /// For each of this rank's tags, the values that all ranks give to it, combined by `both(a, b)`.
-  /// Collective.
+  /// For each of this rank's tags, the values of all ranks, combined by `both(a, b)`. Collective.
   template <class T, class Both>
   std::vector<T> combined(const std::vector<T>& values, Both both) const {
     std::vector<std::vector<T>> asked(place_.size());
     for (std::size_t r = 0; r < place_.size(); ++r)
       for (std::size_t i : place_[r]) asked[r].push_back(values[i]);
-    std::vector<std::vector<T>> heard = parallel::exchange(comm_, asked);
+    std::vector<std::vector<T>> received = parallel::exchange(comm_, asked);
     std::vector<std::optional<T>> all(entries_);
-    for (std::size_t r = 0; r < heard.size(); ++r)
-      for (std::size_t k = 0; k < heard[r].size(); ++k) {
+    for (std::size_t r = 0; r < received.size(); ++r)
+      for (std::size_t k = 0; k < received[r].size(); ++k) {
         std::optional<T>& value = all[entry_[r][k]];
-        value = value ? both(*value, heard[r][k]) : heard[r][k];
+        value = value ? both(*value, received[r][k]) : received[r][k];
       }
-    for (std::size_t r = 0; r < heard.size(); ++r)
-      for (std::size_t k = 0; k < heard[r].size(); ++k) heard[r][k] = *all[entry_[r][k]];
-    return answered(heard);
+    for (std::size_t r = 0; r < received.size(); ++r)
+      for (std::size_t k = 0; k < received[r].size(); ++k) received[r][k] = *all[entry_[r][k]];
+    return answered(received);
   }
 
  private:
-  /// Sends each rank the answers to what it asked; returns those to this rank's tags.
+  /// Sends each rank the answers to its requests; returns the answers for this rank's tags.
   template <class T>
   std::vector<T> answered(const std::vector<std::vector<T>>& answers) const {
-    const std::vector<std::vector<T>> told = parallel::exchange(comm_, answers);
+    const std::vector<std::vector<T>> answers_here = parallel::exchange(comm_, answers);
     std::vector<T> result(tags_);
     for (std::size_t r = 0; r < place_.size(); ++r)
-      for (std::size_t k = 0; k < place_[r].size(); ++k) result[place_[r][k]] = told[r][k];
+      for (std::size_t k = 0; k < place_[r].size(); ++k) result[place_[r][k]] = answers_here[r][k];
     return result;
   }
 
   MPI_Comm comm_;
   std::size_t tags_;
-  std::vector<std::vector<std::size_t>> place_;  ///< by rank that is asked: indices of this rank's tags
-  std::vector<std::vector<std::size_t>> entry_;  ///< by rank that asks: entries here, by tag
+  std::vector<std::vector<std::size_t>> place_;  ///< by responsible rank: indices of this rank's tags
+  std::vector<std::vector<std::size_t>> entry_;  ///< by requesting rank: entries here
   std::size_t entries_ = 0;
   std::int64_t lower_ = 0;  ///< entries on the ranks before
 };

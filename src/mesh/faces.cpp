@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/mesh/faces.hpp"
 
 #include <fmt/format.h>
@@ -6,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "src/mesh/complaints.hpp"
 #include "src/mesh/part.hpp"
 
 namespace ricochet::mesh {
@@ -17,7 +19,7 @@ Corners sorted(Corners corners) {
   return corners;
 }
 
-/// Where each node of a facet goes when it is mirrored: the lattice position (i, j) becomes (j, i).
+/// Permutation of the nodes of a facet that mirrors it: the lattice position (i, j) becomes (j, i).
 std::vector<int> mirrored(const ReferenceElement& reference) {
   std::vector<int> to(static_cast<std::size_t>(reference.nodes));
   for (int n = 0; n < reference.nodes; ++n)
@@ -64,14 +66,14 @@ void add_face(Faces& outside, Corners outward) {
 }
 
 Block triangles_of(const Faces& outside) {
-  Block skin{gmsh::model::mesh::getElementType("triangle", 1), 3, {}, {}, {}};
+  Block surface{gmsh::model::mesh::getElementType("triangle", 1), 3, {}, {}, {}};
   for (const auto& [key, outward] : outside)
     for (std::size_t c = 2; c < outward.size(); ++c) {
-      skin.node.insert(skin.node.end(), {outward[0], outward[c - 1], outward[c]});
-      skin.tag.push_back(0);
-      skin.label.push_back(0);
+      surface.node.insert(surface.node.end(), {outward[0], outward[c - 1], outward[c]});
+      surface.tag.push_back(0);
+      surface.label.push_back(0);
     }
-  return skin;
+  return surface;
 }
 
 void orient(Block& facets, int order, const Faces& outside, const scene::Body& body, const std::string& key) {

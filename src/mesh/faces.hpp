@@ -1,4 +1,5 @@
-// Faces of volume elements: the outside of a body, its skin, and facets that lie on it.
+// SPDX-License-Identifier: BSD-2-Clause
+// Faces of volume elements: the boundary of a body, its visualisation surface, and facets on the boundary.
 #pragma once
 
 #include <cstdint>
@@ -9,22 +10,23 @@
 
 namespace ricochet::mesh {
 
-/// Nodes at the corners of a face.
+/// The nodes at the corners of a face.
 using Corners = std::vector<std::int64_t>;
-/// Faces by their sorted corners: the corners in the order that points out of the body.
+/// Faces by their sorted corners; the value has the corners in the order that points out of the body.
 using Faces = std::map<Corners, Corners>;
 
-/// Faces that belong to one of the elements only.
+/// Faces that belong to exactly one element.
 Faces outside_of(const std::vector<Block>& blocks);
 
-/// Adds a face of a part of the body to those outside the other parts, or takes it out where it meets one.
+/// Adds a boundary face of one part to those of the other parts, or removes it if it coincides with one of
+/// them.
 void add_face(Faces& outside, Corners outward);
 
-/// The faces cut into triangles.
+/// The faces, divided into triangles.
 Block triangles_of(const Faces& outside);
 
-/// Turns each facet of a surface of `body` outward. Throws InputError naming the scene's `key` where one does
-/// not lie outside, or where they are not of the `order` of the body's elements.
+/// Orients each facet of a surface of `body` outward. Throws InputError that names `key` of the scene if a
+/// facet does not lie on the boundary, or if its order is not the `order` of the elements.
 void orient(Block& facets, int order, const Faces& outside, const scene::Body& body, const std::string& key);
 
 }  // namespace ricochet::mesh

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/mesh/gmsh_session.hpp"
 
 #include <gmsh.h>
@@ -15,7 +16,7 @@ GmshSession::GmshSession() {
 }
 
 GmshSession::~GmshSession() {
-  gmsh::onelab::clear();  // what a .geo defined would overrule the defaults of the next one
+  gmsh::onelab::clear();  // definitions of a .geo would override the defaults of the next one
   gmsh::finalize();
 }
 

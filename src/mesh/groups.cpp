@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/mesh/groups.hpp"
 
 #include <fmt/format.h>
@@ -14,20 +15,21 @@ namespace ricochet::mesh {
 
 namespace {
 
-/// The entity that a partition or an interface between partitions was cut from, if any.
+/// The entity from which a partition, or an interface between partitions, was created, if any.
 std::pair<int, int> parent_of(int dim, int tag) {
   std::pair<int, int> parent{-1, -1};
   gmsh::model::getParent(dim, tag, parent.first, parent.second);
   return parent;
 }
 
-/// Interfaces between partitions bear the group numbers of what they cut, in a lower dimension.
+/// Interfaces between partitions have the group numbers of the entities that they divide, in a lower
+/// dimension.
 bool is_interface(int dim, int tag) {
   const auto [above, parent] = parent_of(dim, tag);
   return parent >= 0 && above != dim;
 }
 
-/// Entities of gmsh's physical groups of one dimension, by the group's name.
+/// Entities of the physical groups of one dimension, by the name of the group.
 std::map<std::string, std::vector<int>> groups_of(int dim) {
   gmsh::vectorpair pairs;
   gmsh::model::getPhysicalGroups(pairs, dim);
@@ -59,7 +61,7 @@ std::map<int, std::string> entity_names(int dim) {
   return names;
 }
 
-/// Names in quotes, some of them where there are many.
+/// Names in quotes, truncated to the first ones if there are many.
 std::string list_of(std::vector<std::string> names, std::size_t most) {
   for (std::string& name : names) name = '"' + name + '"';
   if (names.size() > most) {
@@ -69,7 +71,7 @@ std::string list_of(std::vector<std::string> names, std::size_t most) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-/// `entities` and the partitions that gmsh cut them into.
+/// `entities` and their partitions.
 std::vector<int> with_partitions(int dim, const std::vector<int>& entities) {
   std::set<int> all(entities.begin(), entities.end());
   gmsh::vectorpair pairs;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/mesh/lattice.hpp"
 
 #include <cmath>
@@ -27,7 +28,7 @@ Lattice lattice_of(const ReferenceElement& facet) {
     lattice.cells = {{0, -1, -1, -1}};
     return lattice;
   }
-  // gmsh's lines and quadrangles live on [−1, 1], its triangles on [0, 1].
+  // In gmsh, lines and quadrangles have coordinates in [−1, 1], triangles in [0, 1].
   const bool simplex = facet.family == Family::triangle;
   std::map<std::array<int, 2>, int> at;
   for (int n = 0; n < facet.nodes; ++n) {

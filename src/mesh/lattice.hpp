@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The nodes of a Lagrange facet as a lattice: its subdivision into linear cells.
 #pragma once
 
@@ -9,11 +10,11 @@
 namespace ricochet::mesh {
 
 /// Cells between the nodes of one facet (triangle, quadrangle, line): p² triangles, p² quadrangles or p
-/// segments, with the facet's orientation.
+/// segments, oriented like the facet.
 struct Lattice {
   int corners = 0;                        ///< per cell: 3, 4 or 2
   std::vector<std::array<int, 4>> cells;  ///< local node numbers; unused entries −1
-  /// Cells as triangles (a quadrangle gives two), segments or points, flat.
+  /// The cells as a flat list of triangles (two for a quadrangle), segments or points.
   std::vector<int> simplices() const;
   int simplex_corners() const { return corners == 4 ? 3 : corners; }
 };

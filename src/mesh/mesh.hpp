@@ -1,4 +1,5 @@
-// The mesh of one body: whole on rank 0 while it is read, then in parts.
+// SPDX-License-Identifier: BSD-2-Clause
+// The mesh of one body: complete on rank 0 while it is read, then distributed.
 #pragma once
 
 #include <mpi.h>
@@ -19,13 +20,13 @@ struct Block {
   int gmsh_type = 0;
   int nodes_per_element = 0;
   std::vector<std::int64_t> node;   ///< (elements, nodes_per_element) into the mesh's node list
-  std::vector<std::int64_t> tag;    ///< (elements) gmsh's, for messages
-  std::vector<std::int64_t> label;  ///< (elements) volume: material; facet: contact group; both by index
+  std::vector<std::int64_t> tag;    ///< (elements) gmsh's tags, for messages
+  std::vector<std::int64_t> label;  ///< (elements) index of the material (volume) or contact group (facet)
   std::size_t size() const { return tag.size(); }
 };
 
-/// Facets with the coordinates of their nodes, the same on every rank (contact surface) or on rank 0 alone
-/// (skin).
+/// Facets with the coordinates of their nodes; the same on every rank (contact surface), or on rank 0 only
+/// (visualisation surface).
 struct FacetMesh {
   std::vector<std::int64_t> node;  ///< (n) global node numbers
   std::vector<double> position;    ///< (n,3) [m]
@@ -34,32 +35,27 @@ struct FacetMesh {
       end_normal;  ///< (n,3) rods: outward axis times cross-section at an end [m²]; otherwise empty
 };
 
-/// Parts of a body that its mesh is asked for beside the contact surface.
-struct Asked {
-  std::vector<std::string> loaded;  ///< surfaces (points of a rod) that tractions act on, each once
-  std::vector<std::string> moved;   ///< supports that move, each once
+/// Groups that are read from a mesh in addition to the contact surface.
+struct RequestedGroups {
+  std::vector<std::string> loaded;  ///< surfaces (rods: points) under tractions, each once
+  std::vector<std::string> moved;   ///< moving supports, each once
 };
 
-/// All of a body's mesh, on rank 0 while reading.
+/// The complete mesh of a body, on rank 0 while it is read.
 struct GlobalMesh {
   int dim = 3;  ///< 3, or 1 for a rod
   int order = 1;
   std::vector<double> position;  ///< (n,3) [m], scaled
   std::vector<Block> blocks;
   std::vector<unsigned>
-      fixed;  ///< (n) bit c: component c is held by a support; bit 3 + s: lies in support Asked::moved[s]
-  Vector3 axis{1, 0, 0};            ///< rods: unit vector along the body
-  FacetMesh contact, loaded, skin;  ///< `node` holds indices into `position`; label: of Asked::loaded
+      fixed;  ///< (n) bit c: component c is held by a support; bit 3 + s: lies in RequestedGroups::moved[s]
+  Vector3 axis{1, 0, 0};  ///< rods: unit vector along the body
+  FacetMesh contact, loaded,
+      visualisation;  ///< `node`: indices into `position`; label: index in RequestedGroups::loaded
 };
 
-/// Reads a mesh or meshes a geometry. Rank 0 only; needs a GmshSession made with the body's geometry values.
-/// Throws InputError: unreadable file, missing physical group, no volume elements, contact facets inside the
-/// body, an order that gmsh could not reach, a bent rod.
-GlobalMesh read_mesh(const scene::Body& body, const parallel::Progress& progress = {},
-                     const Asked& asked = {});
-
-/// One rank's part. Each rank holds every element that touches a node it owns, so that assembly needs no
-/// communication; an element is `own` on one rank only (integrals over the body count it there).
+/// One rank's part of a mesh. Each rank holds every element that touches a node it owns, so that assembly
+/// needs no communication. An element is `own` on exactly one rank; integrals over the body count it there.
 struct Mesh {
   MPI_Comm comm = MPI_COMM_SELF;
   int dim = 3, order = 1;
@@ -67,31 +63,23 @@ struct Mesh {
   std::int64_t total_nodes = 0, total_elements = 0;
   std::int64_t first_node = 0, owned_nodes = 0;  ///< this rank owns global nodes [first, first + owned)
   std::vector<std::int64_t> node;                ///< (n_local) global numbers, ascending
-  std::vector<std::int64_t> canonical;           ///< (n_local) 0 … total_nodes − 1, whatever the ranks
-  std::vector<double> position;                  ///< (n_local,3) [m]
-  std::vector<std::int64_t> fixed;               ///< (n_local) as in GlobalMesh
-  std::vector<std::int64_t> part;                ///< (n_local) which connected part of the body
-  std::int64_t parts = 1;                        ///< connected parts: elements that share no node
-  std::vector<Block> blocks;                     ///< node indices are local
-  std::vector<std::vector<std::int64_t>> own;    ///< per block: 1 where the element is this rank's own
-  FacetMesh contact, loaded;                     ///< global node numbers, the same on every rank
-  FacetMesh skin;                                ///< global node numbers, on rank 0 alone
+  std::vector<std::int64_t> canonical;  ///< (n_local) 0 … total_nodes − 1, independent of the ranks
+  std::vector<double> position;         ///< (n_local,3) [m]
+  std::vector<std::int64_t> fixed;      ///< (n_local) as in GlobalMesh
+  std::vector<std::int64_t> part;       ///< (n_local) index of the connected part
+  std::int64_t parts = 1;               ///< connected parts: elements that share no node
+  std::vector<Block> blocks;            ///< node indices are local
+  std::vector<std::vector<std::int64_t>> own;  ///< per block: 1 for each own element
+  FacetMesh contact, loaded;                   ///< global node numbers, the same on every rank
+  FacetMesh visualisation;                     ///< global node numbers, on rank 0 only
 
   int components() const { return dim == 3 ? 3 : 1; }
-  /// Supports as displacement components of this body: a rod has one, along its axis.
+  /// Whether a support that moves holds this node. Supports fix displacement components of the mesh: a rod
+  /// has one, along its axis.
   bool is_moved(std::size_t local_node, std::size_t support) const {
     return (fixed[local_node] >> (3 + support)) & 1;
   }
   bool is_fixed(std::size_t local_node, int component) const { return (fixed[local_node] >> component) & 1; }
 };
-
-/// Copies facets of the first rank of `comm` to its other ranks. Collective.
-void broadcast(FacetMesh& facets, MPI_Comm comm);
-
-/// Copies the mesh of the first rank of `comm` to its other ranks. Collective.
-void broadcast(GlobalMesh& global, MPI_Comm comm);
-
-/// Splits by METIS and hands each rank its part. `global` is used on rank 0 alone. Collective.
-Mesh distribute(GlobalMesh&& global, MPI_Comm comm);
 
 }  // namespace ricochet::mesh

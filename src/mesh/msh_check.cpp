@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/mesh/msh_check.hpp"
 
 #include <fmt/format.h>
@@ -24,7 +25,7 @@ struct ElementType {
   int dim = 0, nodes = 0;
 };
 
-/// The types with nodes that gmsh places on lattices, complete or on edges alone.
+/// Element types whose nodes lie on lattices, complete or on edges only.
 const std::map<int, ElementType>& element_types() {
   static const auto all = [] {
     std::map<int, ElementType> types{{15, {0, 1}}};
@@ -66,7 +67,7 @@ class Check {
     format();
     while (!in_.ended()) {
       const std::string name(in_.word("a section"));
-      if (!in_.rest_of_line().empty()) in_.fail("a section's name has no line of its own");
+      if (!in_.rest_of_line().empty()) in_.fail("the name of a section must be on a line of its own");
       if (name != "$Comments" && !seen_.insert(name).second) in_.fail("the second section of its kind");
       section(name);
     }
@@ -81,7 +82,7 @@ class Check {
     const std::string version(in_.word("the version"));
     old_ = version == "2" || version == "2.0" || version == "2.1" || version == "2.2";
     if (!old_ && version != "4.1")
-      in_.fail("is of a version that is not read: write it in version 4.1 or 2.2 (Mesh.MshFileVersion)");
+      in_.fail("has an unsupported version: write it in version 4.1 or 2.2 (Mesh.MshFileVersion)");
     binary_ = in_.integer<std::int32_t>("the kind of file", 0, 1) == 1;
     in_.integer<std::int32_t>("the size of numbers", 8, 8);
     in_.rest_of_line();
@@ -89,16 +90,14 @@ class Check {
       in_.skip_line();
       in_.set_binary(true);
       if (in_.integer<std::int32_t>("1", -largest_int, largest_int) != 1)
-        in_.fail(
-            "its numbers have another order of bytes, or are text: write it on this machine, or as text");
+        in_.fail("its numbers have the wrong byte order, or are text: write it on this machine, or as text");
     }
     end("$EndMeshFormat");
   }
 
   void end(const std::string& name) {
     in_.set_binary(false);
-    if (in_.word(name.c_str()) != name)
-      in_.fail(fmt::format("something else in the place of {}: counts do not agree", name));
+    if (in_.word(name.c_str()) != name) in_.fail(fmt::format("{} is not where the counts place it", name));
   }
 
   void section(const std::string& name) {
@@ -118,7 +117,7 @@ class Check {
       else if (!old_ && name == "$PartitionedEntities")
         entities(true);
       else
-        in_.fail("holds a section that is not read: save the mesh alone, without results and ghost cells");
+        in_.fail("contains an unsupported section: save the mesh alone, without results and ghost cells");
     }
     end("$End" + name.substr(1));
   }
@@ -130,7 +129,7 @@ class Check {
     }
   }
 
-  /// Whole numbers of the file's own kinds.
+  /// Whole numbers in the formats of the file.
   std::int64_t count(const char* what) { return in_.integer<std::uint64_t>(what, 0, largest_tag); }
   std::int64_t tag(const char* what) { return in_.integer<std::uint64_t>(what, 1, largest_tag); }
   int number(const char* what, std::int64_t low, std::int64_t high) {
@@ -141,7 +140,7 @@ class Check {
   /// A count on a line of its own.
   std::int64_t line_count(const char* what) {
     const std::int64_t n = in_.integer<std::int32_t>(what, 0, largest_int);
-    if (!in_.rest_of_line().empty()) in_.fail(fmt::format("{} has no line of its own", what));
+    if (!in_.rest_of_line().empty()) in_.fail(fmt::format("{} must be on a line of its own", what));
     return n;
   }
 
@@ -153,7 +152,7 @@ class Check {
       number("a group's number", 1, largest_int);
       const std::string name = in_.rest_of_line();
       if (name.size() < 2 || name.size() > 130 || name.front() != '"' || name.find('"', 1) != name.size() - 1)
-        in_.fail("a group's name must be in quotes, and of at most 128 bytes");
+        in_.fail("the name of a group must be in quotes and have at most 128 bytes");
     }
   }
 
@@ -176,7 +175,7 @@ class Check {
     for (std::int64_t& n : counts) n = count("the number of entities");
     for (int dim = 0; dim < 4; ++dim)
       for (std::int64_t i = 0; i < counts[static_cast<std::size_t>(dim)]; ++i) {
-        if (!entities_.insert({dim, entity("an entity's tag")}).second) in_.fail("an entity is there twice");
+        if (!entities_.insert({dim, entity("an entity's tag")}).second) in_.fail("an entity occurs twice");
         if (partitioned) partition_of(dim);
         for (int c = 0; c < (dim == 0 ? 3 : 6); ++c) in_.real("a corner of an entity's box");
         group_numbers();
@@ -192,13 +191,13 @@ class Check {
     for (std::int64_t i = 0; i < n; ++i) number("a partition", 1, partitions_);
   }
 
-  /// What bounds a partition may be in the file of another one.
+  /// The entities that bound a partition may be in the file of another one.
   void boundary(int dim, bool partitioned) {
     const std::int64_t n = count("the number of bounding entities");
     for (std::int64_t i = 0; i < n; ++i)
       if (const int other = number("a bounding entity", -largest_int, largest_int);
           !partitioned && entities_.count({dim - 1, std::abs(other)}) == 0)
-        in_.fail(fmt::format("an entity is bounded by {}, which is not there", other));
+        in_.fail(fmt::format("an entity is bounded by {}, which does not exist", other));
   }
 
   void nodes() {
@@ -219,7 +218,7 @@ class Check {
       }
     }
     if (static_cast<std::int64_t>(nodes_.size()) != all)
-      in_.fail("blocks hold another number of nodes than it says");
+      in_.fail("the number of nodes differs from that of the blocks");
     sort_nodes();
   }
 
@@ -233,7 +232,7 @@ class Check {
     sort_nodes();
   }
 
-  /// Behind a count that is text in binary files, too.
+  /// After a count that is text even in binary files.
   void skip_to_numbers() {
     if (!binary_) return;
     in_.skip_line();
@@ -243,7 +242,7 @@ class Check {
   void sort_nodes() {
     std::sort(nodes_.begin(), nodes_.end());
     const auto twice = std::adjacent_find(nodes_.begin(), nodes_.end());
-    if (twice != nodes_.end()) in_.fail(fmt::format("node {} is there twice", *twice));
+    if (twice != nodes_.end()) in_.fail(fmt::format("node {} occurs twice", *twice));
   }
 
   bool is_node(std::int64_t node) const {
@@ -255,14 +254,14 @@ class Check {
   template <class T>
   void element_node() {
     if (const std::int64_t node = in_.integer<T>("a node of an element", 1, largest_tag); !is_node(node))
-      in_.fail(fmt::format("an element has node {}, which is not there", node));
+      in_.fail(fmt::format("an element has node {}, which does not exist", node));
   }
 
   ElementType type_of(int type) const {
     const auto found = element_types().find(type);
     if (found == element_types().end())
       in_.fail(fmt::format(
-          "elements of type {} are not read: mesh with tetrahedra, hexahedra, prisms or lines", type));
+          "elements of type {} are not supported: mesh with tetrahedra, hexahedra, prisms or lines", type));
     return found->second;
   }
 
@@ -276,7 +275,7 @@ class Check {
       const int dim = number("a dimension", 0, 3);
       entity("an entity's tag");
       const ElementType type = type_of(number("an element's type", 1, largest_int));
-      if (type.dim != dim) in_.fail("elements have another dimension than their entity");
+      if (type.dim != dim) in_.fail("elements and their entity differ in dimension");
       const std::int64_t n = count("the number of elements");
       for (std::int64_t i = 0; i < n; ++i) {
         tag("an element's tag");
@@ -284,16 +283,16 @@ class Check {
       }
       held += n;
     }
-    if (held != all) in_.fail("blocks hold another number of elements than it says");
+    if (held != all) in_.fail("the number of elements differs from that of the blocks");
   }
 
-  /// @param n  tags of one of `elements`
+  /// @param n  number of tags of an element in `elements`
   void old_tags(int n, std::int64_t elements) {
     for (int i = 0; i < n; ++i) {
       const int value = number("an element's group", -largest_int, largest_int);
       if (i == 1 && value < 0) in_.fail("an element's entity is negative");
       if (i == 2 && n > 3 && value != n - 3) in_.fail("an element has parts that do not agree, or a parent");
-      // gmsh keeps a list as long as the largest.
+      // gmsh allocates a list as long as the largest value.
       if (i == 3 && (value < 1 || value > elements))
         in_.fail("an element's partition is not from 1 to the number of elements");
       if (i > 3) in_.fail("has ghost cells: save the mesh without them");
@@ -324,7 +323,7 @@ class Check {
 
   void pairs(std::int64_t n) {
     for (std::int64_t i = 0; i < 2 * n; ++i)
-      if (!is_node(tag("a periodic node"))) in_.fail("a periodic node is not there");
+      if (!is_node(tag("a periodic node"))) in_.fail("a periodic node does not exist");
   }
 
   void periodic() {
@@ -335,7 +334,7 @@ class Check {
       entity("an entity's tag");
       entity("an entity's tag");
       const std::int64_t affine = count("the size of a transformation");
-      if (affine != 0 && affine != 16) in_.fail("a transformation has 0 or 16 numbers");
+      if (affine != 0 && affine != 16) in_.fail("a transformation must have 0 or 16 numbers");
       for (std::int64_t i = 0; i < affine; ++i) in_.real("a transformation");
       pairs(count("the number of pairs"));
     }
@@ -347,7 +346,7 @@ class Check {
       number("a dimension", 0, 2);
       entity("an entity's tag");
       entity("an entity's tag");
-      if (!in_.rest_of_line().empty()) in_.fail("a link has no line of its own");
+      if (!in_.rest_of_line().empty()) in_.fail("a link must be on a line of its own");
       std::string next(in_.word("the number of pairs"));
       if (next == "Affine") {
         for (int i = 0; i < 16; ++i) in_.real("a transformation");
@@ -372,7 +371,7 @@ class Check {
 
 namespace {
 
-/// The end is where most files that are not whole show it.
+/// Checks the end of the file, which most truncated files lack.
 void refuse_cut_off(const std::filesystem::path& msh) {
   std::ifstream stream(msh, std::ios::binary | std::ios::ate);
   const std::streamoff size = stream.tellg(), length = std::min<std::streamoff>(size, 256);

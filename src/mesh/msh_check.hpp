@@ -1,15 +1,16 @@
-// A .msh file as a whole, before gmsh sees it.
+// SPDX-License-Identifier: BSD-2-Clause
+// Validation of a .msh file before gmsh reads it.
 #pragma once
 
 #include <filesystem>
 
 namespace ricochet::mesh {
 
-/// gmsh believes counts, types, tags and sections of a file, and a wrong one can end the program or take all
-/// memory. This reads the file once and refuses what gmsh can't be trusted with: versions other than 2 to 2.2
-/// and 4.1, sections that are no mesh (results, ghost cells, parametrisations), counts that do not agree,
-/// elements of unknown type or of nodes that are not there, numbers that are not finite.
-/// Needs a GmshSession, for what its element types are. Throws InputError "FILE: line N: what".
+/// gmsh trusts the counts, types, tags and sections of a file; a wrong one can end the program or exhaust
+/// memory. This function reads the file once and refuses what gmsh cannot handle safely: versions other than
+/// 2 to 2.2 and 4.1, sections that are not part of a mesh (results, ghost cells, parametrisations), counts
+/// that disagree, elements of unknown type or with unknown nodes, and numbers that are not finite.
+/// Needs a GmshSession, which knows the element types. Throws InputError "FILE: line N: what".
 void check_msh(const std::filesystem::path& msh);
 
 }  // namespace ricochet::mesh

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/mesh/msh_stream.hpp"
 
 #include <fmt/format.h>
@@ -13,12 +14,12 @@ namespace ricochet::mesh {
 
 namespace {
 
-/// gmsh reads lines into 256 bytes.
+/// Longest line: gmsh reads lines into 256 bytes.
 constexpr std::size_t longest_line = 255;
 
 bool is_space(int c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
-/// Of a word that may hold anything.
+/// Printable form of a word with arbitrary bytes.
 std::string printed(std::string_view word) {
   std::string text(word.substr(0, 40));
   for (char& c : text)
@@ -67,7 +68,7 @@ std::string_view MshStream::word(const char* expected) {
     word_ += static_cast<char>(c);
     ++at_;
     if (word_.size() > longest_line)
-      fail(fmt::format("a word of more than {} bytes in the place of {}", longest_line, expected));
+      fail(fmt::format("a word of more than {} bytes instead of {}", longest_line, expected));
   }
   return word_;
 }
@@ -117,13 +118,13 @@ std::int64_t MshStream::integer(const char* what, std::int64_t low, std::int64_t
   if (binary_) {
     T number{};
     raw(&number, sizeof number, what);
-    // What is beyond becomes negative, hence out of range.
+    // Values beyond the range become negative, hence out of range.
     value = static_cast<std::int64_t>(number);
   } else {
     const std::string_view text = word(what);
     const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (failure != std::errc() || end != text.data() + text.size())
-      fail(fmt::format("\"{}\" in the place of {}, a whole number", printed(text), what));
+      fail(fmt::format("\"{}\" instead of {}, a whole number", printed(text), what));
   }
   if (value < low || value > high) out_of_range(what, value, low, high);
   return value;
@@ -139,12 +140,12 @@ double MshStream::real(const char* what) {
     const std::string_view text = word(what);
     const std::size_t sign = text.starts_with('+') ? 1 : 0;
     const auto [end, failure] = std::from_chars(text.data() + sign, text.data() + text.size(), value);
-    // Too small for a double is as good as 0, which is what gmsh makes of it.
+    // A number too small for a double counts as 0, as in gmsh.
     if (failure == std::errc::result_out_of_range &&
         text.find("e-") + text.find("E-") != 2 * std::string_view::npos)
       value = 0;
     else if (failure != std::errc() || end != text.data() + text.size())
-      fail(fmt::format("\"{}\" in the place of {}, a number", printed(text), what));
+      fail(fmt::format("\"{}\" instead of {}, a number", printed(text), what));
   }
   if (!std::isfinite(value)) fail(fmt::format("{} is not finite", what));
   return value;

@@ -1,4 +1,5 @@
-// Internal to src/mesh: the words and numbers of a .msh file, of any size, not trusted.
+// SPDX-License-Identifier: BSD-2-Clause
+// Internal to src/mesh: the words and numbers of a .msh file of any size, not trusted.
 #pragma once
 
 #include <array>
@@ -12,24 +13,25 @@ namespace ricochet::mesh {
 
 class MshStream {
  public:
-  /// Throws InputError when the file can't be read.
+  /// Throws InputError if the file cannot be read.
   explicit MshStream(const std::filesystem::path& file);
 
-  /// Throws InputError "FILE: line N: `what`", or the byte where numbers are binary.
+  /// Throws InputError "FILE: line N: `what`", or with the byte offset if numbers are binary.
   [[noreturn]] void fail(const std::string& what) const;
 
   bool ended();
-  /// The next word, which stays until the next call; the end of the file is an error, naming what is missing.
+  /// The next word, valid until the next call. At the end of the file throws InputError that names
+  /// `expected`.
   std::string_view word(const char* expected);
-  /// What is left of this line, without the end of it and spaces around.
+  /// The rest of this line, without its end and surrounding spaces.
   std::string rest_of_line();
   void skip_line();
 
-  /// Numbers are binary from here on, or text again.
+  /// Sets whether numbers are binary from here on.
   void set_binary(bool binary) { binary_ = binary; }
   bool binary() const { return binary_; }
 
-  /// A whole number from `low` to `high`: a word, or as wide as T.
+  /// A whole number from `low` to `high`: a word, or binary of the width of T.
   template <class T>
   std::int64_t integer(const char* what, std::int64_t low, std::int64_t high);
   /// A finite number.
@@ -46,7 +48,7 @@ class MshStream {
   std::ifstream stream_;
   std::array<char, 1 << 16> buffer_;
   std::size_t at_ = 0, end_ = 0;
-  std::int64_t line_ = 1, before_ = 0;  ///< bytes before the buffer
+  std::int64_t line_ = 1, before_ = 0;  ///< line; bytes before the buffer
   bool binary_ = false;
   std::string word_;
 };

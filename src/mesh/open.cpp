@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/mesh/open.hpp"
 
 #include <fmt/format.h>
@@ -41,7 +42,7 @@ struct Code {
 
 Code code_of(const std::filesystem::path& geo) {
   Code code;
-  // A device or a pipe might never end.
+  // Reading a device or a pipe might never end.
   if (std::error_code ignored; !std::filesystem::is_regular_file(geo, ignored)) return code;
   std::ostringstream stream;
   stream << std::ifstream(geo, std::ios::binary).rdbuf();
@@ -84,8 +85,8 @@ void check_parameters(const scene::Body& body) {
                       defined.empty() ? "none" : fmt::format("{}", fmt::join(defined, ", "))));
 }
 
-/// A file that sets the parameters of a body's .geo and then reads it; gone with the scope. Parameters on
-/// gmsh's own command line (-setnumber) would hold for all bodies to come.
+/// A temporary file that sets the parameters of a .geo and then reads it. Parameters on the command line of
+/// gmsh (-setnumber) would apply to all later bodies too.
 class Parameters {
  public:
   explicit Parameters(const scene::Body& body) {
@@ -99,7 +100,7 @@ class Parameters {
     if (handle >= 0) close(handle);
     if (!written) {
       std::remove(name.c_str());
-      throw InputError(fmt::format("{}: can't be written: make room there, or set TMPDIR", name));
+      throw InputError(fmt::format("{}: cannot be written: free some space there, or set TMPDIR", name));
     }
   }
   Parameters(const Parameters&) = delete;
@@ -120,7 +121,7 @@ bool holds_elements() {
   return false;
 }
 
-/// gmsh 4.8 throws from a thread of its own, which ends the program, where a line has no length.
+/// Detects lines of length zero, for which gmsh 4.8 throws in a thread of its own, which ends the program.
 void refuse_points_for_lines(const std::string& file) {
   gmsh::vectorpair curves, ends;
   gmsh::model::getEntities(curves, 1);
@@ -146,9 +147,9 @@ void refuse_points_for_lines(const std::string& file) {
 
 namespace {
 
-/// Adds the names in a list that starts at `i`; returns where it ends.
+/// Adds the names in a list that starts at `i`; returns its end.
 std::size_t add_listed(const std::string& code, std::size_t i, std::set<std::string>& names) {
-  // A name stands at the start and after each comma that no inner bracket holds.
+  // A name follows the start and each comma outside inner brackets.
   int inner = 0;
   bool expected = true;
   for (; i < code.size() && inner >= 0; ++i) {

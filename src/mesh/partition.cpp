@@ -1,3 +1,6 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/mesh/partition.hpp"
+
 #include <metis.h>
 
 #include <algorithm>
@@ -5,7 +8,6 @@
 #include <tuple>
 
 #include "src/mesh/connected.hpp"
-#include "src/mesh/mesh.hpp"
 #include "src/parallel/parallel.hpp"
 
 namespace ricochet::mesh {
@@ -18,7 +20,7 @@ using parallel::scatter;
 /// Rank of each element, in the order of the blocks: METIS on the dual graph of the corners.
 std::vector<idx_t> partition(const GlobalMesh& mesh, int ranks) {
   std::vector<idx_t> start{0}, corner;
-  int shared = mesh.dim == 1 ? 1 : 3;  // corners that neighbours share: a triangle at least
+  int shared = mesh.dim == 1 ? 1 : 3;  // corners that neighbours share: at least a triangle
   for (const Block& block : mesh.blocks) {
     const int corners = reference_element(block.gmsh_type).corners;
     for (std::size_t e = 0; e < block.size(); ++e) {
@@ -39,7 +41,7 @@ std::vector<idx_t> partition(const GlobalMesh& mesh, int ranks) {
   return part;
 }
 
-/// What rank 0 packs for each rank.
+/// Data that rank 0 sends to each rank.
 struct Parcels {
   explicit Parcels(int ranks)
       : header(ranks), node(ranks), canonical(ranks), fixed(ranks), part(ranks), position(ranks) {}
@@ -65,7 +67,7 @@ Numbering number_nodes(const GlobalMesh& mesh, const std::vector<idx_t>& part, i
         int& owner = numbering.owner[static_cast<std::size_t>(block.node[e * block.nodes_per_element + k])];
         owner = std::min(owner, static_cast<int>(part[element]));
       }
-  // Bodies given by their matrices have nodes alone, shared out evenly.
+  // Bodies given by matrices have no elements; their nodes are distributed evenly.
   for (std::size_t i = 0; i < n && mesh.blocks.empty(); ++i)
     numbering.owner[i] = static_cast<int>(i * static_cast<std::size_t>(ranks) / n);
   numbering.first.assign(static_cast<std::size_t>(ranks) + 1, 0);
@@ -78,7 +80,7 @@ Numbering number_nodes(const GlobalMesh& mesh, const std::vector<idx_t>& part, i
   return numbering;
 }
 
-/// Connected part of each node (n), numbered by their first nodes; and how many there are.
+/// Index of the connected part of each node (n), ordered by first nodes; and the number of parts.
 std::pair<std::vector<std::int64_t>, std::int64_t> connected_parts(const GlobalMesh& mesh) {
   std::vector<std::int64_t> part = first_connected(mesh.fixed.size(), mesh.blocks);
   std::int64_t parts = 0;
@@ -148,7 +150,7 @@ void broadcast(GlobalMesh& global, MPI_Comm comm) {
   broadcast_blocks(global.blocks, comm);
   broadcast(global.contact, comm);
   broadcast(global.loaded, comm);
-  broadcast(global.skin, comm);
+  broadcast(global.visualisation, comm);
 }
 
 Mesh distribute(GlobalMesh&& global, MPI_Comm comm) {
@@ -178,7 +180,7 @@ Mesh distribute(GlobalMesh&& global, MPI_Comm comm) {
       types.insert(types.end(), {block.gmsh_type, block.nodes_per_element});
     renumber(global.contact, global, numbering, !global.contact.end_normal.empty());
     renumber(global.loaded, global, numbering, !global.loaded.end_normal.empty());
-    renumber(global.skin, global, numbering, false);
+    renumber(global.visualisation, global, numbering, false);
   });
   const auto header = scatter(comm, parcels.header);
   mesh.dim = static_cast<int>(header[0]);
@@ -193,7 +195,7 @@ Mesh distribute(GlobalMesh&& global, MPI_Comm comm) {
   std::copy(axis.begin(), axis.end(), mesh.axis.begin());
   broadcast(comm, types);
 
-  // Elements go to every rank that owns one of their nodes, and to the rank they are cut for.
+  // An element goes to every rank that owns one of its nodes, and to the rank of its partition.
   std::vector<std::vector<std::int64_t>> used(ranks);
   std::size_t offset = 0;
   for (std::size_t b = 0; b < types.size() / 2; ++b) {
@@ -248,7 +250,7 @@ Mesh distribute(GlobalMesh&& global, MPI_Comm comm) {
   mesh.part = scatter(comm, parcels.part);
   mesh.position = scatter(comm, parcels.position);
 
-  // Elements still name nodes by reading order; make that local.
+  // Elements still refer to nodes by reading order; convert that to local numbers.
   std::vector<std::pair<std::int64_t, std::int64_t>> local;
   for (std::size_t i = 0; i < mesh.canonical.size(); ++i)
     local.emplace_back(mesh.canonical[i], static_cast<std::int64_t>(i));
@@ -262,7 +264,7 @@ Mesh distribute(GlobalMesh&& global, MPI_Comm comm) {
   broadcast(mesh.contact, comm);
   mesh.loaded = std::move(global.loaded);
   broadcast(mesh.loaded, comm);
-  mesh.skin = std::move(global.skin);
+  mesh.visualisation = std::move(global.visualisation);
   return mesh;
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/mesh/parts.hpp"
 
 #include <fmt/format.h>
@@ -6,8 +7,10 @@
 #include <numeric>
 #include <utility>
 
+#include "src/mesh/complaints.hpp"
 #include "src/mesh/connected.hpp"
 #include "src/mesh/directory.hpp"
+#include "src/mesh/partition.hpp"
 #include "src/mesh/share.hpp"
 
 namespace ricochet::mesh {
@@ -24,14 +27,14 @@ Numbers sorted_once(Numbers values) {
   return values;
 }
 
-/// The values of all ranks, each once, ascending, on every rank. Collective.
+/// The distinct values of all ranks, ascending, on every rank. Collective.
 Numbers united(MPI_Comm comm, const Numbers& mine) {
   Numbers all = sorted_once(gather(comm, mine));
   broadcast(comm, all);
   return all;
 }
 
-/// `blocks` with one for every type that some rank has, in the same order on every rank. Collective.
+/// Extends `blocks` to one for every element type of any rank, in the same order on every rank. Collective.
 std::vector<Block> same_types(MPI_Comm comm, const std::vector<Block>& blocks) {
   Numbers types;
   for (const Block& block : blocks) types.push_back(block.gmsh_type);
@@ -46,14 +49,14 @@ std::vector<Block> same_types(MPI_Comm comm, const std::vector<Block>& blocks) {
   return all;
 }
 
-/// What all ranks together say of this rank's nodes, by their place in its share.
+/// Data of this rank's nodes combined over all ranks, by index in its share.
 struct Nodes {
   Numbers owner, number, canonical, fixed, part;
   std::int64_t first = 0, owned = 0, total = 0, parts = 0;
 };
 
-/// Connected parts of the body: each rank's nodes take the lowest tag that elements connect them to, until no
-/// rank learns of a lower one from another.
+/// Connected parts of the body: the nodes of each rank take the lowest tag that elements connect them to,
+/// until no rank receives a lower one from another.
 void find_connected_parts(MPI_Comm comm, const Part& share, const Directory& directory, Nodes& nodes) {
   const Numbers first = first_connected(share.tag.size(), share.blocks);
   Numbers& lowest = nodes.part = share.tag;
@@ -80,14 +83,14 @@ void find_connected_parts(MPI_Comm comm, const Part& share, const Directory& dir
     part = std::lower_bound(firsts.begin(), firsts.end(), part) - firsts.begin();
 }
 
-/// Owners in rank order, then by tag. A node belongs to the lowest rank that read it.
+/// Numbers nodes by owner in rank order, then by tag. A node belongs to the lowest rank that read it.
 Nodes number_nodes(MPI_Comm comm, const Part& share) {
   const std::int64_t me = parallel::rank_of(comm);
   const Directory directory(comm, share.tag);
   Nodes nodes;
   nodes.owner =
       directory.combined(Numbers(share.tag.size(), me), [](auto a, auto b) { return std::min(a, b); });
-  // A support may reach a part by a corner only, where that part has none of its facets.
+  // A support may touch a part only at a corner; the part then has none of its facets.
   nodes.fixed = directory.combined(share.fixed, [](auto a, auto b) { return a | b; });
   nodes.owned = std::count(nodes.owner.begin(), nodes.owner.end(), me);
   nodes.total = parallel::sum(comm, nodes.owned);
@@ -103,8 +106,8 @@ Nodes number_nodes(MPI_Comm comm, const Part& share) {
   return nodes;
 }
 
-/// Sends elements, nodes by global number, to every rank that owns one of their nodes and to this one, and
-/// notes in `used` which of its nodes (indices) each rank gets to see.
+/// Sends elements, with global node numbers, to every rank that owns one of their nodes, and to this one.
+/// Records in `used` the nodes (indices) that each rank receives.
 void send_elements(MPI_Comm comm, const Part& share, const Nodes& nodes, std::vector<Numbers>& used,
                    Mesh& mesh) {
   const auto me = static_cast<std::size_t>(parallel::rank_of(comm));
@@ -143,7 +146,7 @@ void send_elements(MPI_Comm comm, const Part& share, const Nodes& nodes, std::ve
   }
 }
 
-/// Sends each rank the nodes it `used`, and makes the nodes of elements local.
+/// Sends each rank the nodes that it uses, and converts the nodes of elements to local numbers.
 void send_nodes(MPI_Comm comm, const Part& share, const Nodes& nodes, std::vector<Numbers>&& used,
                 Mesh& mesh) {
   std::vector<Numbers> numbers(used.size());
@@ -179,7 +182,7 @@ void send_nodes(MPI_Comm comm, const Part& share, const Nodes& nodes, std::vecto
       node = std::lower_bound(mesh.node.begin(), mesh.node.end(), node) - mesh.node.begin();
 }
 
-/// Faces of all ranks on rank 0, those between two parts left out. Collective.
+/// Collects the faces of all ranks on rank 0, without those between two parts. Collective.
 Faces gather_outside(MPI_Comm comm, const Faces& mine) {
   // A triangle has no fourth corner.
   constexpr std::size_t width = 4;
@@ -195,8 +198,8 @@ Faces gather_outside(MPI_Comm comm, const Faces& mine) {
   return outside;
 }
 
-/// Contact facets of all ranks on rank 0, nodes by tag, ascending by their own tags. A file may repeat those
-/// that another part touches. Collective.
+/// Collects the contact facets of all ranks on rank 0, with nodes by tag, in the order of their own tags.
+/// Facets that touch another part may occur in both files. Collective.
 std::vector<Block> gather_facets(MPI_Comm comm, const std::vector<Block>& mine) {
   std::vector<Block> blocks = same_types(comm, mine);
   for (Block& block : blocks) {
@@ -222,8 +225,8 @@ std::vector<Block> gather_facets(MPI_Comm comm, const std::vector<Block>& mine) 
   return blocks;
 }
 
-/// Facets with the numbers and positions of their nodes on every rank. `blocks` name them by tags and are
-/// used on rank 0 alone, where they then hold indices. Collective.
+/// Completes facets with the numbers and positions of their nodes on every rank. `blocks` identify nodes by
+/// tags; they are used on rank 0 only and then hold indices. Collective.
 FacetMesh numbered(std::vector<Block> blocks, const scene::Body& body, const Part& share, const Nodes& nodes,
                    MPI_Comm comm) {
   Numbers tags;
@@ -232,7 +235,7 @@ FacetMesh numbered(std::vector<Block> blocks, const scene::Body& body, const Par
   for (Block& block : blocks)
     for (std::int64_t& node : block.node)
       node = std::lower_bound(tags.begin(), tags.end(), node) - tags.begin();
-  // One rank owns a node and adds more than 0: number, position, 1.
+  // Only the owner of a node adds nonzero values: number, position, 1.
   constexpr std::size_t width = 5;
   std::vector<double> values(width * tags.size(), 0);
   for (std::size_t i = 0; i < tags.size(); ++i) {
@@ -257,31 +260,32 @@ FacetMesh numbered(std::vector<Block> blocks, const scene::Body& body, const Par
   return facets;
 }
 
-/// The surfaces of the whole body: contact and loaded ones on every rank, the skin on rank 0.
+/// The surfaces of the complete body: contact and loaded surfaces on every rank, the visualisation surface on
+/// rank 0.
 void collect_surfaces(MPI_Comm comm, const scene::Body& body, const Part& share, const Nodes& nodes,
                       Mesh& mesh) {
   const Faces outside = gather_outside(comm, share.outside);
   std::vector<Block> contact = gather_facets(comm, share.contact), loaded = gather_facets(comm, share.loaded),
-                     skin;
+                     visualisation;
   parallel::on_first_rank(comm, [&] {
     refuse_repeated(contact, "facet", "contact", body);
     for (Block& block : contact) orient(block, mesh.order, outside, body, "bodies." + body.name + ".contact");
     for (Block& block : loaded) orient(block, mesh.order, outside, body, traction_key);
-    skin.push_back(triangles_of(outside));
+    visualisation.push_back(triangles_of(outside));
   });
   for (auto [blocks, facets] : {std::pair{&contact, &mesh.contact}, std::pair{&loaded, &mesh.loaded}}) {
     if (parallel::rank_of(comm) != 0) blocks->clear();
     *facets = numbered(std::move(*blocks), body, share, nodes, comm);
     broadcast(*facets, comm);
   }
-  mesh.skin = numbered(std::move(skin), body, share, nodes, comm);
-  if (parallel::rank_of(comm) != 0) mesh.skin = {};
+  mesh.visualisation = numbered(std::move(visualisation), body, share, nodes, comm);
+  if (parallel::rank_of(comm) != 0) mesh.visualisation = {};
 }
 
 }  // namespace
 
 Mesh read_parts(const scene::Body& body, MPI_Comm team, const parallel::Progress& progress,
-                const Asked& asked) {
+                const RequestedGroups& asked) {
   const Part share = read_share(body, asked, team, progress);
   const Nodes nodes = number_nodes(team, share);
   Mesh mesh;

@@ -1,3 +1,6 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/mesh/read.hpp"
+
 #include <fmt/format.h>
 #include <gmsh.h>
 
@@ -6,12 +9,11 @@
 #include <fstream>
 #include <unordered_map>
 
+#include "src/mesh/complaints.hpp"
 #include "src/mesh/faces.hpp"
 #include "src/mesh/gmsh_session.hpp"
 #include "src/mesh/groups.hpp"
-#include "src/mesh/mesh.hpp"
 #include "src/mesh/open.hpp"
-#include "src/mesh/part.hpp"
 #include "src/mesh/rod.hpp"
 
 namespace ricochet::mesh {
@@ -20,10 +22,10 @@ namespace {
 
 using Tags = std::vector<std::size_t>;
 
-/// gmsh's model of one body, with the lookups that reading needs.
+/// The gmsh model of one body, with the lookups that reading needs.
 class Reader {
  public:
-  Reader(const scene::Body& body, const Asked& asked)
+  Reader(const scene::Body& body, const RequestedGroups& asked)
       : body_(body), asked_(asked), file_(body.mesh.filename().string()) {}
 
   GlobalMesh read(const parallel::Progress& progress) {
@@ -40,7 +42,7 @@ class Reader {
       if (mesh_.dim == 1)
         find_axis(mesh_, file_);
       else
-        collect_skin();
+        collect_visualisation();
       reached(3);
       collect_facets();
       turn_outward();
@@ -51,7 +53,7 @@ class Reader {
     return std::move(mesh_);
   }
 
-  /// @param parts  how many the mesh has
+  /// @param parts  number of parts of the mesh
   Part read_part(int parts) {
     partial_ = true;
     with_gmsh_errors(file_, [&] {
@@ -71,7 +73,7 @@ class Reader {
   }
 
  private:
-  /// Entities of a group, which a part of a mesh may lack.
+  /// Entities of a group, which may be absent from a part of a mesh.
   std::vector<int> entities(int dim, const std::string& group, const std::string& key) {
     if (!partial_) return entities_of(dim, group, file_, key);
     std::vector<int> found = find_entities(dim, group);
@@ -81,7 +83,7 @@ class Reader {
     return found;
   }
 
-  /// gmsh 4.8 loses groups of parts of version 2.2.
+  /// gmsh 4.8 loses the groups of parts in version 2.2.
   void refuse_old_version() const {
     std::ifstream stream(body_.mesh);
     std::string header;
@@ -91,7 +93,7 @@ class Reader {
           "{}: is of version {}: save parts in version 4.1 (Mesh.MshFileVersion = 4.1)", file_, version));
   }
 
-  /// The last files of a mesh may be missing: entities tell which parts they touch.
+  /// Detects missing last files of a mesh: entities record which parts they touch.
   void refuse_missing_neighbours(int parts) const {
     gmsh::vectorpair all;
     gmsh::model::getEntities(all);
@@ -190,7 +192,8 @@ class Reader {
                       file_, mesh_.order, body_.order, body_.name));
   }
 
-  /// gmsh lists the elements of an entity by the type of its first one: those of another order would be lost.
+  /// Detects elements that would be lost: gmsh lists the elements of an entity by the type of the first one,
+  /// so those of another order would be missing.
   void refuse_lost_elements() const {
     if (mesh_.dim != 3) return;
     std::size_t listed = 0;
@@ -211,9 +214,9 @@ class Reader {
     if (static_cast<double>(listed) != all) throw mixed_orders(body_);
   }
 
-  void collect_skin() {
+  void collect_visualisation() {
     outside_ = outside_of(mesh_.blocks);
-    mesh_.skin.blocks.push_back(triangles_of(outside_));
+    mesh_.visualisation.blocks.push_back(triangles_of(outside_));
   }
 
   std::string key_of(const char* use) const { return fmt::format("bodies.{}.{}", body_.name, use); }
@@ -241,7 +244,7 @@ class Reader {
     turn(mesh_.loaded, traction_key);
   }
 
-  /// Of nodes in a support, where it moves.
+  /// The bit of the nodes in a support that moves, otherwise 0.
   unsigned moved_bit(const std::string& support) const {
     const auto found = std::find(asked_.moved.begin(), asked_.moved.end(), support);
     if (found == asked_.moved.end()) return 0;
@@ -259,12 +262,12 @@ class Reader {
     for (const auto& [name, components] : body_.support) {
       int dim = mesh_.dim;
       while (dim >= 0 && find_entities(dim, name).empty()) --dim;
-      if (dim < 0) dim = mesh_.dim - 1;  // for the complaint
+      if (dim < 0) dim = mesh_.dim - 1;  // for the error message
       unsigned bits = moved_bit(name);
       if (mesh_.dim == 3) {
         for (char component : components) bits |= 1u << (component - 'x');
       } else {
-        // A rod moves along its axis only: holding any component the axis has holds it.
+        // A rod moves along its axis only: a support that holds any component of the axis holds it.
         for (char component : components)
           if (std::abs(mesh_.axis[component - 'x']) > 1e-12) bits |= 1;
       }
@@ -287,7 +290,7 @@ class Reader {
     }
   }
 
-  /// A .msh may hold nodes that no element uses (centres of arcs, other dimensions).
+  /// Removes nodes that no element uses; a .msh may contain such nodes (centres of arcs, other dimensions).
   void drop_unused_nodes() {
     std::vector<std::int64_t> rank(mesh_.fixed.size(), -1);
     for (const Block& block : mesh_.blocks)
@@ -307,16 +310,16 @@ class Reader {
     for (FacetMesh* facets : {&mesh_.contact, &mesh_.loaded})
       if (!facets->end_normal.empty()) facets->end_normal.resize(3 * static_cast<std::size_t>(next));
     for (std::vector<Block>* blocks :
-         {&mesh_.blocks, &mesh_.contact.blocks, &mesh_.loaded.blocks, &mesh_.skin.blocks})
+         {&mesh_.blocks, &mesh_.contact.blocks, &mesh_.loaded.blocks, &mesh_.visualisation.blocks})
       for (Block& block : *blocks)
         for (std::int64_t& node : block.node) {
           node = rank[static_cast<std::size_t>(node)];
           if (node < 0) throw foreign_nodes(body_);
         }
-    if (mesh_.dim == 1) mesh_.skin.blocks.push_back(lines_of(mesh_.blocks));
+    if (mesh_.dim == 1) mesh_.visualisation.blocks.push_back(lines_of(mesh_.blocks));
   }
 
-  /// What was read of a part, its nodes by tag.
+  /// The part that was read, with its nodes by tag.
   Part by_tag() {
     const auto use_tags = [&](std::vector<std::int64_t>& nodes) {
       for (std::int64_t& node : nodes) node = tag_[static_cast<std::size_t>(node)];
@@ -347,7 +350,7 @@ class Reader {
   }
 
   const scene::Body& body_;
-  const Asked& asked_;
+  const RequestedGroups& asked_;
   std::string file_;
   bool meshed_before_ = false, partial_ = false;
   GlobalMesh mesh_;
@@ -359,11 +362,12 @@ class Reader {
 
 }  // namespace
 
-GlobalMesh read_mesh(const scene::Body& body, const parallel::Progress& progress, const Asked& asked) {
+GlobalMesh read_mesh(const scene::Body& body, const parallel::Progress& progress,
+                     const RequestedGroups& asked) {
   return Reader(body, asked).read(progress);
 }
 
-Part read_part(const scene::Body& body, int parts, const Asked& asked) {
+Part read_part(const scene::Body& body, int parts, const RequestedGroups& asked) {
   return Reader(body, asked).read_part(parts);
 }
 

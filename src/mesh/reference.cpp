@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/mesh/reference.hpp"
 
 #include <fmt/format.h>
@@ -51,7 +52,7 @@ Family family_of(int dim, int corners, const std::string& name) {
 
 namespace {
 
-/// Beyond order 2 gmsh 4.8 meshes with prisms but has no functions and no node table for them.
+/// Beyond order 2, gmsh 4.8 meshes with prisms but has no shape functions and no node table for them.
 bool is_product(const ReferenceElement& element) {
   return element.family == Family::prism && element.order > 2;
 }
@@ -63,7 +64,7 @@ int product_order(int gmsh_type) {
   return 0;
 }
 
-/// Such a prism, its nodes (nodes,3) from gmsh's own raising of the reference prism's order.
+/// Such a prism, with its nodes (nodes,3) obtained by letting gmsh raise the order of the reference prism.
 ReferenceElement product_prism(int gmsh_type, int order) {
   std::string model;
   gmsh::model::getCurrent(model);
@@ -106,7 +107,7 @@ ReferenceElement reference_element(int gmsh_type) {
                                             element.nodes, local, element.corners);
   } catch (const std::string& message) {
     throw InputError(fmt::format(
-        "gmsh can't compute with these elements ({}): lower the order, or mesh with tetrahedra or hexahedra",
+        "gmsh cannot compute with these elements ({}): lower the order, or mesh with tetrahedra or hexahedra",
         message));
   }
   element.family = family_of(element.dim, element.corners, element.name);
@@ -148,7 +149,7 @@ Basis gmsh_functions(int type, const std::vector<double>& local) {
   return basis;
 }
 
-/// A prism's functions as products of gmsh's on its triangle (u, v) and along its axis (w).
+/// Shape functions of a prism as products of those on its triangle (u, v) and along its axis (w).
 Basis product_functions(const ReferenceElement& element, const std::vector<double>& local) {
   const auto triangle = reference_element(gmsh::model::mesh::getElementType("triangle", element.order)),
              line = reference_element(gmsh::model::mesh::getElementType("line", element.order));
@@ -199,8 +200,8 @@ Basis functions_of(const ReferenceElement& element, const std::vector<double>& l
   return is_product(element) ? product_functions(element, local) : gmsh_functions(element.gmsh_type, local);
 }
 
-/// The functions at the element's own nodes: the identity but for gmsh's round-off, which reaches 4e-12 for
-/// hexahedra of order 4.
+/// The shape functions at the nodes of the element: the identity except for gmsh's round-off, which reaches
+/// 4e-12 for hexahedra of order 4.
 RowMajor at_own_nodes(const ReferenceElement& element) {
   std::vector<double> local(3 * static_cast<std::size_t>(element.nodes), 0.0);
   for (int n = 0; n < element.nodes; ++n)
@@ -208,8 +209,8 @@ RowMajor at_own_nodes(const ReferenceElement& element) {
   return Eigen::Map<const RowMajor>(functions_of(element, local).value.data(), element.nodes, element.nodes);
 }
 
-/// Gauss points and weights on [0, 1], exact to `degree`: Newton's iteration on the Legendre polynomial P_n.
-/// gmsh's own lines end at degree 31, beyond which it crashes; facets of order 10 need 32.
+/// Gauss points and weights on [0, 1], exact to `degree`, by Newton's iteration on the Legendre polynomial
+/// P_n. The line rules of gmsh end at degree 31, beyond which it crashes; facets of order 10 need 32.
 std::vector<std::array<double, 2>> unit_line(int degree) {
   const int n = degree / 2 + 1;
   std::vector<std::array<double, 2>> rule;
@@ -232,7 +233,7 @@ std::vector<std::array<double, 2>> unit_line(int degree) {
 Basis basis_at(const ReferenceElement& element, const std::vector<double>& local) {
   Basis basis = functions_of(element, local);
   if (element.nodes == 1) return basis;
-  // Exact Lagrange functions of the same space: N V⁻¹ with V gmsh's functions at the nodes.
+  // Exact Lagrange functions of the same space: N V⁻¹ with the functions V of gmsh at the nodes.
   const Eigen::PartialPivLU<RowMajor> correction(at_own_nodes(element).transpose());
   Eigen::Map<RowMajor> value(basis.value.data(), basis.points, basis.nodes);
   value = correction.solve(value.transpose()).transpose().eval();
@@ -245,8 +246,8 @@ Basis basis_at(const ReferenceElement& element, const std::vector<double>& local
 }
 
 Quadrature quadrature_of(Family family, int degree) {
-  // gmsh tabulates its rules for simplices to 12 digits only: products of lines, collapsed where the domain
-  // is a simplex (each collapse raises the degree by one), are good to the last.
+  // gmsh tabulates its rules for simplices with 12 digits only. Products of line rules, collapsed if the
+  // domain is a simplex (each collapse raises the degree by one), have full precision.
   const auto line = unit_line(degree), collapsed = unit_line(degree + 1), twice = unit_line(degree + 2);
   Quadrature rule;
   const auto add = [&](double u, double v, double w, double weight) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Reference elements, from gmsh's own shape functions and quadrature.
 #pragma once
 
@@ -12,14 +13,14 @@ enum class Family { point, line, triangle, quadrangle, tetrahedron, hexahedron, 
 struct ReferenceElement {
   int gmsh_type = 0;
   Family family = Family::point;
-  std::string name;  ///< gmsh's
+  std::string name;  ///< gmsh's name
   int dim = 0, order = 0, nodes = 0, corners = 0;
   std::vector<double> node;  ///< (nodes,dim) local coordinates
 };
 
-/// Throws InputError for a type that is not a point, line, triangle, quadrangle, tetrahedron, hexahedron or
-/// prism with all of its Lagrange nodes (pyramids and serendipity elements are refused), or that gmsh has no
-/// shape functions for.
+/// Throws InputError unless the type is a point, line, triangle, quadrangle, tetrahedron, hexahedron or prism
+/// with all its Lagrange nodes (pyramids and serendipity elements are refused) for which gmsh has shape
+/// functions.
 ReferenceElement reference_element(int gmsh_type);
 
 /// Corners of each face of a volume element, in the order that points outward; empty for other families.
@@ -29,7 +30,7 @@ std::vector<std::vector<int>> outward_faces(Family family);
 struct Basis {
   int points = 0, nodes = 0;
   std::vector<double> value;     ///< (points,nodes)
-  std::vector<double> gradient;  ///< (points,nodes,3), local
+  std::vector<double> gradient;  ///< (points,nodes,3), in local coordinates
 };
 /// @param local  (points,3) local coordinates
 Basis basis_at(const ReferenceElement& element, const std::vector<double>& local);
@@ -39,7 +40,7 @@ struct Quadrature {
   std::vector<double> weight;  ///< (points)
   std::size_t size() const { return weight.size(); }
 };
-/// Gauss rule with positive weights, exact for polynomials of `degree` on gmsh's reference domain of a
+/// Gauss rule with positive weights, exact for polynomials of `degree` on gmsh's reference domain of the
 /// family.
 Quadrature quadrature_of(Family family, int degree);
 

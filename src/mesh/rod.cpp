@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/mesh/rod.hpp"
 
 #include <fmt/format.h>
@@ -31,7 +32,8 @@ void find_axis(GlobalMesh& mesh, const std::string& file) {
   for (const auto& [node, count] : uses)
     if (count == 1) ends.push_back(node);
   if (ends.size() != 2)
-    throw InputError(fmt::format("{}: a rod is one chain of lines, but this has {} ends", file, ends.size()));
+    throw InputError(
+        fmt::format("{}: a rod must be one chain of lines, but this one has {} ends", file, ends.size()));
   double length = 0;
   for (int c = 0; c < 3; ++c) {
     mesh.axis[c] = at(ends[1], c) - at(ends[0], c);
@@ -76,15 +78,15 @@ void orient_ends(const GlobalMesh& mesh, FacetMesh& facets, const scene::Body& b
 }
 
 Block lines_of(const std::vector<Block>& blocks) {
-  Block skin{gmsh::model::mesh::getElementType("line", 1), 2, {}, {}, {}};
+  Block surface{gmsh::model::mesh::getElementType("line", 1), 2, {}, {}, {}};
   for (const Block& block : blocks)
     for (std::size_t e = 0; e < block.size(); ++e) {
       const auto ends = ends_of(block, e);
-      skin.node.insert(skin.node.end(), ends.begin(), ends.end());
-      skin.tag.push_back(0);
-      skin.label.push_back(0);
+      surface.node.insert(surface.node.end(), ends.begin(), ends.end());
+      surface.tag.push_back(0);
+      surface.label.push_back(0);
     }
-  return skin;
+  return surface;
 }
 
 }  // namespace ricochet::mesh

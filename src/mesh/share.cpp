@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/mesh/share.hpp"
 
 #include <fmt/format.h>
@@ -6,7 +7,9 @@
 #include <array>
 #include <numeric>
 
+#include "src/mesh/complaints.hpp"
 #include "src/mesh/directory.hpp"
+#include "src/mesh/read.hpp"
 #include "src/scene/parts.hpp"
 
 namespace ricochet::mesh {
@@ -15,14 +18,14 @@ namespace {
 
 using parallel::agree;
 
-/// A group that the scene names, in the order of Part::groups.
+/// A group of the scene, in the order of Part::groups.
 struct NamedGroup {
   std::string name, key;
   int dim = 0;
   bool support = false;
 };
 
-std::vector<NamedGroup> named_groups(const scene::Body& body, const Asked& wanted) {
+std::vector<NamedGroup> named_groups(const scene::Body& body, const RequestedGroups& wanted) {
   const std::string start = "bodies." + body.name + '.';
   std::vector<NamedGroup> asked;
   for (const scene::Material& material : body.materials)
@@ -58,7 +61,7 @@ void append(std::vector<Block>& blocks, const std::vector<Block>& more) {
   }
 }
 
-/// Adds a part to a share whose nodes may repeat and are still named by tags.
+/// Adds a part to a share whose nodes may repeat and are still identified by tags.
 void append(Part& share, Part part, const scene::Body& body) {
   if (share.order != 0 && part.order != 0 && share.order != part.order) throw mixed_orders(body);
   share.order = std::max(share.order, part.order);
@@ -86,7 +89,7 @@ InputError repeated(const scene::Body& body, std::int64_t tag) {
   return misfit(body, fmt::format("element {} is in more than one", tag));
 }
 
-/// Each node once, by ascending tag.
+/// Keeps each node once, by ascending tag.
 void merge_nodes(Part& share, const scene::Body& body) {
   std::vector<std::size_t> order(share.tag.size());
   std::iota(order.begin(), order.end(), 0);
@@ -119,7 +122,7 @@ std::vector<std::int64_t> element_tags(const Part& share) {
   return tags;
 }
 
-/// The names of all ranks on rank 0, each once. Collective.
+/// Collects the distinct names of all ranks on rank 0. Collective.
 std::vector<std::string> gather_names(MPI_Comm comm, const std::vector<std::string>& mine) {
   std::vector<char> text;
   for (const std::string& name : mine) {
@@ -133,7 +136,7 @@ std::vector<std::string> gather_names(MPI_Comm comm, const std::vector<std::stri
     names.emplace_back(at, end);
     at = end + 1;
   }
-  // Entities have numbers: "surface 9" comes before "surface 10".
+  // Entities are sorted by number: "surface 9" precedes "surface 10".
   std::sort(names.begin(), names.end());
   std::stable_sort(names.begin(), names.end(), [](const auto& a, const auto& b) {
     return a.find(' ') != std::string::npos && a.size() < b.size();
@@ -142,11 +145,11 @@ std::vector<std::string> gather_names(MPI_Comm comm, const std::vector<std::stri
   return names;
 }
 
-/// Throws on every rank unless each group that the scene names is in some part. Collective.
+/// Throws on every rank unless some part contains each group of the scene. Collective.
 void check_groups(const scene::Body& body, const std::vector<NamedGroup>& asked,
                   const std::vector<GroupUse>& uses, MPI_Comm comm) {
   constexpr std::size_t dims = 4;
-  std::vector<double> parts;  // per group: ranks that found it in each dimension, ranks where it holds nodes
+  std::vector<double> parts;  // per group: ranks that found it, by dimension; ranks on which it holds nodes
   for (const GroupUse& use : uses) {
     for (bool found : use.found) parts.push_back(found ? 1 : 0);
     parts.push_back(use.holds ? 1 : 0);
@@ -162,7 +165,7 @@ void check_groups(const scene::Body& body, const std::vector<NamedGroup>& asked,
         throw no_group(asked[g].dim, asked[g].name, choice, body.mesh.filename().string(), asked[g].key);
       });
     }
-    // A whole mesh would take the one of highest dimension alone.
+    // In an unpartitioned mesh, the group of the highest dimension would be used.
     if (kinds > 1)
       throw InputError(
           fmt::format("{}: \"{}\" names groups of two dimensions, of which parts have one or the other: give "
@@ -172,7 +175,7 @@ void check_groups(const scene::Body& body, const std::vector<NamedGroup>& asked,
   }
 }
 
-/// Throws on every rank unless nodes and elements of all ranks fit together. Collective.
+/// Throws on every rank unless the nodes and elements of all ranks fit together. Collective.
 void check_fit(const scene::Body& body, const Part& share, MPI_Comm comm) {
   std::string complaint;
   const auto lower = [](auto a, auto b) { return std::min(a, b); };
@@ -201,7 +204,7 @@ void check_fit(const scene::Body& body, const Part& share, MPI_Comm comm) {
 
 }  // namespace
 
-Part read_share(const scene::Body& body, const Asked& wanted, MPI_Comm comm,
+Part read_share(const scene::Body& body, const RequestedGroups& wanted, MPI_Comm comm,
                 const parallel::Progress& progress) {
   const std::vector<NamedGroup> groups = named_groups(body, wanted);
   Part share;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/modes/approximate.hpp"
 
 #include <fmt/format.h>
@@ -7,7 +8,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "src/mesh/lower.hpp"
+#include "src/mesh/order_reduction.hpp"
 #include "src/modes/certify.hpp"
 #include "src/modes/symmetric.hpp"
 
@@ -19,34 +20,36 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Modes this close are not told apart: what would come between them is left out or taken in with both.
+/// Modes closer than this are not separated: a cut never falls between them.
 constexpr double apart = 1e-3;
 
-/// The shift of the iteration, of the λ up to which there are modes: K − σM is definite, and rigid motions do
-/// not drown the others.
+/// Shift of the iteration, from the largest λ of interest: K − σM is definite, and rigid motions do not
+/// dominate the others.
 constexpr double near_zero = -1e-3;
 
-/// Iterations beyond those asked for, where counts do not agree.
+/// Further iterations if the counts do not agree.
 constexpr int further = 3;
 
-/// Modes of fewer displacements are found faster than started from a lower order.
+/// With fewer displacements than this, computing the modes directly is faster than starting from a lower
+/// order.
 constexpr std::int64_t few = 2000;
 
 constexpr Index panel = 64;
 
-/// How many vectors are taken along for each mode wanted, and how far up in frequency. Linear elements are so
-/// stiff in bending that the modes wanted are spread over many more of theirs.
+/// Number of vectors iterated for each requested mode, and their range in frequency. Linear elements are so
+/// stiff in bending that the requested modes spread over many more modes of these elements.
 double surplus(int order) { return order == 1 ? 1.45 : 1.2; }
 double reach(int order) { return order == 1 ? 1.4 : 1.2; }
 
-/// Where the columns of each team begin among all when `k` are dealt out evenly; behind them, k. (teams + 1)
+/// Index of the first column of each team if `k` columns are distributed evenly; the last entry is k. (teams
+/// + 1)
 std::vector<Index> even_shares(const parallel::Teams& teams, Index k) {
   std::vector<Index> first;
   for (int t = 0; t <= teams.count(); ++t) first.push_back(k * t / teams.count());
   return first;
 }
 
-/// The same for columns as they are. Collective.
+/// The same for the present distribution of columns. Collective.
 std::vector<Index> shares_of(const parallel::Teams& teams, const MatrixXd& mine) {
   std::vector<Index> first(static_cast<std::size_t>(teams.count()) + 1, 0);
   const std::int64_t own = mine.cols();
@@ -55,13 +58,14 @@ std::vector<Index> shares_of(const parallel::Teams& teams, const MatrixXd& mine)
   return first;
 }
 
-/// Block inverse iteration with a projection on the space of all teams' columns.
+/// Block inverse iteration with a projection on the space of the columns of all teams.
 class Iteration {
  public:
   Iteration(const parallel::Teams& teams, const Operators& operators, Factorisation& factor)
       : teams_(teams), operators_(operators), factor_(factor) {}
 
-  /// Y from (K − σM) Y = M X, X being all teams' columns, and Ritz values and vectors in its span.
+  /// Solves (K − σM) Y = M X for the columns X of all teams, and computes Ritz values and vectors in the span
+  /// of Y.
   void step(const MatrixXd& x) {
     share_ = shares_of(teams_, x);
     momentum_ = operators_.mass(x);
@@ -83,7 +87,7 @@ class Iteration {
 
   const VectorXd& lambda() const { return lambda_; }
 
-  /// The leading `n` Ritz vectors, dealt out evenly.
+  /// The leading `n` Ritz vectors, distributed evenly.
   MatrixXd vectors(Index n) const {
     const std::vector<Index> share = even_shares(teams_, n);
     const auto me = static_cast<std::size_t>(teams_.mine());
@@ -96,7 +100,7 @@ class Iteration {
   }
 
  private:
-  /// Shows `mine` of every team to all, some columns at a time: visit(team, number among all, columns).
+  /// Broadcasts `mine` of every team to all, in groups of columns: visit(team, index among all, columns).
   template <class Visit>
   void each_panel(const MatrixXd& mine, Visit&& visit) const {
     MatrixXd columns;
@@ -111,7 +115,7 @@ class Iteration {
       }
   }
 
-  /// Yᵀ A Y from A Y. It is symmetric: of two teams each works at half of their pairs.
+  /// Yᵀ A Y from A Y. By symmetry, each of two teams computes half of their pairs.
   MatrixXd projected(const MatrixXd& image) const {
     const Index k = share_.back();
     MatrixXd whole = MatrixXd::Zero(k, k);
@@ -123,7 +127,7 @@ class Iteration {
       whole.block(share_[me], at, rows, columns.cols()).noalias() = y_.leftCols(rows).transpose() * columns;
     });
     parallel::sum(teams_.world(), whole.data(), static_cast<std::size_t>(whole.size()));
-    // An entry that nobody worked out is 0, and there on the other side of the diagonal.
+    // An entry that no team computed is 0, and is present on the other side of the diagonal.
     for (Index j = 0; j < k; ++j)
       for (Index i = 0; i < j; ++i) {
         const double value = whole(i, j) != 0 ? whole(i, j) : whole(j, i);
@@ -137,7 +141,7 @@ class Iteration {
     MatrixXd mass = projected(momentum_), stiffness = projected(force_);
     lambda_.resize(k);
     vector_.resize(k, k);
-    // One rank for all, so that they agree to the last digit.
+    // One rank computes for all, so that they agree bitwise.
     if (parallel::rank_of(teams_.world()) == 0) {
       const VectorXd size = eigen_decomposition(mass);
       MatrixXd normal = mass * size.cwiseMax(1e-14 * size[k - 1]).cwiseSqrt().cwiseInverse().asDiagonal();
@@ -152,55 +156,55 @@ class Iteration {
   const parallel::Teams& teams_;
   const Operators& operators_;
   Factorisation& factor_;
-  std::vector<Index> share_;       ///< of the columns of Y
-  MatrixXd y_, momentum_, force_;  ///< Y of this team, M Y, K Y
+  std::vector<Index> share_;       ///< distribution of the columns of Y
+  MatrixXd y_, momentum_, force_;  ///< of this team: Y, M Y, K Y
   VectorXd lambda_;
   MatrixXd vector_;
 };
 
-/// What is asked for, of the order given, in terms of the next lower one.
+/// Converts a request for the given order to one for the next lower order.
 ApproximateRequest request_below(const ApproximateRequest& request, const elasticity::Body& body, int order) {
   ApproximateRequest below;
   if (request.up_to) below.up_to = Hertz{reach(order) * request.up_to->value};
   if (!request.count) return below;
-  // What is above the middle of a mesh's spectrum has little to do with modes.
+  // The upper half of the spectrum of a mesh is unrelated to modes of the body.
   const std::int64_t most = body.free_rows / 2;
   if (*request.count >= most)
     throw InputError(fmt::format(
         "modes.approximate: {} modes are too many to start from elements of order {} with their {} free "
-        "displacements: leave approximate out, ask for fewer, or refine the mesh",
+        "displacements: leave approximate out, request fewer, or refine the mesh",
         *request.count, order, body.free_rows));
   const auto more = static_cast<std::int64_t>(surplus(order) * static_cast<double>(*request.count));
   below.count = std::min(more + 16, most);
   return below;
 }
 
-/// How many of ascending λ are asked for.
+/// Number of the ascending λ that are requested.
 Index wanted_of(const ApproximateRequest& request, const VectorXd& lambda, Index rigid) {
   if (request.count) return std::max<Index>(*request.count - rigid, 0);
   const double end = std::pow(static_cast<RadPerSecond>(*request.up_to).value, 2);
   return std::upper_bound(lambda.begin(), lambda.end(), end) - lambda.begin();
 }
 
-/// Elastic modes of the lower order, raised.
+/// Elastic modes of the lower order, prolonged.
 struct Start {
-  MatrixXd shape;  ///< (local rows, n), this team's
-  double end = 0;  ///< about the λ of the last one
+  MatrixXd shape;  ///< (local rows, n), of this team
+  double end = 0;  ///< approximate λ of the last mode
 };
 
-/// Whether modes of this order are in their turn started from the one below, which needs room for them. Its
-/// displacements are at least the share taken here.
+/// Whether the modes of this order are themselves started from the next lower order, which must have enough
+/// displacements: at least the given share.
 bool starts_below(const ApproximateRequest& request, const elasticity::Body& body, int order) {
   if (order == 1 || body.free_rows <= few) return false;
   const double left = static_cast<double>(body.free_rows) * std::pow((order - 1.0) / order, 3);
   return 4 * static_cast<double>(request.count.value_or(0)) < left;
 }
 
-/// Modes of the lower order, found as modes are or started from the order below it. Collective.
+/// Computes the modes of the lower order, directly or from the order below it. Collective.
 Start start_of(const parallel::Teams& teams, const mesh::Mesh& mesh,
                const std::vector<scene::Material>& materials, const std::string& file,
                const ApproximateRequest& request, const Progress& progress) {
-  const mesh::Lower lower(mesh);
+  const mesh::OrderReduction lower(mesh);
   const int order = lower.mesh().order;
   const elasticity::Body body = elasticity::assemble(lower.mesh(), materials, file);
   const ApproximateRequest below = request_below(request, body, order);
@@ -215,7 +219,7 @@ Start start_of(const parallel::Teams& teams, const mesh::Mesh& mesh,
     iteration.step(x);
     const VectorXd& lambda = iteration.lambda();
     const Index kept = std::min(wanted_of(below, lambda, operators.rigid.cols()), lambda.size());
-    return {lower.raise(iteration.vectors(kept)), kept > 0 ? lambda[kept - 1] : end};
+    return {lower.prolong(iteration.vectors(kept)), kept > 0 ? lambda[kept - 1] : end};
   }
   Factorisation factor(body.stiffness, body.mass);
   const ModeSet found = compute_modes(
@@ -225,22 +229,22 @@ Start start_of(const parallel::Teams& teams, const mesh::Mesh& mesh,
   const auto rigid = std::count_if(found.index.begin(), found.index.end(), [&](Index n) {
     return found.angular_frequency[static_cast<std::size_t>(n)] == 0;
   });
-  return {lower.raise(found.shape.rightCols(found.shape.cols() - rigid)), found.cut};
+  return {lower.prolong(found.shape.rightCols(found.shape.cols() - rigid)), found.cut};
 }
 
-/// A number of Ritz values and a shift behind the last of them.
+/// A number of Ritz values, and a shift above the last of them.
 struct Cut {
   Index modes = 0;
   double sigma = 0;
 };
 
-/// The widest gaps behind `wanted` Ritz values and few more, at most `most` of them.
+/// The widest gaps after `wanted` Ritz values and a few more; at most `most` gaps.
 std::vector<Cut> gaps(const VectorXd& lambda, Index wanted, double above, std::size_t most) {
   std::vector<std::pair<double, Cut>> found;
   const Index last = std::min(wanted + std::max<Index>(8, wanted / 12), lambda.size() - 1);
   for (Index m = wanted; m <= last; ++m) {
     const double from = std::max(m > 0 ? lambda[m - 1] : 0, above), to = lambda[m];
-    // Modes lie below their Ritz values: the shift has to keep away from the upper end.
+    // Modes lie below their Ritz values: the shift must keep a distance from the upper end.
     found.push_back({(to - from) / to, {m, from + 0.2 * (to - from)}});
   }
   std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
@@ -249,7 +253,7 @@ std::vector<Cut> gaps(const VectorXd& lambda, Index wanted, double above, std::s
   return cuts;
 }
 
-/// The first of the cuts, one a team, at which inertia counts as many modes as there are Ritz values.
+/// The first of the cuts, one for each team, at which the inertia count equals the number of Ritz values.
 /// Collective.
 std::optional<Cut> proved(const parallel::Teams& teams, Factorisation& factor, Index rigid,
                           const std::vector<Cut>& cuts) {
@@ -293,7 +297,7 @@ ModeSet approximate_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, 
     if (k > 0) iteration.step(x);
     const VectorXd& lambda = iteration.lambda();
     if (step >= request.iterations) {
-      begin("count by inertia");
+      begin("inertia count");
       wanted = wanted_of(request, lambda, r);
       if (wanted >= k)
         throw InputError(
@@ -331,7 +335,7 @@ ModeSet approximate_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, 
 
 double expected_approximate_mib(const Factorisation& factor, std::int64_t local_rows, std::int64_t modes,
                                 int teams) {
-  // X or its image, Y, and M Y of a team's columns.
+  // X or its image, Y, and M Y, for the columns of a team.
   const auto column = static_cast<double>(local_rows) * sizeof(double) / (1 << 20);
   return factor.expected_mib() + 3 * surplus(1) * static_cast<double>(modes) / teams * column;
 }

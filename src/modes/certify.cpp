@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/modes/certify.hpp"
 
 #include <fmt/format.h>
@@ -10,9 +11,9 @@ namespace ricochet::modes {
 
 namespace {
 
-/// Two modes found from different shifts, with residuals up to r, are orthogonal to 2rλ/Δλ, and neighbours
-/// are rarely closer than 2 %. A mode found twice would show as 1. Ritz vectors of one space are orthogonal
-/// whatever their residuals.
+/// Two modes from different shifts, with residuals up to r, are orthogonal to 2rλ/Δλ, and neighbours are
+/// rarely closer than 2 %. A mode that was found twice would give 1. Ritz vectors of one space are orthogonal
+/// for any residuals.
 double orthonormality_bound(std::optional<double> tolerance) {
   return tolerance ? std::clamp(100 * *tolerance, 1e-8, 0.1) : 1e-8;
 }
@@ -23,8 +24,8 @@ struct Measured {
   double orthonormality = 0;
 };
 
-/// Panel by panel, as K Φ and M Φ are as large as Φ: each team multiplies its own, then all look at
-/// everybody's M Φ.
+/// Computes in panels, because K Φ and M Φ are as large as Φ: each team multiplies its own columns, then all
+/// compare the M Φ of every team with theirs.
 Measured measure(const parallel::Teams& teams, const Operators& operators, const Eigen::VectorXd& lambda,
                  const Eigen::MatrixXd& shape) {
   constexpr Eigen::Index panel = 64;
@@ -49,7 +50,7 @@ Measured measure(const parallel::Teams& teams, const Operators& operators, const
       if (teams.mine() != t) theirs.resize(shape.rows(), n);
       MPI_Bcast(teams.mine() == t ? momentum.data() : theirs.data(), static_cast<int>(shape.rows() * n),
                 MPI_DOUBLE, t, teams.peers());
-      // Of two teams the later one looks at the pair.
+      // Of two teams, the later one computes the pair.
       if (teams.mine() < t || n == 0) continue;
       const Eigen::Index rows = teams.mine() == t ? j + n : shape.cols();
       Eigen::MatrixXd gram =
@@ -63,7 +64,7 @@ Measured measure(const parallel::Teams& teams, const Operators& operators, const
   return measured;
 }
 
-/// Residuals into `set`, those of this team's vectors also as a row; its M-orthonormality is returned.
+/// Stores residuals in `set`, those of this team's vectors also as a row; returns the M-orthonormality.
 double take_residuals(const parallel::Teams& teams, const Operators& operators, ModeSet& set,
                       Eigen::MatrixXd& residual) {
   const Eigen::Index r = operators.rigid.cols();
@@ -76,7 +77,7 @@ double take_residuals(const parallel::Teams& teams, const Operators& operators, 
   const double stiffest =
       parallel::largest(operators.comm, operators.diagonal.size() > 0 ? operators.diagonal.maxCoeff() : 0);
   if (residual.size() > 0) {
-    // Rigid modes have no ‖Kφ‖ to compare with.
+    // For rigid modes ‖Kφ‖ cannot serve as the scale.
     if (set.index.front() < r)
       residual.leftCols(r) = (operators.norms(operators.stiffness(set.shape.leftCols(r))).array() /
                               (stiffest * operators.norms(set.shape.leftCols(r)).array()))
@@ -114,7 +115,7 @@ void certify(const parallel::Teams& teams, const Operators& operators, std::int6
              std::optional<double> tolerance, ModeSet& set) {
   Eigen::MatrixXd residual;
   const double orthonormality = take_residuals(teams, operators, set, residual);
-  // The worst of those that round-off does not excuse.
+  // The largest residual that round-off does not explain.
   Eigen::MatrixXd excess = Eigen::MatrixXd::Zero(1, set.shape.cols());
   for (Eigen::Index j = 0; tolerance && j < excess.cols(); ++j)
     if (!(residual(0, j) <= *tolerance) && !(residual(0, j) <= operators.round_off(set.shape.col(j))[0]))
@@ -151,7 +152,7 @@ void certify_basis(const parallel::Teams& teams, const Operators& operators, Her
       static_cast<std::int64_t>(set.angular_frequency.size());
   certificate.complete = certificate.orthonormality < 1e-8;
   if (!certificate.complete)
-    throw SolverError(fmt::format("modes: vectors fitted to contact are M-orthonormal to {:.2g} only",
+    throw SolverError(fmt::format("modes: the contact-adapted basis is M-orthonormal only to {:.2g}",
                                   certificate.orthonormality));
 }
 

@@ -1,22 +1,23 @@
-// What is asked of a mode set before anybody sees it.
+// SPDX-License-Identifier: BSD-2-Clause
+// Acceptance checks on a mode set.
 #pragma once
 
 #include "src/modes/modes.hpp"
 
 namespace ricochet::modes {
 
-/// Makes signs independent of ranks: among entries within 0.1 % of the largest, the first in reading order is
-/// positive. Collective on the team.
+/// Makes signs independent of the ranks: among the entries within 0.1 % of the largest, the first in reading
+/// order is positive. Collective on the team.
 void fix_signs(const Operators& operators, Eigen::MatrixXd& shape);
 
-/// Residuals and M-orthonormality of what is about to be returned, into `set`; `counted` modes are proved
-/// below the cut. Throws SolverError where a bound is not kept. Collective on all ranks.
-/// @param tolerance  of residuals; none: they are what they are
+/// Computes residuals and M-orthonormality into `set`; `counted` modes are proved below the cut. Throws
+/// SolverError if a bound is exceeded. Collective on all ranks.
+/// @param tolerance  bound on the residuals; none: they are only recorded
 void certify(const parallel::Teams& teams, const Operators& operators, std::int64_t counted,
              std::optional<double> tolerance, ModeSet& set);
 
-/// The same for vectors fitted to contact: `error` is the estimate that they have met, `band` where it holds.
-/// Throws SolverError when M-orthonormality is worse than 1e-8. Collective on all ranks.
+/// Does the same for a contact-adapted basis: `error` is its estimated flexibility error, `band` the band of
+/// the estimate. Throws SolverError if M-orthonormality is worse than 1e-8. Collective on all ranks.
 void certify_basis(const parallel::Teams& teams, const Operators& operators, Hertz band, double error,
                    ModeSet& set);
 

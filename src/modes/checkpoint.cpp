@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/modes/checkpoint.hpp"
 
 #include <fmt/format.h>
@@ -6,9 +7,9 @@
 #include <bit>
 #include <cmath>
 
+#include "base/atomic_file.hpp"
 #include "base/hdf5_reader.hpp"
 #include "base/hdf5_writer.hpp"
-#include "base/atomic_file.hpp"
 
 namespace ricochet::modes {
 
@@ -16,16 +17,16 @@ namespace {
 
 namespace hdf5 = base::hdf5;
 
-constexpr const char* advice = "Delete it, and the search starts anew.";
+constexpr const char* advice = "Delete it to restart the search.";
 
 bool finite(const std::vector<double>& values) {
   return std::ranges::all_of(values, [](double x) { return std::isfinite(x); });
 }
 
-/// A count of eigenvalues, as a file has it.
+/// A count of eigenvalues, as stored in a file.
 bool is_count(double value) { return value >= 0 && value < 1e15 && value == std::floor(value); }
 
-/// What files hold that this program did not write is not worth a message: it is computed again.
+/// Contents that this program did not write cause no message: they are computed again.
 bool is_plan(const std::vector<double>& values) {
   if (!finite(values) || values[0] <= 0 || !is_count(values[1]) || values.size() < 5) return false;
   for (std::size_t k = 2; k < values.size(); k += 3)
@@ -33,14 +34,14 @@ bool is_plan(const std::vector<double>& values) {
   return true;
 }
 
-/// @param header  shift, count below it, ends of the interval covered, eigenvalues
+/// @param header  shift, count below it, ends of the covered interval, eigenvalues
 bool is_slice(const std::vector<double>& header, const std::vector<double>& shapes) {
   return finite(header) && finite(shapes) && is_count(header[1]) && header[2] <= header[3] &&
          std::is_sorted(header.begin() + 4, header.end()) &&
          (header.size() == 4 || (header[4] >= header[2] && header.back() <= header[3]));
 }
 
-/// The rows of all ranks of a team in reading order, on its first rank: what a file holds does not depend on
+/// The rows of all ranks of a team in reading order, on its first rank, so that files do not depend on the
 /// ranks.
 class Rows {
  public:
@@ -55,7 +56,7 @@ class Rows {
   }
   std::size_t size() const { return key_.size(); }  ///< on the first rank
 
-  /// A column in reading order, on the first rank. Collective.
+  /// Gathers a column in reading order on the first rank. Collective.
   std::vector<double> gather(const double* column) {
     MPI_Gatherv(column, static_cast<int>(local_), MPI_DOUBLE, buffer_.data(), count_.data(), start_.data(),
                 MPI_DOUBLE, 0, comm_);
@@ -63,7 +64,7 @@ class Rows {
     for (std::size_t i = 0; i < key_.size(); ++i) ordered[static_cast<std::size_t>(key_[i])] = buffer_[i];
     return ordered;
   }
-  /// The way back. @param ordered  on the first rank. Collective.
+  /// Scatters a column. @param ordered  on the first rank. Collective.
   void scatter(const double* ordered, double* column) {
     for (std::size_t i = 0; i < key_.size(); ++i) buffer_[i] = ordered[static_cast<std::size_t>(key_[i])];
     MPI_Scatterv(buffer_.data(), count_.data(), start_.data(), MPI_DOUBLE, column, static_cast<int>(local_),
@@ -87,9 +88,9 @@ void Checkpoint::save(const Plan& plan) const {
   if (folder_.empty()) return;
   const std::int64_t rows = parallel::sum(teams_.team(), operators_.body.local_rows);
   parallel::on_first_rank(teams_.world(), [&] {
-    // Slices overlap a little: this is the least.
+    // Slices overlap slightly, so this is a lower bound.
     base::check_place(folder_ / "plan.h5",
-                         sizeof(double) * static_cast<double>(rows) * static_cast<double>(plan.end.below));
+                      sizeof(double) * static_cast<double>(rows) * static_cast<double>(plan.end.below));
     hdf5::Writer file(folder_ / "plan.h5");
     file.write<double>("/end", std::vector<double>{plan.end.sigma, static_cast<double>(plan.end.below)}, {2},
                        "");
@@ -137,10 +138,10 @@ void Checkpoint::save(const Slice& slice, const Eigen::MatrixXd& shape) const {
     }
   };
   on_first([&] {
-    // Another run may have had the kernel first, and this folder removed.
+    // Another run may have completed the kernel and removed this folder.
     std::error_code ignored;
     std::filesystem::create_directories(folder_, ignored);
-    // The shift's bits name the file.
+    // The bits of the shift give the name of the file.
     file.emplace(folder_ / fmt::format("slice-{:016x}.h5", std::bit_cast<std::uint64_t>(slice.probe.sigma)));
     file->write<double>("/slice",
                         std::vector<double>{slice.probe.sigma, static_cast<double>(slice.probe.below),
@@ -165,7 +166,7 @@ std::vector<Checkpoint::Found> Checkpoint::slices() const {
       if (entry.path().filename().string().rfind("slice-", 0) == 0 && entry.path().extension() == ".h5")
         paths.push_back(entry.path());
   std::sort(paths.begin(), paths.end());
-  // The first rank's list and headers are everybody's.
+  // All ranks use the list and headers of the first rank.
   std::string names;
   for (const auto& path : paths) names += path.filename().string() + "\n";
   parallel::broadcast(teams_.world(), names);
@@ -178,7 +179,7 @@ std::vector<Checkpoint::Found> Checkpoint::slices() const {
     Found next;
     next.team = static_cast<int>(found.size()) % teams_.count();
     const bool holds = teams_.mine() == next.team;
-    // Whoever is to hold it reads it, and says what it read.
+    // The team that will hold a slice reads it and reports what it read.
     std::vector<double> header, values;
     if (holds && parallel::rank_of(teams_.team()) == 0) {
       try {

@@ -1,4 +1,5 @@
-// Finished slices on disk, so that a killed search goes on where it was, on any number of ranks.
+// SPDX-License-Identifier: BSD-2-Clause
+// Finished slices on disk, so that a killed search resumes, on any number of ranks.
 #pragma once
 
 #include <filesystem>
@@ -10,9 +11,9 @@
 
 namespace ricochet::modes {
 
-/// A folder with `plan.h5`, where the search ends and its tasks, and a file for each slice that is done.
-/// Files are written beside their names, synced and renamed: what is there is whole. Files that can't be read
-/// count as not there.
+/// A folder with `plan.h5`, which holds the end of the search and its tasks, and one file for each finished
+/// slice. Files are written under temporary names, synced and renamed, so that every file is complete.
+/// Unreadable files are ignored.
 class Checkpoint {
  public:
   struct Plan {
@@ -21,20 +22,20 @@ class Checkpoint {
   };
   struct Found {
     Slice slice;
-    int team = 0;           ///< who holds the shapes
-    Eigen::MatrixXd shape;  ///< (local rows, Slice::lambda.size()) on that team's ranks, else empty
+    int team = 0;           ///< team that holds the shapes
+    Eigen::MatrixXd shape;  ///< (local rows, Slice::lambda.size()) on that team's ranks, otherwise empty
   };
 
-  /// @param folder  empty: nothing is kept
+  /// @param folder  empty: nothing is stored
   Checkpoint(const parallel::Teams& teams, const Operators& operators, std::filesystem::path folder);
 
-  /// Collective on all ranks. Throw InputError, on every rank, when the folder can't be written.
+  /// Collective on all ranks. Both throw InputError on every rank if the folder cannot be written.
   void save(const Plan& plan) const;
   std::optional<Plan> plan() const;
 
-  /// One slice of this team. Collective on the team; throws InputError on its ranks.
+  /// Stores one slice of this team. Collective on the team; throws InputError on its ranks.
   void save(const Slice& slice, const Eigen::MatrixXd& shape) const;
-  /// All slices there are, shared out among the teams, by shift. Collective on all ranks.
+  /// All stored slices, by shift, distributed among the teams. Collective on all ranks.
   std::vector<Found> slices() const;
 
  private:

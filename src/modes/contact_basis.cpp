@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/modes/contact_basis.hpp"
 
 #include <fmt/format.h>
@@ -18,15 +19,15 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Blocks about the first shift before a second one is thought of, and how many more the pace of convergence
-/// has to promise to save, for a factorisation to be worth it.
+/// Number of blocks about the first shift before a second one is considered, and the number of blocks that it
+/// must save, by the observed convergence, to be worth a factorisation.
 constexpr int blocks_near_zero = 4;
 constexpr double blocks_worth_a_shift = 2;
 
-/// Share of the error asked for that the loads' responses left out of the first block may make.
+/// Share of the error bound that may be spent on responses omitted from the first block.
 constexpr double compression = 0.05, compression_left = 1 - compression;
 
-/// M-orthonormal vectors, the same in every team, and the problem projected on them.
+/// M-orthonormal vectors, the same in every team, and the projected problem.
 class RitzSpace {
  public:
   RitzSpace(const parallel::Teams& teams, const Operators& operators, const MatrixXd& loads, Index seen)
@@ -34,21 +35,21 @@ class RitzSpace {
 
   Index size() const { return size_; }
 
-  /// Takes in what of `block` is not in the space yet, at most `most` vectors. The smallest directions are
-  /// left out while the sum of their squared M-norms keeps `bound`.
-  /// @return these, orthonormal: (local rows, ≤ columns)
+  /// Adds the components of `block` that are not yet in the space, at most `most` vectors. The smallest
+  /// directions are omitted while the sum of their squared M-norms stays within `bound`.
+  /// @return the new vectors, orthonormal: (local rows, ≤ columns)
   MatrixXd extend(MatrixXd block, double bound, Index most) {
     const auto q = vectors();
     MatrixXd momentum = operators_.mass(block);
-    // Twice is enough (Giraud, Langou & Rozložník 2005): a column of noise shows at the second time. Rigid
-    // motions too, as what the vectors before have of them would grow with every block.
+    // Two passes suffice (Giraud, Langou & Rozložník 2005): in the second, a column of noise becomes visible.
+    // Rigid motions are removed too, because their remainder in the vectors would grow with every block.
     for (int pass = 0; pass < 2 && block.cols() > 0; ++pass) {
       block.noalias() -= operators_.rigid * inner(operators_.comm, operators_.rigid, momentum);
       block.noalias() -= q * inner(operators_.comm, q, momentum);
       momentum = operators_.mass(block);
       MatrixXd gram = inner(operators_.comm, block, momentum);
       gram = (gram + gram.transpose().eval()) / 2;
-      // What is dropped has to be the same in every team.
+      // The same vectors must be dropped in every team.
       MPI_Bcast(gram.data(), static_cast<int>(gram.size()), MPI_DOUBLE, 0, teams_.peers());
       const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(gram);
       const double floor = pass == 0 ? 1e-14 * eigen.eigenvalues()[gram.rows() - 1] : 0.5;
@@ -67,7 +68,7 @@ class RitzSpace {
     return block;
   }
 
-  /// Ritz values and vectors, the latter in terms of the basis.
+  /// Ritz values, and Ritz vectors in terms of the basis.
   struct Pairs {
     VectorXd lambda;
     MatrixXd vectors;
@@ -104,10 +105,10 @@ class RitzSpace {
   Index seen_, size_ = 0;
   MatrixXd q_;
   MatrixXd stiffness_;  ///< QᵀKQ
-  MatrixXd trace_;      ///< LᵀQ of the leading columns of L
+  MatrixXd trace_;      ///< LᵀQ for the leading columns of L
 };
 
-/// What a set of elastic Ritz pairs says about the flexibility.
+/// The elastic Ritz pairs that determine the flexibility.
 struct Seen {
   VectorXd lambda;
   MatrixXd trace;  ///< (seen, n)
@@ -117,8 +118,8 @@ struct Seen {
   }
 };
 
-/// The loads less what rigid motions take. Those behind the first `seen` that are nothing else, as gravity on
-/// a free body, are gone.
+/// The loads without their rigid part. Loads after the first `seen` that are entirely rigid, such as gravity
+/// on a free body, are removed.
 MatrixXd elastic(const Operators& operators, const MatrixXd& loads, Index seen) {
   MatrixXd rest = loads - operators.rigid_momentum * inner(operators.comm, operators.rigid, loads);
   const VectorXd size = operators.norms(loads), left = operators.norms(rest);
@@ -131,8 +132,8 @@ MatrixXd elastic(const Operators& operators, const MatrixXd& loads, Index seen) 
   return rest(Eigen::all, kept);
 }
 
-/// The loads in the units of the first `seen` ones, so that one bound serves all: columns behind them are
-/// scaled to respond as much as the largest of these does.
+/// Scales the loads after the first `seen` so that their largest response equals that of these; one bound
+/// then applies to all.
 void balance(const Operators& operators, MatrixXd& response, Index seen) {
   const VectorXd square =
       inner(operators.comm, response, operators.mass(response)).diagonal().cwiseMax(1e-300);
@@ -172,14 +173,14 @@ ModeSet contact_basis(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
     }
     MatrixXd next = shared_solve(teams, factor, number == 0 || turn ? elastic_loads : operators.mass(block));
     if (number == 0 || turn) balance(operators, next, seen);
-    // What is left out has to come back through the residual flexibility.
+    // The omitted directions must be recovered by the residual flexibility.
     if (number == 0 && !request.count && request.residual_flexibility) {
       const double flexibility = inner(operators.comm, loads.leftCols(seen), next.leftCols(seen)).norm();
       bound = compression * request.flexibility_error * flexibility / square;
     }
     block = space.extend(next, number == 0 ? bound : turn ? 1e-3 * bound : 0, most - space.size());
     if (turn && block.cols() == 0) block = space.extend(std::move(next), 0, most - space.size());
-    // Then the space holds all that the loads can excite, or all of it that moves within the band.
+    // The space is complete: it contains all that the loads can excite, or all that moves within the band.
     const bool exhausted = block.cols() == 0;
     if (exhausted) {
       error = 0;
@@ -192,7 +193,8 @@ ModeSet contact_basis(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
     if (number > 0)
       change = kernels::flexibility_error(before.modes(), now.modes(), band, request.residual_flexibility);
     MPI_Bcast(&change, 1, MPI_DOUBLE, 0, teams.world());
-    // The change is the error of the space before; this one's is smaller by the pace, which quickens.
+    // The change is the error of the previous space; the error of this one is smaller by the rate of
+    // convergence, which increases.
     const double pace = number > 1 && change < last ? change / last : 1;
     error = change * pace;
     if (space.size() >= most || (!request.count && error <= compression_left * request.flexibility_error))
@@ -211,7 +213,7 @@ ModeSet contact_basis(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
   set.angular_frequency.assign(static_cast<std::size_t>(r), 0.0);
   const auto ritz = space.ritz();
   for (const double lambda : ritz.lambda) set.angular_frequency.push_back(std::sqrt(lambda));
-  // Each team takes over a part of them, the first one the rigid modes.
+  // Each team takes some of the vectors, the first one the rigid modes.
   const Index n = space.size(), first = n * teams.mine() / teams.count(),
               behind = n * (teams.mine() + 1) / teams.count(), rigid = teams.mine() == 0 ? r : 0;
   set.shape.resize(body.local_rows, rigid + behind - first);
@@ -243,7 +245,7 @@ Hertz needed_up_to(const parallel::Teams& teams, const mesh::Mesh& mesh, const M
   const std::size_t left =
       kernels::Contributions(all.modes(), static_cast<RadPerSecond>(band)).dispensable(from_above, error);
   if (from_above.empty()) return band;
-  // The lowest at least. Ritz values are a little above the modes they stand for.
+  // At least the lowest. Ritz values are slightly above the modes that they approximate.
   const std::size_t highest = from_above[std::min(left, from_above.size() - 1)];
   return to_hertz(RadPerSecond{1.001 * std::sqrt(lambda[static_cast<Index>(highest)])});
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/modes/factorisation.hpp"
 
 #include <dmumps_c.h>
@@ -13,7 +14,7 @@ using parallel::check;
 
 struct Factorisation::Mumps {
   DMUMPS_STRUC_C id{};
-  /// Numbered as in MUMPS's guide.
+  /// Numbered as in the MUMPS manual.
   MUMPS_INT& icntl(int k) { return id.icntl[k - 1]; }
   MUMPS_INT infog(int k) const { return id.infog[k - 1]; }
 };
@@ -37,7 +38,7 @@ Factorisation::Factorisation(Mat stiffness, Mat mass, double low_rank)
   id.par = host_works;
   id.comm_fortran = MPI_Comm_c2f(comm_);
   run(job_init, "start");
-  // Quiet; no ScaLAPACK at the root, which would hide a part of the inertia.
+  // No output; no ScaLAPACK at the root, which would hide a part of the inertia.
   for (int k : {1, 2, 3}) mumps_->icntl(k) = -1;
   mumps_->icntl(4) = 0;
   mumps_->icntl(13) = 1;
@@ -65,8 +66,8 @@ Factorisation::Factorisation(Mat stiffness, Mat mass, double low_rank)
 }
 
 void Factorisation::take_users_options() {
-  // By PETSc's names for them; not those that a count by inertia rests on (13, 35), nor how data is handed
-  // over.
+  // Uses PETSc's names of the options, except those on which inertia counts rely (13, 35) and those for the
+  // input of data.
   for (int k : {4, 6, 8, 10, 12, 14, 22, 23, 24, 31, 58}) {
     PetscInt value = 0;
     PetscBool given = PETSC_FALSE;
@@ -128,7 +129,7 @@ void Factorisation::collect_entries(Mat stiffness, Mat mass) {
 void Factorisation::order_by_metis(Mat stiffness) {
   PetscInt block = 1;
   check(MatGetBlockSize(stiffness, &block));
-  // Edges between nodes, one for each block: those of all ranks on the first.
+  // Edges between nodes, one for each block, gathered on the first rank.
   std::vector<int> edge;
   for (std::size_t k = 0; k < row_.size(); ++k) {
     const int i = row_[k] - 1, j = column_[k] - 1;
@@ -137,7 +138,7 @@ void Factorisation::order_by_metis(Mat stiffness) {
   edge = parallel::gather(comm_, edge);
   if (parallel::rank_of(comm_) != 0) return;
 
-  // The graph, each edge from both its ends.
+  // The graph, with each edge at both its ends.
   const auto nodes = static_cast<std::size_t>(rows_ / block);
   std::vector<idx_t> start(nodes + 1, 0), neighbour(edge.size());
   for (int node : edge) ++start[static_cast<std::size_t>(node) + 1];
@@ -189,8 +190,8 @@ void Factorisation::factor(double sigma) {
     dmumps_c(&id);
     const int code = mumps_->infog(1);
     if (attempt == 4 || (code != singular && code != more_integers && code != more_reals)) break;
-    // A shift that is an eigenvalue gives way upwards; delayed pivots may need more room than the analysis
-    // foresaw.
+    // A shift that equals an eigenvalue is increased; delayed pivots may need more memory than the analysis
+    // estimated.
     if (code == singular) {
       sigma += 1e-6 * std::abs(sigma);
     } else {
@@ -217,7 +218,7 @@ Eigen::MatrixXd Factorisation::solve(const Eigen::Ref<const Eigen::MatrixXd>& ri
     run(job_solve, "solve with");
     return solution;
   }
-  // Right-hand sides and solutions pass through the first rank.
+  // Right-hand sides and solutions are collected on the first rank.
   const bool first = parallel::rank_of(comm_) == 0;
   Eigen::MatrixXd whole(first ? rows_ : 0, n);
   for (Eigen::Index j = 0; j < n; ++j)
@@ -233,7 +234,7 @@ Eigen::MatrixXd Factorisation::solve(const Eigen::Ref<const Eigen::MatrixXd>& ri
 }
 
 double Factorisation::expected_mib() const {
-  // INFO(15), and INFO(30) in low rank.
+  // INFO(15), or INFO(30) for low rank.
   return static_cast<double>(mumps_->id.info[low_rank_ > 0 ? 29 : 14]) * 1e6 / (1 << 20);
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/modes/lanczos.hpp"
 
 #include <algorithm>
@@ -15,7 +16,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Columns kept of a block that lost rank, relative to the largest.
+/// Threshold for columns of a block that lost rank, relative to the largest.
 constexpr double rank_tolerance = 1e-12;
 
 /// Q and the block tridiagonal T of one iteration.
@@ -30,15 +31,15 @@ class Basis {
     append(start);
   }
 
-  /// Vectors whose image is in the span of all; the last block is not among them.
+  /// Number of vectors whose image is in the span of all; the last block is excluded.
   Index inner_size() const { return inner_; }
   Index size() const { return size_; }
   bool exhausted() const { return inner_ == size_; }
   const MatrixXd& vectors() const { return q_; }
   auto projected() const { return t_.topLeftCorner(inner_, inner_); }
-  /// B: how the last block inside couples to the one behind. (behind, last)
+  /// B: coupling of the last inner block with the next one. (behind, last)
   auto coupling() const { return t_.block(inner_, last_, size_ - inner_, inner_ - last_); }
-  /// (MQ⁺)ᵀ(MQ⁺) of the block behind, for residuals in the 2-norm.
+  /// (MQ⁺)ᵀ(MQ⁺) of the next block, for residuals in the 2-norm.
   const MatrixXd& behind_momentum() const { return behind_momentum_; }
   /// 2-norm of M times a typical unit vector of the basis.
   double momentum() const { return typical_momentum_; }
@@ -52,31 +53,31 @@ class Basis {
   }
 
  private:
-  /// Orthogonalises `next` against all, fills T's columns and puts what is left behind the basis.
+  /// Orthogonalises `next` against all vectors, fills the columns of T and appends the remainder to the
+  /// basis.
   void append(MatrixXd& next) {
     const Index width = next.cols();
     next.noalias() -= operators_.rigid * inner(operators_.comm, operators_.rigid_momentum, next);
     MatrixXd momentum = operators_.mass(next);
     const double scale = inner(operators_.comm, next, momentum).diagonal().cwiseAbs().maxCoeff();
     if (inner_ > 0) {
-      // The two blocks that the recurrence names: what they take is T.
+      // The components along the two blocks of the recurrence form T.
       const auto near = q_.middleCols(previous_, size_ - previous_);
       const MatrixXd share = inner(operators_.comm, near, momentum);
       next.noalias() -= near * share;
       momentum.noalias() -= momentum_ * share;
       t_.block(last_, last_, width, width) = share.bottomRows(width);
       if (previous_ > 0) {
-        // The others have no part in it but round-off's, which the iteration would amplify. Single precision
-        // is not enough to see to that: its own noise would bound the residuals at 1e-6.
+        // Components along the other blocks are round-off only, which the iteration would amplify. Single
+        // precision does not suffice here: its noise would limit residuals to 1e-6.
         const auto far = q_.leftCols(previous_);
         next.noalias() -= far * inner(operators_.comm, far, momentum);
       }
       momentum = operators_.mass(next);
       if (inner(operators_.comm, next, momentum).diagonal().minCoeff() < 1e-6 * scale) again(next, momentum);
     }
-    // M-orthonormal columns by the eigenvectors of the Gram matrix, twice for full accuracy. A column that is
-    // a combination of the others, or of the basis, is one of noise after the first time, and dropped at the
-    // second.
+    // M-orthonormalises the columns by the eigenvectors of the Gram matrix, twice for full accuracy. A column
+    // that depends on others, or on the basis, is noise after the first pass and is dropped in the second.
     MatrixXd coupling = MatrixXd::Identity(width, width);
     for (int pass = 0; pass < 2 && next.cols() > 0; ++pass) {
       MatrixXd gram = inner(operators_.comm, next, momentum);
@@ -97,7 +98,7 @@ class Basis {
     const Index kept = next.cols(), near = size_ - last_;
     q_.middleCols(size_, kept) = next;
     if (inner_ > 0) t_.block(size_, last_, kept, width) = coupling;
-    // M times the last two blocks, the next step's neighbours.
+    // M times the last two blocks, which the next step needs.
     MatrixXd both(next.rows(), (inner_ > 0 ? near : 0) + kept);
     if (inner_ > 0) both.leftCols(near) = momentum_.rightCols(near);
     both.rightCols(kept) = momentum;
@@ -110,7 +111,7 @@ class Basis {
     }
   }
 
-  /// Another orthogonalisation against all in full precision, when little of the columns is left.
+  /// Another orthogonalisation against all vectors in full precision, if little of the columns remains.
   void again(MatrixXd& next, MatrixXd& momentum) const {
     const auto q = q_.leftCols(size_);
     next.noalias() -= q * inner(operators_.comm, q, momentum);
@@ -126,7 +127,7 @@ class Basis {
   double typical_momentum_ = 0;
 };
 
-/// What the projected problem says now.
+/// The current state of the projected problem.
 struct Ritz {
   VectorXd theta, lambda, residual;  ///< sorted by λ; residual relative to ‖Kx‖
   MatrixXd vector, behind;           ///< s, and B s / θ
@@ -171,9 +172,9 @@ struct Reach {
 
 Reach reach_of(const Ritz& ritz, double sigma, const Interval& wanted, Index modes_below,
                const LanczosOptions& options, bool exhausted) {
-  // The estimate is on the safe side; the residual itself is verified in the end.
+  // The estimate is conservative; the residual itself is verified at the end.
   const double bound = 0.7 * options.tolerance;
-  // The next one outside must have shown itself, or one inside may not have yet.
+  // The next Ritz value outside must have appeared; otherwise one inside might still be missing.
   const double shown = 1e-2;
   const auto relative = [&](Index i) {
     return ritz.residual[i] * std::abs(ritz.lambda[i] / (ritz.lambda[i] - sigma));
@@ -189,7 +190,7 @@ Reach reach_of(const Ritz& ritz, double sigma, const Interval& wanted, Index mod
     --reach.first;
   const bool right = exhausted || (reach.behind < m && ritz.lambda[reach.behind] > wanted.to &&
                                    relative(reach.behind) <= shown);
-  // Down to zero inertia tells how many there are.
+  // Down to zero, the inertia gives the number of modes.
   const bool left = wanted.from <= 0
                         ? start - reach.first == modes_below
                         : exhausted || (reach.first > 0 && ritz.lambda[reach.first - 1] < wanted.from &&
@@ -208,8 +209,8 @@ Converged lanczos(const Operators& operators, Factorisation& factor, const Inter
   Basis basis(operators, factor, options);
   Ritz ritz;
   Reach reach;
-  // A look at the projected problem costs as much as a step: none before the residuals can have fallen far
-  // enough, by the pace between the last two.
+  // Solving the projected problem costs as much as a step: it is skipped until the residuals can have fallen
+  // far enough, by the rate between the last two solutions.
   Index next_look = 6 * options.block, looked = 0;
   double worst = 1;
   for (;;) {

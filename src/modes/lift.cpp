@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/modes/lift.hpp"
 
 #include <algorithm>
@@ -16,12 +17,12 @@ VectorXd dots(MPI_Comm comm, const MatrixXd& x, const MatrixXd& y) {
   return values;
 }
 
-/// a/b, 0 where there is nothing left to divide.
+/// a/b, or 0 if b is 0.
 VectorXd quotients(const VectorXd& a, const VectorXd& b) {
   return (b.array() > 0).select(a.array() / b.array(), 0.0);
 }
 
-/// K X = F by conjugate gradients, all columns side by side; X is M-orthogonal to the rigid modes.
+/// Solves K X = F by conjugate gradients for all columns together; X is M-orthogonal to the rigid modes.
 MatrixXd solve_statically(const parallel::Teams& teams, const Operators& operators, Factorisation& factor,
                           const MatrixXd& force) {
   const auto precondition = [&](const MatrixXd& rest) {
@@ -48,7 +49,7 @@ MatrixXd solve_statically(const parallel::Teams& teams, const Operators& operato
     if (done != 0) return x;
     p = z + p * quotients(energy, before).asDiagonal();
   }
-  throw SolverError("the static lift of a support that moves did not converge: is the mesh distorted?");
+  throw SolverError("the static lift of a moving support did not converge: is the mesh distorted?");
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/modes/modes.hpp"
 
 #include <fmt/format.h>
@@ -15,7 +16,7 @@ namespace {
 
 using kernels::multiple_mode;
 
-/// An eigenvalue that was found: of which slice, which column.
+/// Position of an eigenvalue: its slice and column.
 struct Place {
   double lambda;
   std::size_t slice, column;
@@ -30,7 +31,7 @@ std::vector<Place> places_of(const Search& found) {
   return places;
 }
 
-/// How many of the elastic modes a request for `wanted` keeps: a multiple mode whole.
+/// Number of elastic modes that a request for `wanted` keeps: multiple modes are kept whole.
 std::size_t kept_of(const std::vector<Place>& places, std::int64_t wanted) {
   auto kept = static_cast<std::size_t>(std::max<std::int64_t>(wanted, 0));
   while (kept > 0 && kept < places.size() &&
@@ -40,11 +41,11 @@ std::size_t kept_of(const std::vector<Place>& places, std::int64_t wanted) {
 }
 
 /// Subspace iteration about σ < 0 with a Rayleigh–Ritz step for the leading columns of a slice, until they
-/// keep the tolerance, three times at most.
+/// meet the tolerance, at most three times.
 ///
-/// The lowest modes of a thin body lie thousands of times their own λ below the slice's shift, where
-/// round-off of its solves shows. About a shift near zero what lies outside the span shrinks, and the
-/// projected problem sorts out the inside.
+/// The lowest modes of a thin body lie thousands of times their own λ below the shift of the slice, where the
+/// round-off of its solves matters. About a shift near zero, components outside the span decay, and the
+/// projected problem resolves those inside.
 void polish(const Operators& operators, Factorisation& factor, double tolerance, Eigen::VectorXd& lambda,
             Eigen::MatrixXd& shape) {
   const auto too_large = [&](Eigen::Index first, Eigen::Index n) -> Eigen::Array<bool, Eigen::Dynamic, 1> {
@@ -52,7 +53,7 @@ void polish(const Operators& operators, Factorisation& factor, double tolerance,
     const Eigen::VectorXd bound = operators.round_off(x).cwiseMax(tolerance);
     return operators.residuals(x, lambda.segment(first, n)).array() > bound.array();
   };
-  // It shows at the lowest first: the search ends with eight good ones in a row.
+  // Round-off affects the lowest modes first: the search ends after eight good ones in a row.
   Eigen::Index bad = 0;
   for (Eigen::Index first = 0; first < shape.cols(); first += 8) {
     const auto found = too_large(first, std::min<Eigen::Index>(8, shape.cols() - first));
@@ -61,7 +62,7 @@ void polish(const Operators& operators, Factorisation& factor, double tolerance,
       if (found[k]) bad = first + k + 1;
   }
   if (bad == 0) return;
-  // A multiple mode stays together.
+  // A multiple mode is kept whole.
   while (bad < lambda.size() && lambda[bad] < (1 + multiple_mode) * lambda[bad - 1]) ++bad;
   factor.factor(-0.01 * lambda[bad - 1]);
   for (int step = 0; step < 3; ++step) {
@@ -89,7 +90,7 @@ Eigen::MatrixXd ModeSet::gather(const parallel::Teams& teams, const Eigen::Matri
 void refuse_more_than_there_are(std::optional<std::int64_t> count, const elasticity::Body& body) {
   if (count && *count > body.free_rows)
     throw InputError(
-        fmt::format("modes.count = {}: the body has {} free displacements: ask for fewer, or refine the mesh",
+        fmt::format("modes.count = {}: the body has {} free displacements: request fewer, or refine the mesh",
                     *count, body.free_rows));
 }
 
@@ -106,16 +107,16 @@ ModeSet compute_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
   std::vector<Place> places = places_of(found);
   const std::size_t kept = request.count ? kept_of(places, *request.count - r) : places.size();
   ModeSet set;
-  // Between two slices' shifts the count is proved, and each mode's place within its residual: the cut needs
-  // no inertia of its own.
+  // Between the shifts of two slices the count is proved, and each mode is located within its residual: the
+  // cut needs no inertia of its own.
   const double last = kept > 0 ? places[kept - 1].lambda : 0;
   set.cut = kept < places.size() ? (last + places[kept].lambda) / 2 : end;
-  // Far enough from zero for rigid motions to be harmless, near enough for a series in σ/λ_cut.
+  // Far enough from zero for rigid motions to be harmless, close enough for a series in σ/λ_cut.
   set.static_shift = -1e-3 * set.cut;
   places.resize(kept);
   const std::int64_t counted = r + static_cast<std::int64_t>(kept);
 
-  // Each slice's own modes, one slice after the other: their shapes are let go as they are taken over.
+  // Moves the modes of one slice after another; the shapes of a slice are released as soon as they are moved.
   const bool holds_rigid = teams.mine() == 0;
   std::vector<Eigen::Index> columns_of(found.slices.size(), 0);
   for (const Place& place : places) ++columns_of[place.slice];
@@ -128,7 +129,7 @@ ModeSet compute_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
     set.shape.leftCols(r) = operators.rigid;
     for (Eigen::Index j = 0; j < r; ++j) set.index.push_back(j);
   }
-  // Slices are in ascending order and so are their shares.
+  // Slices, and therefore their shares, are in ascending order.
   Eigen::Index at = static_cast<Eigen::Index>(set.index.size()), number = r;
   Eigen::MatrixXd corrected = Eigen::MatrixXd::Zero(1, r + static_cast<Eigen::Index>(kept));
   for (std::size_t s = 0; s < found.slices.size(); ++s) {

@@ -1,4 +1,5 @@
-// Certified modes of K φ = ω² M φ, rigid ones exact.
+// SPDX-License-Identifier: BSD-2-Clause
+// Certified modes of K φ = ω² M φ; rigid modes are exact.
 #pragma once
 
 #include <filesystem>
@@ -12,68 +13,49 @@ namespace ricochet::modes {
 
 struct Request {
   std::optional<Hertz> up_to{};  ///< all modes up to here, or
-  /// the lowest ones, rigid included; extended to the end of a multiple mode
+  /// the lowest ones, rigid modes included; extended to the end of a multiple mode
   std::optional<std::int64_t> count{};
   double relative_residual = 1e-8;
-  /// Modes to find from one factorisation: with more its basis costs more than another one; with fewer it
-  /// needs less memory.
+  /// Number of modes sought from one factorisation. With more, the Lanczos basis costs more than another
+  /// factorisation; with fewer, it needs less memory.
   std::int64_t modes_per_shift = 260;
-  std::filesystem::path checkpoint{};  ///< folder of finished slices, used and filled; empty: none
+  std::filesystem::path checkpoint{};  ///< folder of finished slices, read and extended; empty: none
 };
 
-/// All modes of a body, or vectors fitted to its contact; each team of ranks holds the shapes of some.
+/// All modes of a body, or a contact-adapted basis. Each team of ranks holds some of the shapes.
 struct ModeSet {
   std::vector<double> angular_frequency;  ///< (N) [rad/s], ascending; rigid modes first, exactly 0
   std::vector<double> residual;  ///< (N) ‖Kφ − ω²Mφ‖₂ / ‖Kφ‖₂; rigid: ‖Kφ‖₂ / (max |diag K| ‖φ‖₂)
-  std::vector<Eigen::Index> index;  ///< (n) numbers of this team's modes in the lists above, ascending
-  Eigen::MatrixXd shape;  ///< (local rows, n) of them, M-orthonormal; the largest entry of each is positive
+  std::vector<Eigen::Index> index;  ///< (n) indices of this team's modes in the lists above, ascending
+  Eigen::MatrixXd shape;  ///< (local rows, n) of these, M-orthonormal; the largest entry of each is positive
   kernels::Certificate certificate;
-  bool exact = true;  ///< modes; otherwise Ritz vectors, whose residuals are what they are
-  double cut = 0;  ///< λ between the last mode kept and the next: the proved end; Ritz vectors: of the band
-  double static_shift = 0;  ///< σ < 0 about which what is left out is solved for [rad²/s²]
+  bool exact = true;  ///< modes; otherwise Ritz vectors, whose residuals have no bound
+  double cut = 0;  ///< λ between the last mode and the next: the proved end; Ritz vectors: end of the band
+  double static_shift = 0;  ///< σ < 0 about which the static correction is solved [rad²/s²]
 
-  /// Columns of this team's modes put in their places among all. @param mine (a, n), the same on the team's
-  /// ranks;
+  /// Gathers columns of each team's modes in the order of all modes.
+  /// @param mine  (a, n), the same on the team's ranks
   /// @return (a, N), the same on every rank. Collective.
   Eigen::MatrixXd gather(const parallel::Teams& teams, const Eigen::MatrixXd& mine) const;
 };
 
-/// What the search for modes tells of its way.
+/// Progress of the search for modes.
 struct Progress {
-  std::function<void(const std::string& phase)> begin;            ///< a phase begins; on every rank
-  std::function<void(std::int64_t done, std::int64_t total)> at;  ///< within it; on any rank
+  std::function<void(const std::string& phase)> begin;  ///< called when a phase begins, on every rank
+  std::function<void(std::int64_t done, std::int64_t total)> at;  ///< called within it, on any rank
 };
 
-/// Throws InputError when a body has fewer modes than `count`.
+/// Throws InputError if a body has fewer modes than `count`.
 void refuse_more_than_there_are(std::optional<std::int64_t> count, const elasticity::Body& body);
 
-/// Collective on all ranks of `teams`; `mesh`, `body` and `factor`, of the body's matrices, are on the team's
-/// ranks.
+/// Computes all requested modes. Collective on all ranks of `teams`; `mesh`, `body` and `factor`, of the
+/// body's matrices, are those of the team.
 ///
-/// Throws InputError when the body has fewer modes than asked for; SolverError when a mode is missing, a
-/// residual exceeds its bound, or M-orthonormality is worse than 1e-8: nothing uncertified is returned.
-/// Source: shifts, counts by inertia and block Lanczos as in Grimes, Lewis & Simon 1994; shifts are shared
-/// out among the teams.
+/// Throws InputError if the body has fewer modes than requested; SolverError if a mode is missing, a residual
+/// exceeds its bound, or M-orthonormality is worse than 1e-8: no uncertified mode is returned.
+/// Source: shifts, inertia counts and block Lanczos as in Grimes, Lewis & Simon 1994; the shifts are
+/// distributed among the teams.
 ModeSet compute_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
                       Factorisation& factor, const Request& request, const Progress& progress = {});
-
-/// Some local rows of a field on the mesh.
-struct Rows {
-  std::vector<Eigen::Index> row;
-  Eigen::MatrixXd value;  ///< (rows, columns of the field)
-};
-
-/// Quasi-static response of what the modes leave out to a set of loads: Cᵀ Pᵀ (K − σM)⁻¹ P L corrected to
-/// σ = 0, where C, the places at which it is seen, are the first `seen` columns of L.
-///
-/// @param loads  L (local rows, b) [N], held components 0, the same in every team
-/// @param field  when given, its rows of the response itself, Pᵀ (K − σM)⁻¹ P L likewise corrected, to 1e-6:
-/// for
-///               pictures
-/// @return (seen, b) [m/N for unit loads], the same on every rank. Collective on all ranks of `teams`.
-/// Source: MacNeal 1971, Rubin 1975; by the shifted series Σ (−σ)^k … until 1e-12 relative.
-Eigen::MatrixXd residual_response(const parallel::Teams& teams, const mesh::Mesh& mesh,
-                                  const elasticity::Body& body, Factorisation& factor, const ModeSet& modes,
-                                  const Eigen::MatrixXd& loads, Eigen::Index seen, Rows* field = nullptr);
 
 }  // namespace ricochet::modes

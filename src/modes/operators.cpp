@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/modes/operators.hpp"
 
 #include <fmt/format.h>
@@ -8,6 +9,7 @@
 #include <numbers>
 
 #include "ricochet/error.hpp"
+#include "src/elasticity/rigid.hpp"
 
 namespace ricochet::modes {
 
@@ -64,7 +66,7 @@ Eigen::VectorXd Operators::round_off(const Eigen::Ref<const Eigen::MatrixXd>& sh
 Eigen::VectorXd Operators::residuals(const Eigen::Ref<const Eigen::MatrixXd>& shape,
                                      const Eigen::VectorXd& lambda) const {
   Eigen::VectorXd residual(shape.cols());
-  // In panels: the two products are as large as what they are taken of.
+  // In panels, because both products are as large as their operand.
   constexpr Eigen::Index panel = 64;
   for (Eigen::Index j = 0; j < shape.cols(); j += panel) {
     const Eigen::Index n = std::min(panel, shape.cols() - j);
@@ -83,7 +85,7 @@ double Operators::stiffest() const {
   parallel::check(MatGetDiagonal(body.mass, values));
   double most = 0;
   for (Eigen::Index i = 0; i < inertia.size(); ++i)
-    if (inertia[i] > 0) most = std::max(most, diagonal[i] / inertia[i]);  // held rows have none
+    if (inertia[i] > 0) most = std::max(most, diagonal[i] / inertia[i]);  // held rows have no mass
   return parallel::largest(comm, most);
 }
 
@@ -92,12 +94,12 @@ void Operators::refuse_band(Hertz up_to, bool from_zero) const {
   const auto hertz = [](double lambda) { return std::sqrt(lambda) / (2 * std::numbers::pi); };
   if (end > 1e6 * most)
     throw InputError(fmt::format(
-        "modes.up_to_hz = {:.6g}: the mesh has no modes far above {:.2g} Hz: ask for less, or refine it",
+        "modes.up_to_hz = {:.6g}: the mesh has no modes far above {:.2g} Hz: lower it, or refine the mesh",
         up_to.value, hertz(most)));
   if (from_zero && end < 1e-15 * most)
     throw InputError(fmt::format(
-        "modes.up_to_hz = {:.6g}: is too near 0 to tell modes of this mesh from rigid motion: ask for "
-        "{:.2g} or more, or for a count",
+        "modes.up_to_hz = {:.6g}: is too near 0 to separate modes of this mesh from rigid motion: give "
+        "{:.2g} or more, or a count",
         up_to.value, hertz(1e-15 * most)));
 }
 

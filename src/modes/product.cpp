@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/modes/product.hpp"
 
 #include <algorithm>
@@ -8,11 +9,11 @@ namespace {
 
 using parallel::check;
 
-/// Columns that one pass over the matrix serves: a cache line of each row.
+/// Number of columns per pass over the matrix: a cache line of each row.
 constexpr int width = 8;
 
-/// y += A x, rows of x and y being `width` columns side by side. B: block size; D: blocks are diagonal, and
-/// all there but for columns of ghosts; otherwise they are those of the upper triangle.
+/// y += A x, where rows of x and y are `width` columns side by side. B: block size; D: blocks are diagonal,
+/// and all are stored except the columns of ghosts; otherwise those of the upper triangle are stored.
 template <int B, bool D>
 [[gnu::always_inline]] inline void accumulate(std::size_t rows, const PetscInt* start, const PetscInt* column,
                                               const double* value, const double* x, double* y) {
@@ -45,7 +46,8 @@ template <int B, bool D>
   }
 }
 
-// One body compiled for each instruction set: the packages of a distribution are built for the oldest.
+// One function body, compiled for each instruction set: packages of a distribution are built for the oldest
+// one.
 #define RICOCHET_PRODUCT(name, B, D)                                                                         \
   __attribute__((target_clones("arch=x86-64-v4", "avx2", "default"))) void name(                             \
       std::size_t rows, const PetscInt* start, const PetscInt* column, const double* value, const double* x, \
@@ -70,7 +72,7 @@ BlockProduct::BlockProduct(Mat matrix) {
   diagonal_ = true;
   for (std::size_t k = 0; k < value_.size() && diagonal_; ++k)
     diagonal_ = (k % entries) % static_cast<std::size_t>(block_ + 1) == 0 || value_[k] == 0;
-  // One kernel serves all ranks.
+  // All ranks use the same kernel.
   int all = diagonal_ ? 1 : 0;
   MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_INT, MPI_MIN, comm);
   diagonal_ = all == 1;
@@ -89,7 +91,7 @@ void BlockProduct::take_blocks(Mat matrix) {
       const PetscInt* column = nullptr;
       const double* entry = nullptr;
       check(MatGetRow(matrix, i + r, &n, &column, &entry));
-      // A row of a block starts at the block, also where that is the diagonal one.
+      // A row of a block starts at the block, even if that is the diagonal block.
       const PetscInt blocks = n / block_;
       if (r == 0) {
         start_.push_back(start_.back() + blocks);
@@ -143,7 +145,7 @@ void BlockProduct::take_diagonals() {
   const auto block = static_cast<std::size_t>(block_), entries = block * block;
   const std::vector<double> upper = std::move(value_);
   const std::vector<PetscInt> start_of = std::move(start_), column_of = std::move(column_);
-  // Upper and lower triangle: rows are then summed up without touching others, but for ghosts.
+  // Upper and lower triangle: a row is then summed without touching other rows, except for ghosts.
   start_.assign(rows_ + 1, 0);
   const auto each = [&](const auto& visit) {
     for (std::size_t i = 0; i < rows_; ++i)

@@ -1,4 +1,5 @@
-// Products of a symmetric block matrix with many columns at once.
+// SPDX-License-Identifier: BSD-2-Clause
+// Products of a symmetric block matrix with many columns.
 #pragma once
 
 #include <petscsf.h>
@@ -9,17 +10,17 @@
 
 namespace ricochet::modes {
 
-/// A symmetric matrix (SBAIJ) ready to multiply blocks of columns.
+/// A symmetric matrix (SBAIJ), prepared to multiply blocks of columns.
 ///
-/// Its entries are copied once (of a mass matrix, whose blocks are diagonal, these alone) and used on 8
-/// columns at a time: a product then reads the matrix once for all of them, and ranks exchange what they
-/// share once.
+/// Its entries are copied once (only the diagonals of the blocks for a mass matrix, whose blocks are
+/// diagonal) and applied to 8 columns at a time. A product thus reads the matrix once for all 8, and ranks
+/// exchange shared rows once.
 class BlockProduct {
  public:
   /// Collective on the matrix's ranks.
   explicit BlockProduct(Mat matrix);
 
-  /// A X. @param columns (local rows, n), @return likewise. Collective.
+  /// Returns A X. @param columns  X (local rows, n). @return likewise. Collective.
   Eigen::MatrixXd operator()(const Eigen::Ref<const Eigen::MatrixXd>& columns) const;
 
  private:
@@ -27,15 +28,15 @@ class BlockProduct {
   void number_ghosts(MPI_Comm comm, Mat matrix);
   void take_diagonals();
 
-  bool diagonal_ = false, several_ = false;  ///< several ranks
+  bool diagonal_ = false, several_ = false;  ///< blocks are diagonal; several ranks
   PetscInt block_ = 1;
-  std::size_t rows_ = 0, ghosts_ = 0;  ///< block rows of this rank, and of others that it meets
-  /// Per block row, of the upper triangle; where blocks are diagonal, whole but for ghosts. Columns are
-  /// numbered own rows first, ghosts behind.
+  std::size_t rows_ = 0, ghosts_ = 0;  ///< block rows of this rank, and of others that it shares
+  /// Upper triangle by block rows; with diagonal blocks, the complete rows except ghosts. Columns are
+  /// numbered: own rows first, then ghosts.
   std::vector<PetscInt> start_, column_;
   std::vector<double> value_;                           ///< blocks column-major, or their diagonals
   parallel::Handle<PetscSF, PetscSFDestroy> exchange_;  ///< from owners (roots) to ghosts (leaves)
-  parallel::RowType row_;                               ///< of a block row of 8 columns
+  parallel::RowType row_;                               ///< a block row of 8 columns
 };
 
 }  // namespace ricochet::modes

@@ -1,12 +1,13 @@
-#include <algorithm>
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/modes/residual.hpp"
 
-#include "src/modes/modes.hpp"
+#include <algorithm>
 
 namespace ricochet::modes {
 
 namespace {
 
-/// Of a team: some of MUMPS's blocks of right-hand sides.
+/// Columns of a team that are solved together: several of the right-hand-side blocks of MUMPS.
 constexpr Eigen::Index columns_at_once = 256;
 
 }  // namespace
@@ -14,16 +15,16 @@ constexpr Eigen::Index columns_at_once = 256;
 Eigen::MatrixXd residual_response(const parallel::Teams& teams, const mesh::Mesh& mesh,
                                   const elasticity::Body& body, Factorisation& factor, const ModeSet& modes,
                                   const Eigen::MatrixXd& loads, Eigen::Index seen, Rows* field) {
-  // No mode left out lies below the cut: the series converges by |σ|/(λ_cut + |σ|) a term.
+  // No truncated mode lies below the cut: each term of the series shrinks by |σ|/(λ_cut + |σ|).
   constexpr double tolerance = 1e-12;
   const double sigma = modes.static_shift, ratio = -sigma / modes.cut;
   factor.factor(sigma);
   const BlockProduct mass(body.mass);
-  // Of a load, what the kept modes φ answer to: M φ, which is K φ/λ for exact ones. Of Ritz vectors the
-  // latter makes what is left of the load orthogonal to them and R the static flexibility less theirs.
+  // The part of a load to which the kept modes φ respond: M φ, which for exact modes equals K φ/λ. For Ritz
+  // vectors the latter makes the rest of the load orthogonal to them, and R the static flexibility minus
+  // theirs.
   Eigen::MatrixXd inertia = mass(modes.shape);
-  // What the response is to be compared with: little is left by vectors that have the static responses in
-  // them.
+  // Scale of the response: little remains beside vectors that contain the static responses.
   double flexibility = 0;
   if (!modes.exact) {
     const Eigen::MatrixXd force = BlockProduct(body.stiffness)(modes.shape);
@@ -44,13 +45,14 @@ Eigen::MatrixXd residual_response(const parallel::Teams& teams, const mesh::Mesh
     return part;
   };
   // P f = f − M Φ Φᵀ f removes the kept modes from a load, Pᵀ u = u − Φ (MΦ)ᵀ u from a displacement; each
-  // team knows some of the modes.
+  // team holds some of the modes.
   const auto respond_to = [&](const Eigen::Ref<const Eigen::MatrixXd>& force) -> Eigen::MatrixXd {
     const Eigen::MatrixXd rest = force - over_teams(inertia * inner(mesh.comm, modes.shape, force));
     const Eigen::MatrixXd u = shared_solve(teams, factor, rest);
     return u - over_teams(modes.shape * inner(mesh.comm, inertia, u));
   };
-  // What is in between exists of some columns only: all of it would be several times the loads.
+  // Intermediate fields exist for some columns at a time: all of them would be several times as large as the
+  // loads.
   const Eigen::Index width = columns_at_once * teams.count();
   const auto respond = [&](const Eigen::MatrixXd& force) {
     Eigen::MatrixXd out(force.rows(), force.cols());
@@ -61,8 +63,8 @@ Eigen::MatrixXd residual_response(const parallel::Teams& teams, const mesh::Mesh
     return out;
   };
   // Term k is (−σ)^k Cᵀ X_k with X_k = ((K − σM)⁻¹ M)^k (K − σM)⁻¹ P L. As the operator is symmetric and L
-  // begins with C, Cᵀ X_{i+j+1} = X_iᵀ M X_j over the leading columns: two solves give four terms.
-  // The field itself is Σ (−σ)^k X_k: half as many terms, hence the root of the tolerance.
+  // begins with C, Cᵀ X_{i+j+1} = X_iᵀ M X_j over the leading columns: two solves give four terms. The field
+  // itself is Σ (−σ)^k X_k, from half as many terms, hence the square root of the tolerance.
   Eigen::MatrixXd x = respond(loads);
   double weight_of_x = 1;
   if (field != nullptr) field->value = x(field->row, Eigen::all);

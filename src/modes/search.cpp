@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/modes/search.hpp"
 
 #include <fmt/format.h>
@@ -14,12 +15,12 @@ namespace ricochet::modes {
 
 namespace {
 
-/// A shift this close to an eigenvalue leaves its count to round-off.
+/// Relative distance to an eigenvalue below which round-off decides the count at a shift.
 constexpr double too_close = 1e-7;
 
 double hertz(double lambda) { return std::sqrt(std::max(lambda, 0.0)) / (2 * std::numbers::pi); }
 
-/// Rounds of factorisations and iterations, one a team.
+/// Rounds of factorisations and iterations, one for each team.
 class Searcher {
  public:
   Searcher(const parallel::Teams& teams, const Operators& operators, Factorisation& factor,
@@ -40,7 +41,7 @@ class Searcher {
       end_ = plan->end;
       tasks = resume(plan->tasks);
     } else {
-      begin("counts by inertia");
+      begin("inertia counts");
       request.up_to ? probe_up_to(std::pow(static_cast<RadPerSecond>(*request.up_to).value, 2))
                     : probe_for(*request.count);
       tasks = plan_shifts(CountModel(rigid_, probes_), end_.sigma, request.modes_per_shift, teams_.count());
@@ -55,7 +56,7 @@ class Searcher {
         found_.end = end_;
         return std::move(found_);
       }
-      // Another start, in case the first had nothing of the mode that is missing.
+      // Another start vector, in case the first had no component of the missing mode.
       ++options_.seed;
       work(stitched.missing);
     }
@@ -70,12 +71,12 @@ class Searcher {
     if (progress_.begin) progress_.begin(phase);
   }
 
-  /// Takes the slices that are there over; @return the tasks that are left.
+  /// Takes over the stored slices; @return the remaining tasks.
   std::vector<Task> resume(std::vector<Task> tasks) {
     begin("slices from disk");
     const std::size_t planned = tasks.size();
     for (Checkpoint::Found& found : checkpoint_.slices()) {
-      // A shift may have given way to a mode.
+      // The shift may have been moved off a mode.
       std::erase_if(
           tasks, [&](const Task& task) { return std::abs(found.slice.probe.sigma / task.sigma - 1) < 1e-5; });
       insert(std::move(found.slice), found.team, std::move(found.shape));
@@ -84,7 +85,7 @@ class Searcher {
     return tasks;
   }
 
-  /// `mine` (n) from every team, one after the other. Collective.
+  /// Concatenates `mine` (n) of all teams. Collective.
   std::vector<std::vector<double>> from_each_team(const std::vector<double>& mine) const {
     std::vector<int> size(static_cast<std::size_t>(teams_.count())), start(size.size());
     const int n = static_cast<int>(mine.size());
@@ -99,7 +100,7 @@ class Searcher {
     return parts;
   }
 
-  /// Each team factors at its entry of `sigma`, if there is one; the counts join the probes.
+  /// Each team factors at its entry of `sigma`, if any; the counts are added to the probes.
   void probe(const std::vector<double>& sigma) {
     std::vector<double> mine;
     if (static_cast<std::size_t>(teams_.mine()) < sigma.size()) {
@@ -117,7 +118,7 @@ class Searcher {
     end_ = probes_.back();
   }
 
-  /// Probes until one shift has at least `count` eigenvalues below it, and few more.
+  /// Probes until one shift has at least `count` eigenvalues below it, but few more.
   void probe_for(std::int64_t count) {
     const std::int64_t most = count + count / 8 + 8;
     const auto wanted = static_cast<double>(count);
@@ -152,8 +153,8 @@ class Searcher {
       throw SolverError(fmt::format("modes: no frequency with {} modes below it is found", count));
   }
 
-  /// λ with about `count` modes below it in a box of the body's mass, inertia and wave speed: in-plane waves
-  /// and bending of its two longest sides (Weyl's law), or waves through all three.
+  /// λ with about `count` modes below it, for a box with the mass, inertia and wave speed of the body:
+  /// in-plane waves and bending of its two longest sides (Weyl's law), or waves through all three.
   double first_guess(double count) const {
     const elasticity::Body& body = operators_.body;
     const Eigen::Vector3d principal =
@@ -179,7 +180,7 @@ class Searcher {
     return high;
   }
 
-  /// Works at all tasks, a round of one a team after the other. Collective.
+  /// Processes all tasks in rounds, one task per team. Collective.
   void work(const std::vector<Task>& tasks) {
     const auto teams = static_cast<std::size_t>(teams_.count());
     std::vector<std::vector<Task>> queue(teams);
@@ -208,7 +209,7 @@ class Searcher {
                    converged.covered.to};
         message.insert(message.end(), converged.lambda.begin(), converged.lambda.end());
       }
-      // A disk that is full for one team ends the work of all.
+      // A disk that is full for one team ends the computation on all.
       parallel::agree(teams_.world(), complaint);
       const auto all = from_each_team(message);
       for (std::size_t t = 0; t < teams; ++t)
@@ -221,7 +222,7 @@ class Searcher {
     }
   }
 
-  /// An end that hits a mode gives way upwards and is counted again.
+  /// If the end coincides with a mode, it is raised and counted again.
   void move_end_off_modes() {
     const auto hit = [&] {
       for (const Slice& slice : found_.slices)
@@ -235,7 +236,7 @@ class Searcher {
     end_ = probes_.back();
   }
 
-  /// All modes wanted by a task; a shift that hits a mode gives way upwards.
+  /// Computes all modes of a task; a shift that coincides with a mode is raised.
   Converged solve(const Task& task) {
     double sigma = task.sigma;
     const parallel::Progress bar = [&](std::int64_t done, std::int64_t) {
@@ -279,9 +280,9 @@ class Searcher {
 
 double expected_mib(const Factorisation& factor, std::int64_t local_rows, std::int64_t modes,
                     std::int64_t modes_per_shift, int teams) {
-  // Not known for a search by frequency: one slice's, then.
+  // Unknown for a search by frequency: the modes of one slice are assumed.
   if (modes == 0) modes = modes_per_shift;
-  // A basis ends with about three vectors a mode.
+  // A Lanczos basis grows to about three vectors per mode.
   const auto column = static_cast<double>(local_rows) * sizeof(double) / (1 << 20);
   const double basis = 3.2 * static_cast<double>(std::min(modes, modes_per_shift)) * column;
   return factor.expected_mib() + basis + 2 * static_cast<double>(modes) / teams * column;

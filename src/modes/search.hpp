@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The search for all modes up to an end: probes, slices in rounds over the teams, repair.
 #pragma once
 
@@ -6,23 +7,24 @@
 
 namespace ricochet::modes {
 
-/// All slices, and the shapes of those that this team worked at.
+/// All slices, and the shapes of those that this team computed.
 struct Search {
   std::vector<Slice> slices;  ///< by shift, ascending
-  Probe end;                  ///< where the search ended
-  std::vector<Share> share;   ///< what each keeps
-  std::vector<int> team;      ///< who holds the shapes
+  Probe end;                  ///< end of the search
+  std::vector<Share> share;   ///< modes that each slice keeps
+  std::vector<int> team;      ///< team that holds the shapes
   std::vector<Eigen::MatrixXd>
-      shape;  ///< (local rows, Slice::lambda.size()) of this team's slices, else empty
+      shape;  ///< (local rows, Slice::lambda.size()) of this team's slices, otherwise empty
 };
 
-/// Memory that the search needs on this rank at its peak, beside K and M [MiB]: factors, the basis of an
-/// iteration, and its share of `modes` shapes, twice while they are put together.
+/// Peak memory of the search on this rank, in addition to K and M [MiB]: factors, the Lanczos basis, and its
+/// share of `modes` shapes, twice while they are assembled.
 double expected_mib(const Factorisation& factor, std::int64_t local_rows, std::int64_t modes,
                     std::int64_t modes_per_shift, int teams);
 
-/// Elastic modes up to `request.up_to`, or at least `request.count` of all. Every count between neighbouring
-/// shifts agrees with inertia. Throws SolverError where it can't be made to. Collective on all ranks.
+/// Elastic modes up to `request.up_to`, or at least `request.count` modes in total. The number of modes
+/// between neighbouring shifts equals the inertia count. Throws SolverError if this cannot be achieved.
+/// Collective on all ranks.
 Search search(const parallel::Teams& teams, const Operators& operators, Factorisation& factor,
               const Request& request, const Progress& progress);
 

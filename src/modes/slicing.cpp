@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/modes/slicing.hpp"
 
 #include <algorithm>
@@ -10,9 +11,9 @@ CountModel::CountModel(std::int64_t rigid, std::vector<Probe> probes)
   std::sort(probes_.begin(), probes_.end(), [](const Probe& a, const Probe& b) { return a.sigma < b.sigma; });
 }
 
-// Through (λ_1, n_1) and (λ_2, n_2): n = n_1 (λ/λ_1)^p with n counted from the rigid modes, plus a half so
-// that no count is 0. Below the first probe n ~ λ, between Weyl's λ^(3/2) of a solid and λ^(1/2) of a plate's
-// bending.
+// Interpolation through (λ_1, n_1) and (λ_2, n_2): n = n_1 (λ/λ_1)^p with n counted from the rigid modes,
+// plus a half so that no count is 0. Below the first probe n ~ λ, between Weyl's λ^(3/2) of a solid and
+// λ^(1/2) of the bending of a plate.
 double CountModel::count_at(double lambda) const {
   if (probes_.empty() || lambda <= 0) return rigid_;
   const auto n = [&](const Probe& probe) {
@@ -63,7 +64,7 @@ std::vector<Task> plan_shifts(const CountModel& model, double end, std::int64_t 
 
 namespace {
 
-/// Middle of the widest gap in [from, to] that no eigenvalue of either list lies in.
+/// Middle of the widest gap in [from, to] without an eigenvalue of either list.
 double widest_gap(const Slice& a, const Slice& b, double from, double to) {
   std::vector<double> at{from, to};
   for (const Slice* slice : {&a, &b})
@@ -84,7 +85,7 @@ Stitched stitch(std::int64_t rigid, const std::vector<Slice>& slices, const Prob
     return static_cast<std::size_t>(std::lower_bound(slice.lambda.begin(), slice.lambda.end(), lambda) -
                                     slice.lambda.begin());
   };
-  // Zero and the end are slices too that hold nothing.
+  // Zero and the end count as slices without modes.
   const Slice bottom{{0, rigid}, {0, 0}, {}}, top{end, {end.sigma, end.sigma}, {}};
   result.share.resize(slices.size());
   for (std::size_t k = 0; k <= slices.size(); ++k) {

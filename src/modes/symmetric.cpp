@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/modes/symmetric.hpp"
 
 #include <vector>

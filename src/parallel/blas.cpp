@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/parallel/blas.hpp"
 
 #include <unistd.h>
@@ -23,8 +24,8 @@ void prepare_blas(char** argv) {
       __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
     better = "SkylakeX";
   if (better == nullptr) return;
-  // OpenBLAS chooses when it is loaded: only a new process can have it choose again. Without one things go on
-  // slowly.
+  // OpenBLAS chooses its kernels when it is loaded: only a new process can make it choose again. If that
+  // fails, the program continues slowly.
   setenv("OPENBLAS_CORETYPE", better, 1);
   execv("/proc/self/exe", argv);
 }

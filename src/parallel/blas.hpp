@@ -1,14 +1,15 @@
-// OpenBLAS as it should run here.
+// SPDX-License-Identifier: BSD-2-Clause
+// Configuration of OpenBLAS.
 #pragma once
 
 namespace ricochet::parallel {
 
-/// The first call of `main`. Restarts the program with OPENBLAS_CORETYPE set when OpenBLAS took its oldest
-/// kernels on a processor that has newer instructions, and keeps it to one thread a rank; where the
-/// environment says otherwise it has its way.
+/// Must be the first call of `main`. Limits OpenBLAS to one thread per rank, and restarts the program with
+/// OPENBLAS_CORETYPE set if OpenBLAS chose its oldest kernels on a processor with newer instructions.
+/// Settings of the environment take precedence.
 ///
-/// Debian 12's OpenBLAS 0.3.21 knows processors by their model numbers, and falls back to "Prescott" (2004)
-/// on those that came after it: products of matrices then take three times as long, factorisations twice.
+/// OpenBLAS 0.3.21 of Debian 12 identifies processors by their model numbers and falls back to "Prescott"
+/// (2004) for those released after it: matrix products then take three times as long, factorisations twice.
 void prepare_blas(char** argv);
 
 }  // namespace ricochet::parallel

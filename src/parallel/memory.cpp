@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/parallel/memory.hpp"
 
 #include <algorithm>
@@ -11,13 +12,14 @@ namespace {
 
 constexpr double mib = 1 << 20;
 
-/// The number in a file of one number; infinity when it holds none ("max") or can't be read.
+/// The number in a file; infinity if it has none ("max") or cannot be read.
 double number_in(const std::string& file) {
   double value = 0;
   return std::ifstream(file) >> value ? value : std::numeric_limits<double>::infinity();
 }
 
-/// Least room under the limits of this process's control group (version 2) and those above it.
+/// Smallest remaining memory under the limits of the control group of this process (version 2) and its
+/// parents.
 double left_by_control_groups() {
   double left = std::numeric_limits<double>::infinity();
   std::ifstream groups("/proc/self/cgroup");

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/parallel/parallel.hpp"
 
 #include <fmt/format.h>
@@ -11,12 +12,12 @@ namespace ricochet::parallel {
 
 namespace {
 
-/// MPI counts are ints: longer vectors travel in pieces.
+/// MPI counts are of type int: longer vectors are sent in pieces.
 constexpr std::size_t piece_bytes = std::size_t{1} << 30;
 
 std::string last_message;
 
-/// Keeps the innermost message for `check` instead of printing a trace from every rank.
+/// Stores the innermost message for `check` instead of printing a trace from every rank.
 PetscErrorCode keep_message(MPI_Comm, int, const char* function, const char*, PetscErrorCode code,
                             PetscErrorType kind, const char* message, void*) {
   if (kind == PETSC_ERROR_INITIAL)
@@ -43,7 +44,7 @@ void broadcast_bytes(MPI_Comm comm, void* data, std::size_t bytes) {
     MPI_Bcast(at + done, static_cast<int>(std::min(piece_bytes, bytes - done)), MPI_BYTE, 0, comm);
 }
 
-/// Sends to one rank while another sends here.
+/// Sends to one rank while another sends to this one.
 void pass_bytes(MPI_Comm comm, const void* out, std::size_t out_bytes, int to, void* in, std::size_t in_bytes,
                 int from) {
   const char* out_at = static_cast<const char*>(out);
@@ -64,7 +65,7 @@ Session::Session() {
   char** none = nullptr;
   check(SlepcInitialize(&count, &none, nullptr, nullptr));
   check(PetscPushErrorHandler(keep_message, nullptr));
-  // A setting meant for another program of the batch job must not litter the output.
+  // Options that are meant for another program of the batch job must not cause output.
   check(PetscOptionsSetValue(nullptr, "-options_left", "no"));
 }
 
@@ -171,7 +172,7 @@ std::vector<std::vector<T>> exchange(MPI_Comm comm, const std::vector<std::vecto
   MPI_Alltoall(out.data(), 1, MPI_UINT64_T, in.data(), 1, MPI_UINT64_T, comm);
   std::vector<std::vector<T>> from(out.size());
   from[static_cast<std::size_t>(me)] = to[static_cast<std::size_t>(me)];
-  // In step s each rank sends to the one s places on.
+  // In step s, each rank sends to the rank s positions ahead.
   for (int step = 1; step < ranks; ++step) {
     const int next = (me + step) % ranks, last = (me + ranks - step) % ranks;
     std::vector<T>& got = from[static_cast<std::size_t>(last)];

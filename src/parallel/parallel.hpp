@@ -1,4 +1,6 @@
-// MPI, PETSc and SLEPc as scopes: the session, owners of handles, checked calls, errors that all ranks share.
+// SPDX-License-Identifier: BSD-2-Clause
+// MPI, PETSc and SLEPc: the session as a scope, owners of handles, checked calls, errors that all ranks
+// share.
 #pragma once
 
 #include <petscsys.h>
@@ -15,8 +17,9 @@
 
 namespace ricochet::parallel {
 
-/// MPI, PETSc and SLEPc from here to the end of the scope. The first local of `main`; every handle lives in a
-/// function called after it. PETSc's options come from PETSC_OPTIONS, never from the program's own arguments.
+/// Initialises MPI, PETSc and SLEPc until the end of the scope. Must be the first local variable of `main`;
+/// every handle lives in a function called after it. PETSc's options come from PETSC_OPTIONS, never from the
+/// arguments of the program.
 class Session {
  public:
   Session();
@@ -25,7 +28,7 @@ class Session {
   Session& operator=(const Session&) = delete;
 };
 
-/// How far a long task is: `done` of `total` parts. May be called on one rank or on all.
+/// Progress of a long task: `done` of `total` parts. May be called on one rank or on all.
 using Progress = std::function<void(std::int64_t done, std::int64_t total)>;
 
 int rank_of(MPI_Comm comm);
@@ -34,12 +37,11 @@ int size_of(MPI_Comm comm);
 /// Throws SolverError with PETSc's message and the caller's line unless `code` is 0.
 void check(PetscErrorCode code, std::source_location at = std::source_location::current());
 
-/// Collective. Returns when `complaint` is empty on every rank; otherwise every rank throws InputError with
-/// the complaint of the lowest rank that has one.
+/// Collective. Returns if `complaint` is empty on every rank; otherwise every rank throws InputError with the
+/// complaint of the lowest rank that has one.
 void agree(MPI_Comm comm, const std::string& complaint);
 
-/// Collective. Runs `task` on every rank; where it throws InputError on some, all ranks throw as `agree`
-/// does.
+/// Collective. Runs `task` on every rank. If it throws InputError on some, all ranks throw, as in `agree`.
 template <class Task>
 void on_all_ranks(MPI_Comm comm, Task&& task) {
   std::string complaint;
@@ -59,8 +61,8 @@ void on_first_rank(MPI_Comm comm, Task&& task) {
   });
 }
 
-/// Move-only owner of a PETSc or SLEPc object. Refuses to hand out a null handle to a call that would crash
-/// on it.
+/// Move-only owner of a PETSc or SLEPc object. Throws if a null handle would be passed to a call, which would
+/// crash.
 template <class Raw, PetscErrorCode (*Destroy)(Raw*)>
 class Handle {
  public:
@@ -78,7 +80,7 @@ class Handle {
     if (raw_ == nullptr) throw SolverError("internal: a PETSc object was used before it was made");
     return raw_;
   }
-  /// For creating calls: PETSc writes the new object here.
+  /// For functions that create an object: PETSc writes it here.
   Raw* out() {
     reset();
     return &raw_;
@@ -92,7 +94,7 @@ class Handle {
   Raw raw_ = nullptr;
 };
 
-/// MPI's type of several doubles in a row.
+/// The MPI datatype of several consecutive doubles.
 class RowType {
  public:
   RowType() = default;
@@ -118,24 +120,25 @@ using Matrix = Handle<Mat, MatDestroy>;
 using Vector = Handle<Vec, VecDestroy>;
 using EigenSolver = Handle<EPS, EPSDestroy>;
 
-/// To PETSc's integer; throws SolverError when it does not fit (use a build of PETSc with 64-bit indices).
+/// Converts to PETSc's integer; throws SolverError if the value does not fit (use a build of PETSc with
+/// 64-bit indices).
 PetscInt petsc_int(std::int64_t value);
 
 void sum(MPI_Comm comm, double* values, std::size_t count);  ///< all ranks, in place
 std::int64_t sum(MPI_Comm comm, std::int64_t value);
 double largest(MPI_Comm comm, double value);
 
-/// Rank 0 sends one vector to each rank (`per_rank`, used on rank 0 alone); every rank receives its own.
+/// Rank 0 sends one vector to each rank (`per_rank`, used on rank 0 only); every rank receives its own.
 /// Collective.
 template <class T>
 std::vector<T> scatter(MPI_Comm comm, const std::vector<std::vector<T>>& per_rank);
-/// Every rank's vector, one behind the other, on rank 0; empty elsewhere. Collective.
+/// Concatenates the vectors of all ranks on rank 0; empty elsewhere. Collective.
 template <class T>
 std::vector<T> gather(MPI_Comm comm, const std::vector<T>& mine);
-/// Each rank sends one vector to each rank; returns those that came, by sender. Collective.
+/// Each rank sends one vector to each rank; returns the received ones, by sender. Collective.
 template <class T>
 std::vector<std::vector<T>> exchange(MPI_Comm comm, const std::vector<std::vector<T>>& to);
-/// Rank 0's vector to every rank. Collective.
+/// Copies the values of rank 0 to every rank. Collective.
 template <class T>
 void broadcast(MPI_Comm comm, std::vector<T>& values);
 void broadcast(MPI_Comm comm, std::string& text);

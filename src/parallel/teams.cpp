@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/parallel/teams.hpp"
 
 namespace ricochet::parallel {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Ranks in equal teams that do the same work on different parts of a problem.
 #pragma once
 
@@ -5,12 +6,12 @@
 
 namespace ricochet::parallel {
 
-/// A communicator's ranks in `count` teams of neighbours. Each team holds all of a body, split among its
-/// ranks in the same way in every team, so that the ranks with one place in their teams, the peers, hold the
-/// same rows.
+/// Divides the ranks of a communicator into `count` teams of neighbours. Each team holds a complete body,
+/// distributed over its ranks in the same way in every team: ranks with the same position in their teams, the
+/// peers, hold the same rows.
 class Teams {
  public:
-  /// Collective. `count` has to divide the number of ranks.
+  /// Collective. `count` must divide the number of ranks.
   Teams(MPI_Comm world, int count);
   ~Teams();
   Teams(const Teams&) = delete;

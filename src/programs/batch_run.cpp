@@ -1,21 +1,23 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/programs/batch_run.hpp"
 
-#include <cmath>
 #include <filesystem>
 #include <istream>
 #include <nlohmann/json.hpp>
 #include <ostream>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
-#include "contact/output/summary_observer.hpp"
-#include "contact/stepping/stepper.hpp"
+#include "contact/output/summary.hpp"
 #include "kernels/read.hpp"
 #include "kernels/write.hpp"
 #include "ricochet/error.hpp"
-#include "src/programs/accuracy.hpp"
-#include "src/programs/contact_parts.hpp"
+#include "src/programs/impact_runner.hpp"
 #include "src/scene/derive.hpp"
+#include "src/scene/read.hpp"
+#include "src/scene/request.hpp"
 #include "src/scene/scene.hpp"
 
 namespace ricochet::programs {
@@ -25,7 +27,7 @@ using Json = nlohmann::json;
 
 namespace {
 
-/// Lists and objects within each other that a request may have.
+/// Largest nesting of lists and objects in a request.
 constexpr int most_nested = 16;
 
 class Batch {
@@ -37,7 +39,7 @@ class Batch {
       const Json request = Json::parse(
           line,
           [](int depth, Json::parse_event_t, const Json&) {
-            // Copies of what is nested without end would end the stack.
+            // Copying deeply nested values would overflow the stack.
             if (depth > most_nested) throw InputError("--batch: a request is nested too deep");
             return true;
           },
@@ -52,7 +54,7 @@ class Batch {
         for (const Json& file : request["derive"]) derive(scene, options_.out / file.get<std::string>());
       if (request.value("kernels", false))
         return {{"status", 0}, {"kernels", needed(scene)}, {"reads", other_files(scene)}};
-      return {{"status", 0}, {"summary", Json::parse(impact(scene))}};
+      return {{"status", 0}, {"summary", Json::parse(impact(std::move(scene)))}};
     } catch (const InputError& error) {
       return {{"status", 2}, {"error", error.what()}};
     } catch (const Json::exception&) {
@@ -68,31 +70,32 @@ class Batch {
  private:
   /// Writes the kernels that the scene lacks and that follow from `file`.
   void derive(const scene::Scene& scene, const fs::path& file) {
-    if (scene.accuracy) return;  // which takes kernels of another element order too
-    const std::vector<StoredKernel> stored = find_kernels(scene, options_.out, cache_);
+    if (scene.accuracy) return;  // it also needs kernels of another element order
+    const std::vector<StoredKernel> stored = find_kernels(scene, options_.out, store_).of_body;
     for (std::size_t k = 0; k < stored.size(); ++k) {
       if (stored[k].enough || is_limited(scene, scene.bodies[k])) continue;
-      const auto request = scene::kernel_request(scene, scene.bodies[k], &cache_.meshes);
+      const auto request = scene::kernel_request(scene, scene.bodies[k], &store_.meshes);
       if (const auto kernel = scene::derive_from(file, request)) kernels::write(*kernel, stored[k].whole);
     }
   }
 
   Json needed(const scene::Scene& scene) {
-    check_histories(scene);
+    drives_of(scene);  // refuses histories that can't be read
     Json out = Json::array();
-    for (const StoredKernel& kernel : find_kernels(scene, options_.out, cache_)) {
+    const StoredKernels found = find_kernels(scene, options_.out, store_);
+    for (const StoredKernel& kernel : found.of_body) {
       const fs::path& path = kernel.enough ? kernel.path : kernel.whole;
-      if (!kernel.enough && kernels::has_newer_format(path)) kernels::read(path);  // says so
+      if (!kernel.enough && kernels::has_newer_format(path)) kernels::read(path);  // refuses it
       out.push_back({{"file", path.filename().string()}, {"there", kernel.enough}});
     }
     return out;
   }
 
-  /// What tells versions of the files apart that an impact reads beside kernels: size and time of change.
+  /// Size and time of change, which identify a version, of each file that an impact reads beside kernels.
   static Json other_files(const scene::Scene& scene) {
     std::vector<fs::path> paths{scene.contact.table};
     for (const auto* loads : {&scene.loads.tractions, &scene.loads.points, &scene.loads.motions})
-      for (const scene::Driven& driven : *loads) paths.push_back(driven.history);
+      for (const scene::Forcing& driven : *loads) paths.push_back(driven.history);
     Json out = Json::object();
     for (const fs::path& path : paths) {
       std::error_code missing;  // refused when it is read
@@ -103,50 +106,18 @@ class Batch {
     return out;
   }
 
-  std::string impact(scene::Scene& scene) {
-    const Clock::time_point started = Clock::now();
-    if (scene.contact.kernel == scene::ContactKernel::table) {
-      contact::Summary summary = summary_by_table(scene, options_.out, cache_);
-      summary.wall_s = seconds_since(started);
-      return contact::json_text(summary);
-    }
-    const Kernels kernels = read_kernels(scene, options_.out, cache_);
-    contact::Model model =
-        in_scene(scene, [&] { return model_of(scene, kernels.pointers(), cache_.pairings); });
-    Judged judged{.warnings = kernels.warnings};
-    if (scene.accuracy) {
-      judged = choose_and_judge(scene, kernels, options_.out, cache_.pairings);
-      model = thinned(std::move(model), judged.thinnings);
-    }
-    if (scene.contact.scheme == Scheme::at_rest) {
-      contact::EquilibriumSummary summary = contact::summarise(model, equilibrium_of(scene, model));
-      judged.into(summary);
-      summary.wall_s = seconds_since(started);
-      return contact::json_text(summary);
-    }
-    const StepOptions step = step_options(scene);
-    const std::int64_t steps = std::llround(scene.time.duration * scene.time.rate.value);
-    const Clock::time_point stepping = Clock::now();
-    const auto stepper = in_scene(scene, [&] { return contact::make_stepper(model, step); });
-    contact::SummaryObserver observer(model, step.step, slowest_wave(scene));
-    for (std::int64_t k = 1; k <= steps; ++k) {
-      check(stepper->step(), scene, static_cast<double>(k) * step.step);
-      observer.observe(*stepper);
-    }
-    const double elapsed = seconds_since(stepping);
-    contact::Summary summary = observer.summary();
-    judged.into(summary);
-    judge_steps(scene, summary);
-    summary.real_time_factor = elapsed > 0 ? stepper->time() / elapsed : 0;
-    summary.wall_s = seconds_since(started);
-    return contact::json_text(summary);
+  std::string impact(scene::Scene scene) {
+    console::Console quiet(true);
+    ImpactObserver nobody;
+    const ImpactSummary summary = run_impact({std::move(scene), options_.out}, store_, quiet, nobody).summary;
+    return std::visit([](const auto& figures) { return contact::json_text(figures); }, summary);
   }
 
   const console::Options& options_;
-  KernelCache cache_;
+  KernelStore store_;
 };
 
-/// In one line; what a path has that is not UTF-8 becomes U+FFFD.
+/// One line; bytes of a path that are not UTF-8 become U+FFFD.
 std::string text_of(const Json& answer) {
   return answer.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

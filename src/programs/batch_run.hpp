@@ -1,4 +1,5 @@
-// Many impacts of one scene in one process: what ricochet sweep drives.
+// SPDX-License-Identifier: BSD-2-Clause
+// Many impacts of one scene in one process, for ricochet sweep.
 #pragma once
 
 #include <iosfwd>
@@ -9,21 +10,20 @@ namespace ricochet::programs {
 
 /// Reads requests from `in`, a line of JSON each, and answers each by a line on `out`, until `in` ends:
 ///
-///     {"set": ["bodies.upper.velocity=[0,-6,0]"]}                    the impact, with these overrides behind
-///     options'
-///     {"set": [], "kernels": true}                                   only what kernels it needs
-///     {"set": [], "kernels": true, "derive": ["…"]}                  the same once those are written that it
-///                                                                    lacks and that follow from these files
+///     {"set": ["bodies.upper.velocity=[0,-6,0]"]}   run the impact; these overrides follow those of the
+///     options
+///     {"set": [], "kernels": true}                  list the kernels that the impact needs
+///     {"set": [], "kernels": true, "derive": ["…"]}
+///                                   the same, after writing the missing kernels that follow from these files
 ///
-///     {"status": 0, "summary": {…}}                                  keys of summary.json
+///     {"status": 0, "summary": {…}}                 keys of summary.json
 ///     {"status": 0, "kernels": [{"file": "…", "there": true}, …], "reads": {…}}
-///                                                                    reads: tables and histories; a damaged
-///                                                                    kernel is not there, one of a newer
-///                                                                    format is refused
-///     {"status": 2, "error": "…"}                                    refused; 1: the computation broke down
+///                                   reads: tables and histories. A damaged kernel counts as missing; one of
+///                                   a newer format is refused
+///     {"status": 2, "error": "…"}                   refused; 1: the computation broke down
 ///
-/// A kernel is read once and kept while impacts need it. Results are not written. A request that is no JSON
-/// object is answered by status 2. Returns 0.
+/// Kernels and placements are kept while impacts need them. Results are not written. A request that is no
+/// JSON object is answered by status 2. Returns 0.
 int run_batch(const console::Options& options, std::istream& in, std::ostream& out);
 
 }  // namespace ricochet::programs

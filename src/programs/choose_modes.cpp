@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/programs/choose_modes.hpp"
 
 #include <fmt/format.h>
@@ -14,12 +15,12 @@
 namespace ricochet {
 namespace {
 
-/// How often waves cross the body within the shortest period of the band at an accuracy of 1e-2; with its
-/// inverse it grows, as the square root for solids. The ends of rods meet with a shock, of which all modes
-/// take a share.
+/// Crossings of the body by a wave within the shortest period of the band, at an accuracy of 1e-2. The number
+/// grows with the inverse of the accuracy, for solids with its square root. The ends of rods meet with a
+/// shock, which excites all modes.
 constexpr double crossings = 2, crossings_of_rods = 15, reference = 1e-2;
 
-/// What accuracy needs of the flexibility: impacts feel a few times less than the error of it.
+/// Largest error of the flexibility; its effect on impacts is a few times smaller.
 constexpr double most_flexibility_error = 0.1;
 
 struct Waves {
@@ -44,7 +45,7 @@ Waves waves(const scene::Scene& scene, const scene::Body& body) {
   return {speed / extent.length, extent.dimension == 1};
 }
 
-/// Two digits: a band that round-off does not change.
+/// Rounded up to two digits, so that round-off does not change the band.
 double rounded(double value) {
   const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1);
   return std::ceil(value / unit - 1e-9) * unit;

@@ -1,4 +1,5 @@
-// What `accuracy` does in ricochet-kernel: it chooses modes.
+// SPDX-License-Identifier: BSD-2-Clause
+// The modes that ricochet-kernel computes for a scene's `accuracy`.
 #pragma once
 
 #include <mpi.h>
@@ -7,9 +8,9 @@
 
 namespace ricochet {
 
-/// Band and flexibility error for the scene's `modes.accuracy`, the same for all bodies: of the body that a
-/// wave crosses fastest, as contact lasts about as long. Modes for rods, vectors fitted to contact for
-/// solids. Collective; throws InputError on every rank.
+/// Band and flexibility error for the scene's `modes.accuracy`. All bodies get those of the body that a wave
+/// crosses fastest, because contact lasts about as long. Rods get modes, solids a contact-adapted basis.
+/// Collective; throws InputError on every rank.
 scene::Modes chosen_modes(const scene::Scene& scene, MPI_Comm comm);
 
 }  // namespace ricochet

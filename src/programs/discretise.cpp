@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/programs/discretise.hpp"
 
 #include <fmt/format.h>
@@ -7,12 +8,14 @@
 #include "src/elasticity/assemble.hpp"
 #include "src/elasticity/matrix_file.hpp"
 #include "src/mesh/gmsh_session.hpp"
+#include "src/mesh/partition.hpp"
 #include "src/mesh/parts.hpp"
 #include "src/modes/approximate.hpp"
 #include "src/modes/modes.hpp"
 #include "src/modes/search.hpp"
 #include "src/parallel/memory.hpp"
 #include "src/programs/imported_modes.hpp"
+#include "src/scene/request.hpp"
 
 namespace ricochet {
 namespace {
@@ -37,7 +40,7 @@ Discretised assembled(const scene::KernelRequest& request, Source& source, int c
   const scene::Body& body = request.body;
   const std::string file = body.mesh.filename().string();
   const auto bar = [&](std::int64_t done, std::int64_t total) { console.advance(done, total); };
-  const mesh::Asked asked = surface::asked_of(request);
+  const mesh::RequestedGroups asked = surface::requested_groups(request);
   std::vector<std::string> moved;
   for (const std::string& support : asked.moved) moved.push_back(body.support.at(support));
   Discretised made{std::make_unique<parallel::Teams>(comm, count), {}, {}, {}, {}};
@@ -66,7 +69,7 @@ Discretised assembled(const scene::KernelRequest& request, Source& source, int c
 }
 
 Source open(const scene::KernelRequest& request, MPI_Comm comm, console::Console& console) {
-  return open_source(request.body, surface::asked_of(request), comm,
+  return open_source(request.body, surface::requested_groups(request), comm,
                      [&](std::int64_t done, std::int64_t total) { console.advance(done, total); });
 }
 

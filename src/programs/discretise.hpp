@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A body from its mesh to its matrices, on teams of ranks as memory allows.
 #pragma once
 
@@ -5,7 +6,8 @@
 
 #include "src/modes/factorisation.hpp"
 #include "src/programs/kernel_candidates.hpp"
-#include "src/surface/surface.hpp"
+#include "src/scene/request.hpp"
+#include "src/surface/sources.hpp"
 
 namespace ricochet {
 

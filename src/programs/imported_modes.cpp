@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/programs/imported_modes.hpp"
 
 #include <fmt/format.h>
@@ -7,7 +8,11 @@
 
 #include "kernels/algebra.hpp"
 #include "src/mesh/body_file.hpp"
+#include "src/mesh/partition.hpp"
+#include "src/modes/residual.hpp"
 #include "src/programs/kernel_candidates.hpp"
+#include "src/surface/trace.hpp"
+#include "src/scene/request.hpp"
 
 namespace ricochet {
 
@@ -191,9 +196,9 @@ Eigen::MatrixXd residual_response(const Reader& file, const Imported& body, cons
 
 void add_view(const mesh::Mesh& mesh, const Imported& body, kernels::Kernel& kernel) {
   kernels::View view;
-  view.node = mesh.skin.position;
-  view.element = mesh.skin.blocks.front().node;
-  for (const std::int64_t node : mesh.skin.node)
+  view.node = mesh.visualisation.position;
+  view.element = mesh.visualisation.blocks.front().node;
+  for (const std::int64_t node : mesh.visualisation.node)
     for (Eigen::Index k = 0; k < 3; ++k)
       for (Eigen::Index n = 0; n < body.omega.size(); ++n)
         view.shape.push_back(static_cast<float>(body.shape(3 * node + k, n)));
@@ -204,9 +209,9 @@ kernels::Kernel kernel_on_one_rank(const scene::KernelRequest& request) {
   const Reader file = mesh::open_body_file(request.body.mesh);
   refuse_what_modes_fix(request, file);
   const mesh::Mesh mesh =
-      mesh::distribute(mesh::read_body_file(request.body, surface::asked_of(request)), MPI_COMM_SELF);
+      mesh::distribute(mesh::read_body_file(request.body, surface::requested_groups(request)), MPI_COMM_SELF);
   surface::Patches patches = patches_of(request, mesh);
-  if (request.points) surface::keep(patches, *request.points);
+  if (request.points) surface::restrict_to(patches, *request.points);
   const surface::Sources sources = surface::make_sources(mesh, request);
   const Eigen::MatrixXd loads = surface::patch_loads(mesh, patches);
   const Imported body = read_modes(request, file, mesh.position);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Kernels of modes that another program computed.
 #pragma once
 
@@ -5,6 +6,7 @@
 
 #include "ricochet/kernel.hpp"
 #include "src/console/console.hpp"
+#include "src/scene/request.hpp"
 #include "src/scene/scene.hpp"
 
 namespace ricochet {

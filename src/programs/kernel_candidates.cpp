@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/programs/kernel_candidates.hpp"
 
 #include <fmt/format.h>
@@ -8,13 +9,16 @@
 #include "kernels/read.hpp"
 #include "src/mesh/body_file.hpp"
 #include "src/mesh/gmsh_session.hpp"
+#include "src/mesh/partition.hpp"
 #include "src/mesh/parts.hpp"
+#include "src/mesh/read.hpp"
 #include "src/scene/derive.hpp"
 #include "src/scene/parts.hpp"
+#include "src/scene/request.hpp"
 
 namespace ricochet {
 
-Source open_source(const scene::Body& body, const mesh::Asked& asked, MPI_Comm comm,
+Source open_source(const scene::Body& body, const mesh::RequestedGroups& asked, MPI_Comm comm,
                    const parallel::Progress& progress) {
   Source source;
   std::vector<char> in_parts(1, 0);
@@ -42,17 +46,29 @@ surface::Patches patches_of(const scene::KernelRequest& request, const mesh::Mes
 
 namespace {
 
-/// A body's candidates by its mesh alone, which is gone afterwards: on rank 0. Collective.
-kernels::WholeSurface surface_of_mesh(const scene::KernelRequest& request, MPI_Comm comm,
-                                      console::Console& console) {
+/// The part of a kernel that pairs are found with.
+kernels::Surface surface_alone(kernels::WholeSurface from) {
+  kernels::Surface to;
+  to.node = std::move(from.node);
+  to.centroid = std::move(from.centroid);
+  to.normal = std::move(from.normal);
+  to.area = std::move(from.area);
+  to.element_corners = from.element_corners;
+  to.element = std::move(from.element);
+  return to;
+}
+
+/// A body's candidates, found on its mesh, which is freed afterwards: on rank 0. Collective.
+kernels::Surface surface_of_mesh(const scene::KernelRequest& request, MPI_Comm comm,
+                                 console::Console& console) {
   const scene::Body& body = request.body;
   const mesh::GmshSession gmsh;
   console.begin(body.name + ": surface");
   Source source = open_source(body, {}, comm, {});
   const auto surface_of = [&](const mesh::Mesh& mesh) {
-    return kernels::whole_surface(patches_of(request, mesh).geometry);
+    return surface_alone(kernels::whole_surface(patches_of(request, mesh).geometry));
   };
-  kernels::WholeSurface surface;
+  kernels::Surface surface;
   if (source.in_parts)
     surface = surface_of(mesh::read_parts(body, comm));
   else
@@ -62,12 +78,12 @@ kernels::WholeSurface surface_of_mesh(const scene::KernelRequest& request, MPI_C
   return surface;
 }
 
-/// The candidates of a body by a kernel in the folder. @param files  of kernel_files
-std::optional<kernels::WholeSurface> surface_of_kernel(const std::vector<programs::KernelFile>& files) {
+/// The candidates of a body in one of its kernel files.
+std::optional<kernels::Surface> surface_of_kernel(const std::vector<programs::KernelFile>& files) {
   for (const programs::KernelFile& file : files) try {
-      return kernels::whole_surface(kernels::read(file.path).surface);
+      return surface_alone(kernels::whole_surface(kernels::read(file.path).surface));
     } catch (const InputError&) {
-      // Another one may do, or the mesh is read.
+      // Another file may serve, or the mesh is read.
     }
   return std::nullopt;
 }
@@ -81,23 +97,27 @@ std::vector<Points> needed_points(const scene::Scene& scene,
   std::vector<Points> points(requests.size());
   if (std::ranges::none_of(scene.bodies, [&](const auto& body) { return programs::is_limited(scene, body); }))
     return points;
-  std::vector<kernels::WholeSurface> surfaces;
+  std::vector<kernels::Kernel> surfaces;  // of the kernels to be: pairs need no more
   for (const scene::KernelRequest& request : requests) {
-    const auto alike =
-        std::ranges::find(requests, request.hash, &scene::KernelRequest::hash) - requests.begin();
-    if (static_cast<std::size_t>(alike) < surfaces.size()) {
-      surfaces.push_back(surfaces[static_cast<std::size_t>(alike)]);
+    const auto alike = static_cast<std::size_t>(
+        std::ranges::find(requests, request.hash, &scene::KernelRequest::hash) - requests.begin());
+    if (alike < surfaces.size()) {
+      surfaces.push_back(kernels::Kernel(surfaces[alike]));
       continue;
     }
-    std::optional<kernels::WholeSurface> known;
+    std::optional<kernels::Surface> known;
     if (parallel::rank_of(comm) == 0) known = surface_of_kernel(programs::kernel_files(folder, request));
     std::vector<char> is_known{known.has_value()};
     parallel::broadcast(comm, is_known);
-    surfaces.push_back(is_known[0] != 0 ? known.value_or(kernels::WholeSurface{})
-                                        : surface_of_mesh(request, comm, console));
+    surfaces.emplace_back().surface =
+        is_known[0] != 0 ? known.value_or(kernels::Surface{}) : surface_of_mesh(request, comm, console);
   }
-  contact::Pairings none;
-  parallel::on_first_rank(comm, [&] { points = programs::points_within_reach(scene, surfaces, none); });
+  parallel::on_first_rank(comm, [&] {
+    programs::KernelPointers pointers;
+    for (const kernels::Kernel& kernel : surfaces) pointers.push_back(&kernel);
+    points = programs::points_within_reach(
+        scene, programs::in_scene(scene, [&] { return programs::place(scene, pointers); }));
+  });
   for (Points& of_body : points) {
     std::vector<char> limited{of_body.has_value()};
     parallel::broadcast(comm, limited);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/programs/kernel_run.hpp"
 
 #include <fmt/format.h>
@@ -15,13 +16,17 @@
 #include "src/mesh/gmsh_session.hpp"
 #include "src/modes/approximate.hpp"
 #include "src/modes/contact_basis.hpp"
-#include "src/modes/examine.hpp"
 #include "src/modes/search.hpp"
+#include "src/modes/validate.hpp"
 #include "src/programs/choose_modes.hpp"
 #include "src/programs/discretise.hpp"
 #include "src/programs/imported_modes.hpp"
 #include "src/programs/kernel_candidates.hpp"
 #include "src/scene/derive.hpp"
+#include "src/scene/read.hpp"
+#include "src/scene/request.hpp"
+#include "src/scene/write.hpp"
+#include "src/surface/trace.hpp"
 
 namespace ricochet {
 
@@ -98,8 +103,8 @@ std::string told(const scene::KernelRequest& request, const modes::ModeSet& mode
 void leave_to_residual(const scene::KernelRequest& request, kernels::Kernel& kernel) {
   const double error = *request.modes.flexibility_error;
   const auto found = static_cast<std::int64_t>(kernel.modes.size());
-  const double made =
-      kernels::keep_contributing(kernel, static_cast<RadPerSecond>(*request.modes.up_to), left_out * error);
+  const double made = kernels::truncate_least_contributing(
+      kernel, static_cast<RadPerSecond>(*request.modes.up_to), left_out * error);
   kernel.modes.certificate.left_out = found - static_cast<std::int64_t>(kernel.modes.size());
   kernel.modes.certificate.flexibility_error = made + beyond_search * error;
 }
@@ -117,14 +122,15 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::f
   const elasticity::Body& matrices = made.matrices;
   if (body.imported()) {
     console.begin(body.name + ": inertia of the matrices");
-    parallel::on_all_ranks(comm, [&] { modes::examine(mesh, matrices, *made.factor, body.mesh.string()); });
+    parallel::on_all_ranks(
+        comm, [&] { modes::validate_matrices(mesh, matrices, *made.factor, body.mesh.string()); });
     console.end("definite; rigid modes counted");
   }
 
   console.begin(body.name + ": candidates");
   surface::Patches patches = patches_of(request, mesh);
   const std::size_t all = patches.geometry.size();
-  if (request.points) surface::keep(patches, *request.points);
+  if (request.points) surface::restrict_to(patches, *request.points);
   console.end(request.points ? fmt::format("{} of {} within reach", patches.geometry.size(), all)
                              : fmt::format("{} on the contact surface", all));
 
@@ -205,7 +211,8 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
     if (first) std::cout << scene::to_toml(scene);
     return 0;
   }
-  parallel::on_first_rank(comm, [&] { programs::check_histories(scene); });
+  // Histories are read here only to refuse bad ones before anything is computed.
+  parallel::on_first_rank(comm, [&] { programs::drives_of(scene); });
 
   console::Console console(options.quiet || !first,
                            [comm] { return parallel::largest(comm, console::peak_memory_mib()); });

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // ricochet-kernel: from a scene to one kernel file a body.
 #pragma once
 
@@ -7,6 +8,7 @@
 
 #include "src/console/console.hpp"
 #include "src/console/options.hpp"
+#include "src/scene/request.hpp"
 #include "src/scene/scene.hpp"
 
 namespace ricochet {

@@ -1,9 +1,9 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/programs/motion.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "ricochet/error.hpp"
 
@@ -17,7 +17,7 @@ constexpr std::int64_t usual_frames = 200;
 void check_motion(const scene::Scene& scene) {
   if (scene.contact.kernel == scene::ContactKernel::table)
     throw InputError(
-        fmt::format("{}: contact.kernel = \"table\" knows no motion of the bodies: leave out --vtk, or set "
+        fmt::format("{}: contact.kernel = \"table\" gives no motion of the bodies: leave out --vtk, or set "
                     "contact.kernel = \"modes\".",
                     scene.file.string()));
   if (!scene.output.view)
@@ -35,8 +35,8 @@ void check_skins(const Kernels& kernels) {
           kernels.file[k]));
 }
 
-contact::MotionOptions motion_options(const scene::Scene& scene, const std::filesystem::path& stem) {
-  const std::int64_t steps = std::llround(scene.time.duration * scene.time.rate.value);
+contact::MotionOptions motion_options(const scene::Scene& scene, std::int64_t steps,
+                                      const std::filesystem::path& stem) {
   contact::MotionOptions out{.stem = stem,
                              .title = scene.title,
                              .created_by = std::string("ricochet-contact ") + RICOCHET_VERSION,

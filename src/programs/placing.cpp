@@ -1,12 +1,13 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/programs/placing.hpp"
 
 #include <algorithm>
 #include <limits>
 
 #include "contact/input/history_file.hpp"
-#include "contact/model/history.hpp"
 #include "contact/pairing/placement.hpp"
 #include "kernels/read.hpp"
+#include "src/scene/request.hpp"
 
 namespace ricochet::programs {
 namespace {
@@ -15,23 +16,9 @@ namespace fs = std::filesystem;
 
 Eigen::Vector3d vector(const Vector3& v) { return {v[0], v[1], v[2]}; }
 
-/// As much of a kernel as pairs are found by.
-kernels::Kernel surface_alone(const kernels::WholeSurface& from) {
-  kernels::Kernel kernel;
-  kernels::Surface& to = kernel.surface;
-  to.node = from.node;
-  to.centroid = from.centroid;
-  to.normal = from.normal;
-  to.area = from.area;
-  to.element_corners = from.element_corners;
-  to.element = from.element;
-  return kernel;
-}
-
 }  // namespace
 
-std::vector<contact::PlacedBody> placed_bodies(const scene::Scene& scene,
-                                               const std::vector<const kernels::Kernel*>& kernels) {
+std::vector<contact::PlacedBody> placed_bodies(const scene::Scene& scene, const KernelPointers& kernels) {
   std::vector<contact::PlacedBody> bodies;
   for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
     const scene::Body& body = scene.bodies[k];
@@ -63,10 +50,34 @@ std::vector<contact::PairRequest> pair_requests(const scene::Scene& scene) {
   return pairs;
 }
 
-void check_histories(const scene::Scene& scene) {
-  for (const auto* driven : {&scene.loads.tractions, &scene.loads.points, &scene.loads.motions})
-    for (const scene::Driven& one : *driven)
-      if (!one.history.empty()) contact::read_history(one.history);
+contact::Placement place(const scene::Scene& scene, const KernelPointers& kernels) {
+  return contact::place(placed_bodies(scene, kernels), half_spaces(scene), pair_requests(scene));
+}
+
+contact::Placement with_kernels(contact::Placement placement, const KernelPointers& kernels) {
+  for (std::size_t k = 0; k < kernels.size(); ++k) placement.bodies[k].kernel = kernels[k];
+  return placement;
+}
+
+std::vector<contact::DriveRequest> drives_of(const scene::Scene& scene) {
+  std::vector<contact::DriveRequest> out;
+  const auto add = [&](const std::vector<scene::Forcing>& all, bool support) {
+    for (const scene::Forcing& driven : all) {
+      contact::DriveRequest request{
+          driven.body, support ? driven.group : driven.name, support, vector(driven.vector), {}};
+      if (!driven.history.empty()) request.history = contact::read_history(driven.history);
+      out.push_back(std::move(request));
+    }
+  };
+  add(scene.loads.tractions, false);
+  add(scene.loads.points, false);
+  add(scene.loads.motions, true);
+  return out;
+}
+
+contact::Model model_of(const scene::Scene& scene, const contact::Placement& placement,
+                        const std::vector<contact::DriveRequest>& drives) {
+  return contact::build_model(placement, vector(scene.loads.gravity), drives);
 }
 
 bool is_limited(const scene::Scene& scene, const scene::Body& body) {
@@ -76,21 +87,14 @@ bool is_limited(const scene::Scene& scene, const scene::Body& body) {
                              [&](const scene::Pair& pair) { return pair.reach || !names(pair); });
 }
 
-std::vector<Points> points_within_reach(const scene::Scene& scene,
-                                        const std::vector<kernels::WholeSurface>& surfaces,
-                                        contact::Pairings& known) {
-  std::vector<kernels::Kernel> kernels;
-  for (const kernels::WholeSurface& surface : surfaces) kernels.push_back(surface_alone(surface));
-  std::vector<const kernels::Kernel*> pointers;
-  for (const kernels::Kernel& kernel : kernels) pointers.push_back(&kernel);
-  auto paired = in_scene(scene, [&] {
-    return contact::paired_candidates(placed_bodies(scene, pointers), half_spaces(scene),
-                                      pair_requests(scene), &known);
-  });
-  std::vector<Points> out(surfaces.size());
-  for (std::size_t k = 0; k < surfaces.size(); ++k)
-    if (is_limited(scene, scene.bodies[k]) && paired[k].size() < surfaces[k].area.size())
-      out[k] = std::move(paired[k]);
+std::vector<Points> points_within_reach(const scene::Scene& scene, const contact::Placement& placement) {
+  auto paired = contact::paired_candidates(placement);
+  std::vector<Points> out(paired.size());
+  for (std::size_t k = 0; k < paired.size(); ++k) {
+    const kernels::Surface& surface = placement.bodies[k].kernel->surface;
+    const std::size_t all = surface.whole ? surface.whole->area.size() : surface.size();
+    if (is_limited(scene, scene.bodies[k]) && paired[k].size() < all) out[k] = std::move(paired[k]);
+  }
   return out;
 }
 

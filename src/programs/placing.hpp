@@ -1,4 +1,5 @@
-// The bodies of a scene where contact finds them, and which of their candidates it makes use of.
+// SPDX-License-Identifier: BSD-2-Clause
+// The bodies of a scene in their positions, and which of their candidates the contact pairs use.
 #pragma once
 
 #include <fmt/format.h>
@@ -9,13 +10,13 @@
 #include <vector>
 
 #include "contact/model/model.hpp"
-#include "contact/pairing/pairing_cache.hpp"
 #include "ricochet/error.hpp"
+#include "src/scene/request.hpp"
 #include "src/scene/scene.hpp"
 
 namespace ricochet::programs {
 
-/// Contact points and bodies are named to the user by the scene.
+/// Runs `action`; its InputErrors begin with the scene's file.
 template <class Action>
 auto in_scene(const scene::Scene& scene, Action action) {
   try {
@@ -25,14 +26,25 @@ auto in_scene(const scene::Scene& scene, Action action) {
   }
 }
 
-/// @param kernels  of the scene's bodies, in their order; they outlive what is returned
-std::vector<contact::PlacedBody> placed_bodies(const scene::Scene& scene,
-                                               const std::vector<const kernels::Kernel*>& kernels);
+using KernelPointers = std::vector<const kernels::Kernel*>;
+
+/// @param kernels  of the scene's bodies, in their order; they outlive the result
+std::vector<contact::PlacedBody> placed_bodies(const scene::Scene& scene, const KernelPointers& kernels);
 std::vector<contact::HalfSpace> half_spaces(const scene::Scene& scene);
 std::vector<contact::PairRequest> pair_requests(const scene::Scene& scene);
 
-/// Reads the files that loads take their histories from. Throws InputError where one can't be.
-void check_histories(const scene::Scene& scene);
+/// Positions and pairs of the scene's bodies. Throws InputError as contact::place does.
+contact::Placement place(const scene::Scene& scene, const KernelPointers& kernels);
+
+/// The placement with other kernels of the same surfaces.
+contact::Placement with_kernels(contact::Placement placement, const KernelPointers& kernels);
+
+/// Loads and moving supports, with their histories. Throws InputError when a history can't be read.
+std::vector<contact::DriveRequest> drives_of(const scene::Scene& scene);
+
+/// Model of placed bodies under the scene's loads. Throws InputError as contact::build_model does.
+contact::Model model_of(const scene::Scene& scene, const contact::Placement& placement,
+                        const std::vector<contact::DriveRequest>& drives);
 
 /// Whether every pair of a body has a reach, so that its kernel need not hold all candidates.
 bool is_limited(const scene::Scene& scene, const scene::Body& body);
@@ -40,11 +52,9 @@ bool is_limited(const scene::Scene& scene, const scene::Body& body);
 /// Numbers of some candidates of a whole surface, ascending; none: all.
 using Points = std::optional<std::vector<std::int64_t>>;
 
-/// What the kernels of the scene's bodies have to hold, by their surfaces; all of bodies that are not
-/// limited. Throws InputError like contact::pair. @param known  as of contact::pair
-std::vector<Points> points_within_reach(const scene::Scene& scene,
-                                        const std::vector<kernels::WholeSurface>& surfaces,
-                                        contact::Pairings& known);
+/// Candidates that the kernels of the scene's bodies have to hold; all candidates of bodies that are not
+/// limited.
+std::vector<Points> points_within_reach(const scene::Scene& scene, const contact::Placement& placement);
 
 struct KernelFile {
   std::filesystem::path path;
@@ -52,8 +62,8 @@ struct KernelFile {
   bool holds(const Points& points) const;
 };
 
-/// The kernel files in `folder` that answer `whole`, a request for all candidates, but for those that reach
-/// left out; those with the fewest candidates first.
+/// The kernel files in `folder` that fulfil `whole`, a request for all candidates, apart from candidates that
+/// reach left out; those with the fewest candidates first.
 std::vector<KernelFile> kernel_files(const std::filesystem::path& folder, const scene::KernelRequest& whole);
 
 }  // namespace ricochet::programs

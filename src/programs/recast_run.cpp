@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/programs/recast_run.hpp"
 
 #include <fmt/format.h>
@@ -10,6 +11,7 @@
 #include "kernels/write.hpp"
 #include "ricochet/error.hpp"
 #include "src/scene/derive.hpp"
+#include "src/scene/request.hpp"
 
 namespace ricochet::programs {
 
@@ -25,7 +27,7 @@ std::vector<std::int64_t> of_whole_surface(const scene::KernelRequest& had,
   for (const std::int64_t point : points) {
     if (point < 0 || static_cast<std::uint64_t>(point) >= candidates)
       throw InputError(
-          fmt::format("there is no candidate point {}: they go from 0 to {}", point, candidates - 1));
+          fmt::format("there is no candidate {}: they are numbered from 0 to {}", point, candidates - 1));
     whole.push_back((*had.points)[static_cast<std::size_t>(point)]);
   }
   return whole;
@@ -86,7 +88,7 @@ std::string recast(const RecastOptions& options, kernels::Kernel& kernel) {
 int run_recast(const RecastOptions& options, std::ostream& out) {
   kernels::Kernel kernel = kernels::read(options.kernel);
   const std::size_t modes = kernel.modes.size(), points = kernel.surface.size();
-  const char* of_basis = kernel.modes.fitted() ? "vectors" : "modes";
+  const char* of_basis = kernel.modes.contact_adapted() ? "vectors" : "modes";
   fs::path path = options.out.empty() ? options.kernel.parent_path() : options.out;
   try {
     path /= options.vtk && !options.changes() ? options.kernel.filename().string() : recast(options, kernel);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // ricochet-recast as a function: from a kernel file to that of a similar body, or of less of it.
 #pragma once
 

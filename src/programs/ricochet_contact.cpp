@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // ricochet-contact: impacts of elastic bodies from their kernels.
 #include <exception>
 #include <iostream>
@@ -6,6 +7,7 @@
 #include "src/console/options.hpp"
 #include "src/programs/batch_run.hpp"
 #include "src/programs/contact_run.hpp"
+#include "src/scene/key_reference.hpp"
 #include "src/scene/keys.hpp"
 
 int main(int argc, char** argv) {

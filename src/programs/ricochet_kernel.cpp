@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // ricochet-kernel SCENE.toml: elastic modes of each body, kept where contact can see them.
 //
 //   mpirun -n 2 ricochet-kernel meshes/two-disks/two-disks.toml
@@ -13,6 +14,7 @@
 #include "src/parallel/blas.hpp"
 #include "src/parallel/parallel.hpp"
 #include "src/programs/kernel_run.hpp"
+#include "src/scene/key_reference.hpp"
 #include "src/scene/keys.hpp"
 
 int main(int argc, char** argv) {
@@ -43,7 +45,7 @@ int main(int argc, char** argv) {
     // speaks.
     if (!first) std::this_thread::sleep_for(std::chrono::milliseconds(300));
     std::cerr << "ricochet-kernel: rank " << parallel::rank_of(PETSC_COMM_WORLD) << ": "
-              << console::told(error) << std::endl;
+              << console::message_of(error) << std::endl;
     MPI_Abort(PETSC_COMM_WORLD, 1);
     return 1;
   }

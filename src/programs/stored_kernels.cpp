@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/programs/stored_kernels.hpp"
 
 #include <fmt/format.h>
@@ -6,7 +7,7 @@
 
 #include "kernels/read.hpp"
 #include "ricochet/error.hpp"
-#include "src/programs/placing.hpp"
+#include "src/scene/request.hpp"
 
 namespace ricochet::programs {
 
@@ -17,64 +18,83 @@ namespace {
 /// Files that hold all candidates of a body, or some.
 std::vector<KernelFile> files_of(const scene::Scene& scene, const scene::Body& body,
                                  const scene::KernelRequest& request, const fs::path& folder,
-                                 KernelCache& cache) {
+                                 KernelStore& store) {
   if (is_limited(scene, body)) return kernel_files(folder, request);
   const fs::path path = scene::kernel_path(folder, request);
   if (!fs::exists(path)) return {};
-  if (!cache.seen.contains(path)) {
+  if (!store.seen.contains(path)) {
     if (kernels::read_hash(path) != request.hash) return {};
-    cache.seen.insert(path);
+    store.seen.insert(path);
   }
   return {{path, {}}};
 }
 
-std::shared_ptr<const kernels::Kernel> read(const fs::path& path, KernelCache& cache, bool view = false) {
-  std::shared_ptr<const kernels::Kernel>& kernel = cache.kernels[path];
+std::shared_ptr<const kernels::Kernel> read(const fs::path& path, KernelStore& store, bool view = false) {
+  std::shared_ptr<const kernels::Kernel>& kernel = store.kernels[path];
   if (!kernel || (view && !kernel->view))
     kernel = std::make_shared<const kernels::Kernel>(kernels::read(path, view));
   return kernel;
 }
 
+/// Placements kept: those of a sweep over a few positions.
+constexpr std::size_t most_placements = 4;
+
 }  // namespace
 
-std::vector<const kernels::Kernel*> Kernels::pointers() const {
-  std::vector<const kernels::Kernel*> out;
+contact::Placement PlacementStore::place(const scene::Scene& scene, const KernelPointers& kernels) {
+  Key key{{}, half_spaces(scene), pair_requests(scene)};
+  const std::vector<contact::PlacedBody> bodies = placed_bodies(scene, kernels);
+  for (const contact::PlacedBody& body : bodies)
+    key.bodies.push_back({body.name, body.kernel->surface.components, body.kernel->surface.direction,
+                          contact::surface_of(body)});
+  const auto same = std::ranges::find(known_, key, &std::pair<Key, contact::Placement>::first);
+  if (same == known_.end()) {
+    known_.emplace_back(std::move(key), in_scene(scene, [&] { return programs::place(scene, kernels); }));
+    if (known_.size() > most_placements) known_.pop_front();
+    return known_.back().second;
+  }
+  contact::Placement out = with_kernels(same->second, kernels);
+  for (std::size_t k = 0; k < bodies.size(); ++k) out.bodies[k].velocity = bodies[k].velocity;
+  return out;
+}
+
+KernelPointers Kernels::pointers() const {
+  KernelPointers out;
   for (const auto& one : kernel) out.push_back(one.get());
   return out;
 }
 
-std::vector<StoredKernel> find_kernels(const scene::Scene& scene, const fs::path& folder,
-                                       KernelCache& cache) {
+StoredKernels find_kernels(const scene::Scene& scene, const fs::path& folder, KernelStore& store) {
   std::vector<std::vector<KernelFile>> files;
-  std::vector<StoredKernel> out;
+  StoredKernels out;
   for (const scene::Body& body : scene.bodies) {
-    const scene::KernelRequest request = scene::kernel_request(scene, body, &cache.meshes);
+    const scene::KernelRequest request = scene::kernel_request(scene, body, &store.meshes);
     const fs::path whole = scene::kernel_path(folder, request);
-    files.push_back(files_of(scene, body, request, folder, cache));
+    files.push_back(files_of(scene, body, request, folder, store));
     const bool none = files.back().empty();
-    out.push_back({none ? whole : files.back().front().path, !none, whole, request.hash});
+    out.of_body.push_back({none ? whole : files.back().front().path, !none, whole, request.hash});
   }
   const auto whole = [](const auto& of_body) { return of_body.size() == 1 && !of_body.front().held; };
   const auto none = [](const auto& of_body) { return of_body.empty(); };
   if (std::ranges::all_of(files, whole) || std::ranges::any_of(files, none)) return out;
 
-  std::vector<kernels::WholeSurface> surfaces;
-  for (const StoredKernel& stored : out)
-    surfaces.push_back(kernels::whole_surface(read(stored.path, cache)->surface));
-  const std::vector<Points> points = points_within_reach(scene, surfaces, cache.pairings);
+  KernelPointers kernels;
+  for (const StoredKernel& stored : out.of_body) kernels.push_back(read(stored.path, store).get());
+  out.placement = store.placements.place(scene, kernels);
+  const std::vector<Points> points = points_within_reach(scene, *out.placement);
   for (std::size_t k = 0; k < files.size(); ++k) {
     const auto enough =
         std::ranges::find_if(files[k], [&](const KernelFile& file) { return file.holds(points[k]); });
-    out[k].enough = enough != files[k].end();
-    if (out[k].enough) out[k].path = enough->path;
+    out.of_body[k].enough = enough != files[k].end();
+    if (out.of_body[k].enough) out.of_body[k].path = enough->path;
   }
   return out;
 }
 
 namespace {
 
-/// Linear elements that must keep their volume can hardly deform otherwise: from here on peak forces come out
-/// twice as large and more.
+/// Poisson's ratio above which linear elements lock: they can hardly keep their volume and deform, and peak
+/// forces come out at least twice as large.
 constexpr double locking_poisson = 0.45;
 
 std::vector<std::string> locking(const scene::Body& body, const kernels::Kernel& kernel) {
@@ -90,10 +110,11 @@ std::vector<std::string> locking(const scene::Body& body, const kernels::Kernel&
 
 }  // namespace
 
-Kernels read_kernels(const scene::Scene& scene, const fs::path& folder, KernelCache& cache, bool view) {
-  const std::vector<StoredKernel> stored = find_kernels(scene, folder, cache);
+Kernels read_kernels(const scene::Scene& scene, const fs::path& folder, KernelStore& store, bool view) {
+  StoredKernels found = find_kernels(scene, folder, store);
+  const std::vector<StoredKernel>& stored = found.of_body;
   Kernels out;
-  decltype(cache.kernels) kept;
+  decltype(store.kernels) kept;
   for (std::size_t k = 0; k < stored.size(); ++k) {
     const scene::Body& body = scene.bodies[k];
     const fs::path& path = stored[k].path;
@@ -103,7 +124,7 @@ Kernels read_kernels(const scene::Scene& scene, const fs::path& folder, KernelCa
           "{}: no kernel for body \"{}\" {}. Run ricochet-kernel {} first, with the same --set and --out.",
           scene.file.string(), body.name, limited ? "in " + folder.string() : "at " + path.string(),
           scene.file.string()));
-    const auto kernel = read(path, cache, view);
+    const auto kernel = read(path, store, view);
     if (!limited && kernel->hash != stored[k].hash)
       throw InputError(
           fmt::format("{}: is a kernel of another scene, not of body \"{}\". Run ricochet-kernel {} again.",
@@ -113,7 +134,8 @@ Kernels read_kernels(const scene::Scene& scene, const fs::path& folder, KernelCa
     for (const std::string& warning : locking(body, *kernel)) out.warnings.push_back(warning);
     kept[path] = kernel;
   }
-  cache.kernels = std::move(kept);
+  store.kernels = std::move(kept);
+  if (found.placement) out.placement = with_kernels(std::move(*found.placement), out.pointers());
   return out;
 }
 

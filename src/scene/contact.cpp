@@ -1,14 +1,15 @@
-// [contact]: who meets whom, and how.
-#include <algorithm>
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/scene/contact.hpp"
+
 #include <optional>
 
-#include "src/scene/toml.hpp"
+#include "src/scene/table.hpp"
 
 namespace ricochet::scene {
 
 namespace {
 
-/// Keys of one pair; those not given come from `pair`.
+/// Reads the keys of one pair; missing keys keep their values in `pair`.
 void read_pair(Table& table, const Scene& scene, Pair& pair) {
   const auto names = table.texts("between");
   if (!names.empty()) {
@@ -30,8 +31,8 @@ void read_pair(Table& table, const Scene& scene, Pair& pair) {
     table.complain("between", "one of the two must be a body");
 }
 
-/// The pair with its body first. Only once all its keys are known: those of [contact] are out of the first
-/// that the pair itself names.
+/// Swaps the pair if its body is not first. Call this only when all keys are known: a direction in [contact]
+/// points out of the first member that the pair itself names.
 Pair body_first(const Scene& scene, Pair pair) {
   if (scene.find_body(pair.a) != nullptr) return pair;
   std::swap(pair.a, pair.b);

@@ -1,17 +1,20 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/scene/derive.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "kernels/read.hpp"
+#include "src/scene/body.hpp"
 #include "src/scene/loads.hpp"
-#include "src/scene/toml.hpp"
+#include "src/scene/modes.hpp"
+#include "src/scene/table.hpp"
 
 namespace ricochet::scene {
 
 namespace {
 
-/// Numbers that are one but for a few roundings: factors are quotients of what a scene says.
+/// Whether numbers agree up to a few roundings: factors are quotients of numbers in scenes.
 bool same(double a, double b) { return std::abs(a - b) <= 1e-12 * std::max(std::abs(a), std::abs(b)); }
 
 template <class T>
@@ -19,21 +22,22 @@ bool both_or_neither(const std::optional<T>& a, const std::optional<T>& b) {
   return a.has_value() == b.has_value();
 }
 
-/// Whether the second material is the first one with these factors.
+/// Whether the second material is the first one multiplied by these factors.
 bool similar(const Material& had, const Material& wanted, const kernels::Similarity& by) {
   return had.group == wanted.group && had.poisson == wanted.poisson &&
          same(had.young * by.young, wanted.young) && same(had.density * by.density, wanted.density) &&
          same(had.area * by.area.value_or(1), wanted.area);
 }
 
-/// A rod's patches are its ends, as large as its cross-section; to solids an area means nothing.
+/// Whether the body is a rod: the patches of a rod are its ends, with the area of its cross-section. For
+/// solids the key `area` has no effect.
 bool is_rod(const kernels::Kernel& kernel, const Body& body) {
   return std::ranges::all_of(kernel.surface.area, [&](double area) {
     return std::ranges::any_of(body.materials, [&](const Material& m) { return same(m.area, area); });
   });
 }
 
-/// What a kernel keeps of the scene it is for, where that is not written as in a scene.
+/// The tables of the request in a kernel, where they differ from those of a scene.
 const Section& request_keys() {
   static const Section section{"a kernel's scene",
                                "",
@@ -45,13 +49,14 @@ const Section& request_keys() {
 }
 
 const Section& request_contact_keys() {
-  static const Section section{"[contact] of a kernel's scene",
-                               "",
-                               {{"direction", Type::vector, "", "", {}, ""},  // as they were rounded
-                                {"along", Type::vector, "", "", {}, ""},
-                                *pair_keys().find("spacing"),
-                                {"points", Type::integers, "", "", {}, ""},
-                                {"within_reach", Type::text, "", "", {}, ""}}};
+  static const Section section{
+      "[contact] of a kernel's scene",
+      "",
+      {{"direction", Type::vector, "", "", {}, ""},  // rounded, hence not of length 1
+       {"along", Type::vector, "", "", {}, ""},
+       *pair_keys().find("spacing"),
+       {"points", Type::integers, "", "", {}, ""},
+       {"within_reach", Type::text, "", "", {}, ""}}};
   return section;
 }
 
@@ -59,34 +64,35 @@ const Section& request_contact_keys() {
   throw InputError(fmt::format("kernel of \"{}\": {}", kernel.body, what));
 }
 
-/// Whether `wanted` asks for all of `had`, with frequencies multiplied.
+/// Whether `wanted` requests the same modes as `had`, with frequencies multiplied by a factor.
 bool same_modes(const Modes& had, const Modes& wanted, double frequency) {
-  // Vectors are fitted to the static response, too, that they leave.
+  // A contact-adapted basis also depends on whether a residual flexibility complements it.
   return (had.basis == Basis::modes || had.residual_flexibility == wanted.residual_flexibility) &&
          both_or_neither(had.up_to, wanted.up_to) &&
          (!had.up_to || std::abs(had.up_to->value * frequency / wanted.up_to->value - 1) < 1e-9) &&
          had.count == wanted.count && had.flexibility_error == wanted.flexibility_error;
 }
 
-/// @param fitted  whether what was fitted to the candidates is fitted to those wanted
+/// @param adapted  whether a basis adapted to the candidates is adapted to the requested ones
 kernels::Kernel with_modes(kernels::Kernel kernel, const Modes& had, const Modes& wanted, double frequency,
-                           bool fitted) {
+                           bool adapted) {
   if (had.basis != wanted.basis || had.low_rank != wanted.low_rank || had.approximate != wanted.approximate ||
       had.relative_residual > wanted.relative_residual)
-    fail(kernel, "its modes were not computed as asked for: compute them");
+    fail(kernel, "its modes were computed with other settings: compute the kernel");
   if (wanted.residual_flexibility && !had.residual_flexibility)
     fail(kernel, "has no residual flexibility: compute it with one");
-  const bool any_fit = had.basis == Basis::modes && !had.flexibility_error;
-  if (same_modes(had, wanted, frequency) && (fitted || any_fit)) return kernel;
+  const bool independent = had.basis == Basis::modes && !had.flexibility_error;
+  if (same_modes(had, wanted, frequency) && (adapted || independent)) return kernel;
   if (had.basis == Basis::contact)
-    fail(kernel, "holds vectors fitted to contact in another band or direction: compute others");
+    fail(kernel, "holds a contact-adapted basis for another band or direction: compute another one");
   if (wanted.flexibility_error)
-    return kernels::cut_to_flexibility_error(std::move(kernel), *wanted.up_to, *wanted.flexibility_error);
-  if (wanted.count) return kernels::cut_to_count(std::move(kernel), *wanted.count);
-  return kernels::cut_to_band(std::move(kernel), *wanted.up_to);
+    return kernels::truncated_to_flexibility_error(std::move(kernel), *wanted.up_to,
+                                                   *wanted.flexibility_error);
+  if (wanted.count) return kernels::truncated_to_count(std::move(kernel), *wanted.count);
+  return kernels::truncated_to_band(std::move(kernel), *wanted.up_to);
 }
 
-/// Places of the points of `wanted` among the candidates of `had`.
+/// Indices of the points of `wanted` among the candidates of `had`.
 std::vector<std::int64_t> places(const KernelRequest& had, const KernelRequest& wanted) {
   if (!had.points) return *wanted.points;
   std::vector<std::int64_t> places;
@@ -111,11 +117,12 @@ KernelRequest request_of(const kernels::Header& header, const std::string& origi
   }
   Table root(parsed, request_keys(), origin, "");
   if (parsed.contains("accuracy"))
-    root.complain("accuracy", "its modes were chosen for one scene only: compute another");
+    root.complain("accuracy", "its modes were chosen for one scene only: compute another kernel");
   for (const char* sources : {"loads", "output.receiver"})
     if (parsed.at_path(sources))
       root.complain(
-          sources, "kernels with loads, supports that move or receivers fit one scene only: compute another");
+          sources,
+          "kernels with loads, moving supports or receivers are for one scene only: compute another kernel");
   auto body = root.table("body", body_keys());
   if (!body) root.complain("body", "is missing. Compute it again with ricochet-kernel.");
   read_body_matter(*body, request.body);
@@ -170,15 +177,15 @@ std::optional<kernels::Similarity> similarity(const KernelRequest& had, const Ke
 
 kernels::Kernel derived(kernels::Kernel kernel, const KernelRequest& had, const KernelRequest& wanted) {
   auto factors = similarity(had, wanted);
-  if (!factors) fail(kernel, "is of another body or other candidates: compute the one that is asked for");
+  if (!factors) fail(kernel, "is of another body or has other candidates: compute the requested kernel");
   if (!is_rod(kernel, had.body)) factors->area.reset();
-  if (wanted.view && !kernel.view) fail(kernel, "has no view: compute it with one");
+  if (wanted.view && !kernel.view) fail(kernel, "has no visualisation surface: compute it with one");
   kernel = kernels::rescaled(std::move(kernel), *factors, wanted.body.damping);
   const bool turned = had.direction != wanted.direction;
-  if (turned) kernel = kernels::cut_to_direction(std::move(kernel), *wanted.direction);
+  if (turned) kernel = kernels::restricted_to_direction(std::move(kernel), *wanted.direction);
   if (wanted.points && (wanted.points != had.points || wanted.within_reach != had.within_reach)) {
     kernels::WholeSurface whole = kernels::whole_surface(kernel.surface);
-    kernel = kernels::cut_to_points(std::move(kernel), places(had, wanted));
+    kernel = kernels::restricted_to_points(std::move(kernel), places(had, wanted));
     if (wanted.within_reach) {
       whole.held = *wanted.points;
       kernel.surface.whole = std::move(whole);
@@ -208,7 +215,7 @@ std::optional<kernels::Kernel> derive_from(const std::filesystem::path& file, co
     const KernelRequest had = request_of(*header, file.string());
     if (similarity(had, wanted)) return derived(kernels::read(file), had, wanted);
   } catch (const InputError&) {
-    // Another one may do, or the kernel is computed.
+    // Another file may be suitable; otherwise the kernel is computed.
   }
   return std::nullopt;
 }

@@ -1,23 +1,24 @@
-// Which kernels follow from which without modes being computed, and how.
+// SPDX-License-Identifier: BSD-2-Clause
+// Kernels derived from other kernels without computing modes.
 #pragma once
 
 #include "kernels/algebra.hpp"
 #include "kernels/read.hpp"
-#include "src/scene/scene.hpp"
+#include "src/scene/request.hpp"
 
 namespace ricochet::scene {
 
-/// The request that a kernel file answers, by what it says of itself; the body has no name, mesh and
-/// placement. Throws InputError that begins with `origin` when this version makes no such kernels.
+/// The request that a kernel file answers, from its header; the body has no name, mesh and placement. Throws
+/// InputError that begins with `origin` if this version would not make such a kernel.
 KernelRequest request_of(const kernels::Header& header, const std::string& origin);
 
-/// Factors that turn the body of `had` into that of `wanted`, for the same candidates; none when bodies or
-/// candidates differ in more. Candidates may be fewer, and one direction may be wanted of all. Damping, modes
-/// and view are not looked at.
+/// Factors that turn the body of `had` into that of `wanted`, for the same candidates; none if bodies or
+/// candidates differ in more. The candidates may be a subset, and one direction may be requested of all
+/// three. Damping, modes and view are not compared.
 std::optional<kernels::Similarity> similarity(const KernelRequest& had, const KernelRequest& wanted);
 
-/// The kernel that `wanted` asks for, from one that answers `had`. Throws InputError, one line that begins
-/// with `kernel of "body"`, when it does not hold what that takes.
+/// Derives the kernel that `wanted` requests from one that answers `had`. Throws InputError, one line that
+/// begins with `kernel of "body"`, if the kernel does not contain the data that this needs.
 kernels::Kernel derived(kernels::Kernel kernel, const KernelRequest& had, const KernelRequest& wanted);
 
 struct Derived {
@@ -25,11 +26,12 @@ struct Derived {
   std::filesystem::path from;
 };
 
-/// The kernel that `wanted` asks for, from this file; none where it does not allow that, or can't be read.
+/// Derives the kernel that `wanted` requests from this file; none if it is not possible or the file cannot be
+/// read.
 std::optional<kernels::Kernel> derive_from(const std::filesystem::path& file, const KernelRequest& wanted);
 
-/// The kernel that `wanted` asks for, from the first kernel file in `folder` that allows it. Files that can't
-/// be read count for nothing.
+/// Derives the kernel that `wanted` requests from the first suitable kernel file in `folder`. Unreadable
+/// files are ignored.
 std::optional<Derived> derive_from_any(const std::filesystem::path& folder, const KernelRequest& wanted);
 
 }  // namespace ricochet::scene

@@ -1,3 +1,6 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/scene/hash.hpp"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <openssl/evp.h>
@@ -5,7 +8,6 @@
 #include <array>
 
 #include "ricochet/error.hpp"
-#include "src/scene/write.hpp"
 
 namespace ricochet::scene {
 

@@ -1,25 +1,13 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Ranges of keys, and the reference of all of them.
-#include <fmt/format.h>
+#include "src/scene/key_reference.hpp"
 
-#include <algorithm>
-#include <cstdlib>
+#include <fmt/format.h>
 
 #include "src/scene/keys.hpp"
 
 namespace ricochet::scene {
 
 namespace {
-
-double value_of(const std::string& bound) { return std::strtod(bound.c_str(), nullptr); }
-
-/// "a, b or c".
-std::string either(const std::vector<std::string>& choices) {
-  std::string text;
-  for (std::size_t k = 0; k < choices.size(); ++k)
-    text += fmt::format("{}\"{}\"", k == 0 ? "" : k + 1 < choices.size() ? ", " : " or ", choices[k]);
-  return text;
-}
 
 const char* name_of(Type type) {
   switch (type) {
@@ -59,7 +47,7 @@ std::string range_of(const Key& key) {
   return key.range.text();
 }
 
-/// As a cell of a Markdown table.
+/// Escapes text for a cell of a Markdown table.
 std::string cell(const std::string& text) {
   std::string escaped;
   for (const char c : text) {
@@ -70,26 +58,6 @@ std::string cell(const std::string& text) {
 }
 
 }  // namespace
-
-bool Range::holds(double value) const {
-  if (or_zero && value == 0) return true;
-  if (!low.empty() && (low_open ? value <= value_of(low) : value < value_of(low))) return false;
-  return high.empty() || (high_open ? value < value_of(high) : value <= value_of(high));
-}
-
-std::string Range::text() const {
-  if (!choices.empty()) return either(choices);
-  std::string text = or_zero ? "0 or " : "";
-  if (low_open && high_open) return text + fmt::format("above {} and below {}", low, high);
-  if (!low.empty() && !high.empty()) return text + fmt::format("from {} to {}", low, high);
-  if (!low.empty()) return text + (low_open ? "above " : "at least ") + low;
-  return "";
-}
-
-const Key* Section::find(std::string_view name) const {
-  const auto found = std::find_if(keys.begin(), keys.end(), [&](const Key& key) { return key.name == name; });
-  return found == keys.end() ? nullptr : &*found;
-}
 
 std::string key_reference() {
   std::string text =

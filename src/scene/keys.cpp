@@ -8,6 +8,11 @@
 
 namespace ricochet::scene {
 
+const Key* Section::find(std::string_view name) const {
+  const auto found = std::find_if(keys.begin(), keys.end(), [&](const Key& key) { return key.name == name; });
+  return found == keys.end() ? nullptr : &*found;
+}
+
 namespace {
 
 const char* const required = "–";

@@ -1,11 +1,13 @@
-// What a scene may hold: each key with its type, unit, default, range and meaning. Readers take keys from
-// here alone (src/scene/toml.hpp), so that none is read that is not described, and values are held to the
-// ranges that the reference prints.
+// SPDX-License-Identifier: BSD-2-Clause
+// The keys of a scene: type, unit, default, range and meaning of each. Tables (src/scene/table.hpp) accept
+// only keys that are described here and enforce the ranges that the reference prints.
 #pragma once
 
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "src/scene/range.hpp"
 
 namespace ricochet::scene {
 
@@ -21,29 +23,15 @@ enum class Type {
   direction,  ///< three numbers, not all 0
   table,
   tables,   ///< an array of tables
-  numbers,  ///< numbers by names of the user's
-  strings,  ///< strings likewise
-};
-
-/// What values are taken. Bounds are kept as they are written, for people.
-struct Range {
-  std::string low{}, high{};                 ///< empty: none
-  bool low_open = false, high_open = false;  ///< the bound itself is refused
-  bool or_zero = false;
-  std::vector<std::string> choices{};  ///< of a text: nothing else is taken
-  std::string remark{};                ///< behind a refusal
-
-  bool holds(double value) const;
-  /// "from 1 to 10", "above 0", "\"double\" or \"single\""; empty when all is taken.
-  std::string text() const;
+  numbers,  ///< numbers under names that the user chooses
+  strings,  ///< strings under such names
 };
 
 struct Key {
   std::string name;
   Type type;
   std::string unit;
-  std::string
-      fallback;  ///< as in the reference: a value in backticks, "none", "–" where the key must be given
+  std::string fallback;  ///< as in the reference: a value in backticks, "none", "–" if the key is required
   Range range;
   std::string meaning;
 };
@@ -54,7 +42,7 @@ struct Section {
   std::string meaning;  ///< a sentence
   std::vector<Key> keys;
 
-  /// Null: the table has no such key.
+  /// Returns null if the table has no such key.
   const Key* find(std::string_view name) const;
 };
 
@@ -76,8 +64,5 @@ const Section& receiver_keys();
 
 /// All of the above, in the order of the reference.
 std::vector<const Section*> all_sections();
-
-/// The reference of all keys, as Markdown; its last line has no end.
-std::string key_reference();
 
 }  // namespace ricochet::scene

@@ -1,16 +1,18 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/scene/loads.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "ricochet/kernel.hpp"
+#include "src/scene/table.hpp"
 #include "src/scene/write.hpp"
 
 namespace ricochet::scene {
 
 namespace {
 
-/// The value of `key`, which must be given.
+/// The value of a required key.
 std::string required_text(Table& table, const std::string& key, const char* what) {
   const auto text = table.text(key);
   if (!text) table.complain(key, std::string("is missing: ") + what);
@@ -29,12 +31,12 @@ std::string read_body(Table& table, const Scene& scene) {
   return name;
 }
 
-/// Of a name that kernels are to have.
+/// Checks a name that kernels will use.
 void check_name(const Table& table, const std::string& key, const std::string& name) {
   if (!kernels::is_free_name(name))
     table.complain(key,
                    "\"" + name +
-                       "\" can't be a name: give 1 to 100 bytes without \"/\" and control characters, and "
+                       "\" is not a valid name: use 1 to 100 bytes without \"/\" and control characters, but "
                        "not body_force, body_force_residual or rotation");
 }
 
@@ -51,8 +53,8 @@ Vector3 in_body(const std::array<double, 9>& rotation, const Vector3& world) {
   return own;
 }
 
-/// A support moves along the components that it holds.
-void check_motion(Table& table, const Body& body, const Driven& motion) {
+/// Checks that a support moves along components that it holds.
+void check_motion(Table& table, const Body& body, const Forcing& motion) {
   const auto support = body.support.find(motion.group);
   if (support == body.support.end()) {
     std::string all;
@@ -67,17 +69,18 @@ void check_motion(Table& table, const Body& body, const Driven& motion) {
   for (std::size_t k = 0; k < 3; ++k) {
     const char component = "xyz"[k];
     if (std::abs(own[k]) > 1e-9 * length && support->second.find(component) == std::string::npos)
-      table.complain("vector",
-                     fmt::format("moves \"{}\" along the body's {}, which it does not hold (it holds "
-                                 "\"{}\"): add it to bodies.{}.support, or move along what is held",
-                                 motion.group, component, support->second, body.name));
+      table.complain(
+          "vector",
+          fmt::format("moves \"{}\" along the body's {}, which it does not hold (it holds "
+                      "\"{}\"): add it to bodies.{}.support, or move along a component that is held",
+                      motion.group, component, support->second, body.name));
   }
 }
 
 enum class Kind { traction, point, motion };
 
-Driven read_driven(Table& table, Kind kind, std::size_t number, const Scene& scene) {
-  Driven driven;
+Forcing read_driven(Table& table, Kind kind, std::size_t number, const Scene& scene) {
+  Forcing driven;
   driven.body = read_body(table, scene);
   if (kind == Kind::point)
     driven.at = required_vector(table, "at", "where the force acts, [x, y, z] in world axes");
@@ -99,8 +102,8 @@ Driven read_driven(Table& table, Kind kind, std::size_t number, const Scene& sce
   return driven;
 }
 
-void refuse_second(const Table& table, const std::vector<Driven>& before, const Driven& driven) {
-  for (const Driven& other : before)
+void refuse_second(const Table& table, const std::vector<Forcing>& before, const Forcing& driven) {
+  for (const Forcing& other : before)
     if (other.body == driven.body && other.name == driven.name)
       table.complain("name",
                      fmt::format("bodies.{} has a load or motion \"{}\" already: give each its own name",
@@ -110,7 +113,7 @@ void refuse_second(const Table& table, const std::vector<Driven>& before, const 
 void move_to_frame(const Body& body, Vector3& at) {
   for (std::size_t k = 0; k < 3; ++k) at[k] -= body.translate[k];
   at = in_body(rotation_of(body), at);
-  // Round-off must not change hashes.
+  // Rounded, so that round-off does not change hashes.
   for (double& x : at) x = std::round(x * 1e12) / 1e12;
 }
 
@@ -121,7 +124,7 @@ void read_loads(Table& root, Scene& scene) {
   if (!table) return;
   Loads& loads = scene.loads;
   loads.gravity = table->vector("gravity").value_or(Vector3{});
-  std::vector<Driven> all;
+  std::vector<Forcing> all;
   for (const auto& [key, keys, kind, target] :
        {std::tuple{"traction", &traction_keys(), Kind::traction, &loads.tractions},
         std::tuple{"point", &point_keys(), Kind::point, &loads.points},
@@ -155,15 +158,15 @@ void take_sources(const Scene& all, const Body& placed, KernelRequest& request) 
   for (const auto& [from, to] :
        {std::pair{&all.loads.tractions, &request.tractions},
         std::pair{&all.loads.points, &request.point_forces}, std::pair{&all.loads.motions, &request.motions}})
-    for (Driven driven : *from) {
+    for (Forcing driven : *from) {
       if (driven.body != placed.name) continue;
       driven.vector = {};
       driven.history.clear();
       if (from == &all.loads.points) move_to_frame(placed, driven.at);
-      // A support moves in one way for all its histories.
+      // All histories of a support share its motion.
       if (from == &all.loads.motions) driven.name = driven.group;
       if (std::none_of(to->begin(), to->end(),
-                       [&](const Driven& other) { return other.name == driven.name; }))
+                       [&](const Forcing& other) { return other.name == driven.name; }))
         to->push_back(driven);
     }
   for (Receiver receiver : all.output.receivers) {
@@ -178,7 +181,7 @@ std::string toml_sources(const KernelRequest& request) {
   for (const auto& [table, list] :
        {std::pair{"traction", &request.tractions}, std::pair{"point", &request.point_forces},
         std::pair{"motion", &request.motions}})
-    for (const Driven& driven : *list)
+    for (const Forcing& driven : *list)
       text += fmt::format("[[loads.{}]]\nname = {}\n{}\n", table, toml_string(driven.name),
                           list == &request.point_forces ? "at = " + toml_vector(driven.at)
                                                         : "group = " + toml_string(driven.group));

@@ -1,22 +1,26 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Internal to src/scene: loads with histories, moving supports and receivers.
 #pragma once
 
 #include <string>
 
-#include "src/scene/toml.hpp"
+#include "src/scene/request.hpp"
 
 namespace ricochet::scene {
 
-/// [loads], once the scene's bodies are known.
+class Table;
+
+/// Reads [loads] of `root`. The bodies of `scene` must be known. Throws InputError.
 void read_loads(Table& root, Scene& scene);
 
-/// [[output.receiver]], likewise.
+/// Reads [[output.receiver]]. The bodies of `scene` must be known. Throws InputError.
 std::vector<Receiver> read_receivers(Table& output, const Scene& scene);
 
-/// Items of `all` that belong to request.body, as its kernel depends on them.
+/// Copies the items of `all` that belong to the body into the request, in the form in which its kernel
+/// depends on them.
 void take_sources(const Scene& all, const Body& placed, KernelRequest& request);
 
-/// What take_sources took as TOML; empty when it is nothing.
+/// The items of take_sources as TOML; empty if there are none.
 std::string toml_sources(const KernelRequest& request);
 
 }  // namespace ricochet::scene

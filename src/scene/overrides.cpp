@@ -1,4 +1,7 @@
-#include "src/scene/toml.hpp"
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/scene/overrides.hpp"
+
+#include "src/scene/table.hpp"
 
 namespace ricochet::scene {
 
@@ -13,7 +16,7 @@ struct Part {
   std::vector<std::size_t> index;
 };
 
-/// "bodies.upper.list[2].x" in parts; quotes hold dots.
+/// Splits a path such as "bodies.upper.list[2].x"; dots in quotes do not separate.
 std::vector<Part> split(const std::string& path, const Override& text) {
   const auto refuse = [&](const std::string& what) {
     return refusal(text, what + ": write KEY=VALUE with a dotted key, as in bodies.upper.velocity=[0,-6,0]");
@@ -42,12 +45,12 @@ std::vector<Part> split(const std::string& path, const Override& text) {
     parts.push_back(part);
     if (parts.size() > 20) throw refuse("the key has more than 20 parts");
     if (at == path.size()) return parts;
-    if (path[at] != '.') throw refuse("the key is not understood");
+    if (path[at] != '.') throw refuse("the key is invalid");
     ++at;
   }
 }
 
-/// The first "=" that is not in quotes.
+/// Position of the first "=" outside quotes.
 std::size_t end_of_key(const std::string& text) {
   bool quoted = false;
   for (std::size_t at = 0; at < text.size(); ++at) {
@@ -57,7 +60,7 @@ std::size_t end_of_key(const std::string& text) {
   return text.find('=');
 }
 
-/// Whether `text` is UTF-8, as scenes are: no other bytes can be written out again.
+/// Whether `text` is UTF-8, as TOML requires; other bytes could not be written out again.
 bool is_utf8(const std::string& text) {
   for (std::size_t at = 0; at < text.size();) {
     const auto lead = static_cast<unsigned char>(text[at]);

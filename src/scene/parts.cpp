@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/scene/parts.hpp"
 
 #include <fmt/format.h>
@@ -15,7 +16,7 @@ std::filesystem::path part_file(const std::filesystem::path& mesh, std::size_t n
   return mesh.parent_path() / fmt::format("{}_{}{}", mesh.stem().string(), number, mesh.extension().string());
 }
 
-/// Number of the last part that is there.
+/// Number of the last part that exists.
 std::size_t last_part(const std::filesystem::path& mesh) {
   std::size_t last = 0;
   const std::filesystem::path folder = mesh.parent_path().empty() ? "." : mesh.parent_path();

@@ -1,177 +1,19 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/scene/read.hpp"
+
 #include <algorithm>
-#include <cmath>
 #include <fstream>
 #include <iterator>
-#include <limits>
 #include <sstream>
 
+#include "src/scene/body.hpp"
+#include "src/scene/contact.hpp"
 #include "src/scene/loads.hpp"
+#include "src/scene/modes.hpp"
+#include "src/scene/overrides.hpp"
+#include "src/scene/table.hpp"
 
 namespace ricochet::scene {
-
-namespace {
-
-Material read_material(Table& table, const std::string& group) {
-  Material material;
-  material.group = group;
-  material.density = table.required_number("density");
-  material.young = table.required_number("young");
-  material.poisson = table.number("poisson").value_or(material.poisson);
-  material.area = table.number("area").value_or(material.area);
-  table.refuse_unknown();
-  return material;
-}
-
-/// None where none are given, as for an imported body.
-std::vector<Material> read_materials(Table& body) {
-  auto table = body.table("material", material_keys());
-  if (!table || table->raw().empty()) return {};
-  bool nested = true;
-  for (auto&& [key, node] : table->raw()) nested = nested && node.is_table();
-  if (!nested) return {read_material(*table, "")};
-  std::vector<Material> materials;
-  for (auto& [group, inner] : table->tables(material_keys()))
-    materials.push_back(read_material(inner, group));
-  return materials;
-}
-
-Damping read_damping(Table& body) {
-  Damping damping;
-  auto table = body.table("damping", damping_keys());
-  if (!table) return damping;
-  const std::pair<const char*, Damping::Law> laws[] = {{"ratio", Damping::Law::ratio},
-                                                       {"loss_factor", Damping::Law::loss_factor},
-                                                       {"viscosity", Damping::Law::viscosity}};
-  int given = 0;
-  for (const auto& [key, law] : laws)
-    if (const auto value = table->number(key)) {
-      damping = {law, *value, 0};
-      ++given;
-    }
-  if (const auto value = table->pair("rayleigh", "[alpha, beta]")) {
-    damping = {Damping::Law::rayleigh, (*value)[0], (*value)[1]};
-    ++given;
-  }
-  table->refuse_unknown();
-  if (given > 1) body.complain("damping", "give one law only: ratio, loss_factor, rayleigh or viscosity");
-  return damping;
-}
-
-std::map<std::string, std::string> read_support(Table& body) {
-  std::map<std::string, std::string> support;
-  for (const auto& [group, text] : body.strings("support")) {
-    std::string components;
-    for (char c : {'x', 'y', 'z'})
-      if (text.find(c) != std::string::npos) components += c;
-    if (components.empty() || text.find_first_not_of("xyz") != std::string::npos)
-      body.complain("support", fmt::format("\"{}\" holds \"{}\": name the fixed components, some of \"xyz\"",
-                                           group, text));
-    support[group] = components;
-  }
-  return support;
-}
-
-}  // namespace
-
-void read_body_matter(Table& table, Body& body) {
-  body.geometry = table.numbers("geometry");
-  if (const auto order = table.integer("order")) body.order = static_cast<int>(*order);
-  body.scale = table.number("scale").value_or(body.scale);
-  body.materials = read_materials(table);
-  body.damping = read_damping(table);
-  body.contact = table.texts("contact");
-  body.support = read_support(table);
-}
-
-namespace {
-
-/// What belongs to a mesh, and what to an imported body.
-void check_matter(Table& table, const Body& body) {
-  if (!body.imported()) {
-    if (body.materials.empty())
-      table.complain("material", "is missing: give { density = …, young = …, poisson = … }");
-    return;
-  }
-  const char* fixed = "a body file (.h5) has it in its numbers: leave it out";
-  if (!body.materials.empty()) table.complain("material", fixed);
-  if (!body.geometry.empty()) table.complain("geometry", fixed);
-  if (body.scale != 1) table.complain("scale", fixed);
-}
-
-Body read_body(const std::string& name, Table& table, const std::filesystem::path& folder) {
-  Body body;
-  body.name = name;
-  if (name.empty() ||
-      name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") !=
-          std::string::npos)
-    table.complain("", "a body's name is made of letters, digits, - and _");
-  const auto mesh = table.text("mesh");
-  if (!mesh)
-    table.complain("mesh", "is missing: name a .geo, .step, .brep or .msh file, or a body file (.h5)");
-  body.mesh = (folder / *mesh).lexically_normal();
-  read_body_matter(table, body);
-  check_matter(table, body);
-  body.translate = table.vector("translate").value_or(Vector3{});
-  body.rotate_deg = table.vector("rotate_deg").value_or(Vector3{});
-  body.velocity = table.vector("velocity").value_or(Vector3{});
-  table.refuse_unknown();
-  return body;
-}
-
-}  // namespace
-
-Modes read_modes(Table& root, const std::optional<double>& accuracy) {
-  Modes modes;
-  auto table = root.table("modes", modes_keys());
-  if (!table && accuracy) {
-    modes.basis = Basis::contact;
-    modes.accuracy = accuracy;
-    return modes;
-  }
-  if (!table) root.complain("modes", "is missing: give up_to_hz or count, or accuracy in the scene");
-  if (const auto band = table->number("up_to_hz")) modes.up_to = Hertz{*band};
-  modes.count = table->integer("count");
-  modes.flexibility_error = table->number("flexibility_error");
-  modes.residual_flexibility = table->boolean("residual_flexibility").value_or(modes.residual_flexibility);
-  if (const auto basis = table->text("basis")) {
-    if (*basis == "contact") modes.basis = Basis::contact;
-  } else if (accuracy && !modes.up_to && !modes.count) {
-    modes.basis = Basis::contact;
-  }
-  if (const auto threshold = table->number("low_rank")) {
-    if (*threshold != 0 && modes.basis != Basis::contact)
-      table->complain("low_rank", "proves no count of modes: it goes with basis = \"contact\"");
-    modes.low_rank = *threshold;
-  }
-  if (const auto iterations = table->integer("approximate")) {
-    if (*iterations > 0 && modes.basis == Basis::contact)
-      table->complain("approximate", "goes with basis = \"modes\": vectors fitted to contact need no start");
-    if (*iterations > 0 && (modes.flexibility_error || (!modes.up_to && !modes.count)))
-      table->complain("approximate", "goes with up_to_hz or count alone: leave flexibility_error out");
-    modes.approximate = static_cast<int>(*iterations);
-  }
-  if (accuracy && !modes.up_to && !modes.count) {
-    modes.accuracy = accuracy;
-    if (modes.basis == Basis::modes && !modes.residual_flexibility)
-      root.complain("modes", "accuracy needs residual_flexibility = true, to which modes are left");
-  } else if (modes.basis == Basis::contact) {
-    if (!modes.up_to)
-      root.complain("modes", "basis = \"contact\" needs up_to_hz, the band in which contact acts");
-    if (modes.count && modes.flexibility_error)
-      root.complain("modes", "give one of count and flexibility_error");
-    if (!modes.count && !modes.flexibility_error) modes.flexibility_error = 1e-3;
-  } else {
-    if (modes.up_to.has_value() == modes.count.has_value())
-      root.complain("modes", "give one of up_to_hz and count");
-    if (modes.flexibility_error && !modes.up_to)
-      root.complain("modes", "flexibility_error needs up_to_hz, the band in which contact acts");
-    if (modes.flexibility_error && !modes.residual_flexibility)
-      root.complain("modes", "flexibility_error needs residual_flexibility = true, to which modes are left");
-  }
-  modes.relative_residual = table->number("relative_residual").value_or(modes.relative_residual);
-  table->refuse_unknown();
-  return modes;
-}
 
 namespace {
 
@@ -202,30 +44,32 @@ void read_output(Table& root, Scene& scene) {
   const auto view = table->boolean("view");
   output.vtk_every = table->integer("vtk_every").value_or(output.vtk_every);
   if (output.vtk_every > 0 && view && !*view)
-    table->complain("view", "vtk_every draws the skin of each body: leave view out, or set it to true");
+    table->complain("view", "vtk_every needs the visualisation surfaces: leave view out, or set it to true");
   output.view = view.value_or(output.vtk_every > 0);
   output.snapshot_every = table->integer("snapshot_every").value_or(output.snapshot_every);
   output.receivers = read_receivers(*table, scene);
   table->refuse_unknown();
 }
 
-/// Modes that an imported body can't have, as it has neither elements nor a wave speed.
+/// Refuses settings of modes that need elements or a wave speed, which an imported body does not have.
 void refuse_what_needs_elements(Table& root, const Scene& scene) {
   const Modes& modes = scene.modes;
   const char* what = modes.approximate > 0 ? "approximate" : modes.low_rank > 0 ? "low_rank" : nullptr;
   for (const Body& body : scene.bodies) {
     if (!body.imported()) continue;
     if (modes.accuracy)
-      root.complain("accuracy", fmt::format("can't choose modes for bodies.{}, a body file: give "
+      root.complain("accuracy", fmt::format("cannot choose modes for bodies.{}, a body file: give "
                                             "modes.up_to_hz or modes.count",
                                             body.name));
     if (what != nullptr)
       root.table("modes", modes_keys())
-          ->complain(what, fmt::format("does not go with bodies.{}, a body file: leave it out", body.name));
+          ->complain(what,
+                     fmt::format("is not possible with bodies.{}, a body file: leave it out", body.name));
   }
 }
 
-/// File systems end names at 255 bytes; the longest are those of temporary files, "<name>.<process>.partial".
+/// Refuses names that exceed the 255 bytes of file systems; the longest are those of temporary files,
+/// "<name>.<process>.partial".
 void refuse_long_names(const Scene& scene) {
   constexpr std::size_t most = 255, temporary = 16;
   std::size_t ending = std::string_view(".summary.json").size();
@@ -234,12 +78,12 @@ void refuse_long_names(const Scene& scene) {
   const std::size_t length = slug(scene.title).size() + ending + temporary;
   if (length > most)
     throw InputError(
-        fmt::format("{}: title: with the names of receivers it makes names of files of {} bytes, more than "
+        fmt::format("{}: title: with the names of receivers, it gives file names of {} bytes, more than "
                     "{}: shorten it",
                     scene.file.filename().string(), length, most));
 }
 
-/// Output and loads that a table or bodies at rest know nothing of.
+/// Refuses output and loads that do not exist for tables or at equilibrium.
 void refuse_what_does_not_go(Table& root, const Scene& scene) {
   const bool table = scene.contact.kernel == ContactKernel::table;
   if (table && scene.output.snapshot_every > 0)
@@ -247,7 +91,7 @@ void refuse_what_does_not_go(Table& root, const Scene& scene) {
         ->complain("snapshot_every", "contact.kernel = \"table\" has no modal coordinates: leave it out");
   if (table && scene.output.vtk_every > 0)
     root.table("output", output_keys())
-        ->complain("vtk_every", "contact.kernel = \"table\" knows no motion of the bodies: leave it out");
+        ->complain("vtk_every", "contact.kernel = \"table\" gives no motion of the bodies: leave it out");
   if (table && scene.accuracy)
     root.complain("accuracy", "errors of runs by contact.kernel = \"table\" are not estimated: leave it out");
   if (!table && scene.contact.scheme != Scheme::at_rest) return;
@@ -255,9 +99,10 @@ void refuse_what_does_not_go(Table& root, const Scene& scene) {
   const Loads& loads = scene.loads;
   if (!loads.tractions.empty() || !loads.points.empty() || !loads.motions.empty())
     root.table("loads", loads_keys())
-        ->complain("", fmt::format("{} takes gravity alone: leave the others out", with));
+        ->complain("", fmt::format("{} allows gravity only: leave the other loads out", with));
   if (!scene.output.receivers.empty())
-    root.table("output", output_keys())->complain("receiver", fmt::format("{} has none: leave it out", with));
+    root.table("output", output_keys())
+        ->complain("receiver", fmt::format("{} allows none: leave it out", with));
 }
 
 std::string text_of(const std::filesystem::path& file) {
@@ -267,30 +112,14 @@ std::string text_of(const std::filesystem::path& file) {
     throw InputError(fmt::format("{}: no such file", file.string()));
   if (std::filesystem::file_size(file, failure) > most)
     throw InputError(
-        fmt::format("{}: has more than 4 MiB: it is no scene, name another file", file.string()));
+        fmt::format("{}: is larger than 4 MiB, so it is not a scene: name another file", file.string()));
   std::ifstream stream(file, std::ios::binary);
   std::string text(std::istreambuf_iterator<char>(stream), {});
   if (!stream) throw InputError(fmt::format("{}: cannot be read", file.string()));
   return text;
 }
 
-}  // namespace
-
-const Body* Scene::find_body(const std::string& name) const {
-  const auto found =
-      std::find_if(bodies.begin(), bodies.end(), [&](const Body& body) { return body.name == name; });
-  return found == bodies.end() ? nullptr : &*found;
-}
-
-const Obstacle* Scene::find_obstacle(const std::string& name) const {
-  const auto found =
-      std::find_if(obstacles.begin(), obstacles.end(), [&](const Obstacle& o) { return o.name == name; });
-  return found == obstacles.end() ? nullptr : &*found;
-}
-
-namespace {
-
-/// The tables of a scene's text, `name` of its file, with the overrides applied.
+/// Parses the text of a scene, whose file is called `name`, and applies the overrides.
 toml::table tables_of(const std::string& text, const std::string& name,
                       const std::vector<Override>& overrides) {
   toml::table parsed;
@@ -328,9 +157,7 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   scene.accuracy = root.number("accuracy");
   if (parsed["contact"]["table"]) {
     for (const char* key : {"bodies", "obstacles", "modes", "loads"})
-      if (parsed.contains(key))
-        root.complain(key,
-                      "does not go with contact.table, a file that takes its place: leave one of them out");
+      if (parsed.contains(key)) root.complain(key, "is replaced by contact.table: leave one of them out");
     scene.contact = read_contact(root, scene);
     read_time(root, scene.contact, scene.accuracy, scene.time);
     read_output(root, scene);

@@ -1,4 +1,8 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/scene/request.hpp"
+
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <fstream>
@@ -7,7 +11,7 @@
 #include <sstream>
 
 #include "ricochet/error.hpp"
-#include "base/rotation.hpp"
+#include "src/scene/hash.hpp"
 #include "src/scene/loads.hpp"
 #include "src/scene/parts.hpp"
 #include "src/scene/write.hpp"
@@ -16,11 +20,11 @@ namespace ricochet::scene {
 
 namespace {
 
-/// Raised whenever the meaning of a kernel changes, so that old ones are computed anew.
+/// Increased whenever the meaning of a kernel changes, so that old kernels are computed again.
 constexpr int kernel_generation = 4;
 
 std::string bytes_of(const std::filesystem::path& path, const std::string& key) {
-  // A device or a pipe might never end.
+  // Reading a device or a pipe might never end.
   std::error_code ignored;
   const bool is_file = std::filesystem::is_regular_file(path, ignored);
   std::ifstream file;
@@ -32,8 +36,7 @@ std::string bytes_of(const std::filesystem::path& path, const std::string& key) 
   return text.str();
 }
 
-/// Hash of a mesh file, or of the files it was split into; a .geo counts with the files it includes or
-/// merges.
+/// Hash of a mesh file, or of its parts. The hash of a .geo includes the files that it includes or merges.
 std::string mesh_hash(const std::filesystem::path& path, const std::string& key,
                       std::set<std::filesystem::path>& seen) {
   seen.insert(path);
@@ -56,8 +59,8 @@ std::string mesh_hash(const std::filesystem::path& path, const std::string& key,
   return sha256(all);
 }
 
-/// A direction in the body's own frame, the sign that makes its first component positive, rounded so that
-/// round-off does not change hashes.
+/// A direction in the frame of the body, with the sign that makes its first nonzero component positive,
+/// rounded so that round-off does not change hashes.
 Vector3 own_axis(const std::array<double, 9>& rotation, const Vector3& world) {
   Vector3 own{};
   for (std::size_t k = 0; k < 3; ++k) {
@@ -77,8 +80,6 @@ std::vector<std::string> quoted(std::vector<std::string> texts) {
 }
 
 }  // namespace
-
-std::array<double, 9> rotation_of(const Body& body) { return ricochet::rotation_of(body.rotate_deg); }
 
 KernelRequest kernel_request(const Scene& scene, const Body& body, MeshHashes* known) {
   const std::string file = scene.file.filename().string();
@@ -104,9 +105,8 @@ KernelRequest kernel_request(const Scene& scene, const Body& body, MeshHashes* k
     }
     if (along != request.along || pair.spacing != request.spacing)
       throw InputError(
-          fmt::format("{}: contact: two pairs ask different patches (along, spacing) of bodies.{}: a body "
-                      "has one set of candidates, give both pairs "
-                      "the same",
+          fmt::format("{}: contact: two pairs require different patches (along, spacing) of bodies.{}: a "
+                      "body has one set of candidates; give both pairs the same values",
                       file, body.name));
     if (direction != request.direction) request.direction.reset();
   }
@@ -118,7 +118,7 @@ KernelRequest kernel_request(const Scene& scene, const Body& body, MeshHashes* k
     return hash;
   };
   request.mesh_sha256 = hash_of(body);
-  // What band a body needs depends on those that it meets.
+  // The band that a body needs depends on the bodies that it touches.
   for (const Body& other : scene.bodies)
     if (request.modes.accuracy && other.name != body.name)
       request.beside.push_back(sha256(hash_of(other) + toml_body_matter(other)));
@@ -142,7 +142,7 @@ void seal(KernelRequest& request) {
   if (request.spacing) request.toml += "spacing = " + toml_number(*request.spacing) + "\n";
   if (request.points) {
     const std::string points = fmt::format("{}", fmt::join(*request.points, ", "));
-    // A list of thousands would be too long for an attribute; the kernel holds it as a dataset.
+    // A list of thousands of points is too long for an attribute; the kernel stores it as a dataset.
     request.toml += request.within_reach ? fmt::format("within_reach = \"{}\"\n", sha256(points))
                                          : fmt::format("points = [{}]\n", points);
   }

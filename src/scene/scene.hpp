@@ -1,5 +1,6 @@
-// The scene as plain data: what the user asked for, with every default resolved. No MPI, no PETSc.
-// Defaults written here are the documented defaults. SI units.
+// SPDX-License-Identifier: BSD-2-Clause
+// The scene as plain data: the user's settings, with every default resolved. No MPI, no PETSc. Defaults
+// written here are the documented defaults. SI units.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +16,7 @@
 namespace ricochet::scene {
 
 struct Material {
-  std::string group;   ///< physical volume (line, for rods) it fills; empty: the whole body
+  std::string group;   ///< physical volume (rods: line) of this material; empty: the whole body
   double density = 0;  ///< [kg/m³]
   double young = 0;    ///< [Pa]
   double poisson = 0;  ///< 1, in (-1, 0.5)
@@ -33,12 +34,12 @@ struct Body {
   double scale = 1;
   Vector3 translate{};              ///< [m], after rotation
   Vector3 rotate_deg{};             ///< about x, then y, then z through the mesh's origin
-  std::vector<Material> materials;  ///< none of an imported body
+  std::vector<Material> materials;  ///< empty for an imported body
   Damping damping;
   Vector3 velocity{};                ///< [m/s], initial, rigid
   std::vector<std::string> contact;  ///< physical groups that may touch
-  std::map<std::string, std::string>
-      support;  ///< physical group → fixed components, a subset of "xyz" in that order
+  /// Physical group → fixed components, a subset of "xyz" in that order.
+  std::map<std::string, std::string> support;
 
   /// Whether `mesh` is a body file: matrices or modes of another program, without elements or materials.
   bool imported() const { return mesh.extension() == ".h5"; }
@@ -57,22 +58,23 @@ enum class Basis { modes, contact };
 
 struct Modes {
   Basis basis = Basis::modes;
-  /// Modes: exactly one of up_to and count is set. Contact: up_to is set, and one of count and
+  /// Basis modes: exactly one of up_to and count is set. Basis contact: up_to is set, and one of count and
   /// flexibility_error.
   std::optional<Hertz> up_to;
   std::optional<std::int64_t> count;  ///< rigid modes included
-  std::optional<double>
-      flexibility_error;  ///< of the contact surface over [0, up_to]; modes: leave out those it doesn't need
-  /// Neither up_to nor count is set, and ricochet-kernel chooses what makes results as accurate as this.
+  /// Of the contact surface over [0, up_to]. Modes: those that it does not need are truncated.
+  std::optional<double> flexibility_error;
+  /// If set, neither up_to nor count is, and ricochet-kernel chooses the basis that makes results this
+  /// accurate.
   std::optional<double> accuracy;
   bool residual_flexibility = true;
   double relative_residual = 1e-8;  ///< bound on each mode's residual
-  int approximate = 0;  ///< modes: so many block iterations from the next lower order; 0: certified modes
-  double low_rank = 0;  ///< contact: threshold of block low-rank factors; 0: full rank
+  int approximate = 0;              ///< modes: block iterations from the next lower order; 0: certified modes
+  double low_rank = 0;              ///< contact: threshold of block low-rank factors; 0: full rank
   bool operator==(const Modes&) const = default;
 };
 
-/// How one surface meets another. `a` is a body; `b` a body or an obstacle.
+/// A contact pair. `a` is a body; `b` a body or an obstacle.
 struct Pair {
   std::string a, b;
   std::optional<Vector3> direction;  ///< unit, out of a
@@ -85,50 +87,51 @@ struct Pair {
 
 enum class Solver { exact, uzawa };
 
-/// What answers a contact force: the bodies' modes, or kernels sampled in time and convolved with the forces.
+/// The representation of the response to contact forces: the modes of the bodies, or kernels sampled in time
+/// and convolved with the forces.
 enum class ContactKernel { modes, table };
 
 struct Contact {
   ContactKernel kernel = ContactKernel::modes;
-  std::filesystem::path
-      table;  ///< of kernel = table: a file that takes the place of bodies; empty: their modes
+  std::filesystem::path table;  ///< with kernel = table: a file that replaces the bodies; empty: their modes
   Scheme scheme = Scheme::compliant;
   Admittance admittance = Admittance::jump;  ///< of the impulse scheme
   Instant instant = Instant::step;           ///< of the impulse scheme
   double restitution = 0;                    ///< of the impulse scheme, in [0, 1]
-  Solver solver = Solver::exact;             ///< of bodies at rest (scheme "static")
-  std::optional<int> max_pivots;  ///< bound on the work of a step, at least 1; none: solved whatever it takes
-  std::vector<Pair> pairs;        ///< [contact] itself, or each [[contact.pair]]
+  Solver solver = Solver::exact;             ///< of equilibrium (scheme "static")
+  std::optional<int> max_pivots;             ///< bound on the work of a step, at least 1; none: unbounded
+  std::vector<Pair> pairs;                   ///< [contact] itself, or each [[contact.pair]]
   bool operator==(const Contact&) const = default;
 };
 
 struct Time {
   Hertz rate{44100};
-  bool rate_by_accuracy = false;  ///< not given: the scene's accuracy chooses it
-  /// Of the products of steps (scheme "compliant"); none: the scene's accuracy chooses it.
+  bool rate_by_accuracy = false;  ///< not given: chosen by the accuracy of the scene
+  /// Precision of the matrix products of the steps (scheme "compliant"); none: chosen by the accuracy of the
+  /// scene.
   std::optional<Precision> precision = Precision::float64;
-  double duration = 0;  ///< [s]; 0: not given, as bodies at rest need none
+  double duration = 0;  ///< [s]; 0: not given, because equilibrium needs none
   bool operator==(const Time&) const = default;
 };
 
 /// A force on a surface or at a point, or the displacement of a support: `vector` times a history that is
 /// piecewise linear in time (CSV of t [s] and a factor; 0 before the first row, the last value after the last
-/// one). Without a history it is constant from t = 0 on.
-struct Driven {
+/// one). Without a history the factor is 1 from t = 0 on.
+struct Forcing {
   std::string name;  ///< unique within a body; default: the group, or "point <number in the scene>"
   std::string body;
   std::string group;                ///< traction: physical surface; motion: a support of the body
-  Vector3 at{};                     ///< point force: where, world axes, bodies as placed by translate [m]
+  Vector3 at{};                     ///< point force: where, world axes, bodies as placed by the scene [m]
   Vector3 vector{};                 ///< world axes: [Pa], [N], [m]
   std::filesystem::path history{};  ///< resolved against the scene's folder; empty: constant
-  bool operator==(const Driven&) const = default;
+  bool operator==(const Forcing&) const = default;
 };
 
 struct Loads {
-  Vector3 gravity{};              ///< [m/s²]
-  std::vector<Driven> tractions;  ///< [[loads.traction]]
-  std::vector<Driven> points;     ///< [[loads.point]]
-  std::vector<Driven> motions;    ///< [[loads.motion]]
+  Vector3 gravity{};               ///< [m/s²]
+  std::vector<Forcing> tractions;  ///< [[loads.traction]]
+  std::vector<Forcing> points;     ///< [[loads.point]]
+  std::vector<Forcing> motions;    ///< [[loads.motion]]
   bool operator==(const Loads&) const = default;
 };
 
@@ -141,10 +144,10 @@ struct Receiver {
 };
 
 struct Output {
-  int every = 1;                    ///< write each n-th step
-  bool view = false;                ///< keep the skin in the kernels, for pictures
-  std::int64_t snapshot_every = 0;  ///< modal coordinates each n-th step; 0: none
-  std::int64_t vtk_every = 0;  ///< a frame of the motion for ParaView each n-th step; 0: none. Needs view
+  int every = 1;                    ///< steps between rows of the result
+  bool view = false;                ///< keep the visualisation surface in the kernels
+  std::int64_t snapshot_every = 0;  ///< steps between snapshots of the modal coordinates; 0: none
+  std::int64_t vtk_every = 0;       ///< steps between frames of the motion for ParaView; 0: none. Needs view
   std::vector<Receiver> receivers;  ///< [[output.receiver]]
   bool operator==(const Output&) const = default;
 };
@@ -152,7 +155,8 @@ struct Output {
 struct Scene {
   std::string title;
   std::filesystem::path file;  ///< as the user named it: errors start with it
-  /// Relative error that the main results may have: chooses what is left open, and errors are estimated.
+  /// Relative error allowed in the main results: chooses the settings that the scene leaves open, and
+  /// requests error estimates.
   std::optional<double> accuracy;
   std::vector<Body> bodies;  ///< in the order of their names; none with contact.table
   std::vector<Obstacle> obstacles;
@@ -167,75 +171,14 @@ struct Scene {
   bool operator==(const Scene&) const = default;
 };
 
-/// One `--set key=value`.
+/// The text of one option `--set KEY=VALUE`.
 using Override = std::string;
 
-/// What a scene is read for. Kernels need no [time], nor [contact]: then no body needs a contact surface.
-enum class Purpose { impact, kernels };
-
-/// Reads, applies `overrides` in order and checks every key and range.
-/// Throws InputError "FILE: dotted.key = value: what. fix." on anything unknown, missing, of the wrong type
-/// or out of range.
-Scene read(const std::filesystem::path& file, const std::vector<Override>& overrides = {},
-           Purpose purpose = Purpose::impact);
-
-/// The same of a scene's text. `file` names it in errors and in the scene; paths are relative to its folder.
-/// It need not exist.
-Scene parse(const std::string& text, const std::filesystem::path& file,
-            const std::vector<Override>& overrides = {}, Purpose purpose = Purpose::impact);
-
-/// The text with the overrides applied, as TOML. Throws InputError as `read` does on text that is not TOML
-/// and on overrides that cannot be applied; checks no key.
-std::string overridden(const std::string& text, const std::filesystem::path& file,
-                       const std::vector<Override>& overrides);
-
-/// The resolved scene as TOML, every default written; reading it back gives the same scene.
-std::string to_toml(const Scene& scene);
-
-/// Title in lower case, runs of other than a–z and 0–9 one "-", trimmed; "scene" when nothing is left.
+/// Title in lower case, with each run of characters other than a–z and 0–9 replaced by one "-", trimmed;
+/// "scene" if nothing remains.
 std::string slug(const std::string& title);
 
 /// Rotation matrix of `rotate_deg`, row-major (3,3): world = rotation · body + translate.
 std::array<double, 9> rotation_of(const Body& body);
-
-/// All that a body's kernel depends on, and nothing else. Vectors in the body's own frame.
-struct KernelRequest {
-  Body body;  ///< placement, velocity cleared
-  Modes modes;
-  std::optional<Vector3> direction;  ///< set only when every pair of the body gives the same one
-  std::optional<Vector3> along;
-  std::optional<double> spacing;
-  /// Numbers of the candidates that are kept, of those of the whole surface; none: all.
-  std::optional<std::vector<std::int64_t>> points;
-  /// Why only these: pairs are still found on the whole surface, and they are what `reach` leaves
-  /// (ascending). Otherwise they are somebody's choice, and all that is left of the surface; no scene asks
-  /// for this.
-  bool within_reach = false;
-  bool view = false;
-  std::vector<Driven> tractions, point_forces,
-      motions;                      ///< of this body; vector and history cleared, `at` in its frame
-  std::vector<Receiver> receivers;  ///< of this body; `at` in its frame
-  std::vector<std::string> beside;  ///< of modes.accuracy: SHA-256 of the matter of each other body
-  std::string mesh_sha256;
-  std::string toml;  ///< the request written out, part of the hash
-  std::string hash;  ///< SHA-256, hex
-};
-
-/// SHA-256 of meshes by path, of requests before: what changes on disk meanwhile is not seen.
-using MeshHashes = std::map<std::filesystem::path, std::string>;
-
-/// @param known  read and added to, where there are many requests
-/// Throws InputError when two pairs ask different patches of one body, or a mesh file can't be read.
-KernelRequest kernel_request(const Scene& scene, const Body& body, MeshHashes* known = nullptr);
-
-/// The same of elements of the next lower order, or of order 2 in the place of 1: what the mesh does to
-/// results shows beside it. None for a mesh file, which has an order of its own.
-std::optional<KernelRequest> other_order(const KernelRequest& request);
-
-/// Sets `toml` and `hash` from all else.
-void seal(KernelRequest& request);
-
-/// `<out>/<body>-<first 12 of hash>.kernel.h5`
-std::filesystem::path kernel_path(const std::filesystem::path& out, const KernelRequest& request);
 
 }  // namespace ricochet::scene

@@ -1,10 +1,12 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/scene/table.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <sstream>
 #include <stdexcept>
 
-#include "src/scene/toml.hpp"
 #include "src/scene/write.hpp"
 
 namespace ricochet::scene {
@@ -27,7 +29,7 @@ std::size_t distance(const std::string& a, const std::string& b) {
   return row[b.size()];
 }
 
-/// As the user may have written it: 0.3, not 0.29999999999999999.
+/// A value as the user may have written it: 0.3, not 0.29999999999999999.
 std::string printed(const toml::node& node) {
   if (const auto* text = node.as_string()) return toml_string(text->get());
   if (const auto* number = node.as_floating_point()) return toml_number(number->get());
@@ -47,7 +49,7 @@ double number_of(const toml::node& node) {
   return node.is_integer() ? static_cast<double>(node.as_integer()->get()) : node.as_floating_point()->get();
 }
 
-/// At most 60 bytes of a line, whole characters.
+/// At most 60 bytes of a line, without partial characters.
 std::string shortened(const std::string& line) {
   if (line.size() <= 60) return line;
   std::size_t end = 57;
@@ -64,8 +66,8 @@ std::string one_line(std::string text) {
 }
 
 toml::table parse_toml(const std::string& text, const std::string& origin) {
-  // A dotted key makes a table a dot, and tables are taken down by recursion: tens of thousands end the
-  // stack. The parser itself limits what else nests. Dots in a row are no key.
+  // Each dot of a key creates a table, and tables are destroyed recursively: tens of thousands would exhaust
+  // the stack. The parser limits other nesting. Consecutive dots are not part of a key.
   constexpr int most = 100;
   int line = 1, dots = 0;
   for (std::size_t at = 0; at < text.size(); ++at) {
@@ -74,8 +76,8 @@ toml::table parse_toml(const std::string& text, const std::string& origin) {
       dots = 0;
     }
     if (text[at] == '.' && (at == 0 || text[at - 1] != '.') && ++dots > most)
-      throw InputError(
-          fmt::format("{}:{}: more than {} dots: no key is so deep, break the line", origin, line, most));
+      throw InputError(fmt::format("{}:{}: more than {} dots: no key is nested so deeply; break the line",
+                                   origin, line, most));
   }
   return toml::parse(text);
 }
@@ -185,7 +187,7 @@ Vector3 Table::vector_at(const std::string& key, const toml::node& node, double 
     if (!entry.is_number()) complain(key, "must be three numbers, [x, y, z]");
     vector[k] = number_of(entry);
     if (!std::isfinite(vector[k])) complain(key, "must be finite");
-    if (std::abs(vector[k]) > largest) complain(key, "must hold numbers from -1e30 to 1e30");
+    if (std::abs(vector[k]) > largest) complain(key, "must consist of numbers from -1e30 to 1e30");
   }
   return vector;
 }
@@ -202,7 +204,8 @@ std::optional<Vector3> Table::direction(const std::string& key) {
   const Vector3 given = vector_at(key, *node, std::numeric_limits<double>::max());
   const double length = std::hypot(given[0], given[1], given[2]);
   if (!(length > 0)) complain(key, "must not be zero");
-  // Unit to round-off: divided again its last digit would creep, and a written scene not come back as it was.
+  // Already of unit length, to round-off: dividing again would change the last digit, and a written scene
+  // would differ from the original.
   if (std::abs(length - 1) < 1e-15) return given;
   return Vector3{given[0] / length, given[1] / length, given[2] / length};
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/scene/write.hpp"
 
 #include <fmt/format.h>
@@ -7,7 +8,7 @@
 namespace ricochet::scene {
 
 std::string toml_number(double value) {
-  if (value == 0) value = 0;  // no "-0"
+  if (value == 0) value = 0;  // not "-0"
   std::string text = fmt::format("{}", value);
   if (text.find_first_of(".en") == std::string::npos) text += ".0";
   return text;
@@ -97,7 +98,7 @@ std::string toml_modes(const Modes& modes) {
 
 namespace {
 
-/// As seen from the scene's folder.
+/// A path relative to the folder of the scene.
 std::string path_of(const Scene& scene, const std::filesystem::path& path) {
   const auto relative =
       path.lexically_relative(scene.file.parent_path().empty() ? "." : scene.file.parent_path());
@@ -138,7 +139,7 @@ std::string loads_of(const Scene& scene) {
   for (const auto& [table, list] :
        {std::pair{"traction", &scene.loads.tractions}, std::pair{"point", &scene.loads.points},
         std::pair{"motion", &scene.loads.motions}})
-    for (const Driven& driven : *list) {
+    for (const Forcing& driven : *list) {
       text += fmt::format("\n[[loads.{}]]\nname = {}\nbody = {}\n{}\nvector = {}\n", table,
                           toml_string(driven.name), toml_string(driven.body),
                           list == &scene.loads.points ? "at = " + toml_vector(driven.at)
@@ -192,20 +193,6 @@ std::string to_toml(const Scene& scene) {
     if (pair.reach) text += "reach = " + toml_number(*pair.reach) + "\n";
   }
   return text + time_of(scene) + loads_of(scene) + output_of(scene.output);
-}
-
-std::string slug(const std::string& title) {
-  std::string result;
-  for (char c : title) {
-    const char lower = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    if ((lower >= 'a' && lower <= 'z') || (lower >= '0' && lower <= '9')) {
-      result += lower;
-    } else if (!result.empty() && result.back() != '-') {
-      result += '-';
-    }
-  }
-  if (!result.empty() && result.back() == '-') result.pop_back();
-  return result.empty() ? "scene" : result;
 }
 
 }  // namespace ricochet::scene

@@ -1,4 +1,5 @@
-// Internal to src/scene: the parts of a resolved scene as TOML.
+// SPDX-License-Identifier: BSD-2-Clause
+// The resolved scene as TOML, whole and in parts.
 #pragma once
 
 #include <string>
@@ -7,15 +8,15 @@
 
 namespace ricochet::scene {
 
-std::string toml_number(double value);  ///< shortest text that reads back the same, always a float
+/// The resolved scene as TOML, with every default; reading it gives the same scene.
+std::string to_toml(const Scene& scene);
+
+std::string toml_number(double value);  ///< shortest text that reads back to the same number, always a float
 std::string toml_string(const std::string& text);
 std::string toml_vector(const Vector3& v);
-/// What the kernel of a body depends on but for its mesh file: geometry, order, scale, material, damping,
-/// contact, support.
+/// The keys of a body that its kernel depends on, except its mesh file: geometry, order, scale, material,
+/// damping, contact, support.
 std::string toml_body_matter(const Body& body);
 std::string toml_modes(const Modes& modes);
-
-/// SHA-256 of bytes, hex.
-std::string sha256(const std::string& bytes);
 
 }  // namespace ricochet::scene

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/sound/wav.hpp"
 
 #include <fmt/format.h>
@@ -8,14 +9,14 @@
 #include <array>
 #include <cmath>
 
-#include "ricochet/error.hpp"
 #include "base/atomic_file.hpp"
+#include "ricochet/error.hpp"
 
 namespace ricochet::sound {
 namespace {
 
 constexpr int channels = 3;
-constexpr double largest_ratio = 256;  // of one pass of libsamplerate, and its inverse
+constexpr double largest_ratio = 256;  // largest ratio of one pass of libsamplerate, and its inverse
 
 std::vector<float> pass(const std::vector<float>& in, double ratio) {
   const std::size_t frames = in.size() / channels;
@@ -80,7 +81,7 @@ Scale write_wav(const std::filesystem::path& path, const std::vector<float>& vel
   info.format = SF_FORMAT_WAV | SF_FORMAT_FLOAT;
   SNDFILE* raw = sf_open(temporary.path().c_str(), SFM_WRITE, &info);
   if (raw == nullptr) fail(path);
-  // libsndfile stamps a PEAK chunk with the date; equal runs are to give equal files.
+  // libsndfile writes the date into a PEAK chunk, but equal runs must give equal files.
   sf_command(raw, SFC_SET_ADD_PEAK_CHUNK, nullptr, SF_FALSE);
   const std::string comment =
       fmt::format("velocity along x, y, z; a sample of 1 is {:.9g} m/s", scale.full_scale_m_per_s);

@@ -1,4 +1,5 @@
-// Points by the cell of a regular grid in which they lie, to find those near a place.
+// SPDX-License-Identifier: BSD-2-Clause
+// Points sorted into the cells of a regular grid, to find those near a position.
 #pragma once
 
 #include <Eigen/Dense>
@@ -12,12 +13,12 @@ namespace ricochet::surface {
 
 class Grid {
  public:
-  /// @param cell  edge of the cells [m], about as large as what is looked for is near
+  /// @param cell  edge of the cells [m], about as large as the radius of a search
   explicit Grid(double cell) : cell_(cell) {}
 
   void add(std::size_t number, const Eigen::Vector3d& x) { points_[key(x)].push_back(number); }
 
-  /// Calls `visit` with the number of every point within `radius` of x, and of some beyond.
+  /// Calls `visit` with the number of every point within `radius` of x, and of some points beyond.
   template <class Visit>
   void near(const Eigen::Vector3d& x, double radius, Visit&& visit) const {
     const Eigen::Vector3d aside = Eigen::Vector3d::Constant(radius);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "src/surface/locate.hpp"
 
 #include <Eigen/Dense>
@@ -43,11 +44,11 @@ void to_element(const mesh::ReferenceElement& element, Vector3d& xi) {
   for (int d = first; d < element.dim; ++d) xi[d] = std::clamp(xi[d], -1.0, 1.0);
 }
 
-/// One element's map from local coordinates.
+/// The map of one element from local coordinates.
 struct Map {
   const mesh::ReferenceElement& element;
   Eigen::Matrix<double, 3, Eigen::Dynamic> position;  ///< (3, nodes)
-  Eigen::VectorXd shape{};                            ///< at the place last asked for
+  Eigen::VectorXd shape{};                            ///< at the last evaluated position
   Eigen::MatrixXd jacobian{};                         ///< (3, dim)
 
   Vector3d operator()(const Vector3d& xi) {
@@ -68,13 +69,13 @@ Vector3d centre_of(const mesh::ReferenceElement& element) {
   return centre;
 }
 
-/// Where in an element `point` lies, by Newton's method; the nearest place of its own coordinates where that
-/// is outside.
+/// Local coordinates of `point` in an element, by Newton's method; outside the element, those of the nearest
+/// position in local coordinates.
 Vector3d by_newton(Map& map, const Vector3d& point) {
   const int dim = map.element.dim;
   const Vector3d centre = centre_of(map.element);
   Vector3d xi = centre;
-  // Outside an element that is bent it may diverge.
+  // Outside a curved element it may diverge.
   for (int step = 0; step < 30 && (xi - centre).norm() < 4; ++step) {
     const Vector3d off = point - map(xi);
     const Eigen::VectorXd move =
@@ -87,7 +88,7 @@ Vector3d by_newton(Map& map, const Vector3d& point) {
   return xi;
 }
 
-/// The place of an element nearest to `point`, by projected gradients.
+/// The position in an element nearest to `point`, by projected gradients.
 Vector3d by_gradients(Map& map, const Vector3d& point) {
   Vector3d xi = by_newton(map, point);
   for (int step = 0; step < 200; ++step) {
@@ -102,7 +103,7 @@ Vector3d by_gradients(Map& map, const Vector3d& point) {
   return xi;
 }
 
-/// An element, and how far the point is from the box around it at least.
+/// An element, and a lower bound of its distance from the point, by its bounding box.
 struct Near {
   double distance;
   std::size_t block, element;
@@ -121,7 +122,7 @@ std::vector<Near> by_distance(const mesh::Mesh& mesh, const Vector3d& point) {
         low = low.cwiseMin(x);
         high = high.cwiseMax(x);
       }
-      // Curved elements bulge out of the box around their nodes.
+      // Curved elements extend beyond the bounding box of their nodes.
       const double bulge = mesh.order > 1 ? 0.25 * (high - low).norm() : 0;
       const double distance = (low - point).cwiseMax(point - high).cwiseMax(0.0).norm();
       all.push_back({std::max(distance - bulge, 0.0), b, e});
@@ -132,7 +133,7 @@ std::vector<Near> by_distance(const mesh::Mesh& mesh, const Vector3d& point) {
   return all;
 }
 
-/// Takes the place `xi` of an element if it is nearer than what was found before.
+/// Accepts the position `xi` of an element if it is nearer than the best so far.
 void take_nearer(Map& map, const Vector3d& xi, const Vector3d& point, const mesh::Mesh& mesh,
                  const std::int64_t* nodes, Located& best) {
   const Vector3d place = map(xi);
@@ -146,7 +147,7 @@ void take_nearer(Map& map, const Vector3d& xi, const Vector3d& point, const mesh
   best.weight.assign(map.shape.data(), map.shape.data() + map.shape.size());
 }
 
-/// A body without elements is known at its nodes.
+/// A body without elements is located by its nodes.
 Located nearest_node(const mesh::Mesh& mesh, const Vector3d& point) {
   Located best;
   best.distance = infinity;
@@ -159,8 +160,8 @@ Located nearest_node(const mesh::Mesh& mesh, const Vector3d& point) {
   return best;
 }
 
-/// Looks through this rank's own elements: first for one that holds the point; only where no rank has one for
-/// the nearest place. Collective.
+/// Searches the own elements of this rank: first for one that contains the point; if no rank has one, for the
+/// nearest position. Collective.
 Located locate_here(const mesh::Mesh& mesh, const Vector3d& point) {
   std::vector<mesh::ReferenceElement> references;
   for (const mesh::Block& block : mesh.blocks) references.push_back(mesh::reference_element(block.gmsh_type));
@@ -215,7 +216,7 @@ Located locate(const mesh::Mesh& mesh, const Vector3& point) {
   const bool here = nearest.rank == parallel::rank_of(mesh.comm);
   const auto count = static_cast<std::size_t>(
       parallel::sum(mesh.comm, here ? static_cast<std::int64_t>(found.node.size()) : 0));
-  // One rank adds more than 0: node and weight of each, the place.
+  // Only one rank adds nonzero values: node and weight of each, the position.
   std::vector<double> values(2 * count + 3, 0.0);
   if (here) {
     std::copy(found.node.begin(), found.node.end(), values.begin());

@@ -1,4 +1,5 @@
-// Where in a body a point lies.
+// SPDX-License-Identifier: BSD-2-Clause
+// Position of a point in a body.
 #pragma once
 
 #include <vector>
@@ -7,18 +8,20 @@
 
 namespace ricochet::surface {
 
-/// The place of a body nearest to a point, as a combination of nodes: a displacement there is Σ weight · u.
+/// The position in a body nearest to a point, as a combination of nodes: the displacement there is Σ weight ·
+/// u.
 struct Located {
   std::vector<std::int64_t> node;  ///< global
-  std::vector<double> weight;      ///< shape functions of the element that holds it
+  std::vector<double> weight;      ///< shape functions of the element that contains it
   Vector3 place{};                 ///< [m]
-  double distance = 0;             ///< from the point to it [m]; 0 to round-off inside
+  double distance = 0;             ///< from the point to the position [m]; 0 to round-off inside
 };
 
-/// The same on every rank; of a body without elements the nearest node. Needs a GmshSession. Collective.
+/// Locates `point`; the result is the same on every rank. For a body without elements it is the nearest node.
+/// Needs a GmshSession. Collective.
 Located locate(const mesh::Mesh& mesh, const Vector3& point);
 
-/// Diagonal of the box around the body [m]. Collective.
+/// Diagonal of the bounding box [m]. Collective.
 double size_of(const mesh::Mesh& mesh);
 
 }  // namespace ricochet::surface

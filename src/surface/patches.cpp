@@ -1,3 +1,6 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/surface/patches.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,7 +13,6 @@
 #include "kernels/algebra.hpp"
 #include "src/mesh/lattice.hpp"
 #include "src/surface/grid.hpp"
-#include "src/surface/surface.hpp"
 
 namespace ricochet::surface {
 
@@ -37,8 +39,8 @@ std::array<double, 4> hats(int corners, double u, double v) {
   return {(1 - u) * (1 - v) / 4, (1 + u) * (1 - v) / 4, (1 + u) * (1 + v) / 4, (1 - u) * (1 + v) / 4};
 }
 
-/// Adds the hats of one block of surface facets: each cell of the lattice is integrated by its own rule, p²
-/// equal parts of the reference facet.
+/// Adds the hats of one block of surface facets. Each cell of the lattice, one of p² equal parts of the
+/// reference facet, has its own quadrature rule.
 void add_facets(const Block& block, Fine& fine) {
   const auto reference = mesh::reference_element(block.gmsh_type);
   const auto lattice = mesh::lattice_of(reference);
@@ -123,7 +125,7 @@ Fine fine_hats(const FacetMesh& facets) {
   return fine;
 }
 
-/// Merging of fine vertices into coarser candidates: vertex → (candidate, share), shares of a vertex add up
+/// Merging of fine vertices into coarser candidates: vertex → (candidate, share); the shares of a vertex sum
 /// to 1.
 struct Merge {
   std::vector<Eigen::Vector3d> centre;
@@ -136,7 +138,7 @@ Merge one_each(const Fine& fine) {
   return merge;
 }
 
-/// One candidate for all vertices that lie on a line in direction `along` and face the same way.
+/// One candidate for all vertices on a line in direction `along` with normals on the same side.
 Merge merge_lines(const Fine& fine, const Eigen::Vector3d& along) {
   double size = 0;
   for (const auto& x : fine.position) size = std::max(size, (x - fine.position[0]).norm());
@@ -168,9 +170,9 @@ Merge merge_lines(const Fine& fine, const Eigen::Vector3d& along) {
   return merge;
 }
 
-/// Points of a surface and the advancing front by which some are chosen, none closer than `spacing`: next is
-/// the one that is nearest to those chosen, of several the lowest corner, so that a row of points is walked
-/// end to end.
+/// Points of a surface, and the advancing front by which some are chosen, none closer than `spacing`. The
+/// next point is the one nearest to those chosen, and among several the one at the lowest corner, so that a
+/// row of points is traversed from end to end.
 class Front {
  public:
   Front(const std::vector<Eigen::Vector3d>& point, const std::vector<Eigen::Vector3d>& normal, double spacing)
@@ -191,7 +193,7 @@ class Front {
     for (std::size_t k = 0; k < by_corner_.size(); ++k) rank_[by_corner_[k]] = k;
   }
 
-  /// The points chosen, in their order.
+  /// The chosen points, in their order.
   std::vector<std::size_t> choose() {
     std::vector<std::size_t> chosen;
     std::size_t next = by_corner_[0];
@@ -200,7 +202,7 @@ class Front {
       grid_.near(point_[next], near_, [&](std::size_t i) { meet(i, next); });
       next = next_near();
       if (next < point_.size()) continue;
-      // An island: only now it matters how far the other points are.
+      // A separate region: only now are the distances of the other points needed.
       std::vector<std::size_t> rest;
       for (std::size_t i = 0; i < point_.size(); ++i)
         if (is_free(i)) rest.push_back(i);
@@ -211,7 +213,7 @@ class Front {
     return chosen;
   }
 
-  /// Opposite faces of a thin body are far from each other however close they lie.
+  /// Distance of two points; infinite between opposite sides of a thin body, however close they are.
   double distance(std::size_t i, std::size_t j) const {
     return normal_[i].dot(normal_[j]) <= 0 ? infinity : (point_[i] - point_[j]).norm();
   }
@@ -220,7 +222,7 @@ class Front {
   static constexpr double infinity = std::numeric_limits<double>::infinity();
   using Entry = std::pair<std::int64_t, std::size_t>;  ///< level of the distance, rank
 
-  /// Lengths of one level are equal but for round-off.
+  /// Lengths of one level are equal except for round-off.
   std::int64_t level(double length) const { return std::llround(length / (1e-9 * spacing_)); }
   bool is_free(std::size_t i) const { return nearest_[i] >= spacing_ * (1 - 1e-6); }
 
@@ -231,7 +233,7 @@ class Front {
     if (is_free(i) && d < near_) front_.emplace(level(d), rank_[i]);
   }
 
-  /// Of the free points not far from those chosen; none: their number.
+  /// The next free point near those chosen; the number of points if there is none.
   std::size_t next_near() {
     while (!front_.empty()) {
       const auto [at, rank] = front_.top();
@@ -242,7 +244,7 @@ class Front {
     return point_.size();
   }
 
-  /// Of all free points; where all face away from those chosen, the first.
+  /// The next of all free points; if all face away from those chosen, the first.
   std::size_t next_of_all() const {
     std::size_t best = point_.size();
     Entry lowest;
@@ -260,15 +262,14 @@ class Front {
   const std::vector<Eigen::Vector3d>&point_, &normal_;
   double spacing_, near_;
   Grid grid_;
-  std::vector<double>
-      nearest_;  ///< distance of each point to those chosen, as far as it is known to be small
-  std::vector<std::size_t> by_corner_, rank_;  ///< the points, lowest corner first, and their places there
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> front_;  ///< and distances that are outdated
+  std::vector<double> nearest_;  ///< distance of each point to those chosen, if it is known to be small
+  std::vector<std::size_t> by_corner_, rank_;  ///< the points, lowest corner first, and their ranks
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> front_;  ///< may contain outdated distances
 };
 
-/// Centres no closer than `spacing`; every point shares itself among those near it by linear hats of that
-/// radius.
-Merge thin(const Merge& points, const std::vector<Eigen::Vector3d>& normal, double spacing) {
+/// Coarsens to centres no closer than `spacing`; every point is shared among the centres near it by linear
+/// hats of that radius.
+Merge coarsen(const Merge& points, const std::vector<Eigen::Vector3d>& normal, double spacing) {
   Front front(points.centre, normal, spacing);
   const std::vector<std::size_t> chosen = front.choose();
   Merge merge;
@@ -292,8 +293,8 @@ Merge thin(const Merge& points, const std::vector<Eigen::Vector3d>& normal, doub
   return merge;
 }
 
-/// Candidate mesh: fine simplices under "the candidate that holds most of this vertex", highest dimension
-/// that is left.
+/// Candidate mesh: the fine simplices with each vertex replaced by the candidate that has its largest share;
+/// elements of the highest remaining dimension.
 void quotient(const Fine& fine, const Merge& merge, kernels::Surface& surface) {
   const auto holder = [&](std::int64_t vertex) {
     const auto& share = merge.share[static_cast<std::size_t>(vertex)];
@@ -336,7 +337,7 @@ Patches make_patches(const mesh::Mesh& mesh, const std::vector<std::string>& gro
     std::vector<Eigen::Vector3d> normal(merge.centre.size(), Eigen::Vector3d::Zero());
     for (std::size_t i = 0; i < fine.position.size(); ++i)
       normal[static_cast<std::size_t>(merge.share[i][0].first)] += fine.normal[i];
-    merge = thin(merge, normal, *options.spacing);
+    merge = coarsen(merge, normal, *options.spacing);
   }
 
   Patches patches;
@@ -373,7 +374,11 @@ Patches make_patches(const mesh::Mesh& mesh, const std::vector<std::string>& gro
   return patches;
 }
 
-void keep(Patches& patches, const std::vector<std::int64_t>& points) {
+Eigen::MatrixXd patch_loads(const mesh::Mesh& mesh, const Patches& patches) {
+  return spread(mesh, patches.weights, patches.geometry.size(), patches.geometry.direction, HeldRows::zero);
+}
+
+void restrict_to(Patches& patches, const std::vector<std::int64_t>& points) {
   kernels::WholeSurface whole = kernels::whole_surface(patches.geometry);
   std::vector<int> number(whole.area.size(), -1);
   for (std::size_t i = 0; i < points.size(); ++i)
@@ -382,7 +387,7 @@ void keep(Patches& patches, const std::vector<std::int64_t>& points) {
                 [&](const Weight& weight) { return number[static_cast<std::size_t>(weight.candidate)] < 0; });
   for (Weight& weight : patches.weights)
     weight.candidate = number[static_cast<std::size_t>(weight.candidate)];
-  kernels::keep_candidates(patches.geometry, points);
+  kernels::restrict_candidates(patches.geometry, points);
   whole.held = points;
   patches.geometry.whole = std::move(whole);
 }

@@ -1,3 +1,6 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/surface/sources.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -5,7 +8,6 @@
 #include <map>
 
 #include "src/surface/locate.hpp"
-#include "src/surface/surface.hpp"
 
 namespace ricochet::surface {
 
@@ -19,8 +21,8 @@ std::vector<double> rows_of(const Matrix3d& matrix) {
   return {columns.data(), columns.data() + columns.size()};
 }
 
-/// A load with its resultants, where weights sum to `total` and, times positions, to `first`: of a rod that
-/// along its axis.
+/// A load with its resultants. `total` is the sum of its weights, `first` the sum of weights times positions.
+/// A rod moves along its axis only.
 kernels::Load load_of(const mesh::Mesh& mesh, const std::string& name, const char* unit, double total,
                       const Vector3d& first) {
   const Vector3d axis(mesh.axis.data());
@@ -30,14 +32,14 @@ kernels::Load load_of(const mesh::Mesh& mesh, const std::string& name, const cha
   return {name, unit, {}, rows_of(total * moved), rows_of(moment), {}};
 }
 
-/// What adds up of one surface.
+/// Integrals over one surface.
 struct Surface {
   std::map<std::int64_t, double> weight;  ///< of global nodes: ∫ N ds
   double area = 0;
   Vector3d first = Vector3d::Zero();  ///< ∫ x ds
 };
 
-/// Surfaces of Asked::loaded, by their labels.
+/// The surfaces of RequestedGroups::loaded, by label.
 std::vector<Surface> integrate(const mesh::FacetMesh& facets, std::size_t surfaces) {
   std::vector<Surface> sums(surfaces);
   const auto position = [&](std::int64_t node) {
@@ -59,7 +61,7 @@ std::vector<Surface> integrate(const mesh::FacetMesh& facets, std::size_t surfac
       continue;
     }
     const auto reference = mesh::reference_element(block.gmsh_type);
-    // Shape function × measure; the measure of a curved facet is no polynomial, hence some more.
+    // Shape function × measure; the measure of a curved facet is not a polynomial, hence the higher degree.
     const auto rule = mesh::quadrature_of(reference.family, 3 * reference.order + 1);
     const auto basis = mesh::basis_at(reference, rule.local);
     for (std::size_t e = 0; e < block.size(); ++e) {
@@ -78,14 +80,14 @@ std::vector<Surface> integrate(const mesh::FacetMesh& facets, std::size_t surfac
   return sums;
 }
 
-/// Where `list` has `name`; at its end, which it then is added to.
+/// Index of `name` in `list`, to which it is appended if missing.
 std::size_t place_of(std::vector<std::string>& list, const std::string& name) {
   const auto found = std::find(list.begin(), list.end(), name);
   if (found == list.end()) list.push_back(name);
   return static_cast<std::size_t>(std::find(list.begin(), list.end(), name) - list.begin());
 }
 
-/// The place of a point that the scene calls `key` `name`. Collective.
+/// The position of a point that the scene calls `key` `name`. Collective.
 Located on_body(const mesh::Mesh& mesh, const scene::Body& body, const char* key, const std::string& name,
                 const Vector3& at, double tolerance) {
   Located found = locate(mesh, at);
@@ -94,26 +96,26 @@ Located on_body(const mesh::Mesh& mesh, const scene::Body& body, const char* key
     if (std::abs(x) < 1e-3 * tolerance) x = 0;
   throw InputError(fmt::format(
       "{}: {} \"{}\" lies {:.4g} m off bodies.{}, at ({:.6g}, {:.6g}, {:.6g}) m in its own axes: move it to "
-      "the nearest place, ({:.6g}, {:.6g}, {:.6g})",
+      "the nearest point, ({:.6g}, {:.6g}, {:.6g})",
       body.mesh.filename().string(), key, name, found.distance, body.name, at[0], at[1], at[2],
       found.place[0], found.place[1], found.place[2]));
 }
 
 }  // namespace
 
-mesh::Asked asked_of(const scene::KernelRequest& request) {
-  mesh::Asked asked;
-  for (const scene::Driven& traction : request.tractions) place_of(asked.loaded, traction.group);
-  for (const scene::Driven& motion : request.motions) place_of(asked.moved, motion.group);
+mesh::RequestedGroups requested_groups(const scene::KernelRequest& request) {
+  mesh::RequestedGroups asked;
+  for (const scene::Forcing& traction : request.tractions) place_of(asked.loaded, traction.group);
+  for (const scene::Forcing& motion : request.motions) place_of(asked.moved, motion.group);
   return asked;
 }
 
 Sources make_sources(const mesh::Mesh& mesh, const scene::KernelRequest& request) {
   Sources sources;
   std::vector<Weight> at_loads;
-  mesh::Asked asked = asked_of(request);
+  mesh::RequestedGroups asked = requested_groups(request);
   const std::vector<Surface> surfaces = integrate(mesh.loaded, asked.loaded.size());
-  for (const scene::Driven& traction : request.tractions) {
+  for (const scene::Forcing& traction : request.tractions) {
     const Surface& surface = surfaces[place_of(asked.loaded, traction.group)];
     for (const auto& [node, weight] : surface.weight)
       at_loads.push_back({node, static_cast<int>(sources.loads.size()), weight});
@@ -125,7 +127,7 @@ Sources make_sources(const mesh::Mesh& mesh, const scene::KernelRequest& request
     for (std::size_t a = 0; a < place.node.size(); ++a)
       weights.push_back({place.node[a], static_cast<int>(number), place.weight[a]});
   };
-  for (const scene::Driven& point : request.point_forces) {
+  for (const scene::Forcing& point : request.point_forces) {
     const Located place = on_body(mesh, request.body, "loads.point", point.name, point.at, tolerance);
     put(place, sources.loads.size(), at_loads);
     sources.loads.push_back(load_of(mesh, point.name, "N", 1, Vector3d(place.place.data())));

@@ -1,7 +1,9 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/surface/trace.hpp"
+
 #include <algorithm>
 
-#include "src/mesh/lattice.hpp"
-#include "src/surface/surface.hpp"
+#include "src/modes/residual.hpp"
 
 namespace ricochet::surface {
 
@@ -15,26 +17,20 @@ std::vector<double> flat(const Eigen::MatrixXd& matrix) {
   return values;
 }
 
-/// Share of a displacement component of the mesh in component k, or in that along a direction.
-double component(const mesh::Mesh& mesh, const std::optional<Vector3>& direction, int mesh_component, int k) {
-  const Vector3 out = direction.value_or(Vector3{k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0});
-  if (mesh.dim == 3) return out[static_cast<std::size_t>(mesh_component)];
-  return out[0] * mesh.axis[0] + out[1] * mesh.axis[1] + out[2] * mesh.axis[2];
-}
-
-/// Modes at the skin's nodes, gathered on the first rank one mode at a time: (V,3,N).
+/// Gathers the modes at the nodes of the visualisation surface on the first rank, one mode at a time:
+/// (V,3,N).
 void gather_view(const parallel::Teams& teams, const mesh::Mesh& mesh, const modes::ModeSet& modes,
                  kernels::Kernel& kernel) {
   const auto c = static_cast<std::size_t>(mesh.components());
   const std::size_t count = modes.angular_frequency.size();
-  std::vector<std::int64_t> nodes = mesh.skin.node;
+  std::vector<std::int64_t> nodes = mesh.visualisation.node;
   parallel::broadcast(mesh.comm, nodes);
   const bool first = parallel::rank_of(teams.world()) == 0;
   kernels::View view;
   if (first) {
-    view.node = mesh.skin.position;
-    view.element_corners = mesh.skin.blocks.front().nodes_per_element;
-    view.element = mesh.skin.blocks.front().node;
+    view.node = mesh.visualisation.position;
+    view.element_corners = mesh.visualisation.blocks.front().nodes_per_element;
+    view.element = mesh.visualisation.blocks.front().node;
     view.shape.assign(nodes.size() * 3 * count, 0.0F);
   }
   std::vector<double> value(nodes.size() * 3), whole(value.size());
@@ -59,10 +55,10 @@ void gather_view(const parallel::Teams& teams, const mesh::Mesh& mesh, const mod
   if (first) kernel.view = std::move(view);
 }
 
-/// A field on the mesh at the skin's nodes.
-class SkinField {
+/// A field on the mesh at the nodes of the visualisation surface.
+class VisualisationField {
  public:
-  explicit SkinField(const mesh::Mesh& mesh) : mesh_(mesh), node_(mesh.skin.node) {
+  explicit VisualisationField(const mesh::Mesh& mesh) : mesh_(mesh), node_(mesh.visualisation.node) {
     parallel::broadcast(mesh.comm, node_);
     const int c = mesh.components();
     for (std::size_t v = 0; v < node_.size(); ++v) {
@@ -73,8 +69,8 @@ class SkinField {
     }
   }
 
-  /// Some columns of the rows' values on the team's first rank, (V,3,count); elsewhere zeros. Collective on
-  /// the team.
+  /// Gathers some columns of `rows` on the first rank of the team, (V,3,count); zeros on other ranks.
+  /// Collective on the team.
   std::vector<float> gather(Eigen::Index from, Eigen::Index count) const {
     const auto c = static_cast<std::size_t>(mesh_.components()), columns = static_cast<std::size_t>(count);
     std::vector<float> out(node_.size() * 3 * columns);
@@ -98,7 +94,7 @@ class SkinField {
  private:
   const mesh::Mesh& mesh_;
   std::vector<std::int64_t> node_;
-  std::vector<std::size_t> own_;  ///< places in node_
+  std::vector<std::size_t> own_;  ///< indices into node_
 };
 
 }  // namespace
@@ -132,13 +128,14 @@ void take_traces(const Patches& patches, const Traces& traces, const Sources& so
   for (std::size_t l = 0; l < kernel.applied.size(); ++l)
     kernel.applied[l].participation = flat(traces.applied.middleRows(static_cast<Eigen::Index>(3 * l), 3));
   for (std::size_t r = 0; r < kernel.receivers.size(); ++r)
-    kernel.receivers[r].shape = flat(traces.heard.middleRows(static_cast<Eigen::Index>(3 * r), 3));
+    kernel.receivers[r].shape = flat(traces.at_receivers.middleRows(static_cast<Eigen::Index>(3 * r), 3));
 }
 
 namespace {
 
-/// Likewise of the skin, from the field of the same responses. Collective on the team.
-void take_residuals(const SkinField& field, Eigen::Index candidates, Eigen::Index seen,
+/// Stores the static correction on the visualisation surface, from the field of the same responses.
+/// Collective on the team.
+void take_residuals(const VisualisationField& field, Eigen::Index candidates, Eigen::Index seen,
                     kernels::Kernel& kernel) {
   auto by_contact = field.gather(0, candidates), by_gravity = field.gather(seen, 3),
        by_loads = field.gather(seen + 3, field.rows.value.cols() - seen - 3);
@@ -148,9 +145,9 @@ void take_residuals(const SkinField& field, Eigen::Index candidates, Eigen::Inde
   kernel.view->load_residual = std::move(by_loads);
 }
 
-/// Ψ − ΦΓ on the skin. Collective on the team.
+/// Stores Ψ − ΦΓ on the visualisation surface. Collective on the team.
 void trace_motions(const mesh::Mesh& mesh, const modes::Lift& lift, kernels::Kernel& kernel) {
-  SkinField field(mesh);
+  VisualisationField field(mesh);
   field.rows.value = lift.shape(field.rows.row, Eigen::all);
   std::vector<float> moved = field.gather(0, lift.shape.cols());
   if (!kernel.view) return;
@@ -166,12 +163,12 @@ void trace_motions(const mesh::Mesh& mesh, const modes::Lift& lift, kernels::Ker
   kernel.view->motion_residual = std::move(moved);
 }
 
-/// u = (Ψ − ΦΓ) ū + Φ p of the supports that move. @param shape, body_force, heard  (rows, N): of the modes
-/// at the candidates, under gravity, at the receivers
+/// Stores the motions of the moving supports, u = (Ψ − ΦΓ) ū + Φ p. @param shape, body_force,
+/// shape_at_receivers  (rows, N): the modes at the candidates, under gravity, and at the receivers
 void trace_motions(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
                    const modes::ModeSet& modes, const Patches& patches, const Eigen::MatrixXd& shape,
-                   const Eigen::MatrixXd& body_force, const Eigen::MatrixXd& heard, const Sources& sources,
-                   kernels::Kernel& kernel) {
+                   const Eigen::MatrixXd& body_force, const Eigen::MatrixXd& shape_at_receivers,
+                   const Sources& sources, kernels::Kernel& kernel) {
   if (sources.motions.empty()) return;
   const modes::Lift& lift = sources.lift;
   const Eigen::MatrixXd at_candidates = spread(mesh, patches.weights, patches.geometry.size(),
@@ -184,7 +181,7 @@ void trace_motions(const parallel::Teams& teams, const mesh::Mesh& mesh, const e
                                    body.imposed.momentum,
                         gamma = modes.gather(teams, modes::inner(mesh.comm, lift.inertia, modes.shape));
   const Eigen::MatrixXd on_candidates = candidates - shape * gamma.transpose(),
-                        on_receivers = receivers - heard * gamma.transpose(),
+                        on_receivers = receivers - shape_at_receivers * gamma.transpose(),
                         in_momentum = momentum - body_force * gamma.transpose();
   kernel.motions = sources.motions;
   for (std::size_t s = 0; s < kernel.motions.size(); ++s) {
@@ -199,29 +196,6 @@ void trace_motions(const parallel::Teams& teams, const mesh::Mesh& mesh, const e
 
 }  // namespace
 
-Eigen::MatrixXd spread(const mesh::Mesh& mesh, const std::vector<Weight>& weights, std::size_t places,
-                       const std::optional<Vector3>& direction, HeldRows held) {
-  const int c = mesh.components(), out = direction ? 1 : 3;
-  Eigen::MatrixXd loads =
-      Eigen::MatrixXd::Zero(mesh.owned_nodes * c, static_cast<Eigen::Index>(places) * out);
-  for (const Weight& weight : weights) {
-    const std::int64_t row = weight.node - mesh.first_node;
-    if (row < 0 || row >= mesh.owned_nodes) continue;
-    const auto local = static_cast<std::size_t>(
-        std::lower_bound(mesh.node.begin(), mesh.node.end(), weight.node) - mesh.node.begin());
-    for (int d = 0; d < c; ++d) {
-      if (held == HeldRows::zero && mesh.is_fixed(local, d)) continue;
-      for (int k = 0; k < out; ++k)
-        loads(row * c + d, weight.candidate * out + k) += weight.value * component(mesh, direction, d, k);
-    }
-  }
-  return loads;
-}
-
-Eigen::MatrixXd patch_loads(const mesh::Mesh& mesh, const Patches& patches) {
-  return spread(mesh, patches.weights, patches.geometry.size(), patches.geometry.direction, HeldRows::zero);
-}
-
 void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
            modes::Factorisation& factor, const modes::ModeSet& modes, const Patches& patches,
            Eigen::MatrixXd loads, bool residual, bool view, kernels::Kernel& kernel, const Sources& sources) {
@@ -232,7 +206,7 @@ void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticit
                       seen_by_modes(sources.receiver)};
   take_traces(patches, traces, sources, kernel);
   trace_motions(teams, mesh, body, modes, patches, traces.shape, traces.participation.topRows(3),
-                traces.heard, sources, kernel);
+                traces.at_receivers, sources, kernel);
   if (view) gather_view(teams, mesh, modes, kernel);
   if (view && !sources.motions.empty()) trace_motions(mesh, sources.lift, kernel);
   if (residual) {
@@ -240,12 +214,12 @@ void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticit
     Eigen::MatrixXd all(loads.rows(), seen + 3 + sources.load.cols());
     all << loads, sources.receiver, body.rigid_load.leftCols(3), sources.load;
     loads.resize(0, 0);
-    std::optional<SkinField> skin;
-    if (view) skin.emplace(mesh);
+    std::optional<VisualisationField> field;
+    if (view) field.emplace(mesh);
     take_residuals(
-        modes::residual_response(teams, mesh, body, factor, modes, all, seen, skin ? &skin->rows : nullptr),
+        modes::residual_response(teams, mesh, body, factor, modes, all, seen, field ? &field->rows : nullptr),
         candidates, sources, kernel);
-    if (skin) take_residuals(*skin, candidates, seen, kernel);
+    if (field) take_residuals(*field, candidates, seen, kernel);
   }
 }
 

@@ -1,4 +1,5 @@
-// Files that have their names only when they are whole: what stays and what goes, whatever ends the writer.
+// SPDX-License-Identifier: BSD-2-Clause
+// Files that get their names only when complete: which files remain for each way in which the writer ends.
 #include "base/atomic_file.hpp"
 
 #include <gmock/gmock.h>
@@ -39,7 +40,7 @@ TEST(AtomicFile, has_its_name_only_when_it_is_committed) {
   EXPECT_EQ(folder.entries(), 1U);
 }
 
-/// Runs `work` in a process of its own, which ends by `signal` when `work` returns.
+/// Runs `work` in a child process, which `signal` ends when `work` returns.
 void in_process_that_dies(int signal, const std::function<void()>& work) {
   const pid_t child = ::fork();
   if (child == 0) {
@@ -52,7 +53,7 @@ void in_process_that_dies(int signal, const std::function<void()>& work) {
   EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == signal);
 }
 
-TEST(AtomicFile, of_a_killed_writer_goes_when_the_name_is_written_again) {
+TEST(AtomicFile, of_a_killed_writer_is_removed_by_the_next_writer) {
   const Folder folder;
   put_bytes(folder / "file.text.partial", "somebody's");
   put_bytes(folder / "files.12.partial", "of another name");
@@ -78,7 +79,7 @@ TEST(AtomicFile, of_a_live_writer_stays) {
   EXPECT_EQ(folder.entries(), 1U);
 }
 
-TEST(AtomicFile, is_removed_by_a_handler_of_signals) {
+TEST(AtomicFile, is_removed_by_a_signal_handler) {
   const Folder folder;
   in_process_that_dies(SIGTERM, [&] {
     new AtomicFile(folder / "one");
@@ -90,19 +91,20 @@ TEST(AtomicFile, is_removed_by_a_handler_of_signals) {
   EXPECT_EQ(folder.entries(), 1U);
 }
 
-TEST(Place, is_tried_before_it_is_needed) {
+TEST(Place, is_tested_before_it_is_needed) {
   const Folder folder;
   check_place(folder / "new/folder/file");
   EXPECT_TRUE(std::filesystem::is_empty(folder / "new/folder"));
   EXPECT_THAT(complaint_of([&] { check_place(folder / "file", 1e18); }), HasSubstr("1e+12 MB are needed"));
   put_bytes(folder / "file", "");
-  EXPECT_THAT(complaint_of([&] { check_place(folder / "file/below"); }), HasSubstr("can't make this folder"));
+  EXPECT_THAT(complaint_of([&] { check_place(folder / "file/below"); }),
+              HasSubstr("cannot create this folder"));
   EXPECT_THAT(complaint_of([&] { AtomicFile(folder / "none/file"); }),
               HasSubstr("No such file or directory"));
 }
 
 // HDF5 itself crashes when such a program ends.
-TEST(Writer, that_meets_a_full_disk_complains_and_lets_the_program_end) {
+TEST(Writer, on_a_full_disk_throws_and_lets_the_program_end) {
   const Folder folder;
   const auto fill = [&] {
     std::signal(SIGXFSZ, SIG_IGN);

@@ -1,4 +1,5 @@
-// The HDF5 wrapper by itself: growing datasets, silence, handles.
+// SPDX-License-Identifier: BSD-2-Clause
+// The HDF5 wrapper alone: growing datasets, silence, handles.
 #define H5_USE_110_API
 #include "base/hdf5_reader.hpp"
 #include "base/hdf5_writer.hpp"
@@ -17,7 +18,7 @@ namespace {
 using test::complaint_of;
 using test::Folder;
 
-TEST(Rows, come_back_in_order_whatever_the_block) {
+TEST(Rows, read_back_in_order_for_any_block) {
   const Folder folder;
   constexpr std::size_t kRows = 3000;  // beyond the longest block of 1024 and no multiple of it
   {
@@ -57,7 +58,7 @@ TEST(Rows, may_stay_empty) {
   EXPECT_EQ(reader.shape("/contact/none"), (Shape{1, 0}));
 }
 
-TEST(Rows, of_another_length_are_our_own_mistake) {
+TEST(Rows, of_another_length_are_a_logic_error) {
   const Folder folder;
   Writer file(folder / "rows.h5");
   Rows& force = file.rows("/contact/force", {7}, "N");
@@ -86,12 +87,12 @@ TEST(Wrapper, leaves_no_handle_open) {
   EXPECT_EQ(H5Fget_obj_count(static_cast<hid_t>(H5F_OBJ_ALL), H5F_OBJ_ALL), 0);
 }
 
-TEST(Wrapper, prints_nothing_about_bad_files_not_even_when_the_program_ends) {
+TEST(Wrapper, prints_nothing_about_bad_files_even_when_the_program_ends) {
   const Folder folder;
   kernels::write(kernels::test::sample_kernel(3), folder / "body.h5");
   kernels::test::put_bytes(folder / "text.h5", "text");
   std::string spoilt = kernels::test::bytes_of(folder / "body.h5");
-  // Past the header's mark: its checksum fails, which HDF5 remembers until the end.
+  // After the signature of the header: its checksum fails, which HDF5 remembers until the end.
   for (std::size_t at = 0; (at = spoilt.find("OHDR", at + 1)) != std::string::npos;)
     if (at > 1000) spoilt[at + 20] = static_cast<char>(~spoilt[at + 20]);
   kernels::test::put_bytes(folder / "spoilt.h5", spoilt);
@@ -105,7 +106,7 @@ TEST(Wrapper, prints_nothing_about_bad_files_not_even_when_the_program_ends) {
   EXPECT_EXIT(meet_bad_files(), testing::ExitedWithCode(0), "^$");
 }
 
-TEST(Reader, tells_links_and_missing_objects_from_its_own) {
+TEST(Reader, distinguishes_links_and_missing_objects_from_its_own) {
   const Folder folder;
   Writer file(folder / "file.h5");
   file.write<double>("/a/values", std::vector<double>{1}, {1}, "m");

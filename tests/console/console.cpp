@@ -1,4 +1,5 @@
-// What is seen of a run: in a log file one line a phase, on a terminal a bar, nothing when quiet.
+// SPDX-License-Identifier: BSD-2-Clause
+// Output of a run: one line per phase in a log file, a bar on a terminal, nothing if quiet.
 #include "src/console/console.hpp"
 
 #include <fcntl.h>
@@ -48,7 +49,7 @@ std::string shown(Action action) {
   std::fflush(stderr);
   ::dup2(before, STDERR_FILENO);
   ::close(before);
-  // A line that ends all, so that reading can stop: an empty terminal would wait for ever.
+  // A final line ends the reading: waiting on an empty terminal would never end.
   const bool sent = ::write(terminal, "\x04", 1) == 1;
   std::string text;
   for (char c = 0; sent && ::read(screen, &c, 1) == 1 && c != '\x04';) text += c;
@@ -112,14 +113,15 @@ TEST(Phases, end_once) {
   EXPECT_EQ(std::count(text.err.begin(), text.err.end(), '\n'), 1);
 }
 
-TEST(Phases, are_timed_and_weighed) {
+TEST(Phases, have_times_and_memory) {
   printed([] {
     Console console;
     console.begin("sleep");
     std::this_thread::sleep_for(std::chrono::milliseconds(30));
     console.end();
     EXPECT_GE(console.phases()[0].seconds, 0.03);
-    EXPECT_LT(console.phases()[0].seconds, 30);  // a loaded machine may oversleep, not by a unit
+    EXPECT_LT(console.phases()[0].seconds,
+              30);  // a loaded machine may sleep too long, but not by a factor of a unit
     EXPECT_GT(console.phases()[0].peak_mib, 1);
     EXPECT_LT(console.phases()[0].peak_mib, 10000);
   });
@@ -171,7 +173,7 @@ TEST(Terminal, is_drawn_at_most_ten_times_a_second) {
   double seconds = 0;
   const std::string text = shown([&] {
     Console console;
-    console.begin("steps", 2048);  // few enough that, all drawn, they still fit an unread terminal
+    console.begin("steps", 2048);  // few enough to fit the buffer of a terminal even if all are drawn
     for (int k = 1; k <= 2048; ++k) console.advance(k);
     console.end();
     seconds = console.phases()[0].seconds;
@@ -182,7 +184,7 @@ TEST(Terminal, is_drawn_at_most_ten_times_a_second) {
   EXPECT_LE(drawings, 10 * seconds + 2);  // the first and the last are not held back
 }
 
-TEST(Terminal, shows_no_percentage_where_no_end_is_known) {
+TEST(Terminal, shows_no_percentage_if_the_end_is_unknown) {
   const std::string text = shown([] {
     Console console;
     console.begin("mesh");
@@ -195,7 +197,7 @@ TEST(Terminal, shows_no_percentage_where_no_end_is_known) {
   EXPECT_THAT(text, Not(HasSubstr("%")));
 }
 
-TEST(Terminal, bar_never_leaves_its_ends) {
+TEST(Terminal, bar_stays_within_its_ends) {
   const std::string text = shown([] {
     Console console;
     console.begin("modes", 100);
@@ -207,7 +209,7 @@ TEST(Terminal, bar_never_leaves_its_ends) {
   EXPECT_THAT(text, HasSubstr("[########################] 100 %  0.00 s left"));
 }
 
-TEST(Terminal, shows_nothing_of_a_phase_that_has_ended) {
+TEST(Terminal, shows_nothing_after_the_end_of_a_phase) {
   const std::string text = shown([] {
     Console console;
     console.begin("modes", 128);
@@ -219,7 +221,7 @@ TEST(Terminal, shows_nothing_of_a_phase_that_has_ended) {
   EXPECT_EQ(text.back(), '\n');
 }
 
-TEST(Terminal, shows_nothing_when_quiet) {
+TEST(Terminal, shows_nothing_if_quiet) {
   bool there = false;
   const std::string text = shown([&] {
     there = ::isatty(STDERR_FILENO) != 0;
@@ -241,13 +243,13 @@ TEST(PhaseTable, is_aligned_and_ends_with_total_time_and_highest_memory) {
             "total          4 min 10 s       813 MiB");
 }
 
-TEST(PhaseTable, without_phases_is_a_total_of_nothing) {
+TEST(PhaseTable, without_phases_has_a_total_of_zero) {
   EXPECT_EQ(Console::table({}),
             "phase          time   peak memory\n"
             "total        0.00 s         0 MiB");
 }
 
-TEST(PhaseTable, says_times_in_seconds_minutes_and_hours) {
+TEST(PhaseTable, gives_times_in_seconds_minutes_and_hours) {
   const std::pair<double, const char*> times[] = {
       {0.004, " 0.00 s "},     {99.9, " 99.90 s "}, {100, " 1 min 40 s "}, {119.9, " 1 min 59 s "},
       {3605, " 60 min 05 s "}, {6000, " 1.7 h "},   {36000, " 10.0 h "}};

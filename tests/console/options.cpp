@@ -1,4 +1,5 @@
-// The command line that both programs share. Bad arguments: status 2 and one line that says what to do.
+// SPDX-License-Identifier: BSD-2-Clause
+// The command line of both programs. Bad arguments give status 2 and one line with the remedy.
 #include "src/console/options.hpp"
 
 #include <gmock/gmock.h>
@@ -13,7 +14,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-/// What one call gives and prints.
+/// The result and the output of one call.
 struct Outcome {
   Parsed parsed;
   std::string out, err;
@@ -32,7 +33,7 @@ Outcome call(const std::string& program, std::vector<const char*> arguments, boo
   return outcome;
 }
 
-/// The options of a call that must be a good one and silent.
+/// The options of a call that must succeed without output.
 Options options_of(const std::vector<const char*>& arguments) {
   const Outcome outcome = call("ricochet-contact", arguments);
   EXPECT_EQ(outcome.parsed.status, 0);
@@ -66,15 +67,15 @@ TEST(Options, are_read_on_either_side_of_the_scene) {
   }
 }
 
-// --out is relative to the working folder, its default to the scene's.
+// --out is relative to the working folder, its default to the folder of the scene.
 TEST(Options, put_results_beside_the_scene) {
   EXPECT_EQ(options_of({"deep/down/a.toml"}).out, "deep/down/out");
   EXPECT_EQ(options_of({"/far/a.toml"}).out, "/far/out");
   EXPECT_EQ(options_of({"deep/down/a.toml", "--out", "here"}).out, "here");
 }
 
-// Vectors, tables and quotes reach the scene as they are, and a --set takes no more than its one value.
-TEST(Options, hand_overrides_on_untouched_and_in_order) {
+// Vectors, tables and quotes are passed on unchanged, and --set takes exactly one value.
+TEST(Options, pass_overrides_on_unchanged_and_in_order) {
   const Options options = options_of(
       {"--set", "bodies.upper.velocity=[0,-6,0]", "--set", "title=a, b \"c\"", "--set", "x=[[1,2],[3]]",
        "a.toml", "--set=bodies.upper.damping={ ratio = 0.1 }", "--set", "y=-1", "--set", "z="});
@@ -84,9 +85,11 @@ TEST(Options, hand_overrides_on_untouched_and_in_order) {
                           "bodies.upper.damping={ ratio = 0.1 }", "y=-1", "z="));
 }
 
-TEST(Options, that_come_twice_count_once) { EXPECT_TRUE(options_of({"--quiet", "--quiet", "a.toml"}).quiet); }
+TEST(Options, that_are_repeated_count_once) {
+  EXPECT_TRUE(options_of({"--quiet", "--quiet", "a.toml"}).quiet);
+}
 
-TEST(Help, is_status_0_and_names_all_there_is) {
+TEST(Help, is_status_0_and_names_every_option) {
   for (const char* program : {"ricochet-contact", "ricochet-kernel"})
     for (const char* flag : {"--help", "-h"}) {
       const Outcome outcome = call(program, {flag});
@@ -134,8 +137,8 @@ TEST(BadArguments, are_status_2_and_one_line_on_stderr) {
   }
 }
 
-// Under mpirun the first rank speaks for all; their status is the same.
-TEST(OtherRanks, say_nothing) {
+// Under mpirun only the first rank prints; all have the same status.
+TEST(OtherRanks, print_nothing) {
   for (const auto& [argument, status] :
        {std::pair{"--help", 0}, std::pair{"--version", 0}, std::pair{"--no", 2}}) {
     const Outcome outcome = call("ricochet-kernel", {argument}, false);

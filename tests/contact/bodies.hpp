@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Bodies small enough to know everything about: surfaces without modes, and rods with their exact ones.
 #pragma once
 

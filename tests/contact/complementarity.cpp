@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The solver against enumeration of every active set, and against the conditions of complementarity
 // themselves, evaluated in extended precision.
 #include "contact/complementarity/complementarity.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Problems of every kind that contact brings, and worse, against Lemke's method, against solutions known
 // beforehand, and against the conditions of complementarity in extended precision.
 #include <gtest/gtest.h>

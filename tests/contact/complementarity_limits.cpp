@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // What a solve that was stopped by max_pivots still promises, and what a body stepped with it does.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Convolutions against the sum written out, in every way of cutting it into parts.
 #include "contact/table/convolution.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Flush-to-zero: on inside a scope, as it was after it, and without a trace in the results.
 #include "ricochet/denormals.hpp"
 

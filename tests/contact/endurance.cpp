@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A million steps: what adds up over them.
 #include <gtest/gtest.h>
 

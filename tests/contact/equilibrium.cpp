@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Bodies at rest against statics by hand: standing and stacked rods, a table's legs, enumerated active sets.
 #include "contact/static/equilibrium.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The ends of the knobs of stepping: steps, damping, masses, precision, and very many steps. Each is measured
 // against a closed form or a law of conservation; scripts/verify --extremes makes a table of what is found.
 #include <gtest/gtest.h>

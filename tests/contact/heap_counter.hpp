@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Counts every call that takes memory from the heap, and apart from them those that return some, in the one
 // test file that includes it. It stands in front of malloc itself, because Eigen calls malloc and operator
 // new ends there (glibc).

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Complementarity problems 0 ≤ λ ⟂ Sλ − r ≥ 0 as tests see them: the conditions themselves, evaluated in
 // extended precision, and Lemke's method, which has nothing in common with active sets of the convex problem.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Bodies stepped with max_pivots: what the forces of a step cut short may cost, and what they may not.
 #include <gtest/gtest.h>
 

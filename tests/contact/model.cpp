@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The stacked system of several bodies, against rows worked out by hand.
 #include "contact/model/model.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Which point faces which place: flat sheets, spheres, rims of disks, rods, half-spaces.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A body of random modes that faces the floor, as programs that embed the library hand it over.
 #pragma once
 

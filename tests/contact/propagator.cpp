@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // One step of one mode against the exponential of its matrix, in quadruple precision by Taylor series,
 // scaling and squaring: an oracle that knows nothing of sines, roots or regimes of damping.
 #include "contact/stepping/propagator.hpp"

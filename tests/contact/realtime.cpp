@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // What a step does besides arithmetic: nothing. A child process gives up all system calls but read, write and
 // exit (seccomp, strict), makes a million steps and reports how often the heap and locks were asked.
 #include <dlfcn.h>

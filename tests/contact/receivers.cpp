@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // What receivers see, and what supports carry, of bars that waves and statics tell everything about.
 #include "contact/output/receivers.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Result files: what is in them after a run, and that there is none before it ends.
 #include "contact/output/recorder.hpp"
 #include "base/hdf5_reader.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Two equal elastic rods that collide end to end, from their exact modes. The wave solution: the ends move
 // together at v/2 under the pressure Z v/2, until the waves are back from the free ends at t = 2L/c = 20;
 // then the striking rod stands still and the other leaves at v. ρ = A = E = 1, so c = 1 and the impedance Z =

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The library as other programs see it.
 #include "ricochet/ricochet.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The figures of a run, against what mechanics says of two rods: contact lasts 2L/c and the rods trade
 // velocities.
 #include "contact/output/summary_observer.hpp"

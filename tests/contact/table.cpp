@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Table kernels: the closed form of two rods against the wave solution, kernels from modes against modal
 // stepping, files, and what is refused.
 #include "contact/table/table.hpp"

@@ -1,10 +1,12 @@
-// Patch tests: what any convergent element must do exactly.
+// SPDX-License-Identifier: BSD-2-Clause
+// Patch tests: properties that any convergent element has exactly.
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
 #include <cmath>
 
 #include "src/elasticity/assemble.hpp"
+#include "src/elasticity/rigid.hpp"
 #include "src/modes/factorisation.hpp"
 #include "tests/meshes.hpp"
 #include "tests/modes/dense.hpp"
@@ -60,7 +62,7 @@ TEST_P(Patch, linear_displacement_leaves_no_force_inside_and_the_exact_energy) {
   largest = parallel::largest(mesh.comm, largest);
   left = parallel::largest(mesh.comm, left);
   ASSERT_GT(parallel::sum(mesh.comm, interior), 0);
-  // Some tens of elements add to a node, each to round-off.
+  // Some tens of elements contribute to a node, each to round-off.
   EXPECT_LT(left / largest, 1e-12);
 
   // Exact: W = ½ λ tr(ε)² V + μ ε:ε V, with the volume of a truncated pyramid.

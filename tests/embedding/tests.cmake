@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# The library as others get it: installed, found from outside the tree, linked from C++ and C, loaded by Python.
+# The library as users get it: installed, found from outside the tree, linked from C++ and C, loaded by Python.
 set(prefix ${CMAKE_CURRENT_BINARY_DIR}/installed)
 set(outside ${CMAKE_CURRENT_BINARY_DIR}/outside)
 add_test(NAME embedding/install

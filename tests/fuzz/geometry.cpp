@@ -1,7 +1,9 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A .geo file: the parameters that it defines, and its hash with all that it includes, itself perhaps.
 //
 // gmsh does not see it: its language runs commands.
 #include "src/mesh/open.hpp"
+#include "src/scene/request.hpp"
 #include "tests/fuzz/input.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

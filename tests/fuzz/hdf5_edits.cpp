@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "tests/fuzz/hdf5_edits.hpp"
 
 #define H5_USE_110_API

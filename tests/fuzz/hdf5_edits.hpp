@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // HDF5 files that are well formed but not what they should be: edits to a good one, as an input says.
 //
 // The library's own decoding is left alone by these; inputs that begin with HDF5's signature are files as

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Changes HDF5 files in place: they are full of addresses, and hardly one survives when bytes are moved.
 #include <algorithm>
 #include <array>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // What the fuzz targets share: their input in pieces, files in memory, and what must hold of every refusal.
 //
 // Each target defines LLVMFuzzerTestOneInput. libFuzzer calls it with inputs of its own (scripts/fuzz), the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A kernel file, made or mended as tests/fuzz/hdf5_edits.hpp says.
 //
 // An accepted kernel is as kernels/kernel.hpp promises, and comes back the same from a file of ours.

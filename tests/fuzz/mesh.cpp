@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A .msh file, read as a whole body, as one with named parts, and as a part of a split mesh.
 //
 // What is accepted has its numbers in range, and becomes matrices or is refused in one line.
@@ -11,6 +12,8 @@
 #include "src/mesh/gmsh_session.hpp"
 #include "src/mesh/open.hpp"
 #include "src/mesh/part.hpp"
+#include "src/mesh/partition.hpp"
+#include "src/mesh/read.hpp"
 #include "tests/fuzz/input.hpp"
 
 namespace {
@@ -30,7 +33,7 @@ void check_blocks(const std::vector<mesh::Block>& blocks, std::size_t nodes) {
   }
 }
 
-void read(const scene::Body& body, const mesh::Asked& asked) {
+void read(const scene::Body& body, const mesh::RequestedGroups& asked) {
   mesh::GlobalMesh global;
   const bool read = accepts([&] { global = mesh::read_mesh(body, {}, asked); });
   mesh::forget_meshes();
@@ -39,7 +42,7 @@ void read(const scene::Body& body, const mesh::Asked& asked) {
   require(!global.blocks.empty() && nodes > 0, "a mesh without elements was accepted");
   for (double x : global.position) require(std::isfinite(x), "a coordinate is not finite");
   for (const auto* blocks :
-       {&global.blocks, &global.contact.blocks, &global.loaded.blocks, &global.skin.blocks})
+       {&global.blocks, &global.contact.blocks, &global.loaded.blocks, &global.visualisation.blocks})
     check_blocks(*blocks, nodes);
   accepts([&] {
     elasticity::assemble(mesh::distribute(std::move(global), PETSC_COMM_SELF), body.materials, "m.msh");

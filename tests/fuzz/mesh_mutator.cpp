@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Changes words and lines of a .msh file besides its bytes: a number becomes another number.
 #include <algorithm>
 #include <array>

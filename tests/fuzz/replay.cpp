@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The inputs of corpus/ without a fuzzer: replay FOLDER…
 #include <algorithm>
 #include <iterator>

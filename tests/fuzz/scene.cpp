@@ -1,8 +1,11 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A scene, and behind a line "---" overrides, a line each.
 //
 // An accepted scene, written out, is read back as the same scene, and what its kernels say of themselves is
 // understood when they are asked again.
 #include "src/scene/scene.hpp"
+#include "src/scene/read.hpp"
+#include "src/scene/request.hpp"
 
 #include <sstream>
 

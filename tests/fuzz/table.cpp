@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A table of sampled kernels, made or mended as tests/fuzz/hdf5_edits.hpp says.
 //
 // An accepted table comes back the same from a file of ours, and can be stepped, or is refused in one line.

@@ -1,4 +1,5 @@
-// Kernels made of others, against those of bars in closed form.
+// SPDX-License-Identifier: BSD-2-Clause
+// Kernels derived from others, compared with those of bars in closed form.
 #include "kernels/algebra.hpp"
 
 #include <Eigen/Dense>
@@ -15,7 +16,7 @@ using test::plain_kernel;
 using test::sample_kernel;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Every value within `tolerance` of the largest one of its array.
+/// Compares all values, within `tolerance` of the largest one of the array.
 template <class Range>
 void expect_close(const Range& found, const Range& expected, const std::string& name, double tolerance) {
   ASSERT_EQ(found.size(), expected.size()) << name;
@@ -27,7 +28,7 @@ void expect_close(const Range& found, const Range& expected, const std::string& 
   EXPECT_LE(off, tolerance * largest) << name;
 }
 
-/// What is left of R and of the sag is a small difference of what they are measured by, the whole.
+/// R and sag are small differences; their errors are relative to the totals from which they are subtracted.
 void expect_same(const Kernel& found, const Kernel& expected, double whole = 1) {
   constexpr double round_off = 1e-13;
   expect_close(found.modes.angular_frequency, expected.modes.angular_frequency, "omega", round_off);
@@ -69,7 +70,7 @@ void expect_same(const Kernel& found, const Kernel& expected, double whole = 1) 
     expect_close(found.view->body_force_residual, expected.view->body_force_residual, "view's sag", 1e-6);
 }
 
-/// R and sag of 40 modes are differences 200 and 1e5 times smaller than what they are taken from.
+/// With 40 modes, R and sag are differences 200 and 1e5 times smaller than the totals.
 constexpr double of_differences = 1e5;
 
 class BothBars : public testing::TestWithParam<bool> {
@@ -115,7 +116,7 @@ TEST(Rescaling, by_one_changes_nothing) {
   }
 }
 
-// So the body's own law is what counts, whatever the first kernel's was.
+// The law of damping of the new body applies, not that of the first kernel.
 TEST(Rescaling, gives_decay_rates_by_the_law_at_the_new_frequencies) {
   Bar bar{.clamped = false};
   bar.decay = [](double) { return 5.0; };
@@ -147,13 +148,13 @@ TEST(Rescaling, stretches_kernel_functions_in_time) {
     EXPECT_NEAR(n(found, t), n(old, t * faster) / (faster * heavier), 1e-12);
 }
 
-TEST_P(BothBars, cut_to_a_band_are_those_with_fewer_modes) {
+TEST_P(BothBars, truncated_to_a_band_are_those_with_fewer_modes) {
   for (const std::size_t modes : {39U, 15U, 1U}) {
     Bar fewer = bar_;
     fewer.modes = modes;
-    expect_same(cut_to_band(bar_.kernel(), fewer.end()), fewer.kernel(), of_differences);
+    expect_same(truncated_to_band(bar_.kernel(), fewer.end()), fewer.kernel(), of_differences);
   }
-  expect_same(cut_to_band(bar_.kernel(), bar_.end()), bar_.kernel());
+  expect_same(truncated_to_band(bar_.kernel(), bar_.end()), bar_.kernel());
 }
 
 /// Σ φ φᵀ/ω² + R of the elastic modes.
@@ -169,50 +170,51 @@ Eigen::MatrixXd flexibility(const Kernel& kernel) {
   return sum;
 }
 
-TEST_P(BothBars, yield_to_static_forces_as_before_whatever_is_cut) {
+TEST_P(BothBars, have_the_same_static_response_after_truncation) {
   Eigen::MatrixXd exact(4, 4);
   for (int i = 0; i < 4; ++i)
     for (int j = 0; j < 4; ++j)
       exact(i, j) = bar_.flexibility((i + 1) * bar_.length / 4, (j + 1) * bar_.length / 4);
   const auto off = [&](const Kernel& kernel) { return (flexibility(kernel) - exact).norm() / exact.norm(); };
-  EXPECT_LT(off(cut_to_band(bar_.kernel(), {0.9})), 1e-12);
-  EXPECT_LT(off(cut_to_count(bar_.kernel(), 3)), 1e-12);
-  EXPECT_LT(off(cut_to_flexibility_error(bar_.kernel(), {1.0}, 0.05)), 1e-12);
+  EXPECT_LT(off(truncated_to_band(bar_.kernel(), {0.9})), 1e-12);
+  EXPECT_LT(off(truncated_to_count(bar_.kernel(), 3)), 1e-12);
+  EXPECT_LT(off(truncated_to_flexibility_error(bar_.kernel(), {1.0}, 0.05)), 1e-12);
 }
 
-TEST(Cuts, never_take_rigid_modes) {
+TEST(Truncation, keeps_rigid_modes) {
   const Bar bar{.clamped = false};
-  for (const Kernel& kernel : {cut_to_band(bar.kernel(), {1e-9}), cut_to_count(bar.kernel(), 1)}) {
+  for (const Kernel& kernel :
+       {truncated_to_band(bar.kernel(), {1e-9}), truncated_to_count(bar.kernel(), 1)}) {
     EXPECT_EQ(kernel.modes.angular_frequency, std::vector<double>{0.0});
     EXPECT_EQ(kernel.modes.certificate.count_by_inertia, 1);
     EXPECT_NO_THROW(validate(kernel, "origin"));
   }
 }
 
-TEST(Cuts, to_a_number_take_a_multiple_mode_whole) {
+TEST(Truncation, to_a_number_keeps_multiple_modes_whole) {
   Kernel kernel = Bar{}.kernel();
   std::vector<double>& omega = kernel.modes.angular_frequency;
   omega[5] = omega[4] * (1 + 1e-8);
-  EXPECT_EQ(cut_to_count(kernel, 4).modes.size(), 4U);
-  const Kernel cut = cut_to_count(kernel, 5);
+  EXPECT_EQ(truncated_to_count(kernel, 4).modes.size(), 4U);
+  const Kernel cut = truncated_to_count(kernel, 5);
   EXPECT_EQ(cut.modes.size(), 6U);
   EXPECT_GT(cut.modes.certificate.upto_hz, to_hertz({omega[5]}).value);
   EXPECT_LT(cut.modes.certificate.upto_hz, to_hertz({omega[6]}).value);
-  EXPECT_EQ(cut_to_count(kernel, 40).modes.certificate.upto_hz, kernel.modes.certificate.upto_hz);
+  EXPECT_EQ(truncated_to_count(kernel, 40).modes.certificate.upto_hz, kernel.modes.certificate.upto_hz);
 }
 
-TEST(Cuts, need_no_residual_flexibility_and_no_view) {
+TEST(Truncation, needs_no_residual_flexibility_and_no_visualisation_surface) {
   Kernel kernel = Bar{}.kernel();
   kernel.surface.residual_flexibility.clear();
   kernel.loads.body_force_residual.clear();
   kernel.view.reset();
-  const Kernel cut = cut_to_points(cut_to_count(kernel, 7), {2});
+  const Kernel cut = restricted_to_points(truncated_to_count(kernel, 7), {2});
   EXPECT_EQ(cut.modes.size(), 7U);
   EXPECT_TRUE(cut.surface.residual_flexibility.empty());
   EXPECT_NO_THROW(validate(cut, "origin"));
 }
 
-/// Of the four columns of the bar's skin.
+/// The visualisation surface of the bar has four columns.
 View with_columns(View view, const std::vector<std::size_t>& points) {
   std::vector<float> taken;
   for (std::size_t row = 0; row < view.residual_flexibility.size(); row += 4)
@@ -221,25 +223,25 @@ View with_columns(View view, const std::vector<std::size_t>& points) {
   return view;
 }
 
-TEST_P(BothBars, cut_to_points_are_those_with_fewer) {
+TEST_P(BothBars, restricted_to_points_are_those_with_fewer) {
   Bar fewer = bar_;
   fewer.at = {0.75, 0.5};
   Kernel expected = fewer.kernel();
-  expected.surface.element = {1, 0};  // as it was turned
+  expected.surface.element = {1, 0};  // with reversed orientation
   expected.view = with_columns(*bar_.kernel().view, {2, 1});
-  expect_same(cut_to_points(bar_.kernel(), {2, 1}), expected);
+  expect_same(restricted_to_points(bar_.kernel(), {2, 1}), expected);
   // No two of these are neighbours.
   fewer.at = {0.25, 0.75};
   expected = fewer.kernel();
   expected.surface.element_corners = 1;
   expected.surface.element = {0, 1};
   expected.view = with_columns(*bar_.kernel().view, {0, 2});
-  expect_same(cut_to_points(bar_.kernel(), {0, 2}), expected);
+  expect_same(restricted_to_points(bar_.kernel(), {0, 2}), expected);
 }
 
-TEST(Cuts, to_points_keep_all_components_of_each) {
+TEST(Restriction, to_points_keeps_all_components_of_each) {
   const std::size_t n = 5, m = 4;
-  const Kernel whole = plain_kernel(3, n, m), cut = cut_to_points(whole, {3, 1});
+  const Kernel whole = plain_kernel(3, n, m), cut = restricted_to_points(whole, {3, 1});
   EXPECT_NO_THROW(validate(cut, "origin"));
   const std::size_t row[] = {9, 10, 11, 3, 4, 5};
   for (std::size_t i = 0; i < 6; ++i) {
@@ -254,7 +256,7 @@ TEST(Cuts, to_points_keep_all_components_of_each) {
   EXPECT_EQ(cut.surface.group, (std::vector<std::string>{"upper face", "upper face"}));
 }
 
-/// Static answer of row r of the receiver to column e: what its residual says and what modes say, Σ φ f/ω².
+/// Static response of row r of the receiver to column e: its residual plus the sum over the modes, Σ φ f/ω².
 double answer(const Kernel& kernel, std::size_t r, const std::vector<double>& residual, std::size_t width,
               std::size_t column, const std::vector<double>& force, std::size_t e) {
   const std::size_t n = kernel.modes.size();
@@ -265,9 +267,10 @@ double answer(const Kernel& kernel, std::size_t r, const std::vector<double>& re
   return sum;
 }
 
-// Young 3, density 5, scale 2: a force moves a similar body by 1/(3·2), a pressure by 2²/(3·2), its own
-// weight by 5·2³/(3·2). A support's lift is geometry alone: Γ is as √mass.
-TEST(Rescaling, lets_sources_move_a_body_as_its_size_and_stiffness_say) {
+// Young 3, density 5, scale 2: the displacement of a similar body under a force grows by 1/(3·2), under a
+// pressure by 2²/(3·2), under its own weight by 5·2³/(3·2). The lift of a support is geometric: Γ grows as
+// √mass.
+TEST(Rescaling, scales_the_response_to_sources_with_size_and_stiffness) {
   const Kernel had = sample_kernel(3), made = rescaled(had, {.young = 3, .density = 5, .scale = 2}, {});
   const std::size_t loads = had.applied.size();
   for (std::size_t l = 0; l < loads; ++l) {
@@ -294,19 +297,19 @@ TEST(Rescaling, lets_sources_move_a_body_as_its_size_and_stiffness_say) {
   EXPECT_NEAR(moved_by(made), moved_by(had), 1e-12 * std::abs(moved_by(had)));
 }
 
-TEST(Cuts, of_candidates_are_refused_where_loads_or_receivers_know_of_them) {
+TEST(Restriction, is_refused_for_kernels_with_loads_or_receivers) {
   for (const std::string& line :
-       {complaint_of([] { cut_to_points(sample_kernel(3), {0}); }), complaint_of([] {
-          cut_to_direction(sample_kernel(3), {1, 0, 0});
+       {complaint_of([] { restricted_to_points(sample_kernel(3), {0}); }), complaint_of([] {
+          restricted_to_direction(sample_kernel(3), {1, 0, 0});
         })})
-    EXPECT_NE(line.find("has loads, supports that move or receivers"), std::string::npos) << line;
+    EXPECT_NE(line.find("has loads, moving supports or receivers"), std::string::npos) << line;
 }
 
-TEST(Cuts, to_a_direction_keep_the_component_along_it) {
+TEST(Restriction, to_a_direction_keeps_the_component_along_it) {
   const std::size_t n = 5, m = 4;
   const Kernel whole = plain_kernel(3, n, m);
   const Vector3 d{0.6, 0, -0.8};
-  const Kernel cut = cut_to_direction(whole, d);
+  const Kernel cut = restricted_to_direction(whole, d);
   EXPECT_NO_THROW(validate(cut, "origin"));
   EXPECT_EQ(cut.surface.direction, d);
   // A unit force along d on patch i, in the three components of each patch.
@@ -337,25 +340,29 @@ void expect_refusal(Action action, const std::string& fragment) {
   EXPECT_NE(text.find(fragment), std::string::npos) << text;
 }
 
-TEST(Cuts, are_refused_where_the_kernel_does_not_hold_what_they_take) {
+TEST(Truncation, is_refused_if_the_kernel_lacks_the_data_for_it) {
   const Kernel whole = Bar{}.kernel();
-  expect_refusal([&] { cut_to_band(whole, {1e3}); }, "all modes up to 14.");
-  expect_refusal([&] { cut_to_band(whole, {0}); }, "not up to 0");
-  expect_refusal([&] { cut_to_count(whole, 41); }, "has 40 modes, not 41");
-  expect_refusal([&] { cut_to_flexibility_error(whole, {14}, 1e-3); }, "may make an error of");
-  expect_refusal([&] { cut_to_points(whole, {0, 4}); }, "no candidate point 4: they go from 0 to 3");
-  expect_refusal([&] { cut_to_points(whole, {-1}); }, "no candidate point -1");
-  expect_refusal([&] { cut_to_points(whole, {1, 1}); }, "named twice");
-  expect_refusal([&] { cut_to_points(whole, {}); }, "name one at least");
+  expect_refusal([&] { truncated_to_band(whole, {1e3}); }, "all modes up to 14.");
+  expect_refusal([&] { truncated_to_band(whole, {0}); }, "not up to 0");
+  expect_refusal([&] { truncated_to_count(whole, 41); }, "has 40 modes, fewer than 41");
+  expect_refusal([&] { truncated_to_flexibility_error(whole, {14}, 1e-3); }, "may cause an error of");
+  expect_refusal(
+      [&] {
+        restricted_to_points(whole, {0, 4});
+      },
+      "no candidate 4: they are numbered from 0 to 3");
+  expect_refusal([&] { restricted_to_points(whole, {-1}); }, "no candidate -1");
+  expect_refusal([&] { restricted_to_points(whole, {1, 1}); }, "named twice");
+  expect_refusal([&] { restricted_to_points(whole, {}); }, "name at least one");
   Kernel bare = whole;
   bare.surface.residual_flexibility.clear();
-  expect_refusal([&] { cut_to_flexibility_error(bare, {1}, 0.1); }, "no residual flexibility");
-  const Kernel less = cut_to_flexibility_error(whole, {1}, 0.1);
-  expect_refusal([&] { cut_to_band(less, {1}); }, "were left out of it");
-  expect_refusal([&] { cut_to_direction(whole, {1, 0, 0}); }, "holds one direction only");
+  expect_refusal([&] { truncated_to_flexibility_error(bare, {1}, 0.1); }, "no residual flexibility");
+  const Kernel less = truncated_to_flexibility_error(whole, {1}, 0.1);
+  expect_refusal([&] { truncated_to_band(less, {1}); }, "were truncated");
+  expect_refusal([&] { restricted_to_direction(whole, {1, 0, 0}); }, "has one direction only");
   Kernel fitted = whole;
   fitted.modes.basis = "contact";
-  expect_refusal([&] { cut_to_count(fitted, 3); }, "vectors fitted to contact");
+  expect_refusal([&] { truncated_to_count(fitted, 3); }, "contact-adapted basis");
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// The flexibility error and what modes contribute to it, against dense complex matrices.
+// SPDX-License-Identifier: BSD-2-Clause
+// The flexibility error and the contributions of modes to it, compared with dense complex matrices.
 #include <gtest/gtest.h>
 
 #include <numeric>
@@ -10,8 +11,8 @@ namespace {
 
 using namespace test_band;
 
-/// What is subtracted to find an error, relative to ‖H‖: round-off goes with it. With static parts taken off
-/// it is up to (band/ω)² of the lowest mode.
+/// Magnitude of the terms that are subtracted, relative to ‖H‖, which determines the round-off. With static
+/// parts subtracted it is up to (band/ω)² of the lowest mode.
 double subtracted(const Set& coarse, const Set& fine, bool quasi_static) {
   double most = 0;
   for (const std::complex<double> s : ray()) {
@@ -66,8 +67,8 @@ TEST_P(Flexibility, error_is_that_of_dense_matrices) {
   }
 }
 
-// Nothing rings on this ray, so few places are enough: between them the error rises by 2 % at most.
-TEST_P(Flexibility, error_is_hardly_larger_between_the_places_looked_at) {
+// There are no resonances on this ray, so few samples suffice: between them the error rises by at most 2 %.
+TEST_P(Flexibility, error_is_hardly_larger_between_the_samples) {
   Random random(2);
   for (int k = 0; k < 20; ++k) {
     const Set fine = random_set(random, 3, 30), coarse = fine.of(some(random, 30));
@@ -86,7 +87,7 @@ TEST_P(Flexibility, error_of_many_candidates_is_about_that_of_dense_matrices) {
   EXPECT_NEAR(flexibility_error(coarse.modes(), fine.modes(), band, GetParam()), exact, 0.3 * exact);
 }
 
-TEST_P(Flexibility, error_of_a_set_that_differs_in_its_numbering_alone_is_nothing) {
+TEST_P(Flexibility, error_of_a_set_that_differs_only_in_its_order_is_zero) {
   Random random(3);
   for (const Index c : {1, 3, 20}) {
     const Set set = random_set(random, c, 30);
@@ -96,7 +97,7 @@ TEST_P(Flexibility, error_of_a_set_that_differs_in_its_numbering_alone_is_nothin
 }
 
 // Of a multiple mode only the space is known, and any basis of it has the same H.
-TEST_P(Flexibility, error_of_a_multiple_mode_turned_in_itself_is_nothing) {
+TEST_P(Flexibility, error_of_another_basis_of_a_multiple_mode_is_zero) {
   Random random(4);
   Set set = random_set(random, 5, 8);
   set.lambda.head(3).setConstant(std::pow(0.5 * band.value, 2));
@@ -106,14 +107,14 @@ TEST_P(Flexibility, error_of_a_multiple_mode_turned_in_itself_is_nothing) {
   expect_no_error(turned, set, GetParam());
 }
 
-TEST(Flexibility, error_of_no_modes_is_the_whole_or_all_but_the_static_part) {
+TEST(Flexibility, error_without_modes_is_1_or_that_beyond_the_static_part) {
   Random random(5);
   const Set fine = random_set(random, 4, 10), none{VectorXd(0), MatrixXd(4, 0)};
   EXPECT_DOUBLE_EQ(flexibility_error(none.modes(), fine.modes(), band, false), 1);
   expect_dense_error(none, fine, true);
 }
 
-TEST(Flexibility, error_is_nothing_where_there_is_nothing_to_compare_with) {
+TEST(Flexibility, error_is_zero_if_the_fine_set_is_empty) {
   Random random(6);
   const Set set = random_set(random, 4, 10), none{VectorXd(0), MatrixXd(4, 0)};
   Set unmoved = set;
@@ -122,7 +123,7 @@ TEST(Flexibility, error_is_nothing_where_there_is_nothing_to_compare_with) {
   EXPECT_EQ(flexibility_error(set.modes(), unmoved.modes(), band, true), 0);
 }
 
-TEST(Contributions, give_the_error_of_dense_matrices_without_some) {
+TEST(Contributions, give_the_error_of_dense_matrices_with_truncated_modes) {
   Random random(7);
   for (const Index c : {1, 3, 20}) {
     const Set set = random_set(random, c, 15);
@@ -138,7 +139,7 @@ TEST(Contributions, give_the_error_of_dense_matrices_without_some) {
   }
 }
 
-TEST(Contributions, ascend_by_the_error_that_each_mode_alone_would_make) {
+TEST(Contributions, ascend_by_the_error_of_truncating_each_mode_alone) {
   Random random(8);
   for (const Index c : {1, 3, 20}) {
     const Set set = random_set(random, c, 40);
@@ -160,8 +161,8 @@ TEST(Contributions, ascend_by_the_error_that_each_mode_alone_would_make) {
   }
 }
 
-// As a mode that a symmetry keeps contact from exciting: however low it is.
-TEST(Contributions, of_modes_that_contact_does_not_see_are_the_least) {
+// Such as a mode that contact cannot excite for reasons of symmetry, however low it is.
+TEST(Contributions, of_modes_that_vanish_at_the_contact_surface_are_the_least) {
   Random random(9);
   Set set = random_set(random, 6, 20);
   set.lambda.head(3) *= 1e-4;
@@ -171,7 +172,7 @@ TEST(Contributions, of_modes_that_contact_does_not_see_are_the_least) {
   EXPECT_EQ(worth.dispensable(worth.ascending(), 0), 3U);
 }
 
-TEST(Contributions, dispense_with_as_many_as_counting_one_by_one_does) {
+TEST(Contributions, dispense_with_as_many_as_a_search_one_by_one) {
   Random random(10);
   const Set set = random_set(random, 3, 16);
   const Contributions worth(set.modes(), band);

@@ -1,4 +1,5 @@
-// The kernel of a uniform bar that moves along its axis, every number of it in closed form.
+// SPDX-License-Identifier: BSD-2-Clause
+// The kernel of a uniform bar that moves along its axis, in closed form.
 #pragma once
 
 #include <cmath>
@@ -34,15 +35,15 @@ struct Bar {
     return clamped ? density * area * std::sqrt(2 / mass()) / wave_number(n) : 0;
   }
 
-  /// Displacement at x by a unit force at y, relative to the rigid motion of a free bar.
+  /// Displacement at x under a unit force at y, relative to the rigid motion of a free bar.
   double flexibility(double x, double y) const {
     if (clamped) return std::min(x, y) / (young * area);
     return (length / 3 - std::max(x, y) + (x * x + y * y) / (2 * length)) / (young * area);
   }
-  /// Displacement at x in a field of unit acceleration.
+  /// Displacement at x under unit acceleration.
   double sag(double x) const { return clamped ? density / young * (length * x - x * x / 2) : 0; }
 
-  /// Half way between the last mode and the next.
+  /// The frequency half way between the last mode and the next.
   Hertz end() const { return to_hertz(RadPerSecond{(omega(modes) + omega(modes + 1)) / 2}); }
 
   Kernel kernel() const;

@@ -1,5 +1,6 @@
-// Kernel files that are cut, spoilt, foreign or made to harm: each is one line that names the file and what
-// is wrong.
+// SPDX-License-Identifier: BSD-2-Clause
+// Kernel files that are truncated, damaged, foreign or malicious. Each gives one line that names the file and
+// the fault.
 #include <functional>
 
 #include "kernels/read.hpp"
@@ -16,7 +17,7 @@ using test::Folder;
 using test::put_bytes;
 using test::sample_kernel;
 
-/// A whole kernel file with `spoil` done to it.
+/// A complete kernel file, modified by `spoil`.
 class Damage : public testing::Test {
  protected:
   Damage() : path_(folder_ / "body.kernel.h5") { write(sample_kernel(3, 5, 4), path_); }
@@ -54,7 +55,7 @@ class Damage : public testing::Test {
     });
   }
 
-  /// One value of a dataset of doubles.
+  /// Overwrites one value of a dataset of doubles.
   void poke(const std::string& name, std::size_t place, double value) const {
     spoil([&](hid_t file) {
       const hid_t dataset = H5Dopen2(file, name.c_str(), H5P_DEFAULT);
@@ -68,12 +69,12 @@ class Damage : public testing::Test {
     });
   }
 
-  /// Reading is refused, and the line starts with the file and holds each of `parts`.
+  /// Expects that reading is refused, with a line that starts with the file and contains each of `parts`.
   void expect_refused(const std::vector<std::string>& parts) const {
-    const std::string said = complaint_of([&] { read(path_); });
-    EXPECT_EQ(said.find(path_.string() + ": "), 0U) << said;
+    const std::string message = complaint_of([&] { read(path_); });
+    EXPECT_EQ(message.find(path_.string() + ": "), 0U) << message;
     for (const std::string& part : parts)
-      EXPECT_NE(said.find(part), std::string::npos) << part << " in: " << said;
+      EXPECT_NE(message.find(part), std::string::npos) << part << " in: " << message;
   }
 
   Folder folder_;
@@ -106,7 +107,7 @@ TEST_F(Damage, a_file_with_a_wrong_byte_is_refused_or_read_but_never_a_crash) {
   }
 }
 
-TEST_F(Damage, files_that_are_not_kernels_are_told_apart) {
+TEST_F(Damage, files_that_are_not_kernels_are_recognised) {
   put_bytes(path_, "title = \"Two disks\"\n");
   expect_refused({"is not an HDF5 file"});
   std::filesystem::remove(path_);
@@ -123,7 +124,7 @@ TEST_F(Damage, files_that_are_not_kernels_are_told_apart) {
 TEST_F(Damage, a_newer_version_is_refused_with_advice) {
   const std::int64_t version = 2;
   replace_attribute("/", "version", H5T_NATIVE_INT64, &version);
-  expect_refused({"format version 2", "reads up to 1", "Use a newer Ricochet"});
+  expect_refused({"format version 2", "reads versions up to 1", "Use a newer Ricochet"});
   EXPECT_EQ(read_hash(path_), "");
 }
 
@@ -139,13 +140,13 @@ TEST_F(Damage, a_certificate_for_another_number_of_modes_is_refused) {
   expect_refused({"certificate is for 4 modes", "has 5"});
 }
 
-// It is quoted in messages, which are one line.
+// The name is quoted in messages, which are one line.
 TEST_F(Damage, a_body_with_a_line_break_in_its_name_is_refused) {
   const hid_t type = H5Tcopy(H5T_C_S1);
   H5Tset_size(type, 3);
   replace_attribute("/", "body", type, "a\nb");
   H5Tclose(type);
-  expect_refused({"attribute \"body\" holds control characters"});
+  expect_refused({"attribute \"body\" contains control characters"});
 }
 
 TEST_F(Damage, a_missing_dataset_is_named) {
@@ -212,13 +213,13 @@ TEST_F(Damage, a_value_that_is_not_a_number_is_refused_wherever_it_stands) {
                                  "/view/node"}) {
     put_bytes(path_, whole);
     poke(name, 2, std::nan(""));
-    expect_refused({"dataset \"" + name + "\" holds nan at place 2"});
+    expect_refused({"dataset \"" + name + "\" contains nan at index 2"});
   }
 }
 
 TEST_F(Damage, a_negative_area_is_refused) {
   poke("/surface/area", 3, -1e-6);
-  expect_refused({"\"/surface/area\" holds -1e-06 at place 3: must be positive"});
+  expect_refused({"\"/surface/area\" contains -1e-06 at index 3: must be positive"});
 }
 
 TEST_F(Damage, a_normal_of_another_length_is_refused) {
@@ -231,7 +232,7 @@ TEST_F(Damage, a_surface_element_of_points_that_do_not_exist_is_refused) {
     const std::vector<std::int64_t> element = {0, 1, index, 2};
     replace("/surface/element", H5T_NATIVE_INT64, {2, 2}, element.data());
     expect_refused(
-        {"\"/surface/element\" holds " + std::to_string(index) + " at place 2: must be an index below 4"});
+        {"\"/surface/element\" contains " + std::to_string(index) + " at index 2: must be an index below 4"});
   }
 }
 
@@ -300,7 +301,7 @@ TEST_F(Damage, a_group_in_the_place_of_a_dataset_is_refused) {
   expect_refused({"\"/modes/decay_rate\" is not a dataset"});
 }
 
-// Units are for people: only those of loads are read. Files without "approximate" are older.
+// Units are informative; only those of loads are read. Older files have no attribute "approximate".
 TEST_F(Damage, whatever_stands_in_the_place_of_an_object_is_refused_in_one_line) {
   ricochet::test::for_each_hostile_change(path_, {"unit", "approximate"}, [&](const std::string& what) {
     SCOPED_TRACE(what);
@@ -312,7 +313,7 @@ TEST_F(Damage, a_certificate_of_negative_counts_is_refused) {
   const std::int64_t least = INT64_MIN, one = 1;
   replace_attribute("/modes/certificate", "count_found", H5T_NATIVE_INT64, &least);
   replace_attribute("/modes/certificate", "left_out", H5T_NATIVE_INT64, &one);
-  expect_refused({"holds a negative count"});
+  expect_refused({"contains a negative count"});
 }
 
 TEST_F(Damage, compressed_copies_of_a_kernel_are_read) {

@@ -1,4 +1,5 @@
-// Modes as contact sees them, and their flexibilities written out as dense complex matrices.
+// SPDX-License-Identifier: BSD-2-Clause
+// Modes restricted to the contact surface, and their flexibilities as dense complex matrices.
 #pragma once
 
 #include <Eigen/Dense>
@@ -23,7 +24,7 @@ using Random = std::mt19937_64;
 
 inline constexpr RadPerSecond band{6000};
 
-/// Modes whose columns of B stand side by side.
+/// Modes with the columns of B side by side.
 struct Set {
   VectorXd lambda;
   MatrixXd trace;  ///< (c, n)
@@ -65,7 +66,7 @@ inline Set random_set(Random& random, Index c, Index n) {
   return set;
 }
 
-/// Modes of `set`, each a little off.
+/// The modes of `set`, each slightly perturbed.
 inline Set nearly(Random& random, Set set, double off) {
   std::normal_distribution<double> normal;
   for (double& lambda : set.lambda.reshaped()) lambda *= 1 + off * std::abs(normal(random));
@@ -73,14 +74,14 @@ inline Set nearly(Random& random, Set set, double off) {
   return set;
 }
 
-/// The places s on the ray, evenly up to the band's end.
+/// Samples s on the ray, evenly spaced up to the end of the band.
 inline std::vector<std::complex<double>> ray(int count = 24) {
   std::vector<std::complex<double>> places;
   for (int k = 1; k <= count; ++k) places.push_back(std::polar(band.value * k / count, std::numbers::pi / 4));
   return places;
 }
 
-/// ‖H_coarse − H_fine‖ / ‖H_fine‖ at its worst.
+/// The largest ‖H_coarse − H_fine‖ / ‖H_fine‖.
 inline double dense_error(const Set& coarse, const Set& fine, bool quasi_static, int count = 24) {
   double worst = 0;
   for (const std::complex<double> s : ray(count)) {

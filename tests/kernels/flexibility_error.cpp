@@ -1,4 +1,6 @@
-// Kernels cut to the modes that contact needs, against the response of a bar with modes far beyond them.
+// SPDX-License-Identifier: BSD-2-Clause
+// Kernels truncated to the modes that contact needs, compared with the response of a bar with many more
+// modes.
 #include <Eigen/Dense>
 #include <complex>
 
@@ -27,8 +29,8 @@ Eigen::MatrixXcd response(const Kernel& kernel, double omega) {
   return sum;
 }
 
-/// Largest relative error of a kernel's response up to `band` against that of 2000 modes, whose own is a
-/// thousand times smaller than any bound here.
+/// Largest relative error of the response of a kernel up to `band`, compared with 2000 modes, whose own error
+/// is a thousand times below every bound here.
 double error_of(const Kernel& kernel, RadPerSecond band) {
   static const Kernel truth = Bar{.modes = 2000}.kernel();
   double error = 0;
@@ -40,34 +42,34 @@ double error_of(const Kernel& kernel, RadPerSecond band) {
   return error;
 }
 
-TEST(CutsToAFlexibilityError, make_no_larger_one_than_they_tell) {
+TEST(TruncationToAFlexibilityError, reports_a_bound_of_the_error) {
   const Kernel whole = Bar{.modes = 60}.kernel();
   const RadPerSecond band{Bar{}.omega(6)};
   std::size_t last = 60;
   for (const double bound : {0.02, 0.05, 0.2}) {
-    const Kernel cut = cut_to_flexibility_error(whole, to_hertz(band), bound);
+    const Kernel cut = truncated_to_flexibility_error(whole, to_hertz(band), bound);
     EXPECT_NO_THROW(validate(cut, "origin"));
     EXPECT_LT(cut.modes.size(), last);
     last = cut.modes.size();
-    const Certificate& told = cut.modes.certificate;
-    EXPECT_EQ(told.count_found, 60);
-    EXPECT_EQ(told.left_out, 60 - static_cast<std::int64_t>(last));
-    EXPECT_EQ(told.upto_hz, whole.modes.certificate.upto_hz);
-    EXPECT_LE(told.flexibility_error, bound);
-    EXPECT_LE(error_of(cut, band), told.flexibility_error);
-    EXPECT_GT(error_of(cut, band), told.flexibility_error / 10);  // nor is the figure idle
+    const Certificate& reported = cut.modes.certificate;
+    EXPECT_EQ(reported.count_found, 60);
+    EXPECT_EQ(reported.left_out, 60 - static_cast<std::int64_t>(last));
+    EXPECT_EQ(reported.upto_hz, whole.modes.certificate.upto_hz);
+    EXPECT_LE(reported.flexibility_error, bound);
+    EXPECT_LE(error_of(cut, band), reported.flexibility_error);
+    EXPECT_GT(error_of(cut, band), reported.flexibility_error / 10);  // and the bound is not loose
   }
 }
 
-// Little of the error is left for modes within the band when those above the end may make almost all of it.
-TEST(CutsToAFlexibilityError, count_what_lies_above_their_modes) {
+// Little of the error remains for modes within the band if those above the end may cause almost all of it.
+TEST(TruncationToAFlexibilityError, includes_the_modes_above_the_end) {
   const RadPerSecond band{Bar{}.omega(6)};
   for (const std::size_t modes : {12U, 20U, 60U}) {
     const Kernel whole = Bar{.modes = modes}.kernel();
     const double above = error_above(whole, band, RadPerSecond(Hertz{whole.modes.certificate.upto_hz}));
     EXPECT_GE(above, error_of(whole, band));
     EXPECT_LE(above, 5 * error_of(whole, band));  // most of them lie far above: Σ 1/n⁴ is 1/3 of Σ 1/n² / N²
-    const Kernel cut = cut_to_flexibility_error(whole, to_hertz(band), 1.05 * above);
+    const Kernel cut = truncated_to_flexibility_error(whole, to_hertz(band), 1.05 * above);
     EXPECT_LE(cut.modes.certificate.flexibility_error, 1.05 * above);
     EXPECT_GE(cut.modes.certificate.flexibility_error, above);
     EXPECT_LE(error_of(cut, band), cut.modes.certificate.flexibility_error);

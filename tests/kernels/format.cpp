@@ -1,5 +1,6 @@
-// Kernel files: what is written comes back, equal kernels are equal files, and a final name means a whole
-// file.
+// SPDX-License-Identifier: BSD-2-Clause
+// Kernel files: reading gives the written data, equal kernels give equal files, and a final name means a
+// complete file.
 #define H5_USE_110_API
 #include <hdf5.h>
 #include <signal.h>
@@ -24,7 +25,7 @@ using test::Folder;
 using test::plain_kernel;
 using test::sample_kernel;
 
-/// Equal to the bit: −0.0 and subnormal numbers too.
+/// Equal bitwise, including −0.0 and subnormal numbers.
 template <class T>
 bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
@@ -136,7 +137,7 @@ TEST_P(Components, a_kernel_without_residual_flexibility_and_view_comes_back_wit
   expect_same(kernel, read(folder / "body.kernel.h5"));
 }
 
-// So is one that was written before there were any.
+// The same holds for a kernel from before they existed.
 TEST_P(Components, a_kernel_without_loads_motions_and_receivers_comes_back_without_them) {
   const Folder folder;
   const Kernel kernel = plain_kernel(GetParam());
@@ -155,7 +156,7 @@ TEST(KernelFile, a_kernel_of_points_without_elements_and_without_modes_comes_bac
   expect_same(kernel, read(folder / "body.kernel.h5"));
 }
 
-TEST(KernelFile, tells_ahead_of_its_data_what_it_is_for) {
+TEST(KernelFile, identifies_itself_in_its_header) {
   const Folder folder;
   const Kernel kernel = sample_kernel(3);
   write(kernel, folder / "a.kernel.h5");
@@ -171,7 +172,7 @@ TEST(KernelFile, tells_ahead_of_its_data_what_it_is_for) {
 TEST(KernelFile, equal_kernels_give_equal_bytes) {
   const Folder folder;
   write(sample_kernel(3), folder / "one.h5");
-  {  // other work of the library in between must not show in the file
+  {  // other work of the library in between must not affect the file
     hdf5::Writer other(folder / "other.h5");
     other.write<double>("/x", std::vector<double>(1000, 1.5), {1000}, "m");
   }
@@ -197,7 +198,7 @@ TEST(KernelFile, every_dataset_of_numbers_has_a_unit_and_no_object_a_time) {
   int seen = 0;
   H5Ovisit(file, H5_INDEX_NAME, H5_ITER_NATIVE, check_object, &seen);
   H5Fclose(file);
-  // The datasets FORMAT.md lists, but for names: 22, 4 of each load, 3 of a motion, 6 of each receiver.
+  // The datasets of FORMAT.md except names: 22, 4 for each load, 3 for a motion, 6 for each receiver.
   EXPECT_EQ(seen, 22 + 2 * 4 + 3 + 2 * 6);
 }
 
@@ -250,8 +251,8 @@ TEST(KernelFile, a_kernel_that_would_not_be_read_is_not_written) {
   const Folder folder;
   Kernel kernel = sample_kernel(1);
   kernel.surface.area[1] = std::nan("");
-  const std::string said = complaint_of([&] { write(kernel, folder / "body.kernel.h5"); });
-  EXPECT_NE(said.find("/surface/area"), std::string::npos) << said;
+  const std::string message = complaint_of([&] { write(kernel, folder / "body.kernel.h5"); });
+  EXPECT_NE(message.find("/surface/area"), std::string::npos) << message;
   EXPECT_EQ(folder.entries(), 0U);
 }
 
@@ -262,8 +263,8 @@ TEST(KernelFile, a_scene_too_long_for_an_attribute_is_refused_and_not_cut) {
   write(kernel, folder / "longest.kernel.h5");
   EXPECT_EQ(read(folder / "longest.kernel.h5").scene, kernel.scene);
   kernel.scene += '#';
-  const std::string said = complaint_of([&] { write(kernel, folder / "body.kernel.h5"); });
-  EXPECT_NE(said.find("attribute scene of / has 64001 bytes"), std::string::npos) << said;
+  const std::string message = complaint_of([&] { write(kernel, folder / "body.kernel.h5"); });
+  EXPECT_NE(message.find("attribute scene of / has 64001 bytes"), std::string::npos) << message;
   EXPECT_EQ(folder.entries(), 1U);
 }
 
@@ -272,8 +273,8 @@ TEST(KernelFile, a_place_that_cannot_be_written_is_an_input_error_that_names_it)
   test::put_bytes(folder / "file", "not a folder");
   std::filesystem::create_directory(folder / "occupied");
   for (const std::string place : {"missing/body.h5", "file/body.h5", "occupied"}) {
-    const std::string said = complaint_of([&] { write(sample_kernel(1), folder / place); });
-    EXPECT_EQ(said.find((folder / place).string() + ": cannot write"), 0U) << said;
+    const std::string message = complaint_of([&] { write(sample_kernel(1), folder / place); });
+    EXPECT_EQ(message.find((folder / place).string() + ": cannot write"), 0U) << message;
   }
   EXPECT_EQ(folder.entries(), 2U) << "a temporary file was left behind";
 }
@@ -281,7 +282,8 @@ TEST(KernelFile, a_place_that_cannot_be_written_is_an_input_error_that_names_it)
 TEST(KernelFile, a_full_disk_is_an_input_error_and_leaves_nothing_behind) {
   const Folder folder;
   const pid_t child = ::fork();
-  if (child == 0) {  // a limit on the size of files stands for the full disk; it would outlive the test
+  if (child ==
+      0) {  // a limit on file sizes represents the full disk; in this process it would outlive the test
     ::signal(SIGXFSZ, SIG_IGN);
     const rlimit limit{20'000, 20'000};
     ::setrlimit(RLIMIT_FSIZE, &limit);

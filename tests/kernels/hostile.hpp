@@ -1,4 +1,5 @@
-// What may stand in the place of each dataset and attribute of an HDF5 file that somebody made to harm.
+// SPDX-License-Identifier: BSD-2-Clause
+// Malicious replacements of the datasets and attributes of an HDF5 file.
 #pragma once
 
 #define H5_USE_110_API
@@ -18,7 +19,7 @@ struct Objects {
   std::vector<std::pair<std::string, std::string>> attributes;  ///< of an object, by name
 };
 
-/// All that is in a file, but for attributes that `kept` names.
+/// All objects of a file, except the attributes that `kept` names.
 inline Objects objects_in(const std::filesystem::path& path, const std::set<std::string>& kept) {
   Objects found;
   const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
@@ -40,7 +41,7 @@ inline Objects objects_in(const std::filesystem::path& path, const std::set<std:
   return found;
 }
 
-/// Makes something of this name in a file.
+/// Creates an object of this name in a file.
 using Maker = std::function<void(hid_t file, const char* name)>;
 
 inline void make_dataset(hid_t file, const char* name, hid_t type, const std::vector<hsize_t>& dims,
@@ -50,7 +51,7 @@ inline void make_dataset(hid_t file, const char* name, hid_t type, const std::ve
   H5Sclose(space);
 }
 
-/// By what they are, for messages.
+/// The replacements by name, for messages.
 inline const std::map<std::string, Maker>& hostile_objects() {
   static const hid_t text = [] {
     const hid_t type = H5Tcopy(H5T_C_S1);
@@ -112,7 +113,7 @@ inline const std::map<std::string, Maker>& hostile_objects() {
   return all;
 }
 
-/// Puts `make` in the place of an object.
+/// Replaces an object by `make`.
 inline void replace(const std::filesystem::path& path, const std::string& object, const Maker& make) {
   const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
   H5Ldelete(file, object.c_str(), H5P_DEFAULT);
@@ -120,7 +121,7 @@ inline void replace(const std::filesystem::path& path, const std::string& object
   H5Fclose(file);
 }
 
-/// Puts ten thousand numbers in the place of an attribute; none where `type` is 0.
+/// Replaces an attribute by ten thousand numbers; by none if `type` is 0.
 inline void replace_attribute(const std::filesystem::path& path, const std::string& object,
                               const std::string& name, hid_t type) {
   const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
@@ -135,7 +136,7 @@ inline void replace_attribute(const std::filesystem::path& path, const std::stri
   H5Fclose(file);
 }
 
-/// Calls `read` for each hostile change of the file, one after the other; `what` says which it is.
+/// Calls `read` for each malicious change of the file; `what` describes the change.
 inline void for_each_hostile_change(const std::filesystem::path& path,
                                     const std::set<std::string>& kept_attributes,
                                     const std::function<void(const std::string& what)>& read) {

@@ -1,4 +1,5 @@
-// Kernels from which the modes that contact does not need are taken out.
+// SPDX-License-Identifier: BSD-2-Clause
+// Kernels without the modes that contact does not need.
 #include <gtest/gtest.h>
 
 #include "tests/kernels/dense_band.hpp"
@@ -10,8 +11,8 @@ namespace {
 using namespace test_band;
 using test::sample_kernel;
 
-/// A kernel with three rigid modes, elastic ones from below the band to above it, and four of these that the
-/// surface does not see.
+/// A kernel with three rigid modes and elastic modes from below the band to above it, four of which vanish on
+/// the surface.
 Kernel kernel_of(int components) {
   constexpr std::size_t n = 40;
   Kernel kernel = sample_kernel(components, n, 4);
@@ -25,7 +26,7 @@ Kernel kernel_of(int components) {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Of a kernel's row-major array, with `columns` of them.
+/// A row-major array of a kernel, with `columns` columns.
 template <class T>
 RowMajor array_of(const std::vector<T>& values, std::size_t columns) {
   EXPECT_EQ(values.size() % columns, 0U);
@@ -49,7 +50,7 @@ Set elastic_modes(const Kernel& kernel) {
   return set;
 }
 
-/// Numbers of the modes that are left, known by their frequencies; the rigid ones are the first.
+/// Indices of the remaining modes, identified by their frequencies; the rigid modes are first.
 Order left_in(const Kernel& kernel, const Kernel& whole) {
   Order columns;
   std::size_t rigid = 0;
@@ -65,13 +66,13 @@ class Keeping : public testing::TestWithParam<int> {
  protected:
   Keeping() : whole_(kernel_of(GetParam())) {}
 
-  /// The kernel without the modes that are not worth `error`.
+  /// The kernel without the modes that contribute less than `error`.
   Kernel kept(double error) {
     Kernel kernel = whole_;
-    made_ = keep_contributing(kernel, band, error);
+    made_ = truncate_least_contributing(kernel, band, error);
     return kernel;
   }
-  /// Which of the elastic modes are gone.
+  /// Flags of the truncated elastic modes.
   Choice gone(const Kernel& kernel) const {
     Choice gone(whole_.modes.size() - 3, true);
     for (const std::size_t k : left_in(kernel, whole_))
@@ -84,7 +85,7 @@ class Keeping : public testing::TestWithParam<int> {
 };
 INSTANTIATE_TEST_SUITE_P(OneAndThreeComponents, Keeping, testing::Values(1, 3));
 
-TEST_P(Keeping, what_contributes_makes_the_error_that_it_tells_within_the_bound) {
+TEST_P(Keeping, contributing_modes_reports_its_error_which_is_within_the_bound) {
   const Set modes = elastic_modes(whole_);
   std::size_t last = 4;
   for (const double bound : {1e-4, 1e-3, 0.01, 0.05, 0.2}) {
@@ -96,28 +97,28 @@ TEST_P(Keeping, what_contributes_makes_the_error_that_it_tells_within_the_bound)
     const double error = dense_error_without(modes, left_out);
     EXPECT_NEAR(made_, error, 1e-12 * (1 + error));
     EXPECT_LE(error, bound);
-    // A larger bound never keeps more.
+    // A larger bound keeps no more modes.
     EXPECT_GE(number, last);
     last = number;
   }
   EXPECT_GT(last, 10U);
 }
 
-TEST_P(Keeping, modes_up_to_an_end_makes_the_error_that_is_told) {
+TEST_P(Keeping, modes_up_to_an_end_has_the_reported_error) {
   for (const double share : {0.0, 0.3, 1.0, 1.7}) {
     const RadPerSecond end{share * band.value};
-    const Kernel kernel = up_to(whole_, end);
+    const Kernel kernel = truncated_above(whole_, end);
     EXPECT_EQ(kernel.modes.size(), 3 + static_cast<std::size_t>(std::ranges::count_if(
                                            whole_.modes.angular_frequency,
                                            [&](double omega) { return omega > 0 && omega <= end.value; })));
     EXPECT_NO_THROW(validate(kernel, "origin"));
     const double error = dense_error_without(elastic_modes(whole_), gone(kernel));
-    EXPECT_NEAR(error_up_to(whole_, end, band), error, 1e-12 * (1 + error));
+    EXPECT_NEAR(truncation_error(whole_, end, band), error, 1e-12 * (1 + error));
   }
 }
 
-// The next one in the order of what each mode contributes alone would be too many.
-TEST_P(Keeping, what_contributes_keeps_no_more_than_it_has_to) {
+// Truncating the next mode in the order of contributions would exceed the bound.
+TEST_P(Keeping, contributing_modes_keeps_no_more_than_necessary) {
   const Set modes = elastic_modes(whole_);
   const Choice left_out = gone(kept(0.05));
   double least = 1e300;
@@ -140,7 +141,7 @@ TEST_P(Keeping, what_contributes_keeps_no_more_than_it_has_to) {
   EXPECT_GT(dense_error_without(modes, more), 0.05);
 }
 
-TEST_P(Keeping, what_contributes_leaves_static_responses_as_they_were) {
+TEST_P(Keeping, contributing_modes_preserves_static_responses) {
   const auto rows = static_cast<std::size_t>(4 * GetParam());
   const auto flexibility = [&](const Kernel& kernel) -> MatrixXd {
     return elastic_modes(kernel).flexibility(0).real() + array_of(kernel.surface.residual_flexibility, rows);
@@ -152,7 +153,7 @@ TEST_P(Keeping, what_contributes_leaves_static_responses_as_they_were) {
                force.rightCols(modes.size()).transpose() +
            array_of(kernel.loads.body_force_residual, 3);
   };
-  // Of places seen, by Σ over the modes of (seen · acting)/λ, and what is left to the rest.
+  // Static response at the outputs: Σ over the modes of (seen · acting)/λ, plus the residual.
   const auto responses = [&](const Kernel& kernel) {
     const std::size_t n = kernel.modes.size();
     const MatrixXd inverse = elastic_modes(kernel).lambda.cwiseInverse().asDiagonal();
@@ -173,11 +174,11 @@ TEST_P(Keeping, what_contributes_leaves_static_responses_as_they_were) {
                     array_of(receiver.residual_flexibility, rows));
       all.push_back(elastic(receiver.shape) * inverse * elastic(k.loads.body_force).transpose() +
                     array_of(receiver.body_force_residual, 3));
-      // A support that moves slowly takes along what it did before: Ψ = (Ψ − ΦΓ) + ΦΓ.
+      // The response to a support that moves slowly is unchanged: Ψ = (Ψ − ΦΓ) + ΦΓ.
       all.push_back(elastic(receiver.shape) * elastic(k.motions[0].participation).transpose() +
                     array_of(receiver.motion_residual, 3));
     }
-    if (k.view) {  // the skin, last but two
+    if (k.view) {  // the visualisation surface, last but two
       const RowMajor skin = array_of(k.view->shape, n).rightCols(inverse.rows());
       MatrixXd seen(9, rows + 3 + 6 + 3);
       seen << array_of(k.view->residual_flexibility, rows), array_of(k.view->body_force_residual, 3),
@@ -207,11 +208,11 @@ TEST_P(Keeping, what_contributes_leaves_static_responses_as_they_were) {
     ASSERT_EQ(now.size(), moved.size());
     for (std::size_t i = 0; i < now.size(); ++i)
       EXPECT_LT((now[i] - moved[i]).norm(), (i + 3 == now.size() ? 1e-6 : 1e-12) * moved[i].norm())
-          << i;  // 1e-6: single precision of the skin
+          << i;  // 1e-6: single precision
   }
 }
 
-TEST_P(Keeping, what_contributes_keeps_whole_columns) {
+TEST_P(Keeping, contributing_modes_keeps_complete_columns) {
   const std::size_t n = whole_.modes.size();
   const Kernel kernel = kept(0.05);
   const Order columns = left_in(kernel, whole_);
@@ -237,14 +238,14 @@ TEST_P(Keeping, what_contributes_keeps_whole_columns) {
   EXPECT_EQ(kernel.surface.node, whole_.surface.node);
 }
 
-TEST_P(Keeping, what_contributes_never_leaves_out_rigid_modes) {
+TEST_P(Keeping, contributing_modes_never_truncates_rigid_modes) {
   const Kernel kernel = kept(100.0);
   EXPECT_EQ(kernel.modes.angular_frequency, std::vector<double>(3, 0.0));
   const double all = dense_error_without(elastic_modes(whole_), Choice(37, true));
   EXPECT_NEAR(made_, all, 1e-12 * all);
 }
 
-TEST_P(Keeping, what_contributes_at_all_loses_only_modes_that_the_surface_does_not_see) {
+TEST_P(Keeping, every_contributing_mode_truncates_only_modes_that_vanish_on_the_surface) {
   const Kernel kernel = kept(0);
   EXPECT_EQ(made_, 0);
   Choice unseen(37, false);
@@ -254,14 +255,14 @@ TEST_P(Keeping, what_contributes_at_all_loses_only_modes_that_the_surface_does_n
   EXPECT_EQ(kernel.loads.body_force_residual, whole_.loads.body_force_residual);
 }
 
-TEST_P(Keeping, what_contributes_needs_no_skin) {
+TEST_P(Keeping, contributing_modes_needs_no_visualisation_surface) {
   whole_.view.reset();
   const Kernel kernel = kept(0.05);
   EXPECT_FALSE(kernel.view);
   EXPECT_LT(kernel.modes.size(), whole_.modes.size() - 4);
 }
 
-TEST_P(Keeping, what_contributes_of_a_rigid_body_is_all) {
+TEST_P(Keeping, contributing_modes_of_a_rigid_body_keeps_all) {
   whole_.modes.angular_frequency.assign(whole_.modes.size(), 0.0);
   EXPECT_EQ(kept(0.5).modes.size(), whole_.modes.size());
   EXPECT_EQ(made_, 0);

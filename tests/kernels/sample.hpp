@@ -1,4 +1,5 @@
-// A small kernel with every field set to a value of its own, and a folder that goes with its test.
+// SPDX-License-Identifier: BSD-2-Clause
+// A small kernel with a distinct value in every field, and a folder that is removed with its test.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -134,7 +135,7 @@ inline Kernel sample_kernel(int components, std::size_t n = 5, std::size_t m = 4
   return kernel;
 }
 
-/// The same without loads, supports that move and receivers.
+/// The same kernel without loads, moving supports and receivers.
 inline Kernel plain_kernel(int components = 3, std::size_t n = 5, std::size_t m = 4) {
   Kernel kernel = sample_kernel(components, n, m);
   kernel.applied.clear();

@@ -1,4 +1,5 @@
-// What a kernel must be to go past its loader: each rule broken once, alone.
+// SPDX-License-Identifier: BSD-2-Clause
+// The rules that a loaded kernel must satisfy, each violated once.
 #include <functional>
 
 #include "tests/kernels/sample.hpp"
@@ -24,10 +25,10 @@ TEST_P(Rule, is_enforced) {
     Kernel kernel = sample_kernel(components);
     ASSERT_NO_THROW(validate(kernel, "origin"));
     GetParam().commit(kernel);
-    const std::string said = complaint_of([&] { validate(kernel, "origin"); });
-    EXPECT_EQ(said.find("origin: "), 0U) << said;
-    EXPECT_NE(said.find(GetParam().named), std::string::npos) << said;
-    EXPECT_NE(said.find("Compute it again"), std::string::npos) << said;
+    const std::string message = complaint_of([&] { validate(kernel, "origin"); });
+    EXPECT_EQ(message.find("origin: "), 0U) << message;
+    EXPECT_NE(message.find(GetParam().named), std::string::npos) << message;
+    EXPECT_NE(message.find("Compute it again"), std::string::npos) << message;
   }
 }
 
@@ -110,11 +111,13 @@ INSTANTIATE_TEST_SUITE_P(
                "/receiver_data/rotations/load_residual"},
         Breach{"receivers_are_somewhere", [](Kernel& k) { k.receivers[1].point[0] = kInfinity; },
                "/receiver_data/rotations/point"},
-        Breach{"skin_elements_have_two_corners_or_more", [](Kernel& k) { k.view->element_corners = 1; },
+        Breach{"visualisation_elements_have_two_corners_or_more",
+               [](Kernel& k) { k.view->element_corners = 1; }, "/view/element"},
+        Breach{"visualisation_elements_name_nodes", [](Kernel& k) { k.view->element[0] = -1; },
                "/view/element"},
-        Breach{"skin_elements_name_nodes", [](Kernel& k) { k.view->element[0] = -1; }, "/view/element"},
-        Breach{"skin_shapes_are_finite", [](Kernel& k) { k.view->shape[3] = std::nanf(""); }, "/view/shape"},
-        Breach{"skin_nodes_have_three_coordinates", [](Kernel& k) { k.view->node.pop_back(); },
+        Breach{"visualisation_shapes_are_finite", [](Kernel& k) { k.view->shape[3] = std::nanf(""); },
+               "/view/shape"},
+        Breach{"visualisation_nodes_have_three_coordinates", [](Kernel& k) { k.view->node.pop_back(); },
                "/view/node"}),
     [](const testing::TestParamInfo<Breach>& instance) { return instance.param.name; });
 

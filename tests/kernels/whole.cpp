@@ -1,4 +1,5 @@
-// Kernels that hold some candidates and remember all of their surface.
+// SPDX-License-Identifier: BSD-2-Clause
+// Kernels that hold some of the candidates and record the complete surface.
 #include <functional>
 
 #include "kernels/algebra.hpp"
@@ -19,13 +20,13 @@ const std::vector<std::int64_t> held = {1, 3, 4};
 Kernel partial_kernel() {
   Kernel kernel = plain_kernel(3, 5, 6);
   WholeSurface whole = whole_surface(kernel.surface);
-  kernel = cut_to_points(std::move(kernel), held);
+  kernel = restricted_to_points(std::move(kernel), held);
   whole.held = held;
   kernel.surface.whole = whole;
   return kernel;
 }
 
-TEST(WholeSurface, of_a_whole_kernel_is_its_own) {
+TEST(WholeSurface, of_a_complete_kernel_is_its_own) {
   const Kernel kernel = plain_kernel();
   const WholeSurface whole = whole_surface(kernel.surface);
   EXPECT_EQ(whole.node, kernel.surface.node);
@@ -64,8 +65,8 @@ TEST(WholeSurface, grows_with_the_body) {
   EXPECT_EQ(after.normal, before.normal);
 }
 
-TEST(WholeSurface, is_forgotten_where_points_are_chosen) {
-  EXPECT_FALSE(cut_to_points(partial_kernel(), {0, 2}).surface.whole);
+TEST(WholeSurface, is_dropped_if_points_are_chosen) {
+  EXPECT_FALSE(restricted_to_points(partial_kernel(), {0, 2}).surface.whole);
 }
 
 TEST(WholeSurface, must_fit_the_candidates) {
@@ -77,7 +78,7 @@ TEST(WholeSurface, must_fit_the_candidates) {
            {[](WholeSurface& w) {
               w.held = {1, 3, 5};
             },
-            "another candidate"},
+            "a candidate that differs"},
            {[](WholeSurface& w) { w.node.pop_back(); }, "whole/node"},
            {[](WholeSurface& w) { w.centroid.resize(9); }, "whole/centroid"},
            {[](WholeSurface& w) { w.area[0] = 0; }, "whole/area"},
@@ -86,9 +87,9 @@ TEST(WholeSurface, must_fit_the_candidates) {
     Kernel kernel = partial_kernel();
     ASSERT_NO_THROW(validate(kernel, "origin"));
     breach(*kernel.surface.whole);
-    const std::string said = complaint_of([&] { validate(kernel, "origin"); });
-    EXPECT_EQ(said.find("origin: "), 0U) << said;
-    EXPECT_NE(said.find(named), std::string::npos) << said;
+    const std::string message = complaint_of([&] { validate(kernel, "origin"); });
+    EXPECT_EQ(message.find("origin: "), 0U) << message;
+    EXPECT_NE(message.find(named), std::string::npos) << message;
   }
 }
 

@@ -1,10 +1,13 @@
-// Parts of a mesh on any number of ranks against the same mesh on one.
+// SPDX-License-Identifier: BSD-2-Clause
+// The parts of a mesh on any number of ranks, compared with the same mesh on one.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <map>
 #include <set>
 
+#include "src/mesh/partition.hpp"
+#include "src/mesh/read.hpp"
 #include "tests/mesh/files.hpp"
 #include "tests/meshes.hpp"
 
@@ -51,7 +54,7 @@ class Distribute : public testing::TestWithParam<Case> {
       body.materials[1].group = "left";
     }
     if (GetParam().extension == ".geo") body.support = {{"top", "x"}};
-    // Every rank reads for itself: the reference that no rank count can touch.
+    // Every rank reads the mesh itself: a reference that is independent of the number of ranks.
     whole_ = mesh::distribute(mesh::read_mesh(body), PETSC_COMM_SELF);
     mesh_ = test::mesh_of(body);
   }
@@ -108,13 +111,13 @@ TEST_P(Distribute, every_node_is_owned_once_in_rank_order) {
   EXPECT_EQ(held, mesh_.owned_nodes);
   parallel::sum(mesh_.comm, owners.data(), owners.size());
   EXPECT_EQ(owners, std::vector<double>(owners.size(), 1));
-  // METIS leaves no rank without work where there is enough.
+  // METIS gives every rank elements if there are enough.
   if (mesh_.total_elements >= 8 * ranks) {
     EXPECT_GT(mesh_.owned_nodes, 0);
   }
 }
 
-TEST_P(Distribute, nodes_keep_their_place_and_supports) {
+TEST_P(Distribute, nodes_keep_their_positions_and_supports) {
   ASSERT_EQ(whole_.node.size(), static_cast<std::size_t>(whole_.total_nodes));
   std::map<std::int64_t, std::size_t> of;
   for (std::size_t i = 0; i < whole_.node.size(); ++i) of[whole_.canonical[i]] = i;
@@ -146,7 +149,7 @@ TEST_P(Distribute, every_element_is_own_once_and_held_wherever_one_of_its_nodes_
   EXPECT_EQ(times, std::vector<double>(times.size(), 1));
 }
 
-TEST_P(Distribute, contact_surface_is_whole_on_every_rank_and_the_skin_on_the_first) {
+TEST_P(Distribute, contact_surface_is_complete_on_every_rank_and_the_visualisation_surface_on_the_first) {
   const auto expect_same = [&](const mesh::FacetMesh& got, const mesh::FacetMesh& wanted) {
     EXPECT_EQ(got.position, wanted.position);
     EXPECT_EQ(got.end_normal, wanted.end_normal);
@@ -157,7 +160,7 @@ TEST_P(Distribute, contact_surface_is_whole_on_every_rank_and_the_skin_on_the_fi
       EXPECT_EQ(got.blocks[b].tag, wanted.blocks[b].tag);
       EXPECT_EQ(got.blocks[b].label, wanted.blocks[b].label);
     }
-    // Global numbers of this rank's own nodes lead to the same places.
+    // Global numbers of the own nodes of this rank refer to the same positions.
     for (std::size_t i = 0; i < got.node.size(); ++i) {
       const auto local =
           std::lower_bound(mesh_.node.begin(), mesh_.node.end(), got.node[i]) - mesh_.node.begin();
@@ -168,7 +171,7 @@ TEST_P(Distribute, contact_surface_is_whole_on_every_rank_and_the_skin_on_the_fi
   };
   expect_same(mesh_.contact, whole_.contact);
   EXPECT_EQ(mesh_.contact.blocks.empty(), GetParam().extension == ".msh");
-  if (parallel::rank_of(mesh_.comm) == 0) expect_same(mesh_.skin, whole_.skin);
+  if (parallel::rank_of(mesh_.comm) == 0) expect_same(mesh_.visualisation, whole_.visualisation);
 }
 
 INSTANTIATE_TEST_SUITE_P(Meshes, Distribute,

@@ -1,4 +1,5 @@
-// Meshes written by hand, small enough to check by eye.
+// SPDX-License-Identifier: BSD-2-Clause
+// Hand-written meshes, small enough to check by eye.
 #pragma once
 
 #include <fmt/format.h>

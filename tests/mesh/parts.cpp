@@ -1,4 +1,5 @@
-// A mesh in several files, read in parallel, against the same mesh in one file read by each rank alone.
+// SPDX-License-Identifier: BSD-2-Clause
+// A mesh in several files, read in parallel, compared with the same mesh in one file, read by each rank.
 #include "src/mesh/parts.hpp"
 
 #include <gtest/gtest.h>
@@ -7,6 +8,8 @@
 #include <map>
 #include <set>
 
+#include "src/mesh/partition.hpp"
+#include "src/mesh/read.hpp"
 #include "src/scene/parts.hpp"
 #include "tests/mesh/split.hpp"
 #include "tests/meshes.hpp"
@@ -20,7 +23,7 @@ using test::me;
 using test::SharedFolder;
 using Place = std::array<double, 3>;
 
-/// Two cubes that do not touch, of different materials. Surfaces and volumes have groups of the same numbers.
+/// Two separate cubes of different materials. Surfaces and volumes have groups of the same numbers.
 std::string two_cubes() {
   return "SetFactory(\"OpenCASCADE\");\nBox(1) = {0, 0, 0, 1, 1, 1};\nBox(2) = {2, 0, 0, 1, 1, 1};\n"
          "Transfinite Curve{:} = 3;\nTransfinite Surface{:};\nTransfinite Volume{:};\nPhysical "
@@ -64,7 +67,7 @@ class Parts : public testing::TestWithParam<Case> {
   bool owns(std::int64_t node) const {
     return node >= mesh_.first_node && node < mesh_.first_node + mesh_.owned_nodes;
   }
-  /// An element by the places of its nodes, in their order: its material.
+  /// Elements by the positions of their nodes, in order; value: the material.
   static std::map<std::vector<Place>, std::int64_t> elements(const Mesh& mesh, bool own_only) {
     std::map<std::vector<Place>, std::int64_t> found;
     for (std::size_t b = 0; b < mesh.blocks.size(); ++b) {
@@ -80,7 +83,8 @@ class Parts : public testing::TestWithParam<Case> {
     }
     return found;
   }
-  /// Facets by their nodes' places, turned so that the lowest corner comes first; the sense stays.
+  /// Facets by the positions of their nodes, rotated so that the lowest corner comes first, with the same
+  /// orientation.
   static std::multiset<std::vector<Place>> facets(const mesh::FacetMesh& mesh) {
     std::multiset<std::vector<Place>> found;
     for (const mesh::Block& block : mesh.blocks) {
@@ -126,12 +130,12 @@ TEST_P(Parts, give_each_node_to_one_rank_in_rank_order) {
     if (owns(mesh_.node[i])) owners[in_whole_[i]] += 1;
   parallel::sum(mesh_.comm, owners.data(), owners.size());
   EXPECT_EQ(owners, std::vector<double>(owners.size(), 1));
-  // Where there are parts enough, no rank is idle.
+  // If there are enough parts, no rank is idle.
   const std::int64_t busy = parallel::sum(mesh_.comm, std::int64_t{mesh_.owned_nodes > 0});
   EXPECT_EQ(busy, std::min<std::int64_t>(parallel::size_of(mesh_.comm), GetParam().parts));
 }
 
-TEST_P(Parts, hold_the_supports_and_connected_parts_of_the_whole) {
+TEST_P(Parts, have_the_supports_and_connected_parts_of_the_complete_mesh) {
   EXPECT_EQ(mesh_.parts, whole_.parts);
   EXPECT_EQ(whole_.parts, GetParam().name == "cubes" ? 2 : 1);
   std::map<std::int64_t, std::set<std::int64_t>> seen;
@@ -145,7 +149,7 @@ TEST_P(Parts, hold_the_supports_and_connected_parts_of_the_whole) {
 }
 
 TEST_P(Parts, have_numbers_that_do_not_depend_on_ranks) {
-  // Each number means one node on all ranks.
+  // Each number denotes one node on all ranks.
   std::vector<double> number(whole_.node.size(), 0), holders(number.size(), 0);
   for (std::size_t i = 0; i < mesh_.node.size(); ++i) {
     number[in_whole_[i]] += static_cast<double>(mesh_.canonical[i]);
@@ -182,7 +186,7 @@ TEST_P(Parts, give_each_element_to_one_rank_and_to_all_that_own_one_of_its_nodes
   EXPECT_EQ(times, std::vector<double>(times.size(), 1));
 }
 
-TEST_P(Parts, have_the_contact_surface_and_skin_of_the_whole) {
+TEST_P(Parts, have_the_surfaces_of_the_complete_mesh) {
   EXPECT_FALSE(whole_.contact.blocks.empty());
   EXPECT_EQ(facets(mesh_.contact), facets(whole_.contact));
   const auto expect_numbers = [&](const mesh::FacetMesh& mesh) {
@@ -197,14 +201,14 @@ TEST_P(Parts, have_the_contact_surface_and_skin_of_the_whole) {
   for (const mesh::Block& block : mesh_.contact.blocks)
     EXPECT_TRUE(std::is_sorted(block.tag.begin(), block.tag.end()));
   if (me() == 0) {
-    EXPECT_EQ(facets(mesh_.skin), facets(whole_.skin));
-    expect_numbers(mesh_.skin);
+    EXPECT_EQ(facets(mesh_.visualisation), facets(whole_.visualisation));
+    expect_numbers(mesh_.visualisation);
   } else {
-    EXPECT_TRUE(mesh_.skin.blocks.empty());
+    EXPECT_TRUE(mesh_.visualisation.blocks.empty());
   }
 }
 
-TEST_P(Parts, weigh_and_vibrate_as_the_whole) {
+TEST_P(Parts, have_the_mass_and_modes_of_the_complete_mesh) {
   const elasticity::Body whole = elasticity::assemble(whole_, materials_, "whole.msh"),
                          body = elasticity::assemble(mesh_, materials_, "split.msh");
   EXPECT_NEAR(body.total_mass, whole.total_mass, 1e-12 * whole.total_mass);

@@ -1,4 +1,5 @@
-// Meshes as read: sizes, measures and orientation against closed forms.
+// SPDX-License-Identifier: BSD-2-Clause
+// Meshes after reading: sizes, measures and orientation against closed forms.
 #include <fmt/format.h>
 #include <gmsh.h>
 #include <gtest/gtest.h>
@@ -11,6 +12,7 @@
 #include <set>
 
 #include "src/mesh/mesh.hpp"
+#include "src/mesh/read.hpp"
 #include "tests/meshes.hpp"
 
 namespace ricochet {
@@ -79,10 +81,10 @@ Flux flux_of(const GlobalMesh& mesh, std::int64_t label) {
   return flux;
 }
 
-/// V by the flat triangles of the skin: right only if all of them point outward.
+/// V from the flat triangles of the visualisation surface: correct only if all point outward.
 double enclosed_by_skin(const GlobalMesh& mesh) {
   double volume = 0;
-  const auto& node = mesh.skin.blocks.front().node;
+  const auto& node = mesh.visualisation.blocks.front().node;
   for (std::size_t t = 0; t < node.size(); t += 3)
     volume += at(mesh, node[t]).dot(at(mesh, node[t + 1]).cross(at(mesh, node[t + 2]))) / 6;
   return volume;
@@ -95,7 +97,7 @@ TEST(Read, truncated_pyramids_have_their_volume_and_areas_in_every_element_and_o
   for (const char* kind : {"tet", "hex", "prism"})
     for (int order = 1; order <= 3; ++order) {
       const bool prism = kind == std::string("prism");
-      // Where gmsh is asked to turn surfaces round, contact facets still point out of the body.
+      // Even if gmsh is asked to reverse surfaces, contact facets point out of the body.
       const test::SharedFile file(".geo", (prism ? test::prism_geo(2) : test::block_geo(kind, 2, lean)) +
                                               "ReverseMesh Surface{1, 3};\n");
       scene::Body body = test::body_of(file.path(), order);
@@ -115,7 +117,7 @@ TEST(Read, truncated_pyramids_have_their_volume_and_areas_in_every_element_and_o
     }
 }
 
-TEST(Read, elements_of_order_p_have_the_nodes_that_vertices_edges_faces_and_insides_ask_for) {
+TEST(Read, elements_of_order_p_have_the_nodes_of_their_vertices_edges_faces_and_interiors) {
   const mesh::GmshSession gmsh;
   const test::SharedFile tets(".geo", test::block_geo("tet", 2, 0.3)),
       cubes(".geo", test::block_geo("hex", 3, 0));
@@ -142,7 +144,7 @@ TEST(Read, elements_of_order_p_have_the_nodes_that_vertices_edges_faces_and_insi
   }
 }
 
-TEST(Read, order_of_the_scene_wins_over_that_of_the_geometry) {
+TEST(Read, order_of_the_scene_overrides_that_of_the_geometry) {
   const mesh::GmshSession gmsh;
   const test::SharedFile file(".geo", "Mesh.ElementOrder = 3;\n" + test::block_geo("hex", 1, 0));
   for (int order : {1, 2, 3}) EXPECT_EQ(mesh::read_mesh(test::body_of(file.path(), order)).order, order);
@@ -168,7 +170,7 @@ TEST(Read, geometry_sets_what_the_file_defines) {
   EXPECT_NEAR(volume, 2.5, 1e-13);
 }
 
-// gmsh's parameters outlive its library's scope unless they are cleared.
+// The parameters of gmsh outlive its session unless they are cleared.
 TEST(Read, parameters_of_one_body_are_not_those_of_the_next) {
   const auto block = [](int layers) {
     return fmt::format("DefineConstant[ layers = {{{}, Name \"layers\"}} ];\nSetFactory(\"Built-in\");\n",
@@ -190,7 +192,7 @@ TEST(Read, parameters_of_one_body_are_not_those_of_the_next) {
   EXPECT_EQ(elements(second.path(), {}), 2U);
 }
 
-/// A file that gmsh writes on rank 0, from the model that `build` leaves open, and all ranks read.
+/// A file that gmsh writes on rank 0, from the model that `build` leaves open, and that all ranks read.
 class Written {
  public:
   Written(const std::string& extension, const std::function<void()>& build) : file_(extension, "") {
@@ -245,7 +247,7 @@ TEST(Read, files_of_cad_programs_need_no_groups) {
     body.contact = {"surface 1", "surface 2", "surface 3"};
     body.support = {{"surface 3", "z"}};
     const GlobalMesh mesh = mesh::read_mesh(body);
-    // gmsh puts about six cubic facets round the circle.
+    // gmsh places about six cubic facets around the circle.
     EXPECT_NEAR(volume_of(mesh) / (2 * pi), 1, 0.003) << extension;
     double area = 0, whole = 0;
     for (int g = 0; g < 3; ++g) {
@@ -265,7 +267,7 @@ TEST(Read, files_of_cad_programs_need_no_groups) {
   }
 }
 
-TEST(Read, supports_hold_the_components_they_name_on_their_nodes_alone) {
+TEST(Read, supports_hold_their_components_on_their_nodes_only) {
   const mesh::GmshSession gmsh;
   const test::SharedFile file(".geo", test::block_geo("hex", 2, 0));
   scene::Body body = test::body_of(file.path(), 2);
@@ -280,7 +282,7 @@ TEST(Read, supports_hold_the_components_they_name_on_their_nodes_alone) {
   EXPECT_EQ(held, 25U + 20U);
 }
 
-TEST(Read, rods_know_their_axis_their_ends_and_what_holds_them) {
+TEST(Read, rods_have_their_axis_ends_and_supports) {
   const mesh::GmshSession gmsh;
   const test::SharedFile file(
       ".geo",

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Reference elements against closed forms.
 #include "src/mesh/reference.hpp"
 
@@ -61,7 +62,7 @@ class Reference : public testing::TestWithParam<Kind> {};
 TEST_P(Reference, quadrature_integrates_every_monomial_of_its_degree_with_positive_weights) {
   const mesh::GmshSession gmsh;
   const auto [family, name, dim, simplex, orders] = GetParam();
-  // 31 and 32: what facets of order 10 ask for.
+  // 31 and 32: the degrees that facets of order 10 need.
   for (int degree : {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, dim < 3 ? 31 : 14, dim < 3 ? 32 : 22}) {
     const mesh::Quadrature rule = mesh::quadrature_of(family, degree);
     ASSERT_EQ(rule.local.size(), 3 * rule.size());
@@ -138,7 +139,7 @@ TEST(Faces, close_each_volume_element_and_point_outward) {
     if (dim < 3) continue;
     const auto element = mesh::reference_element(gmsh::model::mesh::getElementType(name, 1));
     const auto corner = [&](int k) { return Eigen::Map<const Eigen::Vector3d>(&element.node[3 * k]); };
-    // Each edge is walked once each way, and V = ⅓ ∫ x·n ds by fans of triangles.
+    // Each edge is traversed once in each direction, and V = ⅓ ∫ x·n ds by fans of triangles.
     std::map<std::pair<int, int>, int> walked;
     double volume = 0;
     for (const std::vector<int>& face : faces)

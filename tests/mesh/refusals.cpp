@@ -1,4 +1,5 @@
-// What can't be used is refused in one line that says where, what and what to do, on every rank.
+// SPDX-License-Identifier: BSD-2-Clause
+// Unusable input is refused on every rank, in one line that states where, what and what to do.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -15,7 +16,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-/// The complaint about a body, from its file to its matrices; the same on every rank, or "ranks differ".
+/// The error of a body, from its file to its matrices; the same on every rank, or "ranks differ".
 std::string complaint(const scene::Body& body) {
   std::string said = "accepted";
   try {
@@ -46,7 +47,7 @@ TEST(Refusal, a_missing_file_is_named) {
   }
 }
 
-TEST(Refusal, a_missing_group_is_named_with_those_there_are) {
+TEST(Refusal, a_missing_group_is_named_with_the_available_ones) {
   const test::SharedFile file(".geo", test::block_geo("hex", 1, 0));
   scene::Body body = test::body_of(file.path(), 1);
   body.contact = {"rim"};
@@ -65,8 +66,8 @@ TEST(Refusal, a_missing_group_is_named_with_those_there_are) {
   EXPECT_EQ(complaint(body), "accepted");
 }
 
-TEST(Refusal, inverted_elements_are_named_with_their_place) {
-  // The second tetrahedron's corners run the wrong way round.
+TEST(Refusal, inverted_elements_are_named_with_their_position) {
+  // The corners of the second tetrahedron have the wrong orientation.
   for (const std::string& text : {test::two_tetrahedra_22("1 2 3 5"), test::two_tetrahedra_41("1 2 3 5")}) {
     const test::SharedFile file(".msh", text);
     EXPECT_THAT(complaint(file), AllOf(about(file), HasSubstr("element 2 near (0, 0, 0) m is inverted")));
@@ -86,7 +87,7 @@ TEST(Refusal, a_hexahedron_numbered_row_by_row_is_inverted) {
   }
 }
 
-TEST(Refusal, an_unknown_parameter_is_named_with_those_there_are) {
+TEST(Refusal, an_unknown_parameter_is_named_with_the_available_ones) {
   const std::string body_of_it =
       "Point(1) = {0,0,0};\nPoint(2) = {length,0,0};\nLine(1) = {1,2};\nTransfinite Curve{1} = n + 1;\n";
   const test::SharedFile file(".geo",
@@ -110,7 +111,7 @@ TEST(Refusal, an_unknown_parameter_is_named_with_those_there_are) {
   body.geometry = {{"height", 3}};
   EXPECT_THAT(complaint(body), AllOf(about(outer), HasSubstr("it defines extra, length, n.")));
 
-  // Neither a file that includes itself nor spaces without end are anything to stop at.
+  // Neither a file that includes itself nor endless spaces cause an endless loop.
   const test::SharedFile odd(".geo", "Include" + std::string(1 << 20, ' ') + "\"none.geo\"\nDefineConstant" +
                                          std::string(1 << 20, ' ') + "[ length = 2 ];\n");
   const std::string itself = fmt::format("Include \"{}\"\n", odd.path().filename().string());
@@ -129,14 +130,14 @@ TEST(Refusal, an_unknown_parameter_is_named_with_those_there_are) {
   EXPECT_THAT(complaint(body), AllOf(about(mesh), HasSubstr("only a .geo has parameters")));
 }
 
-TEST(Refusal, what_is_no_mesh_or_no_whole_one_is_refused) {
+TEST(Refusal, a_file_that_is_not_a_complete_mesh_is_refused) {
   for (const std::string& text : {std::string(), std::string("this is not a mesh\n"),
                                   std::string("\x7f\0\x01ELF\nbinary", 12), std::string("$")}) {
     const test::SharedFile file(".msh", text);
     EXPECT_THAT(complaint(file), about(file)) << text;
   }
   for (const std::string& whole : {test::two_tetrahedra_22("1 3 2 5"), test::two_tetrahedra_41("1 3 2 5")}) {
-    // Wherever the file was cut: within a header, a number, a section's end.
+    // Truncation at any position: within a header, a number, the end of a section.
     for (std::size_t length = 1; length + 13 < whole.size(); length += 7) {
       const test::SharedFile file(".msh", whole.substr(0, length));
       EXPECT_THAT(complaint(file), about(file)) << whole.substr(0, length);
@@ -146,22 +147,22 @@ TEST(Refusal, what_is_no_mesh_or_no_whole_one_is_refused) {
   EXPECT_THAT(complaint(broken), AllOf(about(broken), HasSubstr("99")));
 }
 
-// What gmsh 4.8 takes all memory for, or crashes on, or takes silently for something else.
+// Files for which gmsh 4.8 exhausts memory, crashes, or silently reads something different.
 TEST(Refusal, a_mesh_file_that_gmsh_cannot_be_trusted_with_is_refused_before) {
   const std::string old = test::two_tetrahedra_22("1 3 2 5"), now = test::two_tetrahedra_41("1 3 2 5");
   struct Change {
     std::string whole, from, to, said;
   };
   for (const auto& [whole, from, to, said] :
-       {Change{now, "4.1 0", "3.0 0", "line 2: is of a version that is not read"},
+       {Change{now, "4.1 0", "3.0 0", "line 2: has an unsupported version"},
         Change{now, "0 0 0 1\n", "0 0 0 4000000000000\n", "the number of entities is 4000000000000"},
-        Change{now, "1 5 1 5", "1 4000000000 1 5", "another number of nodes"},
+        Change{now, "1 5 1 5", "1 4000000000 1 5", "the number of nodes differs"},
         Change{now, "3 1 0 5", "3 1 0 5000", "a node's tag is 0: must be from 1 to 5"},
-        Change{now, "1 2 1 2", "1 4000000000 1 2", "another number of elements"},
-        Change{now, "\n2\n3\n", "\n2\n2\n", "node 2 is there twice"},
+        Change{now, "1 2 1 2", "1 4000000000 1 2", "the number of elements differs"},
+        Change{now, "\n2\n3\n", "\n2\n2\n", "node 2 occurs twice"},
         Change{now, "\n1 0 0\n", "\n1 nan 0\n", "a coordinate is not finite"},
-        Change{now, "3 1 4 2", "2 1 4 2", "another dimension than their entity"},
-        Change{now, "3 1 4 2", "3 1 35 2", "elements of type 35 are not read"},
+        Change{now, "3 1 4 2", "2 1 4 2", "differ in dimension"},
+        Change{now, "3 1 4 2", "3 1 35 2", "elements of type 35 are not supported"},
         Change{now, "$Nodes\n", "$GhostElements\n0\n$EndGhostElements\n$Nodes\n",
                "without results and ghost cells"},
         Change{now, "$Nodes\n", "$Entities\n0 0 0 0\n$EndEntities\n$Nodes\n",
@@ -169,7 +170,7 @@ TEST(Refusal, a_mesh_file_that_gmsh_cannot_be_trusted_with_is_refused_before) {
         Change{old, "1 4 2 1 1", "1 4 4 1 1 1 2000000000",
                "partition is not from 1 to the number of elements"},
         Change{old, "1 4 2 1 1", "1 4 5 1 1 1 1 77", "or a parent"},
-        Change{old, "1 4 2 1 1", "1 34 2 1 1 200000000", "elements of type 34 are not read"},
+        Change{old, "1 4 2 1 1", "1 34 2 1 1 200000000", "elements of type 34 are not supported"},
         Change{old, "$Elements\n", "$Periodic\n1\n2 1 1\n1234567\n$EndPeriodic\n$Elements\n",
                "must be below 100000"}}) {
     std::string text = whole;
@@ -256,8 +257,8 @@ Physical Volume("body") = {body[1]};
   EXPECT_THAT(complaint(flat), AllOf(about(flat), HasSubstr("has no length"), HasSubstr("geometry")));
 }
 
-// Last: gmsh's parser is of no use for the rest of the process after a syntax error.
-TEST(Refusal, a_geometry_that_gmsh_cant_read_or_mesh_is_refused) {
+// Last, because the parser of gmsh is unusable for the rest of the process after a syntax error.
+TEST(Refusal, a_geometry_that_gmsh_cannot_read_or_mesh_is_refused) {
   const test::SharedFile syntax(".geo", "Point(1) = {0, 0, 0};\nBlub(3) = {4};\n");
   EXPECT_THAT(complaint(syntax), AllOf(about(syntax), HasSubstr("line 2: syntax error")));
   const test::SharedFile empty(".geo", "");

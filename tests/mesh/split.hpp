@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Meshes in one file and in several, in a folder that all ranks use.
 #pragma once
 
@@ -15,7 +16,7 @@ namespace ricochet::test {
 
 inline int me() { return parallel::rank_of(PETSC_COMM_WORLD); }
 
-/// A folder that one rank makes and all use; gone at the end of the scope.
+/// A folder that one rank creates and all use; removed at the end of the scope.
 class SharedFolder {
  public:
   SharedFolder() {
@@ -32,7 +33,7 @@ class SharedFolder {
     std::error_code ignored;
     std::filesystem::remove_all(path_, ignored);
   }
-  /// `task` on one rank, when all have come here and before any goes on.
+  /// Runs `task` on one rank, between two barriers.
   template <class Task>
   void once(Task&& task) const {
     MPI_Barrier(PETSC_COMM_WORLD);

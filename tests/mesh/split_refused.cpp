@@ -1,10 +1,12 @@
-// What a mesh in several files is refused for, the same on every rank, and which files it is.
+// SPDX-License-Identifier: BSD-2-Clause
+// Errors of meshes in several files, the same on every rank, and the order of these files.
 #include <gmock/gmock.h>
 
 #include <set>
 
 #include "src/mesh/parts.hpp"
 #include "src/scene/parts.hpp"
+#include "src/scene/request.hpp"
 #include "tests/mesh/files.hpp"
 #include "tests/mesh/split.hpp"
 #include "tests/meshes.hpp"
@@ -16,7 +18,7 @@ using test::SharedFolder;
 using testing::AllOf;
 using testing::HasSubstr;
 
-/// The complaint about a body in parts; the same on every rank, or "ranks differ".
+/// The error of a body in parts; the same on every rank, or "ranks differ".
 std::string complaint(const scene::Body& body) {
   std::string said = "accepted";
   try {
@@ -66,7 +68,7 @@ TEST_F(PartsRefused, with_one_cut_off) {
   EXPECT_THAT(complaint(body_), AllOf(about("split_3.msh"), HasSubstr("cut off")));
 }
 
-TEST_F(PartsRefused, with_one_there_twice) {
+TEST_F(PartsRefused, with_one_twice) {
   folder_.once([&] {
     std::filesystem::copy_file(folder_ / "split_1.msh", folder_ / "split_3.msh",
                                std::filesystem::copy_options::overwrite_existing);
@@ -102,13 +104,13 @@ std::string one_cell(const std::string& x, const std::string& tag_and_nodes) {
       x, tag_and_nodes);
 }
 
-TEST(PartsByHand, have_to_fit_together) {
+TEST(PartsByHand, must_fit_together) {
   const SharedFolder folder;
   scene::Body body = test::body_of(folder / "hand.msh", 1);
   folder.write("hand_1.msh", one_cell("0", "1 1 2 3 4"));
   folder.write("hand_2.msh", one_cell("0", "2 1 3 2 5"));
   EXPECT_EQ(complaint(body), "accepted");
-  // Where parts meet is not the body's surface.
+  // The interface between parts is not the surface of the body.
   body.contact = {"between"};
   EXPECT_THAT(complaint(body),
               AllOf(about("hand.msh"), HasSubstr("facet 9"), HasSubstr("is not on the body's surface")));

@@ -1,4 +1,5 @@
-// Approximate modes against dense eigenvalues, and their proof.
+// SPDX-License-Identifier: BSD-2-Clause
+// Approximate modes against dense eigenvalues, and the proof of their number.
 #include "src/modes/approximate.hpp"
 
 #include <gtest/gtest.h>
@@ -6,6 +7,7 @@
 #include <cmath>
 #include <memory>
 
+#include "src/modes/residual.hpp"
 #include "tests/meshes.hpp"
 #include "tests/modes/dense.hpp"
 
@@ -38,7 +40,7 @@ modes::ModeSet approximate(const Made& made, const modes::ApproximateRequest& re
                                   request);
 }
 
-/// Largest relative error of the elastic frequencies, all of which have to lie at or above the exact ones.
+/// Largest relative error of the elastic frequencies, all of which must lie at or above the exact ones.
 double worst_error(const modes::ModeSet& set, const Eigen::VectorXd& exact) {
   double worst = 0;
   for (std::size_t n = 0; n < set.angular_frequency.size(); ++n) {
@@ -62,7 +64,7 @@ struct Case {
   std::int64_t count;
 };
 
-/// Two blocks that don't touch, one of them held at its foot.
+/// Two separate blocks, one of which is held at its foot.
 std::string two_blocks() {
   return "SetFactory(\"OpenCASCADE\");\nBox(1) = {0,0,0, 1,1,1};\nBox(2) = {3,0.5,0, "
          "1,1.2,0.7};\nMeshSize{:} "
@@ -71,7 +73,7 @@ std::string two_blocks() {
 
 class Approximate : public testing::TestWithParam<Case> {};
 
-// Linear elements start from frequencies tens of per cent too high.
+// Linear elements start from frequencies that are tens of per cent too high.
 TEST_P(Approximate, modes_are_bounds_from_above_that_iterations_bring_closer) {
   const mesh::GmshSession gmsh;
   const Case& given = GetParam();
@@ -88,13 +90,13 @@ TEST_P(Approximate, modes_are_bounds_from_above_that_iterations_bring_closer) {
       EXPECT_EQ(set.certificate.count_by_inertia, static_cast<std::int64_t>(set.angular_frequency.size()));
       const double error = worst_error(set, exact);
       EXPECT_LT(error, before) << iterations;
-      // Where counts did not agree at once, the first set took a further iteration of its own accord.
+      // If the counts did not agree at once, the first set took a further iteration.
       before = std::max(1.001 * error, 1e-8);
     }
   }
 }
 
-// From the matrices and not from the solver's own account: impacts rely on both.
+// Computed from the matrices, not from the results of the solver: impacts rely on both.
 TEST_P(Approximate, modes_are_orthogonal_in_mass_and_stiffness) {
   const mesh::GmshSession gmsh;
   const Case& given = GetParam();
@@ -129,14 +131,14 @@ TEST(ApproximateModes, up_to_a_frequency_are_as_many_as_dense_algebra_finds) {
   const Eigen::VectorXd exact = test::dense_eigenvalues(made.mesh, made.body);
   const Hertz end = to_hertz(RadPerSecond{std::sqrt((exact[40] + exact[41]) / 2)});
   const modes::ModeSet set = approximate(made, {.up_to = end, .iterations = 2});
-  // The proved end is the first wide gap behind what was asked for.
+  // The proved end is the first wide gap above the requested frequency.
   EXPECT_GE(set.certificate.upto_hz, end.value);
   const double proved = std::pow(static_cast<RadPerSecond>(Hertz{set.certificate.upto_hz}).value, 2);
   EXPECT_EQ(std::count_if(exact.begin(), exact.end(), [&](double lambda) { return lambda < proved; }),
             static_cast<std::ptrdiff_t>(set.angular_frequency.size()));
 }
 
-// Large enough for the lower order to be started from the one below it, too.
+// Large enough for the lower order to be started from the next lower one too.
 TEST(ApproximateModes, from_two_orders_below_are_near_the_certified_ones) {
   const mesh::GmshSession gmsh;
   for (const parallel::Teams* teams : {&test::one_team(), &test::own_teams()}) {
@@ -163,7 +165,7 @@ TEST(ApproximateModes, keep_a_double_mode_whole) {
   EXPECT_EQ(static_cast<Eigen::Index>(set.angular_frequency.size()), first + 2);
 }
 
-TEST(ApproximateModes, with_what_they_leave_out_yield_as_the_body_does) {
+TEST(ApproximateModes, and_their_static_correction_have_the_static_response_of_the_body) {
   const mesh::GmshSession gmsh;
   const Made made = make(test::block_geo("tet", 2, 0.3), 2, {{"bottom", "xyz"}});
   const modes::ModeSet set = approximate(made, {.count = 10});
@@ -186,11 +188,11 @@ TEST(ApproximateModes, with_what_they_leave_out_yield_as_the_body_does) {
   whole.middleRows(made.mesh.first_node * 3, loads.rows()) = loads;
   parallel::sum(made.mesh.comm, whole.data(), static_cast<std::size_t>(whole.size()));
   const Eigen::MatrixXd exact = whole.transpose() * stiffness.ldlt().solve(whole);
-  // Of the shift's series each term leaves out what the vectors lack to be modes: some 1e-3, squared.
+  // Each term of the series in the shift omits the error of the vectors: about 1e-3, squared.
   EXPECT_LT((found - exact).cwiseAbs().maxCoeff(), 1e-6 * exact.cwiseAbs().maxCoeff());
 }
 
-TEST(ApproximateModes, that_the_lower_order_has_no_start_for_are_refused_on_every_rank) {
+TEST(ApproximateModes, that_the_lower_order_cannot_provide_are_refused_on_every_rank) {
   const mesh::GmshSession gmsh;
   const Made rod = make(test::rod_geo(10), 2);
   EXPECT_THROW(approximate(rod, {.count = 8}), InputError);

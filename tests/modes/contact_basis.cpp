@@ -1,4 +1,5 @@
-// Vectors fitted to contact against dense flexibilities of the whole body.
+// SPDX-License-Identifier: BSD-2-Clause
+// Contact-adapted bases against dense flexibilities of the complete body.
 #include "src/modes/contact_basis.hpp"
 
 #include <gtest/gtest.h>
@@ -8,7 +9,9 @@
 #include <memory>
 #include <numbers>
 
-#include "src/surface/surface.hpp"
+#include "src/modes/residual.hpp"
+#include "src/surface/patches.hpp"
+#include "src/surface/trace.hpp"
 #include "tests/meshes.hpp"
 #include "tests/modes/dense.hpp"
 
@@ -55,7 +58,7 @@ struct Struck {
   const parallel::Teams& teams;
 };
 
-/// Dense K, M and loads on the free rows, and what they say.
+/// Dense K, M and loads on the free rows, and the responses from them.
 struct Dense {
   MatrixXd stiffness, mass, loads;
 
@@ -78,7 +81,7 @@ struct Dense {
   }
 };
 
-/// Of Ritz vectors and the residual flexibility behind them.
+/// Flexibility of Ritz vectors and their residual flexibility.
 MatrixXcd flexibility(const modes::ModeSet& set, const MatrixXd& trace, const MatrixXd& residual,
                       std::complex<double> s) {
   Eigen::VectorXcd weight(trace.cols());
@@ -93,7 +96,7 @@ TEST_P(ContactBasis, meets_its_estimate_of_the_flexibility_over_the_band) {
   const mesh::GmshSession gmsh;
   Struck struck(GetParam(), test::one_team());
   const Dense dense(struck);
-  // A band that holds some of the body's 500 modes; the first elastic one is at 0.2 Hz.
+  // A band that contains some of the body's 500 modes; the first elastic one is at 0.2 Hz.
   const Hertz band{1.0};
   std::size_t before = 0;
   for (const double asked : {1e-1, 1e-2, 1e-3, 1e-4}) {
@@ -112,7 +115,7 @@ TEST_P(ContactBasis, meets_its_estimate_of_the_flexibility_over_the_band) {
       const std::complex<double> s =
           std::polar(static_cast<RadPerSecond>(band).value * k / 9, std::numbers::pi / 4);
       const MatrixXcd exact = dense.flexibility(s, struck.seen).leftCols(struck.seen);
-      // What the estimate is relative to: elastic motion alone.
+      // Scale of the estimate: elastic motion only.
       const MatrixXcd elastic = exact - trace.leftCols(rigid) * trace.leftCols(rigid).transpose() / (s * s);
       worst = std::max(worst, (flexibility(set, trace, residual, s) - exact).norm() / elastic.norm());
     }
@@ -126,12 +129,12 @@ TEST_P(ContactBasis, with_its_residual_is_statically_exact) {
   const mesh::GmshSession gmsh;
   Struck struck(GetParam(), test::own_teams());
   const Dense dense(struck);
-  // Few vectors, so that much is left to the residual.
+  // Few vectors, so that the residual is large.
   const modes::ModeSet set = struck.basis({.band = Hertz{1.0}, .flexibility_error = 0.3});
   const MatrixXd trace = struck.trace(set);
   const MatrixXd residual = modes::residual_response(struck.teams, struck.mesh, struck.body, *struck.factor,
                                                      set, struck.loads, struck.seen);
-  // Statics by all of the dense problem's elastic modes.
+  // Static response from all elastic modes of the dense problem.
   const test::DenseModes all(struck.mesh.comm, dense.stiffness, dense.mass);
   const Eigen::Index rigid = GetParam() ? 0 : 6, elastic = all.value.size() - rigid;
   const MatrixXd seen = dense.loads.transpose() * all.vector.rightCols(elastic);
@@ -190,10 +193,10 @@ struct StruckRod {
   }
 };
 
-TEST(ContactBasis, of_all_that_can_move_is_the_body_itself) {
+TEST(ContactBasis, with_all_vectors_is_the_body_itself) {
   const mesh::GmshSession gmsh;
   StruckRod rod(5);
-  // Six nodes, one load: the Krylov space ends with the whole space.
+  // Six nodes, one load: the Krylov space becomes the complete space.
   const modes::ModeSet set = rod.basis({.band = Hertz{10.0}, .flexibility_error = 1e-6});
   const VectorXd exact = test::dense_eigenvalues(rod.mesh, rod.body);
   ASSERT_EQ(set.angular_frequency.size(), 6u);
@@ -210,7 +213,7 @@ TEST(ContactBasis, stays_free_of_rigid_motion_over_many_blocks) {
   EXPECT_LT(set.certificate.orthonormality, 1e-12);
 }
 
-TEST(ContactBasis, is_rigid_alone_where_nothing_else_is_wanted) {
+TEST(ContactBasis, is_only_rigid_if_nothing_more_is_requested) {
   const mesh::GmshSession gmsh;
   StruckRod rod(20);
   EXPECT_EQ(rod.basis({.band = Hertz{1.0}, .count = 1}).angular_frequency, std::vector<double>{0.0});
@@ -219,7 +222,7 @@ TEST(ContactBasis, is_rigid_alone_where_nothing_else_is_wanted) {
             std::vector<double>{0.0});
 }
 
-TEST(ContactBasis, bears_candidates_that_a_support_holds) {
+TEST(ContactBasis, works_with_candidates_that_a_support_holds) {
   const mesh::GmshSession gmsh;
   Struck struck(true, test::one_team());
   MatrixXd with_held(struck.loads.rows(), struck.seen + 1);
@@ -254,7 +257,7 @@ INSTANTIATE_TEST_SUITE_P(Bodies, ContactBasis, testing::Bool(),
 TEST(BlockProduct, is_that_of_petsc) {
   const mesh::GmshSession gmsh;
   Struck struck(true, test::one_team());
-  // 11 columns: a whole pass of 8 and a part of one.
+  // 11 columns: a complete pass of 8 and a partial one.
   const modes::Operators operators(struck.mesh, struck.body);
   const MatrixXd columns = operators.noise(11, 3);
   for (Mat matrix : {Mat(struck.body.stiffness), Mat(struck.body.mass)}) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Dense oracles for small bodies: the matrices gathered on every rank, modes by LAPACK on one.
 #pragma once
 
@@ -34,7 +35,7 @@ inline Eigen::MatrixXd product(Mat matrix, const Eigen::MatrixXd& columns) {
   return result;
 }
 
-/// K or M whole on every rank, by products with unit vectors.
+/// K or M, complete on every rank, by products with unit vectors.
 inline Eigen::MatrixXd dense(const mesh::Mesh& mesh, const elasticity::Body& body, Mat matrix) {
   const Eigen::Index n = body.total_rows, first = mesh.first_node * mesh.components();
   Eigen::MatrixXd identity = Eigen::MatrixXd::Zero(body.local_rows, n);
@@ -65,7 +66,7 @@ struct DenseModes {
     const int kind = 1, n = static_cast<int>(value.size()), room = 1 + 6 * n + 2 * n * n,
               integers = 3 + 5 * n;
     int info = 0;
-    // One rank is quicker than all at once on few cores.
+    // One rank is faster than all at once on few cores.
     if (rank == 0) {
       Eigen::VectorXd work(room);
       Eigen::VectorXi more(integers);

@@ -1,4 +1,5 @@
-// The factorisation against what defines it: (K − σM) x = b, and eigenvalue counts from dense LAPACK.
+// SPDX-License-Identifier: BSD-2-Clause
+// The factorisation against its definition: (K − σM) x = b, and eigenvalue counts from dense LAPACK.
 #include "src/modes/factorisation.hpp"
 
 #include <gtest/gtest.h>

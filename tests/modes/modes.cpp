@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Modes against closed forms of the discrete problem and against dense eigenvalues.
 #include "src/modes/modes.hpp"
 
@@ -7,6 +8,7 @@
 #include <memory>
 #include <numbers>
 
+#include "src/modes/residual.hpp"
 #include "tests/meshes.hpp"
 #include "tests/modes/dense.hpp"
 
@@ -38,7 +40,7 @@ double discrete_omega(double kappa, double h, double young, double density) {
   return std::sqrt(6 * young / (density * h * h) * (1 - c) / (2 + c));
 }
 
-TEST(Rod, free_one_has_the_frequencies_of_its_mesh_in_closed_form) {
+TEST(Rod, if_free_has_the_frequencies_of_its_mesh_in_closed_form) {
   const mesh::GmshSession gmsh;
   const int n = 40;
   const Made rod = make(test::rod_geo(n), 1);
@@ -47,11 +49,11 @@ TEST(Rod, free_one_has_the_frequencies_of_its_mesh_in_closed_form) {
   ASSERT_EQ(set.angular_frequency.size(), static_cast<std::size_t>(n + 1));
   EXPECT_EQ(set.angular_frequency[0], 0);
   for (int k = 1; k <= n; ++k)
-    // λ is found to about the round-off of the largest eigenvalue, 1e4 times the smallest.
+    // λ is accurate to about the round-off of the largest eigenvalue, 1e4 times the smallest.
     EXPECT_NEAR(set.angular_frequency[k] / discrete_omega(k * pi / 2, 2.0 / n, 3.0, 2.0), 1, 1e-10) << k;
 }
 
-TEST(Rod, clamped_one_has_the_frequencies_of_its_mesh_in_closed_form) {
+TEST(Rod, if_clamped_has_the_frequencies_of_its_mesh_in_closed_form) {
   const mesh::GmshSession gmsh;
   const int n = 40;
   const Made rod = make(test::rod_geo(n), 1, {{"left", "x"}});
@@ -93,7 +95,7 @@ TEST_P(FreeBody, has_the_eigenvalues_that_dense_algebra_finds) {
   EXPECT_TRUE(set.certificate.complete);
   for (int k = 6; k < 41; ++k)
     EXPECT_NEAR(set.angular_frequency[k], std::sqrt(exact[k]), 1e-9 * std::sqrt(exact[k])) << k;
-  // K and M in the modes are diagonal, from the matrices and not from the solver's own account.
+  // K and M are diagonal in the modes, computed from the matrices, not from the results of the solver.
   const Eigen::MatrixXd stiffness =
       modes::inner(made.mesh.comm, set.shape, test::product(made.body.stiffness, set.shape));
   Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(41, 41);
@@ -103,7 +105,7 @@ TEST_P(FreeBody, has_the_eigenvalues_that_dense_algebra_finds) {
 
 INSTANTIATE_TEST_SUITE_P(Elements, FreeBody, testing::Values("tet", "hex", "prism"));
 
-TEST_P(FreeBody, has_the_same_modes_when_each_rank_works_at_slices_of_its_own) {
+TEST_P(FreeBody, has_the_same_modes_if_each_rank_computes_slices_of_its_own) {
   const mesh::GmshSession gmsh;
   const parallel::Teams& teams = test::own_teams();
   const Made made = make(geo(), 2, {}, teams);
@@ -114,7 +116,7 @@ TEST_P(FreeBody, has_the_same_modes_when_each_rank_works_at_slices_of_its_own) {
             static_cast<std::int64_t>(set.angular_frequency.size()));
   for (int k = 6; k < 60; ++k)
     EXPECT_NEAR(set.angular_frequency[k], std::sqrt(exact[k]), 1e-9 * std::sqrt(exact[k])) << k;
-  // Each team's shapes belong to the frequencies that it says.
+  // The shapes of each team belong to the frequencies that it reports.
   const Eigen::MatrixXd force = test::product(made.body.stiffness, set.shape),
                         inertia = test::product(made.body.mass, set.shape);
   for (Eigen::Index j = 0; j < set.shape.cols(); ++j) {
@@ -124,7 +126,7 @@ TEST_P(FreeBody, has_the_same_modes_when_each_rank_works_at_slices_of_its_own) {
   }
 }
 
-TEST(SupportedBody, keeps_the_rigid_motions_that_its_supports_leave) {
+TEST(SupportedBody, keeps_the_rigid_motions_that_its_supports_leave_free) {
   const mesh::GmshSession gmsh;
   // A plane held along its normal leaves two translations and one rotation.
   const Made made = make(test::block_geo("tet", 2, 0), 2, {{"bottom", "z"}});
@@ -138,7 +140,7 @@ TEST(SupportedBody, keeps_the_rigid_motions_that_its_supports_leave) {
 
 TEST(SeveralParts, have_the_rigid_modes_and_the_eigenvalues_of_each) {
   const mesh::GmshSession gmsh;
-  // Two blocks that don't touch, one of them held at its foot.
+  // Two separate blocks, one of which is held at its foot.
   const std::string two =
       "SetFactory(\"OpenCASCADE\");\nBox(1) = {0,0,0, 1,1,1};\nBox(2) = {3,0.5,0, 1,1.2,0.7};\nMeshSize{:} = "
       "0.7;\n"
@@ -161,9 +163,9 @@ TEST(SeveralParts, have_the_rigid_modes_and_the_eigenvalues_of_each) {
   }
 }
 
-TEST(Count, that_would_split_a_double_mode_takes_it_whole) {
+TEST(Count, that_would_split_a_double_mode_includes_it) {
   const mesh::GmshSession gmsh;
-  // A square column of hexahedra: bending comes in pairs.
+  // A square column of hexahedra: bending modes come in pairs.
   const Made made = make(test::block_geo("hex", 2, 0), 2, {{"bottom", "xyz"}});
   const Eigen::VectorXd exact = test::dense_eigenvalues(made.mesh, made.body);
   Eigen::Index first = 0;
@@ -182,7 +184,7 @@ TEST(Count, beyond_the_free_displacements_is_refused_on_every_rank) {
                InputError);
 }
 
-// Below, rigid motion has an eigenvalue of round-off; far above, K is lost beside the shift.
+// Below, round-off gives rigid motion an eigenvalue; far above, K is negligible beside the shift.
 TEST(Band, that_ends_where_the_mesh_has_no_modes_is_refused_on_every_rank) {
   const mesh::GmshSession gmsh;
   const Made rod = make(test::rod_geo(5), 1);
@@ -211,14 +213,14 @@ Eigen::MatrixXd dense_residual(const Made& made, const Eigen::MatrixXd& loads, E
   return trace.transpose() * modes.value.tail(all - kept).cwiseInverse().asDiagonal() * trace;
 }
 
-TEST(ResidualFlexibility, is_the_static_response_of_the_modes_left_out) {
+TEST(ResidualFlexibility, is_the_static_response_of_the_truncated_modes) {
   const mesh::GmshSession gmsh;
   for (const bool held : {true, false}) {
     using Support = std::map<std::string, std::string>;
     const Made made = make(test::block_geo("tet", 2, 0.3), 2, held ? Support{{"bottom", "xyz"}} : Support{});
     const modes::ModeSet set =
         modes::compute_modes(test::one_team(), made.mesh, made.body, *made.factor, {.count = 20});
-    // Forces on a few nodes spread over the ranks, in each component; held ones are not loaded.
+    // Forces on a few nodes on several ranks, in each component; held components are not loaded.
     Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(made.body.local_rows, 3);
     for (std::size_t i = 0; i < made.mesh.node.size(); ++i) {
       const std::int64_t row = made.mesh.node[i] - made.mesh.first_node;

@@ -1,4 +1,6 @@
-// Which shifts are worked at, and what their results prove: pure functions of counts and eigenvalues.
+// SPDX-License-Identifier: BSD-2-Clause
+// Spectrum slicing: the choice of shifts and the proof of completeness, as pure functions of counts and
+// eigenvalues.
 #include "src/modes/slicing.hpp"
 
 #include <gtest/gtest.h>
@@ -24,7 +26,7 @@ Probe probe_at(const std::vector<double>& lambda, double sigma) {
   return {sigma, rigid + (std::lower_bound(lambda.begin(), lambda.end(), sigma) - lambda.begin())};
 }
 
-/// What a faultless iteration would give for a task.
+/// The result of a perfect iteration for a task.
 Slice slice_of(const std::vector<double>& lambda, const Task& task) {
   Slice slice{probe_at(lambda, task.sigma), task.wanted, {}};
   for (double value : lambda)
@@ -51,7 +53,7 @@ struct Case {
   }
 };
 
-TEST(Plan, covers_the_spectrum_with_a_multiple_of_the_teams_and_few_more_modes_each_than_asked) {
+TEST(Plan, covers_the_spectrum_with_a_multiple_of_the_teams_and_about_the_requested_modes_each) {
   for (int teams : {1, 2, 3, 5}) {
     const Case made(teams, 60);
     EXPECT_EQ(made.slices.size() % static_cast<std::size_t>(teams), 0u);
@@ -100,7 +102,7 @@ TEST(Stitch, misses_any_single_eigenvalue_that_is_taken_away) {
     }
     const Stitched stitched = stitch(rigid, made.slices, made.end);
     ASSERT_FALSE(stitched.missing.empty()) << "mode " << victim;
-    // The new shift's interval holds what is missing.
+    // The interval of the new shift contains the missing eigenvalue.
     EXPECT_TRUE(std::any_of(stitched.missing.begin(), stitched.missing.end(),
                             [&](const Task& task) {
                               return task.wanted.from <= whole.lambda[victim] &&
@@ -118,10 +120,10 @@ TEST(Stitch, notices_an_eigenvalue_too_many) {
   EXPECT_FALSE(stitch(rigid, made.slices, made.end).missing.empty());
 }
 
-TEST(Stitch, asks_for_what_no_slice_covers_and_is_content_when_it_gets_it) {
+TEST(Stitch, requests_what_no_slice_covers_and_accepts_the_result) {
   for (std::size_t short_one : {0u, 1u, 3u}) {
     Case made;
-    // A basis that ran full short of its interval, on both sides of its shift.
+    // A basis that was exhausted before its interval was covered, on both sides of its shift.
     Slice& slice = made.slices[short_one];
     const double sigma = slice.probe.sigma;
     slice.covered = {sigma - 0.2 * (sigma - slice.covered.from), sigma + 0.2 * (slice.covered.to - sigma)};

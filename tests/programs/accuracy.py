@@ -78,13 +78,13 @@ class Accuracy(ProgramTest):
         self.assertGreater(estimate["modes"], 0.5 * estimate["total"])
         self.assertGreater(3 * estimate["total"], self.error(summary))
         (warning,) = [w for w in summary["warnings"] if "accuracy" in w]
-        self.assertRegex(warning, "above accuracy = 0.001, most of it .* by the modes: it takes a higher modes.up_to_hz")
+        self.assertRegex(warning, "above accuracy = 0.001; its largest share .* is that of the modes: use a higher modes.up_to_hz")
         self.assertIn(warning, self.warned)
 
     def test_a_coarse_mesh_of_linear_elements_is_named(self):
         summary = self.collide(accuracy=1e-3, order=1)
         self.assertGreater(summary["error_estimate"]["mesh"], 1e-3)
-        self.assertTrue(any("by the mesh" in warning for warning in summary["warnings"]))
+        self.assertTrue(any("that of the mesh" in warning for warning in summary["warnings"]))
 
     def test_balls_are_run_with_fewer_points_where_that_hardly_matters(self):
         scene, out = MESHES / "hertz" / "two-balls.toml", self.folder / "balls"

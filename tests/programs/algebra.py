@@ -227,7 +227,7 @@ class Algebra(ProgramTest):
         old, _ = self.path(self.out, 'output.receiver=[{name="mic",body="block",at=[0,0,0]}]')
         run = self.recast(old, "--young-factor", 2)
         self.assertEqual(run.status, 2)
-        self.assertIn("kernels with loads, supports that move or receivers fit one scene only", run.err)
+        self.assertIn("kernels with loads, moving supports or receivers are for one scene only", run.err)
         self.succeed(self.recast(old, "--vtk"))
         self.assertTrue(old.with_name(old.name.replace(".kernel.h5", ".modes.xdmf")).is_file())
 
@@ -245,8 +245,8 @@ class Algebra(ProgramTest):
         for words, fragments in (
             ([old, "--up-to-hz", 3], [str(old), "all modes up to 1.5 Hz, not up to 3"]),
             ([old, "--young-factor", 0.5, "--up-to-hz", 1.4], ["up to 1.06066 Hz"]),
-            ([old, "--points", "0,400"], [str(old), "no candidate point 400"]),
-            ([old, "--flexibility-error", 1e-4], [str(old), "may make an error of"]),
+            ([old, "--points", "0,400"], [str(old), "no candidate 400"]),
+            ([old, "--flexibility-error", 1e-4], [str(old), "may cause an error of"]),
             ([old, "--count", 3, "--up-to-hz", 1], ["--count", "--up-to-hz"]),
             ([old, "--density-factor", 0], ["--density-factor"]),
             ([old, "--young-factor", 1e300], ["--young-factor"]),

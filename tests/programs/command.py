@@ -75,7 +75,7 @@ class Words(ProgramTest):
 
     def test_an_output_that_cannot_be_written_is_an_error(self):
         done = Run(["sh", "-c", f"{BIN}/ricochet --help > /dev/full"])
-        self.assertEqual((done.status, done.err), (1, "ricochet --help: standard output can't be written (No space left on device)\n"))
+        self.assertEqual((done.status, done.err), (1, "ricochet --help: cannot write to standard output (No space left on device)\n"))
 
 
 class Modes(ProgramTest):

@@ -243,8 +243,8 @@ class Motion(ProgramTest):
         scene = self.blocks()
         plain, table = ("output.vtk_every=0", "output.view=false"), ("output.vtk_every=0", "contact.kernel=table")
         for run, part in [(self.vtk(scene, *plain), "output.view = false: --vtk draws the skin of each body"),
-                          (self.vtk(scene, "loads={}", "output={}", *table[1:]), 'contact.kernel = "table" knows no motion'),
-                          (contact(scene, self.folder / "out", "output.view=false"), "vtk_every draws the skin"),
+                          (self.vtk(scene, "loads={}", "output={}", *table[1:]), 'contact.kernel = "table" gives no motion'),
+                          (contact(scene, self.folder / "out", "output.view=false"), "vtk_every needs the visualisation surfaces"),
                           (Run([BIN / "ricochet-contact", "--vtk", "--batch", scene]), "--vtk excludes --batch")]:
             self.assertEqual(run.status, 2, run.err)
             self.assertEqual(run.err.count("\n"), 1, run.err)
@@ -257,7 +257,7 @@ class Motion(ProgramTest):
         for run in (self.vtk(scene, *sets), Run([BIN / "ricochet-recast", path, "--vtk"])):
             self.assertEqual(run.status, 2, run.err)
             self.assertEqual(run.err.count("\n"), 1, run.err)
-            self.assertRegex(run.err, "has no (skin|view)")
+            self.assertRegex(run.err, "has no (visualisation surface|skin|view)")
         self.assertEqual({path.suffixes[-2] for path in (self.folder / "out").iterdir()}, {".kernel"})
 
     @unittest.skipUnless(shutil.which("pvbatch"), "ParaView is not installed")

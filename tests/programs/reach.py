@@ -149,7 +149,7 @@ class Reach(ProgramTest):
             run = contact(self.scene, self.out, *sets)
             self.assertEqual(run.status, 2)
             self.assertEqual(len(run.err.splitlines()), 1, run.err)
-            self.assertIn("was made for less", run.err)
+            self.assertIn("holds too few candidates", run.err)
             self.assertIn("Run ricochet-kernel", run.err)
             self.assertEqual(self.kernels(self.out), before)
         run = self.succeed(kernel(self.scene, self.out, "contact.reach=0.06", quiet=False))

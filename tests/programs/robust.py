@@ -152,9 +152,9 @@ class Places(Robust):
     def test_a_folder_that_is_a_file_is_refused_by_all(self):
         self.succeed(kernel(self.scene, self.out, ranks=1))
         file = self.write("file", "")
-        self.refused(kernel(self.scene, file, ranks=1), "file: can't make this folder")
+        self.refused(kernel(self.scene, file, ranks=1), "file: cannot create this folder")
         (path,) = self.out.glob("a-*.kernel.h5")
-        self.refused(Run([BIN / "ricochet-recast", path, "--young-factor", "2", "--out", file]), "file: can't make this folder")
+        self.refused(Run([BIN / "ricochet-recast", path, "--young-factor", "2", "--out", file]), "file: cannot create this folder")
         self.refused(Run([BIN / "ricochet", "sweep", self.write("study.toml", STUDY), "--out", file]), "sweep: ", "file")
 
     def test_output_that_goes_nowhere_is_no_success(self):

@@ -78,7 +78,7 @@ class AnalyticRods(ProgramTest):
         cases = [
             ([], "has samples for 5.01 s"),
             (["time.duration=1", "time.rate_hz=200"], "time.rate_hz = 200: the table has a step of 0.01 s. Set 100."),
-            (["time.duration=1", "modes={count=3}"], "does not go with contact.table"),
+            (["time.duration=1", "modes={count=3}"], "is replaced by contact.table"),
             (["time.duration=1", "output.snapshot_every=3"], "has no modal coordinates"),
             (["time.duration=1", "contact.kernel=modes"], 'belongs to kernel = "table"'),
         ]

@@ -1,3 +1,4 @@
+add_serial_test(programs placement_store ricochet_impact)
 # SPDX-License-Identifier: BSD-2-Clause
 add_program_test(programs accuracy)
 add_program_test(programs ranks)
@@ -21,4 +22,4 @@ add_program_test(programs sweep_faults)
 add_program_test(programs report)
 add_program_test(programs batch LONG)
 add_program_test(programs command)
-set_tests_properties(programs/batch programs/report PROPERTIES PROCESSORS 1)  # they wait for SLURM and a browser most of the time
+set_tests_properties(programs/batch programs/report PROPERTIES PROCESSORS 1)  # most of their time is spent waiting for SLURM and a browser

@@ -1,8 +1,11 @@
-// `accuracy` chooses what a scene leaves open, and nothing that it gives; kernels chosen for it are of this
-// scene alone.
+// SPDX-License-Identifier: BSD-2-Clause
+// `accuracy` chooses only the settings that a scene leaves open; kernels chosen for it belong to this scene
+// only.
 #include <gmock/gmock.h>
 
 #include "src/scene/derive.hpp"
+#include "src/scene/read.hpp"
+#include "src/scene/request.hpp"
 #include "src/scene/write.hpp"
 #include "tests/scene/scenes.hpp"
 
@@ -13,7 +16,7 @@ using namespace ricochet::scene;
 using namespace ricochet::scene::test;
 using ::testing::HasSubstr;
 
-/// The smallest scene without [modes], a block of a .geo beside the ball.
+/// The smallest scene without [modes], with a block of a .geo beside the ball.
 const std::string open_scene = changed(changed(smallest, "[modes]\ncount = 10\n", R"([bodies.block]
 mesh = "block.geo"
 material = { density = 1000, young = 1e9 }
@@ -26,7 +29,7 @@ std::vector<Override> with_accuracy(std::vector<Override> more = {}) {
   return more;
 }
 
-/// Request of the body of this number, block first after ball.
+/// Request of the body with this index: the block is first, the ball second.
 KernelRequest request_of(const std::vector<Override>& overrides, std::size_t body = 1,
                          const std::string& ball = "a ball") {
   const Folder folder;
@@ -36,7 +39,7 @@ KernelRequest request_of(const std::vector<Override>& overrides, std::size_t bod
   return kernel_request(scene, scene.bodies[body]);
 }
 
-TEST(Accuracy, leaves_nothing_open_where_it_is_not_asked_for) {
+TEST(Accuracy, leaves_nothing_open_if_it_is_not_requested) {
   const Scene scene = scene_of(smallest);
   EXPECT_FALSE(scene.accuracy);
   EXPECT_FALSE(scene.modes.accuracy);
@@ -67,7 +70,7 @@ TEST(Accuracy, leaves_what_is_given) {
   EXPECT_EQ(scene.time.precision, Precision::float32);
 }
 
-TEST(Accuracy, comes_back_from_the_resolved_scene) {
+TEST(Accuracy, is_preserved_by_the_resolved_scene) {
   for (const char* set : {"title=x", "time.rate_hz=1e3", "time.precision=double", "modes.count=3"}) {
     const Folder folder;
     const Scene scene = read(folder.write("scene.toml", open_scene), with_accuracy({set}));
@@ -81,12 +84,12 @@ TEST(Accuracy, comes_back_from_the_resolved_scene) {
   }
 }
 
-TEST(Accuracy, is_refused_in_one_line_where_it_means_nothing) {
+TEST(Accuracy, is_refused_in_one_line_if_it_has_no_meaning) {
   for (const char* value : {"0", "1", "-1e-2", "1e-9"})
     EXPECT_THAT(complaint_about(smallest, {std::string("accuracy=") + value}),
                 HasSubstr("must be from 1e-6 to 0.5"));
   EXPECT_THAT(complaint_about(tabular, {"accuracy=1e-2"}), HasSubstr("accuracy"));
-  EXPECT_THAT(complaint_about(open_scene), HasSubstr("accuracy"));  // what a scene without [modes] lacks
+  EXPECT_THAT(complaint_about(open_scene), HasSubstr("accuracy"));  // without it, [modes] is missing
   EXPECT_THAT(
       complaint_about(open_scene, with_accuracy({"modes={basis=\"modes\",residual_flexibility=false}"})),
       HasSubstr("residual_flexibility"));
@@ -101,7 +104,7 @@ TEST(KernelOfAccuracy, moves_with_accuracy_and_with_the_body_beside_it) {
   EXPECT_NE(request_of(with_accuracy(), 1, "another ball").hash, hash);
 }
 
-TEST(KernelOfAccuracy, is_any_other_where_modes_are_given) {
+TEST(KernelOfAccuracy, is_an_ordinary_one_if_modes_are_given) {
   const std::string hash = request_of({"modes.count=10"}).hash;
   EXPECT_EQ(request_of(with_accuracy({"modes.count=10"})).hash, hash);
   EXPECT_EQ(request_of(with_accuracy({"modes.count=10", "bodies.ball.material.young=2e9"})).hash, hash);

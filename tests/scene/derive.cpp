@@ -1,5 +1,8 @@
-// Which kernels follow from which: all that does, and nothing else.
+// SPDX-License-Identifier: BSD-2-Clause
+// The kernels that can be derived from others, and those that cannot.
 #include "src/scene/derive.hpp"
+#include "src/scene/read.hpp"
+#include "src/scene/request.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -26,7 +29,7 @@ direction = [0, 0, -1]
 along = [1, 0, 0]
 spacing = 0.01)");
 
-/// What the scene's ball asks for with these overrides.
+/// The request of the scene's ball with these overrides.
 KernelRequest request_of_ball(const std::vector<Override>& overrides = {}) {
   const Folder folder;
   folder.write("ball.msh", "a mesh");
@@ -39,7 +42,7 @@ std::optional<kernels::Similarity> similarity_with(const std::vector<Override>& 
   return similarity(request_of_ball(), request_of_ball(overrides));
 }
 
-/// A bar that passes for the ball; its 40 modes reach up to 14.4 Hz.
+/// A bar that stands for the ball; its 40 modes reach up to 14.4 Hz.
 Kernel kernel_of(const KernelRequest& request) {
   Kernel kernel = Bar{}.kernel();
   kernel.hash = request.hash;
@@ -57,7 +60,7 @@ std::string refusal_of(const std::vector<Override>& overrides, const std::vector
   return complaint_of([&] { derived_with(overrides, before); });
 }
 
-TEST(KernelFiles, tell_the_request_they_answer) {
+TEST(KernelFiles, state_the_request_that_they_answer) {
   for (const char* set :
        {"title=any",
         "bodies.ball.material={steel={density=7800,young=2e11,poisson=0.3},cork={density=240,young=2e7}}",
@@ -69,13 +72,13 @@ TEST(KernelFiles, tell_the_request_they_answer) {
     KernelRequest request = request_of_ball({set});
     if (std::string(set) == "output.view=true") request.points = {4, 0, 2};
     seal(request);
-    const KernelRequest told = request_of({request.hash, request.toml, request.mesh_sha256}, "FILE");
-    EXPECT_EQ(told.toml, request.toml);
-    EXPECT_EQ(told.points, request.points);
+    const KernelRequest answered = request_of({request.hash, request.toml, request.mesh_sha256}, "FILE");
+    EXPECT_EQ(answered.toml, request.toml);
+    EXPECT_EQ(answered.points, request.points);
   }
 }
 
-TEST(KernelFiles, of_imported_bodies_tell_their_request_and_serve_others_of_the_same_file) {
+TEST(KernelFiles, of_imported_bodies_state_their_request_and_serve_others_of_the_same_file) {
   const auto request_with = [](const std::string& modes) {
     const Folder folder;
     folder.write("ball.h5", "a body file");
@@ -86,18 +89,18 @@ TEST(KernelFiles, of_imported_bodies_tell_their_request_and_serve_others_of_the_
     return kernel_request(scene, scene.bodies[0]);
   };
   const KernelRequest had = request_with("{count=9}"), wanted = request_with("{count=7}");
-  const KernelRequest told = request_of({had.hash, had.toml, had.mesh_sha256}, "FILE");
-  EXPECT_EQ(told.toml, had.toml);
-  const auto by = similarity(told, wanted);
+  const KernelRequest answered = request_of({had.hash, had.toml, had.mesh_sha256}, "FILE");
+  EXPECT_EQ(answered.toml, had.toml);
+  const auto by = similarity(answered, wanted);
   ASSERT_TRUE(by);
   EXPECT_EQ(by->young * by->density * by->scale, 1);
   KernelRequest other = wanted;
   other.mesh_sha256 = "of another file";
-  EXPECT_FALSE(similarity(told, other));
+  EXPECT_FALSE(similarity(answered, other));
   EXPECT_FALSE(other_order(had));
 }
 
-TEST(KernelFiles, of_other_versions_are_not_understood) {
+TEST(KernelFiles, of_other_versions_are_refused) {
   const KernelRequest request = request_of_ball();
   const auto complaint = [&](const std::string& hash, const std::string& toml) {
     return complaint_of([&] { request_of({hash, toml, request.mesh_sha256}, "FILE"); });
@@ -119,13 +122,13 @@ TEST(Similar, bodies_differ_by_factors_of_stiffness_density_and_size) {
   EXPECT_FALSE(by->area);
 }
 
-TEST(Similar, bodies_may_differ_in_all_that_is_not_shape) {
+TEST(Similar, bodies_may_differ_in_everything_except_shape) {
   for (const char* set : {"bodies.ball.damping.ratio=0.1", "bodies.ball.translate=[1,2,3]", "modes={count=3}",
                           "output.view=true", "contact.direction=[0,0,1]", "bodies.ball.mesh=ball.msh"})
     EXPECT_TRUE(similarity_with({set})) << set;
 }
 
-TEST(Similar, bodies_do_not_differ_in_anything_else) {
+TEST(Similar, bodies_may_not_differ_in_anything_else) {
   for (const char* set :
        {"bodies.ball.material.poisson=0.1", "bodies.ball.order=2", "bodies.ball.mesh=other.msh",
         "bodies.ball.geometry.size=1", "bodies.ball.contact=other", "bodies.ball.support.clamp=x",
@@ -155,14 +158,14 @@ TEST(Derived, kernels_answer_the_new_request) {
   EXPECT_EQ(kernel.hash, wanted.hash);
   EXPECT_EQ(kernel.scene, wanted.toml);
   EXPECT_EQ(kernel.body, "ball");
-  EXPECT_FALSE(kernel.view);  // which the bar has
+  EXPECT_FALSE(kernel.view);  // although the bar has one
   EXPECT_EQ(kernel.modes.size(), 40U);
   const Bar bar;
   EXPECT_THAT(kernel.modes.angular_frequency[3], DoubleNear(2 * bar.omega(4), 1e-12));
   EXPECT_THAT(kernel.modes.decay_rate[3], DoubleNear(0.02 * bar.omega(4), 1e-13));
 }
 
-// A solid's area has no meaning; a rod's patches are as large as it.
+// The area of a solid has no meaning; the patches of a rod have the area of its cross-section.
 TEST(Derived, kernels_of_rods_keep_their_cross_section) {
   const auto masses = [](const char* area) {
     const KernelRequest had = request_of_ball({fmt::format("bodies.ball.material.area={}", area)});
@@ -174,16 +177,16 @@ TEST(Derived, kernels_of_rods_keep_their_cross_section) {
     const Kernel before = kernel_of(had);
     return derived(before, had, wanted).mass / before.mass;
   };
-  EXPECT_DOUBLE_EQ(masses("0.3"), 2);  // the bar's
+  EXPECT_DOUBLE_EQ(masses("0.3"), 2);  // as of the bar
   EXPECT_DOUBLE_EQ(masses("0.4"), 8);
 }
 
-TEST(Derived, kernels_hold_the_modes_that_are_asked_for) {
+TEST(Derived, kernels_hold_the_requested_modes) {
   const Bar bar;
   const auto modes = [](const char* wanted, const char* had = "title=any") {
     return derived_with({wanted}, {had}).modes.size();
   };
-  EXPECT_EQ(modes("modes.up_to_hz=14.3"), 40U);  // beyond what was asked for then, and covered
+  EXPECT_EQ(modes("modes.up_to_hz=14.3"), 40U);  // above the first request, but covered
   EXPECT_EQ(modes("modes.up_to_hz=7"), 19U);     // modes at (n - 1/2) 0.36 Hz
   EXPECT_EQ(modes("modes={count=7}"), 7U);
   EXPECT_EQ(modes("modes={count=7}", "modes={count=40}"), 7U);
@@ -200,21 +203,22 @@ TEST(Derived, kernels_hold_the_modes_that_are_asked_for) {
 TEST(Derived, kernels_do_not_hold_more_than_the_old_one) {
   EXPECT_THAT(refusal_of({"modes.up_to_hz=15"}), HasSubstr("has all modes up to 14.4"));
   EXPECT_THAT(refusal_of({"bodies.ball.material.young=5e8"}), HasSubstr("has all modes up to 10."));
-  EXPECT_THAT(refusal_of({"modes={count=41}"}), HasSubstr("has 40 modes, not 41"));
-  EXPECT_THAT(refusal_of({"modes={up_to_hz=14,flexibility_error=1e-3}"}), HasSubstr("may make an error"));
-  EXPECT_THAT(refusal_of({"modes.relative_residual=1e-9"}), HasSubstr("not computed as asked for"));
-  EXPECT_THAT(refusal_of({"modes.approximate=1"}), HasSubstr("not computed as asked for"));
-  EXPECT_THAT(refusal_of({}, {"modes.approximate=1"}), HasSubstr("not computed as asked for"));
+  EXPECT_THAT(refusal_of({"modes={count=41}"}), HasSubstr("has 40 modes, fewer than 41"));
+  EXPECT_THAT(refusal_of({"modes={up_to_hz=14,flexibility_error=1e-3}"}), HasSubstr("may cause an error"));
+  EXPECT_THAT(refusal_of({"modes.relative_residual=1e-9"}), HasSubstr("computed with other settings"));
+  EXPECT_THAT(refusal_of({"modes.approximate=1"}), HasSubstr("computed with other settings"));
+  EXPECT_THAT(refusal_of({}, {"modes.approximate=1"}), HasSubstr("computed with other settings"));
   EXPECT_THAT(refusal_of({}, {"modes.residual_flexibility=false"}), HasSubstr("no residual flexibility"));
-  EXPECT_THAT(refusal_of({"modes={basis=\"contact\",up_to_hz=14}"}), HasSubstr("not computed as asked for"));
+  EXPECT_THAT(refusal_of({"modes={basis=\"contact\",up_to_hz=14}"}),
+              HasSubstr("computed with other settings"));
   EXPECT_THAT(refusal_of({"bodies.ball.order=2"}), HasSubstr("another body"));
   const KernelRequest had = request_of_ball(), wanted = request_of_ball({"output.view=true"});
   Kernel kernel = kernel_of(had);
   kernel.view.reset();
-  EXPECT_THAT(complaint_of([&] { derived(kernel, had, wanted); }), HasSubstr("has no view"));
+  EXPECT_THAT(complaint_of([&] { derived(kernel, had, wanted); }), HasSubstr("has no visualisation surface"));
 }
 
-TEST(Derived, vectors_fitted_to_contact_serve_the_same_band_of_a_similar_body) {
+TEST(Derived, contact_adapted_bases_serve_the_same_band_of_a_similar_body) {
   const auto of = [](const char* young, const char* band) {
     return request_of_ball({fmt::format("bodies.ball.material.young={}", young),
                             fmt::format("modes={{basis=\"contact\",up_to_hz={}}}", band)});
@@ -226,7 +230,7 @@ TEST(Derived, vectors_fitted_to_contact_serve_the_same_band_of_a_similar_body) {
   EXPECT_THAT(complaint_of([&] { derived(kernel, had, of("9e9", "14")); }), HasSubstr("another band"));
 }
 
-// One direction out of all three components; but what is fitted to all is not fitted to one.
+// One direction can be taken from all three components, but a basis adapted to all is not adapted to one.
 TEST(Derived, kernels_in_one_direction_serve_no_other_and_those_in_all_serve_each) {
   const std::string open = changed(scene_text, "direction = [0, 0, -1]\n", "");
   const auto ask = [&](const std::string& text, const char* modes) {
@@ -247,7 +251,7 @@ TEST(Derived, kernels_in_one_direction_serve_no_other_and_those_in_all_serve_eac
       EXPECT_EQ(derive().surface.direction, one.direction);
     else
       EXPECT_THAT(complaint_of(derive),
-                  ::testing::AnyOf(HasSubstr("direction"), HasSubstr("were left out of it")));
+                  ::testing::AnyOf(HasSubstr("direction"), HasSubstr("were truncated")));
   }
 }
 
@@ -263,7 +267,7 @@ TEST(Derived, points_are_numbered_as_on_the_whole_surface) {
   EXPECT_FALSE(similarity(one, three));
 }
 
-TEST(Derived, points_within_reach_come_with_the_whole_surface_and_out_of_it) {
+TEST(Derived, points_within_reach_keep_the_record_of_the_complete_surface) {
   const KernelRequest whole = request_of_ball();
   const auto near = [&](const std::vector<std::int64_t>& points, bool within_reach = true) {
     KernelRequest request = whole;
@@ -275,9 +279,9 @@ TEST(Derived, points_within_reach_come_with_the_whole_surface_and_out_of_it) {
   const KernelRequest three = near({1, 2, 3}), two = near({1, 3}), chosen = near({1, 2, 3}, false);
   EXPECT_NE(three.hash, chosen.hash);
   EXPECT_NE(three.hash, two.hash);
-  const KernelRequest told = request_of({three.hash, three.toml, three.mesh_sha256, {{1, 2, 3}}}, "FILE");
-  EXPECT_EQ(told.points, three.points);
-  EXPECT_TRUE(told.within_reach);
+  const KernelRequest answered = request_of({three.hash, three.toml, three.mesh_sha256, {{1, 2, 3}}}, "FILE");
+  EXPECT_EQ(answered.points, three.points);
+  EXPECT_TRUE(answered.within_reach);
 
   const Kernel all = kernel_of(whole), cut = derived(all, whole, three), again = derived(cut, three, two);
   ASSERT_TRUE(again.surface.whole);
@@ -287,7 +291,7 @@ TEST(Derived, points_within_reach_come_with_the_whole_surface_and_out_of_it) {
               ::testing::ElementsAreArray(derived(all, whole, near({1, 3}, false)).surface.node));
   EXPECT_FALSE(derived(cut, three, near({1, 3}, false)).surface.whole);
   EXPECT_FALSE(similarity(two, three));
-  EXPECT_FALSE(similarity(chosen, two));  // which has forgotten its surface
+  EXPECT_FALSE(similarity(chosen, two));  // which has no record of its surface
 }
 
 TEST(Folders, hold_kernels_to_derive_from_among_other_files) {

@@ -1,5 +1,9 @@
-// What the reference says of keys, the reader does.
+// SPDX-License-Identifier: BSD-2-Clause
+// The reader follows the reference of keys.
 #include "src/scene/keys.hpp"
+#include "src/scene/key_reference.hpp"
+#include "src/scene/read.hpp"
+#include "src/scene/write.hpp"
 
 #include <gmock/gmock.h>
 
@@ -15,7 +19,7 @@ using namespace ricochet::scene::test;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-/// Every table there is, with no more in it than must be given.
+/// Every table, with its required keys only.
 const std::string barest = R"([bodies.ball]
 mesh = "ball.msh"
 contact = "skin"
@@ -53,7 +57,7 @@ body = "ball"
 at = [0, 0, 0]
 )";
 
-/// Why the scene is refused; empty: it is not.
+/// The error of the scene; empty if it is accepted.
 std::string refusal(const std::string& text, const std::vector<Override>& overrides) {
   try {
     scene_of(text, overrides);
@@ -63,7 +67,7 @@ std::string refusal(const std::string& text, const std::vector<Override>& overri
   return "";
 }
 
-/// The key as --set takes it, in `barest`.
+/// The key in the syntax of --set, in `barest`.
 std::string path(const Section& section, const Key& key) {
   if (section.title.front() != '[') return key.name;
   std::string table = section.title.substr(section.title.find_first_not_of('['));
@@ -91,7 +95,7 @@ TEST(EveryKeyOfTheReference, is_read) {
   });
 }
 
-// Some keys go with one contact law only.
+// Some keys belong to one contact law only.
 TEST(TheDefaultOfAKey, given_in_the_scene_changes_nothing) {
   int found = 0;
   for_each_key([&](const Section& section, const Key& key) {
@@ -117,8 +121,8 @@ TEST(TheDefaultOfAKey, given_in_the_scene_changes_nothing) {
   EXPECT_GT(found, 20);
 }
 
-// Tables that are missing have lines of their own: Refused.is_a_missing_key.
-TEST(AKeyThatMustBeGiven, is_missed) {
+// Missing tables have lines of their own: Refused.is_a_missing_key.
+TEST(ARequiredKey, is_reported_if_missing) {
   ASSERT_EQ(refusal(barest, {}), "");
   for_each_key([](const Section& section, const Key& key) {
     if (key.fallback != "–" || key.type == Type::table || &section == &contact_keys()) return;
@@ -133,8 +137,8 @@ TEST(AKeyThatMustBeGiven, is_missed) {
   });
 }
 
-// Bounds of each kind, at them and beyond, in numbers of the test's own.
-TEST(ARange, holds_what_its_text_says) {
+// Bounds of each kind, at and beyond them, with numbers written in the test.
+TEST(ARange, accepts_what_its_text_states) {
   const Range above{.low = "0", .low_open = true}, from{.low = "1e-6", .high = "0.5"},
       inside{.low = "-1", .high = "0.5", .low_open = true, .high_open = true},
       zero{.low = "1e-12", .high = "1e-3", .or_zero = true}, least{.low = "1"};
@@ -155,7 +159,7 @@ TEST(ARange, holds_what_its_text_says) {
   EXPECT_FALSE(least.holds(0));
 }
 
-TEST(DocsKeysMd, is_what_the_programs_print) {
+TEST(DocsKeysMd, equals_the_output_of_the_programs) {
   std::ostringstream text;
   text << std::ifstream(RICOCHET_SOURCE "/docs/keys.md").rdbuf();
   EXPECT_TRUE(text.str() == key_reference() + "\n")

@@ -1,7 +1,9 @@
-// Loads with histories, moving supports and receivers: as read, as refused, as written, and as kernels see
-// them.
+// SPDX-License-Identifier: BSD-2-Clause
+// Loads with histories, moving supports and receivers: read, refused, written, and in kernel requests.
 #include <gmock/gmock.h>
 
+#include "src/scene/read.hpp"
+#include "src/scene/request.hpp"
 #include "src/scene/write.hpp"
 #include "tests/scene/scenes.hpp"
 
@@ -53,7 +55,7 @@ body = "ball"
 at = [0.4, 0.5, -0.6]
 )";
 
-/// The scene with all of them, read where its history is.
+/// The scene with all of them, read in the folder of its history.
 Scene driven_scene(const std::vector<Override>& overrides = {}, const std::string& text = held + sources) {
   const Folder folder;
   folder.write("push.csv", "0, 1\n");
@@ -109,14 +111,14 @@ TEST(Sources, are_refused_in_one_line) {
        "loads.motion[0].name = \"cap\": bodies.ball has a load or motion \"cap\" already: give each its own "
        "name"},
       {"loads.point[1].name=a/b",
-       "loads.point[1].name = \"a/b\": \"a/b\" can't be a name: give 1 to 100 bytes without \"/\" and "
-       "control characters, and not body_force, body_force_residual or rotation"},
+       "loads.point[1].name = \"a/b\": \"a/b\" is not a valid name: use 1 to 100 bytes without \"/\" and "
+       "control characters, but not body_force, body_force_residual or rotation"},
       {"loads.motion[0].group=cap",
        "loads.motion[0].group = \"cap\": is not a support of bodies.ball: those are \"foot\", \"side\""},
       {"loads.motion[0].vector=[0,1,0]",
        "loads.motion[0].vector = [0, 1, 0]: moves \"foot\" along the body's y, which it does not hold (it "
        "holds "
-       "\"xz\"): add it to bodies.ball.support, or move along what is held"},
+       "\"xz\"): add it to bodies.ball.support, or move along a component that is held"},
       {"loads.motion[0].history=gone.csv",
        "loads.motion[0].history = \"gone.csv\": no such file: give a CSV of times [s] and factors, or leave "
        "it "
@@ -141,8 +143,8 @@ TEST(Sources, are_refused_in_one_line) {
       "… }");
 }
 
-// A support holds components in the axes of the mesh, and moves in those of the world.
-TEST(Motions, of_a_turned_body_are_along_what_its_support_holds) {
+// A support holds components in the axes of the mesh and moves in those of the world.
+TEST(Motions, of_a_rotated_body_are_along_the_components_of_its_support) {
   const std::vector<Override> turned{"bodies.ball.rotate_deg=[0,0,90]"};  // the body's x is the world's y
   EXPECT_NO_THROW(driven_scene({turned[0], "loads.motion[0].vector=[0,1,-1]"}));
   EXPECT_THAT(complaint_of([&] {
@@ -151,7 +153,7 @@ TEST(Motions, of_a_turned_body_are_along_what_its_support_holds) {
               HasSubstr("along the body's y, which it does not hold"));
 }
 
-void expect_same(const std::vector<Driven>& a, const std::vector<Driven>& b) {
+void expect_same(const std::vector<Forcing>& a, const std::vector<Forcing>& b) {
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t k = 0; k < a.size(); ++k) {
     EXPECT_EQ(a[k].name, b[k].name);
@@ -163,7 +165,7 @@ void expect_same(const std::vector<Driven>& a, const std::vector<Driven>& b) {
   }
 }
 
-TEST(Sources, come_back_from_the_resolved_scene) {
+TEST(Sources, are_preserved_by_the_resolved_scene) {
   const Folder folder;
   folder.write("push.csv", "0, 1\n");
   const Scene scene = read(folder.write("scene.toml", held + sources));
@@ -178,7 +180,7 @@ TEST(Sources, come_back_from_the_resolved_scene) {
   EXPECT_EQ(back.output.receivers[0].at, scene.output.receivers[0].at);
 }
 
-TEST(KernelHash, does_not_know_of_sources_where_there_are_none) {
+TEST(KernelHash, does_not_depend_on_sources_if_there_are_none) {
   EXPECT_THAT(driven_request({}, held).toml, Not(HasSubstr("loads")));
   const std::string elsewhere = changed(held, "[obstacles.floor]", R"([bodies.plate]
 mesh = "ball.msh"
@@ -198,7 +200,7 @@ between = ["ball", "plate"]
             driven_request({}, held).hash);
 }
 
-TEST(KernelHash, moves_with_places_of_sources_and_stays_with_what_they_do_there) {
+TEST(KernelHash, depends_on_positions_of_sources_but_not_on_their_values) {
   const std::string hash = driven_request().hash;
   EXPECT_NE(driven_request({}, held).hash, hash);
   for (const char* set :
@@ -211,7 +213,7 @@ TEST(KernelHash, moves_with_places_of_sources_and_stays_with_what_they_do_there)
     EXPECT_EQ(driven_request({set}).hash, hash) << set;
 }
 
-TEST(KernelRequests, hold_a_support_once_however_many_histories_move_it) {
+TEST(KernelRequests, hold_a_support_once_for_any_number_of_histories) {
   const std::string again =
       "[[loads.motion]]\nbody = \"ball\"\ngroup = \"foot\"\nname = \"again\"\nvector = [0, 0, 1]\n";
   const KernelRequest request = driven_request({}, held + sources + again);
@@ -220,8 +222,8 @@ TEST(KernelRequests, hold_a_support_once_however_many_histories_move_it) {
   EXPECT_EQ(request.hash, driven_request().hash);
 }
 
-// Turned by 90 degrees about x and then z, the body's x, y, z are the world's y, z, x.
-TEST(KernelRequests, hold_places_in_the_bodys_own_frame) {
+// Rotated by 90 degrees about x and then z, the body's x, y, z are the world's y, z, x.
+TEST(KernelRequests, hold_positions_in_the_frame_of_the_body) {
   const KernelRequest request =
       driven_request({"bodies.ball.rotate_deg=[90,0,90]", "bodies.ball.translate=[1,2,3]",
                       "loads.motion[0].vector=[0,1,0]"});

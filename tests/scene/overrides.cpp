@@ -1,4 +1,5 @@
-// --set KEY=VALUE: the scene is what it would be with this line in its file.
+// SPDX-License-Identifier: BSD-2-Clause
+// --set KEY=VALUE has the effect of the same line in the file.
 #include <gmock/gmock.h>
 
 #include "tests/scene/scenes.hpp"
@@ -11,14 +12,14 @@ using namespace ricochet::scene::test;
 using ::testing::ElementsAre;
 using ::testing::Pair;
 
-TEST(Set, replaces_what_the_file_says) {
+TEST(Set, replaces_a_value_of_the_file) {
   EXPECT_THAT(scene_of(fullest, {"bodies.ball.velocity=[0,-6,0]"}).find_body("ball")->velocity,
               ElementsAre(0, -6, 0));
   EXPECT_EQ(scene_of(smallest, {"time.duration=0.5"}).time.duration, 0.5);
   EXPECT_TRUE(scene_of(smallest, {"output.view=true"}).output.view);
 }
 
-TEST(Set, takes_what_is_not_toml_as_a_bare_string) {
+TEST(Set, takes_text_that_is_not_toml_as_a_string) {
   EXPECT_EQ(scene_of(smallest, {"title=fast and loose"}).title, "fast and loose");
   EXPECT_EQ(scene_of(smallest, {"contact.scheme=impulse"}).contact.scheme, Scheme::impulse);
   EXPECT_EQ(scene_of(smallest, {"title=\"quoted\""}).title, "quoted");
@@ -39,7 +40,7 @@ TEST(Set, reaches_into_an_entry_of_a_list) {
   EXPECT_EQ(*contact.pairs[1].gap, 0.125);
 }
 
-TEST(Set, makes_the_tables_on_its_way) {
+TEST(Set, creates_missing_tables) {
   EXPECT_THAT(scene_of(smallest, {"loads.gravity=[0,0,-9.81]"}).loads.gravity, ElementsAre(0, 0, -9.81));
   const Scene scene = scene_of(
       smallest, {"bodies.cube.mesh=cube.msh", "bodies.cube.material.density=1",
@@ -48,12 +49,12 @@ TEST(Set, makes_the_tables_on_its_way) {
   EXPECT_EQ(scene.find_body("cube")->materials[0].young, 2);
 }
 
-TEST(Set, takes_whole_tables) {
+TEST(Set, accepts_tables) {
   EXPECT_THAT(scene_of(fullest, {"bodies.ball.geometry={ turns = 3 }"}).find_body("ball")->geometry,
               ElementsAre(Pair("turns", 3)));
 }
 
-TEST(Set, takes_quoted_keys_whose_dots_do_not_part) {
+TEST(Set, accepts_quoted_keys_with_dots) {
   EXPECT_THAT(scene_of(smallest, {"bodies.ball.support.\"rim.left\"=xy"}).bodies[0].support,
               ElementsAre(Pair("rim.left", "xy")));
   EXPECT_THAT(scene_of(smallest, {"bodies.ball.support.\"a=b\"=x"}).bodies[0].support,
@@ -85,7 +86,7 @@ TEST(Set, is_checked_like_the_file) {
     EXPECT_EQ(complaint_about(smallest, {set}), "scene.toml: " + line) << set;
 }
 
-TEST(Set, that_has_no_key_and_value_is_refused) {
+TEST(Set, without_key_and_value_is_refused) {
   const std::string how = ": write KEY=VALUE with a dotted key, as in bodies.upper.velocity=[0,-6,0]";
   const std::pair<std::string, std::string> refusals[] = {
       {"", "has no \"=\": write KEY=VALUE"},
@@ -96,8 +97,8 @@ TEST(Set, that_has_no_key_and_value_is_refused) {
       {"time..duration=3", "a part of the key is empty" + how},
       {"[0]=3", "a part of the key is empty" + how},
       {"\"time.duration=3", "the quote is not closed" + how},
-      {"\"time\"duration=3", "the key is not understood" + how},
-      {"contact.between[0]x=3", "the key is not understood" + how},
+      {"\"time\"duration=3", "the key is invalid" + how},
+      {"contact.between[0]x=3", "the key is invalid" + how},
       {"contact.between[]=3", "a list index must be a number in brackets" + how},
       {"contact.between[-1]=3", "a list index must be a number in brackets" + how},
       {"contact.between[first]=3", "a list index must be a number in brackets" + how},
@@ -107,7 +108,7 @@ TEST(Set, that_has_no_key_and_value_is_refused) {
     EXPECT_EQ(complaint_about(smallest, {set}), "--set " + set + ": " + line);
 }
 
-TEST(Set, that_leads_nowhere_is_refused) {
+TEST(Set, without_a_target_is_refused) {
   const std::pair<std::string, std::string> refusals[] = {
       {"contact.between[2]=3", "between has no entry [2]"},
       {"time.duration[0]=3", "duration has no entry [0]"},
@@ -119,7 +120,7 @@ TEST(Set, that_leads_nowhere_is_refused) {
     EXPECT_EQ(complaint_about(smallest, {set}), "--set " + set + ": " + line);
 }
 
-// A line break would start another TOML line: a --set is one key.
+// A line break would start another TOML line, but a --set is one key.
 TEST(Set, that_holds_two_lines_is_refused_in_one) {
   EXPECT_EQ(complaint_about(smallest, {"time.duration=1\ntitle=2"}),
             "--set time.duration=1 title=2: holds more than one value");

@@ -1,6 +1,8 @@
-// What a scene says is what the program gets: each key's default and its value, as the design lists them.
+// SPDX-License-Identifier: BSD-2-Clause
+// The values of a scene reach the program: the default and the value of each key.
 #include <gmock/gmock.h>
 
+#include "src/scene/read.hpp"
 #include "tests/scene/scenes.hpp"
 
 namespace {
@@ -30,7 +32,7 @@ TEST(SceneDefaults, of_a_body_are_those_documented) {
   EXPECT_THAT(body.support, IsEmpty());
 }
 
-TEST(SceneDefaults, of_all_else_are_those_documented) {
+TEST(SceneDefaults, of_everything_else_are_those_documented) {
   const Scene scene = scene_of(smallest);
   EXPECT_EQ(scene.title, "scene");  // the file's name without .toml
   ASSERT_EQ(scene.obstacles.size(), 1U);
@@ -63,7 +65,7 @@ TEST(SceneDefaults, of_the_impulse_scheme_are_the_jump_and_no_rebound) {
   EXPECT_EQ(contact.restitution, 0);
 }
 
-TEST(SceneDefaults, of_bodies_at_rest_are_the_exact_solver_and_no_time) {
+TEST(SceneDefaults, of_equilibrium_are_the_exact_solver_and_no_time) {
   const std::string at_rest = changed(changed(smallest, "[contact]", "[contact]\nscheme = \"static\""),
                                       "[time]\nduration = 0.01", "");
   EXPECT_EQ(scene_of(at_rest).contact.scheme, Scheme::at_rest);
@@ -72,7 +74,7 @@ TEST(SceneDefaults, of_bodies_at_rest_are_the_exact_solver_and_no_time) {
   EXPECT_EQ(scene_of(at_rest, {"contact.solver=uzawa"}).contact.solver, Solver::uzawa);
 }
 
-TEST(SceneDefaults, of_vectors_fitted_to_contact_are_a_flexibility_within_a_thousandth) {
+TEST(SceneDefaults, of_contact_adapted_bases_are_a_flexibility_error_of_a_thousandth) {
   const Modes modes = scene_of(smallest, {"modes={ basis = \"contact\", up_to_hz = 2e3 }"}).modes;
   EXPECT_EQ(modes.basis, Basis::contact);
   ASSERT_TRUE(modes.up_to);
@@ -157,7 +159,7 @@ TEST(SceneValues, of_contact_are_read_and_its_directions_made_unit) {
   EXPECT_FALSE(contact.pairs[1].direction);
 }
 
-TEST(SceneValues, of_all_else_are_read) {
+TEST(SceneValues, of_everything_else_are_read) {
   const Scene scene = scene_of(fullest);
   EXPECT_EQ(scene.title, "Ball, block & \"floor\"");
   ASSERT_NE(scene.find_obstacle("the floor"), nullptr);
@@ -178,18 +180,18 @@ TEST(SceneValues, of_all_else_are_read) {
   EXPECT_EQ(scene.output.vtk_every, 16);
 }
 
-TEST(SceneValues, of_frames_for_paraview_keep_skins) {
+TEST(SceneValues, of_frames_for_paraview_keep_visualisation_surfaces) {
   EXPECT_TRUE(scene_of(smallest, {"output.vtk_every=5"}).output.view);
   EXPECT_FALSE(scene_of(smallest, {"output.vtk_every=0"}).output.view);
 }
 
-TEST(SceneValues, of_vectors_fitted_to_contact_are_read) {
+TEST(SceneValues, of_contact_adapted_bases_are_read) {
   const Modes within =
       scene_of(smallest, {"modes={ basis = \"contact\", up_to_hz = 2e3, flexibility_error = 1e-6 }"}).modes;
   EXPECT_EQ(within.basis, Basis::contact);
   EXPECT_EQ(within.flexibility_error, 1e-6);
   EXPECT_FALSE(within.count);
-  // So many of them, whatever the error: it has no default then.
+  // A number of vectors, for any error: the error then has no default.
   const Modes counted = scene_of(smallest, {"modes={ basis = \"contact\", up_to_hz = 2e3, count = 60, "
                                             "residual_flexibility = false }"})
                             .modes;
@@ -200,7 +202,7 @@ TEST(SceneValues, of_vectors_fitted_to_contact_are_read) {
   EXPECT_FALSE(counted.residual_flexibility);
 }
 
-TEST(SceneValues, of_modes_that_contact_does_not_need_are_read) {
+TEST(SceneValues, of_truncated_modes_are_read) {
   for (const char* basis : {"", "basis = \"modes\", "}) {
     const Modes modes =
         scene_of(smallest, {std::string("modes={ ") + basis + "up_to_hz = 2e3, flexibility_error = 0.5 }"})
@@ -214,7 +216,7 @@ TEST(SceneValues, of_modes_that_contact_does_not_need_are_read) {
   EXPECT_FALSE(scene_of(smallest, {"modes={ up_to_hz = 2e3 }"}).modes.flexibility_error);
 }
 
-// Squares of such lengths leave the range of a double; the direction is as good as any.
+// Squares of such lengths exceed the range of a double, but the direction is valid.
 TEST(Directions, may_have_any_length) {
   for (const char* normal : {"[0, 3e200, 4e200]", "[0, 3e-200, 4e-200]"}) {
     const Scene scene = scene_of(changed(smallest, "[0, 0, 1]", normal));
@@ -223,9 +225,9 @@ TEST(Directions, may_have_any_length) {
   }
 }
 
-// A pair's body comes first, so that "out of a" has a meaning; what the user wrote out of the floor turns
-// round.
-TEST(Pairs, that_name_the_obstacle_first_turn_round) {
+// The body of a pair comes first, which defines "out of a"; a direction that the user gave out of the floor
+// is reversed.
+TEST(Pairs, that_name_the_obstacle_first_are_swapped) {
   const Contact contact =
       scene_of(changed(smallest, R"(["ball", "floor"])", "[\"floor\", \"ball\"]\ndirection = [0, 0, 2]"))
           .contact;
@@ -234,7 +236,7 @@ TEST(Pairs, that_name_the_obstacle_first_turn_round) {
   EXPECT_THAT(*contact.pairs[0].direction, ElementsAre(0, 0, -1));
 }
 
-TEST(Pairs, take_what_they_do_not_say_from_contact) {
+TEST(Pairs, inherit_missing_keys_from_contact) {
   const Contact contact =
       scene_of(changed(fullest, "scheme = \"impulse\"", "scheme = \"impulse\"\ngap = 0.5\nreach = 0.25"))
           .contact;
@@ -244,8 +246,8 @@ TEST(Pairs, take_what_they_do_not_say_from_contact) {
   EXPECT_EQ(*contact.pairs[1].reach, 0.25);
 }
 
-// "direction" points out of the first of "between", whichever of the two the pair says itself.
-TEST(Pairs, turn_round_once_whatever_they_take_from_contact) {
+// "direction" points out of the first member of "between", whichever of both the pair itself gives.
+TEST(Pairs, are_swapped_once_for_any_inherited_keys) {
   const std::string two_balls = changed(smallest, "[obstacles.floor]", R"([bodies.cube]
 mesh = "cube.msh"
 material = { density = 1000, young = 1e9 }
@@ -309,13 +311,13 @@ TEST(TableScene, names_a_file_in_its_folder_and_no_bodies) {
   EXPECT_THAT(scene.contact.pairs, IsEmpty());
 }
 
-TEST(Title, is_refused_where_it_makes_names_too_long_for_files) {
+TEST(Title, is_refused_if_it_makes_file_names_too_long) {
   const auto titled = [](int length) {
     return "title = \"" + std::string(static_cast<std::size_t>(length), 'a') + "\"\n" + smallest;
   };
   EXPECT_EQ(scene_of(titled(226)).title.size(), 226);  // with .summary.json and .1234567.partial 255
   EXPECT_EQ(complaint_about(titled(227)),
-            "scene.toml: title: with the names of receivers it makes names of files of 256 bytes, more than "
+            "scene.toml: title: with the names of receivers, it gives file names of 256 bytes, more than "
             "255: shorten it");
 }
 

@@ -1,4 +1,6 @@
-// A scene that can't be meant is refused in one line: the file, the key, what was found, what to do.
+// SPDX-License-Identifier: BSD-2-Clause
+// An invalid scene is refused in one line: the file, the key, what was found, what to do.
+#include "src/scene/read.hpp"
 #include "tests/scene/scenes.hpp"
 
 namespace {
@@ -18,20 +20,20 @@ void expect_lines(const std::vector<Refusal>& refusals) {
   }
 }
 
-/// The same for lines put behind the body's own.
+/// The same for lines appended to the table of the body.
 void expect_body_lines(const std::vector<std::pair<std::string, std::string>>& added) {
   for (const auto& [text, line] : added)
     expect_lines({{"contact = \"skin\"", "contact = \"skin\"\n" + text, "bodies.ball." + line}});
 }
 
-/// The same for lines put at the start of a table.
+/// The same for lines inserted at the start of a table.
 void expect_table_lines(const std::string& table,
                         const std::vector<std::pair<std::string, std::string>>& added) {
   for (const auto& [text, line] : added)
     expect_lines({{"[" + table + "]", "[" + table + "]\n" + text, table + "." + line}});
 }
 
-TEST(Refused, is_an_unknown_key_with_the_one_it_may_mean) {
+TEST(Refused, is_an_unknown_key_with_the_most_similar_one) {
   expect_body_lines(
       {{"velocty = [0, 0, 1]", "velocty = [0, 0, 1]: unknown key. Did you mean \"velocity\"?"}});
   expect_table_lines(
@@ -77,25 +79,25 @@ TEST(Refused, is_a_missing_key) {
             "scene.toml: bodies = {…}: is missing: a scene needs a body, [bodies.NAME]");
 }
 
-TEST(Refused, is_what_a_body_file_has_in_its_numbers_or_has_no_elements_for) {
+TEST(Refused, is_a_key_that_a_body_file_contains_or_that_needs_elements) {
   const std::string material = "material = { density = 1000, young = 1e9 }",
                     imported = changed(changed(smallest, "ball.msh", "ball.h5"), material, "order = 2");
-  const std::string has_it = ": a body file (.h5) has it in its numbers: leave it out";
+  const std::string has_it = ": is part of the data of a body file (.h5): leave it out";
   for (const auto& [from, to, line] : std::vector<Refusal>{
            {"order = 2", material, "bodies.ball.material = {…}" + has_it},
            {"order = 2", "scale = 0.001", "bodies.ball.scale = 0.001" + has_it},
            {"order = 2", "geometry = { size = 1 }", "bodies.ball.geometry = {…}" + has_it},
            {"count = 10", "count = 10\napproximate = 1",
-            "modes.approximate = 1: does not go with bodies.ball, a body file: leave it out"},
+            "modes.approximate = 1: is not possible with bodies.ball, a body file: leave it out"},
            {"count = 10", "basis = \"contact\"\nup_to_hz = 10\nlow_rank = 1e-9",
-            "modes.low_rank = 1e-09: does not go with bodies.ball, a body file: leave it out"},
+            "modes.low_rank = 1e-09: is not possible with bodies.ball, a body file: leave it out"},
            {"[modes]\ncount = 10", "",
             "modes: is missing: give up_to_hz or count, or accuracy in the scene"}}) {
     SCOPED_TRACE(to);
     EXPECT_EQ(complaint_about(changed(imported, from, to)), "scene.toml: " + line);
   }
   EXPECT_EQ(complaint_about("accuracy = 0.01\n" + changed(imported, "[modes]\ncount = 10", "")),
-            "scene.toml: accuracy = 0.01: can't choose modes for bodies.ball, a body file: give "
+            "scene.toml: accuracy = 0.01: cannot choose modes for bodies.ball, a body file: give "
             "modes.up_to_hz or modes.count");
 }
 
@@ -169,27 +171,27 @@ TEST(Refused, is_a_number_out_of_range) {
            {"snapshot_every = -1", "snapshot_every = -1: must not be negative"},
            {"vtk_every = -1", "vtk_every = -1: must not be negative"},
            {"view = false\nvtk_every = 1",
-            "view = false: vtk_every draws the skin of each body: leave view out, or "
+            "view = false: vtk_every needs the visualisation surfaces: leave view out, or "
             "set it to true"}})
     expect_lines({{"[time]", "[output]\n" + key + "\n[time]", "output." + line}});
 }
 
-// Computed with they would end in factors that are infinite, not in a refusal.
-TEST(Refused, is_a_number_beyond_what_arithmetic_can_square) {
-  expect_body_lines(
-      {{"scale = 1e150", "scale = 1e+150: must be from -1e30 to 1e30"},
-       {"scale = 1e-150", "scale = 1e-150: must be at least 1e-30"},
-       {"velocity = [0, 0, 1e200]", "velocity = [0, 0, 1e+200]: must hold numbers from -1e30 to 1e30"}});
+// In a computation they would give infinite factors, not a refusal.
+TEST(Refused, is_a_number_whose_square_overflows) {
+  expect_body_lines({{"scale = 1e150", "scale = 1e+150: must be from -1e30 to 1e30"},
+                     {"scale = 1e-150", "scale = 1e-150: must be at least 1e-30"},
+                     {"velocity = [0, 0, 1e200]",
+                      "velocity = [0, 0, 1e+200]: must consist of numbers from -1e30 to 1e30"}});
   expect_lines(
       {{"density = 1000", "density = 1e300",
         "bodies.ball.material.density = 1e+300: must be from -1e30 to 1e30"},
        {"young = 1e9", "young = 1e-300", "bodies.ball.material.young = 1e-300: must be at least 1e-30"},
        {"count = 10", "up_to_hz = 1e300", "modes.up_to_hz = 1e+300: must be from -1e30 to 1e30"},
        {"[time]", "[loads]\ngravity = [0, 0, -1e300]\n[time]",
-        "loads.gravity = [0, 0, -1e+300]: must hold numbers from -1e30 to 1e30"}});
+        "loads.gravity = [0, 0, -1e+300]: must consist of numbers from -1e30 to 1e30"}});
 }
 
-TEST(Refused, is_damping_that_is_no_law_or_two) {
+TEST(Refused, is_damping_without_a_law_or_with_two) {
   expect_body_lines(
       {{"damping = { ratio = -0.1 }", "damping.ratio = -0.1: must not be negative"},
        {"damping = { ratio = 0.1, viscosity = 0.1 }",
@@ -208,11 +210,11 @@ TEST(Refused, is_a_support_that_holds_no_components) {
                       "support = {…}: \"clamp\" holds \"\": name the fixed components, some of \"xyz\""}});
 }
 
-TEST(Refused, are_modes_asked_for_twice) {
+TEST(Refused, are_modes_requested_twice) {
   expect_lines({{"count = 10", "count = 10\nup_to_hz = 1e3", "modes = {…}: give one of up_to_hz and count"}});
 }
 
-TEST(Refused, is_a_basis_there_is_not) {
+TEST(Refused, is_an_unknown_basis) {
   expect_table_lines("modes",
                      {{"basis = \"wavelets\"", "basis = \"wavelets\": must be \"modes\" or \"contact\""},
                       {"basis = \"\"", "basis = \"\": must be \"modes\" or \"contact\""},
@@ -220,26 +222,26 @@ TEST(Refused, is_a_basis_there_is_not) {
                       {"bases = \"contact\"", "bases = \"contact\": unknown key. Did you mean \"basis\"?"}});
 }
 
-TEST(Refused, is_a_low_rank_threshold_that_is_out_of_range_or_would_prove_a_count) {
+TEST(Refused, is_a_low_rank_threshold_out_of_range_or_with_an_inertia_count) {
   const std::string contact = "basis = \"contact\"\nup_to_hz = 1e3\n";
   expect_lines(
       {{"count = 10", contact + "low_rank = 1e-13",
         "modes.low_rank = 1e-13: must be 0 or from 1e-12 to 1e-3"},
        {"count = 10", contact + "low_rank = 0.01", "modes.low_rank = 0.01: must be 0 or from 1e-12 to 1e-3"},
        {"count = 10", "count = 3\nlow_rank = 1e-6",
-        "modes.low_rank = 1e-06: proves no count of modes: it goes with basis = \"contact\""}});
+        "modes.low_rank = 1e-06: does not allow an inertia count: use it with basis = \"contact\""}});
 }
 
-TEST(Refused, are_block_iterations_out_of_range_or_for_what_needs_none) {
+TEST(Refused, are_block_iterations_out_of_range_or_without_a_use) {
   expect_lines(
       {{"count = 10", "count = 10\napproximate = 6",
         "modes.approximate = 6: must be from 0 to 5 block iterations (0: certified modes)"},
        {"count = 10", "count = 10\napproximate = -1",
         "modes.approximate = -1: must be from 0 to 5 block iterations (0: certified modes)"},
        {"count = 10", "basis = \"contact\"\nup_to_hz = 1e3\napproximate = 1",
-        "modes.approximate = 1: goes with basis = \"modes\": vectors fitted to contact need no start"},
+        "modes.approximate = 1: is for basis = \"modes\": a contact-adapted basis needs no initial modes"},
        {"count = 10", "up_to_hz = 1e3\nflexibility_error = 1e-2\napproximate = 1",
-        "modes.approximate = 1: goes with up_to_hz or count alone: leave flexibility_error out"}});
+        "modes.approximate = 1: needs up_to_hz or count, without flexibility_error"}});
 }
 
 TEST(Refused, is_a_flexibility_error_out_of_range) {
@@ -254,8 +256,8 @@ TEST(Refused, is_a_flexibility_error_out_of_range) {
                        "flexibilityerror = 0.1: unknown key. Did you mean \"flexibility_error\"?"}});
 }
 
-// What is asked of vectors fitted to contact, and what of modes, in every combination that has no meaning.
-TEST(Refused, are_vectors_or_modes_asked_for_in_a_way_that_has_no_meaning) {
+// Settings of contact-adapted bases and of modes, in every combination that has no meaning.
+TEST(Refused, are_contradictory_requests_for_modes_or_ritz_vectors) {
   const std::string no_band =
       "modes = {…}: basis = \"contact\" needs up_to_hz, the band in which contact acts";
   const std::string one_end = "modes = {…}: give one of up_to_hz and count";
@@ -271,11 +273,12 @@ TEST(Refused, are_vectors_or_modes_asked_for_in_a_way_that_has_no_meaning) {
            {"count = 10\nflexibility_error = 1e-3",
             "modes = {…}: flexibility_error needs up_to_hz, the band in which contact acts"},
            {"up_to_hz = 1e3\nflexibility_error = 1e-3\nresidual_flexibility = false",
-            "modes = {…}: flexibility_error needs residual_flexibility = true, to which modes are left"}})
+            "modes = {…}: flexibility_error needs residual_flexibility = true, to represent truncated "
+            "modes"}})
     expect_lines({{"count = 10", modes, line}});
 }
 
-TEST(Refused, is_a_pair_that_is_not_two_bodies_there_are) {
+TEST(Refused, is_a_pair_of_unknown_bodies) {
   const std::string between = "[\"ball\", \"floor\"]";
   expect_lines({
       {between, "[\"ball\", \"flor\"]",
@@ -291,7 +294,7 @@ TEST(Refused, is_a_pair_that_is_not_two_bodies_there_are) {
   });
 }
 
-TEST(Refused, is_a_scheme_there_is_not) {
+TEST(Refused, is_an_unknown_scheme) {
   expect_table_lines(
       "contact",
       {{"scheme = \"penalty\"", "scheme = \"penalty\": must be \"compliant\", \"impulse\" or \"static\""},
@@ -310,24 +313,25 @@ TEST(Refused, is_a_scheme_there_is_not) {
                  "time.precision = \"single\": belongs to scheme = \"compliant\" and kernel = \"modes\""}});
 }
 
-TEST(Refused, is_a_name_that_can_not_be_a_files_or_is_taken) {
+TEST(Refused, is_a_name_that_is_invalid_or_taken) {
   expect_lines({
-      {"[bodies.ball]", "[bodies.\"a/b\"]", "bodies.a/b: a body's name is made of letters, digits, - and _"},
+      {"[bodies.ball]", "[bodies.\"a/b\"]",
+       "bodies.a/b: the name of a body must consist of letters, digits, - and _"},
       {"[obstacles.floor]", "[obstacles.ball]", "obstacles.ball: a body has this name already"},
   });
 }
 
-TEST(Refused, is_a_file_that_is_not_there_or_not_toml) {
+TEST(Refused, is_a_file_that_is_missing_or_not_toml) {
   const Folder folder;
   const std::string missing = (folder.path() / "none.toml").string();
   EXPECT_EQ(complaint_of([&] { read(missing); }), missing + ": no such file");
   EXPECT_EQ(complaint_of([&] { read(folder.path()); }), folder.path().string() + ": no such file");
-  // Line 2, column 5: the second "="; what stands behind is the parser's own sentence.
+  // Line 2, column 5: the second "="; the rest is the message of the parser.
   EXPECT_EQ(complaint_about("title = \"a\"\na = = 3\n").substr(0, 15), "scene.toml:2:5:");
 }
 
-// Quoted keys and strings may hold anything.
-TEST(Refused, is_refused_in_one_line_whatever_keys_hold) {
+// Quoted keys and strings may contain anything.
+TEST(Refused, is_reported_in_one_line_for_any_keys) {
   expect_lines({
       {"[time]", "[\"a\\nb\"]\n[time]",
        "a b = {…}: "
@@ -338,16 +342,15 @@ TEST(Refused, is_refused_in_one_line_whatever_keys_hold) {
   });
 }
 
-TEST(Refused, are_long_values_in_part_and_in_whole_characters) {
-  // 1 + 55 bytes, then an é whose second byte is the 58th: it goes as a whole.
+TEST(Refused, are_long_values_which_are_shortened_between_characters) {
+  // 1 + 55 bytes, then an é whose second byte is the 58th: the character is removed completely.
   const std::string start(55, 'a');
   expect_lines({{"count = 10", "count = \"" + start + "ééé\"",
                  "modes.count = \"" + start + "…: must be a whole number"}});
 }
 
-TEST(Refused, is_what_table_kernels_have_no_use_for) {
-  const std::string instead =
-      "does not go with contact.table, a file that takes its place: leave one of them out";
+TEST(Refused, is_a_key_that_table_kernels_do_not_use) {
+  const std::string instead = "is replaced by contact.table: leave one of them out";
   const std::vector<std::pair<std::string, std::string>> lines = {
       {"[loads]\ngravity = [0, 0, 1]", "loads = {…}: " + instead},
       {"[modes]\ncount = 3", "modes = {…}: " + instead},
@@ -355,7 +358,7 @@ TEST(Refused, is_what_table_kernels_have_no_use_for) {
       {"[output]\nsnapshot_every = 2",
        "output.snapshot_every = 2: contact.kernel = \"table\" has no modal coordinates: leave it out"},
       {"[output]\nvtk_every = 2",
-       "output.vtk_every = 2: contact.kernel = \"table\" knows no motion of the bodies: leave it out"}};
+       "output.vtk_every = 2: contact.kernel = \"table\" gives no motion of the bodies: leave it out"}};
   for (const auto& [text, line] : lines)
     EXPECT_EQ(complaint_about(changed(tabular, "[time]", text + "\n[time]")), "scene.toml: " + line);
   EXPECT_EQ(complaint_about(changed(tabular, "kernel = \"table\"", "kernel = \"tables\"")),
@@ -367,23 +370,23 @@ TEST(Refused, is_what_table_kernels_have_no_use_for) {
             "instant, kernel, max_pivots, restitution, scheme, solver, table.");
 }
 
-// Tables that nest by the ten thousand would end the stack when they are taken down.
+// Tables nested ten thousand deep would exhaust the stack when they are destroyed.
 TEST(Refused, is_a_key_of_endless_depth) {
   std::string key = "a";
   for (int depth = 0; depth < 100000; ++depth) key += ".a";
   for (const std::string& line : {key + " = 1", "[" + key + "]"})
     EXPECT_EQ(complaint_about(smallest + line),
-              "scene.toml:18: more than 100 dots: no key is so deep, break the line");
+              "scene.toml:18: more than 100 dots: no key is nested so deeply; break the line");
   EXPECT_EQ(complaint_about(smallest, {key + "=1"}).substr(0, 8), "--set a.");
   EXPECT_EQ(complaint_about(smallest, {"title={" + key + "=1}"}),
-            "--set:1: more than 100 dots: no key is so deep, break the line");
+            "--set:1: more than 100 dots: no key is nested so deeply; break the line");
   EXPECT_EQ(scene_of("# " + std::string(1000, '.') + smallest).title, "scene");
 }
 
 TEST(Refused, is_a_file_that_is_too_long_for_a_scene) {
-  EXPECT_EQ(
-      complaint_about(smallest + std::string(5 << 20, '\n')).find("has more than 4 MiB") == std::string::npos,
-      false);
+  EXPECT_EQ(complaint_about(smallest + std::string(5 << 20, '\n')).find("is larger than 4 MiB") ==
+                std::string::npos,
+            false);
 }
 
 TEST(Refused, is_an_override_that_is_not_utf_8) {
@@ -392,7 +395,7 @@ TEST(Refused, is_an_override_that_is_not_utf_8) {
   EXPECT_EQ(scene_of(smallest, {"title=\u00e9 \u20ac \U0001f600"}).title, "\u00e9 \u20ac \U0001f600");
 }
 
-TEST(Refused, is_said_in_one_line_whatever_a_key_holds) {
+TEST(Refused, is_reported_in_one_line_for_any_value) {
   EXPECT_EQ(complaint_about(smallest + "[\"a\\nb\\u007f\"]\n").find_first_of("\n\x7f"), std::string::npos);
 }
 

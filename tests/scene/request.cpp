@@ -1,5 +1,9 @@
-// A kernel's hash moves with all that the kernel depends on and with nothing else: else runs would take modes
-// of another body, or compute them again for nothing.
+// SPDX-License-Identifier: BSD-2-Clause
+// The hash of a kernel depends on all data that the kernel depends on, and on nothing else: otherwise runs
+// would use the modes of another body, or compute modes again unnecessarily.
+#include "src/scene/request.hpp"
+#include "src/scene/hash.hpp"
+#include "src/scene/read.hpp"
 #include "src/scene/write.hpp"
 
 #include <gmock/gmock.h>
@@ -21,7 +25,7 @@ direction = [0, 0, -1]
 along = [1, 0, 0]
 spacing = 0.01)");
 
-/// The ball's request, its mesh file holding `mesh`.
+/// The request of the ball, whose mesh file contains `mesh`.
 KernelRequest request_of(const std::string& text, const std::vector<Override>& overrides = {},
                          const std::string& mesh = "a mesh") {
   const Folder folder;
@@ -34,7 +38,7 @@ KernelRequest request_of(const std::string& text, const std::vector<Override>& o
 std::string hash_with(const Override& set) { return request_of(scene_text, {set}).hash; }
 
 // The example of FIPS 180-4.
-TEST(Sha256, is_the_standards) {
+TEST(Sha256, matches_the_standard) {
   EXPECT_EQ(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
 }
 
@@ -45,7 +49,7 @@ TEST(KernelHash, is_the_same_for_the_same_scene) {
   EXPECT_EQ(hash.find_first_not_of("0123456789abcdef"), std::string::npos);
 }
 
-TEST(KernelHash, moves_with_what_the_kernel_depends_on) {
+TEST(KernelHash, changes_with_everything_that_the_kernel_depends_on) {
   const std::string hash = request_of(scene_text).hash;
   for (const char* set :
        {"bodies.ball.material.young=2e9", "bodies.ball.material.density=1001",
@@ -57,8 +61,8 @@ TEST(KernelHash, moves_with_what_the_kernel_depends_on) {
     EXPECT_NE(hash_with(set), hash) << set;
 }
 
-// The same band asked for in other ways is another kernel each time.
-TEST(KernelHash, moves_with_basis_and_flexibility_error) {
+// The same band with other settings is a different kernel.
+TEST(KernelHash, changes_with_basis_and_flexibility_error) {
   std::set<std::string> hashes;
   for (const char* modes : {"{ up_to_hz = 1e3 }", "{ up_to_hz = 1e3, flexibility_error = 1e-3 }",
                             "{ up_to_hz = 1e3, flexibility_error = 2e-3 }",
@@ -69,7 +73,7 @@ TEST(KernelHash, moves_with_basis_and_flexibility_error) {
     EXPECT_TRUE(hashes.insert(hash_with(std::string("modes=") + modes)).second) << modes;
 }
 
-TEST(KernelHash, stays_when_a_default_of_the_modes_is_written_down) {
+TEST(KernelHash, is_unchanged_if_a_default_of_the_modes_is_given) {
   const auto same = [](const char* one, const char* other) {
     EXPECT_EQ(hash_with(std::string("modes=") + one), hash_with(std::string("modes=") + other));
   };
@@ -78,7 +82,7 @@ TEST(KernelHash, stays_when_a_default_of_the_modes_is_written_down) {
        "{ basis = \"contact\", up_to_hz = 1e3, flexibility_error = 1e-3 }");
 }
 
-TEST(KernelHash, stays_with_what_it_does_not) {
+TEST(KernelHash, is_unchanged_by_everything_else) {
   const std::string hash = request_of(scene_text).hash;
   for (const char* set :
        {"title=other", "bodies.ball.velocity=[0,-6,0]", "bodies.ball.translate=[1,2,3]", "contact.gap=0.5",
@@ -89,13 +93,13 @@ TEST(KernelHash, stays_with_what_it_does_not) {
     EXPECT_EQ(hash_with(set), hash) << set;
 }
 
-TEST(KernelHash, does_not_know_the_bodys_name) {
+TEST(KernelHash, does_not_depend_on_the_name_of_the_body) {
   const std::string renamed =
       changed(changed(scene_text, "[bodies.ball]", "[bodies.cube]"), "\"ball\"", "\"cube\"");
   EXPECT_EQ(request_of(renamed).hash, request_of(scene_text).hash);
 }
 
-TEST(KernelHash, moves_with_what_the_mesh_file_holds) {
+TEST(KernelHash, changes_with_the_content_of_the_mesh_file) {
   EXPECT_NE(request_of(scene_text, {}, "another mesh").hash, request_of(scene_text).hash);
   EXPECT_EQ(request_of(scene_text, {}, "abc").mesh_sha256, sha256("abc"));
 }
@@ -110,9 +114,10 @@ std::string geo_hash(const std::string& main, const std::string& included, const
   return kernel_request(scene, scene.bodies[0]).hash;
 }
 
-TEST(KernelHash, moves_with_the_files_a_geo_includes) {
+TEST(KernelHash, changes_with_the_files_that_a_geo_includes) {
   const std::string main = "Include \"parts/sizes.geo\";\nPoint(1) = {0, 0, 0};\n";
-  // sizes.geo merges a file beside itself, and includes its includer: no reason to turn for ever.
+  // sizes.geo merges a file in its folder, and includes the file that includes it; this must not loop for
+  // ever.
   const std::string sizes = "  Merge \"shape.step\";\nInclude \"../ball.geo\";\n";
   const std::string hash = geo_hash(main, sizes, "a cube");
   EXPECT_EQ(geo_hash(main, sizes, "a cube"), hash);
@@ -123,7 +128,7 @@ TEST(KernelHash, moves_with_the_files_a_geo_includes) {
             geo_hash("size = 1;\n", "", ""));  // nothing is included
 }
 
-TEST(KernelRequests, name_the_file_that_is_not_there) {
+TEST(KernelRequests, name_a_missing_file) {
   const Folder folder;
   const Scene scene = read(folder.write("scene.toml", smallest));
   const std::string mesh = (folder.path() / "ball.msh").string();
@@ -147,7 +152,7 @@ TEST(KernelRequests, hold_no_placement_and_no_velocity) {
     EXPECT_THAT(vector, ElementsAre(0, 0, 0));
 }
 
-TEST(KernelRequests, of_a_scene_run_many_times_hash_a_mesh_once) {
+TEST(KernelRequests, of_many_runs_of_a_scene_hash_a_mesh_once) {
   const Folder folder;
   folder.write("ball.msh", "abc");
   const Scene scene = read(folder.write("scene.toml", smallest));
@@ -159,16 +164,17 @@ TEST(KernelRequests, of_a_scene_run_many_times_hash_a_mesh_once) {
   EXPECT_EQ(ask(nullptr).mesh_sha256, sha256("abd"));
 }
 
-// Turned by 90 degrees about x and then z, the body's x, y, z are the world's y, z, x. An axis has no sign.
-TEST(KernelRequests, hold_axes_in_the_bodys_own_frame) {
+// Rotated by 90 degrees about x and then z, the body's x, y, z are the world's y, z, x. An axis has no sign.
+TEST(KernelRequests, hold_axes_in_the_frame_of_the_body) {
   const KernelRequest request =
       request_of(scene_text, {"bodies.ball.rotate_deg=[90,0,90]", "contact.direction=[0,-3,4]"});
   EXPECT_THAT(*request.direction, ElementsAre(0.6, -0.8, 0));
   EXPECT_THAT(*request.along, ElementsAre(0, 0, 1));
 }
 
-// So a body that is turned together with its axes needs no other kernel, nor one met from behind.
-TEST(KernelHash, stays_when_body_and_axes_turn_together) {
+// A body that is rotated together with its axes therefore needs no other kernel, nor does one that is hit
+// from the opposite side.
+TEST(KernelHash, is_unchanged_if_body_and_axes_rotate_together) {
   const std::string hash = request_of(scene_text).hash;  // direction −z, along x
   EXPECT_EQ(request_of(scene_text, {"bodies.ball.rotate_deg=[90,0,90]", "contact.direction=[1,0,0]",
                                     "contact.along=[0,1,0]"})
@@ -178,8 +184,8 @@ TEST(KernelHash, stays_when_body_and_axes_turn_together) {
   EXPECT_NE(hash_with("bodies.ball.rotate_deg=[90,0,90]"), hash);
 }
 
-// One component is enough only where all pairs look the same way.
-TEST(KernelRequests, hold_a_direction_only_when_all_pairs_share_it) {
+// One component suffices only if all pairs have the same direction.
+TEST(KernelRequests, hold_a_direction_only_if_all_pairs_share_it) {
   const std::string two = changed(smallest, "between = [\"ball\", \"floor\"]", R"(
 direction = [0, 0, 1]
 [[contact.pair]]
@@ -191,13 +197,13 @@ between = ["ball", "floor"])");
   EXPECT_FALSE(request_of(two, {"contact.pair[1].direction=[0,1,0]"}).direction);
   EXPECT_FALSE(
       request_of(changed(two, "direction = [0, 0, 1]", ""), {"contact.pair[1].direction=[0,0,1]"}).direction);
-  EXPECT_EQ(
-      complaint_of([&] { request_of(two, {"contact.pair[1].spacing=0.5"}); }),
-      "scene.toml: contact: two pairs ask different patches (along, spacing) of bodies.ball: a body has one "
-      "set of candidates, give both pairs the same");
+  EXPECT_EQ(complaint_of([&] { request_of(two, {"contact.pair[1].spacing=0.5"}); }),
+            "scene.toml: contact: two pairs require different patches (along, spacing) of bodies.ball: a "
+            "body has one "
+            "set of candidates; give both pairs the same values");
 }
 
-TEST(KernelPaths, are_the_bodys_name_and_twelve_digits) {
+TEST(KernelPaths, are_the_name_of_the_body_and_twelve_digits) {
   KernelRequest request;
   request.body.name = "ball";
   request.hash = "0123456789abcdef0123456789abcdef";
@@ -226,8 +232,8 @@ TEST(Rotation, is_about_x_then_y_then_z) {
   EXPECT_THAT(turned({90, 90, 90}), ElementsAre(0, 0, 1, 0, 1, 0, -1, 0, 0));  // y to z to x to y
 }
 
-// 1e17 is 80 short of a multiple of 360: what is added to such a number is lost.
-TEST(Rotation, by_many_turns_leaves_what_is_left_of_them) {
+// 1e17 is 80 below a multiple of 360; small additions to such a number are lost.
+TEST(Rotation, by_many_turns_equals_the_remainder) {
   for (const Vector3 degrees : {Vector3{1e17, 0, 0}, Vector3{0, -1e17, 0}, Vector3{0, 0, 1e17}}) {
     const double left = std::remainder(degrees[0] + degrees[1] + degrees[2], 360.0);
     EXPECT_EQ(std::abs(left), 80);
@@ -237,7 +243,7 @@ TEST(Rotation, by_many_turns_leaves_what_is_left_of_them) {
   }
 }
 
-TEST(Rotation, of_any_angle_turns_by_it) {
+TEST(Rotation, by_any_angle_matches_the_closed_form) {
   const auto matrix = turned({0, 0, 30});
   EXPECT_NEAR(matrix[0], 0.86602540378443865, 1e-15);  // √3/2
   EXPECT_NEAR(matrix[3], 0.5, 1e-15);

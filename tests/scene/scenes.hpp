@@ -1,4 +1,5 @@
-// Scenes small enough to know by heart, each in a folder of its own.
+// SPDX-License-Identifier: BSD-2-Clause
+// Minimal scenes for the tests, each in a folder of its own.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "ricochet/error.hpp"
+#include "src/scene/read.hpp"
 #include "src/scene/scene.hpp"
 #include "tests/support.hpp"
 
@@ -18,7 +20,7 @@ namespace ricochet::scene::test {
 using ricochet::test::complaint_of;
 using ricochet::test::Folder;
 
-/// Nothing but what must be given: all else is left to the defaults.
+/// Required keys only; all others keep their defaults.
 inline const std::string smallest = R"(
 [bodies.ball]
 mesh = "ball.msh"
@@ -38,7 +40,7 @@ between = ["ball", "floor"]
 duration = 0.01
 )";
 
-/// Kernels of a file take the place of bodies.
+/// Kernels from a file replace the bodies.
 inline const std::string tabular = R"(
 [contact]
 kernel = "table"
@@ -122,7 +124,7 @@ inline std::string changed(std::string text, const std::string& from, const std:
   return text.replace(at, from.size(), to);
 }
 
-/// The scene that `text` is, in a file "scene.toml" that is gone afterwards.
+/// The scene with this text, in a temporary file "scene.toml".
 inline Scene scene_of(const std::string& text, const std::vector<Override>& overrides = {}) {
   const Folder folder;
   return read(folder.write("scene.toml", text), overrides);

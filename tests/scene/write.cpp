@@ -1,5 +1,7 @@
-// The resolved scene that --dry-run prints is a scene: reading it back gives the same one.
+// SPDX-License-Identifier: BSD-2-Clause
+// The resolved scene, as --dry-run prints it, is a scene: reading it gives the same one.
 #include "src/scene/write.hpp"
+#include "src/scene/read.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -95,7 +97,7 @@ void expect_to_come_back(const std::string& text, const std::vector<Override>& o
   expect_same(read(folder.write("resolved.toml", to_toml(scene))), scene);
 }
 
-TEST(Resolved, scene_comes_back_as_it_was) {
+TEST(Resolved, scene_reads_back_unchanged) {
   expect_to_come_back(smallest);
   expect_to_come_back(fullest);
   for (const char* solver : {"exact", "uzawa"})
@@ -107,30 +109,30 @@ TEST(Resolved, scene_comes_back_as_it_was) {
     const Folder folder;
     const std::string text = to_toml(scene);
     Scene back = read(folder.write("resolved.toml", text));
-    for (Body& body : back.bodies)  // a mesh is named from the folder of its scene
+    for (Body& body : back.bodies)  // a mesh is named relative to the folder of its scene
       body.mesh = scene.file.parent_path() / body.mesh.lexically_relative(folder.path());
     expect_same(back, scene);
   }
 }
 
-TEST(Resolved, scene_with_a_body_file_comes_back) {
+TEST(Resolved, scene_with_a_body_file_reads_back) {
   expect_to_come_back(
       changed(changed(smallest, "ball.msh", "ball.h5"), "material = { density = 1000, young = 1e9 }", ""));
 }
 
-TEST(Resolved, scene_of_table_kernels_comes_back) {
+TEST(Resolved, scene_of_table_kernels_reads_back) {
   expect_to_come_back(smallest, {"contact.kernel=table"});
   expect_to_come_back(tabular);
   expect_to_come_back(tabular, {"contact.scheme=impulse", "contact.admittance=difference", "output.every=3"});
 }
 
-TEST(Resolved, scene_with_each_law_of_damping_comes_back) {
+TEST(Resolved, scene_with_each_law_of_damping_reads_back) {
   for (const char* law :
        {"{}", "{ratio=0.1}", "{loss_factor=0.002}", "{rayleigh=[3,1e-7]}", "{viscosity=1e-6}"})
     expect_to_come_back(smallest, {std::string("bodies.ball.damping=") + law});
 }
 
-TEST(Resolved, scene_with_each_way_to_ask_for_modes_comes_back) {
+TEST(Resolved, scene_with_each_request_for_modes_reads_back) {
   for (const char* modes :
        {"{ up_to_hz = 1e3 }", "{ count = 9, approximate = 2 }",
         "{ up_to_hz = 1e3, flexibility_error = 0.012 }", "{ basis = \"contact\", up_to_hz = 1e3 }",
@@ -140,8 +142,8 @@ TEST(Resolved, scene_with_each_way_to_ask_for_modes_comes_back) {
     expect_to_come_back(smallest, {std::string("modes=") + modes});
 }
 
-// Strings of all sorts, numbers that need all their digits or have none behind the point.
-TEST(Resolved, scene_with_odd_values_comes_back) {
+// Strings of all kinds, and numbers that need all their digits or have no decimals.
+TEST(Resolved, scene_with_unusual_values_reads_back) {
   expect_to_come_back(smallest, {R"(title="back\\slash \"quote\" tab\t line\n bell\u0007 delete\u007F é")"});
   expect_to_come_back(smallest, {"title="});
   expect_to_come_back(smallest, {R"(bodies.ball.contact=["a \"b\"", "c.d"])"});
@@ -151,8 +153,8 @@ TEST(Resolved, scene_with_odd_values_comes_back) {
   expect_to_come_back(smallest, {"time.rate_hz=1e20", "time.duration=1e-15", "time.precision=single"});
 }
 
-// A unit vector may be a bit longer than 1; divided by its length again it would creep.
-TEST(Resolved, directions_do_not_creep) {
+// A unit vector may be slightly longer than 1; dividing by its length again would change it.
+TEST(Resolved, directions_do_not_drift) {
   for (int x = -3; x <= 3; ++x)
     for (int y = -3; y <= 3; ++y) {
       const std::string vector = fmt::format("[{},{},7]", x, y);
@@ -161,7 +163,7 @@ TEST(Resolved, directions_do_not_creep) {
     }
 }
 
-TEST(Resolved, pair_that_was_turned_round_comes_back) {
+TEST(Resolved, pair_that_was_swapped_reads_back) {
   expect_to_come_back(smallest, {"contact.between=[\"floor\",\"ball\"]", "contact.direction=[1,2,3]"});
 }
 
@@ -192,12 +194,12 @@ TEST(Resolved, scene_holds_every_default) {
     EXPECT_THAT(text, HasSubstr(line));
 }
 
-TEST(Resolved, scene_holds_the_error_that_vectors_fitted_to_contact_are_allowed) {
+TEST(Resolved, scene_holds_the_flexibility_error_of_contact_adapted_bases) {
   EXPECT_THAT(to_toml(scene_of(smallest, {"modes={ basis = \"contact\", up_to_hz = 1e3 }"})),
               HasSubstr("[modes]\nbasis = \"contact\"\nup_to_hz = 1000.0\nflexibility_error = 0.001\n"));
 }
 
-// From wherever the program was started: a mesh is named from the folder of its scene.
+// For any working folder, a mesh is named relative to the folder of its scene.
 TEST(Resolved, scene_names_meshes_from_its_folder) {
   Scene scene = scene_of(smallest);
   const std::tuple<const char*, const char*, const char*> meshes[] = {
@@ -223,12 +225,12 @@ TEST(Numbers, are_the_shortest_that_read_back_and_always_floats) {
   EXPECT_EQ(toml_number(0.1 + 0.2), "0.30000000000000004");
 }
 
-TEST(Slug, is_the_title_fit_for_a_file) {
+TEST(Slug, is_the_title_as_a_file_name) {
   EXPECT_EQ(slug("Two disks, edge on"), "two-disks-edge-on");
   EXPECT_EQ(slug("  V0 = 6 m/s!  "), "v0-6-m-s");
   EXPECT_EQ(slug("a--b__c"), "a-b-c");
   EXPECT_EQ(slug("../../etc"), "etc");
-  EXPECT_EQ(slug("Étude"), "tude");  // other than a–z: not in the name, nor its first letter
+  EXPECT_EQ(slug("Étude"), "tude");  // characters other than a–z do not appear, even at the start
   EXPECT_EQ(slug("!?"), "scene");
   EXPECT_EQ(slug(""), "scene");
 }

@@ -1,4 +1,5 @@
-// Sound files read back by libsndfile: rate, channels, scale, and tones that resampling must not move.
+// SPDX-License-Identifier: BSD-2-Clause
+// Sound files read by libsndfile: rate, channels, scale, and tones that resampling must preserve.
 #include "src/sound/wav.hpp"
 
 #include <gmock/gmock.h>
@@ -68,18 +69,18 @@ TEST(Wav, holds_velocity_in_three_channels_of_floats_up_to_full_scale) {
   ASSERT_EQ(sound.samples.size(), velocity.size());
   for (std::size_t k = 0; k < velocity.size(); ++k)  // one rounding to float
     EXPECT_NEAR(sound.samples[k] * scale.full_scale_m_per_s, velocity[k], 1e-7 * 0.02);
-  EXPECT_EQ(folder.entries(), 1U);  // nothing temporary stays
+  EXPECT_EQ(folder.entries(), 1U);  // no temporary file remains
 }
 
-TEST(Wav, keeps_rates_that_players_know_and_resamples_others) {
+TEST(Wav, keeps_rates_that_players_support_and_resamples_others) {
   for (const double rate : {44100, 48000, 88200, 96000, 176400, 192000}) EXPECT_EQ(audio_rate(rate), rate);
   EXPECT_EQ(audio_rate(441000), 44100);
   EXPECT_EQ(audio_rate(1e6), 48000);
   EXPECT_EQ(audio_rate(100), 48000);
 }
 
-// 1 % of amplitude: leakage of the window. Two passes at 100 Hz (a ratio of 480) and at 20 MHz.
-TEST(Wav, resampled_keeps_the_pitch_the_level_and_the_moment) {
+// 1 % of the amplitude: leakage of the window. Two passes at 100 Hz (a ratio of 480) and at 20 MHz.
+TEST(Wav, resampled_keeps_pitch_level_and_time) {
   struct Case {
     double rate, hertz, seconds;
   };
@@ -104,7 +105,7 @@ TEST(Wav, of_a_body_at_rest_is_silent) {
   for (const float x : read(folder / "mic.wav").samples) EXPECT_EQ(x, 0);
 }
 
-TEST(Wav, that_can_not_be_written_is_refused_in_one_line) {
+TEST(Wav, that_cannot_be_written_is_refused_in_one_line) {
   const Folder folder;
   EXPECT_THAT(complaint_of([&] {
                 write_wav(folder / "not" / "there.wav", {0, 0, 0}, 48000);
@@ -114,7 +115,7 @@ TEST(Wav, that_can_not_be_written_is_refused_in_one_line) {
   EXPECT_THAT(complaint_of([&] { check_length(48000LL * 36000, 48000); }), HasSubstr("holds 7456"));
 }
 
-TEST(Wav, whose_name_a_folder_has_is_refused_and_leaves_nothing_behind) {
+TEST(Wav, with_the_name_of_a_folder_is_refused_and_leaves_nothing_behind) {
   const Folder folder;
   std::filesystem::create_directories(folder / "mic.wav" / "full");
   EXPECT_THAT(complaint_of([&] { write_wav(folder / "mic.wav", {0, 0, 0}, 48000); }), HasSubstr("mic.wav"));

@@ -1,9 +1,11 @@
-// Supports that move, against dense solves and the closed forms of a rod.
+// SPDX-License-Identifier: BSD-2-Clause
+// Moving supports, against dense solves and the closed forms of a rod.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
+#include "src/scene/request.hpp"
 #include "tests/modes/dense.hpp"
 #include "tests/surface/made.hpp"
 
@@ -12,7 +14,8 @@ namespace {
 
 using namespace test;
 
-/// The block of tests below: its bottom moves, its top is held along z, so it is sheared and stretched.
+/// The block of the tests below: its bottom moves and its top is held along z, so that it is sheared and
+/// stretched.
 scene::KernelRequest squeezed() {
   scene::KernelRequest request = request_of({"sides"}, {{"bottom", "xyz"}, {"top", "z"}});
   request.direction = Vector3{0.6, 0, 0.8};
@@ -22,7 +25,7 @@ scene::KernelRequest squeezed() {
   return request;
 }
 
-/// Global number of the node at x; −1 where there is none.
+/// Global number of the node at x; −1 if there is none.
 std::int64_t node_at(const mesh::Mesh& mesh, const Point& x) {
   double found = -1;
   for (std::size_t i = 0; i < mesh.node.size(); ++i)
@@ -30,7 +33,7 @@ std::int64_t node_at(const mesh::Mesh& mesh, const Point& x) {
   return static_cast<std::int64_t>(parallel::largest(mesh.comm, found));
 }
 
-// The oracle has the matrices of the body without supports, divides them by hand and solves densely.
+// The oracle takes the matrices of the body without supports, partitions them and solves densely.
 TEST(Lift, of_two_supports_is_that_of_a_dense_solve) {
   Made made(test::block_geo("hex", 2, 0), 2, squeezed());
   const kernels::Kernel kernel = made.kernel({.count = 12});
@@ -60,14 +63,14 @@ TEST(Lift, of_two_supports_is_that_of_a_dense_solve) {
     if (held[i] == 0) f.push_back(i);
   const MatrixXd pull = K * psi, solved = K(f, f).ldlt().solve(pull(f, Eigen::all));
   for (std::size_t i = 0; i < f.size(); ++i) psi.row(f[i]) -= solved.row(static_cast<Eigen::Index>(i));
-  // Modes of the oracle: all of them, of which the kernel holds the lowest.
+  // All modes of the oracle, of which the kernel holds the lowest.
   const test::DenseModes oracle(PETSC_COMM_WORLD, K(f, f), M(f, f));
   MatrixXd phi = MatrixXd::Zero(n, static_cast<Eigen::Index>(kernel.modes.size()));
   for (std::size_t i = 0; i < f.size(); ++i)
     phi.row(f[i]) = oracle.vector.row(static_cast<Eigen::Index>(i)).leftCols(phi.cols());
   const MatrixXd gamma = phi.transpose() * M * psi, rest = psi - phi * gamma;
 
-  // In units where all is of the order of one; the modes are right to about their residuals, 1e-8.
+  // In units in which all values are of order one; the modes are accurate to about their residuals, 1e-8.
   constexpr double tolerance = 1e-7;
   const auto expect_near = [&](const MatrixXd& found, const MatrixXd& exact) {
     ASSERT_EQ(found.rows(), exact.rows());
@@ -77,7 +80,7 @@ TEST(Lift, of_two_supports_is_that_of_a_dense_solve) {
   const kernels::Motion &bottom = kernel.motions[0], &press = kernel.motions[1];
   MatrixXd participation(4, phi.cols());
   participation << rows(bottom.participation, 3), rows(press.participation, 3).row(2);
-  // Modes of one frequency may turn: sums over them may not.
+  // Modes of one frequency are determined up to rotation, but sums over them are not affected.
   const Eigen::VectorXd square = oracle.value.head(phi.cols());
   for (int power : {0, 1, 2}) {
     const Eigen::VectorXd weight = square.array().pow(-power);
@@ -93,13 +96,13 @@ TEST(Lift, of_two_supports_is_that_of_a_dense_solve) {
     expect_near(found.leftCols(3), exact.leftCols(3));
     expect_near(found.col(5), exact.col(3));
   }
-  // Momentum, by the translations.
+  // Momentum, from the translations.
   MatrixXd translations = MatrixXd::Zero(n, 3);
   for (Eigen::Index i = 0; i < n; ++i) translations(i, i % 3) = 1;
   const MatrixXd momentum = translations.transpose() * M * rest;
   expect_near(rows(bottom.momentum, 3), momentum.leftCols(3));
   expect_near(rows(press.momentum, 3).col(2), momentum.col(3));
-  // Candidates see a mean over their patch, along the direction: by the patches' own weights.
+  // Candidates record a mean over their patch along the direction, with the weights of the patches.
   const Point direction(0.6, 0, 0.8);
   MatrixXd seen = MatrixXd::Zero(static_cast<Eigen::Index>(kernel.surface.size()), 4);
   for (const surface::Weight& weight : made.patches.weights)
@@ -130,7 +133,7 @@ Made rod(const std::map<std::string, std::string>& support) {
 }
 
 // Modes √(2/(ρAL)) sin((n − ½)πx/L), Ψ = 1.
-TEST(Rod, whose_only_support_moves_takes_part_as_in_closed_form) {
+TEST(Rod, whose_only_support_moves_has_its_participation_in_closed_form) {
   Made made = rod({{"left", "x"}});
   const kernels::Kernel kernel = made.kernel({.count = 6});
   const double length = 2, mass = 2;
@@ -150,7 +153,7 @@ TEST(Rod, whose_only_support_moves_takes_part_as_in_closed_form) {
 }
 
 // Modes √(2/(ρAL)) sin(nπx/L), Ψ = 1 − x/L.
-TEST(Rod, held_at_one_end_and_moved_at_the_other_takes_part_as_in_closed_form) {
+TEST(Rod, held_at_one_end_and_moved_at_the_other_has_its_participation_in_closed_form) {
   Made made = rod({{"left", "x"}, {"right", "xyz"}});
   const kernels::Kernel kernel = made.kernel({.count = 6});
   const double mass = 2;
@@ -166,7 +169,7 @@ TEST(Rod, held_at_one_end_and_moved_at_the_other_takes_part_as_in_closed_form) {
   EXPECT_NEAR(kernel.motions[0].residual[0], 0, 1e-12);  // the held end stays
 }
 
-// What both hold moves with one of them, not with both.
+// A node that both hold moves with one of them, not with both.
 TEST(Lift, of_all_supports_together_is_a_rigid_translation) {
   scene::KernelRequest request = request_of({"top"}, {{"bottom", "xyz"}, {"sides", "xyz"}});
   request.motions = {load("bottom", "bottom"), load("sides", "sides")};
@@ -184,13 +187,15 @@ TEST(Lift, of_all_supports_together_is_a_rigid_translation) {
   }
 }
 
-// A cube on a hinge along x, at y = z = 0: of its lifts e_y + θ e_x × x the one with ∫ (e_x × x)·Ψ = 0, hence
-// θ = ¾, as ∫ z = ½ and ∫ (y² + z²) = ⅔. Likewise −¾ with e_z. So the hinge does not turn the cube.
-TEST(Lift, of_a_hinge_does_not_drive_the_turning_that_it_leaves_free) {
+// A cube on a hinge along x, at y = z = 0. Among its lifts e_y + θ e_x × x the one with ∫ (e_x × x)·Ψ = 0 has
+// θ = ¾, because ∫ z = ½ and ∫ (y² + z²) = ⅔; likewise −¾ for e_z. The hinge therefore does not rotate the
+// cube.
+TEST(Lift, of_a_hinge_does_not_excite_the_rotation_that_it_leaves_free) {
   scene::KernelRequest request = request_of({"top"}, {{"hinge", "xyz"}});
   request.motions = {load("hinge", "hinge")};
   request.receivers = {receiver("mic", {0.3, 0.4, 0.8})};
-  // Linear elements: in quadratic ones M happens not to couple the hinge's nodes to turning about it.
+  // Linear elements, because in quadratic ones M happens not to couple the nodes of the hinge to rotation
+  // about it.
   Made made(test::block_geo("hex", 2, 0) + "Physical Curve(\"hinge\") = {1};\n", 1, request);
   const kernels::Kernel kernel = made.kernel({.count = 8});
   const MatrixXd gamma = rows(kernel.motions[0].participation, 3);

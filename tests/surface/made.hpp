@@ -1,8 +1,14 @@
-// All that the kernel of a body with loads, receivers and moving supports is made of.
+// SPDX-License-Identifier: BSD-2-Clause
+// All components of the kernel of a body with loads, receivers and moving supports.
 #pragma once
 
+#include "src/mesh/partition.hpp"
+#include "src/mesh/read.hpp"
 #include "src/modes/contact_basis.hpp"
-#include "src/surface/surface.hpp"
+#include "src/scene/request.hpp"
+#include "src/surface/patches.hpp"
+#include "src/surface/sources.hpp"
+#include "src/surface/trace.hpp"
 #include "tests/meshes.hpp"
 
 namespace ricochet::test {
@@ -15,14 +21,14 @@ using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::Ro
 inline const Matrix3d gradient = (Matrix3d() << 0.3, -0.2, 0.5, 0.1, 0.7, -0.4, 0.25, 0.6, -0.1).finished();
 inline const Point offset(0.2, -0.4, 0.9);
 
-/// Row-major values as a matrix of so many rows.
+/// Row-major values as a matrix with the given number of rows.
 inline MatrixXd rows(const std::vector<double>& values, std::size_t count) {
   return Eigen::Map<const RowMajor>(values.data(), static_cast<Eigen::Index>(count),
                                     static_cast<Eigen::Index>(values.size() / count));
 }
 
-inline scene::Driven load(const std::string& name, const std::string& group, const Vector3& at = {}) {
-  scene::Driven driven;
+inline scene::Forcing load(const std::string& name, const std::string& group, const Vector3& at = {}) {
+  scene::Forcing driven;
   driven.name = name;
   driven.group = group;
   driven.at = at;
@@ -31,7 +37,7 @@ inline scene::Driven load(const std::string& name, const std::string& group, con
 
 inline scene::Receiver receiver(const std::string& name, const Vector3& at) { return {name, "body", at}; }
 
-/// All that a kernel is made of.
+/// All components of a kernel.
 struct Made {
   Made(const std::string& geo, int order, scene::KernelRequest asked, double poisson = 0.3)
       : request(std::move(asked)) {
@@ -42,7 +48,7 @@ struct Made {
     body.materials[0].poisson = poisson;
     request.body = body;
     mesh::GlobalMesh global;
-    const mesh::Asked wanted = surface::asked_of(request);
+    const mesh::RequestedGroups wanted = surface::requested_groups(request);
     parallel::on_first_rank(PETSC_COMM_WORLD, [&] { global = mesh::read_mesh(body, {}, wanted); });
     mesh = mesh::distribute(std::move(global), PETSC_COMM_WORLD);
     std::vector<std::string> moved;
@@ -52,7 +58,7 @@ struct Made {
     patches = surface::make_patches(mesh, body.contact, {.direction = request.direction});
   }
 
-  /// The kernel of modes, or of vectors fitted to contact.
+  /// The kernel of modes, or of a contact-adapted basis.
   kernels::Kernel kernel(const modes::Request& wanted) {
     modes::Factorisation factor(matrices.stiffness, matrices.mass);
     modes::ModeSet set = modes::compute_modes(one_team(), mesh, matrices, factor, wanted);
@@ -75,7 +81,7 @@ struct Made {
     made.modes.angular_frequency = set.angular_frequency;
     return made;
   }
-  /// u = G x + o at this rank's nodes, and −2 u, as if they were modes.
+  /// u = G x + o at the nodes of this rank, and −2 u, used as modes.
   modes::ModeSet linear_fields() const {
     modes::ModeSet set;
     set.angular_frequency = {0, 0};

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Contact patches against hand values and the closed forms of hats on flat triangles.
 #include <gtest/gtest.h>
 
@@ -5,7 +6,9 @@
 #include <numbers>
 
 #include "src/mesh/lattice.hpp"
-#include "src/surface/surface.hpp"
+#include "src/mesh/partition.hpp"
+#include "src/mesh/read.hpp"
+#include "src/surface/patches.hpp"
 #include "tests/meshes.hpp"
 
 namespace ricochet {
@@ -29,7 +32,7 @@ Made make(const std::string& geo, int order, const std::vector<std::string>& con
   body.contact = contact;
   Made made{test::mesh_of(body), {}};
   made.patches = surface::make_patches(made.mesh, contact, options);
-  // The same as on one rank, to the last bit but for the numbering of the nodes.
+  // The same as on one rank, bitwise except for the numbering of the nodes.
   const auto alone = mesh::distribute(mesh::read_mesh(body), PETSC_COMM_SELF);
   const Patches same = surface::make_patches(alone, contact, options);
   EXPECT_EQ(made.patches.geometry.node, same.geometry.node);
@@ -54,7 +57,7 @@ double total(const std::vector<double>& values) {
   return sum;
 }
 
-/// Σ weight · f(node) of each patch: its mean of the finite-element field that f is at the nodes.
+/// Σ weight · f(node) of each patch: its mean of the finite-element field with the nodal values f.
 template <class Field>
 std::vector<double> means(const Made& made, Field&& field) {
   std::map<std::int64_t, Point> place;
@@ -92,7 +95,7 @@ void flat_hats(const mesh::FacetMesh& facets, std::vector<double>& area, std::ve
   for (std::size_t n = 0; n < area.size(); ++n) centroid[n] /= area[n];
 }
 
-TEST(Patches, of_flat_triangles_mean_a_linear_field_by_its_value_at_their_centroid) {
+TEST(Patches, of_flat_triangles_have_the_mean_of_a_linear_field_at_their_centroid) {
   const mesh::GmshSession gmsh;
   for (int order = 1; order <= 4; ++order) {
     const Made made = make(test::block_geo("tet", 2, 0.4), order, {"top"});
@@ -124,7 +127,7 @@ TEST(Patches, of_a_grid_of_squares_have_the_areas_and_centroids_of_its_hats) {
     const auto& geometry = made.patches.geometry;
     ASSERT_EQ(geometry.size(), static_cast<std::size_t>((2 * order + 1) * (2 * order + 1)));
     EXPECT_EQ(geometry.element.size(), static_cast<std::size_t>(3 * 2 * 4 * order * order));
-    // Across an edge half a hat is left: its centroid lies h/3 inside.
+    // At an edge, half a hat remains: its centroid lies h/3 inside.
     const auto centre = [&](double x) { return x < h / 2 ? h / 3 : x > 1 - h / 2 ? 1 - h / 3 : x; };
     const auto width = [&](double x) { return x < h / 2 || x > 1 - h / 2 ? h / 2 : h; };
     const auto x = means(made, [](const Point& p) { return p[0]; });
@@ -138,7 +141,7 @@ TEST(Patches, of_a_grid_of_squares_have_the_areas_and_centroids_of_its_hats) {
   }
 }
 
-TEST(Patches, of_a_cylinder_share_out_its_area_and_point_out_of_it) {
+TEST(Patches, of_a_cylinder_partition_its_area_and_point_outward) {
   const mesh::GmshSession gmsh;
   const std::string geo =
       "SetFactory(\"OpenCASCADE\");\nCylinder(1) = {0,0,0, 0,0,2, 1};\nMeshSize{:} = 0.5;\n"
@@ -149,7 +152,7 @@ TEST(Patches, of_a_cylinder_share_out_its_area_and_point_out_of_it) {
   for (std::size_t i = 0; i < geometry.size(); ++i) {
     EXPECT_GT(geometry.area[i], 0);
     const Point x = row(geometry.node, i);
-    // Mean normal of a patch about h/3 wide that need not lie evenly round its node.
+    // Mean normal of a patch about h/3 wide that is not necessarily symmetric about its node.
     EXPECT_GT(row(geometry.normal, i).dot(Point(x[0], x[1], 0)), 0.99);
   }
 }
@@ -166,10 +169,10 @@ TEST(Patches, belong_to_the_group_they_lie_on) {
   EXPECT_NEAR(total(geometry.area), 2, 1e-14);
 }
 
-TEST(Along, merges_all_that_lies_on_a_line) {
+TEST(Along, merges_all_vertices_on_a_line) {
   const mesh::GmshSession gmsh;
   for (int order : {1, 2}) {
-    // Across y the square is a row of 2·order + 1 strips along y.
+    // Across y the square consists of 2·order + 1 strips along y.
     const Made made = make(test::block_geo("hex", 2, 0), order, {"top"}, {.along = Vector3{0, 1, 0}});
     const auto& geometry = made.patches.geometry;
     const double h = 0.5 / order;
@@ -195,10 +198,10 @@ TEST(Along, keeps_opposite_faces_apart) {
     EXPECT_NEAR(std::abs(made.patches.geometry.normal[3 * i + 2]), 1, 1e-12);
 }
 
-TEST(Spacing, thins_a_row_to_evenly_spaced_hats_that_keep_its_area) {
+TEST(Spacing, coarsens_a_row_to_evenly_spaced_hats_that_keep_its_area) {
   const mesh::GmshSession gmsh;
-  // Strips every 1/8; asked for 1/4: hats of that radius at 0, ¼, ½, ¾, 1, so that the merged hats are the
-  // wide ones.
+  // Strips every 1/8, with a requested spacing of 1/4: hats of that radius at 0, ¼, ½, ¾, 1, so that the
+  // merged hats are the wide ones.
   const Made made =
       make(test::block_geo("hex", 8, 0), 1, {"top"}, {.along = Vector3{0, 1, 0}, .spacing = 0.25});
   const auto& geometry = made.patches.geometry;
@@ -222,7 +225,7 @@ TEST(Spacing, keeps_centres_apart_covers_the_surface_and_its_linear_fields) {
     const auto& geometry = made.patches.geometry;
     EXPECT_NEAR(total(geometry.area), 2, 1e-13);
     for (double one : means(made, [](const Point&) { return 1.0; })) EXPECT_NEAR(one, 1, 1e-13);
-    // Whatever the patches, ∫ x ds over both squares is that of the surface; top and bottom never mix.
+    // For any patches, ∫ x ds over both squares is that of the surface; top and bottom never mix.
     double moment = 0;
     const auto x = means(made, [](const Point& p) { return p[0]; });
     const auto z = means(made, [](const Point& p) { return p[2]; });
@@ -241,7 +244,7 @@ TEST(Spacing, keeps_centres_apart_covers_the_surface_and_its_linear_fields) {
   }
 }
 
-TEST(Keep, leaves_patches_and_loads_of_those_that_stay_as_they_are) {
+TEST(Restriction, keeps_patches_and_loads_of_the_remaining_candidates) {
   const mesh::GmshSession gmsh;
   for (const PatchOptions& options :
        {PatchOptions{}, PatchOptions{.along = Vector3{0, 1, 0}, .spacing = 0.3}}) {
@@ -253,7 +256,7 @@ TEST(Keep, leaves_patches_and_loads_of_those_that_stay_as_they_are) {
       if (before.node[3 * i] > 0.45) points.push_back(static_cast<std::int64_t>(i));
     ASSERT_GT(points.size(), 1U);
     ASSERT_LT(points.size(), before.size());
-    surface::keep(made.patches, points);
+    surface::restrict_to(made.patches, points);
     const kernels::Surface& geometry = made.patches.geometry;
     const Eigen::MatrixXd kept = surface::patch_loads(made.mesh, made.patches);
     ASSERT_EQ(geometry.size(), points.size());
@@ -270,7 +273,7 @@ TEST(Keep, leaves_patches_and_loads_of_those_that_stay_as_they_are) {
     EXPECT_EQ(geometry.whole->node, before.node);
     EXPECT_EQ(geometry.whole->element, before.element);
     EXPECT_EQ(geometry.whole->held, points);
-    // No element but those between candidates that stay, by their new numbers.
+    // Only the elements between remaining candidates, with their new numbers.
     ASSERT_FALSE(geometry.element.empty());
     EXPECT_LT(geometry.element.size(), before.element.size());
     for (const std::int64_t corner : geometry.element)

@@ -1,10 +1,12 @@
-// Tractions, point forces and receivers on the mesh, and supports that move all of a body, against closed
+// SPDX-License-Identifier: BSD-2-Clause
+// Tractions, point forces and receivers on the mesh, and moving supports of a complete body, against closed
 // forms.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "src/scene/request.hpp"
 #include "tests/support.hpp"
 #include "tests/surface/made.hpp"
 
@@ -33,7 +35,7 @@ TEST(Traction, of_a_surface_is_its_area_times_the_vector) {
     EXPECT_LT((rows(loads[0].total, 3) - top * Matrix3d::Identity()).norm(), placed) << kind;
     EXPECT_LT((rows(loads[1].total, 3) - sides * Matrix3d::Identity()).norm(), placed) << kind;
     EXPECT_EQ(loads[2].total, loads[0].total);
-    // Σ x × f about the origin, the surface's centre being (½, ½, 1).
+    // Σ x × f about the origin, with the centre of the surface at (½, ½, 1).
     const Point centre(0.5, 0.5, 1);
     for (int k = 0; k < 3; ++k)
       EXPECT_LT((rows(loads[0].moment, 3).col(k) - top * centre.cross(Point::Unit(k))).norm(), placed);
@@ -50,11 +52,11 @@ TEST(Traction, of_a_surface_is_its_area_times_the_vector) {
   }
 }
 
-TEST(Receiver, of_a_linear_field_is_its_value_wherever_it_stands) {
+TEST(Receiver, of_a_linear_field_is_its_value_at_any_position) {
   for (const char* kind : {"tet", "hex", "prism"})
     for (int order : {1, 2, 3}) {
       scene::KernelRequest request = request_of({"top"}, {});
-      // Inside, at a corner, on an edge, on a face that leans, a hair outside.
+      // Inside, at a corner, on an edge, on an inclined face, and slightly outside.
       const Vector3 places[] = {
           {0.41, 0.53, 0.37}, {0, 0, 0}, {0.5, 0, 0}, {0.1, 0.5, 0.5}, {0.3, 0.6, 1 + 1e-7}};
       for (const Vector3& at : places) request.receivers.push_back(receiver("mic", at));
@@ -82,19 +84,19 @@ TEST(Receiver, of_a_linear_field_is_its_value_wherever_it_stands) {
     }
 }
 
-TEST(Receiver, off_the_body_is_refused_with_its_distance_and_the_nearest_place) {
+TEST(Receiver, off_the_body_is_refused_with_its_distance_and_the_nearest_point) {
   scene::KernelRequest request = request_of({"top"}, {});
   request.receivers = {receiver("mic", {0.25, 0.5, 1.5})};
   const std::string said = test::complaint_of([&] { Made(test::block_geo("hex", 2, 0), 2, request); });
   EXPECT_THAT(said, AllOf(HasSubstr("output.receiver \"mic\" lies 0.5 m off bodies.body"),
-                          HasSubstr("nearest place, (0.25, 0.5, 1)")));
+                          HasSubstr("nearest point, (0.25, 0.5, 1)")));
   request.receivers.clear();
   request.point_forces = {load("tap", "", {1 + 1e-4, 0.5, 0.5})};
   EXPECT_THAT(test::complaint_of([&] { Made(test::block_geo("tet", 2, 0), 2, request); }),
               HasSubstr("loads.point \"tap\" lies 0.0001 m off"));
 }
 
-TEST(Traction, on_a_surface_that_is_not_there_names_those_that_are) {
+TEST(Traction, on_a_missing_surface_is_refused_with_the_available_ones) {
   scene::KernelRequest request = request_of({"top"}, {});
   request.tractions = {load("push", "rim")};
   EXPECT_THAT(test::complaint_of([&] { Made(test::block_geo("hex", 1, 0), 1, request); }),
@@ -102,7 +104,7 @@ TEST(Traction, on_a_surface_that_is_not_there_names_those_that_are) {
 }
 
 /// A column without lateral contraction, clamped at z = 0: tension, weight and the lift are polynomials that
-/// its elements hold exactly.
+/// its elements represent exactly.
 class Column : public testing::TestWithParam<bool> {
  protected:
   static constexpr double young = 3, density = 2;
@@ -145,8 +147,8 @@ TEST_P(Column, under_its_weight_is_compressed_by_what_stands_above) {
   EXPECT_LT((sunk.col(2) - Point(0, 0, density / young * (z - z * z / 2))).norm(), 1e-9);
 }
 
-TEST_P(Column, hears_at_a_receiver_what_the_receiver_would_do_to_it) {
-  // Reciprocity: under a force spread evenly over the top, that is under all patches by their areas.
+TEST_P(Column, is_reciprocal_to_a_receiver) {
+  // Reciprocity: the force is distributed evenly over the top, that is, over all patches by their areas.
   const kernels::Receiver& low = kernel_.receivers[0];
   const MatrixXd all =
       modal(kernel_, rows(low.shape, 3), shape_of(kernel_)) + rows(low.residual_flexibility, 3);
@@ -156,10 +158,10 @@ TEST_P(Column, hears_at_a_receiver_what_the_receiver_would_do_to_it) {
   EXPECT_LT((sum - Point(0, 0, 0.25 / young)).norm(), 1e-9);
 }
 
-TEST_P(Column, follows_the_only_support_that_moves_as_a_rigid_body) {
+TEST_P(Column, follows_its_only_moving_support_as_a_rigid_body) {
   const kernels::Motion& shaker = kernel_.motions[0];
   const MatrixXd gamma = rows(shaker.participation, 3), shape = shape_of(kernel_);
-  // Ψ = I, so Γ is what gravity would do, and Ψ = (Ψ − ΦΓ) + ΦΓ.
+  // Ψ = I, so Γ equals the response to gravity, and Ψ = (Ψ − ΦΓ) + ΦΓ.
   EXPECT_LT((gamma - rows(kernel_.loads.body_force, 3)).norm(), 1e-9);
   const MatrixXd top = shape * gamma.transpose() + rows(shaker.residual, 3 * kernel_.surface.size());
   for (std::size_t i = 0; i < kernel_.surface.size(); ++i)

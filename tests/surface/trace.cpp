@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Traces of known fields on patches, and the static flexibility of a rod in closed form.
 #include <gtest/gtest.h>
 
@@ -5,7 +6,9 @@
 
 #include <cmath>
 
-#include "src/surface/surface.hpp"
+#include "src/surface/patches.hpp"
+#include "src/surface/sources.hpp"
+#include "src/surface/trace.hpp"
 #include "tests/meshes.hpp"
 
 namespace ricochet {
@@ -31,7 +34,7 @@ struct Body {
     factor = std::make_unique<modes::Factorisation>(matrices.stiffness, matrices.mass);
     patches = surface::make_patches(mesh, contact, options);
   }
-  /// The columns u_0 = G x + o, u_1 = −2 u_0 as if they were modes.
+  /// The columns u_0 = G x + o, u_1 = −2 u_0, used as modes.
   modes::ModeSet linear_fields() const {
     modes::ModeSet set;
     set.angular_frequency = {0, 0};
@@ -85,7 +88,7 @@ TEST(Trace, of_a_linear_field_is_its_value_at_the_centroid_of_each_patch) {
   }
 }
 
-TEST(Trace, along_a_direction_is_that_component_alone) {
+TEST(Trace, along_a_direction_is_only_that_component) {
   const Vector3 direction{0.6, 0, -0.8};
   const Body body(test::block_geo("hex", 2, 0), 2, {"top"}, {.direction = direction});
   const kernels::Kernel kernel = body.trace(body.linear_fields(), false, false);
@@ -114,13 +117,13 @@ TEST(Trace, of_loads_is_momentum_and_angular_momentum_of_the_field) {
   }
 }
 
-TEST(Trace, keeps_the_skin_of_rank_0_for_pictures) {
+TEST(Trace, keeps_the_visualisation_surface_on_rank_0) {
   const Body body(test::block_geo("hex", 2, 0), 2, {"top"}, {});
   const kernels::Kernel kernel = body.trace(body.linear_fields(), false, true);
   ASSERT_EQ(kernel.view.has_value(), parallel::rank_of(PETSC_COMM_WORLD) == 0);
   if (!kernel.view) return;
   const kernels::View& view = *kernel.view;
-  EXPECT_EQ(view.node.size(), 3U * 26);  // the 3³ corners but the inner one
+  EXPECT_EQ(view.node.size(), 3U * 26);  // the 3³ corners except the inner one
   EXPECT_EQ(view.element.size(), 3U * 6 * 4 * 2);
   ASSERT_EQ(view.shape.size(), view.node.size() * 2);
   for (std::size_t v = 0; v < view.node.size() / 3; ++v) {
@@ -139,7 +142,7 @@ TEST(PatchLoads, are_unit_forces_that_supports_do_not_carry) {
   for (Eigen::Index r = 0; r < loads.rows(); ++r) force.row(r % 3) += loads.row(r);
   parallel::sum(PETSC_COMM_WORLD, force.data(), static_cast<std::size_t>(force.size()));
   for (std::size_t i = 0; i < geometry.size(); ++i) {
-    // Only the middle node is free along x. Of a hat it carries, in each direction, 2/3 or at an edge 1/3:
+    // Only the middle node is free along x. It carries, in each direction, 2/3 of a hat, or 1/3 at an edge:
     // the rows (1, 4, 1)/6 and (2, 1)/6 of a linear mass matrix over their sums.
     double share = 1;
     for (int d = 0; d < 2; ++d)
@@ -150,7 +153,7 @@ TEST(PatchLoads, are_unit_forces_that_supports_do_not_carry) {
 }
 
 TEST(ResidualFlexibility, and_modes_of_a_clamped_rod_add_to_its_static_flexibility) {
-  // Linear elements are exact at nodes: u(L) = L/(EA) for a unit force, whatever the modes kept.
+  // Linear elements are exact at nodes: u(L) = L/(EA) for a unit force, for any number of modes.
   const double exact = 2.0 / (3.0 * 0.5);
   for (std::int64_t count : {1, 4}) {
     const Body rod(test::rod_geo(20), 1, {"right"}, {}, {{"left", "x"}});
@@ -160,7 +163,7 @@ TEST(ResidualFlexibility, and_modes_of_a_clamped_rod_add_to_its_static_flexibili
     ASSERT_EQ(kernel.surface.size(), 1U);
     EXPECT_EQ(kernel.surface.area[0], 0.5);
     EXPECT_EQ(kernel.surface.element_corners, 1);
-    // A rod moves along x: the other components see nothing.
+    // A rod moves along x: the other components are zero.
     const auto n = static_cast<std::size_t>(count);
     double flexibility = kernel.surface.residual_flexibility[0],
            gravity = kernel.loads.body_force_residual[0];
@@ -175,7 +178,7 @@ TEST(ResidualFlexibility, and_modes_of_a_clamped_rod_add_to_its_static_flexibili
     EXPECT_NEAR(gravity, 2.0 * 4.0 / (2 * 3.0), 1e-9);
     for (std::size_t k = 1; k < 9; ++k) EXPECT_EQ(kernel.surface.residual_flexibility[k], 0);
 
-    // Along it u(x) = x/(EA) under the force, ρ/E (L x − x²/2) under its weight.
+    // Along the rod u(x) = x/(EA) under the force, ρ/E (L x − x²/2) under its weight.
     if (!kernel.view) continue;  // on other ranks
     const kernels::View& view = *kernel.view;
     ASSERT_EQ(view.node.size(), 3U * 21);
@@ -187,7 +190,7 @@ TEST(ResidualFlexibility, and_modes_of_a_clamped_rod_add_to_its_static_flexibili
         pulled += seen * kernel.surface.shape[k];
         hanging += seen * kernel.loads.body_force[k];
       }
-      EXPECT_NEAR(pulled, x / (3.0 * 0.5), 2e-6);  // single precision, and the field's own 1e-6
+      EXPECT_NEAR(pulled, x / (3.0 * 0.5), 2e-6);  // single precision, and the tolerance 1e-6 of the field
       EXPECT_NEAR(hanging, 2.0 / 3.0 * (2 * x - x * x / 2), 2e-6);
       for (std::size_t k = 1; k < 9; ++k) EXPECT_EQ(view.residual_flexibility[9 * v + k], 0);
     }

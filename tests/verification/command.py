@@ -5,7 +5,7 @@ import argparse
 import importlib
 import sys
 
-from ricochet import programs
+from ricochet import errors
 
 OTHERS = {
     "--extremes": "extremes_table",
@@ -39,7 +39,7 @@ def main(words):
         parser.error(f"{misplaced[0]} must be the first option")
     try:
         return module.run(options)
-    except programs.RicochetError as failure:
+    except errors.RicochetError as failure:
         return failure.report("verify")
 
 

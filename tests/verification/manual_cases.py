@@ -21,7 +21,7 @@ from pathlib import Path
 
 import case
 import manual
-from ricochet import programs
+from ricochet import errors, programs
 
 MANUAL = programs.ROOT / "tests" / "verification"
 
@@ -87,7 +87,7 @@ def modules(wanted):
                 f"verify: {name}: no such case. The cases are {', '.join(sorted(names))}.",
                 file=sys.stderr,
             )
-            raise programs.ProgramError(2)
+            raise errors.ProgramError(2)
     ordered = sorted(
         wanted or names, key=lambda name: (ORDER.index(name) if name in ORDER else len(ORDER), name)
     )

@@ -113,6 +113,6 @@ def main(words: list[str] | None = None) -> int:
     except (OSError, Unprinted) as error:
         why = error.strerror if isinstance(error, OSError) else error
         name = " ".join(["ricochet", *words[:1]])
-        print(f"{one_line(name)}: standard output can't be written ({why})", file=sys.stderr)
+        print(f"{one_line(name)}: cannot write to standard output ({why})", file=sys.stderr)
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # for the output that is still to be flushed
         return 1

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Drops the bob of drop.cpp through the C header and compares with Galilei. */
 #include <ricochet/ricochet.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Drops a rigid bob through the C++ header and compares with Galilei; leaves its kernel for drop.c.
 #include <ricochet/ricochet.hpp>
 

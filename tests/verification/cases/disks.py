@@ -6,7 +6,8 @@ for at least a hundredth of the contact while positions on both of its sides do;
 the effect of the impulse on the momentum, and the symmetry about position 9 are known in closed form."""
 import numpy as np
 
-from ricochet import result_file
+from ricochet.pictures.history import History
+from ricochet.pictures.skins import skins_of
 from case import BLUE, ORANGE, RED
 from ricochet.programs import ROOT
 
@@ -46,8 +47,8 @@ def relief(result):
 
 def snapshots(bench, result, speed):
     """Nine moments: outlines of both disks, and the force along the positions."""
-    shown = result_file.Result(result.path)
-    skins, time = result_file.skins_of(shown, result.path.parent)
+    shown = History(result.path)
+    skins, time = skins_of(shown, result.path.parent)
     start, end = shown.contact_time[0], shown.contact_time[-1]
     chosen = [int(np.abs(time - t).argmin()) for t in np.linspace(start, end, 9)]
     top = 1.05 * shown.force.max()

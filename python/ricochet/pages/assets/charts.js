@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Charts of lines and dots in SVG: values under the pointer or the arrow keys, the time of the animation, values as CSV.
 
 const charts = [];

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The impact in motion: skins X + F c(t) in WebGL 2, with few shapes F for the modes of each body.
 // Amplified A times from the start of contact on: X + F (c₀ + A (c − c₀)).
 

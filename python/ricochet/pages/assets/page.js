@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Fills the sections of the page from the run.
 
 const section = name => document.getElementById(name);

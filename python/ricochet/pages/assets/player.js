@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // What stands around the animation: its controls, its colours, the pointer, and the row of moments.
 
 const seconds = 8;  // a play from end to end

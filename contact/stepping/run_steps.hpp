@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The loop over time steps.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "ricochet/step_options.hpp"
+
+namespace ricochet::contact {
+
+/// Number of steps in `duration` [s] at `rate` [Hz].
+inline std::int64_t step_count(double duration, double rate) { return std::llround(duration * rate); }
+
+struct StepsMade {
+  std::int64_t steps = 0;
+  StepStatus status = StepStatus::ok;
+};
+
+/// Advances `stepper` by up to `steps` steps and ends at the first that fails. Each observer is called with
+/// the number of steps made, after every step that succeeds; it may throw to end the run.
+template <class Stepper, class... Observers>
+StepsMade run_steps(Stepper& stepper, std::int64_t steps, Observers&&... observers) {
+  StepsMade made;
+  while (made.steps < steps) {
+    if ((made.status = stepper.step()) != StepStatus::ok) break;
+    ++made.steps;
+    (observers(made.steps), ...);
+  }
+  return made;
+}
+
+}  // namespace ricochet::contact

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Internal to src/mesh: errors that several readers of meshes report.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "ricochet/error.hpp"
+#include "src/mesh/mesh.hpp"
+
+namespace ricochet::mesh {
+
+/// Throws InputError if a tag occurs twice in `blocks`, which belong to `key` of the body.
+void refuse_repeated(const std::vector<Block>& blocks, const char* what, const char* key,
+                     const scene::Body& body);
+
+/// Errors about the mesh as a whole.
+InputError no_elements(const scene::Body& body);
+InputError holds_nothing(const scene::Body& body, const std::string& support);
+InputError mixed_orders(const scene::Body& body);
+InputError foreign_nodes(const scene::Body& body);
+
+}  // namespace ricochet::mesh

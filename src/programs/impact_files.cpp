@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/programs/impact_files.hpp"
+
+#include <utility>
+
+#include "base/atomic_file.hpp"
+#include "src/programs/motion.hpp"
+#include "src/scene/write.hpp"
+
+namespace ricochet::programs {
+
+namespace fs = std::filesystem;
+
+fs::path ImpactFiles::with(const char* ending) const {
+  fs::path out = stem_;
+  return out += ending;
+}
+
+std::optional<fs::path> ImpactFiles::motion() const {
+  if (!options_.motion) return std::nullopt;
+  return with(".motion.xdmf");
+}
+
+std::optional<int> ImpactFiles::problems() const {
+  if (!problems_) return std::nullopt;
+  return problems_->written();
+}
+
+contact::RecorderOptions ImpactFiles::recorder_options(const Impact& impact) const {
+  const scene::Scene& scene = impact.scene;
+  return {.path = result(),
+          .title = scene.title,
+          .scene = scene::to_toml(scene),
+          .created_by = std::string("ricochet-contact ") + RICOCHET_VERSION,
+          .kernel_files = impact.kernels.file,
+          .every = scene.output.every,
+          .snapshot_every = impact.table ? 0 : scene.output.snapshot_every};
+}
+
+void ImpactFiles::prepared(const Impact& impact) {
+  stem_ = options_.folder / scene::slug(impact.scene.title);
+  base::check_place(result());
+}
+
+void ImpactFiles::started(const Impact& impact, const contact::Stepper& stepper) {
+  const contact::RecorderOptions options = recorder_options(impact);
+  if (impact.table) {
+    recorder_.emplace(*impact.table, impact.model ? &*impact.model : nullptr, impact.options, options);
+    return;
+  }
+  const contact::Model& model = *impact.model;
+  base::check_place(result(), contact::least_bytes(model, options, impact.steps));
+  recorder_.emplace(model, impact.options, options);
+  if (options_.motion) motion_.emplace(stepper, model, motion_options(impact.scene, impact.steps, stem_));
+  in_scene(impact.scene,
+           [&] { sounds_.emplace(model.receivers, impact.steps, impact.scene.time.rate.value); });
+  sounds_->record(recorder_->receivers());
+  if (!options_.problems.empty())
+    problems_.emplace(model, impact.options,
+                      contact::ProblemOptions{.folder = options_.problems,
+                                              .name = scene::slug(impact.scene.title),
+                                              .title = impact.scene.title,
+                                              .every = options_.problems_every});
+}
+
+void ImpactFiles::stepped(const contact::Stepper& stepper) {
+  if (problems_) problems_->observe(stepper);
+  recorder_->record(stepper);
+  if (sounds_) sounds_->record(recorder_->receivers());
+  if (motion_) motion_->record(stepper);
+}
+
+void ImpactFiles::at_rest(const Impact& impact, const contact::Equilibrium& equilibrium) {
+  recorder_.emplace(*impact.model, equilibrium, recorder_options(impact));
+  if (options_.motion)
+    motion_.emplace(equilibrium, *impact.model, motion_options(impact.scene, impact.steps, stem_));
+}
+
+void ImpactFiles::commit(ImpactSummary& figures) {
+  recorder_->commit(summary());
+  if (motion_) motion_->commit();
+  if (sounds_) std::get<contact::Summary>(figures).sounds = sounds_->write(stem_);
+}
+
+}  // namespace ricochet::programs

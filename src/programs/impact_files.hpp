@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Writes an impact while it runs: result file, motion for ParaView, sound files, complementarity problems.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "contact/output/fclib.hpp"
+#include "contact/output/motion_file.hpp"
+#include "contact/output/recorder.hpp"
+#include "src/programs/impact_runner.hpp"
+#include "src/sound/receiver_sounds.hpp"
+
+namespace ricochet::programs {
+
+struct ImpactFileOptions {
+  std::filesystem::path folder;
+  bool motion = false;
+  std::filesystem::path problems{};  ///< folder of complementarity problems; empty: none
+  int problems_every = 1;            ///< every n-th step with contact is written there
+};
+
+class ImpactFiles : public ImpactObserver {
+ public:
+  explicit ImpactFiles(ImpactFileOptions options) : options_(std::move(options)) {}
+
+  void prepared(const Impact& impact) override;
+  void started(const Impact& impact, const contact::Stepper& stepper) override;
+  void stepped(const contact::Stepper& stepper) override;
+  void at_rest(const Impact& impact, const contact::Equilibrium& equilibrium) override;
+
+  /// Gives the files their names and adds the sounds to the summary, which is the caller's to write.
+  void commit(ImpactSummary& summary);
+
+  std::filesystem::path result() const { return with(".result.h5"); }
+  std::filesystem::path summary() const { return with(".summary.json"); }
+  std::optional<std::filesystem::path> motion() const;  ///< what the user opens; none: not asked for
+  std::optional<int> problems() const;                  ///< written; none: not asked for
+
+ private:
+  std::filesystem::path with(const char* ending) const;
+  contact::RecorderOptions recorder_options(const Impact& impact) const;
+
+  ImpactFileOptions options_;
+  std::filesystem::path stem_;  ///< of all files
+  std::optional<contact::Recorder> recorder_;
+  std::optional<contact::MotionFile> motion_;
+  std::optional<sound::ReceiverSounds> sounds_;
+  std::optional<contact::ProblemFiles> problems_;
+};
+
+}  // namespace ricochet::programs

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/programs/impact_runner.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include "contact/accuracy/error_report.hpp"
+#include "contact/output/summary_observer.hpp"
+#include "contact/stepping/run_steps.hpp"
+#include "ricochet/error.hpp"
+#include "src/programs/accuracy.hpp"
+#include "src/programs/motion.hpp"
+#include "src/programs/table_kernels.hpp"
+
+namespace ricochet::programs {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// The parts of a model, from which the error estimates build variants.
+struct Prepared {
+  contact::Placement placement;
+  std::vector<contact::DriveRequest> drives;
+};
+
+Prepared prepare(Impact& impact, const ImpactRequest& request, KernelStore& store,
+                 console::Console& console) {
+  const scene::Scene& scene = impact.scene;
+  console.begin("kernels");
+  impact.kernels = read_kernels(scene, request.folder, store, request.skins);
+  if (request.skins) check_skins(impact.kernels);
+  console.end(fmt::format("{} bodies", impact.kernels.kernel.size()));
+
+  console.begin("pairing");
+  Prepared out;
+  out.drives = in_scene(scene, [&] { return drives_of(scene); });
+  auto& found = impact.kernels.placement;
+  out.placement = found ? std::move(*found) : store.placements.place(scene, impact.kernels.pointers());
+  impact.model = in_scene(scene, [&] { return model_of(scene, out.placement, out.drives); });
+  console.end(
+      fmt::format("{} contact points, {} modes", impact.model->gap.size(), impact.model->omega.size()));
+  return out;
+}
+
+struct ErrorReport {
+  std::optional<contact::ErrorEstimate> estimate;
+  std::vector<std::string> warnings;
+};
+
+/// Chooses the settings that the scene leaves open to its accuracy.
+ErrorReport choose(Impact& impact, const Prepared& prepared, const ImpactRequest& request,
+                   console::Console& console) {
+  ErrorReport out{{}, impact.kernels.warnings};
+  if (!impact.scene.accuracy) return out;
+  console.begin("estimates");
+  std::int64_t steps = 0;
+  const auto poll = [&] {
+    if ((++steps & 63) == 0) console.advance(steps);
+  };
+  contact::Dialled dialled = dial_of(impact.scene, impact.kernels, prepared.placement, prepared.drives,
+                                     std::move(*impact.model), request.folder, poll);
+  impact.model = std::move(dialled.model);
+  impact.scene = resolved(std::move(impact.scene), dialled.settings);
+  out.estimate = dialled.estimate;
+  if (out.estimate)
+    std::ranges::copy(contact::warnings(*out.estimate, *impact.scene.accuracy),
+                      std::back_inserter(out.warnings));
+  else
+    out.warnings.push_back("nothing touches: no error is estimated");
+  console.end(out.estimate ? fmt::format("error {:.2g}, {} contact points", out.estimate->total(),
+                                         impact.model->gap.size())
+                           : "");
+  return out;
+}
+
+contact::EquilibriumSummary rest(const Impact& impact, console::Console& console, ImpactObserver& observer) {
+  using Solver = contact::EquilibriumOptions::Solver;
+  const Solver solver = impact.scene.contact.solver == scene::Solver::uzawa ? Solver::uzawa : Solver::exact;
+  console.begin("equilibrium");
+  const contact::Equilibrium equilibrium =
+      in_scene(impact.scene, [&] { return contact::find_equilibrium(*impact.model, {.solver = solver}); });
+  console.end(fmt::format("{} iterations", equilibrium.iterations));
+  observer.at_rest(impact, equilibrium);
+  return contact::summarise(*impact.model, equilibrium);
+}
+
+/// √(E/ρ) [m/s] of the slowest material; 0 without bodies.
+double slowest_wave(const scene::Scene& scene) {
+  double slowest = std::numeric_limits<double>::infinity();
+  for (const scene::Body& body : scene.bodies)
+    for (const scene::Material& material : body.materials)
+      slowest = std::min(slowest, std::sqrt(material.young / material.density));
+  return std::isfinite(slowest) ? slowest : 0;
+}
+
+/// Steps below which a touch is too coarse: the bell of meshes/bell rebounds by 12 % too slowly with 16
+/// steps, by 5 % with 32.
+constexpr double few_steps = 20;
+
+/// Warns if all touches of a run under "compliant" have so few steps that peak force and rebound depend on
+/// the step; with an accuracy the error estimate covers this.
+void warn_of_few_steps(const scene::Scene& scene, contact::Summary& summary) {
+  if (scene.accuracy || scene.contact.scheme != Scheme::compliant) return;
+  double longest = 0;
+  for (const contact::Episode& episode : summary.episodes) {
+    if (!episode.end_s) return;
+    longest = std::max(longest, (*episode.end_s - episode.start_s) * scene.time.rate.value);
+  }
+  if (longest > 0 && longest < few_steps - 0.5)
+    summary.warnings.push_back(fmt::format(
+        "the longest touch has {:.0f} steps: peak force, rebound and the energy that contact takes depend on "
+        "the time step. Raise time.rate_hz, or set accuracy",
+        longest));
+}
+
+contact::Summary steps(const Impact& impact, console::Console& console, ImpactObserver& observer) {
+  const double step = impact.options.step;
+  console.begin("steps", impact.steps);
+  const Clock::time_point started = Clock::now();
+  const std::unique_ptr<contact::Stepper> stepper =
+      impact.table
+          ? table_stepper(impact)
+          : in_scene(impact.scene, [&] { return contact::make_stepper(*impact.model, impact.options); });
+  observer.started(impact, *stepper);
+  contact::SummaryObserver figures =
+      impact.table
+          ? contact::SummaryObserver(*impact.table, impact.model ? &*impact.model : nullptr, impact.options)
+          : contact::SummaryObserver(*impact.model, step, slowest_wave(impact.scene));
+  const contact::StepsMade made = contact::run_steps(*stepper, impact.steps, [&](std::int64_t k) {
+    figures.observe(*stepper);
+    observer.stepped(*stepper);
+    console.advance(k);
+  });
+  check(made.status, impact.scene, static_cast<double>(made.steps + 1) * step);
+  contact::Summary out = figures.summary();
+  const double elapsed = seconds_since(started);
+  out.real_time_factor = elapsed > 0 ? stepper->time() / elapsed : 0;
+  console.end(fmt::format("{} steps of {:.4g} s", impact.steps, step));
+  return out;
+}
+
+}  // namespace
+
+ImpactResult run_impact(ImpactRequest request, KernelStore& store, console::Console& console,
+                        ImpactObserver& observer) {
+  const Clock::time_point started = Clock::now();
+  auto data = std::make_unique<Impact>(Impact{.scene = std::move(request.scene)});
+  Impact& impact = *data;
+  const bool by_table = impact.scene.contact.kernel == scene::ContactKernel::table;
+  Prepared prepared;
+  if (impact.scene.contact.table.empty()) prepared = prepare(impact, request, store, console);
+  observer.prepared(impact);
+  const ErrorReport report = choose(impact, prepared, request, console);
+  impact.options = step_options(impact.scene);
+
+  ImpactSummary summary;
+  if (impact.scene.contact.scheme == Scheme::at_rest) {
+    summary = rest(impact, console, observer);
+  } else {
+    impact.steps = contact::step_count(impact.scene.time.duration, impact.scene.time.rate.value);
+    if (by_table) add_table(impact, console);
+    summary = steps(impact, console, observer);
+  }
+  std::visit(
+      [&](auto& figures) {
+        figures.wall_s = seconds_since(started);
+        if (by_table) return;
+        figures.error_estimate = report.estimate;
+        figures.warnings.insert(figures.warnings.end(), report.warnings.begin(), report.warnings.end());
+      },
+      summary);
+  if (auto* const figures = std::get_if<contact::Summary>(&summary); figures && !by_table)
+    warn_of_few_steps(impact.scene, *figures);
+  return {std::move(data), std::move(summary)};
+}
+
+void check(StepStatus status, const scene::Scene& scene, double time) {
+  if (status == StepStatus::no_solution)
+    throw InputError(fmt::format(
+        "{}: no contact forces keep the bodies apart at t = {:.6g} s, as there are more contact points than "
+        "their modes can move. Set modes.residual_flexibility = true, or fewer candidates (contact.spacing).",
+        scene.file.string(), time));
+  if (status == StepStatus::not_finite)
+    throw SolverError(
+        fmt::format("{}: the motion stops being finite at t = {:.6g} s", scene.file.string(), time));
+}
+
+}  // namespace ricochet::programs

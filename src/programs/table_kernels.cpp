@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/programs/table_kernels.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "contact/input/table_file.hpp"
+#include "contact/table/modal_table.hpp"
+#include "contact/table/table_stepper.hpp"
+#include "ricochet/error.hpp"
+
+namespace ricochet::programs {
+namespace {
+
+/// Memory for the samples, their copy in the convolution and the spectra.
+void check_memory(const Impact& impact) {
+  const auto points = impact.model->gap.size();
+  const double kernels = impact.options.scheme == Scheme::impulse ? 2 : 1,
+               needed =
+                   4 * kernels * 8 * static_cast<double>(impact.steps) * static_cast<double>(points * points),
+               there =
+                   static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+  if (needed > 0.8 * there)
+    throw InputError(
+        fmt::format("{}: contact.kernel = \"table\": {} steps of {} x {} points need {:.3g} GB, and this "
+                    "machine has {:.3g}. "
+                    "Set a shorter time.duration, fewer candidates (contact.spacing), or kernel = \"modes\".",
+                    impact.scene.file.string(), impact.steps, points, points, needed * 1e-9, there * 1e-9));
+}
+
+}  // namespace
+
+void add_table(Impact& impact, console::Console& console) {
+  console.begin("table");
+  if (impact.model) {
+    check_memory(impact);
+    impact.table = in_scene(
+        impact.scene, [&] { return contact::table_from_modes(*impact.model, impact.options, impact.steps); });
+  } else {
+    impact.table = contact::read_table(impact.scene.contact.table);
+  }
+  console.end(fmt::format("{} samples, {} contact points", impact.table->samples(), impact.table->points()));
+}
+
+std::unique_ptr<contact::Stepper> table_stepper(const Impact& impact) {
+  const scene::Scene& scene = impact.scene;
+  auto out =
+      in_scene(scene, [&] { return std::make_unique<contact::TableStepper>(*impact.table, impact.options); });
+  if (impact.steps > out->available())
+    throw InputError(
+        fmt::format("{}: time.duration = {:.6g} s: {} has samples for {:.6g} s. Shorten the run, or make the "
+                    "table longer (tail = \"linear\" if its kernels have died out).",
+                    scene.file.string(), scene.time.duration, scene.contact.table.string(),
+                    static_cast<double>(out->available()) / scene.time.rate.value));
+  return out;
+}
+
+}  // namespace ricochet::programs

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/scene/body.hpp"
+
+#include "src/scene/table.hpp"
+
+namespace ricochet::scene {
+
+namespace {
+
+Material read_material(Table& table, const std::string& group) {
+  Material material;
+  material.group = group;
+  material.density = table.required_number("density");
+  material.young = table.required_number("young");
+  material.poisson = table.number("poisson").value_or(material.poisson);
+  material.area = table.number("area").value_or(material.area);
+  table.refuse_unknown();
+  return material;
+}
+
+/// Returns an empty list if the table is missing, as for an imported body.
+std::vector<Material> read_materials(Table& body) {
+  auto table = body.table("material", material_keys());
+  if (!table || table->raw().empty()) return {};
+  bool nested = true;
+  for (auto&& [key, node] : table->raw()) nested = nested && node.is_table();
+  if (!nested) return {read_material(*table, "")};
+  std::vector<Material> materials;
+  for (auto& [group, inner] : table->tables(material_keys()))
+    materials.push_back(read_material(inner, group));
+  return materials;
+}
+
+Damping read_damping(Table& body) {
+  Damping damping;
+  auto table = body.table("damping", damping_keys());
+  if (!table) return damping;
+  const std::pair<const char*, Damping::Law> laws[] = {{"ratio", Damping::Law::ratio},
+                                                       {"loss_factor", Damping::Law::loss_factor},
+                                                       {"viscosity", Damping::Law::viscosity}};
+  int given = 0;
+  for (const auto& [key, law] : laws)
+    if (const auto value = table->number(key)) {
+      damping = {law, *value, 0};
+      ++given;
+    }
+  if (const auto value = table->pair("rayleigh", "[alpha, beta]")) {
+    damping = {Damping::Law::rayleigh, (*value)[0], (*value)[1]};
+    ++given;
+  }
+  table->refuse_unknown();
+  if (given > 1) body.complain("damping", "give one law only: ratio, loss_factor, rayleigh or viscosity");
+  return damping;
+}
+
+std::map<std::string, std::string> read_support(Table& body) {
+  std::map<std::string, std::string> support;
+  for (const auto& [group, text] : body.strings("support")) {
+    std::string components;
+    for (char c : {'x', 'y', 'z'})
+      if (text.find(c) != std::string::npos) components += c;
+    if (components.empty() || text.find_first_not_of("xyz") != std::string::npos)
+      body.complain("support", fmt::format("\"{}\" holds \"{}\": name the fixed components, some of \"xyz\"",
+                                           group, text));
+    support[group] = components;
+  }
+  return support;
+}
+
+}  // namespace
+
+void read_body_matter(Table& table, Body& body) {
+  body.geometry = table.numbers("geometry");
+  if (const auto order = table.integer("order")) body.order = static_cast<int>(*order);
+  body.scale = table.number("scale").value_or(body.scale);
+  body.materials = read_materials(table);
+  body.damping = read_damping(table);
+  body.contact = table.texts("contact");
+  body.support = read_support(table);
+}
+
+namespace {
+
+/// Checks the keys that a meshed body needs and an imported body must not have.
+void check_matter(Table& table, const Body& body) {
+  if (!body.imported()) {
+    if (body.materials.empty())
+      table.complain("material", "is missing: give { density = …, young = …, poisson = … }");
+    return;
+  }
+  const char* fixed = "is part of the data of a body file (.h5): leave it out";
+  if (!body.materials.empty()) table.complain("material", fixed);
+  if (!body.geometry.empty()) table.complain("geometry", fixed);
+  if (body.scale != 1) table.complain("scale", fixed);
+}
+
+}  // namespace
+
+Body read_body(const std::string& name, Table& table, const std::filesystem::path& folder) {
+  Body body;
+  body.name = name;
+  if (name.empty() ||
+      name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") !=
+          std::string::npos)
+    table.complain("", "the name of a body must consist of letters, digits, - and _");
+  const auto mesh = table.text("mesh");
+  if (!mesh)
+    table.complain("mesh", "is missing: name a .geo, .step, .brep or .msh file, or a body file (.h5)");
+  body.mesh = (folder / *mesh).lexically_normal();
+  read_body_matter(table, body);
+  check_matter(table, body);
+  body.translate = table.vector("translate").value_or(Vector3{});
+  body.rotate_deg = table.vector("rotate_deg").value_or(Vector3{});
+  body.velocity = table.vector("velocity").value_or(Vector3{});
+  table.refuse_unknown();
+  return body;
+}
+
+}  // namespace ricochet::scene

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Internal to src/scene: the tables [bodies.NAME].
+#pragma once
+
+#include "src/scene/scene.hpp"
+
+namespace ricochet::scene {
+
+class Table;
+
+/// Reads the body `name` from its table. Its mesh is resolved against `folder`. Throws InputError.
+Body read_body(const std::string& name, Table& table, const std::filesystem::path& folder);
+
+/// Reads the keys of a body that its kernel depends on, except its mesh. Throws InputError.
+void read_body_matter(Table& table, Body& body);
+
+}  // namespace ricochet::scene

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The reference of all keys of a scene.
+#pragma once
+
+#include <string>
+
+namespace ricochet::scene {
+
+/// The reference as Markdown, without a line break at its end.
+std::string key_reference();
+
+}  // namespace ricochet::scene

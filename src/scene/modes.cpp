@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/scene/modes.hpp"
+
+#include "src/scene/table.hpp"
+
+namespace ricochet::scene {
+
+Modes read_modes(Table& root, const std::optional<double>& accuracy) {
+  Modes modes;
+  auto table = root.table("modes", modes_keys());
+  if (!table && accuracy) {
+    modes.basis = Basis::contact;
+    modes.accuracy = accuracy;
+    return modes;
+  }
+  if (!table) root.complain("modes", "is missing: give up_to_hz or count, or accuracy in the scene");
+  if (const auto band = table->number("up_to_hz")) modes.up_to = Hertz{*band};
+  modes.count = table->integer("count");
+  modes.flexibility_error = table->number("flexibility_error");
+  modes.residual_flexibility = table->boolean("residual_flexibility").value_or(modes.residual_flexibility);
+  if (const auto basis = table->text("basis")) {
+    if (*basis == "contact") modes.basis = Basis::contact;
+  } else if (accuracy && !modes.up_to && !modes.count) {
+    modes.basis = Basis::contact;
+  }
+  if (const auto threshold = table->number("low_rank")) {
+    if (*threshold != 0 && modes.basis != Basis::contact)
+      table->complain("low_rank", "does not allow an inertia count: use it with basis = \"contact\"");
+    modes.low_rank = *threshold;
+  }
+  if (const auto iterations = table->integer("approximate")) {
+    if (*iterations > 0 && modes.basis == Basis::contact)
+      table->complain("approximate",
+                      "is for basis = \"modes\": a contact-adapted basis needs no initial modes");
+    if (*iterations > 0 && (modes.flexibility_error || (!modes.up_to && !modes.count)))
+      table->complain("approximate", "needs up_to_hz or count, without flexibility_error");
+    modes.approximate = static_cast<int>(*iterations);
+  }
+  if (accuracy && !modes.up_to && !modes.count) {
+    modes.accuracy = accuracy;
+    if (modes.basis == Basis::modes && !modes.residual_flexibility)
+      root.complain("modes", "accuracy needs residual_flexibility = true, to represent truncated modes");
+  } else if (modes.basis == Basis::contact) {
+    if (!modes.up_to)
+      root.complain("modes", "basis = \"contact\" needs up_to_hz, the band in which contact acts");
+    if (modes.count && modes.flexibility_error)
+      root.complain("modes", "give one of count and flexibility_error");
+    if (!modes.count && !modes.flexibility_error) modes.flexibility_error = 1e-3;
+  } else {
+    if (modes.up_to.has_value() == modes.count.has_value())
+      root.complain("modes", "give one of up_to_hz and count");
+    if (modes.flexibility_error && !modes.up_to)
+      root.complain("modes", "flexibility_error needs up_to_hz, the band in which contact acts");
+    if (modes.flexibility_error && !modes.residual_flexibility)
+      root.complain("modes",
+                    "flexibility_error needs residual_flexibility = true, to represent truncated modes");
+  }
+  modes.relative_residual = table->number("relative_residual").value_or(modes.relative_residual);
+  table->refuse_unknown();
+  return modes;
+}
+
+}  // namespace ricochet::scene

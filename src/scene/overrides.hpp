@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Internal to src/scene: keys that a command line sets, "--set KEY=VALUE".
+#pragma once
+
+#include <toml++/toml.h>
+
+#include "src/scene/scene.hpp"
+
+namespace ricochet::scene {
+
+/// Applies one override to `root`. The value is parsed as TOML; text that is not TOML is taken as a string.
+/// Throws InputError that begins with "--set".
+void apply_override(toml::table& root, const Override& text);
+
+}  // namespace ricochet::scene

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Internal to src/scene: checked access to a TOML table.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <toml++/toml.h>
+#include <array>
+#include <initializer_list>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "ricochet/error.hpp"
+#include "ricochet/units.hpp"
+#include "src/scene/keys.hpp"
+
+namespace ricochet::scene {
+
+/// Parses `text` as TOML. Throws the exceptions of the parser, and InputError that begins with `origin` for
+/// keys nested so deeply that destroying the tables would exhaust the stack.
+toml::table parse_toml(const std::string& text, const std::string& origin);
+
+/// `text` with control characters replaced by spaces, so that errors are one line whatever keys contain.
+std::string one_line(std::string text);
+
+/// Numbers must be 0 or have a magnitude between 1/largest_number and largest_number, so that their squares
+/// and products do not overflow.
+constexpr double largest_number = 1e30;
+
+/// Reads the keys of one table, enforces the ranges of its section, records which keys were read, and reports
+/// errors in one line: "FILE: dotted.key = value: what. fix." Reading a key that the section does not
+/// describe is a std::logic_error.
+class Table {
+ public:
+  /// `keys` must outlive the table.
+  Table(const toml::table& table, const Section& keys, std::string file, std::string where)
+      : Table(table, &keys, std::move(file), std::move(where)) {}
+
+  bool has(const std::string& key);
+  std::optional<double> number(const std::string& key);
+  std::optional<std::int64_t> integer(const std::string& key);
+  std::optional<std::vector<std::int64_t>> integers(const std::string& key);
+  std::optional<bool> boolean(const std::string& key);
+  std::optional<std::string> text(const std::string& key);
+  std::optional<Vector3> vector(const std::string& key);
+  /// A vector of any length but 0, normalised.
+  std::optional<Vector3> direction(const std::string& key);
+  /// Two numbers, neither negative; `names` appear in the error.
+  std::optional<std::array<double, 2>> pair(const std::string& key, const char* names);
+  /// A string or a list of strings.
+  std::vector<std::string> texts(const std::string& key);
+  std::optional<Table> table(const std::string& key, const Section& keys);
+  /// Sub-tables by name, in order of names.
+  std::vector<std::pair<std::string, Table>> tables(const Section& keys) const;
+  /// Entries of an array of tables.
+  std::vector<Table> array(const std::string& key, const Section& keys);
+  /// A table whose entries must all be strings.
+  std::map<std::string, std::string> strings(const std::string& key);
+  std::map<std::string, double> numbers(const std::string& key);
+
+  /// Throws InputError for a key that was not read, with the most similar known key.
+  void refuse_unknown() const;
+
+  [[noreturn]] void complain(const std::string& key, const std::string& what) const;
+  double required_number(const std::string& key);
+  const std::string& where() const { return where_; }
+  const toml::table& raw() const { return table_; }
+
+ private:
+  /// Without `keys` any name is accepted.
+  Table(const toml::table& table, const Section* keys, std::string file, std::string where)
+      : table_(table), keys_(keys), file_(std::move(file)), where_(std::move(where)) {}
+  /// The value of the key, or null if it is absent. Records that it was read.
+  const toml::node* value(const std::string& key, std::initializer_list<Type> types);
+  std::optional<Table> free_table(const std::string& key, Type type);
+  Vector3 vector_at(const std::string& key, const toml::node& node, double largest) const;
+  void check_range(const std::string& key, double value) const;
+  /// The dotted name of `key`; of the table itself if `key` is empty.
+  std::string dotted(const std::string& key) const {
+    return where_.empty() || key.empty() ? where_ + key : where_ + "." + key;
+  }
+  std::string value_of(const std::string& key) const;
+  const toml::table& table_;
+  const Section* keys_;
+  std::string file_, where_;
+  std::set<std::string> known_;
+};
+
+}  // namespace ricochet::scene

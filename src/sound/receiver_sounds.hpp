@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Sound files of a model's receivers: their velocities, gathered step by step.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "contact/output/receivers.hpp"
+#include "contact/output/summary.hpp"
+
+namespace ricochet::sound {
+
+class ReceiverSounds {
+ public:
+  /// Throws InputError as check_length does.
+  ReceiverSounds(const std::vector<contact::Model::Receiver>& receivers, std::int64_t steps, double rate_hz);
+
+  /// The motion at t = 0, then after each step.
+  void record(const contact::Receivers& motion);
+
+  /// Writes `<stem>.<receiver>.wav` for each receiver. Throws InputError as write_wav does.
+  /// @return the files by receiver
+  std::map<std::string, contact::Sound> write(const std::filesystem::path& stem) const;
+
+ private:
+  double rate_hz_;
+  std::vector<std::string> name_;
+  std::vector<std::vector<float>> velocity_;  ///< by receiver, (frames,3) [m/s]
+};
+
+}  // namespace ricochet::sound

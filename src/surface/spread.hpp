@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Unit forces distributed over the nodes of a mesh by weights.
+#pragma once
+
+#include <Eigen/Dense>
+#include <optional>
+#include <vector>
+
+#include "src/mesh/mesh.hpp"
+
+namespace ricochet::surface {
+
+/// One weight of a patch: candidate i spreads a unit force over the nodes, C(node, i) = (1/A_i) ∫ w_i N_node
+/// ds. Loads and receivers use the same structure, numbered in their order.
+struct Weight {
+  std::int64_t node;  ///< global
+  int candidate;
+  double value;
+};
+
+enum class HeldRows { zero, filled };
+
+/// Unit forces at `places`, distributed by weights: column 3·i + k is component k at place i, or column i the
+/// component along `direction`. If held rows are filled, the transpose gives the displacement of the places
+/// from that of all nodes. @return (local rows, columns) [N]
+Eigen::MatrixXd spread(const mesh::Mesh& mesh, const std::vector<Weight>& weights, std::size_t places,
+                       const std::optional<Vector3>& direction, HeldRows held);
+
+}  // namespace ricochet::surface

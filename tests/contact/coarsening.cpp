@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Contact points at twice their distance: wider patches of the same surface.
+#include "contact/model/coarsening.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/contact/bodies.hpp"
+
+namespace {
+
+using namespace ricochet::contact;
+using namespace ricochet::contact::test;
+
+/// A flat sheet of n × n cells above a floor, its one mode rigid along z, R a Gaussian of the distance.
+Model sheet_on_floor(const ricochet::kernels::Kernel& bare, ricochet::kernels::Kernel& kernel) {
+  kernel = bare;
+  const std::size_t m = kernel.surface.size();
+  kernel.modes.angular_frequency = {0};
+  kernel.modes.decay_rate = {0};
+  kernel.surface.components = 1;
+  kernel.surface.direction = ricochet::Vector3{0, 0, 1};
+  kernel.surface.shape.assign(m, 1);
+  kernel.loads.body_force = {0, 0, 1};
+  kernel.loads.rotation = {0, 0, 0};
+  const auto at = [&](std::size_t i) { return Eigen::Map<const Vector3d>(&kernel.surface.node[3 * i]); };
+  for (std::size_t i = 0; i < m; ++i)
+    for (std::size_t j = 0; j < m; ++j)
+      kernel.surface.residual_flexibility.push_back(std::exp(-10 * (at(i) - at(j)).squaredNorm()));
+  kernel.loads.body_force_residual.assign(3 * m, 0);
+  return build_model(
+      {{.name = "sheet", .kernel = &kernel, .rotation = upside_down(), .translation = {0, 1, 1}}},
+      {{.name = "floor", .normal = {0, 0, 1}}}, {PairRequest{"sheet", "floor", {}, {}, {}}}, {0, 0, 0});
+}
+
+double nearest(const Model& model) {
+  double least = 1e300;
+  for (Eigen::Index i = 0; i < model.gap.size(); ++i)
+    for (Eigen::Index j = 0; j < i; ++j)
+      least = std::min(least, (model.point_a.row(i) - model.point_a.row(j)).norm());
+  return least;
+}
+
+TEST(Coarsened, points_stand_about_twice_as_far_apart) {
+  ricochet::kernels::Kernel kernel;
+  for (const auto& [bare, points] : {std::pair{square(16, 16), 17 * 17}, std::pair{square(30, 1), 62}}) {
+    const Model fine = sheet_on_floor(bare, kernel), wide = coarsened(fine);
+    ASSERT_EQ(fine.gap.size(), points);
+    // Patches at an edge are means over what lies inwards of it too.
+    EXPECT_GT(nearest(wide), 1.05 * nearest(fine));
+    EXPECT_LT(wide.gap.size(), 0.6 * static_cast<double>(fine.gap.size()));
+    EXPECT_GT(wide.gap.size(), 0.15 * static_cast<double>(fine.gap.size()));
+    EXPECT_EQ(wide.pairs[0].points, wide.gap.size());
+  }
+}
+
+TEST(Coarsened, surface_is_as_large_and_moves_rigidly_as_it_did) {
+  ricochet::kernels::Kernel kernel;
+  const Model fine = sheet_on_floor(square(9, 7), kernel), wide = coarsened(fine);
+  EXPECT_NEAR(wide.area.sum(), fine.area.sum(), 1e-13);
+  EXPECT_LT((wide.B.array() - fine.B(0, 0)).abs().maxCoeff(), 1e-13);
+  EXPECT_LT((wide.gap.array() - 1).abs().maxCoeff(), 1e-13);
+  EXPECT_LT((wide.normal.rowwise() - fine.normal.row(0)).cwiseAbs().maxCoeff(), 1e-13);
+}
+
+// The same pressure everywhere, as the forces λ_i = A_i of the fine and λ_I = A_I of the wide patches, does
+// the same work.
+TEST(Coarsened, surface_yields_to_a_uniform_pressure_as_it_did) {
+  ricochet::kernels::Kernel kernel;
+  const Model fine = sheet_on_floor(square(9, 7), kernel), wide = coarsened(fine);
+  const double work = fine.area.dot(fine.R * fine.area);
+  EXPECT_NEAR(wide.area.dot(wide.R * wide.area), work, 1e-12 * work);
+}
+
+TEST(Coarsened, points_know_the_candidates_that_they_are_made_of) {
+  ricochet::kernels::Kernel kernel;
+  const Model wide = coarsened(sheet_on_floor(square(9, 7), kernel));
+  const Matrix P = wide.bodies[0].selection;
+  const auto m = static_cast<Eigen::Index>(kernel.surface.size());
+  const Eigen::Map<const Matrix> R(kernel.surface.residual_flexibility.data(), m, m);
+  EXPECT_LT((P * R * P.transpose() - wide.R).cwiseAbs().maxCoeff(), 1e-13);
+}
+
+TEST(Coarsened, point_that_stands_alone_stays) {
+  const ricochet::kernels::Kernel one = rod(3, 10), other = rod(3, 10);
+  const Model model = build_model(
+      {{.name = "a", .kernel = &one, .translation = {-10, 0, 0}}, {.name = "b", .kernel = &other}}, {},
+      {PairRequest{"a", "b", Vector3d(1, 0, 0), {}, {}}}, {0, 0, 0});
+  const Model same = coarsened(model);
+  EXPECT_EQ(same.gap.size(), model.gap.size());
+  EXPECT_EQ(same.B, model.B);
+  EXPECT_EQ(same.R, model.R);
+}
+
+}  // namespace

@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""No source of the core includes anything but Eigen, the standard library and headers of the core itself.
+
+    core_includes.py COMPILER ROOT EIGEN
+
+EIGEN is Eigen's folder. Headers that the standard library itself includes are found from a unit that includes nothing else.
+"""
+
+import re
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+ROOMS = ("pairing", "model", "complementarity", "stepping")
+OWN = re.compile(r"(base/format\.[ch]pp|kernels/kernel\.cpp|include/ricochet/\w+\.hpp|contact/(%s)/\w+\.[ch]pp)$" % "|".join(ROOMS))
+STANDARD = "#include <bits/stdc++.h>\n#include <immintrin.h>\n"
+
+
+def includes(compiler, folders, source, text=None):
+    """Absolute paths of a unit's files, by the compiler."""
+    command = [compiler, "-std=c++20", "-x", "c++", "-M", *[f"-I{folder}" for folder in folders], source]
+    rule = subprocess.run(command, input=text, capture_output=True, text=True, check=True).stdout
+    return {str(Path(name).resolve()) for name in rule.split(":", 1)[1].replace("\\\n", " ").split() if name != source or not text}
+
+
+def main():
+    compiler, root, eigen = sys.argv[1:]
+    root = Path(root).resolve()
+    sources = [root / "base/format.cpp", root / "kernels/kernel.cpp"]
+    for room in ROOMS:
+        sources += sorted((root / "contact" / room).glob("*.cpp"))
+    assert len(sources) > 20, sources
+    known = includes(compiler, [], "-", STANDARD)
+    strangers = []
+    with ThreadPoolExecutor(2) as pool:
+        of_source = pool.map(lambda source: includes(compiler, [root, root / "include", eigen], str(source)), sources)
+        for source, found in zip(sources, of_source):
+            for path in sorted(found - known):
+                inside = path.removeprefix(f"{root}/")
+                if not OWN.match(inside) and not path.startswith(f"{eigen}/"):
+                    strangers.append(f"{source.relative_to(root)} includes {inside}")
+    sys.exit("\n".join(strangers))
+
+
+if __name__ == "__main__":
+    main()

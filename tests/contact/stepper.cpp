@@ -1,0 +1,402 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What must hold of every model and step: energy, the conditions of contact, the ledger, no memory taken.
+#include "contact/stepping/stepper.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <deque>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <string>
+
+#include "ricochet/error.hpp"
+#include "tests/contact/heap_counter.hpp"
+
+namespace {
+
+using namespace ricochet::contact;
+using ricochet::Admittance;
+using ricochet::Energy;
+using ricochet::Scheme;
+using ricochet::StepOptions;
+using ricochet::StepStatus;
+
+Model blank(Eigen::Index modes, Eigen::Index points) {
+  Model model;
+  model.omega = model.decay = model.load = model.q0 = model.v0 = Vector::Zero(modes);
+  model.B = Matrix::Zero(points, modes);
+  model.R = Matrix::Zero(points, points);
+  model.gap = model.static_displacement = Vector::Zero(points);
+  model.area = Vector::Ones(points);
+  return model;
+}
+
+constexpr double gravity = 9.81, mass = 2;
+
+/// Steps that are predicted together at most.
+constexpr std::size_t longest_block = 24;
+
+/// A body over a rigid half-space: the rigid mode towards it, `modes` − 1 elastic ones, weight.
+Model dropped(Eigen::Index modes, Eigen::Index points, double gap, unsigned seed = 1) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> spread(-1, 1);
+  Model model = blank(modes, points);
+  model.B.col(0).setConstant(1 / std::sqrt(mass));
+  model.load(0) = std::sqrt(mass) * gravity;
+  model.gap.setConstant(gap);
+  for (Eigen::Index n = 1; n < modes; ++n) {
+    model.omega(n) = 300.0 * static_cast<double>(n);
+    for (Eigen::Index i = 0; i < points; ++i) model.B(i, n) = spread(random);
+  }
+  for (Eigen::Index i = 0; i < points; ++i) model.R(i, i) = 1e-7;
+  model.has_residual = true;
+  return model;
+}
+
+void add_damping(Model& model, double ratio, double rigid) {
+  model.decay = ratio * model.omega;
+  model.decay(0) = rigid;
+}
+
+/// Largest departure of the ledger from its start, relative to the largest energy that was about.
+double ledger_error(const Model& model, const StepOptions& options, int steps) {
+  const auto stepper = make_stepper(model, options);
+  const double start = stepper->modal()->energy().ledger();
+  double worst = 0, size = stepper->modal()->energy().total();
+  for (int k = 0; k < steps; ++k) {
+    EXPECT_EQ(stepper->step(), StepStatus::ok) << k;
+    size = std::max(size, stepper->modal()->energy().kinetic + stepper->modal()->energy().strain);
+    worst = std::max(worst, std::abs(stepper->modal()->energy().ledger() - start));
+  }
+  EXPECT_GT(stepper->modal()->energy().damping, 0.01 * size);
+  return worst / size;
+}
+
+// 1e-10: 1e5 steps of round-off ε = 2e-16 that may all have one sign, with room for the number of modes.
+TEST(Ledger, closes_over_a_hundred_thousand_steps_of_a_bouncing_damped_body) {
+  Model model = dropped(12, 3, 1e-3);
+  add_damping(model, 0.002, 0.05);
+  for (const double step : {1 / 44100.0, 1e-4})
+    EXPECT_LT(ledger_error(model, {.scheme = Scheme::compliant, .step = step}, 100000), 1e-10);
+  for (const Admittance admittance : {Admittance::jump, Admittance::difference})
+    EXPECT_LT(
+        ledger_error(
+            model,
+            {.scheme = Scheme::impulse, .admittance = admittance, .restitution = 0.5, .step = 1 / 44100.0},
+            100000),
+        1e-10);
+}
+
+TEST(Ledger, closes_for_modes_damped_below_at_and_above_critical) {
+  for (const double ratio : {0.3, 0.95, 1.0, 1.05, 4.0}) {
+    Model model = dropped(8, 2, 1e-3);
+    add_damping(model, ratio, 0);
+    EXPECT_LT(ledger_error(model, {.scheme = Scheme::compliant, .step = 1e-4}, 20000), 1e-11) << ratio;
+  }
+}
+
+/// Random bodies: rigid and elastic modes over four decades, R absent or of any size, initial motion of all
+/// modes.
+Model random_model(std::mt19937& random) {
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::normal_distribution<double> normal;
+  const Eigen::Index modes = 1 + static_cast<Eigen::Index>(15 * unit(random)),
+                     points = 1 + static_cast<Eigen::Index>(8 * unit(random));
+  Model model = blank(modes, points);
+  for (Eigen::Index n = 0; n < modes; ++n) {
+    model.omega(n) = unit(random) < 0.2 ? 0 : std::pow(10, 4 * unit(random));
+    model.decay(n) = unit(random) < 0.5 ? 0 : std::pow(10, 3 * unit(random) - 2) * (model.omega(n) + 0.1);
+    model.v0(n) = normal(random);
+    for (Eigen::Index i = 0; i < points; ++i) model.B(i, n) = normal(random);
+    model.load(n) = unit(random) < 0.5 ? 0 : normal(random);
+  }
+  model.omega(0) = 1e4;  // the shortest period
+  if (unit(random) < 0.6) {
+    const Matrix A = Matrix::NullaryExpr(points, points, [&] { return normal(random); });
+    model.R = std::pow(10, -8 * unit(random)) * A * A.transpose();
+    model.has_residual = true;
+  }
+  for (Eigen::Index i = 0; i < points; ++i) model.gap(i) = unit(random) < 0.5 ? 0 : 1e-3 * unit(random);
+  return model;
+}
+
+// The theorem of the compliant scheme: whatever B, ω, δ, R and Δ. 1e-12: round-off of one step.
+TEST(Compliant, energy_never_grows_for_any_step_and_points_never_overlap) {
+  std::mt19937 random(7);
+  const double shortest = 2 * std::numbers::pi / 1e4;
+  long touches = 0;
+  for (double step = 1e-9 * shortest; step < 2e3 * shortest; step *= 10)
+    for (int trial = 0; trial < 40; ++trial) {
+      Model model = random_model(random);
+      // the premise of the theorem: no overlap at the start, the static displacement of modes moved into R
+      // included
+      model.gap = model.gap.cwiseMax(
+          make_stepper(model, {.scheme = Scheme::compliant, .step = step})->displacement());
+      const auto stepper = make_stepper(model, {.scheme = Scheme::compliant, .step = step});
+      // The solver keeps to u ≤ g within round-off of its largest term, size_u; the energy is known to λ
+      // times that. What a block of steps predicts sums the answers to all its forces.
+      const Vector softest =
+          model.omega.unaryExpr([&](double w) { return std::min(0.5 * step * step, 2 / (w * w)); });
+      const Matrix size_B = model.B.cwiseAbs();
+      const Matrix size_S = size_B * softest.asDiagonal() * size_B.transpose() + Matrix(model.R.cwiseAbs());
+      Vector force_before = stepper->force();
+      std::deque<Vector> of_block(longest_block, Vector::Zero(force_before.size()));
+      double before = stepper->modal()->energy().total();
+      for (int k = 0; k < 200; ++k) {
+        ASSERT_EQ(stepper->step(), StepStatus::ok) << "step " << step << " trial " << trial << " k " << k;
+        const Vector force = stepper->force(), u = stepper->displacement();
+        of_block.pop_front();
+        of_block.push_back(force);
+        Vector forces = force_before;
+        for (const Vector& one : of_block) forces += one;
+        const Vector size_u = size_B * (stepper->modal()->q + step * stepper->modal()->v).cwiseAbs() +
+                              model.gap + size_S * forces;
+        const Energy& e = stepper->modal()->energy();
+        const double size = e.kinetic + e.strain + e.residual + std::abs(e.loads) +
+                            (force + force_before).sum() * size_u.maxCoeff();
+        ASSERT_LE(e.total() - before, 1e-12 * size) << "step " << step << " trial " << trial << " k " << k;
+        before = e.total();
+        force_before = force;
+        touches += stepper->active();
+        ASSERT_GE(force.minCoeff(), 0);
+        ASSERT_LE((u - model.gap).maxCoeff(), 1e-12 * size_u.maxCoeff())
+            << "step " << step << " trial " << trial << " k " << k;
+      }
+    }
+  EXPECT_GT(touches, 10000);
+}
+
+TEST(Compliant, reports_the_displacement_and_force_of_its_own_state) {
+  Model model = dropped(12, 3, 1e-4);
+  model.static_displacement << 1e-6, -2e-6, 0;
+  const auto stepper = make_stepper(model, {.scheme = Scheme::compliant, .step = 1 / 44100.0});
+  int touching = 0;
+  for (int k = 0; k < 2000; ++k) {
+    ASSERT_EQ(stepper->step(), StepStatus::ok);
+    const Vector u = model.B * stepper->modal()->q + model.static_displacement - model.R * stepper->force();
+    ASSERT_LT((u - stepper->displacement()).cwiseAbs().maxCoeff(), 1e-15);
+    ASSERT_EQ(stepper->active(), (stepper->force().array() > 0).count());
+    ASSERT_LT((stepper->force().array() * (model.gap - u).array()).abs().maxCoeff(), 1e-11);
+    touching += stepper->active() > 0;
+  }
+  EXPECT_GT(touching, 10);
+}
+
+TEST(Compliant, carries_the_weight_of_a_body_at_rest) {
+  Model model = dropped(12, 3, 0);
+  model.R = 1e-7 * Matrix::Identity(3, 3);
+  add_damping(model, 0.05, 0);
+  const auto stepper = make_stepper(model, {.scheme = Scheme::compliant, .step = 1e-4});
+  for (int k = 0; k < 50000; ++k) ASSERT_EQ(stepper->step(), StepStatus::ok);
+  EXPECT_NEAR(stepper->force().sum(), mass * gravity,
+              1e-6);  // modes at 300 rad/s and ζ = 0.05 are at rest after 5 s
+  EXPECT_LT(stepper->displacement().maxCoeff(), 1e-12);
+}
+
+// Ten modes above half the sampling rate, left to the stepper or moved into R and s by hand.
+TEST(Compliant, moves_modes_that_a_step_cannot_sample_into_the_residual) {
+  const double step = 1e-3;  // π/Δ = 3141.6: the modes at 3300, 3600, … go
+  Model whole = dropped(21, 3, 1e-3);
+  whole.load.tail(20).setConstant(0.3);
+  Model by_hand = dropped(21, 3, 1e-3);
+  by_hand.load = whole.load;
+  const Eigen::Index kept = 11;
+  for (Eigen::Index n = kept; n < 21; ++n) {
+    const Vector b = whole.B.col(n) / whole.omega(n);
+    by_hand.R += b * b.transpose();
+    by_hand.static_displacement += b * (whole.load(n) / whole.omega(n));
+  }
+  for (Vector* x : {&by_hand.omega, &by_hand.decay, &by_hand.load, &by_hand.q0, &by_hand.v0})
+    x->conservativeResize(kept);
+  by_hand.B = Matrix(by_hand.B.leftCols(kept));
+  const auto one = make_stepper(whole, {.scheme = Scheme::compliant, .step = step});
+  const auto other = make_stepper(by_hand, {.scheme = Scheme::compliant, .step = step});
+  EXPECT_EQ(one->modal()->modes_in_residual(), 10);
+  EXPECT_EQ(other->modal()->modes_in_residual(), 0);
+  int touching = 0;
+  for (int k = 0; k < 200; ++k) {
+    ASSERT_EQ(one->step(), StepStatus::ok);
+    ASSERT_EQ(other->step(), StepStatus::ok);
+    // a force is a displacement of 1e-15 over a stiffness of 1e7, and bounces amplify
+    ASSERT_LT((one->force() - other->force()).cwiseAbs().maxCoeff(), 1e-6);
+    ASSERT_LT((one->modal()->q.head(kept) - other->modal()->q).cwiseAbs().maxCoeff(), 1e-12);
+    ASSERT_EQ(one->modal()->q.tail(10), Vector::Zero(10));
+    touching += one->active() > 0;
+  }
+  EXPECT_GT(touching, 10);
+}
+
+TEST(Compliant, refuses_a_body_squeezed_into_less_than_its_room_and_keeps_its_state) {
+  Model model = blank(1, 2);
+  model.B << 1, -1;
+  model.gap.setConstant(-1);
+  model.v0(0) = 1;
+  const auto stepper = make_stepper(model, {.scheme = Scheme::compliant, .step = 0.1});
+  EXPECT_EQ(stepper->step(), StepStatus::no_solution);
+  EXPECT_EQ(stepper->steps(), 0);
+  EXPECT_EQ(stepper->modal()->q(0), 0);
+  EXPECT_EQ(stepper->modal()->v(0), 1);
+}
+
+TEST(Stepper, reports_what_is_not_a_number) {
+  for (const Scheme scheme : {Scheme::compliant, Scheme::impulse}) {
+    Model model = dropped(3, 1, 1);
+    model.load(2) = std::numeric_limits<double>::quiet_NaN();
+    const auto stepper = make_stepper(model, {.scheme = scheme, .step = 1e-4});
+    EXPECT_EQ(stepper->step(), StepStatus::not_finite);
+    EXPECT_EQ(stepper->steps(), 0);
+  }
+}
+
+TEST(Stepper, falls_as_galilei_has_it) {
+  for (const Scheme scheme : {Scheme::compliant, Scheme::impulse}) {
+    const auto stepper = make_stepper(dropped(1, 1, 1), {.scheme = scheme, .step = 1e-3});
+    for (int k = 0; k < 400; ++k) ASSERT_EQ(stepper->step(), StepStatus::ok);
+    EXPECT_NEAR(stepper->displacement()(0), 0.5 * gravity * 0.16, 1e-13);
+    EXPECT_NEAR(stepper->modal()->v(0) / std::sqrt(mass), gravity * 0.4, 1e-13);
+    EXPECT_NEAR(stepper->modal()->energy().loads, mass * gravity * 0.5 * gravity * 0.16, 1e-12);
+    EXPECT_EQ(stepper->force()(0), 0);
+  }
+}
+
+TEST(Impulse, returns_a_rigid_body_with_the_restitution_asked_for) {
+  for (const double restitution : {0.0, 0.3, 1.0}) {
+    Model model = dropped(1, 1, 0.05);
+    model.load.setZero();
+    model.v0(0) = 3 * std::sqrt(mass);
+    const auto stepper =
+        make_stepper(model, {.scheme = Scheme::impulse, .restitution = restitution, .step = 0.01});
+    double impulse = 0;
+    for (int k = 0; k < 10; ++k) {
+      ASSERT_EQ(stepper->step(), StepStatus::ok);
+      impulse += stepper->force()(0) * 0.01;
+    }
+    EXPECT_NEAR(stepper->modal()->v(0) / std::sqrt(mass), -3 * restitution, 1e-10);
+    EXPECT_NEAR(impulse, mass * 3 * (1 + restitution), 1e-10);  // momentum
+    EXPECT_NEAR(stepper->modal()->energy().contact, 0.5 * mass * 9 * (1 - restitution * restitution), 1e-10);
+  }
+}
+
+// A gap of a whole number of steps: u = g there but for round-off of either sign.
+TEST(Impulse, meets_the_obstacle_at_the_step_that_reaches_it_to_round_off) {
+  for (int steps = 1; steps <= 100; ++steps) {
+    Model model = dropped(1, 1, 0.01 * steps);
+    model.load.setZero();
+    model.v0(0) = std::sqrt(mass);
+    const auto stepper = make_stepper(model, {.scheme = Scheme::impulse, .step = 0.01});
+    for (int k = 0; k < steps - 1; ++k) stepper->step();
+    EXPECT_EQ(stepper->active(), 0) << steps;
+    stepper->step();
+    EXPECT_EQ(stepper->active(), 1) << steps;
+  }
+}
+
+// Five points on one mode: only the sum of the impulses is determined. 1e-3: round-off ε over the share 1e-12
+// that selects.
+TEST(Impulse, is_shared_evenly_by_points_that_are_alike) {
+  Model model = dropped(1, 5, 0.01);
+  model.load.setZero();
+  model.v0(0) = std::sqrt(mass);
+  const auto stepper = make_stepper(model, {.scheme = Scheme::impulse, .step = 0.02});
+  ASSERT_EQ(stepper->step(), StepStatus::ok);
+  for (int i = 0; i < 5; ++i) EXPECT_NEAR(stepper->force()(i) * 0.02, mass / 5, 1e-3 * mass / 5);
+  EXPECT_NEAR(stepper->force().sum() * 0.02, mass, 1e-11);
+}
+
+TEST(Impulse, never_gains_energy_and_stops_every_touching_point_with_more_points_than_modes) {
+  std::mt19937 random(11);
+  for (int trial = 0; trial < 30; ++trial) {
+    Model model = dropped(4, 12, 1e-3, static_cast<unsigned>(trial));
+    const auto stepper = make_stepper(model, {.scheme = Scheme::impulse, .step = 1e-4});
+    double before = stepper->modal()->energy().total();
+    int touching = 0;
+    for (int k = 0; k < 2000; ++k) {
+      ASSERT_EQ(stepper->step(), StepStatus::ok);
+      ASSERT_LE(stepper->modal()->energy().total() - before, 1e-14);
+      before = stepper->modal()->energy().total();
+      const Vector rate = model.B * stepper->modal()->v;
+      for (Eigen::Index i = 0; i < 12; ++i) {
+        if (stepper->displacement()(i) > model.gap(i)) {
+          ASSERT_LE(rate(i), 1e-10);
+        }
+      }
+      touching += stepper->active() > 0;
+    }
+    EXPECT_GT(touching, 5);
+  }
+}
+
+TEST(Stepper, power_through_the_contact_sums_to_the_energy_it_takes) {
+  for (const Scheme scheme : {Scheme::compliant, Scheme::impulse}) {
+    Model model = dropped(12, 3, 1e-3);
+    if (scheme == Scheme::compliant) model.R.setZero();  // with R, u̇ includes the motion of the residual
+    const auto stepper = make_stepper(model, {.scheme = scheme, .step = 1e-4});
+    double sum = 0;
+    for (int k = 0; k < 3000; ++k) {
+      ASSERT_EQ(stepper->step(), StepStatus::ok);
+      sum += stepper->persistency() * 1e-4;
+    }
+    EXPECT_GT(stepper->modal()->energy().contact, 1e-4);
+    EXPECT_NEAR(-sum, stepper->modal()->energy().contact, 1e-10 * stepper->modal()->energy().contact);
+  }
+}
+
+std::string complaint(const Model& model, const StepOptions& options) {
+  try {
+    const auto stepper = make_stepper(model, options);
+  } catch (const ricochet::InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Stepper, refuses_in_one_line_what_it_cannot_step) {
+  const Model model = dropped(3, 1, 1);  // highest mode 600 rad/s = 95.493 Hz; π/600 = 0.005236 s
+  const std::string difference =
+      complaint(model, {.scheme = Scheme::impulse, .admittance = Admittance::difference, .step = 0.01});
+  for (const char* part : {"difference", "omega_max * step = 6", "95.493 Hz", "below 0.005236 s", "jump"})
+    EXPECT_NE(difference.find(part), std::string::npos) << part << " in: " << difference;
+  EXPECT_EQ(difference.find('\n'), std::string::npos);
+  EXPECT_EQ(
+      complaint(model, {.scheme = Scheme::impulse, .admittance = Admittance::difference, .step = 0.0052}),
+      "");
+  EXPECT_EQ(complaint(model, {.scheme = Scheme::impulse, .admittance = Admittance::jump, .step = 0.01}), "");
+  EXPECT_NE(complaint(model, {.scheme = Scheme::impulse, .restitution = 1.5, .step = 0.001}).find("1.5"),
+            std::string::npos);
+  EXPECT_NE(complaint(model, {.scheme = Scheme::compliant, .step = 0}).find("time step = 0 s"),
+            std::string::npos);
+}
+
+TEST(Stepper, steps_a_model_without_contact_points) {
+  const auto stepper = make_stepper(dropped(3, 0, 1), {.step = 1e-3});
+  for (int k = 0; k < 10; ++k) ASSERT_EQ(stepper->step(), StepStatus::ok);
+  EXPECT_NEAR(stepper->modal()->v(0), std::sqrt(mass) * gravity * 0.01, 1e-15);
+}
+
+#if RICOCHET_HEAP_COUNTED
+TEST(Stepper, takes_no_memory_in_ten_thousand_steps) {
+  Model model = dropped(120, 30, 1e-4);
+  add_damping(model, 0.01, 0);
+  const double step = 1 / 44100.0;
+  for (const StepOptions& options :
+       {StepOptions{.scheme = Scheme::compliant, .step = step},
+        StepOptions{.scheme = Scheme::impulse, .step = step},
+        StepOptions{.scheme = Scheme::impulse, .admittance = Admittance::difference, .step = step}}) {
+    const auto stepper = make_stepper(model, options);
+    int touching = 0;
+    const long before = heap_counter::calls;
+    for (int k = 0; k < 10000; ++k) {
+      if (stepper->step() != StepStatus::ok) break;
+      touching += stepper->active() > 0;
+    }
+    const long after = heap_counter::calls;
+    EXPECT_EQ(after, before);
+    EXPECT_EQ(stepper->steps(), 10000);
+    EXPECT_GT(touching, 100);
+  }
+}
+#endif
+
+}  // namespace

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Placements that are kept between runs, against placements found anew.
+#include <gtest/gtest.h>
+
+#include "src/programs/stored_kernels.hpp"
+#include "tests/contact/plate.hpp"
+
+namespace {
+
+using namespace ricochet;
+using contact::test::cap;
+using programs::KernelPointers;
+
+scene::Scene scene_of(double height) {
+  scene::Scene out;
+  out.bodies.resize(2);
+  out.bodies[0].name = "a";
+  out.bodies[1].name = "b";
+  out.bodies[1].rotate_deg = {180, 0, 0};
+  out.bodies[1].translate = {0, 0, height};
+  out.contact.pairs = {
+      {.a = "a", .b = "b", .direction = {}, .along = {}, .spacing = {}, .gap = 0.01, .reach = 0.2}};
+  return out;
+}
+
+TEST(PlacementStore, serves_bodies_in_the_same_positions_and_no_others) {
+  const kernels::Kernel a = cap(8, 1, 0.3), b = cap(12, 3, 0.3);
+  kernels::Kernel softer = b;
+  for (double& omega : softer.modes.angular_frequency) omega /= 2;
+  const KernelPointers first{&a, &b}, second{&a, &softer};
+  programs::PlacementStore store;
+  scene::Scene scene = scene_of(4.2);
+  const auto expect_as_new = [&] {
+    const contact::Placement found = store.place(scene, second), expected = programs::place(scene, second);
+    for (std::size_t k = 0; k < 2; ++k) {
+      EXPECT_EQ(found.bodies[k].kernel, second[k]);
+      EXPECT_EQ(found.bodies[k].translation, expected.bodies[k].translation);
+      EXPECT_EQ(found.bodies[k].velocity, expected.bodies[k].velocity);
+    }
+    const contact::Pairing &one = found.pairs[0].pairing, &other = expected.pairs[0].pairing;
+    EXPECT_EQ(one.unpaired, other.unpaired);
+    ASSERT_EQ(one.points.size(), other.points.size());
+    for (std::size_t i = 0; i < one.points.size(); ++i) EXPECT_EQ(one.points[i].gap, other.points[i].gap);
+  };
+  store.place(scene, first);
+  expect_as_new();
+  scene.bodies[0].velocity = {0, 0, 1};
+  expect_as_new();
+  scene.bodies[1].translate[2] = 4.3;
+  expect_as_new();
+  scene.contact.pairs[0].gap = 0.02;
+  expect_as_new();
+  scene.contact.pairs[0].reach = 0.1;
+  expect_as_new();
+  scene.bodies[1].translate[2] = 4.2;
+  expect_as_new();
+}
+
+}  // namespace
