@@ -34,7 +34,7 @@ def expected(path: Path, program: str = "ricochet-contact") -> Iterator[None]:
     """Raises InputError in place of any exception that the content of a foreign file causes."""
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of numpy, on numbers that no run has
+            warnings.simplefilter("ignore")  # NumPy warns of numbers that no run has
             yield
     except (InputError, MemoryError):
         raise
@@ -108,7 +108,7 @@ class File:
                 f'{self.path}: dataset "{name}" has shape {data.shape}, expected ({expected}). '
                 "Compute it again."
             )
-        if data.nbytes > 64 * self.path.stat().st_size:  # no more memory than the file's size justifies
+        if data.nbytes > 64 * self.path.stat().st_size:  # a damaged file must not claim all memory
             raise InputError(
                 f'{self.path}: dataset "{name}" claims more than the file can hold. ' "Compute it again."
             )

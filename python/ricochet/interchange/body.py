@@ -93,5 +93,5 @@ def clockwise(node: Array, facets: Array, i: Array, j: Array) -> int:
             away = node[behind].mean(axis=0) - place.mean(axis=0)
             count += bool(
                 inward @ away < -1e-6 * np.linalg.norm(inward) * np.linalg.norm(away)
-            )  # not where all is in one plane
+            )  # a flat element has no inside
     return count

@@ -33,14 +33,14 @@ KINDS: dict[int, tuple[Corners, Corners]] = {
     8: BRICK,
     20: BRICK,
 }
-# Of a face of eight nodes, which has no node in its middle: four triangles at its corners and what is between.
+# A face of eight nodes has no node in its middle: four triangles at its corners, and the quadrangle between them.
 CORNERS_OF_EIGHT, MIDDLE_OF_EIGHT = [(0, 4, 7), (1, 5, 4), (2, 6, 5), (3, 7, 6)], (4, 5, 6, 7)
 Card = tuple[str, str, dict[str, str], list["Line"]]  # place, keyword, parameters, lines of data
-MOST = 10**8  # numbers of a generated set
+MOST = 10**8  # members of a generated set
 
 
 class Line(list[str]):
-    """The words of a line, and where it is from."""
+    """The words of a line, and its place in the file."""
 
     def __init__(self, text: str, path: Path, number: int) -> None:
         super().__init__(word.strip() for word in text.rstrip().rstrip(",").split(","))
@@ -48,7 +48,7 @@ class Line(list[str]):
 
 
 def lines_of(path: Path) -> list[tuple[int, str]]:
-    """Numbered, without comments and what is empty."""
+    """The numbered lines of a file, without comments and blank lines."""
     text = Path(path).read_text(errors="replace")
     return [
         (number, line)
@@ -58,7 +58,7 @@ def lines_of(path: Path) -> list[tuple[int, str]]:
 
 
 def cards(path: Path, outer: tuple[Path, ...] = ()) -> Iterator[Card]:
-    """Place, keyword, its parameters, and its lines of data, one card after the other; includes are followed."""
+    """The cards of an input file and its includes: place, keyword, parameters and lines of data of each."""
     card: Card | None = None
     outer = (*outer, Path(path).resolve())
     for number, line in lines_of(path):
@@ -90,7 +90,7 @@ def cards(path: Path, outer: tuple[Path, ...] = ()) -> Iterator[Card]:
 
 
 def members(lines: Iterable[Line], parameters: dict[str, str], sets: dict[str, list[int]]) -> Iterator[int]:
-    """Numbers of a set's lines, with other sets and ranges."""
+    """The members of a set, whose lines may name other sets or a range."""
     if "GENERATE" in parameters:
         for line in lines:
             first, last, step = [int(word) for word in line[:2]] + [int(line[2]) if len(line) > 2 else 1]
@@ -155,7 +155,7 @@ class Model:
             self.surface_lines[name] = lines
 
     def each(self, lines: Iterable[Line]) -> Iterator[Line]:
-        """The lines; a complaint is of the one that was given last."""
+        """The lines in turn; an error message names the current one."""
         for line in lines:
             self.where = line.where
             yield line
@@ -201,7 +201,7 @@ class Model:
             yield [nodes[k] for k in [*face, *around]]
 
     def blocks(self, faces: Iterable[Sequence[int]]) -> list[Array]:
-        """Facets by their number of nodes, numbered as in the body file."""
+        """Arrays of facets, one for each number of nodes, with the node numbers of the body file."""
         found: dict[int, list[list[int]]] = {}
         for face in faces:
             nodes = [self.number[node] for node in face]
@@ -213,7 +213,7 @@ class Model:
         return [np.array(facets) for facets in found.values()]
 
     def skin(self) -> list[list[int]]:
-        """Faces of one element only."""
+        """The faces that belong to one element only."""
         seen: dict[frozenset[int], list[list[int]]] = {}
         for element in self.element:
             for face in self.faces(element):
@@ -254,7 +254,7 @@ class Model:
         return {name: np.array(nodes) for name, nodes in sets.items() if nodes}
 
     def matrices(self) -> dict[str, Entries]:
-        """Of job.sti, job.mas and job.dof, which SOLVER=MATRIXSTORAGE writes: one triangle, rows as listed."""
+        """Reads job.sti, job.mas and job.dof, which SOLVER=MATRIXSTORAGE writes: one triangle of each matrix, and its rows."""
         dof = self.path.with_suffix(".dof")
         if not dof.is_file():
             raise InputError(

@@ -90,7 +90,7 @@ def table(path: Path, rows: str) -> Array:
     """The numbers of a list; `rows` describes a row, for messages."""
     try:
         with open(path) as file, warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of empty lists
+            warnings.simplefilter("ignore")  # NumPy warns of empty lists
             numbers = np.loadtxt(file, ndmin=2)
     except ValueError as error:
         raise InputError(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The charts of a run as data for a page: what is drawn, not how."""
+"""The data of the charts of a page; charts.js draws them."""
 from typing import Any
 
 import numpy as np
@@ -8,13 +8,13 @@ from ricochet.arrays import Array
 from ricochet.pages.motion import packed
 from ricochet.pictures.history import History
 
-DOTS = 1600  # of a line: the extremes of as many pieces of it
-COLUMNS, ROWS = 400, 120  # of the map of forces, at most
-PIECES = 700  # of a spectrum
+DOTS = 1600  # points of a line
+COLUMNS, ROWS = 400, 120  # at most, of the map of forces
+PIECES = 700  # points of a spectrum
 
 
 def thinned(x: Array, y: Array) -> tuple[Array, Array]:
-    """The line through the least and the largest value of each piece of it; gaps (NaN) stay."""
+    """A line with fewer points: the minimum and maximum of each of its pieces. Gaps (NaN) are kept."""
     if len(x) <= DOTS:
         return x, y
     edges = np.unique(np.linspace(0, len(x), DOTS // 2 + 1).astype(int))
@@ -31,7 +31,7 @@ def thinned(x: Array, y: Array) -> tuple[Array, Array]:
 
 
 def line(name: str, colour: int | str, x: Any, y: Any, style: str = "") -> dict[str, Any]:
-    """`colour`: number of a body, or a word that the style sheet knows; `style`: words of charts.js, such as "held dashed"."""
+    """`colour`: number of a body, or a name in the style sheet; `style`: words of charts.js, such as "held dashed"."""
     x, y = thinned(np.asarray(x), np.asarray(y))
     return {"name": name, "colour": colour, "style": style, "x": packed(x), "y": packed(y)}
 
@@ -121,7 +121,7 @@ def along_normal_charts(result: History, i: int) -> list[dict[str, Any]]:
 
 
 def table_charts(result: History, i: int) -> list[dict[str, Any]]:
-    """Of a run by table kernels: the gap, and velocities of free bodies along the axis in which they change most."""
+    """Charts of a run with table kernels: the gap, and the velocities of free bodies along the axis where they change most."""
     window = result.window()
     out = [
         chart(
@@ -157,10 +157,10 @@ def spectrum(values: Array, step: float, factor: float) -> tuple[Array, Array]:
     """Frequencies [Hz] and the largest |Σ values exp(−iωt)| · factor in each piece of a logarithmic axis."""
     length = min(
         1 << (8 * len(values) - 1).bit_length(), max(1 << 20, len(values))
-    )  # zeros behind make it smooth
+    )  # zero padding makes the spectrum smooth
     size = np.abs(np.fft.rfft(values, length))[1:] * factor
     frequency = np.arange(1, len(size) + 1) / (length * step)
-    inside = frequency >= 0.5 / (len(values) * step)  # below, the record tells nothing
+    inside = frequency >= 0.5 / (len(values) * step)  # the record is too short for lower ones
     frequency, size = frequency[inside], size[inside]
     edges = np.unique(np.searchsorted(frequency, np.geomspace(frequency[0], frequency[-1], PIECES)))
     best = [first + int(np.argmax(size[first:behind])) for first, behind in zip(edges[:-1], edges[1:])]
@@ -187,7 +187,7 @@ def pressure_chart(result: History, area: Array) -> dict[str, Any]:
     pressure = (result.force[row] / area)[order]
     pressing = pressure > 0
     far = 1.6 * np.abs(where[pressing]).max()
-    near = np.abs(where) <= max(far, np.abs(where).min())  # the rest only says that it is open
+    near = np.abs(where) <= max(far, np.abs(where).min())  # farther points are open
     note = f"{np.count_nonzero(pressing)} of {len(order)} points press" + (
         "." if len(result.time) == 1 else " when the force is largest."
     )
@@ -202,7 +202,7 @@ def pressure_chart(result: History, area: Array) -> dict[str, Any]:
 
 
 def force_map(result: History) -> dict[str, Any]:
-    """Force by point and time: the largest of each cell. Points that never touch are left out."""
+    """Force by point and time, the maximum in each cell. Points that never touch are left out."""
     order, where, what = result.positions()
     used = result.impulse()[order] > 0
     order, where = order[used], where[used]

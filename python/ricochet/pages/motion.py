@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The motion of a run for a page: the bodies' skins, moved by a few shapes that stand for all their modes."""
+"""The motion of a run for a page: the visualisation surfaces of the bodies, moved by a few shapes that replace all modes."""
 import base64
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,17 +15,17 @@ from ricochet.pictures.history import History
 
 Packed = dict[str, Any]  # an array as text
 
-MOMENTS = 1200  # snapshots at most; further ones are thinned evenly
-TRIANGLES = 80_000  # of all bodies together; finer skins are made coarser
-SHAPES = 80  # of each body, beside rigid motion
+MOMENTS = 1200  # at most so many snapshots, evenly spaced
+TRIANGLES = 80_000  # at most, of all bodies together
+SHAPES = 80  # at most, of each body, besides rigid motion
 SHAPES_MB = 4  # of all bodies together
-LEFT_OUT = 3e-4  # of the deformation, root mean square: where shapes are enough
-POINTS = 300  # contact points whose forces are drawn: those of most impulse
+LEFT_OUT = 3e-4  # allowed root mean square error of the deformation, relative
+POINTS = 300  # contact points whose forces are drawn: those with the largest impulse
 SIDES = 12  # of a rod's cross-section
 
 
 def packed(values: Any, kind: str = "f4") -> Packed:
-    """An array as text. i2 and u2 are fractions of the largest, to 15 and 16 bits; f4 and u4 are the values."""
+    """An array as text. Types i2 and u2 hold fractions of the largest value, in 15 and 16 bits; f4 and u4 hold the values."""
     values = np.asarray(values)
     out: Packed = {"type": kind, "shape": list(values.shape)}
     if kind in ("i2", "u2"):
@@ -36,28 +36,27 @@ def packed(values: Any, kind: str = "f4") -> Packed:
 
 
 def few_shapes(shape: Array, coordinates: Array, most: int, left_out: float) -> tuple[Array, Array]:
-    """Fields (n,r) and amplitudes (S,r) with fields · amplitudesᵀ ≈ shape · coordinatesᵀ, the best ones of their number;
-    `left_out` is the root mean square that may miss, relative."""
+    """The best r fields (n,r) and amplitudes (S,r) with fields · amplitudesᵀ ≈ shape · coordinatesᵀ.
+
+    r is as small as the relative root mean square error `left_out` allows, and at most `most`.
+    """
     if shape.shape[1] == 0:
         return np.zeros((len(shape), 0)), np.zeros((len(coordinates), 0))
     parts = np.array_split(
         shape, len(shape) // 10_000 + 1
-    )  # in double precision by parts, as it may be large
+    )  # converted to double precision in parts, to save memory
     values, vectors = np.linalg.eigh(sum(part.T.astype(float) @ part for part in parts))
     held = values > 1e-14 * max(values[-1], 1e-300)
     root, vectors = np.sqrt(values[held]), vectors[:, held]
     left, size, right = np.linalg.svd((coordinates @ vectors) * root, full_matrices=False)
-    behind = np.sqrt(
-        np.append(np.cumsum(size[::-1] ** 2)[::-1], 0)
-    )  # what is missed with the first 0, 1, … of them
+    behind = np.sqrt(np.append(np.cumsum(size[::-1] ** 2)[::-1], 0))  # error with the first 0, 1, … of them
     count = min(int(np.argmax(behind <= left_out * behind[0])), most)
     mix = (vectors / root) @ right[:count].T
     return np.concatenate([part @ mix for part in parts]), left[:, :count] * size[:count]
 
 
 def coarser(node: Array, element: Array, limit: int) -> tuple[Array, Array]:
-    """Which nodes to keep, and triangles between them, such that there are at most `limit`: nodes of one cell of a grid
-    become one."""
+    """The nodes to keep and at most `limit` triangles between them: all nodes in a cell of a grid become one."""
     kept, cells = np.arange(len(node)), 2.0 * np.sqrt(limit)
     while len(element) > limit:
         width = np.ptp(node, axis=0).max() / cells
@@ -75,7 +74,7 @@ def coarser(node: Array, element: Array, limit: int) -> tuple[Array, Array]:
 
 
 def tube(node: Array, element: Array, radius: float) -> tuple[Array, Array, Array]:
-    """A rod's line as a tube: triangles between rings of new nodes, the old node of each, and where each lies from it."""
+    """A rod as a tube: triangles between rings of new nodes, the old node of each new one, and the offset from it."""
     along = node[element[0, 1]] - node[element[0, 0]]
     along = along / (np.linalg.norm(along) or 1)
     across = np.cross(along, np.eye(3)[np.argmin(np.abs(along))])
@@ -98,13 +97,13 @@ def tube(node: Array, element: Array, radius: float) -> tuple[Array, Array, Arra
 
 
 def radius_of(body: dict[str, Any], length: float) -> float:
-    """Of a rod, by its area, and thick enough to be seen."""
+    """The radius of a rod by its area, but thick enough to be visible."""
     area = max((part.get("area", 0) for part in materials(body).values()), default=0)
     return max(np.sqrt(area / np.pi), 0.01 * length)
 
 
 def materials(body: dict[str, Any]) -> dict[str, dict[str, Any]]:
-    """By physical volume; "" is the whole body."""
+    """The materials of a body by physical volume; "" is the whole body."""
     found = body.get("material", {})
     return {"": found} if "density" in found else found
 
@@ -112,8 +111,10 @@ def materials(body: dict[str, Any]) -> dict[str, dict[str, Any]]:
 def body_of(
     name: str, skin: Skin, chosen: Array, share: float, scene: dict[str, Any]
 ) -> tuple[dict[str, Any], Array, Array, tuple[float, float]]:
-    """One body of the page, its places at rest, its triangles, and the part of its deformation [m] that is missed. `share` of what all
-    bodies may take is its own."""
+    """A body of the page, its node positions at rest, its triangles, and error and size of its deformation [m].
+
+    @param share  the part of the triangles and shapes of all bodies that this one may use
+    """
     node, element, coordinates = skin.node, skin.element, skin.coordinates[chosen]
     offset: Any = 0.0
     of, tubular = np.arange(len(node)), element.shape[1] == 2
@@ -150,7 +151,7 @@ def body_of(
 
 
 def half_space(name: str, obstacle: dict[str, Any], low: Array, high: Array) -> dict[str, Any]:
-    """A square of an obstacle's surface below all that moves."""
+    """The part of the surface of an obstacle near the bodies, as a square."""
     point, normal = np.array(obstacle.get("point", [0, 0, 0]), float), np.array(obstacle["normal"], float)
     normal /= np.linalg.norm(normal)
     centre = (low + high) / 2
@@ -163,7 +164,7 @@ def half_space(name: str, obstacle: dict[str, Any], low: Array, high: Array) -> 
 
 
 def nearest(points: Array, places: Sequence[Array]) -> tuple[Array, Array]:
-    """For each point the body and node that lie nearest, and where it lies from that node."""
+    """For each point, the nearest body and node, and the offset from that node."""
     best, found, offset = (
         np.full(len(points), np.inf),
         np.zeros((len(points), 2), int),
@@ -179,7 +180,7 @@ def nearest(points: Array, places: Sequence[Array]) -> tuple[Array, Array]:
 
 
 def forces_at(result: History, times: Array, points: Array) -> Array:
-    """(S,p) force at these points in the step of each moment; 0 where the moment is in no row of contact."""
+    """(S,p) force at these points at each moment; 0 if the result has no contact row for it."""
     out = np.zeros((len(times), len(points)))
     if len(result.contact_time):
         half = 0.5 * result.spacing
@@ -190,7 +191,7 @@ def forces_at(result: History, times: Array, points: Array) -> Array:
 
 
 def motion_of(result: History, folder: Path, scene: dict[str, Any]) -> dict[str, Any]:
-    """What the page animates; {"missing": why} when the run has no skins or no snapshots, or kernels are gone."""
+    """The data of the animation, or {"missing": reason} without visualisation surfaces, snapshots or kernels."""
     found = skins_of(result, folder)
     if isinstance(found, str):
         return {"missing": found}

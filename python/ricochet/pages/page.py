@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Puts a run into the page: template, style, scripts and data in one file that asks for no other."""
+"""Fills the template of the page with style, scripts and data; the page needs no other file."""
 import base64
 import hashlib
 import html
@@ -16,12 +16,12 @@ LARGEST_MB = 16
 
 
 def numbers(value: Any) -> Any:
-    """What json can't write by itself."""
+    """NumPy values as values that json can write."""
     return value.tolist()
 
 
 def page_of(run: dict[str, Any]) -> str:
-    """The page as text. Only the scripts of this folder may run in it: the policy names their hash."""
+    """The text of the page. Its content security policy allows the scripts of this folder only, by their hash."""
     script = "\n" + "\n".join((FOLDER / name).read_text() for name in SCRIPTS)
     data = json.dumps(run, ensure_ascii=False, allow_nan=False, separators=(",", ":"), default=numbers)
     parts = {
@@ -40,7 +40,7 @@ def page_of(run: dict[str, Any]) -> str:
 
 
 def save_page(run: dict[str, Any], path: Path) -> None:
-    """Writes the page; a reader never sees a part of it."""
+    """Writes the page atomically. Raises InputError."""
     page = page_of(run).encode()
     if len(page) > LARGEST_MB * 2**20:
         raise InputError(

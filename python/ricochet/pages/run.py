@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Everything that the page of a run tells, as one object of plain values."""
+"""The content of the page of a run, as one object of plain values."""
 import hashlib
 import json
 import shlex
@@ -17,7 +17,7 @@ from ricochet.result_file import File, expected, is_there
 
 
 def summary_of(path: Path, result: History) -> dict[str, Any]:
-    """summary.json of the same run."""
+    """Reads the summary beside the result and checks that it belongs to the same run. Raises InputError."""
     if not is_there(path):
         raise InputError(
             f"{path}: there is no such file. Run ricochet-contact again: it writes one beside the result."
@@ -26,7 +26,7 @@ def summary_of(path: Path, result: History) -> dict[str, Any]:
         summary = json.loads(path.read_text(), parse_constant=lambda word: None)
         json.dumps(
             summary, ensure_ascii=False, allow_nan=False
-        ).encode()  # not with 1e999 or half a character
+        ).encode()  # refuses 1e999 and half a character
     except (ValueError, RecursionError):
         raise InputError(f"{path}: is damaged. Run ricochet-contact again.") from None
     kind: dict[str, type] = (
@@ -51,7 +51,7 @@ def plain(file: File, where: str, name: str) -> Any:
 
 
 def kernel_of(path: Path) -> dict[str, Any] | None:
-    """What a kernel file says of itself; None where it is gone."""
+    """The attributes of a kernel file that the page shows; None if the file is gone."""
     if not is_there(path):
         return None
     file = File(path, "ricochet-kernel")
@@ -89,7 +89,7 @@ def bodies_of(result: History, folder: Path, scene: dict[str, Any]) -> list[dict
 def commands_of(
     result: History, scene: dict[str, Any], bodies: list[dict[str, Any]]
 ) -> list[tuple[str, str]]:
-    """How to come to the same result, as (command, what it does)."""
+    """The commands that repeat the run, as (command, its effect)."""
     text, out = shlex.quote(f"{result.slug}.toml"), []
     if any(body["file"] for body in bodies):
         names = ", ".join(body["file"] for body in bodies)
@@ -110,7 +110,7 @@ def commands_of(
 
 
 def charts_of(result: History, by_table: bool) -> tuple[dict[str, Any], dict[str, Any] | None]:
-    """By section of the page."""
+    """The charts by section of the page, and the map of forces."""
     i = int(np.argmax(result.impulse())) if result.episodes else 0
     still = len(result.time) == 1
     out: dict[str, list[dict[str, Any]]] = {"contact": [], "energy": []}
@@ -135,7 +135,7 @@ def digest(path: Path) -> str:
 
 
 def run_of(path: Path, kernels: Path | None = None) -> dict[str, Any]:
-    """The whole run whose result file is at `path`. Throws InputError."""
+    """Reads the run of a result file. Raises InputError."""
     result = History(path)
     folder = kernels or path.parent
     beside = path.with_name(f"{result.slug}.summary.json")

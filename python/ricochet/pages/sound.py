@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Sound of receivers for a page: one channel of 16 bits, of a length that a page can bear."""
+"""The sound of receivers for a page: one channel of 16 bits, limited in length."""
 import base64
 import struct
 from pathlib import Path
@@ -11,11 +11,11 @@ from ricochet.arrays import Array
 from ricochet.errors import InputError
 from ricochet.result_file import is_there
 
-SAMPLES = 700_000  # of all receivers together: 1.9 MB in the page
+SAMPLES = 700_000  # at most, of all receivers together: 1.9 MB in the page
 
 
 def channels(path: Path, most: int) -> tuple[Array, int, int]:
-    """(n,3) samples of a WAV file of ricochet-contact, at most so many, their rate, and how many there are."""
+    """The first samples (n,3) of a WAV file of ricochet-contact, their rate, and the number of all samples."""
     refusal = InputError(f"{path}: is not a sound that ricochet-contact wrote. Run it again.")
     with open(path, "rb") as file:
         riff = file.read(12)
@@ -37,7 +37,7 @@ def channels(path: Path, most: int) -> tuple[Array, int, int]:
 
 
 def sound_of(path: Path, most: int) -> dict[str, Any]:
-    """The channel that moves most, as a WAV file in base64."""
+    """The channel with the largest motion, as a WAV file in base64."""
     samples, rate, total = channels(path, most)
     if not np.isfinite(samples).all():
         raise InputError(f"{path}: holds samples that are not finite. Run ricochet-contact again.")
@@ -69,7 +69,7 @@ def sound_of(path: Path, most: int) -> dict[str, Any]:
 
 
 def sounds_of(summary: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """Of each receiver that the summary names a file of; {"missing": why} in the place of one that is gone."""
+    """The sound of each receiver with a file in the summary, or {"missing": reason} if the file is gone."""
     out = {}
     named = summary.get("sounds") or {}
     for name, sound in named.items():

@@ -21,7 +21,7 @@ from ricochet.pictures.history import History
 
 
 def force_panel(result: History, ax: Axes, i: int) -> None:
-    """Force at point i and the sum of all, over the time of the contact: steps, whose area is the impulse."""
+    """The force at point i and the sum over all points, as steps over time; the area below them is the impulse."""
     start, end = result.window()
     ms, time_unit = prefixed(end, "s")
     when, here = result.held(result.force[:, i])
@@ -57,7 +57,7 @@ def force_panel(result: History, ax: Axes, i: int) -> None:
 
 
 def table_picture(result: History) -> Figure:
-    """What a run by table kernels knows: the gap where the most impulse passes, velocities of free bodies, the force."""
+    """A run with table kernels: gap and force at the point with the largest impulse, and velocities of free bodies."""
     i = int(np.argmax(result.impulse())) if result.episodes else 0
     ms, _ = prefixed(result.window()[1], "s")
     figure = Figure(figsize=(WIDTH, 8.2), layout="constrained")
@@ -89,7 +89,7 @@ def table_picture(result: History) -> Figure:
 
 
 def contact_picture(result: History) -> Figure:
-    """Place and velocity of both sides where the most impulse passes, and the force there, against time."""
+    """Position and velocity of both sides at the point with the largest impulse, and the force there, over time."""
     i = int(np.argmax(result.impulse())) if result.episodes else 0
     points = len(result.initial_gap)
     start, end = result.window()
@@ -115,7 +115,7 @@ def contact_picture(result: History) -> Figure:
     for ax, unit, label, title, at_point, mean in panels:
         scale, shown_unit = prefixed(largest_of(*(v for _, v in at_point.values()), *mean.values()), unit)
         for name, (when, values) in at_point.items():
-            # What does not move stands behind, broad and pale: the other side lies on it.
+            # An obstacle is drawn behind, broad and pale, as the other side lies on it.
             style = (
                 {"linewidth": 1.8} if name in result.bodies else {"linewidth": 5, "alpha": 0.3, "zorder": 1.4}
             )

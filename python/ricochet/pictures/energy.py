@@ -10,11 +10,11 @@ from ricochet.pictures.history import History
 
 
 def energy_picture(result: History) -> Figure:
-    """Every term of the energy ledger with their sum, and how far the sum strays from its first value."""
+    """All terms of the energy ledger with their sum, and the drift of the sum from its first value."""
     terms = {name: result.energy[name] * (-1 if name == "loads" else 1) for name in result.TERMS}
     ledger = result.energy["total"] + result.energy["damping"] + result.energy["contact"]
     scale_name, reference = "first value", abs(ledger[0])
-    if reference <= 1e-12 * largest_of(*terms.values()):  # a drop from rest starts with nothing
+    if reference <= 1e-12 * largest_of(*terms.values()):  # a body at rest has no energy at first
         scale_name, reference = "largest term", largest_of(*terms.values())
     ms, time_unit = prefixed(result.time[-1], "s")
     mj, energy_unit = prefixed(largest_of(ledger, *terms.values()), "J")
@@ -35,7 +35,7 @@ def energy_picture(result: History) -> Figure:
     top.plot(t, ledger * mj, color="black", linewidth=1.8, linestyle=(0, (4, 1.5)), label="sum of all")
     top.set(ylabel=f"energy ({energy_unit})", title="Where the energy is")
     stray = np.abs(ledger - ledger[0]) / (reference or 1)
-    if np.any(stray):  # a logarithm has no place for exact zeros
+    if np.any(stray):  # a logarithmic axis can't show zeros
         low.semilogy(t[stray > 0], stray[stray > 0], ".", color="black", markersize=2)
         first, last = np.floor(np.log10(stray[stray > 0].min())), np.ceil(np.log10(stray.max()))
         low.set_ylim(10.0**first, 10.0 ** max(last, first + 1))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The picture of moments of a contact: the bodies, seen from where the contact is least hidden, and the force at each point."""
+"""The picture of a contact at several moments: the bodies, from a viewpoint that hides the contact least, and the forces."""
 from matplotlib.axes import Axes
 import numpy as np
 from matplotlib.collections import PolyCollection
@@ -14,12 +14,12 @@ from ricochet.pictures.skins import Skin
 from ricochet.pictures.history import History
 
 MOMENTS = 9
-STILL = 0.01  # of the size: where bodies deform less, motion is drawn larger than it is
-SHOWN = 0.05  # of the size: about how far it is then drawn
+STILL = 0.01  # of the size: motion is drawn larger if all deformations are smaller
+SHOWN = 0.05  # of the size: the largest motion is then about this
 
 
 def snapshots_picture(result: History, skins: dict[str, Skin], time: Array) -> Figure | None:
-    """Of the contact that carries most; None when no snapshot falls into it."""
+    """Draws the contact with the largest impulse; None if it has no snapshot."""
     impulse_of = [result.force[first:behind].sum() for first, behind in result.episodes]
     longest = int(np.argmax(impulse_of))
     start, end = result.spans()[longest]
@@ -38,7 +38,7 @@ def snapshots_picture(result: History, skins: dict[str, Skin], time: Array) -> F
 
     everything = np.concatenate([place for moment in places for place in moment.values()]) @ turn.T
     low, high = everything.min(axis=0)[:2], everything.max(axis=0)[:2]
-    if high[1] - low[1] < 0.02 * (high[0] - low[0]):  # rods: room above and below a line
+    if high[1] - low[1] < 0.02 * (high[0] - low[0]):  # a rod is a line: add room above and below it
         low[1], high[1] = low[1] - 0.1 * (high[0] - low[0]), high[1] + 0.1 * (high[0] - low[0])
     margin = 0.04 * (high - low).max()
     shape = (high[1] - low[1] + 2 * margin) / (high[0] - low[0] + 2 * margin)
@@ -81,7 +81,7 @@ def snapshots_picture(result: History, skins: dict[str, Skin], time: Array) -> F
 
 
 def amplification(skins: dict[str, Skin], chosen: Array, touch: int) -> float:
-    """1, or a round number where neither deformation nor motion since the first touch could be seen."""
+    """The factor by which motion is drawn larger: 1 if the deformation is visible, otherwise a round number."""
     before = {body: skin.at(touch) for body, skin in skins.items()}
     everything = np.concatenate(list(before.values()))
     size = np.linalg.norm(np.ptp(everything, axis=0))
@@ -100,10 +100,10 @@ def amplification(skins: dict[str, Skin], chosen: Array, touch: int) -> float:
 
 
 def paint(ax: Axes, result: History, skins: dict[str, Skin], places: dict[str, Array], turn: Array) -> None:
-    """Triangles and outlines from the farthest to the nearest."""
+    """Paints triangles and outlines from back to front."""
     patches, depth, face, edge, width = [], [], [], [], []
     light = np.array([0.35, 0.5, 0.8]) / np.linalg.norm([0.35, 0.5, 0.8])
-    # Of flat bodies that overlap a little the later one is in front, and outlines lie on what they bound.
+    # Where flat bodies overlap a little, the later one is in front. Outlines are in front of their surfaces.
     near = 0.02 * np.ptp(np.concatenate(list(places.values())), axis=0).max()
     for number, (body, skin) in enumerate(skins.items()):
         seen: Array = places[body] @ turn.T
@@ -144,8 +144,8 @@ def scale_bar(ax: Axes, left: float, bottom: float, wide: float) -> None:
 
 
 class Forces:
-    """Panels of force by point in rows of the contact: over the number of the point where they stand in a line, in order;
-    else over the place in it, or the distance from the first touch."""
+    """Panels of force by point: over the numbers of the points if they are in order along a line; otherwise over the position
+    along the contact or the distance from the first touch."""
 
     def __init__(self, result: History, rows: list[int]) -> None:
         order, where, what = result.positions()
@@ -161,7 +161,7 @@ class Forces:
             return
         self.force = self.force[:, order]
         far = 1.6 * np.abs(where[result.impulse()[order] > 0]).max() or np.abs(where).max()
-        shown = np.abs(where) <= far  # the rest only says that it is open
+        shown = np.abs(where) <= far  # farther points are open
         factor, unit = prefixed(far, "m")
         self.force, self.where, self.label = self.force[:, shown], where[shown] * factor, f"{what} ({unit})"
 

@@ -28,16 +28,16 @@ STYLE = {
     "axes.spines.right": False,
     "legend.frameon": False,
     "agg.path.chunksize": 20000,
-}  # of matplotlib
+}  # matplotlib settings
 
 
 def colour_of(result: History, name: str) -> str:
-    """The same for a body in every picture; grey for what does not move."""
+    """The colour of a body in all pictures; grey for obstacles."""
     return BODY[list(result.bodies).index(name) % len(BODY)] if name in result.bodies else GREY
 
 
 def prefixed(largest: float, unit: str) -> tuple[float, str]:
-    """Factor and unit with the SI prefix that brings `largest` into 1…1000, or none from 0.1 on."""
+    """The factor and the unit with an SI prefix for which `largest` is between 1 and 1000; no prefix from 0.1 on."""
     for power, prefix in [(9, "G"), (6, "M"), (3, "k"), (0, ""), (-3, "m"), (-6, "µ"), (-9, "n")]:
         factor = 10.0**-power
         if largest * factor >= (0.1 if power == 0 else 1):
@@ -50,7 +50,7 @@ def largest_of(*arrays: Array) -> float:
 
 
 def legend_below(figure: Figure, handles: Iterable[Any], names: Iterable[str], columns: int = 4) -> None:
-    """A legend in room of its own at the lower edge; constrained layout keeps the panels out of it."""
+    """A legend at the lower edge; constrained layout keeps the panels above it."""
     names = list(names)
     rows = -(-len(names) // columns)
     room = (0.1 + 0.19 * rows) / figure.get_figheight()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Where to look from, so that no body hides another and as little as can be stands before the contact."""
+"""Chooses a viewpoint from which no body hides another and as little as possible is in front of the contact."""
 from collections.abc import Iterator, Sequence
 import itertools
 
@@ -7,12 +7,12 @@ import numpy as np
 
 from ricochet.arrays import Array
 
-CELLS = 48  # of the longer side of a picture in which it is tried what hides what
-GAIN = 0.05  # by which a view must be better than those before it
+CELLS = 48  # along the longer side of the grid that finds what hides what
+GAIN = 0.05  # a later view must be better by this
 
 
 class View:
-    """Rows of `base`: right, up, towards the eye, before the eye goes round by `azimuth` and up by `elevation` [rad]."""
+    """A viewpoint: right, up and towards the eye are the rows of `base`, turned by `azimuth` and `elevation` [rad]."""
 
     def __init__(self, toward: Array, up: Array, azimuth: float = 0.0, elevation: float = 0.0) -> None:
         right = np.cross(up, toward)
@@ -33,7 +33,7 @@ class View:
 
 
 def views(low: Array, high: Array, tilted: bool) -> Iterator[View]:
-    """Along the axes, the one of least extent first, and along the diagonals of space; `tilted`: a little aside from the axes."""
+    """Views along the axes, the one of smallest extent first, and along space diagonals; `tilted`: a little off the axes."""
     extent, axes = high - low, np.eye(3)
     depth = 2 if extent[2] <= 1.001 * extent.min() else int(np.argmin(extent))
     flat = extent[depth] < 0.3 * np.delete(extent, depth).min()
@@ -46,7 +46,7 @@ def views(low: Array, high: Array, tilted: bool) -> Iterator[View]:
 
 
 def spread(node: Array, element: Array, distance: float) -> Array:
-    """Points over lines or triangles, no farther from each other than `distance`."""
+    """Points on lines or triangles, at most `distance` apart."""
     corner = node[element]
     longest = np.linalg.norm(corner - np.roll(corner, 1, axis=1), axis=2).max(axis=1)
     parts = 2 ** np.ceil(np.log2(np.maximum(longest / distance, 1))).astype(int)
@@ -62,8 +62,8 @@ def spread(node: Array, element: Array, distance: float) -> Array:
 
 
 def clearness(view: View, bodies: Sequence[Array], contact: Array, cell: float) -> float:
-    """At most 1: the least share of a body's outline that no other one hides, less what stands before the contact by its
-    depth over the size of all. `bodies`: (·,3) points of each, no farther apart than a `cell`."""
+    """How well a view shows bodies and contact, at most 1: the smallest visible share of a body, minus the mean depth of what
+    hides the contact, relative to the size of all. `bodies`: (·,3) points of each, at most a `cell` apart."""
     turn = view.turn()
     seen = [points @ turn.T for points in [*bodies, contact]]
     low, high = np.min([p.min(axis=0) for p in seen if len(p)], axis=0), np.max(
@@ -85,8 +85,8 @@ def clearness(view: View, bodies: Sequence[Array], contact: Array, cell: float) 
 
 
 def clearest(skins: Sequence[tuple[Array, Array]], contact: Array, tilted: bool = False) -> View:
-    """The first view that none is much better than. `skins`: (nodes (V,3), elements (E,2 or 3)) of each body; `contact`:
-    (·,3) points in use."""
+    """The first view that is not much worse than any other. `skins`: (nodes (V,3), elements (E,2 or 3)) of each body;
+    `contact`: (·,3) points that touch."""
     places = np.concatenate([node for node, _ in skins])
     low, high = places.min(axis=0), places.max(axis=0)
     cell = (high - low).max() / CELLS

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The kernels of a sweep: what their meshes refuse, found before the first one is computed, and computing them."""
+"""The kernels of a sweep: all meshes are checked first, then each kernel is computed once."""
 import json
 import re
 import subprocess
@@ -25,17 +25,17 @@ Files = dict[int, list[str]]  # by index of a setting: kernel files
 
 
 class Kernels:
-    """Of a study's settings, in `folder`."""
+    """The kernels of the settings of a study, in a folder."""
 
     def __init__(self, study: Study, folder: Path, jobs: int, ranks: int) -> None:
         self.study, self.folder, self.jobs, self.ranks = study, folder, jobs, ranks
-        self.refused: dict[int, Answer] = {}  # by index: an answer as that of an impact
-        self.names: set[str] = set()  # of the files of all settings
-        self.checked: dict[str, Answer | None] = {}  # by meshes: None or an answer
-        self.tried: set[str] = set()  # files of the present round
+        self.refused: dict[int, Answer] = {}  # by index: the answer of --batch
+        self.names: set[str] = set()  # kernel files of all settings
+        self.checked: dict[str, Answer | None] = {}  # by meshes: the error, or None
+        self.tried: set[str] = set()  # files that this round has attempted
 
     def ask(self, requests: Iterable[Answer]) -> Generator[tuple[int, bytes], None, None]:
-        """Yields (index, answer as a line of JSON)."""
+        """Sends requests to processes of ricochet-contact; yields (index, answer as a line of JSON)."""
         words = programs.with_set(programs.settings(self.study.fixed))
         command = [
             programs.BIN / "ricochet-contact",
@@ -48,7 +48,7 @@ class Kernels:
         return in_parallel(self.jobs, programs.bound(command), requests)
 
     def compute(self, missing: Files) -> None:
-        """`missing`: by index the files that a setting lacks. Each is computed once, or its settings join `refused`."""
+        """Computes missing kernel files, given by index of the setting. Settings that fail are added to `refused`."""
         self.tried = set()
         self._check(missing)
         left = self._first_of_each(missing)
@@ -79,7 +79,7 @@ class Kernels:
         return {path.name: path.stat().st_mtime_ns for path in self.folder.glob("*.kernel.h5")}
 
     def _first_of_each(self, missing: Files) -> dict[str, int]:
-        """By file that is still to be computed: the first setting that needs it."""
+        """For each file that is still missing, the first setting that needs it."""
         found: dict[str, int] = {}
         for index, files in missing.items():
             if index not in self.refused:
@@ -89,7 +89,7 @@ class Kernels:
         return found
 
     def _derive(self, new: list[str], missing: Files) -> None:
-        """What follows from a kernel that was computed needs no start of ricochet-kernel."""
+        """Derives kernels from those that were just computed, without starting ricochet-kernel."""
         wanted = sorted(set(self._first_of_each(missing).values())) if new else []
         requests = (
             {"set": programs.settings(self.study.settings[k]), "kernels": True, "derive": new} for k in wanted
@@ -100,8 +100,8 @@ class Kernels:
             )
 
     def _refuse(self, index: int, failure: ProgramError, missing: Files) -> None:
-        """A setting, and others for the same reason: what is refused is so by its meshes, and where a computation broke down
-        it was that of the first body whose kernel is not there."""
+        """Refuses a setting and all others that fail for the same reason: they have the same meshes, or, after a failed
+        computation, need the same kernel, which is the first one missing."""
         there = self._stamps()
         blamed = next((file for file in missing[index] if file not in there), missing[index][0])
         for other, files in missing.items():
@@ -109,14 +109,15 @@ class Kernels:
                 self.refused[other] = {"status": failure.status, "error": str(failure)}
 
     def _meshes(self, index: int) -> str:
-        """What of a setting its meshes have to do with; all of it where reaches choose points by the place of bodies."""
+        """The part of a setting on which the check of meshes depends; with `reach`, which selects candidates by the placement of
+        bodies, the whole setting."""
         setting = self.study.fixed | self.study.settings[index]
         reach = "reach" in self.study.text or any("reach" in key for key in setting)
         return json.dumps({key: value for key, value in setting.items() if reach or not NUMBERS.match(key)})
 
     def _check(self, missing: Files) -> None:
-        """Lets ricochet-kernel check the meshes of all settings that need it, side by side. Those of the first kernel it
-        checks anyway before it computes."""
+        """Lets processes of ricochet-kernel check the meshes of all settings side by side. A single setting is checked by the
+        computation itself."""
         while True:
             asked: dict[str, int] = {}
             for index in self._first_of_each(missing).values():
@@ -134,7 +135,7 @@ class Kernels:
                         self.refused[index] = answer
 
     def _answers(self, asked: dict[str, int]) -> Iterator[tuple[str, Answer | None]]:
-        """Pairs of meshes and what their setting is refused with, or None. `asked`: index by meshes."""
+        """Pairs of meshes and the error of their setting, or None. `asked`: index of a setting by its meshes."""
         running: deque[tuple[str, subprocess.Popen[str]]] = deque()
         waiting = iter(asked.items())
         try:

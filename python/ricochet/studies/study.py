@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Study files of ricochet sweep: which keys of a scene take which values."""
+"""Study files: the values that keys of a scene take in a sweep."""
 from collections.abc import Iterable, Iterator
 import itertools
 import math
@@ -14,12 +14,12 @@ from ricochet.errors import InputError
 from ricochet.programs import slug
 
 DRAWS = {"uniform": 2, "log_uniform": 2, "normal": 2}
-MOST = 10**7  # settings, also of one key: they are held in memory
+MOST = 10**7  # settings, which are held in memory
 DEEPEST = 50
 
 
 class Study:
-    """A study with its scene's text and all its settings: dictionaries from scene keys to values, in an order that does not change."""
+    """A study, the text of its scene and all its settings: dictionaries from scene keys to values, in a fixed order."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -111,9 +111,7 @@ class Study:
         columns = {key: self._values("list", key, value) for key, value in table.items()}
         if len({len(column) for column in columns.values()}) > 1:
             lengths = ", ".join(f"{key}: {len(column)}" for key, column in columns.items())
-            raise InputError(
-                f"{self.path}: list: the keys are walked through together and need as many values each, got {lengths}"
-            )
+            raise InputError(f"{self.path}: list: all keys need the same number of values, got {lengths}")
         return [dict(zip(columns, row)) for row in zip(*columns.values())] if columns else [{}]
 
     def _draws(self, table: dict[str, Any]) -> list[dict[str, Any]]:
@@ -162,18 +160,18 @@ def same_sign(low: float, high: float) -> bool:
 
 
 def shown(value: Any) -> str:
-    """In a message."""
+    """A value as messages print it."""
     text = str(value)
     return text if len(text) < 200 else text[:200] + "…"
 
 
 def utf8(path: Path) -> str:
-    """As text to be stored, also where the file system's bytes are none."""
+    """A path as UTF-8 text; other bytes are replaced."""
     return os.fsencode(path).decode(errors="replace")
 
 
 def unfit(value: Any, depth: int = 1) -> str:
-    """What no scene takes, in words: "" of all that it may."""
+    """Why no scene can take a value, or an empty text."""
     if depth > DEEPEST:
         return f"lists or tables are nested too deep: {DEEPEST} are the most"
     if isinstance(value, dict):
@@ -190,8 +188,9 @@ def unfit(value: Any, depth: int = 1) -> str:
 
 
 def flat(key: str, value: Any, leaves: Iterable[str] = ()) -> Iterator[tuple[str, Any]]:
-    """Pairs (dotted key, value) of a nested TOML table: [grid.bodies.upper] young = [1, 2] and
-    [grid] "bodies.upper.young" = [1, 2] say the same. A table of from, to, steps or of a draw is a value."""
+    """Pairs (dotted key, value) of a nested TOML table: [grid.bodies.upper] young = [1, 2] is the same as
+    [grid] "bodies.upper.young" = [1, 2]. A table with from, to and steps, or with a distribution, is a value.
+    """
     if (
         isinstance(value, dict)
         and not {"from", "to", "steps"} & set(value)

@@ -11,17 +11,17 @@ from typing import Any
 
 from ricochet import programs
 
-# A process has the next request at hand while it computes, as long as a pipe surely holds what it has not read.
+# The next request waits in the pipe while a process computes, as long as the pipe is sure to hold it.
 AHEAD, PIPE_BYTES = 2, 32768
 READ_BYTES = 1 << 20
 
 
 class Worker:
-    """A ricochet-contact that answers requests in their order; started anew when it died."""
+    """A process of ricochet-contact that answers requests in order; it is restarted if it dies."""
 
     def __init__(self, command: Sequence[str], selector: selectors.DefaultSelector) -> None:
         self.command, self.selector = command, selector
-        self.asked: deque[tuple[int, bytes]] = deque()  # without an answer
+        self.asked: deque[tuple[int, bytes]] = deque()  # sent, without an answer yet
         self.rest, self.deaths = b"", 0
         self.start()
 
@@ -38,7 +38,7 @@ class Worker:
         self.selector.register(self.replies, selectors.EVENT_READ, self)
 
     def fill(self, requests: Iterator[tuple[int, bytes]]) -> None:
-        """Takes of `requests`, pairs of an index and a line, what it may have at hand."""
+        """Sends as many of `requests`, pairs of an index and a line, as may wait for the process."""
         while len(self.asked) < AHEAD and sum(len(line) for _, line in self.asked) < PIPE_BYTES:
             request = next(requests, None)
             if request is None:
@@ -53,11 +53,11 @@ class Worker:
         try:
             self.requests.write(line)
         except BrokenPipeError:
-            pass  # its output tells
+            pass  # the end of its output is handled in `answers`
 
     def answers(self) -> Generator[tuple[int, bytes], None, None]:
-        """Pairs of an index and an answer, a line. Where the program dies of a request twice the answer is {"died": true, …}:
-        it may have been killed, and is to be asked again."""
+        """Pairs of an index and an answer, a line of JSON. If the program dies twice with a request, the answer is
+        {"died": true, …}; the request is to be sent again later, as the program may have been killed."""
         found = os.read(self.replies.fileno(), READ_BYTES)
         if not found:
             yield from self.revive()
@@ -85,7 +85,7 @@ class Worker:
         self.replies.close()
 
     def dismiss(self) -> None:
-        """Without a request the process ends by itself; else, and that may take as long as an impact, it is told to."""
+        """Ends the process: with unanswered requests by a signal, otherwise it ends with its input."""
         if self.asked:
             self.process.terminate()
         self.close()
@@ -94,7 +94,7 @@ class Worker:
 def in_parallel(
     jobs: int, command: Sequence[str], requests: Iterable[Any]
 ) -> Generator[tuple[int, bytes], None, None]:
-    """Yields (index, answer as a line of JSON) of requests, Python objects, as up to `jobs` processes answer them."""
+    """Distributes requests, Python objects, to up to `jobs` processes; yields (index, answer as a line of JSON)."""
     waiting = ((index, json.dumps(request).encode() + b"\n") for index, request in enumerate(requests))
     with selectors.DefaultSelector() as selector:
         workers = []
