@@ -32,7 +32,7 @@ static_assert(RICOCHET_VERSION_NUMBER == RICOCHET_PROJECT_VERSION_NUMBER,
 
 thread_local char last_error[1024] = "";
 
-/// What `action` returns, or `failed` when it throws.
+/// Returns the result of `action`, or `failed` if it throws.
 template <class Result, class Action>
 Result guarded(Result failed, Action action) noexcept {
   try {

@@ -15,7 +15,7 @@ namespace ricochet::contact {
 
 enum class SolveStatus {
   solved,
-  limited,  ///< max_pivots was reached: λ ≥ 0 and λᵀw = 0, but w ≥ 0 only as far as residual() says
+  limited,      ///< max_pivots was reached: λ ≥ 0 and λᵀw = 0, but w ≥ 0 only to within residual()
   no_solution,  ///< S is singular and r pushes along its null space: no λ closes the gap
   not_finite,   ///< r, the diagonal of S or a column that is used holds a NaN or an infinity
 };
@@ -28,7 +28,7 @@ struct SolveOptions {
   int max_pivots = std::numeric_limits<int>::max();
 };
 
-/// How far the last answer is from complementarity; all 0 unless it was `limited`.
+/// Violation of complementarity by the last answer; all 0 unless it was `limited`.
 struct SolveResidual {
   double violation = 0;  ///< max −w_i, in units of r
   double scale = 0;      ///< |r|_∞ + ‖S_·P‖_∞ |λ|_∞, which the tolerance of w is relative to

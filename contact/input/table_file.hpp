@@ -11,7 +11,7 @@ namespace ricochet::contact {
 /// Reads and validates. Throws InputError, one line.
 Table read_table(const std::filesystem::path& path);
 
-/// Writes beside `path` and renames. Throws InputError when the place can't be written.
+/// Writes a temporary file and renames it to `path`. Throws InputError if the place cannot be written.
 void write_table(const Table& table, const std::filesystem::path& path);
 
 }  // namespace ricochet::contact

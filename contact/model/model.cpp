@@ -13,7 +13,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Of the kinetic energy of a rigid velocity, what the rigid modes may miss by round-off of the eigensolver.
+/// Share of the kinetic energy of a rigid velocity that the rigid modes may miss by round-off of the
+/// eigensolver.
 constexpr double rigid_slack = 1e-6;
 
 /// Loads of a kernel as (3,N).

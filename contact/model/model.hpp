@@ -3,7 +3,7 @@
 //
 // Modes of all bodies are stacked in q (N); paired candidates of all pairs are stacked in i (m).
 //   u = B q + s − R λ     relative normal displacement, positive when a gap closes
-//   s                     static part of loads on modes left out, and the lift of supports that move
+//   s                     static correction of the loads, and the static lift of moving supports
 //   u_i ≤ g_i             impenetrability,   λ_i ≥ 0 compressive force [N],   modal force of contact −Bᵀ λ
 #pragma once
 
@@ -24,12 +24,12 @@ namespace ricochet::contact {
 /// (m, cM) of one body: u = Σ_bodies P · (displacement of its candidates in its own frame).
 using Selection = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
-/// A load or a moving support: `vector` times a history.
+/// A load or a moving support of the scene: `vector` times a history.
 struct DriveRequest {
   std::string body;
-  std::string name;      ///< of the kernel's load; of the kernel's motion, where a support moves
-  bool support = false;  ///< a support that moves
-  Eigen::Vector3d vector = Eigen::Vector3d::Zero();  ///< world: [Pa], [N] or, of a support, [m]
+  std::string name;                                  ///< of the load, or of the motion, in the kernel
+  bool support = false;                              ///< whether it is a moving support
+  Eigen::Vector3d vector = Eigen::Vector3d::Zero();  ///< world; [Pa] or [N] of a load, [m] of a support
   History history{};
 };
 
@@ -40,12 +40,12 @@ struct Model {
   Vector q0, v0;        ///< initial modal displacement (0) and velocity (rigid), [kg^1/2 m], [kg^1/2 m/s]
   // contact points (m)
   Matrix B;  ///< (m,N) [kg^-1/2]
-  Matrix R;  ///< (m,m) [m/N]; zero when kernels carry none
+  Matrix R;  ///< (m,m) [m/N]; zero if the kernels hold none
   bool has_residual = false;
   Vector gap;                       ///< (m) g [m]
-  Vector static_displacement;       ///< (m) the constant part of s, under gravity [m]
-  Matrix R_a;                       ///< (m,m) the share of R by which body a of point i moves at i [m/N]
-  Vector static_a;                  ///< (m) likewise of s [m]
+  Vector static_displacement;       ///< (m) constant part of s, due to gravity [m]
+  Matrix R_a;                       ///< (m,m) share of R that belongs to body a of point i [m/N]
+  Vector static_a;                  ///< (m) share of static_displacement that belongs to body a [m]
   Vector area;                      ///< (m) [m²]
   Matrix point_a, point_b, normal;  ///< (m,3) world
 
@@ -68,46 +68,46 @@ struct Model {
 
   struct PairBlock {
     int first_point = 0, points = 0, unpaired = 0;
-    int a = 0, b = -1;            ///< index into bodies; b = −1: a half-space
-    std::optional<double> reach;  ///< [m] where some points were left out as beyond it
+    int a = 0, b = -1;            ///< indices of the bodies; b = −1: a half-space
+    std::optional<double> reach;  ///< [m] set if points beyond it were left out
   };
   std::vector<PairBlock> pairs;
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
 
-  /// A load or a moving support, for a factor of 1. Of body `body` alone, whose modes its vectors have.
+  /// A load or a moving support for a history of value 1. Its modal vectors cover the modes of `body` only.
   struct Drive {
     std::string name;
     int body = 0;
     bool support = false;
-    int entry = 0;                    ///< of its kernel's loads, or motions
+    int entry = 0;                    ///< index of the load, or of the motion, in the kernel
     Eigen::Vector3d vector{0, 0, 0};  ///< world
     History history;
     Vector force;                            ///< (modes) modal force of a load [kg^1/2 m/s²]; support: 0
     Vector lift;                             ///< (modes) Γ of a support [kg^1/2 m]; load: 0
     Vector displacement;                     ///< (m) quasi-static u: residual of a load, Ψ of a support [m]
-    Vector displacement_a;                   ///< (m) share of body a of point i
-    Eigen::Vector3d total{0, 0, 0};          ///< resultant of a load [N]; support: 0
+    Vector displacement_a;                   ///< (m) share of displacement that belongs to body a
+    Eigen::Vector3d total{0, 0, 0};          ///< resultant force of a load [N]; support: 0
     Eigen::Vector3d lift_momentum{0, 0, 0};  ///< ∫ρΨ of a support, of its elastic modes and beyond [kg m]
   };
   std::vector<Drive> drives;
 
-  /// A point of body `body` whose motion is recorded: world axes, (3, …).
+  /// A point of `body` whose motion is recorded, in world axes.
   struct Receiver {
     std::string name;
     int body = 0;
     Eigen::Vector3d point{0, 0, 0};     ///< [m]
     Matrix shape;                       ///< (3,modes) [kg^-1/2]
-    Matrix flexibility;                 ///< (3,m) by a unit force λ_i [m/N]
-    Eigen::Vector3d constant{0, 0, 0};  ///< quasi-static, under gravity [m]
+    Matrix flexibility;                 ///< (3,m) static correction for a unit force λ_i [m/N]
+    Eigen::Vector3d constant{0, 0, 0};  ///< static correction for gravity [m]
     Matrix drives;                      ///< (3,drives) quasi-static: residual of loads, Ψ of supports [m]
   };
   std::vector<Receiver> receivers;
 
   /// (N) q̇ at t = 0, relative to the lift of moving supports.
   Vector initial_rates() const;
-  /// Momentum of a body [kg m/s] that its modal rates `v` (N), relative to its supports, leave at t.
+  /// Momentum of a body at t [kg m/s]. @param v  (N) modal rates relative to the supports
   Eigen::Vector3d momentum(int body, const Vector& v, double t) const;
-  /// The same of angular momentum about the world's origin, by the modes alone [kg m²/s].
+  /// Angular momentum of a body about the world's origin, carried by its modes [kg m²/s]. @param v  as above
   Eigen::Vector3d angular_momentum(int body, const Vector& v, double t) const;
 };
 

@@ -27,11 +27,11 @@ struct ProblemOptions {
 /// Watches a run of the compliant scheme. `observe` is called after each step.
 class ProblemFiles {
  public:
-  /// `model` outlives this. Throws InputError when the folder can't be made.
+  /// `model` must outlive this object. Throws InputError if the folder cannot be created.
   ProblemFiles(const Model& model, const StepOptions& step, ProblemOptions options);
 
   /// Writes the step's problem and its solution, where it has a force and was solved to the end (not cut
-  /// short by max_pivots). Throws InputError when the file can't be written.
+  /// short by max_pivots). Throws InputError if the file cannot be written.
   void observe(const Stepper& stepper);
 
   int written() const { return written_; }

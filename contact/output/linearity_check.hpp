@@ -20,7 +20,7 @@ struct RigidMotion {
 RigidMotion rigid_motion(const Model::BodyBlock& body, const Eigen::Matrix3d& inverse_inertia,
                          const Vector& state);
 
-/// Of an inertia tensor: rods have no inertia about their axis, or none at all.
+/// Pseudo-inverse of an inertia tensor, because rods have no inertia about their axis, or none at all.
 Eigen::Matrix3d pseudo_inverse(const Eigen::Matrix3d& inertia);
 
 /// A warning if `body` turned by more than linear rotations allow.

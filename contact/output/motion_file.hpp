@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Streams the motion of the bodies' surfaces and the contact forces into <stem>.h5, with <stem>.xdmf for
-// ParaView beside it (FORMAT.md). Both have their final names only once they are whole.
+// ParaView beside it (FORMAT.md). Both files get their final names when they are complete.
 //
 //   MotionFile motion(stepper, model, {.stem = "out/two-disks.motion", .every = 8});
 //   while (…) { stepper.step(); motion.record(stepper); }
@@ -21,10 +21,10 @@
 namespace ricochet::contact {
 
 struct MotionOptions {
-  std::filesystem::path stem;  ///< of both files, their last endings apart
+  std::filesystem::path stem;  ///< path of both files without .h5 and .xdmf
   std::string title{}, created_by{};
-  std::vector<std::string> pairs{};  ///< a name for each pair of the model
-  std::int64_t every = 1;            ///< a frame each n-th step
+  std::vector<std::string> pairs{};  ///< one name per pair of the model
+  std::int64_t every = 1;            ///< steps from one frame to the next
 };
 
 class MotionFile {
@@ -33,16 +33,16 @@ class MotionFile {
   /// has a view. `model` outlives the file. Throws InputError when the file can't be made.
   MotionFile(const Stepper& start, const Model& model, const MotionOptions& options);
 
-  /// Bodies at rest as the one frame, of t = 0. Throws likewise.
+  /// Writes bodies at rest as one frame at t = 0. Throws as above.
   MotionFile(const Equilibrium& equilibrium, const Model& model, const MotionOptions& options);
 
-  /// After each step of `stepper`. Throws InputError when the disk is full.
+  /// Call it after each step of `stepper`. Throws InputError if the disk is full.
   void record(const Stepper& stepper);
 
-  /// Gives the files their names. Nothing may be called after it.
+  /// Gives the files their final names. It must be the last call.
   void commit();
 
-  std::filesystem::path xdmf() const;  ///< what the user opens
+  std::filesystem::path xdmf() const;  ///< the file to open in ParaView
 
  private:
   /// The contact points of a pair, as they move with body a.

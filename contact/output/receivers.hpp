@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The motion of the model's receivers at the end of each step: what a sensor glued to the body would see.
+// The motion of the model's receivers at the end of each step, as a sensor glued to the body would measure
+// it.
 #pragma once
 
 #include <vector>
@@ -9,23 +10,24 @@
 
 namespace ricochet::contact {
 
-/// World axes.
+/// Motion of one receiver, in world axes.
 struct ReceiverMotion {
-  Eigen::Vector3d displacement{0, 0, 0};  ///< modes and all quasi-static parts [m]
-  Eigen::Vector3d velocity{0, 0, 0};      ///< modes, supports, and loads that change [m/s]
-  /// Modes [m/s²]. Impulses and kinks of a support's history are instants without one; it is that just after.
+  Eigen::Vector3d displacement{0, 0, 0};  ///< of the modes and of all static corrections [m]
+  Eigen::Vector3d velocity{0, 0, 0};      ///< of the modes, the supports and the loads that change [m/s]
+  /// Of the modes [m/s²]. It is undefined at an impulse and at a kink of a support's history; there it is the
+  /// value just after.
   Eigen::Vector3d acceleration{0, 0, 0};
 };
 
 class Receivers {
  public:
-  /// `model` outlives the receivers. Their motion is that of t = 0.
+  /// Starts with the motion at t = 0. `model` must outlive the receivers.
   Receivers(const Model& model, const StepOptions& options);
 
   std::size_t size() const { return motion_.size(); }
   const ReceiverMotion& operator[](std::size_t receiver) const { return motion_[receiver]; }
 
-  /// After a step of `stepper`. Takes no memory.
+  /// Call it after each step of `stepper`. It does not allocate.
   void observe(const Stepper& stepper) noexcept;
 
  private:
@@ -33,7 +35,8 @@ class Receivers {
 
   const Model& model_;
   bool compliant_;
-  std::vector<Model::Receiver> receivers_;  ///< modes that steps do not sample moved into their statics
+  std::vector<Model::Receiver>
+      receivers_;  ///< with the modes above half the step rate moved into the static correction
   std::vector<ReceiverMotion> motion_;
   Vector acceleration_;  ///< (N) q̈
 };

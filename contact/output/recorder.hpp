@@ -38,10 +38,10 @@ double least_bytes(const Model& model, const RecorderOptions& options, std::int6
 class Recorder {
  public:
   /// Makes the file and writes the row of t = 0. `model` outlives the recorder.
-  /// Throws InputError when the file can't be made.
+  /// Throws InputError if the file cannot be created.
   Recorder(const Model& model, const StepOptions& step, const RecorderOptions& options);
 
-  /// Makes the file and writes bodies at rest as its one row, of t = 0. Throws likewise.
+  /// Creates the file and writes bodies at rest as one row at t = 0. Throws as above.
   Recorder(const Model& model, const Equilibrium& equilibrium, const RecorderOptions& options);
 
   /// A run by table kernels. Energies, the motion of the two sides and modal coordinates are not known; their
@@ -56,7 +56,7 @@ class Recorder {
   const Receivers& receivers() const { return *receivers_; }
 
   /// Writes what is held back and gives the file its name. Nothing may be called after it.
-  /// @param summary  of an earlier run, removed just before: one is written last, and tells that all is there
+  /// @param summary  summary of an earlier run; it is removed first, because a summary marks a complete run
   void commit(const std::filesystem::path& summary = {});
 
  private:

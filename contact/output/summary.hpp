@@ -24,7 +24,7 @@ struct Episode {
   double peak_force_n = 0;      ///< largest Σ_i λ_i of a step
 };
 
-/// Shares in the relative error of the main results (outcome.hpp); none where there is nothing to tell it by.
+/// Contributions to the relative error of the quantities of interest (quantities.hpp); none: unknown.
 struct ErrorEstimate {
   std::optional<double> mesh, modes, step, eigensolver, precision, spacing;
   double total() const;  ///< sum of those known
@@ -95,10 +95,10 @@ struct EquilibriumSummary {
 
 EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium);
 
-/// As in summary.json.
+/// The text of summary.json.
 std::string json_text(const Summary& summary);
 
-/// Writes `summary` beside `path` and renames it. Throws InputError when the place can't be written.
+/// Writes a temporary file and renames it to `path`. Throws InputError if the place cannot be written.
 void write_json(const Summary& summary, const std::filesystem::path& path);
 std::string json_text(const EquilibriumSummary& summary);
 void write_json(const EquilibriumSummary& summary, const std::filesystem::path& path);

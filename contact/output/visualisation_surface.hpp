@@ -30,7 +30,7 @@ struct SurfacePoint {
 
 class VisualisationSurface {
  public:
-  /// Of a body of the model whose kernel has a view. `model` outlives the surface.
+  /// The body's kernel must have a visualisation surface. `model` must outlive this object.
   VisualisationSurface(const Model& model, int body, const StepOptions& options);
 
   std::size_t nodes() const { return view_.node.size() / 3; }

@@ -140,7 +140,7 @@ Pairing arrange(PlacedBody a, const PairRequest& request, double round_off, Find
     for (const auto& point : out.points) way += point.area * point.normal;
     way = request.direction.value_or(way.normalized());
     Vector3d shift = Vector3d::Zero();
-    // Newton's method: with one direction the first round is exact, else pairs change as a moves.
+    // Newton's method: with one direction the first round is exact; otherwise pairs change as a moves.
     for (int round = 0;; ++round) {
       const Pairing::Point& nearest = closest_pair(out);
       const double excess = nearest.gap - *request.gap, rate = nearest.normal.dot(way);

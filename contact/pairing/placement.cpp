@@ -20,7 +20,7 @@ namespace {
 
 /// Throws InputError when the gap of another pair has moved one of the bodies again.
 void check_gap(const Placement& placement, const ContactPair& pair) {
-  // Points are sums of a placement and of what the mesh says, and both may be far larger than the sum.
+  // A point is the sum of a placement and a mesh coordinate, and both may be far larger than the sum.
   const PairRequest& request = pair.request;
   double nearest = pair.pairing.points.front().gap,
          farthest = placement.bodies[static_cast<std::size_t>(pair.a)].translation.cwiseAbs().maxCoeff();

@@ -44,7 +44,7 @@ struct Projection {
 /// All candidates of the body, also those that its kernel does not hold.
 WorldSurface surface_of(const PlacedBody& body);
 
-/// What round-off is measured by [m]. Rods have no extent; then a metre counts, and how far out they are.
+/// Reference length for round-off [m]. Rods have no extent: a metre and their distance from the origin count.
 double size_of(const WorldSurface& a, const WorldSurface& b);
 
 /// Projects points onto a surface, searched through a tree of boxes around its elements. Among equally good

@@ -14,7 +14,7 @@
 namespace ricochet::contact {
 
 struct ModalState {
-  /// Throws InputError on options that `model` can't be stepped with.
+  /// Throws InputError for options with which `model` cannot be stepped.
   ModalState(const Model& model, const StepOptions& options);
 
   const Energy& energy() const { return ledger.energy(); }

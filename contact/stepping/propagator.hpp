@@ -13,11 +13,12 @@ namespace ricochet::contact {
 
 struct ModeStep {
   double a, b, c, d, e, h;
-  /// Energy a damper takes over the step, exactly:
+  /// Exact energy that damping takes over the step:
   /// ∫ 2δ q̇² dt = 2δ [ss g² + 2 sr g q̇ + rr q̇²],  g = f − ω² q,  ss = ∫S², sr = ∫S S' = S(Δ)²/2, rr = ∫S'²,
-  /// because q̇(t) = g S(t) + q̇ S'(t). Each integral from its own closed form, not from the energy balance.
+  /// because q̇(t) = g S(t) + q̇ S'(t). Each integral has its own closed form; none comes from the energy
+  /// balance.
   double ss, sr, rr;
-  /// Of a force that changes linearly: r = ∫c, w = ∫r, cc = ∫c². With them
+  /// For a force that changes linearly: r = ∫c, w = ∫r, cc = ∫c². They give
   /// ∫ q dt = Δ q + c q̇ + r g + w k   and   q̇(t) = g S(t) + q̇ S'(t) + k c(t),
   /// ∫ q̇² dt = ss g² + 2 sr g q̇ + rr q̇² + c² g k + 2 (S c − ss) q̇ k + cc k².
   double r, w, cc;

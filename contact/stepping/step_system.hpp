@@ -10,7 +10,7 @@
 
 namespace ricochet::contact {
 
-/// Of a modal system under a step Δ. Modes moved into R have coefficients, B, load and q0 of 0.
+/// Constants of a modal system for a step Δ. Modes moved into R have coefficients, B, load and q0 of 0.
 struct StepSystem {
   Vector omega, decay;
   Vector stiffness, load, q0;        ///< (N) ω²; constant modal force; q at t = 0
@@ -25,7 +25,7 @@ struct StepSystem {
   int dropped = 0;  ///< modes moved into R
 };
 
-/// Throws InputError on options that `model` can't be stepped with.
+/// Throws InputError for options with which `model` cannot be stepped.
 std::shared_ptr<const StepSystem> make_step_system(const Model& model, const StepOptions& options);
 
 }  // namespace ricochet::contact

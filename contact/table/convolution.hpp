@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Convolution of a sampled matrix kernel with a history that grows by a sample at a time.
+// Convolution of a sampled matrix kernel with a history that grows by one sample at a time.
 //
 //   y_k = Σ_{l ≥ 1} H_l x_{k−l}          H_l (rows, columns), l = 0 … L−1; x_j (columns), j = 0, 1, …
 //
-// Lag 0 is the caller's: contact forces are the solution of a problem that holds H_0.
+// The caller handles lag 0, because the contact forces solve a problem that contains H_0.
 //
-// direct: the sum as it stands; the k-th sample costs min(k, L) products of a matrix and a vector.
-// partitioned: lags below a block of B samples directly, so that nothing is late; the rest in partitions of B
-// lags by FFTs of 2B samples (overlap-save, the spectra of past blocks kept), once a block, when it is full.
-// A sample costs about 2B + 4L/B products instead of L. All of the latter fall to the last sample of a block.
+// direct: evaluates the sum; sample k costs min(k, L) matrix–vector products.
+// partitioned: evaluates the lags below a block of B samples directly, without latency, and all other lags in
+// partitions of B lags by FFTs of 2B samples (overlap-save with stored spectra), once per full block. A
+// sample costs about 2B + 4L/B products instead of L; the last sample of each block bears the FFT part.
 #pragma once
 
 #include <Eigen/Dense>
@@ -20,7 +20,7 @@
 
 namespace ricochet::contact {
 
-/// What the kernel is beyond its last sample.
+/// Continuation of the kernel beyond its last sample.
 enum class Tail {
   none,    ///< zero
   linear,  ///< H_{L−1} + (l − L + 1) D, D the mean slope of the last tenth: see Convolution::departure
@@ -28,14 +28,15 @@ enum class Tail {
 
 struct ConvolutionOptions {
   bool partitioned = true;
-  int block = 0;  ///< B, a power of two from 2 on; 0: about √(2L)
+  int block = 0;  ///< B, a power of two of at least 2; 0: about √(2L)
   Tail tail = Tail::none;
 };
 
 class Convolution {
  public:
   /// @param kernel  (L, rows, columns), row-major, L ≥ 1; not needed afterwards
-  /// Allocates here only. The partitioned form holds twice the kernel's memory, the direct one once.
+  /// Only the constructor allocates. The partitioned form takes twice the memory of the kernel, the direct
+  /// form as much as the kernel.
   Convolution(std::span<const double> kernel, int rows, int columns, const ConvolutionOptions& options = {});
   Convolution(const Convolution&);
   Convolution& operator=(const Convolution&);
@@ -50,8 +51,8 @@ class Convolution {
   std::int64_t samples() const { return samples_; }
   int block() const { return block_; }  ///< B; 0: direct
 
-  /// How far the last tenth of a kernel (at least 2 steps) departs from the straight line of a linear tail:
-  /// the largest |difference| of a row over the largest |value| of that row, over all rows.
+  /// Departure of the last tenth of a kernel (at least 2 steps) from the straight line of a linear tail: the
+  /// maximum over all rows of the largest |difference| divided by the largest |value| of the row.
   static double departure(std::span<const double> kernel, int rows, int columns);
 
  private:

@@ -13,7 +13,7 @@ namespace {
 
 constexpr const char* advice = "contact/TABLE.md says what a table holds.";
 
-/// Of the largest value: a table said to end in a straight line must, within this.
+/// A table with a linear tail must end in a straight line to within this share of its largest value.
 constexpr double straight = 1e-6;
 
 /// Gaps smaller than this share of what they are made of are round-off of touching.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Sampled kernels of the contact points, for what is not modal: closed forms, measurements, other solvers.
-// TABLE.md is the file format and says what a sample means.
+// Sampled kernels of the contact points, for sources that are not modal: closed forms, measurements, other
+// solvers. TABLE.md defines the file format and the meaning of a sample.
 //
 //   u_k = ũ_k − Σ_l N_l P_{k−l}     impulses P at the instants t_k = kΔ
 //   u_k = ũ_k − Σ_l S_l λ_{k−l}     forces λ, each constant over the step that ends at t_k
@@ -19,7 +19,7 @@
 
 namespace ricochet::contact {
 
-/// A body whose mass-mean motion follows from the contact forces, because nothing else holds it.
+/// A body without supports: its mass-mean motion follows from the contact forces.
 struct FreeBody {
   std::string name;
   double mass = 0;                                     ///< [kg]
@@ -34,10 +34,10 @@ struct Table {
   /// (L,m,m) Ṅ_l = Ṅ(lΔ⁺) [1/kg]; where N itself jumps, the mean rate (N_{l+1} − N_l)/Δ of the step behind
   /// lΔ.
   std::vector<double> velocity;
-  /// (L,m,m) S_l = ∫ N dt from lΔ to (l+1)Δ [m/N], what yields at once added to S_0. May be empty: then
-  /// Δ (N_l + N_{l+1})/2, a quadrature of second order.
+  /// (L,m,m) S_l = ∫ N dt from lΔ to (l+1)Δ [m/N], with the instantaneous flexibility added to S_0. If empty,
+  /// Δ (N_l + N_{l+1})/2 is used, a quadrature of second order.
   std::vector<double> flexibility;
-  Tail tail = Tail::none;             ///< of N, Ṅ and S beyond the table
+  Tail tail = Tail::none;             ///< continuation of N, Ṅ and S beyond the table
   std::vector<double> free;           ///< (K,m) ũ_k [m]; empty: the rigid motion of `bodies`
   std::vector<double> free_velocity;  ///< (K,m) [m/s]; empty: (ũ_{k+1} − ũ_k)/Δ
   Vector gap;                         ///< (m) [m]
@@ -46,12 +46,12 @@ struct Table {
 
   int points() const { return static_cast<int>(gap.size()); }
   std::int64_t samples() const;   ///< L
-  std::int64_t instants() const;  ///< K; 0: rigid motion, without end
+  std::int64_t instants() const;  ///< K; 0: rigid motion of unlimited length
 };
 
-/// Throws InputError naming `origin` when shapes disagree, a value is not finite, N_0 is not 0, points
-/// overlap at the start, a mass is not positive, or a linear tail is claimed of a kernel that does not end in
-/// one.
+/// Throws InputError that names `origin` if shapes disagree, a value is not finite, N_0 is not 0, points
+/// overlap at the start, a mass is not positive, or a kernel with a linear tail does not end in a straight
+/// line.
 void validate(const Table& table, const std::string& origin);
 
 }  // namespace ricochet::contact

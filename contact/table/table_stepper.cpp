@@ -16,7 +16,7 @@ namespace {
 /// Round-off of the convolution: a point within this share of the terms of u − g touches.
 constexpr double touch = 1e-12;
 
-/// Of the largest entry of lag 0: asymmetry and negative eigenvalues up to here are round-off.
+/// Asymmetry and negative eigenvalues up to this share of the largest entry of lag 0 are round-off.
 constexpr double definite = 1e-9;
 
 /// (L − 1, m, m) mean rate over the step behind each sample.
@@ -26,7 +26,8 @@ std::vector<double> difference(const std::vector<double>& x, std::size_t width, 
   return out;
 }
 
-/// What is convolved with the forces: (L, rows, m), and the block of lag 0 that multiplies the force sought.
+/// The samples that are convolved with the forces (L, rows, m), and the block of lag 0, which multiplies the
+/// unknown force.
 struct Kernel {
   std::span<const double> values;  ///< the table's own, or `made`
   std::vector<double> made;

@@ -27,7 +27,7 @@ struct Discretised {
 /// for one team. Needs a GmshSession. Collective.
 Discretised discretise(const scene::KernelRequest& request, MPI_Comm comm, console::Console& console);
 
-/// Whether a body's kernel can be computed, as far as its mesh says. Throws InputError on every rank.
+/// Checks from its mesh whether a body's kernel can be computed. Throws InputError on every rank if not.
 /// Collective.
 void check_body(const scene::KernelRequest& request, MPI_Comm comm, console::Console& console);
 

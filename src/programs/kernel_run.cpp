@@ -66,7 +66,7 @@ modes::ModeSet find_modes(const scene::KernelRequest& request, Discretised& made
     return contact_basis(wanted.flexibility_error.value_or(0), wanted.count);
   std::optional<Hertz> up_to = wanted.up_to;
   if (wanted.flexibility_error) {
-    // The vectors fitted to contact tell how far up modes matter.
+    // A contact-adapted basis shows up to which frequency modes matter.
     const double error = beyond_search * *wanted.flexibility_error;
     up_to = modes::needed_up_to(*made.teams, made.mesh, contact_basis(error, {}), loads, loads.cols(),
                                 *wanted.up_to, error);

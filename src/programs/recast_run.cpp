@@ -69,7 +69,7 @@ scene::KernelRequest wanted_of(const scene::KernelRequest& had, const RecastOpti
   return wanted;
 }
 
-/// What the kernel becomes, and the name of its file.
+/// The rescaled or truncated kernel, and the name of its file.
 std::string recast(const RecastOptions& options, kernels::Kernel& kernel) {
   const std::string file = options.kernel.string();
   kernels::Header header{kernel.hash, kernel.scene, kernel.mesh_sha256};
