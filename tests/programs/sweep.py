@@ -78,7 +78,7 @@ class Studies(SweepTest):
 
     def test_what_is_wrong_with_a_study_is_said_in_one_line(self):
         for text, part in [("", "varies nothing"), ("[grid]\na = 3", 'grid."a" = 3'), ("[rows]\na = [1]", 'unknown key "rows"'),
-                           ("[list]\na = [1]\nb = [1, 2]", "as many values"), ("[random]\na = {uniform = [0, 1]}", "count"),
+                           ("[list]\na = [1]\nb = [1, 2]", "the same number of values"), ("[random]\na = {uniform = [0, 1]}", "count"),
                            ("[random]\ncount = 2\na = {log_uniform = [-1, 1]}", "of one sign"),
                            ("[grid]\na = [1]\n[list]\na = [2]", "varied twice"),
                            ("[grid]\na = {from = -1, to = 1, steps = 3, scale = 'log'}", "same sign"), ("[grid", "is not TOML")]:
