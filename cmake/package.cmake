@@ -39,7 +39,7 @@ file(CHMOD ${PROJECT_BINARY_DIR}/package/python/postinst ${PROJECT_BINARY_DIR}/p
   OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/package/python/postinst
   ${PROJECT_BINARY_DIR}/package/python/prerm)
-set(CPACK_DEBIAN_PYTHON_PACKAGE_DESCRIPTION "frictionless impact of elastic bodies, from Python
+set(CPACK_DEBIAN_PYTHON_DESCRIPTION "frictionless impact of elastic bodies, from Python
 The Python package ricochet: scenes, kernels, impacts, studies and
 pictures as objects and NumPy arrays. The package ricochet has the
 programs that compute kernels.
