@@ -91,9 +91,9 @@ Model coarsened(const Model& model) {
   out.point_b = T * model.point_b;
   out.normal = T * model.normal;
   out.area = area;
-  for (Model::Drive& drive : out.drives) {
-    drive.displacement = T * drive.displacement;
-    drive.displacement_a = T * drive.displacement_a;
+  for (Model::Forcing& one : out.forcing) {
+    one.displacement = T * one.displacement;
+    one.displacement_a = T * one.displacement_a;
   }
   for (Model::BodyBlock& body : out.bodies) body.selection = Selection(T.sparseView()) * body.selection;
   for (Model::Receiver& receiver : out.receivers) receiver.flexibility = receiver.flexibility * T.transpose();

@@ -18,7 +18,7 @@ auto matrix(const std::vector<double>& values, Eigen::Index rows, Eigen::Index c
 
 /// The kernel's entry of this name, and its place.
 template <class Entry>
-std::size_t place_of(const std::vector<Entry>& entries, const DriveRequest& request, const char* what) {
+std::size_t place_of(const std::vector<Entry>& entries, const ForcingRequest& request, const char* what) {
   const auto found =
       std::find_if(entries.begin(), entries.end(), [&](const Entry& e) { return e.name == request.name; });
   if (found != entries.end()) return static_cast<std::size_t>(found - entries.begin());
@@ -31,7 +31,7 @@ std::size_t place_of(const std::vector<Entry>& entries, const DriveRequest& requ
 
 /// A support that is displaced at t = 0 has been so for ever; later, a jump would be a shock of infinite
 /// energy.
-void refuse_jump(const DriveRequest& request) {
+void refuse_jump(const ForcingRequest& request) {
   if (request.history.time.front() <= 0 || request.history.value.front() == 0) return;
   throw InputError(base::format(
       "loads.motion: the history of \"{}\" of body \"{}\" begins with the factor {} at t = {} s, "
@@ -49,38 +49,38 @@ Vector share_of_a(const Model& model, int k, const Vector& u) {
 }
 
 /// Its place among the kernel's loads or motions.
-std::size_t entry_of(const Kernel& kernel, const DriveRequest& request) {
+std::size_t entry_of(const Kernel& kernel, const ForcingRequest& request) {
   return request.support ? place_of(kernel.motions, request, "loads.motion")
                          : place_of(kernel.applied, request, "loads");
 }
 
-/// Columns of a drive in a receiver's residual: three for each load, or each motion.
-Vector3d column(const std::vector<double>& residual, const Model::Drive& drive, const Vector3d& along) {
+/// Columns of a load or motion in a receiver's residual: three for each load, or each motion.
+Vector3d column(const std::vector<double>& residual, const Model::Forcing& one, const Vector3d& along) {
   if (residual.empty()) return Vector3d::Zero();
-  return matrix(residual, 3, static_cast<Eigen::Index>(residual.size()) / 3).middleCols(3 * drive.entry, 3) *
+  return matrix(residual, 3, static_cast<Eigen::Index>(residual.size()) / 3).middleCols(3 * one.entry, 3) *
          along;
 }
 
 }  // namespace
 
-void drive(Model& model, int k, const Selection& P, const std::vector<DriveRequest>& drives) {
+void add_forcing(Model& model, int k, const Selection& P, const std::vector<ForcingRequest>& forcing) {
   const Model::BodyBlock& block = model.bodies[k];
   const Kernel& kernel = *block.kernel;
   const auto B = model.B.middleCols(block.first_mode, block.modes);
-  for (const DriveRequest& request : drives) {
+  for (const ForcingRequest& request : forcing) {
     if (request.body != block.name) continue;
     const std::size_t entry = entry_of(kernel, request);
     const Vector3d along = block.rotation.transpose() * request.vector;
-    Model::Drive out{.name = request.name,
-                     .body = k,
-                     .support = request.support,
-                     .entry = static_cast<int>(entry),
-                     .vector = request.vector,
-                     .history = request.history,
-                     .force = Vector::Zero(block.modes),
-                     .lift = Vector::Zero(block.modes),
-                     .displacement = Vector::Zero(P.rows()),
-                     .displacement_a = {}};
+    Model::Forcing out{.name = request.name,
+                       .body = k,
+                       .support = request.support,
+                       .entry = static_cast<int>(entry),
+                       .vector = request.vector,
+                       .history = request.history,
+                       .force = Vector::Zero(block.modes),
+                       .lift = Vector::Zero(block.modes),
+                       .displacement = Vector::Zero(P.rows()),
+                       .displacement_a = {}};
     const std::vector<double>& residual =
         request.support ? kernel.motions[entry].residual : kernel.applied[entry].residual;
     if (!residual.empty()) out.displacement = P * (matrix(residual, P.cols(), 3) * along).eval();
@@ -97,18 +97,18 @@ void drive(Model& model, int k, const Selection& P, const std::vector<DriveReque
       out.total = block.rotation * (matrix(load.total, 3, 3) * along);
     }
     out.displacement_a = share_of_a(model, k, out.displacement);
-    model.drives.push_back(std::move(out));
+    model.forcing.push_back(std::move(out));
   }
 }
 
-void listen(Model& model, int k, const Selection& P) {
+void add_receivers(Model& model, int k, const Selection& P) {
   const Model::BodyBlock& block = model.bodies[k];
   for (const kernels::Receiver& receiver : block.kernel->receivers) {
     for (const Model::Receiver& other : model.receivers)
       if (other.name == receiver.name)
         throw InputError(
             base::format("output.receiver: \"{}\" names two points. Give each its own name.", other.name));
-    Model::Receiver out{.name = receiver.name, .body = k, .shape = {}, .flexibility = {}, .drives = {}};
+    Model::Receiver out{.name = receiver.name, .body = k, .shape = {}, .flexibility = {}, .forcing = {}};
     out.point = block.rotation * Eigen::Map<const Vector3d>(receiver.point.data()) + block.translation;
     out.shape = block.rotation * matrix(receiver.shape, 3, block.modes);
     out.flexibility = Matrix::Zero(3, P.rows());
@@ -118,14 +118,14 @@ void listen(Model& model, int k, const Selection& P) {
     if (!receiver.body_force_residual.empty())
       out.constant = block.rotation * (matrix(receiver.body_force_residual, 3, 3) *
                                        (block.rotation.transpose() * model.gravity));
-    out.drives = Matrix::Zero(3, static_cast<Eigen::Index>(model.drives.size()));
-    for (std::size_t d = 0; d < model.drives.size(); ++d) {
-      const Model::Drive& drive = model.drives[d];
-      if (drive.body != k) continue;
-      const Vector3d along = block.rotation.transpose() * drive.vector;
+    out.forcing = Matrix::Zero(3, static_cast<Eigen::Index>(model.forcing.size()));
+    for (std::size_t d = 0; d < model.forcing.size(); ++d) {
+      const Model::Forcing& one = model.forcing[d];
+      if (one.body != k) continue;
+      const Vector3d along = block.rotation.transpose() * one.vector;
       const Vector3d residual =
-          column(drive.support ? receiver.motion_residual : receiver.load_residual, drive, along);
-      out.drives.col(d) = block.rotation * residual + out.shape * drive.lift;  // of a support: Ψ
+          column(one.support ? receiver.motion_residual : receiver.load_residual, one, along);
+      out.forcing.col(d) = block.rotation * residual + out.shape * one.lift;  // of a support: Ψ
     }
     model.receivers.push_back(std::move(out));
   }
@@ -133,8 +133,8 @@ void listen(Model& model, int k, const Selection& P) {
 
 void refuse_overlap(const Model& model) {
   Vector lifted = Vector::Zero(model.gap.size());
-  for (const Model::Drive& drive : model.drives)
-    if (drive.support) lifted += drive.history.at(0) * drive.displacement;
+  for (const Model::Forcing& one : model.forcing)
+    if (one.support) lifted += one.history.at(0) * one.displacement;
   const double depth = lifted.size() > 0 ? (lifted - model.gap).maxCoeff() : 0;
   // 1e-9: of the lift, above the round-off of modes that sum up to it
   if (depth > 1e-9 * lifted.cwiseAbs().maxCoeff())
@@ -147,25 +147,24 @@ void refuse_overlap(const Model& model) {
 
 Vector Model::initial_rates() const {
   Vector out = v0;
-  for (const Drive& drive : drives)
-    out.segment(bodies[drive.body].first_mode, bodies[drive.body].modes) -=
-        drive.history.slope(0) * drive.lift;
+  for (const Forcing& one : forcing)
+    out.segment(bodies[one.body].first_mode, bodies[one.body].modes) -= one.history.slope(0) * one.lift;
   return out;
 }
 
 Vector3d Model::momentum(int body, const Vector& v, double t) const {
   const BodyBlock& block = bodies[body];
   Vector3d out = block.momentum * v.segment(block.first_mode, block.modes);
-  for (const Drive& drive : drives)
-    if (drive.body == body) out += drive.history.slope(t) * drive.lift_momentum;
+  for (const Forcing& one : forcing)
+    if (one.body == body) out += one.history.slope(t) * one.lift_momentum;
   return out;
 }
 
 Vector3d Model::angular_momentum(int body, const Vector& v, double t) const {
   const BodyBlock& block = bodies[body];
   Vector3d out = block.angular_momentum * v.segment(block.first_mode, block.modes);
-  for (const Drive& drive : drives)
-    if (drive.body == body) out += drive.history.slope(t) * (block.angular_momentum * drive.lift);
+  for (const Forcing& one : forcing)
+    if (one.body == body) out += one.history.slope(t) * (block.angular_momentum * one.lift);
   return out;
 }
 

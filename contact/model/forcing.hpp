@@ -9,13 +9,13 @@ namespace ricochet::contact {
 
 /// Adds the forcing of body k; the model already holds its block and its columns of B. Throws InputError if
 /// the kernel has no such load or motion, or if a support would jump.
-void drive(Model& model, int k, const Selection& P, const std::vector<DriveRequest>& drives);
+void add_forcing(Model& model, int k, const Selection& P, const std::vector<ForcingRequest>& forcing);
 
 /// Throws InputError if supports that are displaced at t = 0 make bodies overlap.
 void refuse_overlap(const Model& model);
 
 /// Adds the receivers of body k. The model already holds the forcing of this body and of all bodies before
 /// it.
-void listen(Model& model, int k, const Selection& P);
+void add_receivers(Model& model, int k, const Selection& P);
 
 }  // namespace ricochet::contact

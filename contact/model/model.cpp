@@ -124,11 +124,11 @@ Selection selection(const PlacedBody& body, int index, const std::vector<Contact
 }  // namespace
 
 Model build_model(const Placement& placement, const Vector3d& gravity,
-                  const std::vector<DriveRequest>& drives) {
+                  const std::vector<ForcingRequest>& forcing) {
   const auto& [bodies, pairs] = placement;
   Model model;
   model.gravity = gravity;
-  for (const DriveRequest& request : drives)
+  for (const ForcingRequest& request : forcing)
     if (index_of(request.body, bodies) < 0)
       throw InputError(base::format("loads: \"{}\" is not a body. Name one of bodies.*.", request.body));
 
@@ -194,11 +194,11 @@ Model build_model(const Placement& placement, const Vector3d& gravity,
         model.R_a.middleRows(pair.first_point, pair.points) = R.middleRows(pair.first_point, pair.points);
         model.static_a.segment(pair.first_point, pair.points) = s.segment(pair.first_point, pair.points);
       }
-    drive(model, static_cast<int>(k), P, drives);
+    add_forcing(model, static_cast<int>(k), P, forcing);
   }
   refuse_overlap(model);
   for (std::size_t k = 0; k < bodies.size(); ++k)
-    listen(model, static_cast<int>(k), model.bodies[k].selection);
+    add_receivers(model, static_cast<int>(k), model.bodies[k].selection);
   return model;
 }
 

@@ -25,7 +25,7 @@ namespace ricochet::contact {
 using Selection = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
 /// A load or a moving support of the scene: `vector` times a history.
-struct DriveRequest {
+struct ForcingRequest {
   std::string body;
   std::string name;                                  ///< of the load, or of the motion, in the kernel
   bool support = false;                              ///< whether it is a moving support
@@ -75,7 +75,7 @@ struct Model {
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
 
   /// A load or a moving support for a history of value 1. Its modal vectors cover the modes of `body` only.
-  struct Drive {
+  struct Forcing {
     std::string name;
     int body = 0;
     bool support = false;
@@ -89,7 +89,7 @@ struct Model {
     Eigen::Vector3d total{0, 0, 0};          ///< resultant force of a load [N]; support: 0
     Eigen::Vector3d lift_momentum{0, 0, 0};  ///< ∫ρΨ of a support, of its elastic modes and beyond [kg m]
   };
-  std::vector<Drive> drives;
+  std::vector<Forcing> forcing;
 
   /// A point of `body` whose motion is recorded, in world axes.
   struct Receiver {
@@ -99,7 +99,7 @@ struct Model {
     Matrix shape;                       ///< (3,modes) [kg^-1/2]
     Matrix flexibility;                 ///< (3,m) static correction for a unit force λ_i [m/N]
     Eigen::Vector3d constant{0, 0, 0};  ///< static correction for gravity [m]
-    Matrix drives;                      ///< (3,drives) quasi-static: residual of loads, Ψ of supports [m]
+    Matrix forcing;                     ///< (3,forcings) static correction of loads, Ψ of supports [m]
   };
   std::vector<Receiver> receivers;
 
@@ -112,16 +112,16 @@ struct Model {
 };
 
 /// Stacks placed bodies, in their order, and their pairs. Throws InputError when a kernel does not hold a
-/// paired candidate, for a drive that its body's kernel lacks, and for a support that would jump or that
-/// makes bodies overlap at the start.
+/// paired candidate, for a load or motion that the kernel of its body lacks, and for a support that would
+/// jump or that makes bodies overlap at the start.
 Model build_model(const Placement& placement, const Eigen::Vector3d& gravity,
-                  const std::vector<DriveRequest>& drives = {});
+                  const std::vector<ForcingRequest>& forcing = {});
 
 /// Places the bodies first. Throws InputError as `place` does, too.
 inline Model build_model(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& obstacles,
                          const std::vector<PairRequest>& pairs, const Eigen::Vector3d& gravity,
-                         const std::vector<DriveRequest>& drives = {}) {
-  return build_model(place(std::move(bodies), obstacles, pairs), gravity, drives);
+                         const std::vector<ForcingRequest>& forcing = {}) {
+  return build_model(place(std::move(bodies), obstacles, pairs), gravity, forcing);
 }
 
 }  // namespace ricochet::contact

@@ -18,9 +18,9 @@ Receivers::Receivers(const Model& model, const StepOptions& options)
         const Eigen::Vector3d flexible = receiver.shape.col(i) / (model.omega(n) * model.omega(n));
         receiver.constant += flexible * model.load(n);
         receiver.flexibility -= flexible * model.B.col(n).transpose();
-        for (std::size_t d = 0; d < model.drives.size(); ++d)
-          if (model.drives[d].body == receiver.body)
-            receiver.drives.col(d) += flexible * model.drives[d].force(i);
+        for (std::size_t d = 0; d < model.forcing.size(); ++d)
+          if (model.forcing[d].body == receiver.body)
+            receiver.forcing.col(d) += flexible * model.forcing[d].force(i);
         receiver.shape.col(i).setZero();
       }
     }
@@ -36,9 +36,9 @@ void Receivers::update(double t, const Vector& q, const Vector& v, const Vector&
   if (receivers_.empty()) return;
   acceleration_ = model_.load;
   acceleration_.array() -= 2 * model_.decay.array() * v.array() + model_.omega.array().square() * q.array();
-  for (const Model::Drive& drive : model_.drives) {
-    const Model::BodyBlock& body = model_.bodies[drive.body];
-    acceleration_.segment(body.first_mode, body.modes) += drive.history.at(t) * drive.force;
+  for (const Model::Forcing& one : model_.forcing) {
+    const Model::BodyBlock& body = model_.bodies[one.body];
+    acceleration_.segment(body.first_mode, body.modes) += one.history.at(t) * one.force;
   }
   if (compliant_)
     for (Eigen::Index i = 0; i < force.size(); ++i)
@@ -53,9 +53,9 @@ void Receivers::update(double t, const Vector& q, const Vector& v, const Vector&
     out.velocity.noalias() = receiver.shape * v.segment(body.first_mode, body.modes);
     out.acceleration.noalias() = receiver.shape * acceleration_.segment(body.first_mode, body.modes);
     if (compliant_) out.displacement.noalias() += receiver.flexibility * force;
-    for (std::size_t d = 0; d < model_.drives.size(); ++d) {
-      out.displacement += model_.drives[d].history.at(t) * receiver.drives.col(d);
-      out.velocity += model_.drives[d].history.slope(t) * receiver.drives.col(d);
+    for (std::size_t d = 0; d < model_.forcing.size(); ++d) {
+      out.displacement += model_.forcing[d].history.at(t) * receiver.forcing.col(d);
+      out.velocity += model_.forcing[d].history.slope(t) * receiver.forcing.col(d);
     }
   }
 }

@@ -62,14 +62,14 @@ Recorder::Recorder(const Model& model, const RecorderOptions& options, const Ste
   B_a_.setZero(model.B.rows(), model.B.cols());
   R_a_.setZero(model.R.rows(), model.R.cols());
   s_a_ = model.static_a;
-  driven_a_.setZero(model.B.rows(), static_cast<Eigen::Index>(model.drives.size()));
+  driven_a_.setZero(model.B.rows(), static_cast<Eigen::Index>(model.forcing.size()));
   receivers_.emplace(model, step);
   for (const Model::PairBlock& pair : model.pairs) {
     const Model::BodyBlock& a = model.bodies[pair.a];
     B_a_.block(pair.first_point, a.first_mode, pair.points, a.modes) =
         model.B.block(pair.first_point, a.first_mode, pair.points, a.modes);
   }
-  for (std::size_t d = 0; d < model.drives.size(); ++d) driven_a_.col(d) = model.drives[d].displacement_a;
+  for (std::size_t d = 0; d < model.forcing.size(); ++d) driven_a_.col(d) = model.forcing[d].displacement_a;
   write_points(model);
   for (std::size_t k = 0; k < model.bodies.size(); ++k) {
     add_body(model.bodies[k].name, model.bodies[k].mass);
@@ -88,10 +88,10 @@ Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOp
         const double stiffness = model.omega(n) * model.omega(n);
         R_a_ += B_a_.col(n) * model.B.col(n).transpose() / stiffness;
         s_a_ += B_a_.col(n) * (model.load(n) / stiffness);
-        for (std::size_t d = 0; d < model.drives.size(); ++d) {
-          const Model::BodyBlock& body = model.bodies[model.drives[d].body];
+        for (std::size_t d = 0; d < model.forcing.size(); ++d) {
+          const Model::BodyBlock& body = model.bodies[model.forcing[d].body];
           if (n >= body.first_mode && n < body.first_mode + body.modes)
-            driven_a_.col(d) += B_a_.col(n) * (model.drives[d].force(n - body.first_mode) / stiffness);
+            driven_a_.col(d) += B_a_.col(n) * (model.forcing[d].force(n - body.first_mode) / stiffness);
         }
       }
   }
@@ -234,8 +234,8 @@ void Recorder::bodies_row(const Vector& v, double from, double to) {
     Vector3d reaction = Vector3d::Zero();
     if (body.supported && to > from) {
       Vector3d impulse = rows.contact_impulse + (to - from) * body.weight;
-      for (const Model::Drive& drive : model_->drives)
-        if (drive.body == static_cast<int>(k)) impulse += drive.history.integral(from, to) * drive.total;
+      for (const Model::Forcing& one : model_->forcing)
+        if (one.body == static_cast<int>(k)) impulse += one.history.integral(from, to) * one.total;
       reaction = (momentum - rows.last_momentum - impulse) / (to - from);
     }
     append(rows.velocity, momentum / body.mass);
@@ -285,12 +285,12 @@ void Recorder::sides_row(double time, const Vector& q, const Vector& v, const Ve
                          const Vector& force) {
   Vector u_a = B_a_ * q + s_a_ - R_a_ * force;
   Vector v_a = B_a_ * v, v_relative = model_->B * v;
-  for (std::size_t d = 0; d < model_->drives.size(); ++d) {
-    const Model::Drive& drive = model_->drives[d];
-    const double slope = drive.history.slope(time);
-    u_a += drive.history.at(time) * driven_a_.col(d);
-    v_a += slope * drive.displacement_a;
-    v_relative += slope * drive.displacement;
+  for (std::size_t d = 0; d < model_->forcing.size(); ++d) {
+    const Model::Forcing& one = model_->forcing[d];
+    const double slope = one.history.slope(time);
+    u_a += one.history.at(time) * driven_a_.col(d);
+    v_a += slope * one.displacement_a;
+    v_relative += slope * one.displacement;
   }
   Vector u_b = u_a - u, v_b = v_a - v_relative;
   for (const Model::PairBlock& pair : model_->pairs)
@@ -310,8 +310,8 @@ void Recorder::snapshot_row(double time, const Vector& q) {
   snapshot_time_->append(time);
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     Vector modal = q.segment(model_->bodies[k].first_mode, model_->bodies[k].modes);
-    for (const Model::Drive& drive : model_->drives)
-      if (drive.body == static_cast<int>(k)) modal += drive.history.at(time) * drive.lift;
+    for (const Model::Forcing& one : model_->forcing)
+      if (one.body == static_cast<int>(k)) modal += one.history.at(time) * one.lift;
     append(bodies_[k].snapshot, modal);
   }
 }

@@ -101,7 +101,7 @@ class Recorder {
   base::hdf5::Writer file_;
   Matrix B_a_, R_a_;  ///< (m,N), (m,m) share of body a of each point; R_a_ zero under `impulse`
   Vector s_a_;        ///< (m), constant
-  Matrix driven_a_;   ///< (m,drives) for a factor of 1
+  Matrix driven_a_;   ///< (m,forcings) displacement for a history of value 1
   std::optional<Receivers> receivers_;
   Rows* time_;
   Rows* persistency_ = nullptr;

@@ -39,15 +39,15 @@ VisualisationSurface::VisualisationSurface(const Model& model, int body, const S
   };
   const auto settling = columns_of(view_.body_force_residual, rows);
   if (settling.cols() > 0) constant_ = settling * to_body(model.gravity);
-  for (const Model::Drive& drive : model.drives)
-    if (drive.body == body) drive_.push_back(&drive);
-  drives_.setZero(rows, static_cast<Index>(drive_.size()));
-  for (std::size_t d = 0; d < drive_.size(); ++d) {
-    const Model::Drive& drive = *drive_[d];
-    auto column = drives_.col(static_cast<Index>(d));
-    const auto residual = columns_of(drive.support ? view_.motion_residual : view_.load_residual, rows);
-    if (residual.cols() > 0) column = residual.middleCols(3 * drive.entry, 3) * to_body(drive.vector);
-    column += shape_ * drive.lift.cast<float>();  // of a support: Ψ = (Ψ − ΦΓ) + ΦΓ
+  for (const Model::Forcing& one : model.forcing)
+    if (one.body == body) of_body_.push_back(&one);
+  forcing_.setZero(rows, static_cast<Index>(of_body_.size()));
+  for (std::size_t d = 0; d < of_body_.size(); ++d) {
+    const Model::Forcing& one = *of_body_[d];
+    auto column = forcing_.col(static_cast<Index>(d));
+    const auto residual = columns_of(one.support ? view_.motion_residual : view_.load_residual, rows);
+    if (residual.cols() > 0) column = residual.middleCols(3 * one.entry, 3) * to_body(one.vector);
+    column += shape_ * one.lift.cast<float>();  // of a support: Ψ = (Ψ − ΦΓ) + ΦΓ
   }
   if (options.scheme == Scheme::compliant) add_dropped(options);
 }
@@ -61,8 +61,8 @@ void VisualisationSurface::add_dropped(const StepOptions& options) {
     if (flexibility_.cols() == 0) flexibility_.setZero(shape_.rows(), model_.gap.size());
     flexibility_ -= flexible * model_.B.col(n).transpose().cast<float>();
     constant_ += flexible * static_cast<float>(model_.load(n));
-    for (std::size_t d = 0; d < drive_.size(); ++d)
-      drives_.col(static_cast<Index>(d)) += flexible * static_cast<float>(drive_[d]->force(i));
+    for (std::size_t d = 0; d < of_body_.size(); ++d)
+      forcing_.col(static_cast<Index>(d)) += flexible * static_cast<float>(of_body_[d]->force(i));
   }
 }
 
@@ -76,10 +76,10 @@ const SurfaceMotion& VisualisationSurface::at(double t, const Vector& q, const V
   VectorXf deformation = constant_, velocity = shape_.rightCols(elastic) * rate.tail(elastic).cast<float>();
   deformation.noalias() += shape_.rightCols(elastic) * own.tail(elastic).cast<float>();
   if (flexibility_.cols() > 0) deformation.noalias() += flexibility_ * force.cast<float>();
-  for (std::size_t d = 0; d < drive_.size(); ++d) {
-    const auto column = drives_.col(static_cast<Index>(d));
-    deformation += static_cast<float>(drive_[d]->history.at(t)) * column;
-    velocity += static_cast<float>(drive_[d]->history.slope(t)) * column;
+  for (std::size_t d = 0; d < of_body_.size(); ++d) {
+    const auto column = forcing_.col(static_cast<Index>(d));
+    deformation += static_cast<float>(of_body_[d]->history.at(t)) * column;
+    velocity += static_cast<float>(of_body_[d]->history.slope(t)) * column;
   }
   const VectorXd place = Eigen::Map<const VectorXd>(view_.node.data(), rows) +
                          rigid_shape * own.head(rigid_) + deformation.cast<double>(),

@@ -53,8 +53,8 @@ class VisualisationSurface {
   Eigen::Index rigid_ = 0;          ///< modes of frequency 0, the first ones
   Values flexibility_;              ///< (3V,m) by λ [m/N]; no columns where contact has no static part
   Eigen::VectorXf constant_;        ///< (3V) under gravity [m]
-  Values drives_;                   ///< (3V,drives) for a factor of 1, in the order of the body's drives
-  std::vector<const Model::Drive*> drive_;
+  Values forcing_;  ///< (3V,forcings) displacement for a history of value 1, in the order of of_body_
+  std::vector<const Model::Forcing*> of_body_;
   SurfaceMotion out_;
 };
 

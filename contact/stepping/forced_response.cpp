@@ -10,7 +10,7 @@ namespace ricochet::contact {
 ForcedResponse::ForcedResponse(const Model& model, double step, bool static_modes)
     : step_(step), omega_(model.omega), decay_(model.decay), s_(model.static_displacement) {
   const Eigen::Index N = model.omega.size();
-  for (const Model::Drive& forcing : model.drives) {
+  for (const Model::Forcing& forcing : model.forcing) {
     const Model::BodyBlock& body = model.bodies[forcing.body];
     forcing_.push_back({forcing.history, body.first_mode, body.modes, forcing.force, forcing.lift,
                         forcing.displacement, forcing.support});

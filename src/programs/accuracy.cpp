@@ -73,11 +73,11 @@ StepOptions step_options(const scene::Scene& scene) {
 
 contact::Dialled dial_of(const scene::Scene& scene, const Kernels& kernels,
                          const contact::Placement& placement,
-                         const std::vector<contact::DriveRequest>& drives, contact::Model model,
+                         const std::vector<contact::ForcingRequest>& forcing, contact::Model model,
                          const std::filesystem::path& folder, std::function<void()> poll) {
   contact::Subject subject{.rebuild =
                                [&](const std::vector<kernels::Kernel>& others) {
-                                 return model_of(scene, with_kernels(placement, pointers(others)), drives);
+                                 return model_of(scene, with_kernels(placement, pointers(others)), forcing);
                                },
                            .kernels = without_skins(kernels),
                            .low_rank = scene.modes.low_rank,
@@ -88,7 +88,7 @@ contact::Dialled dial_of(const scene::Scene& scene, const Kernels& kernels,
   if (!other_order.empty())
     subject.other_order = [&] {
       const KernelPointers others = pointers(other_order);
-      return model_of(scene, place(scene, others), drives);
+      return model_of(scene, place(scene, others), forcing);
     };
   subject.left_of_other = 0;
   for (const scene::Body& body : scene.bodies)

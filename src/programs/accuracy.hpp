@@ -15,13 +15,13 @@ namespace ricochet::programs {
 StepOptions step_options(const scene::Scene& scene);
 
 /// Chooses the settings that the scene, which has an accuracy, leaves open.
-/// @param model  of these kernels, placement and drives
+/// @param model  of these kernels, placement and forcing
 /// @param folder  of the kernels of another order, beside those of the scene
 /// @param poll  called after each step; may throw to end the run
 /// Throws InputError as building the model and running it do.
 contact::Dialled dial_of(const scene::Scene& scene, const Kernels& kernels,
                          const contact::Placement& placement,
-                         const std::vector<contact::DriveRequest>& drives, contact::Model model,
+                         const std::vector<contact::ForcingRequest>& forcing, contact::Model model,
                          const std::filesystem::path& folder, std::function<void()> poll);
 
 /// The scene with the settings chosen, as results store it.

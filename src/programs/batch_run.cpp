@@ -80,7 +80,7 @@ class Batch {
   }
 
   Json needed(const scene::Scene& scene) {
-    drives_of(scene);  // refuses histories that cannot be read
+    forcing_of(scene);  // refuses histories that cannot be read
     Json out = Json::array();
     const StoredKernels found = find_kernels(scene, options_.out, store_);
     for (const StoredKernel& kernel : found.of_body) {

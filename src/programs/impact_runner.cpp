@@ -31,7 +31,7 @@ double seconds_since(Clock::time_point start) {
 /// The parts of a model, from which the error estimates build variants.
 struct Prepared {
   contact::Placement placement;
-  std::vector<contact::DriveRequest> drives;
+  std::vector<contact::ForcingRequest> forcing;
 };
 
 Prepared prepare(Impact& impact, const ImpactRequest& request, KernelStore& store,
@@ -44,10 +44,10 @@ Prepared prepare(Impact& impact, const ImpactRequest& request, KernelStore& stor
 
   console.begin("pairing");
   Prepared out;
-  out.drives = in_scene(scene, [&] { return drives_of(scene); });
+  out.forcing = in_scene(scene, [&] { return forcing_of(scene); });
   auto& found = impact.kernels.placement;
   out.placement = found ? std::move(*found) : store.placements.place(scene, impact.kernels.pointers());
-  impact.model = in_scene(scene, [&] { return model_of(scene, out.placement, out.drives); });
+  impact.model = in_scene(scene, [&] { return model_of(scene, out.placement, out.forcing); });
   console.end(
       fmt::format("{} contact points, {} modes", impact.model->gap.size(), impact.model->omega.size()));
   return out;
@@ -68,7 +68,7 @@ ErrorReport choose(Impact& impact, const Prepared& prepared, const ImpactRequest
   const auto poll = [&] {
     if ((++steps & 63) == 0) console.advance(steps);
   };
-  contact::Dialled dialled = dial_of(impact.scene, impact.kernels, prepared.placement, prepared.drives,
+  contact::Dialled dialled = dial_of(impact.scene, impact.kernels, prepared.placement, prepared.forcing,
                                      std::move(*impact.model), request.folder, poll);
   impact.model = std::move(dialled.model);
   impact.scene = resolved(std::move(impact.scene), dialled.settings);

@@ -212,7 +212,7 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
     return 0;
   }
   // Histories are read here only to refuse bad ones before anything is computed.
-  parallel::on_first_rank(comm, [&] { programs::drives_of(scene); });
+  parallel::on_first_rank(comm, [&] { programs::forcing_of(scene); });
 
   console::Console console(options.quiet || !first,
                            [comm] { return parallel::largest(comm, console::peak_memory_mib()); });

@@ -59,11 +59,11 @@ contact::Placement with_kernels(contact::Placement placement, const KernelPointe
   return placement;
 }
 
-std::vector<contact::DriveRequest> drives_of(const scene::Scene& scene) {
-  std::vector<contact::DriveRequest> out;
+std::vector<contact::ForcingRequest> forcing_of(const scene::Scene& scene) {
+  std::vector<contact::ForcingRequest> out;
   const auto add = [&](const std::vector<scene::Forcing>& all, bool support) {
     for (const scene::Forcing& driven : all) {
-      contact::DriveRequest request{
+      contact::ForcingRequest request{
           driven.body, support ? driven.group : driven.name, support, vector(driven.vector), {}};
       if (!driven.history.empty()) request.history = contact::read_history(driven.history);
       out.push_back(std::move(request));
@@ -76,8 +76,8 @@ std::vector<contact::DriveRequest> drives_of(const scene::Scene& scene) {
 }
 
 contact::Model model_of(const scene::Scene& scene, const contact::Placement& placement,
-                        const std::vector<contact::DriveRequest>& drives) {
-  return contact::build_model(placement, vector(scene.loads.gravity), drives);
+                        const std::vector<contact::ForcingRequest>& forcing) {
+  return contact::build_model(placement, vector(scene.loads.gravity), forcing);
 }
 
 bool is_limited(const scene::Scene& scene, const scene::Body& body) {

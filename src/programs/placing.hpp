@@ -40,11 +40,11 @@ contact::Placement place(const scene::Scene& scene, const KernelPointers& kernel
 contact::Placement with_kernels(contact::Placement placement, const KernelPointers& kernels);
 
 /// Loads and moving supports, with their histories. Throws InputError when a history can't be read.
-std::vector<contact::DriveRequest> drives_of(const scene::Scene& scene);
+std::vector<contact::ForcingRequest> forcing_of(const scene::Scene& scene);
 
 /// Model of placed bodies under the scene's loads. Throws InputError as contact::build_model does.
 contact::Model model_of(const scene::Scene& scene, const contact::Placement& placement,
-                        const std::vector<contact::DriveRequest>& drives);
+                        const std::vector<contact::ForcingRequest>& forcing);
 
 /// Whether every pair of a body has a reach, so that its kernel need not hold all candidates.
 bool is_limited(const scene::Scene& scene, const scene::Body& body);

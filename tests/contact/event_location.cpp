@@ -37,10 +37,10 @@ Kernel mass() {
 }
 
 Model above_floor(const Kernel& kernel, double height, double speed, double gravity,
-                  const std::vector<DriveRequest>& drives = {}) {
+                  const std::vector<ForcingRequest>& forcing = {}) {
   return build_model({{"mass", &kernel, Matrix3d::Identity(), {0, 0, height}, {0, 0, speed}}},
                      {{"floor", Vector3d::Zero(), Vector3d(0, 0, 1)}}, {{"mass", "floor", {}, {}, {}}},
-                     {0, 0, -gravity}, drives);
+                     {0, 0, -gravity}, forcing);
 }
 
 StepOptions exact(double step, double restitution = 0) {

@@ -82,19 +82,19 @@ Model loose(const History& history, bool support, double step) {
   model.gap = model.static_displacement = model.area = Vector::Zero(0);
   model.bodies.resize(1);
   model.bodies[0].modes = static_cast<int>(N);
-  Model::Drive drive;
-  drive.support = support;
-  drive.history = history;
-  drive.force = drive.lift = drive.displacement = Vector::Zero(0);
-  drive.force.setConstant(N, support ? 0 : 1.5);
-  drive.lift.setConstant(N, support ? 0.8 : 0);
-  model.drives = {drive};
+  Model::Forcing one;
+  one.support = support;
+  one.history = history;
+  one.force = one.lift = one.displacement = Vector::Zero(0);
+  one.force.setConstant(N, support ? 0 : 1.5);
+  one.lift.setConstant(N, support ? 0.8 : 0);
+  model.forcing = {one};
   return model;
 }
 
 // 1e-10: Runge–Kutta of order four with 4000 pieces a step and the highest mode at ωΔ = 2.5, and sums of 100
 // steps.
-TEST(Drives, move_modes_of_any_damping_exactly_whatever_their_knots) {
+TEST(Forcing, moves_modes_of_any_damping_exactly_for_any_knots) {
   const double step = 0.01;
   constexpr int steps = 60;
   for (const bool support : {false, true})
@@ -107,7 +107,7 @@ TEST(Drives, move_modes_of_any_damping_exactly_whatever_their_knots) {
         std::vector<Mode> modes;
         for (Eigen::Index n = 0; n < model.omega.size(); ++n) {
           modes.push_back(
-              {model.omega(n), model.decay(n), model.drives[0].force(n), model.drives[0].lift(n)});
+              {model.omega(n), model.decay(n), model.forcing[0].force(n), model.forcing[0].lift(n)});
           modes.back().p = modes.back().lift * history.at(0);
         }
         for (int k = 1; k <= steps; ++k) {
@@ -115,7 +115,7 @@ TEST(Drives, move_modes_of_any_damping_exactly_whatever_their_knots) {
           for (Eigen::Index n = 0; n < model.omega.size(); ++n) {
             Mode& mode = modes[n];
             mode.run(history, (k - 1) * step, k * step, step / 1000);
-            const double lift = model.drives[0].lift(n), size = support ? 1 : 1e-2;
+            const double lift = model.forcing[0].lift(n), size = support ? 1 : 1e-2;
             EXPECT_NEAR(stepper->modal()->q(n) + lift * history.at(k * step), static_cast<double>(mode.p),
                         1e-9 * size)
                 << n << " " << k << " " << support;
@@ -141,15 +141,15 @@ Model busy(double step, double gap, unsigned seed) {
   model.gap = Vector::Constant(m, gap);
   model.static_displacement = Vector::Zero(m);
   model.area = Vector::Ones(m);
-  model.drives[0].displacement = Vector::Constant(m, 1e-4 * gap);
-  Model::Drive support = loose(ragged(300 * step, seed + 1), true, step).drives[0];
+  model.forcing[0].displacement = Vector::Constant(m, 1e-4 * gap);
+  Model::Forcing support = loose(ragged(300 * step, seed + 1), true, step).forcing[0];
   support.lift = 0.05 * gap * Vector::NullaryExpr(N, [&] { return spread(random); });
   support.displacement = model.B * support.lift + 0.3 * gap * Vector::Ones(m);
-  model.drives.push_back(support);
+  model.forcing.push_back(support);
   return model;
 }
 
-// Round-off of 400 steps; the theorem of the compliant scheme with drives that work.
+// Round-off of 400 steps; the theorem of the compliant scheme with forcing that does work.
 TEST(Ledger, closes_with_loads_and_supports_that_change_within_steps) {
   const double step = 0.01;
   int touching = 0;
@@ -216,8 +216,8 @@ TEST(Ledger, counts_the_work_of_a_support_that_gets_a_body_moving) {
   model.decay << 20;
   model.B.resize(0, 1);
   model.bodies[0].modes = 1;
-  model.drives[0].force = Vector::Zero(1);
-  model.drives[0].lift = Vector::Ones(1);
+  model.forcing[0].force = Vector::Zero(1);
+  model.forcing[0].lift = Vector::Ones(1);
   const auto stepper = make_stepper(model, {.step = 0.01});
   EXPECT_EQ(stepper->modal()->energy().kinetic, 0);
   for (int k = 0; k < 500; ++k) ASSERT_EQ(stepper->step(), StepStatus::ok);
@@ -231,11 +231,11 @@ TEST(Ledger, counts_the_work_of_a_support_that_gets_a_body_moving) {
 
 constexpr double length = 10;
 
-/// The bar with its tip before a wall at `gap`, under `drives`.
-Model bar_at_wall(const Kernel& bar, double gap, const std::vector<DriveRequest>& drives,
+/// The bar with its tip before a wall at `gap`, under `forcing`.
+Model bar_at_wall(const Kernel& bar, double gap, const std::vector<ForcingRequest>& forcing,
                   double gravity = 0) {
   return build_model({{"bar", &bar}}, {{"wall", Vector3d(length + gap, 0, 0), Vector3d(-1, 0, 0)}},
-                     {{"bar", "wall", {}, {}, 20 * length}}, {gravity, 0, 0}, drives);
+                     {{"bar", "wall", {}, {}, 20 * length}}, {gravity, 0, 0}, forcing);
 }
 
 // The foot leaves at speed V; the wave is at the tip at t = L, doubles there, comes back from the foot with
@@ -355,7 +355,7 @@ TEST(Pairs, of_one_body_are_coupled_through_its_residual_flexibility) {
   EXPECT_GT(stepper->force().minCoeff(), 0.1);
 }
 
-TEST(Drives, that_a_kernel_has_not_got_or_that_jump_or_overlap_are_refused) {
+TEST(Forcing, is_refused_if_the_kernel_lacks_it_or_it_jumps_or_makes_bodies_overlap) {
   const Kernel bar = clamped_bar(3, length);
   EXPECT_THAT(complaint_of([&] {
                 bar_at_wall(bar, 1, {{"bar", "top", false, {1, 0, 0}, {}}});
@@ -381,7 +381,7 @@ TEST(Drives, that_a_kernel_has_not_got_or_that_jump_or_overlap_are_refused) {
 }
 
 #if RICOCHET_HEAP_COUNTED
-TEST(Drives, take_no_memory) {
+TEST(Forcing, does_not_allocate) {
   for (const Scheme scheme : {Scheme::compliant, Scheme::impulse}) {
     const auto stepper = make_stepper(busy(0.01, 1e-3, 4),
                                       {.scheme = scheme, .admittance = Admittance::difference, .step = 0.01});

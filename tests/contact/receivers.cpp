@@ -32,16 +32,16 @@ Kernel damped_bar(int modes, double decay) {
 }
 
 /// The bar along y, `gap` below a wall.
-Model upright(const Kernel& bar, double gap, const std::vector<DriveRequest>& drives, double gravity = 0) {
+Model upright(const Kernel& bar, double gap, const std::vector<ForcingRequest>& forcing, double gravity = 0) {
   return build_model({{"bar", &bar, turn(std::numbers::pi / 2, {0, 0, 1})}},
                      {{"wall", Vector3d(0, length + gap, 0), Vector3d(0, -1, 0)}},
-                     {{"bar", "wall", {}, {}, 20 * length}}, {0, gravity, 0}, drives);
+                     {{"bar", "wall", {}, {}, 20 * length}}, {0, gravity, 0}, forcing);
 }
 
-DriveRequest foot(double travel, const History& history) {
+ForcingRequest foot(double travel, const History& history) {
   return {"bar", "foot", true, {0, travel, 0}, history};
 }
-DriveRequest tip(double force, const History& history) {
+ForcingRequest tip(double force, const History& history) {
   return {"bar", "tip", false, {0, force, 0}, history};
 }
 
