@@ -40,7 +40,7 @@ def main():
                 inside = path.removeprefix(f"{root}/")
                 if not OWN.match(inside) and not path.startswith(f"{eigen}/"):
                     strangers.append(f"{source.relative_to(root)} includes {inside}")
-    sys.exit("\n".join(strangers))
+    sys.exit("\n".join(strangers) or None)
 
 
 if __name__ == "__main__":
