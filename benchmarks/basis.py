@@ -14,8 +14,10 @@ import sys
 import tempfile
 from pathlib import Path
 
+from matplotlib.figure import Figure
+
 from benchmarks import impacts, launch, tables, timing
-from benchmarks.impacts import Impacts, compare
+from benchmarks.impacts import Impacts, compare, error_columns, vectors_of
 
 ERRORS = [1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 1e-4]
 
@@ -23,13 +25,10 @@ ERRORS = [1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 1e-4]
 def timed(options, bodies, requests):
     """Median seconds, summed over the bodies, of each (solver, [modes]), run in turn."""
 
+    cases = [launch.Case(options.scene, body, settings=options.set) for body in bodies]
+
     def search(solver, modes):
-        runs = [
-            launch.search(
-                solver, launch.Case(options.scene, body, settings=options.set), modes, options.ranks
-            )
-            for body in bodies
-        ]
+        runs = [launch.search(solver, case, modes, options.ranks) for case in cases]
         print(f"{solver} {modes}: {sum(run['seconds'] for run in runs):.2f} s", file=sys.stderr)
         return runs
 
@@ -42,14 +41,14 @@ def timed(options, bodies, requests):
 
 def measure(options, folder):
     computed = Impacts(options, folder, options.set)
-    all_modes = f"{{count={options.reference}}}"
+    all_modes = launch.modes_words(options.reference)
     fitted = {f"contact, error {error:g}": f"flexibility_error={error:g}" for error in options.errors}
     fitted |= {f"contact, {count} vectors": f"count={count}" for count in options.counts}
     wanted = {
         name: ("contact", f'{{basis="contact",up_to_hz={options.band:g},{text}}}')
         for name, text in fitted.items()
     }
-    wanted |= {f"{count} modes": ("ricochet", f"{{count={count}}}") for count in options.modes}
+    wanted |= {f"{count} modes": ("ricochet", launch.modes_words(count)) for count in options.modes}
     reference = computed.compute(all_modes)
     peers = [("ricochet", all_modes), ("krylov-schur", all_modes)]
     times = timed(options, computed.bodies, list(dict.fromkeys([*wanted.values(), *peers])))
@@ -79,44 +78,45 @@ def measure(options, folder):
 
 
 def print_table(found, speeds):
-    counts = ", ".join(f"{body} {n}" for body, n in found["reference"]["vectors"].items())
     times = ", ".join(f"{solver} {seconds:.2f} s" for solver, seconds in found["seconds"].items())
-    print(f"Reference: modes, {counts}: {times}. Band: {found['band_hz']:g} Hz.\n")
+    print(f"Reference: modes, {vectors_of(found['reference'])}: {times}. Band: {found['band_hz']:g} Hz.\n")
     for speed in speeds:
         impact = found["reference"]["impacts"][speed]
         rebound = tables.show(impact["rebound"], ".6g")
         print(f"At {speed:g} m/s: rebound {rebound} m/s, impulse {impact['impulse']:.6g} N s.")
     print()
-    head = ["basis", "vectors", "estimate"]
-    head += [f"{what} at {speed:g} m/s" for speed in speeds for what in ("rebound error", "impulse error")]
-    tables.head(head + ["time (s)", *(f"faster than {solver} by" for solver in found["seconds"])])
+    table = tables.Table(
+        [
+            ("basis", "basis", ""),
+            ("vectors", vectors_of, ""),
+            ("estimate", lambda row: row["estimate"] or None, ".1e"),
+            *error_columns(speeds),
+            ("time (s)", "seconds", ".2f"),
+            *(
+                (f"faster than {peer} by", lambda row, peer=peer: row["faster_than"][peer], ".1f")
+                for peer in found["seconds"]
+            ),
+        ]
+    )
     for row in found["rows"]:
-        cells = [
-            row["basis"],
-            ", ".join(f"{body} {n}" for body, n in row["vectors"].items()),
-            tables.show(row["estimate"] or None),
-        ]
-        cells += [
-            tables.show(row["errors"][speed][what]) for speed in speeds for what in ("rebound", "impulse")
-        ]
-        tables.row(cells + [f"{row['seconds']:.2f}", *(f"{x:.1f}" for x in row["faster_than"].values())])
+        table.row(row)
 
 
 def draw(found, speeds, path):
-    plt = tables.pyplot()
-    figure, axes = plt.subplots(1, 2, figsize=(11, 4.2), layout="constrained", sharey=True)
-    for ax, (label, of) in zip(
-        axes,
-        (
-            ("vectors of both bodies", lambda row: sum(row["vectors"].values())),
-            ("time (s)", lambda row: row["seconds"]),
-        ),
-    ):
+    figure = Figure(figsize=(11, 4.2), layout="constrained")
+    axes = figure.subplots(1, 2, sharey=True)
+
+    def vectors(row):
+        return sum(row["vectors"].values())
+
+    rows = sorted(found["rows"], key=vectors)
+    panels = [("vectors of both bodies", vectors), ("time (s)", lambda row: row["seconds"])]
+    for ax, (label, of) in zip(axes, panels):
         for k, speed in enumerate(speeds):
             for solver, marker in (("contact", "o-"), ("ricochet", "s--")):
                 points = [
                     (of(row), row["errors"][speed]["rebound"])
-                    for row in sorted(found["rows"], key=lambda row: sum(row["vectors"].values()))
+                    for row in rows
                     if row["solver"] == solver and row["errors"][speed]["rebound"]
                 ]
                 if points:
@@ -125,22 +125,13 @@ def draw(found, speeds, path):
         ax.set(xlabel=label)
         ax.grid(True, which="both", color="#e4e4e4")
     axes[0].set(ylabel="relative error of rebound velocity")
-    modes = max(found["reference"]["vectors"].values())
+    modes, thin = max(found["reference"]["vectors"].values()), {"color": "black", "linewidth": 1}
     for (solver, seconds), style in zip(found["seconds"].items(), (":", "--")):
-        axes[1].axvline(
-            seconds, color="black", linestyle=style, linewidth=1, label=f"{modes} modes, {solver}"
-        )
-    axes[0].axvline(
-        sum(found["reference"]["vectors"].values()),
-        color="black",
-        linestyle=":",
-        linewidth=1,
-        label="modes of the reference",
-    )
+        axes[1].axvline(seconds, linestyle=style, label=f"{modes} modes, {solver}", **thin)
+    axes[0].axvline(vectors(found["reference"]), linestyle=":", label="modes of the reference", **thin)
     for ax in axes:
         ax.legend(frameon=False, fontsize=8)
-    figure.savefig(path, dpi=150)
-    print(path)
+    tables.save(figure, path)
 
 
 def add_arguments(parser):

@@ -2,16 +2,15 @@
 """CalculiX on the same mesh: `ccx` runs on input that bench_modes writes, each kept in a cache."""
 import hashlib
 import json
-import os
+import re
 import shutil
-import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 
 from benchmarks import launch
-from ricochet import errors, programs
+from ricochet import files, programs
+from ricochet.errors import SolverError
 
 RIGID_BELOW_HZ = 1.0  # as in bench_modes: CalculiX finds rigid modes at the square root of round-off
 
@@ -20,8 +19,7 @@ def installed():
     if shutil.which("ccx"):
         return True
     print(
-        "bench modes: no ccx here, CalculiX is left out: scripts/setup --peers installs it",
-        file=sys.stderr,
+        "bench modes: no ccx here, CalculiX is left out: scripts/setup --peers installs it", file=sys.stderr
     )
     return False
 
@@ -41,22 +39,16 @@ def frequencies_of(path):
 
 def run_ccx(folder, threads, coretype):
     """Wall and processor time [s], peak memory [MiB] and frequencies of `ccx -i body` in a folder."""
-    environment = os.environ | {"OMP_NUM_THREADS": str(threads), "OPENBLAS_NUM_THREADS": str(threads)}
+    environment = {name: str(threads) for name in programs.ONE_THREAD}
     environment |= {"OPENBLAS_CORETYPE": coretype} if coretype else {}
-    with open(folder / "log", "w") as log:
-        started = time.monotonic()
-        process = subprocess.Popen(["ccx", "-i", "body"], cwd=folder, env=environment, stdout=log, stderr=log)
-        _, status, usage = os.wait4(process.pid, 0)
-        seconds = time.monotonic() - started
-    process.returncode = os.waitstatus_to_exitcode(status)
+    done = launch.measured(["ccx", "-i", "body"], folder, environment)
     found = frequencies_of(folder / "body.dat")
-    if process.returncode != 0 or not found:
-        print("ccx:", (folder / "log").read_text()[-2000:], file=sys.stderr)
-        raise errors.ProgramError(1)
+    if not found:
+        raise SolverError(f"ccx: finds no modes: {done.text[-2000:]}")
     return {
-        "seconds": seconds,
-        "cpu_seconds": usage.ru_utime + usage.ru_stime,
-        "peak_mib": usage.ru_maxrss / 1024,
+        "seconds": done.seconds,
+        "cpu_seconds": done.cpu_seconds,
+        "peak_mib": done.peak_mib,
         "frequency_hz": found,
     }
 
@@ -67,10 +59,8 @@ class Cache:
     def __init__(self, path=None):
         self.path = path
         self.entries = json.loads(path.read_text()) if path and path.exists() else []
-        model = [
-            line for line in Path("/proc/cpuinfo").read_text().splitlines() if line.startswith("model name")
-        ]
-        self.machine = f"{len(model)} x {model[0].split(':')[1].strip()}" if model else "unknown"
+        models = re.findall(r"^model name\s*: (.*)$", Path("/proc/cpuinfo").read_text(), re.MULTILINE)
+        self.machine = f"{len(models)} x {models[0].strip()}" if models else "unknown"
 
     def entry(self, key):
         key = key | {"machine": self.machine}
@@ -82,9 +72,7 @@ class Cache:
 
     def save(self):
         if self.path:
-            partial = self.path.with_name(self.path.name + ".partial")
-            partial.write_text(json.dumps(self.entries, indent=1) + "\n")
-            partial.rename(self.path)
+            files.write(self.path, (json.dumps(self.entries, indent=1) + "\n").encode())
 
 
 def run(case, count, threads, rounds, cache):
@@ -92,12 +80,8 @@ def run(case, count, threads, rounds, cache):
     input to the last output. The input decides whether a cached run serves."""
     with tempfile.TemporaryDirectory(prefix="ricochet-ccx-") as folder:
         folder = Path(folder)
-        write = [
-            programs.BIN / "bench_modes",
-            "calculix-input",
-            *case.words(f"{{count={count}}}"),
-            folder / "body.inp",
-        ]
+        words = case.words(launch.modes_words(count))
+        write = [programs.BIN / "bench_modes", "calculix-input", *words, folder / "body.inp"]
         answer = json.loads(programs.call(write, capture=True).strip().splitlines()[-1])
         deck = hashlib.sha256((folder / "body.inp").read_bytes()).hexdigest()
         entry = cache.entry({"input_sha256": deck, "threads": threads})
@@ -106,14 +90,6 @@ def run(case, count, threads, rounds, cache):
             entry["runs"].append(run_ccx(folder, threads, answer["openblas_coretype"]))
             cache.save()
     elastic = [f for f in entry["runs"][0]["frequency_hz"] if f > RIGID_BELOW_HZ]
-    return [
-        timed
-        | {
-            "solver": "calculix",
-            "unknowns": answer["unknowns"],
-            "elastic": len(elastic),
-            "frequency_hz": elastic,
-            "command": entry["command"],
-        }
-        for timed in entry["runs"][:rounds]
-    ]
+    found = {"solver": "calculix", "unknowns": answer["unknowns"], "command": entry["command"]}
+    found |= {"elastic": len(elastic), "frequency_hz": elastic}
+    return [timed | found for timed in entry["runs"][:rounds]]

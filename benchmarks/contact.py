@@ -8,17 +8,18 @@ The scene is two plates with modes in closed form, pressed together (benchmarks/
 first.
 """
 import json
-import subprocess
 
 from benchmarks import launch, tables
-from ricochet import errors, programs
+from ricochet import programs
 
-
-def call(command, **options):
-    done = subprocess.run([str(word) for word in command], **options)
-    if done.returncode != 0:
-        raise errors.ProgramError(done.returncode)
-    return done
+COLUMNS = [
+    ("scene", "scene", ""),
+    ("steps", "steps", ""),
+    ("touching", "touching", ".0f"),
+    ("us a step", "us", ".2f"),
+    ("x real time", "speed", ".2f"),
+    ("x single steps", "gain", ".1f"),
+]
 
 
 def add_arguments(parser):
@@ -37,26 +38,22 @@ def run(options):
     launch.build("bench_contact")
     program = programs.BIN / "bench_contact"
     if options.worst:
-        call([program, "--worst", options.worst])
+        programs.call([program, "--worst", options.worst])
         return
     # Google Benchmark alternates by itself.
-    done = call(
-        [
-            program,
-            "--benchmark_format=json",
-            "--benchmark_min_time=0.2",
-            "--benchmark_enable_random_interleaving=true",
-            f"--benchmark_repetitions={options.rounds}",
-            "--benchmark_report_aggregates_only=true",
-        ],
-        stdout=subprocess.PIPE,
-        text=True,
-    )
-    medians = [b for b in json.loads(done.stdout)["benchmarks"] if b["aggregate_name"] == "median"]
-    rows = {b["run_name"]: b for b in medians}
-    tables.head(["scene", "steps", "touching", "us a step", "x real time", "x single steps"])
+    command = [
+        program,
+        "--benchmark_format=json",
+        "--benchmark_min_time=0.2",
+        "--benchmark_enable_random_interleaving=true",
+        f"--benchmark_repetitions={options.rounds}",
+        "--benchmark_report_aggregates_only=true",
+    ]
+    found = json.loads(programs.call(command, capture=True))["benchmarks"]
+    rows = {b["run_name"]: b for b in found if b["aggregate_name"] == "median"}
+    table = tables.Table(COLUMNS)
     for name in sorted(rows, key=lambda name: (int(name.split()[0]), -rows[name]["cpu_time"])):
         scene, steps = name.split(": ")
         speed, plain = rows[name]["x_real_time"], rows[scene + ": single steps"]["x_real_time"]
-        cells = [scene, steps, f"{rows[name]['touching']:.0f}", f"{1e6 / 44100 / speed:.2f}"]
-        tables.row(cells + [f"{speed:.2f}", f"{speed / plain:.1f}"])
+        row = {"scene": scene, "steps": steps, "touching": rows[name]["touching"], "speed": speed}
+        table.row(row | {"us": 1e6 / 44100 / speed, "gain": speed / plain})

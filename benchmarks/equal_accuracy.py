@@ -3,31 +3,27 @@
 CalculiX's."""
 import json
 import sys
-from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from benchmarks import calculix, launch, tables, timing
 from ricochet import errors
 
 ELASTIC = 140
 COUNT = ELASTIC + 6  # with rigid modes of a free body
-HEAD = ["solver", "order", "size", "unknowns", "time (s)", "runs (s)", "largest error"]
-
-OURS = [
-    "2:5e-3",
-    "2:3.4e-3",
-    "2:2.6e-3",
-    "2:2e-3",
-    "3:1e-2",
-    "3:7e-3",
-    "3:5e-3",
-    "3:4e-3",
-    "4:1.4e-2",
-    "4:1e-2",
-    "4:7e-3",
+COLUMNS = [
+    ("solver", "solver", ""),
+    ("order", "order", ""),
+    ("size", "size", "g"),
+    ("unknowns", "unknowns", ""),
+    ("time (s)", "seconds", ".2f"),
+    ("runs (s)", "runs", ".2f"),
+    ("largest error", "error", ".2e"),
 ]
-CALCULIX = ["2:5e-3", "2:3.4e-3", "2:2.6e-3", "2:2e-3"]
+
+CALCULIX = "2:5e-3 2:3.4e-3 2:2.6e-3 2:2e-3"
+OURS = f"{CALCULIX} 3:1e-2 3:7e-3 3:5e-3 3:4e-3 4:1.4e-2 4:1e-2 4:7e-3"
 REFERENCE = ["4", "4e-3"]
 
 
@@ -43,22 +39,18 @@ def add_arguments(parser):
         "are those of assembly and search, of CalculiX those of the whole program",
     )
     group.add_argument("--accuracy", action="store_true", help="compare at equal accuracy")
-    group.add_argument(
-        "--ours",
-        type=order_and_size,
-        nargs="+",
-        default=[order_and_size(t) for t in OURS],
-        metavar="ORDER:SIZE",
-        help=f"our runs (default: {' '.join(OURS)})",
-    )
-    group.add_argument(
-        "--calculix",
-        type=order_and_size,
-        nargs="*",
-        default=[order_and_size(t) for t in CALCULIX],
-        metavar="ORDER:SIZE",
-        help=f"CalculiX's, order 1 or 2 (default: {' '.join(CALCULIX)})",
-    )
+    for option, many, default, text in (
+        ("--ours", "+", OURS, "our runs"),
+        ("--calculix", "*", CALCULIX, "CalculiX's, order 1 or 2"),
+    ):
+        group.add_argument(
+            option,
+            type=order_and_size,
+            nargs=many,
+            default=list(map(order_and_size, default.split())),
+            metavar="ORDER:SIZE",
+            help=f"{text} (default: {default})",
+        )
     group.add_argument(
         "--reference",
         nargs=2,
@@ -83,13 +75,14 @@ def time_at(points, target):
     return float(np.exp(t0 + (t1 - t0) * (np.log(target) - e0) / (e1 - e0))), not inside
 
 
+def note(text):
+    print(f"bench modes: {text}", file=sys.stderr)
+
+
 def row_of(solver, order, size, runs, seconds, truth):
     found = np.array(runs[0]["frequency_hz"][:ELASTIC])
     if len(found) < ELASTIC:
-        print(
-            f"bench modes: {solver}, order {order}, size {size:g}: only {len(found)} elastic modes",
-            file=sys.stderr,
-        )
+        note(f"{solver}, order {order}, size {size:g}: only {len(found)} elastic modes")
         return None
     return {
         "solver": solver,
@@ -107,20 +100,13 @@ def curves(rows):
     """Points (error, time) by solver and order; of sizes that make the same mesh, one."""
     found = {}
     for row in rows:
-        found.setdefault(f"{row['solver']}, order {row['order']}", {})[row["unknowns"]] = (
-            row["error"],
-            row["seconds"],
-        )
+        curve = found.setdefault(f"{row['solver']}, order {row['order']}", {})
+        curve[row["unknowns"]] = row["error"], row["seconds"]
     return {name: list(points.values()) for name, points in found.items()}
 
 
 def rows_of(options, case, ranks, truth, cache):
-    modes = (
-        "{"
-        + f"count={COUNT}"
-        + (f",relative_residual={options.tolerance}" if options.tolerance else "")
-        + "}"
-    )
+    modes = launch.modes_words(COUNT, options.tolerance)
     candidates = {
         (order, size): lambda order=order, size=size: launch.search(
             "ricochet", case(order, size), modes, ranks, frequencies=True
@@ -139,9 +125,9 @@ def rows_of(options, case, ranks, truth, cache):
                 calculix.run(case(order, size), COUNT, threads, options.rounds, cache)
                 for threads in options.threads
             ]
-        except errors.ProgramError:
+        except errors.RicochetError as error:
             # Out of memory, as a rule: what has been found stays worth a report.
-            print(f"bench modes: calculix, order {order}, size {size:g}: left out", file=sys.stderr)
+            note(f"calculix, order {order}, size {size:g}: left out: {error}")
             continue
         runs = min(trials, key=timing.median)
         yield row_of("calculix", order, size, runs, [run["seconds"] for run in runs], truth)
@@ -177,8 +163,8 @@ def report(rows, target):
 
 
 def draw(rows, target, path):
-    plt = tables.pyplot()
-    figure, ax = plt.subplots(figsize=(6.5, 4.5), layout="constrained")
+    figure = Figure(figsize=(6.5, 4.5), layout="constrained")
+    ax = figure.subplots()
     for name, points in curves(rows).items():
         errors, seconds = zip(*sorted(points))
         ax.loglog(seconds, errors, marker="s" if name.startswith("calculix") else "o", label=name)
@@ -186,8 +172,7 @@ def draw(rows, target, path):
     ax.set(xlabel="time (s)", ylabel=f"largest error of {ELASTIC} frequencies")
     ax.grid(True, which="both", color="#e4e4e4")
     ax.legend(frameon=False)
-    figure.savefig(path, dpi=150)
-    print(path)
+    tables.save(figure, path)
 
 
 def compare(options, cache):
@@ -196,28 +181,15 @@ def compare(options, cache):
 
     ranks = options.ranks[0]
     order, size = int(options.reference[0]), float(options.reference[1])
-    run = launch.search("ricochet", case(order, size), f"{{count={COUNT}}}", ranks, frequencies=True)
+    run = launch.search("ricochet", case(order, size), launch.modes_words(COUNT), ranks, frequencies=True)
     truth = np.array(run["frequency_hz"][:ELASTIC])
     print(f"Reference: order {order}, size {size:g}, {run['unknowns']} unknowns, {run['seconds']:.2f} s\n")
-    rows = []
-    tables.head(HEAD)
-    for row in rows_of(options, case, ranks, truth, cache):
-        if row is None:
-            continue
+    rows, table = [], tables.Table(COLUMNS)
+    for row in filter(None, rows_of(options, case, ranks, truth, cache)):
         rows.append(row)
-        tables.row(
-            [
-                row["solver"],
-                row["order"],
-                f"{row['size']:g}",
-                row["unknowns"],
-                f"{row['seconds']:.2f}",
-                " ".join(f"{t:.2f}" for t in row["runs"]),
-                f"{row['error']:.2e}",
-            ]
-        )
+        table.row(row)
         if options.json:
-            Path(options.json).write_text(json.dumps({"reference": run, "rows": rows}, indent=1) + "\n")
+            options.json.write_text(json.dumps({"reference": run, "rows": rows}, indent=1) + "\n")
     print()
     report(rows, options.target)
     if options.figure:

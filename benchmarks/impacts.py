@@ -2,13 +2,13 @@
 """Impacts of one scene computed with different kernels, and how far they are from a reference."""
 import json
 import math
-import sys
 import tomllib
 from pathlib import Path
 
 import h5py
 
-from ricochet import errors, programs
+from ricochet import programs
+from ricochet.errors import InputError
 
 
 def add_arguments(parser):
@@ -35,30 +35,25 @@ class Impacts:
         resolved = tomllib.loads(programs.resolved(self.scene, programs.with_set(self.settings)))
         self.bodies = sorted(resolved["bodies"])
         if self.body not in self.bodies:
-            print(f'{self.scene}: there is no body "{self.body}": give --body', file=sys.stderr)
-            raise errors.ProgramError(2)
+            raise InputError(f'{self.scene}: there is no body "{self.body}": give --body')
         velocity = resolved["bodies"][self.body]["velocity"]
         if not any(velocity):
-            print(
-                f"{self.scene}: {self.body} is at rest: name the body that moves by --body", file=sys.stderr
-            )
-            raise errors.ProgramError(2)
+            raise InputError(f"{self.scene}: {self.body} is at rest: name the body that moves by --body")
         self.direction = [v / math.hypot(*velocity) for v in velocity]
 
     def words(self, modes, *more):
         own = [f"modes={modes}", "output.view=false", "output.snapshot_every=0"]
-        return ["--quiet", "--out", self.folder, *programs.with_set([*own, *self.settings, *more])]
+        return programs.with_set([*own, *self.settings, *more], self.folder)
 
     def compute(self, modes):
         """Vectors of each body, the largest estimate of their flexibility's error, and by speed the rebound
         velocity [m/s] (None: still touching) and the impulse [N s]."""
-        programs.kernel(self.scene, self.words(modes), self.ranks)
+        programs.kernel(self.scene, ["--quiet", *self.words(modes)], self.ranks)
         impacts = {}
         for speed in self.speeds:
             velocity = ",".join(str(speed * d) for d in self.direction)
-            programs.contact(
-                self.scene, self.words(modes, f"bodies.{self.body}.velocity=[{velocity}]", "title=impact")
-            )
+            words = self.words(modes, f"bodies.{self.body}.velocity=[{velocity}]", "title=impact")
+            programs.contact(self.scene, ["--quiet", *words])
             summary = json.loads((self.folder / "impact.summary.json").read_text())
             exit_velocity = summary["exit_velocity"].get(self.body)
             rebound = exit_velocity and sum(v * d for v, d in zip(exit_velocity, self.direction))
@@ -83,3 +78,20 @@ def compare(found, reference):
         speed: {key: relative(impact[key], reference["impacts"][speed][key]) for key in impact}
         for speed, impact in found["impacts"].items()
     }
+
+
+def error_columns(speeds):
+    """Columns of a table whose rows have such errors."""
+    return [
+        (
+            f"error of {what} at {speed:g} m/s",
+            lambda row, of=(speed, what): row["errors"][of[0]][of[1]],
+            ".1e",
+        )
+        for speed in speeds
+        for what in ("rebound", "impulse")
+    ]
+
+
+def vectors_of(row):
+    return ", ".join(f"{body} {n}" for body, n in row["vectors"].items())

@@ -1,25 +1,31 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Builds what is timed, and runs bench_modes under mpirun on a body of a scene."""
 import json
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
-from ricochet import errors, programs
+from ricochet import errors, programs, timing
 
 
 def build(*targets):
     """Brings programs up to date with the source; scripts/build must have run once."""
-    if not programs.BIN.is_dir():
-        print(f"{programs.BIN}: no programs there. Run scripts/build first.", file=sys.stderr)
-        raise errors.ProgramError(2)
-    done = subprocess.run(
-        ["cmake", "--build", programs.BIN.parent, "--target", *targets], stdout=subprocess.PIPE, text=True
-    )
-    if done.returncode != 0:
-        print(done.stdout, file=sys.stderr)
-        raise errors.ProgramError(done.returncode)
+    programs.find(["cmake"])
+    measured(["cmake", "--build", programs.BIN.parent, "--target", *targets])
+
+
+def measured(command, folder=None, variables=programs.ONE_THREAD):
+    """What `ricochet.timing.timed` returns. Raises SolverError if the program fails, whose output is then printed."""
+    done = timing.timed(command, folder, variables)
+    if done.status != 0:
+        print(done.text, file=sys.stderr)
+        raise errors.SolverError(f"{command[0]}: ended with status {done.status}")
+    return done
+
+
+def modes_words(count, tolerance=None):
+    """The table [modes] for so many modes, with a bound of their residuals."""
+    return f"{{count={count}" + (f",relative_residual={tolerance}" if tolerance else "") + "}"
 
 
 class Case:
@@ -44,7 +50,7 @@ def search(solver, case, modes, ranks, upto_hz=None, frequencies=False):
     """One run of bench_modes: what it prints, and the elastic frequencies where they are wanted."""
     with tempfile.TemporaryDirectory(prefix="ricochet-bench-") as folder:
         file = Path(folder) / "frequencies"
-        command = programs.mpirun(ranks) + [programs.BIN / "bench_modes", solver, *case.words(modes)]
+        command = [*programs.mpirun(ranks), programs.BIN / "bench_modes", solver, *case.words(modes)]
         command += ["--upto-hz", f"{upto_hz:.6f}"] if upto_hz else []
         command += ["--frequencies", file] if frequencies else []
         run = json.loads(programs.call(command, capture=True).strip().splitlines()[-1])

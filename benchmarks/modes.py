@@ -23,35 +23,31 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from benchmarks import calculix, equal_accuracy, launch, tables, timing
 from ricochet import programs
 
 SOLVERS = ["ricochet", "krylov-schur", "slicing", "calculix"]
-HEAD = [
-    "modes",
-    "unknowns",
-    "ranks",
-    "solver",
-    "time (s)",
-    "runs (s)",
-    "ricochet is faster by",
-    "assembly (s)",
-    "peak memory a rank (MiB)",
-    "elastic modes found",
-    "worst residual",
+COLUMNS = [
+    ("modes", "modes", ""),
+    ("unknowns", "unknowns", ""),
+    ("ranks", "ranks", ""),
+    ("solver", "solver", ""),
+    ("time (s)", "seconds", ".2f"),
+    ("runs (s)", "runs", ".2f"),
+    ("ricochet is faster by", "faster_by", ".2f"),
+    ("assembly (s)", "assembly_seconds", ".2f"),
+    ("peak memory a rank (MiB)", "peak_mib", ".0f"),
+    ("elastic modes found", "elastic", ""),
+    ("worst residual", "worst_residual", ".1e"),
 ]
 
 
 def case_runs(options, case, count, ranks, cache):
     """Runs of each (solver, ranks or threads), in turn. CalculiX is compared with the largest number of
     ranks."""
-    modes = (
-        "{"
-        + f"count={count}"
-        + (f",relative_residual={options.tolerance}" if options.tolerance else "")
-        + "}"
-    )
+    modes = launch.modes_words(count, options.tolerance)
     upto_hz, rounds = None, 0
 
     def one(solver, n):
@@ -64,10 +60,8 @@ def case_runs(options, case, count, ranks, cache):
             run = launch.search(solver, case, modes, n, upto_hz if solver == "slicing" else None)
         if solver == "ricochet":
             upto_hz = run["upto_hz"]
-        print(
-            f"{count} modes, {run['unknowns']} unknowns, {solver} on {n}: {run['seconds']:.2f} s",
-            file=sys.stderr,
-        )
+        figures = f"{count} modes, {run['unknowns']} unknowns, {solver} on {n}: {run['seconds']:.2f} s"
+        print(figures, file=sys.stderr)
         return run
 
     threads = options.threads if ranks == max(options.ranks) else []
@@ -78,52 +72,34 @@ def case_runs(options, case, count, ranks, cache):
 
 
 def rows_of(options, case, count, ranks, cache):
-    runs = case_runs(options, case, count, ranks, cache)
-    for (solver, n), list_ in runs.items():
+    found = case_runs(options, case, count, ranks, cache)
+    ours = found.get(("ricochet", ranks))
+    for (solver, n), runs in found.items():
+        residuals = [run["worst_residual"] for run in runs if "worst_residual" in run]
         yield {
             "scene": str(case.scene),
             "body": case.body,
             "order": case.order,
             "size": case.size,
             "modes": count,
-            "unknowns": list_[0]["unknowns"],
+            "unknowns": runs[0]["unknowns"],
             "ranks": n,
             "solver": solver,
-            "seconds": timing.median(list_),
-            "runs": [run["seconds"] for run in list_],
-            "faster_by": timing.speedup(runs["ricochet", ranks], list_)
-            if ("ricochet", ranks) in runs and solver != "ricochet"
-            else None,
-            "assembly_seconds": list_[0].get("assembly_seconds"),
-            "peak_mib": max(run["peak_mib"] for run in list_),
-            "elastic": list_[-1]["elastic"],
-            "worst_residual": max(
-                (run["worst_residual"] for run in list_ if "worst_residual" in run), default=None
-            ),
-            "command": list_[0]["command"],
+            "seconds": timing.median(runs),
+            "runs": [run["seconds"] for run in runs],
+            "faster_by": timing.median(runs) / timing.median(ours) if ours and runs is not ours else None,
+            "assembly_seconds": runs[0].get("assembly_seconds"),
+            "peak_mib": max(run["peak_mib"] for run in runs),
+            "elastic": runs[-1]["elastic"],
+            "worst_residual": max(residuals, default=None),
+            "command": runs[0]["command"],
         }
 
 
-def cells_of(row):
-    def show(key, form):
-        return "" if row[key] is None else f"{row[key]:{form}}"
-
-    return [
-        row["modes"],
-        row["unknowns"],
-        row["ranks"],
-        row["solver"],
-        show("seconds", ".2f"),
-        " ".join(f"{run:.2f}" for run in row["runs"]),
-        show("faster_by", ".2f"),
-        show("assembly_seconds", ".2f"),
-        show("peak_mib", ".0f"),
-        row["elastic"],
-        show("worst_residual", ".1e"),
-    ]
-
-
 # ---- Growth with modes and unknowns ----
+
+
+GROWTH = (("modes", "unknowns"), ("unknowns", "modes"))  # what varies, and what is fixed
 
 
 def series(rows, x, fixed):
@@ -131,9 +107,8 @@ def series(rows, x, fixed):
     x."""
     groups = {}
     for row in rows:
-        groups.setdefault((f"{row['solver']} on {row['ranks']}", f"{row[fixed]} {fixed}"), {})[row[x]] = row[
-            "seconds"
-        ]
+        name = f"{row['solver']} on {row['ranks']}", f"{row[fixed]} {fixed}"
+        groups.setdefault(name, {})[row[x]] = row["seconds"]
     for (solver, value), times in groups.items():
         if len(times) > 1:
             at = sorted(times)
@@ -142,7 +117,7 @@ def series(rows, x, fixed):
 
 def exponents(rows):
     fits = []
-    for x, fixed in (("modes", "unknowns"), ("unknowns", "modes")):
+    for x, fixed in GROWTH:
         for solver, value, at, times in series(rows, x, fixed):
             if len(at) > 2:
                 slope = float(np.polyfit(np.log(at), np.log(times), 1)[0])
@@ -151,35 +126,24 @@ def exponents(rows):
 
 
 def draw(rows, path):
-    plt = tables.pyplot()
-    panels = [
-        (x, list(series(rows, x, fixed))) for x, fixed in (("modes", "unknowns"), ("unknowns", "modes"))
-    ]
-    panels = [(x, lines) for x, lines in panels if lines]
+    panels = [(x, lines) for x, fixed in GROWTH if (lines := list(series(rows, x, fixed)))]
     if not panels:
         print("bench modes: nothing to draw: give several --count or --size", file=sys.stderr)
         return
-    figure, axes = plt.subplots(
-        1, len(panels), figsize=(6 * len(panels), 5), layout="constrained", squeeze=False
-    )
+    figure = Figure(figsize=(6 * len(panels), 5), layout="constrained")
+    axes = figure.subplots(1, len(panels), squeeze=False)
     for ax, (x, lines) in zip(axes[0], panels):
         solvers, values = (list(dict.fromkeys(line[k] for line in lines)) for k in (0, 1))
         for solver, value, at, times in lines:
-            ax.loglog(
-                at,
-                times,
-                color=f"C{solvers.index(solver)}",
-                marker="os^Dv<>"[values.index(value) % 7],
-                label=f"{solver}, {value}",
-            )
+            colour, marker = f"C{solvers.index(solver)}", "os^Dv<>"[values.index(value) % 7]
+            ax.loglog(at, times, color=colour, marker=marker, label=f"{solver}, {value}")
         measured = sorted({k for line in lines for k in line[2]})
         ax.set_xticks(measured, [str(k) for k in measured])
         ax.set_xticks([], minor=True)
         ax.set(xlabel=x, ylabel="time (s)")
         ax.grid(True, which="both", color="#e4e4e4")
         ax.legend(frameon=False, fontsize=8, ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.15))
-    figure.savefig(path, dpi=150)
-    print(path)
+    tables.save(figure, path)
 
 
 # ---- Program ----
@@ -241,19 +205,17 @@ def complete(options):
 def times(options, cache):
     if "calculix" in options.solvers and not calculix.installed():
         options.solvers.remove("calculix")
-    rows = []
-    tables.head(HEAD)
+    rows, table = [], tables.Table(COLUMNS)
     for size in options.size or [None]:
         case = launch.Case(options.scene, options.body, options.order, size, options.set)
         for count in options.count:
             for ranks in options.ranks:
                 for row in rows_of(options, case, count, ranks, cache):
                     rows.append(row)
-                    tables.row(cells_of(row))
+                    table.row(row)
                 if options.json:
-                    options.json.write_text(
-                        json.dumps({"rows": rows, "exponents": exponents(rows)}, indent=1) + "\n"
-                    )
+                    found = {"rows": rows, "exponents": exponents(rows)}
+                    options.json.write_text(json.dumps(found, indent=1) + "\n")
     for fit in exponents(rows):
         print(f"time ~ {fit['of']}^{fit['exponent']:.2f}: {fit['series']}, {fit['points']} points")
     if options.figure:

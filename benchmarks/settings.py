@@ -16,21 +16,17 @@ With --approximate, modes from block iterations are compared with certified ones
 affects less.
 """
 import json
-import re
-import subprocess
-import sys
 import tempfile
-import time
 from pathlib import Path
 
 import h5py
 import numpy as np
 
-from benchmarks import impacts, launch, tables, timing
-from benchmarks.impacts import Impacts, compare
-from ricochet import errors, programs
+from benchmarks import impacts, launch, tables
+from benchmarks.impacts import Impacts, compare, error_columns, vectors_of
+from ricochet import programs
 
-CONTACT = 'basis="contact",up_to_hz={band:g}'
+CONTACT = '{{basis="contact",up_to_hz={band:g},flexibility_error='
 SETTINGS = [
     ("400 certified modes", "{{count=400}}", []),
     ("residuals up to 1e-6", "{{count=400,relative_residual=1e-6}}", []),
@@ -44,29 +40,24 @@ SETTINGS = [
     ("modes for a flexibility error of 3e-2", "{{up_to_hz={band:g},flexibility_error=3e-2}}", []),
     ("order 2 on the same elements", "{{count=400}}", ["order=2"]),
     ("order 4 on the same elements", "{{count=400}}", ["order=4"]),
-    ("contact-adapted basis, error 1e-1", "{{" + CONTACT + ",flexibility_error=1e-1}}", []),
-    ("contact-adapted basis, error 1e-2", "{{" + CONTACT + ",flexibility_error=1e-2}}", []),
-    ("contact-adapted basis, error 1e-3", "{{" + CONTACT + ",flexibility_error=1e-3}}", []),
-    ("the same, block low-rank 1e-8", "{{" + CONTACT + ",flexibility_error=1e-3,low_rank=1e-8}}", []),
-    ("the same, block low-rank 1e-4", "{{" + CONTACT + ",flexibility_error=1e-3,low_rank=1e-4}}", []),
+    ("contact-adapted basis, error 1e-1", CONTACT + "1e-1}}", []),
+    ("contact-adapted basis, error 1e-2", CONTACT + "1e-2}}", []),
+    ("contact-adapted basis, error 1e-3", CONTACT + "1e-3}}", []),
+    ("the same, block low-rank 1e-8", CONTACT + "1e-3,low_rank=1e-8}}", []),
+    ("the same, block low-rank 1e-4", CONTACT + "1e-3,low_rank=1e-4}}", []),
+]
+APPROXIMATE_COLUMNS = [
+    ("modes", "modes", ""),
+    ("processor time (s)", "seconds", ".1f"),
+    ("certified / this", "gain", ".2f"),
+    ("block iterations taken", "taken", ""),
+    ("error of frequencies: largest", "largest", ".1e"),
+    ("median", "median", ".1e"),
 ]
 
 
-def kernel_run(options, words):
-    """Wall time [s] and peak memory [MiB] of ricochet-kernel, which prints the latter in its table."""
-    command = programs.mpirun(options.ranks) + [programs.BIN / "ricochet-kernel", options.scene, *words]
-    started = time.monotonic()
-    done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
-    seconds = time.monotonic() - started
-    peak = re.search(r"^total .* (\d+) MiB", done.stderr + done.stdout, re.MULTILINE)
-    if done.returncode != 0 or not peak:
-        print(done.stderr, file=sys.stderr)
-        raise errors.ProgramError(done.returncode or 1)
-    return seconds, int(peak[1])
-
-
 def frequencies(folder):
-    """Of each body, by name."""
+    """The angular frequencies of each body, by name."""
     found = {}
     for path in folder.glob("*.kernel.h5"):
         with h5py.File(path) as kernel:
@@ -75,7 +66,7 @@ def frequencies(folder):
 
 
 def elastic_errors(omega, reference):
-    """Relative, of as many as both have."""
+    """Relative errors of the elastic frequencies that both have."""
     n = min(len(omega), len(reference))
     elastic = reference[:n] > 0
     return np.abs(omega[:n][elastic] / reference[:n][elastic] - 1)
@@ -90,61 +81,47 @@ def measure(options, name, modes, of_bodies, reference):
         settings = [f"bodies.{body}.{key}" for body in reference.bodies for key in of_bodies]
         computed = Impacts(options, Path(folder), settings)
         modes = modes.format(band=options.band)
-        words = [word for word in computed.words(modes) if word != "--quiet"]
-        seconds, peak = kernel_run(options, words)
+        command = programs.kernel_command(options.scene, computed.words(modes), options.ranks)
+        done = launch.measured(command)
         found = computed.compute(modes) | {"frequencies": frequencies(Path(folder))}
         if reference.found is None:
             reference.found = found
-        exact = "contact" not in modes and "flexibility_error" not in modes
+        error = None
+        if "flexibility_error" not in modes:
+            error = frequency_error(found["frequencies"], reference.found["frequencies"])
         return {
             "setting": name,
             "vectors": found["vectors"],
-            "seconds": seconds,
-            "peak_mib": peak,
-            "frequency_error": frequency_error(found["frequencies"], reference.found["frequencies"])
-            if exact
-            else None,
+            "seconds": done.seconds,
+            "peak_mib": done.rank_mib(),
+            "frequency_error": error,
             "errors": compare(found, reference.found),
         }
 
 
 def approximate(options, iterations=(0, 1, 2)):
     """A table of certified modes (0) and of approximate ones by so many iterations, of all bodies."""
-    tables.head(
-        [
-            "modes",
-            "processor time (s)",
-            "certified / this",
-            "block iterations taken",
-            "error of frequencies: largest",
-            "median",
-        ]
-    )
+    table = tables.Table(APPROXIMATE_COLUMNS)
     truth, first = None, None
     for count in iterations:
-        modes = f"{{count={options.count}," + (
-            f"approximate={count}}}" if count else "relative_residual=1e-4}"
-        )
+        bound = f"approximate={count}" if count else "relative_residual=1e-4"
+        words = [f"modes={{count={options.count},{bound}}}", "output.view=false"]
         with tempfile.TemporaryDirectory(prefix="ricochet-settings-") as folder:
-            before = timing.children_seconds()
-            programs.kernel(
-                options.scene,
-                ["--quiet", "--out", folder, *programs.with_set([f"modes={modes}", "output.view=false"])],
-                1,
-            )
-            seconds = timing.children_seconds() - before
+            words = ["--quiet", *programs.with_set(words, folder)]
+            seconds = launch.measured(programs.kernel_command(options.scene, words, 1)).cpu_seconds
             found, taken = frequencies(Path(folder)), iterations_taken(Path(folder))
         if not count:
             truth, first = found, seconds
         errors = np.concatenate([elastic_errors(omega, truth[body]) for body, omega in found.items()])
-        tables.row(
-            [
-                f"`approximate = {count}`" if count else "certified, residuals up to 1e-4",
-                f"{seconds:.1f}",
-                f"{first / seconds:.2f}",
-                taken if count else "",
-                *([tables.show(errors.max()), tables.show(np.median(errors))] if count else ["", ""]),
-            ]
+        table.row(
+            {
+                "modes": f"`approximate = {count}`" if count else "certified, residuals up to 1e-4",
+                "seconds": seconds,
+                "gain": first / seconds,
+                "taken": taken if count else None,
+                "largest": errors.max() if count else None,
+                "median": np.median(errors) if count else None,
+            }
         )
 
 
@@ -179,31 +156,21 @@ def run(options):
         approximate(options)
         return
     reference = Reference(Impacts(options, None).bodies)
-    head = [
-        "setting",
-        "modes or vectors",
-        "time (s)",
-        "time of the first / time",
-        "memory (MiB)",
-        "error of frequencies",
-    ]
-    head += [f"{what} at {speed:g} m/s" for speed in options.speeds for what in ("rebound", "impulse")]
-    tables.head(head)
     rows = []
+    table = tables.Table(
+        [
+            ("setting", "setting", ""),
+            ("modes or vectors", vectors_of, ""),
+            ("time (s)", "seconds", ".1f"),
+            ("time of the first / time", lambda row: rows[0]["seconds"] / row["seconds"], ".1f"),
+            ("memory (MiB)", "peak_mib", ""),
+            ("error of frequencies", "frequency_error", ".1e"),
+            *error_columns(options.speeds),
+        ]
+    )
     for name, modes, of_bodies in SETTINGS:
         row = measure(options, name, modes, of_bodies, reference)
         rows.append(row)
-        cells = [name, ", ".join(str(n) for n in row["vectors"].values()), f"{row['seconds']:.1f}"]
-        cells += [
-            f"{rows[0]['seconds'] / row['seconds']:.1f}",
-            row["peak_mib"],
-            tables.show(row["frequency_error"]),
-        ]
-        cells += [
-            tables.show(row["errors"][speed][what])
-            for speed in options.speeds
-            for what in ("rebound", "impulse")
-        ]
-        tables.row(cells)
+        table.row(row)
     if options.json:
         options.json.write_text(json.dumps(rows, indent=1) + "\n")

@@ -13,8 +13,8 @@ build/bench-sweep.
 """
 import json
 import os
+import resource
 import subprocess
-import time
 
 from benchmarks import launch, tables, timing
 from ricochet import errors, programs
@@ -26,6 +26,16 @@ SCENES = {
     "two-disks": ("bodies.upper.velocity[1]", -2.0, -0.5),
     "two-rods": ("bodies.moving.velocity[0]", 0.5, 2.0),
 }
+COLUMNS = [
+    ("scene", "scene", ""),
+    ("impacts", "impacts", ""),
+    ("bare (s)", "bare", ".1f"),
+    ("sweep (s)", "sweep", ".1f"),
+    ("overhead", "overhead", ".1%"),
+    ("processor time: bare (s)", "bare_cpu", ".1f"),
+    ("sweep (s)", "sweep_cpu", ".1f"),
+    ("beside an impact (ms)", "beside_ms", ".2f"),
+]
 
 
 def write_study(folder, name, options):
@@ -42,53 +52,39 @@ def write_study(folder, name, options):
 
 def sweep(study, folder, options, *more):
     """Wall and processor time [s]."""
-    started, before = time.monotonic(), timing.children_seconds()
-    programs.call(
-        [programs.BIN / "ricochet", "sweep", study, "--out", folder, "--jobs", options.jobs, *more],
-        capture=True,
-    )
-    return time.monotonic() - started, timing.children_seconds() - before
+    words = ["sweep", study, "--out", folder, "--jobs", options.jobs, *more]
+    done = launch.measured([programs.BIN / "ricochet", *words])
+    return done.seconds, done.cpu_seconds
 
 
 def bare(study, folder, options):
     """Time of all impacts as their processes report it, and processor time [s]."""
-    before = timing.children_seconds()
-    command = [
-        programs.BIN / "ricochet-contact",
-        study.scene,
-        "--batch",
-        "--out",
-        folder,
-        *programs.with_set(programs.settings(study.fixed)),
-    ]
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    words = programs.with_set(programs.settings(study.fixed), folder)
+    command = [str(word) for word in (programs.BIN / "ricochet-contact", study.scene, "--batch", *words)]
     lines = [json.dumps({"set": programs.settings(setting)}) + "\n" for setting in study.settings]
     running = []
     for k in range(options.jobs):
         requests, answers = folder / f"requests.{k}", folder / f"answers.{k}"
         requests.write_text("".join(lines[k :: options.jobs]))
         with open(requests) as given, open(answers, "w") as found:
-            running.append(
-                (
-                    subprocess.Popen(
-                        list(map(str, command)),
-                        stdin=given,
-                        stdout=found,
-                        env=os.environ | programs.ONE_THREAD,
-                    ),
-                    answers,
-                )
-            )
+            environment = os.environ | programs.ONE_THREAD
+            process = subprocess.Popen(command, stdin=given, stdout=found, env=environment)
+        running.append((process, answers))
     for process, _ in running:
         if process.wait() != 0:
-            raise errors.ProgramError(process.returncode)
+            raise errors.failure(process.returncode)
     reported = [json.loads(line) for _, answers in running for line in answers.read_text().splitlines()]
     failed = [answer["error"] for answer in reported if answer["status"] != 0]
     if failed:
         raise InputError(f"{len(failed)} impacts failed: {failed[0]}")
-    return sum(answer["summary"]["wall_s"] for answer in reported), timing.children_seconds() - before
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    cpu_seconds = used.ru_utime + used.ru_stime - before.ru_utime - before.ru_stime
+    return sum(answer["summary"]["wall_s"] for answer in reported), cpu_seconds
 
 
 def measure(name, options, folder):
+    """The row of a scene: the round with the median overhead."""
     path = write_study(folder, name, options)
     sweep(path, folder, options, "--kernels")
 
@@ -100,21 +96,20 @@ def measure(name, options, folder):
     found = timing.alternate(
         options.rounds, {"bare": lambda: bare(Study(path), folder, options), "sweep": anew}
     )
-    rounds = sorted(
-        (wall * options.jobs / own - 1, wall, own, cpu, own_cpu)
+    rounds = [
+        {
+            "scene": name,
+            "impacts": options.impacts,
+            "bare": own,
+            "sweep": wall,
+            "overhead": wall * options.jobs / own - 1,
+            "bare_cpu": own_cpu,
+            "sweep_cpu": cpu,
+            "beside_ms": 1e3 * (cpu - own_cpu) / options.impacts,
+        }
         for (own, own_cpu), (wall, cpu) in zip(found["bare"], found["sweep"])
-    )
-    share, wall, own, cpu, own_cpu = rounds[len(rounds) // 2]
-    cells = [
-        name,
-        options.impacts,
-        f"{own:.1f}",
-        f"{wall:.1f}",
-        f"{100 * share:.1f} %",
-        f"{own_cpu:.1f}",
-        f"{cpu:.1f}",
     ]
-    tables.row(cells + [f"{1e3 * (cpu - own_cpu) / options.impacts:.2f}"])
+    return sorted(rounds, key=lambda row: row["overhead"])[len(rounds) // 2]
 
 
 def add_arguments(parser):
@@ -138,17 +133,6 @@ def run(options):
     folder = programs.ROOT / "build" / "bench-sweep"
     folder.mkdir(parents=True, exist_ok=True)
     print(f"{options.jobs} processes\n")
-    tables.head(
-        [
-            "scene",
-            "impacts",
-            "bare (s)",
-            "sweep (s)",
-            "overhead",
-            "processor time: bare (s)",
-            "sweep (s)",
-            "beside an impact (ms)",
-        ]
-    )
+    table = tables.Table(COLUMNS)
     for name in options.scenes:
-        measure(name, options, folder)
+        table.row(measure(name, options, folder))

@@ -1,24 +1,29 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Tables in Markdown on standard output, and figures in files."""
+from ricochet import files
 
 
-def head(cells):
-    print("| " + " | ".join(cells) + " |\n" + "|---" * len(cells) + "|", flush=True)
+class Table:
+    """Prints its head at once and each row as it comes.
 
+    @param columns  (title, value, format): the value is a key of the row or a function of it
+    """
 
-def row(cells):
-    print("| " + " | ".join(str(cell) for cell in cells) + " |", flush=True)
+    def __init__(self, columns):
+        self.columns = columns
+        print(f"| {' | '.join(title for title, _, _ in columns)} |\n{'|---' * len(columns)}|", flush=True)
+
+    def row(self, row):
+        values = ((of(row) if callable(of) else row[of], form) for _, of, form in self.columns)
+        print(f"| {' | '.join(show(value, form) for value, form in values)} |", flush=True)
 
 
 def show(value, form=".1e"):
+    if isinstance(value, list):
+        return " ".join(show(item, form) for item in value)
     return "–" if value is None else f"{value:{form}}"
 
 
-def pyplot():
-    """matplotlib.pyplot for files alone."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
-    return plt
+def save(figure, path):
+    files.save_picture(figure, path, dpi=150)
+    print(path)

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Runs in turn, their medians and ratios, and processor times."""
-import resource
+"""Runs in turn, and their medians."""
 import statistics
 
 
@@ -18,16 +17,5 @@ def alternate(rounds, candidates):
     return found
 
 
-def median(runs, key="seconds"):
-    return statistics.median(run[key] for run in runs)
-
-
-def speedup(runs, reference):
-    """How many times as fast as the reference these runs are, by the medians."""
-    return median(reference) / median(runs)
-
-
-def children_seconds():
-    """Processor time of the processes that have ended [s]."""
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
+def median(runs):
+    return statistics.median(run["seconds"] for run in runs)

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The type of arrays in annotations; docstrings state shapes and units."""
+"""Types of arrays in annotations; docstrings state shapes and units."""
 from typing import Any
 
+import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[Any]
+Floats = NDArray[np.float64]

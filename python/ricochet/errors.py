@@ -29,12 +29,10 @@ class InputError(RicochetError):
         super().__init__(text, 2)
 
 
-class ProgramError(RicochetError):
-    """A program that ended with a status other than 0."""
-
-    def __init__(self, status: int, text: str = "") -> None:
-        super().__init__(text, status)
-
-
 class SolverError(RicochetError):
     """A computation that breaks down on good input."""
+
+
+def failure(status: int, text: str = "") -> RicochetError:
+    """The error of a program that ended with a status other than 0."""
+    return InputError(text) if status == 2 else SolverError(text, status)

@@ -8,12 +8,23 @@ import io
 import os
 import re
 import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
+from ricochet.errors import InputError
+
 if TYPE_CHECKING:  # it takes half a second to import, and few commands draw
     from matplotlib.figure import Figure
+
+
+@contextlib.contextmanager
+def writing(path: Path, choose: str) -> Iterator[None]:
+    """Turns an OSError of writing `path` into an InputError, which advises to choose another value of `choose`."""
+    try:
+        yield
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({error.strerror}). Choose another {choose}.") from None
 
 
 def write(path: Path, content: bytes | memoryview) -> None:

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ricochet import _core
+from ricochet.arrays import Floats
+from ricochet.forwarding import of_core
 from ricochet.modal_table import ModalTable
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Certificate:
 class VisualisationSurface:
     """The outer surface of a body, in its own axes. V nodes, E elements of k corners, N modes."""
 
-    node: Array  #: (V,3) [m]
+    node: Floats  #: (V,3) [m]
     element: NDArray[np.int64]  #: (E,k), k = 3 triangles or 2 segments
     shape: NDArray[np.float32]  #: (V,3,N) [kg^-1/2]
 
@@ -46,8 +46,8 @@ class VisualisationSurface:
 class KernelReceiver:
     """A point whose motion is recorded, in the body's own axes."""
 
-    point: Array  #: (3) [m]
-    shape: Array  #: (3,N) [kg^-1/2]
+    point: Floats  #: (3) [m]
+    shape: Floats  #: (3,N) [kg^-1/2]
 
 
 class Kernel:
@@ -63,20 +63,11 @@ class Kernel:
         self.path = Path(path)
         self._core = _core.read_kernel(self.path)
 
-    @property
-    def body(self) -> str:
-        """The scene's name for the body."""
-        return self._core.body
-
-    @property
-    def hash(self) -> str:
-        """SHA-256 of all that the kernel depends on: equal hash, equal kernel."""
-        return self._core.hash
-
-    @property
-    def basis(self) -> str:
-        """`modes` (certified), `approximate modes`, `contact` (fitted to contact), or `imported`."""
-        return self._core.basis
+    body: str = of_core("body", "The scene's name for the body.")
+    hash: str = of_core("hash", "SHA-256 of all that the kernel depends on: equal hash, equal kernel.")
+    basis: str = of_core(
+        "basis", "`modes` (certified), `approximate modes`, `contact` (fitted to contact), or `imported`."
+    )
 
     @property
     def certificate(self) -> Certificate:
@@ -84,72 +75,33 @@ class Kernel:
 
     # ---- Body ----
 
-    @property
-    def mass(self) -> float:
-        """[kg]"""
-        return self._core.mass
-
-    @property
-    def centre(self) -> Array:
-        """(3) centre of mass [m]"""
-        return self._core.centre
-
-    @property
-    def inertia(self) -> Array:
-        """(3,3) about the centre of mass [kg m²]"""
-        return self._core.inertia
-
-    @property
-    def is_supported(self) -> bool:
-        """Whether a support holds some displacement."""
-        return self._core.supported
-
-    @property
-    def dofs(self) -> int:
-        """Unknowns of the finite-element model."""
-        return self._core.dofs
-
-    @property
-    def elements(self) -> int:
-        """Elements of the finite-element model."""
-        return self._core.elements
-
-    @property
-    def order(self) -> int:
-        """Order of the elements."""
-        return self._core.order
+    mass: float = of_core("mass", "[kg]")
+    centre: Floats = of_core("centre", "(3) centre of mass [m]")
+    inertia: Floats = of_core("inertia", "(3,3) about the centre of mass [kg m²]")
+    is_supported: bool = of_core("supported", "Whether a support holds some displacement.")
+    dofs: int = of_core("dofs", "Unknowns of the finite-element model.")
+    elements: int = of_core("elements", "Elements of the finite-element model.")
+    order: int = of_core("order", "Order of the elements.")
 
     # ---- Modes ----
 
-    @property
-    def angular_frequency(self) -> Array:
-        """(N) ω [rad/s], ascending; rigid modes first, exactly 0"""
-        return self._core.angular_frequency
+    angular_frequency: Floats = of_core(
+        "angular_frequency", "(N) ω [rad/s], ascending; rigid modes first, exactly 0"
+    )
 
     @property
-    def frequency(self) -> Array:
+    def frequency(self) -> Floats:
         """(N) ω/2π [Hz]"""
         return self.angular_frequency / (2 * np.pi)
 
-    @property
-    def decay_rate(self) -> Array:
-        """(N) δ = ζω [1/s]"""
-        return self._core.decay_rate
-
-    @property
-    def residual(self) -> Array:
-        """(N) ‖Kφ − ω²Mφ‖ / ‖Kφ‖ [1]"""
-        return self._core.residual
-
-    @property
-    def body_force(self) -> Array:
-        """(3,N) φᵀ M e_i, the modal force of a uniform acceleration along each axis [kg^1/2]"""
-        return self._core.body_force
-
-    @property
-    def rotation(self) -> Array:
-        """(3,N) φᵀ M (e_i × x), the angular momentum about the origin [kg^1/2 m]"""
-        return self._core.rotation
+    decay_rate: Floats = of_core("decay_rate", "(N) δ = ζω [1/s]")
+    residual: Floats = of_core("residual", "(N) ‖Kφ − ω²Mφ‖ / ‖Kφ‖ [1]")
+    body_force: Floats = of_core(
+        "body_force", "(3,N) φᵀ M e_i, the modal force of a uniform acceleration along each axis [kg^1/2]"
+    )
+    rotation: Floats = of_core(
+        "rotation", "(3,N) φᵀ M (e_i × x), the angular momentum about the origin [kg^1/2 m]"
+    )
 
     @property
     def modes(self) -> ModalTable:
@@ -158,54 +110,29 @@ class Kernel:
 
     # ---- Contact surface ----
 
-    @property
-    def node(self) -> Array:
-        """(M,3) candidate points [m]"""
-        return self._core.node
+    node: Floats = of_core("node", "(M,3) candidate points [m]")
+    centroid: Floats = of_core(
+        "centroid", "(M,3) means of the candidates' patches, from which gaps are measured [m]"
+    )
+    normal: Floats = of_core("normal", "(M,3) outward unit normals")
+    area: Floats = of_core("area", "(M) areas of the patches [m²]")
+    group: list[str] = of_core("group", "The physical surface that each candidate belongs to, M names.")
+    element: NDArray[np.int64] = of_core(
+        "element",
+        "(T,k) elements of the surface by index of candidate: k = 3 triangles, 2 segments, 1 points",
+    )
+    direction: Floats | None = of_core(
+        "direction", "(3) the one direction along which c = 1 components are kept; None where c = 3"
+    )
+    shape: Floats = of_core("shape", "(M,c,N) means of the modes over the patches [kg^-1/2]")
+    residual_flexibility: Floats | None = of_core(
+        "residual_flexibility",
+        "(cM,cM) R, the static flexibility of all that the modes leave out [m/N], index c·i + component; "
+        "None where the scene does without",
+    )
 
     @property
-    def centroid(self) -> Array:
-        """(M,3) means of the candidates' patches, from which gaps are measured [m]"""
-        return self._core.centroid
-
-    @property
-    def normal(self) -> Array:
-        """(M,3) outward unit normals"""
-        return self._core.normal
-
-    @property
-    def area(self) -> Array:
-        """(M) areas of the patches [m²]"""
-        return self._core.area
-
-    @property
-    def group(self) -> list[str]:
-        """The physical surface that each candidate belongs to, M names."""
-        return self._core.group
-
-    @property
-    def element(self) -> NDArray[np.int64]:
-        """(T,k) elements of the surface by index of candidate: k = 3 triangles, 2 segments, 1 points"""
-        return self._core.element
-
-    @property
-    def direction(self) -> Array | None:
-        """(3) the one direction along which c = 1 components are kept; None where c = 3"""
-        return self._core.direction
-
-    @property
-    def shape(self) -> Array:
-        """(M,c,N) means of the modes over the patches [kg^-1/2]"""
-        return self._core.shape
-
-    @property
-    def residual_flexibility(self) -> Array | None:
-        """(cM,cM) R, the static flexibility of all that the modes leave out [m/N], index c·i + component;
-        None where the scene does without"""
-        return self._core.residual_flexibility
-
-    @property
-    def normal_shape(self) -> Array:
+    def normal_shape(self) -> Floats:
         """(M,N) modes along the normals, or along `direction` [kg^-1/2]"""
         if self.direction is not None:
             return self.shape[:, 0, :]

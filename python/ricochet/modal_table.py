@@ -7,13 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ricochet import files
-from ricochet.errors import InputError
+from ricochet.arrays import Floats
 from ricochet.result_file import File, expected
 
-Array = NDArray[np.float64]
 DISPLAYED = 30  # rows in a notebook
 COLUMNS = [
     "body",
@@ -39,14 +37,14 @@ class ModalTable:
     body: str
     basis: str  # "modes", or "contact" for a contact-adapted basis, whose vectors aren't modes of the body
     mass: float  # [kg]
-    frequency_hz: Array  # (N)
-    damping: Array  # (N) damping ratio; NaN for rigid modes
-    participation: Array  # (N,3) [√kg]
-    contact_share: Array  # (N)
+    frequency_hz: Floats  # (N)
+    damping: Floats  # (N) damping ratio; NaN for rigid modes
+    participation: Floats  # (N,3) [√kg]
+    contact_share: Floats  # (N)
     residual_share: float  # the part of the residual flexibility R in the contact flexibility
 
     @property
-    def effective_mass(self) -> Array:
+    def effective_mass(self) -> Floats:
         """(N,3) [kg]"""
         return self.participation**2
 
@@ -131,7 +129,7 @@ def cell(share: float, width: int) -> str:
     return f"{100 * share:{width}.3f}" if np.isfinite(share) else "–".rjust(width)
 
 
-def contact_shares(file: File, omega: Array) -> tuple[Array, float]:
+def contact_shares(file: File, omega: Floats) -> tuple[Floats, float]:
     """The parts of modes and of R in the trace of the contact flexibility."""
     normal = file.array("/surface/normal", None, 3)
     points, count = len(normal), len(omega)
@@ -159,7 +157,5 @@ def contact_shares(file: File, omega: Array) -> tuple[Array, float]:
 
 def write_csv(tables: list[ModalTable], path: Path) -> None:
     """Writes the modes of all bodies. Raises InputError."""
-    try:
+    with files.writing(path, "--csv"):
         files.write_csv(path, COLUMNS, [row for table in tables for row in table.rows()])
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written ({error.strerror}). Choose another --csv.") from None

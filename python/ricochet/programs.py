@@ -6,28 +6,24 @@ import re
 import shlex
 import shutil
 import subprocess
-import sys
-import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn, cast
 
-from ricochet.errors import InputError, ProgramError
+from ricochet.errors import InputError, RicochetError, failure
 
 Word = str | Path
-Answer = dict[str, Any]  # of ricochet-contact --batch: status, and summary or error
+Answer = dict[str, Any]  # one of ricochet-contact --batch: status, and summary or error
+Show = Callable[[str], object]
 
-ROOT = Path(__file__).resolve().parents[2]  # of a checkout
+ROOT = Path(__file__).resolve().parents[2]  # the checkout
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 
 
 def folder_of_programs() -> Path:
     """$RICOCHET_BIN, the build of this checkout, or the folder of the installed programs."""
-    named, built, installed = (
-        os.environ.get("RICOCHET_BIN"),
-        ROOT / "build" / "bin",
-        shutil.which("ricochet-contact"),
-    )
+    named, built = os.environ.get("RICOCHET_BIN"), ROOT / "build" / "bin"
+    installed = shutil.which("ricochet-contact")
     if named or built.is_dir() or not installed:
         return Path(named or built)
     return Path(installed).parent
@@ -77,69 +73,68 @@ def find(command: Sequence[Word]) -> None:
         )
 
 
-def call(command: Sequence[Word], capture: bool = False, quiet: bool = False) -> str:
-    """Runs a program to its end and returns its standard output if `capture` is set.
+def start(command: Sequence[Word], capture: bool = False, quiet: bool = True) -> "subprocess.Popen[str]":
+    """Starts a program; `wait` waits for its end.
 
-    With `quiet`, the reason of a failure is only in the ProgramError; otherwise the program reports it.
+    @param capture  keeps its standard output for `wait`
+    @param quiet    prints nothing of it
     """
     find(command)
-    with subprocess.Popen(
-        bound(command),
-        env=os.environ | ONE_THREAD,
-        text=True,
-        errors="replace",
-        stdout=subprocess.PIPE if capture else None,
-        stderr=subprocess.PIPE if quiet else None,
-    ) as process:
-        try:
-            out, err = process.communicate()
-        except BaseException:  # interrupted: the ranks have to end too, and remove their temporary files
-            process.terminate()
-            raise
-    if quiet and process.returncode in (1, 2):
-        raise ProgramError(process.returncode, complaint(err))
-    if err:
-        print(err, end="", file=sys.stderr)
-    if process.returncode != 0:
-        killed = -process.returncode if process.returncode < 0 else process.returncode - 128
-        if killed > 0:
-            names = (Path(str(word)).name for word in command)
-            program = next(name for name in names if name.startswith("ricochet-"))
-            print(
-                f"{program}: ended by signal {killed}: killed, or out of memory? "
-                "The same command resumes the work.",
-                file=sys.stderr,
-            )
-        raise ProgramError(exit_status(process.returncode))
-    return out or ""
-
-
-def exit_status(returncode: int) -> int:
-    """Of a process that may have ended by a signal, as shells count it."""
-    return returncode if returncode > 0 else 128 - returncode
-
-
-def start(command: Sequence[Word]) -> "subprocess.Popen[str]":
-    """Starts a program; `refusal` waits for its end."""
-    find(command)
+    output = subprocess.PIPE if capture else subprocess.DEVNULL if quiet else None
+    errors = subprocess.PIPE if quiet else None
     return subprocess.Popen(
-        bound(command),
-        env=os.environ | ONE_THREAD,
-        text=True,
-        errors="replace",
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
+        bound(command), env=os.environ | ONE_THREAD, text=True, errors="replace", stdout=output, stderr=errors
     )
 
 
+def wait(process: "subprocess.Popen[str]", show: Show | None = None) -> str:
+    """Waits for the end of a program and returns the standard output that `start` kept.
+
+    `show` is called with each line that a quiet program writes on standard error. Raises InputError if the program refuses its
+    input, SolverError if it fails otherwise; a program that is not quiet has already reported the reason.
+    """
+    lines = []
+    with process:
+        try:
+            for line in process.stderr or ():
+                lines.append(line)
+                if show:
+                    show(line)
+            out, _ = process.communicate()
+        except BaseException:  # interrupted: the ranks have to end too, and remove their temporary files
+            process.terminate()
+            raise
+    status = process.returncode
+    if status == 0:
+        return out or ""
+    if (signal := -status if status < 0 else status - 128) > 0:
+        words = map(Path, cast(list[str], process.args))
+        program = next(word.name for word in words if word.parent == BIN)
+        text = f"{program}: ended by signal {signal}: killed, or out of memory? Repeat it to resume the work."
+        raise failure(128 + signal, text)
+    raise failure(status, complaint("".join(lines)) if process.stderr else "")
+
+
+def call(command: Sequence[Word], capture: bool = False) -> str:
+    """Runs a program to its end and returns its standard output if `capture` is set."""
+    return wait(start(command, capture, quiet=False))
+
+
+def replace_this_process(command: Sequence[Word]) -> NoReturn:
+    """Turns this process into the program."""
+    find(command)
+    os.environ.update(ONE_THREAD)
+    os.execvp(command[0], [str(word) for word in command])
+
+
 def refusal(process: "subprocess.Popen[str]") -> Answer | None:
-    """Waits for a program; returns its error in the form of an answer of --batch, or None if it succeeded."""
-    _, err = process.communicate()
-    if process.returncode in (1, 2):
-        return {"status": process.returncode, "error": complaint(err)}
-    if process.returncode != 0:
-        print(err, end="", file=sys.stderr)
-        raise ProgramError(exit_status(process.returncode))
+    """Waits for the end of a quiet program; returns its error in the form of an answer of --batch, or None if it succeeded."""
+    try:
+        wait(process)
+    except RicochetError as error:
+        if error.status not in (1, 2):
+            raise
+        return {"status": error.status, "error": str(error)}
     return None
 
 
@@ -157,9 +152,10 @@ def version() -> str:
 # ---- Scene keys as words ----
 
 
-def with_set(settings: Iterable[str]) -> list[str]:
-    """Words of a command that override scene keys; `settings`: KEY=VALUE each."""
-    return [word for setting in settings for word in ("--set", setting)]
+def with_set(settings: Iterable[str], out: Word | None = None) -> list[Word]:
+    """Words of a command that override scene keys, by KEY=VALUE each, and name the folder of kernels and results."""
+    words: list[Word] = [word for setting in settings for word in ("--set", setting)]
+    return words + (["--out", out] if out else [])
 
 
 def toml(value: Any) -> str:
@@ -181,17 +177,21 @@ def settings(changes: Mapping[str, Any]) -> list[str]:
 # ---- The two programs ----
 
 
-def kernel(scene: Word, arguments: Sequence[Word] = (), ranks: int = 2, quiet: bool = False) -> None:
+def kernel_command(scene: Word, arguments: Sequence[Word], ranks: int) -> list[Word]:
+    return [*mpirun(ranks), BIN / "ricochet-kernel", scene, *arguments]
+
+
+def kernel(scene: Word, arguments: Sequence[Word], ranks: int) -> None:
     """Computes the kernels of a scene that do not exist yet."""
-    call([*mpirun(ranks), BIN / "ricochet-kernel", scene, *arguments], quiet=quiet)
+    call(kernel_command(scene, arguments, ranks))
 
 
-def contact(scene: Word, arguments: Sequence[Word] = ()) -> None:
+def contact(scene: Word, arguments: Sequence[Word]) -> None:
     """Computes the impact of a scene."""
     call([BIN / "ricochet-contact", scene, *arguments])
 
 
-def resolved(scene: Word, arguments: Sequence[Word] = (), program: str = "ricochet-contact") -> str:
+def resolved(scene: Word, arguments: Sequence[Word], program: str = "ricochet-contact") -> str:
     """The scene with overrides and defaults, as TOML."""
     return call([BIN / program, "--dry-run", scene, *arguments], capture=True)
 
@@ -199,10 +199,6 @@ def resolved(scene: Word, arguments: Sequence[Word] = (), program: str = "ricoch
 def slug(title: str) -> str:
     """The start of the names of all files of a result, made from the scene's title."""
     return re.sub("[^a-z0-9]+", "-", title.lower()).strip("-") or "scene"
-
-
-def slug_of(resolved_scene: str) -> str:
-    return slug(tomllib.loads(resolved_scene)["title"])
 
 
 def out_folder(scene: Word, out: Word | None = None) -> Path:

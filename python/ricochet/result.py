@@ -15,11 +15,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ricochet.arrays import Floats
 from ricochet.errors import InputError
 from ricochet.result_file import File
 from ricochet.studies.table import Table
-
-Array = NDArray[np.float64]
 
 
 class _Data:
@@ -28,13 +27,13 @@ class _Data:
     def __init__(self, file: File, group: str, rows: int | None = None) -> None:
         self._file, self._group, self._rows = file, group, rows
 
-    def _read(self, name: str, *shape: int | None) -> Array:
+    def _read(self, name: str, *shape: int | None) -> Floats:
         return np.asarray(self._file.array(f"{self._group}/{name}", *shape))
 
     def _number(self, name: str) -> float:
         return float(self._file.attribute(self._group, name))
 
-    def _vector(self, name: str) -> Array:
+    def _vector(self, name: str) -> Floats:
         return np.asarray(self._file.attribute(self._group, name), dtype=np.float64)
 
 
@@ -42,22 +41,22 @@ class BodyMotion(_Data):
     """Rigid part of the motion of a body. K rows, at the times `Result.time`; world axes."""
 
     @cached_property
-    def velocity(self) -> Array:
+    def velocity(self) -> Floats:
         """(K,3) mass-mean [m/s]"""
         return self._read("velocity", self._rows, 3)
 
     @cached_property
-    def momentum(self) -> Array:
+    def momentum(self) -> Floats:
         """(K,3) [kg m/s]"""
         return self._read("momentum", self._rows, 3)
 
     @cached_property
-    def angular_momentum(self) -> Array:
+    def angular_momentum(self) -> Floats:
         """(K,3) about the world's origin [kg m²/s]"""
         return self._read("angular_momentum", self._rows, 3)
 
     @cached_property
-    def reaction(self) -> Array:
+    def reaction(self) -> Floats:
         """(K,3) force of the supports on the body, mean since the row before [N]"""
         return self._read("reaction", self._rows, 3)
 
@@ -67,12 +66,12 @@ class BodyMotion(_Data):
         return self._number("mass")
 
     @property
-    def rotation(self) -> Array:
+    def rotation(self) -> Floats:
         """(3,3) world = rotation · body + translation, at the start"""
         return self._vector("rotation").reshape(3, 3)
 
     @property
-    def translation(self) -> Array:
+    def translation(self) -> Floats:
         """(3) [m]"""
         return self._vector("translation")
 
@@ -81,22 +80,22 @@ class ReceiverMotion(_Data):
     """Motion of a receiver. S rows, at the times `Result.receiver_time`, every step; world axes."""
 
     @cached_property
-    def displacement(self) -> Array:
+    def displacement(self) -> Floats:
         """(S,3) [m]"""
         return self._read("displacement", self._rows, 3)
 
     @cached_property
-    def velocity(self) -> Array:
+    def velocity(self) -> Floats:
         """(S,3) [m/s]"""
         return self._read("velocity", self._rows, 3)
 
     @cached_property
-    def acceleration(self) -> Array:
+    def acceleration(self) -> Floats:
         """(S,3) of the modes [m/s²]"""
         return self._read("acceleration", self._rows, 3)
 
     @property
-    def point(self) -> Array:
+    def point(self) -> Floats:
         """(3) where it is at the start [m]"""
         return self._vector("point")
 
@@ -151,54 +150,54 @@ class Result(_Data):
     # ---- Contact ----
 
     @cached_property
-    def time(self) -> Array:
+    def time(self) -> Floats:
         """(K) t [s]: 0 and each `output.every`-th step"""
         return self._read("time", None)
 
     @cached_property
-    def contact_time(self) -> Array:
+    def contact_time(self) -> Floats:
         """(k) the rows of `time` whose step has a force [s]"""
         return self._read("contact/time", None)
 
     @cached_property
-    def force(self) -> Array:
+    def force(self) -> Floats:
         """(k,m) λ ≥ 0, compressive [N]: constant over the step that ends at the row's time"""
         return self._read("contact/force", len(self.contact_time), len(self.initial_gap))
 
     @cached_property
-    def total_force(self) -> Array:
+    def total_force(self) -> Floats:
         """(K) Σ λ [N], 0 where nothing touches"""
         out = np.zeros(len(self.time))
         out[np.searchsorted(self.time, self.contact_time)] = self.force.sum(axis=1)
         return out
 
     @cached_property
-    def gap(self) -> Array:
+    def gap(self) -> Floats:
         """(k,m) [m]; negative: penetration"""
         return self._read("contact/gap", len(self.contact_time), len(self.initial_gap))
 
     @cached_property
-    def initial_gap(self) -> Array:
+    def initial_gap(self) -> Floats:
         """(m) [m]"""
         return self._read("contact/initial_gap", None)
 
     @cached_property
-    def area(self) -> Array:
+    def area(self) -> Floats:
         """(m) of the patches on the first body of the pair [m²]; pressure is force / area"""
         return self._read("contact/area", len(self.initial_gap))
 
     @cached_property
-    def point_a(self) -> Array:
+    def point_a(self) -> Floats:
         """(m,3) contact points on the first body of the pair, at the start [m]"""
         return self._read("contact/point_a", len(self.initial_gap), 3)
 
     @cached_property
-    def point_b(self) -> Array:
+    def point_b(self) -> Floats:
         """(m,3) the places that they face [m]"""
         return self._read("contact/point_b", len(self.initial_gap), 3)
 
     @cached_property
-    def normal(self) -> Array:
+    def normal(self) -> Floats:
         """(m,3) unit normals out of the first body"""
         return self._read("contact/normal", len(self.initial_gap), 3)
 
@@ -220,12 +219,12 @@ class Result(_Data):
         }
 
     @cached_property
-    def receiver_time(self) -> Array:
+    def receiver_time(self) -> Floats:
         """(S) 0 and every step [s]. Raises InputError where the scene has no receivers."""
         return self._read("receivers/time", None)
 
     @cached_property
-    def energy(self) -> dict[str, Array]:
+    def energy(self) -> dict[str, Floats]:
         """(K) each [J]: `kinetic`, `strain`, `residual` (of the static response), `loads` (their work so
         far), `damping` and `contact` (taken so far), and `total` = kinetic + strain + residual − loads. Empty
         for table kernels.
@@ -235,7 +234,7 @@ class Result(_Data):
         return {name: self._read(f"energy/{name}", len(self.time)) for name in _TERMS}
 
     @cached_property
-    def snapshots(self) -> dict[str, Array]:
+    def snapshots(self) -> dict[str, Floats]:
         """(s,N) modal coordinates by body [kg^1/2 m] at the (s) times of `time` [s]; empty without
         `output.snapshot_every`"""
         return {
@@ -315,7 +314,7 @@ class SweepResult:
             name: np.array(column) for name, column in table.inputs.items()
         }
         #: figures of summary.json, NaN where an impact has none; `exit_velocity.upper.y` and the like
-        self.outputs: dict[str, Array] = {
+        self.outputs: dict[str, Floats] = {
             name: np.array(column, dtype=np.float64) for name, column in table.outputs.items()
         }
         #: 0; 2: refused, 1: broke down

@@ -4,16 +4,14 @@
 from __future__ import annotations
 
 import contextlib
-import os
 import re
-import subprocess
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from ricochet import _core, files, pages, pictures, programs
-from ricochet.errors import InputError, ProgramError, SolverError
+from ricochet.errors import InputError
 from ricochet.kernel import Kernel
 from ricochet.progress import Progress
 from ricochet.result import Result, SweepResult
@@ -105,16 +103,13 @@ def sweep(
             )
         path = Path(study)
         folder = path.parent / "out" if out is None else Path(out)
-    try:
-        run = Sweep(Study(path), folder, jobs, ranks)
-        with contextlib.closing(run.journal):
-            run.prepare()
-            try:
-                run.run()
-            finally:
-                table = run.write()
-    except ProgramError as error:
-        raise (InputError if error.status == 2 else SolverError)(str(error)) from None
+    run = Sweep(Study(path), folder, jobs, ranks)
+    with contextlib.closing(run.journal):
+        run.prepare()
+        try:
+            run.run()
+        finally:
+            table = run.write()
     return SweepResult(table)
 
 
@@ -169,14 +164,6 @@ def _path_of(result: Result | PathLike) -> Path:
 def _compute(scene: Scene, folder: Path, ranks: int) -> None:
     """Runs ricochet-kernel, with a bar that counts bodies."""
     file, settings = scene._command(folder)
-    command = [
-        *programs.mpirun(ranks),
-        programs.BIN / "ricochet-kernel",
-        file,
-        "--out",
-        folder,
-        *programs.with_set(settings),
-    ]
     bar, seen = Progress(len(scene.bodies)), ""
 
     def show(line: str) -> None:
@@ -188,42 +175,9 @@ def _compute(scene: Scene, folder: Path, ranks: int) -> None:
         elif line.startswith("warning: "):
             warnings.warn(line.removeprefix("warning: ").strip(), stacklevel=5)
 
-    _run(command, show)
+    command = programs.kernel_command(file, programs.with_set(settings, folder), ranks)
+    programs.wait(programs.start(command), show)
     bar.advance("kernels", bar.total - bar.done)
-
-
-def _run(command: Sequence[str | Path], show: Callable[[str], None]) -> None:
-    """Runs ricochet-kernel to its end; `show` is called with each line of its standard error.
-
-    Raises InputError for status 2 and SolverError for any other failure, with the program's own line.
-    """
-    programs.find(command)
-    with subprocess.Popen(
-        programs.bound(command),
-        env=os.environ | programs.ONE_THREAD,
-        text=True,
-        errors="replace",
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-    ) as process:
-        assert process.stderr is not None
-        lines = []
-        try:
-            for line in process.stderr:
-                lines.append(line)
-                show(line)
-            status = process.wait()
-        except BaseException:  # interrupted: its ranks have to end too, and remove their temporary files
-            process.terminate()
-            process.wait()
-            raise
-    if status < 0 or status > 128:
-        number = -status if status < 0 else status - 128
-        raise SolverError(
-            f"ricochet-kernel: ended by signal {number}: killed, or out of memory? Repeat the call to resume."
-        )
-    if status != 0:
-        raise (InputError if status == 2 else SolverError)(programs.complaint("".join(lines)))
 
 
 def _study_file(scene: Scene, grid: Mapping[str, Sequence[Any]], folder: Path) -> Path:

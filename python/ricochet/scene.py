@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 from ricochet import _core, files
-from ricochet.errors import InputError
 from ricochet.programs import settings, toml
 
 PathLike = str | os.PathLike[str]
@@ -138,11 +137,9 @@ class Scene:
         """Writes the scene as given, with relative paths adapted to the new folder, and returns its path.
         Raises InputError if the file cannot be written."""
         target = Path(path).absolute()
-        try:
+        with files.writing(target, "place"):
             target.parent.mkdir(parents=True, exist_ok=True)
             files.write(target, self._text_for(target.parent).encode())
-        except OSError as error:
-            raise InputError(f"{path}: cannot be written ({error.strerror}). Choose another place.") from None
         return target
 
     def __repr__(self) -> str:

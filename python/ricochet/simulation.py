@@ -8,15 +8,14 @@ from dataclasses import dataclass
 from os import PathLike
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ricochet import _core
+from ricochet.arrays import Floats
 from ricochet.errors import InputError
+from ricochet.forwarding import of_core
 from ricochet.kernel import Kernel
 from ricochet.runs import stored_kernels
 from ricochet.scene import Scene, scene_of
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -36,10 +35,10 @@ class Pickup:
 class Block:
     """A row for each of n steps; m contact points, p pickups."""
 
-    velocity: Array  #: (n,p) of the pickups at the end of each step [m/s]
-    total_force: Array  #: (n) Σ λ over each step [N]
-    force: Array | None  #: (n,m) λ [N], where asked for
-    displacement: Array | None  #: (n,m) u: the gap is initial_gap − u [m], where asked for
+    velocity: Floats  #: (n,p) of the pickups at the end of each step [m/s]
+    total_force: Floats  #: (n) Σ λ over each step [N]
+    force: Floats | None  #: (n,m) λ [N], where asked for
+    displacement: Floats | None  #: (n,m) u: the gap is initial_gap − u [m], where asked for
 
 
 @dataclass(frozen=True)
@@ -141,80 +140,39 @@ class Simulation:
 
     # ---- State ----
 
-    @property
-    def steps(self) -> int:
-        """Steps since t = 0."""
-        return self._core.steps
+    steps: int = of_core("steps", "Steps since t = 0.")
+    time: float = of_core("time", "[s]")
+    force: Floats = of_core("force", "(m) λ ≥ 0 over the last step [N]")
+    displacement: Floats = of_core("displacement", "(m) u [m]")
 
     @property
-    def time(self) -> float:
-        """[s]"""
-        return self._core.time
-
-    @property
-    def force(self) -> Array:
-        """(m) λ ≥ 0 over the last step [N]"""
-        return self._core.force
-
-    @property
-    def displacement(self) -> Array:
-        """(m) u [m]"""
-        return self._core.displacement
-
-    @property
-    def gap(self) -> Array:
+    def gap(self) -> Floats:
         """(m) initial_gap − u [m]; negative: penetration"""
         return self.initial_gap - self.displacement
 
-    @property
-    def active(self) -> int:
-        """Points with a force in the last step."""
-        return self._core.active
-
-    @property
-    def pickup_velocity(self) -> Array:
-        """(p) of the modes, at the end of the last step [m/s]"""
-        return self._core.pickup_velocity
-
-    @property
-    def pickup_displacement(self) -> Array:
-        """(p) of the modes, since t = 0 [m]"""
-        return self._core.pickup_displacement
+    active: int = of_core("active", "Points with a force in the last step.")
+    pickup_velocity: Floats = of_core(
+        "pickup_velocity", "(p) of the modes, at the end of the last step [m/s]"
+    )
+    pickup_displacement: Floats = of_core("pickup_displacement", "(p) of the modes, since t = 0 [m]")
 
     @property
     def energy(self) -> Energy:
         return Energy(**self._core.energy)
 
-    def mean_velocity(self, body: str) -> Array:
+    def mean_velocity(self, body: str) -> Floats:
         """(3) mass-mean of a body [m/s]"""
         return self._core.mean_velocity(self.scene.bodies.index(body))
 
     # ---- Contact points ----
 
-    @property
-    def initial_gap(self) -> Array:
-        """(m) [m]"""
-        return self._core.initial_gap
-
-    @property
-    def area(self) -> Array:
-        """(m) of the patches on the first body of the pair [m²]"""
-        return self._core.area
-
-    @property
-    def point_a(self) -> Array:
-        """(m,3) contact points on the first body of the pair, at the start [m]"""
-        return self._core.point_a
-
-    @property
-    def point_b(self) -> Array:
-        """(m,3) the places that they face [m]"""
-        return self._core.point_b
-
-    @property
-    def normal(self) -> Array:
-        """(m,3) unit normals out of the first body"""
-        return self._core.normal
+    initial_gap: Floats = of_core("initial_gap", "(m) [m]")
+    area: Floats = of_core("area", "(m) of the patches on the first body of the pair [m²]")
+    point_a: Floats = of_core(
+        "point_a", "(m,3) contact points on the first body of the pair, at the start [m]"
+    )
+    point_b: Floats = of_core("point_b", "(m,3) the places that they face [m]")
+    normal: Floats = of_core("normal", "(m,3) unit normals out of the first body")
 
     def __repr__(self) -> str:
         now = f"step {self.steps}, t = {self.time:.6g} s, {self.active} of {len(self.area)} points touch"

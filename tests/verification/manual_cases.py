@@ -83,11 +83,7 @@ def modules(wanted):
     names = {path.stem for path in (MANUAL / "cases").glob("*.py")}
     for name in wanted:
         if name not in names:
-            print(
-                f"verify: {name}: no such case. The cases are {', '.join(sorted(names))}.",
-                file=sys.stderr,
-            )
-            raise errors.ProgramError(2)
+            raise errors.InputError(f"{name}: no such case. The cases are {', '.join(sorted(names))}.")
     ordered = sorted(
         wanted or names, key=lambda name: (ORDER.index(name) if name in ORDER else len(ORDER), name)
     )

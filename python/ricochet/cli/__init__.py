@@ -75,10 +75,8 @@ def dispatch(words: list[str]) -> int:
     heard = [
         n for n in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP) if signal.getsignal(n) != signal.SIG_IGN
     ]
-    for number in heard:
-        signal.signal(
-            number, signal.SIG_DFL
-        )  # until imports are done: numpy turns an interrupt into an error
+    for number in heard:  # until imports are done: numpy turns an interrupt into an error
+        signal.signal(number, signal.SIG_DFL)
     module = module_of(verb)
     parser = parser_of(verb)
     for number in heard:

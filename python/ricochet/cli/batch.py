@@ -8,9 +8,8 @@ The scripts of the jobs, their logs and the results are in out/ beside the study
 it is requeued, and the same command submits again what is missing.
 """
 import argparse
-from pathlib import Path
 
-from ricochet.cli.options import count, ranks, say, writing
+from ricochet.cli.options import add_count, add_study, say, writing
 from ricochet.studies import slurm
 from ricochet.studies.study import Study
 
@@ -26,36 +25,11 @@ def joined(words: list[str]) -> list[str]:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("study", type=Path, metavar="STUDY.toml", help="as for ricochet sweep")
-    parser.add_argument(
-        "-n",
-        "--ranks",
-        type=ranks,
-        default=2,
-        metavar="N",
-        help="MPI ranks of the job for kernels (default: 2)",
-    )
-    parser.add_argument(
-        "--parts", type=count, default=10, metavar="N", help="jobs in the array of impacts (default: 10)"
-    )
-    parser.add_argument(
-        "--cores", type=count, default=1, metavar="N", help="cores of each of these (default: 1)"
-    )
-    parser.add_argument(
-        "--kernel-options", default="", metavar="TEXT", help="more options of sbatch for the kernels"
-    )
-    parser.add_argument(
-        "--impact-options",
-        default="",
-        metavar="TEXT",
-        help="more options of sbatch for impacts and collecting",
-    )
-    parser.add_argument(
-        "--out",
-        type=Path,
-        metavar="DIR",
-        help="folder of kernels and results (default: out/ beside the study)",
-    )
+    add_study(parser)
+    add_count(parser, "--parts", 10, "jobs in the array of impacts")
+    add_count(parser, "--cores", 1, "cores of each of these")
+    for option, jobs in zip(TAKES_OPTIONS, ("the kernels", "impacts and collecting")):
+        parser.add_argument(option, default="", metavar="TEXT", help=f"more options of sbatch for {jobs}")
     parser.add_argument("--dry-run", action="store_true", help="write the scripts, submit nothing")
 
 

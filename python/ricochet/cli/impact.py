@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Computes the impact of a scene from the kernels of its bodies: runs ricochet-contact with all its options."""
 import argparse
-import os
 
 from ricochet import programs
 from ricochet.cli.options import Parser, options_of
@@ -15,7 +14,4 @@ def add_arguments(parser: Parser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    program = programs.BIN / "ricochet-contact"
-    programs.find([program])
-    os.environ.update(programs.ONE_THREAD)
-    os.execv(program, [str(program), *options.words])
+    programs.replace_this_process([programs.BIN / "ricochet-contact", *options.words])

@@ -12,7 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ricochet.cli.options import positive
+from ricochet import files
+from ricochet.cli.options import add_out, positive
 from ricochet.errors import InputError
 from ricochet.interchange import calculix, matrices
 from ricochet.interchange.body import Body, is_name
@@ -27,9 +28,7 @@ def named(text: str) -> tuple[str, Path]:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     common = argparse.ArgumentParser(add_help=False)
-    common.add_argument(
-        "--out", type=Path, metavar="BODY.h5", help="default: the first file with the suffix .h5"
-    )
+    add_out(common, "the body file", "the first file with the suffix .h5", "BODY.h5")
     for option, metavar, text in (
         ("--length-unit", "M", "unit of length of the input, in metres (0.001: mm)"),
         ("--mass-unit", "KG", "unit of mass of the input, in kg (1000: tonnes)"),
@@ -96,10 +95,8 @@ def run(options: argparse.Namespace) -> None:
     out = output(options)
     body = read(options)
     body.in_units(options.length_unit, options.mass_unit)
-    try:
+    with files.writing(out, "--out"):
         body.write(out)
-    except OSError as error:
-        raise InputError(f"{out}: cannot be written ({error.strerror}). Choose another --out.") from None
     if not body.surfaces:
         body.warnings.append("no surface: the body can never touch another. Give --surface NAME=FILE")
     for warning in body.warnings:

@@ -6,7 +6,6 @@
 RICOCHET_LAUNCHER, such as "srun --mpi=pmix -n {ranks}", replaces mpirun. With one rank, mpirun isn't used.
 """
 import argparse
-import os
 
 from ricochet import programs
 from ricochet.cli.options import Parser, add_ranks, options_of
@@ -22,7 +21,4 @@ def add_arguments(parser: Parser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     launcher = programs.mpirun(options.ranks) if options.ranks > 1 else []
-    command = [*launcher, programs.BIN / "ricochet-kernel", *options.words]
-    programs.find(command)
-    os.environ.update(programs.ONE_THREAD)
-    os.execvp(command[0], [str(word) for word in command])
+    programs.replace_this_process([*launcher, programs.BIN / "ricochet-kernel", *options.words])

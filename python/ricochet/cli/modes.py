@@ -13,25 +13,15 @@ import tomllib
 from pathlib import Path
 
 from ricochet import programs
-from ricochet.cli.options import add_ranks, add_scene, count
+from ricochet.cli.options import add_count, add_run, words_for_programs
 from ricochet.errors import InputError
 from ricochet.modal_table import ModalTable, write_csv
 from ricochet.pictures import DRAWN_MODES, draw_modes
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    add_scene(parser)
-    add_ranks(parser)
-    parser.add_argument("--accuracy", metavar="X", help="relative error that the main results may have")
-    parser.add_argument(
-        "--out",
-        type=Path,
-        metavar="DIR",
-        help="folder of kernels and pictures (default: out/ beside the scene)",
-    )
-    parser.add_argument(
-        "--first", type=count, default=20, metavar="N", help="modes that are printed (default: 20)"
-    )
+    add_run(parser, "kernels and pictures")
+    add_count(parser, "--first", 20, "modes that are printed")
     parser.add_argument("--csv", type=Path, metavar="FILE", help="write all modes of all bodies")
     parser.add_argument(
         "--plot",
@@ -42,10 +32,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def kernels(options: argparse.Namespace) -> list[Path]:
     """Computes missing kernels; the kernel files of all bodies, in the order of the scene."""
-    settings = [*options.set, *(["output.view=true"] if options.plot else [])]
-    words = programs.with_set(settings)
-    words += ["--accuracy", options.accuracy] if options.accuracy else []
-    words += ["--out", str(options.out)] if options.out else []
+    options.set = [*options.set, *(["output.view=true"] if options.plot else [])]
+    words = words_for_programs(options)
     program = programs.BIN / "ricochet-kernel"
     bodies = tomllib.loads(programs.resolved(options.scene, words, program.name)).get("bodies", {})
     if not bodies:

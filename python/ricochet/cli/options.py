@@ -10,6 +10,7 @@ from ricochet import programs
 from ricochet.errors import InputError, RicochetError
 
 MOST_RANKS = 4096
+Group = argparse._ActionsContainer  # a parser, or a group of its arguments
 
 
 class Version(argparse.Action):
@@ -70,6 +71,14 @@ def positive(text: str) -> float:
 # ---- Arguments of several verbs ----
 
 
+def add_out(parser: Group, what: str, default: str, metavar: str = "DIR") -> None:
+    parser.add_argument("--out", type=Path, metavar=metavar, help=f"{what} (default: {default})")
+
+
+def add_count(parser: Group, option: str, default: int, what: str) -> None:
+    parser.add_argument(option, type=count, default=default, metavar="N", help=f"{what} (default: {default})")
+
+
 def add_scene(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scene", type=Path, metavar="SCENE.toml")
     parser.add_argument(
@@ -81,6 +90,26 @@ def add_ranks(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-n", "--ranks", type=ranks, default=2, metavar="N", help="MPI ranks of ricochet-kernel (default: 2)"
     )
+
+
+def add_study(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("study", type=Path, metavar="STUDY.toml")
+    add_out(parser, "folder of kernels and results", "out/ beside the study")
+    add_ranks(parser)
+
+
+def add_run(parser: argparse.ArgumentParser, content: str) -> None:
+    """The arguments of a verb that runs the programs on a scene; `content`: what it leaves in the folder."""
+    add_scene(parser)
+    add_ranks(parser)
+    parser.add_argument("--accuracy", metavar="X", help="relative error that the main results may have")
+    add_out(parser, f"folder of {content}", "out/ beside the scene")
+
+
+def words_for_programs(options: argparse.Namespace) -> list[programs.Word]:
+    """The options of `add_run` as words for ricochet-kernel and ricochet-contact."""
+    accuracy = ["--accuracy", options.accuracy] if options.accuracy else []
+    return [*programs.with_set(options.set, options.out), *accuracy]
 
 
 def add_result(parser: argparse.ArgumentParser) -> None:

@@ -11,14 +11,12 @@ import sys
 from pathlib import Path
 
 from ricochet import pictures
-from ricochet.cli.options import add_result
+from ricochet.cli.options import add_out, add_result
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_result(parser)
-    parser.add_argument(
-        "--out", type=Path, metavar="DIR", help="folder of the pictures (default: beside the result)"
-    )
+    add_out(parser, "folder of the pictures", "beside the result")
 
 
 def draw(result: Path, folder: Path | None = None, kernels: Path | None = None) -> None:

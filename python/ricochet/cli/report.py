@@ -7,15 +7,14 @@ sound, energy, errors, and the commands that repeat the run.
 Writes <slug>.report.html beside the result and prints its path.
 """
 import argparse
-from pathlib import Path
 
 from ricochet import pages
-from ricochet.cli.options import add_result
+from ricochet.cli.options import add_out, add_result
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_result(parser)
-    parser.add_argument("--out", type=Path, metavar="PAGE.html", help="the page (default: beside the result)")
+    add_out(parser, "the page", "beside the result", "PAGE.html")
 
 
 def run(options: argparse.Namespace) -> None:

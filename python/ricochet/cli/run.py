@@ -14,19 +14,11 @@ import h5py
 
 from ricochet import pages, pictures, programs
 from ricochet.cli import plot
-from ricochet.cli.options import add_ranks, add_scene
+from ricochet.cli.options import add_run, words_for_programs
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    add_scene(parser)
-    add_ranks(parser)
-    parser.add_argument("--accuracy", metavar="X", help="relative error that the main results may have")
-    parser.add_argument(
-        "--out",
-        type=Path,
-        metavar="DIR",
-        help="folder of kernels, results and pictures (default: out/ beside the scene)",
-    )
+    add_run(parser, "kernels, results and pictures")
 
 
 def newer(target: Path, *sources: Path) -> bool:
@@ -48,19 +40,18 @@ def current(result: Path, scene: str) -> bool:
 
 
 def run(options: argparse.Namespace) -> None:
-    words = programs.with_set(options.set)
-    words += ["--accuracy", options.accuracy] if options.accuracy else []
-    words += ["--out", str(options.out)] if options.out else []
+    words = words_for_programs(options)
     out = programs.out_folder(options.scene, options.out)
     scene = programs.resolved(options.scene, words)
-    slug = programs.slug_of(scene)
+    table = tomllib.loads(scene)
+    slug = programs.slug(table["title"])
     programs.kernel(options.scene, words, options.ranks)
     result = out / f"{slug}.result.h5"
     if current(result, scene):
         print(f"{result}: up to date")
     else:
         programs.contact(options.scene, words)
-    if tomllib.loads(scene)["contact"]["scheme"] != "static":  # bodies at rest have no history to draw
+    if table["contact"]["scheme"] != "static":  # bodies at rest have no history to draw
         last = out / f"{slug}-energy.png"
         if newer(last, result, Path(pictures.__file__)):
             print(f"{last}: up to date")

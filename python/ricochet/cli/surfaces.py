@@ -10,15 +10,13 @@ import argparse
 import os
 from pathlib import Path
 
-from ricochet import surfaces
-from ricochet.errors import InputError
+from ricochet import files, surfaces
+from ricochet.cli.options import add_out
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("drawing", type=Path, metavar="DRAWING")
-    parser.add_argument(
-        "--out", type=Path, metavar="DIR", help="folder of the picture (default: beside the drawing)"
-    )
+    add_out(parser, "folder of the picture", "beside the drawing")
 
 
 def run(options: argparse.Namespace) -> None:
@@ -28,9 +26,7 @@ def run(options: argparse.Namespace) -> None:
     beside = drawing.parent
     folder = options.out or (beside if os.access(beside, os.W_OK) else Path("."))
     path = folder / f"{drawing.name}-surfaces.png"
-    try:
+    with files.writing(path, "--out"):
         folder.mkdir(parents=True, exist_ok=True)
         surfaces.picture(found, path, drawing.name)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written ({error.strerror}). Choose another --out.") from None
     print(path)

@@ -23,7 +23,7 @@ import re
 from pathlib import Path
 
 from ricochet import programs, scene_keys
-from ricochet.cli.options import add_ranks, count, say, writing
+from ricochet.cli.options import add_study, count, say, writing
 from ricochet.errors import InputError
 from ricochet.studies.journal import outputs
 from ricochet.studies.records import Row
@@ -40,13 +40,7 @@ def part(text: str) -> tuple[int, int]:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("study", type=Path, metavar="STUDY.toml")
-    parser.add_argument(
-        "--out",
-        type=Path,
-        metavar="DIR",
-        help="folder of kernels and results (default: out/ beside the study)",
-    )
+    add_study(parser)
     parser.add_argument(
         "--jobs",
         type=count,
@@ -54,7 +48,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="impacts side by side (default: all cores)",
     )
-    add_ranks(parser)
     stage = parser.add_mutually_exclusive_group()
     stage.add_argument("--kernels", action="store_true", help="compute the kernels and stop")
     stage.add_argument(

@@ -14,126 +14,74 @@ modes). The same with half of that rate shows the error of the reference itself.
 the work.
 """
 import argparse
+from collections.abc import Callable
 from pathlib import Path
 
 from ricochet import programs
-from ricochet.cli.options import add_ranks, add_scene, count, say, writing
-from ricochet.progress import Progress
+from ricochet.cli.options import add_count, add_out, add_ranks, add_scene, count, say, writing
 from ricochet.tradeoffs import report
 from ricochet.tradeoffs.points import Point, cheapest, pareto
 from ricochet.tradeoffs.runs import Outcome, Runner
-from ricochet.tradeoffs.settings import SCHEMES, Axes, Scene
+from ricochet.tradeoffs.settings import SCHEMES, Scene
+
+
+# Option, type of its values, default (a text where it depends on the scene) and meaning.
+NUMBERS: list[tuple[str, Callable[[str], float], list[float] | str, str]] = [
+    ("--counts", count, "modes.count down to 1/16 of it, or 400 to 25", "modes"),
+    ("--fitted", float, [0.3, 0.1, 0.03, 0.01, 0.001], "flexibility errors of contact-adapted bases"),
+    ("--orders", count, "that of the scene ± 1", "element orders"),
+    ("--tolerances", float, [1e-8, 1e-4], "bounds of the eigensolver's residuals"),
+    ("--spacings", float, [1.0, 0.5, 2.0], "factors of contact.spacing, if the scene has one"),
+    ("--rates", float, [1 / 16, 1 / 8, 1 / 4, 1 / 2, 1, 2, 4, 8], "factors of time.rate_hz"),
+]
+NAMES = [
+    ("--residual", ["with", "without"], "residual flexibility of modes"),
+    ("--schemes", list(SCHEMES), "schemes"),
+    ("--precisions", ["double", "single"], "precisions of the compliant scheme"),
+]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_scene(parser)
-    parser.add_argument("--out", type=Path, metavar="DIR", help="default: out/tradeoff beside the scene")
+    add_out(parser, "folder of kernels, table and picture", "out/tradeoff beside the scene")
     add_ranks(parser)
-    parser.add_argument(
-        "--repeats",
-        type=count,
-        default=3,
-        metavar="N",
-        help="runs of each impact; the fastest counts (default: 3)",
-    )
+    add_count(parser, "--repeats", 3, "runs of each impact, of which the fastest counts")
     goal = parser.add_argument_group("goal")
     goal.add_argument(
         "--error", type=float, default=1e-2, metavar="X", help="wanted relative error (default: 1e-2)"
     )
-    goal.add_argument(
-        "--impacts",
-        type=count,
-        default=1,
-        metavar="N",
-        help="impacts that share the cost of the kernels (default: 1)",
-    )
+    add_count(goal, "--impacts", 1, "impacts that share the cost of the kernels")
     goal.add_argument(
         "--measure",
         nargs="+",
         choices=["rebound", "impulse", "peak_force"],
         default=["rebound", "impulse"],
         metavar="NAME",
-        help="quantities of interest, of rebound, impulse, peak_force; the largest error counts (default: rebound impulse)",
+        help="quantities of interest, of rebound, impulse, peak_force; the largest error counts "
+        "(default: rebound impulse)",
     )
     axes = parser.add_argument_group("settings that are varied")
     axes.add_argument(
-        "--counts",
-        type=count,
-        nargs="+",
-        metavar="N",
-        help="modes (default: modes.count down to 1/16 of it, or 400 to 25)",
-    )
-    axes.add_argument(
-        "--fitted",
-        type=float,
-        nargs="*",
-        default=[3e-1, 1e-1, 3e-2, 1e-2, 1e-3],
-        metavar="X",
-        help="flexibility errors of contact-adapted bases (default: 3e-1 to 1e-3)",
-    )
-    axes.add_argument(
         "--band", type=float, metavar="HZ", help="band of contact-adapted bases (default: modes.up_to_hz)"
     )
-    axes.add_argument(
-        "--residual",
-        choices=["with", "without"],
-        nargs="+",
-        default=["with", "without"],
-        metavar="with|without",
-        help="residual flexibility of modes (default: both)",
-    )
-    axes.add_argument(
-        "--orders", type=count, nargs="+", metavar="N", help="element orders (default: that of the scene ± 1)"
-    )
-    axes.add_argument(
-        "--tolerances",
-        type=float,
-        nargs="+",
-        default=[1e-8, 1e-4],
-        metavar="X",
-        help="bounds of the eigensolver's residuals (default: 1e-8 1e-4)",
-    )
-    axes.add_argument(
-        "--spacings",
-        type=float,
-        nargs="+",
-        default=[1.0, 0.5, 2.0],
-        metavar="X",
-        help="factors of contact.spacing, if the scene has one (default: 1 1/2 2)",
-    )
-    axes.add_argument(
-        "--schemes",
-        nargs="+",
-        choices=SCHEMES,
-        default=list(SCHEMES),
-        metavar="NAME",
-        help=f"of {', '.join(SCHEMES)} (default: all)",
-    )
-    axes.add_argument(
-        "--rates",
-        type=float,
-        nargs="+",
-        default=[1 / 16, 1 / 8, 1 / 4, 1 / 2, 1, 2, 4, 8],
-        metavar="X",
-        help="factors of time.rate_hz (default: 1/16 to 8)",
-    )
-    axes.add_argument(
-        "--precisions",
-        nargs="+",
-        choices=["double", "single"],
-        default=["double", "single"],
-        metavar="double|single",
-        help="of the compliant scheme (default: both)",
-    )
+    for option, kind, default, text in NUMBERS:
+        values = None if isinstance(default, str) else default
+        shown = default if values is None else " ".join(map(str, values))
+        many, metavar = "*" if option == "--fitted" else "+", "N" if kind is count else "X"
+        text = f"{text} (default: {shown})"
+        axes.add_argument(option, type=kind, nargs=many, default=values, metavar=metavar, help=text)
+    for option, names, text in NAMES:
+        text = f"{text}: {', '.join(names)} (default: all)"
+        axes.add_argument(option, choices=names, nargs="+", default=names, metavar="NAME", help=text)
     axes.add_argument("--full", action="store_true", help="run the whole product")
 
 
-def tell(outcome: Outcome, options: argparse.Namespace, title: str, folder: Path) -> None:
+def print_outcome(outcome: Outcome, options: argparse.Namespace, title: str, folder: Path) -> None:
     def total(point: Point) -> float:
         return point.cost(options.impacts)
 
     points, floor = outcome.points, outcome.floor
-    refused = sum(bool(point.refused) for point in points)
+    refused = sum(point.refused for point in points)
     say(f"{len(points)} settings, {refused} refused; the error of the reference itself is about {floor:.1e}")
     say(
         f"No other setting has both a smaller error and a shorter time for kernels and {options.impacts} impact(s):\n"
@@ -156,6 +104,4 @@ def run(options: argparse.Namespace) -> None:
     folder = options.out or programs.out_folder(options.scene) / "tradeoff"
     with writing(folder):
         runner = Runner(scene, folder, options.ranks, options.repeats)
-        axes = Axes.of(options, scene)
-        bar = Progress(1 + sum(1 + len(impacts) for _, impacts in axes.settings(scene)))
-        tell(runner.compare(axes, options.measure, bar), options, scene.table["title"], folder)
+        print_outcome(runner.compare(options), options, scene.table["title"], folder)

@@ -91,7 +91,6 @@ def clockwise(node: Array, facets: Array, i: Array, j: Array) -> int:
             place = node[corner]
             inward = np.cross(place[2] - place[0], place[1] - place[-1])
             away = node[behind].mean(axis=0) - place.mean(axis=0)
-            count += bool(
-                inward @ away < -1e-6 * np.linalg.norm(inward) * np.linalg.norm(away)
-            )  # a flat element has no inside
+            # A flat element has no inside.
+            count += bool(inward @ away < -1e-6 * np.linalg.norm(inward) * np.linalg.norm(away))
     return count

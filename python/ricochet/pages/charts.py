@@ -6,7 +6,10 @@ import numpy as np
 
 from ricochet.arrays import Array
 from ricochet.pages.motion import packed
-from ricochet.pictures.history import History
+from ricochet.pictures.history import Curves, History
+
+Axis = dict[str, Any]
+Chart = dict[str, Any]
 
 DOTS = 1600  # points of a line
 COLUMNS, ROWS = 400, 120  # at most, of the map of forces
@@ -36,20 +39,17 @@ def line(name: str, colour: int | str, x: Any, y: Any, style: str = "") -> dict[
     return {"name": name, "colour": colour, "style": style, "x": packed(x), "y": packed(y)}
 
 
-def chart(
-    key: str,
-    title: str,
-    x: dict[str, Any],
-    y: dict[str, Any],
-    lines: list[dict[str, Any]],
-    note: str = "",
-    **more: Any,
-) -> dict[str, Any]:
-    return {"key": key, "title": title, "x": x, "y": y, "lines": lines, "note": note} | more
-
-
-def axis(label: str, unit: str, **more: Any) -> dict[str, Any]:
+def axis(label: str, unit: str, **more: Any) -> Axis:
     return {"label": label, "unit": unit} | more
+
+
+TIME, FREQUENCY = axis("time", "s"), axis("frequency", "Hz", log=True)
+
+
+def chart(
+    key: str, title: str, x: Axis, y: Axis, lines: list[dict[str, Any]], note: str = "", **more: Any
+) -> Chart:
+    return {"key": key, "title": title, "x": x, "y": y, "lines": lines, "note": note} | more
 
 
 def shown(x: Array, y: Array, window: tuple[float, float]) -> tuple[Array, Array]:
@@ -61,103 +61,62 @@ def colour_of(result: History, name: str) -> int | str:
     return list(result.bodies).index(name) % 6 if name in result.bodies else "still"
 
 
-def force_chart(result: History, i: int) -> dict[str, Any]:
+def force_chart(result: History, i: int) -> Chart:
+    count = len(result.initial_gap)
     total, one = result.held(result.force.sum(axis=1)), result.held(result.force[:, i])
-    lines = [
-        line(
-            f"sum of {len(result.initial_gap)} points" if len(result.initial_gap) > 1 else "force",
-            "force",
-            *total,
-            style="held filled",
-        )
-    ]
-    if len(result.initial_gap) > 1:
+    name = f"sum of {count} points" if count > 1 else "force"
+    lines = [line(name, "force", *total, style="held filled")]
+    if count > 1:
         lines.append(line(f"point {i + 1}", "second", *one, style="held dashed"))
     note = "" if result.episodes else "Nothing touched."
-    return chart(
-        "force",
-        "Contact force",
-        axis("time", "s"),
-        axis("force", "N", zero=True),
-        lines,
-        note,
-        cursor=True,
-        window=result.window(),
-    )
+    force = axis("force", "N", zero=True)
+    return chart("force", "Contact force", TIME, force, lines, note, cursor=True, window=result.window())
 
 
-def along_normal_charts(result: History, i: int) -> list[dict[str, Any]]:
+def along_normal_charts(result: History, i: int) -> list[Chart]:
     window = result.window()
     place, speed, mean_place, mean_speed = result.along_normal(i)
-    out = []
-    for key, title, label, unit, here, means, note in [
-        (
-            "place",
-            "Place of the two surfaces",
-            "place along the normal",
-            "m",
-            place,
-            mean_place,
-            "From where the second surface was: the sides touch where their lines meet.",
-        ),
-        ("speed", "Velocity", "velocity along the normal", "m/s", speed, mean_speed, ""),
-    ]:
-        lines = [
-            line(
-                f"{name}, mean of its mass",
-                colour_of(result, name),
-                *shown(curve[0], curve[1], window),
-                style="dashed",
-            )
+
+    def lines(here: Curves, means: Curves) -> list[dict[str, Any]]:
+        dashed = [
+            line(f"{name}, mean of its mass", colour_of(result, name), *shown(*curve, window), "dashed")
             for name, curve in means.items()
         ]
-        lines += [
+        at_point = [
             line(f"{name}, contact point", colour_of(result, name), *curve) for name, curve in here.items()
         ]
-        out.append(
-            chart(key, title, axis("time", "s"), axis(label, unit), lines, note, cursor=True, window=window)
-        )
-    return out
+        return dashed + at_point
+
+    note = "From where the second surface was: the sides touch where their lines meet."
+    places, speeds = axis("place along the normal", "m"), axis("velocity along the normal", "m/s")
+    more: dict[str, Any] = {"cursor": True, "window": window}
+    return [
+        chart("place", "Place of the two surfaces", TIME, places, lines(place, mean_place), note, **more),
+        chart("speed", "Velocity", TIME, speeds, lines(speed, mean_speed), **more),
+    ]
 
 
-def table_charts(result: History, i: int) -> list[dict[str, Any]]:
+def table_charts(result: History, i: int) -> list[Chart]:
     """Charts of a run with table kernels: the gap, and the velocities of free bodies along the axis where they change most."""
     window = result.window()
-    out = [
-        chart(
-            "gap",
-            "Gap while touching",
-            axis("time", "s"),
-            axis("gap", "m"),
-            [line("gap", "force", *result.broken(result.gap[:, i]))],
-            "Negative: penetration.",
-            window=window,
-        )
-    ]
+    gap = [line("gap", "force", *result.broken(result.gap[:, i]))]
+    note = "Negative: penetration."
+    out = [chart("gap", "Gap while touching", TIME, axis("gap", "m"), gap, note, window=window)]
     if result.velocity:
-        a = int(np.argmax(np.max([np.ptp(v, axis=0) for v in result.velocity.values()], axis=0)))
+        a = result.liveliest_axis
         lines = [
             line(f"{body}, mean of its mass", colour_of(result, body), *shown(result.time, v[:, a], window))
             for body, v in result.velocity.items()
         ]
-        out.append(
-            chart(
-                "speed",
-                "Velocity",
-                axis("time", "s"),
-                axis(f"{'xyz'[a]}-velocity", "m/s"),
-                lines,
-                window=window,
-            )
-        )
+        velocity = axis(f"{'xyz'[a]}-velocity", "m/s")
+        out.append(chart("speed", "Velocity", TIME, velocity, lines, window=window))
     return out
 
 
 def spectrum(values: Array, step: float, factor: float) -> tuple[Array, Array]:
     """Frequencies [Hz] and the largest |Σ values exp(−iωt)| · factor in each piece of a logarithmic axis."""
-    length = min(
-        1 << (8 * len(values) - 1).bit_length(), max(1 << 20, len(values))
-    )  # zero padding makes the spectrum smooth
+    # Zero padding makes the spectrum smooth.
+    length = min(1 << (8 * len(values) - 1).bit_length(), max(1 << 20, len(values)))
     size = np.abs(np.fft.rfft(values, length))[1:] * factor
     frequency = np.arange(1, len(size) + 1) / (length * step)
     inside = frequency >= 0.5 / (len(values) * step)  # the record is too short for lower ones
@@ -167,38 +126,28 @@ def spectrum(values: Array, step: float, factor: float) -> tuple[Array, Array]:
     return frequency[best], size[best]
 
 
-def spectrum_chart(result: History) -> dict[str, Any]:
+def spectrum_chart(result: History) -> Chart:
     step = result.time[1] - result.time[0]
-    frequency, size = spectrum(result.total_force, step, step)
-    return chart(
-        "spectrum",
-        "Spectrum of the contact force",
-        axis("frequency", "Hz", log=True),
-        axis("|∫ F exp(−iωt) dt|", "N s", log=True, decades=7),
-        [line("sum of all points", "force", frequency, size)],
-        "Its left end is the impulse of the contact.",
-    )
+    lines = [line("sum of all points", "force", *spectrum(result.total_force, step, step))]
+    size = axis("|∫ F exp(−iωt) dt|", "N s", log=True, decades=7)
+    note = "Its left end is the impulse of the contact."
+    return chart("spectrum", "Spectrum of the contact force", FREQUENCY, size, lines, note)
 
 
-def pressure_chart(result: History, area: Array) -> dict[str, Any]:
+def pressure_chart(result: History) -> Chart:
     """Pressure of each point in the step of the largest force."""
     row = int(np.argmax(result.force.sum(axis=1)))
     order, where, what = result.positions()
-    pressure = (result.force[row] / area)[order]
+    pressure = (result.force[row] / result.area)[order]
     pressing = pressure > 0
     far = 1.6 * np.abs(where[pressing]).max()
     near = np.abs(where) <= max(far, np.abs(where).min())  # farther points are open
     note = f"{np.count_nonzero(pressing)} of {len(order)} points press" + (
         "." if len(result.time) == 1 else " when the force is largest."
     )
-    return chart(
-        "pressure",
-        "Contact pressure",
-        axis(what, "m"),
-        axis("pressure", "Pa", zero=True),
-        [line("pressure", "force", where[near], pressure[near], "dots")],
-        note,
-    )
+    lines = [line("pressure", "force", where[near], pressure[near], "dots")]
+    size = axis("pressure", "Pa", zero=True)
+    return chart("pressure", "Contact pressure", axis(what, "m"), size, lines, note)
 
 
 def force_map(result: History) -> dict[str, Any]:
@@ -212,10 +161,8 @@ def force_map(result: History) -> dict[str, Any]:
     first, last = result.contact_time[0], result.contact_time[-1]
     step = result.spacing
     columns = min(COLUMNS, int(round((last - first) / step)) + 1)
-    column = np.minimum(
-        ((result.contact_time - first + 0.5 * step) / (last - first + step) * columns).astype(int),
-        columns - 1,
-    )
+    column = ((result.contact_time - first + 0.5 * step) / (last - first + step) * columns).astype(int)
+    column = np.minimum(column, columns - 1)
     cells = np.zeros((columns, len(order)))
     np.maximum.at(cells, column, result.force[:, order])
     return {
@@ -229,9 +176,8 @@ def force_map(result: History) -> dict[str, Any]:
     }
 
 
-def energy_charts(result: History) -> list[dict[str, Any]]:
-    terms = {name: result.energy[name] * (-1 if name == "loads" else 1) for name in result.TERMS}
-    ledger = result.energy["total"] + result.energy["damping"] + result.energy["contact"]
+def energy_charts(result: History) -> list[Chart]:
+    terms, ledger = result.ledger
     lines = [
         line(result.LABELS[name], number, result.time, values)
         for number, (name, values) in enumerate(terms.items())
@@ -239,73 +185,37 @@ def energy_charts(result: History) -> list[dict[str, Any]]:
     ]
     lines.append(line("sum of all", "still", result.time, ledger, "dashed"))
     nothing = [result.LABELS[name] for name, values in terms.items() if not np.any(values)]
+    note = f"Zero throughout: {', '.join(nothing)}." if nothing else ""
+    energy = axis("energy", "J", zero=True)
+    out = [chart("energy", "Where the energy is", TIME, energy, lines, note, cursor=True)]
     largest = max(np.abs(values).max() for values in [ledger, *terms.values()]) or 1
     stray = np.abs(ledger - ledger[0]) / largest
-    out = [
-        chart(
-            "energy",
-            "Where the energy is",
-            axis("time", "s"),
-            axis("energy", "J", zero=True),
-            lines,
-            f"Zero throughout: {', '.join(nothing)}." if nothing else "",
-            cursor=True,
-        )
-    ]
     if np.any(stray):
-        out.append(
-            chart(
-                "ledger",
-                "What the ledger fails to account for",
-                axis("time", "s"),
-                axis("relative change", "", log=True, whole=True),
-                [
-                    line(
-                        "change of the sum over the largest term",
-                        "still",
-                        result.time[stray > 0],
-                        stray[stray > 0],
-                        "specks",
-                    )
-                ],
-                cursor=True,
-                window=(result.time[0], result.time[-1]),
-            )
-        )
+        name, there = "change of the sum over the largest term", stray > 0
+        lines = [line(name, "still", result.time[there], stray[there], "specks")]
+        change = axis("relative change", "", log=True, whole=True)
+        title, window = "What the ledger fails to account for", (result.time[0], result.time[-1])
+        out.append(chart("ledger", title, TIME, change, lines, cursor=True, window=window))
     return out
 
 
-def receiver_charts(result: History) -> dict[str, Any]:
-    f, out = result.file, dict[str, Any]()
-    names = [name for name in f.names("/receivers") if name != "time"]
-    if not names:
-        return {}
-    time = f.array("/receivers/time", None)
-    for number, name in enumerate(names):
-        velocity = f.array(f"/receivers/{name}/velocity", len(time), 3)
+def receiver_charts(result: History) -> dict[str, list[Chart]]:
+    out = {}
+    for number, (name, receiver) in enumerate(result.receivers.items()):
+        time, velocity = result.receiver_time, receiver.velocity
         step = time[1] - time[0]
         window = np.hanning(len(time) + 2)[1:-1]
         moved = [k for k in range(3) if np.ptp(velocity[:, k]) > 1e-9 * np.ptp(velocity, axis=0).max()]
-        swing = {
-            k: spectrum((velocity[:, k] - velocity[:, k].mean()) * window, step, 2 / window.sum())
-            for k in moved
-        }
+        lines = [line("xyz"[k], k, time, velocity[:, k]) for k in moved]
+        still = "" if moved else "It does not move."
+        tones = [
+            line("xyz"[k], k, *spectrum((v - v.mean()) * window, step, 2 / window.sum()))
+            for k, v in zip(moved, velocity.T[moved])
+        ]
+        size = axis("amplitude", "m/s", log=True, decades=6)
+        note = "Amplitude of a steady tone, without the mean; Hann's window over the whole record."
         out[name] = [
-            chart(
-                f"receiver-{number}",
-                "Velocity",
-                axis("time", "s"),
-                axis("velocity", "m/s"),
-                [line("xyz"[k], k, time, velocity[:, k]) for k in moved],
-                "" if moved else "It does not move.",
-            ),
-            chart(
-                f"receiver-{number}-spectrum",
-                "Spectrum",
-                axis("frequency", "Hz", log=True),
-                axis("amplitude", "m/s", log=True, decades=6),
-                [line("xyz"[k], k, *curve) for k, curve in swing.items()],
-                "Amplitude of a steady tone, without the mean; Hann's window over the whole record.",
-            ),
+            chart(f"receiver-{number}", "Velocity", TIME, axis("velocity", "m/s"), lines, still),
+            chart(f"receiver-{number}-spectrum", "Spectrum", FREQUENCY, size, tones, note),
         ]
     return out

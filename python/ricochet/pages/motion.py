@@ -42,9 +42,8 @@ def few_shapes(shape: Array, coordinates: Array, most: int, left_out: float) -> 
     """
     if shape.shape[1] == 0:
         return np.zeros((len(shape), 0)), np.zeros((len(coordinates), 0))
-    parts = np.array_split(
-        shape, len(shape) // 10_000 + 1
-    )  # converted to double precision in parts, to save memory
+    # Converted to double precision in parts, to save memory.
+    parts = np.array_split(shape, len(shape) // 10_000 + 1)
     values, vectors = np.linalg.eigh(sum(part.T.astype(float) @ part for part in parts))
     held = values > 1e-14 * max(values[-1], 1e-300)
     root, vectors = np.sqrt(values[held]), vectors[:, held]
@@ -165,11 +164,8 @@ def half_space(name: str, obstacle: dict[str, Any], low: Array, high: Array) -> 
 
 def nearest(points: Array, places: Sequence[Array]) -> tuple[Array, Array]:
     """For each point, the nearest body and node, and the offset from that node."""
-    best, found, offset = (
-        np.full(len(points), np.inf),
-        np.zeros((len(points), 2), int),
-        np.zeros((len(points), 3)),
-    )
+    best = np.full(len(points), np.inf)
+    found, offset = np.zeros((len(points), 2), int), np.zeros((len(points), 3))
     for body, place in enumerate(places):
         for i, point in enumerate(points):
             away = np.sum((place - point) ** 2, axis=1)

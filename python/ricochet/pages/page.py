@@ -47,8 +47,6 @@ def save_page(run: dict[str, Any], path: Path) -> None:
             f"{path}: the page would have {len(page) / 2**20:.0f} MB, more than {LARGEST_MB}. "
             "A larger output.snapshot_every, no output.view or fewer receivers make it smaller."
         )
-    try:
+    with files.writing(path, "--out"):
         path.parent.mkdir(parents=True, exist_ok=True)
         files.write(path, page)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written ({error.strerror}). Choose another --out.") from None

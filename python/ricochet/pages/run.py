@@ -24,16 +24,12 @@ def summary_of(path: Path, result: History) -> dict[str, Any]:
         )
     try:
         summary = json.loads(path.read_text(), parse_constant=lambda word: None)
-        json.dumps(
-            summary, ensure_ascii=False, allow_nan=False
-        ).encode()  # refuses 1e999 and half a character
+        # This refuses 1e999 and half a character.
+        json.dumps(summary, ensure_ascii=False, allow_nan=False).encode()
     except (ValueError, RecursionError):
         raise InputError(f"{path}: is damaged. Run ricochet-contact again.") from None
-    kind: dict[str, type] = (
-        {"warnings": list, "pairs": list}
-        if result.static
-        else {"warnings": list, "episodes": list, "sounds": dict}
-    )
+    kind: dict[str, type] = {"pairs": list} if result.static else {"episodes": list, "sounds": dict}
+    kind["warnings"] = list
     same = isinstance(summary, dict) and all(isinstance(summary.get(key), of) for key, of in kind.items())
     if not same or summary.get("candidates") != len(result.initial_gap):
         raise InputError(f"{path}: is not of the run of {result.path.name}. Run ricochet-contact again.")
@@ -111,7 +107,7 @@ def commands_of(
 
 def charts_of(result: History, by_table: bool) -> tuple[dict[str, Any], dict[str, Any] | None]:
     """The charts by section of the page, and the map of forces."""
-    i = int(np.argmax(result.impulse())) if result.episodes else 0
+    i = result.strongest
     still = len(result.time) == 1
     out: dict[str, list[dict[str, Any]]] = {"contact": [], "energy": []}
     if not still:
@@ -121,7 +117,7 @@ def charts_of(result: History, by_table: bool) -> tuple[dict[str, Any], dict[str
         )
     several = not by_table and np.count_nonzero(result.impulse()) > 1
     if several:
-        out["contact"].append(charts.pressure_chart(result, result.area))
+        out["contact"].append(charts.pressure_chart(result))
     if not still and result.episodes:
         out["contact"].append(charts.spectrum_chart(result))
     if not still and not by_table:

@@ -7,7 +7,7 @@ import matplotlib
 from matplotlib.figure import Figure
 
 from ricochet.errors import InputError
-from ricochet.files import save_picture
+from ricochet.files import save_picture, writing
 from ricochet.pictures.contact import contact_picture, table_picture
 from ricochet.pictures.energy import energy_picture
 from ricochet.pictures.modes import modes_picture
@@ -75,8 +75,6 @@ def draw_modes(kernel: Path, folder: Path) -> Path:
 
 def save(figure: Figure, path: Path) -> None:
     """Raises InputError."""
-    try:
+    with writing(path, "--out"):
         path.parent.mkdir(parents=True, exist_ok=True)
         save_picture(figure, path, dpi=DPI)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written ({error.strerror}). Choose another --out.") from None

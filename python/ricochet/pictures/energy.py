@@ -11,8 +11,7 @@ from ricochet.pictures.history import History
 
 def energy_picture(result: History) -> Figure:
     """All terms of the energy ledger with their sum, and the drift of the sum from its first value."""
-    terms = {name: result.energy[name] * (-1 if name == "loads" else 1) for name in result.TERMS}
-    ledger = result.energy["total"] + result.energy["damping"] + result.energy["contact"]
+    terms, ledger = result.ledger
     scale_name, reference = "first value", abs(ledger[0])
     if reference <= 1e-12 * largest_of(*terms.values()):  # a body at rest has no energy at first
         scale_name, reference = "largest term", largest_of(*terms.values())
@@ -24,14 +23,8 @@ def energy_picture(result: History) -> Figure:
     top, low = figure.subplots(2, 1, sharex=True, height_ratios=[2.2, 1])
     colours = ["#2b6cb0", "#d2691e", "#3a8f5c", "#8a4fa3", "#8c6d1f", "#b03a48"]
     for (name, values), colour in zip(terms.items(), colours):
-        nothing = not np.any(values)
-        top.plot(
-            t,
-            values * mj,
-            color=colour,
-            linewidth=1 if nothing else 1.6,
-            label=result.LABELS[name] + (" (0)" if nothing else ""),
-        )
+        width, note = (1.6, "") if np.any(values) else (1, " (0)")
+        top.plot(t, values * mj, color=colour, linewidth=width, label=result.LABELS[name] + note)
     top.plot(t, ledger * mj, color="black", linewidth=1.8, linestyle=(0, (4, 1.5)), label="sum of all")
     top.set(ylabel=f"energy ({energy_unit})", title="Where the energy is")
     stray = np.abs(ledger - ledger[0]) / (reference or 1)

@@ -1,20 +1,21 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """A result as it is drawn: episodes of contact, the time around them, motion along the normal of a point."""
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ricochet.arrays import Array
 from ricochet.errors import InputError
-from ricochet.result import Array, Result
+from ricochet.result import Result
 
 Curve = tuple[Array, Array]  # times [s] and values, NaN between episodes
+Curves = dict[str, Curve]  # by name of a side or a body
 
 
 class History(Result):
     """A result whose arrays are read at once. A run by table kernels has no `energy` and no `sides`."""
-
-    TERMS = ["kinetic", "strain", "residual", "loads", "damping", "contact"]
 
     LABELS = {
         "kinetic": "kinetic",
@@ -68,6 +69,23 @@ class History(Result):
         """(m) impulse of each contact point, over the step [N]"""
         return np.asarray(self.force.sum(axis=0))
 
+    @property
+    def strongest(self) -> int:
+        """The contact point with the largest impulse, the first one if nothing touched."""
+        return int(np.argmax(self.impulse())) if self.episodes else 0
+
+    @property
+    def liveliest_axis(self) -> int:
+        """The axis along which the velocity of a free body changes most; x without free bodies."""
+        changes = [np.ptp(v, axis=0) for v in self.velocity.values()]
+        return int(np.argmax(np.max(changes, axis=0))) if changes else 0
+
+    @property
+    def ledger(self) -> tuple[dict[str, Array], Array]:
+        """The terms of the energy ledger by name, and their sum, which damping and contact keep constant."""
+        terms = {name: self.energy[name] * (-1 if name == "loads" else 1) for name in self.LABELS}
+        return terms, self.energy["total"] + self.energy["damping"] + self.energy["contact"]
+
     def positions(self) -> tuple[NDArray[np.int64], Array, str]:
         """Contact points sorted by place, their places [m], and a description of the place."""
         weight, gap = self.impulse(), self.initial_gap
@@ -79,10 +97,8 @@ class History(Result):
             along = axes[:, 2] * np.sign(axes[np.argmax(np.abs(axes[:, 2])), 2])
             where, what = away @ along, "position along the contact"
         else:
-            where, what = (
-                np.linalg.norm(away, axis=1),
-                "distance from where the gap was least" if self.static else "distance from the first touch",
-            )
+            where = np.linalg.norm(away, axis=1)
+            what = "distance from where the gap was least" if self.static else "distance from the first touch"
         order = np.argsort(where, kind="stable")
         return order, where[order], what
 
@@ -98,32 +114,27 @@ class History(Result):
 
     def broken(self, values: Array) -> Curve:
         """Contact rows with a NaN between episodes, so that no line crosses a time without contact."""
-        times, parts = [], []
+        times, parts = list[Any](), list[Any]()
         for first, behind in self.episodes:
-            times += [self.contact_time[first:behind], np.array([np.nan])]
-            parts += [values[first:behind], np.array([np.nan])]
-        return (np.concatenate(times), np.concatenate(parts)) if times else (np.array([]), np.array([]))
+            times += [self.contact_time[first:behind], [np.nan]]
+            parts += [values[first:behind], [np.nan]]
+        return np.concatenate([*times, []]), np.concatenate([*parts, []])
 
     def held(self, values: Array) -> Curve:
         """The same for forces, which are constant between rows: drawn as steps that end at these times, they
         rise from 0, return to 0, and enclose the impulse."""
-        times, parts = [], []
+        times, parts = list[Any](), list[Any]()
         for (first, behind), (start, end) in zip(self.episodes, self.spans()):
-            times += [np.array([start]), self.contact_time[first:behind], np.array([end, np.nan])]
-            parts += [np.array([0.0]), values[first:behind], np.array([0.0, np.nan])]
-        return (np.concatenate(times), np.concatenate(parts)) if times else (np.array([]), np.array([]))
+            times += [[start], self.contact_time[first:behind], [end, np.nan]]
+            parts += [[0.0], values[first:behind], [0.0, np.nan]]
+        return np.concatenate([*times, []]), np.concatenate([*parts, []])
 
-    def along_normal(
-        self, i: int
-    ) -> tuple[dict[str, Curve], dict[str, Curve], dict[str, Curve], dict[str, Curve]]:
+    def along_normal(self, i: int) -> tuple[Curves, Curves, Curves, Curves]:
         """Motion along the normal of point i: place and speed of the two sides there, by name, then of the mass-mean of
         each body. Places count from the start of the second surface: the sides touch where their lines meet.
         """
         n, gap, names = self.normal[i], self.initial_gap[i], self.sides_names()
-        place: dict[str, Curve] = {}
-        speed: dict[str, Curve] = {}
-        mean_place: dict[str, Curve] = {}
-        mean_speed: dict[str, Curve] = {}
+        place, speed, mean_place, mean_speed = Curves(), Curves(), Curves(), Curves()
         for side, name, offset in [("a", names[0], gap), ("b", names[1], 0.0)]:
             place[name] = self.broken(self.sides["displacement_" + side][:, i] - offset)
             speed[name] = self.broken(self.sides["velocity_" + side][:, i])

@@ -5,14 +5,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from ricochet.arrays import Floats
 from ricochet.errors import InputError
 from ricochet.pictures.style import BODY, WIDTH
 from ricochet.pictures.viewpoint import clearest
 from ricochet.result_file import File
 
-Array = NDArray[np.float64]
 AMPLITUDE = 0.08  # of the size of the body: the largest displacement that is drawn
 COLUMNS = 3
 
@@ -43,7 +42,7 @@ def modes_picture(file: File, count: int) -> Figure:
     return figure
 
 
-def draw_rod(ax: Axes, node: Array, element: Array, shape: Array) -> None:
+def draw_rod(ax: Axes, node: Floats, element: Floats, shape: Floats) -> None:
     """Displacement along the rod over the place on it."""
     ends = node[[np.argmin(node.sum(axis=1)), np.argmax(node.sum(axis=1))]]
     axis = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
@@ -53,7 +52,7 @@ def draw_rod(ax: Axes, node: Array, element: Array, shape: Array) -> None:
     ax.set(xlabel="place (m)", ylim=(-1.1, 1.1), yticks=[-1, 0, 1])
 
 
-def draw_surface(ax: Axes, node: Array, element: Array, shape: Array) -> None:
+def draw_surface(ax: Axes, node: Floats, element: Floats, shape: Floats) -> None:
     """The deflected surface, coloured by the size of its displacement, over the outline at rest."""
     size = np.linalg.norm(np.ptp(node, axis=0))
     moved = np.linalg.norm(shape, axis=1)

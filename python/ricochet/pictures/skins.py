@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ricochet.arrays import Array
 from ricochet.errors import InputError
 from ricochet.pictures.history import History
-from ricochet.result import Array
 from ricochet.result_file import File, are_finite, is_there
 
 

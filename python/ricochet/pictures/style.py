@@ -17,6 +17,7 @@ BODY = ["#2b6cb0", "#d2691e", "#3a8f5c", "#8a4fa3"]
 GREY = "#555555"
 SHADE = {"color": "#f2e7c9", "zorder": 0, "linewidth": 0}
 
+# Settings of matplotlib.
 STYLE = {
     "font.size": 9,
     "axes.titlesize": 10,
@@ -28,7 +29,7 @@ STYLE = {
     "axes.spines.right": False,
     "legend.frameon": False,
     "agg.path.chunksize": 20000,
-}  # matplotlib settings
+}
 
 
 def colour_of(result: History, name: str) -> str:

@@ -22,12 +22,8 @@ class View:
     def turn(self) -> Array:
         """(3,3) rows: right, up, towards the eye."""
         right, up, toward = self.base
-        c, s, ce, se = (
-            np.cos(self.azimuth),
-            np.sin(self.azimuth),
-            np.cos(self.elevation),
-            np.sin(self.elevation),
-        )
+        c, s = np.cos(self.azimuth), np.sin(self.azimuth)
+        ce, se = np.cos(self.elevation), np.sin(self.elevation)
         deep = c * toward - s * right
         return np.array([c * right + s * toward, ce * up - se * deep, se * up + ce * deep])
 
@@ -66,9 +62,8 @@ def clearness(view: View, bodies: Sequence[Array], contact: Array, cell: float) 
     hides the contact, relative to the size of all. `bodies`: (·,3) points of each, at most a `cell` apart."""
     turn = view.turn()
     seen = [points @ turn.T for points in [*bodies, contact]]
-    low, high = np.min([p.min(axis=0) for p in seen if len(p)], axis=0), np.max(
-        [p.max(axis=0) for p in seen if len(p)], axis=0
-    )
+    everything = np.concatenate(seen)
+    low, high = everything.min(axis=0), everything.max(axis=0)
     wide = int((high[0] - low[0]) / cell) + 1
 
     def places(points: Array) -> Array:

@@ -16,7 +16,7 @@ from ricochet.arrays import Array
 from ricochet.errors import InputError
 from ricochet.scene_keys import unit
 from ricochet.files import save_picture
-from ricochet.studies.table import Table
+from ricochet.studies.table import Table, is_number
 
 FEW = 12  # at most so many ticks on an axis
 LINES = 8  # at most so many lines
@@ -66,7 +66,7 @@ def label(name: str, units: dict[str, str]) -> str:
 
 def axis(values: Sequence[Any]) -> tuple[Array, list[str] | None]:
     """The positions of values on an axis, and labels if they are not numbers."""
-    if all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values):
+    if all(map(is_number, values)):
         return np.array(values, dtype=float), None
     labels = [text(value) for value in values]
     names = list(dict.fromkeys(labels))
@@ -74,7 +74,7 @@ def axis(values: Sequence[Any]) -> tuple[Array, list[str] | None]:
 
 
 def text(value: Any) -> str:
-    if isinstance(value, (int, float)) and not isinstance(value, bool):
+    if is_number(value):
         return f"{value:.6g}"
     return value if isinstance(value, str) else json.dumps(value)
 

@@ -23,9 +23,8 @@ class Journal:
         stem.parent.mkdir(parents=True, exist_ok=True)
         own = Path(f"{stem}.sweep.{part[0]}-of-{part[1]}.jsonl" if part else f"{stem}.sweep.jsonl")
         self.rows: dict[str, Row] = {}
-        self.records = (
-            None if reads_only else Records(own)
-        )  # another process may be writing what is only read
+        # Another process may be writing a journal that is only read.
+        self.records = None if reads_only else Records(own)
         for path in sorted(stem.parent.glob(f"{glob.escape(stem.name)}.sweep*.jsonl")):
             for row in filter(None, map(row_of, whole_lines(path).split(b"\n"))):
                 self._keep(row)

@@ -8,7 +8,6 @@ from collections.abc import Generator, Iterable, Iterator
 from pathlib import Path
 
 from ricochet import programs
-from ricochet.errors import ProgramError
 from ricochet.programs import Answer, Word
 from ricochet.progress import Progress
 from ricochet.studies.study import Study
@@ -36,15 +35,8 @@ class Kernels:
 
     def ask(self, requests: Iterable[Answer]) -> Generator[tuple[int, bytes], None, None]:
         """Sends requests to processes of ricochet-contact; yields (index, answer as a line of JSON)."""
-        words = programs.with_set(programs.settings(self.study.fixed))
-        command = [
-            programs.BIN / "ricochet-contact",
-            self.study.scene,
-            "--batch",
-            "--out",
-            self.folder,
-            *words,
-        ]
+        words = programs.with_set(programs.settings(self.study.fixed), self.folder)
+        command = [programs.BIN / "ricochet-contact", self.study.scene, "--batch", *words]
         return in_parallel(self.jobs, programs.bound(command), requests)
 
     def compute(self, missing: Files) -> None:
@@ -57,13 +49,11 @@ class Kernels:
             name, index = min(left.items(), key=lambda item: item[1])
             bar.advance(name, 0)
             before = self._stamps()
-            try:
-                programs.kernel(self.study.scene, self._words(index), self.ranks, quiet=True)
+            command = programs.kernel_command(self.study.scene, self._words(index), self.ranks)
+            if answer := programs.refusal(programs.start(command)):
+                self._refuse(index, answer, missing)
+            else:
                 self.tried.add(name)
-            except ProgramError as failure:
-                if not str(failure):
-                    raise
-                self._refuse(index, failure, missing)
             new = sorted(name for name, stamp in self._stamps().items() if before.get(name) != stamp)
             self.tried.update(new)
             self._derive(new, missing)
@@ -72,8 +62,8 @@ class Kernels:
             left = remaining
 
     def _words(self, index: int) -> list[Word]:
-        overrides = programs.with_set(programs.settings(self.study.fixed | self.study.settings[index]))
-        return ["--quiet", "--out", self.folder, *overrides]
+        changes = self.study.fixed | self.study.settings[index]
+        return ["--quiet", *programs.with_set(programs.settings(changes), self.folder)]
 
     def _stamps(self) -> dict[str, int]:
         return {path.name: path.stat().st_mtime_ns for path in self.folder.glob("*.kernel.h5")}
@@ -99,14 +89,14 @@ class Kernels:
                 kernel["file"] for kernel in json.loads(line).get("kernels", []) if kernel["there"]
             )
 
-    def _refuse(self, index: int, failure: ProgramError, missing: Files) -> None:
+    def _refuse(self, index: int, answer: Answer, missing: Files) -> None:
         """Refuses a setting and all others that fail for the same reason: they have the same meshes, or, after a failed
         computation, need the same kernel, which is the first one missing."""
         there = self._stamps()
         blamed = next((file for file in missing[index] if file not in there), missing[index][0])
         for other, files in missing.items():
-            if blamed in files if failure.status == 1 else self._meshes(other) == self._meshes(index):
-                self.refused[other] = {"status": failure.status, "error": str(failure)}
+            if blamed in files if answer["status"] == 1 else self._meshes(other) == self._meshes(index):
+                self.refused[other] = answer
 
     def _meshes(self, index: int) -> str:
         """The part of a setting on which the check of meshes depends; with `reach`, which selects candidates by the placement of
@@ -141,16 +131,12 @@ class Kernels:
         try:
             while True:
                 while len(running) < self.jobs and (item := next(waiting, None)):
-                    command = [
-                        programs.BIN / "ricochet-kernel",
-                        self.study.scene,
-                        "--check",
-                        *self._words(item[1]),
-                    ]
-                    running.append((item[0], programs.start(command)))
+                    words = [self.study.scene, "--check", *self._words(item[1])]
+                    running.append((item[0], programs.start([programs.BIN / "ricochet-kernel", *words])))
                 if not running:
                     return
-                yield running[0][0], programs.refusal(running[0][1])
+                meshes, process = running[0]
+                yield meshes, programs.refusal(process)
                 running.popleft()
         finally:
             for _, process in running:

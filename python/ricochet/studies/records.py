@@ -3,7 +3,6 @@
 import fcntl
 import json
 import os
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -25,11 +24,19 @@ class Records:
         path.parent.mkdir(parents=True, exist_ok=True)
         self.path = path
         self.file = open(path, "ab")
-        lock(self)
+        self._lock()
         self.file.truncate(len(whole_lines(path)))
 
-    def lines(self) -> Iterator[bytes]:
-        yield from whole_lines(self.path).splitlines()
+    def _lock(self) -> None:
+        """Holds until this process ends. A file system without locks can't report another writer."""
+        try:
+            fcntl.flock(self.file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise InputError(
+                f"{self.path}: another sweep is writing it: wait until it has ended, or give another --out"
+            ) from None
+        except OSError:
+            pass
 
     def append(self, line: bytes) -> None:
         self.file.write(line + b"\n")
@@ -39,24 +46,14 @@ class Records:
         os.fsync(self.file.fileno())
 
 
-def lock(records: Records) -> None:
-    """Holds until this process ends. A file system without locks can't report another writer."""
-    try:
-        fcntl.flock(records.file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        raise InputError(
-            f"{records.path}: another sweep is writing it: wait until it has ended, or give another --out"
-        ) from None
-    except OSError:
-        pass
-
-
 class Store:
     """Rows by their "key"; each is on the disk before it counts as finished."""
 
     def __init__(self, path: Path) -> None:
         self.records = Records(path)
-        self.rows: dict[str, Row] = {row["key"]: row for row in map(json.loads, self.records.lines())}
+        self.rows: dict[str, Row] = {
+            row["key"]: row for row in map(json.loads, whole_lines(path).splitlines())
+        }
 
     def add(self, row: Row) -> Row:
         self.rows[row["key"]] = row

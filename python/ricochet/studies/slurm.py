@@ -23,11 +23,8 @@ export RICOCHET_BIN={bin} OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1{launcher}
 exec {command}
 """
 
-UNREACHED = (
-    "contact slurm controller",
-    "configuration source",
-    "Socket timed out",
-)  # in the errors of sbatch
+# Errors of sbatch that mean that there is no controller.
+UNREACHED = ("contact slurm controller", "configuration source", "Socket timed out")
 
 
 def directive(word: str) -> str:

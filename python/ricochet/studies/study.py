@@ -13,7 +13,8 @@ import numpy as np
 from ricochet.errors import InputError
 from ricochet.programs import slug
 
-DRAWS = {"uniform": 2, "log_uniform": 2, "normal": 2}
+DRAWS = {"uniform", "log_uniform", "normal"}
+RANGE = {"from", "to", "steps"}
 MOST = 10**7  # settings, which are held in memory
 DEEPEST = 50
 
@@ -79,29 +80,20 @@ class Study:
         found = table.get(name, {})
         if not isinstance(found, dict):
             raise InputError(f"{self.path}: {name} must be a table of scene keys")
-        return (
-            {key: value for outer, item in found.items() for key, value in flat(outer, item)}
-            if name != "random"
-            else found
-        )
+        if name == "random":
+            return found
+        return {key: value for outer, item in found.items() for key, value in flat(outer, item)}
 
     def _values(self, where: str, key: str, value: Any) -> list[Any]:
         if isinstance(value, list) and value:
             return value
-        if isinstance(value, dict) and {"from", "to", "steps"} <= set(value) <= {
-            "from",
-            "to",
-            "steps",
-            "scale",
-        }:
+        if isinstance(value, dict) and RANGE <= set(value) <= RANGE | {"scale"}:
             low, high, steps = value["from"], value["to"], value["steps"]
             if isinstance(steps, int) and 2 <= steps <= MOST and numbers(low, high):
                 if value.get("scale", "linear") == "linear" and math.isfinite(high - low):
-                    return [float(v) for v in np.linspace(low, high, steps)]
+                    return np.linspace(low, high, steps).tolist()
                 if value.get("scale") == "log" and same_sign(low, high):
-                    return [
-                        float(v) for v in math.copysign(1, low) * np.geomspace(abs(low), abs(high), steps)
-                    ]
+                    return (math.copysign(1, low) * np.geomspace(abs(low), abs(high), steps)).tolist()
         raise InputError(
             f'{self.path}: {where}."{key}" = {shown(value)}: give a list of values, or {{from, to, steps}} with 2 to '
             f'{MOST} steps and, where both ends have the same sign, scale = "log"'
@@ -136,15 +128,12 @@ class Study:
             if kind in DRAWS and isinstance(given, list) and len(given) == 2 and numbers(*given):
                 low, high = given
                 if kind == "normal" and 0 <= high < 1e300 and abs(low) < 1e300:  # draws stay finite
-                    return [float(v) for v in random.normal(low, high, count)]
+                    return random.normal(low, high, count).tolist()
                 if kind == "uniform" and low <= high and math.isfinite(high - low):
-                    return [float(v) for v in random.uniform(low, high, count)]
+                    return random.uniform(low, high, count).tolist()
                 if kind == "log_uniform" and same_sign(low, high):
-                    ends = sorted((math.log(abs(low)), math.log(abs(high))))
-                    return [
-                        float(v)
-                        for v in math.copysign(1, low) * np.exp(random.uniform(ends[0], ends[1], count))
-                    ]
+                    least, most = sorted((math.log(abs(low)), math.log(abs(high))))
+                    return (math.copysign(1, low) * np.exp(random.uniform(least, most, count))).tolist()
         raise InputError(
             f'{self.path}: random."{key}" = {shown(value)}: give {{uniform = [low, high]}}, {{log_uniform = [low, high]}} '
             "of one sign, {normal = [mean, deviation]} or {choice = [values]}"
@@ -191,11 +180,7 @@ def flat(key: str, value: Any, leaves: Iterable[str] = ()) -> Iterator[tuple[str
     """Pairs (dotted key, value) of a nested TOML table: [grid.bodies.upper] young = [1, 2] is the same as
     [grid] "bodies.upper.young" = [1, 2]. A table with from, to and steps, or with a distribution, is a value.
     """
-    if (
-        isinstance(value, dict)
-        and not {"from", "to", "steps"} & set(value)
-        and not set(value) & {*leaves, "choice"}
-    ):
+    if isinstance(value, dict) and not {*RANGE, *leaves, "choice"} & set(value):
         for name, item in value.items():
             yield from flat(f"{key}.{name}", item, leaves)
     else:

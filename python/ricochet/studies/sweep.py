@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ricochet import programs
-from ricochet.errors import InputError, ProgramError
+from ricochet.errors import InputError, failure
 from ricochet.progress import Progress
 from ricochet.studies.journal import Journal, Part
 from ricochet.studies.kernels import Files, Kernels
@@ -32,24 +32,22 @@ class Sweep:
     def __init__(
         self,
         study: Study,
-        folder: Path | None = None,
-        jobs: int | None = None,
-        ranks: int = 2,
+        folder: Path,
+        jobs: int | None,
+        ranks: int,
         part: Part | None = None,
         collects: bool = False,
     ) -> None:
-        self.study, self.part, self.collects = study, part, collects
-        self.folder = folder or study.path.parent / "out"
-        self.stem = self.folder / study.slug
+        self.study, self.folder, self.part, self.collects = study, folder, part, collects
+        self.stem = folder / study.slug
         self.journal = Journal(self.stem, part, reads_only=collects)
-        self.kernels = Kernels(study, self.folder, jobs or os.cpu_count() or 1, ranks)
-        self.keys = [""] * len(
-            study.settings
-        )  # identify impacts: program, scene, setting, kernels, files that are read
+        self.kernels = Kernels(study, folder, jobs or os.cpu_count() or 1, ranks)
+        # They identify impacts by program, scene, setting, kernels and the files that are read.
+        self.keys = [""] * len(study.settings)
         self.refused: dict[int, Row] = {}  # answers by index of the setting
 
     def prepare(self) -> None:
-        """Checks all settings and computes the kernels that this stage needs. Raises InputError and ProgramError."""
+        """Checks all settings and computes the kernels that this stage needs. Raises InputError and SolverError."""
         before = None
         while True:
             missing = self._check()
@@ -58,7 +56,7 @@ class Sweep:
                 self.kernels.refused = {k: rows[self.keys[k]] for k in missing if self.keys[k] in rows}
             self.refused |= self.kernels.refused
             if len(self.refused) == len(self.keys):
-                raise ProgramError(self.refused[0]["status"], self.refused[0]["error"])
+                raise failure(self.refused[0]["status"], self.refused[0]["error"])
             missing = {index: files for index, files in missing.items() if index not in self.refused}
             if not missing or self.collects:
                 return
@@ -72,9 +70,8 @@ class Sweep:
                 raise InputError(
                     f"{self.folder}: ricochet-kernel does not leave {name} there: compute it by hand"
                 )
-            self.kernels.compute(
-                missing
-            )  # a kernel with some candidates may not yet be enough for all settings
+            # Again: a kernel with some candidates may not yet be enough for all settings.
+            self.kernels.compute(missing)
             for index, answer in self.kernels.refused.items():
                 self.journal.add(self.keys[index], json.dumps(answer).encode())
             before = missing

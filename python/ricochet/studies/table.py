@@ -33,10 +33,7 @@ class Table:
         self.outputs = {name: [columns.get(name, math.nan) for columns in found] for name in names}
 
     def write_csv(self, path: Path) -> None:
-        inputs = [
-            [value if isinstance(value, (int, float, str)) else json.dumps(value) for value in column]
-            for column in self.inputs.values()
-        ]
+        inputs = [list(map(text_or_number, column)) for column in self.inputs.values()]
         titles = [*self.inputs, *self.outputs, "status", "error"]
         files.write_csv(path, titles, zip(*inputs, *self.outputs.values(), self.status, self.error))
 
@@ -76,11 +73,17 @@ class Table:
         return columns[name]
 
 
+def text_or_number(value: Any) -> str | float:
+    """A value of a key as tables hold it; lists as JSON."""
+    return value if isinstance(value, (int, float, str)) else json.dumps(value)
+
+
+def is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
 def as_array(column: list[Any]) -> NDArray[Any]:
-    numeric = all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in column)
-    if numeric:
+    if all(map(is_number, column)):
         return np.array(column, dtype=float)
-    return np.array(
-        [value if isinstance(value, str) else json.dumps(value) for value in column],
-        dtype=h5py.string_dtype(),
-    )
+    texts = [value if isinstance(value, str) else json.dumps(value) for value in column]
+    return np.array(texts, dtype=h5py.string_dtype())

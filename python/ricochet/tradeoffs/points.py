@@ -2,6 +2,7 @@
 """Points of a trade-off study: settings with their cost and error, and the best of them."""
 import math
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import asdict
 
 from ricochet.studies.records import Row
 from ricochet.tradeoffs.settings import Impact, Kernel
@@ -62,28 +63,12 @@ class Point:
         reference: Row,
         measures: Iterable[str],
     ) -> None:
-        self.kernel, self.impact, self.refused = kernel, impact, impact_row.get("refused")
-        self.row: Row = {
-            "basis": kernel.basis,
-            "size": kernel.size,
-            "residual_flexibility": kernel.residual,
-            "order": kernel.order,
-            "relative_residual": kernel.tolerance,
-            "spacing_m": kernel.spacing,
-            "scheme": impact.scheme,
-            "rate_hz": impact.rate_hz,
-            "precision": impact.precision,
-            "kernel_s": kernel_row["kernel_s"],
-            "kernel_mib": kernel_row.get("kernel_mib"),
-            "refused": self.refused or "",
-            "pareto": False,
-        }
+        self.kernel, self.impact, self.refused = kernel, impact, "refused" in impact_row
+        self.row = asdict(kernel) | asdict(impact) | kernel_row | impact_row | {"pareto": False}
         self.error = math.inf
         if not self.refused:
             found = errors(impact_row, reference)
-            self.row |= found | {
-                name: impact_row[name] for name in ["vectors", "candidates", "impact_s", "impact_mib"]
-            }
+            self.row |= found
             self.error = max(found[f"{measure}_error"] for measure in measures)
         self.row["error"] = self.error
 

@@ -63,8 +63,8 @@ def draw(points: Sequence[Point], floor: float, error: float, impacts: int, titl
     axes = fig.subplots(1, 2, sharey=True)
     shown = [point for point in points if math.isfinite(point.error) and point.error > 0]
     families: dict[str, Callable[[Point], bool]] = {
-        "modes and R": lambda p: p.kernel.basis == "modes" and p.kernel.residual,
-        "modes alone": lambda p: p.kernel.basis == "modes" and not p.kernel.residual,
+        "modes and R": lambda p: p.kernel.basis == "modes" and p.kernel.residual_flexibility,
+        "modes alone": lambda p: p.kernel.basis == "modes" and not p.kernel.residual_flexibility,
         "contact-adapted": lambda p: p.kernel.basis == "contact",
     }
     colours = {"compliant": "C0", "jump": "C3", "difference": "C1"}

@@ -19,7 +19,7 @@ SCHEMES = {
 class Scene:
     """A scene with every default, from which the settings start."""
 
-    def __init__(self, path: Path, settings: list[str], band_hz: float | None = None) -> None:
+    def __init__(self, path: Path, settings: list[str], band_hz: float | None) -> None:
         self.path, self.settings = path, settings
         self.text = programs.resolved(path, programs.with_set(settings))
         self.table = table = tomllib.loads(self.text)
@@ -28,6 +28,7 @@ class Scene:
             for name, body in table["bodies"].items()
             if not str(body["mesh"]).endswith(".msh") and "area" not in body["material"]
         ]
+        self.count = table["modes"].get("count") or 400
         self.order = max((table["bodies"][name]["order"] for name in self.meshed), default=None)
         self.spacing = table["contact"].get("spacing")
         self.rate_hz = table["time"].get("rate_hz", 44100.0)
@@ -37,14 +38,14 @@ class Scene:
 
 @dataclass(frozen=True)
 class Kernel:
-    """The settings of a kernel."""
+    """The settings of a kernel, with the names of their columns."""
 
     basis: str
     size: float  # number of modes, or flexibility error of a contact-adapted basis
-    residual: bool
+    residual_flexibility: bool
     order: int | None
-    tolerance: float
-    spacing: float | None
+    relative_residual: float
+    spacing_m: float | None
     band_hz: float | None
 
     def changes(self, scene: Scene) -> dict[str, Any]:
@@ -52,21 +53,21 @@ class Kernel:
             modes = {
                 "basis": "modes",
                 "count": int(self.size),
-                "residual_flexibility": self.residual,
-                "relative_residual": self.tolerance,
+                "residual_flexibility": self.residual_flexibility,
+                "relative_residual": self.relative_residual,
             }
         else:
             modes = {"basis": "contact", "up_to_hz": self.band_hz, "flexibility_error": self.size}
         found = {"modes": modes, "output.view": False, "output.snapshot_every": 0, "output.every": 1000}
         if self.order is not None:
             found |= {f"bodies.{body}.order": self.order for body in scene.meshed}
-        if self.spacing is not None:
-            found["contact.spacing"] = self.spacing
+        if self.spacing_m is not None:
+            found["contact.spacing"] = self.spacing_m
         return found
 
     def name(self) -> str:
         if self.basis == "modes":
-            size = f"{self.size:g} modes{'' if self.residual else ' without R'}"
+            size = f"{self.size:g} modes{'' if self.residual_flexibility else ' without R'}"
         else:
             size = f"contact-adapted to {self.size:g}"
         return size + (f", order {self.order}" if self.order is not None else "")
@@ -85,62 +86,33 @@ class Impact:
         return found | ({"time.precision": self.precision} if self.precision != "double" else {})
 
 
-@dataclass
-class Axes:
-    """The values of each setting; the defaults of ricochet tradeoff are in its options."""
-
-    counts: list[int]
-    fitted: list[float]
-    residual: list[bool]
-    orders: list[int]
-    tolerances: list[float]
-    spacings: list[float]
-    schemes: list[str]
-    rates: list[float]
-    precisions: list[str]
-    full: bool
-
-    @classmethod
-    def of(cls, options: argparse.Namespace, scene: Scene) -> "Axes":
-        most = scene.table["modes"].get("count") or 400
-        order = scene.order or 1
-        return cls(
-            counts=options.counts or [max(1, most // part) for part in (16, 8, 4, 2, 1)],
-            fitted=options.fitted,
-            residual=[word == "with" for word in options.residual],
-            orders=options.orders or [order, max(1, order - 1), order + 1],
-            tolerances=options.tolerances,
-            spacings=options.spacings,
-            schemes=options.schemes,
-            rates=options.rates,
-            precisions=options.precisions,
-            full=options.full,
-        )
-
-    def settings(self, scene: Scene) -> list[tuple[Kernel, list[Impact]]]:
-        """Basis × R × step × scheme in full; order, tolerance, spacing and precision beside the largest kernel of each basis,
-        or in full too."""
-        bases: list[tuple[str, float, bool]]
-        bases = [("modes", count, residual) for count in self.counts for residual in self.residual]
-        bases += [("contact", error, True) for error in self.fitted if scene.band_hz]
-        order, tolerance, spacing, band = scene.order, self.tolerances[0], scene.spacing, scene.band_hz
-        orders: list[int | None] = [*self.orders] if order is not None else [None]
-        spacings = [factor * spacing for factor in self.spacings] if spacing else [None]
-        kernels: list[Kernel]
-        if self.full:
-            rest = itertools.product(orders, self.tolerances, spacings)
-            kernels = [Kernel(*basis, o, t, s, band) for basis, (o, t, s) in itertools.product(bases, rest)]
-        else:
-            beside: list[tuple[str, float, bool]] = [("modes", max(self.counts), True)]
-            beside += [basis for basis in bases if basis[0] == "contact"][:1]
-            kernels = [Kernel(*basis, order, tolerance, spacing, band) for basis in bases]
-            kernels += [Kernel(*basis, o, tolerance, spacing, band) for basis in beside for o in orders]
-            kernels += [Kernel(*beside[0], order, t, spacing, band) for t in self.tolerances]
-            kernels += [Kernel(*basis, order, tolerance, s, band) for basis in beside for s in spacings]
-        impacts = [
-            Impact(scheme, scene.rate_hz * factor, precision)
-            for scheme in self.schemes
-            for factor in self.rates
-            for precision in (self.precisions if scheme == "compliant" else ["double"])
-        ]
-        return [(kernel, impacts) for kernel in dict.fromkeys(kernels)]
+def settings(options: argparse.Namespace, scene: Scene) -> list[tuple[Kernel, list[Impact]]]:
+    """Basis × R × step × scheme in full; order, tolerance, spacing and precision beside the largest kernel of each basis,
+    or in full too. `options`: those of ricochet tradeoff."""
+    counts = options.counts or [max(1, scene.count // part) for part in (16, 8, 4, 2, 1)]
+    bases: list[tuple[str, float, bool]]
+    bases = [("modes", count, word == "with") for count in counts for word in options.residual]
+    bases += [("contact", error, True) for error in options.fitted if scene.band_hz]
+    order, tolerance, spacing, band = scene.order, options.tolerances[0], scene.spacing, scene.band_hz
+    orders: list[int | None] = [None]
+    if order is not None:
+        orders = options.orders or [order, max(1, order - 1), order + 1]
+    spacings = [factor * spacing for factor in options.spacings] if spacing else [None]
+    kernels: list[Kernel]
+    if options.full:
+        rest = itertools.product(orders, options.tolerances, spacings)
+        kernels = [Kernel(*basis, o, t, s, band) for basis, (o, t, s) in itertools.product(bases, rest)]
+    else:
+        beside: list[tuple[str, float, bool]] = [("modes", max(counts), True)]
+        beside += [basis for basis in bases if basis[0] == "contact"][:1]
+        kernels = [Kernel(*basis, order, tolerance, spacing, band) for basis in bases]
+        kernels += [Kernel(*basis, o, tolerance, spacing, band) for basis in beside for o in orders]
+        kernels += [Kernel(*beside[0], order, t, spacing, band) for t in options.tolerances]
+        kernels += [Kernel(*basis, order, tolerance, s, band) for basis in beside for s in spacings]
+    impacts = [
+        Impact(scheme, scene.rate_hz * factor, precision)
+        for scheme in options.schemes
+        for factor in options.rates
+        for precision in (options.precisions if scheme == "compliant" else ["double"])
+    ]
+    return [(kernel, impacts) for kernel in dict.fromkeys(kernels)]
