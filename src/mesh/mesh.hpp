@@ -81,7 +81,7 @@ struct Mesh {
   FacetMesh visualisation;                     ///< global node numbers, on rank 0 only
 
   int components() const { return dim == 3 ? 3 : 1; }
-  /// Number of a global node among those that this rank owns; negative if it owns it not.
+  /// Number of a global node among those that this rank owns; negative if another rank owns it.
   std::int64_t owned(std::int64_t global) const {
     return global < first_node + owned_nodes ? global - first_node : -1;
   }
