@@ -149,7 +149,7 @@ Found by_contact_basis(const Problem& problem) {
 
 Found by_krylov_schur(const Problem& problem, std::int64_t count) {
   const Stopwatch watch(problem.teams.world());
-  parallel::EigenSolver eps;
+  parallel::Handle<EPS, EPSDestroy> eps;
   check(EPSCreate(problem.mesh.comm, eps.out()));
   set_problem(eps, problem);
   check(EPSSetWhichEigenpairs(eps, EPS_TARGET_MAGNITUDE));
@@ -161,7 +161,7 @@ Found by_krylov_schur(const Problem& problem, std::int64_t count) {
 
 Found by_slicing(const Problem& problem, Hertz upto) {
   const Stopwatch watch(problem.teams.world());
-  parallel::EigenSolver eps;
+  parallel::Handle<EPS, EPSDestroy> eps;
   check(EPSCreate(problem.mesh.comm, eps.out()));
   set_problem(eps, problem);
   check(EPSSetWhichEigenpairs(eps, EPS_ALL));

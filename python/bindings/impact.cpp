@@ -43,9 +43,7 @@ void run(const std::filesystem::path& file, const std::vector<std::string>& sett
   options.overrides = settings;
   options.out = folder;
   options.quiet = true;
-  options.watch = [&watch](const std::string& phase, std::int64_t done, std::int64_t total) {
-    watch(phase, done, total);
-  };
+  options.watch = std::ref(watch);
   std::ostringstream nowhere;
   const py::gil_scoped_release unlocked;
   programs::run_contact(options, nowhere);

@@ -16,16 +16,7 @@ namespace {
 
 using kernels::Kernel;
 
-/// A property that views one array of the kernel in this shape.
-template <class Values>
-auto array(Values values, std::function<Shape(const Kernel&)> shape) {
-  return [values, shape](const py::object& self) {
-    const Kernel& kernel = self.cast<const Kernel&>();
-    return view(values(kernel), shape(kernel), self);
-  };
-}
-
-/// (cM,cM); None where the scene does without.
+/// (cM,cM); None if the scene leaves it out.
 py::object residual_flexibility(const py::object& self) {
   const Kernel& kernel = self.cast<const Kernel&>();
   const kernels::Surface& surface = kernel.surface;
@@ -37,6 +28,14 @@ py::object residual_flexibility(const py::object& self) {
 Shape modes(const Kernel& k) { return {length(k.modes.size())}; }
 Shape candidates(const Kernel& k) { return {length(k.surface.size())}; }
 Shape places(const Kernel& k) { return {length(k.surface.size()), 3}; }
+Shape traces(const Kernel& k) {
+  return {length(k.surface.size()), k.surface.components, length(k.modes.size())};
+}
+Shape elements(const Kernel& k) {
+  const py::ssize_t corners = k.surface.element_corners;
+  return {length(k.surface.element.size()) / corners, corners};
+}
+Shape by_axis(const Kernel& k) { return {3, length(k.modes.size())}; }
 
 py::dict certificate(const Kernel& kernel) {
   const kernels::Certificate& c = kernel.modes.certificate;
@@ -104,42 +103,26 @@ void bind_kernel(py::module_& module) {
       .def_property_readonly("residual_flexibility", &residual_flexibility)
       .def_property_readonly("visualisation_surface", &visualisation_surface)
       .def_property_readonly("receivers", &receivers);
-  const auto property = [&](const char* name, auto values, auto shape) {
-    kernel.def_property_readonly(name, array(values, shape));
+  // A view of the array *values(kernel).
+  const auto property = [&](const char* name, Shape (*shape)(const Kernel&), auto values) {
+    kernel.def_property_readonly(name, [=](const py::object& self) {
+      const Kernel& k = self.cast<const Kernel&>();
+      return view(*values(k), shape(k), self);
+    });
   };
-  property(
-      "angular_frequency", [](const Kernel& k) -> auto& { return k.modes.angular_frequency; }, modes);
-  property(
-      "decay_rate", [](const Kernel& k) -> auto& { return k.modes.decay_rate; }, modes);
-  property(
-      "residual", [](const Kernel& k) -> auto& { return k.modes.residual; }, modes);
-  property(
-      "node", [](const Kernel& k) -> auto& { return k.surface.node; }, places);
-  property(
-      "centroid", [](const Kernel& k) -> auto& {
-        return k.surface.centroid.empty() ? k.surface.node : k.surface.centroid;
-      },
-      places);
-  property(
-      "normal", [](const Kernel& k) -> auto& { return k.surface.normal; }, places);
-  property(
-      "area", [](const Kernel& k) -> auto& { return k.surface.area; }, candidates);
-  property(
-      "element", [](const Kernel& k) -> auto& { return k.surface.element; },
-      [](const Kernel& k) -> Shape {
-        const py::ssize_t corners = k.surface.element_corners;
-        return {length(k.surface.element.size()) / corners, corners};
-      });
-  property(
-      "shape", [](const Kernel& k) -> auto& { return k.surface.shape; },
-      [](const Kernel& k) -> Shape {
-        return {length(k.surface.size()), k.surface.components, length(k.modes.size())};
-      });
-  const auto by_axis = [](const Kernel& k) -> Shape { return {3, length(k.modes.size())}; };
-  property(
-      "body_force", [](const Kernel& k) -> auto& { return k.loads.body_force; }, by_axis);
-  property(
-      "rotation", [](const Kernel& k) -> auto& { return k.loads.rotation; }, by_axis);
+  property("angular_frequency", modes, [](const Kernel& k) { return &k.modes.angular_frequency; });
+  property("decay_rate", modes, [](const Kernel& k) { return &k.modes.decay_rate; });
+  property("residual", modes, [](const Kernel& k) { return &k.modes.residual; });
+  property("node", places, [](const Kernel& k) { return &k.surface.node; });
+  property("centroid", places, [](const Kernel& k) {
+    return k.surface.centroid.empty() ? &k.surface.node : &k.surface.centroid;
+  });
+  property("normal", places, [](const Kernel& k) { return &k.surface.normal; });
+  property("area", candidates, [](const Kernel& k) { return &k.surface.area; });
+  property("element", elements, [](const Kernel& k) { return &k.surface.element; });
+  property("shape", traces, [](const Kernel& k) { return &k.surface.shape; });
+  property("body_force", by_axis, [](const Kernel& k) { return &k.loads.body_force; });
+  property("rotation", by_axis, [](const Kernel& k) { return &k.loads.rotation; });
   module.def("read_kernel",
              [](const std::filesystem::path& path) { return std::make_shared<Kernel>(kernels::read(path)); });
 }

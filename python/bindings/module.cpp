@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// ricochet._core: the C++ library as the Python package sees it. Scenes are parsed and checked here, kernels
-// are read, impacts run and simulations step; the modules around it add names, units and types.
+// ricochet._core: the C++ library for the Python package. It parses and checks scenes, reads kernels, runs
+// impacts and steps simulations; the modules of the package add names, units and types.
 #include <pybind11/pybind11.h>
 
 #include "python/bindings/impact.hpp"

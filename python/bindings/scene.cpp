@@ -16,11 +16,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// (body, file, whether it is there and holds enough candidates) of each body.
+/// For each body: its name, its file, and whether the file exists and contains enough candidates.
 std::vector<std::tuple<std::string, fs::path, bool>> kernel_files(const scene::Scene& scene,
                                                                   const fs::path& folder) {
   programs::KernelStore store;
-  const std::vector<programs::StoredKernel> stored = programs::find_kernels(scene, folder, store).of_body;
+  const std::vector<programs::StoredKernel> stored = programs::find_kernels(scene, folder, store);
   std::vector<std::tuple<std::string, fs::path, bool>> out;
   for (std::size_t k = 0; k < stored.size(); ++k)
     out.emplace_back(scene.bodies[k].name, stored[k].path, stored[k].enough);

@@ -21,10 +21,10 @@ namespace {
 using Kernel = std::shared_ptr<kernels::Kernel>;
 using Rows = py::array_t<double, py::array::c_style>;
 
-/// Steps between two looks at signals.
+/// Number of steps after which signals are checked.
 constexpr std::int64_t longest_block = 1024;
 
-/// Refuses what only a whole run follows: ricochet/ricochet.hpp has no place for it.
+/// Refuses settings that only a complete run supports, because ricochet/ricochet.hpp does not have them.
 void check_steppable(const scene::Scene& scene) {
   const auto refuse = [&](const char* key, const char* what) {
     throw InputError(fmt::format("{}: {}: a Simulation cannot step {}. Leave it out, or use impact.",
@@ -71,7 +71,7 @@ class Stepper {
 
   Simulation& simulation() { return simulation_; }
 
-  /// Writes a row a step into arrays that are wanted. Throws what a step that failed means.
+  /// Writes one row for each step into the requested arrays. Throws the error of a failed step.
   void step_block(std::int64_t steps, std::optional<Rows>& velocity, std::optional<Rows>& total_force,
                   std::optional<Rows>& force, std::optional<Rows>& displacement) {
     const auto data = [](std::optional<Rows>& rows) { return rows ? rows->mutable_data() : nullptr; };

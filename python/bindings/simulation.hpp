@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Stepping in a loop.
+// Simulations that a program steps.
 #pragma once
 
 #include <pybind11/pybind11.h>

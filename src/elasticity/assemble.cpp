@@ -148,24 +148,20 @@ Pattern pattern_of(const Mesh& mesh) {
     const auto n = static_cast<std::size_t>(block.nodes_per_element);
     for (std::size_t e = 0; e < block.size(); ++e)
       for (std::size_t a = 0; a < n; ++a) {
-        const std::int64_t row = mesh.node[block.node[e * n + a]] - mesh.first_node;
-        if (row < 0 || row >= mesh.owned_nodes) continue;
+        const std::int64_t row = mesh.owned(mesh.node[block.node[e * n + a]]);
+        if (row < 0) continue;
         auto& list = columns[static_cast<std::size_t>(row)];
         for (std::size_t b = 0; b < n; ++b) {
           const std::int64_t column = mesh.node[block.node[e * n + b]];
           if (column >= row + mesh.first_node) list.push_back(column);
         }
         // Elements repeat columns; occasional compaction keeps memory near the final size.
-        if (list.size() > 512 && list.size() > 2 * list.capacity() / 3) {
-          std::sort(list.begin(), list.end());
-          list.erase(std::unique(list.begin(), list.end()), list.end());
-        }
+        if (list.size() > 512 && list.size() > 2 * list.capacity() / 3) mesh::sort_once(list);
       }
   }
   Pattern pattern;
   for (auto& list : columns) {
-    std::sort(list.begin(), list.end());
-    list.erase(std::unique(list.begin(), list.end()), list.end());
+    mesh::sort_once(list);
     append_row(pattern, mesh, list);
     std::vector<std::int64_t>().swap(list);
   }
@@ -239,14 +235,12 @@ Body assemble(const Mesh& mesh, const std::vector<scene::Material>& materials, c
           mass.col(row).setZero();
         }
       for (int a = 0; a < n; ++a) {
-        const std::int64_t global = mesh.node[nodes[a]];
-        const bool owned = global >= mesh.first_node && global < mesh.first_node + mesh.owned_nodes;
-        columns[a] = static_cast<PetscInt>(global);
-        rows[a] = owned ? columns[a] : -1;
-        if (!owned) continue;
-        for (int k = 0; k < c; ++k)
+        const std::int64_t own = mesh.owned(mesh.node[nodes[a]]);
+        columns[a] = static_cast<PetscInt>(mesh.node[nodes[a]]);
+        rows[a] = own < 0 ? -1 : columns[a];
+        for (int k = 0; k < c && own >= 0; ++k)
           if (!mesh.is_fixed(static_cast<std::size_t>(nodes[a]), k))
-            body.rigid_load.row((global - mesh.first_node) * c + k) += load.row(c * a + k);
+            body.rigid_load.row(own * c + k) += load.row(c * a + k);
       }
       parallel::check(MatSetValuesBlocked(body.stiffness, n, rows.data(), n, columns.data(), element.K.data(),
                                           ADD_VALUES));

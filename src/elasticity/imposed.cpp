@@ -11,11 +11,9 @@ Imposing::Imposing(const mesh::Mesh& mesh, const std::vector<std::string>& moved
   sum_.force = sum_.inertia = sum_.shape;
   sum_.momentum = Eigen::MatrixXd::Zero(3, columns);
   if (moved.empty()) return;
-  for (std::size_t i = 0; i < mesh.node.size(); ++i) {
-    const std::int64_t own = mesh.node[i] - mesh.first_node;
-    if (own < 0 || own >= mesh.owned_nodes) continue;
+  mesh.for_each_owned([&](std::size_t i, std::int64_t own) {
     for (int k = 0; k < c; ++k) sum_.shape.row(own * c + k) = row(i, k);
-  }
+  });
 }
 
 Eigen::RowVectorXd Imposing::row(std::size_t local_node, int component) const {
@@ -46,8 +44,8 @@ void Imposing::add(const std::int64_t* nodes, int count, const ElementMatrix& K,
   const Eigen::MatrixXd force = K * shape, inertia = M * shape;
   for (int a = 0; a < count; ++a) {
     const auto local = static_cast<std::size_t>(nodes[a]);
-    const std::int64_t own = mesh_.node[local] - mesh_.first_node;
-    if (own < 0 || own >= mesh_.owned_nodes) continue;
+    const std::int64_t own = mesh_.owned(mesh_.node[local]);
+    if (own < 0) continue;
     for (int k = 0; k < c; ++k)
       if (mesh_.is_fixed(local, k)) {
         sum_.momentum += translation.row(c * a + k).leftCols(3).transpose() * shape.row(c * a + k);
@@ -59,7 +57,7 @@ void Imposing::add(const std::int64_t* nodes, int count, const ElementMatrix& K,
 }
 
 Imposed Imposing::take() {
-  parallel::sum(mesh_.comm, sum_.momentum.data(), static_cast<std::size_t>(sum_.momentum.size()));
+  parallel::sum(mesh_.comm, sum_.momentum);
   return std::move(sum_);
 }
 

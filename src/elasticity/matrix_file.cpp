@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 
 #include "src/elasticity/pattern.hpp"
 #include "src/mesh/body_file.hpp"
+#include "src/mesh/connected.hpp"
 
 namespace ricochet::elasticity {
 
@@ -109,30 +109,22 @@ std::vector<char> absent_rows(const Reader& file, const Rows& stiffness, const R
 /// belong to the single part of the body that they were connected to.
 std::vector<std::int64_t> connected(const Reader& file, const Rows& stiffness,
                                     const std::vector<char>& absent) {
-  std::vector<std::int64_t> first(static_cast<std::size_t>(stiffness.size() / 3));
-  std::iota(first.begin(), first.end(), 0);
-  const auto root = [&](std::int64_t node) {
-    while (first[static_cast<std::size_t>(node)] != node)
-      node = first[static_cast<std::size_t>(node)] =
-          first[static_cast<std::size_t>(first[static_cast<std::size_t>(node)])];
-    return node;
-  };
+  std::vector<std::int64_t> part(static_cast<std::size_t>(stiffness.size() / 3), 0);
+  mesh::Connections connections(part.size());
   for (std::int64_t i = 0; i < stiffness.size(); ++i)
     stiffness.for_each(i, [&](std::int64_t j, double value) {
-      const std::int64_t a = root(i / 3), b = root(j / 3);
-      if (value != 0) first[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+      if (value != 0) connections.join(i / 3, j / 3);
     });
   const auto is_absent = [&](std::size_t n) {
     return absent[3 * n] + absent[3 * n + 1] + absent[3 * n + 2] == 3;
   };
-  std::vector<std::int64_t> part(first.size(), 0);
   std::int64_t parts = 0;
   bool lost = false;
-  for (std::size_t n = 0; n < first.size(); ++n) {
+  for (std::size_t n = 0; n < part.size(); ++n) {
     lost = lost || is_absent(n);
     if (is_absent(n)) continue;
-    const auto of = static_cast<std::size_t>(root(static_cast<std::int64_t>(n)));
-    part[n] = of == n ? parts++ : part[of];
+    const auto first = static_cast<std::size_t>(connections.first(static_cast<std::int64_t>(n)));
+    part[n] = first == n ? parts++ : part[first];
   }
   if (lost && parts > 1)
     file.fail(
@@ -160,8 +152,8 @@ Rows share_out(const Rows& whole, const Mesh& mesh) {
       start[r].push_back(std::ssize(column[r]));
     }
   }
-  return {parallel::scatter(mesh.comm, start), parallel::scatter(mesh.comm, column),
-          parallel::scatter(mesh.comm, value)};
+  return {parallel::exchange(mesh.comm, start)[0], parallel::exchange(mesh.comm, column)[0],
+          parallel::exchange(mesh.comm, value)[0]};
 }
 
 /// Data of all nodes on each rank, in the order of the file.
@@ -198,8 +190,7 @@ Pattern pattern_of(const Mesh& mesh, const Rows& stiffness, const Rows& mass) {
         matrix->for_each(3 * node + k, [&](std::int64_t j, double) {
           if (j / 3 > mesh.first_node + node) columns.push_back(j / 3);
         });
-    std::ranges::sort(columns);
-    columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
+    mesh::sort_once(columns);
     append_row(pattern, mesh, columns);
   }
   return pattern;
@@ -319,10 +310,9 @@ Body read_matrices(Mesh& mesh, const std::filesystem::path& path, const std::vec
   mass = share_out(mass, mesh);
   fill(mesh, nodes, stiffness, mass, body);
   Sums sums = sum_up(mesh, nodes, stiffness, mass, body);
-  parallel::sum(mesh.comm, body.imposed.momentum.data(),
-                static_cast<std::size_t>(body.imposed.momentum.size()));
-  parallel::sum(mesh.comm, sums.mass.data(), 3);
-  parallel::sum(mesh.comm, sums.stretch.data(), 3);
+  parallel::sum(mesh.comm, body.imposed.momentum);
+  parallel::sum(mesh.comm, sums.mass);
+  parallel::sum(mesh.comm, sums.stretch);
   finish_inertia(mesh.comm, sums.moments, body);
   const auto [least, most] = std::ranges::minmax(sums.mass);
   // Missing rows reduce the mass in their direction.

@@ -9,15 +9,11 @@ namespace ricochet::elasticity {
 
 namespace {
 
+/// e_i × x.
 Vector3 cross_unit(int i, const Vector3& x) {
-  switch (i) {
-    case 0:
-      return {0, -x[2], x[1]};
-    case 1:
-      return {x[2], 0, -x[0]};
-    default:
-      return {-x[1], x[0], 0};
-  }
+  if (i == 0) return {0, -x[2], x[1]};
+  if (i == 1) return {x[2], 0, -x[0]};
+  return {-x[1], x[0], 0};
 }
 
 }  // namespace
@@ -48,17 +44,16 @@ parallel::Matrix create(const mesh::Mesh& mesh, const Pattern& pattern) {
 
 double rigid_value(const mesh::Mesh& mesh, int k, const Vector3& x, int c) {
   Vector3 u{};
-  if (k < 3) {
+  if (k < 3)
     u[k] = 1;
-  } else {
+  else
     u = cross_unit(k - 3, x);
-  }
   if (mesh.dim == 3) return u[c];
   return u[0] * mesh.axis[0] + u[1] * mesh.axis[1] + u[2] * mesh.axis[2];
 }
 
 void finish_inertia(MPI_Comm comm, std::array<double, 10>& moments, Body& body) {
-  parallel::sum(comm, moments.data(), moments.size());
+  parallel::sum(comm, moments);
   body.total_mass = moments[0];
   Eigen::Vector3d centre(moments[1], moments[2], moments[3]);
   centre /= moments[0];
@@ -76,15 +71,14 @@ void finish_rows(const mesh::Mesh& mesh, double stiffest, Body& body) {
   // The value on held rows is arbitrary but positive; the largest diagonal entry keeps the conditioning.
   stiffest = parallel::largest(mesh.comm, stiffest);
   std::int64_t held = 0;
-  for (std::size_t i = 0; i < mesh.node.size(); ++i) {
-    if (mesh.node[i] < mesh.first_node || mesh.node[i] >= mesh.first_node + mesh.owned_nodes) continue;
+  mesh.for_each_owned([&](std::size_t i, std::int64_t) {
     for (int k = 0; k < c; ++k)
       if (mesh.is_fixed(i, k)) {
         const auto row = static_cast<PetscInt>(mesh.node[i] * c + k);
         parallel::check(MatSetValue(body.stiffness, row, row, stiffest > 0 ? stiffest : 1.0, ADD_VALUES));
         ++held;
       }
-  }
+  });
   body.free_rows = body.total_rows - parallel::sum(mesh.comm, held);
   for (Mat matrix : {static_cast<Mat>(body.stiffness), static_cast<Mat>(body.mass)}) {
     parallel::check(MatAssemblyBegin(matrix, MAT_FINAL_ASSEMBLY));

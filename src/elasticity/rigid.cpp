@@ -11,11 +11,9 @@ namespace {
 Eigen::MatrixXd rigid_modes_of(const mesh::Mesh& mesh, const Body& body, std::int64_t part) {
   const int c = mesh.components();
   const auto for_each_own_node = [&](auto&& visit) {
-    for (std::size_t i = 0; i < mesh.node.size(); ++i) {
-      const std::int64_t row = mesh.node[i] - mesh.first_node;
-      if (row >= 0 && row < mesh.owned_nodes && mesh.part[i] == part)
-        visit(i, row, Eigen::Map<const Eigen::Vector3d>(&mesh.position[3 * i]));
-    }
+    mesh.for_each_owned([&](std::size_t i, std::int64_t row) {
+      if (mesh.part[i] == part) visit(i, row, Eigen::Map<const Eigen::Vector3d>(&mesh.position[3 * i]));
+    });
   };
   // Motions about the centroid of the part's nodes, with rotations in units of its size, so that entries are
   // of order one.
@@ -25,7 +23,7 @@ Eigen::MatrixXd rigid_modes_of(const mesh::Mesh& mesh, const Body& body, std::in
     sums[3] += x.squaredNorm();
     sums[4] += 1;
   });
-  parallel::sum(mesh.comm, sums.data(), 5);
+  parallel::sum(mesh.comm, sums);
   const Eigen::Vector3d middle = sums.head<3>() / sums[4];
   const double size = std::sqrt(std::max(sums[3] / sums[4] - middle.squaredNorm(), 1e-300));
 
@@ -56,7 +54,7 @@ Eigen::MatrixXd rigid_modes_of(const mesh::Mesh& mesh, const Body& body, std::in
     for (int k = 0; k < c; ++k)
       if (mesh.is_fixed(i, k)) seen += here.row(k).transpose() * here.row(k);
   });
-  parallel::sum(mesh.comm, seen.data(), static_cast<std::size_t>(seen.size()));
+  parallel::sum(mesh.comm, seen);
 
   // The supports permit the null space of `seen`.
   Eigen::MatrixXd free = Eigen::MatrixXd::Identity(m, m);
@@ -73,7 +71,7 @@ Eigen::MatrixXd rigid_modes_of(const mesh::Mesh& mesh, const Body& body, std::in
   });
   // Held rows of the modes are zero, so their entries in the loads do not matter.
   Eigen::MatrixXd gram = modes.transpose() * (load * free);
-  parallel::sum(mesh.comm, gram.data(), static_cast<std::size_t>(gram.size()));
+  parallel::sum(mesh.comm, gram);
   const Eigen::LLT<Eigen::MatrixXd> cholesky((gram + gram.transpose()) / 2);
   return cholesky.matrixL().solve(modes.transpose()).transpose();
 }

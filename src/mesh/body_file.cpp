@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "src/mesh/complaints.hpp"
+
 namespace ricochet::mesh {
 
 namespace {
@@ -65,10 +67,8 @@ class Content {
         if (nodes.empty()) continue;
         any_facet = true;
         auto block = std::ranges::find(facets.blocks, kind.gmsh_type, &Block::gmsh_type);
-        if (block == facets.blocks.end()) {
-          facets.blocks.push_back({kind.gmsh_type, kind.nodes, {}, {}, {}});
-          block = facets.blocks.end() - 1;
-        }
+        if (block == facets.blocks.end())
+          block = facets.blocks.insert(block, {kind.gmsh_type, kind.nodes, {}, {}, {}});
         for (std::size_t e = 0; e < nodes.size() / static_cast<std::size_t>(kind.nodes); ++e)
           block->tag.push_back(static_cast<std::int64_t>(e));
         block->node.insert(block->node.end(), nodes.begin(), nodes.end());
@@ -127,14 +127,8 @@ class Content {
             fmt::format("has no nodes \"{0}\", which bodies.{1}.support holds: write them as "
                         "/nodes/{0}, or a surface of that name, or change bodies.{1}.support.",
                         name, body_.name));
-      unsigned bits = 0;
+      unsigned bits = moved_bit(body_, asked_, name);
       for (const char component : components) bits |= 1U << (component - 'x');
-      const auto moved = std::ranges::find(asked_.moved, name) - asked_.moved.begin();
-      if (moved < std::ssize(asked_.moved)) {
-        if (moved >= 29)
-          file_.fail(fmt::format("more than 29 supports of bodies.{} move: join some of them.", body_.name));
-        bits |= 1U << (3 + moved);
-      }
       for (const std::int64_t node : nodes) mesh_.fixed[static_cast<std::size_t>(node)] |= bits;
     }
   }

@@ -18,6 +18,15 @@ void refuse_repeated(const std::vector<Block>& blocks, const char* what, const c
                                  body.mesh.filename().string(), what, *twice, body.name, key));
 }
 
+unsigned moved_bit(const scene::Body& body, const RequestedGroups& asked, const std::string& support) {
+  const auto moved = std::ranges::find(asked.moved, support) - asked.moved.begin();
+  if (moved == std::ssize(asked.moved)) return 0;
+  if (moved >= 29)
+    throw InputError(fmt::format("{}: more than 29 supports of bodies.{} move: join some in one group",
+                                 body.mesh.filename().string(), body.name));
+  return 1U << (3 + moved);
+}
+
 InputError no_elements(const scene::Body& body) {
   return InputError(fmt::format("{}: bodies.{}.material: its groups hold no elements: name others",
                                 body.mesh.filename().string(), body.name));

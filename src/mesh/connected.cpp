@@ -6,25 +6,29 @@
 
 namespace ricochet::mesh {
 
+Connections::Connections(std::size_t nodes) : root_(nodes) { std::iota(root_.begin(), root_.end(), 0); }
+
+void Connections::join(std::int64_t a, std::int64_t b) {
+  const std::int64_t root_a = first(a), root_b = first(b);
+  root_[static_cast<std::size_t>(std::max(root_a, root_b))] = std::min(root_a, root_b);
+}
+
+std::int64_t Connections::first(std::int64_t node) {
+  for (auto at = static_cast<std::size_t>(node); root_[at] != static_cast<std::int64_t>(at);
+       at = static_cast<std::size_t>(root_[at]))
+    root_[at] = node = root_[static_cast<std::size_t>(root_[at])];
+  return node;
+}
+
 std::vector<std::int64_t> first_connected(std::size_t nodes, const std::vector<Block>& blocks) {
-  // Union-find with path halving.
-  std::vector<std::int64_t> root(nodes);
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&](std::int64_t node) {
-    for (auto at = static_cast<std::size_t>(node); root[at] != static_cast<std::int64_t>(at);
-         at = static_cast<std::size_t>(root[at]))
-      root[at] = node = root[static_cast<std::size_t>(root[at])];
-    return node;
-  };
+  Connections connections(nodes);
   for (const Block& block : blocks) {
     const auto width = static_cast<std::size_t>(block.nodes_per_element);
-    for (std::size_t k = 0; k < block.node.size(); ++k) {
-      const std::int64_t a = find(block.node[k - k % width]), b = find(block.node[k]);
-      root[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
-    }
+    for (std::size_t k = 0; k < block.node.size(); ++k)
+      connections.join(block.node[k - k % width], block.node[k]);
   }
   std::vector<std::int64_t> first(nodes);
-  for (std::size_t i = 0; i < nodes; ++i) first[i] = find(static_cast<std::int64_t>(i));
+  for (std::size_t i = 0; i < nodes; ++i) first[i] = connections.first(static_cast<std::int64_t>(i));
   return first;
 }
 

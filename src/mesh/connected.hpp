@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Connected parts of a mesh.
+// Connected parts of a mesh or of a matrix.
 #pragma once
 
 #include <cstdint>
@@ -8,6 +8,18 @@
 #include "src/mesh/mesh.hpp"
 
 namespace ricochet::mesh {
+
+/// Nodes that edges connect: union-find with path halving.
+class Connections {
+ public:
+  explicit Connections(std::size_t nodes);
+  void join(std::int64_t a, std::int64_t b);
+  /// The lowest node that edges connect to `node`.
+  std::int64_t first(std::int64_t node);
+
+ private:
+  std::vector<std::int64_t> root_;
+};
 
 /// For each of `nodes` nodes, the lowest node that elements connect it to.
 std::vector<std::int64_t> first_connected(std::size_t nodes, const std::vector<Block>& blocks);

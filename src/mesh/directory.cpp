@@ -31,9 +31,7 @@ Directory::Directory(MPI_Comm comm, const std::vector<std::int64_t>& tags)
     for (std::int64_t tag : heard[r])
       entry_[r].push_back(
           static_cast<std::size_t>(std::lower_bound(all.begin(), all.end(), tag) - all.begin()));
-  const auto here = static_cast<std::int64_t>(entries_);
-  MPI_Exscan(&here, &lower_, 1, MPI_INT64_T, MPI_SUM, comm);
-  if (parallel::rank_of(comm) == 0) lower_ = 0;  // MPI leaves it undefined there
+  lower_ = parallel::sum_before(comm, static_cast<std::int64_t>(entries_));
 }
 
 std::vector<std::int64_t> Directory::order() const {

@@ -2,7 +2,6 @@
 #include "src/mesh/faces.hpp"
 
 #include <fmt/format.h>
-#include <gmsh.h>
 
 #include <algorithm>
 #include <cmath>
@@ -66,7 +65,7 @@ void add_face(Faces& outside, Corners outward) {
 }
 
 Block triangles_of(const Faces& outside) {
-  Block surface{gmsh::model::mesh::getElementType("triangle", 1), 3, {}, {}, {}};
+  Block surface{type_of(Family::triangle, 1), 3, {}, {}, {}};
   for (const auto& [key, outward] : outside)
     for (std::size_t c = 2; c < outward.size(); ++c) {
       surface.node.insert(surface.node.end(), {outward[0], outward[c - 1], outward[c]});

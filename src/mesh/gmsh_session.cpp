@@ -3,8 +3,6 @@
 
 #include <gmsh.h>
 
-#include <string>
-
 namespace ricochet::mesh {
 
 GmshSession::GmshSession() {

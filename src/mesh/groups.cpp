@@ -5,7 +5,6 @@
 #include <fmt/ranges.h>
 #include <gmsh.h>
 
-#include <algorithm>
 #include <array>
 #include <map>
 #include <set>
@@ -39,9 +38,7 @@ std::map<std::string, std::vector<int>> groups_of(int dim) {
     gmsh::model::getPhysicalName(d, tag, name);
     std::vector<int> entities;
     gmsh::model::getEntitiesForPhysicalGroup(dim, tag, entities);
-    entities.erase(std::remove_if(entities.begin(), entities.end(),
-                                  [&](int entity) { return is_interface(dim, entity); }),
-                   entities.end());
+    std::erase_if(entities, [&](int entity) { return is_interface(dim, entity); });
     if (!entities.empty()) groups[name.empty() ? std::to_string(tag) : name] = std::move(entities);
   }
   return groups;

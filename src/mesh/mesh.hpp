@@ -4,7 +4,7 @@
 
 #include <mpi.h>
 
-#include <array>
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -14,6 +14,13 @@
 #include "src/scene/scene.hpp"
 
 namespace ricochet::mesh {
+
+/// Sorts numbers in ascending order and keeps each once.
+template <class Number>
+void sort_once(std::vector<Number>& numbers) {
+  std::ranges::sort(numbers);
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+}
 
 /// Elements of one gmsh type.
 struct Block {
@@ -47,8 +54,8 @@ struct GlobalMesh {
   int order = 1;
   std::vector<double> position;  ///< (n,3) [m], scaled
   std::vector<Block> blocks;
-  std::vector<unsigned>
-      fixed;  ///< (n) bit c: component c is held by a support; bit 3 + s: lies in RequestedGroups::moved[s]
+  /// (n) bit c: component c is held by a support; bit 3 + s: lies in RequestedGroups::moved[s]
+  std::vector<std::int64_t> fixed;
   Vector3 axis{1, 0, 0};  ///< rods: unit vector along the body
   FacetMesh contact, loaded,
       visualisation;  ///< `node`: indices into `position`; label: index in RequestedGroups::loaded
@@ -74,6 +81,16 @@ struct Mesh {
   FacetMesh visualisation;                     ///< global node numbers, on rank 0 only
 
   int components() const { return dim == 3 ? 3 : 1; }
+  /// Number of a global node among those that this rank owns; negative if another rank owns it.
+  std::int64_t owned(std::int64_t global) const {
+    return global < first_node + owned_nodes ? global - first_node : -1;
+  }
+  /// Calls visit(local number, number among the owned nodes) for each node that this rank owns.
+  template <class Visit>
+  void for_each_owned(Visit&& visit) const {
+    for (std::size_t i = 0; i < node.size(); ++i)
+      if (const std::int64_t row = owned(node[i]); row >= 0) visit(i, row);
+  }
   /// Whether a support that moves holds this node. Supports fix displacement components of the mesh: a rod
   /// has one, along its axis.
   bool is_moved(std::size_t local_node, std::size_t support) const {

@@ -203,8 +203,7 @@ class Check {
   void nodes() {
     in_.set_binary(binary_);
     const std::int64_t blocks = count("the number of blocks"), all = count("the number of nodes");
-    const std::int64_t low = in_.integer<std::uint64_t>("the lowest tag", 0, largest_tag),
-                       high = in_.integer<std::uint64_t>("the highest tag", 0, largest_tag);
+    const std::int64_t low = count("the lowest tag"), high = count("the highest tag");
     for (std::int64_t b = 0; b < blocks; ++b) {
       const int dim = number("a dimension", 0, 3);
       entity("an entity's tag");
@@ -366,10 +365,6 @@ class Check {
   std::set<Key> entities_;
   std::vector<std::int64_t> nodes_;  ///< tags, ascending
 };
-
-}  // namespace
-
-namespace {
 
 /// Checks the end of the file, which most truncated files lack.
 void refuse_cut_off(const std::filesystem::path& msh) {

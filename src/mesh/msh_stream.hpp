@@ -29,7 +29,6 @@ class MshStream {
 
   /// Sets whether numbers are binary from here on.
   void set_binary(bool binary) { binary_ = binary; }
-  bool binary() const { return binary_; }
 
   /// A whole number from `low` to `high`: a word, or binary of the width of T.
   template <class T>

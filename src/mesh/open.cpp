@@ -143,10 +143,6 @@ void refuse_points_for_lines(const std::string& file) {
   }
 }
 
-}  // namespace
-
-namespace {
-
 /// Adds the names in a list that starts at `i`; returns its end.
 std::size_t add_listed(const std::string& code, std::size_t i, std::set<std::string>& names) {
   // A name follows the start and each comma outside inner brackets.

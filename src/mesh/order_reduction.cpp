@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "src/mesh/order_reduction.hpp"
 
-#include <gmsh.h>
-
 #include <algorithm>
 #include <map>
-#include <numeric>
 
 #include "src/mesh/directory.hpp"
 
@@ -14,23 +11,6 @@ namespace ricochet::mesh {
 namespace {
 
 using Table = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-const char* name_of(Family family) {
-  switch (family) {
-    case Family::line:
-      return "line";
-    case Family::hexahedron:
-      return "hexahedron";
-    case Family::prism:
-      return "prism";
-    default:
-      return "tetrahedron";
-  }
-}
-
-ReferenceElement of_order(Family family, int order) {
-  return reference_element(gmsh::model::mesh::getElementType(name_of(family), order));
-}
 
 /// Shape functions of `element` at the nodes of `at`. (nodes of at, nodes of element)
 Table functions_at(const ReferenceElement& element, const ReferenceElement& at) {
@@ -50,8 +30,8 @@ struct Pair {
   };
 
   explicit Pair(int gmsh_type) : high(reference_element(gmsh_type)) {
-    low = of_order(high.family, high.order - 1);
-    const ReferenceElement linear = of_order(high.family, 1);
+    low = reference_element(type_of(high.family, high.order - 1));
+    const ReferenceElement linear = reference_element(type_of(high.family, 1));
     corner_at_low = functions_at(linear, low);
     high_at_low = functions_at(high, low);
     low_at_high = functions_at(low, high);
@@ -99,7 +79,7 @@ void match(const Pair& pair, const Mesh& mesh, const std::int64_t* nodes, std::v
 
 }  // namespace
 
-OrderReduction::OrderReduction(const Mesh& mesh) : start_(static_cast<std::size_t>(mesh.owned_nodes) + 1, 0) {
+OrderReduction::OrderReduction(const Mesh& mesh) : weights_(static_cast<std::size_t>(mesh.owned_nodes)) {
   mesh_.comm = mesh.comm;
   mesh_.dim = mesh.dim;
   mesh_.order = mesh.order - 1;
@@ -111,12 +91,6 @@ OrderReduction::OrderReduction(const Mesh& mesh) : start_(static_cast<std::size_
   // Nodes of the lower order, identified by local nodes of the higher one, and their positions.
   std::vector<std::int64_t> taken;
   std::vector<double> position(mesh.position.size());
-  const auto owned_row = [&](std::int64_t node) {
-    const std::int64_t row = mesh.node[static_cast<std::size_t>(node)] - mesh.first_node;
-    return row >= 0 && row < mesh.owned_nodes ? row : -1;
-  };
-  std::vector<std::vector<std::pair<std::int64_t, double>>> weights(
-      static_cast<std::size_t>(mesh.owned_nodes));
   for (const Block& block : mesh.blocks) {
     const Pair pair(block.gmsh_type);
     const auto width = static_cast<std::size_t>(block.nodes_per_element);
@@ -134,19 +108,18 @@ OrderReduction::OrderReduction(const Mesh& mesh) : start_(static_cast<std::size_
           position[3 * static_cast<std::size_t>(here[static_cast<std::size_t>(a)]) + k] = x;
         }
       for (int b = 0; b < pair.high.nodes; ++b) {
-        const std::int64_t row = owned_row(nodes[b]);
-        if (row < 0 || !weights[static_cast<std::size_t>(row)].empty()) continue;
+        const std::int64_t row = mesh.owned(mesh.node[static_cast<std::size_t>(nodes[b])]);
+        if (row < 0 || !weights_[static_cast<std::size_t>(row)].empty()) continue;
         for (int a = 0; a < pair.low.nodes; ++a)
           if (std::abs(pair.low_at_high(b, a)) > 1e-12)
-            weights[static_cast<std::size_t>(row)].emplace_back(here[static_cast<std::size_t>(a)],
-                                                                pair.low_at_high(b, a));
+            weights_[static_cast<std::size_t>(row)].emplace_back(here[static_cast<std::size_t>(a)],
+                                                                 pair.low_at_high(b, a));
       }
     }
     taken.insert(taken.end(), low.node.begin(), low.node.end());
     mesh_.blocks.push_back(std::move(low));
   }
-  std::sort(taken.begin(), taken.end());
-  taken.erase(std::unique(taken.begin(), taken.end()), taken.end());
+  sort_once(taken);
   number(mesh, taken);
 
   // Renumber from local nodes of the higher order to those of the lower one.
@@ -158,18 +131,13 @@ OrderReduction::OrderReduction(const Mesh& mesh) : start_(static_cast<std::size_
   for (const std::int64_t node : taken)
     mesh_.position.insert(mesh_.position.end(), &position[3 * static_cast<std::size_t>(node)],
                           &position[3 * static_cast<std::size_t>(node)] + 3);
-  for (std::size_t row = 0; row < weights.size(); ++row) {
-    for (const auto& [node, weight] : weights[row]) {
-      node_.push_back(local(node));
-      weight_.push_back(weight);
-    }
-    start_[row + 1] = node_.size();
-  }
+  for (auto& list : weights_)
+    for (auto& [node, weight] : list) node = local(node);
   const int c = mesh.components();
-  for (std::size_t i = 0; i < mesh.node.size(); ++i)
-    if (const std::int64_t row = owned_row(static_cast<std::int64_t>(i)); row >= 0)
-      for (int k = 0; k < c; ++k)
-        if (mesh.is_fixed(i, k)) held_.push_back(row * c + k);
+  mesh.for_each_owned([&](std::size_t i, std::int64_t row) {
+    for (int k = 0; k < c; ++k)
+      if (mesh.is_fixed(i, k)) held_.push_back(row * c + k);
+  });
   prepare_exchange();
 }
 
@@ -181,11 +149,9 @@ void OrderReduction::number(const Mesh& mesh, const std::vector<std::int64_t>& t
     tags.push_back(mesh.canonical[i]);
     mesh_.fixed.push_back(mesh.fixed[i]);
     mesh_.part.push_back(mesh.part[i]);
-    const bool own = mesh.node[i] >= mesh.first_node && mesh.node[i] < mesh.first_node + mesh.owned_nodes;
-    numbers.push_back(own ? mesh_.owned_nodes++ : -1);
+    numbers.push_back(mesh.owned(mesh.node[i]) >= 0 ? mesh_.owned_nodes++ : -1);
   }
-  MPI_Exscan(&mesh_.owned_nodes, &mesh_.first_node, 1, MPI_INT64_T, MPI_SUM, mesh.comm);
-  if (parallel::rank_of(mesh.comm) == 0) mesh_.first_node = 0;  // MPI leaves it undefined there
+  mesh_.first_node = parallel::sum_before(mesh.comm, mesh_.owned_nodes);
   for (std::int64_t& number : numbers)
     if (number >= 0) number += mesh_.first_node;
   mesh_.total_nodes = parallel::sum(mesh.comm, mesh_.owned_nodes);
@@ -202,7 +168,7 @@ void OrderReduction::prepare_exchange() {
   std::vector<std::vector<std::int64_t>> number(ranks);
   for (std::size_t i = 0; i < mesh_.node.size(); ++i) {
     const std::int64_t node = mesh_.node[i];
-    if (node >= mesh_.first_node && node < mesh_.first_node + mesh_.owned_nodes) continue;
+    if (mesh_.owned(node) >= 0) continue;
     const auto owner =
         static_cast<std::size_t>(std::upper_bound(first.begin(), first.end(), node) - first.begin()) - 1;
     ghost_[owner].push_back(static_cast<std::int64_t>(i));
@@ -223,22 +189,20 @@ Eigen::MatrixXd OrderReduction::prolong(const Eigen::Ref<const Eigen::MatrixXd>&
         for (Eigen::Index k = 0; k < c; ++k) answers[r].push_back(columns(row * c + k, j));
   const std::vector<std::vector<double>> received = parallel::exchange(mesh_.comm, answers);
   Eigen::MatrixXd all(static_cast<Eigen::Index>(mesh_.node.size()) * c, n);
-  for (std::size_t i = 0; i < mesh_.node.size(); ++i) {
-    const std::int64_t row = mesh_.node[i] - mesh_.first_node;
-    if (row >= 0 && row < mesh_.owned_nodes)
-      all.middleRows(static_cast<Eigen::Index>(i) * c, c) = columns.middleRows(row * c, c);
-  }
+  mesh_.for_each_owned([&](std::size_t i, std::int64_t row) {
+    all.middleRows(static_cast<Eigen::Index>(i) * c, c) = columns.middleRows(row * c, c);
+  });
   for (std::size_t r = 0; r < ghost_.size(); ++r)
     for (std::size_t g = 0; g < ghost_[r].size(); ++g)
       all.middleRows(ghost_[r][g] * c, c) =
           Eigen::Map<const Eigen::MatrixXd>(&received[r][g * static_cast<std::size_t>(n * c)], c, n);
 
-  Eigen::MatrixXd raised = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(start_.size() - 1) * c, n);
+  Eigen::MatrixXd raised = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(weights_.size()) * c, n);
   for (Eigen::Index j = 0; j < n; ++j)
-    for (std::size_t row = 0; row + 1 < start_.size(); ++row)
-      for (std::size_t at = start_[row]; at < start_[row + 1]; ++at)
+    for (std::size_t row = 0; row < weights_.size(); ++row)
+      for (const auto& [node, weight] : weights_[row])
         for (Eigen::Index k = 0; k < c; ++k)
-          raised(static_cast<Eigen::Index>(row) * c + k, j) += weight_[at] * all(node_[at] * c + k, j);
+          raised(static_cast<Eigen::Index>(row) * c + k, j) += weight * all(node * c + k, j);
   for (const std::int64_t row : held_) raised.row(row).setZero();
   return raised;
 }

@@ -31,9 +31,7 @@ class OrderReduction {
 
   Mesh mesh_;
   /// For each node of the higher order that this rank owns: local nodes of the lower order and their weights.
-  std::vector<std::size_t> start_;
-  std::vector<std::int64_t> node_;
-  std::vector<double> weight_;
+  std::vector<std::vector<std::pair<std::int64_t, double>>> weights_;
   std::vector<std::int64_t> held_;  ///< rows of the higher order
   /// Nodes of the lower order that other ranks own: by owner, their local numbers here; by requesting rank,
   /// their local numbers on this owner.

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "src/mesh/parts.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <numeric>
 #include <utility>
@@ -11,6 +9,7 @@
 #include "src/mesh/connected.hpp"
 #include "src/mesh/directory.hpp"
 #include "src/mesh/partition.hpp"
+#include "src/mesh/send.hpp"
 #include "src/mesh/share.hpp"
 
 namespace ricochet::mesh {
@@ -19,17 +18,11 @@ namespace {
 
 using parallel::broadcast;
 using parallel::gather;
-using Numbers = std::vector<std::int64_t>;
-
-Numbers sorted_once(Numbers values) {
-  std::sort(values.begin(), values.end());
-  values.erase(std::unique(values.begin(), values.end()), values.end());
-  return values;
-}
 
 /// The distinct values of all ranks, ascending, on every rank. Collective.
 Numbers united(MPI_Comm comm, const Numbers& mine) {
-  Numbers all = sorted_once(gather(comm, mine));
+  Numbers all = gather(comm, mine);
+  sort_once(all);
   broadcast(comm, all);
   return all;
 }
@@ -40,20 +33,13 @@ std::vector<Block> same_types(MPI_Comm comm, const std::vector<Block>& blocks) {
   for (const Block& block : blocks) types.push_back(block.gmsh_type);
   std::vector<Block> all;
   for (std::int64_t type : united(comm, types)) {
-    const auto mine = std::find_if(blocks.begin(), blocks.end(),
-                                   [&](const Block& block) { return block.gmsh_type == type; });
     const int gmsh_type = static_cast<int>(type);
+    const auto mine = std::ranges::find(blocks, gmsh_type, &Block::gmsh_type);
     all.push_back(mine != blocks.end() ? *mine
                                        : Block{gmsh_type, reference_element(gmsh_type).nodes, {}, {}, {}});
   }
   return all;
 }
-
-/// Data of this rank's nodes combined over all ranks, by index in its share.
-struct Nodes {
-  Numbers owner, number, canonical, fixed, part;
-  std::int64_t first = 0, owned = 0, total = 0, parts = 0;
-};
 
 /// Connected parts of the body: the nodes of each rank take the lowest tag that elements connect them to,
 /// until no rank receives a lower one from another.
@@ -94,8 +80,7 @@ Nodes number_nodes(MPI_Comm comm, const Part& share) {
   nodes.fixed = directory.combined(share.fixed, [](auto a, auto b) { return a | b; });
   nodes.owned = std::count(nodes.owner.begin(), nodes.owner.end(), me);
   nodes.total = parallel::sum(comm, nodes.owned);
-  MPI_Exscan(&nodes.owned, &nodes.first, 1, MPI_INT64_T, MPI_SUM, comm);
-  if (me == 0) nodes.first = 0;  // MPI leaves it undefined there
+  nodes.first = parallel::sum_before(comm, nodes.owned);
   std::int64_t next = nodes.first;
   Numbers number(share.tag.size(), -1);
   for (std::size_t n = 0; n < number.size(); ++n)
@@ -104,82 +89,6 @@ Nodes number_nodes(MPI_Comm comm, const Part& share) {
   nodes.canonical = directory.order();
   find_connected_parts(comm, share, directory, nodes);
   return nodes;
-}
-
-/// Sends elements, with global node numbers, to every rank that owns one of their nodes, and to this one.
-/// Records in `used` the nodes (indices) that each rank receives.
-void send_elements(MPI_Comm comm, const Part& share, const Nodes& nodes, std::vector<Numbers>& used,
-                   Mesh& mesh) {
-  const auto me = static_cast<std::size_t>(parallel::rank_of(comm));
-  for (const Block& block : same_types(comm, share.blocks)) {
-    const auto width = static_cast<std::size_t>(block.nodes_per_element);
-    std::vector<Numbers> node(used.size()), tag(used.size()), label(used.size());
-    for (std::size_t e = 0; e < block.size(); ++e) {
-      Numbers takers{static_cast<std::int64_t>(me)};
-      for (std::size_t k = 0; k < width; ++k)
-        takers.push_back(nodes.owner[static_cast<std::size_t>(block.node[e * width + k])]);
-      for (std::int64_t taker : sorted_once(std::move(takers))) {
-        const auto r = static_cast<std::size_t>(taker);
-        for (std::size_t k = 0; k < width; ++k) {
-          const std::int64_t n = block.node[e * width + k];
-          used[r].push_back(n);
-          node[r].push_back(nodes.number[static_cast<std::size_t>(n)]);
-        }
-        tag[r].push_back(block.tag[e]);
-        label[r].push_back(block.label[e]);
-      }
-    }
-    node = parallel::exchange(comm, node);
-    tag = parallel::exchange(comm, tag);
-    label = parallel::exchange(comm, label);
-    Block held{block.gmsh_type, block.nodes_per_element, {}, {}, {}};
-    Numbers own;
-    for (std::size_t r = 0; r < used.size(); ++r) {
-      held.node.insert(held.node.end(), node[r].begin(), node[r].end());
-      held.tag.insert(held.tag.end(), tag[r].begin(), tag[r].end());
-      held.label.insert(held.label.end(), label[r].begin(), label[r].end());
-      own.insert(own.end(), tag[r].size(), r == me ? 1 : 0);
-    }
-    mesh.blocks.push_back(std::move(held));
-    mesh.own.push_back(std::move(own));
-    mesh.total_elements += parallel::sum(comm, static_cast<std::int64_t>(block.size()));
-  }
-}
-
-/// Sends each rank the nodes that it uses, and converts the nodes of elements to local numbers.
-void send_nodes(MPI_Comm comm, const Part& share, const Nodes& nodes, std::vector<Numbers>&& used,
-                Mesh& mesh) {
-  std::vector<Numbers> numbers(used.size());
-  std::vector<std::vector<double>> position(used.size());
-  for (std::size_t r = 0; r < used.size(); ++r)
-    for (std::int64_t node : sorted_once(std::move(used[r]))) {
-      const auto n = static_cast<std::size_t>(node);
-      numbers[r].insert(numbers[r].end(),
-                        {nodes.number[n], nodes.canonical[n], nodes.fixed[n], nodes.part[n]});
-      position[r].insert(position[r].end(), &share.position[3 * n], &share.position[3 * n] + 3);
-    }
-  numbers = parallel::exchange(comm, numbers);
-  position = parallel::exchange(comm, position);
-  struct Received {
-    const std::int64_t* numbers;
-    const double* position;
-  };
-  std::vector<Received> all;
-  for (std::size_t r = 0; r < numbers.size(); ++r)
-    for (std::size_t k = 0; k < numbers[r].size() / 4; ++k)
-      all.push_back({&numbers[r][4 * k], &position[r][3 * k]});
-  std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return *a.numbers < *b.numbers; });
-  for (const Received& one : all) {
-    if (!mesh.node.empty() && mesh.node.back() == one.numbers[0]) continue;
-    mesh.node.push_back(one.numbers[0]);
-    mesh.canonical.push_back(one.numbers[1]);
-    mesh.fixed.push_back(one.numbers[2]);
-    mesh.part.push_back(one.numbers[3]);
-    mesh.position.insert(mesh.position.end(), one.position, one.position + 3);
-  }
-  for (Block& block : mesh.blocks)
-    for (std::int64_t& node : block.node)
-      node = std::lower_bound(mesh.node.begin(), mesh.node.end(), node) - mesh.node.begin();
 }
 
 /// Collects the faces of all ranks on rank 0, without those between two parts. Collective.
@@ -248,7 +157,7 @@ FacetMesh numbered(std::vector<Block> blocks, const scene::Body& body, const Par
     std::copy_n(&share.position[3 * n], 3, value + 1);
     value[4] = 1;
   }
-  parallel::sum(comm, values.data(), values.size());
+  parallel::sum(comm, values);
   FacetMesh facets;
   for (std::size_t i = 0; i < tags.size(); ++i) {
     const double* value = &values[width * i];
@@ -291,13 +200,10 @@ Mesh read_parts(const scene::Body& body, MPI_Comm team, const parallel::Progress
   Mesh mesh;
   mesh.comm = team;
   mesh.order = static_cast<int>(parallel::largest(team, share.order));
-  mesh.total_nodes = nodes.total;
-  mesh.first_node = nodes.first;
-  mesh.owned_nodes = nodes.owned;
-  mesh.parts = nodes.parts;
-  std::vector<Numbers> used(static_cast<std::size_t>(parallel::size_of(team)));
-  send_elements(team, share, nodes, used, mesh);
-  send_nodes(team, share, nodes, std::move(used), mesh);
+  std::size_t elements = 0;
+  for (const Block& block : share.blocks) elements += block.size();
+  send(same_types(team, share.blocks), Numbers(elements, parallel::rank_of(team)), share.position, nodes,
+       mesh);
   collect_surfaces(team, body, share, nodes, mesh);
   return mesh;
 }

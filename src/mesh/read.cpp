@@ -140,13 +140,9 @@ class Reader {
     std::vector<Tags> tags, nodes;
     gmsh::model::mesh::getElements(types, tags, nodes, dim, entity);
     for (std::size_t t = 0; t < types.size(); ++t) {
-      auto block =
-          std::find_if(blocks.begin(), blocks.end(), [&](const Block& b) { return b.gmsh_type == types[t]; });
-      if (block == blocks.end()) {
-        const ReferenceElement reference = checked_reference(types[t]);
-        blocks.push_back({types[t], reference.nodes, {}, {}, {}});
-        block = blocks.end() - 1;
-      }
+      auto block = std::ranges::find(blocks, types[t], &Block::gmsh_type);
+      if (block == blocks.end())
+        block = blocks.insert(block, {types[t], checked_reference(types[t]).nodes, {}, {}, {}});
       for (std::size_t tag : tags[t]) block->tag.push_back(static_cast<std::int64_t>(tag));
       for (std::size_t node : nodes[t]) block->node.push_back(index_.at(node));
       block->label.insert(block->label.end(), tags[t].size(), label);
@@ -244,26 +240,21 @@ class Reader {
     turn(mesh_.loaded, traction_key);
   }
 
-  /// The bit of the nodes in a support that moves, otherwise 0.
-  unsigned moved_bit(const std::string& support) const {
-    const auto found = std::find(asked_.moved.begin(), asked_.moved.end(), support);
-    if (found == asked_.moved.end()) return 0;
-    const auto bit = 3 + static_cast<unsigned>(found - asked_.moved.begin());
-    if (bit >= 32)
-      throw InputError(fmt::format("{}: more than 29 supports of bodies.{} move: join some in one group",
-                                   file_, body_.name));
-    return 1U << bit;
-  }
-
-  void mark_supports() {
+  /// Whether elements use each node.
+  std::vector<char> used_nodes() const {
     std::vector<char> used(mesh_.fixed.size(), 0);
     for (const Block& block : mesh_.blocks)
       for (std::int64_t node : block.node) used[static_cast<std::size_t>(node)] = 1;
+    return used;
+  }
+
+  void mark_supports() {
+    const std::vector<char> used = used_nodes();
     for (const auto& [name, components] : body_.support) {
       int dim = mesh_.dim;
       while (dim >= 0 && find_entities(dim, name).empty()) --dim;
       if (dim < 0) dim = mesh_.dim - 1;  // for the error message
-      unsigned bits = moved_bit(name);
+      unsigned bits = moved_bit(body_, asked_, name);
       if (mesh_.dim == 3) {
         for (char component : components) bits |= 1u << (component - 'x');
       } else {
@@ -292,12 +283,11 @@ class Reader {
 
   /// Removes nodes that no element uses; a .msh may contain such nodes (centres of arcs, other dimensions).
   void drop_unused_nodes() {
-    std::vector<std::int64_t> rank(mesh_.fixed.size(), -1);
-    for (const Block& block : mesh_.blocks)
-      for (std::int64_t node : block.node) rank[static_cast<std::size_t>(node)] = 0;
+    const std::vector<char> used = used_nodes();
+    std::vector<std::int64_t> rank(used.size(), -1);
     std::int64_t next = 0;
     for (std::size_t n = 0; n < rank.size(); ++n) {
-      if (rank[n] < 0) continue;
+      if (used[n] == 0) continue;
       for (int c = 0; c < 3; ++c) mesh_.position[3 * next + c] = mesh_.position[3 * n + c];
       mesh_.fixed[next] = mesh_.fixed[n];
       for (FacetMesh* facets : {&mesh_.contact, &mesh_.loaded})
@@ -327,9 +317,7 @@ class Reader {
     Part part;
     part.order = mesh_.order;
     part.groups = std::move(groups_);
-    std::vector<char> used(tag_.size(), 0);
-    for (const Block& block : mesh_.blocks)
-      for (std::int64_t node : block.node) used[static_cast<std::size_t>(node)] = 1;
+    const std::vector<char> used = used_nodes();
     for (std::size_t n = 0; n < tag_.size(); ++n) {
       if (used[n] == 0) continue;
       part.tag.push_back(tag_[n]);

@@ -5,6 +5,7 @@
 #include <gmsh.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -16,41 +17,19 @@ namespace ricochet::mesh {
 
 namespace {
 
-int lagrange_nodes(Family family, int p) {
-  switch (family) {
-    case Family::point:
-      return 1;
-    case Family::line:
-      return p + 1;
-    case Family::triangle:
-      return (p + 1) * (p + 2) / 2;
-    case Family::quadrangle:
-      return (p + 1) * (p + 1);
-    case Family::tetrahedron:
-      return (p + 1) * (p + 2) * (p + 3) / 6;
-    case Family::hexahedron:
-      return (p + 1) * (p + 1) * (p + 1);
-    case Family::prism:
-      return (p + 1) * (p + 1) * (p + 2) / 2;
-  }
-  return 0;
-}
-
-Family family_of(int dim, int corners, const std::string& name) {
-  if (dim == 0) return Family::point;
-  if (dim == 1) return Family::line;
-  if (dim == 2 && corners == 3) return Family::triangle;
-  if (dim == 2 && corners == 4) return Family::quadrangle;
-  if (dim == 3 && corners == 4) return Family::tetrahedron;
-  if (dim == 3 && corners == 8) return Family::hexahedron;
-  if (dim == 3 && corners == 6) return Family::prism;
-  throw InputError(fmt::format(
-      "elements of type \"{}\" are not supported: mesh with tetrahedra, hexahedra, prisms or lines", name));
-}
-
-}  // namespace
-
-namespace {
+/// The families by gmsh's names.
+struct Kind {
+  Family family;
+  const char* name;
+  int dim, corners;
+};
+constexpr Kind kinds[] = {{Family::point, "point", 0, 1},
+                          {Family::line, "line", 1, 2},
+                          {Family::triangle, "triangle", 2, 3},
+                          {Family::quadrangle, "quadrangle", 2, 4},
+                          {Family::tetrahedron, "tetrahedron", 3, 4},
+                          {Family::hexahedron, "hexahedron", 3, 8},
+                          {Family::prism, "prism", 3, 6}};
 
 /// Beyond order 2, gmsh 4.8 meshes with prisms but has no shape functions and no node table for them.
 bool is_product(const ReferenceElement& element) {
@@ -60,7 +39,7 @@ bool is_product(const ReferenceElement& element) {
 /// Order of a prism that gmsh has no node table for; 0: another element.
 int product_order(int gmsh_type) {
   for (int order = 3; order <= 9; ++order)
-    if (gmsh::model::mesh::getElementType("prism", order) == gmsh_type) return order;
+    if (type_of(Family::prism, order) == gmsh_type) return order;
   return 0;
 }
 
@@ -72,19 +51,11 @@ ReferenceElement product_prism(int gmsh_type, int order) {
   const int volume = gmsh::model::addDiscreteEntity(3);
   gmsh::model::mesh::addNodes(3, volume, {1, 2, 3, 4, 5, 6},
                               {0, 0, -1, 1, 0, -1, 0, 1, -1, 0, 0, 1, 1, 0, 1, 0, 1, 1});
-  gmsh::model::mesh::addElementsByType(volume, gmsh::model::mesh::getElementType("prism", 1), {1},
-                                       {1, 2, 3, 4, 5, 6});
+  gmsh::model::mesh::addElementsByType(volume, type_of(Family::prism, 1), {1}, {1, 2, 3, 4, 5, 6});
   gmsh::model::mesh::setOrder(order);
   std::vector<std::size_t> tags, nodes;
   gmsh::model::mesh::getElementsByType(gmsh_type, tags, nodes);
-  ReferenceElement element{gmsh_type,
-                           Family::prism,
-                           fmt::format("Prism {}", nodes.size()),
-                           3,
-                           order,
-                           static_cast<int>(nodes.size()),
-                           6,
-                           {}};
+  ReferenceElement element{gmsh_type, Family::prism, 3, order, static_cast<int>(nodes.size()), 6, {}};
   for (std::size_t node : nodes) {
     std::vector<double> at, parametric;
     gmsh::model::mesh::getNode(node, at, parametric);
@@ -97,26 +68,35 @@ ReferenceElement product_prism(int gmsh_type, int order) {
 
 }  // namespace
 
+int type_of(Family family, int order) {
+  return gmsh::model::mesh::getElementType(std::ranges::find(kinds, family, &Kind::family)->name, order);
+}
+
 ReferenceElement reference_element(int gmsh_type) {
   if (const int order = product_order(gmsh_type); order > 0) return product_prism(gmsh_type, order);
   ReferenceElement element;
   element.gmsh_type = gmsh_type;
-  std::vector<double> local;
+  std::string name;
   try {
-    gmsh::model::mesh::getElementProperties(gmsh_type, element.name, element.dim, element.order,
-                                            element.nodes, local, element.corners);
+    gmsh::model::mesh::getElementProperties(gmsh_type, name, element.dim, element.order, element.nodes,
+                                            element.node, element.corners);
   } catch (const std::string& message) {
     throw InputError(fmt::format(
         "gmsh cannot compute with these elements ({}): lower the order, or mesh with tetrahedra or hexahedra",
         message));
   }
-  element.family = family_of(element.dim, element.corners, element.name);
-  if (element.nodes != lagrange_nodes(element.family, element.order))
+  const auto kind = std::ranges::find_if(kinds, [&](const Kind& candidate) {
+    return candidate.dim == element.dim && candidate.corners == element.corners;
+  });
+  if (kind == std::end(kinds))
+    throw InputError(fmt::format(
+        "elements of type \"{}\" are not supported: mesh with tetrahedra, hexahedra, prisms or lines", name));
+  element.family = kind->family;
+  if (gmsh_type != type_of(element.family, element.order))
     throw InputError(fmt::format(
         "elements of type \"{}\" lack the inner nodes of order {}: set Mesh.SecondOrderIncomplete = 0 "
         "in gmsh and mesh again",
-        element.name, element.order));
-  element.node = local;
+        name, element.order));
   return element;
 }
 
@@ -151,8 +131,8 @@ Basis gmsh_functions(int type, const std::vector<double>& local) {
 
 /// Shape functions of a prism as products of those on its triangle (u, v) and along its axis (w).
 Basis product_functions(const ReferenceElement& element, const std::vector<double>& local) {
-  const auto triangle = reference_element(gmsh::model::mesh::getElementType("triangle", element.order)),
-             line = reference_element(gmsh::model::mesh::getElementType("line", element.order));
+  const ReferenceElement triangle = reference_element(type_of(Family::triangle, element.order)),
+                         line = reference_element(type_of(Family::line, element.order));
   std::vector<double> across = local, along = local;
   for (std::size_t q = 0; q < local.size(); q += 3) {
     across[q + 2] = 0;

@@ -2,7 +2,6 @@
 // Reference elements, from gmsh's own shape functions and quadrature.
 #pragma once
 
-#include <string>
 #include <vector>
 
 namespace ricochet::mesh {
@@ -13,7 +12,6 @@ enum class Family { point, line, triangle, quadrangle, tetrahedron, hexahedron, 
 struct ReferenceElement {
   int gmsh_type = 0;
   Family family = Family::point;
-  std::string name;  ///< gmsh's name
   int dim = 0, order = 0, nodes = 0, corners = 0;
   std::vector<double> node;  ///< (nodes,dim) local coordinates
 };
@@ -22,6 +20,9 @@ struct ReferenceElement {
 /// with all its Lagrange nodes (pyramids and serendipity elements are refused) for which gmsh has shape
 /// functions.
 ReferenceElement reference_element(int gmsh_type);
+
+/// The type of gmsh with all Lagrange nodes of an order.
+int type_of(Family family, int order);
 
 /// Corners of each face of a volume element, in the order that points outward; empty for other families.
 std::vector<std::vector<int>> outward_faces(Family family);

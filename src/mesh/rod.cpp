@@ -2,7 +2,6 @@
 #include "src/mesh/rod.hpp"
 
 #include <fmt/format.h>
-#include <gmsh.h>
 
 #include <cmath>
 #include <map>
@@ -78,7 +77,7 @@ void orient_ends(const GlobalMesh& mesh, FacetMesh& facets, const scene::Body& b
 }
 
 Block lines_of(const std::vector<Block>& blocks) {
-  Block surface{gmsh::model::mesh::getElementType("line", 1), 2, {}, {}, {}};
+  Block surface{type_of(Family::line, 1), 2, {}, {}, {}};
   for (const Block& block : blocks)
     for (std::size_t e = 0; e < block.size(); ++e) {
       const auto ends = ends_of(block, e);

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <numeric>
 
 #include "src/mesh/complaints.hpp"
@@ -49,8 +48,7 @@ void append(std::vector<T>& all, const std::vector<T>& more) {
 
 void append(std::vector<Block>& blocks, const std::vector<Block>& more) {
   for (const Block& block : more) {
-    const auto same = std::find_if(blocks.begin(), blocks.end(),
-                                   [&](const Block& b) { return b.gmsh_type == block.gmsh_type; });
+    const auto same = std::ranges::find(blocks, block.gmsh_type, &Block::gmsh_type);
     if (same == blocks.end()) {
       blocks.push_back(block);
       continue;
@@ -154,7 +152,7 @@ void check_groups(const scene::Body& body, const std::vector<NamedGroup>& asked,
     for (bool found : use.found) parts.push_back(found ? 1 : 0);
     parts.push_back(use.holds ? 1 : 0);
   }
-  parallel::sum(comm, parts.data(), parts.size());
+  parallel::sum(comm, parts);
   for (std::size_t g = 0; g < asked.size(); ++g) {
     const auto found = parts.begin() + static_cast<std::ptrdiff_t>(g * (dims + 1));
     const auto kinds = std::count_if(found, found + dims, [](double ranks) { return ranks > 0; });

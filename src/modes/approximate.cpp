@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 
 #include "src/mesh/order_reduction.hpp"
@@ -41,15 +40,8 @@ constexpr Index panel = 64;
 double surplus(int order) { return order == 1 ? 1.45 : 1.2; }
 double reach(int order) { return order == 1 ? 1.4 : 1.2; }
 
-/// Index of the first column of each team if `k` columns are distributed evenly; the last entry is k. (teams
-/// + 1)
-std::vector<Index> even_shares(const parallel::Teams& teams, Index k) {
-  std::vector<Index> first;
-  for (int t = 0; t <= teams.count(); ++t) first.push_back(k * t / teams.count());
-  return first;
-}
-
-/// The same for the present distribution of columns. Collective.
+/// Index of the first column of each team; the last entry is the number of all columns. (teams + 1)
+/// Collective.
 std::vector<Index> shares_of(const parallel::Teams& teams, const MatrixXd& mine) {
   std::vector<Index> first(static_cast<std::size_t>(teams.count()) + 1, 0);
   const std::int64_t own = mine.cols();
@@ -77,7 +69,7 @@ class Iteration {
     // K Y = M X + σ M Y.
     force_ += factor_.sigma() * momentum_;
     VectorXd square = y_.cwiseProduct(momentum_).colwise().sum();
-    parallel::sum(operators_.comm, square.data(), static_cast<std::size_t>(square.size()));
+    parallel::sum(operators_.comm, square);
     const VectorXd scale = square.cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     for (MatrixXd* columns : {&y_, &momentum_, &force_}) *columns *= scale.asDiagonal();
     project();
@@ -89,12 +81,11 @@ class Iteration {
 
   /// The leading `n` Ritz vectors, distributed evenly.
   MatrixXd vectors(Index n) const {
-    const std::vector<Index> share = even_shares(teams_, n);
-    const auto me = static_cast<std::size_t>(teams_.mine());
-    const Index first = share[me], own = share[me + 1] - first;
+    const auto [first, own] = teams_.share(n);
+    const auto part = vector_.middleCols(first, own);
     MatrixXd found = MatrixXd::Zero(y_.rows(), own);
     each_panel(y_, [&](std::size_t, Index at, const MatrixXd& columns) {
-      found.noalias() += columns * vector_.block(at, first, columns.cols(), own);
+      found.noalias() += columns * part.middleRows(at, columns.cols());
     });
     return found;
   }
@@ -126,7 +117,7 @@ class Iteration {
       const Index rows = me < t ? y_.cols() / 2 : me == t ? behind - share_[t] : y_.cols();
       whole.block(share_[me], at, rows, columns.cols()).noalias() = y_.leftCols(rows).transpose() * columns;
     });
-    parallel::sum(teams_.world(), whole.data(), static_cast<std::size_t>(whole.size()));
+    parallel::sum(teams_.world(), whole);
     // An entry that no team computed is 0, and is present on the other side of the diagonal.
     for (Index j = 0; j < k; ++j)
       for (Index i = 0; i < j; ++i) {
@@ -210,7 +201,7 @@ Start start_of(const parallel::Teams& teams, const mesh::Mesh& mesh,
   const ApproximateRequest below = request_below(request, body, order);
   if (starts_below(below, body, order)) {
     const auto [x, end] = start_of(teams, lower.mesh(), materials, file, below, progress);
-    if (progress.begin) progress.begin(fmt::format("block iteration, order {}", order));
+    progress.begin(fmt::format("block iteration, order {}", order));
     if (shares_of(teams, x).back() == 0) return {MatrixXd(mesh.owned_nodes * mesh.components(), 0), end};
     const Operators operators(lower.mesh(), body);
     Factorisation factor(body.stiffness, body.mass);
@@ -263,7 +254,7 @@ std::optional<Cut> proved(const parallel::Teams& teams, Factorisation& factor, I
     factor.factor(cuts[me].sigma);
     agreed[me] = factor.below() == rigid + cuts[me].modes ? 1 : 0;
   }
-  parallel::sum(teams.peers(), agreed.data(), agreed.size());
+  parallel::sum(teams.peers(), agreed);
   for (std::size_t t = 0; t < cuts.size(); ++t)
     if (agreed[t] > 0) return cuts[t];
   return std::nullopt;
@@ -275,9 +266,6 @@ ModeSet approximate_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, 
                           Factorisation& factor, const std::vector<scene::Material>& materials,
                           const std::string& file, const ApproximateRequest& request,
                           const Progress& progress) {
-  const auto begin = [&](const std::string& phase) {
-    if (progress.begin) progress.begin(phase);
-  };
   const Operators operators(mesh, body);
   const Index r = operators.rigid.cols();
   auto [x, above] = start_of(teams, mesh, materials, file, request, progress);
@@ -292,12 +280,12 @@ ModeSet approximate_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, 
   std::optional<Cut> cut;
   for (int step = 1; !cut; ++step) {
     set.certificate.approximate = step;
-    begin(fmt::format("block iteration {}", step));
+    progress.begin(fmt::format("block iteration {}", step));
     factor.factor(set.static_shift);
     if (k > 0) iteration.step(x);
     const VectorXd& lambda = iteration.lambda();
     if (step >= request.iterations) {
-      begin("inertia count");
+      progress.begin("inertia count");
       wanted = wanted_of(request, lambda, r);
       if (wanted >= k)
         throw InputError(
@@ -314,21 +302,13 @@ ModeSet approximate_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, 
           request.iterations, further));
     if (!cut) x = iteration.vectors(k);
   }
-  begin("certificate");
+  progress.begin("certificate");
   const VectorXd lambda = iteration.lambda();
   Index kept = request.up_to ? cut->modes : wanted;
   while (kept > 0 && kept < cut->modes && lambda[kept] < (1 + apart) * lambda[kept - 1]) ++kept;
   set.cut = kept == cut->modes ? cut->sigma : ((kept > 0 ? lambda[kept - 1] : 0) + lambda[kept]) / 2;
   for (Index n = 0; n < r + kept; ++n) set.angular_frequency.push_back(n < r ? 0 : std::sqrt(lambda[n - r]));
-  const std::vector<Index> share = even_shares(teams, kept);
-  const auto me = static_cast<std::size_t>(teams.mine());
-  const Index rigid = me == 0 ? r : 0, own = share[me + 1] - share[me];
-  set.shape.resize(body.local_rows, rigid + own);
-  set.shape.leftCols(rigid) = operators.rigid.leftCols(rigid);
-  set.shape.rightCols(own) = iteration.vectors(kept);
-  for (Index j = 0; j < rigid; ++j) set.index.push_back(j);
-  for (Index j = share[me]; j < share[me + 1]; ++j) set.index.push_back(r + j);
-  fix_signs(operators, set.shape);
+  set.store(teams, operators, teams.share(kept).first, iteration.vectors(kept));
   certify(teams, operators, r + kept, std::nullopt, set);
   return set;
 }

@@ -76,13 +76,11 @@ double take_residuals(const parallel::Teams& teams, const Operators& operators, 
   residual = measured.residual.transpose();
   const double stiffest =
       parallel::largest(operators.comm, operators.diagonal.size() > 0 ? operators.diagonal.maxCoeff() : 0);
-  if (residual.size() > 0) {
-    // For rigid modes ‖Kφ‖ cannot serve as the scale.
-    if (set.index.front() < r)
-      residual.leftCols(r) = (operators.norms(operators.stiffness(set.shape.leftCols(r))).array() /
-                              (stiffest * operators.norms(set.shape.leftCols(r)).array()))
-                                 .transpose();
-  }
+  // For rigid modes ‖Kφ‖ cannot serve as the scale.
+  if (residual.size() > 0 && set.index.front() < r)
+    residual.leftCols(r) = (operators.norms(operators.stiffness(set.shape.leftCols(r))).array() /
+                            (stiffest * operators.norms(set.shape.leftCols(r)).array()))
+                               .transpose();
   const Eigen::MatrixXd all = set.gather(teams, residual);
   set.residual.assign(all.data(), all.data() + all.cols());
   return measured.orthonormality;

@@ -194,16 +194,13 @@ std::vector<Checkpoint::Found> Checkpoint::slices() const {
       }
     }
     const int root = next.team * parallel::size_of(teams_.team());
-    std::int64_t length = static_cast<std::int64_t>(header.size());
-    MPI_Bcast(&length, 1, MPI_INT64_T, root, teams_.world());
-    if (length == 0) continue;
-    header.resize(static_cast<std::size_t>(length));
-    MPI_Bcast(header.data(), static_cast<int>(length), MPI_DOUBLE, root, teams_.world());
+    parallel::broadcast(teams_.world(), header, root);
+    if (header.empty()) continue;
     next.slice = {{header[0], static_cast<std::int64_t>(header[1])},
                   {header[2], header[3]},
                   {header.begin() + 4, header.end()}};
     if (holds) {
-      next.shape.resize(operators_.body.local_rows, length - 4);
+      next.shape.resize(operators_.body.local_rows, std::ssize(header) - 4);
       for (Eigen::Index j = 0; j < next.shape.cols(); ++j)
         rows.scatter(values.data() + static_cast<std::size_t>(j) * rows.size(), next.shape.col(j).data());
     }

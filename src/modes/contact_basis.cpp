@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "src/modes/contact_basis.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "kernels/band.hpp"
 #include "src/modes/certify.hpp"
@@ -168,7 +165,7 @@ ModeSet contact_basis(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
         !second && number >= blocks_near_zero && (request.count || blocks_left > blocks_worth_a_shift);
     second = second || turn;
     if (number == 0 || turn) {
-      if (progress.begin) progress.begin(turn ? "contact basis, second shift" : "contact basis");
+      progress.begin(turn ? "contact basis, second shift" : "contact basis");
       factor.factor(turn ? -square : shift_near_zero(request.band));
     }
     MatrixXd next = shared_solve(teams, factor, number == 0 || turn ? elastic_loads : operators.mass(block));
@@ -192,7 +189,7 @@ ModeSet contact_basis(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
     const double last = change;
     if (number > 0)
       change = kernels::flexibility_error(before.modes(), now.modes(), band, request.residual_flexibility);
-    MPI_Bcast(&change, 1, MPI_DOUBLE, 0, teams.world());
+    change = parallel::of_rank(teams.world(), 0, change);
     // The change is the error of the previous space; the error of this one is smaller by the rate of
     // convergence, which increases.
     const double pace = number > 1 && change < last ? change / last : 1;
@@ -201,11 +198,9 @@ ModeSet contact_basis(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
       break;
     blocks_left = pace < 1 ? std::log(error / request.flexibility_error) / -std::log(pace)
                            : std::numeric_limits<double>::infinity();
-    if (progress.at) {
-      const double done = std::log(error) / std::log(request.flexibility_error);
-      progress.at(request.count ? space.size() : static_cast<std::int64_t>(100 * std::max(done, 0.0)),
-                  request.count ? most : 100);
-    }
+    const double done = std::log(error) / std::log(request.flexibility_error);
+    progress.at(request.count ? space.size() : static_cast<std::int64_t>(100 * std::max(done, 0.0)),
+                request.count ? most : 100);
   }
 
   ModeSet set;
@@ -213,16 +208,8 @@ ModeSet contact_basis(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
   set.angular_frequency.assign(static_cast<std::size_t>(r), 0.0);
   const auto ritz = space.ritz();
   for (const double lambda : ritz.lambda) set.angular_frequency.push_back(std::sqrt(lambda));
-  // Each team takes some of the vectors, the first one the rigid modes.
-  const Index n = space.size(), first = n * teams.mine() / teams.count(),
-              behind = n * (teams.mine() + 1) / teams.count(), rigid = teams.mine() == 0 ? r : 0;
-  set.shape.resize(body.local_rows, rigid + behind - first);
-  set.shape.leftCols(rigid) = operators.rigid.leftCols(rigid);
-  set.shape.rightCols(behind - first).noalias() =
-      space.vectors() * ritz.vectors.middleCols(first, behind - first);
-  for (Index j = 0; j < rigid; ++j) set.index.push_back(j);
-  for (Index j = first; j < behind; ++j) set.index.push_back(r + j);
-  fix_signs(operators, set.shape);
+  const auto [first, columns] = teams.share(space.size());
+  set.store(teams, operators, first, space.vectors() * ritz.vectors.middleCols(first, columns));
   set.cut = square;
   set.static_shift = shift_near_zero(request.band);
   if (bound > 0) error += compression * request.flexibility_error;

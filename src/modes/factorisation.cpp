@@ -240,12 +240,11 @@ double Factorisation::expected_mib() const {
 
 Eigen::MatrixXd shared_solve(const parallel::Teams& teams, Factorisation& factor,
                              const Eigen::Ref<const Eigen::MatrixXd>& right) {
-  const Eigen::Index first = right.cols() * teams.mine() / teams.count(),
-                     behind = right.cols() * (teams.mine() + 1) / teams.count();
+  const auto [first, columns] = teams.share(right.cols());
   if (teams.count() == 1) return factor.solve(right);
   Eigen::MatrixXd solution = Eigen::MatrixXd::Zero(right.rows(), right.cols());
-  solution.middleCols(first, behind - first) = factor.solve(right.middleCols(first, behind - first));
-  parallel::sum(teams.peers(), solution.data(), static_cast<std::size_t>(solution.size()));
+  solution.middleCols(first, columns) = factor.solve(right.middleCols(first, columns));
+  parallel::sum(teams.peers(), solution);
   return solution;
 }
 
@@ -253,7 +252,7 @@ Eigen::MatrixXd inner(MPI_Comm comm, const Eigen::Ref<const Eigen::MatrixXd>& x,
                       const Eigen::Ref<const Eigen::MatrixXd>& y) {
   Eigen::MatrixXd product(x.cols(), y.cols());
   product.noalias() = x.transpose() * y;
-  parallel::sum(comm, product.data(), static_cast<std::size_t>(product.size()));
+  parallel::sum(comm, product);
   return product;
 }
 

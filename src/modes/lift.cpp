@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "src/modes/lift.hpp"
 
-#include <algorithm>
-
 namespace ricochet::modes {
 
 namespace {
@@ -13,7 +11,7 @@ using Eigen::VectorXd;
 /// xᵀy of each column.
 VectorXd dots(MPI_Comm comm, const MatrixXd& x, const MatrixXd& y) {
   VectorXd values = x.cwiseProduct(y).colwise().sum().transpose();
-  parallel::sum(comm, values.data(), static_cast<std::size_t>(values.size()));
+  parallel::sum(comm, values);
   return values;
 }
 
@@ -44,9 +42,8 @@ MatrixXd solve_statically(const parallel::Teams& teams, const Operators& operato
     const VectorXd before = energy;
     energy = dots(operators.comm, rest, z);
     const VectorXd whole = dots(operators.comm, force, x);
-    int done = (energy.array() <= tolerance * tolerance * whole.array().abs()).all() ? 1 : 0;
-    MPI_Bcast(&done, 1, MPI_INT, 0, teams.world());
-    if (done != 0) return x;
+    const bool done = (energy.array() <= tolerance * tolerance * whole.array().abs()).all();
+    if (parallel::of_rank(teams.world(), 0, done)) return x;
     p = z + p * quotients(energy, before).asDiagonal();
   }
   throw SolverError("the static lift of a moving support did not converge: is the mesh distorted?");

@@ -79,11 +79,22 @@ void polish(const Operators& operators, Factorisation& factor, double tolerance,
 
 }  // namespace
 
+void ModeSet::store(const parallel::Teams& teams, const Operators& operators, Eigen::Index first,
+                    const Eigen::MatrixXd& vectors) {
+  const Eigen::Index r = operators.rigid.cols(), rigid = teams.mine() == 0 ? r : 0;
+  shape.resize(vectors.rows(), rigid + vectors.cols());
+  shape.leftCols(rigid) = operators.rigid.leftCols(rigid);
+  shape.rightCols(vectors.cols()) = vectors;
+  for (Eigen::Index j = 0; j < rigid; ++j) index.push_back(j);
+  for (Eigen::Index j = 0; j < vectors.cols(); ++j) index.push_back(r + first + j);
+  fix_signs(operators, shape);
+}
+
 Eigen::MatrixXd ModeSet::gather(const parallel::Teams& teams, const Eigen::MatrixXd& mine) const {
   Eigen::MatrixXd all =
       Eigen::MatrixXd::Zero(mine.rows(), static_cast<Eigen::Index>(angular_frequency.size()));
   for (std::size_t j = 0; j < index.size(); ++j) all.col(index[j]) = mine.col(static_cast<Eigen::Index>(j));
-  parallel::sum(teams.peers(), all.data(), static_cast<std::size_t>(all.size()));
+  parallel::sum(teams.peers(), all);
   return all;
 }
 
@@ -101,7 +112,7 @@ ModeSet compute_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
   if (request.up_to) operators.refuse_band(*request.up_to, true);
   const Eigen::Index r = operators.rigid.cols();
   Search found = search(teams, operators, factor, request, progress);
-  if (progress.begin) progress.begin("certificate");
+  progress.begin("certificate");
   const double end = found.end.sigma;
 
   std::vector<Place> places = places_of(found);
@@ -147,7 +158,7 @@ ModeSet compute_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
     }
     number += n;
   }
-  parallel::sum(teams.peers(), corrected.data(), static_cast<std::size_t>(corrected.size()));
+  parallel::sum(teams.peers(), corrected);
   for (Eigen::Index j = 0; j < corrected.cols(); ++j)
     set.angular_frequency.push_back(std::sqrt(corrected(0, j)));
   fix_signs(operators, set.shape);

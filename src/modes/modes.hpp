@@ -33,6 +33,11 @@ struct ModeSet {
   double cut = 0;  ///< λ between the last mode and the next: the proved end; Ritz vectors: end of the band
   double static_shift = 0;  ///< σ < 0 about which the static correction is solved [rad²/s²]
 
+  /// Stores the rigid modes, on the first team, and this team's part of the elastic ones: `vectors`, from
+  /// number `first` among them. Fixes their signs. Collective on the team.
+  void store(const parallel::Teams& teams, const Operators& operators, Eigen::Index first,
+             const Eigen::MatrixXd& vectors);
+
   /// Gathers columns of each team's modes in the order of all modes.
   /// @param mine  (a, n), the same on the team's ranks
   /// @return (a, N), the same on every rank. Collective.
@@ -41,8 +46,10 @@ struct ModeSet {
 
 /// Progress of the search for modes.
 struct Progress {
-  std::function<void(const std::string& phase)> begin;  ///< called when a phase begins, on every rank
-  std::function<void(std::int64_t done, std::int64_t total)> at;  ///< called within it, on any rank
+  /// Called when a phase begins, on every rank.
+  std::function<void(const std::string& phase)> begin = [](const std::string&) {};
+  /// Called within it, on any rank.
+  parallel::Progress at = [](std::int64_t, std::int64_t) {};
 };
 
 /// Throws InputError if a body has fewer modes than `count`.

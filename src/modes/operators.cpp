@@ -13,6 +13,19 @@
 
 namespace ricochet::modes {
 
+namespace {
+
+Eigen::VectorXd diagonal_of(MPI_Comm comm, Mat matrix, std::int64_t local_rows) {
+  Eigen::VectorXd diagonal(local_rows);
+  parallel::Vector values;
+  parallel::check(VecCreateMPIWithArray(comm, 1, static_cast<PetscInt>(local_rows), PETSC_DECIDE,
+                                        diagonal.data(), values.out()));
+  parallel::check(MatGetDiagonal(matrix, values));
+  return diagonal;
+}
+
+}  // namespace
+
 Operators::Operators(const mesh::Mesh& mesh, const elasticity::Body& given)
     : comm(mesh.comm),
       body(given),
@@ -20,18 +33,12 @@ Operators::Operators(const mesh::Mesh& mesh, const elasticity::Body& given)
       mass(given.mass),
       rigid(elasticity::rigid_modes(mesh, given)),
       rigid_momentum(mass(rigid)),
-      diagonal(given.local_rows),
+      diagonal(diagonal_of(comm, given.stiffness, given.local_rows)),
       key(static_cast<std::size_t>(given.local_rows)) {
-  parallel::Vector values;
-  parallel::check(VecCreateMPIWithArray(comm, 1, static_cast<PetscInt>(given.local_rows), PETSC_DECIDE,
-                                        diagonal.data(), values.out()));
-  parallel::check(MatGetDiagonal(given.stiffness, values));
   const int c = mesh.components();
-  for (std::size_t i = 0; i < mesh.node.size(); ++i) {
-    const std::int64_t row = mesh.node[i] - mesh.first_node;
-    if (row < 0 || row >= mesh.owned_nodes) continue;
+  mesh.for_each_owned([&](std::size_t i, std::int64_t row) {
     for (int k = 0; k < c; ++k) key[static_cast<std::size_t>(row * c + k)] = mesh.canonical[i] * c + k;
-  }
+  });
 }
 
 Eigen::MatrixXd Operators::noise(Eigen::Index n, std::uint64_t seed) const {
@@ -54,7 +61,7 @@ Eigen::MatrixXd Operators::noise(Eigen::Index n, std::uint64_t seed) const {
 
 Eigen::VectorXd Operators::norms(const Eigen::MatrixXd& columns) const {
   Eigen::VectorXd squares = columns.colwise().squaredNorm();
-  parallel::sum(comm, squares.data(), static_cast<std::size_t>(squares.size()));
+  parallel::sum(comm, squares);
   return squares.cwiseSqrt();
 }
 
@@ -78,11 +85,7 @@ Eigen::VectorXd Operators::residuals(const Eigen::Ref<const Eigen::MatrixXd>& sh
 }
 
 double Operators::stiffest() const {
-  Eigen::VectorXd inertia(body.local_rows);
-  parallel::Vector values;
-  parallel::check(VecCreateMPIWithArray(comm, 1, static_cast<PetscInt>(body.local_rows), PETSC_DECIDE,
-                                        inertia.data(), values.out()));
-  parallel::check(MatGetDiagonal(body.mass, values));
+  const Eigen::VectorXd inertia = diagonal_of(comm, body.mass, body.local_rows);
   double most = 0;
   for (Eigen::Index i = 0; i < inertia.size(); ++i)
     if (inertia[i] > 0) most = std::max(most, diagonal[i] / inertia[i]);  // held rows have no mass

@@ -41,7 +41,7 @@ Eigen::MatrixXd residual_response(const parallel::Teams& teams, const mesh::Mesh
     parallel::sum(teams.peers(), &flexibility, 1);
   }
   const auto over_teams = [&](Eigen::MatrixXd part) {
-    parallel::sum(teams.peers(), part.data(), static_cast<std::size_t>(part.size()));
+    parallel::sum(teams.peers(), part);
     return part;
   };
   // P f = f − M Φ Φᵀ f removes the kept modes from a load, Pᵀ u = u − Φ (MΦ)ᵀ u from a displacement; each

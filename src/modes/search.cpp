@@ -7,7 +7,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
 
 #include "src/modes/checkpoint.hpp"
 
@@ -28,23 +27,23 @@ class Searcher {
       : teams_(teams),
         operators_(operators),
         progress_(progress),
+        request_(request),
         rigid_(operators.rigid.cols()),
         factor_(factor),
-        modes_per_shift_(request.modes_per_shift),
         checkpoint_(teams, operators, request.checkpoint) {
     options_.tolerance = request.relative_residual;
   }
 
-  Search run(const Request& request) {
+  Search run() {
     std::vector<Task> tasks;
     if (const auto plan = checkpoint_.plan()) {
       end_ = plan->end;
       tasks = resume(plan->tasks);
     } else {
-      begin("inertia counts");
-      request.up_to ? probe_up_to(std::pow(static_cast<RadPerSecond>(*request.up_to).value, 2))
-                    : probe_for(*request.count);
-      tasks = plan_shifts(CountModel(rigid_, probes_), end_.sigma, request.modes_per_shift, teams_.count());
+      progress_.begin("inertia counts");
+      request_.up_to ? probe_up_to(std::pow(static_cast<RadPerSecond>(*request_.up_to).value, 2))
+                     : probe_for(*request_.count);
+      tasks = plan_shifts(CountModel(rigid_, probes_), end_.sigma, request_.modes_per_shift, teams_.count());
       checkpoint_.save({end_, tasks});
     }
     work(tasks);
@@ -67,13 +66,9 @@ class Searcher {
   }
 
  private:
-  void begin(const std::string& phase) const {
-    if (progress_.begin) progress_.begin(phase);
-  }
-
   /// Takes over the stored slices; @return the remaining tasks.
   std::vector<Task> resume(std::vector<Task> tasks) {
-    begin("slices from disk");
+    progress_.begin("slices from disk");
     const std::size_t planned = tasks.size();
     for (Checkpoint::Found& found : checkpoint_.slices()) {
       // The shift may have been moved off a mode.
@@ -81,23 +76,14 @@ class Searcher {
           tasks, [&](const Task& task) { return std::abs(found.slice.probe.sigma / task.sigma - 1) < 1e-5; });
       insert(std::move(found.slice), found.team, std::move(found.shape));
     }
-    begin(fmt::format("{} of {} slices were there", planned - tasks.size(), planned));
+    progress_.begin(fmt::format("{} of {} slices were there", planned - tasks.size(), planned));
     return tasks;
   }
 
-  /// Concatenates `mine` (n) of all teams. Collective.
+  /// The lists `mine` of all teams. Collective.
   std::vector<std::vector<double>> from_each_team(const std::vector<double>& mine) const {
-    std::vector<int> size(static_cast<std::size_t>(teams_.count())), start(size.size());
-    const int n = static_cast<int>(mine.size());
-    MPI_Allgather(&n, 1, MPI_INT, size.data(), 1, MPI_INT, teams_.peers());
-    std::partial_sum(size.begin(), size.end() - 1, start.begin() + 1);
-    std::vector<double> all(static_cast<std::size_t>(start.back() + size.back()));
-    MPI_Allgatherv(mine.data(), n, MPI_DOUBLE, all.data(), size.data(), start.data(), MPI_DOUBLE,
-                   teams_.peers());
-    std::vector<std::vector<double>> parts;
-    for (std::size_t t = 0; t < size.size(); ++t)
-      parts.emplace_back(all.begin() + start[t], all.begin() + start[t] + size[t]);
-    return parts;
+    return parallel::exchange(
+        teams_.peers(), std::vector<std::vector<double>>(static_cast<std::size_t>(teams_.count()), mine));
   }
 
   /// Each team factors at its entry of `sigma`, if any; the counts are added to the probes.
@@ -189,8 +175,8 @@ class Searcher {
     for (const auto& list : queue) rounds = std::max(rounds, list.size());
     total_ += rounds;
     for (std::size_t round = 0; round < rounds; ++round) {
-      begin(teams > 1 ? fmt::format("slices, round {} of {} ({} at a time)", ++done_, total_, teams)
-                      : fmt::format("slice {} of {}", ++done_, total_));
+      progress_.begin(teams > 1 ? fmt::format("slices, round {} of {} ({} at a time)", ++done_, total_, teams)
+                                : fmt::format("slice {} of {}", ++done_, total_));
       const auto& mine = queue[static_cast<std::size_t>(teams_.mine())];
       std::vector<double> message;
       Converged converged;
@@ -240,7 +226,7 @@ class Searcher {
   Converged solve(const Task& task) {
     double sigma = task.sigma;
     const parallel::Progress bar = [&](std::int64_t done, std::int64_t) {
-      if (progress_.at) progress_.at(done, modes_per_shift_);
+      progress_.at(done, request_.modes_per_shift);
     };
     for (int attempt = 0; attempt < 6; ++attempt) {
       factor_.factor(sigma);
@@ -265,10 +251,10 @@ class Searcher {
   const parallel::Teams& teams_;
   const Operators& operators_;
   const Progress& progress_;
+  const Request& request_;
   std::int64_t rigid_;
   LanczosOptions options_;
   Factorisation& factor_;
-  std::int64_t modes_per_shift_;
   Checkpoint checkpoint_;
   Probe end_;
   std::vector<Probe> probes_;
@@ -290,7 +276,7 @@ double expected_mib(const Factorisation& factor, std::int64_t local_rows, std::i
 
 Search search(const parallel::Teams& teams, const Operators& operators, Factorisation& factor,
               const Request& request, const Progress& progress) {
-  return Searcher(teams, operators, factor, request, progress).run(request);
+  return Searcher(teams, operators, factor, request, progress).run();
 }
 
 }  // namespace ricochet::modes

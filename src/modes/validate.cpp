@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "ricochet/error.hpp"
 
 namespace ricochet::modes {

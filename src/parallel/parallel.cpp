@@ -25,25 +25,6 @@ PetscErrorCode keep_message(MPI_Comm, int, const char* function, const char*, Pe
   return code;
 }
 
-void send_bytes(MPI_Comm comm, const void* data, std::size_t bytes, int to) {
-  const char* at = static_cast<const char*>(data);
-  for (std::size_t sent = 0; sent < bytes; sent += piece_bytes)
-    MPI_Send(at + sent, static_cast<int>(std::min(piece_bytes, bytes - sent)), MPI_BYTE, to, 0, comm);
-}
-
-void receive_bytes(MPI_Comm comm, void* data, std::size_t bytes, int from = 0) {
-  char* at = static_cast<char*>(data);
-  for (std::size_t got = 0; got < bytes; got += piece_bytes)
-    MPI_Recv(at + got, static_cast<int>(std::min(piece_bytes, bytes - got)), MPI_BYTE, from, 0, comm,
-             MPI_STATUS_IGNORE);
-}
-
-void broadcast_bytes(MPI_Comm comm, void* data, std::size_t bytes) {
-  char* at = static_cast<char*>(data);
-  for (std::size_t done = 0; done < bytes; done += piece_bytes)
-    MPI_Bcast(at + done, static_cast<int>(std::min(piece_bytes, bytes - done)), MPI_BYTE, 0, comm);
-}
-
 /// Sends to one rank while another sends to this one.
 void pass_bytes(MPI_Comm comm, const void* out, std::size_t out_bytes, int to, void* in, std::size_t in_bytes,
                 int from) {
@@ -97,11 +78,8 @@ void agree(MPI_Comm comm, const std::string& complaint) {
   int first = mine;
   MPI_Allreduce(&mine, &first, 1, MPI_INT, MPI_MIN, comm);
   if (first == std::numeric_limits<int>::max()) return;
-  std::int64_t length = static_cast<std::int64_t>(complaint.size());
-  MPI_Bcast(&length, 1, MPI_INT64_T, first, comm);
   std::string text = complaint;
-  text.resize(static_cast<std::size_t>(length));
-  MPI_Bcast(text.data(), static_cast<int>(length), MPI_CHAR, first, comm);
+  broadcast(comm, text, first);
   throw InputError(text);
 }
 
@@ -124,44 +102,15 @@ std::int64_t sum(MPI_Comm comm, std::int64_t value) {
   return value;
 }
 
+std::int64_t sum_before(MPI_Comm comm, std::int64_t value) {
+  std::int64_t before = 0;
+  MPI_Exscan(&value, &before, 1, MPI_INT64_T, MPI_SUM, comm);
+  return rank_of(comm) == 0 ? 0 : before;  // MPI leaves it undefined on the first rank
+}
+
 double largest(MPI_Comm comm, double value) {
   MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_MAX, comm);
   return value;
-}
-
-template <class T>
-std::vector<T> scatter(MPI_Comm comm, const std::vector<std::vector<T>>& per_rank) {
-  if (rank_of(comm) == 0) {
-    for (int to = 1; to < size_of(comm); ++to) {
-      const std::uint64_t count = per_rank[to].size();
-      MPI_Send(&count, 1, MPI_UINT64_T, to, 0, comm);
-      send_bytes(comm, per_rank[to].data(), count * sizeof(T), to);
-    }
-    return per_rank[0];
-  }
-  std::uint64_t count = 0;
-  MPI_Recv(&count, 1, MPI_UINT64_T, 0, 0, comm, MPI_STATUS_IGNORE);
-  std::vector<T> mine(count);
-  receive_bytes(comm, mine.data(), count * sizeof(T));
-  return mine;
-}
-
-template <class T>
-std::vector<T> gather(MPI_Comm comm, const std::vector<T>& mine) {
-  std::vector<std::uint64_t> size(static_cast<std::size_t>(size_of(comm)));
-  const std::uint64_t own = mine.size();
-  MPI_Gather(&own, 1, MPI_UINT64_T, size.data(), 1, MPI_UINT64_T, 0, comm);
-  if (rank_of(comm) != 0) {
-    send_bytes(comm, mine.data(), own * sizeof(T), 0);
-    return {};
-  }
-  std::vector<T> all = mine;
-  for (std::size_t from = 1; from < size.size(); ++from) {
-    const std::size_t start = all.size();
-    all.resize(start + size[from]);
-    receive_bytes(comm, all.data() + start, size[from] * sizeof(T), static_cast<int>(from));
-  }
-  return all;
 }
 
 template <class T>
@@ -184,21 +133,26 @@ std::vector<std::vector<T>> exchange(MPI_Comm comm, const std::vector<std::vecto
 }
 
 template <class T>
-void broadcast(MPI_Comm comm, std::vector<T>& values) {
+std::vector<T> gather(MPI_Comm comm, const std::vector<T>& mine) {
+  std::vector<std::vector<T>> to(static_cast<std::size_t>(size_of(comm)));
+  to[0] = mine;
+  std::vector<T> all;
+  for (const std::vector<T>& part : parallel::exchange(comm, to))
+    all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
+template <class Values>
+void broadcast(MPI_Comm comm, Values& values, int from) {
   std::uint64_t count = values.size();
-  MPI_Bcast(&count, 1, MPI_UINT64_T, 0, comm);
+  MPI_Bcast(&count, 1, MPI_UINT64_T, from, comm);
   values.resize(count);
-  broadcast_bytes(comm, values.data(), count * sizeof(T));
+  const std::size_t bytes = count * sizeof(values[0]);
+  char* at = reinterpret_cast<char*>(values.data());
+  for (std::size_t done = 0; done < bytes; done += piece_bytes)
+    MPI_Bcast(at + done, static_cast<int>(std::min(piece_bytes, bytes - done)), MPI_BYTE, from, comm);
 }
 
-void broadcast(MPI_Comm comm, std::string& text) {
-  std::vector<char> bytes(text.begin(), text.end());
-  broadcast(comm, bytes);
-  text.assign(bytes.begin(), bytes.end());
-}
-
-template std::vector<double> scatter(MPI_Comm, const std::vector<std::vector<double>>&);
-template std::vector<std::int64_t> scatter(MPI_Comm, const std::vector<std::vector<std::int64_t>>&);
 template std::vector<char> gather(MPI_Comm, const std::vector<char>&);
 template std::vector<int> gather(MPI_Comm, const std::vector<int>&);
 template std::vector<std::int64_t> gather(MPI_Comm, const std::vector<std::int64_t>&);
@@ -206,8 +160,9 @@ template std::vector<double> gather(MPI_Comm, const std::vector<double>&);
 template std::vector<std::vector<double>> exchange(MPI_Comm, const std::vector<std::vector<double>>&);
 template std::vector<std::vector<std::int64_t>> exchange(MPI_Comm,
                                                          const std::vector<std::vector<std::int64_t>>&);
-template void broadcast(MPI_Comm, std::vector<char>&);
-template void broadcast(MPI_Comm, std::vector<double>&);
-template void broadcast(MPI_Comm, std::vector<std::int64_t>&);
+template void broadcast(MPI_Comm, std::string&, int);
+template void broadcast(MPI_Comm, std::vector<char>&, int);
+template void broadcast(MPI_Comm, std::vector<double>&, int);
+template void broadcast(MPI_Comm, std::vector<std::int64_t>&, int);
 
 }  // namespace ricochet::parallel

@@ -118,29 +118,35 @@ class RowType {
 
 using Matrix = Handle<Mat, MatDestroy>;
 using Vector = Handle<Vec, VecDestroy>;
-using EigenSolver = Handle<EPS, EPSDestroy>;
 
 /// Converts to PETSc's integer; throws SolverError if the value does not fit (use a build of PETSc with
 /// 64-bit indices).
 PetscInt petsc_int(std::int64_t value);
 
-void sum(MPI_Comm comm, double* values, std::size_t count);  ///< all ranks, in place
+void sum(MPI_Comm comm, double* values, std::size_t count);  ///< over all ranks, in place
+/// Sums the doubles of a vector, array or matrix over all ranks, in place.
+template <class Values>
+void sum(MPI_Comm comm, Values& values) {
+  sum(comm, values.data(), static_cast<std::size_t>(values.size()));
+}
 std::int64_t sum(MPI_Comm comm, std::int64_t value);
+std::int64_t sum_before(MPI_Comm comm, std::int64_t value);  ///< over the ranks before this one
 double largest(MPI_Comm comm, double value);
 
-/// Rank 0 sends one vector to each rank (`per_rank`, used on rank 0 only); every rank receives its own.
-/// Collective.
-template <class T>
-std::vector<T> scatter(MPI_Comm comm, const std::vector<std::vector<T>>& per_rank);
-/// Concatenates the vectors of all ranks on rank 0; empty elsewhere. Collective.
-template <class T>
-std::vector<T> gather(MPI_Comm comm, const std::vector<T>& mine);
 /// Each rank sends one vector to each rank; returns the received ones, by sender. Collective.
 template <class T>
 std::vector<std::vector<T>> exchange(MPI_Comm comm, const std::vector<std::vector<T>>& to);
-/// Copies the values of rank 0 to every rank. Collective.
+/// Concatenates the vectors of all ranks on rank 0; empty elsewhere. Collective.
 template <class T>
-void broadcast(MPI_Comm comm, std::vector<T>& values);
-void broadcast(MPI_Comm comm, std::string& text);
+std::vector<T> gather(MPI_Comm comm, const std::vector<T>& mine);
+/// Copies a vector or a text of one rank to every rank. Collective.
+template <class Values>
+void broadcast(MPI_Comm comm, Values& values, int from = 0);
+/// The value, a number or a struct of numbers, of one rank. Collective.
+template <class T>
+T of_rank(MPI_Comm comm, int rank, T value) {
+  MPI_Bcast(&value, sizeof value, MPI_BYTE, rank, comm);
+  return value;
+}
 
 }  // namespace ricochet::parallel

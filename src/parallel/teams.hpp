@@ -23,6 +23,12 @@ class Teams {
   int count() const { return count_; }
   int mine() const { return mine_; }  ///< number of this rank's team
 
+  /// This team's part of `columns` that are divided evenly: the first, and their number.
+  std::pair<std::ptrdiff_t, std::ptrdiff_t> share(std::ptrdiff_t columns) const {
+    const std::ptrdiff_t first = columns * mine_ / count_;
+    return {first, columns * (mine_ + 1) / count_ - first};
+  }
+
  private:
   MPI_Comm world_, team_ = MPI_COMM_NULL, peers_ = MPI_COMM_NULL;
   int count_, mine_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The accuracy dial (contact/accuracy/dial.hpp) turned for a scene, and the scene that results.
+// The accuracy dial (contact/accuracy/dial.hpp) for a scene, and the resulting scene.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +11,7 @@
 
 namespace ricochet::programs {
 
-/// Options of the scene's steps; a precision that is left open is double.
+/// Options of the scene's steps. A precision that the scene leaves open is double.
 StepOptions step_options(const scene::Scene& scene);
 
 /// Chooses the settings that the scene, which has an accuracy, leaves open.

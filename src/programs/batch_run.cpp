@@ -68,10 +68,10 @@ class Batch {
   }
 
  private:
-  /// Writes the kernels that the scene lacks and that follow from `file`.
+  /// Writes the missing kernels of the scene that can be derived from `file`.
   void derive(const scene::Scene& scene, const fs::path& file) {
     if (scene.accuracy) return;  // it also needs kernels of another element order
-    const std::vector<StoredKernel> stored = find_kernels(scene, options_.out, store_).of_body;
+    const std::vector<StoredKernel> stored = find_kernels(scene, options_.out, store_);
     for (std::size_t k = 0; k < stored.size(); ++k) {
       if (stored[k].enough || is_limited(scene, scene.bodies[k])) continue;
       const auto request = scene::kernel_request(scene, scene.bodies[k], &store_.meshes);
@@ -82,8 +82,7 @@ class Batch {
   Json needed(const scene::Scene& scene) {
     forcing_of(scene);  // refuses histories that cannot be read
     Json out = Json::array();
-    const StoredKernels found = find_kernels(scene, options_.out, store_);
-    for (const StoredKernel& kernel : found.of_body) {
+    for (const StoredKernel& kernel : find_kernels(scene, options_.out, store_)) {
       const fs::path& path = kernel.enough ? kernel.path : kernel.whole;
       if (!kernel.enough && kernels::has_newer_format(path)) kernels::read(path);  // refuses it
       out.push_back({{"file", path.filename().string()}, {"there", kernel.enough}});

@@ -10,8 +10,8 @@ namespace ricochet::programs {
 
 /// Reads requests from `in`, a line of JSON each, and answers each by a line on `out`, until `in` ends:
 ///
-///     {"set": ["bodies.upper.velocity=[0,-6,0]"]}   run the impact; these overrides follow those of the
-///     options
+///     {"set": ["bodies.upper.velocity=[0,-6,0]"]}   run the impact, with these overrides after those of the
+///                                   options
 ///     {"set": [], "kernels": true}                  list the kernels that the impact needs
 ///     {"set": [], "kernels": true, "derive": ["…"]}
 ///                                   the same, after writing the missing kernels that follow from these files
@@ -20,10 +20,10 @@ namespace ricochet::programs {
 ///     {"status": 0, "kernels": [{"file": "…", "there": true}, …], "reads": {…}}
 ///                                   reads: tables and histories. A damaged kernel counts as missing; one of
 ///                                   a newer format is refused
-///     {"status": 2, "error": "…"}                   refused; 1: the computation broke down
+///     {"status": 2, "error": "…"}                   the request was refused; 1: the computation failed
 ///
-/// Kernels and placements are kept while impacts need them. Results are not written. A request that is no
-/// JSON object is answered by status 2. Returns 0.
+/// Kernels and placements are kept between impacts. Results are not written. The answer to a request that is
+/// not a JSON object has status 2. Returns 0.
 int run_batch(const console::Options& options, std::istream& in, std::ostream& out);
 
 }  // namespace ricochet::programs

@@ -15,9 +15,9 @@
 namespace ricochet {
 namespace {
 
-/// Crossings of the body by a wave within the shortest period of the band, at an accuracy of 1e-2. The number
-/// grows with the inverse of the accuracy, for solids with its square root. The ends of rods meet with a
-/// shock, which excites all modes.
+/// Number of times that a wave crosses the body within the shortest period of the band, at an accuracy of
+/// 1e-2. It is proportional to the inverse of the accuracy for rods, whose ends meet with a shock that
+/// excites all modes, and to its square root for solids.
 constexpr double crossings = 2, crossings_of_rods = 15, reference = 1e-2;
 
 /// Largest error of the flexibility; its effect on impacts is a few times smaller.
@@ -39,7 +39,7 @@ Waves waves(const scene::Scene& scene, const scene::Body& body) {
     speed = std::max(speed, std::sqrt(material.young / material.density));
   if (!(extent.length > 0))
     throw InputError(
-        fmt::format("{}: bodies.{}: no size is found in {}, so accuracy can't choose modes: give "
+        fmt::format("{}: bodies.{}: {} has no extent, so accuracy cannot choose modes: give "
                     "modes.up_to_hz or modes.count",
                     scene.file.string(), body.name, body.mesh.filename().string()));
   return {speed / extent.length, extent.dimension == 1};
@@ -54,26 +54,22 @@ double rounded(double value) {
 }  // namespace
 
 scene::Modes chosen_modes(const scene::Scene& scene, MPI_Comm comm) {
-  double fastest = 0;
-  std::vector<double> rate, rods;
+  Waves all{0, true};
   parallel::on_first_rank(comm, [&] {
     for (const scene::Body& body : scene.bodies) {
-      const Waves found = waves(scene, body);
-      rate.push_back(found.rate);
-      rods.push_back(found.rod ? 1 : 0);
+      const Waves of_body = waves(scene, body);
+      all = {std::max(all.rate, of_body.rate), all.rod && of_body.rod};
     }
   });
-  parallel::broadcast(comm, rate);
-  parallel::broadcast(comm, rods);
-  for (const double each : rate) fastest = std::max(fastest, each);
+  all = parallel::of_rank(comm, 0, all);
   scene::Modes modes = scene.modes;
   const double finer = std::max(1.0, reference / *modes.accuracy);
-  if (std::ranges::count(rods, 1.0) == std::ssize(rods)) {
+  if (all.rod) {
     modes.basis = scene::Basis::modes;
-    modes.up_to = Hertz{rounded(crossings_of_rods * finer * fastest)};
+    modes.up_to = Hertz{rounded(crossings_of_rods * finer * all.rate)};
     return modes;
   }
-  modes.up_to = Hertz{rounded(crossings * std::sqrt(finer) * fastest)};
+  modes.up_to = Hertz{rounded(crossings * std::sqrt(finer) * all.rate)};
   if (!modes.flexibility_error) modes.flexibility_error = std::min(*modes.accuracy, most_flexibility_error);
   return modes;
 }

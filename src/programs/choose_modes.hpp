@@ -8,9 +8,9 @@
 
 namespace ricochet {
 
-/// Band and flexibility error for the scene's `modes.accuracy`. All bodies get those of the body that a wave
-/// crosses fastest, because contact lasts about as long. Rods get modes, solids a contact-adapted basis.
-/// Collective; throws InputError on every rank.
+/// Band and flexibility error for `modes.accuracy` of the scene. They follow from the body that a wave
+/// crosses fastest, because contact lasts about that long, and apply to all bodies. Rods get modes, solids a
+/// contact-adapted basis. Collective; throws InputError on every rank.
 scene::Modes chosen_modes(const scene::Scene& scene, MPI_Comm comm);
 
 }  // namespace ricochet

@@ -9,8 +9,9 @@
 namespace ricochet::programs {
 
 /// Runs the scene and writes `<out>/<slug>.result.h5`, `<out>/<slug>.summary.json` and a `.wav` for each
-/// receiver; prints the main figures to `out` unless quiet, the resolved scene alone with `dry_run`. Returns
-/// 0. Throws InputError for a bad scene or a folder that can't be written, and as run_impact does.
+/// receiver. Prints the main figures to `out` unless quiet; with `dry_run`, prints only the resolved scene.
+/// Returns 0. Throws InputError for an invalid scene or a folder that cannot be written, and as run_impact
+/// does.
 int run_contact(const console::Options& options, std::ostream& out);
 
 }  // namespace ricochet::programs

@@ -15,25 +15,24 @@
 #include "src/modes/search.hpp"
 #include "src/parallel/memory.hpp"
 #include "src/programs/imported_modes.hpp"
-#include "src/scene/request.hpp"
 
 namespace ricochet {
 namespace {
 
-/// Rank 0's mesh split among the ranks of each team. Collective over all teams.
+/// Splits the mesh of rank 0 among the ranks of each team. Collective over all teams.
 mesh::Mesh hand_out(mesh::GlobalMesh whole, const parallel::Teams& teams) {
   if (parallel::rank_of(teams.team()) == 0) mesh::broadcast(whole, teams.peers());
   return mesh::distribute(std::move(whole), teams.team());
 }
 
-/// Memory of the search for modes on this rank [MiB].
+/// Memory that the search for modes needs on this rank [MiB].
 double expected_mib(const scene::Modes& wanted, const Discretised& made, std::int64_t per_shift, int teams) {
   const std::int64_t count = wanted.count.value_or(0), rows = made.matrices.local_rows;
   if (wanted.approximate > 0) return modes::expected_approximate_mib(*made.factor, rows, count, teams);
   return modes::expected_mib(*made.factor, rows, count, per_shift, teams);
 }
 
-/// A body on `count` teams of ranks, up to its matrices. @param last  whether the source is not needed again.
+/// A body on `count` teams of ranks, up to its matrices. @param last  whether the source may be consumed
 /// Collective; throws InputError on every rank.
 Discretised assembled(const scene::KernelRequest& request, Source& source, int count, bool last,
                       MPI_Comm comm, console::Console& console) {
@@ -44,7 +43,7 @@ Discretised assembled(const scene::KernelRequest& request, Source& source, int c
   std::vector<std::string> moved;
   for (const std::string& support : asked.moved) moved.push_back(body.support.at(support));
   Discretised made{std::make_unique<parallel::Teams>(comm, count), {}, {}, {}, {}};
-  if (source.in_parts)  // A file may be out of reach of one team only.
+  if (source.in_parts)  // one team alone may fail to read a file
     parallel::on_all_ranks(comm, [&] { made.mesh = mesh::read_parts(body, made.teams->team(), bar, asked); });
   else
     made.mesh = hand_out(last ? std::move(source.whole) : source.whole, *made.teams);
@@ -84,12 +83,12 @@ Discretised discretise(const scene::KernelRequest& request, MPI_Comm comm, conso
   const int most = request.modes.basis == scene::Basis::contact ? 1 : ranks;
   for (int count = most;; --count) {
     if (ranks % count != 0) continue;
-    // Fewer teams may have to be tried.
+    // Until the last attempt, the source may be needed for fewer teams.
     Discretised made = assembled(request, source, count, count == 1, comm, console);
     made.factor = std::make_unique<modes::Factorisation>(made.matrices.stiffness, made.matrices.mass,
                                                          request.modes.low_rank);
     const double room = parallel::available_mib(comm);
-    // Delayed pivots and buffers come on top of what is expected.
+    // Delayed pivots and buffers need memory beyond the estimate.
     constexpr double usable = 0.85;
     double need = 0;
     for (const std::int64_t per_shift : {260, 130, 65}) {

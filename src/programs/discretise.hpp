@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A body from its mesh to its matrices, on teams of ranks as memory allows.
+// From the mesh of a body to its matrices, on as many teams of ranks as memory permits.
 #pragma once
 
 #include <memory>
@@ -11,7 +11,7 @@
 
 namespace ricochet {
 
-/// A body on every team of ranks, its factorisation analysed.
+/// A body on every team of ranks, with an analysed factorisation.
 struct Discretised {
   std::unique_ptr<parallel::Teams> teams;
   mesh::Mesh mesh;
@@ -21,13 +21,13 @@ struct Discretised {
   std::int64_t modes_per_shift = 0;  ///< for the search for modes
 };
 
-/// As many teams as memory has room for: ranks that work at slices of their own, each with all of the body,
-/// are faster than ranks that share one. Where room is short, slices become smaller. Vectors fitted to
-/// contact need few factorisations, which ranks share better. Throws InputError when there is not even room
-/// for one team. Needs a GmshSession. Collective.
+/// Uses as many teams as memory permits, because ranks that each hold the whole body and process their own
+/// slices are faster than ranks that share one slice. If memory is short, slices become smaller. A
+/// contact-adapted basis needs few factorisations, so all ranks form one team. Throws InputError if memory
+/// does not suffice for one team. Needs a GmshSession. Collective.
 Discretised discretise(const scene::KernelRequest& request, MPI_Comm comm, console::Console& console);
 
-/// Checks from its mesh whether a body's kernel can be computed. Throws InputError on every rank if not.
+/// Checks with the mesh of a body whether its kernel can be computed. Throws InputError on every rank if not.
 /// Collective.
 void check_body(const scene::KernelRequest& request, MPI_Comm comm, console::Console& console);
 

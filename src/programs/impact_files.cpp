@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "src/programs/impact_files.hpp"
 
-#include <utility>
-
 #include "base/atomic_file.hpp"
 #include "src/programs/motion.hpp"
 #include "src/scene/write.hpp"

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <filesystem>
-#include <memory>
 #include <optional>
 
 #include "contact/output/fclib.hpp"
@@ -30,13 +29,13 @@ class ImpactFiles : public ImpactObserver {
   void stepped(const contact::Stepper& stepper) override;
   void at_rest(const Impact& impact, const contact::Equilibrium& equilibrium) override;
 
-  /// Gives the files their names and adds the sounds to the summary, which is the caller's to write.
+  /// Renames the files to their final names and adds the sounds to the summary, which the caller writes.
   void commit(ImpactSummary& summary);
 
   std::filesystem::path result() const { return with(".result.h5"); }
   std::filesystem::path summary() const { return with(".summary.json"); }
-  std::optional<std::filesystem::path> motion() const;  ///< what the user opens; none: not asked for
-  std::optional<int> problems() const;                  ///< written; none: not asked for
+  std::optional<std::filesystem::path> motion() const;  ///< the file to open; none: not requested
+  std::optional<int> problems() const;                  ///< number written; none: not requested
 
  private:
   std::filesystem::path with(const char* ending) const;

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <memory>
 #include <utility>
 
 #include "contact/accuracy/error_report.hpp"
@@ -45,8 +44,7 @@ Prepared prepare(Impact& impact, const ImpactRequest& request, KernelStore& stor
   console.begin("pairing");
   Prepared out;
   out.forcing = in_scene(scene, [&] { return forcing_of(scene); });
-  auto& found = impact.kernels.placement;
-  out.placement = found ? std::move(*found) : store.placements.place(scene, impact.kernels.pointers());
+  out.placement = store.placements.place(scene, impact.kernels.pointers());
   impact.model = in_scene(scene, [&] { return model_of(scene, out.placement, out.forcing); });
   console.end(
       fmt::format("{} contact points, {} modes", impact.model->gap.size(), impact.model->omega.size()));
@@ -104,12 +102,12 @@ double slowest_wave(const scene::Scene& scene) {
   return std::isfinite(slowest) ? slowest : 0;
 }
 
-/// Steps below which a touch is too coarse: the bell of meshes/bell rebounds by 12 % too slowly with 16
-/// steps, by 5 % with 32.
+/// Number of steps below which an episode is too coarse: the bell of meshes/bell rebounds 12 % too slowly
+/// with 16 steps, 5 % with 32.
 constexpr double few_steps = 20;
 
-/// Warns if all touches of a run under "compliant" have so few steps that peak force and rebound depend on
-/// the step; with an accuracy the error estimate covers this.
+/// Adds a warning if all episodes of a "compliant" run have so few steps that peak force and rebound depend
+/// on the step. With an accuracy, the error estimate covers this.
 void warn_of_few_steps(const scene::Scene& scene, contact::Summary& summary) {
   if (scene.accuracy || scene.contact.scheme != Scheme::compliant) return;
   double longest = 0;

@@ -27,7 +27,7 @@ struct ImpactRequest {
 
 /// The data of one impact.
 struct Impact {
-  scene::Scene scene;                     ///< once chosen, with the settings that its accuracy chose
+  scene::Scene scene;                     ///< later with the settings that its accuracy chose
   Kernels kernels{};                      ///< none with a table from a file
   std::optional<contact::Model> model{};  ///< none with a table from a file
   std::optional<contact::Table> table{};  ///< with table kernels
@@ -39,7 +39,7 @@ struct Impact {
 class ImpactObserver {
  public:
   virtual ~ImpactObserver() = default;
-  virtual void prepared(const Impact&) {}  ///< model or table are there; no setting is chosen yet
+  virtual void prepared(const Impact&) {}  ///< the kernels are read; no setting is chosen yet
   virtual void started(const Impact&, const contact::Stepper&) {}      ///< before the first step
   virtual void stepped(const contact::Stepper&) {}                     ///< after each step
   virtual void at_rest(const Impact&, const contact::Equilibrium&) {}  ///< in place of steps
@@ -54,14 +54,14 @@ struct ImpactResult {
 
 /// Runs the scene without writing or printing anything; `console` shows the phases.
 ///
-/// Throws InputError, one line that starts with the scene's or another file's name: kernels that are missing
-/// or of another scene; bodies that overlap or don't meet; contact problems without solution; bodies that
-/// nothing holds at rest. Throws SolverError when the motion stops being finite, or Uzawa's iteration does
-/// not converge.
+/// Throws InputError, one line that starts with the name of the scene or of another file: kernels that are
+/// missing or belong to another scene; bodies that overlap or do not meet; contact problems without a
+/// solution; unsupported bodies at rest. Throws SolverError if the motion stops being finite or Uzawa's
+/// iteration does not converge.
 ImpactResult run_impact(ImpactRequest request, KernelStore& store, console::Console& console,
                         ImpactObserver& observer);
 
-/// Throws the error that a step which failed at `time` [s] stands for.
+/// Throws the error of a step that failed at `time` [s]; returns if it succeeded.
 void check(StepStatus status, const scene::Scene& scene, double time);
 
 }  // namespace ricochet::programs

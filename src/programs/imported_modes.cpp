@@ -12,7 +12,6 @@
 #include "src/modes/residual.hpp"
 #include "src/programs/kernel_candidates.hpp"
 #include "src/surface/trace.hpp"
-#include "src/scene/request.hpp"
 
 namespace ricochet {
 
@@ -33,23 +32,23 @@ struct Imported {
   Eigen::MatrixXd participation;    ///< (6,N) ΦᵀM e_i, ΦᵀM (e_i × x)
 };
 
-/// (rows, columns) of a dataset of finite numbers. @param shape  as it is in the file
+/// A dataset of finite numbers as (rows, columns). @param shape  in the file
 Eigen::MatrixXd read_matrix(const Reader& file, const std::string& name, const base::hdf5::Shape& shape,
                             Eigen::Index rows) {
   const std::vector<double> values = file.read<double>(name, shape);
   if (!std::ranges::all_of(values, [](double x) { return std::isfinite(x); }))
-    file.fail(fmt::format("dataset \"{}\" holds a number that is not finite.", name));
+    file.fail(fmt::format("dataset \"{}\" contains a number that is not finite.", name));
   return Eigen::Map<const RowMajor>(values.data(), rows, rows == 0 ? 0 : std::ssize(values) / rows);
 }
 
 void refuse_what_modes_fix(const scene::KernelRequest& request, const Reader& file) {
   const scene::Modes& modes = request.modes;
   if (modes.basis == scene::Basis::contact || modes.flexibility_error)
-    file.fail("holds modes: vectors fitted to contact and modes.flexibility_error need matrices.");
+    file.fail("contains modes: a contact-adapted basis and modes.flexibility_error need matrices.");
   if (!request.body.support.empty() || !request.motions.empty())
     file.fail(
-        fmt::format("holds modes, which have their supports already: leave bodies.{}.support and "
-                    "supports that move out.",
+        fmt::format("contains modes, which already include their supports: leave out bodies.{}.support and "
+                    "moving supports.",
                     request.body.name));
 }
 
@@ -68,7 +67,7 @@ Imported read_inertia(const Reader& file) {
   return body;
 }
 
-/// Translations, then turns about the principal axes, M-orthonormal.
+/// Translations, then rotations about the principal axes, M-orthonormal.
 void add_rigid_modes(const std::vector<double>& position, Imported& body) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(body.inertia);
   Eigen::MatrixXd shape(std::ssize(position), 6), participation = Eigen::MatrixXd::Zero(6, 6);
@@ -102,15 +101,15 @@ void keep_first(Imported& body, Eigen::Index count) {
   body.participation.conservativeResize(Eigen::NoChange, count);
 }
 
-/// What the scene asks for of the modes there are: a multiple mode whole.
+/// Keeps the modes that the scene requests; a multiple mode is kept whole.
 void keep_wanted(const scene::Modes& wanted, const Reader& file, Imported& body) {
   const Eigen::Index all = body.omega.size();
   const double end = all > 0 ? body.omega[all - 1] : 0;
   if (wanted.count && *wanted.count > all)
     file.fail(
-        fmt::format("has {} modes, rigid ones included, and modes.count asks for {}.", all, *wanted.count));
+        fmt::format("has {} modes, rigid ones included, but modes.count requests {}.", all, *wanted.count));
   if (wanted.up_to && RadPerSecond(*wanted.up_to).value > end)
-    file.fail(fmt::format("has modes up to {:.6g} Hz, and modes.up_to_hz asks for {:.6g}.",
+    file.fail(fmt::format("has modes up to {:.6g} Hz, but modes.up_to_hz requests {:.6g}.",
                           to_hertz(RadPerSecond{end}).value, wanted.up_to->value));
   Eigen::Index kept = wanted.count.value_or(0);
   if (wanted.up_to)
@@ -129,14 +128,14 @@ Imported read_modes(const scene::KernelRequest& request, const Reader& file,
   const std::size_t n = file.shape("/modes/angular_frequency").front();
   body.omega = read_matrix(file, "/modes/angular_frequency", {n}, static_cast<Eigen::Index>(n));
   if (n == 0 || body.omega[0] < 0 || !std::ranges::is_sorted(body.omega))
-    file.fail("dataset \"/modes/angular_frequency\" has to ascend from 0 or more.");
+    file.fail("dataset \"/modes/angular_frequency\" must ascend from 0 or more.");
   body.shape = read_matrix(file, "/modes/shape", {nodes, 3, n}, static_cast<Eigen::Index>(3 * nodes));
   body.residual =
       file.exists("/modes/residual")
           ? Eigen::VectorXd(read_matrix(file, "/modes/residual", {n}, static_cast<Eigen::Index>(n)))
           : Eigen::VectorXd::Ones(static_cast<Eigen::Index>(n));
 
-  // Rigid modes come out as round-off of the lowest elastic ones.
+  // The frequencies of computed rigid modes are round-off of the lowest elastic ones.
   constexpr double near_zero = 1e-3;
   const Eigen::Index seventh = std::min<Eigen::Index>(6, std::ssize(body.omega) - 1);
   const Eigen::Index rigid = (body.omega.array() <= near_zero * body.omega[seventh]).count();
@@ -161,13 +160,13 @@ Imported read_modes(const scene::KernelRequest& request, const Reader& file,
   return body;
 }
 
-/// Static responses less those of the modes. @param seen  (3n,b) unit forces on candidates and receivers
+/// Static responses minus those of the modes. @param seen  (3n,b) unit forces on candidates and receivers
 Eigen::MatrixXd residual_response(const Reader& file, const Imported& body, const Eigen::MatrixXd& seen,
                                   const Eigen::MatrixXd& load) {
   const auto n = static_cast<std::size_t>(seen.rows());
   if (!file.exists("/static/flexibility"))
     file.fail(
-        "has no dataset \"/static/flexibility\", which residual flexibility is made of: add it, or set "
+        "has no dataset \"/static/flexibility\", from which the residual flexibility follows: add it, or set "
         "modes.residual_flexibility = false.");
   const Eigen::MatrixXd flexibility = read_matrix(file, "/static/flexibility", {n, n}, seen.rows());
   if (!flexibility.isApprox(flexibility.transpose(), 1e-6))
@@ -189,8 +188,9 @@ Eigen::MatrixXd residual_response(const Reader& file, const Imported& body, cons
   const double whole = moved.cwiseProduct(seen).colwise().sum().maxCoeff();
   if (b > 0 && left.eigenvalues()[0] < -1e-6 * whole)
     file.fail(
-        "dataset \"/static/flexibility\" is less than what the modes have: of a free body it takes loads "
-        "less their rigid inertia, and displacements less rigid motion; shapes are mass-normalised.");
+        "dataset \"/static/flexibility\" is smaller than the flexibility of the modes: for a free body, "
+        "subtract rigid inertia from the loads and rigid motion from the displacements; shapes must be "
+        "mass-normalised.");
   return response;
 }
 
@@ -253,16 +253,15 @@ kernels::Kernel kernel_on_one_rank(const scene::KernelRequest& request) {
 }  // namespace
 
 bool holds_modes(const scene::Body& body, MPI_Comm comm) {
-  std::vector<char> found{0};
-  parallel::on_first_rank(comm, [&] { found[0] = mesh::open_body_file(body.mesh).exists("/modes") ? 1 : 0; });
-  parallel::broadcast(comm, found);
-  return found[0] != 0;
+  bool found = false;
+  parallel::on_first_rank(comm, [&] { found = mesh::open_body_file(body.mesh).exists("/modes"); });
+  return parallel::of_rank(comm, 0, found);
 }
 
 kernels::Kernel kernel_of_modes(const scene::KernelRequest& request, MPI_Comm comm,
                                 console::Console& console) {
   kernels::Kernel kernel;
-  console.begin(request.body.name + ": modes of its file");
+  console.begin(request.body.name + ": modes from its file");
   parallel::on_first_rank(comm, [&] { kernel = kernel_on_one_rank(request); });
   console.end(fmt::format("{} modes, not proved to be all", kernel.modes.size()));
   return kernel;

@@ -14,17 +14,15 @@
 #include "src/mesh/read.hpp"
 #include "src/scene/derive.hpp"
 #include "src/scene/parts.hpp"
-#include "src/scene/request.hpp"
 
 namespace ricochet {
 
 Source open_source(const scene::Body& body, const mesh::RequestedGroups& asked, MPI_Comm comm,
                    const parallel::Progress& progress) {
   Source source;
-  std::vector<char> in_parts(1, 0);
   parallel::on_first_rank(comm, [&] {
-    in_parts[0] = scene::part_files(body.mesh).empty() ? 0 : 1;
-    if (in_parts[0] != 0) return;
+    source.in_parts = !scene::part_files(body.mesh).empty();
+    if (source.in_parts) return;
     if (body.imported()) {
       source.whole = mesh::read_body_file(body, asked);
       return;
@@ -32,8 +30,7 @@ Source open_source(const scene::Body& body, const mesh::RequestedGroups& asked, 
     source.whole = mesh::read_mesh(body, progress, asked);
     mesh::forget_meshes();
   });
-  parallel::broadcast(comm, in_parts);
-  source.in_parts = in_parts[0] != 0;
+  source.in_parts = parallel::of_rank(comm, 0, source.in_parts);
   return source;
 }
 
@@ -46,7 +43,7 @@ surface::Patches patches_of(const scene::KernelRequest& request, const mesh::Mes
 
 namespace {
 
-/// The part of a kernel that pairs are found with.
+/// The part of a surface that pairing needs.
 kernels::Surface surface_alone(kernels::WholeSurface from) {
   kernels::Surface to;
   to.node = std::move(from.node);
@@ -58,7 +55,7 @@ kernels::Surface surface_alone(kernels::WholeSurface from) {
   return to;
 }
 
-/// A body's candidates, found on its mesh, which is freed afterwards: on rank 0. Collective.
+/// The candidates of a body from its mesh, which is freed afterwards; on rank 0. Collective.
 kernels::Surface surface_of_mesh(const scene::KernelRequest& request, MPI_Comm comm,
                                  console::Console& console) {
   const scene::Body& body = request.body;
@@ -97,7 +94,7 @@ std::vector<Points> needed_points(const scene::Scene& scene,
   std::vector<Points> points(requests.size());
   if (std::ranges::none_of(scene.bodies, [&](const auto& body) { return programs::is_limited(scene, body); }))
     return points;
-  std::vector<kernels::Kernel> surfaces;  // of the kernels to be: pairs need no more
+  std::vector<kernels::Kernel> surfaces;  // pairing needs no other part of the kernels
   for (const scene::KernelRequest& request : requests) {
     const auto alike = static_cast<std::size_t>(
         std::ranges::find(requests, request.hash, &scene::KernelRequest::hash) - requests.begin());
@@ -107,10 +104,9 @@ std::vector<Points> needed_points(const scene::Scene& scene,
     }
     std::optional<kernels::Surface> known;
     if (parallel::rank_of(comm) == 0) known = surface_of_kernel(programs::kernel_files(folder, request));
-    std::vector<char> is_known{known.has_value()};
-    parallel::broadcast(comm, is_known);
-    surfaces.emplace_back().surface =
-        is_known[0] != 0 ? known.value_or(kernels::Surface{}) : surface_of_mesh(request, comm, console);
+    surfaces.emplace_back().surface = parallel::of_rank(comm, 0, known.has_value())
+                                          ? known.value_or(kernels::Surface{})
+                                          : surface_of_mesh(request, comm, console);
   }
   parallel::on_first_rank(comm, [&] {
     programs::KernelPointers pointers;
@@ -119,11 +115,9 @@ std::vector<Points> needed_points(const scene::Scene& scene,
         scene, programs::in_scene(scene, [&] { return programs::place(scene, pointers); }));
   });
   for (Points& of_body : points) {
-    std::vector<char> limited{of_body.has_value()};
-    parallel::broadcast(comm, limited);
-    std::vector<std::int64_t> numbers = of_body.value_or(std::vector<std::int64_t>{});
-    parallel::broadcast(comm, numbers);
-    if (limited[0] != 0) of_body = std::move(numbers);
+    if (!parallel::of_rank(comm, 0, of_body.has_value())) continue;
+    if (!of_body) of_body.emplace();
+    parallel::broadcast(comm, *of_body);
   }
   return points;
 }

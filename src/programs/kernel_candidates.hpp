@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Which candidates the kernels of a scene have to hold, before any modes are computed.
+// The candidates that the kernels of a scene must contain, chosen before any modes are computed.
 #pragma once
 
 #include <mpi.h>
@@ -17,7 +17,7 @@ namespace ricochet {
 
 using programs::Points;
 
-/// A mesh in one file, read on rank 0; a mesh in parts is not read yet.
+/// A mesh in one file, read on rank 0. A mesh in parts is read later.
 struct Source {
   bool in_parts = false;
   mesh::GlobalMesh whole;
@@ -29,15 +29,16 @@ Source open_source(const scene::Body& body, const mesh::RequestedGroups& asked, 
 /// All candidates of the body. Needs a GmshSession.
 surface::Patches patches_of(const scene::KernelRequest& request, const mesh::Mesh& mesh);
 
-/// Candidates that the kernels have to hold: all where no pair has a reach. Surfaces come from kernels in the
-/// folder, or from meshes read one after the other, of which only the surface stays in memory. The same on
-/// every rank. Collective. Throws InputError like read_mesh and contact::place.
+/// Candidates that each kernel must contain: all of them if a pair has no reach. Surfaces come from kernels
+/// in the folder, or from meshes that are read one after the other; only the surfaces stay in memory. The
+/// result is the same on every rank. Collective. Throws InputError like read_mesh and contact::place.
 std::vector<Points> needed_points(const scene::Scene& scene,
                                   const std::vector<scene::KernelRequest>& requests,
                                   const std::filesystem::path& folder, MPI_Comm comm,
                                   console::Console& console);
 
-/// Candidates to compute for body k: also those of later bodies whose kernels are derived from its kernel.
+/// Candidates to compute for body k, including those of later bodies whose kernels are derived from its
+/// kernel.
 Points worth_computing(const std::vector<scene::KernelRequest>& requests, const std::vector<Points>& points,
                        std::size_t k);
 

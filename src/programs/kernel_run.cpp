@@ -5,9 +5,6 @@
 
 #include <algorithm>
 #include <iostream>
-#include <memory>
-#include <set>
-#include <string_view>
 #include <utility>
 
 #include "base/atomic_file.hpp"
@@ -24,7 +21,6 @@
 #include "src/programs/kernel_candidates.hpp"
 #include "src/scene/derive.hpp"
 #include "src/scene/read.hpp"
-#include "src/scene/request.hpp"
 #include "src/scene/write.hpp"
 #include "src/surface/trace.hpp"
 
@@ -32,11 +28,10 @@ namespace ricochet {
 
 namespace {
 
-/// Of the flexibility error asked for from modes: what may come from those above the search, and from those
-/// left out of what it found.
+/// Parts of the requested flexibility error: modes above the search, and modes found but left out.
 constexpr double beyond_search = 0.5, left_out = 0.5;
 
-/// Modes or vectors, and the lifts of supports that move.
+/// Modes or Ritz vectors, and the lifts of moving supports.
 modes::ModeSet find_modes(const scene::KernelRequest& request, Discretised& made,
                           const Eigen::MatrixXd& loads, const std::filesystem::path& checkpoint,
                           console::Console& console) {
@@ -50,7 +45,8 @@ modes::ModeSet find_modes(const scene::KernelRequest& request, Discretised& made
       .begin = [&](const std::string& phase) { console.begin(request.body.name + ": " + phase); },
       .at = [&](std::int64_t done, std::int64_t total) { console.advance(done, total); }};
   const auto contact_basis = [&](double error, std::optional<std::int64_t> count) {
-    // Gravity moves a supported body's surface too; a support that moves, by the inertia of its lift.
+    // Gravity also moves the surface of a supported body; a moving support acts through the inertia of its
+    // lift.
     const surface::Sources& sources = made.sources;
     Eigen::MatrixXd all(loads.rows(), loads.cols() + 3 + sources.receiver.cols() + sources.load.cols() +
                                           sources.lift.inertia.cols());
@@ -90,7 +86,7 @@ modes::ModeSet find_modes(const scene::KernelRequest& request, Discretised& made
   return modes;
 }
 
-std::string told(const scene::KernelRequest& request, const modes::ModeSet& modes) {
+std::string summary_of(const scene::KernelRequest& request, const modes::ModeSet& modes) {
   const std::size_t n = modes.angular_frequency.size();
   if (request.modes.basis == scene::Basis::modes)
     return fmt::format("{} {}modes up to {:.6g} Hz, count proved", n, modes.exact ? "" : "approximate ",
@@ -99,7 +95,7 @@ std::string told(const scene::KernelRequest& request, const modes::ModeSet& mode
                      modes.certificate.flexibility_error);
 }
 
-/// Takes out of a kernel the modes that contact does not need.
+/// Removes the modes that contact does not need from a kernel.
 void leave_to_residual(const scene::KernelRequest& request, kernels::Kernel& kernel) {
   const double error = *request.modes.flexibility_error;
   const auto found = static_cast<std::int64_t>(kernel.modes.size());
@@ -136,7 +132,7 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::f
 
   Eigen::MatrixXd loads = surface::patch_loads(mesh, patches);
   const modes::ModeSet modes = find_modes(request, made, loads, checkpoint, console);
-  console.end(told(request, modes));
+  console.end(summary_of(request, modes));
 
   console.begin(body.name + ": trace");
   kernels::Kernel kernel;
@@ -170,8 +166,8 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::f
 
 namespace {
 
-/// Writes the kernel from another one in the folder, when one allows it. @return what to say of it;
-/// empty when the kernel has to be computed. Collective.
+/// Derives the kernel from another one in the folder, if one is suitable, and writes it. @return a note for
+/// the user; empty if the kernel must be computed. Collective.
 std::string derive_if_possible(const scene::KernelRequest& request, const std::filesystem::path& folder,
                                const std::filesystem::path& path, MPI_Comm comm) {
   std::string from;
@@ -185,8 +181,8 @@ std::string derive_if_possible(const scene::KernelRequest& request, const std::f
   return from;
 }
 
-/// The folder of a kernel's finished slices. Kept until the kernel is there: a run that was killed goes on
-/// from it.
+/// The folder of a kernel's finished slices. It is kept until the kernel is written, so that a killed run can
+/// resume.
 std::filesystem::path checkpoint_of(std::filesystem::path kernel) {
   return kernel.replace_extension().replace_extension(".slices");
 }
@@ -202,7 +198,7 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
   const bool first = parallel::rank_of(comm) == 0;
   scene::Scene scene;
   std::vector<scene::KernelRequest> requests;
-  parallel::on_all_ranks(comm, [&] {  // each reads the small scene file
+  parallel::on_all_ranks(comm, [&] {  // each rank reads the small scene file
     scene = scene::read(options.scene, options.overrides, scene::Purpose::kernels);
     if (!options.dry_run)
       for (const scene::Body& body : scene.bodies) requests.push_back(scene::kernel_request(scene, body));
@@ -211,14 +207,14 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
     if (first) std::cout << scene::to_toml(scene);
     return 0;
   }
-  // Histories are read here only to refuse bad ones before anything is computed.
+  // Invalid histories are refused before anything is computed.
   parallel::on_first_rank(comm, [&] { programs::forcing_of(scene); });
 
   console::Console console(options.quiet || !first,
                            [comm] { return parallel::largest(comm, console::peak_memory_mib()); });
   if (requests.empty()) console.say("the scene takes its kernels from contact.table: nothing to compute");
   std::vector<Points> points = needed_points(scene, requests, options.out, comm, console);
-  // The error of the mesh is estimated from another order, with all candidates; these may fail.
+  // Kernels of another order, with all candidates, give the error of the mesh. They may fail.
   if (scene.accuracy)
     for (std::size_t k = 0; k < scene.bodies.size(); ++k)
       if (const auto other = scene::other_order(requests[k])) {
@@ -247,7 +243,7 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
     check_missing(0);
     return 0;
   }
-  // Before the first body is computed: what may be wrong with later ones.
+  // Errors in later bodies are reported before the first body is computed.
   auto check_later = [&, checked = false](std::size_t k) mutable {
     if (!std::exchange(checked, true)) check_missing(k + 1);
   };
@@ -289,7 +285,7 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
     if (first) forget(checkpoint);
     console.say(fmt::format("{}: {}{}", request.body.name, from, path.string()));
   }
-  // Peak memory is that of the rank that needed most.
+  // Peak memory is the maximum over the ranks.
   if (!console.phases().empty()) console.say(console::Console::table(console.phases()));
   return 0;
 }

@@ -22,7 +22,7 @@ void check_motion(const scene::Scene& scene) {
                     scene.file.string()));
   if (!scene.output.view)
     throw InputError(fmt::format(
-        "{0}: output.view = false: --vtk draws the skin of each body, which its kernel has not got. "
+        "{0}: output.view = false: --vtk draws the skin of each body, which its kernel does not contain. "
         "Set output.view = true and run ricochet-kernel {0} again.",
         scene.file.string()));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The motion for ParaView that a scene or --vtk asks for.
+// The motion for ParaView that a scene or --vtk requests.
 #pragma once
 
 #include <cstdint>
@@ -11,13 +11,14 @@
 
 namespace ricochet::programs {
 
-/// Throws InputError when the scene's kernels do not hold the motion: those of a table, or without skins.
+/// Throws InputError if the kernels of the scene do not contain the motion: tables, or no visualisation
+/// surface.
 void check_motion(const scene::Scene& scene);
 
-/// Throws InputError when a kernel file holds no skin.
+/// Throws InputError if a kernel file has no visualisation surface.
 void check_skins(const Kernels& kernels);
 
-/// `<stem>.motion.xdmf` and `.motion.h5`: every output.vtk_every-th step, or about 200 frames.
+/// Options of `<stem>.motion.xdmf` and `.motion.h5`: every output.vtk_every-th step, or about 200 frames.
 contact::MotionOptions motion_options(const scene::Scene& scene, std::int64_t steps,
                                       const std::filesystem::path& stem);
 

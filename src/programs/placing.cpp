@@ -7,7 +7,6 @@
 #include "contact/input/history_file.hpp"
 #include "contact/pairing/placement.hpp"
 #include "kernels/read.hpp"
-#include "src/scene/request.hpp"
 
 namespace ricochet::programs {
 namespace {
@@ -81,7 +80,7 @@ contact::Model model_of(const scene::Scene& scene, const contact::Placement& pla
 }
 
 bool is_limited(const scene::Scene& scene, const scene::Body& body) {
-  const auto names = [&](const scene::Pair& pair) { return pair.a == body.name || pair.b == body.name; };
+  const auto names = [&](const scene::Pair& pair) { return pair.names(body.name); };
   return std::ranges::any_of(scene.contact.pairs, names) &&
          std::ranges::all_of(scene.contact.pairs,
                              [&](const scene::Pair& pair) { return pair.reach || !names(pair); });

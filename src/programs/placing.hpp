@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The bodies of a scene in their positions, and which of their candidates the contact pairs use.
+// The bodies of a scene in their positions, and the candidates that the contact pairs use.
 #pragma once
 
 #include <fmt/format.h>
 
 #include <filesystem>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "contact/model/model.hpp"
@@ -16,7 +15,7 @@
 
 namespace ricochet::programs {
 
-/// Runs `action`; its InputErrors begin with the scene's file.
+/// Runs `action` and prefixes its InputErrors with the file of the scene.
 template <class Action>
 auto in_scene(const scene::Scene& scene, Action action) {
   try {
@@ -39,20 +38,20 @@ contact::Placement place(const scene::Scene& scene, const KernelPointers& kernel
 /// The placement with other kernels of the same surfaces.
 contact::Placement with_kernels(contact::Placement placement, const KernelPointers& kernels);
 
-/// Loads and moving supports, with their histories. Throws InputError when a history can't be read.
+/// Loads and moving supports, with their histories. Throws InputError if a history cannot be read.
 std::vector<contact::ForcingRequest> forcing_of(const scene::Scene& scene);
 
 /// Model of placed bodies under the scene's loads. Throws InputError as contact::build_model does.
 contact::Model model_of(const scene::Scene& scene, const contact::Placement& placement,
                         const std::vector<contact::ForcingRequest>& forcing);
 
-/// Whether every pair of a body has a reach, so that its kernel need not hold all candidates.
+/// Whether every pair of a body has a reach, so that its kernel need not contain all candidates.
 bool is_limited(const scene::Scene& scene, const scene::Body& body);
 
 /// Numbers of some candidates of a whole surface, ascending; none: all.
 using Points = std::optional<std::vector<std::int64_t>>;
 
-/// Candidates that the kernels of the scene's bodies have to hold; all candidates of bodies that are not
+/// Candidates that the kernels of the scene's bodies must contain: all candidates of bodies that are not
 /// limited.
 std::vector<Points> points_within_reach(const scene::Scene& scene, const contact::Placement& placement);
 
@@ -62,8 +61,8 @@ struct KernelFile {
   bool holds(const Points& points) const;
 };
 
-/// The kernel files in `folder` that fulfil `whole`, a request for all candidates, apart from candidates that
-/// reach left out; those with the fewest candidates first.
+/// The kernel files in `folder` that answer `whole`, a request for all candidates, or the same request
+/// limited by a reach; those with the fewest candidates come first.
 std::vector<KernelFile> kernel_files(const std::filesystem::path& folder, const scene::KernelRequest& whole);
 
 }  // namespace ricochet::programs

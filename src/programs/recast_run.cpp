@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// The candidates of the whole surface that have these numbers in the kernel.
+/// Converts numbers of candidates in the kernel to those on the whole surface.
 std::vector<std::int64_t> of_whole_surface(const scene::KernelRequest& had,
                                            const std::vector<std::int64_t>& points, std::size_t candidates) {
   if (!had.points) return points;
@@ -38,8 +38,8 @@ scene::KernelRequest wanted_of(const scene::KernelRequest& had, const RecastOpti
   scene::KernelRequest wanted = had;
   if (wanted.body.materials.empty() && (options.young != 1 || options.density != 1 || options.scale != 1))
     throw InputError(
-        "is of a body file, which has material and size in its numbers: leave the factors out, or change the "
-        "file");
+        "belongs to a body file, whose numbers include material and size: leave the factors out, or change "
+        "the file");
   for (scene::Material& material : wanted.body.materials) {
     material.young *= options.young;
     material.density *= options.density;
@@ -77,7 +77,7 @@ std::string recast(const RecastOptions& options, kernels::Kernel& kernel) {
   scene::KernelRequest had = scene::request_of(header, file);
   had.body.name = kernel.body;
   scene::KernelRequest wanted = wanted_of(had, options, kernel);
-  // Nobody could read a kernel of what a scene may not hold.
+  // Refuses values that no scene may contain, because the kernel could not be read again.
   scene::request_of({wanted.hash, wanted.toml, wanted.mesh_sha256, wanted.points}, "the new kernel");
   kernel = scene::derived(std::move(kernel), had, wanted);
   return scene::kernel_path({}, wanted).string();

@@ -8,7 +8,6 @@
 #include "src/programs/batch_run.hpp"
 #include "src/programs/contact_run.hpp"
 #include "src/scene/key_reference.hpp"
-#include "src/scene/keys.hpp"
 
 int main(int argc, char** argv) {
   using namespace ricochet;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// ricochet-kernel SCENE.toml: elastic modes of each body, kept where contact can see them.
+// ricochet-kernel SCENE.toml: elastic modes of each body, stored on its contact surface.
 //
 //   mpirun -n 2 ricochet-kernel meshes/two-disks/two-disks.toml
 //
@@ -15,14 +15,13 @@
 #include "src/parallel/parallel.hpp"
 #include "src/programs/kernel_run.hpp"
 #include "src/scene/key_reference.hpp"
-#include "src/scene/keys.hpp"
 
 int main(int argc, char** argv) {
   using namespace ricochet;
   parallel::prepare_blas(argv);
   console::end_cleanly_on_signals();  // also while MPI starts
   const parallel::Session session;
-  console::end_cleanly_on_signals();  // PETSc has taken some for itself
+  console::end_cleanly_on_signals();  // PETSc has replaced some handlers
   const bool first = parallel::rank_of(PETSC_COMM_WORLD) == 0;
   const auto parsed = console::parse(
       {.name = "ricochet-kernel",
@@ -38,11 +37,10 @@ int main(int argc, char** argv) {
     const int status = run_kernel(*parsed.options, PETSC_COMM_WORLD);
     return console::all_printed("ricochet-kernel") ? status : 1;
   } catch (const InputError& error) {
-    // Every rank holds the same complaint.
+    // Every rank has the same error.
     return first ? console::status_of(error, "ricochet-kernel") : 2;
   } catch (const std::exception& error) {
-    // Other ranks may be waiting in a collective call: end them all. Where all have failed, the first one
-    // speaks.
+    // Other ranks may wait in a collective call, so all are ended. If all failed, the first one reports.
     if (!first) std::this_thread::sleep_for(std::chrono::milliseconds(300));
     std::cerr << "ricochet-kernel: rank " << parallel::rank_of(PETSC_COMM_WORLD) << ": "
               << console::message_of(error) << std::endl;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// ricochet-recast KERNEL: the kernel of a similar body, or less of a kernel, without computing modes.
+// ricochet-recast KERNEL: rescales or truncates a kernel without computing modes.
 #include <exception>
 #include <iostream>
 

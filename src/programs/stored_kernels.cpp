@@ -7,7 +7,6 @@
 
 #include "kernels/read.hpp"
 #include "ricochet/error.hpp"
-#include "src/scene/request.hpp"
 
 namespace ricochet::programs {
 
@@ -15,7 +14,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Files that hold all candidates of a body, or some.
+/// Files that hold all or some candidates of a body.
 std::vector<KernelFile> files_of(const scene::Scene& scene, const scene::Body& body,
                                  const scene::KernelRequest& request, const fs::path& folder,
                                  KernelStore& store) {
@@ -36,7 +35,7 @@ std::shared_ptr<const kernels::Kernel> read(const fs::path& path, KernelStore& s
   return kernel;
 }
 
-/// Placements kept: those of a sweep over a few positions.
+/// Number of placements kept: those of a sweep over a few positions.
 constexpr std::size_t most_placements = 4;
 
 }  // namespace
@@ -64,37 +63,37 @@ KernelPointers Kernels::pointers() const {
   return out;
 }
 
-StoredKernels find_kernels(const scene::Scene& scene, const fs::path& folder, KernelStore& store) {
+std::vector<StoredKernel> find_kernels(const scene::Scene& scene, const fs::path& folder,
+                                       KernelStore& store) {
   std::vector<std::vector<KernelFile>> files;
-  StoredKernels out;
+  std::vector<StoredKernel> out;
   for (const scene::Body& body : scene.bodies) {
     const scene::KernelRequest request = scene::kernel_request(scene, body, &store.meshes);
     const fs::path whole = scene::kernel_path(folder, request);
     files.push_back(files_of(scene, body, request, folder, store));
     const bool none = files.back().empty();
-    out.of_body.push_back({none ? whole : files.back().front().path, !none, whole, request.hash});
+    out.push_back({none ? whole : files.back().front().path, !none, whole, request.hash});
   }
   const auto whole = [](const auto& of_body) { return of_body.size() == 1 && !of_body.front().held; };
   const auto none = [](const auto& of_body) { return of_body.empty(); };
   if (std::ranges::all_of(files, whole) || std::ranges::any_of(files, none)) return out;
 
   KernelPointers kernels;
-  for (const StoredKernel& stored : out.of_body) kernels.push_back(read(stored.path, store).get());
-  out.placement = store.placements.place(scene, kernels);
-  const std::vector<Points> points = points_within_reach(scene, *out.placement);
+  for (const StoredKernel& stored : out) kernels.push_back(read(stored.path, store).get());
+  const std::vector<Points> points = points_within_reach(scene, store.placements.place(scene, kernels));
   for (std::size_t k = 0; k < files.size(); ++k) {
     const auto enough =
         std::ranges::find_if(files[k], [&](const KernelFile& file) { return file.holds(points[k]); });
-    out.of_body[k].enough = enough != files[k].end();
-    if (out.of_body[k].enough) out.of_body[k].path = enough->path;
+    out[k].enough = enough != files[k].end();
+    if (out[k].enough) out[k].path = enough->path;
   }
   return out;
 }
 
 namespace {
 
-/// Poisson's ratio above which linear elements lock: they can hardly keep their volume and deform, and peak
-/// forces come out at least twice as large.
+/// Poisson's ratio above which linear elements lock: they can hardly deform at constant volume, and peak
+/// forces become at least twice as large.
 constexpr double locking_poisson = 0.45;
 
 std::vector<std::string> locking(const scene::Body& body, const kernels::Kernel& kernel) {
@@ -103,7 +102,7 @@ std::vector<std::string> locking(const scene::Body& body, const kernels::Kernel&
     if (kernel.order == 1 && material.area == 0 && material.poisson > locking_poisson)  // a rod has an area
       out.push_back(fmt::format(
           "{}: elements of order 1 lock at poisson = {:g} (above {:g}), forces are far too large: "
-          "it takes order 2 or more",
+          "use order 2 or more",
           body.name, material.poisson, locking_poisson));
   return out;
 }
@@ -111,8 +110,7 @@ std::vector<std::string> locking(const scene::Body& body, const kernels::Kernel&
 }  // namespace
 
 Kernels read_kernels(const scene::Scene& scene, const fs::path& folder, KernelStore& store, bool view) {
-  StoredKernels found = find_kernels(scene, folder, store);
-  const std::vector<StoredKernel>& stored = found.of_body;
+  const std::vector<StoredKernel> stored = find_kernels(scene, folder, store);
   Kernels out;
   decltype(store.kernels) kept;
   for (std::size_t k = 0; k < stored.size(); ++k) {
@@ -135,7 +133,6 @@ Kernels read_kernels(const scene::Scene& scene, const fs::path& folder, KernelSt
     kept[path] = kernel;
   }
   store.kernels = std::move(kept);
-  if (found.placement) out.placement = with_kernels(std::move(*found.placement), out.pointers());
   return out;
 }
 

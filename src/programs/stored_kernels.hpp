@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The store of kernels: the files that ricochet-kernel wrote, and what a process keeps of them between runs.
+// The store of kernels: the files that ricochet-kernel wrote, and the data that a process keeps between runs.
 #pragma once
 
 #include <deque>
@@ -24,16 +24,15 @@ namespace ricochet::programs {
 struct Kernels {
   std::vector<std::shared_ptr<const kernels::Kernel>> kernel;
   std::vector<std::string> file;
-  std::vector<std::string> warnings;            ///< about elements that do not suit their material
-  std::optional<contact::Placement> placement;  ///< where choosing the files took the pairs
+  std::vector<std::string> warnings;  ///< about elements that do not suit their material
   KernelPointers pointers() const;
 };
 
-/// The last few placements of one thread, by all that they follow from: surfaces in their initial positions,
-/// obstacles and pair requests.
+/// The last few placements of one thread, by the data that determine them: surfaces in their initial
+/// positions, obstacles and pair requests.
 class PlacementStore {
  public:
-  /// The placement of the scene's bodies, found or known. Throws InputError as contact::place does.
+  /// The placement of the scene's bodies, new or stored. Throws InputError as contact::place does.
   contact::Placement place(const scene::Scene& scene, const KernelPointers& kernels);
 
  private:
@@ -53,8 +52,8 @@ class PlacementStore {
   std::deque<std::pair<Key, contact::Placement>> known_;
 };
 
-/// Kept between the runs of one process, so that what stays the same is neither read nor found again: kernels
-/// of the run before, files that were seen to be kernels, hashes of meshes, and placements.
+/// Data that one process keeps between runs, so that nothing is read or computed twice: kernels of the
+/// previous run, files that were found to be kernels, hashes of meshes, and placements.
 struct KernelStore {
   std::map<std::filesystem::path, std::shared_ptr<const kernels::Kernel>> kernels;
   std::set<std::filesystem::path> seen;
@@ -62,8 +61,9 @@ struct KernelStore {
   PlacementStore placements;
 };
 
-/// The file of a body's kernel. Files may differ in the candidates that they hold: the smallest that suffices
-/// is taken; if none suffices, the smallest; without any file, the name of a kernel with all candidates.
+/// The file of a body's kernel. Files may differ in the candidates that they hold: the smallest sufficient
+/// one is chosen; if none suffices, the smallest; without any file, `path` names a kernel with all
+/// candidates.
 struct StoredKernel {
   std::filesystem::path path;
   bool enough = false;
@@ -71,19 +71,14 @@ struct StoredKernel {
   std::string hash;             ///< of that kernel
 };
 
-struct StoredKernels {
-  std::vector<StoredKernel> of_body;            ///< in the order of the scene's bodies
-  std::optional<contact::Placement> placement;  ///< where the choice took the pairs
-};
+/// The files of the scene's bodies, in their order. A damaged file or one of another scene counts as none.
+/// Throws InputError like contact::place if the choice of a file depends on a reach.
+std::vector<StoredKernel> find_kernels(const scene::Scene& scene, const std::filesystem::path& folder,
+                                       KernelStore& store);
 
-/// A damaged file and one of another scene count as none. Throws InputError like contact::place where a reach
-/// decides which file suffices.
-StoredKernels find_kernels(const scene::Scene& scene, const std::filesystem::path& folder,
-                           KernelStore& store);
-
-/// Throws InputError when a body has no kernel, or one of another scene. A kernel that holds too few
-/// candidates is read; contact::build_model refuses it. Afterwards `store` holds the scene's kernels alone.
-/// @param view  with their visualisation surfaces
+/// Throws InputError if a body has no kernel, or one of another scene. A kernel that holds too few candidates
+/// is read; contact::build_model refuses it. Afterwards `store` holds only the kernels of the scene.
+/// @param view  whether to read their visualisation surfaces too
 Kernels read_kernels(const scene::Scene& scene, const std::filesystem::path& folder, KernelStore& store,
                      bool view = false);
 

@@ -12,7 +12,7 @@
 namespace ricochet::programs {
 namespace {
 
-/// Memory for the samples, their copy in the convolution and the spectra.
+/// Refuses a table whose samples, their copy in the convolution and the spectra do not fit into memory.
 void check_memory(const Impact& impact) {
   const auto points = impact.model->gap.size();
   const double kernels = impact.options.scheme == Scheme::impulse ? 2 : 1,

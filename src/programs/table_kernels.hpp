@@ -8,11 +8,11 @@
 
 namespace ricochet::programs {
 
-/// Adds the table: that of the scene's file, or the model's for all steps of the impact. Throws InputError
-/// when the file can't be read, or the samples would not fit into memory.
+/// Adds the table: from the scene's file, or sampled from the model for all steps of the impact. Throws
+/// InputError if the file cannot be read or the samples do not fit into memory.
 void add_table(Impact& impact, console::Console& console);
 
-/// Throws InputError when the table is shorter than the impact, or as contact::TableStepper does.
+/// Throws InputError if the table is shorter than the impact, or as contact::TableStepper does.
 std::unique_ptr<contact::Stepper> table_stepper(const Impact& impact);
 
 }  // namespace ricochet::programs

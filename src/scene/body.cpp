@@ -20,26 +20,22 @@ Material read_material(Table& table, const std::string& group) {
 
 /// Returns an empty list if the table is missing, as for an imported body.
 std::vector<Material> read_materials(Table& body) {
-  auto table = body.table("material", material_keys());
+  auto table = body.table("material", material_keys);
   if (!table || table->raw().empty()) return {};
   bool nested = true;
   for (auto&& [key, node] : table->raw()) nested = nested && node.is_table();
   if (!nested) return {read_material(*table, "")};
   std::vector<Material> materials;
-  for (auto& [group, inner] : table->tables(material_keys()))
-    materials.push_back(read_material(inner, group));
+  for (auto& [group, inner] : table->tables(material_keys)) materials.push_back(read_material(inner, group));
   return materials;
 }
 
 Damping read_damping(Table& body) {
   Damping damping;
-  auto table = body.table("damping", damping_keys());
+  auto table = body.table("damping", damping_keys);
   if (!table) return damping;
-  const std::pair<const char*, Damping::Law> laws[] = {{"ratio", Damping::Law::ratio},
-                                                       {"loss_factor", Damping::Law::loss_factor},
-                                                       {"viscosity", Damping::Law::viscosity}};
   int given = 0;
-  for (const auto& [key, law] : laws)
+  for (const auto& [key, law] : damping_laws)
     if (const auto value = table->number(key)) {
       damping = {law, *value, 0};
       ++given;
@@ -103,10 +99,9 @@ Body read_body(const std::string& name, Table& table, const std::filesystem::pat
       name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") !=
           std::string::npos)
     table.complain("", "the name of a body must consist of letters, digits, - and _");
-  const auto mesh = table.text("mesh");
-  if (!mesh)
-    table.complain("mesh", "is missing: name a .geo, .step, .brep or .msh file, or a body file (.h5)");
-  body.mesh = (folder / *mesh).lexically_normal();
+  const std::string mesh = table.required("mesh", table.text("mesh"),
+                                          "name a .geo, .step, .brep or .msh file, or a body file (.h5)");
+  body.mesh = (folder / mesh).lexically_normal();
   read_body_matter(table, body);
   check_matter(table, body);
   body.translate = table.vector("translate").value_or(Vector3{});

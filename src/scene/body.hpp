@@ -2,11 +2,19 @@
 // Internal to src/scene: the tables [bodies.NAME].
 #pragma once
 
+#include <utility>
+
 #include "src/scene/scene.hpp"
 
 namespace ricochet::scene {
 
 class Table;
+
+/// The damping laws of one number, by their keys.
+inline constexpr std::pair<const char*, Damping::Law> damping_laws[] = {
+    {"ratio", Damping::Law::ratio},
+    {"loss_factor", Damping::Law::loss_factor},
+    {"viscosity", Damping::Law::viscosity}};
 
 /// Reads the body `name` from its table. Its mesh is resolved against `folder`. Throws InputError.
 Body read_body(const std::string& name, Table& table, const std::filesystem::path& folder);

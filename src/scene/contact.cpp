@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "src/scene/contact.hpp"
 
-#include <optional>
-
 #include "src/scene/table.hpp"
 
 namespace ricochet::scene {
@@ -77,26 +75,26 @@ void read_scheme(Table& table, Contact& contact) {
 
 Contact read_contact(Table& root, const Scene& scene) {
   Contact contact;
-  auto table = root.table("contact", contact_keys());
-  if (!table) root.complain("contact", "is missing: give between = [\"body\", \"body\"]");
-  read_kernel(*table, scene.file.parent_path(), contact);
-  read_scheme(*table, contact);
+  Table table =
+      root.required("contact", root.table("contact", contact_keys), "give between = [\"body\", \"body\"]");
+  read_kernel(table, scene.file.parent_path(), contact);
+  read_scheme(table, contact);
   if (!contact.table.empty()) {
-    table->refuse_unknown();
+    table.refuse_unknown();
     return contact;
   }
   Pair shared;
-  read_pair(*table, scene, shared);
-  for (Table& entry : table->array("pair", pair_keys())) {
+  read_pair(table, scene, shared);
+  for (Table& entry : table.array("pair", pair_keys)) {
     Pair pair = shared;
     read_pair(entry, scene, pair);
     entry.refuse_unknown();
     if (pair.a.empty()) entry.complain("between", "is missing");
     contact.pairs.push_back(body_first(scene, pair));
   }
-  table->refuse_unknown();
+  table.refuse_unknown();
   if (contact.pairs.empty()) {
-    if (shared.a.empty()) table->complain("between", "is missing: name the two that may touch");
+    if (shared.a.empty()) table.complain("between", "is missing: name the two that may touch");
     contact.pairs.push_back(body_first(scene, shared));
   }
   return contact;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/read.hpp"
 #include "src/scene/body.hpp"
 #include "src/scene/loads.hpp"
 #include "src/scene/modes.hpp"
@@ -54,7 +53,7 @@ const Section& request_contact_keys() {
       "",
       {{"direction", Type::vector, "", "", {}, ""},  // rounded, hence not of length 1
        {"along", Type::vector, "", "", {}, ""},
-       *pair_keys().find("spacing"),
+       *pair_keys.find("spacing"),
        {"points", Type::integers, "", "", {}, ""},
        {"within_reach", Type::text, "", "", {}, ""}}};
   return section;
@@ -123,7 +122,7 @@ KernelRequest request_of(const kernels::Header& header, const std::string& origi
       root.complain(
           sources,
           "kernels with loads, moving supports or receivers are for one scene only: compute another kernel");
-  auto body = root.table("body", body_keys());
+  auto body = root.table("body", body_keys);
   if (!body) root.complain("body", "is missing. Compute it again with ricochet-kernel.");
   read_body_matter(*body, request.body);
   body->refuse_unknown();
@@ -139,7 +138,7 @@ KernelRequest request_of(const kernels::Header& header, const std::string& origi
     }
     contact->refuse_unknown();
   }
-  if (auto output = root.table("output", output_keys())) {
+  if (auto output = root.table("output", output_keys)) {
     request.view = output->boolean("view").value_or(false);
     output->refuse_unknown();
   }

@@ -3,43 +3,21 @@
 
 #include <fmt/format.h>
 
+#include <array>
+
 #include "src/scene/keys.hpp"
 
 namespace ricochet::scene {
 
 namespace {
 
-const char* name_of(Type type) {
-  switch (type) {
-    case Type::number:
-      return "number";
-    case Type::integer:
-      return "whole number";
-    case Type::integers:
-      return "whole numbers";
-    case Type::boolean:
-      return "true or false";
-    case Type::text:
-      return "string";
-    case Type::texts:
-      return "string or list of them";
-    case Type::pair:
-      return "two numbers";
-    case Type::vector:
-      return "[x, y, z]";
-    case Type::direction:
-      return "[x, y, z]";
-    case Type::table:
-      return "table";
-    case Type::tables:
-      return "array of tables";
-    case Type::numbers:
-      return "table of numbers";
-    case Type::strings:
-      return "table of strings";
-  }
-  return "";
-}
+/// The words for each Type, in the order of its members.
+constexpr std::array names{"number",          "whole number",    "whole numbers",
+                           "true or false",   "string",          "string or list of them",
+                           "two numbers",     "[x, y, z]",       "[x, y, z]",
+                           "table",           "array of tables", "table of numbers",
+                           "table of strings"};
+static_assert(names.size() == static_cast<std::size_t>(Type::strings) + 1);
 
 std::string range_of(const Key& key) {
   if (key.type == Type::direction) return "any length but 0";
@@ -72,8 +50,9 @@ std::string key_reference() {
     if (!section->meaning.empty()) text += section->meaning + "\n\n";
     text += "| key | type | unit | default | range | meaning |\n|---|---|---|---|---|---|\n";
     for (const Key& key : section->keys)
-      text += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", key.name, name_of(key.type), key.unit,
-                          key.fallback, cell(range_of(key)), cell(key.meaning));
+      text += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", key.name,
+                          names[static_cast<std::size_t>(key.type)], key.unit, key.fallback,
+                          cell(range_of(key)), cell(key.meaning));
   }
   text.pop_back();
   return text;

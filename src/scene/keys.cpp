@@ -9,7 +9,7 @@
 namespace ricochet::scene {
 
 const Key* Section::find(std::string_view name) const {
-  const auto found = std::find_if(keys.begin(), keys.end(), [&](const Key& key) { return key.name == name; });
+  const auto found = std::ranges::find(keys, name, &Key::name);
   return found == keys.end() ? nullptr : &*found;
 }
 
@@ -26,7 +26,7 @@ Range from_to(const char* low, const char* high, const char* remark = "") {
 }
 Range one_of(std::vector<std::string> choices) { return {.choices = std::move(choices)}; }
 
-/// A default, as a scene would say it.
+/// A default, as a scene would give it.
 std::string shown(const std::string& text) { return '`' + text + '`'; }
 std::string shown(const char* choice) { return shown(toml_string(choice)); }
 std::string shown(double number) { return shown(toml_number(number)); }
@@ -81,300 +81,246 @@ Key place_of_source(const char* what) {
 
 }  // namespace
 
-const Section& scene_keys() {
-  static const Section section{
-      "Top level",
-      "",
-      {{"title", Type::text, "", "the file's name without `.toml`", any(),
-        "title of the pictures; the names of the result files are made from it"},
-       {"accuracy", Type::number, "1", none,
-        from_to("1e-6", "0.5", ", the relative error that results may have"),
-        "relative error allowed in the main results; the programs choose the settings that the scene leaves "
-        "open"},
-       {"bodies", Type::table, "", required, any(),
-        "`[bodies.NAME]`, one table for each elastic body. NAME consists of letters, digits, `-` and `_`. A "
-        "scene with a `contact.table` has no bodies"},
-       {"obstacles", Type::table, "", none, any(), "`[obstacles.NAME]`, rigid half-spaces"},
-       {"modes", Type::table, "", required, any(),
-        "basis of every body: which modes, or which Ritz vectors. Optional with `accuracy`"},
-       {"contact", Type::table, "", required, any(),
-        "contact pairs and contact law. Optional for kernels and modes"},
-       {"time", Type::table, "", required, any(),
-        "time step and duration. Optional for kernels and modes, and with `scheme = \"static\"`"},
-       {"loads", Type::table, "", none, any(), "gravity, tractions, point forces, moving supports"},
-       {"output", Type::table, "", none, any(), "what is written, and receivers"}}};
-  return section;
-}
+const Section scene_keys{
+    "Top level",
+    "",
+    {{"title", Type::text, "", "the file's name without `.toml`", any(),
+      "title of the pictures; the names of the result files are made from it"},
+     {"accuracy", Type::number, "1", none,
+      from_to("1e-6", "0.5", ", the relative error that results may have"),
+      "relative error allowed in the main results; the programs choose the settings that the scene leaves "
+      "open"},
+     {"bodies", Type::table, "", required, any(),
+      "`[bodies.NAME]`, one table for each elastic body. NAME consists of letters, digits, `-` and `_`. A "
+      "scene with a `contact.table` has no bodies"},
+     {"obstacles", Type::table, "", none, any(), "`[obstacles.NAME]`, rigid half-spaces"},
+     {"modes", Type::table, "", required, any(),
+      "basis of every body: which modes, or which Ritz vectors. Optional with `accuracy`"},
+     {"contact", Type::table, "", required, any(),
+      "contact pairs and contact law. Optional for kernels and modes"},
+     {"time", Type::table, "", required, any(),
+      "time step and duration. Optional for kernels and modes, and with `scheme = \"static\"`"},
+     {"loads", Type::table, "", none, any(), "gravity, tractions, point forces, moving supports"},
+     {"output", Type::table, "", none, any(), "what is written, and receivers"}}};
 
-const Section& body_keys() {
-  static const Body body;
-  static const Section section{
-      "[bodies.NAME]",
-      "An elastic body.",
-      {{"mesh", Type::text, "", required, any(),
-        "mesh file. `.msh` is read as it is; `.geo`, `.step` and `.brep` are meshed by the gmsh library; "
-        "`.h5` is a [body file](interchange.md#bodies-from-another-finite-element-program) from another "
-        "program"},
-       {"geometry", Type::numbers, "", "`{}`", any(),
-        "values for the `DefineConstant` names of a `.geo`. Names that the `.geo` does not define are "
-        "refused, and so is `geometry` for other files"},
-       {"order", Type::integer, "", shown(body.order), from_to("1", "10"),
-        "element order for meshes that gmsh makes; a `.msh` keeps its own"},
-       {"scale", Type::number, "1", shown(body.scale), above("0"),
-        "factor on all coordinates of the mesh (0.001 for a drawing in millimetres)"},
-       {"rotate_deg", Type::vector, "degrees", shown(body.rotate_deg), any(),
-        "rotations about the fixed axes x, then y, then z, through the origin of the mesh"},
-       {"translate", Type::vector, "m", shown(body.translate), any(),
-        "translation, after `scale` and `rotate_deg`"},
-       {"material", Type::table, "", required, any(),
-        "one table for the whole body, or one table for each physical volume (for a rod: physical line), "
-        "named after it. A body file has no material"},
-       {"damping", Type::table, "", "`{}`", any(), "one damping law; no damping if empty"},
-       {"velocity", Type::vector, "m/s", shown(body.velocity), any(),
-        "initial velocity of the whole body, in world axes. A supported body cannot have a velocity that its "
-        "supports prevent; a rod moves along its axis only"},
-       {"contact", Type::texts, "", required, any(),
-        "physical surface (for a rod: physical point) that may touch, or a list of them. Optional in a scene "
-        "without `[contact]`"},
-       {"support", Type::strings, "", "`{}`", any(),
-        "physical group (surface, curve, point or volume) = held components, some of `\"xyz\"`, in the axes "
-        "of the mesh (before `rotate_deg`). A rod is held if a named component has a share along its axis"}}};
-  return section;
-}
+const Section body_keys{
+    "[bodies.NAME]",
+    "An elastic body.",
+    {{"mesh", Type::text, "", required, any(),
+      "mesh file. `.msh` is read as it is; `.geo`, `.step` and `.brep` are meshed by the gmsh library; "
+      "`.h5` is a [body file](interchange.md#bodies-from-another-finite-element-program) from another "
+      "program"},
+     {"geometry", Type::numbers, "", "`{}`", any(),
+      "values for the `DefineConstant` names of a `.geo`. Names that the `.geo` does not define are "
+      "refused, and so is `geometry` for other files"},
+     {"order", Type::integer, "", shown(Body{}.order), from_to("1", "10"),
+      "element order for meshes that gmsh makes; a `.msh` keeps its own"},
+     {"scale", Type::number, "1", shown(Body{}.scale), above("0"),
+      "factor on all coordinates of the mesh (0.001 for a drawing in millimetres)"},
+     {"rotate_deg", Type::vector, "degrees", shown(Body{}.rotate_deg), any(),
+      "rotations about the fixed axes x, then y, then z, through the origin of the mesh"},
+     {"translate", Type::vector, "m", shown(Body{}.translate), any(),
+      "translation, after `scale` and `rotate_deg`"},
+     {"material", Type::table, "", required, any(),
+      "one table for the whole body, or one table for each physical volume (for a rod: physical line), "
+      "named after it. A body file has no material"},
+     {"damping", Type::table, "", "`{}`", any(), "one damping law; no damping if empty"},
+     {"velocity", Type::vector, "m/s", shown(Body{}.velocity), any(),
+      "initial velocity of the whole body, in world axes. A supported body cannot have a velocity that its "
+      "supports prevent; a rod moves along its axis only"},
+     {"contact", Type::texts, "", required, any(),
+      "physical surface (for a rod: physical point) that may touch, or a list of them. Optional in a scene "
+      "without `[contact]`"},
+     {"support", Type::strings, "", "`{}`", any(),
+      "physical group (surface, curve, point or volume) = held components, some of `\"xyz\"`, in the axes "
+      "of the mesh (before `rotate_deg`). A rod is held if a named component has a share along its axis"}}};
 
-const Section& material_keys() {
-  static const Material material;
-  static const Section section{
-      "[bodies.NAME.material]",
-      "Linear and isotropic. A body of several materials has one table for each: "
-      "`[bodies.NAME.material.GROUP]`.",
-      {{"density", Type::number, "kg/m³", required, above("0"), "mass per volume"},
-       {"young", Type::number, "Pa", required, above("0"), "Young's modulus"},
-       {"poisson", Type::number, "1", shown(material.poisson),
-        Range{.low = "-1",
-              .high = "0.5",
-              .low_open = true,
-              .high_open = true,
-              .remark = ". Nearly incompressible: try 0.49."},
-        "Poisson's ratio; rods do not use it. Above 0.45 use `order` 2 or more: linear elements lock, and a "
-        "warning is printed"},
-       {"area", Type::number, "m²", none, above("0"), "cross-section of a rod; other bodies do not use it"}}};
-  return section;
-}
+const Section material_keys{
+    "[bodies.NAME.material]",
+    "Linear and isotropic. A body of several materials has one table for each: "
+    "`[bodies.NAME.material.GROUP]`.",
+    {{"density", Type::number, "kg/m³", required, above("0"), "mass per volume"},
+     {"young", Type::number, "Pa", required, above("0"), "Young's modulus"},
+     {"poisson", Type::number, "1", shown(Material{}.poisson),
+      Range{.low = "-1",
+            .high = "0.5",
+            .low_open = true,
+            .high_open = true,
+            .remark = ". Nearly incompressible: try 0.49."},
+      "Poisson's ratio; rods do not use it. Above 0.45 use `order` 2 or more: linear elements lock, and a "
+      "warning is printed"},
+     {"area", Type::number, "m²", none, above("0"), "cross-section of a rod; other bodies do not use it"}}};
 
-const Section& damping_keys() {
-  static const Section section{
-      "[bodies.NAME.damping]",
-      "Give one of these laws for the decay rate δ = ζω of a mode with the angular frequency ω.",
-      {{"ratio", Type::number, "1", none, at_least("0"),
-        "δ = ratio · ω: the same damping ratio ζ for every mode"},
-       {"loss_factor", Type::number, "1", none, at_least("0"), "δ = loss_factor · ω / 2"},
-       {"viscosity", Type::number, "s", none, at_least("0"), "δ = viscosity · ω² / 2 (Kelvin–Voigt)"},
-       {"rayleigh", Type::pair, "[1/s, s]", none, any(),
-        "[α, β]: δ = (α + β ω²) / 2; α also damps rigid motion"}}};
-  return section;
-}
+const Section damping_keys{
+    "[bodies.NAME.damping]",
+    "Give one of these laws for the decay rate δ = ζω of a mode with the angular frequency ω.",
+    {{"ratio", Type::number, "1", none, at_least("0"),
+      "δ = ratio · ω: the same damping ratio ζ for every mode"},
+     {"loss_factor", Type::number, "1", none, at_least("0"), "δ = loss_factor · ω / 2"},
+     {"viscosity", Type::number, "s", none, at_least("0"), "δ = viscosity · ω² / 2 (Kelvin–Voigt)"},
+     {"rayleigh", Type::pair, "[1/s, s]", none, any(),
+      "[α, β]: δ = (α + β ω²) / 2; α also damps rigid motion"}}};
 
-const Section& obstacle_keys() {
-  static const Obstacle obstacle;
-  static const Section section{
-      "[obstacles.NAME]",
-      "A rigid half-space, which can replace one of the two bodies of a pair.",
-      {{"point", Type::vector, "m", shown(obstacle.point), any(), "a point of its surface"},
-       {"normal", Type::direction, "", required, any(), "outward normal of the obstacle"}}};
-  return section;
-}
+const Section obstacle_keys{
+    "[obstacles.NAME]",
+    "A rigid half-space, which can replace one of the two bodies of a pair.",
+    {{"point", Type::vector, "m", shown(Obstacle{}.point), any(), "a point of its surface"},
+     {"normal", Type::direction, "", required, any(), "outward normal of the obstacle"}}};
 
-const Section& modes_keys() {
-  static const Modes modes;
-  static const Section section{
-      "[modes]",
-      "",
-      {{"basis", Type::text, "", shown("modes"), one_of({"modes", "contact"}),
-        "`\"modes\"`: certified modes of the body. `\"contact\"`: contact-adapted basis, load-dependent Ritz "
-        "vectors for the loads that contact can apply"},
-       {"up_to_hz", Type::number, "Hz", none, above("0"),
-        "keep all modes up to this frequency. With `flexibility_error` or `basis = \"contact\"`: end of the "
-        "frequency band in which the contact surface must respond accurately"},
-       {"count", Type::integer, "", none, at_least("1"),
-        "number of modes or Ritz vectors, rigid modes included. The lowest modes are kept; a multiple mode "
-        "at the end is kept whole"},
-       {"flexibility_error", Type::number, "1", "1e-3 for Ritz vectors without `count`, otherwise none",
-        from_to("1e-6", "0.5"),
-        "relative error allowed in the flexibility of the contact surface over the band"},
-       {"residual_flexibility", Type::boolean, "", shown(modes.residual_flexibility), any(),
-        "keep the static flexibility of the modes that are left out"},
-       {"relative_residual", Type::number, "1", shown(modes.relative_residual), from_to("1e-14", "1e-2"),
-        "bound on ‖Kφ − ω²Mφ‖ / ‖Kφ‖ of each mode. A mode above it is an error, unless round-off explains "
-        "it. Ritz vectors are not checked"},
-       {"approximate", Type::integer, "", shown(modes.approximate),
-        from_to("0", "5", " block iterations (0: certified modes)"),
-        "number of block iterations that improve the modes of the next lower element order, in place of the "
-        "certified search; 0: certified modes. Needs `basis = \"modes\"` with `up_to_hz` or `count` alone, "
-        "and elements of order 2 or more"},
-       {"low_rank", Type::number, "1", shown(modes.low_rank),
-        Range{.low = "1e-12", .high = "1e-3", .or_zero = true},
-        "threshold of MUMPS's block low-rank factorisation, for `basis = \"contact\"` only; 0: full rank. It "
-        "saves memory on large solid bodies. The solves have about this relative error, so keep it well "
-        "below `flexibility_error`"}}};
-  return section;
-}
+const Section modes_keys{
+    "[modes]",
+    "",
+    {{"basis", Type::text, "", shown("modes"), one_of({"modes", "contact"}),
+      "`\"modes\"`: certified modes of the body. `\"contact\"`: contact-adapted basis, load-dependent Ritz "
+      "vectors for the loads that contact can apply"},
+     {"up_to_hz", Type::number, "Hz", none, above("0"),
+      "keep all modes up to this frequency. With `flexibility_error` or `basis = \"contact\"`: end of the "
+      "frequency band in which the contact surface must respond accurately"},
+     {"count", Type::integer, "", none, at_least("1"),
+      "number of modes or Ritz vectors, rigid modes included. The lowest modes are kept; a multiple mode "
+      "at the end is kept whole"},
+     {"flexibility_error", Type::number, "1", "1e-3 for Ritz vectors without `count`, otherwise none",
+      from_to("1e-6", "0.5"),
+      "relative error allowed in the flexibility of the contact surface over the band"},
+     {"residual_flexibility", Type::boolean, "", shown(Modes{}.residual_flexibility), any(),
+      "keep the static flexibility of the modes that are left out"},
+     {"relative_residual", Type::number, "1", shown(Modes{}.relative_residual), from_to("1e-14", "1e-2"),
+      "bound on ‖Kφ − ω²Mφ‖ / ‖Kφ‖ of each mode. A mode above it is an error, unless round-off explains "
+      "it. Ritz vectors are not checked"},
+     {"approximate", Type::integer, "", shown(Modes{}.approximate),
+      from_to("0", "5", " block iterations (0: certified modes)"),
+      "number of block iterations that improve the modes of the next lower element order, in place of the "
+      "certified search; 0: certified modes. Needs `basis = \"modes\"` with `up_to_hz` or `count` alone, "
+      "and elements of order 2 or more"},
+     {"low_rank", Type::number, "1", shown(Modes{}.low_rank),
+      Range{.low = "1e-12", .high = "1e-3", .or_zero = true},
+      "threshold of MUMPS's block low-rank factorisation, for `basis = \"contact\"` only; 0: full rank. It "
+      "saves memory on large solid bodies. The solves have about this relative error, so keep it well "
+      "below `flexibility_error`"}}};
 
-const Section& pair_keys() {
-  static const Section section{
-      "[[contact.pair]]",
-      "One table for each of several pairs. Keys that a pair does not give are taken from `[contact]`.",
-      {{"between", Type::texts, "", required, any(),
-        "names of two bodies, or of a body and an obstacle. \"Body a\" below is the first body"},
-       {"direction", Type::direction, "", none, any(),
-        "the normal of every contact point: out of the first name in `between`, in world axes. Without it "
-        "each point has the mutual normal (n_a − n_b)/|n_a − n_b|. Against an obstacle it must lie along the "
-        "obstacle's normal and point towards the second name"},
-       {"along", Type::direction, "", none, any(),
-        "merges all of the contact surface that lies on one line in this direction (world axes) into one "
-        "candidate. Each line should meet the surface on one side of the body only"},
-       {"spacing", Type::number, "m", none, above("0"),
-        "smallest distance between candidates. Without it, every node of the contact surface is one"},
-       {"gap", Type::number, "m", none, at_least("0"),
-        "moves body a along `direction` (or the mean normal) until the closest pair of points has this "
-        "distance, measured between the means of the patches"},
-       {"reach", Type::number, "m", none, above("0"),
-        "drops the pairs of points whose initial gap, after `gap`, is not below this distance. Kernels leave "
-        "out the candidates that no pair needs"}}};
-  return section;
-}
+const Section pair_keys{
+    "[[contact.pair]]",
+    "One table for each of several pairs. Keys that a pair does not give are taken from `[contact]`.",
+    {{"between", Type::texts, "", required, any(),
+      "names of two bodies, or of a body and an obstacle. \"Body a\" below is the first body"},
+     {"direction", Type::direction, "", none, any(),
+      "the normal of every contact point: out of the first name in `between`, in world axes. Without it "
+      "each point has the mutual normal (n_a − n_b)/|n_a − n_b|. Against an obstacle it must lie along the "
+      "obstacle's normal and point towards the second name"},
+     {"along", Type::direction, "", none, any(),
+      "merges all of the contact surface that lies on one line in this direction (world axes) into one "
+      "candidate. Each line should meet the surface on one side of the body only"},
+     {"spacing", Type::number, "m", none, above("0"),
+      "smallest distance between candidates. Without it, every node of the contact surface is one"},
+     {"gap", Type::number, "m", none, at_least("0"),
+      "moves body a along `direction` (or the mean normal) until the closest pair of points has this "
+      "distance, measured between the means of the patches"},
+     {"reach", Type::number, "m", none, above("0"),
+      "drops the pairs of points whose initial gap, after `gap`, is not below this distance. Kernels leave "
+      "out the candidates that no pair needs"}}};
 
-const Section& contact_keys() {
-  static const Contact contact;
-  static const Section section =
-      joined({"[contact]",
-              "",
-              {{"scheme", Type::text, "", shown("compliant"), one_of({"compliant", "impulse", "static"}),
-                "contact law. `\"compliant\"`: forces with which no point penetrates at the end of a step. "
-                "`\"impulse\"`: impulses on the points that touch. `\"static\"`: equilibrium under gravity, "
-                "without time"},
-               {"admittance", Type::text, "", shown("jump"), one_of({"jump", "difference"}),
-                "`impulse` only: velocity jump, or difference quotient over a step. `difference` needs ω_max "
-                "· step < π"},
-               {"instant", Type::text, "", shown("step"), one_of({"step", "exact"}),
-                "`impulse` only: contact at the end of the step, or (event location) at the instant at which "
-                "a point closes"},
-               {"restitution", Type::number, "1", shown(contact.restitution), from_to("0", "1"),
-                "`impulse` only: coefficient of restitution"},
-               {"max_pivots", Type::integer, "", none, from_to("1", "1e9"),
-                "bounds the work of a step, for real time: the number of changes of the active set. A step "
-                "that is cut short may let points penetrate; the summary counts such steps"},
-               {"kernel", Type::text, "", shown("modes"), one_of({"modes", "table"}),
-                "`\"table\"`: the kernels are sampled at each step and convolved with the forces"},
-               {"table", Type::text, "", none, any(),
-                "file of sampled kernels, for `kernel = \"table\"` only. It replaces bodies, modes, pairs "
-                "and loads, which are refused beside it"},
-               {"solver", Type::text, "", shown("exact"), one_of({"exact", "uzawa"}),
-                "`static` only. `uzawa`: iteration on the pressures, for comparison"},
-               {"pair", Type::tables, "", none, any(), "`[[contact.pair]]`, several pairs"}}},
-             pair_keys());
-  return section;
-}
+const Section contact_keys =
+    joined({"[contact]",
+            "",
+            {{"scheme", Type::text, "", shown("compliant"), one_of({"compliant", "impulse", "static"}),
+              "contact law. `\"compliant\"`: forces with which no point penetrates at the end of a step. "
+              "`\"impulse\"`: impulses on the points that touch. `\"static\"`: equilibrium under gravity, "
+              "without time"},
+             {"admittance", Type::text, "", shown("jump"), one_of({"jump", "difference"}),
+              "`impulse` only: velocity jump, or difference quotient over a step. `difference` needs ω_max "
+              "· step < π"},
+             {"instant", Type::text, "", shown("step"), one_of({"step", "exact"}),
+              "`impulse` only: contact at the end of the step, or (event location) at the instant at which "
+              "a point closes"},
+             {"restitution", Type::number, "1", shown(Contact{}.restitution), from_to("0", "1"),
+              "`impulse` only: coefficient of restitution"},
+             {"max_pivots", Type::integer, "", none, from_to("1", "1e9"),
+              "bounds the work of a step, for real time: the number of changes of the active set. A step "
+              "that is cut short may let points penetrate; the summary counts such steps"},
+             {"kernel", Type::text, "", shown("modes"), one_of({"modes", "table"}),
+              "`\"table\"`: the kernels are sampled at each step and convolved with the forces"},
+             {"table", Type::text, "", none, any(),
+              "file of sampled kernels, for `kernel = \"table\"` only. It replaces bodies, modes, pairs "
+              "and loads, which are refused beside it"},
+             {"solver", Type::text, "", shown("exact"), one_of({"exact", "uzawa"}),
+              "`static` only. `uzawa`: iteration on the pressures, for comparison"},
+             {"pair", Type::tables, "", none, any(), "`[[contact.pair]]`, several pairs"}}},
+           pair_keys);
 
-const Section& time_keys() {
-  static const Time time;
-  static const Section section{
-      "[time]",
-      "",
-      {{"rate_hz", Type::number, "Hz", shown(time.rate.value) + ", or chosen by `accuracy`", above("0"),
-        "steps per second"},
-       {"duration", Type::number, "s", required, above("0"),
-        "simulated time. duration · rate_hz is rounded to a whole number of steps, from 1 to 1e9"},
-       {"precision", Type::text, "", shown("double") + ", or chosen by `accuracy`",
-        one_of({"double", "single"}),
-        "`\"single\"`: matrix products of the steps in single precision, which is faster with many points. "
-        "Needs `scheme = \"compliant\"` and `kernel = \"modes\"`"}}};
-  return section;
-}
+const Section time_keys{
+    "[time]",
+    "",
+    {{"rate_hz", Type::number, "Hz", shown(Time{}.rate.value) + ", or chosen by `accuracy`", above("0"),
+      "steps per second"},
+     {"duration", Type::number, "s", required, above("0"),
+      "simulated time. duration · rate_hz is rounded to a whole number of steps, from 1 to 1e9"},
+     {"precision", Type::text, "", shown("double") + ", or chosen by `accuracy`",
+      one_of({"double", "single"}),
+      "`\"single\"`: matrix products of the steps in single precision, which is faster with many points. "
+      "Needs `scheme = \"compliant\"` and `kernel = \"modes\"`"}}};
 
-const Section& loads_keys() {
-  static const Loads loads;
-  static const Section section{
-      "[loads]",
-      "",
-      {{"gravity", Type::vector, "m/s²", shown(loads.gravity), any(),
-        "acceleration of gravity, in world axes"},
-       {"traction", Type::tables, "", none, any(), "`[[loads.traction]]`, forces distributed over surfaces"},
-       {"point", Type::tables, "", none, any(), "`[[loads.point]]`, point forces"},
-       {"motion", Type::tables, "", none, any(), "`[[loads.motion]]`, moving supports"}}};
-  return section;
-}
+const Section loads_keys{
+    "[loads]",
+    "",
+    {{"gravity", Type::vector, "m/s²", shown(Loads{}.gravity), any(),
+      "acceleration of gravity, in world axes"},
+     {"traction", Type::tables, "", none, any(), "`[[loads.traction]]`, forces distributed over surfaces"},
+     {"point", Type::tables, "", none, any(), "`[[loads.point]]`, point forces"},
+     {"motion", Type::tables, "", none, any(), "`[[loads.motion]]`, moving supports"}}};
 
-const Section& traction_keys() {
-  static const Section section{
-      "[[loads.traction]]",
-      "A force distributed over a surface.",
-      {body_of_source(),
-       {"group", Type::text, "", required, any(),
-        "physical surface on the outside of the body (for a rod: an end). It may also be a contact surface"},
-       vector_of_source("Pa", "traction, in world axes"),
-       history_of_source(),
-       name_of_source("the group")}};
-  return section;
-}
+const Section traction_keys{
+    "[[loads.traction]]",
+    "A force distributed over a surface.",
+    {body_of_source(),
+     {"group", Type::text, "", required, any(),
+      "physical surface on the outside of the body (for a rod: an end). It may also be a contact surface"},
+     vector_of_source("Pa", "traction, in world axes"),
+     history_of_source(),
+     name_of_source("the group")}};
 
-const Section& point_keys() {
-  static const Section section{"[[loads.point]]",
-                               "A force at a point.",
-                               {body_of_source(), place_of_source("point of application"),
-                                vector_of_source("N", "force, in world axes"), history_of_source(),
-                                name_of_source("point 1, point 2, …")}};
-  return section;
-}
+const Section point_keys{
+    "[[loads.point]]",
+    "A force at a point.",
+    {body_of_source(), place_of_source("point of application"), vector_of_source("N", "force, in world axes"),
+     history_of_source(), name_of_source("point 1, point 2, …")}};
 
-const Section& motion_keys() {
-  static const Section section{
-      "[[loads.motion]]",
-      "The displacement of a support.",
-      {body_of_source(),
-       {"group", Type::text, "", required, any(), "one of the body's supports"},
-       vector_of_source("m", "displacement, in world axes, along components that the support holds"),
-       history_of_source(),
-       name_of_source("the group")}};
-  return section;
-}
+const Section motion_keys{
+    "[[loads.motion]]",
+    "The displacement of a support.",
+    {body_of_source(),
+     {"group", Type::text, "", required, any(), "one of the body's supports"},
+     vector_of_source("m", "displacement, in world axes, along components that the support holds"),
+     history_of_source(),
+     name_of_source("the group")}};
 
-const Section& output_keys() {
-  static const Output output;
-  static const Section section{
-      "[output]",
-      "",
-      {{"every", Type::integer, "steps", shown(output.every), from_to("1", "1e9"),
-        "interval between rows of the result"},
-       {"view", Type::boolean, "", shown(output.view), any(),
-        "keep each body's visualisation surface in its kernel, for pictures: the modes and, with "
-        "`residual_flexibility`, the static response to each candidate. Each of these columns takes 12 bytes "
-        "for each node"},
-       {"snapshot_every", Type::integer, "steps", shown(output.snapshot_every), at_least("0"),
-        "interval between snapshots of the modal coordinates; 0: none"},
-       {"vtk_every", Type::integer, "steps", shown(output.vtk_every), at_least("0"),
-        "interval between frames of the [motion for ParaView](results.md#motion-in-paraview); 0: none. Sets "
-        "`view`; not with `kernel = \"table\"`"},
-       {"receiver", Type::tables, "", none, any(),
-        "`[[output.receiver]]`, points whose motion is recorded"}}};
-  return section;
-}
+const Section output_keys{
+    "[output]",
+    "",
+    {{"every", Type::integer, "steps", shown(Output{}.every), from_to("1", "1e9"),
+      "interval between rows of the result"},
+     {"view", Type::boolean, "", shown(Output{}.view), any(),
+      "keep each body's visualisation surface in its kernel, for pictures: the modes and, with "
+      "`residual_flexibility`, the static response to each candidate. Each of these columns takes 12 bytes "
+      "for each node"},
+     {"snapshot_every", Type::integer, "steps", shown(Output{}.snapshot_every), at_least("0"),
+      "interval between snapshots of the modal coordinates; 0: none"},
+     {"vtk_every", Type::integer, "steps", shown(Output{}.vtk_every), at_least("0"),
+      "interval between frames of the [motion for ParaView](results.md#motion-in-paraview); 0: none. Sets "
+      "`view`; not with `kernel = \"table\"`"},
+     {"receiver", Type::tables, "", none, any(), "`[[output.receiver]]`, points whose motion is recorded"}}};
 
-const Section& receiver_keys() {
-  static const Section section{"[[output.receiver]]",
-                               "A point of a body whose motion is recorded and written as sound.",
-                               {{"name", Type::text, "", required, any(),
-                                 "a name that no other receiver has; at most 100 bytes, no `/`, and not "
-                                 "`body_force`, `body_force_residual` or `rotation`"},
-                                body_of_source(),
-                                place_of_source("the point")}};
-  return section;
-}
+const Section receiver_keys{"[[output.receiver]]",
+                            "A point of a body whose motion is recorded and written as sound.",
+                            {{"name", Type::text, "", required, any(),
+                              "a name that no other receiver has; at most 100 bytes, no `/`, and not "
+                              "`body_force`, `body_force_residual` or `rotation`"},
+                             body_of_source(),
+                             place_of_source("the point")}};
 
 std::vector<const Section*> all_sections() {
-  return {&scene_keys(),    &body_keys(),    &material_keys(), &damping_keys(), &obstacle_keys(),
-          &modes_keys(),    &contact_keys(), &pair_keys(),     &time_keys(),    &loads_keys(),
-          &traction_keys(), &point_keys(),   &motion_keys(),   &output_keys(),  &receiver_keys()};
+  return {&scene_keys,    &body_keys,    &material_keys, &damping_keys, &obstacle_keys,
+          &modes_keys,    &contact_keys, &pair_keys,     &time_keys,    &loads_keys,
+          &traction_keys, &point_keys,   &motion_keys,   &output_keys,  &receiver_keys};
 }
 
 }  // namespace ricochet::scene

@@ -46,21 +46,9 @@ struct Section {
   const Key* find(std::string_view name) const;
 };
 
-const Section& scene_keys();
-const Section& body_keys();
-const Section& material_keys();
-const Section& damping_keys();
-const Section& obstacle_keys();
-const Section& modes_keys();
-const Section& contact_keys();
-const Section& pair_keys();
-const Section& time_keys();
-const Section& loads_keys();
-const Section& traction_keys();
-const Section& point_keys();
-const Section& motion_keys();
-const Section& output_keys();
-const Section& receiver_keys();
+extern const Section scene_keys, body_keys, material_keys, damping_keys, obstacle_keys, modes_keys,
+    contact_keys, pair_keys, time_keys, loads_keys, traction_keys, point_keys, motion_keys, output_keys,
+    receiver_keys;
 
 /// All of the above, in the order of the reference.
 std::vector<const Section*> all_sections();

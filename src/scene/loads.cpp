@@ -12,21 +12,8 @@ namespace ricochet::scene {
 
 namespace {
 
-/// The value of a required key.
-std::string required_text(Table& table, const std::string& key, const char* what) {
-  const auto text = table.text(key);
-  if (!text) table.complain(key, std::string("is missing: ") + what);
-  return *text;
-}
-
-Vector3 required_vector(Table& table, const std::string& key, const char* what) {
-  const auto vector = table.vector(key);
-  if (!vector) table.complain(key, std::string("is missing: ") + what);
-  return *vector;
-}
-
 std::string read_body(Table& table, const Scene& scene) {
-  const std::string name = required_text(table, "body", "name the body");
+  const std::string name = table.required("body", table.text("body"), "name the body");
   if (scene.find_body(name) == nullptr) table.complain("body", "there is no body \"" + name + "\"");
   return name;
 }
@@ -40,19 +27,6 @@ void check_name(const Table& table, const std::string& key, const std::string& n
                        "not body_force, body_force_residual or rotation");
 }
 
-std::string read_name(Table& table, const std::string& fallback) {
-  const std::string name = table.text("name").value_or(fallback);
-  check_name(table, "name", name);
-  return name;
-}
-
-Vector3 in_body(const std::array<double, 9>& rotation, const Vector3& world) {
-  Vector3 own{};
-  for (std::size_t k = 0; k < 3; ++k)
-    for (std::size_t j = 0; j < 3; ++j) own[k] += rotation[3 * j + k] * world[j];
-  return own;
-}
-
 /// Checks that a support moves along components that it holds.
 void check_motion(Table& table, const Body& body, const Forcing& motion) {
   const auto support = body.support.find(motion.group);
@@ -64,7 +38,7 @@ void check_motion(Table& table, const Body& body, const Forcing& motion) {
                                 : "is not a support of bodies." + body.name + ": those are " + all);
   }
   check_name(table, "group", motion.group);
-  const Vector3 own = in_body(rotation_of(body), motion.vector);
+  const Vector3 own = in_body(body, motion.vector);
   const double length = std::hypot(own[0], own[1], own[2]);
   for (std::size_t k = 0; k < 3; ++k) {
     const char component = "xyz"[k];
@@ -83,15 +57,17 @@ Forcing read_driven(Table& table, Kind kind, std::size_t number, const Scene& sc
   Forcing driven;
   driven.body = read_body(table, scene);
   if (kind == Kind::point)
-    driven.at = required_vector(table, "at", "where the force acts, [x, y, z] in world axes");
+    driven.at = table.required("at", table.vector("at"), "where the force acts, [x, y, z] in world axes");
   else
-    driven.group =
-        required_text(table, "group", kind == Kind::traction ? "name a physical surface" : "name a support");
-  driven.name = read_name(table, kind == Kind::point ? fmt::format("point {}", number + 1) : driven.group);
-  driven.vector = required_vector(table, "vector",
-                                  kind == Kind::traction ? "[x, y, z] in Pa, world axes"
-                                  : kind == Kind::point  ? "[x, y, z] in N, world axes"
-                                                         : "[x, y, z] in m, world axes");
+    driven.group = table.required("group", table.text("group"),
+                                  kind == Kind::traction ? "name a physical surface" : "name a support");
+  driven.name =
+      table.text("name").value_or(kind == Kind::point ? fmt::format("point {}", number + 1) : driven.group);
+  check_name(table, "name", driven.name);
+  driven.vector = table.required("vector", table.vector("vector"),
+                                 kind == Kind::traction ? "[x, y, z] in Pa, world axes"
+                                 : kind == Kind::point  ? "[x, y, z] in N, world axes"
+                                                        : "[x, y, z] in m, world axes");
   if (kind == Kind::motion) check_motion(table, *scene.find_body(driven.body), driven);
   if (const auto history = table.text("history")) {
     driven.history = (scene.file.parent_path() / *history).lexically_normal();
@@ -112,7 +88,7 @@ void refuse_second(const Table& table, const std::vector<Forcing>& before, const
 
 void move_to_frame(const Body& body, Vector3& at) {
   for (std::size_t k = 0; k < 3; ++k) at[k] -= body.translate[k];
-  at = in_body(rotation_of(body), at);
+  at = in_body(body, at);
   // Rounded, so that round-off does not change hashes.
   for (double& x : at) x = std::round(x * 1e12) / 1e12;
 }
@@ -120,15 +96,15 @@ void move_to_frame(const Body& body, Vector3& at) {
 }  // namespace
 
 void read_loads(Table& root, Scene& scene) {
-  auto table = root.table("loads", loads_keys());
+  auto table = root.table("loads", loads_keys);
   if (!table) return;
   Loads& loads = scene.loads;
   loads.gravity = table->vector("gravity").value_or(Vector3{});
   std::vector<Forcing> all;
   for (const auto& [key, keys, kind, target] :
-       {std::tuple{"traction", &traction_keys(), Kind::traction, &loads.tractions},
-        std::tuple{"point", &point_keys(), Kind::point, &loads.points},
-        std::tuple{"motion", &motion_keys(), Kind::motion, &loads.motions}})
+       {std::tuple{"traction", &traction_keys, Kind::traction, &loads.tractions},
+        std::tuple{"point", &point_keys, Kind::point, &loads.points},
+        std::tuple{"motion", &motion_keys, Kind::motion, &loads.motions}})
     for (Table& entry : table->array(key, *keys)) {
       target->push_back(read_driven(entry, kind, target->size(), scene));
       refuse_second(entry, all, target->back());
@@ -139,15 +115,14 @@ void read_loads(Table& root, Scene& scene) {
 
 std::vector<Receiver> read_receivers(Table& output, const Scene& scene) {
   std::vector<Receiver> receivers;
-  for (Table& entry : output.array("receiver", receiver_keys())) {
+  for (Table& entry : output.array("receiver", receiver_keys)) {
     Receiver receiver;
-    if (!entry.has("name")) entry.complain("name", "is missing: it names the receiver's histories");
-    receiver.name = read_name(entry, "");
+    receiver.name = entry.required("name", entry.text("name"), "it names the receiver's histories");
+    check_name(entry, "name", receiver.name);
     receiver.body = read_body(entry, scene);
-    receiver.at = required_vector(entry, "at", "the point of the body, [x, y, z] in world axes");
+    receiver.at = entry.required("at", entry.vector("at"), "the point of the body, [x, y, z] in world axes");
     entry.refuse_unknown();
-    if (std::any_of(receivers.begin(), receivers.end(),
-                    [&](const Receiver& other) { return other.name == receiver.name; }))
+    if (std::ranges::count(receivers, receiver.name, &Receiver::name) > 0)
       entry.complain("name", "another receiver has this name: give each its own");
     receivers.push_back(receiver);
   }
@@ -165,9 +140,7 @@ void take_sources(const Scene& all, const Body& placed, KernelRequest& request) 
       if (from == &all.loads.points) move_to_frame(placed, driven.at);
       // All histories of a support share its motion.
       if (from == &all.loads.motions) driven.name = driven.group;
-      if (std::none_of(to->begin(), to->end(),
-                       [&](const Forcing& other) { return other.name == driven.name; }))
-        to->push_back(driven);
+      if (std::ranges::count(*to, driven.name, &Forcing::name) == 0) to->push_back(driven);
     }
   for (Receiver receiver : all.output.receivers) {
     if (receiver.body != placed.name) continue;

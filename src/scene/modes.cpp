@@ -7,7 +7,7 @@ namespace ricochet::scene {
 
 Modes read_modes(Table& root, const std::optional<double>& accuracy) {
   Modes modes;
-  auto table = root.table("modes", modes_keys());
+  auto table = root.table("modes", modes_keys);
   if (!table && accuracy) {
     modes.basis = Basis::contact;
     modes.accuracy = accuracy;

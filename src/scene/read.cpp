@@ -17,12 +17,30 @@ namespace ricochet::scene {
 
 namespace {
 
+/// Reads bodies and obstacles.
+void read_bodies(Table& root, Scene& scene) {
+  auto bodies = root.table("bodies", body_keys);
+  if (!bodies || bodies->raw().empty())
+    root.complain("bodies", "is missing: a scene needs a body, [bodies.NAME]");
+  for (auto& [body_name, table] : bodies->tables(body_keys))
+    scene.bodies.push_back(read_body(body_name, table, scene.file.parent_path()));
+  if (auto obstacles = root.table("obstacles", obstacle_keys))
+    for (auto& [obstacle_name, table] : obstacles->tables(obstacle_keys)) {
+      Obstacle obstacle{obstacle_name, table.vector("point").value_or(Vector3{}), {}};
+      obstacle.normal = table.required("normal", table.direction("normal"), "it points out of the obstacle");
+      table.refuse_unknown();
+      if (scene.find_body(obstacle_name) != nullptr) table.complain("", "a body has this name already");
+      scene.obstacles.push_back(obstacle);
+    }
+}
+
 void read_time(Table& root, const Contact& contact, const std::optional<double>& accuracy, Time& time) {
-  auto table = root.table("time", time_keys());
+  auto table = root.table("time", time_keys);
   if (!table && contact.scheme == Scheme::at_rest) return;
   if (!table) root.complain("time", "is missing: give duration [s]");
-  time.rate_by_accuracy = accuracy && !table->has("rate_hz");
-  if (const auto rate = table->number("rate_hz")) time.rate = Hertz{*rate};
+  const auto rate = table->number("rate_hz");
+  time.rate_by_accuracy = accuracy && !rate;
+  if (rate) time.rate = Hertz{*rate};
   time.duration = table->required_number("duration");
   const double steps = time.rate_by_accuracy ? 1 : time.duration * time.rate.value;
   if (steps < 1 || steps > 1e9)
@@ -38,7 +56,7 @@ void read_time(Table& root, const Contact& contact, const std::optional<double>&
 
 void read_output(Table& root, Scene& scene) {
   Output& output = scene.output;
-  auto table = root.table("output", output_keys());
+  auto table = root.table("output", output_keys);
   if (!table) return;
   if (const auto every = table->integer("every")) output.every = static_cast<int>(*every);
   const auto view = table->boolean("view");
@@ -54,7 +72,9 @@ void read_output(Table& root, Scene& scene) {
 /// Refuses settings of modes that need elements or a wave speed, which an imported body does not have.
 void refuse_what_needs_elements(Table& root, const Scene& scene) {
   const Modes& modes = scene.modes;
-  const char* what = modes.approximate > 0 ? "approximate" : modes.low_rank > 0 ? "low_rank" : nullptr;
+  const char* what = modes.approximate > 0 ? "modes.approximate"
+                     : modes.low_rank > 0  ? "modes.low_rank"
+                                           : nullptr;
   for (const Body& body : scene.bodies) {
     if (!body.imported()) continue;
     if (modes.accuracy)
@@ -62,9 +82,8 @@ void refuse_what_needs_elements(Table& root, const Scene& scene) {
                                             "modes.up_to_hz or modes.count",
                                             body.name));
     if (what != nullptr)
-      root.table("modes", modes_keys())
-          ->complain(what,
-                     fmt::format("is not possible with bodies.{}, a body file: leave it out", body.name));
+      root.complain(what,
+                    fmt::format("is not possible with bodies.{}, a body file: leave it out", body.name));
   }
 }
 
@@ -87,22 +106,20 @@ void refuse_long_names(const Scene& scene) {
 void refuse_what_does_not_go(Table& root, const Scene& scene) {
   const bool table = scene.contact.kernel == ContactKernel::table;
   if (table && scene.output.snapshot_every > 0)
-    root.table("output", output_keys())
-        ->complain("snapshot_every", "contact.kernel = \"table\" has no modal coordinates: leave it out");
+    root.complain("output.snapshot_every",
+                  "contact.kernel = \"table\" has no modal coordinates: leave it out");
   if (table && scene.output.vtk_every > 0)
-    root.table("output", output_keys())
-        ->complain("vtk_every", "contact.kernel = \"table\" gives no motion of the bodies: leave it out");
+    root.complain("output.vtk_every",
+                  "contact.kernel = \"table\" gives no motion of the bodies: leave it out");
   if (table && scene.accuracy)
     root.complain("accuracy", "errors of runs by contact.kernel = \"table\" are not estimated: leave it out");
   if (!table && scene.contact.scheme != Scheme::at_rest) return;
   const char* with = table ? "contact.kernel = \"table\"" : "contact.scheme = \"static\"";
   const Loads& loads = scene.loads;
   if (!loads.tractions.empty() || !loads.points.empty() || !loads.motions.empty())
-    root.table("loads", loads_keys())
-        ->complain("", fmt::format("{} allows gravity only: leave the other loads out", with));
+    root.complain("loads", fmt::format("{} allows gravity only: leave the other loads out", with));
   if (!scene.output.receivers.empty())
-    root.table("output", output_keys())
-        ->complain("receiver", fmt::format("{} allows none: leave it out", with));
+    root.complain("output.receiver", fmt::format("{} allows none: leave it out", with));
 }
 
 std::string text_of(const std::filesystem::path& file) {
@@ -152,41 +169,22 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   const toml::table parsed = tables_of(text, name, overrides);
   Scene scene;
   scene.file = file;
-  Table root(parsed, scene_keys(), name, "");
+  Table root(parsed, scene_keys, name, "");
   scene.title = root.text("title").value_or(file.stem().string());
   scene.accuracy = root.number("accuracy");
-  if (parsed["contact"]["table"]) {
+  const bool by_table = static_cast<bool>(parsed["contact"]["table"]);
+  if (by_table) {
     for (const char* key : {"bodies", "obstacles", "modes", "loads"})
       if (parsed.contains(key)) root.complain(key, "is replaced by contact.table: leave one of them out");
-    scene.contact = read_contact(root, scene);
-    read_time(root, scene.contact, scene.accuracy, scene.time);
-    read_output(root, scene);
-    refuse_what_does_not_go(root, scene);
-    refuse_long_names(scene);
-    root.refuse_unknown();
-    return scene;
+  } else {
+    read_bodies(root, scene);
+    scene.modes = read_modes(root, scene.accuracy);
+    refuse_what_needs_elements(root, scene);
   }
-  auto bodies = root.table("bodies", body_keys());
-  if (!bodies || bodies->raw().empty())
-    root.complain("bodies", "is missing: a scene needs a body, [bodies.NAME]");
-  for (auto& [body_name, table] : bodies->tables(body_keys()))
-    scene.bodies.push_back(read_body(body_name, table, file.parent_path()));
-  if (auto obstacles = root.table("obstacles", obstacle_keys()))
-    for (auto& [obstacle_name, table] : obstacles->tables(obstacle_keys())) {
-      Obstacle obstacle{obstacle_name, table.vector("point").value_or(Vector3{}), {}};
-      const auto normal = table.direction("normal");
-      if (!normal) table.complain("normal", "is missing: it points out of the obstacle");
-      obstacle.normal = *normal;
-      table.refuse_unknown();
-      if (scene.find_body(obstacle_name) != nullptr) table.complain("", "a body has this name already");
-      scene.obstacles.push_back(obstacle);
-    }
-  scene.modes = read_modes(root, scene.accuracy);
-  refuse_what_needs_elements(root, scene);
   const bool meets = purpose == Purpose::impact || parsed.contains("contact");
   if (meets) scene.contact = read_contact(root, scene);
   if (!meets && scene.accuracy) root.complain("accuracy", "needs [contact]: leave it out, or add [contact]");
-  if (purpose == Purpose::impact || parsed.contains("time"))
+  if (purpose == Purpose::impact || by_table || parsed.contains("time"))
     read_time(root, scene.contact, scene.accuracy, scene.time);
   read_loads(root, scene);
   read_output(root, scene);
@@ -203,9 +201,7 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
     return scene;
   }
   for (const Body& body : scene.bodies) {
-    const bool paired = std::any_of(scene.contact.pairs.begin(), scene.contact.pairs.end(),
-                                    [&](const Pair& p) { return p.a == body.name || p.b == body.name; });
-    if (!paired)
+    if (std::ranges::none_of(scene.contact.pairs, [&](const Pair& pair) { return pair.names(body.name); }))
       throw InputError(
           fmt::format("{}: bodies.{}: no contact pair names it: add it to contact.between or remove it", name,
                       body.name));

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <openssl/evp.h>
 
 #include <cmath>
 #include <fstream>
@@ -11,7 +12,6 @@
 #include <sstream>
 
 #include "ricochet/error.hpp"
-#include "src/scene/hash.hpp"
 #include "src/scene/loads.hpp"
 #include "src/scene/parts.hpp"
 #include "src/scene/write.hpp"
@@ -61,12 +61,9 @@ std::string mesh_hash(const std::filesystem::path& path, const std::string& key,
 
 /// A direction in the frame of the body, with the sign that makes its first nonzero component positive,
 /// rounded so that round-off does not change hashes.
-Vector3 own_axis(const std::array<double, 9>& rotation, const Vector3& world) {
-  Vector3 own{};
-  for (std::size_t k = 0; k < 3; ++k) {
-    for (std::size_t j = 0; j < 3; ++j) own[k] += rotation[3 * j + k] * world[j];
-    own[k] = std::round(own[k] * 1e12) / 1e12;
-  }
+Vector3 own_axis(const Body& body, const Vector3& world) {
+  Vector3 own = in_body(body, world);
+  for (double& x : own) x = std::round(x * 1e12) / 1e12;
   double sign = 1;
   for (std::size_t k = 3; k-- > 0;)
     if (own[k] != 0) sign = own[k] > 0 ? 1 : -1;
@@ -81,6 +78,14 @@ std::vector<std::string> quoted(std::vector<std::string> texts) {
 
 }  // namespace
 
+std::string sha256(const std::string& bytes) {
+  std::array<unsigned char, 32> digest{};
+  unsigned int size = 0;
+  if (EVP_Digest(bytes.data(), bytes.size(), digest.data(), &size, EVP_sha256(), nullptr) != 1)
+    throw SolverError("SHA-256 is not available in this OpenSSL");
+  return fmt::format("{:02x}", fmt::join(digest, ""));
+}
+
 KernelRequest kernel_request(const Scene& scene, const Body& body, MeshHashes* known) {
   const std::string file = scene.file.filename().string();
   KernelRequest request;
@@ -89,13 +94,12 @@ KernelRequest kernel_request(const Scene& scene, const Body& body, MeshHashes* k
   request.modes = scene.modes;
   request.view = scene.output.view;
 
-  const auto rotation = rotation_of(body);
   const Pair* first = nullptr;
   for (const Pair& pair : scene.contact.pairs) {
-    if (pair.a != body.name && pair.b != body.name) continue;
+    if (!pair.names(body.name)) continue;
     std::optional<Vector3> direction, along;
-    if (pair.direction) direction = own_axis(rotation, *pair.direction);
-    if (pair.along) along = own_axis(rotation, *pair.along);
+    if (pair.direction) direction = own_axis(body, *pair.direction);
+    if (pair.along) along = own_axis(body, *pair.along);
     if (first == nullptr) {
       first = &pair;
       request.direction = direction;

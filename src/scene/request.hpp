@@ -29,6 +29,9 @@ struct KernelRequest {
   std::string hash;  ///< SHA-256, hex
 };
 
+/// SHA-256 of `bytes`, in hexadecimal digits. Throws SolverError if OpenSSL does not offer it.
+std::string sha256(const std::string& bytes);
+
 /// SHA-256 of meshes by path, from earlier requests. Later changes of the files are not noticed.
 using MeshHashes = std::map<std::filesystem::path, std::string>;
 

@@ -8,14 +8,12 @@
 namespace ricochet::scene {
 
 const Body* Scene::find_body(const std::string& name) const {
-  const auto found =
-      std::find_if(bodies.begin(), bodies.end(), [&](const Body& body) { return body.name == name; });
+  const auto found = std::ranges::find(bodies, name, &Body::name);
   return found == bodies.end() ? nullptr : &*found;
 }
 
 const Obstacle* Scene::find_obstacle(const std::string& name) const {
-  const auto found =
-      std::find_if(obstacles.begin(), obstacles.end(), [&](const Obstacle& o) { return o.name == name; });
+  const auto found = std::ranges::find(obstacles, name, &Obstacle::name);
   return found == obstacles.end() ? nullptr : &*found;
 }
 
@@ -34,5 +32,13 @@ std::string slug(const std::string& title) {
 }
 
 std::array<double, 9> rotation_of(const Body& body) { return ricochet::rotation_of(body.rotate_deg); }
+
+Vector3 in_body(const Body& body, const Vector3& world) {
+  const std::array<double, 9> rotation = rotation_of(body);
+  Vector3 own{};
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t j = 0; j < 3; ++j) own[k] += rotation[3 * j + k] * world[j];
+  return own;
+}
 
 }  // namespace ricochet::scene

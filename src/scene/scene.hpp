@@ -82,6 +82,7 @@ struct Pair {
   std::optional<double> spacing;     ///< [m]
   std::optional<double> gap;         ///< [m]
   std::optional<double> reach;       ///< [m]
+  bool names(const std::string& body) const { return a == body || b == body; }
   bool operator==(const Pair&) const = default;
 };
 
@@ -180,5 +181,8 @@ std::string slug(const std::string& title);
 
 /// Rotation matrix of `rotate_deg`, row-major (3,3): world = rotation · body + translate.
 std::array<double, 9> rotation_of(const Body& body);
+
+/// A vector in world axes, along the axes of the body.
+Vector3 in_body(const Body& body, const Vector3& world);
 
 }  // namespace ricochet::scene

@@ -84,6 +84,7 @@ toml::table parse_toml(const std::string& text, const std::string& origin) {
 
 std::string Table::value_of(const std::string& key) const {
   const toml::node* node = table_.get(key);
+  if (node == nullptr) node = table_.at_path(key).node();
   return node == nullptr ? "" : " = " + shortened(printed(*node));
 }
 
@@ -91,22 +92,15 @@ void Table::complain(const std::string& key, const std::string& what) const {
   throw InputError(one_line(fmt::format("{}: {}{}: {}", file_, dotted(key), value_of(key), what)));
 }
 
-const toml::node* Table::value(const std::string& key, std::initializer_list<Type> types) {
+const toml::node* Table::value(const std::string& key, Type type) {
   if (keys_ != nullptr) {
     const Key* described = keys_->find(key);
-    if (described == nullptr || std::find(types.begin(), types.end(), described->type) == types.end())
+    if (described == nullptr || described->type != type)
       throw std::logic_error(fmt::format("{}: \"{}\" is read, but src/scene/keys.cpp does not describe it so",
                                          keys_->title, key));
   }
   known_.insert(key);
   return table_.get(key);
-}
-
-bool Table::has(const std::string& key) {
-  if (keys_ != nullptr && keys_->find(key) == nullptr)
-    throw std::logic_error(fmt::format("{}: there is no key \"{}\"", keys_->title, key));
-  known_.insert(key);
-  return table_.contains(key);
 }
 
 void Table::check_range(const std::string& key, double value) const {
@@ -122,7 +116,7 @@ void Table::check_range(const std::string& key, double value) const {
 }
 
 std::optional<double> Table::number(const std::string& key) {
-  const toml::node* node = value(key, {Type::number});
+  const toml::node* node = value(key, Type::number);
   if (node == nullptr) return std::nullopt;
   if (!node->is_number()) complain(key, "must be a number");
   const double number = number_of(*node);
@@ -139,7 +133,7 @@ double Table::required_number(const std::string& key) {
 }
 
 std::optional<std::int64_t> Table::integer(const std::string& key) {
-  const toml::node* node = value(key, {Type::integer});
+  const toml::node* node = value(key, Type::integer);
   if (node == nullptr) return std::nullopt;
   if (!node->is_integer()) complain(key, "must be a whole number");
   const std::int64_t number = node->as_integer()->get();
@@ -148,7 +142,7 @@ std::optional<std::int64_t> Table::integer(const std::string& key) {
 }
 
 std::optional<std::vector<std::int64_t>> Table::integers(const std::string& key) {
-  const toml::node* node = value(key, {Type::integers});
+  const toml::node* node = value(key, Type::integers);
   if (node == nullptr) return std::nullopt;
   const auto* list = node->as_array();
   if (list == nullptr) complain(key, "must be a list of whole numbers");
@@ -161,14 +155,14 @@ std::optional<std::vector<std::int64_t>> Table::integers(const std::string& key)
 }
 
 std::optional<bool> Table::boolean(const std::string& key) {
-  const toml::node* node = value(key, {Type::boolean});
+  const toml::node* node = value(key, Type::boolean);
   if (node == nullptr) return std::nullopt;
   if (!node->is_boolean()) complain(key, "must be true or false");
   return node->as_boolean()->get();
 }
 
 std::optional<std::string> Table::text(const std::string& key) {
-  const toml::node* node = value(key, {Type::text});
+  const toml::node* node = value(key, Type::text);
   if (node == nullptr) return std::nullopt;
   if (!node->is_string()) complain(key, "must be a string");
   const std::string text = node->as_string()->get();
@@ -193,13 +187,13 @@ Vector3 Table::vector_at(const std::string& key, const toml::node& node, double 
 }
 
 std::optional<Vector3> Table::vector(const std::string& key) {
-  const toml::node* node = value(key, {Type::vector});
+  const toml::node* node = value(key, Type::vector);
   if (node == nullptr) return std::nullopt;
   return vector_at(key, *node, largest_number);
 }
 
 std::optional<Vector3> Table::direction(const std::string& key) {
-  const toml::node* node = value(key, {Type::direction});
+  const toml::node* node = value(key, Type::direction);
   if (node == nullptr) return std::nullopt;
   const Vector3 given = vector_at(key, *node, std::numeric_limits<double>::max());
   const double length = std::hypot(given[0], given[1], given[2]);
@@ -211,7 +205,7 @@ std::optional<Vector3> Table::direction(const std::string& key) {
 }
 
 std::optional<std::array<double, 2>> Table::pair(const std::string& key, const char* names) {
-  const toml::node* node = value(key, {Type::pair});
+  const toml::node* node = value(key, Type::pair);
   if (node == nullptr) return std::nullopt;
   const auto* list = node->as_array();
   if (list == nullptr || list->size() != 2) complain(key, fmt::format("must be two numbers, {}", names));
@@ -226,7 +220,7 @@ std::optional<std::array<double, 2>> Table::pair(const std::string& key, const c
 }
 
 std::vector<std::string> Table::texts(const std::string& key) {
-  const toml::node* node = value(key, {Type::texts});
+  const toml::node* node = value(key, Type::texts);
   if (node == nullptr) return {};
   if (node->is_string()) return {node->as_string()->get()};
   std::vector<std::string> texts;
@@ -239,7 +233,7 @@ std::vector<std::string> Table::texts(const std::string& key) {
 }
 
 std::optional<Table> Table::free_table(const std::string& key, Type type) {
-  const toml::node* node = value(key, {type});
+  const toml::node* node = value(key, type);
   if (node == nullptr) return std::nullopt;
   if (!node->is_table()) complain(key, "must be a table");
   return Table(*node->as_table(), nullptr, file_, dotted(key));
@@ -263,7 +257,7 @@ std::vector<std::pair<std::string, Table>> Table::tables(const Section& keys) co
 
 std::vector<Table> Table::array(const std::string& key, const Section& keys) {
   std::vector<Table> result;
-  const toml::node* node = value(key, {Type::tables});
+  const toml::node* node = value(key, Type::tables);
   if (node == nullptr) return result;
   const auto* list = node->as_array();
   if (list == nullptr) complain(key, "must be an array of tables, [[" + dotted(key) + "]]");

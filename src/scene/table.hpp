@@ -6,7 +6,6 @@
 
 #include <toml++/toml.h>
 #include <array>
-#include <initializer_list>
 #include <map>
 #include <optional>
 #include <set>
@@ -39,7 +38,6 @@ class Table {
   Table(const toml::table& table, const Section& keys, std::string file, std::string where)
       : Table(table, &keys, std::move(file), std::move(where)) {}
 
-  bool has(const std::string& key);
   std::optional<double> number(const std::string& key);
   std::optional<std::int64_t> integer(const std::string& key);
   std::optional<std::vector<std::int64_t>> integers(const std::string& key);
@@ -64,8 +62,15 @@ class Table {
   /// Throws InputError for a key that was not read, with the most similar known key.
   void refuse_unknown() const;
 
+  /// @param key  of this table, or the dotted name of one further in; empty: the table itself
   [[noreturn]] void complain(const std::string& key, const std::string& what) const;
   double required_number(const std::string& key);
+  /// The value that was read for `key`. Throws InputError "is missing: `remedy`" if there is none.
+  template <class T>
+  T required(const std::string& key, std::optional<T> value, const char* remedy) const {
+    if (!value) complain(key, std::string("is missing: ") + remedy);
+    return *std::move(value);
+  }
   const std::string& where() const { return where_; }
   const toml::table& raw() const { return table_; }
 
@@ -74,7 +79,7 @@ class Table {
   Table(const toml::table& table, const Section* keys, std::string file, std::string where)
       : table_(table), keys_(keys), file_(std::move(file)), where_(std::move(where)) {}
   /// The value of the key, or null if it is absent. Records that it was read.
-  const toml::node* value(const std::string& key, std::initializer_list<Type> types);
+  const toml::node* value(const std::string& key, Type type);
   std::optional<Table> free_table(const std::string& key, Type type);
   Vector3 vector_at(const std::string& key, const toml::node& node, double largest) const;
   void check_range(const std::string& key, double value) const;

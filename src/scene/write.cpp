@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include "src/scene/body.hpp"
 
 namespace ricochet::scene {
 
@@ -41,19 +41,10 @@ std::string material_of(const Material& m) {
 }
 
 std::string damping_of(const Damping& d) {
-  using Law = Damping::Law;
-  switch (d.law) {
-    case Law::none:
-      return "{}";
-    case Law::ratio:
-      return fmt::format("{{ ratio = {} }}", toml_number(d.first));
-    case Law::loss_factor:
-      return fmt::format("{{ loss_factor = {} }}", toml_number(d.first));
-    case Law::rayleigh:
-      return fmt::format("{{ rayleigh = [{}, {}] }}", toml_number(d.first), toml_number(d.second));
-    case Law::viscosity:
-      return fmt::format("{{ viscosity = {} }}", toml_number(d.first));
-  }
+  if (d.law == Damping::Law::rayleigh)
+    return fmt::format("{{ rayleigh = [{}, {}] }}", toml_number(d.first), toml_number(d.second));
+  for (const auto& [key, law] : damping_laws)
+    if (law == d.law) return fmt::format("{{ {} = {} }}", key, toml_number(d.first));
   return "{}";
 }
 

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <numeric>
 
 namespace ricochet::surface {
 
@@ -213,22 +212,10 @@ Located locate(const mesh::Mesh& mesh, const Vector3& point) {
     int rank;
   } nearest{found.distance, parallel::rank_of(mesh.comm)};
   MPI_Allreduce(MPI_IN_PLACE, &nearest, 1, MPI_DOUBLE_INT, MPI_MINLOC, mesh.comm);
-  const bool here = nearest.rank == parallel::rank_of(mesh.comm);
-  const auto count = static_cast<std::size_t>(
-      parallel::sum(mesh.comm, here ? static_cast<std::int64_t>(found.node.size()) : 0));
-  // Only one rank adds nonzero values: node and weight of each, the position.
-  std::vector<double> values(2 * count + 3, 0.0);
-  if (here) {
-    std::copy(found.node.begin(), found.node.end(), values.begin());
-    std::copy(found.weight.begin(), found.weight.end(), values.begin() + static_cast<std::ptrdiff_t>(count));
-    std::copy(found.place.begin(), found.place.end(), values.end() - 3);
-  }
-  parallel::sum(mesh.comm, values.data(), values.size());
   found.distance = nearest.distance;
-  found.node.clear();
-  for (std::size_t a = 0; a < count; ++a) found.node.push_back(static_cast<std::int64_t>(values[a]));
-  found.weight.assign(values.begin() + static_cast<std::ptrdiff_t>(count), values.end() - 3);
-  std::copy(values.end() - 3, values.end(), found.place.begin());
+  found.place = parallel::of_rank(mesh.comm, nearest.rank, found.place);
+  parallel::broadcast(mesh.comm, found.node, nearest.rank);
+  parallel::broadcast(mesh.comm, found.weight, nearest.rank);
   return found;
 }
 

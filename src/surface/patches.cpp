@@ -31,11 +31,9 @@ struct Fine {
   int corners = 3;
 };
 
-/// Linear or bilinear hats of a cell at reference point (u, v): triangle on [0,1], quadrangle and line on
-/// [−1,1].
+/// Linear or bilinear hats of a cell at the reference point (u, v): triangle on [0,1], quadrangle on [−1,1].
 std::array<double, 4> hats(int corners, double u, double v) {
   if (corners == 3) return {1 - u - v, u, v, 0};
-  if (corners == 2) return {(1 - u) / 2, (1 + u) / 2, 0, 0};
   return {(1 - u) * (1 - v) / 4, (1 + u) * (1 - v) / 4, (1 + u) * (1 + v) / 4, (1 - u) * (1 + v) / 4};
 }
 
@@ -67,7 +65,7 @@ void add_facets(const Block& block, Fine& fine) {
     tables.push_back(std::move(table));
   }
   const double share = 1.0 / (static_cast<double>(p) * p);
-  const std::vector<int> simplices = lattice.simplices();
+  const std::vector<int> triangles = lattice.triangles();
   for (std::size_t e = 0; e < block.size(); ++e) {
     const std::int64_t* nodes = &block.node[e * static_cast<std::size_t>(n)];
     for (std::size_t t = 0; t < lattice.cells.size(); ++t)
@@ -93,7 +91,7 @@ void add_facets(const Block& block, Fine& fine) {
                 tables[t].basis.value[q * static_cast<std::size_t>(n) + static_cast<std::size_t>(a)];
         }
       }
-    for (int k : simplices) fine.simplex.push_back(nodes[k]);
+    for (int k : triangles) fine.simplex.push_back(nodes[k]);
   }
 }
 

@@ -23,8 +23,8 @@ Eigen::MatrixXd spread(const mesh::Mesh& mesh, const std::vector<Weight>& weight
   Eigen::MatrixXd loads =
       Eigen::MatrixXd::Zero(mesh.owned_nodes * c, static_cast<Eigen::Index>(places) * out);
   for (const Weight& weight : weights) {
-    const std::int64_t row = weight.node - mesh.first_node;
-    if (row < 0 || row >= mesh.owned_nodes) continue;
+    const std::int64_t row = mesh.owned(weight.node);
+    if (row < 0) continue;
     const auto local = static_cast<std::size_t>(
         std::lower_bound(mesh.node.begin(), mesh.node.end(), weight.node) - mesh.node.begin());
     for (int d = 0; d < c; ++d) {

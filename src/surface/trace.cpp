@@ -17,44 +17,6 @@ std::vector<double> flat(const Eigen::MatrixXd& matrix) {
   return values;
 }
 
-/// Gathers the modes at the nodes of the visualisation surface on the first rank, one mode at a time:
-/// (V,3,N).
-void gather_view(const parallel::Teams& teams, const mesh::Mesh& mesh, const modes::ModeSet& modes,
-                 kernels::Kernel& kernel) {
-  const auto c = static_cast<std::size_t>(mesh.components());
-  const std::size_t count = modes.angular_frequency.size();
-  std::vector<std::int64_t> nodes = mesh.visualisation.node;
-  parallel::broadcast(mesh.comm, nodes);
-  const bool first = parallel::rank_of(teams.world()) == 0;
-  kernels::View view;
-  if (first) {
-    view.node = mesh.visualisation.position;
-    view.element_corners = mesh.visualisation.blocks.front().nodes_per_element;
-    view.element = mesh.visualisation.blocks.front().node;
-    view.shape.assign(nodes.size() * 3 * count, 0.0F);
-  }
-  std::vector<double> value(nodes.size() * 3), whole(value.size());
-  std::size_t own = 0;
-  for (std::size_t n = 0; n < count; ++n) {
-    std::fill(value.begin(), value.end(), 0.0);
-    if (own < modes.index.size() && modes.index[own] == static_cast<Eigen::Index>(n)) {
-      const auto shape = modes.shape.col(static_cast<Eigen::Index>(own++));
-      for (std::size_t v = 0; v < nodes.size(); ++v) {
-        const std::int64_t row = nodes[v] - mesh.first_node;
-        if (row < 0 || row >= mesh.owned_nodes) continue;
-        for (std::size_t d = 0; d < 3; ++d)
-          value[3 * v + d] =
-              c == 3 ? shape[row * 3 + static_cast<Eigen::Index>(d)] : shape[row] * mesh.axis[d];
-      }
-    }
-    MPI_Reduce(value.data(), whole.data(), static_cast<int>(value.size()), MPI_DOUBLE, MPI_SUM, 0,
-               teams.world());
-    if (first)
-      for (std::size_t k = 0; k < whole.size(); ++k) view.shape[k * count + n] = static_cast<float>(whole[k]);
-  }
-  if (first) kernel.view = std::move(view);
-}
-
 /// A field on the mesh at the nodes of the visualisation surface.
 class VisualisationField {
  public:
@@ -62,31 +24,38 @@ class VisualisationField {
     parallel::broadcast(mesh.comm, node_);
     const int c = mesh.components();
     for (std::size_t v = 0; v < node_.size(); ++v) {
-      const std::int64_t local = node_[v] - mesh.first_node;
-      if (local < 0 || local >= mesh.owned_nodes) continue;
+      const std::int64_t local = mesh.owned(node_[v]);
+      if (local < 0) continue;
       own_.push_back(v);
       for (int d = 0; d < c; ++d) rows.row.push_back(local * c + d);
     }
   }
 
-  /// Gathers some columns of `rows` on the first rank of the team, (V,3,count); zeros on other ranks.
-  /// Collective on the team.
-  std::vector<float> gather(Eigen::Index from, Eigen::Index count) const {
-    const auto c = static_cast<std::size_t>(mesh_.components()), columns = static_cast<std::size_t>(count);
-    std::vector<float> out(node_.size() * 3 * columns);
+  /// Gathers columns on the first rank of `comm`, one at a time: (V,3,count); empty on other ranks.
+  /// `column(j)` returns this rank's rows of a column, or none if another team holds it. Collective.
+  template <class Column>
+  std::vector<float> gather(MPI_Comm comm, std::size_t count, Column&& column) const {
+    const bool first = parallel::rank_of(comm) == 0;
+    std::vector<float> out(first ? node_.size() * 3 * count : 0);
     std::vector<double> part(node_.size() * 3), whole(part.size());
-    for (std::size_t j = 0; j < columns; ++j) {
-      const auto value = rows.value.col(from + static_cast<Eigen::Index>(j));
+    for (std::size_t j = 0; j < count; ++j) {
       std::ranges::fill(part, 0.0);
-      for (std::size_t i = 0; i < own_.size(); ++i)
-        for (std::size_t d = 0; d < 3; ++d)
-          part[3 * own_[i] + d] = c == 3 ? value[static_cast<Eigen::Index>(3 * i + d)]
-                                         : value[static_cast<Eigen::Index>(i)] * mesh_.axis[d];
-      MPI_Reduce(part.data(), whole.data(), static_cast<int>(part.size()), MPI_DOUBLE, MPI_SUM, 0,
-                 mesh_.comm);
-      for (std::size_t k = 0; k < whole.size(); ++k) out[k * columns + j] = static_cast<float>(whole[k]);
+      if (const std::optional<Eigen::VectorXd> value = column(static_cast<Eigen::Index>(j)))
+        for (std::size_t i = 0; i < own_.size(); ++i)
+          for (std::size_t d = 0; d < 3; ++d)
+            part[3 * own_[i] + d] = mesh_.dim == 3 ? (*value)[static_cast<Eigen::Index>(3 * i + d)]
+                                                   : (*value)[static_cast<Eigen::Index>(i)] * mesh_.axis[d];
+      MPI_Reduce(part.data(), whole.data(), static_cast<int>(part.size()), MPI_DOUBLE, MPI_SUM, 0, comm);
+      for (std::size_t k = 0; first && k < whole.size(); ++k)
+        out[k * count + j] = static_cast<float>(whole[k]);
     }
     return out;
+  }
+
+  /// Gathers some columns of `rows`, which each team holds, on the first rank of the team. Collective on it.
+  std::vector<float> gather(Eigen::Index from, Eigen::Index count) const {
+    return gather(mesh_.comm, static_cast<std::size_t>(count),
+                  [&](Eigen::Index j) -> Eigen::VectorXd { return rows.value.col(from + j); });
   }
 
   modes::Rows rows;
@@ -96,6 +65,24 @@ class VisualisationField {
   std::vector<std::int64_t> node_;
   std::vector<std::size_t> own_;  ///< indices into node_
 };
+
+/// Gathers the modes on the visualisation surface on the first rank.
+void gather_view(const parallel::Teams& teams, const mesh::Mesh& mesh, const modes::ModeSet& modes,
+                 kernels::Kernel& kernel) {
+  const VisualisationField field(mesh);
+  std::size_t own = 0;
+  std::vector<float> shape = field.gather(
+      teams.world(), modes.angular_frequency.size(), [&](Eigen::Index n) -> std::optional<Eigen::VectorXd> {
+        if (own == modes.index.size() || modes.index[own] != n) return std::nullopt;
+        return modes.shape(field.rows.row, static_cast<Eigen::Index>(own++));
+      });
+  if (parallel::rank_of(teams.world()) != 0) return;
+  kernels::View& view = kernel.view.emplace();
+  view.node = mesh.visualisation.position;
+  view.element_corners = mesh.visualisation.blocks.front().nodes_per_element;
+  view.element = mesh.visualisation.blocks.front().node;
+  view.shape = std::move(shape);
+}
 
 }  // namespace
 

@@ -88,7 +88,7 @@ TEST_P(Distribute, every_node_is_owned_once_in_rank_order) {
   const int ranks = parallel::size_of(mesh_.comm), me = parallel::rank_of(mesh_.comm);
   std::vector<double> first(static_cast<std::size_t>(ranks) + 1, 0);
   first[static_cast<std::size_t>(me)] = static_cast<double>(mesh_.first_node);
-  parallel::sum(mesh_.comm, first.data(), first.size());
+  parallel::sum(mesh_.comm, first);
   first.back() = static_cast<double>(mesh_.total_nodes);
   EXPECT_EQ(first.front(), 0);
   EXPECT_EQ(first[static_cast<std::size_t>(me) + 1],
@@ -109,7 +109,7 @@ TEST_P(Distribute, every_node_is_owned_once_in_rank_order) {
       owners[static_cast<std::size_t>(mesh_.canonical[i])] += 1;
     }
   EXPECT_EQ(held, mesh_.owned_nodes);
-  parallel::sum(mesh_.comm, owners.data(), owners.size());
+  parallel::sum(mesh_.comm, owners);
   EXPECT_EQ(owners, std::vector<double>(owners.size(), 1));
   // METIS gives every rank elements if there are enough.
   if (mesh_.total_elements >= 8 * ranks) {
@@ -145,7 +145,7 @@ TEST_P(Distribute, every_element_is_own_once_and_held_wherever_one_of_its_nodes_
       EXPECT_EQ(here.at(tag), element) << tag;
     }
   }
-  parallel::sum(mesh_.comm, times.data(), times.size());
+  parallel::sum(mesh_.comm, times);
   EXPECT_EQ(times, std::vector<double>(times.size(), 1));
 }
 

@@ -115,7 +115,7 @@ TEST_P(Parts, give_each_node_to_one_rank_in_rank_order) {
   const auto ranks = static_cast<std::size_t>(parallel::size_of(mesh_.comm));
   std::vector<double> first(ranks + 1, 0), owners(whole_.node.size(), 0);
   first[static_cast<std::size_t>(me())] = static_cast<double>(mesh_.first_node);
-  parallel::sum(mesh_.comm, first.data(), first.size());
+  parallel::sum(mesh_.comm, first);
   first.back() = static_cast<double>(mesh_.total_nodes);
   EXPECT_EQ(first.front(), 0);
   EXPECT_EQ(first[static_cast<std::size_t>(me()) + 1],
@@ -128,7 +128,7 @@ TEST_P(Parts, give_each_node_to_one_rank_in_rank_order) {
             mesh_.node.end());
   for (std::size_t i = 0; i < mesh_.node.size(); ++i)
     if (owns(mesh_.node[i])) owners[in_whole_[i]] += 1;
-  parallel::sum(mesh_.comm, owners.data(), owners.size());
+  parallel::sum(mesh_.comm, owners);
   EXPECT_EQ(owners, std::vector<double>(owners.size(), 1));
   // If there are enough parts, no rank is idle.
   const std::int64_t busy = parallel::sum(mesh_.comm, std::int64_t{mesh_.owned_nodes > 0});
@@ -155,8 +155,8 @@ TEST_P(Parts, have_numbers_that_do_not_depend_on_ranks) {
     number[in_whole_[i]] += static_cast<double>(mesh_.canonical[i]);
     holders[in_whole_[i]] += 1;
   }
-  parallel::sum(mesh_.comm, number.data(), number.size());
-  parallel::sum(mesh_.comm, holders.data(), holders.size());
+  parallel::sum(mesh_.comm, number);
+  parallel::sum(mesh_.comm, holders);
   std::set<std::int64_t> distinct;
   for (std::size_t i = 0; i < mesh_.node.size(); ++i)
     EXPECT_EQ(number[in_whole_[i]] / holders[in_whole_[i]], static_cast<double>(mesh_.canonical[i]));
@@ -182,7 +182,7 @@ TEST_P(Parts, give_each_element_to_one_rank_and_to_all_that_own_one_of_its_nodes
       EXPECT_EQ(here.at(nodes), material);
     }
   }
-  parallel::sum(mesh_.comm, times.data(), times.size());
+  parallel::sum(mesh_.comm, times);
   EXPECT_EQ(times, std::vector<double>(times.size(), 1));
 }
 

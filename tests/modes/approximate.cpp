@@ -186,7 +186,7 @@ TEST(ApproximateModes, and_their_static_correction_have_the_static_response_of_t
   const Eigen::MatrixXd stiffness = test::dense(made.mesh, made.body, made.body.stiffness);
   Eigen::MatrixXd whole = Eigen::MatrixXd::Zero(made.body.total_rows, 3);
   whole.middleRows(made.mesh.first_node * 3, loads.rows()) = loads;
-  parallel::sum(made.mesh.comm, whole.data(), static_cast<std::size_t>(whole.size()));
+  parallel::sum(made.mesh.comm, whole);
   const Eigen::MatrixXd exact = whole.transpose() * stiffness.ldlt().solve(whole);
   // Each term of the series in the shift omits the error of the vectors: about 1e-3, squared.
   EXPECT_LT((found - exact).cwiseAbs().maxCoeff(), 1e-6 * exact.cwiseAbs().maxCoeff());

@@ -67,7 +67,7 @@ struct Dense {
                    m = test::dense(struck.mesh, struck.body, struck.body.mass);
     MatrixXd whole = MatrixXd::Zero(k.rows(), struck.loads.cols());
     whole.middleRows(struck.mesh.first_node * struck.mesh.components(), struck.loads.rows()) = struck.loads;
-    parallel::sum(struck.mesh.comm, whole.data(), static_cast<std::size_t>(whole.size()));
+    parallel::sum(struck.mesh.comm, whole);
     const auto rows = test::free_rows(m);
     stiffness = k(rows, rows);
     mass = m(rows, rows);

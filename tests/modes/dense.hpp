@@ -42,7 +42,7 @@ inline Eigen::MatrixXd dense(const mesh::Mesh& mesh, const elasticity::Body& bod
   for (Eigen::Index i = 0; i < body.local_rows; ++i) identity(i, first + i) = 1;
   Eigen::MatrixXd whole = Eigen::MatrixXd::Zero(n, n);
   whole.middleRows(first, body.local_rows) = product(matrix, identity);
-  parallel::sum(mesh.comm, whole.data(), static_cast<std::size_t>(whole.size()));
+  parallel::sum(mesh.comm, whole);
   return whole;
 }
 

@@ -207,7 +207,7 @@ Eigen::MatrixXd dense_residual(const Made& made, const Eigen::MatrixXd& loads, E
   const test::DenseModes modes(made.mesh.comm, stiffness(rows, rows), mass(rows, rows));
   Eigen::MatrixXd whole = Eigen::MatrixXd::Zero(made.body.total_rows, loads.cols());
   whole.middleRows(made.mesh.first_node * made.mesh.components(), loads.rows()) = loads;
-  parallel::sum(made.mesh.comm, whole.data(), static_cast<std::size_t>(whole.size()));
+  parallel::sum(made.mesh.comm, whole);
   const Eigen::Index all = modes.value.size();
   const Eigen::MatrixXd trace = modes.vector.rightCols(all - kept).transpose() * whole(rows, Eigen::all);
   return trace.transpose() * modes.value.tail(all - kept).cwiseInverse().asDiagonal() * trace;

@@ -162,7 +162,7 @@ class Imports(BoxTest):
             replace(file, "modes/shape", 2 * file["modes/shape"][:])
         run = kernel(scene, self.folder / "bad", f"bodies.lower.mesh={self.folder / 'modes.h5'}", ranks=2)
         self.assertEqual(run.status, 2, run.err)
-        self.assertIn("less than what the modes have", run.err)
+        self.assertIn("smaller than the flexibility of the modes", run.err)
         self.assertFalse(list((self.folder / "bad").glob("*.h5")))
 
     def test_modes_of_a_supported_body_give_the_same_kernel_loads_and_receivers(self):
@@ -221,7 +221,7 @@ class Imports(BoxTest):
         self.write_by_the_book(book)
         for words, change in (("has 5 modes near zero", lambda file: replace(file, "modes/angular_frequency", np.maximum(
                                   0, np.arange(102) - 4))),
-                              ("less than what the modes have", lambda file: replace(file, "modes/shape",
+                              ("smaller than the flexibility of the modes", lambda file: replace(file, "modes/shape",
                                                                                      2 * file["modes/shape"][:]))):
             path = self.folder / "changed.h5"
             shutil.copy(book, path)

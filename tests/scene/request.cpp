@@ -2,7 +2,6 @@
 // The hash of a kernel depends on all data that the kernel depends on, and on nothing else: otherwise runs
 // would use the modes of another body, or compute modes again unnecessarily.
 #include "src/scene/request.hpp"
-#include "src/scene/hash.hpp"
 #include "src/scene/read.hpp"
 #include "src/scene/write.hpp"
 

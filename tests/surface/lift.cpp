@@ -56,8 +56,8 @@ TEST(Lift, of_two_supports_is_that_of_a_dense_solve) {
       if (z > 1 - 1e-9 && k == 2) psi(row, 3) = held[row] = 1;
     }
   }
-  parallel::sum(PETSC_COMM_WORLD, psi.data(), static_cast<std::size_t>(psi.size()));
-  parallel::sum(PETSC_COMM_WORLD, held.data(), static_cast<std::size_t>(held.size()));
+  parallel::sum(PETSC_COMM_WORLD, psi);
+  parallel::sum(PETSC_COMM_WORLD, held);
   std::vector<Eigen::Index> f;
   for (Eigen::Index i = 0; i < n; ++i)
     if (held[i] == 0) f.push_back(i);

@@ -140,7 +140,7 @@ TEST(PatchLoads, are_unit_forces_that_supports_do_not_carry) {
   ASSERT_EQ(loads.cols(), static_cast<Eigen::Index>(3 * geometry.size()));
   Eigen::MatrixXd force = Eigen::MatrixXd::Zero(3, loads.cols());
   for (Eigen::Index r = 0; r < loads.rows(); ++r) force.row(r % 3) += loads.row(r);
-  parallel::sum(PETSC_COMM_WORLD, force.data(), static_cast<std::size_t>(force.size()));
+  parallel::sum(PETSC_COMM_WORLD, force);
   for (std::size_t i = 0; i < geometry.size(); ++i) {
     // Only the middle node is free along x. It carries, in each direction, 2/3 of a hat, or 1/3 at an edge:
     // the rows (1, 4, 1)/6 and (2, 1)/6 of a linear mass matrix over their sums.
