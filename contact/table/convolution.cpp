@@ -63,8 +63,7 @@ Convolution::Convolution(const Convolution&) = default;
 Convolution& Convolution::operator=(const Convolution&) = default;
 Convolution::~Convolution() = default;
 
-Convolution::Convolution(std::span<const double> kernel, int rows, int columns,
-                         const ConvolutionOptions& options)
+Convolution::Convolution(std::span<const double> kernel, int rows, int columns, Tail tail, int block)
     : rows_(rows),
       columns_(columns),
       length_(static_cast<std::int64_t>(kernel.size()) / (static_cast<std::int64_t>(rows) * columns)),
@@ -72,22 +71,19 @@ Convolution::Convolution(std::span<const double> kernel, int rows, int columns,
   if (rows < 1 || columns < 1 || length_ < 1 ||
       static_cast<std::size_t>(length_ * rows * columns) != kernel.size())
     throw std::logic_error("convolution: the kernel is not of shape (L, rows, columns)");
-  if (options.block != 0 && (options.block < 2 || !std::has_single_bit(static_cast<unsigned>(options.block))))
+  if (block != 0 && !std::has_single_bit(static_cast<unsigned>(block)))
     throw std::logic_error("convolution: the block must be a power of two");
 
-  if (options.partitioned) {
-    const double best = std::sqrt(2 * static_cast<double>(length_));
-    block_ = options.block > 0 ? options.block
-                               : static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(2.0, best))));
-    if (length_ <= 2 * block_) block_ = 0;  // nothing to gain
-  }
+  const double best = std::sqrt(2 * static_cast<double>(length_));
+  block_ = block > 0 ? block : static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(2.0, best))));
+  if (block_ == 1 || length_ <= 2 * block_) block_ = 0;  // nothing to gain
   const std::int64_t lags = block_ > 0 ? block_ : length_;
   near_.resize(rows, columns * (lags - 1));
   using Sample = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
   const auto sample = [&](std::int64_t l) { return Sample(&kernel[l * rows * columns], rows, columns); };
   for (std::int64_t l = 1; l < lags; ++l) near_.middleCols((l - 1) * columns, columns) = sample(l);
 
-  tail_ = options.tail == Tail::linear;
+  tail_ = tail == Tail::linear;
   if (tail_) {
     const std::int64_t steps = std::min(tail_steps(length_), length_ - 1);
     last_ = sample(length_ - 1);

@@ -108,14 +108,9 @@ const StepOptions& checked(const StepOptions& options, const Table& table) {
   return options;
 }
 
-Convolution convolution_of(const Kernel& kernel, const Table& table, ConvolutionOptions options) {
-  options.tail = table.tail;
-  return {kernel.values, kernel.rows, table.points(), options};
-}
-
 }  // namespace
 
-TableStepper::TableStepper(const Table& table, const StepOptions& options, ConvolutionOptions convolution)
+TableStepper::TableStepper(const Table& table, const StepOptions& options)
     : Stepper(checked(options, table), table.points(), {}),
       free_(table.free),
       free_velocity_(table.free_velocity),
@@ -127,7 +122,7 @@ TableStepper::TableStepper(const Table& table, const StepOptions& options, Convo
         S_ = semidefinite(kernel.at_once, options.scheme == Scheme::impulse);
         if (table.tail == Tail::none)
           available_ = std::ssize(kernel.values) / (static_cast<std::int64_t>(kernel.rows) * table.points());
-        return convolution_of(kernel, table, convolution);
+        return Convolution(kernel.values, kernel.rows, table.points(), table.tail);
       }()) {
   const Eigen::Index m = table.points();
   const bool impulse = options.scheme == Scheme::impulse;

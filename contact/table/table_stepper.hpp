@@ -30,10 +30,9 @@ class TableStepper final : public Stepper {
   static constexpr std::int64_t endless = std::numeric_limits<std::int64_t>::max();
 
   /// @param table  valid; not needed afterwards
-  /// @param convolution  its `tail` is replaced by the table's
   /// Throws InputError if the table lacks what the scheme needs, has another step than `options`, or its
   /// lag 0 (A or S_0) is not symmetric and positive semidefinite; if restitution is outside [0, 1].
-  TableStepper(const Table& table, const StepOptions& options, ConvolutionOptions convolution = {});
+  TableStepper(const Table& table, const StepOptions& options);
 
   /// Steps that the table has kernels and free motion for.
   std::int64_t available() const { return available_; }
