@@ -54,7 +54,8 @@ std::vector<double> frequency_errors(const kernels::Modes& modes, double low_ran
 /// This share of the highest frequency, or of the band of a contact-adapted basis.
 RadPerSecond end_of(const kernels::Kernel& kernel, double share) {
   const kernels::Modes& modes = kernel.modes;
-  if (modes.contact_adapted()) return RadPerSecond{share * RadPerSecond(Hertz{modes.certificate.upto_hz}).value};
+  if (modes.contact_adapted())
+    return RadPerSecond{share * RadPerSecond(Hertz{modes.certificate.upto_hz}).value};
   return RadPerSecond{modes.size() > 0 ? share * modes.angular_frequency.back() : 0};
 }
 

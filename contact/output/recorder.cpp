@@ -1,24 +1,32 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/output/recorder.hpp"
 
+#include <array>
+#include <utility>
+
 namespace ricochet::contact {
 namespace {
 
 using Eigen::Vector3d;
 
 std::vector<double> flat(const Matrix& x) { return {x.data(), x.data() + x.size()}; }
-std::vector<double> flat(const Vector& x) { return {x.data(), x.data() + x.size()}; }
 
 void append(base::hdf5::Rows* rows, const Eigen::Ref<const Vector>& row) {
   rows->append(std::span<const double>(row.data(), static_cast<std::size_t>(row.size())));
 }
 
+constexpr std::array<std::pair<const char*, double Energy::*>, 6> energy_terms{
+    {{"/energy/kinetic", &Energy::kinetic},
+     {"/energy/strain", &Energy::strain},
+     {"/energy/residual", &Energy::residual},
+     {"/energy/loads", &Energy::loads},
+     {"/energy/damping", &Energy::damping},
+     {"/energy/contact", &Energy::contact}}};
+
 /// Energy of q0, v0.
 Energy initial_energy(const Model& model) {
-  Energy out;
-  out.kinetic = 0.5 * model.v0.squaredNorm();
-  out.strain = 0.5 * (model.omega.array() * model.q0.array()).square().sum();
-  return out;
+  return {.kinetic = 0.5 * model.v0.squaredNorm(),
+          .strain = 0.5 * (model.omega.array() * model.q0.array()).square().sum()};
 }
 
 }  // namespace
@@ -164,10 +172,8 @@ void Recorder::make_model_rows() {
   contact_.displacement_b = &file_.rows("/contact/displacement_b", {m}, "m");
   contact_.velocity_a = &file_.rows("/contact/velocity_a", {m}, "m/s");
   contact_.velocity_b = &file_.rows("/contact/velocity_b", {m}, "m/s");
-  energy_ = {&file_.rows("/energy/total", {}, "J"),  &file_.rows("/energy/kinetic", {}, "J"),
-             &file_.rows("/energy/strain", {}, "J"), &file_.rows("/energy/residual", {}, "J"),
-             &file_.rows("/energy/loads", {}, "J"),  &file_.rows("/energy/damping", {}, "J"),
-             &file_.rows("/energy/contact", {}, "J")};
+  energy_ = {&file_.rows("/energy/total", {}, "J")};
+  for (const auto& [name, term] : energy_terms) energy_.push_back(&file_.rows(name, {}, "J"));
   persistency_ = &file_.rows("/contact/persistency", {}, "W");
   if (snapshot_every_ > 0) snapshot_time_ = &file_.rows("/snapshots/time", {}, "s");
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
@@ -265,13 +271,9 @@ void Recorder::receivers_row(double time) {
 }
 
 void Recorder::energy_row(const Energy& energy) {
-  energy_.total->append(energy.total());
-  energy_.kinetic->append(energy.kinetic);
-  energy_.strain->append(energy.strain);
-  energy_.residual->append(energy.residual);
-  energy_.loads->append(energy.loads);
-  energy_.damping->append(energy.damping);
-  energy_.contact->append(energy.contact);
+  energy_.front()->append(energy.total());
+  for (std::size_t k = 0; k < energy_terms.size(); ++k)
+    energy_[k + 1]->append(energy.*energy_terms[k].second);
 }
 
 void Recorder::contact_row(double time, const Vector& u, const Vector& force) {

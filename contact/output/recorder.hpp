@@ -74,9 +74,6 @@ class Recorder {
   struct ReceiverRows {
     Rows *displacement, *velocity, *acceleration;
   };
-  struct EnergyRows {
-    Rows *total, *kinetic, *strain, *residual, *loads, *damping, *contact;
-  };
 
   Recorder(const Model* model, const Vector& gap, const Vector& area, double step,
            const RecorderOptions& options);
@@ -108,7 +105,7 @@ class Recorder {
   Rows* snapshot_time_ = nullptr;
   Rows* receiver_time_ = nullptr;
   ContactRows contact_{};
-  EnergyRows energy_{};
+  std::vector<Rows*> energy_;  ///< total, then the terms
   std::vector<BodyRows> bodies_;
   std::vector<ReceiverRows> receiver_rows_;
 };

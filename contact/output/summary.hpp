@@ -5,6 +5,7 @@
 // the end of the last one. An episode is a run of steps with a force; a step without one ends it.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -27,6 +28,12 @@ struct Episode {
 /// Contributions to the relative error of the quantities of interest (quantities.hpp); none: unknown.
 struct ErrorEstimate {
   std::optional<double> mesh, modes, step, eigensolver, precision, spacing;
+  struct Cause {
+    const char* name;
+    std::optional<double> share;
+    const char* advice;  ///< how to reduce it
+  };
+  std::array<Cause, 6> causes() const;
   double total() const;  ///< sum of those known
 };
 
