@@ -68,13 +68,9 @@ void ForcedResponse::fill(Interval& out) const noexcept {
       const double value = h.at(out.from), slope = h.slope(out.from);
       for (Eigen::Index i = 0; i < forcing.modes; ++i) {
         const Eigen::Index n = forcing.first + i;
-        double S = whole_[n].h, c = whole_[n].c, r = whole_[n].r;
-        if (!out.whole) {
-          const ModeResponse m = mode_response(omega_(n), decay_(n), out.to - out.from);
-          S = m.S, c = m.c, r = m.r;
-        }
-        out.q(n) += forcing.force(i) * (value * c + slope * r);
-        out.v(n) += forcing.force(i) * (value * S + slope * c);
+        const ModeResponse m = out.whole ? whole_[n] : mode_response(omega_(n), decay_(n), out.to - out.from);
+        out.q(n) += forcing.force(i) * (value * m.c + slope * m.r);
+        out.v(n) += forcing.force(i) * (value * m.S + slope * m.c);
       }
     }
     for (std::size_t j = h.passed(out.from), end = h.passed(out.to); j < end; ++j) {
@@ -159,10 +155,10 @@ Work ForcedResponse::advance(const Interval& over, const Vector& constant, Vecto
     for (Eigen::Index n = 0; n < q.size(); ++n) {
       const ModeStep m = whole ? whole_[n] : mode_step(omega_(n), decay_(n), length);
       const double k = slope_(n), g = constant(n) + value_(n) - omega_(n) * omega_(n) * q(n);
-      const double dq = m.b * v(n) + m.c * g + m.r * k, next_v = m.e * v(n) + m.h * g + m.c * k;
+      const double dq = m.S * v(n) + m.c * g + m.r * k, next_v = m.rate * v(n) + m.S * g + m.c * k;
       work.damping += 2 * decay_(n) *
                       (m.ss * g * g + 2 * m.sr * g * v(n) + m.rr * v(n) * v(n) + m.c * m.c * g * k +
-                       2 * (m.h * m.c - m.ss) * v(n) * k + m.cc * k * k);
+                       2 * (m.S * m.c - m.ss) * v(n) * k + m.cc * k * k);
       work.forcing +=
           value_(n) * dq + k * (length * dq - m.c * v(n) - m.r * g - m.w * k) + lift_(n) * (next_v - v(n));
       q(n) += dq;

@@ -31,8 +31,8 @@ void ModalState::begin(std::int64_t k) noexcept {
   next_q = q + free_motion(q, v, now);
 }
 
-/// q⁺ − q = b q̇ + c g, and the response to the forcing. With a = 1 − ω²c and d = −ω²h these increments are
-/// the propagator, and they keep the work of a force on a slow motion free of cancellation.
+/// q⁺ − q = b q̇ + c g, and the response to the forcing. These increments are the propagator, and they keep
+/// the work of a force on a slow motion free of cancellation.
 Vector& ModalState::free_motion(const Vector& from_q, const Vector& from_v,
                                 const ForcedResponse::Interval& over) noexcept {
   g_.array() = system->load.array() - system->stiffness.array() * from_q.array();

@@ -67,10 +67,9 @@ std::shared_ptr<const StepSystem> make_step_system(const Model& model, const Ste
       continue;
     }
     const ModeStep k = mode_step(omega, delta, options.step);
-    out.b(n) = k.b;
+    out.b(n) = out.h(n) = k.S;
     out.c(n) = k.c;
-    out.e(n) = k.e;
-    out.h(n) = k.h;
+    out.e(n) = k.rate;
     out.damp_ss(n) = 2 * delta * k.ss;
     out.damp_sr(n) = 4 * delta * k.sr;
     out.damp_rr(n) = 2 * delta * k.rr;

@@ -14,7 +14,7 @@ namespace ricochet::contact {
 struct StepSystem {
   Vector omega, decay;
   Vector stiffness, load, q0;        ///< (N) ω²; constant modal force; q at t = 0
-  Vector b, c, e, h;                 ///< (N) of a step, as in propagator.hpp
+  Vector b, c, e, h;                 ///< (N) S, c, S' and S of a step, as in propagator.hpp
   Vector damp_ss, damp_sr, damp_rr;  ///< (N) 2δ∫S², 4δ∫SS', 2δ∫S'²
   Matrix B;                          ///< (m,N)
   Vector s, gap;                     ///< (m) s of constant loads; g
