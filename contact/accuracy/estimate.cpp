@@ -66,6 +66,17 @@ void detune(kernels::Modes& modes, const std::vector<double>& error, double fact
     modes.angular_frequency[n] *= 1 + (random() % 2 == 0 ? factor : -factor) * error[n];
 }
 
+StepOptions divided(StepOptions options, double parts) {
+  options.step /= parts;
+  return options;
+}
+
+std::optional<Quantities> mean_of(const std::optional<Quantities>& one,
+                                  const std::optional<Quantities>& other) {
+  if (!one || !other) return std::nullopt;
+  return Quantities{0.5 * one->value + 0.5 * other->value, one->scale, one->longest_touch};
+}
+
 }  // namespace
 
 double left_by_order(int order) {
@@ -98,21 +109,6 @@ const std::optional<Quantities>& Estimator::quantities(const StepOptions& option
   return known != quantities_.end() ? known->second
                                     : quantities_.emplace(key, run(model_, options)).first->second;
 }
-
-namespace {
-
-StepOptions divided(StepOptions options, double parts) {
-  options.step /= parts;
-  return options;
-}
-
-std::optional<Quantities> mean_of(const std::optional<Quantities>& one,
-                                  const std::optional<Quantities>& other) {
-  if (!one || !other) return std::nullopt;
-  return Quantities{0.5 * one->value + 0.5 * other->value, one->scale, one->longest_touch};
-}
-
-}  // namespace
 
 std::optional<Quantities> Estimator::base(const StepOptions& options) {
   return subject_.at_rest ? quantities(options)

@@ -58,7 +58,6 @@ class Estimator {
 
   const Model& model() const { return model_; }
   Model take_model() && { return std::move(model_); }
-  int coarsenings() const { return coarsenings_; }
 
   /// The subject with its points coarsened once more; null where that leaves as many. Made once.
   std::unique_ptr<Estimator>& coarser();

@@ -191,7 +191,6 @@ SolveStatus ComplementaritySolver::pivot(const Symmetric& S, const Right& r) noe
       return SolveStatus::no_solution;
     }
     if (infeasible > left_) cut_to_budget();
-    ++statistics_.rounds;
     for (auto k = leaving_.rbegin(); k != leaving_.rend(); ++k) drop(S, *k);
     for (const int j : entering_)
       if (!enter(S, j, false)) return SolveStatus::no_solution;

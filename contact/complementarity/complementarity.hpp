@@ -40,7 +40,6 @@ struct SolveStatistics {
   std::int64_t problems = 0;
   std::int64_t warm_hits = 0;  ///< solved by the active set of the problem before
   std::int64_t pivots = 0;     ///< indices that changed sides
-  std::int64_t rounds = 0;     ///< block pivots
   std::int64_t fallbacks = 0;  ///< finite fallback entered
   std::int64_t renewals = 0;   ///< factors made anew for another matrix, O(p³)
   std::int64_t limited = 0;    ///< stopped by max_pivots

@@ -73,6 +73,7 @@ void add_forcing(Model& model, int k, const Selection& P, const std::vector<Forc
     const Vector3d along = block.rotation.transpose() * request.vector;
     Model::Forcing out{.name = request.name,
                        .body = k,
+                       .first_mode = block.first_mode,
                        .support = request.support,
                        .entry = static_cast<int>(entry),
                        .vector = request.vector,
@@ -148,7 +149,7 @@ void refuse_overlap(const Model& model) {
 Vector Model::initial_rates() const {
   Vector out = v0;
   for (const Forcing& one : forcing)
-    out.segment(bodies[one.body].first_mode, bodies[one.body].modes) -= one.history.slope(0) * one.lift;
+    out.segment(one.first_mode, one.lift.size()) -= one.history.slope(0) * one.lift;
   return out;
 }
 

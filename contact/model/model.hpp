@@ -78,6 +78,7 @@ struct Model {
   struct Forcing {
     std::string name;
     int body = 0;
+    int first_mode = 0;  ///< of the body
     bool support = false;
     int entry = 0;                    ///< index of the load, or of the motion, in the kernel
     Eigen::Vector3d vector{0, 0, 0};  ///< world

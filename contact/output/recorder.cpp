@@ -96,11 +96,10 @@ Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOp
         const double stiffness = model.omega(n) * model.omega(n);
         R_a_ += B_a_.col(n) * model.B.col(n).transpose() / stiffness;
         s_a_ += B_a_.col(n) * (model.load(n) / stiffness);
-        for (std::size_t d = 0; d < model.forcing.size(); ++d) {
-          const Model::BodyBlock& body = model.bodies[model.forcing[d].body];
-          if (n >= body.first_mode && n < body.first_mode + body.modes)
-            driven_a_.col(d) += B_a_.col(n) * (model.forcing[d].force(n - body.first_mode) / stiffness);
-        }
+        for (std::size_t d = 0; d < model.forcing.size(); ++d)
+          if (const Eigen::Index i = n - model.forcing[d].first_mode;
+              i >= 0 && i < model.forcing[d].force.size())
+            driven_a_.col(d) += B_a_.col(n) * (model.forcing[d].force(i) / stiffness);
       }
   }
   bodies_row(model.initial_rates(), 0, 0);

@@ -3,31 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace ricochet::contact {
 
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
-
-bool count_forces(Summary& out, bool touching, const Vector& force, double time, double step) {
-  const int active = static_cast<int>((force.array() > 0).count());
-  if (active == 0) {
-    if (touching) out.contact_end_s = out.episodes.back().end_s = time - step;
-    return false;
-  }
-  if (!touching) out.episodes.push_back({.start_s = time - step, .end_s = {}});
-  if (!out.contact_start_s) out.contact_start_s = time - step;
-  out.contact_end_s.reset();
-  const double sum = force.sum();
-  Episode& episode = out.episodes.back();
-  episode.impulse_ns += sum * step;
-  episode.peak_force_n = std::max(episode.peak_force_n, sum);
-  out.impulse_ns += sum * step;
-  out.peak_force_n = std::max(out.peak_force_n, sum);
-  out.max_active = std::max(out.max_active, active);
-  ++out.contact_steps;
-  return true;
-}
 
 SummaryObserver::SummaryObserver(const Model& model, double step, double wave_speed)
     : model_(&model),
@@ -66,6 +47,27 @@ void SummaryObserver::add_model(const Model& model) {
   out_.candidates = static_cast<int>(model.gap.size());
 }
 
+/// Adds a step that ends at `time` to the figures that follow from the forces (m) alone.
+void SummaryObserver::count_forces(const Vector& force, double time) {
+  const int active = static_cast<int>((force.array() > 0).count());
+  const bool touched = std::exchange(touching_, active > 0);
+  if (!touching_) {
+    if (touched) out_.contact_end_s = out_.episodes.back().end_s = time - step_;
+    return;
+  }
+  if (!touched) out_.episodes.push_back({.start_s = time - step_, .end_s = {}});
+  if (!out_.contact_start_s) out_.contact_start_s = time - step_;
+  out_.contact_end_s.reset();
+  const double sum = force.sum();
+  Episode& episode = out_.episodes.back();
+  episode.impulse_ns += sum * step_;
+  episode.peak_force_n = std::max(episode.peak_force_n, sum);
+  out_.impulse_ns += sum * step_;
+  out_.peak_force_n = std::max(out_.peak_force_n, sum);
+  out_.max_active = std::max(out_.max_active, active);
+  ++out_.contact_steps;
+}
+
 void SummaryObserver::observe(const Stepper& stepper) {
   const ModalState* modal = stepper.modal();
   if (gap_.size() > 0)
@@ -74,7 +76,7 @@ void SummaryObserver::observe(const Stepper& stepper) {
   if (const SolveResidual& left = stepper.residual(); left.scale > 0)
     out_.limited_residual = std::max(out_.limited_residual, left.violation / left.scale);
   const bool untouched = !out_.contact_start_s, touched = touching_;
-  touching_ = count_forces(out_, touched, stepper.force(), stepper.time(), step_);
+  count_forces(stepper.force(), stepper.time());
   if (touching_ && untouched) {
     at_start_ = mean_velocities(stepper.time() - step_);
     energy_at_start_ = energy_before_;

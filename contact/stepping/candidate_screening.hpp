@@ -58,7 +58,4 @@ class CandidateScreening {
   std::vector<T> factor_, sum_;  ///< scratch
 };
 
-extern template class CandidateScreening<double>;
-extern template class CandidateScreening<float>;
-
 }  // namespace ricochet::contact

@@ -24,7 +24,7 @@ class EventStepper final : public Stepper {
   ModalState state_;
   ImpulseProblem problem_;
   EventLocation events_;
-  Vector next_u_, impulse_;  ///< (m) impulse_: Σ P of the step
+  Vector impulse_;  ///< (m) Σ P of the step
 };
 
 }  // namespace ricochet::contact

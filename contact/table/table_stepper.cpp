@@ -141,7 +141,7 @@ TableStepper::TableStepper(const Table& table, const StepOptions& options)
     rigid_acceleration_ -= bodies_[b].push * bodies_[b].gravity;
     velocity_.col(static_cast<Eigen::Index>(b)) = bodies_[b].velocity;
   }
-  for (Vector* x : {&next_u_, &rhs_, &solution_, &rate_}) x->setZero(m);
+  for (Vector* x : {&rhs_, &solution_, &rate_}) x->setZero(m);
   sub_.setZero(m, m);
   touching_.reserve(width);
   free_motion(0, u_);
@@ -177,15 +177,13 @@ StepStatus TableStepper::step() noexcept {
   if (!next_u_.allFinite() || !next_force_.allFinite()) return StepStatus::not_finite;
 
   convolution_.push(next_force_);
-  contact_.active = static_cast<int>((next_force_.array() > 0).count());
-  contact_.persistency = 0;
+  const int active = static_cast<int>((next_force_.array() > 0).count());
+  double persistency = 0;
   if (options_.scheme == Scheme::impulse)
     next_force_ /= options_.step;
-  else if (contact_.active > 0)
-    contact_.persistency = -next_force_.dot(next_u_ - u_) / options_.step;
-  u_.swap(next_u_);
-  contact_.force.swap(next_force_);
-  steps_ = k;
+  else if (active > 0)
+    persistency = -next_force_.dot(next_u_ - u_) / options_.step;
+  complete(active, persistency, {});
   push_bodies();
   return StepStatus::ok;
 }

@@ -60,7 +60,7 @@ class TableStepper final : public Stepper {
   Eigen::Matrix3Xd velocity_;
 
   // the step under way
-  Vector next_u_, rhs_, solution_, rate_;  ///< (m)
+  Vector rhs_, solution_, rate_;  ///< (m)
   Eigen::MatrixXd sub_;
   std::vector<int> touching_;
 };
