@@ -16,17 +16,6 @@ namespace {
 /// Capacity of a message in an object header, minus space for name and type.
 constexpr std::size_t kLongestAttribute = 64'000;
 
-/// Files are little-endian on every machine, so that equal kernels are equal files.
-template <Element T>
-hid_t file_type() {
-  if constexpr (std::same_as<T, double>)
-    return H5T_IEEE_F64LE;
-  else if constexpr (std::same_as<T, float>)
-    return H5T_IEEE_F32LE;
-  else
-    return H5T_STD_I64LE;
-}
-
 /// Strings have a fixed length: HDF5 does not check its heap for strings of variable length when reading, and
 /// a damaged one crashes.
 Id utf8_type(std::size_t size) {
@@ -143,10 +132,10 @@ void Writer::write(const std::string& dataset, std::span<const T> values, const 
   {
     silence();
     const Id target =
-        make_dataset(dataset, file_type<T>(), simple_space(shape), properties(H5P_DATASET_CREATE));
+        make_dataset(dataset, element_type<T>().file, simple_space(shape), properties(H5P_DATASET_CREATE));
     errno = 0;
     if (!values.empty() &&
-        H5Dwrite(target.get(), memory_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
+        H5Dwrite(target.get(), element_type<T>().memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
       fail_to_write(path_, dataset);
   }
   if (!unit.empty()) attribute(dataset, "unit", unit);

@@ -52,8 +52,6 @@ class Writer {
  public:
   /// Throws InputError if the file cannot be created.
   explicit Writer(std::filesystem::path path);
-  Writer(Writer&& other) = default;
-  Writer& operator=(Writer&&) = delete;
   ~Writer();
 
   /// Creates an empty group (and those above it), for attributes that are written before any dataset.

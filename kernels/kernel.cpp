@@ -168,7 +168,7 @@ void validate_components(const Surface& surface, const Validator& check) {
 void validate_symmetry(const Surface& surface, const Validator& check) {
   const std::vector<double>& r = surface.residual_flexibility;
   if (r.empty()) return;
-  const std::size_t rows = static_cast<std::size_t>(surface.components) * surface.size();
+  const std::size_t rows = surface.components * surface.size();
   const auto smaller = [](double a, double b) { return std::abs(a) < std::abs(b); };
   const double largest = std::abs(*std::ranges::max_element(r, smaller));
   for (std::size_t i = 0; i < rows; ++i)

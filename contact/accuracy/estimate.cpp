@@ -21,7 +21,7 @@ constexpr double visible = 1e-3;
 constexpr double double_over_single = 0x1p-29, single_round_off = 0x1p-24;
 
 /// Change that repeated doubling would still make: the last change d times ρ + ρ² + … with the ratio ρ of d
-/// to the change before, ½ where that is not known. As either may be small by chance, ρ is at most ½ and d at
+/// to the change before, ½ if that is not known. Either may be small by chance, so ρ is at most ½ and d at
 /// least a quarter of the change before.
 double remaining_change(double change, double before) {
   const double last = std::max(change, before / 4), pace = before > 0 ? std::min(last / before, 0.5) : 0.5;

@@ -8,8 +8,8 @@
 //   step         max(4/3 |r(Δ) − r(Δ/4)|, |r(Δ) − r(Δ/2)|): exact for errors of first order in Δ
 //   modes        |⟨r⟩ − ⟨r of the modes up to half, or three quarters, of the highest⟩| times ρ/(1 − ρ)
 //   spacing      |⟨r⟩ − ⟨r of points twice as far apart⟩| times ρ/(1 − ρ)
-//   mesh         |⟨r⟩ − ⟨r of elements of another order⟩| times the share of it that these elements still
-//   have eigensolver  |⟨r⟩ − ⟨r with frequencies off by A times their errors⟩| / A, A making the largest 1e-3
+//   mesh         |⟨r⟩ − ⟨r of elements of another order⟩| times the share of it that these elements keep
+//   eigensolver  |⟨r⟩ − ⟨r with frequencies off by A times their errors⟩| / A, A making the largest 1e-3
 //   precision    |⟨r⟩ − ⟨r in single precision⟩|; in double precision 2⁻²⁹ of it, the ratio of the round-offs
 //
 // ρ is that change over the one that halving the modes, or doubling the distance, once more makes; at most ½,

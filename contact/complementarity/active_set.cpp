@@ -81,8 +81,7 @@ void ActiveSet::leave(int position) noexcept {
 
 bool ActiveSet::renew(const Symmetric& S) noexcept {
   const int wanted = count_;
-  for (int k = 0; k < wanted; ++k) is_active_[active_[k]] = 0;
-  count_ = 0;
+  clear();
   for (int k = 0; k < wanted; ++k)
     if (active_[k] < S.rows()) enter(S, active_[k], false);
   return count_ == wanted;

@@ -16,7 +16,7 @@ using base::hdf5::Reader;
 
 constexpr const char* table_format = "ricochet-table";
 constexpr std::int64_t table_version = 1;
-constexpr const char* advice = "contact/TABLE.md says what a table holds.";
+constexpr const char* advice = "contact/TABLE.md describes tables.";
 
 Vector vector(const std::vector<double>& x) { return Eigen::Map<const Vector>(x.data(), std::ssize(x)); }
 
@@ -31,7 +31,7 @@ std::vector<FreeBody> read_bodies(const Reader& file, std::size_t m) {
   for (std::size_t b = 0; b < count; ++b)
     out.push_back({name[b], mass[b], Eigen::Map<const Eigen::Vector3d>(&velocity[3 * b]),
                    Eigen::Map<const Eigen::Vector3d>(&gravity[3 * b]),
-                   Eigen::Map<const Matrix>(push.data() + 3 * m * b, static_cast<Eigen::Index>(m), 3)});
+                   Eigen::Map<const Matrix>(push.data() + 3 * m * b, m, 3)});
   return out;
 }
 
@@ -46,7 +46,7 @@ Table read_table(const std::filesystem::path& path) {
   Table table;
   table.step = file.read<double>("/table/step", {}).at(0);
   table.gap = vector(file.read<double>("/table/gap", {any}));
-  const std::size_t m = static_cast<std::size_t>(table.gap.size());
+  const std::size_t m = table.gap.size();
   const auto optional = [&](const std::string& name, const base::hdf5::Shape& shape) {
     return file.exists("/table/" + name) ? file.read<double>("/table/" + name, shape) : std::vector<double>{};
   };

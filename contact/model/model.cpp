@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/model/model.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "base/format.hpp"
@@ -55,12 +54,12 @@ Vector rigid_velocity(const PlacedBody& body, const Model::BodyBlock& block) {
   const double energy = block.mass * body.velocity.squaredNorm();
   if (std::abs(out.squaredNorm() - energy) > rigid_slack * energy)
     throw InputError(base::format(
-        "bodies.{}.velocity: {} can't move rigidly that way ({:.3g} of the kinetic energy is in its rigid "
+        "bodies.{}.velocity: {} cannot move rigidly that way ({:.3g} of the kinetic energy is in its rigid "
         "modes). {}",
         body.name, block.supported ? "a supported body" : "this body", out.squaredNorm() / energy,
         block.supported
             ? "Set velocity = [0, 0, 0], or take its support out."
-            : "A rod moves along its axis alone; else compute its kernel again with ricochet-kernel."));
+            : "A rod moves along its axis alone; otherwise compute its kernel again with ricochet-kernel."));
   return out;
 }
 

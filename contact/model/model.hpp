@@ -9,7 +9,6 @@
 
 #include <Eigen/Dense>
 #include <Eigen/SparseCore>
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>

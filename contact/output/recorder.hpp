@@ -77,7 +77,6 @@ class Recorder {
 
   Recorder(const Model* model, const Vector& gap, const Vector& area, double step,
            const RecorderOptions& options);
-  Recorder(const Model& model, const RecorderOptions& options, const StepOptions& step);
   void write_points(const Model& model);
   void write_body(const Model::BodyBlock& body, std::size_t number, const RecorderOptions& options);
   BodyRows& add_body(const std::string& name, double mass);

@@ -32,25 +32,6 @@ void write(const Json& json, const std::filesystem::path& path) {
   temporary.commit();
 }
 
-}  // namespace
-
-std::array<ErrorEstimate::Cause, 6> ErrorEstimate::causes() const {
-  return {{{"mesh", mesh, "a finer mesh or a higher bodies.*.order"},
-           {"modes", modes, "a higher modes.up_to_hz or modes.count"},
-           {"step", step, "a higher time.rate_hz"},
-           {"eigensolver", eigensolver, "a lower modes.relative_residual or modes.low_rank"},
-           {"precision", precision, "time.precision = \"double\""},
-           {"spacing", spacing, "a smaller contact.spacing, or a finer mesh where bodies touch"}}};
-}
-
-double ErrorEstimate::total() const {
-  double sum = 0;
-  for (const Cause& cause : causes()) sum += cause.share.value_or(0);
-  return sum;
-}
-
-namespace {
-
 Json json_of(const Summary& summary) {
   Json episodes = Json::array(), exit_velocity = Json::object(), sounds = Json::object();
   for (const Episode& episode : summary.episodes)
@@ -110,6 +91,21 @@ Json json_of(const EquilibriumSummary& summary) {
 }
 
 }  // namespace
+
+std::array<ErrorEstimate::Cause, 6> ErrorEstimate::causes() const {
+  return {{{"mesh", mesh, "a finer mesh or a higher bodies.*.order"},
+           {"modes", modes, "a higher modes.up_to_hz or modes.count"},
+           {"step", step, "a higher time.rate_hz"},
+           {"eigensolver", eigensolver, "a lower modes.relative_residual or modes.low_rank"},
+           {"precision", precision, "time.precision = \"double\""},
+           {"spacing", spacing, "a smaller contact.spacing, or a finer mesh where bodies touch"}}};
+}
+
+double ErrorEstimate::total() const {
+  double sum = 0;
+  for (const Cause& cause : causes()) sum += cause.share.value_or(0);
+  return sum;
+}
 
 std::string json_text(const Summary& summary) { return json_of(summary).dump(); }
 void write_json(const Summary& summary, const std::filesystem::path& path) { write(json_of(summary), path); }

@@ -15,7 +15,7 @@ SummaryObserver::SummaryObserver(const Model& model, double step, double wave_sp
       gap_(model.gap),
       step_(step),
       before_(model.initial_rates()),
-      impulse_(Matrix3Xd::Zero(3, static_cast<Eigen::Index>(model.pairs.size()))),
+      impulse_(Matrix3Xd::Zero(3, model.pairs.size())),
       check_(std::in_place, model, wave_speed) {
   add_model(model);
   energy_before_ =
@@ -29,8 +29,7 @@ SummaryObserver::SummaryObserver(const Table& table, const Model* source, const 
       step_(options.step),
       before_(3 * std::ssize(bodies_)),
       impulse_(Matrix3Xd::Zero(3, std::ssize(bodies_))) {
-  for (std::size_t b = 0; b < bodies_.size(); ++b)
-    before_.segment<3>(3 * static_cast<Eigen::Index>(b)) = bodies_[b].velocity;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) before_.segment<3>(3 * b) = bodies_[b].velocity;
   out_.candidates = table.points();
   if (!source) return;
   add_model(*source);
@@ -110,19 +109,18 @@ Matrix3Xd SummaryObserver::mean_velocities(double time) const {
   if (!model_) return before_.reshaped(3, std::ssize(bodies_));
   Matrix3Xd out(3, std::ssize(model_->bodies));
   for (Eigen::Index k = 0; k < out.cols(); ++k)
-    out.col(k) = model_->momentum(static_cast<int>(k), before_, time) /
-                 model_->bodies[static_cast<std::size_t>(k)].mass;
+    out.col(k) = model_->momentum(static_cast<int>(k), before_, time) / model_->bodies[k].mass;
   return out;
 }
 
 void SummaryObserver::push(const Vector& force) {
   for (Eigen::Index k = 0; k < impulse_.cols(); ++k)
     if (model_) {
-      const Model::PairBlock& pair = model_->pairs[static_cast<std::size_t>(k)];
+      const Model::PairBlock& pair = model_->pairs[k];
       impulse_.col(k) += step_ * model_->normal.middleRows(pair.first_point, pair.points).transpose() *
                          force.segment(pair.first_point, pair.points);
     } else {
-      impulse_.col(k) += step_ * bodies_[static_cast<std::size_t>(k)].push.transpose() * force;
+      impulse_.col(k) += step_ * bodies_[k].push.transpose() * force;
     }
 }
 
@@ -130,11 +128,11 @@ void SummaryObserver::push(const Vector& force) {
 /// of one pair.
 std::optional<double> SummaryObserver::closing_speed(const Matrix3Xd& velocity) const {
   if (model_) {
-    const Eigen::Array<bool, 1, Eigen::Dynamic> touched = impulse_.colwise().norm().array() > 0;
-    if (touched.count() != 1) return {};
+    const Eigen::RowVectorXd size = impulse_.colwise().norm();
+    if ((size.array() > 0).count() != 1) return {};
     Eigen::Index p = 0;
-    while (!touched(p)) ++p;
-    const Model::PairBlock& pair = model_->pairs[static_cast<std::size_t>(p)];
+    size.maxCoeff(&p);
+    const Model::PairBlock& pair = model_->pairs[p];
     Vector3d relative = Vector3d::Zero();
     if (!model_->bodies[pair.a].supported) relative += velocity.col(pair.a);
     if (pair.b >= 0 && !model_->bodies[pair.b].supported) relative -= velocity.col(pair.b);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/static/equilibrium.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "base/format.hpp"
@@ -115,8 +114,8 @@ void check_held(const Model& model, const Parts& parts) {
     for (std::size_t k = 0; k < parts.rigid.size(); ++k) {
       const Eigen::Index n = parts.rigid[k] - body.first_mode;
       if (n < 0 || n >= body.modes) continue;
-      rest(n) = left(static_cast<Eigen::Index>(k));
-      magnitude(n) = sum(static_cast<Eigen::Index>(k));
+      rest(n) = left(k);
+      magnitude(n) = sum(k);
     }
     if (rest.norm() <= held * magnitude.norm()) continue;
     const Vector3d force = body.momentum * rest;

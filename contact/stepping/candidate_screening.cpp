@@ -2,21 +2,15 @@
 #include "contact/stepping/candidate_screening.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace ricochet::contact {
 namespace {
 
 /// A point is expected to change its force by this many times its change in the block before.
 constexpr double growth = 2;
-
-constexpr auto every_band = [] {
-  std::array<int, bands> out{};
-  for (int k = 0; k < bands; ++k) out[k] = k;
-  return out;
-}();
 
 /// An upper bound on the sum of this many positive terms, each of which was rounded.
 template <class T>
@@ -28,11 +22,12 @@ double at_least(T sum, std::size_t terms) {
 }  // namespace
 
 template <class T>
-CandidateScreening<T>::CandidateScreening(const BlockSystem<T>& system) {
+CandidateScreening<T>::CandidateScreening(const BlockSystem<T>& system) : every_band_(bands) {
   for (Vector* x : {&margin_, &could_, &spent_, &budget_}) x->setZero(system.points);
   rigid_at_.setZero(system.length);
-  raised_.reserve(static_cast<std::size_t>(system.points));
-  factor_.reserve(std::max<std::size_t>(static_cast<std::size_t>(system.points), bands));
+  std::iota(every_band_.begin(), every_band_.end(), 0);
+  raised_.reserve(system.points);
+  factor_.reserve(std::max<std::size_t>(system.points, bands));
   sum_.assign(system.width, T(0));
 }
 
@@ -80,7 +75,7 @@ void CandidateScreening<T>::bound_by_energy(const BlockSystem<T>& of, const Moti
     }
     factor_.push_back(static_cast<T>(std::sqrt(energy)));
   }
-  combine(of, of.reach, every_band);
+  combine(of, of.reach, every_band_);
   for (int i = 0; i < of.points; ++i) {
     margin_(i) -= at_least(sum_[i], bands);
     if (of.rigid.empty()) continue;

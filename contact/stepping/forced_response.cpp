@@ -14,7 +14,7 @@ ForcedResponse::ForcedResponse(const Model& model, double step, bool static_mode
       s_(model.static_displacement),
       forcing_(model.forcing) {
   const Eigen::Index N = model.omega.size();
-  whole_.resize(static_cast<std::size_t>(N));
+  whole_.resize(N);
   for (Eigen::Index n = 0; n < N; ++n) {
     if (static_modes && !sampled(omega_(n), step)) {
       const Vector flexible = model.B.col(n) / (omega_(n) * omega_(n));

@@ -9,10 +9,10 @@ template <class T>
 GatheredSystem<T>::GatheredSystem(const BlockSystem<T>& system)
     : S(system.points, system.points),
       R(system.points, system.points),
-      room_(static_cast<std::size_t>(system.points * system.length) * system.width) {
+      room_(system.points * system.length * system.width) {
   lag = std::make_unique_for_overwrite<T[]>(room_);
-  points_.reserve(static_cast<std::size_t>(system.points));
-  has_lags_.reserve(static_cast<std::size_t>(system.points));
+  points_.reserve(system.points);
+  has_lags_.reserve(system.points);
 }
 
 template <class T>
@@ -21,8 +21,8 @@ GatheredSystem<T>::GatheredSystem(const GatheredSystem& other)
       R(other.R.rows(), other.R.cols()),
       lag(std::make_unique_for_overwrite<T[]>(other.room_)),
       room_(other.room_) {
-  points_.reserve(static_cast<std::size_t>(S.rows()));
-  has_lags_.reserve(static_cast<std::size_t>(S.rows()));
+  points_.reserve(S.rows());
+  has_lags_.reserve(S.rows());
 }
 
 template <class T>

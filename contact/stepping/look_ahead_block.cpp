@@ -2,7 +2,6 @@
 #include "contact/stepping/look_ahead_block.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace ricochet::contact {
 
@@ -22,7 +21,7 @@ LookAheadBlock<T>::LookAheadBlock(std::shared_ptr<const BlockSystem<T>> system, 
   const std::size_t N = system_->modes, width = system_->width, rigid = system_->rigid.size();
   for (std::vector<double>* x : {&q_, &v_, &load_, &held_}) x->assign(N, 0.0);
   for (std::vector<double>* x : {&rigid_q_, &rigid_v_, &rigid_held_}) x->assign(rigid, 0.0);
-  rigid_motion_.setZero(system_->length, static_cast<Eigen::Index>(rigid));
+  rigid_motion_.setZero(system_->length, rigid);
   rigid_at_.setZero(system_->length);
   if (forced_) forcing_.assign(2 * L * N, 0.0);
   s_ = system_->plain->s.transpose().replicate(forced_ ? system_->length + 1 : 1, 1);
@@ -54,7 +53,7 @@ template <class T>
 void LookAheadBlock<T>::set_forcing(int l, const Vector& q, const Vector& v, const Vector& s) noexcept {
   s_.row(l) = s.transpose();
   if (l == 0) return;
-  double* to = &forcing_[2 * static_cast<std::size_t>(l - 1) * system_->modes];
+  double* to = &forcing_[2 * (l - 1) * system_->modes];
   std::copy(q.begin(), q.end(), to);
   std::copy(v.begin(), v.end(), to + system_->modes);
 }
@@ -83,7 +82,7 @@ void LookAheadBlock<T>::hold(const Vector& force) noexcept {
   }
   for (std::size_t r = 0; r < rigid_held_.size(); ++r) {
     rigid_held_[r] = 0;
-    for (int j : pressed_) rigid_held_[r] += force(j) * system_->rigid_B(j, static_cast<Eigen::Index>(r));
+    for (int j : pressed_) rigid_held_[r] += force(j) * system_->rigid_B(j, r);
   }
 }
 
@@ -109,8 +108,8 @@ void LookAheadBlock<T>::start(const Vector& q, const Vector& v, const Vector& fo
   have_changed_.clear();
   hold(force);
   std::fill(is_predicted_.begin(), is_predicted_.end(), 0);
-  system_->loops->free_motion(modes(), static_cast<std::size_t>(length()), q_.data(), v_.data(),
-                              forced_ ? forcing_.data() : nullptr, x_.data());
+  system_->loops->free_motion(modes(), length(), q_.data(), v_.data(), forced_ ? forcing_.data() : nullptr,
+                              x_.data());
   predict_rigid();
   choose_kept();
 }
@@ -127,11 +126,11 @@ void LookAheadBlock<T>::predict_rigid() noexcept {
       q += plain.b(n) * v + plain.c(n) * load;
       v = plain.e(n) * v + plain.h(n) * load;
       if (forced_) {
-        const double* more = &forcing_[2 * static_cast<std::size_t>(l) * system_->modes];
+        const double* more = &forcing_[2 * l * system_->modes];
         q += more[n];
-        v += more[system_->modes + static_cast<std::size_t>(n)];
+        v += more[system_->modes + n];
       }
-      rigid_motion_(l, static_cast<Eigen::Index>(r)) = q;
+      rigid_motion_(l, r) = q;
     }
   }
 }
@@ -177,7 +176,7 @@ SolveStatus LookAheadBlock<T>::step(ComplementaritySolver& solver, Vector& force
   change_.clear();
   for (std::size_t k = 0; k < kept_.size(); ++k) {
     const int i = kept_[k];
-    force(i) = solution_(static_cast<Eigen::Index>(k));
+    force(i) = solution_(k);
     const auto change = static_cast<T>(force(i) - held_force_(i));
     if (change == 0) continue;
     near_.need(*system_, static_cast<int>(k));
@@ -189,13 +188,12 @@ SolveStatus LookAheadBlock<T>::step(ComplementaritySolver& solver, Vector& force
     has_changed_[i] = 1;
   }
   if (!changed_.empty())
-    system_->loops->near(near_.width, near_.lag.get(), static_cast<std::size_t>(length()), changed_.data(),
-                         changed_.size(), change_.data(), static_cast<std::size_t>(length() - taken_),
-                         &u(0, l), system_->width);
+    system_->loops->near(near_.width, near_.lag.get(), length(), changed_.data(), changed_.size(),
+                         change_.data(), length() - taken_, &u(0, l), system_->width);
   pushing_ = 0;
   work_ = 0;
   for (std::size_t k = 0; k < kept_.size(); ++k) {
-    const double lambda = solution_(static_cast<Eigen::Index>(k));
+    const double lambda = solution_(k);
     if (!(lambda > 0)) continue;
     ++pushing_;
     work_ += lambda * (u(k, l) - (taken_ > 0 ? u(k, taken_) : at_start(kept_[k])));
@@ -227,8 +225,8 @@ simd::Sums LookAheadBlock<T>::advance(bool keep_rates) noexcept {
   const auto from = static_cast<std::size_t>(advanced_), L = static_cast<std::size_t>(length());
   system_->loops->pushed_motion(
       modes(), {system_->B.data(), have_changed_.data(), have_changed_.size(), changes_.data() + from, L},
-      static_cast<std::size_t>(taken_ - advanced_), q_.data(), v_.data(),
-      keep_rates ? rates_.data() + from * system_->modes : nullptr, sums);
+      taken_ - advanced_, q_.data(), v_.data(), keep_rates ? rates_.data() + from * system_->modes : nullptr,
+      sums);
   advance_rigid(keep_rates, sums);
   advanced_ = taken_;
   return sums;
@@ -243,14 +241,13 @@ void LookAheadBlock<T>::advance_rigid(bool keep_rates, simd::Sums& sums) noexcep
     for (int l = advanced_; l < taken_; ++l) {
       double push = rigid_held_[r];
       for (int i : have_changed_)
-        push += system_->rigid_B(i, static_cast<Eigen::Index>(r)) *
-                static_cast<double>(changes_[i * length() + l]);
+        push += system_->rigid_B(i, r) * static_cast<double>(changes_[i * length() + l]);
       const double f = plain.load(n) - push, dq = plain.b(n) * v + plain.c(n) * f;
       sums.damping += f * (plain.damp_ss(n) * f + plain.damp_sr(n) * v) + plain.damp_rr(n) * v * v;
       sums.contact += push * dq;
       q += dq;
       v = plain.e(n) * v + plain.h(n) * f;
-      if (keep_rates) rates_[l * system_->modes + static_cast<std::size_t>(n)] = v;
+      if (keep_rates) rates_[l * system_->modes + n] = v;
     }
     sums.kinetic += 0.5 * v * v;
     sums.loads += plain.load(n) * (q - plain.q0(n));
@@ -273,15 +270,14 @@ void LookAheadBlock<T>::predict(std::span<const int> rows) noexcept {
     is_predicted_[i] = 1;
     if (!system_->rigid.empty()) rigid_at_.noalias() = rigid_motion_ * system_->rigid_B.row(i).transpose();
     for (int l = 0; l < length(); ++l)
-      predicted_u_[l * width + static_cast<std::size_t>(i)] =
-          s_(forced_ ? l + 1 : 0, i) + rigid_at_(l) - held_rest_(i);
+      predicted_u_[l * width + i] = s_(forced_ ? l + 1 : 0, i) + rigid_at_(l) - held_rest_(i);
   }
   system_->loops->displacement(system_->modes, system_->B.data(), rows.data(), rows.size(), x_.data(),
-                               static_cast<std::size_t>(length()), predicted_u_.data(), width);
+                               length(), predicted_u_.data(), width);
   for (int i : rows) {
     double farthest = predicted_u_[i];
     for (int l = 1; l < length(); ++l) {
-      const double u = predicted_u_[l * width + static_cast<std::size_t>(i)];
+      const double u = predicted_u_[l * width + i];
       farthest = u > farthest || u != u ? u : farthest;
     }
     screening_.set_margin(i, system_->plain->gap(i) - farthest);
@@ -335,7 +331,7 @@ void LookAheadBlock<T>::keep(int point) noexcept {
   kept_.push_back(point);
   for (int l = 1; l <= length(); ++l) u(k, l) = predicted_u_[(l - 1) * width + i];
   for (int j : have_changed_) {
-    const T* lag = &system_->lag[(j * length()) * width + i];
+    const T* lag = &system_->lag[j * length() * width + i];
     for (int from = 1; from <= taken_; ++from) {
       const auto change = static_cast<double>(changes_[j * length() + from - 1]);
       if (change == 0) continue;

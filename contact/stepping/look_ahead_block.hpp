@@ -51,7 +51,6 @@ class LookAheadBlock {
   const double* rate(int l) const { return &rates_[(l - 1) * system_->modes]; }
 
   int length() const { return system_->length; }
-  int taken() const { return taken_; }
   int advanced() const { return advanced_; }
   bool over() const { return taken_ == system_->length; }
   int pushing() const { return pushing_; }     ///< points with λ > 0 in the last step

@@ -13,7 +13,6 @@
 
 #include <Eigen/Dense>
 #include <complex>
-#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>

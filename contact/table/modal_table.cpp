@@ -70,7 +70,7 @@ Table table_from_modes(const Model& model, const StepOptions& options, std::int6
     if (compliant && to.empty()) sample += at_once;
     to.insert(to.end(), sample.data(), sample.data() + m * m);
   };
-  const std::size_t size = static_cast<std::size_t>(L * m * m);
+  const std::size_t size = L * m * m;
   for (std::vector<double>* kernel :
        compliant ? std::vector{&table.flexibility} : std::vector{&table.displacement, &table.velocity})
     kernel->reserve(size);

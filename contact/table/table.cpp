@@ -12,7 +12,7 @@
 namespace ricochet::contact {
 namespace {
 
-constexpr const char* advice = "contact/TABLE.md says what a table holds.";
+constexpr const char* advice = "contact/TABLE.md describes tables.";
 
 /// A table with a linear tail must end in a straight line to within this share of its largest value.
 constexpr double straight = 1e-6;
@@ -61,7 +61,7 @@ void validate(const Table& table, const std::string& origin) {
   }
   check_finite("free", table.free);
   check_finite("free_velocity", table.free_velocity);
-  check_finite("gap", table.gap);
+  check_finite("gap", {table.gap.data(), static_cast<std::size_t>(m)});
   if (table.area.size() > 0 && (table.area.size() != m || !(table.area.array() > 0).all()))
     fail("/table/area must be positive, one for each point.");
   for (std::int64_t k = 0; k < m * m && !table.displacement.empty(); ++k)
@@ -81,7 +81,7 @@ void validate(const Table& table, const std::string& origin) {
       fail(base::format("/bodies/push of {} is not of shape ({}, 3).", body.name, m));
   }
   if (table.free.empty() && table.bodies.empty())
-    fail("nothing says how the points move without contact: give /table/free, or /bodies.");
+    fail("the motion of the points without contact is missing: give /table/free, or /bodies.");
   if (std::ssize(table.free) != K * m || (!table.free.empty() && K < 2))
     fail(base::format("/table/free must hold at least 2 instants of {} points.", m));
   if (!table.free_velocity.empty() && table.free_velocity.size() != table.free.size())
@@ -99,7 +99,7 @@ void validate(const Table& table, const std::string& origin) {
       if (const double off = Convolution::departure(*kernel, static_cast<int>(m), static_cast<int>(m));
           off > straight)
         fail(base::format(
-            "/table/{} is said to end in a straight line, but its last tenth departs from one by {:.2g} "
+            "/table/{} must end in a straight line, but its last tenth departs from one by {:.2g} "
             "of its largest value (at most {}): make it longer, or set tail = \"none\".",
             name, off, straight));
 }

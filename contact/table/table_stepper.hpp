@@ -6,7 +6,7 @@
 //   0 ≤ P ⟂ A P − (1 + e) v̂ ≥ 0
 //   "jump":        A = Ṅ_0,    v̂ = ũ̇_k − Σ_{l≥1} Ṅ_l P_{k−l}
 //   "difference":  the same with (N_{l+1} − N_l)/Δ for Ṅ_l and (ũ_{k+1} − ũ_k)/Δ for ũ̇_k
-// As in the source paper the first instant is t_1. displacement() is that before the impulses.
+// The first instant is t_1, as in the source paper. displacement() is that before the impulses.
 //
 // compliant, step k: 0 ≤ λ ⟂ S_0 λ − (û − g) ≥ 0,  û = ũ_k − Σ_{l≥1} S_l λ_{k−l},  over all points.
 //

@@ -335,20 +335,20 @@ TEST(TableFile, is_refused_in_one_line_that_says_why) {
               HasSubstr("/table/displacement[0] is 2, not 0"));
   EXPECT_THAT(refusal([](Table& t) { t.velocity.pop_back(); }), HasSubstr("differ in length"));
   EXPECT_THAT(refusal([](Table& t) { t.flexibility.pop_back(); }), HasSubstr("(40, 1, 1)"));
-  EXPECT_THAT(refusal([](Table& t) { t.velocity[3] = NAN; }), HasSubstr("/table/velocity holds values"));
+  EXPECT_THAT(refusal([](Table& t) { t.velocity[3] = NAN; }), HasSubstr("/table/velocity contains a value"));
   EXPECT_THAT(refusal([](Table& t) { t.step = 0; }), HasSubstr("/table/step is 0 s"));
   EXPECT_THAT(refusal([](Table& t) { t.gap.resize(0); }), HasSubstr("/table/gap is empty"));
   EXPECT_THAT(refusal([](Table& t) { t.gap(0) = -1; }), HasSubstr("must not be negative"));
   EXPECT_THAT(refusal([](Table& t) { t.bodies[0].mass = 0; }), HasSubstr("mass of moving is 0 kg"));
   EXPECT_THAT(refusal([](Table& t) { t.bodies[0].name = "a/b"; }), HasSubstr("letters, digits"));
-  EXPECT_THAT(refusal([](Table& t) { t.bodies.clear(); }), HasSubstr("nothing says how the points move"));
+  EXPECT_THAT(refusal([](Table& t) { t.bodies.clear(); }), HasSubstr("the motion of the points without contact is missing"));
   EXPECT_THAT(refusal([](Table& t) { t.free = {1, 2}; }), HasSubstr("overlaps by 0.5 m"));
   EXPECT_THAT(refusal([](Table& t) { t.free = {0}; }), HasSubstr("at least 2 instants"));
   EXPECT_THAT(refusal([](Table& t) {
                 t.tail = Tail::linear;
                 t.velocity[38] += 1;
               }),
-              HasSubstr("/table/velocity is said to end in a straight line"));
+              HasSubstr("/table/velocity must end in a straight line"));
   const Folder folder;
   EXPECT_THAT(complaint_of([&] { read_table(folder / "none.h5"); }), HasSubstr("there is no such file"));
   EXPECT_THAT(complaint_of([&] { read_table(folder.write("text.h5", "no")); }),
