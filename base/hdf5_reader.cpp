@@ -19,7 +19,7 @@ namespace ricochet::base::hdf5 {
 namespace {
 
 /// A dataset may need at most this many times the size of the file in memory (which allows for narrow or
-/// compressed data, but not for decompression bombs), plus a little for chunks that are not full.
+/// compressed data, but not for decompression bombs), plus an allowance for chunks that are not full.
 constexpr std::uintmax_t kMemoryPerFileByte = 64, kMemoryOfSmallFiles = 1 << 20;
 
 /// Product of `shape` and `element`, or the largest number if it overflows.

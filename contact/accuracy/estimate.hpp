@@ -85,7 +85,7 @@ class Estimator {
   const Subject& subject_;
   Model model_;
   int coarsenings_;
-  std::optional<std::unique_ptr<Estimator>> coarser_;                             ///< none: not looked at
+  std::optional<std::unique_ptr<Estimator>> coarser_;                             ///< none: not sought yet
   std::map<std::pair<double, Precision>, std::optional<Quantities>> quantities_;  ///< by step
 };
 

@@ -8,7 +8,7 @@
 namespace ricochet::contact {
 namespace {
 
-/// A Schur complement this far below its diagonal is looked at more closely.
+/// A Schur complement this far below its diagonal is examined more closely.
 constexpr double suspicious = 1e-8;
 
 /// Up to this many indices plain loops are faster than Eigen's blocked ones.

@@ -51,7 +51,7 @@ class MotionFile {
     const Model::PairBlock* pair = nullptr;
     int corners = 1;                    ///< of an element: 1 where points make no surface
     std::vector<std::int64_t> element;  ///< by point of the pair
-    std::vector<SurfacePoint> place;    ///< of the visualisation surface of a closest to each point
+    std::vector<SurfacePoint> place;    ///< of a's visualisation surface, closest to each point
     Matrix offset;                      ///< (points,3) of each point from that point, at the start [m]
   };
 

@@ -66,7 +66,7 @@ struct Summary {
   std::int64_t limited_steps = 0;  ///< steps that max_pivots cut short
   double limited_residual = 0;     ///< worst of them: SolveResidual violation over scale
   std::map<std::string, int> modes;
-  std::map<std::string, std::string> basis;  ///< by body, what they are: kernels::Modes::kind
+  std::map<std::string, std::string> basis;  ///< by body, as by kernels::Modes::kind
   int modes_in_residual = 0;                 ///< above half the rate: quasi-static in this run
   Precision precision = Precision::float64;  ///< of the products of steps
   int candidates = 0;                        ///< paired points m

@@ -51,7 +51,7 @@ std::string title(const PairRequest& request) {
 
 std::string text(const Vector3d& v) { return base::format("[{:.6g}, {:.6g}, {:.6g}]", v.x(), v.y(), v.z()); }
 
-/// A kernel of one component knows no directions but its own.
+/// A kernel of one component holds the motion along its own direction only.
 void check_component(const PlacedBody& body, const std::optional<Vector3d>& normal,
                      const PairRequest& request) {
   const kernels::Surface& surface = body.kernel->surface;
@@ -123,7 +123,7 @@ const Pairing::Point& closest_pair(const Pairing& pairing) {
 void check_some(const Pairing& pairing, const PairRequest& request) {
   if (pairing.points.empty())
     throw InputError(
-        base::format("{}: no point of \"{}\" faces \"{}\" ({} candidates looked at). Check bodies.*.contact, "
+        base::format("{}: no point of \"{}\" faces \"{}\" ({} candidates examined). Check bodies.*.contact, "
                      "translate and rotate_deg, and contact.direction (it points out of \"{}\").",
                      title(request), request.a, request.b, pairing.unpaired, request.a));
 }

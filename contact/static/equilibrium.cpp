@@ -43,7 +43,7 @@ Parts parts_of(const Model& model) {
   return out;
 }
 
-/// Minimises ½ λᵀ S λ − rᵀ λ over λ ≥ 0, time and again.
+/// Minimises ½ λᵀ S λ − rᵀ λ over λ ≥ 0, repeatedly.
 class Minimiser {
  public:
   Minimiser(const Model& model, const EquilibriumOptions& options)
@@ -64,8 +64,8 @@ class Minimiser {
 
  private:
   /// p ← max(0, p̄ + τ (r − S λ̄)),  λ = A p,  from the λ given, with τ = 1/‖A S‖_∞. p̄ runs ahead of p by
-  /// Nesterov's rule (1983), anew whenever that overshoots (O'Donoghue & Candès 2015): plain steps, p̄ = p,
-  /// take some eighty times as many.
+  /// Nesterov's rule (1983), restarted whenever that overshoots (O'Donoghue & Candès 2015): plain steps, p̄ =
+  /// p, take some eighty times as many.
   void uzawa(const MatrixXd& S, const Vector& r, Vector& lambda) {
     const double closing = r.size() > 0 ? r.maxCoeff() : 0;
     if (!(closing > 0)) {

@@ -304,7 +304,7 @@ void LookAheadBlock<T>::choose_kept() noexcept {
   std::size_t needed = 0, covered = 0;
   for (int i = 0; i < system_->points; ++i) needed += must_keep(i, 1) ? 1 : 0;
   for (int i : gathered_) covered += must_keep(i, 1) ? 1 : 0;
-  // Some points too many cost less than a new matrix.
+  // A few surplus points cost less than a new matrix.
   const bool reuse = needed > 0 && covered == needed && gathered_.size() <= 2 * needed + 8;
   for (int i : kept_) position_[i] = -1;
   kept_.clear();

@@ -110,7 +110,7 @@ void pushed_tile(const Modes& m, const Pushes<T>& pushes, const T* force, std::s
       for (std::size_t l = 0; l < steps; ++l) push[l][w] += strength[l] * b;
     }
   }
-  // Sums of each register of their own, or each would wait for the one before.
+  // Each register has its own sums; otherwise each would wait for the one before.
   Double::type damping[wide] = {}, contact[wide] = {};
   for (std::size_t l = 0; l < steps; ++l)
     for (std::size_t w = 0; w < wide; ++w) {

@@ -13,7 +13,7 @@
 namespace ricochet::contact {
 namespace {
 
-/// Steps at the end of a table that a linear tail goes on from.
+/// Steps at the end of a table that a linear tail continues.
 std::int64_t tail_steps(std::int64_t length) { return std::max<std::int64_t>(2, length / 10); }
 
 }  // namespace

@@ -17,7 +17,7 @@ constexpr const char* advice = "contact/TABLE.md describes tables.";
 /// A table with a linear tail must end in a straight line to within this share of its largest value.
 constexpr double straight = 1e-6;
 
-/// Gaps smaller than this share of what they are made of are round-off of touching.
+/// Gaps smaller than this share of their terms are round-off of touching.
 constexpr double touching = 1e-12;
 
 /// Names become groups of the result.
