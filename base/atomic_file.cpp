@@ -105,13 +105,13 @@ bool names(const fs::path& path, int descriptor) {
          there.st_ino == mine.st_ino && there.st_dev == mine.st_dev;
 }
 
-[[noreturn]] void fail(const fs::path& target, int error) {
-  throw InputError(fmt::format(
-      "{}: cannot write the file ({}). Is the disk full, or the folder read-only? Choose another --out.",
-      target.string(), error != 0 ? std::strerror(error) : "no reason given by the system"));
-}
-
 }  // namespace
+
+void fail_to_write(const fs::path& place, const std::string& what) {
+  throw InputError(fmt::format(
+      "{}: cannot write {} ({}). Is the disk full, or the folder read-only? Choose another --out.",
+      place.string(), what, errno != 0 ? std::strerror(errno) : "no reason given by the system"));
+}
 
 AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)) {
   remove_left(target_);
@@ -122,7 +122,7 @@ AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)) {
     const SignalsWait until_listed;
     descriptor_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor_ < 0 && errno == EEXIST) continue;
-    if (descriptor_ < 0) base::fail(target_, errno);
+    if (descriptor_ < 0) fail_to_write(target_);
     ::flock(descriptor_, LOCK_EX | LOCK_NB);
     if (names(path_, descriptor_)) {
       slot_ = list(path_.string());
@@ -130,7 +130,8 @@ AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)) {
     }
     ::close(descriptor_);
   }
-  base::fail(target_, EEXIST);
+  errno = EEXIST;
+  fail_to_write(target_);
 }
 
 AtomicFile::~AtomicFile() {
@@ -142,12 +143,12 @@ AtomicFile::~AtomicFile() {
   ::close(descriptor_);
 }
 
-void AtomicFile::fail() const { base::fail(target_, errno); }
+void AtomicFile::fail() const { fail_to_write(target_); }
 
 void AtomicFile::commit(const fs::path& outdated) {
-  if (::fsync(descriptor_) != 0) base::fail(target_, errno);
+  if (::fsync(descriptor_) != 0) fail_to_write(target_);
   if (!outdated.empty()) ::unlink(outdated.c_str());
-  if (::rename(path_.c_str(), target_.c_str()) != 0) base::fail(target_, errno);
+  if (::rename(path_.c_str(), target_.c_str()) != 0) fail_to_write(target_);
   unlist(slot_);
   ::close(std::exchange(descriptor_, -1));
   // Some file systems cannot sync a folder; the file itself is complete in any case.

@@ -11,8 +11,12 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 namespace ricochet::base {
+
+/// Throws an InputError: `what` of the file at `place` could not be written, for the reason in errno.
+[[noreturn]] void fail_to_write(const std::filesystem::path& place, const std::string& what = "the file");
 
 class AtomicFile {
  public:
@@ -23,10 +27,9 @@ class AtomicFile {
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
 
-  const std::filesystem::path& target() const { return target_; }
   const std::filesystem::path& path() const { return path_; }
 
-  /// Throws an InputError: the file could not be written.
+  /// Throws InputError as fail_to_write does.
   [[noreturn]] void fail() const;
 
   /// Syncs the file to disk, gives it its final name, and syncs the folder. The file at `path` must be

@@ -16,23 +16,24 @@ std::chars_format notation(double value) {
                                                     : std::chars_format::scientific;
 }
 
-}  // namespace
-
-std::string FormatArgument::formatted(std::string_view specification) const {
-  if (kind_ == Kind::text) return std::string(text_);
-  if (kind_ == Kind::integer) return std::to_string(integer_);
+std::string formatted(const FormatArgument& argument, std::string_view specification) {
+  if (const auto* text = std::get_if<std::string_view>(&argument)) return std::string(*text);
+  if (const auto* integer = std::get_if<std::int64_t>(&argument)) return std::to_string(*integer);
+  const double real = std::get<double>(argument);
   std::array<char, 64> out;
   std::to_chars_result end{};
   if (specification.empty()) {
-    end = std::to_chars(out.data(), out.data() + out.size(), real_, notation(real_));
+    end = std::to_chars(out.data(), out.data() + out.size(), real, notation(real));
   } else {
     assert(specification.starts_with(":.") && specification.ends_with('g'));
     int digits = 0;
     std::from_chars(specification.data() + 2, specification.data() + specification.size() - 1, digits);
-    end = std::to_chars(out.data(), out.data() + out.size(), real_, std::chars_format::general, digits);
+    end = std::to_chars(out.data(), out.data() + out.size(), real, std::chars_format::general, digits);
   }
   return {out.data(), end.ptr};
 }
+
+}  // namespace
 
 std::string format_arguments(std::string_view text, std::initializer_list<FormatArgument> arguments) {
   std::string out;
@@ -43,7 +44,7 @@ std::string format_arguments(std::string_view text, std::initializer_list<Format
     if (open == std::string_view::npos) break;
     const std::size_t close = text.find('}', open);
     assert(close != std::string_view::npos && next != arguments.end());
-    out += (next++)->formatted(text.substr(open + 1, close - open - 1));
+    out += formatted(*next++, text.substr(open + 1, close - open - 1));
     at = close + 1;
   }
   return out;

@@ -8,36 +8,28 @@
 #include <initializer_list>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <variant>
 
 namespace ricochet::base {
 
-/// A value in a message. A number prints as the shortest text that reads back to it, or with N digits for
-/// "{:.Ng}".
-class FormatArgument {
- public:
-  FormatArgument(std::string_view text) : kind_(Kind::text), text_(text) {}
-  FormatArgument(const std::string& text) : FormatArgument(std::string_view(text)) {}
-  FormatArgument(const char* text) : FormatArgument(std::string_view(text)) {}
-  FormatArgument(double value) : kind_(Kind::real), real_(value) {}
-  template <std::integral Integer>
-  FormatArgument(Integer value) : kind_(Kind::integer), integer_(static_cast<std::int64_t>(value)) {}
+/// A value in a message.
+using FormatArgument = std::variant<std::string_view, double, std::int64_t>;
 
-  std::string formatted(std::string_view specification) const;
+FormatArgument format_argument(const auto& value) {
+  if constexpr (std::integral<std::decay_t<decltype(value)>>)
+    return static_cast<std::int64_t>(value);
+  else
+    return value;
+}
 
- private:
-  enum class Kind { text, real, integer };
-  Kind kind_;
-  std::string_view text_{};
-  double real_ = 0;
-  std::int64_t integer_ = 0;
-};
-
-/// Replaces "{}" and "{:.Ng}" by the arguments, in order.
+/// Replaces "{}" and "{:.Ng}" by the arguments, in order. A number prints as the shortest text that reads
+/// back to it, or with N digits.
 std::string format_arguments(std::string_view text, std::initializer_list<FormatArgument> arguments);
 
 template <class... Arguments>
 std::string format(std::string_view text, const Arguments&... arguments) {
-  return format_arguments(text, {FormatArgument(arguments)...});
+  return format_arguments(text, {format_argument(arguments)...});
 }
 
 }  // namespace ricochet::base

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "base/hdf5_internal.hpp"
@@ -15,14 +14,6 @@ std::string to_string(const Shape& shape) {
   std::vector<std::string> parts;
   for (const std::size_t length : shape) parts.push_back(length == any ? "*" : std::to_string(length));
   return fmt::format("({})", fmt::join(parts, ", "));
-}
-
-Id& Id::operator=(Id&& other) noexcept {
-  if (this != &other) {
-    reset();
-    raw_ = std::exchange(other.raw_, -1);
-  }
-  return *this;
 }
 
 void Id::reset() noexcept {

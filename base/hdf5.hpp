@@ -31,7 +31,10 @@ class Id {
   Id() = default;
   explicit Id(std::int64_t raw) : raw_(raw) {}
   Id(Id&& other) noexcept : raw_(std::exchange(other.raw_, -1)) {}
-  Id& operator=(Id&& other) noexcept;
+  Id& operator=(Id&& other) noexcept {
+    std::swap(raw_, other.raw_);
+    return *this;
+  }
   ~Id() { reset(); }
 
   std::int64_t get() const { return raw_; }

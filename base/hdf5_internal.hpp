@@ -24,14 +24,19 @@ inline void silence() {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
+struct ElementType {
+  hid_t memory, file;
+};
+
+/// Files are little-endian on every machine, so that equal kernels are equal files.
 template <Element T>
-hid_t memory_type() {
+ElementType element_type() {
   if constexpr (std::same_as<T, double>)
-    return H5T_NATIVE_DOUBLE;
+    return {H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE};
   else if constexpr (std::same_as<T, float>)
-    return H5T_NATIVE_FLOAT;
+    return {H5T_NATIVE_FLOAT, H5T_IEEE_F32LE};
   else
-    return H5T_NATIVE_INT64;
+    return {H5T_NATIVE_INT64, H5T_STD_I64LE};
 }
 
 /// Disables file locks. Only complete files have their final name, so locks protect nothing, and some network

@@ -19,7 +19,7 @@ namespace ricochet::base::hdf5 {
 namespace {
 
 /// A dataset may need at most this many times the size of the file in memory (which allows for narrow or
-/// compressed data, but not for decompression bombs), plus a little for chunks that are not full.
+/// compressed data, but not for decompression bombs), plus an allowance for chunks that are not full.
 constexpr std::uintmax_t kMemoryPerFileByte = 64, kMemoryOfSmallFiles = 1 << 20;
 
 /// Product of `shape` and `element`, or the largest number if it overflows.
@@ -171,7 +171,7 @@ std::vector<T> Reader::read(const std::string& dataset, const Shape& expected) c
   const Id space(H5Dget_space(opened.get()));
   std::vector<T> values(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space.get())));
   if (!values.empty() &&
-      H5Dread(opened.get(), memory_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
+      H5Dread(opened.get(), element_type<T>().memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
     fail(fmt::format("dataset \"{}\" is damaged.", dataset));
   return values;
 }
@@ -237,9 +237,7 @@ void Reader::read_numeric_attribute(const std::string& object, const std::string
 }
 
 double Reader::double_attribute(const std::string& object, const std::string& name) const {
-  double value = 0;
-  read_numeric_attribute(object, name, false, 1, &value);
-  return value;
+  return doubles_attribute(object, name, 1).front();
 }
 
 std::int64_t Reader::integer_attribute(const std::string& object, const std::string& name) const {

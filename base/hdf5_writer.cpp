@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstring>
 #include <stdexcept>
 
 #include "base/hdf5_internal.hpp"
@@ -16,17 +15,6 @@ namespace {
 
 /// Capacity of a message in an object header, minus space for name and type.
 constexpr std::size_t kLongestAttribute = 64'000;
-
-/// Files are little-endian on every machine, so that equal kernels are equal files.
-template <Element T>
-hid_t file_type() {
-  if constexpr (std::same_as<T, double>)
-    return H5T_IEEE_F64LE;
-  else if constexpr (std::same_as<T, float>)
-    return H5T_IEEE_F32LE;
-  else
-    return H5T_STD_I64LE;
-}
 
 /// Strings have a fixed length: HDF5 does not check its heap for strings of variable length when reading, and
 /// a damaged one crashes.
@@ -59,14 +47,6 @@ std::size_t count_of(const Shape& shape) {
   std::size_t count = 1;
   for (const std::size_t length : shape) count *= length;
   return count;
-}
-
-std::string reason() { return errno != 0 ? std::strerror(errno) : "no reason given by the system"; }
-
-[[noreturn]] void write_failed(const std::string& file, const std::string& what) {
-  throw InputError(fmt::format(
-      "{}: cannot write {} ({}). Is the disk full, or the folder read-only? Choose another --out.", file,
-      what, reason()));
 }
 
 }  // namespace
@@ -102,7 +82,7 @@ void Rows::flush() {
                                      nullptr) >= 0;
   done = done && H5Dwrite(dataset_.get(), H5T_NATIVE_DOUBLE, memory_space.get(), file_space.get(),
                           H5P_DEFAULT, block_.data()) >= 0;
-  if (!done) write_failed(file_, name_);
+  if (!done) fail_to_write(file_, name_);
   written_ += std::exchange(held_, 0);
   block_.clear();
 }
@@ -116,7 +96,7 @@ Writer::Writer(std::filesystem::path path)
   H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V18);
   errno = 0;
   file_ = Id(H5Fcreate(temporary_->path().c_str(), H5F_ACC_TRUNC, creation.get(), access.get()));
-  if (!file_.valid()) write_failed(path_.string(), "the file");
+  if (!file_.valid()) fail_to_write(path_);
 }
 
 Writer::~Writer() {
@@ -134,14 +114,14 @@ void Writer::group(const std::string& name) {
     if (part == "/" || H5Lexists(file_.get(), part.c_str(), H5P_DEFAULT) > 0) continue;
     const Id made(
         H5Gcreate2(file_.get(), part.c_str(), H5P_DEFAULT, properties(H5P_GROUP_CREATE).get(), H5P_DEFAULT));
-    if (!made.valid()) write_failed(path_.string(), part);
+    if (!made.valid()) fail_to_write(path_, part);
   }
 }
 
 Id Writer::make_dataset(const std::string& name, std::int64_t type, const Id& space, const Id& creation) {
   group(name.substr(0, std::max<std::size_t>(name.rfind('/'), 1)));
   Id made(H5Dcreate2(file_.get(), name.c_str(), type, space.get(), H5P_DEFAULT, creation.get(), H5P_DEFAULT));
-  if (!made.valid()) write_failed(path_.string(), name);
+  if (!made.valid()) fail_to_write(path_, name);
   return made;
 }
 
@@ -152,11 +132,11 @@ void Writer::write(const std::string& dataset, std::span<const T> values, const 
   {
     silence();
     const Id target =
-        make_dataset(dataset, file_type<T>(), simple_space(shape), properties(H5P_DATASET_CREATE));
+        make_dataset(dataset, element_type<T>().file, simple_space(shape), properties(H5P_DATASET_CREATE));
     errno = 0;
     if (!values.empty() &&
-        H5Dwrite(target.get(), memory_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
-      write_failed(path_.string(), dataset);
+        H5Dwrite(target.get(), element_type<T>().memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
+      fail_to_write(path_, dataset);
   }
   if (!unit.empty()) attribute(dataset, "unit", unit);
 }
@@ -176,7 +156,7 @@ void Writer::write_strings(const std::string& dataset, const std::vector<std::st
       make_dataset(dataset, type.get(), simple_space({values.size()}), properties(H5P_DATASET_CREATE));
   errno = 0;
   if (!values.empty() && H5Dwrite(target.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) < 0)
-    write_failed(path_.string(), dataset);
+    fail_to_write(path_, dataset);
 }
 
 Rows& Writer::rows(const std::string& dataset, const Shape& row, const std::string& unit) {
@@ -214,7 +194,7 @@ void Writer::write_attribute(const std::string& object, const std::string& name,
                        : H5Tget_class(type) == H5T_INTEGER ? H5T_NATIVE_INT64
                                                            : type;
   if (!target.valid() || H5Awrite(target.get(), memory, value) < 0)
-    write_failed(path_.string(), fmt::format("attribute {} of {}", name, object));
+    fail_to_write(path_, fmt::format("attribute {} of {}", name, object));
 }
 
 void Writer::attribute(const std::string& object, const std::string& name, const std::string& value) {
@@ -244,8 +224,8 @@ void Writer::commit(const std::filesystem::path& outdated) {
   rows_.clear();
   errno = 0;
   // Flush first: closing does not report every write error.
-  if (H5Fflush(file_.get(), H5F_SCOPE_GLOBAL) < 0) write_failed(path_.string(), "the file");
-  if (H5Fclose(file_.release()) < 0) write_failed(path_.string(), "the file");
+  if (H5Fflush(file_.get(), H5F_SCOPE_GLOBAL) < 0) fail_to_write(path_);
+  if (H5Fclose(file_.release()) < 0) fail_to_write(path_);
   temporary_->commit(outdated);
 }
 

@@ -36,9 +36,6 @@ class Rows {
   void append(std::span<const double> row);
   void append(double value) { append(std::span<const double>(&value, 1)); }
 
-  /// Number of rows appended so far, including the buffered ones.
-  std::size_t size() const { return written_ + held_; }
-
  private:
   friend class Writer;
   void flush();
@@ -55,8 +52,6 @@ class Writer {
  public:
   /// Throws InputError if the file cannot be created.
   explicit Writer(std::filesystem::path path);
-  Writer(Writer&& other) = default;
-  Writer& operator=(Writer&&) = delete;
   ~Writer();
 
   /// Creates an empty group (and those above it), for attributes that are written before any dataset.

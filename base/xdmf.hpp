@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// XDMF files: a short text that tells ParaView and other viewers how to read an HDF5 file beside it.
+// XDMF files: a short text by which ParaView and other viewers read the HDF5 file beside it.
 //
 //   xdmf::File file(path, "two-disks.motion.h5");
 //   file.begin("upper");                      // a grid that moves …

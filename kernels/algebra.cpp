@@ -69,13 +69,11 @@ void take_rows(std::vector<double>& matrix, std::size_t width, const std::vector
 /// themselves.
 void take_elements(Surface& surface, const std::vector<std::int64_t>& points) {
   std::vector<std::int64_t> number(surface.size(), -1), element;
-  for (std::size_t i = 0; i < points.size(); ++i)
-    number[static_cast<std::size_t>(points[i])] = static_cast<std::int64_t>(i);
+  for (std::size_t i = 0; i < points.size(); ++i) number[points[i]] = static_cast<std::int64_t>(i);
   const auto k = static_cast<std::size_t>(surface.element_corners);
   for (std::size_t e = 0; e + k <= surface.element.size(); e += k) {
     std::vector<std::int64_t> corners;
-    for (std::size_t j = 0; j < k; ++j)
-      corners.push_back(number[static_cast<std::size_t>(surface.element[e + j])]);
+    for (std::size_t j = 0; j < k; ++j) corners.push_back(number[surface.element[e + j]]);
     if (std::ranges::count(corners, -1) == 0) element.insert(element.end(), corners.begin(), corners.end());
   }
   if (element.empty() || k == 1) {
@@ -174,9 +172,7 @@ Kernel truncated_to_band(Kernel kernel, Hertz band) {
     fail(kernel, fmt::format("has all modes up to {:.6g} Hz, not up to {:.6g}: request less, or compute more "
                              "modes",
                              certificate.upto_hz, band.value));
-  std::vector<bool> keep;
-  for (const double omega : kernel.modes.angular_frequency) keep.push_back(omega <= RadPerSecond(band).value);
-  truncate(kernel, keep);
+  kernel = truncated_above(std::move(kernel), RadPerSecond(band));
   certificate.upto_hz = std::min(band.value, certificate.upto_hz);
   certificate.count_found = static_cast<std::int64_t>(kernel.modes.size());
   if (certificate.complete) certificate.count_by_inertia = certificate.count_found;
@@ -191,8 +187,7 @@ Kernel truncated_to_count(Kernel kernel, std::int64_t count) {
     fail(kernel,
          fmt::format("has {} modes, fewer than {}: request fewer, or compute more", omega.size(), count));
   const auto square = [&](std::size_t n) { return omega[n] * omega[n]; };
-  auto kept = std::max<std::size_t>(static_cast<std::size_t>(count),
-                                    static_cast<std::size_t>(std::ranges::count(omega, 0.0)));
+  auto kept = std::max<std::size_t>(count, std::ranges::count(omega, 0.0));
   while (kept < omega.size() && square(kept) < (1 + multiple_mode) * square(kept - 1)) ++kept;
   const Hertz end = kept < omega.size()
                         ? to_hertz(RadPerSecond{std::sqrt((square(kept - 1) + square(kept)) / 2)})
@@ -204,7 +199,7 @@ void restrict_candidates(Surface& surface, const std::vector<std::int64_t>& poin
   take_elements(surface, points);
   surface.whole.reset();
   std::vector<std::string> group;
-  for (const std::int64_t i : points) group.push_back(surface.group[static_cast<std::size_t>(i)]);
+  for (const std::int64_t i : points) group.push_back(surface.group[i]);
   surface.group = std::move(group);
   take_rows(surface.node, 3, points);
   if (!surface.centroid.empty()) take_rows(surface.centroid, 3, points);
@@ -222,9 +217,8 @@ Kernel restricted_to_points(Kernel kernel, const std::vector<std::int64_t>& poin
   for (const std::int64_t i : points) {
     if (i < 0 || static_cast<std::uint64_t>(i) >= m)
       fail(kernel, fmt::format("there is no candidate {}: they are numbered from 0 to {}", i, m - 1));
-    if (named[static_cast<std::size_t>(i)])
-      fail(kernel, fmt::format("candidate {} is named twice: name it once", i));
-    named[static_cast<std::size_t>(i)] = true;
+    if (named[i]) fail(kernel, fmt::format("candidate {} is named twice: name it once", i));
+    named[i] = true;
   }
   restrict_candidates(surface, points);
   take_rows(surface.shape, n, points, c);
@@ -234,8 +228,7 @@ Kernel restricted_to_points(Kernel kernel, const std::vector<std::int64_t>& poin
       for (std::size_t a = 0; a < c; ++a)
         for (const std::int64_t j : points)
           for (std::size_t b = 0; b < c; ++b)
-            square.push_back(surface.residual_flexibility[(static_cast<std::size_t>(i) * c + a) * c * m +
-                                                          static_cast<std::size_t>(j) * c + b]);
+            square.push_back(surface.residual_flexibility[(i * c + a) * c * m + j * c + b]);
     surface.residual_flexibility = std::move(square);
   }
   if (!kernel.loads.body_force_residual.empty()) take_rows(kernel.loads.body_force_residual, 3, points, c);
@@ -244,8 +237,7 @@ Kernel restricted_to_points(Kernel kernel, const std::vector<std::int64_t>& poin
     std::vector<float> taken;
     for (std::size_t row = 0; row < whole.size() / (c * m); ++row)
       for (const std::int64_t i : points)
-        for (std::size_t a = 0; a < c; ++a)
-          taken.push_back(whole[(row * m + static_cast<std::size_t>(i)) * c + a]);
+        for (std::size_t a = 0; a < c; ++a) taken.push_back(whole[(row * m + i) * c + a]);
     whole = std::move(taken);
   }
   return kernel;

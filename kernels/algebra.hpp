@@ -27,7 +27,7 @@
 
 namespace ricochet::kernels {
 
-/// How one body compares with another of the same shape and Poisson's ratio. All factors are positive.
+/// The ratios of one body to another of the same shape and Poisson's ratio. All factors are positive.
 struct Similarity {
   double young = 1, density = 1;  ///< common to all its materials
   double scale = 1;               ///< of length

@@ -20,7 +20,7 @@ using ComplexMatrix = Eigen::MatrixXcd;
 Matrix traces(const BandModes& modes) {
   const auto n = static_cast<Eigen::Index>(modes.lambda.size());
   if (n == 0) return {};
-  return Eigen::Map<const Matrix>(modes.trace.data(), static_cast<Eigen::Index>(modes.trace.size()) / n, n);
+  return Eigen::Map<const Matrix>(modes.trace.data(), modes.trace.size() / n, n);
 }
 
 /// The factor by which a matrix of c columns is multiplied to estimate its Frobenius norm: the identity, or,
@@ -64,6 +64,71 @@ std::vector<Complex> weights(const BandModes& modes, Complex square, bool less_s
   for (const double lambda : modes.lambda)
     x.push_back(1.0 / (lambda + square) - (less_static ? 1.0 / lambda : 0.0));
   return x;
+}
+
+/// Keeps the selected columns of a (rows, keep.size()) matrix.
+template <class T>
+void keep_columns(std::vector<T>& matrix, const std::vector<bool>& keep) {
+  std::size_t to = 0;
+  for (std::size_t from = 0; from < matrix.size(); ++from)
+    if (keep[from % keep.size()]) matrix[to++] = matrix[from];
+  matrix.resize(to);
+}
+
+/// Updates block `at` of `blocks` blocks side by side in a matrix of columns (rows, blocks · width): +=
+/// left_k right_kᵀ / λ with left (rows, n), right (width, n). An empty matrix stays empty.
+template <class T>
+void add_product(std::vector<T>& matrix, const std::vector<T>& left, const std::vector<double>& right,
+                 std::size_t k, std::size_t n, double lambda, std::size_t at = 0, std::size_t blocks = 1) {
+  const std::size_t width = right.size() / n;
+  for (std::size_t i = 0; i < matrix.size() / (width * blocks); ++i)
+    for (std::size_t j = 0; j < width; ++j)
+      matrix[(i * blocks + at) * width + j] += static_cast<T>(left[i * n + k] * right[j * n + k] / lambda);
+}
+
+/// Static part of mode k at the outputs: a receiver or the visualisation surface.
+void leave_seen(auto& seen, const Kernel& kernel, std::size_t k, double lambda) {
+  const std::size_t n = kernel.modes.size(), loads = kernel.applied.size(), motions = kernel.motions.size();
+  add_product(seen.residual_flexibility, seen.shape, kernel.surface.shape, k, n, lambda);
+  add_product(seen.body_force_residual, seen.shape, kernel.loads.body_force, k, n, lambda);
+  for (std::size_t l = 0; l < loads; ++l)
+    add_product(seen.load_residual, seen.shape, kernel.applied[l].participation, k, n, lambda, l, loads);
+  for (std::size_t s = 0; s < motions; ++s)
+    add_product(seen.motion_residual, seen.shape, kernel.motions[s].participation, k, n, 1, s, motions);
+}
+
+/// Adds the static part of mode k to the residuals of loads, moving supports, receivers and the visualisation
+/// surface. A support also takes over its share of the mode: Ψ − ΦΓ grows by φ_k Γ_k.
+void leave_sources(Kernel& kernel, std::size_t k, double lambda) {
+  const std::size_t n = kernel.modes.size();
+  const std::vector<double>&shape = kernel.surface.shape, &gravity = kernel.loads.body_force;
+  for (Load& load : kernel.applied) add_product(load.residual, shape, load.participation, k, n, lambda);
+  for (Motion& motion : kernel.motions) {
+    add_product(motion.residual, shape, motion.participation, k, n, 1);
+    add_product(motion.momentum, gravity, motion.participation, k, n, 1);
+  }
+  for (Receiver& receiver : kernel.receivers) leave_seen(receiver, kernel, k, lambda);
+  if (kernel.view) leave_seen(*kernel.view, kernel, k, lambda);
+}
+
+/// The elastic modes of a kernel; rigid modes come first.
+struct Elastic {
+  std::size_t rigid;
+  std::vector<double> lambda, trace;
+  BandModes modes() const { return {lambda, trace}; }
+};
+
+Elastic elastic_of(const Kernel& kernel) {
+  const std::size_t n = kernel.modes.size();
+  const std::vector<double>& omega = kernel.modes.angular_frequency;
+  Elastic elastic{static_cast<std::size_t>(std::ranges::count(omega, 0.0)), {}, {}};
+  if (elastic.rigid == n) return elastic;
+  const std::size_t rows = kernel.surface.shape.size() / n;
+  for (std::size_t k = elastic.rigid; k < n; ++k) {
+    elastic.lambda.push_back(omega[k] * omega[k]);
+    for (std::size_t i = 0; i < rows; ++i) elastic.trace.push_back(kernel.surface.shape[i * n + k]);
+  }
+  return elastic;
 }
 
 }  // namespace
@@ -135,85 +200,16 @@ std::size_t Contributions::dispensable(const std::vector<std::size_t>& order, do
   return fine;
 }
 
-namespace {
-
-/// Keeps the selected columns of a (rows, keep.size()) matrix.
-template <class T>
-void keep_columns(std::vector<T>& matrix, const std::vector<bool>& keep) {
-  std::size_t to = 0;
-  for (std::size_t from = 0; from < matrix.size(); ++from)
-    if (keep[from % keep.size()]) matrix[to++] = matrix[from];
-  matrix.resize(to);
-}
-
-/// Updates block `at` of `blocks` blocks side by side in a matrix of columns (rows, blocks · width): +=
-/// left_k right_kᵀ / λ with left (rows, n), right (width, n). An empty matrix stays empty.
-template <class T>
-void add_product(std::vector<T>& matrix, const std::vector<T>& left, const std::vector<double>& right,
-                 std::size_t k, std::size_t n, double lambda, std::size_t at = 0, std::size_t blocks = 1) {
-  const std::size_t width = right.size() / n;
-  for (std::size_t i = 0; i < matrix.size() / (width * blocks); ++i)
-    for (std::size_t j = 0; j < width; ++j)
-      matrix[(i * blocks + at) * width + j] += static_cast<T>(left[i * n + k] * right[j * n + k] / lambda);
-}
-
-/// Static part of mode k at the outputs: a receiver or the visualisation surface.
-void leave_seen(auto& seen, const Kernel& kernel, std::size_t k, double lambda) {
-  const std::size_t n = kernel.modes.size(), loads = kernel.applied.size(), motions = kernel.motions.size();
-  add_product(seen.residual_flexibility, seen.shape, kernel.surface.shape, k, n, lambda);
-  add_product(seen.body_force_residual, seen.shape, kernel.loads.body_force, k, n, lambda);
-  for (std::size_t l = 0; l < loads; ++l)
-    add_product(seen.load_residual, seen.shape, kernel.applied[l].participation, k, n, lambda, l, loads);
-  for (std::size_t s = 0; s < motions; ++s)
-    add_product(seen.motion_residual, seen.shape, kernel.motions[s].participation, k, n, 1, s, motions);
-}
-
-/// Adds the static part of mode k to the residuals of loads, moving supports, receivers and the visualisation
-/// surface. A support also takes over its share of the mode: Ψ − ΦΓ grows by φ_k Γ_k.
-void leave_sources(Kernel& kernel, std::size_t k, double lambda) {
-  const std::size_t n = kernel.modes.size();
-  const std::vector<double>&shape = kernel.surface.shape, &gravity = kernel.loads.body_force;
-  for (Load& load : kernel.applied) add_product(load.residual, shape, load.participation, k, n, lambda);
-  for (Motion& motion : kernel.motions) {
-    add_product(motion.residual, shape, motion.participation, k, n, 1);
-    add_product(motion.momentum, gravity, motion.participation, k, n, 1);
-  }
-  for (Receiver& receiver : kernel.receivers) leave_seen(receiver, kernel, k, lambda);
-  if (kernel.view) leave_seen(*kernel.view, kernel, k, lambda);
-}
-
-/// The elastic modes of a kernel; rigid modes come first.
-struct Elastic {
-  std::size_t rigid;
-  std::vector<double> lambda, trace;
-  BandModes modes() const { return {lambda, trace}; }
-};
-
-Elastic elastic_of(const Kernel& kernel) {
-  const std::size_t n = kernel.modes.size();
-  const std::vector<double>& omega = kernel.modes.angular_frequency;
-  Elastic elastic{static_cast<std::size_t>(std::ranges::count(omega, 0.0)), {}, {}};
-  if (elastic.rigid == n) return elastic;
-  const std::size_t rows = kernel.surface.shape.size() / n;
-  for (std::size_t k = elastic.rigid; k < n; ++k) {
-    elastic.lambda.push_back(omega[k] * omega[k]);
-    for (std::size_t i = 0; i < rows; ++i) elastic.trace.push_back(kernel.surface.shape[i * n + k]);
-  }
-  return elastic;
-}
-
-}  // namespace
-
 void truncate(Kernel& kernel, const std::vector<bool>& keep) {
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   using Eigen::Index;
   std::vector<Index> leaving;
-  Eigen::VectorXd inverse(static_cast<Index>(keep.size()));
+  Eigen::VectorXd inverse(keep.size());
   for (std::size_t k = 0; k < keep.size(); ++k) {
     if (keep[k]) continue;
-    leaving.push_back(static_cast<Index>(k));
+    leaving.push_back(k);
     leave_sources(kernel, k, std::pow(kernel.modes.angular_frequency[k], 2));
-    inverse[static_cast<Index>(k)] = std::pow(kernel.modes.angular_frequency[k], -2);
+    inverse[k] = std::pow(kernel.modes.angular_frequency[k], -2);
   }
   if (leaving.empty()) return;
   const auto n = static_cast<Index>(keep.size()), rows = static_cast<Index>(kernel.surface.shape.size()) / n;
@@ -255,7 +251,7 @@ double truncation_error(const Kernel& kernel, RadPerSecond end, RadPerSecond ban
 
 double error_above(const Kernel& kernel, RadPerSecond band, RadPerSecond end) {
   const std::vector<double>& r = kernel.surface.residual_flexibility;
-  const Eigen::Map<const Eigen::VectorXd> entries(r.data(), static_cast<Eigen::Index>(r.size()));
+  const Eigen::Map<const Eigen::VectorXd> entries(r.data(), r.size());
   return Contributions(elastic_of(kernel).modes(), band).error_above(end, entries.norm());
 }
 

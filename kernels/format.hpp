@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Constants shared by the writer and the reader of kernel files.
+// The kernel file (FORMAT.md): its attributes and datasets, listed once for the writer, the reader and the
+// validation.
 #pragma once
 
 #include <cstdint>
+#include <string>
+#include <vector>
+
+#include "ricochet/kernel.hpp"
 
 namespace ricochet::kernels {
 
@@ -12,5 +17,141 @@ inline constexpr std::int64_t kVersion = 1;
 /// Unit of the participation of a load, from which the reader recognises the kind of load.
 inline constexpr const char* kTractionUnit = "kg^-1/2 m^2";
 inline constexpr const char* kForceUnit = "kg^-1/2";
+
+using Shape = std::vector<std::size_t>;
+
+inline Shape joined(Shape front, const Shape& back) {
+  front.insert(front.end(), back.begin(), back.end());
+  return front;
+}
+
+/// `front`, the components unless there is only one, `back`.
+inline Shape over_components(const Surface& surface, Shape front, const Shape& back = {}) {
+  if (!surface.direction) front.push_back(3);
+  return joined(front, back);
+}
+
+// Below, `file` writes, reads or checks what it is given:
+//   attribute(object, name, value), dataset(name, values, shape, unit)
+//   optional_attribute, optional_dataset     absent if the value is 0, or the dataset is empty
+//   group(name)                              a group that has attributes before it has datasets
+//   strings(name, values, length)
+//   elements(name, element, corners, fewest corners, number of nodes)
+//   names(kind, items)                       the names of all loads, motions or receivers
+//   rows(dataset, values, width)             returns the first length of a dataset
+
+void list_root(auto& file, auto& kernel) {
+  file.attribute("/", "body", kernel.body);
+  file.attribute("/", "hash", kernel.hash);
+  file.attribute("/", "scene", kernel.scene);
+  file.attribute("/", "mesh_sha256", kernel.mesh_sha256);
+  file.attribute("/", "created_by", kernel.created_by);
+  file.attribute("/", "dofs", kernel.dofs);
+  file.attribute("/", "elements", kernel.elements);
+  file.attribute("/", "order", kernel.order);
+  file.attribute("/", "mass", kernel.mass);
+  file.attribute("/", "supported", kernel.supported);
+  file.dataset("/body/centre", kernel.centre, {3}, "m");
+  file.dataset("/body/inertia", kernel.inertia, {3, 3}, "kg m^2");
+}
+
+void list_modes(auto& file, auto& modes) {
+  const std::size_t n = file.rows("/modes/angular_frequency", modes.angular_frequency, 1);
+  file.dataset("/modes/angular_frequency", modes.angular_frequency, {n}, "rad/s");
+  file.dataset("/modes/decay_rate", modes.decay_rate, {n}, "1/s");
+  file.dataset("/modes/residual", modes.residual, {n}, "1");
+  file.attribute("/modes", "basis", modes.basis);
+  const std::string group = "/modes/certificate";
+  auto& certificate = modes.certificate;
+  file.group(group);
+  file.attribute(group, "below", certificate.below);
+  file.attribute(group, "upto_hz", certificate.upto_hz);
+  file.attribute(group, "count_by_inertia", certificate.count_by_inertia);
+  file.attribute(group, "count_found", certificate.count_found);
+  file.attribute(group, "left_out", certificate.left_out);
+  file.attribute(group, "complete", certificate.complete);
+  file.attribute(group, "orthonormality", certificate.orthonormality);
+  file.attribute(group, "flexibility_error", certificate.flexibility_error);
+  file.optional_attribute(group, "approximate", certificate.approximate);
+}
+
+/// @param surface  Surface or WholeSurface
+void list_candidates(auto& file, const std::string& group, auto& surface) {
+  const std::size_t m = file.rows(group + "/area", surface.area, 1);
+  file.dataset(group + "/node", surface.node, {m, 3}, "m");
+  file.optional_dataset(group + "/centroid", surface.centroid, {m, 3}, "m");
+  if constexpr (requires { surface.group; }) file.strings(group + "/group", surface.group, m);
+  file.dataset(group + "/normal", surface.normal, {m, 3}, "1");
+  file.dataset(group + "/area", surface.area, {m}, "m^2");
+  file.elements(group + "/element", surface.element, surface.element_corners, 1, m);
+}
+
+void list_surface(auto& file, auto& surface, std::size_t n) {
+  list_candidates(file, "/surface", surface);
+  const std::size_t m = surface.size(), rows = static_cast<std::size_t>(surface.components) * m;
+  file.dataset("/surface/shape", surface.shape, over_components(surface, {m}, {n}), "kg^-1/2");
+  if (surface.direction) file.attribute("/surface/shape", "direction", *surface.direction);
+  file.optional_dataset("/surface/residual_flexibility", surface.residual_flexibility, {rows, rows}, "m/N");
+  if (!surface.whole) return;
+  list_candidates(file, "/surface/whole", *surface.whole);
+  file.dataset("/surface/whole/held", surface.whole->held, {m}, "1");
+}
+
+/// Static corrections of a receiver or the visualisation surface. @param at  shape of its displacement
+void list_residuals(auto& file, const std::string& group, auto& seen, const Shape& at, auto& kernel) {
+  const std::size_t m = kernel.surface.size(), loads = kernel.applied.size(), motions = kernel.motions.size();
+  file.optional_dataset(group + "/residual_flexibility", seen.residual_flexibility,
+                        over_components(kernel.surface, joined(at, {m})), "m/N");
+  file.optional_dataset(group + "/body_force_residual", seen.body_force_residual, joined(at, {3}), "s^2");
+  file.optional_dataset(group + "/load_residual", seen.load_residual, joined(at, {loads, 3}),
+                        "m per unit of the load");
+  file.optional_dataset(group + "/motion_residual", seen.motion_residual, joined(at, {motions, 3}), "1");
+}
+
+/// Gravity, loads with histories, motions of supports, and receivers.
+void list_sources(auto& file, auto& kernel) {
+  const std::size_t m = kernel.surface.size(), n = kernel.modes.size();
+  const Shape on_surface = over_components(kernel.surface, {m}, {3});
+  file.dataset("/loads/body_force", kernel.loads.body_force, {3, n}, "kg^1/2");
+  file.dataset("/loads/rotation", kernel.loads.rotation, {3, n}, "kg^1/2 m");
+  file.optional_dataset("/loads/body_force_residual", kernel.loads.body_force_residual, on_surface, "s^2");
+  file.names("loads", kernel.applied);
+  file.names("motions", kernel.motions);
+  file.names("receivers", kernel.receivers);
+  for (auto& load : kernel.applied) {
+    const bool traction = load.unit == "Pa";
+    const std::string data = "/load_data/" + load.name;
+    file.dataset("/loads/" + load.name, load.participation, {3, n}, traction ? kTractionUnit : kForceUnit);
+    file.dataset(data + "/total", load.total, {3, 3}, traction ? "m^2" : "1");
+    file.dataset(data + "/moment", load.moment, {3, 3}, traction ? "m^3" : "m");
+    file.optional_dataset(data + "/residual", load.residual, on_surface, "m/" + load.unit);
+  }
+  for (auto& motion : kernel.motions) {
+    const std::string data = "/motions/" + motion.name;
+    file.dataset(data + "/participation", motion.participation, {3, n}, "kg^1/2");
+    file.dataset(data + "/residual", motion.residual, on_surface, "1");
+    file.dataset(data + "/momentum", motion.momentum, {3, 3}, "kg");
+  }
+  for (auto& receiver : kernel.receivers) {
+    const std::string data = "/receiver_data/" + receiver.name;
+    file.dataset("/receivers/" + receiver.name, receiver.shape, {3, n}, "kg^-1/2");
+    file.dataset(data + "/point", receiver.point, {3}, "m");
+    list_residuals(file, data, receiver, {3}, kernel);
+  }
+}
+
+void list_kernel(auto& file, auto& kernel) {
+  list_root(file, kernel);
+  list_modes(file, kernel.modes);
+  list_surface(file, kernel.surface, kernel.modes.size());
+  list_sources(file, kernel);
+  if (!kernel.view) return;
+  auto& view = *kernel.view;
+  const std::size_t nodes = file.rows("/view/node", view.node, 3);
+  file.dataset("/view/node", view.node, {nodes, 3}, "m");
+  file.elements("/view/element", view.element, view.element_corners, 2, nodes);
+  file.dataset("/view/shape", view.shape, {nodes, 3, kernel.modes.size()}, "kg^-1/2");
+  list_residuals(file, "/view", view, {nodes, 3}, kernel);
+}
 
 }  // namespace ricochet::kernels

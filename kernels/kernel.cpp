@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <numeric>
 #include <set>
 #include <span>
 #include <string_view>
 
 #include "base/format.hpp"
+#include "kernels/format.hpp"
 #include "ricochet/error.hpp"
 
 namespace ricochet::kernels {
@@ -23,6 +25,7 @@ constexpr double kUnitTolerance = 1e-9;
 /// tolerance.
 constexpr double kSymmetryTolerance = 1e-6;
 
+/// Checks the lengths and the finiteness of what list_kernel lists; rules beyond these follow below.
 class Validator {
  public:
   explicit Validator(const std::string& origin) : origin_(origin) {}
@@ -31,40 +34,29 @@ class Validator {
     throw InputError(base::format("{}: {} {} Compute it again with ricochet-kernel.", origin_, name, what));
   }
 
-  void length(std::string_view name, std::size_t found, std::size_t expected) const {
-    if (found != expected) fail(name, base::format("has {} values, expected {}.", found, expected));
+  [[noreturn]] void fail_dataset(const std::string& name, const std::string& what) const {
+    fail(base::format("dataset \"{}\"", name), what);
   }
 
-  template <class T, class Accept>
-  void each(std::string_view name, std::span<const T> values, Accept accept, std::string_view rule) const {
+  void length(const std::string& name, std::size_t found, std::size_t expected) const {
+    if (found != expected) fail_dataset(name, base::format("has {} values, expected {}.", found, expected));
+  }
+
+  void each(const std::string& name, const auto& values, auto accept, std::string_view rule) const {
     for (std::size_t i = 0; i < values.size(); ++i)
       if (!accept(values[i]))
-        fail(name, base::format("contains {} at index {}: must be {}.", values[i], i, rule));
+        fail_dataset(name, base::format("contains {} at index {}: must be {}.", values[i], i, rule));
   }
 
-  template <class T>
-  void finite(std::string_view name, const std::vector<T>& values, std::size_t expected) const {
-    length(name, values.size(), expected);
-    each<T>(
-        name, values, [](T value) { return std::isfinite(value); }, "finite");
+  void indices(const std::string& name, const std::vector<std::int64_t>& values, std::size_t end) const {
+    each(
+        name, values, [end](std::int64_t i) { return i >= 0 && static_cast<std::uint64_t>(i) < end; },
+        base::format("an index below {}", end));
   }
 
-  void finite_not_negative(std::string_view name, const std::vector<double>& values,
-                           std::size_t expected) const {
-    finite(name, values, expected);
-    each<double>(
+  void not_negative(const std::string& name, const std::vector<double>& values) const {
+    each(
         name, values, [](double value) { return value >= 0; }, "zero or positive");
-  }
-
-  void elements(std::string_view name, const std::vector<std::int64_t>& corners, int per_element,
-                int smallest, std::size_t nodes) const {
-    if (per_element < smallest || per_element > 3)
-      fail(name, base::format("has {} corners per element: must be {} to 3.", per_element, smallest));
-    if (corners.size() % static_cast<std::size_t>(per_element) != 0)
-      fail(name, base::format("has {} values, not a multiple of {}.", corners.size(), per_element));
-    each<std::int64_t>(
-        name, corners, [nodes](std::int64_t i) { return i >= 0 && static_cast<std::uint64_t>(i) < nodes; },
-        base::format("an index below {}", nodes));
   }
 
   void unit(std::string_view name, std::span<const double> vectors) const {
@@ -72,6 +64,43 @@ class Validator {
       const double length = std::hypot(vectors[i], vectors[i + 1], vectors[i + 2]);
       if (!(std::abs(length - 1) <= kUnitTolerance))
         fail(name, base::format("has length {} in row {}: must be a unit vector.", length, i / 3));
+    }
+  }
+
+  // as format.hpp asks for
+  void group(const std::string&) const {}
+  void attribute(const std::string&, const char*, const auto&) const {}
+  void optional_attribute(const std::string&, const char*, std::int64_t) const {}
+  std::size_t rows(const std::string&, const auto& values, std::size_t width) const {
+    return values.size() / width;
+  }
+  void dataset(const std::string& name, const auto& values, const Shape& shape, std::string_view) const {
+    length(name, values.size(),
+           std::accumulate(shape.begin(), shape.end(), std::size_t{1}, std::multiplies()));
+    each(
+        name, values, [](auto value) { return std::isfinite(value); }, "finite");
+  }
+  void optional_dataset(const std::string& name, const auto& values, const Shape& shape,
+                        std::string_view unit) const {
+    if (!values.empty()) dataset(name, values, shape, unit);
+  }
+  void strings(const std::string& name, const std::vector<std::string>& values, std::size_t expected) const {
+    length(name, values.size(), expected);
+  }
+  void elements(const std::string& name, const std::vector<std::int64_t>& element, int corners, int fewest,
+                std::size_t nodes) const {
+    if (corners < fewest || corners > 3)
+      fail_dataset(name, base::format("has {} corners per element: must be {} to 3.", corners, fewest));
+    if (element.size() % static_cast<std::size_t>(corners) != 0)
+      fail_dataset(name, base::format("has {} values, not a multiple of {}.", element.size(), corners));
+    indices(name, element, nodes);
+  }
+  void names(const std::string& kind, const auto& items) const {
+    const std::string group = base::format("group \"/{}\"", kind);
+    std::set<std::string> names;
+    for (const auto& item : items) {
+      if (!is_free_name(item.name)) fail(group, base::format("has the name \"{}\".", item.name));
+      if (!names.insert(item.name).second) fail(group, base::format("has \"{}\" twice.", item.name));
     }
   }
 
@@ -88,21 +117,16 @@ void validate_body(const Kernel& kernel, const Validator& check) {
     check.fail("attribute \"mass\"", base::format("is {}: must be positive.", kernel.mass));
   if (kernel.dofs < 0 || kernel.elements < 0 || kernel.order < 0)
     check.fail("attribute \"dofs\", \"elements\" or \"order\"", "is negative.");
-  check.finite("dataset \"/body/centre\"", std::vector<double>(kernel.centre.begin(), kernel.centre.end()),
-               3);
-  check.finite("dataset \"/body/inertia\"", std::vector<double>(kernel.inertia.begin(), kernel.inertia.end()),
-               9);
 }
 
 void validate_modes(const Modes& modes, const Validator& check) {
-  const std::size_t n = modes.size();
   if (modes.basis != "modes" && !modes.contact_adapted() && !modes.imported())
     check.fail("attribute \"basis\" of \"/modes\"", "is neither \"modes\", \"contact\" nor \"imported\".");
-  check.finite_not_negative("dataset \"/modes/angular_frequency\"", modes.angular_frequency, n);
+  check.not_negative("/modes/angular_frequency", modes.angular_frequency);
   if (!std::ranges::is_sorted(modes.angular_frequency))
-    check.fail("dataset \"/modes/angular_frequency\"", "is not ascending.");
-  check.finite_not_negative("dataset \"/modes/decay_rate\"", modes.decay_rate, n);
-  check.finite_not_negative("dataset \"/modes/residual\"", modes.residual, n);
+    check.fail_dataset("/modes/angular_frequency", "is not ascending.");
+  check.not_negative("/modes/decay_rate", modes.decay_rate);
+  check.not_negative("/modes/residual", modes.residual);
   const Certificate& certificate = modes.certificate;
   if (certificate.below < 0 || certificate.count_by_inertia < 0 || certificate.count_found < 0 ||
       certificate.left_out < 0 || certificate.approximate < 0)
@@ -113,128 +137,59 @@ void validate_modes(const Modes& modes, const Validator& check) {
     check.fail("group \"/modes/certificate\"", "contains a number that is negative or not finite.");
 }
 
-/// @param surface  Surface or WholeSurface, @param of  the group of its datasets
-template <class Any>
-void validate_candidates(const Any& surface, const std::string& of, const Validator& check) {
-  const std::size_t m = surface.area.size();
-  const auto name = [&](const char* dataset) { return base::format("dataset \"{}/{}\"", of, dataset); };
-  check.finite(name("area"), surface.area, m);
-  check.template each<double>(
-      name("area"), surface.area, [](double a) { return a > 0; }, "positive");
-  check.finite(name("node"), surface.node, 3 * m);
-  if (!surface.centroid.empty()) check.finite(name("centroid"), surface.centroid, 3 * m);
-  check.finite(name("normal"), surface.normal, 3 * m);
-  check.unit(name("normal"), surface.normal);
-  check.elements(name("element"), surface.element, surface.element_corners, 1, m);
+/// @param surface  Surface or WholeSurface, @param group  of its datasets
+void validate_candidates(const auto& surface, const std::string& group, const Validator& check) {
+  check.each(
+      group + "/area", surface.area, [](double a) { return a > 0; }, "positive");
+  check.unit("dataset \"" + group + "/normal\"", surface.normal);
 }
 
 void validate_whole(const Surface& surface, const Validator& check) {
   const WholeSurface& whole = *surface.whole;
   validate_candidates(whole, "/surface/whole", check);
-  const std::string held = "dataset \"/surface/whole/held\"";
-  check.length(held, whole.held.size(), surface.size());
-  const std::size_t all = whole.area.size();
-  check.each<std::int64_t>(
-      held, whole.held, [all](std::int64_t i) { return i >= 0 && static_cast<std::uint64_t>(i) < all; },
-      base::format("an index below {}", all));
+  const std::string held = "/surface/whole/held";
+  check.indices(held, whole.held, whole.area.size());
   for (std::size_t i = 0; i < whole.held.size(); ++i) {
-    if (i > 0 && whole.held[i - 1] >= whole.held[i]) check.fail(held, "is not ascending.");
-    if (!std::equal(&surface.node[3 * i], &surface.node[3 * i] + 3,
-                    &whole.node[3 * static_cast<std::size_t>(whole.held[i])]))
-      check.fail(held, base::format("names a candidate that differs from row {}.", i));
+    if (i > 0 && whole.held[i - 1] >= whole.held[i]) check.fail_dataset(held, "is not ascending.");
+    if (!std::equal(&surface.node[3 * i], &surface.node[3 * i] + 3, &whole.node[3 * whole.held[i]]))
+      check.fail_dataset(held, base::format("names a candidate that differs from row {}.", i));
   }
 }
 
-void validate_surface(const Surface& surface, std::size_t modes, const Validator& check) {
-  const std::size_t m = surface.size();
+void validate_components(const Surface& surface, const Validator& check) {
   if (surface.components != 3 && surface.components != 1)
-    check.fail("dataset \"/surface/shape\"",
-               base::format("has {} components: must be 3 or 1.", surface.components));
+    check.fail_dataset("/surface/shape",
+                       base::format("has {} components: must be 3 or 1.", surface.components));
   if (surface.direction.has_value() != (surface.components == 1))
-    check.fail("dataset \"/surface/shape\"", "must have a direction if and only if it has one component.");
+    check.fail_dataset("/surface/shape", "must have a direction if and only if it has one component.");
   if (surface.direction) check.unit("attribute \"direction\" of \"/surface/shape\"", *surface.direction);
-  const std::size_t c = static_cast<std::size_t>(surface.components);
-  validate_candidates(surface, "/surface", check);
-  check.length("dataset \"/surface/group\"", surface.group.size(), m);
-  if (surface.whole) validate_whole(surface, check);
-  check.finite("dataset \"/surface/shape\"", surface.shape, m * c * modes);
+}
 
+void validate_symmetry(const Surface& surface, const Validator& check) {
   const std::vector<double>& r = surface.residual_flexibility;
   if (r.empty()) return;
-  const std::string_view name = "dataset \"/surface/residual_flexibility\"";
-  const std::size_t rows = c * m;
-  check.finite(name, r, rows * rows);
+  const std::size_t rows = surface.components * surface.size();
   const auto smaller = [](double a, double b) { return std::abs(a) < std::abs(b); };
   const double largest = std::abs(*std::ranges::max_element(r, smaller));
   for (std::size_t i = 0; i < rows; ++i)
     for (std::size_t j = 0; j < i; ++j)
       if (std::abs(r[i * rows + j] - r[j * rows + i]) > kSymmetryTolerance * largest)
-        check.fail(name, base::format("is not symmetric at ({}, {}).", i, j));
-}
-
-/// Checks a dataset that is either complete or empty.
-template <class T>
-void finite_or_none(const Validator& check, const std::string& name, const std::vector<T>& values,
-                    std::size_t expected) {
-  if (!values.empty()) check.finite(name, values, expected);
-}
-
-void validate_names(const auto& items, const std::string& group, const Validator& check) {
-  std::set<std::string> names;
-  for (const auto& item : items) {
-    if (!is_free_name(item.name))
-      check.fail(base::format("group \"{}\"", group), base::format("has the name \"{}\".", item.name));
-    if (!names.insert(item.name).second)
-      check.fail(base::format("group \"{}\"", group), base::format("has \"{}\" twice.", item.name));
-  }
+        check.fail_dataset("/surface/residual_flexibility",
+                           base::format("is not symmetric at ({}, {}).", i, j));
 }
 
 void validate_sources(const Kernel& kernel, const Validator& check) {
-  const std::size_t n = kernel.modes.size(),
-                    rows = static_cast<std::size_t>(kernel.surface.components) * kernel.surface.size();
-  validate_names(kernel.applied, "/loads", check);
-  validate_names(kernel.motions, "/motions", check);
-  validate_names(kernel.receivers, "/receivers", check);
-  for (const Load& load : kernel.applied) {
-    const std::string data = "dataset \"/load_data/" + load.name;
+  for (const Load& load : kernel.applied)
     if (load.unit != "Pa" && load.unit != "N")
-      check.fail("dataset \"/loads/" + load.name + "\"",
-                 "has neither the unit of a traction nor that of a force.");
-    check.finite("dataset \"/loads/" + load.name + "\"", load.participation, 3 * n);
-    check.finite(data + "/total\"", load.total, 9);
-    check.finite(data + "/moment\"", load.moment, 9);
-    finite_or_none(check, data + "/residual\"", load.residual, 3 * rows);
-  }
-  for (const Motion& motion : kernel.motions) {
-    const std::string data = "dataset \"/motions/" + motion.name;
-    check.finite(data + "/participation\"", motion.participation, 3 * n);
-    check.finite(data + "/residual\"", motion.residual, 3 * rows);
-    check.finite(data + "/momentum\"", motion.momentum, 9);
-  }
-  for (const Receiver& receiver : kernel.receivers) {
-    const std::string data = "dataset \"/receiver_data/" + receiver.name;
-    check.finite("dataset \"/receivers/" + receiver.name + "\"", receiver.shape, 3 * n);
-    check.finite(data + "/point\"", std::vector<double>(receiver.point.begin(), receiver.point.end()), 3);
-    finite_or_none(check, data + "/residual_flexibility\"", receiver.residual_flexibility, 3 * rows);
-    finite_or_none(check, data + "/body_force_residual\"", receiver.body_force_residual, 9);
-    finite_or_none(check, data + "/load_residual\"", receiver.load_residual, 9 * kernel.applied.size());
-    check.finite(data + "/motion_residual\"", receiver.motion_residual, 9 * kernel.motions.size());
-  }
-}
-
-void validate_view(const Kernel& kernel, const Validator& check) {
-  const View& view = *kernel.view;
-  const std::size_t nodes = view.node.size() / 3, rows = 3 * nodes,
-                    candidates = static_cast<std::size_t>(kernel.surface.components) * kernel.surface.size();
-  check.finite("dataset \"/view/node\"", view.node, rows);
-  check.elements("dataset \"/view/element\"", view.element, view.element_corners, 2, nodes);
-  check.finite("dataset \"/view/shape\"", view.shape, rows * kernel.modes.size());
-  finite_or_none(check, "dataset \"/view/residual_flexibility\"", view.residual_flexibility,
-                 rows * candidates);
-  finite_or_none(check, "dataset \"/view/body_force_residual\"", view.body_force_residual, 3 * rows);
-  finite_or_none(check, "dataset \"/view/load_residual\"", view.load_residual,
-                 3 * rows * kernel.applied.size());
-  check.finite("dataset \"/view/motion_residual\"", view.motion_residual, 3 * rows * kernel.motions.size());
+      check.fail_dataset("/loads/" + load.name, "has neither the unit of a traction nor that of a force.");
+  // Unlike other residuals, those of motions are there without residual flexibility, too.
+  const std::size_t motions = kernel.motions.size();
+  for (const Receiver& receiver : kernel.receivers)
+    check.length("/receiver_data/" + receiver.name + "/motion_residual", receiver.motion_residual.size(),
+                 9 * motions);
+  if (kernel.view)
+    check.length("/view/motion_residual", kernel.view->motion_residual.size(),
+                 3 * kernel.view->node.size() * motions);
 }
 
 }  // namespace
@@ -261,17 +216,14 @@ bool is_free_name(const std::string& name) {
 
 void validate(const Kernel& kernel, const std::string& origin) {
   const Validator check(origin);
-  const std::size_t n = kernel.modes.size();
   validate_body(kernel, check);
+  validate_components(kernel.surface, check);
+  list_kernel(check, kernel);
   validate_modes(kernel.modes, check);
-  validate_surface(kernel.surface, n, check);
-  check.finite("dataset \"/loads/body_force\"", kernel.loads.body_force, 3 * n);
-  check.finite("dataset \"/loads/rotation\"", kernel.loads.rotation, 3 * n);
-  if (!kernel.loads.body_force_residual.empty())
-    check.finite("dataset \"/loads/body_force_residual\"", kernel.loads.body_force_residual,
-                 3 * static_cast<std::size_t>(kernel.surface.components) * kernel.surface.size());
+  validate_candidates(kernel.surface, "/surface", check);
+  if (kernel.surface.whole) validate_whole(kernel.surface, check);
+  validate_symmetry(kernel.surface, check);
   validate_sources(kernel, check);
-  if (kernel.view) validate_view(kernel, check);
 }
 
 }  // namespace ricochet::kernels

@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "base/hdf5_writer.hpp"
 #include "base/xdmf.hpp"
@@ -19,16 +19,9 @@ namespace {
 
 /// Diagonal of the bounding box of the nodes (V,3) [m].
 double size_of(const std::vector<double>& node) {
-  double square = 0;
-  for (std::size_t d = 0; d < 3; ++d) {
-    double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (std::size_t k = d; k < node.size(); k += 3) {
-      low = std::min(low, node[k]);
-      high = std::max(high, node[k]);
-    }
-    square += (high - low) * (high - low);
-  }
-  return std::sqrt(square);
+  const Eigen::Map<const Eigen::Matrix3Xd> points(node.data(), 3, std::ssize(node) / 3);
+  const Eigen::Vector3d edge = points.rowwise().maxCoeff() - points.rowwise().minCoeff();
+  return std::sqrt(edge.x() * edge.x() + edge.y() * edge.y() + edge.z() * edge.z());
 }
 
 }  // namespace

@@ -3,31 +3,11 @@
 
 #include <fmt/format.h>
 
-#include <optional>
-
 namespace ricochet::contact {
-namespace {
-
-struct Cause {
-  const char* name;
-  std::optional<double> share;
-  const char* advice;
-};
-
-std::vector<Cause> causes(const ErrorEstimate& e) {
-  return {{"mesh", e.mesh, "a finer mesh or a higher bodies.*.order"},
-          {"modes", e.modes, "a higher modes.up_to_hz or modes.count"},
-          {"step", e.step, "a higher time.rate_hz"},
-          {"eigensolver", e.eigensolver, "a lower modes.relative_residual or modes.low_rank"},
-          {"precision", e.precision, "time.precision = \"double\""},
-          {"spacing", e.spacing, "a smaller contact.spacing, or a finer mesh where bodies touch"}};
-}
-
-}  // namespace
 
 std::string formatted(const ErrorEstimate& estimate) {
   std::string text = fmt::format("{:.2g}", estimate.total());
-  for (const Cause& cause : causes(estimate))
+  for (const auto& cause : estimate.causes())
     text += fmt::format("{} {} {}", text.find(':') == std::string::npos ? ":" : ",", cause.name,
                         cause.share ? fmt::format("{:.2g}", *cause.share) : "unknown");
   return text;
@@ -36,8 +16,8 @@ std::string formatted(const ErrorEstimate& estimate) {
 std::vector<std::string> warnings(const ErrorEstimate& estimate, double accuracy) {
   std::vector<std::string> out;
   std::string unknown;
-  Cause worst{"", 0, ""};
-  for (const Cause& cause : causes(estimate)) {
+  ErrorEstimate::Cause worst{"", 0, ""};
+  for (const auto& cause : estimate.causes()) {
     if (!cause.share) unknown += (unknown.empty() ? "" : ", ") + std::string(cause.name);
     if (cause.share.value_or(0) > *worst.share) worst = cause;
   }

@@ -21,7 +21,7 @@ constexpr double visible = 1e-3;
 constexpr double double_over_single = 0x1p-29, single_round_off = 0x1p-24;
 
 /// Change that repeated doubling would still make: the last change d times ρ + ρ² + … with the ratio ρ of d
-/// to the change before, ½ where that is not known. As either may be small by chance, ρ is at most ½ and d at
+/// to the change before, ½ if that is not known. Either may be small by chance, so ρ is at most ½ and d at
 /// least a quarter of the change before.
 double remaining_change(double change, double before) {
   const double last = std::max(change, before / 4), pace = before > 0 ? std::min(last / before, 0.5) : 0.5;
@@ -54,7 +54,8 @@ std::vector<double> frequency_errors(const kernels::Modes& modes, double low_ran
 /// This share of the highest frequency, or of the band of a contact-adapted basis.
 RadPerSecond end_of(const kernels::Kernel& kernel, double share) {
   const kernels::Modes& modes = kernel.modes;
-  if (modes.contact_adapted()) return RadPerSecond{share * RadPerSecond(Hertz{modes.certificate.upto_hz}).value};
+  if (modes.contact_adapted())
+    return RadPerSecond{share * RadPerSecond(Hertz{modes.certificate.upto_hz}).value};
   return RadPerSecond{modes.size() > 0 ? share * modes.angular_frequency.back() : 0};
 }
 
@@ -63,6 +64,17 @@ void detune(kernels::Modes& modes, const std::vector<double>& error, double fact
   std::minstd_rand random;
   for (std::size_t n = 0; n < error.size(); ++n)
     modes.angular_frequency[n] *= 1 + (random() % 2 == 0 ? factor : -factor) * error[n];
+}
+
+StepOptions divided(StepOptions options, double parts) {
+  options.step /= parts;
+  return options;
+}
+
+std::optional<Quantities> mean_of(const std::optional<Quantities>& one,
+                                  const std::optional<Quantities>& other) {
+  if (!one || !other) return std::nullopt;
+  return Quantities{0.5 * one->value + 0.5 * other->value, one->scale, one->longest_touch};
 }
 
 }  // namespace
@@ -97,21 +109,6 @@ const std::optional<Quantities>& Estimator::quantities(const StepOptions& option
   return known != quantities_.end() ? known->second
                                     : quantities_.emplace(key, run(model_, options)).first->second;
 }
-
-namespace {
-
-StepOptions divided(StepOptions options, double parts) {
-  options.step /= parts;
-  return options;
-}
-
-std::optional<Quantities> mean_of(const std::optional<Quantities>& one,
-                                  const std::optional<Quantities>& other) {
-  if (!one || !other) return std::nullopt;
-  return Quantities{0.5 * one->value + 0.5 * other->value, one->scale, one->longest_touch};
-}
-
-}  // namespace
 
 std::optional<Quantities> Estimator::base(const StepOptions& options) {
   return subject_.at_rest ? quantities(options)

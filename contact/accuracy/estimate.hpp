@@ -8,8 +8,8 @@
 //   step         max(4/3 |r(Δ) − r(Δ/4)|, |r(Δ) − r(Δ/2)|): exact for errors of first order in Δ
 //   modes        |⟨r⟩ − ⟨r of the modes up to half, or three quarters, of the highest⟩| times ρ/(1 − ρ)
 //   spacing      |⟨r⟩ − ⟨r of points twice as far apart⟩| times ρ/(1 − ρ)
-//   mesh         |⟨r⟩ − ⟨r of elements of another order⟩| times the share of it that these elements still
-//   have eigensolver  |⟨r⟩ − ⟨r with frequencies off by A times their errors⟩| / A, A making the largest 1e-3
+//   mesh         |⟨r⟩ − ⟨r of elements of another order⟩| times the share of it that these elements keep
+//   eigensolver  |⟨r⟩ − ⟨r with frequencies off by A times their errors⟩| / A, A making the largest 1e-3
 //   precision    |⟨r⟩ − ⟨r in single precision⟩|; in double precision 2⁻²⁹ of it, the ratio of the round-offs
 //
 // ρ is that change over the one that halving the modes, or doubling the distance, once more makes; at most ½,
@@ -58,7 +58,6 @@ class Estimator {
 
   const Model& model() const { return model_; }
   Model take_model() && { return std::move(model_); }
-  int coarsenings() const { return coarsenings_; }
 
   /// The subject with its points coarsened once more; null where that leaves as many. Made once.
   std::unique_ptr<Estimator>& coarser();
@@ -86,7 +85,7 @@ class Estimator {
   const Subject& subject_;
   Model model_;
   int coarsenings_;
-  std::optional<std::unique_ptr<Estimator>> coarser_;                             ///< none: not looked at
+  std::optional<std::unique_ptr<Estimator>> coarser_;                             ///< none: not sought yet
   std::map<std::pair<double, Precision>, std::optional<Quantities>> quantities_;  ///< by step
 };
 

@@ -101,7 +101,7 @@ std::optional<Quantities> impact_quantities(const Model& model, const StepOption
   double speed = approach(model, start);
   for (const Mover& mover : moving) speed = std::max(speed, (end[mover.body] - start[mover.body]).norm() / 2);
   for (Eigen::Index k = 0; k < count; ++k) {
-    out.value.segment<3>(1 + 3 * k) = end[moving[static_cast<std::size_t>(k)].body];
+    out.value.segment<3>(1 + 3 * k) = end[moving[k].body];
     out.scale.segment<3>(1 + 3 * k).setConstant(speed);
   }
   return out;
@@ -110,7 +110,7 @@ std::optional<Quantities> impact_quantities(const Model& model, const StepOption
 Quantities rest_quantities(const Model& model) {
   const EquilibriumSummary found = summarise(model, find_equilibrium(model));
   Quantities out;
-  out.value.setZero(2 * static_cast<Eigen::Index>(found.pairs.size()));
+  out.value.setZero(2 * found.pairs.size());
   for (std::size_t p = 0; p < found.pairs.size(); ++p) {
     const auto i = 2 * static_cast<Eigen::Index>(p);
     out.value[i] = found.pairs[p].force_n;

@@ -45,19 +45,15 @@ void check_names(const Scene& scene) {
   for (const HalfSpace& obstacle : scene.obstacles) add(obstacle.name, "obstacles");
 }
 
-Eigen::Matrix3d rotation(const Body& body) {
-  const auto values = rotation_of(body.rotate_deg);
-  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(values.data());
-}
-
 contact::PlacedBody placed(const Body& body) {
   const std::string where = "bodies." + body.name;
   if (!body.kernel) throw InputError(where + ": has no kernel. Load one with load_kernel.");
   kernels::validate(*body.kernel, where + ".kernel");
   finite(body.rotate_deg, where + ".rotate_deg");
+  const auto rotation = rotation_of(body.rotate_deg);
   return {.name = body.name,
           .kernel = body.kernel.get(),
-          .rotation = rotation(body),
+          .rotation = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rotation.data()),
           .translation = finite(body.translate, where + ".translate"),
           .velocity = finite(body.velocity, where + ".velocity")};
 }
@@ -96,7 +92,7 @@ StepOptions step_options(const Scene& scene) {
 /// (3,N) modes at the pickup's place, in the body's own axes; (1,N) along the kernel's only direction.
 Eigen::Map<const contact::Matrix> modes_at(const Pickup& pickup, const kernels::Kernel& kernel,
                                            const std::string& where) {
-  const Eigen::Index modes = static_cast<Eigen::Index>(kernel.modes.size());
+  const Eigen::Index modes = kernel.modes.size();
   if (!pickup.receiver.empty()) {
     const auto found = std::ranges::find(kernel.receivers, pickup.receiver, &kernels::Receiver::name);
     if (found == kernel.receivers.end())
@@ -109,13 +105,12 @@ Eigen::Map<const contact::Matrix> modes_at(const Pickup& pickup, const kernels::
     throw InputError(fmt::format("{}: candidate = {}: the kernel of \"{}\" has {}, counted from 0.", where,
                                  pickup.candidate, pickup.body, surface.size()));
   const Eigen::Index rows = surface.components;
-  return {surface.shape.data() + static_cast<Eigen::Index>(pickup.candidate) * rows * modes, rows, modes};
+  return {surface.shape.data() + pickup.candidate * rows * modes, rows, modes};
 }
 
 /// (p,N) velocities of the pickups by q̇.
 contact::Matrix pickups_of(const Scene& scene, const contact::Model& model) {
-  contact::Matrix out =
-      contact::Matrix::Zero(static_cast<Eigen::Index>(scene.pickups.size()), model.omega.size());
+  contact::Matrix out = contact::Matrix::Zero(scene.pickups.size(), model.omega.size());
   for (std::size_t k = 0; k < scene.pickups.size(); ++k) {
     const Pickup& pickup = scene.pickups[k];
     const std::string where = fmt::format("pickups[{}]", k);
@@ -125,7 +120,7 @@ contact::Matrix pickups_of(const Scene& scene, const contact::Model& model) {
     const kernels::Kernel& kernel = *body->kernel;
     const Vector3d own = body->rotation.transpose() * unit(pickup.direction, where + ".direction");
     const auto modes = modes_at(pickup, kernel, where);
-    auto row = out.row(static_cast<Eigen::Index>(k)).segment(body->first_mode, body->modes);
+    auto row = out.row(k).segment(body->first_mode, body->modes);
     if (modes.rows() == 3) {
       row = own.transpose() * modes;
       continue;
@@ -270,19 +265,18 @@ int Simulation::active() const noexcept { return impl_->stepper->active(); }
 
 std::size_t Simulation::pickups() const noexcept { return static_cast<std::size_t>(impl_->pickups.rows()); }
 double Simulation::pickup_velocity(std::size_t pickup) const noexcept {
-  return impl_->pickups.row(static_cast<Eigen::Index>(pickup)).dot(impl_->stepper->modal()->v);
+  return impl_->pickups.row(pickup).dot(impl_->stepper->modal()->v);
 }
 double Simulation::pickup_displacement(std::size_t pickup) const noexcept {
-  return impl_->pickups.row(static_cast<Eigen::Index>(pickup)).dot(impl_->stepper->modal()->q);
+  return impl_->pickups.row(pickup).dot(impl_->stepper->modal()->q);
 }
 
 Vector3 Simulation::mean_velocity(std::size_t body) const noexcept {
   const contact::Model::BodyBlock& block = impl_->model.bodies[body];
   Vector3 out{};
   for (Eigen::Index k = 0; k < 3; ++k)
-    out[static_cast<std::size_t>(k)] =
-        block.momentum.row(k).dot(impl_->stepper->modal()->v.segment(block.first_mode, block.modes)) /
-        block.mass;
+    out[k] = block.momentum.row(k).dot(impl_->stepper->modal()->v.segment(block.first_mode, block.modes)) /
+             block.mass;
   return out;
 }
 

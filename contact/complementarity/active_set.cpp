@@ -8,7 +8,7 @@
 namespace ricochet::contact {
 namespace {
 
-/// A Schur complement this far below its diagonal is looked at more closely.
+/// A Schur complement this far below its diagonal is examined more closely.
 constexpr double suspicious = 1e-8;
 
 /// Up to this many indices plain loops are faster than Eigen's blocked ones.
@@ -81,8 +81,7 @@ void ActiveSet::leave(int position) noexcept {
 
 bool ActiveSet::renew(const Symmetric& S) noexcept {
   const int wanted = count_;
-  for (int k = 0; k < wanted; ++k) is_active_[active_[k]] = 0;
-  count_ = 0;
+  clear();
   for (int k = 0; k < wanted; ++k)
     if (active_[k] < S.rows()) enter(S, active_[k], false);
   return count_ == wanted;

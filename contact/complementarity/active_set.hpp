@@ -25,12 +25,12 @@ class ActiveSet {
   bool enter(const Symmetric& S, int j, bool trusted) noexcept;
 
   /// Takes out the index at `position`; those behind it move up by one. O(p²). However long the factor is
-  /// kept, it doesn't wear out: only rows that entered later are rotated, and an index that comes back is the
-  /// latest, so a row is rotated for each older one at most, which is as much round-off as in a factor made
-  /// anew.
+  /// kept, its round-off does not grow: only rows that entered later are rotated, and an index that comes
+  /// back is the latest, so a row is rotated for each older one at most, which is as much round-off as in a
+  /// new factor.
   void leave(int position) noexcept;
 
-  /// Makes the factor anew, of another matrix, and leaves out what depends on the indices before it or lies
+  /// Computes the factor of another matrix, and leaves out what depends on the indices before it or lies
   /// beyond n; false when that was so. O(p³).
   bool renew(const Symmetric& S) noexcept;
 

@@ -26,7 +26,7 @@ ComplementaritySolver::ComplementaritySolver(int capacity, const SolveOptions& o
   const auto n = static_cast<std::size_t>(std::max(capacity, 1));
   for (std::vector<double>* x : {&z_, &x_, &best_value_}) x->resize(n);
   for (std::vector<int>* x : {&leaving_, &entering_, &rows_}) x->reserve(n);
-  for (Eigen::VectorXd* x : {&w_, &weight_, &root_, &seen_.push}) x->setZero(static_cast<Eigen::Index>(n));
+  for (Eigen::VectorXd* x : {&w_, &weight_, &root_, &seen_.push}) x->setZero(n);
   best_index_.resize(n);
   refused_.resize(n);
 }
@@ -79,7 +79,7 @@ void ComplementaritySolver::drop(const Symmetric& S, int position) noexcept {
   if (active_set_.size() == 0) weight_.setZero();
 }
 
-/// w = S λ − r and its tolerance, for λ_P = on_set the minimiser on the active set. Rows that can't be
+/// w = S λ − r and its tolerance, for λ_P = on_set the minimiser on the active set. Rows that cannot be
 /// negative are left at 0. S is semidefinite, so for any μ whose f = S μ is known
 ///
 ///   |S_i λ − f_i| ≤ √S_ii ‖λ − μ‖,   ‖λ − μ‖² = λᵀSλ − 2 λᵀf + μᵀf,   λᵀSλ = λᵀr up to the tolerance of w;
@@ -191,7 +191,6 @@ SolveStatus ComplementaritySolver::pivot(const Symmetric& S, const Right& r) noe
       return SolveStatus::no_solution;
     }
     if (infeasible > left_) cut_to_budget();
-    ++statistics_.rounds;
     for (auto k = leaving_.rbegin(); k != leaving_.rend(); ++k) drop(S, *k);
     for (const int j : entering_)
       if (!enter(S, j, false)) return SolveStatus::no_solution;

@@ -40,9 +40,8 @@ struct SolveStatistics {
   std::int64_t problems = 0;
   std::int64_t warm_hits = 0;  ///< solved by the active set of the problem before
   std::int64_t pivots = 0;     ///< indices that changed sides
-  std::int64_t rounds = 0;     ///< block pivots
   std::int64_t fallbacks = 0;  ///< finite fallback entered
-  std::int64_t renewals = 0;   ///< factors made anew for another matrix, O(p³)
+  std::int64_t renewals = 0;   ///< factors computed again for another matrix, O(p³)
   std::int64_t limited = 0;    ///< stopped by max_pivots
   int max_active = 0;
 };
@@ -61,7 +60,7 @@ class ComplementaritySolver {
   /// Complementarity holds to round-off: w_i ≥ −tol, tol = 1e-13 (|r|_∞ + ‖S‖_∞ |λ|_∞); for a row that
   /// depends on active rows, S_i = −Σ d_P S_P, tol is (1 + |d|_1) times that, because the error of λ_P
   /// reaches w_i through d. With `limited`, F(λ) is no more than at 0 and than at the start's active set with
-  /// tension cut off, each scaled as is best; the next solve goes on from there. Else λ is 0.
+  /// tension cut off, each scaled as is best; the next solve continues from there. Otherwise λ is 0.
   SolveStatus solve(const Symmetric& S, const Eigen::Ref<const Eigen::VectorXd>& r,
                     Eigen::Ref<Eigen::VectorXd> lambda) noexcept;
 

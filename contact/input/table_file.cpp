@@ -7,21 +7,17 @@
 #include <vector>
 
 #include "base/hdf5_reader.hpp"
-#include "base/hdf5_writer.hpp"
 
 namespace ricochet::contact {
 namespace {
 
 using base::hdf5::any;
 using base::hdf5::Reader;
-using base::hdf5::Writer;
 
 constexpr const char* table_format = "ricochet-table";
 constexpr std::int64_t table_version = 1;
-constexpr const char* advice = "contact/TABLE.md says what a table holds.";
+constexpr const char* advice = "contact/TABLE.md describes tables.";
 
-std::vector<double> flat(const Vector& x) { return {x.data(), x.data() + x.size()}; }
-std::vector<double> flat(const Matrix& x) { return {x.data(), x.data() + x.size()}; }
 Vector vector(const std::vector<double>& x) { return Eigen::Map<const Vector>(x.data(), std::ssize(x)); }
 
 std::vector<FreeBody> read_bodies(const Reader& file, std::size_t m) {
@@ -35,7 +31,7 @@ std::vector<FreeBody> read_bodies(const Reader& file, std::size_t m) {
   for (std::size_t b = 0; b < count; ++b)
     out.push_back({name[b], mass[b], Eigen::Map<const Eigen::Vector3d>(&velocity[3 * b]),
                    Eigen::Map<const Eigen::Vector3d>(&gravity[3 * b]),
-                   Eigen::Map<const Matrix>(push.data() + 3 * m * b, static_cast<Eigen::Index>(m), 3)});
+                   Eigen::Map<const Matrix>(push.data() + 3 * m * b, m, 3)});
   return out;
 }
 
@@ -50,7 +46,7 @@ Table read_table(const std::filesystem::path& path) {
   Table table;
   table.step = file.read<double>("/table/step", {}).at(0);
   table.gap = vector(file.read<double>("/table/gap", {any}));
-  const std::size_t m = static_cast<std::size_t>(table.gap.size());
+  const std::size_t m = table.gap.size();
   const auto optional = [&](const std::string& name, const base::hdf5::Shape& shape) {
     return file.exists("/table/" + name) ? file.read<double>("/table/" + name, shape) : std::vector<double>{};
   };
@@ -71,49 +67,6 @@ Table read_table(const std::filesystem::path& path) {
   if (file.exists("/bodies")) table.bodies = read_bodies(file, m);
   validate(table, path.string());
   return table;
-}
-
-void write_table(const Table& table, const std::filesystem::path& path) {
-  validate(table, path.string());
-  const auto m = static_cast<std::size_t>(table.points()), L = static_cast<std::size_t>(table.samples()),
-             K = static_cast<std::size_t>(table.instants());
-  Writer file(path);
-  file.attribute("/", "format", table_format);
-  file.attribute("/", "version", table_version);
-  file.write<double>("/table/step", {table.step}, {}, "s");
-  file.attribute("/table", "tail", table.tail == Tail::linear ? "linear" : "none");
-  const auto write = [&](const char* name, const std::vector<double>& values, const base::hdf5::Shape& shape,
-                         const char* unit) {
-    if (!values.empty()) file.write<double>(std::string("/table/") + name, values, shape, unit);
-  };
-  write("displacement", table.displacement, {L, m, m}, "m/(N s)");
-  write("velocity", table.velocity, {L, m, m}, "1/kg");
-  write("flexibility", table.flexibility, {L, m, m}, "m/N");
-  write("free", table.free, {K, m}, "m");
-  write("free_velocity", table.free_velocity, {K, m}, "m/s");
-  write("gap", flat(table.gap), {m}, "m");
-  write("area", flat(table.area), {m}, "m^2");
-  if (!table.bodies.empty()) {
-    std::vector<std::string> name;
-    std::vector<double> mass, velocity, gravity, push;
-    const auto add = [](std::vector<double>& to, const std::vector<double>& from) {
-      to.insert(to.end(), from.begin(), from.end());
-    };
-    for (const FreeBody& body : table.bodies) {
-      name.push_back(body.name);
-      mass.push_back(body.mass);
-      add(velocity, flat(Vector(body.velocity)));
-      add(gravity, flat(Vector(body.gravity)));
-      add(push, flat(body.push));
-    }
-    const std::size_t count = name.size();
-    file.write_strings("/bodies/name", name);
-    file.write<double>("/bodies/mass", mass, {count}, "kg");
-    file.write<double>("/bodies/velocity", velocity, {count, 3}, "m/s");
-    file.write<double>("/bodies/gravity", gravity, {count, 3}, "m/s^2");
-    file.write<double>("/bodies/push", push, {count, m, 3}, "1");
-  }
-  file.commit();
 }
 
 }  // namespace ricochet::contact

@@ -44,8 +44,7 @@ Shares shares(const Model& model) {
     std::vector<double> near;
     for (Index i = first; i < first + count; ++i) near.push_back(reach_of(at, i, first, count));
     const auto adjacent = [&](Index i, Index j) {
-      return (at.row(i) - at.row(j)).norm() <=
-             0.5 * (near[static_cast<std::size_t>(i - first)] + near[static_cast<std::size_t>(j - first)]);
+      return (at.row(i) - at.row(j)).norm() <= 0.5 * (near[i - first] + near[j - first]);
     };
     std::vector<Index> centre;
     for (Index i = first; i < first + count; ++i)
@@ -56,7 +55,7 @@ Shares shares(const Model& model) {
         const double d = (at.row(i) - at.row(centre[k])).norm();
         if (d > 0 && (std::ranges::count(centre, i) > 0 || !adjacent(i, centre[k]))) continue;
         const double weight = d > 0 ? 1 / d : 1;
-        c(kept + static_cast<Index>(k), i) = weight;
+        c(kept + k, i) = weight;
         sum += weight;
       }
       c.col(i) /= sum;

@@ -16,7 +16,7 @@ namespace ricochet::contact {
 /// normals of wide patches of a curved surface are means, a little shorter than 1. Pairs of one point stay.
 Model coarsened(const Model& model);
 
-/// The model coarsened so many times.
+/// The model coarsened `times` times.
 Model coarsened(Model model, int times);
 
 }  // namespace ricochet::contact

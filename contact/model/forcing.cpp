@@ -48,17 +48,10 @@ Vector share_of_a(const Model& model, int k, const Vector& u) {
   return out;
 }
 
-/// Its place among the kernel's loads or motions.
-std::size_t entry_of(const Kernel& kernel, const ForcingRequest& request) {
-  return request.support ? place_of(kernel.motions, request, "loads.motion")
-                         : place_of(kernel.applied, request, "loads");
-}
-
 /// Columns of a load or motion in a receiver's residual: three for each load, or each motion.
 Vector3d column(const std::vector<double>& residual, const Model::Forcing& one, const Vector3d& along) {
   if (residual.empty()) return Vector3d::Zero();
-  return matrix(residual, 3, static_cast<Eigen::Index>(residual.size()) / 3).middleCols(3 * one.entry, 3) *
-         along;
+  return matrix(residual, 3, residual.size() / 3).middleCols(3 * one.entry, 3) * along;
 }
 
 }  // namespace
@@ -69,10 +62,12 @@ void add_forcing(Model& model, int k, const Selection& P, const std::vector<Forc
   const auto B = model.B.middleCols(block.first_mode, block.modes);
   for (const ForcingRequest& request : forcing) {
     if (request.body != block.name) continue;
-    const std::size_t entry = entry_of(kernel, request);
+    const std::size_t entry = request.support ? place_of(kernel.motions, request, "loads.motion")
+                                              : place_of(kernel.applied, request, "loads");
     const Vector3d along = block.rotation.transpose() * request.vector;
     Model::Forcing out{.name = request.name,
                        .body = k,
+                       .first_mode = block.first_mode,
                        .support = request.support,
                        .entry = static_cast<int>(entry),
                        .vector = request.vector,
@@ -118,7 +113,7 @@ void add_receivers(Model& model, int k, const Selection& P) {
     if (!receiver.body_force_residual.empty())
       out.constant = block.rotation * (matrix(receiver.body_force_residual, 3, 3) *
                                        (block.rotation.transpose() * model.gravity));
-    out.forcing = Matrix::Zero(3, static_cast<Eigen::Index>(model.forcing.size()));
+    out.forcing = Matrix::Zero(3, model.forcing.size());
     for (std::size_t d = 0; d < model.forcing.size(); ++d) {
       const Model::Forcing& one = model.forcing[d];
       if (one.body != k) continue;
@@ -148,7 +143,7 @@ void refuse_overlap(const Model& model) {
 Vector Model::initial_rates() const {
   Vector out = v0;
   for (const Forcing& one : forcing)
-    out.segment(bodies[one.body].first_mode, bodies[one.body].modes) -= one.history.slope(0) * one.lift;
+    out.segment(one.first_mode, one.lift.size()) -= one.history.slope(0) * one.lift;
   return out;
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/model/model.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "base/format.hpp"
@@ -55,41 +54,32 @@ Vector rigid_velocity(const PlacedBody& body, const Model::BodyBlock& block) {
   const double energy = block.mass * body.velocity.squaredNorm();
   if (std::abs(out.squaredNorm() - energy) > rigid_slack * energy)
     throw InputError(base::format(
-        "bodies.{}.velocity: {} can't move rigidly that way ({:.3g} of the kinetic energy is in its rigid "
+        "bodies.{}.velocity: {} cannot move rigidly that way ({:.3g} of the kinetic energy is in its rigid "
         "modes). {}",
         body.name, block.supported ? "a supported body" : "this body", out.squaredNorm() / energy,
         block.supported
             ? "Set velocity = [0, 0, 0], or take its support out."
-            : "A rod moves along its axis alone; else compute its kernel again with ricochet-kernel."));
+            : "A rod moves along its axis alone; otherwise compute its kernel again with ricochet-kernel."));
   return out;
 }
 
-/// From numbers on the whole surface to those of the candidates that a kernel holds.
-class HeldCandidates {
- public:
-  explicit HeldCandidates(const PlacedBody& body) : body_(body) {
-    const auto& whole = body.kernel->surface.whole;
-    if (!whole) return;
-    held_.assign(whole->area.size(), -1);
-    for (std::size_t i = 0; i < whole->held.size(); ++i)
-      held_[static_cast<std::size_t>(whole->held[i])] = static_cast<int>(i);
-  }
+/// By number on the whole surface, the index of a candidate in the kernel, or −1; empty: the kernel holds
+/// all.
+std::vector<int> held_candidates(const kernels::Surface& surface) {
+  if (!surface.whole) return {};
+  std::vector<int> out(surface.whole->area.size(), -1);
+  for (std::size_t i = 0; i < surface.whole->held.size(); ++i)
+    out[surface.whole->held[i]] = static_cast<int>(i);
+  return out;
+}
 
-  int operator()(int candidate, const PairRequest& request) const {
-    if (held_.empty()) return candidate;
-    const int held = held_[static_cast<std::size_t>(candidate)];
-    if (held >= 0) return held;
-    throw InputError(base::format(
-        "contact between \"{}\" and \"{}\": the kernel of \"{}\" holds too few candidates: candidate {} of "
-        "{}, which faces \"{}\", is missing. Run ricochet-kernel for this scene, or lower contact.reach.",
-        request.a, request.b, body_.name, candidate, held_.size(),
-        body_.name == request.a ? request.b : request.a));
-  }
-
- private:
-  const PlacedBody& body_;
-  std::vector<int> held_;
-};
+[[noreturn]] void refuse_missing(const PlacedBody& body, const PairRequest& request, int candidate) {
+  throw InputError(base::format(
+      "contact between \"{}\" and \"{}\": the kernel of \"{}\" holds too few candidates: candidate {} of "
+      "{}, which faces \"{}\", is missing. Run ricochet-kernel for this scene, or lower contact.reach.",
+      request.a, request.b, body.name, candidate, body.kernel->surface.whole->area.size(),
+      body.name == request.a ? request.b : request.a));
+}
 
 /// P (m, cM) with u = Σ_bodies P · (displacement of the body's candidates in its own frame): a's rows are n,
 /// b's −n W.
@@ -99,12 +89,13 @@ Selection selection(const PlacedBody& body, int index, const std::vector<Contact
   Selection out(points, c * static_cast<int>(surface.size()));
   std::vector<Eigen::Triplet<double>> entries;
   int row = 0;
-  const HeldCandidates held(body);
+  const std::vector<int> held = held_candidates(surface);
   for (const ContactPair& pair : pairs)
     for (const Pairing::Point& point : pair.pairing.points) {
       const Vector3d n = body.rotation.transpose() * point.normal;
       const auto add = [&](int number, double weight) {
-        const int candidate = held(number, pair.request);
+        const int candidate = held.empty() ? number : held[number];
+        if (candidate < 0) refuse_missing(body, pair.request, number);
         if (c == 1)  // pairing has made sure that n is ± the stored direction
           entries.emplace_back(
               row, candidate,

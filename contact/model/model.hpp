@@ -9,7 +9,6 @@
 
 #include <Eigen/Dense>
 #include <Eigen/SparseCore>
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -78,6 +77,7 @@ struct Model {
   struct Forcing {
     std::string name;
     int body = 0;
+    int first_mode = 0;  ///< of the body
     bool support = false;
     int entry = 0;                    ///< index of the load, or of the motion, in the kernel
     Eigen::Vector3d vector{0, 0, 0};  ///< world

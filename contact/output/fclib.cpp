@@ -57,9 +57,8 @@ void write_matrix(Writer& file, const Eigen::MatrixXd& S) {
 }
 
 void write_normal(Writer& file, const std::string& name, const Vector& normal, const std::string& unit) {
-  std::vector<double> values(static_cast<std::size_t>(rows_each * normal.size()), 0.0);
-  for (Eigen::Index i = 0; i < normal.size(); ++i)
-    values[static_cast<std::size_t>(rows_each * i)] = normal[i];
+  std::vector<double> values(rows_each * normal.size(), 0.0);
+  for (Eigen::Index i = 0; i < normal.size(); ++i) values[rows_each * i] = normal[i];
   file.write(name, values, {values.size()}, unit);
 }
 
@@ -90,8 +89,7 @@ void ProblemFiles::write(const Stepper& stepper) const {
   write_integer(file, "/fclib_local/spacedim", rows_each);
   write_matrix(file, system_->S);
   write_normal(file, "/fclib_local/vectors/q", q, "m");
-  file.write("/fclib_local/vectors/mu", std::vector<double>(static_cast<std::size_t>(m), 0.0),
-             {static_cast<std::size_t>(m)}, "1");
+  file.write("/fclib_local/vectors/mu", std::vector<double>(m, 0.0), {static_cast<std::size_t>(m)}, "1");
   write_text(file, "/fclib_local/info/title", options_.title);
   write_text(
       file, "/fclib_local/info/description",

@@ -18,10 +18,10 @@
 namespace ricochet::contact {
 
 struct ProblemOptions {
-  std::filesystem::path folder;  ///< made when it is not there
+  std::filesystem::path folder;  ///< created if missing
   std::string name;              ///< files are <name>-i<step>-<points>.hdf5
   std::string title;
-  int every = 1;  ///< of the steps with contact each so many-th, beginning with the first
+  int every = 1;  ///< writes every n-th of the steps with contact, beginning with the first
 };
 
 /// Watches a run of the compliant scheme. `observe` is called after each step.

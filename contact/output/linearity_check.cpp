@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numbers>
 
@@ -26,9 +25,9 @@ constexpr double largest_rotation_deg = 5.0;  // linear rotations lengthen a bod
 template <class Any>
 double spacing_of(const Any& surface) {
   double smallest = std::numeric_limits<double>::infinity();
-  const std::size_t k = static_cast<std::size_t>(surface.element_corners);
+  const std::size_t k = surface.element_corners;
   const auto node = [&](std::size_t corner) {
-    return Eigen::Map<const Vector3d>(&surface.node[3 * static_cast<std::size_t>(surface.element[corner])]);
+    return Eigen::Map<const Vector3d>(&surface.node[3 * surface.element[corner]]);
   };
   for (std::size_t t = 0; t + k <= surface.element.size(); t += k)
     for (std::size_t i = 0; i < k; ++i)

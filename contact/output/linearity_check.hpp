@@ -37,7 +37,8 @@ class LinearityCheck {
   /// `model` outlives the check.
   LinearityCheck(const Model& model, double wave_speed);
 
-  /// After a step with a force. @param before  (N) q̇ at its start @param first  the first such step of a run
+  /// Call it after each step with a force. @param before  (N) q̇ at its start @param first  the first such
+  /// step of a run
   void observe(const Stepper& stepper, const Vector& before, bool first);
 
   std::vector<std::string> warnings() const;

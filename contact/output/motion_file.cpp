@@ -73,9 +73,7 @@ MotionFile::MotionFile(const Equilibrium& equilibrium, const Model& model, const
 MotionFile::Patch MotionFile::patch_of(const Model::PairBlock& pair, const std::string& name) const {
   Patch out;
   out.name = name;
-  out.first = pair.first_point;
-  out.count = pair.points;
-  out.body = pair.a;
+  out.pair = &pair;
   const Model::BodyBlock& a = model_.bodies[pair.a];
   const kernels::Surface& surface = a.kernel->surface;
   std::map<std::int64_t, std::int64_t> point;
@@ -93,11 +91,11 @@ MotionFile::Patch MotionFile::patch_of(const Model::PairBlock& pair, const std::
   out.corners = surface.element_corners;
   if (out.element.empty()) {
     out.corners = 1;
-    for (int i = 0; i < out.count; ++i) out.element.push_back(i);
+    for (int i = 0; i < pair.points; ++i) out.element.push_back(i);
   }
-  out.offset = model_.point_a.middleRows(out.first, out.count);
-  out.place = surfaces_[static_cast<std::size_t>(pair.a)].closest(out.offset);
-  for (int i = 0; i < out.count; ++i) out.offset.row(i) -= out.place[static_cast<std::size_t>(i)].point;
+  out.offset = model_.point_a.middleRows(pair.first_point, pair.points);
+  out.place = surfaces_[pair.a].closest(out.offset);
+  for (int i = 0; i < pair.points; ++i) out.offset.row(i) -= out.place[i].point;
   return out;
 }
 
@@ -116,8 +114,8 @@ void MotionFile::write_setting(const MotionOptions& options) {
   for (std::size_t p = 0; p < patches_.size(); ++p) {
     elements(group_of(p), patches_[p].element, patches_[p].corners);
     file_.attribute(group_of(p), "name", patches_[p].name);
-    write(file_, group_of(p) + "/area", Vector(model_.area.segment(patches_[p].first, patches_[p].count)),
-          "m^2");
+    write(file_, group_of(p) + "/area",
+          Vector(model_.area.segment(model_.pairs[p].first_point, model_.pairs[p].points)), "m^2");
   }
 }
 
@@ -135,7 +133,7 @@ void MotionFile::frame(double t, const Vector& q, const Vector& v, const Vector&
     write(file_, group + "/deformation" + number, surface.deformation, "m");
     write(file_, group + "/velocity" + number, surface.velocity, "m/s");
     for (std::size_t p = 0; p < patches_.size(); ++p)
-      if (patches_[p].body == static_cast<int>(k)) contact_frame(p, number, u, force, surface);
+      if (patches_[p].pair->a == static_cast<int>(k)) contact_frame(p, number, u, force, surface);
   }
   time_.push_back(t);
 }
@@ -143,10 +141,11 @@ void MotionFile::frame(double t, const Vector& q, const Vector& v, const Vector&
 void MotionFile::contact_frame(std::size_t pair, const std::string& number, const Vector& u,
                                const Vector& force, const SurfaceMotion& surface) {
   const Patch& patch = patches_[pair];
-  const auto own = [&](const Vector& x) -> Vector { return x.segment(patch.first, patch.count); };
+  const Model::PairBlock& points = *patch.pair;
+  const auto own = [&](const Vector& x) -> Vector { return x.segment(points.first_point, points.points); };
   Matrix position = patch.offset;
-  for (int i = 0; i < patch.count; ++i) {
-    const SurfacePoint& place = patch.place[static_cast<std::size_t>(i)];
+  for (int i = 0; i < points.points; ++i) {
+    const SurfacePoint& place = patch.place[i];
     for (std::size_t j = 0; j < 3; ++j)
       position.row(i) += place.weight[j] * surface.position.row(place.node[j]).cast<double>();
   }
@@ -157,14 +156,13 @@ void MotionFile::contact_frame(std::size_t pair, const std::string& number, cons
   write(file_, group + "/pressure" + number, Vector(lambda.cwiseQuotient(own(model_.area))), "Pa");
   write(file_, group + "/gap" + number, Vector(own(model_.gap) - own(u)), "m");
   write(file_, group + "/push" + number,
-        Matrix(lambda.asDiagonal() * -model_.normal.middleRows(patch.first, patch.count)), "N");
+        Matrix(lambda.asDiagonal() * -model_.normal.middleRows(points.first_point, points.points)), "N");
 }
 
 std::filesystem::path MotionFile::xdmf() const { return with(stem_, ".xdmf"); }
 
 void MotionFile::commit() {
-  write(file_, "/time", Vector(Eigen::Map<const Vector>(time_.data(), static_cast<Index>(time_.size()))),
-        "s");
+  write(file_, "/time", Vector(Eigen::Map<const Vector>(time_.data(), time_.size())), "s");
   // One of an earlier run would misread the new data.
   std::error_code ignored;
   std::filesystem::remove(xdmf(), ignored);
@@ -205,7 +203,7 @@ void MotionFile::write_xdmf() const {
     film({.name = patch.name,
           .corners = patch.corners,
           .elements = patch.element.size() / static_cast<std::size_t>(patch.corners),
-          .nodes = static_cast<std::size_t>(patch.count),
+          .nodes = static_cast<std::size_t>(patch.pair->points),
           .element = group_of(p) + "/element",
           .fields = {{"area", group_of(p) + "/area", false, 8}}},
          group_of(p),

@@ -30,7 +30,7 @@ struct MotionOptions {
 class MotionFile {
  public:
   /// Makes the file and writes the frame of `start`, a stepper that has not stepped. Every body's kernel
-  /// has a view. `model` outlives the file. Throws InputError when the file can't be made.
+  /// has a view. `model` outlives the file. Throws InputError if the file cannot be created.
   MotionFile(const Stepper& start, const Model& model, const MotionOptions& options);
 
   /// Writes bodies at rest as one frame at t = 0. Throws as above.
@@ -48,11 +48,11 @@ class MotionFile {
   /// The contact points of a pair, as they move with body a.
   struct Patch {
     std::string name;
-    int first = 0, count = 0, body = 0;  ///< of its points; a
-    int corners = 1;                     ///< of an element: 1 where points make no surface
-    std::vector<std::int64_t> element;   ///< by point of the pair
-    std::vector<SurfacePoint> place;     ///< of the visualisation surface of a closest to each point
-    Matrix offset;                       ///< (count,3) of each point from that point, at the start [m]
+    const Model::PairBlock* pair = nullptr;
+    int corners = 1;                    ///< of an element: 1 where points make no surface
+    std::vector<std::int64_t> element;  ///< by point of the pair
+    std::vector<SurfacePoint> place;    ///< of a's visualisation surface, closest to each point
+    Matrix offset;                      ///< (points,3) of each point from that point, at the start [m]
   };
 
   MotionFile(const Model& model, const StepOptions& step, const MotionOptions& options);

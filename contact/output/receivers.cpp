@@ -36,10 +36,8 @@ void Receivers::update(double t, const Vector& q, const Vector& v, const Vector&
   if (receivers_.empty()) return;
   acceleration_ = model_.load;
   acceleration_.array() -= 2 * model_.decay.array() * v.array() + model_.omega.array().square() * q.array();
-  for (const Model::Forcing& one : model_.forcing) {
-    const Model::BodyBlock& body = model_.bodies[one.body];
-    acceleration_.segment(body.first_mode, body.modes) += one.history.at(t) * one.force;
-  }
+  for (const Model::Forcing& one : model_.forcing)
+    acceleration_.segment(one.first_mode, one.force.size()) += one.history.at(t) * one.force;
   if (compliant_)
     for (Eigen::Index i = 0; i < force.size(); ++i)
       if (force(i) > 0) acceleration_ -= force(i) * model_.B.row(i).transpose();

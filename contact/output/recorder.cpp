@@ -1,37 +1,42 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/output/recorder.hpp"
 
+#include <array>
+#include <utility>
+
 namespace ricochet::contact {
 namespace {
 
 using Eigen::Vector3d;
 
 std::vector<double> flat(const Matrix& x) { return {x.data(), x.data() + x.size()}; }
-std::vector<double> flat(const Vector& x) { return {x.data(), x.data() + x.size()}; }
 
 void append(base::hdf5::Rows* rows, const Eigen::Ref<const Vector>& row) {
-  rows->append(std::span<const double>(row.data(), static_cast<std::size_t>(row.size())));
+  rows->append(std::span<const double>(row.data(), row.size()));
 }
+
+constexpr std::array<std::pair<const char*, double Energy::*>, 6> energy_terms{
+    {{"/energy/kinetic", &Energy::kinetic},
+     {"/energy/strain", &Energy::strain},
+     {"/energy/residual", &Energy::residual},
+     {"/energy/loads", &Energy::loads},
+     {"/energy/damping", &Energy::damping},
+     {"/energy/contact", &Energy::contact}}};
 
 /// Energy of q0, v0.
 Energy initial_energy(const Model& model) {
-  Energy out;
-  out.kinetic = 0.5 * model.v0.squaredNorm();
-  out.strain = 0.5 * (model.omega.array() * model.q0.array()).square().sum();
-  return out;
+  return {.kinetic = 0.5 * model.v0.squaredNorm(),
+          .strain = 0.5 * (model.omega.array() * model.q0.array()).square().sum()};
 }
 
 }  // namespace
 
 double least_bytes(const Model& model, const RecorderOptions& options, std::int64_t steps) {
-  const double rows = static_cast<double>(steps / options.every),
-               bodies = static_cast<double>(model.bodies.size()),
-               receivers = static_cast<double>(model.receivers.size());
+  const double rows = steps / options.every, bodies = model.bodies.size(), receivers = model.receivers.size();
   double numbers = rows * (1 + 8 + 12 * bodies);
   if (receivers > 0) numbers += static_cast<double>(steps) * (1 + 9 * receivers);
   if (options.snapshot_every > 0)
-    numbers +=
-        static_cast<double>(steps / options.snapshot_every) * (1 + static_cast<double>(model.omega.size()));
+    numbers += static_cast<double>(steps / options.snapshot_every) * (1.0 + model.omega.size());
   return sizeof(double) * numbers;
 }
 
@@ -48,7 +53,7 @@ Recorder::Recorder(const Model* model, const Vector& gap, const Vector& area, do
   file_.attribute("/", "title", options.title);
   file_.attribute("/", "scene", options.scene);
   file_.attribute("/", "created_by", options.created_by);
-  const std::size_t m = static_cast<std::size_t>(gap.size());
+  const std::size_t m = gap.size();
   file_.write<double>("/contact/initial_gap", flat(gap), {m}, "m");
   if (model || area.size() > 0) file_.write<double>("/contact/area", flat(area), {m}, "m^2");
   time_ = &file_.rows("/time", {}, "s");
@@ -57,12 +62,13 @@ Recorder::Recorder(const Model* model, const Vector& gap, const Vector& area, do
   time_->append(0);
 }
 
-Recorder::Recorder(const Model& model, const RecorderOptions& options, const StepOptions& step)
+Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOptions& options)
     : Recorder(&model, model.gap, model.area, step.step, options) {
   B_a_.setZero(model.B.rows(), model.B.cols());
-  R_a_.setZero(model.R.rows(), model.R.cols());
+  R_a_ = model.R_a;
+  if (step.scheme == Scheme::impulse) R_a_.setZero();
   s_a_ = model.static_a;
-  driven_a_.setZero(model.B.rows(), static_cast<Eigen::Index>(model.forcing.size()));
+  driven_a_.setZero(model.B.rows(), model.forcing.size());
   receivers_.emplace(model, step);
   for (const Model::PairBlock& pair : model.pairs) {
     const Model::BodyBlock& a = model.bodies[pair.a];
@@ -76,25 +82,19 @@ Recorder::Recorder(const Model& model, const RecorderOptions& options, const Ste
     write_body(model.bodies[k], k, options);
   }
   make_model_rows();
-}
-
-Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOptions& options)
-    : Recorder(model, options, step) {
-  if (step.scheme == Scheme::compliant) {
-    R_a_ = model.R_a;
+  if (step.scheme == Scheme::at_rest) return;
+  if (step.scheme == Scheme::compliant)
     // Steps move modes above half the rate into R and s; a's share of them follows.
     for (Eigen::Index n = 0; n < model.omega.size(); ++n)
       if (!sampled(model.omega(n), step.step)) {
         const double stiffness = model.omega(n) * model.omega(n);
         R_a_ += B_a_.col(n) * model.B.col(n).transpose() / stiffness;
         s_a_ += B_a_.col(n) * (model.load(n) / stiffness);
-        for (std::size_t d = 0; d < model.forcing.size(); ++d) {
-          const Model::BodyBlock& body = model.bodies[model.forcing[d].body];
-          if (n >= body.first_mode && n < body.first_mode + body.modes)
-            driven_a_.col(d) += B_a_.col(n) * (model.forcing[d].force(n - body.first_mode) / stiffness);
-        }
+        for (std::size_t d = 0; d < model.forcing.size(); ++d)
+          if (const Eigen::Index i = n - model.forcing[d].first_mode;
+              i >= 0 && i < model.forcing[d].force.size())
+            driven_a_.col(d) += B_a_.col(n) * (model.forcing[d].force(i) / stiffness);
       }
-  }
   bodies_row(model.initial_rates(), 0, 0);
   energy_row(initial_energy(model));
   persistency_->append(0);
@@ -103,8 +103,7 @@ Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOp
 }
 
 Recorder::Recorder(const Model& model, const Equilibrium& equilibrium, const RecorderOptions& options)
-    : Recorder(model, options, StepOptions{}) {
-  R_a_ = model.R_a;
+    : Recorder(model, {.scheme = Scheme::at_rest}, options) {
   const Vector rest = Vector::Zero(model.omega.size());
   push(equilibrium.force, 1);  // for a second, in which momentum does not change
   bodies_row(rest, 0, 1);
@@ -123,7 +122,7 @@ Recorder::Recorder(const Table& table, const Model* source, const StepOptions& s
   Eigen::Matrix3Xd velocity(3, std::ssize(table.bodies));
   for (std::size_t b = 0; b < table.bodies.size(); ++b) {
     add_body(table.bodies[b].name, table.bodies[b].mass);
-    velocity.col(static_cast<Eigen::Index>(b)) = table.bodies[b].velocity;
+    velocity.col(b) = table.bodies[b].velocity;
   }
   if (source) write_points(*source);
   for (std::size_t k = 0; source && k < source->bodies.size(); ++k)
@@ -136,7 +135,7 @@ Recorder::Recorder(const Table& table, const Model* source, const StepOptions& s
 }
 
 void Recorder::write_points(const Model& model) {
-  const std::size_t m = static_cast<std::size_t>(model.gap.size());
+  const std::size_t m = model.gap.size();
   file_.write<double>("/contact/point_a", flat(model.point_a), {m, 3}, "m");
   file_.write<double>("/contact/point_b", flat(model.point_b), {m, 3}, "m");
   file_.write<double>("/contact/normal", flat(model.normal), {m, 3}, "1");
@@ -159,15 +158,13 @@ Recorder::BodyRows& Recorder::add_body(const std::string& name, double mass) {
 }
 
 void Recorder::make_model_rows() {
-  const std::size_t m = static_cast<std::size_t>(gap_.size());
+  const std::size_t m = gap_.size();
   contact_.displacement_a = &file_.rows("/contact/displacement_a", {m}, "m");
   contact_.displacement_b = &file_.rows("/contact/displacement_b", {m}, "m");
   contact_.velocity_a = &file_.rows("/contact/velocity_a", {m}, "m/s");
   contact_.velocity_b = &file_.rows("/contact/velocity_b", {m}, "m/s");
-  energy_ = {&file_.rows("/energy/total", {}, "J"),  &file_.rows("/energy/kinetic", {}, "J"),
-             &file_.rows("/energy/strain", {}, "J"), &file_.rows("/energy/residual", {}, "J"),
-             &file_.rows("/energy/loads", {}, "J"),  &file_.rows("/energy/damping", {}, "J"),
-             &file_.rows("/energy/contact", {}, "J")};
+  energy_ = {&file_.rows("/energy/total", {}, "J")};
+  for (const auto& [name, term] : energy_terms) energy_.push_back(&file_.rows(name, {}, "J"));
   persistency_ = &file_.rows("/contact/persistency", {}, "W");
   if (snapshot_every_ > 0) snapshot_time_ = &file_.rows("/snapshots/time", {}, "s");
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
@@ -249,7 +246,7 @@ void Recorder::bodies_row(const Vector& v, double from, double to) {
 
 void Recorder::bodies_row(const Eigen::Matrix3Xd& velocity) {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    const Vector3d v = velocity.col(static_cast<Eigen::Index>(b));
+    const Vector3d v = velocity.col(b);
     append(bodies_[b].velocity, v);
     append(bodies_[b].momentum, bodies_[b].mass * v);
   }
@@ -265,13 +262,9 @@ void Recorder::receivers_row(double time) {
 }
 
 void Recorder::energy_row(const Energy& energy) {
-  energy_.total->append(energy.total());
-  energy_.kinetic->append(energy.kinetic);
-  energy_.strain->append(energy.strain);
-  energy_.residual->append(energy.residual);
-  energy_.loads->append(energy.loads);
-  energy_.damping->append(energy.damping);
-  energy_.contact->append(energy.contact);
+  energy_.front()->append(energy.total());
+  for (std::size_t k = 0; k < energy_terms.size(); ++k)
+    energy_[k + 1]->append(energy.*energy_terms[k].second);
 }
 
 void Recorder::contact_row(double time, const Vector& u, const Vector& force) {

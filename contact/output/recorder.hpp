@@ -31,8 +31,8 @@ struct RecorderOptions {
   std::int64_t snapshot_every = 0;          ///< modal coordinates each n-th step; 0: none
 };
 
-/// Bytes that the result of so many steps takes at least: what is written while something touches comes on
-/// top.
+/// Lower bound on the bytes of a result of `steps` steps: rows that are written during contact
+/// are not counted.
 double least_bytes(const Model& model, const RecorderOptions& options, std::int64_t steps);
 
 class Recorder {
@@ -49,7 +49,7 @@ class Recorder {
   /// @param source  the model that the table was sampled from, for places and normals, or null
   Recorder(const Table& table, const Model* source, const StepOptions& step, const RecorderOptions& options);
 
-  /// After each step of `stepper`, whatever `every` is. Throws InputError when the disk is full.
+  /// Call it after each step of `stepper`; it applies `every`. Throws InputError if the disk is full.
   void record(const Stepper& stepper);
 
   /// Motion of the model's receivers after the last step. Not with a table.
@@ -74,13 +74,9 @@ class Recorder {
   struct ReceiverRows {
     Rows *displacement, *velocity, *acceleration;
   };
-  struct EnergyRows {
-    Rows *total, *kinetic, *strain, *residual, *loads, *damping, *contact;
-  };
 
   Recorder(const Model* model, const Vector& gap, const Vector& area, double step,
            const RecorderOptions& options);
-  Recorder(const Model& model, const RecorderOptions& options, const StepOptions& step);
   void write_points(const Model& model);
   void write_body(const Model::BodyBlock& body, std::size_t number, const RecorderOptions& options);
   BodyRows& add_body(const std::string& name, double mass);
@@ -108,7 +104,7 @@ class Recorder {
   Rows* snapshot_time_ = nullptr;
   Rows* receiver_time_ = nullptr;
   ContactRows contact_{};
-  EnergyRows energy_{};
+  std::vector<Rows*> energy_;  ///< total, then the terms
   std::vector<BodyRows> bodies_;
   std::vector<ReceiverRows> receiver_rows_;
 };

@@ -18,13 +18,9 @@ Json number(const std::optional<double>& value) { return value ? Json(*value) : 
 
 Json shares(const std::optional<ErrorEstimate>& estimate) {
   if (!estimate) return nullptr;
-  return {{"total", estimate->total()},
-          {"mesh", number(estimate->mesh)},
-          {"modes", number(estimate->modes)},
-          {"step", number(estimate->step)},
-          {"eigensolver", number(estimate->eigensolver)},
-          {"precision", number(estimate->precision)},
-          {"spacing", number(estimate->spacing)}};
+  Json out{{"total", estimate->total()}};
+  for (const auto& cause : estimate->causes()) out[cause.name] = number(cause.share);
+  return out;
 }
 
 void write(const Json& json, const std::filesystem::path& path) {
@@ -35,16 +31,6 @@ void write(const Json& json, const std::filesystem::path& path) {
   if (!file) temporary.fail();
   temporary.commit();
 }
-
-}  // namespace
-
-double ErrorEstimate::total() const {
-  double sum = 0;
-  for (const auto& share : {mesh, modes, step, eigensolver, precision, spacing}) sum += share.value_or(0);
-  return sum;
-}
-
-namespace {
 
 Json json_of(const Summary& summary) {
   Json episodes = Json::array(), exit_velocity = Json::object(), sounds = Json::object();
@@ -105,6 +91,21 @@ Json json_of(const EquilibriumSummary& summary) {
 }
 
 }  // namespace
+
+std::array<ErrorEstimate::Cause, 6> ErrorEstimate::causes() const {
+  return {{{"mesh", mesh, "a finer mesh or a higher bodies.*.order"},
+           {"modes", modes, "a higher modes.up_to_hz or modes.count"},
+           {"step", step, "a higher time.rate_hz"},
+           {"eigensolver", eigensolver, "a lower modes.relative_residual or modes.low_rank"},
+           {"precision", precision, "time.precision = \"double\""},
+           {"spacing", spacing, "a smaller contact.spacing, or a finer mesh where bodies touch"}}};
+}
+
+double ErrorEstimate::total() const {
+  double sum = 0;
+  for (const Cause& cause : causes()) sum += cause.share.value_or(0);
+  return sum;
+}
 
 std::string json_text(const Summary& summary) { return json_of(summary).dump(); }
 void write_json(const Summary& summary, const std::filesystem::path& path) { write(json_of(summary), path); }

@@ -5,6 +5,7 @@
 // the end of the last one. An episode is a run of steps with a force; a step without one ends it.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -27,6 +28,12 @@ struct Episode {
 /// Contributions to the relative error of the quantities of interest (quantities.hpp); none: unknown.
 struct ErrorEstimate {
   std::optional<double> mesh, modes, step, eigensolver, precision, spacing;
+  struct Cause {
+    const char* name;
+    std::optional<double> share;
+    const char* advice;  ///< how to reduce it
+  };
+  std::array<Cause, 6> causes() const;
   double total() const;  ///< sum of those known
 };
 
@@ -59,7 +66,7 @@ struct Summary {
   std::int64_t limited_steps = 0;  ///< steps that max_pivots cut short
   double limited_residual = 0;     ///< worst of them: SolveResidual violation over scale
   std::map<std::string, int> modes;
-  std::map<std::string, std::string> basis;  ///< by body, what they are: kernels::Modes::kind
+  std::map<std::string, std::string> basis;  ///< by body, as by kernels::Modes::kind
   int modes_in_residual = 0;                 ///< above half the rate: quasi-static in this run
   Precision precision = Precision::float64;  ///< of the products of steps
   int candidates = 0;                        ///< paired points m

@@ -3,38 +3,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace ricochet::contact {
 
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
-bool count_forces(Summary& out, bool touching, const Vector& force, double time, double step) {
-  const int active = static_cast<int>((force.array() > 0).count());
-  if (active == 0) {
-    if (touching) out.contact_end_s = out.episodes.back().end_s = time - step;
-    return false;
-  }
-  if (!touching) out.episodes.push_back({.start_s = time - step, .end_s = {}});
-  if (!out.contact_start_s) out.contact_start_s = time - step;
-  out.contact_end_s.reset();
-  const double sum = force.sum();
-  Episode& episode = out.episodes.back();
-  episode.impulse_ns += sum * step;
-  episode.peak_force_n = std::max(episode.peak_force_n, sum);
-  out.impulse_ns += sum * step;
-  out.peak_force_n = std::max(out.peak_force_n, sum);
-  out.max_active = std::max(out.max_active, active);
-  ++out.contact_steps;
-  return true;
-}
-
 SummaryObserver::SummaryObserver(const Model& model, double step, double wave_speed)
     : model_(&model),
       gap_(model.gap),
       step_(step),
       before_(model.initial_rates()),
-      impulse_(Matrix3Xd::Zero(3, static_cast<Eigen::Index>(model.pairs.size()))),
+      impulse_(Matrix3Xd::Zero(3, model.pairs.size())),
       check_(std::in_place, model, wave_speed) {
   add_model(model);
   energy_before_ =
@@ -48,8 +29,7 @@ SummaryObserver::SummaryObserver(const Table& table, const Model* source, const 
       step_(options.step),
       before_(3 * std::ssize(bodies_)),
       impulse_(Matrix3Xd::Zero(3, std::ssize(bodies_))) {
-  for (std::size_t b = 0; b < bodies_.size(); ++b)
-    before_.segment<3>(3 * static_cast<Eigen::Index>(b)) = bodies_[b].velocity;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) before_.segment<3>(3 * b) = bodies_[b].velocity;
   out_.candidates = table.points();
   if (!source) return;
   add_model(*source);
@@ -66,6 +46,27 @@ void SummaryObserver::add_model(const Model& model) {
   out_.candidates = static_cast<int>(model.gap.size());
 }
 
+/// Adds a step that ends at `time` to the figures that follow from the forces (m) alone.
+void SummaryObserver::count_forces(const Vector& force, double time) {
+  const int active = static_cast<int>((force.array() > 0).count());
+  const bool touched = std::exchange(touching_, active > 0);
+  if (!touching_) {
+    if (touched) out_.contact_end_s = out_.episodes.back().end_s = time - step_;
+    return;
+  }
+  if (!touched) out_.episodes.push_back({.start_s = time - step_, .end_s = {}});
+  if (!out_.contact_start_s) out_.contact_start_s = time - step_;
+  out_.contact_end_s.reset();
+  const double sum = force.sum();
+  Episode& episode = out_.episodes.back();
+  episode.impulse_ns += sum * step_;
+  episode.peak_force_n = std::max(episode.peak_force_n, sum);
+  out_.impulse_ns += sum * step_;
+  out_.peak_force_n = std::max(out_.peak_force_n, sum);
+  out_.max_active = std::max(out_.max_active, active);
+  ++out_.contact_steps;
+}
+
 void SummaryObserver::observe(const Stepper& stepper) {
   const ModalState* modal = stepper.modal();
   if (gap_.size() > 0)
@@ -74,7 +75,7 @@ void SummaryObserver::observe(const Stepper& stepper) {
   if (const SolveResidual& left = stepper.residual(); left.scale > 0)
     out_.limited_residual = std::max(out_.limited_residual, left.violation / left.scale);
   const bool untouched = !out_.contact_start_s, touched = touching_;
-  touching_ = count_forces(out_, touched, stepper.force(), stepper.time(), step_);
+  count_forces(stepper.force(), stepper.time());
   if (touching_ && untouched) {
     at_start_ = mean_velocities(stepper.time() - step_);
     energy_at_start_ = energy_before_;
@@ -108,19 +109,18 @@ Matrix3Xd SummaryObserver::mean_velocities(double time) const {
   if (!model_) return before_.reshaped(3, std::ssize(bodies_));
   Matrix3Xd out(3, std::ssize(model_->bodies));
   for (Eigen::Index k = 0; k < out.cols(); ++k)
-    out.col(k) = model_->momentum(static_cast<int>(k), before_, time) /
-                 model_->bodies[static_cast<std::size_t>(k)].mass;
+    out.col(k) = model_->momentum(static_cast<int>(k), before_, time) / model_->bodies[k].mass;
   return out;
 }
 
 void SummaryObserver::push(const Vector& force) {
   for (Eigen::Index k = 0; k < impulse_.cols(); ++k)
     if (model_) {
-      const Model::PairBlock& pair = model_->pairs[static_cast<std::size_t>(k)];
+      const Model::PairBlock& pair = model_->pairs[k];
       impulse_.col(k) += step_ * model_->normal.middleRows(pair.first_point, pair.points).transpose() *
                          force.segment(pair.first_point, pair.points);
     } else {
-      impulse_.col(k) += step_ * bodies_[static_cast<std::size_t>(k)].push.transpose() * force;
+      impulse_.col(k) += step_ * bodies_[k].push.transpose() * force;
     }
 }
 
@@ -128,11 +128,11 @@ void SummaryObserver::push(const Vector& force) {
 /// of one pair.
 std::optional<double> SummaryObserver::closing_speed(const Matrix3Xd& velocity) const {
   if (model_) {
-    const Eigen::Array<bool, 1, Eigen::Dynamic> touched = impulse_.colwise().norm().array() > 0;
-    if (touched.count() != 1) return {};
+    const Eigen::RowVectorXd size = impulse_.colwise().norm();
+    if ((size.array() > 0).count() != 1) return {};
     Eigen::Index p = 0;
-    while (!touched(p)) ++p;
-    const Model::PairBlock& pair = model_->pairs[static_cast<std::size_t>(p)];
+    size.maxCoeff(&p);
+    const Model::PairBlock& pair = model_->pairs[p];
     Vector3d relative = Vector3d::Zero();
     if (!model_->bodies[pair.a].supported) relative += velocity.col(pair.a);
     if (pair.b >= 0 && !model_->bodies[pair.b].supported) relative -= velocity.col(pair.b);

@@ -11,11 +11,6 @@
 
 namespace ricochet::contact {
 
-/// Adds a step that ends at `time` to the figures that follow from the forces (m) alone: the first members of
-/// `out` down to impulse_ns, and max_active. `touching`: the step before had a force. Returns whether this
-/// one has.
-bool count_forces(Summary& out, bool touching, const Vector& force, double time, double step);
-
 /// Observes a run. `observe` is called after each step.
 class SummaryObserver {
  public:
@@ -35,6 +30,7 @@ class SummaryObserver {
 
  private:
   void add_model(const Model& model);
+  void count_forces(const Vector& force, double time);
   void observe_energy(const Energy& energy);
   Eigen::Matrix3Xd mean_velocities(double time) const;
   void push(const Vector& force);

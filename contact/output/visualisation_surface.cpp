@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/output/visualisation_surface.hpp"
 
-#include <algorithm>
-
 #include "contact/pairing/surface_projection.hpp"
 
 namespace ricochet::contact {
@@ -15,8 +13,7 @@ using Eigen::VectorXf;
 /// (3V, columns) of a kernel's array, which may be empty.
 auto columns_of(const std::vector<float>& values, Index rows) {
   using Values = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  return Eigen::Map<const Values>(values.data(), rows,
-                                  rows > 0 ? static_cast<Index>(values.size()) / rows : 0);
+  return Eigen::Map<const Values>(values.data(), rows, rows > 0 ? values.size() / rows : 0);
 }
 
 }  // namespace
@@ -25,7 +22,7 @@ VisualisationSurface::VisualisationSurface(const Model& model, int body, const S
     : model_(model),
       body_(model.bodies[body]),
       view_(*body_.kernel->view),
-      shape_(view_.shape.data(), static_cast<Index>(view_.node.size()), body_.modes),
+      shape_(view_.shape.data(), view_.node.size(), body_.modes),
       constant_(VectorXf::Zero(shape_.rows())) {
   const Index rows = shape_.rows();
   const auto omega = model.omega.segment(body_.first_mode, body_.modes);
@@ -41,10 +38,10 @@ VisualisationSurface::VisualisationSurface(const Model& model, int body, const S
   if (settling.cols() > 0) constant_ = settling * to_body(model.gravity);
   for (const Model::Forcing& one : model.forcing)
     if (one.body == body) of_body_.push_back(&one);
-  forcing_.setZero(rows, static_cast<Index>(of_body_.size()));
+  forcing_.setZero(rows, of_body_.size());
   for (std::size_t d = 0; d < of_body_.size(); ++d) {
     const Model::Forcing& one = *of_body_[d];
-    auto column = forcing_.col(static_cast<Index>(d));
+    auto column = forcing_.col(d);
     const auto residual = columns_of(one.support ? view_.motion_residual : view_.load_residual, rows);
     if (residual.cols() > 0) column = residual.middleCols(3 * one.entry, 3) * to_body(one.vector);
     column += shape_ * one.lift.cast<float>();  // of a support: Ψ = (Ψ − ΦΓ) + ΦΓ
@@ -62,7 +59,7 @@ void VisualisationSurface::add_dropped(const StepOptions& options) {
     flexibility_ -= flexible * model_.B.col(n).transpose().cast<float>();
     constant_ += flexible * static_cast<float>(model_.load(n));
     for (std::size_t d = 0; d < of_body_.size(); ++d)
-      forcing_.col(static_cast<Index>(d)) += flexible * static_cast<float>(of_body_[d]->force(i));
+      forcing_.col(d) += flexible * static_cast<float>(of_body_[d]->force(i));
   }
 }
 
@@ -77,7 +74,7 @@ const SurfaceMotion& VisualisationSurface::at(double t, const Vector& q, const V
   deformation.noalias() += shape_.rightCols(elastic) * own.tail(elastic).cast<float>();
   if (flexibility_.cols() > 0) deformation.noalias() += flexibility_ * force.cast<float>();
   for (std::size_t d = 0; d < of_body_.size(); ++d) {
-    const auto column = forcing_.col(static_cast<Index>(d));
+    const auto column = forcing_.col(d);
     deformation += static_cast<float>(of_body_[d]->history.at(t)) * column;
     velocity += static_cast<float>(of_body_[d]->history.slope(t)) * column;
   }

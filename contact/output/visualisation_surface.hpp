@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The motion of a body's visualisation surface: x = Q (x_0 + φ q + r) + t, in single precision.
 //
-// r is the static part of what the modes left out, under contact, gravity, loads and supports, as of
-// receivers.
+// r is the static correction under contact, gravity, loads and supports, the same as
+// that of receivers.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@ namespace ricochet::contact {
 struct SurfaceMotion {
   using Rows = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
   Rows position;     ///< (V,3) [m]
-  Rows deformation;  ///< (V,3) displacement but for that by modes of frequency 0 [m]
+  Rows deformation;  ///< (V,3) displacement without that of modes of frequency 0 [m]
   Rows velocity;     ///< (V,3) of the modes, supports, and loads that change [m/s]
 };
 

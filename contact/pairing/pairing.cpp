@@ -34,13 +34,13 @@ double round_off_of(const WorldSurface& a, const WorldSurface& b) {
   return overlap_slack * size_of(a, b) + place_slack * std::max(a.farthest, b.farthest);
 }
 
-/// What the gap along n between the means of the patches has over that between their nodes, as displacements
-/// are means too. Lopsided patches stand off their nodes sideways; the surfaces meet across their mutual
+/// The gap along n between the means of the patches less that between their nodes: displacements are means,
+/// too. Lopsided patches stand off their nodes sideways; the surfaces meet across their mutual
 /// normal, so that only what lies along it separates them.
 double between_means(const WorldSurface& a, std::size_t i, const WorldSurface& b, const Projection& y,
                      const Vector3d& n) {
   Vector3d apart = -a.offset[i];
-  for (int j = 0; j < b.corners; ++j) apart += y.weight[j] * b.offset[static_cast<std::size_t>(y.corner[j])];
+  for (int j = 0; j < b.corners; ++j) apart += y.weight[j] * b.offset[y.corner[j]];
   const Vector3d mutual = (a.normal[i] - y.normal).normalized();
   return mutual.dot(apart) / std::max(mutual.dot(n), steepest);
 }
@@ -51,7 +51,7 @@ std::string title(const PairRequest& request) {
 
 std::string text(const Vector3d& v) { return base::format("[{:.6g}, {:.6g}, {:.6g}]", v.x(), v.y(), v.z()); }
 
-/// A kernel of one component knows no directions but its own.
+/// A kernel of one component holds the motion along its own direction only.
 void check_component(const PlacedBody& body, const std::optional<Vector3d>& normal,
                      const PairRequest& request) {
   const kernels::Surface& surface = body.kernel->surface;
@@ -123,7 +123,7 @@ const Pairing::Point& closest_pair(const Pairing& pairing) {
 void check_some(const Pairing& pairing, const PairRequest& request) {
   if (pairing.points.empty())
     throw InputError(
-        base::format("{}: no point of \"{}\" faces \"{}\" ({} candidates looked at). Check bodies.*.contact, "
+        base::format("{}: no point of \"{}\" faces \"{}\" ({} candidates examined). Check bodies.*.contact, "
                      "translate and rotate_deg, and contact.direction (it points out of \"{}\").",
                      title(request), request.a, request.b, pairing.unpaired, request.a));
 }
@@ -147,7 +147,7 @@ Pairing arrange(PlacedBody a, const PairRequest& request, double round_off, Find
       if (std::abs(excess) <= round_off + overlap_slack * std::abs(nearest.gap) && round > 0) break;
       if (round == 50 || !(rate > 1e-3))
         throw InputError(
-            base::format("{}: gap = {} m can't be reached by moving \"{}\" along {}. Place it nearer with "
+            base::format("{}: gap = {} m cannot be reached by moving \"{}\" along {}. Place it nearer with "
                          "translate, or set contact.direction.",
                          title(request), *request.gap, a.name, text(way)));
       shift += excess / rate * way;

@@ -30,7 +30,7 @@ struct HalfSpace {
   bool operator==(const HalfSpace&) const = default;
 };
 
-/// Which surfaces may touch, by name; `b` names a body or a half-space.
+/// Two surfaces that may touch, by name; `b` names a body or a half-space.
 struct PairRequest {
   std::string a, b;
   std::optional<Eigen::Vector3d> direction;  ///< unit, out of a; world frame

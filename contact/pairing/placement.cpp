@@ -23,7 +23,7 @@ void check_gap(const Placement& placement, const ContactPair& pair) {
   // A point is the sum of a placement and a mesh coordinate, and both may be far larger than the sum.
   const PairRequest& request = pair.request;
   double nearest = pair.pairing.points.front().gap,
-         farthest = placement.bodies[static_cast<std::size_t>(pair.a)].translation.cwiseAbs().maxCoeff();
+         farthest = placement.bodies[pair.a].translation.cwiseAbs().maxCoeff();
   for (const auto& point : pair.pairing.points) {
     nearest = std::min(nearest, point.gap);
     farthest = std::max({farthest, point.gap, point.a.cwiseAbs().maxCoeff()});
@@ -56,22 +56,20 @@ Placement place(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& ob
           request.b));
     if (pair.a == pair.b)
       throw InputError(
-          base::format("contact.between: \"{}\" can't meet itself. Name two bodies.", request.a));
+          base::format("contact.between: \"{}\" cannot meet itself. Name two bodies.", request.a));
   }
   for (int k = 0; k < static_cast<int>(out.bodies.size()); ++k)
     if (std::ranges::none_of(out.pairs, [&](const ContactPair& pair) { return pair.a == k || pair.b == k; }))
       throw InputError(base::format(
           "bodies.{}: no pair names it, so nothing would ever touch it. Add it to contact, or take it out.",
-          out.bodies[static_cast<std::size_t>(k)].name));
+          out.bodies[k].name));
 
   const auto found = [&](std::size_t p, const PairRequest& request) {
-    const PlacedBody& a = out.bodies[static_cast<std::size_t>(out.pairs[p].a)];
-    return obstacle[p] ? pair(a, *obstacle[p], request)
-                       : pair(a, out.bodies[static_cast<std::size_t>(out.pairs[p].b)], request);
+    const PlacedBody& a = out.bodies[out.pairs[p].a];
+    return obstacle[p] ? pair(a, *obstacle[p], request) : pair(a, out.bodies[out.pairs[p].b], request);
   };
   for (std::size_t p = 0; p < requests.size(); ++p)
-    if (requests[p].gap)
-      out.bodies[static_cast<std::size_t>(out.pairs[p].a)].translation += found(p, requests[p]).shift;
+    if (requests[p].gap) out.bodies[out.pairs[p].a].translation += found(p, requests[p]).shift;
   for (std::size_t p = 0; p < requests.size(); ++p) {
     PairRequest without_gap = requests[p];
     without_gap.gap.reset();
@@ -85,9 +83,8 @@ std::vector<std::vector<std::int64_t>> paired_candidates(const Placement& placem
   std::vector<std::set<std::int64_t>> paired(placement.bodies.size());
   for (const ContactPair& pair : placement.pairs)
     for (const Pairing::Point& point : pair.pairing.points) {
-      paired[static_cast<std::size_t>(pair.a)].insert(point.candidate);
-      for (const auto& [candidate, weight] : point.weights)
-        paired[static_cast<std::size_t>(pair.b)].insert(candidate);
+      paired[pair.a].insert(point.candidate);
+      for (const auto& [candidate, weight] : point.weights) paired[pair.b].insert(candidate);
     }
   std::vector<std::vector<std::int64_t>> out;
   for (const auto& candidates : paired) out.emplace_back(candidates.begin(), candidates.end());

@@ -36,7 +36,7 @@ WorldSurface placed(const PlacedBody& body, const From& from) {
     to.farthest = std::max({to.farthest, to.node.back().cwiseAbs().maxCoeff(), own.cwiseAbs().maxCoeff()});
   }
   if (!box.isEmpty()) to.extent = box.diagonal().norm();
-  const std::size_t k = static_cast<std::size_t>(to.corners);
+  const std::size_t k = to.corners;
   for (std::size_t t = 0; t + k <= from.element.size(); t += k) {
     WorldSurface::Element element;
     for (std::size_t j = 0; j < k; ++j) element.corner[j] = static_cast<int>(from.element[t + j]);
@@ -65,7 +65,7 @@ std::optional<Projection> projection(const WorldSurface& b, const WorldSurface::
 /// A line that passes an element's centre farther away does not meet it [m].
 double reach_of(const WorldSurface::Element& element) { return element.size * (1 + edge_slack); }
 
-/// Where the line x + t d meets an element.
+/// The intersection of the line x + t d with an element.
 std::optional<Projection> intersection(const WorldSurface& b, const WorldSurface::Element& element,
                                        const Vector3d& x, const Vector3d& d, double size) {
   const Vector3d& p = b.node[element.corner[0]];

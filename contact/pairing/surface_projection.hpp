@@ -54,7 +54,7 @@ class SurfaceProjection {
   explicit SurfaceProjection(WorldSurface surface);
   const WorldSurface& surface() const { return surface_; }
 
-  /// Where the line x + t d meets the surface and `faces` holds: the point with the smallest |t|.
+  /// The intersection of the line x + t d with the surface for which `faces` holds and |t| is smallest.
   ///
   /// Triangles are intersected along d. Segments stand for strips that extend sideways: the projection lies
   /// abreast of the line along the segment as seen along d, and the line may pass beside it by half the

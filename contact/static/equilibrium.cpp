@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/static/equilibrium.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "base/format.hpp"
@@ -44,7 +43,7 @@ Parts parts_of(const Model& model) {
   return out;
 }
 
-/// Minimises ½ λᵀ S λ − rᵀ λ over λ ≥ 0, time and again.
+/// Minimises ½ λᵀ S λ − rᵀ λ over λ ≥ 0, repeatedly.
 class Minimiser {
  public:
   Minimiser(const Model& model, const EquilibriumOptions& options)
@@ -65,8 +64,8 @@ class Minimiser {
 
  private:
   /// p ← max(0, p̄ + τ (r − S λ̄)),  λ = A p,  from the λ given, with τ = 1/‖A S‖_∞. p̄ runs ahead of p by
-  /// Nesterov's rule (1983), anew whenever that overshoots (O'Donoghue & Candès 2015): plain steps, p̄ = p,
-  /// take some eighty times as many.
+  /// Nesterov's rule (1983), restarted whenever that overshoots (O'Donoghue & Candès 2015): plain steps, p̄ =
+  /// p, take some eighty times as many.
   void uzawa(const MatrixXd& S, const Vector& r, Vector& lambda) {
     const double closing = r.size() > 0 ? r.maxCoeff() : 0;
     if (!(closing > 0)) {
@@ -115,8 +114,8 @@ void check_held(const Model& model, const Parts& parts) {
     for (std::size_t k = 0; k < parts.rigid.size(); ++k) {
       const Eigen::Index n = parts.rigid[k] - body.first_mode;
       if (n < 0 || n >= body.modes) continue;
-      rest(n) = left(static_cast<Eigen::Index>(k));
-      magnitude(n) = sum(static_cast<Eigen::Index>(k));
+      rest(n) = left(k);
+      magnitude(n) = sum(k);
     }
     if (rest.norm() <= held * magnitude.norm()) continue;
     const Vector3d force = body.momentum * rest;

@@ -10,17 +10,6 @@
 namespace ricochet::contact {
 namespace {
 
-template <class T>
-const simd::Loops<T>& best_loops();
-template <>
-const simd::Loops<double>& best_loops() {
-  return simd::best().in_double;
-}
-template <>
-const simd::Loops<float>& best_loops() {
-  return simd::best().in_float;
-}
-
 /// A bound stays one after rounding.
 template <class T>
 T rounded_up(double bound) {
@@ -32,77 +21,58 @@ T rounded_up(double bound) {
 template <class T>
 BlockSystem<T>::BlockSystem(std::shared_ptr<const StepSystem> shared, int steps, double step)
     : plain(std::move(shared)),
-      loops(&best_loops<T>()),
+      loops(&simd::loops_of<T>(*simd::available().back())),
       length(steps),
       points(static_cast<int>(plain->gap.size())),
-      modes(simd::padded(static_cast<std::size_t>(plain->omega.size()))),
-      width(simd::padded(static_cast<std::size_t>(points), simd::point_pad)),
+      modes(simd::padded(plain->omega.size())),
+      width(simd::padded(points, simd::point_pad)),
+      elastic(*plain),
+      softness(Vector::Zero(modes)),
       rest(plain->s),
       band(bands),
       yields(!plain->R.isZero(0)) {
   const StepSystem& system = *plain;
   const auto m = static_cast<std::size_t>(points), L = static_cast<std::size_t>(steps);
   const Eigen::Index N = system.omega.size();
-  std::vector<int> elastic;
+  std::vector<int> ascending;  // elastic modes, by frequency
   for (int n = 0; n < N; ++n)
-    if (system.stiffness(n) != 0)
-      elastic.push_back(n);
-    else if (system.h(n) != 0)
-      rigid.push_back(n);
-  const auto of_elastic = [&](const Vector& values) {
-    std::vector<double> out(modes, 0.0);
-    for (int n : elastic) out[static_cast<std::size_t>(n)] = values(n);
-    return out;
-  };
-  stiffness = of_elastic(system.stiffness);
-  load = of_elastic(system.load);
-  origin = of_elastic(system.q0);
-  b = of_elastic(system.b);
-  c = of_elastic(system.c);
-  e = of_elastic(system.e);
-  h = of_elastic(system.h);
-  damp_ss = of_elastic(system.damp_ss);
-  damp_sr = of_elastic(system.damp_sr);
-  damp_rr = of_elastic(system.damp_rr);
-  softness = of_elastic(system.stiffness);
-  for (int n : elastic) softness[static_cast<std::size_t>(n)] = 1 / system.stiffness(n);
+    if (system.stiffness(n) != 0) {
+      ascending.push_back(n);
+      softness(n) = 1 / system.stiffness(n);
+    } else {
+      if (system.h(n) != 0) rigid.push_back(n);
+      for (Vector* x : elastic.all()) (*x)(n) = 0;
+    }
+  for (Vector* x : elastic.all()) x->conservativeResizeLike(Vector::Zero(softness.size()));
 
   B.assign(m * modes, T(0));
   for (std::size_t i = 0; i < m; ++i)
-    for (int n : elastic)
-      B[i * modes + static_cast<std::size_t>(n)] = static_cast<T>(system.B(static_cast<Eigen::Index>(i), n));
-  rigid_B.resize(points, static_cast<Eigen::Index>(rigid.size()));
-  for (std::size_t r = 0; r < rigid.size(); ++r)
-    rigid_B.col(static_cast<Eigen::Index>(r)) = system.B.col(rigid[r]);
+    for (int n : ascending) B[i * modes + n] = static_cast<T>(system.B(i, n));
+  rigid_B = system.B(Eigen::all, rigid);
 
-  std::sort(elastic.begin(), elastic.end(), [&](int x, int y) { return system.omega(x) < system.omega(y); });
+  std::sort(ascending.begin(), ascending.end(),
+            [&](int x, int y) { return system.omega(x) < system.omega(y); });
   Eigen::MatrixXd far = Eigen::MatrixXd::Zero(points, bands);
-  Vector soft = Vector::Zero(N);
-  for (std::size_t k = 0; k < elastic.size(); ++k) {
-    const int n = elastic[k], of = static_cast<int>(k * bands / elastic.size());
-    band[static_cast<std::size_t>(of)].push_back(n);
-    soft(n) = 1 / system.stiffness(n);
-    far.col(of) += system.B.col(n).cwiseAbs2() * soft(n);
-    rest += system.B.col(n) * (system.load(n) * soft(n));
+  for (std::size_t k = 0; k < ascending.size(); ++k) {
+    const int n = ascending[k], of = static_cast<int>(k * bands / ascending.size());
+    band[of].push_back(n);
+    far.col(of) += system.B.col(n).cwiseAbs2() * softness(n);
+    rest += system.B.col(n) * (system.load(n) * softness(n));
   }
-  const Eigen::MatrixXd bends = system.B * soft.asDiagonal() * system.B.transpose() + system.R;
+  const Eigen::MatrixXd bends = system.B * softness.head(N).asDiagonal() * system.B.transpose() + system.R;
   largest = bends.cwiseAbs().colwise().maxCoeff().transpose();
   reach.assign(bands * width, T(0));
   for (std::size_t of = 0; of < bands; ++of)
-    for (std::size_t i = 0; i < m; ++i)
-      reach[of * width + i] =
-          rounded_up<T>(std::sqrt(far(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(of))));
-  flexibility.assign(m * width, T(0));
+    for (std::size_t i = 0; i < m; ++i) reach[of * width + i] = rounded_up<T>(std::sqrt(far(i, of)));
+  const auto padded = [&](const Eigen::MatrixXd& symmetric) {
+    std::vector<T> out(m * width, T(0));
+    for (std::size_t j = 0; j < m; ++j)
+      for (std::size_t i = 0; i < m; ++i) out[j * width + i] = static_cast<T>(symmetric(i, j));
+    return out;
+  };
+  flexibility = padded(bends);
+  if (yields) residual = padded(system.R);
   influence.assign(m * width, T(0));
-  if (yields) residual.assign(m * width, T(0));
-  for (std::size_t j = 0; j < m && yields; ++j)
-    for (std::size_t i = 0; i < m; ++i)
-      residual[j * width + i] =
-          static_cast<T>(system.R(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)));
-  for (std::size_t j = 0; j < m; ++j)
-    for (std::size_t i = 0; i < m; ++i)
-      flexibility[j * width + i] =
-          static_cast<T>(bends(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)));
 
   lag.assign(m * L * width, T(0));
   Vector held = Vector::Zero(N), more(N);  // c of the steps so far
@@ -114,10 +84,9 @@ BlockSystem<T>::BlockSystem(std::shared_ptr<const StepSystem> shared, int steps,
     held = more;
     for (std::size_t j = 0; j < m; ++j)
       for (std::size_t i = 0; i < m; ++i) {
-        const double value = now(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
-        lag[(j * L + d) * width + i] = static_cast<T>(value);
+        lag[(j * L + d) * width + i] = static_cast<T>(now(i, j));
         T& bound = influence[j * width + i];
-        bound = std::max(bound, rounded_up<T>(std::abs(value)));
+        bound = std::max(bound, rounded_up<T>(std::abs(now(i, j))));
       }
   }
 }

@@ -2,21 +2,15 @@
 #include "contact/stepping/candidate_screening.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace ricochet::contact {
 namespace {
 
 /// A point is expected to change its force by this many times its change in the block before.
 constexpr double growth = 2;
-
-constexpr auto every_band = [] {
-  std::array<int, bands> out{};
-  for (int k = 0; k < bands; ++k) out[static_cast<std::size_t>(k)] = k;
-  return out;
-}();
 
 /// An upper bound on the sum of this many positive terms, each of which was rounded.
 template <class T>
@@ -28,17 +22,12 @@ double at_least(T sum, std::size_t terms) {
 }  // namespace
 
 template <class T>
-CandidateScreening<T>::CandidateScreening(const BlockSystem<T>& system) {
-  for (Vector* x : {
-           &margin_,
-           &could_,
-           &spent_,
-           &budget_,
-       })
-    x->setZero(system.points);
+CandidateScreening<T>::CandidateScreening(const BlockSystem<T>& system) : every_band_(bands) {
+  for (Vector* x : {&margin_, &could_, &spent_, &budget_}) x->setZero(system.points);
   rigid_at_.setZero(system.length);
-  raised_.reserve(static_cast<std::size_t>(system.points));
-  factor_.reserve(std::max<std::size_t>(static_cast<std::size_t>(system.points), bands));
+  std::iota(every_band_.begin(), every_band_.end(), 0);
+  raised_.reserve(system.points);
+  factor_.reserve(std::max<std::size_t>(system.points, bands));
   sum_.assign(system.width, T(0));
 }
 
@@ -51,8 +40,7 @@ void CandidateScreening<T>::start(const BlockSystem<T>& system, std::span<const 
     factor_.push_back(static_cast<T>(budget_(i)));
   }
   combine(system, system.influence, changed);
-  for (int i = 0; i < system.points; ++i)
-    could_(i) = at_least(sum_[static_cast<std::size_t>(i)], changed.size());
+  for (int i = 0; i < system.points; ++i) could_(i) = at_least(sum_[i], changed.size());
   spent_.setZero();
 }
 
@@ -76,22 +64,20 @@ void CandidateScreening<T>::bound_by_energy(const BlockSystem<T>& of, const Moti
   const double slack = 2 * held_force.sum() * static_cast<double>(pressed.size() + 2) *
                        static_cast<double>(std::numeric_limits<T>::epsilon());
   for (int i = 0; i < of.points; ++i)
-    margin_(i) = of.plain->gap(i) - of.rest(i) + static_cast<double>(sum_[static_cast<std::size_t>(i)]) -
-                 slack * of.largest(i);
+    margin_(i) = of.plain->gap(i) - of.rest(i) + static_cast<double>(sum_[i]) - slack * of.largest(i);
 
   factor_.clear();
   for (const std::vector<int>& band : of.band) {
     double energy = 0;
     for (int n : band) {
-      const auto k = static_cast<std::size_t>(n);
-      const double y = free.q[k] - free.load[k] * of.softness[k];
-      energy += of.stiffness[k] * y * y + free.v[k] * free.v[k];
+      const double y = free.q[n] - free.load[n] * of.softness[n];
+      energy += of.elastic.stiffness[n] * y * y + free.v[n] * free.v[n];
     }
     factor_.push_back(static_cast<T>(std::sqrt(energy)));
   }
-  combine(of, of.reach, every_band);
+  combine(of, of.reach, every_band_);
   for (int i = 0; i < of.points; ++i) {
-    margin_(i) -= at_least(sum_[static_cast<std::size_t>(i)], bands);
+    margin_(i) -= at_least(sum_[i], bands);
     if (of.rigid.empty()) continue;
     rigid_at_.noalias() = rigid_motion * of.rigid_B.row(i).transpose();
     margin_(i) -= rigid_at_.maxCoeff();
@@ -105,7 +91,7 @@ bool CandidateScreening<T>::raise_budgets(const BlockSystem<T>& system, std::spa
   factor_.clear();
   for (std::size_t k = 0; k < points.size(); ++k) {
     const int i = points[k];
-    const double spent = spent_(i) + std::abs(force(static_cast<Eigen::Index>(k)) - held_force(i));
+    const double spent = spent_(i) + std::abs(force(k) - held_force(i));
     if (spent <= budget_(i)) continue;
     raised_.push_back(i);
     factor_.push_back(static_cast<T>(growth * spent - budget_(i)));
@@ -113,8 +99,7 @@ bool CandidateScreening<T>::raise_budgets(const BlockSystem<T>& system, std::spa
   }
   if (raised_.empty()) return false;
   combine(system, system.influence, raised_);
-  for (int i = 0; i < system.points; ++i)
-    could_(i) += at_least(sum_[static_cast<std::size_t>(i)], raised_.size());
+  for (int i = 0; i < system.points; ++i) could_(i) += at_least(sum_[i], raised_.size());
   return true;
 }
 

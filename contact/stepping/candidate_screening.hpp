@@ -54,11 +54,8 @@ class CandidateScreening {
   Vector margin_, could_;  ///< (points) g − u at least, under λ̄; what budgeted changes could add to u
   Vector spent_, budget_;  ///< (points) Σ |λ − λ̄| in this block; its bound in could_
   Vector rigid_at_;        ///< (L) u of a point by rigid motion
-  std::vector<int> raised_;
+  std::vector<int> raised_, every_band_;
   std::vector<T> factor_, sum_;  ///< scratch
 };
-
-extern template class CandidateScreening<double>;
-extern template class CandidateScreening<float>;
 
 }  // namespace ricochet::contact

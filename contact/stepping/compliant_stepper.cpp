@@ -6,7 +6,7 @@ namespace ricochet::contact {
 CompliantStepper::CompliantStepper(const Model& model, const StepOptions& options)
     : Stepper(options, model.gap.size(), {.same_matrix = true, .max_pivots = options.max_pivots}),
       state_(model, options) {
-  for (Vector* x : {&next_u_, &rhs_}) x->setZero(model.gap.size());
+  rhs_.setZero(model.gap.size());
   state_.displacement(contact_.force, u_);
 }
 
@@ -29,13 +29,8 @@ StepStatus CompliantStepper::step() noexcept {
     if (lambda != 0) next_u_ -= lambda * system.S.col(i);  // B q⁺ + s − R λ
   }
   if (!state_.step_under(next_force_)) return StepStatus::not_finite;
-  contact_.active = static_cast<int>((next_force_.array() > 0).count());
-  contact_.persistency = -next_force_.dot(next_u_ - u_) / options_.step;
-  contact_.residual = residual;
-  contact_.force.swap(next_force_);
-  u_.swap(next_u_);
-  ++steps_;
-  return StepStatus::ok;
+  return complete(static_cast<int>((next_force_.array() > 0).count()),
+                  -next_force_.dot(next_u_ - u_) / options_.step, residual);
 }
 
 }  // namespace ricochet::contact

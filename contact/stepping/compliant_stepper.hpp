@@ -24,7 +24,7 @@ class CompliantStepper final : public Stepper {
 
  private:
   ModalState state_;
-  Vector next_u_, rhs_;  ///< (m)
+  Vector rhs_;  ///< (m)
 };
 
 }  // namespace ricochet::contact

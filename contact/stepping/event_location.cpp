@@ -17,11 +17,11 @@ EventLocation::EventLocation(const StepSystem& system) {
   for (Vector* x : {&knot_q_, &knot_v_, &q_, &v_, &force_, &slope_, &acceleration_})
     x->setZero(system.omega.size());
   for (Vector* x : {&s_, &rate_, &bound_}) x->setZero(system.gap.size());
-  open_.reserve(static_cast<std::size_t>(system.gap.size()));
+  open_.reserve(system.gap.size());
 }
 
 void EventLocation::open_all() noexcept {
-  open_.resize(static_cast<std::size_t>(s_.size()));
+  open_.resize(s_.size());
   std::iota(open_.begin(), open_.end(), 0);
 }
 
@@ -38,8 +38,8 @@ void EventLocation::close(const std::vector<int>& points) noexcept {
   std::erase_if(open_, [&](int i) { return std::binary_search(points.begin(), points.end(), i); });
 }
 
-/// How long the open points stay open for certain from (q_, v_), `passed` after the last knot; 0 if one of
-/// them has closed.
+/// A time for which the open points certainly stay open from (q_, v_), `passed` after the last knot; 0 if one
+/// of them has closed.
 double EventLocation::safe_time(double passed, const ModalState& state) noexcept {
   const StepSystem& system = *state.system;
   double shortest = std::numeric_limits<double>::infinity();

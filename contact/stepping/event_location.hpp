@@ -3,7 +3,7 @@
 //
 // Between knots |q̈| ≤ √(q̈² + ω² q̇²) + |f'| ℓ, because damping takes energy from q̈ and q̇ too. So |ü_i| ≤ A_i,
 // and a point at the distance d that closes at the rate u̇ stays open while u̇ t + ½ A t² < d. Steps of that
-// length can't pass the first closing, and converge to it as fast as Newton's do.
+// length cannot pass the first closing, and converge to it as fast as Newton's do.
 #pragma once
 
 #include <vector>

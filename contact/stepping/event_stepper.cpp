@@ -8,7 +8,7 @@ EventStepper::EventStepper(const Model& model, const StepOptions& options)
       state_(model, options),
       problem_(state_, options),
       events_(*state_.system) {
-  for (Vector* x : {&next_u_, &impulse_}) x->setZero(model.gap.size());
+  impulse_.setZero(model.gap.size());
   state_.displacement(contact_.force, u_);
 }
 
@@ -45,12 +45,8 @@ StepStatus EventStepper::step() noexcept {
     from = to;
   }
   if (!state_.commit(work, 0)) return StepStatus::not_finite;
-  contact_.force = impulse_ / options_.step;
-  contact_.active = static_cast<int>((contact_.force.array() > 0).count());
-  contact_.persistency = -work.contact / options_.step;
-  u_.swap(next_u_);
-  ++steps_;
-  return StepStatus::ok;
+  next_force_ = impulse_ / options_.step;
+  return complete(static_cast<int>((next_force_.array() > 0).count()), -work.contact / options_.step, {});
 }
 
 }  // namespace ricochet::contact

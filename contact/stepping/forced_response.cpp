@@ -8,22 +8,21 @@
 namespace ricochet::contact {
 
 ForcedResponse::ForcedResponse(const Model& model, double step, bool static_modes)
-    : step_(step), omega_(model.omega), decay_(model.decay), s_(model.static_displacement) {
+    : step_(step),
+      omega_(model.omega),
+      decay_(model.decay),
+      s_(model.static_displacement),
+      forcing_(model.forcing) {
   const Eigen::Index N = model.omega.size();
-  for (const Model::Forcing& forcing : model.forcing) {
-    const Model::BodyBlock& body = model.bodies[forcing.body];
-    forcing_.push_back({forcing.history, body.first_mode, body.modes, forcing.force, forcing.lift,
-                        forcing.displacement, forcing.support});
-  }
-  whole_.resize(static_cast<std::size_t>(N));
+  whole_.resize(N);
   for (Eigen::Index n = 0; n < N; ++n) {
     if (static_modes && !sampled(omega_(n), step)) {
       const Vector flexible = model.B.col(n) / (omega_(n) * omega_(n));
       s_ += flexible * model.load(n);
-      for (Forcing& forcing : forcing_)
-        if (n >= forcing.first && n < forcing.first + forcing.modes) {
-          forcing.displacement += flexible * forcing.force(n - forcing.first);
-          forcing.force(n - forcing.first) = forcing.lift(n - forcing.first) = 0;
+      for (Model::Forcing& forcing : forcing_)
+        if (const Eigen::Index i = n - forcing.first_mode; i >= 0 && i < forcing.force.size()) {
+          forcing.displacement += flexible * forcing.force(i);
+          forcing.force(i) = forcing.lift(i) = 0;
         }
       omega_(n) = decay_(n) = 0;
     }
@@ -60,27 +59,24 @@ void ForcedResponse::interval(double from, double to, Interval& out) const noexc
 void ForcedResponse::fill(Interval& out) const noexcept {
   points(out.to, out.s, out.rate);
   for (Vector* x : {&out.q, &out.v, &out.lift}) x->setZero();
-  for (const Forcing& forcing : forcing_) {
+  for (const Model::Forcing& forcing : forcing_) {
     const History& h = forcing.history;
     if (forcing.support) {
-      out.lift.segment(forcing.first, forcing.modes) += h.slope(out.to) * forcing.lift;
+      out.lift.segment(forcing.first_mode, forcing.lift.size()) += h.slope(out.to) * forcing.lift;
     } else {
       const double value = h.at(out.from), slope = h.slope(out.from);
-      for (Eigen::Index i = 0; i < forcing.modes; ++i) {
-        const Eigen::Index n = forcing.first + i;
-        double S = whole_[n].h, c = whole_[n].c, r = whole_[n].r;
-        if (!out.whole) {
-          const ModeResponse m = mode_response(omega_(n), decay_(n), out.to - out.from);
-          S = m.S, c = m.c, r = m.r;
-        }
-        out.q(n) += forcing.force(i) * (value * c + slope * r);
-        out.v(n) += forcing.force(i) * (value * S + slope * c);
+      for (Eigen::Index i = 0; i < forcing.force.size(); ++i) {
+        const Eigen::Index n = forcing.first_mode + i;
+        ModeResponse m = whole_[n];
+        if (!out.whole) m = mode_response(omega_(n), decay_(n), out.to - out.from);
+        out.q(n) += forcing.force(i) * (value * m.c + slope * m.r);
+        out.v(n) += forcing.force(i) * (value * m.S + slope * m.c);
       }
     }
     for (std::size_t j = h.passed(out.from), end = h.passed(out.to); j < end; ++j) {
       const double left = out.to - h.time[j], jump = h.jump(j), kink = h.kink(j);
-      for (Eigen::Index i = 0; i < forcing.modes; ++i) {
-        const Eigen::Index n = forcing.first + i;
+      for (Eigen::Index i = 0; i < forcing.force.size(); ++i) {
+        const Eigen::Index n = forcing.first_mode + i;
         const ModeResponse m = mode_response(omega_(n), decay_(n), left);
         out.q(n) += forcing.force(i) * (jump * m.c + kink * m.r) - forcing.lift(i) * kink * m.S;
         out.v(n) += forcing.force(i) * (jump * m.S + kink * m.c) - forcing.lift(i) * kink * m.rate;
@@ -92,17 +88,17 @@ void ForcedResponse::fill(Interval& out) const noexcept {
 void ForcedResponse::force(double t, Vector& value, Vector& slope) const noexcept {
   value.setZero();
   slope.setZero();
-  for (const Forcing& forcing : forcing_)
+  for (const Model::Forcing& forcing : forcing_)
     if (!forcing.support) {
-      value.segment(forcing.first, forcing.modes) += forcing.history.at(t) * forcing.force;
-      slope.segment(forcing.first, forcing.modes) += forcing.history.slope(t) * forcing.force;
+      value.segment(forcing.first_mode, forcing.lift.size()) += forcing.history.at(t) * forcing.force;
+      slope.segment(forcing.first_mode, forcing.lift.size()) += forcing.history.slope(t) * forcing.force;
     }
 }
 
 void ForcedResponse::points(double t, Vector& s, Vector& rate) const noexcept {
   s = s_;
   rate.setZero();
-  for (const Forcing& forcing : forcing_) {
+  for (const Model::Forcing& forcing : forcing_) {
     s += forcing.history.at(t) * forcing.displacement;
     rate += forcing.history.slope(t) * forcing.displacement;
   }
@@ -128,7 +124,7 @@ void ForcedResponse::bound(double time, const Vector& force, const Vector& slope
 
 double ForcedResponse::next_knot(double t) const noexcept {
   double next = std::numeric_limits<double>::infinity();
-  for (const Forcing& forcing : forcing_) {
+  for (const Model::Forcing& forcing : forcing_) {
     const std::size_t knot = forcing.history.passed(t);
     if (knot < forcing.history.time.size()) next = std::min(next, forcing.history.time[knot]);
   }
@@ -136,11 +132,11 @@ double ForcedResponse::next_knot(double t) const noexcept {
 }
 
 void ForcedResponse::velocity_jump(double knot, Vector& v) const noexcept {
-  for (const Forcing& forcing : forcing_) {
+  for (const Model::Forcing& forcing : forcing_) {
     if (!forcing.support) continue;
     const std::size_t next = forcing.history.passed(knot);
     if (next > 0 && forcing.history.time[next - 1] == knot)
-      v.segment(forcing.first, forcing.modes) -= forcing.history.kink(next - 1) * forcing.lift;
+      v.segment(forcing.first_mode, forcing.lift.size()) -= forcing.history.kink(next - 1) * forcing.lift;
   }
 }
 
@@ -153,16 +149,16 @@ Work ForcedResponse::advance(const Interval& over, const Vector& constant, Vecto
     const bool whole = over.whole && t == over.from && knot >= over.to;
     force(t, value_, slope_);
     lift_.setZero();
-    for (const Forcing& forcing : forcing_)
+    for (const Model::Forcing& forcing : forcing_)
       if (forcing.support)
-        lift_.segment(forcing.first, forcing.modes) += forcing.history.slope(t) * forcing.lift;
+        lift_.segment(forcing.first_mode, forcing.lift.size()) += forcing.history.slope(t) * forcing.lift;
     for (Eigen::Index n = 0; n < q.size(); ++n) {
       const ModeStep m = whole ? whole_[n] : mode_step(omega_(n), decay_(n), length);
       const double k = slope_(n), g = constant(n) + value_(n) - omega_(n) * omega_(n) * q(n);
-      const double dq = m.b * v(n) + m.c * g + m.r * k, next_v = m.e * v(n) + m.h * g + m.c * k;
+      const double dq = m.S * v(n) + m.c * g + m.r * k, next_v = m.rate * v(n) + m.S * g + m.c * k;
       work.damping += 2 * decay_(n) *
                       (m.ss * g * g + 2 * m.sr * g * v(n) + m.rr * v(n) * v(n) + m.c * m.c * g * k +
-                       2 * (m.h * m.c - m.ss) * v(n) * k + m.cc * k * k);
+                       2 * (m.S * m.c - m.ss) * v(n) * k + m.cc * k * k);
       work.forcing +=
           value_(n) * dq + k * (length * dq - m.c * v(n) - m.r * g - m.w * k) + lift_(n) * (next_v - v(n));
       q(n) += dq;

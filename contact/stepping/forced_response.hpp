@@ -63,21 +63,14 @@ class ForcedResponse {
   void velocity_jump(double knot, Vector& v) const noexcept;
 
  private:
-  struct Forcing {
-    History history;
-    Eigen::Index first, modes;  ///< those of its body
-    Vector force, lift;         ///< (modes) of a load, of a support; 0 for the other
-    Vector displacement;        ///< (m)
-    bool support;
-  };
   void fill(Interval& out) const noexcept;
 
   double step_;
-  Vector omega_, decay_;         ///< (N); 0 for modes that respond at once
-  std::vector<ModeStep> whole_;  ///< (N) one step
-  Vector s_;                     ///< (m) of constant loads
-  std::vector<Forcing> forcing_;
-  Vector value_, slope_, lift_;  ///< (N) within `advance`
+  Vector omega_, decay_;                 ///< (N); 0 for modes that respond at once
+  std::vector<ModeStep> whole_;          ///< (N) one step
+  Vector s_;                             ///< (m) of constant loads
+  std::vector<Model::Forcing> forcing_;  ///< those of the model, without the modes that respond at once
+  Vector value_, slope_, lift_;          ///< (N) within `advance`
 };
 
 }  // namespace ricochet::contact

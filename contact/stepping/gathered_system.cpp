@@ -9,10 +9,10 @@ template <class T>
 GatheredSystem<T>::GatheredSystem(const BlockSystem<T>& system)
     : S(system.points, system.points),
       R(system.points, system.points),
-      room_(static_cast<std::size_t>(system.points * system.length) * system.width) {
+      room_(system.points * system.length * system.width) {
   lag = std::make_unique_for_overwrite<T[]>(room_);
-  points_.reserve(static_cast<std::size_t>(system.points));
-  has_lags_.reserve(static_cast<std::size_t>(system.points));
+  points_.reserve(system.points);
+  has_lags_.reserve(system.points);
 }
 
 template <class T>
@@ -21,8 +21,8 @@ GatheredSystem<T>::GatheredSystem(const GatheredSystem& other)
       R(other.R.rows(), other.R.cols()),
       lag(std::make_unique_for_overwrite<T[]>(other.room_)),
       room_(other.room_) {
-  points_.reserve(static_cast<std::size_t>(S.rows()));
-  has_lags_.reserve(static_cast<std::size_t>(S.rows()));
+  points_.reserve(S.rows());
+  has_lags_.reserve(S.rows());
 }
 
 template <class T>
@@ -39,11 +39,8 @@ void GatheredSystem<T>::take(const BlockSystem<T>& system, std::span<const int> 
   has_lags_.assign(points.size(), 0);
   width = simd::padded(points.size(), simd::point_pad);
   const auto n = static_cast<Eigen::Index>(points.size());
-  for (Eigen::Index j = 0; j < n; ++j)
-    for (Eigen::Index i = 0; i < n; ++i) S(i, j) = system.plain->S(points_[i], points_[j]);
-  if (!system.yields) return;
-  for (Eigen::Index j = 0; j < n; ++j)
-    for (Eigen::Index i = 0; i < n; ++i) R(i, j) = system.plain->R(points_[i], points_[j]);
+  S.topLeftCorner(n, n) = system.plain->S(points, points);
+  if (system.yields) R.topLeftCorner(n, n) = system.plain->R(points, points);
 }
 
 template <class T>
@@ -51,7 +48,7 @@ void GatheredSystem<T>::need(const BlockSystem<T>& system, int position) noexcep
   const auto at = static_cast<std::size_t>(position), L = static_cast<std::size_t>(system.length);
   if (has_lags_[at] != 0) return;
   has_lags_[at] = 1;
-  const T* from = &system.lag[static_cast<std::size_t>(points_[at]) * L * system.width];
+  const T* from = &system.lag[points_[at] * L * system.width];
   T* to = &lag[at * L * width];
   for (std::size_t d = 0; d < L; ++d, from += system.width, to += width) {
     for (std::size_t k = 0; k < points_.size(); ++k) to[k] = from[points_[k]];

@@ -38,7 +38,4 @@ class GatheredSystem {
   std::vector<char> has_lags_;  ///< by position
 };
 
-extern template class GatheredSystem<double>;
-extern template class GatheredSystem<float>;
-
 }  // namespace ricochet::contact

@@ -15,7 +15,7 @@ ImpulseProblem::ImpulseProblem(const ModalState& state, const StepOptions& optio
   const Eigen::Index m = state.system->gap.size();
   for (Vector* x : {&rhs_, &solution_}) x->setZero(m);
   sub_.setZero(m, m);
-  touching_.reserve(static_cast<std::size_t>(m));
+  touching_.reserve(m);
 }
 
 SolveStatus ImpulseProblem::solve(ModalState& state, const Vector& u, ComplementaritySolver& solver,
@@ -42,7 +42,7 @@ SolveStatus ImpulseProblem::solve(ModalState& state, const Vector& u, Complement
     x = &moved;
     rate = &next_.s;
   }
-  const Eigen::Index n = static_cast<Eigen::Index>(touching_.size());
+  const Eigen::Index n = touching_.size();
   for (Eigen::Index j = 0; j < n; ++j) {
     const int i = touching_[j];
     rhs_(j) = (1 + options_.restitution) * (system.B.row(i).dot(*x) + (*rate)(i));

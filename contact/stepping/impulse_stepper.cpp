@@ -7,7 +7,6 @@ ImpulseStepper::ImpulseStepper(const Model& model, const StepOptions& options)
     : Stepper(options, model.gap.size(), {.max_pivots = options.max_pivots}),
       state_(model, options),
       problem_(state_, options) {
-  next_u_.setZero(model.gap.size());
   state_.displacement(contact_.force, u_);
 }
 
@@ -20,14 +19,9 @@ StepStatus ImpulseStepper::step() noexcept {
   if (!has_forces(status)) return failure(status);
   const int active = state_.strike(next_force_, work);
   if (!state_.commit(work, 0)) return StepStatus::not_finite;
-  contact_.active = active;
-  contact_.persistency = -work.contact / options_.step;
-  contact_.residual = problem_.touching().empty() ? SolveResidual{} : solver_.residual();
   next_force_ /= options_.step;
-  contact_.force.swap(next_force_);
-  u_.swap(next_u_);
-  ++steps_;
-  return StepStatus::ok;
+  return complete(active, -work.contact / options_.step,
+                  problem_.touching().empty() ? SolveResidual{} : solver_.residual());
 }
 
 }  // namespace ricochet::contact

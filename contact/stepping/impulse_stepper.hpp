@@ -22,7 +22,6 @@ class ImpulseStepper final : public Stepper {
  private:
   ModalState state_;
   ImpulseProblem problem_;
-  Vector next_u_;  ///< (m)
 };
 
 }  // namespace ricochet::contact

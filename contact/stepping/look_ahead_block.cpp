@@ -2,7 +2,6 @@
 #include "contact/stepping/look_ahead_block.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace ricochet::contact {
 
@@ -22,7 +21,7 @@ LookAheadBlock<T>::LookAheadBlock(std::shared_ptr<const BlockSystem<T>> system, 
   const std::size_t N = system_->modes, width = system_->width, rigid = system_->rigid.size();
   for (std::vector<double>* x : {&q_, &v_, &load_, &held_}) x->assign(N, 0.0);
   for (std::vector<double>* x : {&rigid_q_, &rigid_v_, &rigid_held_}) x->assign(rigid, 0.0);
-  rigid_motion_.setZero(system_->length, static_cast<Eigen::Index>(rigid));
+  rigid_motion_.setZero(system_->length, rigid);
   rigid_at_.setZero(system_->length);
   if (forced_) forcing_.assign(2 * L * N, 0.0);
   s_ = system_->plain->s.transpose().replicate(forced_ ? system_->length + 1 : 1, 1);
@@ -44,9 +43,9 @@ LookAheadBlock<T>::LookAheadBlock(std::shared_ptr<const BlockSystem<T>> system, 
 
 template <class T>
 simd::Modes LookAheadBlock<T>::modes() const {
-  const BlockSystem<T>& of = *system_;
-  return {of.modes,          of.stiffness.data(), load_.data(),     of.b.data(),  of.c.data(),
-          of.e.data(),       of.h.data(),         of.load.data(),   held_.data(), of.origin.data(),
+  const ModeConstants& of = system_->elastic;
+  return {system_->modes,    of.stiffness.data(), load_.data(),     of.b.data(),  of.c.data(),
+          of.e.data(),       of.h.data(),         of.load.data(),   held_.data(), of.q0.data(),
           of.damp_ss.data(), of.damp_sr.data(),   of.damp_rr.data()};
 }
 
@@ -54,7 +53,7 @@ template <class T>
 void LookAheadBlock<T>::set_forcing(int l, const Vector& q, const Vector& v, const Vector& s) noexcept {
   s_.row(l) = s.transpose();
   if (l == 0) return;
-  double* to = &forcing_[2 * static_cast<std::size_t>(l - 1) * system_->modes];
+  double* to = &forcing_[2 * (l - 1) * system_->modes];
   std::copy(q.begin(), q.end(), to);
   std::copy(v.begin(), v.end(), to + system_->modes);
 }
@@ -74,7 +73,7 @@ void LookAheadBlock<T>::hold(const Vector& force) noexcept {
                           factor_.data(), sum_.data());
   for (std::size_t n = 0; n < system_->modes; ++n) {
     held_[n] = static_cast<double>(sum_[n]);
-    load_[n] = system_->load[n] - held_[n];
+    load_[n] = system_->elastic.load[n] - held_[n];
   }
   if (system_->yields) {
     system_->loops->combine(system_->width, system_->residual.data(), system_->width, pressed_.data(),
@@ -83,7 +82,7 @@ void LookAheadBlock<T>::hold(const Vector& force) noexcept {
   }
   for (std::size_t r = 0; r < rigid_held_.size(); ++r) {
     rigid_held_[r] = 0;
-    for (int j : pressed_) rigid_held_[r] += force(j) * system_->rigid_B(j, static_cast<Eigen::Index>(r));
+    for (int j : pressed_) rigid_held_[r] += force(j) * system_->rigid_B(j, r);
   }
 }
 
@@ -91,7 +90,7 @@ template <class T>
 void LookAheadBlock<T>::start(const Vector& q, const Vector& v, const Vector& force) noexcept {
   std::fill(was_kept_.begin(), was_kept_.end(), 0);
   for (std::size_t k = 0; k < kept_.size(); ++k) {
-    was_kept_[static_cast<std::size_t>(kept_[k])] = 1;
+    was_kept_[kept_[k]] = 1;
     ended_(kept_[k]) = u(k, taken_);
   }
   taken_ = advanced_ = 0;
@@ -103,14 +102,14 @@ void LookAheadBlock<T>::start(const Vector& q, const Vector& v, const Vector& fo
   }
   screening_.start(*system_, have_changed_);
   for (int i : have_changed_) {
-    has_changed_[static_cast<std::size_t>(i)] = 0;
+    has_changed_[i] = 0;
     std::fill_n(changes_.begin() + i * length(), length(), T(0));
   }
   have_changed_.clear();
   hold(force);
   std::fill(is_predicted_.begin(), is_predicted_.end(), 0);
-  system_->loops->free_motion(modes(), static_cast<std::size_t>(length()), q_.data(), v_.data(),
-                              forced_ ? forcing_.data() : nullptr, x_.data());
+  system_->loops->free_motion(modes(), length(), q_.data(), v_.data(), forced_ ? forcing_.data() : nullptr,
+                              x_.data());
   predict_rigid();
   choose_kept();
 }
@@ -127,11 +126,11 @@ void LookAheadBlock<T>::predict_rigid() noexcept {
       q += plain.b(n) * v + plain.c(n) * load;
       v = plain.e(n) * v + plain.h(n) * load;
       if (forced_) {
-        const double* more = &forcing_[2 * static_cast<std::size_t>(l) * system_->modes];
+        const double* more = &forcing_[2 * l * system_->modes];
         q += more[n];
-        v += more[system_->modes + static_cast<std::size_t>(n)];
+        v += more[system_->modes + n];
       }
-      rigid_motion_(l, static_cast<Eigen::Index>(r)) = q;
+      rigid_motion_(l, r) = q;
     }
   }
 }
@@ -139,11 +138,11 @@ void LookAheadBlock<T>::predict_rigid() noexcept {
 /// u at the start of the block.
 template <class T>
 double LookAheadBlock<T>::at_start(int point) const noexcept {
-  if (was_kept_[static_cast<std::size_t>(point)] != 0) return ended_(point);
+  if (was_kept_[point] != 0) return ended_(point);
   const StepSystem& plain = *system_->plain;
   double u = s_(0, point);
   for (int j : pressed_) u -= plain.R(j, point) * held_force_(j);
-  for (Eigen::Index n = 0; n < plain.B.cols(); ++n) u += plain.B(point, n) * q_[static_cast<std::size_t>(n)];
+  for (Eigen::Index n = 0; n < plain.B.cols(); ++n) u += plain.B(point, n) * q_[n];
   return u;
 }
 
@@ -177,25 +176,24 @@ SolveStatus LookAheadBlock<T>::step(ComplementaritySolver& solver, Vector& force
   change_.clear();
   for (std::size_t k = 0; k < kept_.size(); ++k) {
     const int i = kept_[k];
-    force(i) = solution_(static_cast<Eigen::Index>(k));
+    force(i) = solution_(k);
     const auto change = static_cast<T>(force(i) - held_force_(i));
     if (change == 0) continue;
     near_.need(*system_, static_cast<int>(k));
     changed_.push_back(static_cast<int>(k));
     change_.push_back(change);
-    changes_[static_cast<std::size_t>(i * length() + taken_)] = change;
+    changes_[i * length() + taken_] = change;
     screening_.spend(i, force(i) - held_force_(i));
-    if (has_changed_[static_cast<std::size_t>(i)] == 0) have_changed_.push_back(i);
-    has_changed_[static_cast<std::size_t>(i)] = 1;
+    if (has_changed_[i] == 0) have_changed_.push_back(i);
+    has_changed_[i] = 1;
   }
   if (!changed_.empty())
-    system_->loops->near(near_.width, near_.lag.get(), static_cast<std::size_t>(length()), changed_.data(),
-                         changed_.size(), change_.data(), static_cast<std::size_t>(length() - taken_),
-                         &u(0, l), system_->width);
+    system_->loops->near(near_.width, near_.lag.get(), length(), changed_.data(), changed_.size(),
+                         change_.data(), length() - taken_, &u(0, l), system_->width);
   pushing_ = 0;
   work_ = 0;
   for (std::size_t k = 0; k < kept_.size(); ++k) {
-    const double lambda = solution_(static_cast<Eigen::Index>(k));
+    const double lambda = solution_(k);
     if (!(lambda > 0)) continue;
     ++pushing_;
     work_ += lambda * (u(k, l) - (taken_ > 0 ? u(k, taken_) : at_start(kept_[k])));
@@ -217,7 +215,7 @@ double LookAheadBlock<T>::energy_in_residual() const noexcept {
 template <class T>
 void LookAheadBlock<T>::take_back() noexcept {
   taken_ = advanced_ = length();
-  for (int i : kept_) position_[static_cast<std::size_t>(i)] = -1;
+  for (int i : kept_) position_[i] = -1;
   kept_.clear();
 }
 
@@ -227,8 +225,8 @@ simd::Sums LookAheadBlock<T>::advance(bool keep_rates) noexcept {
   const auto from = static_cast<std::size_t>(advanced_), L = static_cast<std::size_t>(length());
   system_->loops->pushed_motion(
       modes(), {system_->B.data(), have_changed_.data(), have_changed_.size(), changes_.data() + from, L},
-      static_cast<std::size_t>(taken_ - advanced_), q_.data(), v_.data(),
-      keep_rates ? rates_.data() + from * system_->modes : nullptr, sums);
+      taken_ - advanced_, q_.data(), v_.data(), keep_rates ? rates_.data() + from * system_->modes : nullptr,
+      sums);
   advance_rigid(keep_rates, sums);
   advanced_ = taken_;
   return sums;
@@ -243,19 +241,18 @@ void LookAheadBlock<T>::advance_rigid(bool keep_rates, simd::Sums& sums) noexcep
     for (int l = advanced_; l < taken_; ++l) {
       double push = rigid_held_[r];
       for (int i : have_changed_)
-        push += system_->rigid_B(i, static_cast<Eigen::Index>(r)) *
-                static_cast<double>(changes_[static_cast<std::size_t>(i * length() + l)]);
+        push += system_->rigid_B(i, r) * static_cast<double>(changes_[i * length() + l]);
       const double f = plain.load(n) - push, dq = plain.b(n) * v + plain.c(n) * f;
       sums.damping += f * (plain.damp_ss(n) * f + plain.damp_sr(n) * v) + plain.damp_rr(n) * v * v;
       sums.contact += push * dq;
       q += dq;
       v = plain.e(n) * v + plain.h(n) * f;
-      if (keep_rates) rates_[static_cast<std::size_t>(l) * system_->modes + static_cast<std::size_t>(n)] = v;
+      if (keep_rates) rates_[l * system_->modes + n] = v;
     }
     sums.kinetic += 0.5 * v * v;
     sums.loads += plain.load(n) * (q - plain.q0(n));
-    q_[static_cast<std::size_t>(n)] = q;
-    v_[static_cast<std::size_t>(n)] = v;
+    q_[n] = q;
+    v_[n] = v;
   }
 }
 
@@ -270,18 +267,17 @@ template <class T>
 void LookAheadBlock<T>::predict(std::span<const int> rows) noexcept {
   const std::size_t width = system_->width;
   for (int i : rows) {
-    is_predicted_[static_cast<std::size_t>(i)] = 1;
+    is_predicted_[i] = 1;
     if (!system_->rigid.empty()) rigid_at_.noalias() = rigid_motion_ * system_->rigid_B.row(i).transpose();
     for (int l = 0; l < length(); ++l)
-      predicted_u_[static_cast<std::size_t>(l) * width + static_cast<std::size_t>(i)] =
-          s_(forced_ ? l + 1 : 0, i) + rigid_at_(l) - held_rest_(i);
+      predicted_u_[l * width + i] = s_(forced_ ? l + 1 : 0, i) + rigid_at_(l) - held_rest_(i);
   }
   system_->loops->displacement(system_->modes, system_->B.data(), rows.data(), rows.size(), x_.data(),
-                               static_cast<std::size_t>(length()), predicted_u_.data(), width);
+                               length(), predicted_u_.data(), width);
   for (int i : rows) {
-    double farthest = predicted_u_[static_cast<std::size_t>(i)];
+    double farthest = predicted_u_[i];
     for (int l = 1; l < length(); ++l) {
-      const double u = predicted_u_[static_cast<std::size_t>(l) * width + static_cast<std::size_t>(i)];
+      const double u = predicted_u_[l * width + i];
       farthest = u > farthest || u != u ? u : farthest;
     }
     screening_.set_margin(i, system_->plain->gap(i) - farthest);
@@ -293,7 +289,7 @@ template <class T>
 void LookAheadBlock<T>::predict_kept(double times) noexcept {
   predicted_.clear();
   for (int i = 0; i < system_->points; ++i)
-    if (is_predicted_[static_cast<std::size_t>(i)] == 0 && must_keep(i, times)) predicted_.push_back(i);
+    if (is_predicted_[i] == 0 && must_keep(i, times)) predicted_.push_back(i);
   predict(predicted_);
 }
 
@@ -308,14 +304,14 @@ void LookAheadBlock<T>::choose_kept() noexcept {
   std::size_t needed = 0, covered = 0;
   for (int i = 0; i < system_->points; ++i) needed += must_keep(i, 1) ? 1 : 0;
   for (int i : gathered_) covered += must_keep(i, 1) ? 1 : 0;
-  // Some points too many cost less than a new matrix.
+  // A few surplus points cost less than a new matrix.
   const bool reuse = needed > 0 && covered == needed && gathered_.size() <= 2 * needed + 8;
-  for (int i : kept_) position_[static_cast<std::size_t>(i)] = -1;
+  for (int i : kept_) position_[i] = -1;
   kept_.clear();
   if (reuse) {
     predicted_.clear();
     for (int i : gathered_)
-      if (is_predicted_[static_cast<std::size_t>(i)] == 0) predicted_.push_back(i);
+      if (is_predicted_[i] == 0) predicted_.push_back(i);
     predict(predicted_);
     for (int i : gathered_) keep(i);
   } else if (needed > 0) {
@@ -333,14 +329,13 @@ void LookAheadBlock<T>::keep(int point) noexcept {
   const auto i = static_cast<std::size_t>(point);
   position_[i] = static_cast<int>(k);
   kept_.push_back(point);
-  for (int l = 1; l <= length(); ++l) u(k, l) = predicted_u_[static_cast<std::size_t>(l - 1) * width + i];
+  for (int l = 1; l <= length(); ++l) u(k, l) = predicted_u_[(l - 1) * width + i];
   for (int j : have_changed_) {
-    const T* lag = &system_->lag[static_cast<std::size_t>(j * length()) * width + i];
+    const T* lag = &system_->lag[j * length() * width + i];
     for (int from = 1; from <= taken_; ++from) {
-      const auto change = static_cast<double>(changes_[static_cast<std::size_t>(j * length() + from - 1)]);
+      const auto change = static_cast<double>(changes_[j * length() + from - 1]);
       if (change == 0) continue;
-      for (int l = from; l <= length(); ++l)
-        u(k, l) -= change * static_cast<double>(lag[static_cast<std::size_t>(l - from) * width]);
+      for (int l = from; l <= length(); ++l) u(k, l) -= change * static_cast<double>(lag[(l - from) * width]);
     }
   }
 }
@@ -366,7 +361,7 @@ bool LookAheadBlock<T>::keep_more() noexcept {
   predict_kept(1);
   bool more = false;
   for (int i = 0; i < system_->points; ++i)
-    if (position_[static_cast<std::size_t>(i)] < 0 && must_keep(i, 1)) {
+    if (position_[i] < 0 && must_keep(i, 1)) {
       keep(i);
       more = true;
     }

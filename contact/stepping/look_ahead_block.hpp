@@ -48,10 +48,9 @@ class LookAheadBlock {
   simd::Sums advance(bool keep_rates) noexcept;
   void copy_state(Vector& q, Vector& v) const noexcept;
   /// (N) q̇ after step l = 1…L.
-  const double* rate(int l) const { return &rates_[static_cast<std::size_t>(l - 1) * system_->modes]; }
+  const double* rate(int l) const { return &rates_[(l - 1) * system_->modes]; }
 
   int length() const { return system_->length; }
-  int taken() const { return taken_; }
   int advanced() const { return advanced_; }
   bool over() const { return taken_ == system_->length; }
   int pushing() const { return pushing_; }     ///< points with λ > 0 in the last step
@@ -62,9 +61,7 @@ class LookAheadBlock {
 
  private:
   /// u of a kept point after step l = 1…L.
-  double& u(std::size_t position, int l) {
-    return u_[static_cast<std::size_t>(l - 1) * system_->width + position];
-  }
+  double& u(std::size_t position, int l) { return u_[(l - 1) * system_->width + position]; }
   double at_start(int point) const noexcept;
   void hold(const Vector& force) noexcept;
   void predict_rigid() noexcept;
@@ -110,8 +107,5 @@ class LookAheadBlock {
   int pushing_ = 0;
   double work_ = 0;
 };
-
-extern template class LookAheadBlock<double>;
-extern template class LookAheadBlock<float>;
 
 }  // namespace ricochet::contact

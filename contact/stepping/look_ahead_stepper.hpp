@@ -37,7 +37,4 @@ class LookAheadStepper final : public Stepper {
   Contact known_;    ///< in the last step that state_ includes, while some are pending
 };
 
-extern template class LookAheadStepper<double>;
-extern template class LookAheadStepper<float>;
-
 }  // namespace ricochet::contact

@@ -2,23 +2,12 @@
 #include "contact/stepping/modal_state.hpp"
 
 namespace ricochet::contact {
-namespace {
-
-Vector sampled_rates(const Model& model, const StepOptions& options) {
-  Vector out = model.v0;
-  if (options.scheme == Scheme::compliant)
-    for (Eigen::Index n = 0; n < out.size(); ++n)
-      if (!sampled(model.omega(n), options.step)) out(n) = 0;
-  return out;
-}
-
-}  // namespace
 
 ModalState::ModalState(const Model& model, const StepOptions& options)
     : system(make_step_system(model, options)),
       forcing(model, options.step, options.scheme == Scheme::compliant),
       q(system->q0),
-      v(sampled_rates(model, options)),
+      v(system->v0),
       ledger({.kinetic = 0.5 * v.squaredNorm(), .strain = 0.5 * system->stiffness.dot(q.cwiseAbs2())}),
       now(forcing.start()) {
   s = now.s;
@@ -31,8 +20,8 @@ void ModalState::begin(std::int64_t k) noexcept {
   next_q = q + free_motion(q, v, now);
 }
 
-/// q⁺ − q = b q̇ + c g, and the response to the forcing. With a = 1 − ω²c and d = −ω²h these increments are
-/// the propagator, and they keep the work of a force on a slow motion free of cancellation.
+/// q⁺ − q = b q̇ + c g, and the response to the forcing. These increments are the propagator, and they keep
+/// the work of a force on a slow motion free of cancellation.
 Vector& ModalState::free_motion(const Vector& from_q, const Vector& from_v,
                                 const ForcedResponse::Interval& over) noexcept {
   g_.array() = system->load.array() - system->stiffness.array() * from_q.array();

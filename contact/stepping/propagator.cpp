@@ -94,9 +94,12 @@ ModeResponse short_response(const Series& y, double step) {
   return {sum.rate, step * sum.S, square * sum.c, step * square * sum.r, square * square * sum.w};
 }
 
-ModeStep short_step(double omega, double decay, double step) {
-  const Series y = series(omega, decay, step);
-  const ModeResponse m = short_response(y, step);
+/// ∫S², ∫S'² and ∫c² over a step.
+struct Squares {
+  double ss, rr, cc;
+};
+
+Squares short_squares(const Series& y, double step) {
   double ss = 0, rr = 0, cc = 0;
   for (int k = terms; k >= 0; --k) {
     double of_S = 0, of_rate = 0, of_c = 0;  // coefficients of t^k in S² and S'², of t^{k+2} in c²
@@ -111,18 +114,7 @@ ModeStep short_step(double omega, double decay, double step) {
     cc += of_c / (k + 3);
   }
   const double cube = step * step * step;
-  return {.a = 1 - omega * (omega * m.c),
-          .b = m.S,
-          .c = m.c,
-          .d = -omega * (omega * m.S),
-          .e = m.rate,
-          .h = m.S,
-          .ss = cube * ss,
-          .sr = 0.5 * m.S * m.S,
-          .rr = step * rr,
-          .r = m.r,
-          .w = m.w,
-          .cc = step * step * cube * cc};
+  return {cube * ss, step * rr, step * step * cube * cc};
 }
 
 /// c = ∫₀^Δ S of a step that is not short.
@@ -154,16 +146,13 @@ Integrals integrals(double omega, double decay, double step, double S, double c)
   return {r, (0.5 * step * step - c - 2 * decay * r) / omega / omega};
 }
 
-/// ∫S² and ∫S'² over a step that is not short.
-struct Squares {
-  double ss, rr;
-};
-
 // Gauss–Legendre, 8 points.
 constexpr std::array<double, 4> node = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
                                         0.9602898564975363};
 constexpr std::array<double, 4> weight = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
                                           0.1012285362903763};
+
+// The functions below leave cc at 0.
 
 /// Close to ζ = 1 the closed forms are small differences of large numbers; S and S' themselves are not.
 Squares squares_near_critical(double omega, double decay, double step) {
@@ -171,7 +160,7 @@ Squares squares_near_critical(double omega, double decay, double step) {
   const double end = std::min(step, 50 / decay);
   const int panels = std::max(1, static_cast<int>(std::ceil(end * decay)));
   const double half = 0.5 * end / panels;
-  Squares sum{0, 0};
+  Squares sum{};
   for (int p = panels - 1; p >= 0; --p)
     for (std::size_t k = 0; k < node.size(); ++k)
       for (const double side : {-1.0, 1.0}) {
@@ -190,7 +179,7 @@ Squares squares(double omega, double decay, double step) {
     const std::complex<double> A(1, decay / wd), turning = phi(2 * step * std::complex<double>(-decay, wd));
     const double decaying = phi(-2 * decay * step);
     return {0.5 * (step / wd) / wd * (decaying - turning.real()),
-            0.5 * step * (std::norm(A) * decaying + (A * A * turning).real())};
+            0.5 * step * (std::norm(A) * decaying + (A * A * turning).real()), 0};
   }
   // S = (e^{slow t} − e^{fast t})/(2s), S' = (slow e^{slow t} − fast e^{fast t})/(2s)
   const auto [slow, fast, s] = roots(omega, decay);
@@ -198,7 +187,7 @@ Squares squares(double omega, double decay, double step) {
                of_fast = phi(2 * fast * step);
   const double p = slow / (2 * s), q = fast / (2 * s);
   return {step / (2 * s) / (2 * s) * (of_slow - 2 * of_both + of_fast),
-          step * (p * p * of_slow - 2 * p * q * of_both + q * q * of_fast)};
+          step * (p * p * of_slow - 2 * p * q * of_both + q * q * of_fast), 0};
 }
 
 /// ∫c² where the slow root hardly moves: beyond 40/|fast| c is a polynomial to round-off.
@@ -219,48 +208,35 @@ double ramp_square_of_slow(double omega, double decay, double step) {
   return sum;
 }
 
-/// cc = ∫c² of a step that is not short, by c'' + 2δc' + ω²c = 1 times c.
-double ramp_square(double omega, double decay, double step, double S, double c, double r, double ss) {
+/// ∫c² of a step that is not short, by c'' + 2δc' + ω²c = 1 times c.
+double ramp_square(double omega, double decay, double step, const ModeResponse& m, double ss) {
   if (decay >= 1.1 * omega && -roots(omega, decay).slow * step < 0.5)
     return ramp_square_of_slow(omega, decay, step);
-  return (r - c * S - decay * c * c + ss) / omega / omega;
+  return (m.r - m.c * m.S - decay * m.c * m.c + ss) / omega / omega;
 }
+
+bool is_short(double omega, double decay, double time) { return std::max(omega, decay) * time <= short_span; }
 
 }  // namespace
 
-ModeStep mode_step(double omega, double decay, double step) noexcept {
-  if (std::max(omega, decay) * step <= short_span) return short_step(omega, decay, step);
-
-  const auto [S, rate] = response(omega, decay, step);
-  const auto [ss, rr] = squares(omega, decay, step);
-  // a = S' + 2δS; beyond critical damping S' = e^{fast Δ} + slow S, and slow + 2δ = −fast
-  double a = rate + 2 * decay * S;
-  if (decay >= omega) {
-    const Roots r = roots(omega, decay);
-    a = std::exp(r.fast * step) - r.fast * S;
-  }
-  const double c = flexibility(omega, decay, step, S);
-  const auto [r, w] = integrals(omega, decay, step, S, c);
-  return {.a = a,
-          .b = S,
-          .c = c,
-          .d = -omega * (omega * S),
-          .e = rate,
-          .h = S,
-          .ss = ss,
-          .sr = 0.5 * S * S,
-          .rr = rr,
-          .r = r,
-          .w = w,
-          .cc = ramp_square(omega, decay, step, S, c, r, ss)};
-}
-
 ModeResponse mode_response(double omega, double decay, double time) noexcept {
-  if (std::max(omega, decay) * time <= short_span) return short_response(series(omega, decay, time), time);
+  if (is_short(omega, decay, time)) return short_response(series(omega, decay, time), time);
   const auto [S, rate] = response(omega, decay, time);
   const double c = flexibility(omega, decay, time, S);
   const auto [r, w] = integrals(omega, decay, time, S, c);
   return {rate, S, c, r, w};
+}
+
+ModeStep mode_step(double omega, double decay, double step) noexcept {
+  const ModeResponse m = mode_response(omega, decay, step);
+  Squares by{};
+  if (is_short(omega, decay, step)) {
+    by = short_squares(series(omega, decay, step), step);
+  } else {
+    by = squares(omega, decay, step);
+    by.cc = ramp_square(omega, decay, step, m, by.ss);
+  }
+  return {m, by.ss, 0.5 * m.S * m.S, by.rr, by.cc};
 }
 
 }  // namespace ricochet::contact

@@ -8,27 +8,17 @@ extern const InstructionSet baseline;
 extern const InstructionSet avx2, avx512;
 #endif
 
-const InstructionSet* const* available(std::size_t& count) noexcept {
+std::span<const InstructionSet* const> available() noexcept {
 #ifdef RICOCHET_SIMD_X86
-  static const InstructionSet* const all[] = {&baseline, &avx2, &avx512};
-  count = 1;
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {
-    count = 2;
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-        __builtin_cpu_supports("avx512dq"))
-      count = 3;
-  }
+  static constexpr const InstructionSet* all[] = {&baseline, &avx2, &avx512};
+  if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) return std::span(all).first(1);
+  if (!__builtin_cpu_supports("avx512f") || !__builtin_cpu_supports("avx512vl") ||
+      !__builtin_cpu_supports("avx512dq"))
+    return std::span(all).first(2);
 #else
-  static const InstructionSet* const all[] = {&baseline};
-  count = 1;
+  static constexpr const InstructionSet* all[] = {&baseline};
 #endif
   return all;
-}
-
-const InstructionSet& best() noexcept {
-  std::size_t count = 0;
-  const InstructionSet* const* all = available(count);
-  return *all[count - 1];
 }
 
 }  // namespace ricochet::contact::simd

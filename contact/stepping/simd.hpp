@@ -2,13 +2,22 @@
 // The loops of look-ahead blocks for the instruction sets of this processor.
 #pragma once
 
+#include <concepts>
+#include <span>
+
 #include "contact/stepping/simd_loops.hpp"
 
 namespace ricochet::contact::simd {
 
-/// The instruction sets that this processor has, `count` of them, the widest last.
-const InstructionSet* const* available(std::size_t& count) noexcept;
-/// The widest.
-const InstructionSet& best() noexcept;
+/// The instruction sets that this processor has, the widest last.
+std::span<const InstructionSet* const> available() noexcept;
+
+template <class T>
+const Loops<T>& loops_of(const InstructionSet& set) {
+  if constexpr (std::same_as<T, float>)
+    return set.in_float;
+  else
+    return set.in_double;
+}
 
 }  // namespace ricochet::contact::simd

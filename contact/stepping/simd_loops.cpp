@@ -29,7 +29,7 @@ struct Lanes {
     for (std::size_t k = 0; k < count; ++k) total += x[k];
     return total;
   }
-  /// Lane j: a or b, whichever bit `s` of j tells, at j and at j with that bit turned.
+  /// Lane j: the sum of the entries j and j ^ s of a, or of b if j has bit `s`.
   template <std::size_t s, std::size_t... j>
   static type fold(type a, type b, std::index_sequence<j...>) {
     return __builtin_shufflevector(a, b, ((j & s) != 0 ? count + j : j)...) +
@@ -49,7 +49,7 @@ struct Lanes {
 };
 
 using Double = Lanes<double>;
-/// As many T as there are doubles in a register.
+/// A vector of as many T as a register has doubles.
 template <class T>
 using Narrow = Lanes<T, Double::size>;
 
@@ -110,7 +110,7 @@ void pushed_tile(const Modes& m, const Pushes<T>& pushes, const T* force, std::s
       for (std::size_t l = 0; l < steps; ++l) push[l][w] += strength[l] * b;
     }
   }
-  // Sums of each register of their own, or each would wait for the one before.
+  // Each register has its own sums; otherwise each would wait for the one before.
   Double::type damping[wide] = {}, contact[wide] = {};
   for (std::size_t l = 0; l < steps; ++l)
     for (std::size_t w = 0; w < wide; ++w) {

@@ -46,15 +46,16 @@ std::shared_ptr<const StepSystem> make_step_system(const Model& model, const Ste
   StepSystem out;
   out.omega = model.omega;
   out.decay = model.decay;
+  for (Vector* x : out.all()) x->setZero(N);
   out.stiffness = model.omega.cwiseAbs2();
   out.load = model.load;
   out.q0 = model.q0;
+  out.v0 = model.v0;
   out.B = model.B;
   out.gap = model.gap;
   out.R = model.R;
   assert(out.B.rows() == m && out.B.cols() == N && out.R.rows() == m && out.R.cols() == m);
   assert(out.load.size() == N && out.q0.size() == N && model.v0.size() == N && out.decay.size() == N);
-  for (Vector* x : {&out.b, &out.c, &out.e, &out.h, &out.damp_ss, &out.damp_sr, &out.damp_rr}) x->setZero(N);
   for (Eigen::Index n = 0; n < N; ++n) {
     const double omega = model.omega(n), delta = model.decay(n);
     if (compliant && !sampled(omega, options.step)) {
@@ -62,15 +63,14 @@ std::shared_ptr<const StepSystem> make_step_system(const Model& model, const Ste
       // (ForcedResponse) and R.
       out.R.noalias() += out.B.col(n) * out.B.col(n).transpose() / out.stiffness(n);
       out.B.col(n).setZero();
-      out.stiffness(n) = out.load(n) = out.q0(n) = 0;
+      out.stiffness(n) = out.load(n) = out.q0(n) = out.v0(n) = 0;
       ++out.dropped;
       continue;
     }
     const ModeStep k = mode_step(omega, delta, options.step);
-    out.b(n) = k.b;
+    out.b(n) = out.h(n) = k.S;
     out.c(n) = k.c;
-    out.e(n) = k.e;
-    out.h(n) = k.h;
+    out.e(n) = k.rate;
     out.damp_ss(n) = 2 * delta * k.ss;
     out.damp_sr(n) = 4 * delta * k.sr;
     out.damp_rr(n) = 2 * delta * k.rr;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <array>
 #include <memory>
 
 #include "contact/model/model.hpp"
@@ -10,17 +11,26 @@
 
 namespace ricochet::contact {
 
-/// Constants of a modal system for a step Δ. Modes moved into R have coefficients, B, load and q0 of 0.
-struct StepSystem {
-  Vector omega, decay;
-  Vector stiffness, load, q0;        ///< (N) ω²; constant modal force; q at t = 0
-  Vector b, c, e, h;                 ///< (N) of a step, as in propagator.hpp
-  Vector damp_ss, damp_sr, damp_rr;  ///< (N) 2δ∫S², 4δ∫SS', 2δ∫S'²
-  Matrix B;                          ///< (m,N)
-  Vector s, gap;                     ///< (m) s of constant loads; g
-  Eigen::MatrixXd R;                 ///< (m,m) residual flexibility, modes moved into it included
-  Eigen::MatrixXd S;                 ///< (m,m) compliant: S; impulse: A
-  Vector norm;                       ///< (m) |B_i|, of the impulse scheme
+/// Constants of modes, (N) each.
+struct ModeConstants {
+  Vector stiffness, load, q0;        ///< ω²; constant modal force; q at t = 0
+  Vector b, c, e, h;                 ///< S, c, S' and S of a step, as in propagator.hpp
+  Vector damp_ss, damp_sr, damp_rr;  ///< 2δ∫S², 4δ∫SS', 2δ∫S'²
+
+  std::array<Vector*, 10> all() {
+    return {&stiffness, &load, &q0, &b, &c, &e, &h, &damp_ss, &damp_sr, &damp_rr};
+  }
+};
+
+/// Constants of a modal system for a step Δ. Modes moved into R have constants and a B of 0.
+struct StepSystem : ModeConstants {
+  Vector omega, decay;  ///< (N)
+  Vector v0;            ///< (N) q̇ at t = 0
+  Matrix B;             ///< (m,N)
+  Vector s, gap;        ///< (m) s of constant loads; g
+  Eigen::MatrixXd R;    ///< (m,m) residual flexibility, modes moved into it included
+  Eigen::MatrixXd S;    ///< (m,m) compliant: S; impulse: A
+  Vector norm;          ///< (m) |B_i|, of the impulse scheme
   bool damped = false;
   int dropped = 0;  ///< modes moved into R
 };

@@ -10,7 +10,17 @@ namespace ricochet::contact {
 
 Stepper::Stepper(const StepOptions& options, Eigen::Index points, const SolveOptions& solver)
     : options_(options), solver_(static_cast<int>(points), solver) {
-  for (Vector* x : {&contact_.force, &u_, &next_force_}) x->setZero(points);
+  for (Vector* x : {&contact_.force, &u_, &next_force_, &next_u_}) x->setZero(points);
+}
+
+StepStatus Stepper::complete(int active, double persistency, const SolveResidual& residual) noexcept {
+  contact_.active = active;
+  contact_.persistency = persistency;
+  contact_.residual = residual;
+  contact_.force.swap(next_force_);
+  u_.swap(next_u_);
+  ++steps_;
+  return StepStatus::ok;
 }
 
 std::unique_ptr<Stepper> make_stepper(const Model& model, const StepOptions& options) {

@@ -76,12 +76,15 @@ class Stepper {
     return status == SolveStatus::not_finite ? StepStatus::not_finite : StepStatus::no_solution;
   }
 
+  /// Ends the step under way, with next_force_ and next_u_.
+  StepStatus complete(int active, double persistency, const SolveResidual& residual) noexcept;
+
   StepOptions options_;
   ComplementaritySolver solver_;
   std::int64_t steps_ = 0;
   Contact contact_;
-  mutable Vector u_;   ///< (m); a scheme may compute it when it is asked for
-  Vector next_force_;  ///< (m) of the step under way
+  mutable Vector u_;            ///< (m); a scheme may compute it when it is asked for
+  Vector next_force_, next_u_;  ///< (m) of the step under way
 };
 
 /// The stepper of the scheme in `options`.

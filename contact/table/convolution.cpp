@@ -13,7 +13,7 @@
 namespace ricochet::contact {
 namespace {
 
-/// Steps at the end of a table that a linear tail goes on from.
+/// Steps at the end of a table that a linear tail continues.
 std::int64_t tail_steps(std::int64_t length) { return std::max<std::int64_t>(2, length / 10); }
 
 }  // namespace
@@ -23,7 +23,7 @@ std::int64_t tail_steps(std::int64_t length) { return std::max<std::int64_t>(2, 
 class Convolution::Transform {
  public:
   explicit Transform(int block)
-      : block_(static_cast<std::size_t>(block)),
+      : block_(block),
         forward_(2 * block_, false),
         inverse_(2 * block_, true),
         in_(2 * block_),
@@ -49,8 +49,7 @@ class Convolution::Transform {
     }
     inverse_.transform(in_.data(), out_.data());
     const double scale = 1 / static_cast<double>(2 * block_);
-    for (std::size_t k = 0; k < block_; ++k)
-      half(static_cast<Eigen::Index>(k)) = scale * out_[block_ + k].real();
+    for (std::size_t k = 0; k < block_; ++k) half(k) = scale * out_[block_ + k].real();
   }
 
  private:
@@ -63,8 +62,7 @@ Convolution::Convolution(const Convolution&) = default;
 Convolution& Convolution::operator=(const Convolution&) = default;
 Convolution::~Convolution() = default;
 
-Convolution::Convolution(std::span<const double> kernel, int rows, int columns,
-                         const ConvolutionOptions& options)
+Convolution::Convolution(std::span<const double> kernel, int rows, int columns, Tail tail, int block)
     : rows_(rows),
       columns_(columns),
       length_(static_cast<std::int64_t>(kernel.size()) / (static_cast<std::int64_t>(rows) * columns)),
@@ -72,22 +70,19 @@ Convolution::Convolution(std::span<const double> kernel, int rows, int columns,
   if (rows < 1 || columns < 1 || length_ < 1 ||
       static_cast<std::size_t>(length_ * rows * columns) != kernel.size())
     throw std::logic_error("convolution: the kernel is not of shape (L, rows, columns)");
-  if (options.block != 0 && (options.block < 2 || !std::has_single_bit(static_cast<unsigned>(options.block))))
+  if (block != 0 && !std::has_single_bit(static_cast<unsigned>(block)))
     throw std::logic_error("convolution: the block must be a power of two");
 
-  if (options.partitioned) {
-    const double best = std::sqrt(2 * static_cast<double>(length_));
-    block_ = options.block > 0 ? options.block
-                               : static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(2.0, best))));
-    if (length_ <= 2 * block_) block_ = 0;  // nothing to gain
-  }
+  const double best = std::sqrt(2 * static_cast<double>(length_));
+  block_ = block > 0 ? block : static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(2.0, best))));
+  if (block_ == 1 || length_ <= 2 * block_) block_ = 0;  // nothing to gain
   const std::int64_t lags = block_ > 0 ? block_ : length_;
   near_.resize(rows, columns * (lags - 1));
   using Sample = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
   const auto sample = [&](std::int64_t l) { return Sample(&kernel[l * rows * columns], rows, columns); };
   for (std::int64_t l = 1; l < lags; ++l) near_.middleCols((l - 1) * columns, columns) = sample(l);
 
-  tail_ = options.tail == Tail::linear;
+  tail_ = tail == Tail::linear;
   if (tail_) {
     const std::int64_t steps = std::min(tail_steps(length_), length_ - 1);
     last_ = sample(length_ - 1);
@@ -97,17 +92,16 @@ Convolution::Convolution(std::span<const double> kernel, int rows, int columns,
   }
   const std::int64_t kept = std::max<std::int64_t>(tail_ ? length_ + 1 : lags, 2 * block_);
   past_ = Eigen::MatrixXd::Zero(columns, kept);
-  active_.assign(static_cast<std::size_t>(kept), 0);
+  active_.assign(kept, 0);
   if (block_ > 0) spectra_of(kernel);
 }
 
 void Convolution::spectra_of(std::span<const double> kernel) {
-  const std::size_t B = static_cast<std::size_t>(block_), rows = static_cast<std::size_t>(rows_),
-                    columns = static_cast<std::size_t>(columns_), L = static_cast<std::size_t>(length_);
+  const std::size_t B = block_, rows = rows_, columns = columns_, L = length_;
   const std::size_t width = 2 * (B + 1);
   Transform& transform = transform_.emplace_back(block_);
   partitions_ = static_cast<std::int64_t>((L - 1) / B);  // lags B … L−1
-  const std::size_t count = static_cast<std::size_t>(partitions_);
+  const std::size_t count = partitions_;
   spectra_.resize(count * columns * rows * width);
   inputs_.assign(count * columns * width, 0);
   input_active_.assign(count * columns, 0);
@@ -129,18 +123,18 @@ void Convolution::spectra_of(std::span<const double> kernel) {
 void Convolution::push(const Eigen::VectorXd& x) noexcept {
   assert(x.size() == columns_);
   past_.col(slot(samples_)) = x;
-  active_[static_cast<std::size_t>(slot(samples_))] = (x.array() != 0).any();
+  active_[slot(samples_)] = (x.array() != 0).any();
   ++samples_;
   if (block_ > 0 && samples_ % block_ == 0) finish_block();
 
   const std::int64_t k = samples_, lags = block_ > 0 ? block_ : length_;
   if (block_ > 0)
-    history_ = far_.col(static_cast<Eigen::Index>(k % block_));
+    history_ = far_.col(k % block_);
   else
     history_.setZero();
   for (std::int64_t l = std::min(k, lags - 1); l >= 1; --l) {
     const Eigen::Index past = slot(k - l);
-    if (!active_[static_cast<std::size_t>(past)]) continue;
+    if (!active_[past]) continue;
     for (Eigen::Index j = 0; j < columns_; ++j)
       if (const double value = past_(j, past); value != 0)
         history_ += value * near_.col((l - 1) * columns_ + j);
@@ -156,16 +150,16 @@ void Convolution::push(const Eigen::VectorXd& x) noexcept {
 /// The block that has just ended is number b − 1. Block b gets, from partition p ≥ 1 (lags pB … pB + B − 1),
 /// the product of that partition's spectrum and the one of the blocks b − p − 1 and b − p.
 void Convolution::finish_block() noexcept {
-  const std::size_t B = static_cast<std::size_t>(block_), bins = B + 1, width = 2 * bins;
-  const std::size_t rows = static_cast<std::size_t>(rows_), columns = static_cast<std::size_t>(columns_);
+  const std::size_t B = block_, bins = B + 1, width = 2 * bins;
+  const std::size_t rows = rows_, columns = columns_;
   const std::int64_t b = samples_ / block_;
 
-  const std::size_t newest = static_cast<std::size_t>((b - 1) % partitions_);
+  const std::size_t newest = (b - 1) % partitions_;
   for (std::size_t j = 0; j < columns; ++j) {
     bool active = false;
     for (std::size_t k = 0; k < 2 * B; ++k) {
       const std::int64_t sample = samples_ - 2 * block_ + static_cast<std::int64_t>(k);
-      const double value = sample < 0 ? 0 : past_(static_cast<Eigen::Index>(j), slot(sample));
+      const double value = sample < 0 ? 0 : past_(j, slot(sample));
       active = active || value != 0;
       transform_.front().signal(k) = value;
     }
@@ -178,11 +172,11 @@ void Convolution::finish_block() noexcept {
   bool any = false;
   for (std::int64_t p = 1; p <= std::min(partitions_, b); ++p)
     for (std::size_t j = 0; j < columns; ++j) {
-      const std::size_t at = static_cast<std::size_t>((b - p) % partitions_) * columns + j;
+      const std::size_t at = ((b - p) % partitions_) * columns + j;
       if (!input_active_[at]) continue;
       any = true;
       const double *x = &inputs_[at * width], *y = x + bins;
-      const double* h = &spectra_[(static_cast<std::size_t>(p - 1) * columns + j) * rows * width];
+      const double* h = &spectra_[((p - 1) * columns + j) * rows * width];
       for (double* out = output_.data(); out != output_.data() + rows * width; out += width, h += width)
         for (std::size_t f = 0; f < bins; ++f) {
           out[f] += h[f] * x[f] - h[bins + f] * y[f];
@@ -193,8 +187,7 @@ void Convolution::finish_block() noexcept {
     far_.setZero();
     return;
   }
-  for (std::size_t i = 0; i < rows; ++i)
-    transform_.front().inverse(&output_[i * width], far_.row(static_cast<Eigen::Index>(i)));
+  for (std::size_t i = 0; i < rows; ++i) transform_.front().inverse(&output_[i * width], far_.row(i));
 }
 
 double Convolution::departure(std::span<const double> kernel, int rows, int columns) {

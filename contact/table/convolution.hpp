@@ -13,7 +13,6 @@
 
 #include <Eigen/Dense>
 #include <complex>
-#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -26,29 +25,23 @@ enum class Tail {
   linear,  ///< H_{L−1} + (l − L + 1) D, D the mean slope of the last tenth: see Convolution::departure
 };
 
-struct ConvolutionOptions {
-  bool partitioned = true;
-  int block = 0;  ///< B, a power of two of at least 2; 0: about √(2L)
-  Tail tail = Tail::none;
-};
-
 class Convolution {
  public:
   /// @param kernel  (L, rows, columns), row-major, L ≥ 1; not needed afterwards
+  /// @param block  B, a power of two; 1: direct, 0: about √(2L). Kernels of up to 2B samples are direct.
   /// Only the constructor allocates. The partitioned form takes twice the memory of the kernel, the direct
   /// form as much as the kernel.
-  Convolution(std::span<const double> kernel, int rows, int columns, const ConvolutionOptions& options = {});
+  Convolution(std::span<const double> kernel, int rows, int columns, Tail tail, int block = 0);
   Convolution(const Convolution&);
   Convolution& operator=(const Convolution&);
   ~Convolution();
 
-  /// y_k of the next sample, k = samples().
+  /// y_k of the next sample, k the number of samples pushed.
   const Eigen::VectorXd& history() const { return history_; }
 
   /// Adds x_k (columns) and computes y_{k+1}.
   void push(const Eigen::VectorXd& x) noexcept;
 
-  std::int64_t samples() const { return samples_; }
   int block() const { return block_; }  ///< B; 0: direct
 
   /// Departure of the last tenth of a kernel (at least 2 steps) from the straight line of a linear tail: the

@@ -18,8 +18,8 @@ struct Series {
   double stiffness, q, v;
   ModeStep by;
   void advance() {
-    const double g = -stiffness * q, next = q + by.b * v + by.c * g;
-    v = by.e * v + by.h * g;
+    const double g = -stiffness * q, next = q + by.S * v + by.c * g;
+    v = by.rate * v + by.S * g;
     q = next;
   }
 };
@@ -59,7 +59,7 @@ Table table_from_modes(const Model& model, const StepOptions& options, std::int6
       continue;
     }
     const ModeStep by = mode_step(model.omega(n), model.decay(n), options.step);
-    series.push_back(compliant ? Series{stiffness, by.c, by.h, by} : Series{stiffness, 0, 1, by});
+    series.push_back(compliant ? Series{stiffness, by.c, by.S, by} : Series{stiffness, 0, 1, by});
     column.push_back(n);
   }
   const Matrix B = model.B(Eigen::all, column);
@@ -70,7 +70,7 @@ Table table_from_modes(const Model& model, const StepOptions& options, std::int6
     if (compliant && to.empty()) sample += at_once;
     to.insert(to.end(), sample.data(), sample.data() + m * m);
   };
-  const std::size_t size = static_cast<std::size_t>(L * m * m);
+  const std::size_t size = L * m * m;
   for (std::vector<double>* kernel :
        compliant ? std::vector{&table.flexibility} : std::vector{&table.displacement, &table.velocity})
     kernel->reserve(size);

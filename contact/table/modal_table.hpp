@@ -10,8 +10,8 @@
 
 namespace ricochet::contact {
 
-/// The model's kernels and free motion, for `steps` steps of the scheme in `options`: what it needs, and no
-/// more (impulse: displacement and velocity; compliant: flexibility, with R and the modes above half the rate
+/// The model's kernels and free motion for `steps` steps of the scheme in `options`, with only what it needs
+/// (impulse: displacement and velocity; compliant: flexibility, with R and the modes above half the rate
 /// in S_0). Bodies without supports are in `bodies`. Memory: steps·m² numbers, twice for impulse.
 Table table_from_modes(const Model& model, const StepOptions& options, std::int64_t steps);
 

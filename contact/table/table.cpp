@@ -2,6 +2,7 @@
 #include "contact/table/table.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 
@@ -11,17 +12,13 @@
 namespace ricochet::contact {
 namespace {
 
-constexpr const char* advice = "contact/TABLE.md says what a table holds.";
+constexpr const char* advice = "contact/TABLE.md describes tables.";
 
 /// A table with a linear tail must end in a straight line to within this share of its largest value.
 constexpr double straight = 1e-6;
 
-/// Gaps smaller than this share of what they are made of are round-off of touching.
+/// Gaps smaller than this share of their terms are round-off of touching.
 constexpr double touching = 1e-12;
-
-bool finite(std::span<const double> values) {
-  return std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); });
-}
 
 /// Names become groups of the result.
 bool is_name(const std::string& name) {
@@ -50,15 +47,21 @@ void validate(const Table& table, const std::string& origin) {
   if (L < 2) fail(base::format("the kernel has {} samples: 2 are the least.", L));
   if (table.displacement.size() != table.velocity.size())
     fail("/table/displacement and /table/velocity differ in length.");
-  for (const auto* kernel : {&table.displacement, &table.velocity, &table.flexibility})
+  const std::array kernels{std::pair{"displacement", &table.displacement},
+                           std::pair{"velocity", &table.velocity},
+                           std::pair{"flexibility", &table.flexibility}};
+  const auto check_finite = [&](const char* name, std::span<const double> values) {
+    if (!std::ranges::all_of(values, [](double x) { return std::isfinite(x); }))
+      fail(base::format("/table/{} contains a value that is not finite.", name));
+  };
+  for (const auto& [name, kernel] : kernels) {
     if (!kernel->empty() && std::ssize(*kernel) != L * m * m)
       fail(base::format("the kernels are not all of shape ({}, {}, {}).", L, m, m));
-  for (const auto& [name, values] :
-       {std::pair{"displacement", &table.displacement}, std::pair{"velocity", &table.velocity},
-        std::pair{"flexibility", &table.flexibility}, std::pair{"free", &table.free},
-        std::pair{"free_velocity", &table.free_velocity}})
-    if (!finite(*values)) fail(base::format("/table/{} holds values that are not finite.", name));
-  if (!table.gap.allFinite()) fail("/table/gap holds values that are not finite.");
+    check_finite(name, *kernel);
+  }
+  check_finite("free", table.free);
+  check_finite("free_velocity", table.free_velocity);
+  check_finite("gap", {table.gap.data(), static_cast<std::size_t>(m)});
   if (table.area.size() > 0 && (table.area.size() != m || !(table.area.array() > 0).all()))
     fail("/table/area must be positive, one for each point.");
   for (std::int64_t k = 0; k < m * m && !table.displacement.empty(); ++k)
@@ -78,7 +81,7 @@ void validate(const Table& table, const std::string& origin) {
       fail(base::format("/bodies/push of {} is not of shape ({}, 3).", body.name, m));
   }
   if (table.free.empty() && table.bodies.empty())
-    fail("nothing says how the points move without contact: give /table/free, or /bodies.");
+    fail("the motion of the points without contact is missing: give /table/free, or /bodies.");
   if (std::ssize(table.free) != K * m || (!table.free.empty() && K < 2))
     fail(base::format("/table/free must hold at least 2 instants of {} points.", m));
   if (!table.free_velocity.empty() && table.free_velocity.size() != table.free.size())
@@ -91,14 +94,12 @@ void validate(const Table& table, const std::string& origin) {
   if (K == 0 && (table.gap.array() < 0).any()) fail("/table/gap must not be negative.");
 
   if (table.tail == Tail::none) return;
-  for (const auto& [name, kernel] :
-       {std::pair{"displacement", &table.displacement}, std::pair{"velocity", &table.velocity},
-        std::pair{"flexibility", &table.flexibility}})
+  for (const auto& [name, kernel] : kernels)
     if (!kernel->empty())
       if (const double off = Convolution::departure(*kernel, static_cast<int>(m), static_cast<int>(m));
           off > straight)
         fail(base::format(
-            "/table/{} is said to end in a straight line, but its last tenth departs from one by {:.2g} "
+            "/table/{} must end in a straight line, but its last tenth departs from one by {:.2g} "
             "of its largest value (at most {}): make it longer, or set tail = \"none\".",
             name, off, straight));
 }

@@ -3,7 +3,6 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <span>
 
@@ -40,7 +39,7 @@ Eigen::MatrixXd first_sample(std::span<const double> kernel, Eigen::Index m) {
 }
 
 Kernel kernel_of(const Table& table, const StepOptions& options) {
-  const std::size_t m = static_cast<std::size_t>(table.points()), width = m * m;
+  const std::size_t m = table.points(), width = m * m;
   Kernel out;
   if (options.scheme == Scheme::compliant) {
     out.rows = static_cast<int>(m);
@@ -98,7 +97,7 @@ Eigen::MatrixXd semidefinite(const Eigen::MatrixXd& lag, bool impulse) {
   return S;
 }
 
-/// Whatever is wrong with the options is the scene's.
+/// Throws InputError, with the scene's keys, if the options do not fit the table.
 const StepOptions& checked(const StepOptions& options, const Table& table) {
   if (std::abs(options.step - table.step) > 1e-9 * table.step)
     throw InputError(base::format("time.rate_hz = {:.12g}: the table has a step of {:.12g} s. Set {:.12g}.",
@@ -108,14 +107,9 @@ const StepOptions& checked(const StepOptions& options, const Table& table) {
   return options;
 }
 
-Convolution convolution_of(const Kernel& kernel, const Table& table, ConvolutionOptions options) {
-  options.tail = table.tail;
-  return {kernel.values, kernel.rows, table.points(), options};
-}
-
 }  // namespace
 
-TableStepper::TableStepper(const Table& table, const StepOptions& options, ConvolutionOptions convolution)
+TableStepper::TableStepper(const Table& table, const StepOptions& options)
     : Stepper(checked(options, table), table.points(), {}),
       free_(table.free),
       free_velocity_(table.free_velocity),
@@ -127,11 +121,11 @@ TableStepper::TableStepper(const Table& table, const StepOptions& options, Convo
         S_ = semidefinite(kernel.at_once, options.scheme == Scheme::impulse);
         if (table.tail == Tail::none)
           available_ = std::ssize(kernel.values) / (static_cast<std::int64_t>(kernel.rows) * table.points());
-        return convolution_of(kernel, table, convolution);
+        return Convolution(kernel.values, kernel.rows, table.points(), table.tail);
       }()) {
   const Eigen::Index m = table.points();
   const bool impulse = options.scheme == Scheme::impulse;
-  const std::size_t width = static_cast<std::size_t>(m);
+  const std::size_t width = m;
   if (impulse && !free_.empty() && (options.admittance == Admittance::difference || free_velocity_.empty()))
     free_velocity_ = difference(free_, width, table.step);
   if (!free_.empty()) {
@@ -140,13 +134,13 @@ TableStepper::TableStepper(const Table& table, const StepOptions& options, Convo
   }
 
   rigid_velocity_ = rigid_acceleration_ = Vector::Zero(m);
-  velocity_.resize(3, static_cast<Eigen::Index>(bodies_.size()));
+  velocity_.resize(3, bodies_.size());
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     rigid_velocity_ -= bodies_[b].push * bodies_[b].velocity;
     rigid_acceleration_ -= bodies_[b].push * bodies_[b].gravity;
-    velocity_.col(static_cast<Eigen::Index>(b)) = bodies_[b].velocity;
+    velocity_.col(b) = bodies_[b].velocity;
   }
-  for (Vector* x : {&next_u_, &rhs_, &solution_, &rate_}) x->setZero(m);
+  for (Vector* x : {&rhs_, &solution_, &rate_}) x->setZero(m);
   sub_.setZero(m, m);
   touching_.reserve(width);
   free_motion(0, u_);
@@ -182,15 +176,13 @@ StepStatus TableStepper::step() noexcept {
   if (!next_u_.allFinite() || !next_force_.allFinite()) return StepStatus::not_finite;
 
   convolution_.push(next_force_);
-  contact_.active = static_cast<int>((next_force_.array() > 0).count());
-  contact_.persistency = 0;
+  const int active = static_cast<int>((next_force_.array() > 0).count());
+  double persistency = 0;
   if (options_.scheme == Scheme::impulse)
     next_force_ /= options_.step;
-  else if (contact_.active > 0)
-    contact_.persistency = -next_force_.dot(next_u_ - u_) / options_.step;
-  u_.swap(next_u_);
-  contact_.force.swap(next_force_);
-  steps_ = k;
+  else if (active > 0)
+    persistency = -next_force_.dot(next_u_ - u_) / options_.step;
+  complete(active, persistency, {});
   push_bodies();
   return StepStatus::ok;
 }
@@ -216,7 +208,7 @@ SolveStatus TableStepper::impulses() noexcept {
   if (touching_.empty()) return SolveStatus::solved;
   free_rate(steps_ + 1, rate_);
   rate_ -= convolution_.history().tail(m);
-  const Eigen::Index n = static_cast<Eigen::Index>(touching_.size());
+  const Eigen::Index n = touching_.size();
   for (Eigen::Index j = 0; j < n; ++j) {
     rhs_(j) = (1 + options_.restitution) * rate_(touching_[j]);
     for (Eigen::Index i = 0; i < n; ++i) sub_(i, j) = S_(touching_[i], touching_[j]);
@@ -229,7 +221,7 @@ SolveStatus TableStepper::impulses() noexcept {
 /// Newton's law of each body as a whole.
 void TableStepper::push_bodies() noexcept {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    auto v = velocity_.col(static_cast<Eigen::Index>(b));
+    auto v = velocity_.col(b);
     v += options_.step * bodies_[b].gravity;
     if (contact_.active > 0)
       v.noalias() += (options_.step / bodies_[b].mass) * (bodies_[b].push.transpose() * contact_.force);

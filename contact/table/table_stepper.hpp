@@ -6,7 +6,7 @@
 //   0 ≤ P ⟂ A P − (1 + e) v̂ ≥ 0
 //   "jump":        A = Ṅ_0,    v̂ = ũ̇_k − Σ_{l≥1} Ṅ_l P_{k−l}
 //   "difference":  the same with (N_{l+1} − N_l)/Δ for Ṅ_l and (ũ_{k+1} − ũ_k)/Δ for ũ̇_k
-// As in the source paper the first instant is t_1. displacement() is that before the impulses.
+// The first instant is t_1, as in the source paper. displacement() is that before the impulses.
 //
 // compliant, step k: 0 ≤ λ ⟂ S_0 λ − (û − g) ≥ 0,  û = ũ_k − Σ_{l≥1} S_l λ_{k−l},  over all points.
 //
@@ -30,10 +30,9 @@ class TableStepper final : public Stepper {
   static constexpr std::int64_t endless = std::numeric_limits<std::int64_t>::max();
 
   /// @param table  valid; not needed afterwards
-  /// @param convolution  its `tail` is replaced by the table's
   /// Throws InputError if the table lacks what the scheme needs, has another step than `options`, or its
   /// lag 0 (A or S_0) is not symmetric and positive semidefinite; if restitution is outside [0, 1].
-  TableStepper(const Table& table, const StepOptions& options, ConvolutionOptions convolution = {});
+  TableStepper(const Table& table, const StepOptions& options);
 
   /// Steps that the table has kernels and free motion for.
   std::int64_t available() const { return available_; }
@@ -61,7 +60,7 @@ class TableStepper final : public Stepper {
   Eigen::Matrix3Xd velocity_;
 
   // the step under way
-  Vector next_u_, rhs_, solution_, rate_;  ///< (m)
+  Vector rhs_, solution_, rate_;  ///< (m)
   Eigen::MatrixXd sub_;
   std::vector<int> touching_;
 };

@@ -13,7 +13,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOMS = ("pairing", "model", "complementarity", "stepping")
-OWN = re.compile(r"(base/format\.[ch]pp|kernels/kernel\.cpp|include/ricochet/\w+\.hpp|contact/(%s)/\w+\.[ch]pp)$" % "|".join(ROOMS))
+OWN = re.compile(r"(base/format\.[ch]pp|kernels/(kernel\.cpp|format\.hpp)|include/ricochet/\w+\.hpp|contact/(%s)/\w+\.[ch]pp)$" % "|".join(ROOMS))
 STANDARD = "#include <bits/stdc++.h>\n#include <immintrin.h>\n"
 
 

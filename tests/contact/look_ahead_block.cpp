@@ -260,22 +260,11 @@ std::vector<T> noise(std::size_t rows, std::size_t columns, std::size_t used, un
   return out;
 }
 
-template <class T>
-const simd::Loops<T>& loops_of(const simd::InstructionSet& set);
-template <>
-const simd::Loops<double>& loops_of(const simd::InstructionSet& set) {
-  return set.in_double;
-}
-template <>
-const simd::Loops<float>& loops_of(const simd::InstructionSet& set) {
-  return set.in_float;
-}
-
 /// All loops of one precision against one sum after the other in long double.
 template <class T>
 void check_loops(const simd::InstructionSet& set) {
   SCOPED_TRACE(set.name);
-  const simd::Loops<T>& loops = loops_of<T>(set);
+  const simd::Loops<T>& loops = simd::loops_of<T>(set);
   const T tolerance = 100 * std::numeric_limits<T>::epsilon();
   constexpr std::size_t modes = 64, used = 41, points = 7, steps = 5, lags = 8, width = 48;
   const auto B = noise<T>(points, modes, used, 1), x = noise<T>(steps, modes, used, 2);
@@ -368,11 +357,9 @@ void check_loops(const simd::InstructionSet& set) {
 }
 
 TEST(Loops, of_every_instruction_set_here_give_the_sums_they_stand_for) {
-  std::size_t count = 0;
-  const simd::InstructionSet* const* sets = simd::available(count);
-  for (std::size_t k = 0; k < count; ++k) {
-    check_loops<double>(*sets[k]);
-    check_loops<float>(*sets[k]);
+  for (const simd::InstructionSet* set : simd::available()) {
+    check_loops<double>(*set);
+    check_loops<float>(*set);
   }
 }
 

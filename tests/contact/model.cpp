@@ -227,7 +227,7 @@ TEST(Bodies, that_are_supported_can_not_be_thrown) {
   EXPECT_THAT(complaint_of([&] {
                 thrown(kernel, {0, 0, 1});
               }),
-              HasSubstr("bodies.lump.velocity: a supported body can't move rigidly"));
+              HasSubstr("bodies.lump.velocity: a supported body cannot move rigidly"));
   EXPECT_EQ(thrown(kernel, Vector3d::Zero()).v0.norm(), 0);
 }
 
@@ -250,7 +250,7 @@ TEST(Names, that_do_not_fit_are_refused) {
   };
   EXPECT_THAT(build(one, {"bal", "floor", {}, {}, {}}), HasSubstr("\"bal\" is not a body"));
   EXPECT_THAT(build(one, {"ball", "flor", {}, {}, {}}), HasSubstr("\"flor\" is neither"));
-  EXPECT_THAT(build(one, {"ball", "ball", {}, {}, {}}), HasSubstr("can't meet itself"));
+  EXPECT_THAT(build(one, {"ball", "ball", {}, {}, {}}), HasSubstr("cannot meet itself"));
   EXPECT_THAT(build({one[0], {"idle", &kernel}}, {"ball", "floor", {}, {}, {}}),
               HasSubstr("bodies.idle: no pair names it"));
 }

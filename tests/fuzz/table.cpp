@@ -6,6 +6,7 @@
 #include "contact/input/table_file.hpp"
 
 #include "contact/table/table_stepper.hpp"
+#include "tests/contact/table_writer.hpp"
 #include "tests/fuzz/hdf5_edits.hpp"
 
 namespace {
@@ -64,11 +65,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const fuzz::Scratch folder;
   const std::filesystem::path file = folder / "table.h5", copy = folder / "copy.h5";
   fuzz::make_hdf5(data, size, file, 32, [](unsigned variant, const std::filesystem::path& path) {
-    contact::write_table(sample(variant), path);
+    contact::test::write_table(sample(variant), path);
   });
   Table table;
   if (!accepts([&] { table = contact::read_table(file); })) return 0;
-  contact::write_table(table, copy);
+  contact::test::write_table(table, copy);
   require(same(contact::read_table(copy), table), "a written table is another one");
   step(table, ricochet::Scheme::compliant, ricochet::Admittance::jump);
   step(table, ricochet::Scheme::impulse, ricochet::Admittance::jump);
