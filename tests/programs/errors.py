@@ -88,7 +88,9 @@ class Errors(ProgramTest):
         self.refused_by_kernel(["bodies.a.yuong=3"], "scene.toml", "bodies.a.yuong", "unknown")
 
     def test_poisson_of_an_incompressible_body(self):
-        self.refused_by_kernel(["bodies.a.material.poisson=0.5"], "scene.toml", "bodies.a.material.poisson", "0.5", "0.49")
+        self.refused_by_kernel(
+            ["bodies.a.material.poisson=0.5"], "scene.toml", "bodies.a.material.poisson", "0.5", "0.49"
+        )
 
     def test_missing_group(self):
         self.refused_by_kernel(["bodies.a.contact=edge"], "rod.geo", "edge", '"left", "right"')
@@ -99,7 +101,9 @@ class Errors(ProgramTest):
     def test_inverted_element(self):
         self.write("inverted.msh", INVERTED)
         self.refused_by_kernel(
-            ["bodies.b.mesh=inverted.msh", "bodies.b.material={density=1,young=1}"], "inverted.msh", "element 3"
+            ["bodies.b.mesh=inverted.msh", "bodies.b.material={density=1,young=1}"],
+            "inverted.msh",
+            "element 3",
         )
 
     def test_impossible_count(self):
@@ -138,7 +142,12 @@ class Errors(ProgramTest):
     def test_equilibrium_that_nothing_holds(self):
         self.succeed(kernel(self.scene, self.out))
         at_rest = ["contact.scheme=static", "loads.gravity=[1,0,0]"]
-        self.refused(contact(self.scene, self.out, *at_rest), "scene.toml: bodies.", "no contact forces hold it", "support")
+        self.refused(
+            contact(self.scene, self.out, *at_rest),
+            "scene.toml: bodies.",
+            "no contact forces hold it",
+            "support",
+        )
         self.assertEqual(list(self.out.glob("errors.*")), [])
 
     def test_touches_of_few_steps_are_warned_of(self):

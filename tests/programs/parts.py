@@ -58,7 +58,12 @@ def grid():
         for j in range(n[1])
         for i in range(n[0])
     ]
-    square = lambda i, j, k: [number(i, j, k), number(i + 1, j, k), number(i + 1, j + 1, k), number(i, j + 1, k)]
+    square = lambda i, j, k: [
+        number(i, j, k),
+        number(i + 1, j, k),
+        number(i + 1, j + 1, k),
+        number(i, j + 1, k),
+    ]
     elements = []
     for k in range(CELLS[2]):
         for j in range(CELLS[1]):
@@ -102,7 +107,9 @@ class Parts(ProgramTest):
         self.write("whole.msh", msh(nodes, elements, everything))
         for part in range(3):
             # Columns of elements, so that every part has facets and shares nodes with others.
-            self.write(f"split_{part + 1}.msh", msh(nodes, elements, [e for e in everything if e // 4 % 3 == part]))
+            self.write(
+                f"split_{part + 1}.msh", msh(nodes, elements, [e for e in everything if e // 4 % 3 == part])
+            )
         for modes in ("{ count = 40 }", '{ up_to_hz = 1.0, basis = "contact" }'):
             with self.subTest(modes=modes):
                 self.compare(f"modes={modes}")

@@ -58,9 +58,21 @@ def kill_all(out):
 class Restart(ProgramTest):
     def run_for(self, seconds, out, ranks):
         """Starts a run and kills it; @return whether it had ended before."""
-        command = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", ranks, BIN / "ricochet-kernel", self.scene,
-                   "--out", out, "--quiet"]
-        process = subprocess.Popen([str(c) for c in command], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        command = [
+            "mpirun",
+            "--allow-run-as-root",
+            "--oversubscribe",
+            "-n",
+            ranks,
+            BIN / "ricochet-kernel",
+            self.scene,
+            "--out",
+            out,
+            "--quiet",
+        ]
+        process = subprocess.Popen(
+            [str(c) for c in command], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        )
         try:
             process.wait(timeout=seconds)
             return True
@@ -97,7 +109,10 @@ class Restart(ProgramTest):
         exact, got = displacement_kernel(one, times), displacement_kernel(other, times)
         self.assertLess(np.abs(got - exact).max(), 1e-8 * np.abs(exact).max())
         with h5py.File(one) as a, h5py.File(other) as b:
-            self.assertEqual(a["modes/certificate"].attrs["count_by_inertia"], b["modes/certificate"].attrs["count_by_inertia"])
+            self.assertEqual(
+                a["modes/certificate"].attrs["count_by_inertia"],
+                b["modes/certificate"].attrs["count_by_inertia"],
+            )
 
     def test_a_slice_that_was_damaged_is_computed_again(self):
         self.write("block.geo", GEO)
@@ -109,7 +124,9 @@ class Restart(ProgramTest):
         length = time.monotonic() - started
         command = [BIN / "ricochet-kernel", self.scene, "--out", out, "--quiet", *settings(sets)]
         for part in (0.9, 0.8, 0.7, 0.6):
-            process = subprocess.Popen([str(c) for c in command], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            process = subprocess.Popen(
+                [str(c) for c in command], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+            )
             time.sleep(part * length)
             process.kill()
             process.wait()

@@ -63,7 +63,9 @@ class ElasticBall:
         """Forces of the rings and the approach of the ball's centre of mass, for the force / (E R²)."""
         for pressing in range(1, len(self.gap)):
             inner = slice(0, pressing)
-            stiff, soft = np.linalg.solve(self.flexibility[inner, inner], np.stack([np.ones(pressing), self.gap[inner]], axis=1)).T
+            stiff, soft = np.linalg.solve(
+                self.flexibility[inner, inner], np.stack([np.ones(pressing), self.gap[inner]], axis=1)
+            ).T
             approach = (force + soft.sum()) / stiff.sum()
             rings = approach * stiff - soft
             if rings[-1] < 0:

@@ -13,8 +13,10 @@ from block import GEO
 from case import BLUE, GREEN, GREY, RED, slopes
 
 TITLE = "Orders of convergence in h, p, Δ and N"
-SOURCE = ("Separation of variables for the box, d'Alembert's solution for the bar; h^2p: Strang & Fix 1973, *An Analysis of the "
-          "Finite Element Method*.")
+SOURCE = (
+    "Separation of variables for the box, d'Alembert's solution for the bar; h^2p: Strang & Fix 1973, *An Analysis of the "
+    "Finite Element Method*."
+)
 LONG = True
 SIDES = (0.1, 0.13, 0.17)
 DENSITY, YOUNG, POISSON = 2700.0, 70e9, 0.33
@@ -94,7 +96,9 @@ def separated():
             continue
         # One of the motions is along k, unless k's own direction is a sine of 0: then all are across.
         along = 1 if n > 0 else 0
-        found += [np.sqrt(pressure / DENSITY) * k] * along + [np.sqrt(shear / DENSITY) * k] * (motions - along)
+        found += [np.sqrt(pressure / DENSITY) * k] * along + [np.sqrt(shear / DENSITY) * k] * (
+            motions - along
+        )
     return np.sort(found)[:LOWEST]
 
 
@@ -106,12 +110,23 @@ def elements(bench, ax):
     for (order, meshes), colour in zip(MESHES.items(), (RED, BLUE, GREEN)):
         errors = []
         for n in meshes:
-            kernel = bench.kernel(scene, f"bodies.box.order={order}", f"bodies.box.geometry={{a={a},b={b},c={c},n={n}}}", body="box")
+            kernel = bench.kernel(
+                scene,
+                f"bodies.box.order={order}",
+                f"bodies.box.geometry={{a={a},b={b},c={c},n={n}}}",
+                body="box",
+            )
             ours = kernel["modes/angular_frequency"][:]
             errors.append(np.abs(ours[ours > 0][:LOWEST] / (2 * np.pi) / exact - 1).max())
         sizes = 1 / np.array(meshes)
-        bench.order(f"largest error of {LOWEST} frequencies over h, p = {order}", sizes, errors, 2 * order, 0.5,
-                    "2p, which such coarse meshes only approach")
+        bench.order(
+            f"largest error of {LOWEST} frequencies over h, p = {order}",
+            sizes,
+            errors,
+            2 * order,
+            0.5,
+            "2p, which such coarse meshes only approach",
+        )
         slopes(ax, sizes, errors, f"p = {order}", colour)
     ax.set(xlabel="h / side", ylabel="relative error", title="Lowest frequencies of a box between walls")
     ax.legend()
@@ -122,7 +137,9 @@ def run(bench):
     elements(bench, axes[0, 0])
     bench.write("rod.geo", ROD)
     knots = np.linspace(0, LASTS, 1201)
-    bench.write("pulse.csv", "".join(f"{t:.9f}, {FORCE * np.sin(np.pi * t / LASTS) ** 2:.15f}\n" for t in knots))
+    bench.write(
+        "pulse.csv", "".join(f"{t:.9f}, {FORCE * np.sin(np.pi * t / LASTS) ** 2:.15f}\n" for t in knots)
+    )
     scene = bench.write("pressed.toml", PRESSED)
 
     rates, errors = np.array([20, 40, 80, 160]), []
@@ -130,7 +147,14 @@ def run(bench):
     for rate in rates:
         errors.append(force_error(bench.contact(scene, f"time.rate_hz={rate}")))
     slopes(axes[0, 1], 1 / rates, errors, "force", BLUE)
-    bench.order("force over Δ, 320 modes with R", 1 / rates, errors, 2.0, 0.5, "a force constant over the step, compared at the middle of the step")
+    bench.order(
+        "force over Δ, 320 modes with R",
+        1 / rates,
+        errors,
+        2.0,
+        0.5,
+        "a force constant over the step, compared at the middle of the step",
+    )
     axes[0, 1].set(xlabel="Δ c/L", ylabel="mean square error / 2F", title="Step, 320 modes with R")
     axes[0, 1].legend()
 
@@ -142,8 +166,16 @@ def run(bench):
             result = bench.impact(scene, modes, "time.rate_hz=1600")
             errors.append(force_error(result))
         slopes(axes[1, 0], counts, errors, name, colour)
-        bench.order(f"force over N, {name}", counts, errors, expected, 0.5,
-                    "inertia of the truncated modes, Σ 1/n⁴" if residual else "flexibility of the truncated modes, Σ 1/n²")
+        bench.order(
+            f"force over N, {name}",
+            counts,
+            errors,
+            expected,
+            0.5,
+            "inertia of the truncated modes, Σ 1/n⁴"
+            if residual
+            else "flexibility of the truncated modes, Σ 1/n²",
+        )
     axes[1, 0].set(xlabel="modes", ylabel="mean square error / 2F", title="Modes, Δ = L/(1600 c)")
     axes[1, 0].legend()
     time, force = result.force()
