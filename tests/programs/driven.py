@@ -52,7 +52,10 @@ at = [5.0, 0, 0]
 def waves(times):
     """Displacement in the middle: V (t − x)₊ of the foot and F t of the tip (h rises to 1 over 2 s), reflected with their
     sign at the free tip and against it at the foot."""
-    ramp = lambda t: np.where(t > 2, t - 1, np.where(t > 0, t * t / 4, 0))  # ∫ h dt
+
+    def ramp(t):  # ∫ h dt
+        return np.where(t > 2, t - 1, np.where(t > 0, t * t / 4, 0))
+
     out = np.zeros_like(times)
     for echo in range(3):
         later = times - 2 * LENGTH * echo

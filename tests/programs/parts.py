@@ -51,19 +51,20 @@ at = [0.3, 0.9, 0.4]
 def grid():
     """Nodes, and hexahedra and facets at the top and foot of a skewed block: (type, group, nodes)."""
     n = np.array(CELLS) + 1
-    number = lambda i, j, k: 1 + i + n[0] * (j + n[1] * k)
+
+    def number(i, j, k):
+        return 1 + i + n[0] * (j + n[1] * k)
+
     nodes = [
         (i / 3 + 0.05 * k, j / 3 * 1.2, k / 4 * (1 + 0.1 * i))
         for k in range(n[2])
         for j in range(n[1])
         for i in range(n[0])
     ]
-    square = lambda i, j, k: [
-        number(i, j, k),
-        number(i + 1, j, k),
-        number(i + 1, j + 1, k),
-        number(i, j + 1, k),
-    ]
+
+    def square(i, j, k):
+        return [number(i, j, k), number(i + 1, j, k), number(i + 1, j + 1, k), number(i, j + 1, k)]
+
     elements = []
     for k in range(CELLS[2]):
         for j in range(CELLS[1]):

@@ -321,9 +321,9 @@ for line in sys.stdin:
         study = self.study(
             '[set]\n"modes.count" = 5\n"time.rate_hz" = 20.0\n[grid]\n"contact.gap" = [0.0]', "pushed.toml"
         )
-        found = []
+        found, before = [], None
         for history in ("0, 0\n30, 1\n", "0, 0\n30, 20\n", "0, 0\n30, 20\n"):
-            if not found or history != before:
+            if history != before:
                 self.write("push.csv", history)
             before = history
             self.succeed(Run(self.sweep(study)))

@@ -55,8 +55,13 @@ class TradeOff(ProgramTest):
         self.assertIn("Cheapest for an error of 0.01", done.out)
         floor = float(done.out.split("reference itself is about ")[1].split()[0])
         front = [point for point in points if point["pareto"] == "True"]
-        cost = lambda point: float(point["kernel_s"]) + float(point["impact_s"])
-        error = lambda point: max(float(point["error"]), floor)
+
+        def cost(point):
+            return float(point["kernel_s"]) + float(point["impact_s"])
+
+        def error(point):
+            return max(float(point["error"]), floor)
+
         self.assertTrue(front)
         for point in front:
             better = [p for p in points if cost(p) < cost(point) and error(p) < error(point)]

@@ -42,7 +42,10 @@ class ElasticBall:
         angle = (width * (np.arange(rings)[:, None] + (point + 1) / 2)).ravel()
         cosine, sine = np.cos(angle), np.sin(angle)
         share = (sine * np.tile(weight, rings) * width / 2).reshape(rings, -1)
-        mean = lambda f: (f.reshape(rings, -1) * share).sum(axis=1) / share.sum(axis=1)
+
+        def mean(f):
+            return (f.reshape(rings, -1) * share).sum(axis=1) / share.sum(axis=1)
+
         self.gap = mean(2 * np.sin(angle / 2) ** 2)
         self.square = mean(sine**2)  # of the distance from the axis
 
