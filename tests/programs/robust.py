@@ -7,80 +7,25 @@ import os
 import resource
 import signal
 import subprocess
-import time
 import unittest
 
 import h5py
 import numpy as np
 
-from errors import ROD, SCENE
-from programs import BIN, SOURCE, ProgramTest, Run, contact, displacement_kernel, kernel, settings
+from programs import BIN, SOURCE, Run, contact, displacement_kernel, kernel, settings
+from robust_test import Robust
 
 from ricochet.errors import InputError
 from ricochet.pictures.history import History
 
 # Two slices a body, in some tenths of a second.
 SLICED = ["bodies.a.mesh=long.geo", "bodies.b.mesh=long.geo", "modes.count=300"]
-LONG = ROD.replace("= 11", "= 401")
 STUDY = """
 scene = "scene.toml"
 title = "Many"
 [grid]
 "bodies.a.velocity[0]" = { from = 0.1, to = 1.0, steps = 40 }
 """
-
-
-class Robust(ProgramTest):
-    def setUp(self):
-        super().setUp()
-        self.write("rod.geo", ROD)
-        self.write("long.geo", LONG)
-        self.scene = self.write("scene.toml", SCENE)
-        self.out = self.folder / "out"
-
-    def start(self, *command):
-        process = subprocess.Popen(
-            [str(word) for word in command],
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-            text=True,
-            env=os.environ | {"RICOCHET_BIN": str(BIN)},
-        )
-        self.addCleanup(process.stderr.close)
-        self.addCleanup(process.wait)
-        self.addCleanup(process.kill)
-        return process
-
-    def until(self, found):
-        limit = time.monotonic() + 120
-        while not (value := found()):
-            self.assertLess(time.monotonic(), limit, "what was waited for does not come")
-            time.sleep(0.005)
-        return value
-
-    def left(self):
-        return sorted(path.name for path in self.out.rglob("*.partial"))
-
-    def refused(self, run, *fragments, status=2):
-        self.assertEqual(run.status, status, run.err)
-        lines = [line for line in run.err.split("-----")[0].splitlines() if line.strip()]
-        self.assertEqual(len(lines), 1, run.err)
-        for fragment in fragments:
-            self.assertIn(fragment, lines[0])
-
-    def limited(self, kind, limit, *command):
-        """The command under a limit of resources."""
-        done = subprocess.run(
-            [str(word) for word in command],
-            capture_output=True,
-            text=True,
-            timeout=240,
-            preexec_fn=lambda: resource.setrlimit(kind, (limit, limit)),
-        )
-        run = Run(["true"])
-        run.status, run.err = done.returncode, done.stderr
-        return run
 
 
 class Signals(Robust):

@@ -169,3 +169,27 @@ class Bench:
                 raise Unexpected(f"status {run.returncode}, {len(lines)} lines: {run.stderr.strip()}")
             return lines[0]
         raise Unexpected("is not refused")
+
+
+# ---- Comparisons ----
+
+SAME = {"contact_end_s": 1, "peak_force_n": 1, "impulse_ns": 1, "restitution": 1}
+
+
+def relative(found, expected):
+    return abs(found / expected - 1)
+
+
+def departure(summary, reference, units):
+    """The largest relative difference of an impact's figures from those of another one in other units."""
+    return max(relative(summary[key] / unit, reference[key]) for key, unit in units.items())
+
+
+def balance(summary, mass=1.0, speed=0.01):
+    """What an impact on the floor misses of its ledger and of momentum."""
+    away = summary["exit_velocity"]["block"][2]
+    return max(relative(summary["impulse_ns"], mass * (speed + away)), summary["energy_drift"])
+
+
+def velocity(value):
+    return f"bodies.block.velocity=[0,0,{-value!r}]"
