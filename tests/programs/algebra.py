@@ -6,48 +6,16 @@ import unittest
 import h5py
 import numpy as np
 
+import scenes
 from programs import BIN, ProgramTest, Run, contact, kernel
 
-GEO = """
-SetFactory("Built-in");
-Point(1) = {0, 0, 0, 0.4}; Point(2) = {1.1, 0, 0, 0.4}; Point(3) = {1.0, 1.3, 0, 0.4}; Point(4) = {0, 1, 0, 0.4};
-Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 1};
-Curve Loop(1) = {1:4}; Plane Surface(1) = {1};
-block[] = Extrude {0, 0, 0.7} { Surface{1}; };
-Physical Volume("block") = {block[1]};
-Physical Surface("foot") = {1};
-Physical Surface("side") = {block[2]};
-"""
-
-SCENE = """
-title = "Algebra"
-[bodies.block]
-mesh = "block.geo"
-order = 2
-material = { density = 2.0, young = 3.0, poisson = 0.3 }
-contact = "foot"
-[obstacles.floor]
-normal = [0, 0, 1]
-[modes]
-up_to_hz = 1.5
-[contact]
-between = ["block", "floor"]
-spacing = 0.4
-gap = 0.1
-[time]
-rate_hz = 100
-duration = 1.0
-[loads]
-gravity = [0, 0, -1]
-[output]
-view = true
-"""
-
-ROD = """
-Point(1) = {0, 0, 0}; Point(2) = {1, 0, 0}; Line(1) = {1, 2};
-Transfinite Curve{1} = 11;
-Physical Curve("rod") = {1}; Physical Point("left") = {1};
-"""
+SCENE = scenes.block_on_floor(
+    "Algebra",
+    "up_to_hz = 1.5",
+    "spacing = 0.4\ngap = 0.1",
+    "rate_hz = 100\nduration = 1.0",
+    more="[loads]\ngravity = [0, 0, -1]\n[output]\nview = true",
+)
 
 # Twice as large, of another stiffness and density: frequencies √(1.7 / 0.6) / 2 = 0.842 times the old ones.
 OTHER = [
@@ -87,7 +55,7 @@ def flexibility(file):
 class Algebra(ProgramTest):
     def setUp(self):
         super().setUp()
-        self.write("block.geo", GEO)
+        self.write("block.geo", scenes.skewed_block(0.4))
         self.scene = self.write("algebra.toml", SCENE)
         self.out, self.fresh = self.folder / "out", self.folder / "fresh"
 
@@ -193,7 +161,7 @@ class Algebra(ProgramTest):
         self.check([modes.format(0.5)], [*OTHER, modes.format(0.5 * FASTER)])
 
     def test_rods_with_a_cross_section(self):
-        self.write("rod.geo", ROD)
+        self.write("rod.geo", scenes.rod())
         rod = [
             "bodies.block.mesh=rod.geo",
             "bodies.block.contact=left",

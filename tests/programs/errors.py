@@ -5,37 +5,11 @@ import unittest
 
 import h5py
 
+import scenes
 from programs import ProgramTest, contact, kernel
 
-ROD = """
-Point(1) = {0, 0, 0}; Point(2) = {1, 0, 0}; Line(1) = {1, 2};
-Transfinite Curve{1} = 11;
-Physical Curve("rod") = {1}; Physical Point("left") = {1}; Physical Point("right") = {2};
-"""
-
-SCENE = """
-title = "Errors"
-[bodies.a]
-mesh = "rod.geo"
-order = 1
-translate = [-1, 0, 0]
-material = { density = 1, young = 1, area = 1 }
-velocity = [1, 0, 0]
-contact = "right"
-[bodies.b]
-mesh = "rod.geo"
-order = 1
-material = { density = 1, young = 1, area = 1 }
-contact = "left"
-[modes]
-count = 8
-[contact]
-between = ["a", "b"]
-direction = [1, 0, 0]
-[time]
-rate_hz = 100
-duration = 1
-"""
+ROD = scenes.rod()
+SCENE = scenes.two_rods("Errors", "count = 8", "rate_hz = 100\nduration = 1", ("a", "b"), speed=1)
 
 # The second tetrahedron's first two nodes are exchanged: its volume is negative.
 INVERTED = """$MeshFormat

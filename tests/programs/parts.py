@@ -8,27 +8,12 @@ import unittest
 import h5py
 import numpy as np
 
+import scenes
 from programs import ProgramTest, displacement_kernel, kernel, static_responses
 
 CELLS = (3, 3, 4)
 
-SCENE = """
-title = "Parts"
-[bodies.{name}]
-mesh = "{name}.msh"
-material = {{ density = 2.0, young = 3.0, poisson = 0.3 }}
-contact = "top"
-support = {{ foot = "xyz" }}
-[obstacles.wall]
-point = [0, 0, 2]
-normal = [0, 0, -1]
-[modes]
-count = 40
-[contact]
-between = ["{name}", "wall"]
-direction = [0, 0, 1]
-[time]
-duration = 1.0
+MORE = """
 [[loads.traction]]
 body = "{name}"
 group = "top"
@@ -46,6 +31,19 @@ name = "mic"
 body = "{name}"
 at = [0.3, 0.9, 0.4]
 """
+
+
+def scene_of(name):
+    """The block of the mesh NAME.msh below a wall."""
+    body = f"""
+mesh = "{name}.msh"
+material = {{ density = 2.0, young = 3.0, poisson = 0.3 }}
+contact = "top"
+support = {{ foot = "xyz" }}
+"""
+    wall = {"wall": "point = [0, 0, 2]\nnormal = [0, 0, -1]"}
+    contact, more = "direction = [0, 0, 1]", MORE.format(name=name)
+    return scenes.scene({name: body}, "count = 40", contact, "duration = 1.0", wall, "Parts", more)
 
 
 def grid():
@@ -97,7 +95,7 @@ def msh(nodes, elements, chosen):
 
 class Parts(ProgramTest):
     def kernel_of(self, name, *sets, **options):
-        scene = self.write(f"{name}.toml", SCENE.format(name=name))
+        scene = self.write(f"{name}.toml", scene_of(name))
         out = pathlib.Path(tempfile.mkdtemp(dir=self.folder))
         self.succeed(kernel(scene, out, *sets, **({"ranks": 2} | options)))
         return next(out.glob("*.kernel.h5"))
@@ -138,7 +136,7 @@ class Parts(ProgramTest):
         nodes, elements = grid()
         for part in (1, 3):
             self.write(f"split_{part}.msh", msh(nodes, elements, range(len(elements))))
-        run = kernel(self.write("split.toml", SCENE.format(name="split")), self.folder / "out", ranks=2)
+        run = kernel(self.write("split.toml", scene_of("split")), self.folder / "out", ranks=2)
         self.assertEqual(run.status, 2)
         self.assertEqual(run.err.count("split_2.msh: no such file"), 1)
 

@@ -12,36 +12,12 @@ import unittest
 import h5py
 import numpy as np
 
+import scenes
 from programs import BIN, ProgramTest, displacement_kernel, kernel, settings
 
-GEO = """
-SetFactory("Built-in");
-Point(1) = {0, 0, 0, 0.16}; Point(2) = {1.1, 0, 0, 0.16}; Point(3) = {1.0, 1.3, 0, 0.16}; Point(4) = {0, 1, 0, 0.16};
-Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 1};
-Curve Loop(1) = {1:4}; Plane Surface(1) = {1};
-block[] = Extrude {0, 0, 0.7} { Surface{1}; };
-Physical Volume("block") = {block[1]};
-Physical Surface("foot") = {1};
-"""
-
-SCENE = """
-title = "Restart"
-[bodies.block]
-mesh = "block.geo"
-order = 2
-material = { density = 2.0, young = 3.0, poisson = 0.3 }
-contact = "foot"
-[obstacles.floor]
-normal = [0, 0, 1]
-[modes]
-count = 800
-[contact]
-between = ["block", "floor"]
-direction = [0, 0, -1]
-spacing = 0.4
-[time]
-duration = 1.0
-"""
+SCENE = scenes.block_on_floor(
+    "Restart", "count = 800", "direction = [0, 0, -1]\nspacing = 0.4", "duration = 1.0"
+)
 
 
 def kill_all(out):
@@ -85,7 +61,7 @@ class Restart(ProgramTest):
         return len(list(out.glob("*.slices/slice-*.h5")))
 
     def test_after_kills_at_random_moments(self):
-        self.write("block.geo", GEO)
+        self.write("block.geo", scenes.skewed_block(0.16))
         self.scene = self.write("restart.toml", SCENE)
         whole, broken = self.folder / "whole", self.folder / "broken"
         started = time.monotonic()
@@ -115,7 +91,7 @@ class Restart(ProgramTest):
             )
 
     def test_a_slice_that_was_damaged_is_computed_again(self):
-        self.write("block.geo", GEO)
+        self.write("block.geo", scenes.skewed_block(0.16))
         self.scene = self.write("restart.toml", SCENE)
         out = self.folder / "out"
         sets = ["modes.count=300"]

@@ -7,11 +7,12 @@ import subprocess
 import time
 
 
+import scenes
 from errors import ROD, SCENE
 from programs import BIN, ProgramTest, Run
 
 
-LONG = ROD.replace("= 11", "= 401")
+LONG = scenes.rod(elements=400)
 
 
 class Robust(ProgramTest):

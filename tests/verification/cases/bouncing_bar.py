@@ -10,6 +10,7 @@ After each flight the elastic wave must return in phase. Losses and delays of a 
 bar is itself unstable; `bouncing_bar_fine` measures this."""
 import numpy as np
 
+import scenes
 from case import BLUE, GREY, ORANGE, RED, slopes
 
 TITLE = "The bouncing bar of Doyen, Ern and Piperno"
@@ -23,33 +24,30 @@ SPEED, ARRIVAL = np.sqrt(YOUNG), np.sqrt(2 * GRAVITY * HEIGHT)
 TOUCH, FLIGHT, FALL = 2 * LENGTH / SPEED, 2 * ARRIVAL / GRAVITY, ARRIVAL / GRAVITY
 PERIOD = 2 * (TOUCH + FLIGHT)
 
-GEO = """DefineConstant[elements = 100];
-Point(1) = {0, 0, 0}; Point(2) = {10, 0, 0}; Line(1) = {1, 2}; Transfinite Curve{1} = elements + 1;
-Physical Curve("bar") = {1}; Physical Point("foot") = {1};
-"""
-SCENE = f"""[bodies.bar]
+GEO = scenes.rod(10, 100, "bar", ("foot", "top"))
+SCENE = scenes.scene(
+    {
+        "bar": f"""
 mesh = "bar.geo"
 order = 3
 translate = [{HEIGHT}, 0, 0]
 material = {{ density = 1.0, young = {YOUNG}, area = 1.0 }}
 contact = "foot"
-[obstacles.floor]
-normal = [1, 0, 0]
-[modes]
-count = 100
-[contact]
-between = ["bar", "floor"]
-direction = [-1, 0, 0]
-[time]
-rate_hz = 3e3
-duration = 27.0
+"""
+    },
+    modes="count = 100",
+    contact="direction = [-1, 0, 0]",
+    time="rate_hz = 3e3\nduration = 27.0",
+    obstacles={"floor": "normal = [1, 0, 0]"},
+    more=f"""
 [loads]
 gravity = [{-GRAVITY}, 0, 0]
 [[output.receiver]]
 name = "foot"
 body = "bar"
 at = [{HEIGHT}, 0, 0]
-"""
+""",
+)
 
 
 def exact(time):

@@ -4,6 +4,7 @@ under a unit normal force on each is Σ_n φ_in φ_jn/ω_n² + R_ij for any numb
 assembles the same bricks from one-dimensional integrals and solves for all patches at once."""
 import numpy as np
 
+import scenes
 from block import GEO, Block
 from case import BLUE, RED, plain_ticks
 
@@ -13,24 +14,22 @@ LONG = False
 SIDES, ELEMENTS, ORDER = (0.06, 0.05, 0.04), 4, 2
 MATERIAL = dict(density=7850.0, young=210e9, poisson=0.3)
 
-SCENE = f"""[bodies.box]
+SCENE = scenes.scene(
+    {
+        "box": f"""
 mesh = "block.geo"
 geometry = {{ a = {SIDES[0]}, b = {SIDES[1]}, c = {SIDES[2]}, n = {ELEMENTS} }}
 order = {ORDER}
 material = {{ density = {MATERIAL['density']}, young = {MATERIAL['young']}, poisson = {MATERIAL['poisson']} }}
 contact = "top"
 support = {{ foot = "xyz" }}
-[obstacles.ceiling]
-point = [0, 0, 1]
-normal = [0, 0, -1]
-[modes]
-count = 10
-[contact]
-between = ["box", "ceiling"]
-direction = [0, 0, 1]
-[time]
-duration = 1.0
 """
+    },
+    modes="count = 10",
+    contact="direction = [0, 0, 1]",
+    time="duration = 1.0",
+    obstacles={"ceiling": "point = [0, 0, 1]\nnormal = [0, 0, -1]"},
+)
 
 
 def run(bench):

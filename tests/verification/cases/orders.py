@@ -9,6 +9,7 @@
 and modal truncation."""
 import numpy as np
 
+import scenes
 from block import GEO
 from case import BLUE, GREEN, GREY, RED, slopes
 
@@ -23,49 +24,43 @@ DENSITY, YOUNG, POISSON = 2700.0, 70e9, 0.33
 MESHES = {1: (4, 6, 8), 2: (2, 3, 4), 3: (1, 2, 3)}
 LOWEST = 6  # frequencies compared
 
-BOX = f"""[bodies.box]
+BOX = scenes.scene(
+    {
+        "box": f"""
 mesh = "box.geo"
 material = {{ density = {DENSITY}, young = {YOUNG}, poisson = {POISSON} }}
 contact = "top"
 support = {{ foot = "xy", top = "xy", "x sides" = "x", "y sides" = "y" }}
-[obstacles.ceiling]
-point = [0, 0, 2]
-normal = [0, 0, -1]
-[modes]
-count = {LOWEST + 3}
-residual_flexibility = false
-[contact]
-between = ["box", "ceiling"]
-direction = [0, 0, 1]
-spacing = 0.05
-[time]
-duration = 1.0
 """
-ROD = """Point(1) = {0, 0, 0}; Point(2) = {1, 0, 0}; Line(1) = {1, 2}; Transfinite Curve{1} = 161;
-Physical Curve("bar") = {1}; Physical Point("foot") = {1}; Physical Point("top") = {2};
-"""
+    },
+    modes=f"count = {LOWEST + 3}\nresidual_flexibility = false",
+    contact="direction = [0, 0, 1]\nspacing = 0.05",
+    time="duration = 1.0",
+    obstacles={"ceiling": "point = [0, 0, 2]\nnormal = [0, 0, -1]"},
+)
 # L = c = ρ = E = A = 1; the pulse lasts T = 1.2, and its wave is back at the foot after 3.
 LASTS, FORCE = 1.2, 1.0
-PRESSED = """[bodies.bar]
+PRESSED = scenes.scene(
+    {
+        "bar": """
 mesh = "rod.geo"
 order = 3
 material = { density = 1.0, young = 1.0, area = 1.0 }
 contact = "foot"
-[obstacles.floor]
-normal = [1, 0, 0]
-[modes]
-count = 320
-[contact]
-between = ["bar", "floor"]
-direction = [-1, 0, 0]
-[time]
-duration = 2.0
+"""
+    },
+    modes="count = 320",
+    contact="direction = [-1, 0, 0]",
+    time="duration = 2.0",
+    obstacles={"floor": "normal = [1, 0, 0]"},
+    more="""
 [[loads.traction]]
 body = "bar"
 group = "top"
 vector = [-1.0, 0, 0]
 history = "pulse.csv"
-"""
+""",
+)
 
 
 def reaction(time):
@@ -135,7 +130,7 @@ def elements(bench, ax):
 def run(bench):
     figure, axes = bench.figure(2, 2, height=3.0)
     elements(bench, axes[0, 0])
-    bench.write("rod.geo", ROD)
+    bench.write("rod.geo", scenes.rod(1, 160, "bar", ("foot", "top")))
     knots = np.linspace(0, LASTS, 1201)
     bench.write(
         "pulse.csv", "".join(f"{t:.9f}, {FORCE * np.sin(np.pi * t / LASTS) ** 2:.15f}\n" for t in knots)
