@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Package, benchmarks and tests are formatted by Debian's black and flake8 has no complaint, nor has mypy (strict) of the package.
-Each tool runs on its own."""
+"""All Python is formatted by Debian's black, and flake8 has no complaint; mypy (strict) has none of the package. Each tool runs on
+its own."""
 
 import shutil
 import subprocess
@@ -10,7 +10,7 @@ import unittest
 from programs import SOURCE
 
 PYTHON = SOURCE / "python"
-OTHERS = (SOURCE / "benchmarks", SOURCE / "tests")
+OTHERS = [SOURCE / name for name in ("benchmarks", "tests", "scripts/coverage", "scripts/fuzz")]
 
 
 class Style(unittest.TestCase):
