@@ -119,7 +119,7 @@ class Files(ProgramTest):
             "title a number": (attribute("/", "title", 5.0), drawn),
             "scene a number": (attribute("/", "scene", 5.0), drawn),
             "created_by NaN": (attribute("/", "created_by", nan), drawn),
-            "version text": (attribute("/", "version", "1"), "does not say its format version"),
+            "version text": (attribute("/", "version", "1"), "has no valid format version"),
             "kernel a number": (attribute(moving, "kernel", 5), drawn),
             "kernel of 300 letters": (attribute(moving, "kernel", 300 * "a"), "cannot be read"),
             "rotation of texts": (attribute(moving, "rotation", np.array(9 * ["a"], dtype="S1")), drawn),
