@@ -50,7 +50,7 @@ def run(options):
         "--benchmark_report_aggregates_only=true",
     ]
     found = json.loads(programs.call(command, capture=True))["benchmarks"]
-    rows = {b["run_name"]: b for b in found if b["aggregate_name"] == "median"}
+    rows = {b["run_name"]: b for b in found if b.get("aggregate_name", "median") == "median"}
     table = tables.Table(COLUMNS)
     for name in sorted(rows, key=lambda name: (int(name.split()[0]), -rows[name]["cpu_time"])):
         scene, steps = name.split(": ")

@@ -119,14 +119,14 @@ def rows_of(options, case, ranks, truth, cache):
     if not options.calculix or not calculix.installed():
         return
     for order, size in options.calculix:
-        # With the number of threads that suits it better.
+        # The better number of threads counts.
         try:
             trials = [
                 calculix.run(case(order, size), COUNT, threads, options.rounds, cache)
                 for threads in options.threads
             ]
         except errors.RicochetError as error:
-            # Out of memory, as a rule: what has been found stays worth a report.
+            # It usually runs out of memory; the other runs are still reported.
             note(f"calculix, order {order}, size {size:g}: left out: {error}")
             continue
         runs = min(trials, key=timing.median)
@@ -146,7 +146,7 @@ def report(rows, target):
             f"{name}: {seconds:.3g} s for an error of {target:.2g}, "
             + ("extrapolated: no runs on both sides of it" if beyond else "interpolated")
         )
-    # What lies between runs counts before what was extrapolated.
+    # Interpolated times are preferred to extrapolated ones.
     best = {
         family: min(
             (beyond, seconds, name) for name, (seconds, beyond) in needed.items() if name.startswith(family)

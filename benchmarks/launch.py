@@ -15,7 +15,7 @@ def build(*targets):
 
 
 def measured(command, folder=None, variables=programs.ONE_THREAD):
-    """What `ricochet.timing.timed` returns. Raises SolverError if the program fails, whose output is then printed."""
+    """Runs a program as `ricochet.timing.timed` does. Prints its output and raises SolverError if it fails."""
     done = timing.timed(command, folder, variables)
     if done.status != 0:
         print(done.text, file=sys.stderr)

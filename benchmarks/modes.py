@@ -196,7 +196,7 @@ def complete(options):
         options.size = options.size or ["2.3e-3"]
         options.order = options.order or "2"
     options.threads = options.threads or sorted({1, *options.ranks})
-    # In this order: slicing needs the upper end that ricochet finds.
+    # The order of SOLVERS: slicing needs the upper end that ricochet finds.
     options.solvers = [solver for solver in SOLVERS if solver in options.solvers]
     if "slicing" in options.solvers and "ricochet" not in options.solvers:
         options.parser.error("slicing needs ricochet among --solvers, which finds its upper end")

@@ -31,7 +31,11 @@ def findings(root, names):
             yield f"{name}: has {len(content)} bytes, more than 1 MiB"
         if name.startswith("tests/fuzz/corpus/"):
             continue
-        if content and is_source(path, content) and LICENCE.encode() not in b"\n".join(content.split(b"\n")[:3]):
+        if (
+            content
+            and is_source(path, content)
+            and LICENCE.encode() not in b"\n".join(content.split(b"\n")[:3])
+        ):
             yield f"{name}: has no line {LICENCE}"
         if found := HOME.search(content):
             line = content.count(b"\n", 0, found.start()) + 1

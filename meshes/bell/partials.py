@@ -9,8 +9,13 @@ import sys
 import h5py
 import numpy as np
 
-NAMES = {(2, True): ("hum", 0.5), (2, False): ("prime", 1.0), (3, True): ("tierce", 1.2), (3, False): ("quint", 1.5),
-         (4, True): ("nominal", 2.0)}
+NAMES = {
+    (2, True): ("hum", 0.5),
+    (2, False): ("prime", 1.0),
+    (3, True): ("tierce", 1.2),
+    (3, False): ("quint", 1.5),
+    (4, True): ("nominal", 2.0),
+}
 WAVES = np.arange(7)
 
 
@@ -30,7 +35,9 @@ lip, waist = (around(angle[at], outward[at]) for at in (height < 0.1, abs(height
 found = {}
 for n in range(len(hertz)):
     m = int(np.argmax((lip[:, :, n] ** 2).sum(axis=0)))
-    swings = (outward[:, n] ** 2).sum() > 0.25 * (shape[:, :, n] ** 2).sum()  # else it twists, or stretches along its height
+    swings = (outward[:, n] ** 2).sum() > 0.25 * (
+        shape[:, :, n] ** 2
+    ).sum()  # else it twists, or stretches along its height
     together = bool((lip[:, m, n] * waist[:, m, n]).sum() > 0)
     if swings and (m, together) in NAMES:
         found.setdefault((m, together), n)  # the lowest; its twin, turned by a quarter of a wave, follows
@@ -38,5 +45,7 @@ strike = hertz[found[4, True]] / 2
 print("partial     Hz  ratio  textbook  cents  falls by 60 dB in")
 for key, (name, ratio) in NAMES.items():
     n = found[key]
-    print(f"{name:8} {hertz[n]:5.0f}  {hertz[n] / strike:5.3f}  {ratio:8.3f}  {1200 * np.log2(hertz[n] / strike / ratio):+5.0f}"
-          f"  {np.log(1000) / decay[n]:4.1f} s")
+    print(
+        f"{name:8} {hertz[n]:5.0f}  {hertz[n] / strike:5.3f}  {ratio:8.3f}  {1200 * np.log2(hertz[n] / strike / ratio):+5.0f}"
+        f"  {np.log(1000) / decay[n]:4.1f} s"
+    )

@@ -16,7 +16,7 @@ def line(length, cells):
     h = length / cells
     slope, stiffness, mass = np.zeros((3, cells + 1, cells + 1))
     for cell in range(cells):
-        both = np.s_[cell:cell + 2, cell:cell + 2]
+        both = np.s_[cell : cell + 2, cell : cell + 2]
         slope[both] += [[-1 / 2, 1 / 2], [-1 / 2, 1 / 2]]
         stiffness[both] += [[1 / h, -1 / h], [-1 / h, 1 / h]]
         mass[both] += [[h / 3, h / 6], [h / 6, h / 3]]
@@ -28,6 +28,7 @@ lines = [line(length, cells) for length, cells in zip(SIZE, CELLS)]
 
 def integral(a=None, b=None):
     """∫ ∂N_i/∂x_a ∂N_j/∂x_b; None: no derivative. Nodes are numbered along x first, then y, then z."""
+
     def along(axis):
         slope, stiffness, mass = lines[axis]
         return (stiffness if a == b else slope.T if axis == a else slope) if axis in (a, b) else mass
@@ -54,4 +55,6 @@ x, y, z = (np.linspace(0, length, cells + 1) for length, cells in zip(SIZE, CELL
 np.savetxt("nodes.txt", [(i - SIZE[0] / 2, j - SIZE[1] / 2, k) for k in z for j in y for i in x])
 across, deep = CELLS[0] + 1, CELLS[1] + 1
 corners = [i + across * j for j in range(deep - 1) for i in range(across - 1)]
-np.savetxt("foot.txt", [(c + 1, c + across + 1, c + across + 2, c + 2) for c in corners], fmt="%d")  # from below: counter-clockwise
+np.savetxt(
+    "foot.txt", [(c + 1, c + across + 1, c + across + 2, c + 2) for c in corners], fmt="%d"
+)  # from below: counter-clockwise

@@ -55,8 +55,11 @@ mass = o.density * o.area * o.length
 o.file.parent.mkdir(parents=True, exist_ok=True)
 with h5py.File(o.file, "w") as f:
     f.attrs["format"], f.attrs["version"] = np.bytes_("ricochet-table"), 1
-    for name, value, unit in [("displacement", N, "m/(N s)"), ("velocity", (after - N) * o.rate, "1/kg"),
-                              ("flexibility", (primitive(l + 1) - primitive(l)) / o.rate, "m/N")]:
+    for name, value, unit in [
+        ("displacement", N, "m/(N s)"),
+        ("velocity", (after - N) * o.rate, "1/kg"),
+        ("flexibility", (primitive(l + 1) - primitive(l)) / o.rate, "m/N"),
+    ]:
         f[f"table/{name}"] = value.reshape(-1, 1, 1)
         f[f"table/{name}"].attrs["unit"] = np.bytes_(unit)
     f["table/step"], f["table/gap"], f["table/area"] = 1 / o.rate, [o.gap], [o.area]

@@ -23,7 +23,7 @@ class RicochetError(Exception):
 
 
 class InputError(RicochetError):
-    """A mistake that the user can correct: the text says where, what was found and what to do."""
+    """A mistake that the user can correct: the text states where, what was found and what to do."""
 
     def __init__(self, text: str) -> None:
         super().__init__(text, 2)

@@ -73,7 +73,7 @@ def remove_left(path: Path) -> None:
 
 
 def write_csv(path: Path, titles: Iterable[str], rows: Iterable[Sequence[Any]]) -> None:
-    """Raises OSError."""
+    """Writes a table. Raises OSError."""
     text = io.StringIO(newline="")
     table = csv.writer(text)
     table.writerow(list(titles))

@@ -89,7 +89,7 @@ class ModalTable:
         )
         share = self.effective_mass / self.mass
         rows = ""
-        for n, frequency in list(enumerate(self.frequency_hz))[:DISPLAYED]:
+        for n, frequency in enumerate(self.frequency_hz[:DISPLAYED]):
             shares = [self.damping[n], *share[n], self.contact_share[n]]
             cells = [str(n + 1), f"{frequency:.6g}", *(cell(value, 0) for value in shares)]
             rows += "<tr>" + "".join(f"<td>{text}</td>" for text in cells) + "</tr>"
@@ -98,7 +98,7 @@ class ModalTable:
         return f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>{note}"
 
     def rows(self) -> Iterator[list[Any]]:
-        """Of the CSV file: the values of COLUMNS."""
+        """The rows of the CSV file: the values of COLUMNS for each mode."""
         for n, frequency in enumerate(self.frequency_hz):
             axes = [*self.participation[n], *self.effective_mass[n]]
             numbers = [frequency, self.damping[n], *axes, self.contact_share[n]]
@@ -111,7 +111,7 @@ class ModalTable:
         lines.append("mode   frequency   damping  effective mass (% of the mass)   contact flexibility")
         lines.append("                Hz         %         x         y         z                     %")
         share = 100 * self.effective_mass / self.mass
-        for n, frequency in list(enumerate(self.frequency_hz))[:first]:
+        for n, frequency in enumerate(self.frequency_hz[:first]):
             masses = "".join(f"{value:10.3f}" for value in share[n])
             damping, contact = cell(self.damping[n], 10), cell(self.contact_share[n], 22)
             lines.append(f"{n + 1:4d}{frequency:12.6g}{damping}{masses}{contact}")
@@ -125,7 +125,7 @@ class ModalTable:
 
 
 def cell(share: float, width: int) -> str:
-    """In per cent."""
+    """A share as text, in per cent."""
     return f"{100 * share:{width}.3f}" if np.isfinite(share) else "–".rjust(width)
 
 

@@ -202,5 +202,5 @@ def slug(title: str) -> str:
 
 
 def out_folder(scene: Word, out: Word | None = None) -> Path:
-    """Where the programs put kernels and results."""
+    """The folder in which the programs put kernels and results."""
     return Path(out) if out else Path(scene).parent / "out"

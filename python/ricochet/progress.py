@@ -6,7 +6,7 @@ from typing import TextIO
 
 
 def duration(seconds: float) -> str:
-    """In words: 45 s, 3 min 20 s, 2 h 5 min."""
+    """A duration as text: 45 s, 3 min 20 s, 2 h 5 min."""
     seconds = round(seconds)
     if seconds < 60:
         return f"{seconds} s"

@@ -112,7 +112,7 @@ class Result(_Data):
         """Opens a `.result.h5`. Raises InputError, one line, for a missing, damaged or foreign file."""
         self.path = Path(path)
         super().__init__(File(self.path, "ricochet-result"), "")
-        try:  # now, as another run may write it anew
+        try:  # now, because another run may replace it
             self._summary = self.path.with_name(f"{self.slug}.summary.json").read_text("utf-8")
         except (OSError, ValueError):
             self._summary = ""
@@ -144,7 +144,7 @@ class Result(_Data):
 
     @property
     def warnings(self) -> list[str]:
-        """Sentences on where the model leaves its validity."""
+        """Warnings that the model leaves its validity, one sentence each."""
         return list(self.summary["warnings"])
 
     # ---- Contact ----

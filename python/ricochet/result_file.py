@@ -48,11 +48,8 @@ class File:
     def __init__(self, path: Path, kind: str) -> None:
         self.path = path
         if not is_there(path):
-            name = (
-                "a .kernel.h5 that ricochet-kernel wrote"
-                if kind == "ricochet-kernel"
-                else "a .result.h5 that ricochet-contact wrote"
-            )
+            result = "a .result.h5 that ricochet-contact wrote"
+            name = "a .kernel.h5 that ricochet-kernel wrote" if kind == "ricochet-kernel" else result
             raise InputError(f"{path}: there is no such file. Name {name}.")
         try:
             self.file = h5py.File(path, "r")
@@ -64,7 +61,7 @@ class File:
 
         version = self.attribute("/", "version")
         if not isinstance(version, (int, np.integer)):
-            raise InputError(f"{path}: does not say its format version. Compute it again.")
+            raise InputError(f"{path}: has no valid format version. Compute it again.")
         if not 1 <= version <= VERSION:
             raise InputError(
                 f"{path}: has format version {version}, and this program reads {VERSION}. Use a newer Ricochet."
@@ -73,13 +70,9 @@ class File:
     def text(self, where: str, name: str) -> str | None:
         """An attribute; None unless it is a text."""
         value = self.attribute(where, name)
-        return (
-            value.decode(errors="replace")
-            if isinstance(value, bytes)
-            else value
-            if isinstance(value, str)
-            else None
-        )
+        if isinstance(value, bytes):
+            return value.decode(errors="replace")
+        return value if isinstance(value, str) else None
 
     def attribute(self, where: str, name: str) -> Any:
         return self.file[where].attrs.get(name) if where in self.file else None
@@ -99,28 +92,21 @@ class File:
 
     def array(self, name: str, *shape: int | None) -> NDArray[Any]:
         """Values as floats or integers. None in `shape` is a dimension of any length."""
+        refused = f'{self.path}: dataset "{name}"'
         if not self.has(name):
-            raise InputError(f'{self.path}: dataset "{name}" is missing. Compute it again.')
+            raise InputError(f"{refused} is missing. Compute it again.")
         data = self.file[name]
         if len(data.shape) != len(shape) or any(s not in (None, d) for s, d in zip(shape, data.shape)):
             expected = ", ".join("*" if s is None else str(s) for s in shape)
-            raise InputError(
-                f'{self.path}: dataset "{name}" has shape {data.shape}, expected ({expected}). '
-                "Compute it again."
-            )
+            raise InputError(f"{refused} has shape {data.shape}, expected ({expected}). Compute it again.")
         if data.nbytes > 64 * self.path.stat().st_size:  # a damaged file must not claim all memory
-            raise InputError(
-                f'{self.path}: dataset "{name}" claims more than the file can hold. ' "Compute it again."
-            )
+            raise InputError(f"{refused} claims more than the file can hold. Compute it again.")
         try:
             values: NDArray[Any] = data[()]
         except OSError:
-            raise InputError(f'{self.path}: dataset "{name}" is damaged. Compute it again.') from None
+            raise InputError(f"{refused} is damaged. Compute it again.") from None
         if values.dtype.kind not in "fi" or not np.isfinite(values).all():
-            raise InputError(
-                f'{self.path}: dataset "{name}" holds values that are not finite numbers. '
-                "Compute it again."
-            )
+            raise InputError(f"{refused} holds values that are not finite numbers. Compute it again.")
         return values
 
 

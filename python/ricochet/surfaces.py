@@ -66,7 +66,7 @@ def read(path: Path) -> tuple[Triangles, dict[int, list[str]]]:
             gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 24)  # round enough for a picture
             gmsh.model.mesh.generate(2)
         found = {tag: triangles(tag) for _, tag in gmsh.model.getEntities(2)}
-    except Exception as problem:  # of gmsh, which raises this very class
+    except Exception as problem:  # gmsh raises this very class
         raise InputError(f"{path}: {' '.join(str(problem).split())}") from None
     if not any(len(corners) for corners in found.values()):
         raise InputError(f"{path}: has no surfaces: name a drawing or mesh of a solid")
@@ -91,7 +91,7 @@ def table(surfaces: Triangles, named: dict[int, list[str]]) -> str:
 
 
 def normals(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(T,3) of twice the area of each triangle."""
+    """(T,3) normals of triangles, each as long as twice the area."""
     found: NDArray[np.float64] = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     return found
 

@@ -13,7 +13,10 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOMS = ("pairing", "model", "complementarity", "stepping")
-OWN = re.compile(r"(base/format\.[ch]pp|kernels/(kernel\.cpp|format\.hpp)|include/ricochet/\w+\.hpp|contact/(%s)/\w+\.[ch]pp)$" % "|".join(ROOMS))
+OWN = re.compile(
+    r"(base/format\.[ch]pp|kernels/(kernel\.cpp|format\.hpp)|include/ricochet/\w+\.hpp|contact/(%s)/\w+\.[ch]pp)$"
+    % "|".join(ROOMS)
+)
 STANDARD = "#include <bits/stdc++.h>\n#include <immintrin.h>\n"
 
 
@@ -21,7 +24,11 @@ def includes(compiler, folders, source, text=None):
     """Absolute paths of a unit's files, by the compiler."""
     command = [compiler, "-std=c++20", "-x", "c++", "-M", *[f"-I{folder}" for folder in folders], source]
     rule = subprocess.run(command, input=text, capture_output=True, text=True, check=True).stdout
-    return {str(Path(name).resolve()) for name in rule.split(":", 1)[1].replace("\\\n", " ").split() if name != source or not text}
+    return {
+        str(Path(name).resolve())
+        for name in rule.split(":", 1)[1].replace("\\\n", " ").split()
+        if name != source or not text
+    }
 
 
 def main():
@@ -34,7 +41,9 @@ def main():
     known = includes(compiler, [], "-", STANDARD)
     strangers = []
     with ThreadPoolExecutor(2) as pool:
-        of_source = pool.map(lambda source: includes(compiler, [root, root / "include", eigen], str(source)), sources)
+        of_source = pool.map(
+            lambda source: includes(compiler, [root, root / "include", eigen], str(source)), sources
+        )
         for source, found in zip(sources, of_source):
             for path in sorted(found - known):
                 inside = path.removeprefix(f"{root}/")

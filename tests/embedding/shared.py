@@ -16,7 +16,10 @@ ricochet.ricochet_simulation_pickup_velocity.restype = ctypes.c_double
 
 
 class Block(ctypes.Structure):
-    _fields_ = [(name, ctypes.POINTER(ctypes.c_double)) for name in ("velocity", "total_force", "force", "displacement")]
+    _fields_ = [
+        (name, ctypes.POINTER(ctypes.c_double))
+        for name in ("velocity", "total_force", "force", "displacement")
+    ]
 
 
 def vector(*values):
@@ -50,6 +53,8 @@ assert abs(velocity - 1) < 1e-9, velocity  # restitution 0.5 of 2 m/s
 assert abs(sum(force) / 1000 - 4 * 3) < 1e-8, list(force)  # the change of momentum
 ricochet.ricochet_simulation_free(simulation)
 
-exported = subprocess.run(["nm", "-D", "--defined-only", library], capture_output=True, text=True, check=True).stdout
+exported = subprocess.run(
+    ["nm", "-D", "--defined-only", library], capture_output=True, text=True, check=True
+).stdout
 names = [line.split()[-1] for line in exported.splitlines()]
 assert names and all(name.startswith("ricochet_") for name in names), names

@@ -23,7 +23,12 @@ assert sound.shape == (2 * 44100, 2)
 assert abs(np.abs(sound).max() - 0.9) < 1e-6
 
 # Free-free bar (Blevins 1979): β L = 4.73004, 7.85320, 10.99561; f = (β L)² h √(E / 12 ρ) / (2π L²)
-f = np.array([4.73004074, 7.85320462, 10.9956078]) ** 2 * 0.006 * np.sqrt(70e9 / (12 * 2700)) / (2 * np.pi * 0.3**2)
+f = (
+    np.array([4.73004074, 7.85320462, 10.9956078]) ** 2
+    * 0.006
+    * np.sqrt(70e9 / (12 * 2700))
+    / (2 * np.pi * 0.3**2)
+)
 for channel in sound.T:
     ringing = channel[len(channel) // 4 :]
     ringing = ringing * np.hanning(len(ringing))

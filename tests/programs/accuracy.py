@@ -52,7 +52,9 @@ class Accuracy(ProgramTest):
     def error(self, summary):
         """The rods exchange their velocities, and the impulse is the momentum of one."""
         velocity = summary["exit_velocity"]
-        return max(abs(summary["impulse_ns"] / 10 - 1), abs(velocity["moving"][0]), abs(velocity["resting"][0] - 1))
+        return max(
+            abs(summary["impulse_ns"] / 10 - 1), abs(velocity["moving"][0]), abs(velocity["resting"][0] - 1)
+        )
 
     def test_rods_reach_what_is_asked_for(self):
         for accuracy in (3e-2, 1e-2, 3e-3):
@@ -60,7 +62,9 @@ class Accuracy(ProgramTest):
                 summary = self.collide(accuracy=accuracy)
                 self.assertLess(self.error(summary), accuracy)
                 self.assertLess(summary["error_estimate"]["total"], accuracy)
-                self.assertEqual(self.resolved["time"]["rate_hz"] * 30, round(self.resolved["time"]["rate_hz"] * 30))
+                self.assertEqual(
+                    self.resolved["time"]["rate_hz"] * 30, round(self.resolved["time"]["rate_hz"] * 30)
+                )
                 self.assertIn(self.resolved["time"]["precision"], ("double", "single"))
                 self.assertNotIn("accuracy =", self.warned)
 
@@ -78,7 +82,10 @@ class Accuracy(ProgramTest):
         self.assertGreater(estimate["modes"], 0.5 * estimate["total"])
         self.assertGreater(3 * estimate["total"], self.error(summary))
         (warning,) = [w for w in summary["warnings"] if "accuracy" in w]
-        self.assertRegex(warning, "above accuracy = 0.001; its largest share .* is that of the modes: use a higher modes.up_to_hz")
+        self.assertRegex(
+            warning,
+            "above accuracy = 0.001; its largest share .* is that of the modes: use a higher modes.up_to_hz",
+        )
         self.assertIn(warning, self.warned)
 
     def test_a_coarse_mesh_of_linear_elements_is_named(self):

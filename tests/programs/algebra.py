@@ -6,52 +6,25 @@ import unittest
 import h5py
 import numpy as np
 
+import scenes
 from programs import BIN, ProgramTest, Run, contact, kernel
 
-GEO = """
-SetFactory("Built-in");
-Point(1) = {0, 0, 0, 0.4}; Point(2) = {1.1, 0, 0, 0.4}; Point(3) = {1.0, 1.3, 0, 0.4}; Point(4) = {0, 1, 0, 0.4};
-Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 1};
-Curve Loop(1) = {1:4}; Plane Surface(1) = {1};
-block[] = Extrude {0, 0, 0.7} { Surface{1}; };
-Physical Volume("block") = {block[1]};
-Physical Surface("foot") = {1};
-Physical Surface("side") = {block[2]};
-"""
-
-SCENE = """
-title = "Algebra"
-[bodies.block]
-mesh = "block.geo"
-order = 2
-material = { density = 2.0, young = 3.0, poisson = 0.3 }
-contact = "foot"
-[obstacles.floor]
-normal = [0, 0, 1]
-[modes]
-up_to_hz = 1.5
-[contact]
-between = ["block", "floor"]
-spacing = 0.4
-gap = 0.1
-[time]
-rate_hz = 100
-duration = 1.0
-[loads]
-gravity = [0, 0, -1]
-[output]
-view = true
-"""
-
-ROD = """
-Point(1) = {0, 0, 0}; Point(2) = {1, 0, 0}; Line(1) = {1, 2};
-Transfinite Curve{1} = 11;
-Physical Curve("rod") = {1}; Physical Point("left") = {1};
-"""
+SCENE = scenes.block_on_floor(
+    "Algebra",
+    "up_to_hz = 1.5",
+    "spacing = 0.4\ngap = 0.1",
+    "rate_hz = 100\nduration = 1.0",
+    more="[loads]\ngravity = [0, 0, -1]\n[output]\nview = true",
+)
 
 # Twice as large, of another stiffness and density: frequencies √(1.7 / 0.6) / 2 = 0.842 times the old ones.
-OTHER = ["bodies.block.scale=2", "bodies.block.material.young=5.1", "bodies.block.material.density=1.2",
-         "bodies.block.damping={rayleigh=[0.1,0.01]}", "contact.spacing=0.8"]
+OTHER = [
+    "bodies.block.scale=2",
+    "bodies.block.material.young=5.1",
+    "bodies.block.material.density=1.2",
+    "bodies.block.damping={rayleigh=[0.1,0.01]}",
+    "contact.spacing=0.8",
+]
 FACTORS = ["--young-factor", 1.7, "--density-factor", 0.6, "--scale-factor", 2]
 FASTER = np.sqrt(1.7 / 0.6) / 2
 
@@ -60,10 +33,15 @@ def functions(file):
     """Σ_n v_n v_nᵀ sin(ω_n t)/ω_n at some times, of all that a kernel holds of its modes: they do not know the choice of
     vectors within a multiple mode. Each quantity in units of its largest value."""
     omega, decay = file["modes/angular_frequency"][:], file["modes/decay_rate"][:]
-    sets = [file[name][:].reshape(-1, omega.size) for name in ("surface/shape", "loads/body_force", "loads/rotation")]
+    sets = [
+        file[name][:].reshape(-1, omega.size)
+        for name in ("surface/shape", "loads/body_force", "loads/rotation")
+    ]
     rows = np.vstack([values / (np.abs(values).max() or 1) for values in sets])
     times = np.linspace(0.1, 20, 40)[:, None]
-    sine = np.where(omega > 0, np.sin(omega * times) / np.where(omega > 0, omega, 1), times) * np.exp(-decay * times)
+    sine = np.where(omega > 0, np.sin(omega * times) / np.where(omega > 0, omega, 1), times) * np.exp(
+        -decay * times
+    )
     return np.einsum("in,tn,jn->tij", rows, sine, rows)
 
 
@@ -77,7 +55,7 @@ def flexibility(file):
 class Algebra(ProgramTest):
     def setUp(self):
         super().setUp()
-        self.write("block.geo", GEO)
+        self.write("block.geo", scenes.skewed_block(0.4))
         self.scene = self.write("algebra.toml", SCENE)
         self.out, self.fresh = self.folder / "out", self.folder / "fresh"
 
@@ -108,7 +86,14 @@ class Algebra(ProgramTest):
             for file, key in ((a, ""), (b, "/")):
                 file.visit(names[key].append)
             self.assertEqual(sorted(names[""]), sorted(names["/"]))
-            for name in ("body/centre", "body/inertia", "surface/node", "surface/normal", "surface/area", "view/node"):
+            for name in (
+                "body/centre",
+                "body/inertia",
+                "surface/node",
+                "surface/normal",
+                "surface/area",
+                "view/node",
+            ):
                 if name in b:
                     self.assert_close(a[name], b[name], 1e-12, name)
             for name in ("modes/angular_frequency", "modes/decay_rate"):
@@ -123,7 +108,9 @@ class Algebra(ProgramTest):
                 np.testing.assert_array_equal(a[name], b[name])
             self.assert_close(functions(a), functions(b), bound, "kernel functions")
             if "view" in b:
-                self.assert_close(np.abs(a["view/shape"]), np.abs(b["view/shape"]), 1e-5, "view")  # single precision
+                self.assert_close(
+                    np.abs(a["view/shape"]), np.abs(b["view/shape"]), 1e-5, "view"
+                )  # single precision
 
     def path(self, folder, *sets, ranks=1):
         """The one kernel there that the scene asks for with these settings."""
@@ -159,24 +146,42 @@ class Algebra(ProgramTest):
         self.check([down, modes.format(0.5)], [down, *OTHER, modes.format(0.5 * FASTER)])
 
     def test_one_direction_of_a_turned_body_out_of_all(self):
-        self.check([], [*OTHER, "bodies.block.rotate_deg=[0,0,30]", "contact.direction=[0,0.6,-0.8]", "modes.up_to_hz=1"])
+        self.check(
+            [],
+            [
+                *OTHER,
+                "bodies.block.rotate_deg=[0,0,30]",
+                "contact.direction=[0,0.6,-0.8]",
+                "modes.up_to_hz=1",
+            ],
+        )
 
     def test_vectors_fitted_to_contact_in_the_same_band(self):
         modes = 'modes={{basis="contact",up_to_hz={}}}'
         self.check([modes.format(0.5)], [*OTHER, modes.format(0.5 * FASTER)])
 
     def test_rods_with_a_cross_section(self):
-        self.write("rod.geo", ROD)
-        rod = ["bodies.block.mesh=rod.geo", "bodies.block.contact=left", "contact.direction=[-1,0,0]",
-               "obstacles.floor.normal=[1,0,0]", "modes={count=6}"]
+        self.write("rod.geo", scenes.rod())
+        rod = [
+            "bodies.block.mesh=rod.geo",
+            "bodies.block.contact=left",
+            "contact.direction=[-1,0,0]",
+            "obstacles.floor.normal=[1,0,0]",
+            "modes={count=6}",
+        ]
         material = "bodies.block.material={{density={},young={},area={}}}"
-        self.check([*rod, material.format(1, 1, 1)],
-                   [*rod, OTHER[0], *OTHER[3:], material.format(3, 0.5, 0.2)])
+        self.check(
+            [*rod, material.format(1, 1, 1)], [*rod, OTHER[0], *OTHER[3:], material.format(3, 0.5, 0.2)]
+        )
 
     def test_what_does_not_follow_is_computed(self):
         self.path(self.out)
-        for sets in (["modes.up_to_hz=2"], ["bodies.block.material.poisson=0.2"], ["contact.spacing=0.5"],
-                     ["bodies.block.material.young=1"]):
+        for sets in (
+            ["modes.up_to_hz=2"],
+            ["bodies.block.material.poisson=0.2"],
+            ["contact.spacing=0.5"],
+            ["bodies.block.material.young=1"],
+        ):
             with self.subTest(sets=sets):
                 _, run = self.path(self.out, *sets)
                 self.assertNotIn("derived", run.out)

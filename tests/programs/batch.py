@@ -32,8 +32,12 @@ class Batch(ProgramTest):
 
     def submit(self, *more):
         """Submits and waits until all jobs have left the queue."""
-        done = self.succeed(Run([BIN / "ricochet", "batch", self.study, "--ranks", "2", "--parts", "3", *more]))
-        slurm.until(lambda: not Run(["squeue", "-h"]).out.strip(), "jobs stay in the queue:\n" + Run(["squeue"]).out)
+        done = self.succeed(
+            Run([BIN / "ricochet", "batch", self.study, "--ranks", "2", "--parts", "3", *more])
+        )
+        slurm.until(
+            lambda: not Run(["squeue", "-h"]).out.strip(), "jobs stay in the queue:\n" + Run(["squeue"]).out
+        )
         return done
 
     def rows(self):
@@ -78,15 +82,24 @@ class Unreached(ProgramTest):
     def test_a_slurm_whose_controller_does_not_answer_is_told_in_one_line(self):
         self.write("two-rods.toml", (MESHES / "two-rods/two-rods.toml").read_text())
         study = self.write("study.toml", STUDY)
-        for told in (["error: resolve_ctls_from_dns_srv: res_nsearch error: Unknown host", "error: fetch_config: DNS SRV lookup failed",
-                      "error: _establish_config_source: failed to fetch config", "fatal: Could not establish a configuration source"],
-                     ["error: Batch job submission failed: Unable to contact slurm controller (connect failure)"]):
+        for told in (
+            [
+                "error: resolve_ctls_from_dns_srv: res_nsearch error: Unknown host",
+                "error: fetch_config: DNS SRV lookup failed",
+                "error: _establish_config_source: failed to fetch config",
+                "fatal: Could not establish a configuration source",
+            ],
+            ["error: Batch job submission failed: Unable to contact slurm controller (connect failure)"],
+        ):
             # Stands for sbatch, with what that of Debian 12 says without a slurm.conf, and with one but no slurmctld.
             lines = "".join(f"echo 'sbatch: {line}' >&2\n" for line in told)
             self.write("sbatch", f"#!/bin/sh\n{lines}exit 1\n").chmod(0o755)
             done = Run(["env", f"PATH={self.folder}:/usr/bin:/bin", BIN / "ricochet", "batch", study])
             self.assertEqual((done.status, done.err.count("\n")), (2, 1), done.err)
-            self.assertIn(f"no SLURM controller ({told[0].removeprefix('error: ')}): inspect the jobs with --dry-run", done.err)
+            self.assertIn(
+                f"no SLURM controller ({told[0].removeprefix('error: ')}): inspect the jobs with --dry-run",
+                done.err,
+            )
 
 
 if __name__ == "__main__":

@@ -37,16 +37,35 @@ class BoxTest(ProgramTest):
         cls.all = pathlib.Path(scope.name)
         cls.box = Box()
         cls.stiffness, cls.mass = cls.box.matrices()
-        texts = {"box.msh": cls.box.gmsh(), "K.mtx": matrix_market(cls.stiffness), "M.mtx": matrix_market(cls.mass, False),
-                 "nodes.txt": listed(cls.box.node), "foot.txt": listed(cls.box.foot + 1), "top.txt": listed(cls.box.top + 1)}
+        texts = {
+            "box.msh": cls.box.gmsh(),
+            "K.mtx": matrix_market(cls.stiffness),
+            "M.mtx": matrix_market(cls.mass, False),
+            "nodes.txt": listed(cls.box.node),
+            "foot.txt": listed(cls.box.foot + 1),
+            "top.txt": listed(cls.box.top + 1),
+        }
         material = "material = {" + ", ".join(f"{key} = {value}" for key, value in MATERIAL.items()) + "}"
-        texts |= {"own.toml": SCENE.format(mesh="box.msh", material=material),
-                  "imported.toml": SCENE.format(mesh="box.h5", material="")}
+        texts |= {
+            "own.toml": SCENE.format(mesh="box.msh", material=material),
+            "imported.toml": SCENE.format(mesh="box.h5", material=""),
+        }
         for name, text in texts.items():
             (cls.all / name).write_text(text)
-        run = Run([BIN / "ricochet", "import", "matrices", *(cls.all / name for name in ("K.mtx", "M.mtx", "nodes.txt")),
-                   "--surface", f"foot={cls.all / 'foot.txt'}", "--surface", f"top={cls.all / 'top.txt'}",
-                   "--out", cls.all / "box.h5"])
+        run = Run(
+            [
+                BIN / "ricochet",
+                "import",
+                "matrices",
+                *(cls.all / name for name in ("K.mtx", "M.mtx", "nodes.txt")),
+                "--surface",
+                f"foot={cls.all / 'foot.txt'}",
+                "--surface",
+                f"top={cls.all / 'top.txt'}",
+                "--out",
+                cls.all / "box.h5",
+            ]
+        )
         assert run.status == 0, run.err
         for name in ("own", "imported"):
             run = kernel(cls.all / f"{name}.toml", cls.all / name)

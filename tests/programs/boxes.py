@@ -22,13 +22,30 @@ class Box:
         def number(i, j, k):
             return i + counts[0] * (j + counts[1] * k)
 
-        self.brick = np.array([[number(*(np.array((i, j, k)) + corner)) for corner in CORNERS]
-                               for k, j, i in itertools.product(*(range(n) for n in reversed(cells)))])
+        self.brick = np.array(
+            [
+                [number(*(np.array((i, j, k)) + corner)) for corner in CORNERS]
+                for k, j, i in itertools.product(*(range(n) for n in reversed(cells)))
+            ]
+        )
         plane = list(itertools.product(range(cells[1]), range(cells[0])))
-        self.foot = np.array([[number(i, j, 0), number(i, j + 1, 0), number(i + 1, j + 1, 0), number(i + 1, j, 0)]
-                              for j, i in plane])
-        self.top = np.array([[number(i, j, cells[2]), number(i + 1, j, cells[2]), number(i + 1, j + 1, cells[2]),
-                              number(i, j + 1, cells[2])] for j, i in plane])
+        self.foot = np.array(
+            [
+                [number(i, j, 0), number(i, j + 1, 0), number(i + 1, j + 1, 0), number(i + 1, j, 0)]
+                for j, i in plane
+            ]
+        )
+        self.top = np.array(
+            [
+                [
+                    number(i, j, cells[2]),
+                    number(i + 1, j, cells[2]),
+                    number(i + 1, j + 1, cells[2]),
+                    number(i, j + 1, cells[2]),
+                ]
+                for j, i in plane
+            ]
+        )
 
     def matrices(self):
         """K and M, (3n,3n), row 3 node + component: ε = sym ∇u, σ = λ tr ε + 2μ ε by the rule of Gauss that integrates them."""
@@ -46,7 +63,9 @@ class Box:
                 at = place[[a, b, c]]
                 factor = (1 + sign * at) / 2
                 value = factor.prod(axis=1)
-                slope = np.stack([sign[:, d] / 2 * np.delete(factor, d, axis=1).prod(axis=1) for d in range(3)])
+                slope = np.stack(
+                    [sign[:, d] / 2 * np.delete(factor, d, axis=1).prod(axis=1) for d in range(3)]
+                )
                 jacobian = slope @ self.node[nodes]
                 volume = np.linalg.det(jacobian) * weight[a] * weight[b] * weight[c]
                 gradient = np.linalg.solve(jacobian, slope)
@@ -61,14 +80,30 @@ class Box:
 
     def gmsh(self):
         """The same bricks, their foot and top, as a .msh file of version 2.2."""
-        lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "3", '2 1 "foot"', '2 2 "top"', '3 3 "body"',
-                 "$EndPhysicalNames", "$Nodes", str(len(self.node))]
+        lines = [
+            "$MeshFormat",
+            "2.2 0 8",
+            "$EndMeshFormat",
+            "$PhysicalNames",
+            "3",
+            '2 1 "foot"',
+            '2 2 "top"',
+            '3 3 "body"',
+            "$EndPhysicalNames",
+            "$Nodes",
+            str(len(self.node)),
+        ]
         lines += [f"{k} {x!r} {y!r} {z!r}" for k, (x, y, z) in enumerate(self.node.tolist(), 1)]
-        elements = [(3, 1, nodes) for nodes in self.foot] + [(3, 2, nodes) for nodes in self.top] + \
-            [(5, 3, nodes) for nodes in self.brick]
+        elements = (
+            [(3, 1, nodes) for nodes in self.foot]
+            + [(3, 2, nodes) for nodes in self.top]
+            + [(5, 3, nodes) for nodes in self.brick]
+        )
         lines += ["$EndNodes", "$Elements", str(len(elements))]
-        lines += [f"{k} {kind} 2 {group} {group} " + " ".join(str(node + 1) for node in nodes)
-                  for k, (kind, group, nodes) in enumerate(elements, 1)]
+        lines += [
+            f"{k} {kind} 2 {group} {group} " + " ".join(str(node + 1) for node in nodes)
+            for k, (kind, group, nodes) in enumerate(elements, 1)
+        ]
         return "\n".join([*lines, "$EndElements", ""])
 
 
@@ -77,8 +112,15 @@ def matrix_market(matrix, symmetric=True):
     rows, columns = np.nonzero(np.tril(matrix) if symmetric else matrix)
     lines = [f"{i + 1} {j + 1} {float(matrix[i, j])!r}" for i, j in zip(rows.tolist(), columns.tolist())]
     kind = "symmetric" if symmetric else "general"
-    return "\n".join([f"%%MatrixMarket matrix coordinate real {kind}", "% made by a test",
-                      f"{len(matrix)} {len(matrix)} {len(lines)}", *lines, ""])
+    return "\n".join(
+        [
+            f"%%MatrixMarket matrix coordinate real {kind}",
+            "% made by a test",
+            f"{len(matrix)} {len(matrix)} {len(lines)}",
+            *lines,
+            "",
+        ]
+    )
 
 
 def listed(numbers):

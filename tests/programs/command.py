@@ -60,7 +60,9 @@ class Words(ProgramTest):
         for verb, program in (("impact", "ricochet-contact"), ("kernel", "ricochet-kernel")):
             direct = self.succeed(Run([BIN / program, scene, "--dry-run", *sets]))
             for ranks in ([], ["-n", "1"], ["--ranks=2"]) if verb == "kernel" else ([],):
-                self.assertEqual(self.succeed(ricochet(verb, *ranks, scene, "--dry-run", *sets)).out, direct.out)
+                self.assertEqual(
+                    self.succeed(ricochet(verb, *ranks, scene, "--dry-run", *sets)).out, direct.out
+                )
         self.assertEqual(ricochet("impact", scene, "--out", self.folder / "none").status, 2)
 
     def test_kernels_are_computed_on_as_many_ranks_as_asked_for(self):
@@ -68,14 +70,25 @@ class Words(ProgramTest):
         launcher.write_text(f'#!/bin/sh\necho "$1" > {self.folder}/ranks\nshift\nexec "$@"\n')
         launcher.chmod(0o755)
         scene = MESHES / "two-rods/two-rods.toml"
-        command = ["env", f"RICOCHET_LAUNCHER={launcher} {{ranks}}", BIN / "ricochet", "kernel", "-n", "3", scene]
+        command = [
+            "env",
+            f"RICOCHET_LAUNCHER={launcher} {{ranks}}",
+            BIN / "ricochet",
+            "kernel",
+            "-n",
+            "3",
+            scene,
+        ]
         self.succeed(Run([*command, "--out", self.folder, "--set", "modes.count=5", "--quiet"]))
         self.assertEqual((self.folder / "ranks").read_text(), "3\n")
         self.assertEqual(len(list(self.folder.glob("*.kernel.h5"))), 2)
 
     def test_an_output_that_cannot_be_written_is_an_error(self):
         done = Run(["sh", "-c", f"{BIN}/ricochet --help > /dev/full"])
-        self.assertEqual((done.status, done.err), (1, "ricochet --help: cannot write to standard output (No space left on device)\n"))
+        self.assertEqual(
+            (done.status, done.err),
+            (1, "ricochet --help: cannot write to standard output (No space left on device)\n"),
+        )
 
 
 class Modes(ProgramTest):
@@ -91,7 +104,9 @@ class Modes(ProgramTest):
     def test_a_scene_without_contact_and_time_has_modes_and_pictures_of_them(self):
         self.write("bar.geo", GEO)
         scene = self.write("bar.toml", BAR)
-        done = self.succeed(ricochet("modes", scene, "-n", "1", "--csv", self.folder / "bar.csv", "--plot", "--first", "8"))
+        done = self.succeed(
+            ricochet("modes", scene, "-n", "1", "--csv", self.folder / "bar.csv", "--plot", "--first", "8")
+        )
         self.assertIn("bar: 12 modes, mass 0.81 kg", done.out)
         self.assertIn("and 4 more", done.out)
         self.assertTrue((self.folder / "out/bar-modes.png").is_file())
@@ -117,7 +132,11 @@ class Modes(ProgramTest):
     def test_shares_at_the_contact_are_those_of_the_static_flexibility(self):
         scene = MESHES / "two-rods/two-rods.toml"
         table = self.folder / "rods.csv"
-        self.succeed(ricochet("modes", scene, "-n", "1", "--out", self.folder, "--set", "modes.count=8", "--csv", table))
+        self.succeed(
+            ricochet(
+                "modes", scene, "-n", "1", "--out", self.folder, "--set", "modes.count=8", "--csv", table
+            )
+        )
         rows = [row for row in self.rows(table) if row["body"] == "moving"]
         (kernel,) = self.folder.glob("moving-*.kernel.h5")
         with h5py.File(kernel) as file:
@@ -133,7 +152,9 @@ class Modes(ProgramTest):
         self.assertEqual(shape.shape, (1, len(omega)))
 
     def test_scenes_without_bodies_are_refused(self):
-        scene = self.write("table.toml", '[contact]\nkernel = "table"\ntable = "k.h5"\n[time]\nduration = 1.0\n')
+        scene = self.write(
+            "table.toml", '[contact]\nkernel = "table"\ntable = "k.h5"\n[time]\nduration = 1.0\n'
+        )
         done = ricochet("modes", scene, "-n", "1")
         self.assertEqual((done.status, done.err.count("\n")), (2, 1), done.err)
         self.assertIn("there are no bodies with modes", done.err)

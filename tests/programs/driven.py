@@ -52,11 +52,18 @@ at = [5.0, 0, 0]
 def waves(times):
     """Displacement in the middle: V (t − x)₊ of the foot and F t of the tip (h rises to 1 over 2 s), reflected with their
     sign at the free tip and against it at the foot."""
-    ramp = lambda t: np.where(t > 2, t - 1, np.where(t > 0, t * t / 4, 0))  # ∫ h dt
+
+    def ramp(t):  # ∫ h dt
+        return np.where(t > 2, t - 1, np.where(t > 0, t * t / 4, 0))
+
     out = np.zeros_like(times)
     for echo in range(3):
         later = times - 2 * LENGTH * echo
-        out += (-1) ** echo * SPEED * (np.maximum(later - MIDDLE, 0) + np.maximum(later - 2 * LENGTH + MIDDLE, 0))
+        out += (
+            (-1) ** echo
+            * SPEED
+            * (np.maximum(later - MIDDLE, 0) + np.maximum(later - 2 * LENGTH + MIDDLE, 0))
+        )
         out += (-1) ** echo * BLOW * (ramp(later - LENGTH + MIDDLE) - ramp(later - LENGTH - MIDDLE))
     return out
 
@@ -83,13 +90,18 @@ class Driven(ProgramTest):
         summary = self.summary(self.out)
         self.assertLess(summary["energy_drift"], 1e-12)
         sound = summary["sounds"]["mic"]
-        self.assertAlmostEqual(sound["full_scale_m_per_s"], abs(velocity).max(), delta=0.02 * abs(velocity).max())
+        self.assertAlmostEqual(
+            sound["full_scale_m_per_s"], abs(velocity).max(), delta=0.02 * abs(velocity).max()
+        )
         data = (self.out / sound["file"]).read_bytes()
         kind, channels, rate = struct.unpack_from("<HHI", data, data.index(b"fmt ") + 8)
         self.assertEqual((kind, channels, rate), (3, 3, 48000))  # 3: float
 
     def test_bad_histories_are_refused_in_one_line_and_leave_nothing(self):
-        for text, part in [("0,0\n0,1\n", "blow.csv:2: t = 0 s comes after 0 s"), ("0,zero\n", "blow.csv:1: ")]:
+        for text, part in [
+            ("0,0\n0,1\n", "blow.csv:2: t = 0 s comes after 0 s"),
+            ("0,zero\n", "blow.csv:1: "),
+        ]:
             self.write("blow.csv", text)
             run = contact(self.scene, self.out)
             self.assertEqual(run.status, 2)

@@ -5,37 +5,11 @@ import unittest
 
 import h5py
 
+import scenes
 from programs import ProgramTest, contact, kernel
 
-ROD = """
-Point(1) = {0, 0, 0}; Point(2) = {1, 0, 0}; Line(1) = {1, 2};
-Transfinite Curve{1} = 11;
-Physical Curve("rod") = {1}; Physical Point("left") = {1}; Physical Point("right") = {2};
-"""
-
-SCENE = """
-title = "Errors"
-[bodies.a]
-mesh = "rod.geo"
-order = 1
-translate = [-1, 0, 0]
-material = { density = 1, young = 1, area = 1 }
-velocity = [1, 0, 0]
-contact = "right"
-[bodies.b]
-mesh = "rod.geo"
-order = 1
-material = { density = 1, young = 1, area = 1 }
-contact = "left"
-[modes]
-count = 8
-[contact]
-between = ["a", "b"]
-direction = [1, 0, 0]
-[time]
-rate_hz = 100
-duration = 1
-"""
+ROD = scenes.rod()
+SCENE = scenes.two_rods("Errors", "count = 8", "rate_hz = 100\nduration = 1", ("a", "b"), speed=1)
 
 # The second tetrahedron's first two nodes are exchanged: its volume is negative.
 INVERTED = """$MeshFormat
@@ -88,7 +62,9 @@ class Errors(ProgramTest):
         self.refused_by_kernel(["bodies.a.yuong=3"], "scene.toml", "bodies.a.yuong", "unknown")
 
     def test_poisson_of_an_incompressible_body(self):
-        self.refused_by_kernel(["bodies.a.material.poisson=0.5"], "scene.toml", "bodies.a.material.poisson", "0.5", "0.49")
+        self.refused_by_kernel(
+            ["bodies.a.material.poisson=0.5"], "scene.toml", "bodies.a.material.poisson", "0.5", "0.49"
+        )
 
     def test_missing_group(self):
         self.refused_by_kernel(["bodies.a.contact=edge"], "rod.geo", "edge", '"left", "right"')
@@ -99,7 +75,9 @@ class Errors(ProgramTest):
     def test_inverted_element(self):
         self.write("inverted.msh", INVERTED)
         self.refused_by_kernel(
-            ["bodies.b.mesh=inverted.msh", "bodies.b.material={density=1,young=1}"], "inverted.msh", "element 3"
+            ["bodies.b.mesh=inverted.msh", "bodies.b.material={density=1,young=1}"],
+            "inverted.msh",
+            "element 3",
         )
 
     def test_impossible_count(self):
@@ -138,7 +116,12 @@ class Errors(ProgramTest):
     def test_equilibrium_that_nothing_holds(self):
         self.succeed(kernel(self.scene, self.out))
         at_rest = ["contact.scheme=static", "loads.gravity=[1,0,0]"]
-        self.refused(contact(self.scene, self.out, *at_rest), "scene.toml: bodies.", "no contact forces hold it", "support")
+        self.refused(
+            contact(self.scene, self.out, *at_rest),
+            "scene.toml: bodies.",
+            "no contact forces hold it",
+            "support",
+        )
         self.assertEqual(list(self.out.glob("errors.*")), [])
 
     def test_touches_of_few_steps_are_warned_of(self):

@@ -22,8 +22,21 @@ except ImportError:
 class Exports(BoxTest):
     def problems(self):
         """What --fclib wrote of a box that falls flat on the floor, and the forces of the run."""
-        self.succeed(Run([BIN / "ricochet-contact", self.all / "imported.toml", "--out", self.all / "imported", "--quiet",
-                          "--fclib", self.folder / "fclib", "--fclib-every", 4]))
+        self.succeed(
+            Run(
+                [
+                    BIN / "ricochet-contact",
+                    self.all / "imported.toml",
+                    "--out",
+                    self.all / "imported",
+                    "--quiet",
+                    "--fclib",
+                    self.folder / "fclib",
+                    "--fclib-every",
+                    4,
+                ]
+            )
+        )
         with h5py.File(self.all / "imported" / "box.result.h5") as file:
             forces = dict(zip(np.rint(file["contact/time"][:] * 40).astype(int), file["contact/force"][:]))
         return sorted((self.folder / "fclib").glob("*.hdf5")), forces
@@ -43,7 +56,10 @@ class Exports(BoxTest):
                 r, u, q = file["solution/r"][:], file["solution/u"][:], file["fclib_local/vectors/q"][:]
                 self.assertEqual(file["guesses/number_of_guesses"][0], 1)
                 np.testing.assert_array_equal(file["guesses/1/r"][:], r)
-                self.assertTrue((file["fclib_local/vectors/mu"][:] == 0).all() and file["fclib_local/vectors/mu"].shape == (12,))
+                self.assertTrue(
+                    (file["fclib_local/vectors/mu"][:] == 0).all()
+                    and file["fclib_local/vectors/mu"].shape == (12,)
+                )
                 # FCLIB's reader takes the size of the type for the text with its final zero.
                 self.assertEqual(file["fclib_local/info/title"].dtype.itemsize, len("Box") + 1)
             np.testing.assert_allclose(r[::3], forces[step], rtol=0, atol=1e-15 * abs(r).max())
@@ -74,8 +90,18 @@ class Exports(BoxTest):
             self.assertLess(abs(r - ours).max(), 1e-5 * peak)
 
     def test_only_problems_of_one_step_and_all_points_are_written(self):
-        run = Run([BIN / "ricochet-contact", self.all / "imported.toml", "--out", self.all / "imported", "--set",
-                   "contact.scheme=impulse", "--fclib", self.folder / "fclib"])
+        run = Run(
+            [
+                BIN / "ricochet-contact",
+                self.all / "imported.toml",
+                "--out",
+                self.all / "imported",
+                "--set",
+                "contact.scheme=impulse",
+                "--fclib",
+                self.folder / "fclib",
+            ]
+        )
         self.assertEqual(run.status, 2)
         self.assertIn("--fclib: only contact.scheme", run.err)
         self.assertFalse((self.folder / "fclib").exists())
@@ -87,9 +113,13 @@ class Exports(BoxTest):
     def test_faust_plays_the_modes_of_the_body(self):
         """The answer to an impulse of 1 N s, as compiled by faust, beside Σ φ φ e^{−δt} (cos ω_d t − δ/ω_d sin ω_d t)."""
         file, rate, count = self.one(self.all / "imported"), 50, 200
-        text = self.succeed(self.faust(file, "--excite", 3, "--receive", 7, "--receive", "0,0,0:1,1,0", "--rate", rate)).out
+        text = self.succeed(
+            self.faust(file, "--excite", 3, "--receive", 7, "--receive", "0,0,0:1,1,0", "--rate", rate)
+        ).out
         self.write("box.dsp", text)
-        subprocess.run(["faust", "-lang", "cpp", "-cn", "Body", "box.dsp", "-o", "body.hpp"], cwd=self.folder, check=True)
+        subprocess.run(
+            ["faust", "-lang", "cpp", "-cn", "Body", "box.dsp", "-o", "body.hpp"], cwd=self.folder, check=True
+        )
         self.write("main.cpp", PLAYER)
         subprocess.run(["g++", "-O0", "main.cpp", "-o", "player"], cwd=self.folder, check=True)
         heard = np.loadtxt(Run([self.folder / "player", rate, count]).out.splitlines())
@@ -105,14 +135,22 @@ class Exports(BoxTest):
         answer[0] = 0.5  # the jump at t = 0 is met half way
         error = abs(heard - answer @ gains.T)
         # Of a mode: 2 δ/rate + (ω/rate)² δ/ω by the numerator 1 − z⁻²; in single precision, ω_d by 4·2⁻²⁴/sin(ω_d/rate) a sample.
-        of_mode = 2 * decay / rate + omega * decay / rate**2 + np.arange(count)[:, None] * 4 * 2.0**-24 / np.sin(damped / rate)
+        of_mode = (
+            2 * decay / rate
+            + omega * decay / rate**2
+            + np.arange(count)[:, None] * 4 * 2.0**-24 / np.sin(damped / rate)
+        )
         self.assertLess((error / (of_mode @ abs(gains).T)).max(), 1)
         self.assertGreater(abs(answer @ gains.T).max(), 20 * error.max())
 
     def test_places_that_are_not_there_are_refused(self):
         file = self.one(self.all / "imported")
-        for words, excite, more in (("contact points 0 to 11", "12", []), ("\"mic\" is not a receiver", "mic", []),
-                                    ("no mode rings below 0.05 Hz", "1", ["--rate", 0.1]), ("is not a direction", "1:w", [])):
+        for words, excite, more in (
+            ("contact points 0 to 11", "12", []),
+            ('"mic" is not a receiver', "mic", []),
+            ("no mode rings below 0.05 Hz", "1", ["--rate", 0.1]),
+            ("is not a direction", "1:w", []),
+        ):
             run = self.faust(file, "--excite", excite, "--receive", 1, *more)
             self.assertEqual((run.status, run.out), (2, ""))
             self.assertIn(words, run.err)
@@ -124,11 +162,17 @@ class Exports(BoxTest):
         def silent(file):
             file["modes/angular_frequency"][7] = float("nan")
 
-        cases = [("--receive: \"²\" is not a receiver", "²", None), ("\".\" is not a receiver", ".:x", None),
-                 ("\"nan,0,0\" is not a receiver", "nan,0,0", None), ("has format version 99", 7, version),
-                 ("not finite numbers", 7, silent)]
-        cases += [(f"\"/{name}\" is missing", 7, lambda file, name=name: file.__delitem__(name))
-                  for name in ("surface/node", "surface/shape", "modes/angular_frequency")]
+        cases = [
+            ('--receive: "²" is not a receiver', "²", None),
+            ('"." is not a receiver', ".:x", None),
+            ('"nan,0,0" is not a receiver', "nan,0,0", None),
+            ("has format version 99", 7, version),
+            ("not finite numbers", 7, silent),
+        ]
+        cases += [
+            (f'"/{name}" is missing', 7, lambda file, name=name: file.__delitem__(name))
+            for name in ("surface/node", "surface/shape", "modes/angular_frequency")
+        ]
         for words, place, change in cases:
             path = shutil.copy(self.one(self.all / "imported"), self.folder / "damaged.kernel.h5")
             if change:

@@ -16,10 +16,25 @@ from programs import BIN, MESHES, SOURCE, ProgramTest
 BUILD = BIN.parent
 VERSION = re.search(r"project\(Ricochet VERSION (\S+)", (SOURCE / "CMakeLists.txt").read_text())[1]
 PROGRAMS = ["ricochet", "ricochet-contact", "ricochet-kernel", "ricochet-recast"]
-VERBS = ["run", "modes", "kernel", "impact", "plot", "report", "sweep", "tradeoff", "surfaces", "import", "export", "batch"]
+VERBS = [
+    "run",
+    "modes",
+    "kernel",
+    "impact",
+    "plot",
+    "report",
+    "sweep",
+    "tradeoff",
+    "surfaces",
+    "import",
+    "export",
+    "batch",
+]
 COMMANDS = [*PROGRAMS[1:], *(f"ricochet {verb}" for verb in VERBS)]
 # What each reads, if not a scene or a study.
-READS = dict.fromkeys(["ricochet plot", "ricochet report", "ricochet-recast", "ricochet export"], "b.result.h5")
+READS = dict.fromkeys(
+    ["ricochet plot", "ricochet report", "ricochet-recast", "ricochet export"], "b.result.h5"
+)
 READS |= {"ricochet surfaces": "d.step"}
 
 
@@ -30,20 +45,36 @@ class Installed(ProgramTest):
         cls.addClassCleanup(scope.cleanup)
         cls.prefix = Path(scope.name)
         for component in ("programs", "python", "library"):
-            subprocess.run(["cmake", "--install", BUILD, "--component", component, "--prefix", cls.prefix], check=True,
-                           capture_output=True)
+            subprocess.run(
+                ["cmake", "--install", BUILD, "--component", component, "--prefix", cls.prefix],
+                check=True,
+                capture_output=True,
+            )
 
     def call(self, *command, path="{bin}:/usr/bin:/bin", **more):
         """Without what points to the tree: its folder, its programs."""
-        found = {name: value for name, value in os.environ.items() if not name.startswith(("RICOCHET", "PYTHON"))}
-        found |= {"PATH": path.format(bin=self.prefix / "bin"), "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-        return subprocess.run([str(word) for word in command], env=found | more, cwd=self.folder, capture_output=True, text=True)
+        found = {
+            name: value for name, value in os.environ.items() if not name.startswith(("RICOCHET", "PYTHON"))
+        }
+        found |= {
+            "PATH": path.format(bin=self.prefix / "bin"),
+            "OMPI_ALLOW_RUN_AS_ROOT": "1",
+            "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+        }
+        return subprocess.run(
+            [str(word) for word in command], env=found | more, cwd=self.folder, capture_output=True, text=True
+        )
 
     def options(self, command):
         """Those that start a line of --help, with a short form before the long one or without."""
         text = self.succeed_in(self.call(*command.split(), "--help"))
-        return {word for line in text.splitlines() for word in re.findall(r"^  (-\w)?\S*?(?: \w+)?,? ?(--[a-z][a-z0-9-]*)?", line)[:1]
-                for word in word if word}
+        return {
+            word
+            for line in text.splitlines()
+            for word in re.findall(r"^  (-\w)?\S*?(?: \w+)?,? ?(--[a-z][a-z0-9-]*)?", line)[:1]
+            for word in word
+            if word
+        }
 
     def succeed_in(self, done):
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -53,8 +84,17 @@ class Installed(ProgramTest):
         self.assertEqual({path.name for path in (self.prefix / "bin").iterdir()}, set(PROGRAMS))
         for name in (*PROGRAMS, *COMMANDS):
             self.assertEqual(self.succeed_in(self.call(*name.split(), "--version")), f"{name} {VERSION}\n")
-        self.assertEqual(self.succeed_in(self.call("pkg-config", "--modversion", "ricochet",
-                                                   PKG_CONFIG_PATH=str(self.prefix / "share/pkgconfig"))).strip(), VERSION)
+        self.assertEqual(
+            self.succeed_in(
+                self.call(
+                    "pkg-config",
+                    "--modversion",
+                    "ricochet",
+                    PKG_CONFIG_PATH=str(self.prefix / "share/pkgconfig"),
+                )
+            ).strip(),
+            VERSION,
+        )
         (config,) = self.prefix.glob("lib/**/RicochetConfigVersion.cmake")
         self.assertIn(f'set(PACKAGE_VERSION "{VERSION}")', config.read_text())
         self.assertIn(f'set(CPACK_PACKAGE_VERSION "{VERSION}")', (BUILD / "CPackConfig.cmake").read_text())
@@ -63,12 +103,19 @@ class Installed(ProgramTest):
     def test_a_scene_goes_from_mesh_to_pictures_and_a_study_to_its_table(self):
         for path in (MESHES / "two-rods").glob("*.*"):
             shutil.copy(path, self.folder)
-        self.succeed_in(self.call("ricochet", "run", "-n", "1", "two-rods.toml", "--out", "found", "--set", "modes.count=5"))
+        self.succeed_in(
+            self.call(
+                "ricochet", "run", "-n", "1", "two-rods.toml", "--out", "found", "--set", "modes.count=5"
+            )
+        )
         self.assertTrue((self.folder / "found/two-rods-contact.png").is_file())
         for path in (self.folder / "found").glob("*.h5"):
             with h5py.File(path) as file:
                 self.assertEqual(file.attrs["created_by"].decode().split()[-1], VERSION, path)
-        self.write("study.toml", 'scene = "two-rods.toml"\n[set]\n"modes.count" = 5\n[grid]\n"contact.gap" = [0.0, 0.1]\n')
+        self.write(
+            "study.toml",
+            'scene = "two-rods.toml"\n[set]\n"modes.count" = 5\n[grid]\n"contact.gap" = [0.0, 0.1]\n',
+        )
         self.succeed_in(self.call("ricochet", "sweep", "study.toml", "--out", "found"))
         self.assertEqual(len((self.folder / "found/study.sweep.csv").read_text().splitlines()), 3)
         refused = self.call("ricochet", "batch", "study.toml", path="{bin}")
@@ -78,9 +125,11 @@ class Installed(ProgramTest):
     def completed(self, command, words):
         """What the shell offers for the last of `words`."""
         program = command.split()[0]
-        script = (f"source {self.prefix}/share/bash-completion/completions/{program}\n"
-                  f"COMP_WORDS=({command} {words}); COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1))\n"
-                  f"_ricochet {program}; printf '%s\\n' \"${{COMPREPLY[@]}}\"")
+        script = (
+            f"source {self.prefix}/share/bash-completion/completions/{program}\n"
+            f"COMP_WORDS=({command} {words}); COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1))\n"
+            f"_ricochet {program}; printf '%s\\n' \"${{COMPREPLY[@]}}\""
+        )
         return set(self.succeed_in(self.call("bash", "-c", script)).split())
 
     def test_the_shell_completes_all_options_and_the_files_that_programs_read(self):
@@ -91,7 +140,11 @@ class Installed(ProgramTest):
             options = self.options(name)
             self.assertLessEqual({"--help", "--version"}, options)
             self.assertEqual(self.completed(name, "-"), options)
-            reads = {"calculix", "matrices"} if name == "ricochet import" else {READS.get(name, "a.toml"), "folder"}
+            reads = (
+                {"calculix", "matrices"}
+                if name == "ricochet import"
+                else {READS.get(name, "a.toml"), "folder"}
+            )
             self.assertEqual(self.completed(name, '""'), reads)
         for name, option in (("sweep", "--out"), ("plot", "--kernels"), ("report", "--kernels")):
             self.assertEqual(self.completed(f"ricochet {name}", f"{option} ''"), {"folder"})
@@ -109,14 +162,25 @@ class Installed(ProgramTest):
         self.assertEqual(self.completed("ricochet import", "matrices k.mtx ''"), {"k.mtx", "n.txt"})
         self.assertEqual(self.completed("ricochet import", "matrices --s"), {"--surface", "--support"})
         for command in ("calculix", "matrices"):
-            self.assertEqual(self.completed("ricochet import", f"{command} -"), self.options(f"ricochet import {command}"))
+            self.assertEqual(
+                self.completed("ricochet import", f"{command} -"), self.options(f"ricochet import {command}")
+            )
 
     def test_the_shell_completes_the_keys_of_a_scene_and_they_are_accepted(self):
         for path in (MESHES / "two-rods").glob("*.*"):
             shutil.copy(path, self.folder)
         keys = self.completed("ricochet impact", "two-rods.toml --set ''")
-        self.assertLess({"title=", "accuracy=", "contact.gap=", "modes.count=", "bodies.moving.material.young=", "bodies.resting.mesh="},
-                        keys)
+        self.assertLess(
+            {
+                "title=",
+                "accuracy=",
+                "contact.gap=",
+                "modes.count=",
+                "bodies.moving.material.young=",
+                "bodies.resting.mesh=",
+            },
+            keys,
+        )
         self.assertFalse([key for key in keys if "NAME" in key or not re.fullmatch(r"[a-z_.]+=", key)])
         self.assertEqual(self.completed("ricochet run", "two-rods.toml --set modes.co"), {"modes.count="})
         self.assertEqual(self.completed("ricochet impact", "--set bodies."), set())

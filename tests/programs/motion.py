@@ -108,6 +108,7 @@ json.dump(found, open(sys.argv[2], "w"))
 
 def frame_of(grid, folder):
     """A grid as XDMF tells it: element, position and fields."""
+
     def item(parent):
         (data,) = parent.findall("DataItem")
         file, name = data.text.split(":")
@@ -137,7 +138,9 @@ def read_xdmf(path):
             continue
         frames = [frame_of(one, path.parent) for one in grid.findall("Grid")]
         times = [float(one.find("Time").get("Value")) for one in grid.findall("Grid")]
-        out[grid.get("Name")] = {"time": np.array(times)} | {name: np.stack([f[name] for f in frames]) for name in frames[0]}
+        out[grid.get("Name")] = {"time": np.array(times)} | {
+            name: np.stack([f[name] for f in frames]) for name in frames[0]
+        }
     return out
 
 
@@ -146,7 +149,17 @@ class Motion(ProgramTest):
         np.testing.assert_allclose(found, expected, rtol=0, atol=SINGLE * scale)
 
     def vtk(self, scene, *sets):
-        return Run([BIN / "ricochet-contact", scene, "--out", self.folder / "out", "--quiet", "--vtk", *settings(sets)])
+        return Run(
+            [
+                BIN / "ricochet-contact",
+                scene,
+                "--out",
+                self.folder / "out",
+                "--quiet",
+                "--vtk",
+                *settings(sets),
+            ]
+        )
 
     def through_paraview(self, path):
         script, found = self.write("read.py", THROUGH_PARAVIEW), self.folder / "seen.json"
@@ -154,8 +167,15 @@ class Motion(ProgramTest):
         return json.loads(found.read_text())
 
     def rods(self, *sets):
-        shutil.copytree(MESHES / "two-rods", self.folder, dirs_exist_ok=True, ignore=shutil.ignore_patterns("out"))
-        scene, sets = self.folder / "two-rods.toml", ("modes.count=6", "contact.gap=0.5", "time.duration=4", *sets)
+        shutil.copytree(
+            MESHES / "two-rods", self.folder, dirs_exist_ok=True, ignore=shutil.ignore_patterns("out")
+        )
+        scene, sets = self.folder / "two-rods.toml", (
+            "modes.count=6",
+            "contact.gap=0.5",
+            "time.duration=4",
+            *sets,
+        )
         self.succeed(kernel(scene, self.folder / "out", *sets, ranks=1))
         return scene, sets
 
@@ -167,8 +187,12 @@ class Motion(ProgramTest):
     def test_rods_fly_freely_then_touch_where_the_result_says(self):
         # Turned by a right angle: along y.
         turned = [f"bodies.{name}.rotate_deg=[0,0,90]" for name in ("moving", "resting")]
-        scene, sets = self.rods(*turned, "bodies.moving.translate=[0,-10,0]", "bodies.moving.velocity=[0,1,0]",
-                                "contact.direction=[0,1,0]")
+        scene, sets = self.rods(
+            *turned,
+            "bodies.moving.translate=[0,-10,0]",
+            "bodies.moving.velocity=[0,1,0]",
+            "contact.direction=[0,1,0]",
+        )
         self.succeed(self.vtk(scene, *sets, "output.vtk_every=20"))
         film = read_xdmf(self.folder / "out" / "two-rods.motion.xdmf")
         self.assertEqual(list(film), ["moving", "resting", "moving on resting"])
@@ -187,7 +211,11 @@ class Motion(ProgramTest):
 
         with h5py.File(self.folder / "out" / "two-rods.result.h5") as file:
             rows = np.searchsorted(file["contact/time"][:], time[~flight] - 1e-9)
-            force, gap, area = file["contact/force"][:][rows], file["contact/gap"][:][rows], file["contact/area"][:]
+            force, gap, area = (
+                file["contact/force"][:][rows],
+                file["contact/gap"][:][rows],
+                file["contact/area"][:],
+            )
             displacement = file["contact/displacement_a"][:][rows, 0]
         self.assertGreater(force.min(), 0.1)
         np.testing.assert_array_equal(met["force"][~flight], force)
@@ -198,7 +226,9 @@ class Motion(ProgramTest):
         end, other = np.argmax(moving["position"][0, :, 1]), np.argmin(resting["position"][0, :, 1])
         self.assert_close(moving["position"][~flight, end, 1], displacement - 0.5, 10)
         self.assert_close(met["position"][:, 0], moving["position"][:, end], 10)
-        self.assert_close(resting["position"][~flight, other, 1] - moving["position"][~flight, end, 1], gap[:, 0], 10)
+        self.assert_close(
+            resting["position"][~flight, other, 1] - moving["position"][~flight, end, 1], gap[:, 0], 10
+        )
 
     def test_the_skin_moves_like_receivers_on_it(self):
         scene, out = self.blocks(), self.folder / "out"
@@ -213,7 +243,9 @@ class Motion(ProgramTest):
                     if name == "time":
                         continue
                     skin = film[receiver.attrs["body"].decode()]
-                    away = np.linalg.norm((skin["position"] - skin["deformation"])[0] - receiver.attrs["point"], axis=1)
+                    away = np.linalg.norm(
+                        (skin["position"] - skin["deformation"])[0] - receiver.attrs["point"], axis=1
+                    )
                     node = away.argmin()
                     self.assertLess(away[node], 1e-6)
                     moved, velocity = receiver["displacement"][:], receiver["velocity"][:]
@@ -241,11 +273,22 @@ class Motion(ProgramTest):
 
     def test_what_has_no_skin_is_refused_in_one_line_and_leaves_nothing(self):
         scene = self.blocks()
-        plain, table = ("output.vtk_every=0", "output.view=false"), ("output.vtk_every=0", "contact.kernel=table")
-        for run, part in [(self.vtk(scene, *plain), "output.view = false: --vtk draws the skin of each body"),
-                          (self.vtk(scene, "loads={}", "output={}", *table[1:]), 'contact.kernel = "table" gives no motion'),
-                          (contact(scene, self.folder / "out", "output.view=false"), "vtk_every needs the visualisation surfaces"),
-                          (Run([BIN / "ricochet-contact", "--vtk", "--batch", scene]), "--vtk excludes --batch")]:
+        plain, table = ("output.vtk_every=0", "output.view=false"), (
+            "output.vtk_every=0",
+            "contact.kernel=table",
+        )
+        for run, part in [
+            (self.vtk(scene, *plain), "output.view = false: --vtk draws the skin of each body"),
+            (
+                self.vtk(scene, "loads={}", "output={}", *table[1:]),
+                'contact.kernel = "table" gives no motion',
+            ),
+            (
+                contact(scene, self.folder / "out", "output.view=false"),
+                "vtk_every needs the visualisation surfaces",
+            ),
+            (Run([BIN / "ricochet-contact", "--vtk", "--batch", scene]), "--vtk excludes --batch"),
+        ]:
             self.assertEqual(run.status, 2, run.err)
             self.assertEqual(run.err.count("\n"), 1, run.err)
             self.assertIn(part, run.err)

@@ -8,27 +8,12 @@ import unittest
 import h5py
 import numpy as np
 
+import scenes
 from programs import ProgramTest, displacement_kernel, kernel, static_responses
 
 CELLS = (3, 3, 4)
 
-SCENE = """
-title = "Parts"
-[bodies.{name}]
-mesh = "{name}.msh"
-material = {{ density = 2.0, young = 3.0, poisson = 0.3 }}
-contact = "top"
-support = {{ foot = "xyz" }}
-[obstacles.wall]
-point = [0, 0, 2]
-normal = [0, 0, -1]
-[modes]
-count = 40
-[contact]
-between = ["{name}", "wall"]
-direction = [0, 0, 1]
-[time]
-duration = 1.0
+MORE = """
 [[loads.traction]]
 body = "{name}"
 group = "top"
@@ -48,17 +33,36 @@ at = [0.3, 0.9, 0.4]
 """
 
 
+def scene_of(name):
+    """The block of the mesh NAME.msh below a wall."""
+    body = f"""
+mesh = "{name}.msh"
+material = {{ density = 2.0, young = 3.0, poisson = 0.3 }}
+contact = "top"
+support = {{ foot = "xyz" }}
+"""
+    wall = {"wall": "point = [0, 0, 2]\nnormal = [0, 0, -1]"}
+    contact, more = "direction = [0, 0, 1]", MORE.format(name=name)
+    return scenes.scene({name: body}, "count = 40", contact, "duration = 1.0", wall, "Parts", more)
+
+
 def grid():
     """Nodes, and hexahedra and facets at the top and foot of a skewed block: (type, group, nodes)."""
     n = np.array(CELLS) + 1
-    number = lambda i, j, k: 1 + i + n[0] * (j + n[1] * k)
+
+    def number(i, j, k):
+        return 1 + i + n[0] * (j + n[1] * k)
+
     nodes = [
         (i / 3 + 0.05 * k, j / 3 * 1.2, k / 4 * (1 + 0.1 * i))
         for k in range(n[2])
         for j in range(n[1])
         for i in range(n[0])
     ]
-    square = lambda i, j, k: [number(i, j, k), number(i + 1, j, k), number(i + 1, j + 1, k), number(i, j + 1, k)]
+
+    def square(i, j, k):
+        return [number(i, j, k), number(i + 1, j, k), number(i + 1, j + 1, k), number(i, j + 1, k)]
+
     elements = []
     for k in range(CELLS[2]):
         for j in range(CELLS[1]):
@@ -91,7 +95,7 @@ def msh(nodes, elements, chosen):
 
 class Parts(ProgramTest):
     def kernel_of(self, name, *sets, **options):
-        scene = self.write(f"{name}.toml", SCENE.format(name=name))
+        scene = self.write(f"{name}.toml", scene_of(name))
         out = pathlib.Path(tempfile.mkdtemp(dir=self.folder))
         self.succeed(kernel(scene, out, *sets, **({"ranks": 2} | options)))
         return next(out.glob("*.kernel.h5"))
@@ -102,7 +106,9 @@ class Parts(ProgramTest):
         self.write("whole.msh", msh(nodes, elements, everything))
         for part in range(3):
             # Columns of elements, so that every part has facets and shares nodes with others.
-            self.write(f"split_{part + 1}.msh", msh(nodes, elements, [e for e in everything if e // 4 % 3 == part]))
+            self.write(
+                f"split_{part + 1}.msh", msh(nodes, elements, [e for e in everything if e // 4 % 3 == part])
+            )
         for modes in ("{ count = 40 }", '{ up_to_hz = 1.0, basis = "contact" }'):
             with self.subTest(modes=modes):
                 self.compare(f"modes={modes}")
@@ -130,7 +136,7 @@ class Parts(ProgramTest):
         nodes, elements = grid()
         for part in (1, 3):
             self.write(f"split_{part}.msh", msh(nodes, elements, range(len(elements))))
-        run = kernel(self.write("split.toml", SCENE.format(name="split")), self.folder / "out", ranks=2)
+        run = kernel(self.write("split.toml", scene_of("split")), self.folder / "out", ranks=2)
         self.assertEqual(run.status, 2)
         self.assertEqual(run.err.count("split_2.msh: no such file"), 1)
 

@@ -45,13 +45,16 @@ def displacement_kernel(path, times):
     with h5py.File(path) as file:
         omega, shape = file["modes/angular_frequency"][:], file["surface/shape"][:]
     shape = shape.reshape(-1, shape.shape[-1])
-    sine = np.array([np.where(omega > 0, np.sin(omega * t) / np.where(omega > 0, omega, 1), t) for t in times])
+    sine = np.array(
+        [np.where(omega > 0, np.sin(omega * t) / np.where(omega > 0, omega, 1), t) for t in times]
+    )
     return np.einsum("in,tn,jn->tij", shape, sine, shape)
 
 
 def static_responses(path):
     """What loads, gravity and supports that move do slowly at the receivers of a kernel file, by name: modes and static
-    parts of what is left out together; and sums over modes that do not depend on how multiple ones are turned."""
+    parts of what is left out together; and sums over modes that do not depend on how multiple ones are turned.
+    """
     with h5py.File(path) as file:
         omega, gravity = file["modes/angular_frequency"][:], file["loads/body_force"][:]
         compliance = np.where(omega > 0, 1 / np.where(omega > 0, omega, 1) ** 2, 0)
@@ -67,7 +70,9 @@ def static_responses(path):
             for number, (name, part) in enumerate(motions.items()):
                 found[receiver, "moved " + name] = shape @ part.T + data["motion_residual"][:, number]
         for name in names["loads"]:
-            found[name, "total"], found[name, "moment"] = (file[f"load_data/{name}/{of}"][:] for of in ("total", "moment"))
+            found[name, "total"], found[name, "moment"] = (
+                file[f"load_data/{name}/{of}"][:] for of in ("total", "moment")
+            )
         for name, part in motions.items():
             found[name, "with gravity"] = gravity @ part.T + file[f"motions/{name}/momentum"][:]
     return found

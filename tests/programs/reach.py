@@ -140,7 +140,11 @@ class Reach(ProgramTest):
     def test_kernels_serve_what_needs_no_other_points_and_are_computed_anew_for_what_does(self):
         self.succeed(kernel(self.scene, self.out))
         before = self.kernels(self.out)
-        for sets in (["contact.reach=0.02"], ["bodies.upper.velocity=[0,0,-1]"], ["bodies.upper.translate=[0,0,0.3]"]):
+        for sets in (
+            ["contact.reach=0.02"],
+            ["bodies.upper.velocity=[0,0,-1]"],
+            ["bodies.upper.translate=[0,0,0.3]"],
+        ):
             run = self.succeed(kernel(self.scene, self.out, *sets, ranks=2, quiet=False))
             self.assertEqual(run.out.count("already there"), 2, run.out)
             self.assertNotIn("surface", run.out)
@@ -184,7 +188,9 @@ class Reach(ProgramTest):
     def test_nothing_within_reach_is_refused_before_modes_are_computed(self):
         run = kernel(self.scene, self.out, "contact.reach=0.005")
         self.assertEqual(run.status, 2)
-        (line,) = [line for line in run.err.splitlines() if line.startswith("ricochet-kernel:")]  # mpirun has its say, too
+        (line,) = [
+            line for line in run.err.splitlines() if line.startswith("ricochet-kernel:")
+        ]  # mpirun has its say, too
         for fragment in ("reach = 0.005 m", "0.01 m apart"):
             self.assertIn(fragment, line)
         self.assertEqual(self.kernels(self.out), set())

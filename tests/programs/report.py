@@ -3,37 +3,41 @@
 result's, and what it refuses. `report.py --keep FOLDER` also keeps the pages, and a picture of each, in FOLDER."""
 
 import base64
-import html.parser
 import json
-import pathlib
 import re
 import shutil
 import struct
-import subprocess
-import sys
 import unittest
 from types import SimpleNamespace
 
 import h5py
 import numpy as np
 
-from programs import BIN, DEADLOCK_S, MESHES, ProgramTest, Run, contact, kernel
+from programs import BIN, MESHES, Run, contact, kernel
+from report_test import Elements, ReportTest, browse, number, unpacked
 
 from ricochet.pictures.snapshots import amplification
 from ricochet.pages.motion import coarser
 from ricochet.pictures.viewpoint import clearest
 
-KEEP = None
-if sys.argv[1:2] == ["--keep"]:
-    KEEP = pathlib.Path(sys.argv[2])
-    del sys.argv[1:3]
 TITLE = 'Rods </script><script>document.title = "run"</script> & <b>"more"</b>'
 RECEIVER = "tip <img src=x onerror=alert(1)>"
 # Rods of 10 m that waves cross in 1 ms, at 1 % of the speed of waves.
-RODS = ["modes.count=20", "bodies.moving.material.young=1e8", "bodies.resting.material.young=1e8", "bodies.moving.velocity=[300,0,0]",
-        "time.rate_hz=44100", "time.duration=0.004", "contact.gap=0.1", "output.snapshot_every=3", f"title='{TITLE}'",
-        'output.receiver=[{name="mic",body="resting",at=[10,0,0]},{name="' + RECEIVER + '",body="moving",at=[-10,0,0]}]',
-        "accuracy=1e-2"]
+RODS = [
+    "modes.count=20",
+    "bodies.moving.material.young=1e8",
+    "bodies.resting.material.young=1e8",
+    "bodies.moving.velocity=[300,0,0]",
+    "time.rate_hz=44100",
+    "time.duration=0.004",
+    "contact.gap=0.1",
+    "output.snapshot_every=3",
+    f"title='{TITLE}'",
+    'output.receiver=[{name="mic",body="resting",at=[10,0,0]},{name="'
+    + RECEIVER
+    + '",body="moving",at=[-10,0,0]}]',
+    "accuracy=1e-2",
+]
 
 # A hand at the controls. What it finds goes into an attribute; the policy of the page, which stops it, is taken out for it.
 HAND = """
@@ -68,112 +72,6 @@ setTimeout(() => { found.played = Number(canvas.dataset.time) > found.middle; do
 """
 
 
-class Elements(html.parser.HTMLParser):
-    """(tag, attributes, text inside) of all elements of a document."""
-
-    VOID = {"meta", "input", "img", "br", "link"}
-
-    def __init__(self, text):
-        super().__init__()
-        self.found, self.open = [], []
-        self.feed(text)
-
-    def handle_starttag(self, tag, attributes):
-        self.found.append([tag, dict(attributes), ""])
-        if tag not in self.VOID:
-            self.open.append(self.found[-1])
-
-    def handle_endtag(self, tag):
-        while self.open and self.open.pop()[0] != tag:
-            pass
-
-    def handle_data(self, data):
-        for element in self.open:
-            element[2] += data
-
-    def one(self, **wanted):
-        (element,) = [e for e in self.found if all(e[1].get(name.replace("_", "-")) == value for name, value in wanted.items())]
-        return element
-
-
-def browse(page, *more):
-    """The document as a browser without network leaves it, and what the browser says on its console."""
-    command = ["chromium", "--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-               "--no-first-run", "--disable-extensions", "--disable-background-networking", "--disable-component-update",
-               "--proxy-server=127.0.0.1:9", f"--user-data-dir={page.parent / 'browser'}", "--enable-logging=stderr",
-               "--hide-scrollbars", "--virtual-time-budget=4000", *more, page.resolve().as_uri()]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=DEADLOCK_S)
-    said = [line for line in done.stderr.splitlines() if "CONSOLE" in line]
-    return done.stdout, [line for line in said if "(OpenGL, Performance" not in line]  # the driver on reading its own pixels
-
-
-def number(text):
-    """What "−1.5 × 10⁻³ mN s" or "2 %" says, without its unit."""
-    match = re.match(r"(−?[\d.]+)(?: × 10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+))?(?: ([numkMG]?)|µ)?", text)
-    power = (match[2] or "⁰").translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789"))
-    return float(match[1].replace("−", "-")) * 10.0 ** int(power)
-
-
-def flat(value, path=""):
-    """Numbers of a summary by dotted path."""
-    if isinstance(value, dict):
-        return {key: item for name, part in value.items() for key, item in flat(part, f"{path}{name}.").items()}
-    if isinstance(value, list):
-        return {key: item for k, part in enumerate(value) for key, item in flat(part, f"{path}{k}.").items()}
-    return {path[:-1]: value}
-
-
-def unpacked(packed):
-    values = np.frombuffer(base64.b64decode(packed["data"]), "<" + packed["type"]).reshape(packed["shape"])
-    return values * packed.get("scale", 1.0)
-
-
-class ReportTest(ProgramTest):
-    def page(self, result, *more):
-        """The page of a result: its text, and its data."""
-        path = self.folder / "page.html"
-        done = self.succeed(Run([BIN / "ricochet", "report", result, "--out", path, *more]))
-        self.assertEqual(done.out, f"{path}\n")
-        text = path.read_text()
-        return path, text, json.loads(re.search(r'<script type="application/json" id="run">(.*?)</script>', text, re.DOTALL)[1])
-
-    def opened(self, path, name):
-        """The page in the browser; nothing may go wrong there."""
-        self.assertTrue(shutil.which("chromium"), "no chromium: scripts/setup --tests installs it")
-        dom, console = browse(path, "--window-size=500,600", "--dump-dom")
-        found = Elements(dom)
-        root = next(attributes for tag, attributes, _ in found.found if tag == "html")
-        self.assertEqual((console, root.get("data-error"), root.get("data-ready")), ([], None, "yes"))
-        if KEEP:
-            KEEP.mkdir(parents=True, exist_ok=True)
-            shutil.copy(path, KEEP / f"{name}.html")
-            browse(path, "--window-size=1000,7000", f"--screenshot={KEEP.resolve() / name}.png")
-        return found
-
-    def numbers_agree(self, found, summary):
-        """Each figure on the page is that of the summary: exactly beside it, and to the digits that are shown."""
-        scalars = {key for key, value in summary.items() if value is None or not isinstance(value, (dict, list))}
-        shown = {}
-        for _, attributes, text in found.found:
-            if "data-key" in attributes:
-                shown.setdefault(attributes["data-key"], []).append((json.loads(json.dumps(attributes["data-value"])), text))
-        self.assertLessEqual(scalars, set(shown))
-        values = flat(summary)
-        for key, places in shown.items():
-            for exact, text in places:
-                if key.startswith("exit_velocity."):
-                    self.assertEqual(json.loads(exact), summary["exit_velocity"][key.split(".")[1]])
-                elif isinstance(values[key], (int, float)):
-                    self.assertEqual(float(exact), values[key], key)
-                    ratio = number(text) / values[key] if values[key] else number(text) + 1
-                    decade = 10.0 ** np.round(np.log10(ratio))
-                    self.assertAlmostEqual(ratio / decade, 1, delta=0.05 if "error" in key else 6e-3, msg=f"{key}: {text}")  # two and three digits
-                    if "× 10" in text or values[key] == 0:
-                        self.assertEqual(decade, 1, f"{key}: {text}")
-                else:
-                    self.assertEqual(text, "–" if values[key] is None else str(values[key]), key)
-
-
 class Rods(ReportTest):
     def setUp(self):
         super().setUp()
@@ -186,7 +84,10 @@ class Rods(ReportTest):
 
     def test_the_page_tells_the_run_without_network_and_runs_nothing_that_a_title_says(self):
         path, text, run = self.page(self.result)
-        self.assertIsNone(re.search(r"[a-z]+://|url\((?!#)|@import|<link|src=", text.replace("src=x onerror", "")), "the page asks for something")
+        self.assertIsNone(
+            re.search(r"[a-z]+://|url\((?!#)|@import|<link|src=", text.replace("src=x onerror", "")),
+            "the page asks for something",
+        )
         self.assertEqual(text.lower().count("<script"), 2)
         self.assertLess(len(text), 3e6)
         found, summary = self.opened(path, "rods"), self.summary(self.out)
@@ -196,12 +97,18 @@ class Rods(ReportTest):
         self.numbers_agree(found, summary)
         self.assertTrue(all(warning in found.one(id="warnings")[2] for warning in summary["warnings"]))
         self.assertGreater(len(summary["warnings"]), 0)
-        canvas = next(attributes for tag, attributes, _ in found.found if tag == "canvas" and "data-covered" in attributes)
+        canvas = next(
+            attributes
+            for tag, attributes, _ in found.found
+            if tag == "canvas" and "data-covered" in attributes
+        )
         with h5py.File(self.result) as file:
             self.assertEqual(int(canvas["data-moments"]), len(file["snapshots/time"]))
         self.assertGreater(float(canvas["data-covered"]), 0.005)
         self.assertLess(float(canvas["data-covered"]), 0.5)
-        self.assertEqual(found.one(id="sound")[2].count("4 ms of sound: lengthen time.duration to hear it"), 2)
+        self.assertEqual(
+            found.one(id="sound")[2].count("4 ms of sound: lengthen time.duration to hear it"), 2
+        )
         self.assertNotIn("audio", [e[0] for e in found.found])
         self.assertIn("ricochet report out/", found.one(id="repeat")[2])
         self.pictures_are_drawn()
@@ -218,22 +125,42 @@ class Rods(ReportTest):
         self.assertEqual(console, [])
         elements = Elements(dom)
         self.sounds_are_the_receivers(elements)
-        found = json.loads(next(attributes for tag, attributes, _ in elements.found if tag == "html")["data-found"])
+        found = json.loads(
+            next(attributes for tag, attributes, _ in elements.found if tag == "html")["data-found"]
+        )
         with h5py.File(self.result) as file:
-            when, force, moments = file["contact/time"][:], file["contact/force"][:, 0], file["snapshots/time"][:]
+            when, force, moments = (
+                file["contact/time"][:],
+                file["contact/force"][:, 0],
+                file["snapshots/time"][:],
+            )
         np.testing.assert_allclose(found["ends"], moments[[0, -1]], rtol=1e-6)  # 32 bits
-        self.assertEqual([found[name] for name in ("turned", "nearer", "keyed", "coloured", "hidden", "back", "louder", "played")], [True] * 8)
-        self.assertEqual(found["boxes"], [["checkbox", "moving", 0], ["checkbox", "resting", 0]])  # in reach of the keyboard
+        self.assertEqual(
+            [
+                found[name]
+                for name in ("turned", "nearer", "keyed", "coloured", "hidden", "back", "louder", "played")
+            ],
+            [True] * 8,
+        )
+        self.assertEqual(
+            found["boxes"], [["checkbox", "moving", 0], ["checkbox", "resting", 0]]
+        )  # in reach of the keyboard
         row = np.argmin(np.abs(when - 1e-3 * number(found["tip"][0])))  # it says ms
-        self.assertAlmostEqual(1e6 * number(found["tip"][1].removeprefix("force: ")), force[row], delta=1e-3 * force[row])  # and MN
+        self.assertAlmostEqual(
+            1e6 * number(found["tip"][1].removeprefix("force: ")), force[row], delta=1e-3 * force[row]
+        )  # and MN
 
     def sounds_are_the_receivers(self, found):
-        for (_, attributes, _), name in zip([e for e in found.found if e[0] == "audio"], ["mic", RECEIVER], strict=True):
+        for (_, attributes, _), name in zip(
+            [e for e in found.found if e[0] == "audio"], ["mic", RECEIVER], strict=True
+        ):
             data = base64.b64decode(attributes["src"].removeprefix("data:audio/wav;base64,"))
             self.assertEqual(struct.unpack("<HHI", data[20:28]), (1, 1, 44100))
             with h5py.File(self.result) as file:
                 velocity = file[f"receivers/{name}/velocity"][:, 0]
-            self.assertLess(np.abs(np.frombuffer(data[44:], "<i2") - 32767 * velocity / np.abs(velocity).max()).max(), 1)
+            self.assertLess(
+                np.abs(np.frombuffer(data[44:], "<i2") - 32767 * velocity / np.abs(velocity).max()).max(), 1
+            )
 
     def scene_repeats_the_run(self, scene, summary):
         before = {path.name for path in self.out.glob("*.kernel.h5")}
@@ -245,28 +172,39 @@ class Rods(ReportTest):
 
     def pictures_are_drawn(self):
         done = self.succeed(Run([BIN / "ricochet", "plot", self.result, "--out", self.folder / "pictures"]))
-        names = [self.result.name.replace(".result.h5", f"-{name}.png") for name in ("contact", "snapshots", "energy")]
+        names = [
+            self.result.name.replace(".result.h5", f"-{name}.png")
+            for name in ("contact", "snapshots", "energy")
+        ]
         self.assertEqual(done.out.split("\n"), [*(f"{self.folder}/pictures/{name}" for name in names), ""])
 
     def area_below_the_force_is_the_impulse(self, run, summary):
         drawn = run["charts"]["contact"][0]["lines"][0]
         time, force = unpacked(drawn["x"]).astype(float), unpacked(drawn["y"]).astype(float)
         area = np.nansum(force[1:] * np.diff(time))  # steps that end at these times
-        self.assertAlmostEqual(area, summary["impulse_ns"], delta=1e-4 * summary["impulse_ns"])  # times of 32 bits
+        self.assertAlmostEqual(
+            area, summary["impulse_ns"], delta=1e-4 * summary["impulse_ns"]
+        )  # times of 32 bits
         self.assertAlmostEqual(run["episodes"][0][0], summary["contact_start_s"], delta=1e-9)
         self.assertEqual(np.nanmax(force), np.float32(summary["peak_force_n"]))
 
     def motion_is_that_of_the_modes(self, motion):
         """Within what the page says that it misses, and 32-bit and 15-bit storage."""
         for body in motion["bodies"]:
-            fields = np.concatenate([unpacked(body["rigid"])] + [unpacked(field)[None] for field in body["bent"]])
+            fields = np.concatenate(
+                [unpacked(body["rigid"])] + [unpacked(field)[None] for field in body["bent"]]
+            )
             amounts = np.concatenate([unpacked(body["moved"]), unpacked(body["amount"])], axis=1)
             with h5py.File(self.result) as file:
                 where = file[f"bodies/{body['name']}"]
                 turn = where.attrs["rotation"].reshape(3, 3)
                 q = file[f"snapshots/{body['name']}"][:]
                 with h5py.File(self.out / where.attrs["kernel"].decode()) as held:
-                    node, shape, omega = held["view/node"][:], held["view/shape"][:].astype(float), held["modes/angular_frequency"][:]
+                    node, shape, omega = (
+                        held["view/node"][:],
+                        held["view/shape"][:].astype(float),
+                        held["modes/angular_frequency"][:],
+                    )
                 start = node @ turn.T + where.attrs["translation"]
             exact = np.einsum("ij,vjn,sn->svi", turn, shape, q)
             drawn = (amounts @ fields).reshape(len(q), len(node), -1, 3)
@@ -290,7 +228,11 @@ class Rods(ReportTest):
         refused("there is no such file", self.folder / "gone.result.h5")
         (summary,) = self.out.glob("*.summary.json")
         text = summary.read_text()
-        for wrong, part in [(text[:-20], "is damaged"), ("[]", "is not of the run"), (text.replace('"candidates": 1', '"candidates": 2'), "is not of the run")]:
+        for wrong, part in [
+            (text[:-20], "is damaged"),
+            ("[]", "is not of the run"),
+            (text.replace('"candidates": 1', '"candidates": 2'), "is not of the run"),
+        ]:
             summary.write_text(wrong)
             refused(part)
         summary.unlink()
@@ -317,36 +259,66 @@ class Others(ReportTest):
         node = np.stack([np.cos(angle), np.sin(angle), height], -1).reshape(-1, 3)  # a tube of area 2π
         corner = np.arange(99)[:, None] * 300 + np.arange(300)
         beside = np.arange(99)[:, None] * 300 + (np.arange(300) + 1) % 300
-        element = np.stack([corner, beside, beside + 300, corner, beside + 300, corner + 300], -1).reshape(-1, 3)
+        element = np.stack([corner, beside, beside + 300, corner, beside + 300, corner + 300], -1).reshape(
+            -1, 3
+        )
         kept, coarse = coarser(node, element, 5000)
         self.assertTrue(1000 < len(coarse) <= 5000)
         a, b, c = np.moveaxis(node[kept][coarse], 1, 0)
         # Nodes stay where they are; the rims recede by half a cell, 1 % of the height or so.
-        self.assertAlmostEqual(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2 / (2 * np.pi), 1, delta=0.1)
+        self.assertAlmostEqual(
+            np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2 / (2 * np.pi), 1, delta=0.1
+        )
 
     def test_the_first_view_looks_into_the_open_side_of_a_cup_and_at_what_lies_in_it(self):
         def box(centre, half, without=()):
             corner = np.array(list(np.ndindex(2, 2, 2))) * 2.0 - 1
-            sides = {"-x": [0, 1, 3, 2], "+x": [4, 6, 7, 5], "-y": [0, 4, 5, 1], "+y": [2, 3, 7, 6], "-z": [0, 2, 6, 4], "+z": [1, 5, 7, 3]}
-            return centre + half * corner, np.array([[a, *pair] for name, (a, b, c, d) in sides.items() if name not in without
-                                                     for pair in ((b, c), (c, d))])
+            sides = {
+                "-x": [0, 1, 3, 2],
+                "+x": [4, 6, 7, 5],
+                "-y": [0, 4, 5, 1],
+                "+y": [2, 3, 7, 6],
+                "-z": [0, 2, 6, 4],
+                "+z": [1, 5, 7, 3],
+            }
+            return centre + half * corner, np.array(
+                [
+                    [a, *pair]
+                    for name, (a, b, c, d) in sides.items()
+                    if name not in without
+                    for pair in ((b, c), (c, d))
+                ]
+            )
 
         ball = box(np.array([0.6, 0, 0]), 0.3)
         for side, axis, way in [("-z", 2, -1), ("+x", 0, 1)]:
-            toward = clearest([box(np.zeros(3), 1.0, [side]), ball], np.array([[0.9, 0, 0]]), tilted=True).turn()[2]
+            toward = clearest(
+                [box(np.zeros(3), 1.0, [side]), ball], np.array([[0.9, 0, 0]]), tilted=True
+            ).turn()[2]
             self.assertGreater(way * toward[axis], 0.9, side)
         beside = clearest([ball, box(np.array([1.2, 0, 0]), 0.3)], np.array([[0.9, 0, 0]])).turn()
-        np.testing.assert_allclose(beside, np.eye(3), atol=1e-12)  # nothing hides anything: as a drawing on paper
+        np.testing.assert_allclose(
+            beside, np.eye(3), atol=1e-12
+        )  # nothing hides anything: as a drawing on paper
 
-    def test_snapshots_are_true_to_scale_where_deformation_is_seen_and_say_how_much_larger_they_are_elsewhere(self):
+    def test_snapshots_are_true_to_scale_where_deformation_is_seen_and_say_how_much_larger_they_are_elsewhere(
+        self,
+    ):
         def skin(bent, moved):
-            return SimpleNamespace(at=lambda k: np.array([[0, 0, 0], [1.0, 0, moved * k]]), deformation=lambda k: bent * k)
+            return SimpleNamespace(
+                at=lambda k: np.array([[0, 0, 0], [1.0, 0, moved * k]]), deformation=lambda k: bent * k
+            )
 
         for bent, moved, factor in [(0.02, 0.02, 1), (1e-5, 1.1e-4, 200), (1e-5, 0.03, 1), (0, 0, 1)]:
             self.assertEqual(amplification({"one": skin(bent, moved), "two": skin(0, 0)}, [1], 0), factor)
 
     def test_a_run_by_table_kernels_has_a_page_without_bodies(self):
-        shutil.copytree(MESHES / "two-rods-analytic", self.folder, dirs_exist_ok=True, ignore=shutil.ignore_patterns("out"))
+        shutil.copytree(
+            MESHES / "two-rods-analytic",
+            self.folder,
+            dirs_exist_ok=True,
+            ignore=shutil.ignore_patterns("out"),
+        )
         self.succeed(Run([self.folder / "table.py"]))
         out = self.folder / "out"
         self.succeed(contact(self.folder / "two-rods-analytic.toml", out))
@@ -365,14 +337,21 @@ class Others(ReportTest):
         self.numbers_agree(found, self.summary(out))
         self.assertRegex(found.one(id="verdict")[2], r"^The bodies press on each other with \d.* N\.$")
         told = " ".join(found.one(id=name)[2] for name in ("motion", "contact", "energy"))
-        self.assertFalse([word for word in ("in these moments", "kinetic", "lost in", "first touch") if word in told])
+        self.assertFalse(
+            [word for word in ("in these moments", "kinetic", "lost in", "first touch") if word in told]
+        )
         self.assertNotIn("errors", [e[1].get("id") for e in found.found])
         (chart,) = run["charts"]["contact"]
         pressure = unpacked(chart["lines"][0]["y"])
-        self.assertAlmostEqual(pressure.max(), self.summary(out)["pairs"][0]["peak_pressure_pa"], delta=1e-6 * pressure.max())  # 32 bits
+        self.assertAlmostEqual(
+            pressure.max(), self.summary(out)["pairs"][0]["peak_pressure_pa"], delta=1e-6 * pressure.max()
+        )  # 32 bits
         (result,) = out.glob("*.result.h5")
         done = Run([BIN / "ricochet", "plot", result])
-        self.assertEqual((done.status, done.err), (2, f"ricochet plot: {result}: bodies at rest have no history to draw. Use ricochet report.\n"))
+        self.assertEqual(
+            (done.status, done.err),
+            (2, f"ricochet plot: {result}: bodies at rest have no history to draw. Use ricochet report.\n"),
+        )
 
 
 if __name__ == "__main__":

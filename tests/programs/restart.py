@@ -12,36 +12,12 @@ import unittest
 import h5py
 import numpy as np
 
+import scenes
 from programs import BIN, ProgramTest, displacement_kernel, kernel, settings
 
-GEO = """
-SetFactory("Built-in");
-Point(1) = {0, 0, 0, 0.16}; Point(2) = {1.1, 0, 0, 0.16}; Point(3) = {1.0, 1.3, 0, 0.16}; Point(4) = {0, 1, 0, 0.16};
-Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 1};
-Curve Loop(1) = {1:4}; Plane Surface(1) = {1};
-block[] = Extrude {0, 0, 0.7} { Surface{1}; };
-Physical Volume("block") = {block[1]};
-Physical Surface("foot") = {1};
-"""
-
-SCENE = """
-title = "Restart"
-[bodies.block]
-mesh = "block.geo"
-order = 2
-material = { density = 2.0, young = 3.0, poisson = 0.3 }
-contact = "foot"
-[obstacles.floor]
-normal = [0, 0, 1]
-[modes]
-count = 800
-[contact]
-between = ["block", "floor"]
-direction = [0, 0, -1]
-spacing = 0.4
-[time]
-duration = 1.0
-"""
+SCENE = scenes.block_on_floor(
+    "Restart", "count = 800", "direction = [0, 0, -1]\nspacing = 0.4", "duration = 1.0"
+)
 
 
 def kill_all(out):
@@ -58,9 +34,21 @@ def kill_all(out):
 class Restart(ProgramTest):
     def run_for(self, seconds, out, ranks):
         """Starts a run and kills it; @return whether it had ended before."""
-        command = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", ranks, BIN / "ricochet-kernel", self.scene,
-                   "--out", out, "--quiet"]
-        process = subprocess.Popen([str(c) for c in command], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        command = [
+            "mpirun",
+            "--allow-run-as-root",
+            "--oversubscribe",
+            "-n",
+            ranks,
+            BIN / "ricochet-kernel",
+            self.scene,
+            "--out",
+            out,
+            "--quiet",
+        ]
+        process = subprocess.Popen(
+            [str(c) for c in command], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        )
         try:
             process.wait(timeout=seconds)
             return True
@@ -73,7 +61,7 @@ class Restart(ProgramTest):
         return len(list(out.glob("*.slices/slice-*.h5")))
 
     def test_after_kills_at_random_moments(self):
-        self.write("block.geo", GEO)
+        self.write("block.geo", scenes.skewed_block(0.16))
         self.scene = self.write("restart.toml", SCENE)
         whole, broken = self.folder / "whole", self.folder / "broken"
         started = time.monotonic()
@@ -97,10 +85,13 @@ class Restart(ProgramTest):
         exact, got = displacement_kernel(one, times), displacement_kernel(other, times)
         self.assertLess(np.abs(got - exact).max(), 1e-8 * np.abs(exact).max())
         with h5py.File(one) as a, h5py.File(other) as b:
-            self.assertEqual(a["modes/certificate"].attrs["count_by_inertia"], b["modes/certificate"].attrs["count_by_inertia"])
+            self.assertEqual(
+                a["modes/certificate"].attrs["count_by_inertia"],
+                b["modes/certificate"].attrs["count_by_inertia"],
+            )
 
     def test_a_slice_that_was_damaged_is_computed_again(self):
-        self.write("block.geo", GEO)
+        self.write("block.geo", scenes.skewed_block(0.16))
         self.scene = self.write("restart.toml", SCENE)
         out = self.folder / "out"
         sets = ["modes.count=300"]
@@ -109,7 +100,9 @@ class Restart(ProgramTest):
         length = time.monotonic() - started
         command = [BIN / "ricochet-kernel", self.scene, "--out", out, "--quiet", *settings(sets)]
         for part in (0.9, 0.8, 0.7, 0.6):
-            process = subprocess.Popen([str(c) for c in command], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            process = subprocess.Popen(
+                [str(c) for c in command], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+            )
             time.sleep(part * length)
             process.kill()
             process.wait()

@@ -7,21 +7,19 @@ import os
 import resource
 import signal
 import subprocess
-import time
 import unittest
 
 import h5py
 import numpy as np
 
-from errors import ROD, SCENE
-from programs import BIN, SOURCE, ProgramTest, Run, contact, displacement_kernel, kernel, settings
+from programs import BIN, SOURCE, Run, contact, displacement_kernel, kernel, settings
+from robust_test import Robust
 
 from ricochet.errors import InputError
 from ricochet.pictures.history import History
 
 # Two slices a body, in some tenths of a second.
 SLICED = ["bodies.a.mesh=long.geo", "bodies.b.mesh=long.geo", "modes.count=300"]
-LONG = ROD.replace("= 11", "= 401")
 STUDY = """
 scene = "scene.toml"
 title = "Many"
@@ -30,53 +28,13 @@ title = "Many"
 """
 
 
-class Robust(ProgramTest):
-    def setUp(self):
-        super().setUp()
-        self.write("rod.geo", ROD)
-        self.write("long.geo", LONG)
-        self.scene = self.write("scene.toml", SCENE)
-        self.out = self.folder / "out"
-
-    def start(self, *command):
-        process = subprocess.Popen([str(word) for word in command], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-                                   stderr=subprocess.PIPE, text=True, env=os.environ | {"RICOCHET_BIN": str(BIN)})
-        self.addCleanup(process.stderr.close)
-        self.addCleanup(process.wait)
-        self.addCleanup(process.kill)
-        return process
-
-    def until(self, found):
-        limit = time.monotonic() + 120
-        while not (value := found()):
-            self.assertLess(time.monotonic(), limit, "what was waited for does not come")
-            time.sleep(0.005)
-        return value
-
-    def left(self):
-        return sorted(path.name for path in self.out.rglob("*.partial"))
-
-    def refused(self, run, *fragments, status=2):
-        self.assertEqual(run.status, status, run.err)
-        lines = [line for line in run.err.split("-----")[0].splitlines() if line.strip()]
-        self.assertEqual(len(lines), 1, run.err)
-        for fragment in fragments:
-            self.assertIn(fragment, lines[0])
-
-    def limited(self, kind, limit, *command):
-        """The command under a limit of resources."""
-        done = subprocess.run([str(word) for word in command], capture_output=True, text=True, timeout=240,
-                              preexec_fn=lambda: resource.setrlimit(kind, (limit, limit)))
-        run = Run(["true"])
-        run.status, run.err = done.returncode, done.stderr
-        return run
-
-
 class Signals(Robust):
     ENDLESS = ["time.rate_hz=1e6", "time.duration=900", "output.every=1000000"]
 
     def run_that_writes(self):
-        process = self.start(BIN / "ricochet-contact", self.scene, "--out", self.out, "--quiet", *settings(self.ENDLESS))
+        process = self.start(
+            BIN / "ricochet-contact", self.scene, "--out", self.out, "--quiet", *settings(self.ENDLESS)
+        )
         self.until(self.left)
         return process
 
@@ -95,17 +53,31 @@ class Signals(Robust):
         dead.kill()
         dead.wait()
         self.assertEqual(len(self.left()), 1)
-        live = self.start(BIN / "ricochet-contact", self.scene, "--out", self.out, "--quiet", *settings(self.ENDLESS))
+        live = self.start(
+            BIN / "ricochet-contact", self.scene, "--out", self.out, "--quiet", *settings(self.ENDLESS)
+        )
         self.until(lambda: self.left() == [f"errors.result.h5.{live.pid}.partial"])
         self.succeed(contact(self.scene, self.out))
         self.assertEqual(self.left(), [f"errors.result.h5.{live.pid}.partial"])
 
     def test_a_rank_that_dies_ends_the_job_and_the_next_goes_on_from_its_slices(self):
-        command = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", "2", BIN / "ricochet-kernel", self.scene,
-                   "--out", self.out, *settings(SLICED)]
+        command = [
+            "mpirun",
+            "--allow-run-as-root",
+            "--oversubscribe",
+            "-n",
+            "2",
+            BIN / "ricochet-kernel",
+            self.scene,
+            "--out",
+            self.out,
+            *settings(SLICED),
+        ]
         process = self.start(*command)
         self.until(lambda: list(self.out.glob("*.slices/slice-*.h5")) or list(self.out.glob("a-*.kernel.h5")))
-        ranks = subprocess.run(["pgrep", "-P", str(process.pid)], capture_output=True, text=True).stdout.split()
+        ranks = subprocess.run(
+            ["pgrep", "-P", str(process.pid)], capture_output=True, text=True
+        ).stdout.split()
         self.assertEqual(len(ranks), 2)
         os.kill(int(ranks[1]), signal.SIGKILL)
         said = process.communicate(timeout=60)[1]
@@ -116,7 +88,10 @@ class Signals(Robust):
         run = self.succeed(kernel(self.scene, self.out, *SLICED, ranks=2, quiet=False))
         if kernels == 0:
             self.assertIn(f"{len(before)} of ", run.err)
-        self.assertEqual((len(list(self.out.glob("*.kernel.h5"))), list(self.out.glob("*.slices")), self.left()), (2, [], []))
+        self.assertEqual(
+            (len(list(self.out.glob("*.kernel.h5"))), list(self.out.glob("*.slices")), self.left()),
+            (2, [], []),
+        )
 
 
 class Places(Robust):
@@ -125,8 +100,16 @@ class Places(Robust):
         self.succeed(contact(self.scene, self.out))
         before = {path.name: path.read_bytes() for path in self.out.iterdir()}
         for limit in (0, 1000, 20_000):  # files of no bytes, of too few for a header, for the rows
-            run = self.limited(resource.RLIMIT_FSIZE, limit, BIN / "ricochet-contact", self.scene, "--out", self.out,
-                               *settings(["time.duration=100"]), "--quiet")
+            run = self.limited(
+                resource.RLIMIT_FSIZE,
+                limit,
+                BIN / "ricochet-contact",
+                self.scene,
+                "--out",
+                self.out,
+                *settings(["time.duration=100"]),
+                "--quiet",
+            )
             self.refused(run, "errors.result.h5", "File too large")
         self.assertEqual(before, {path.name: path.read_bytes() for path in self.out.iterdir()})
 
@@ -134,14 +117,25 @@ class Places(Robust):
     def test_what_does_not_fit_is_refused_before_the_first_step(self):
         self.succeed(kernel(self.scene, self.folder / "kernels", ranks=1))
         self.out.mkdir()
-        mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1m", "none", self.out], capture_output=True)
+        mounted = subprocess.run(
+            ["mount", "-t", "tmpfs", "-o", "size=1m", "none", self.out], capture_output=True
+        )
         if mounted.returncode != 0:
             self.skipTest("this machine does not let mount")
         self.addCleanup(subprocess.run, ["umount", self.out])
         for path in (self.folder / "kernels").iterdir():
             (self.out / path.name).write_bytes(path.read_bytes())
-        self.refused(contact(self.scene, self.out, "time.rate_hz=1e5"), "errors.result.h5", "MB are needed", "are free")
-        long = kernel(self.scene, self.out, "bodies.a.mesh=long.geo", "bodies.b.mesh=long.geo", "modes.count=400", ranks=2)
+        self.refused(
+            contact(self.scene, self.out, "time.rate_hz=1e5"), "errors.result.h5", "MB are needed", "are free"
+        )
+        long = kernel(
+            self.scene,
+            self.out,
+            "bodies.a.mesh=long.geo",
+            "bodies.b.mesh=long.geo",
+            "modes.count=400",
+            ranks=2,
+        )
         self.refused(long, ".slices/plan.h5", "MB are needed")
         self.assertEqual(self.left(), [])
         subprocess.run(["mount", "-o", "remount,ro", self.out], check=True)
@@ -154,32 +148,60 @@ class Places(Robust):
         file = self.write("file", "")
         self.refused(kernel(self.scene, file, ranks=1), "file: cannot create this folder")
         (path,) = self.out.glob("a-*.kernel.h5")
-        self.refused(Run([BIN / "ricochet-recast", path, "--young-factor", "2", "--out", file]), "file: cannot create this folder")
-        self.refused(Run([BIN / "ricochet", "sweep", self.write("study.toml", STUDY), "--out", file]), "sweep: ", "file")
+        self.refused(
+            Run([BIN / "ricochet-recast", path, "--young-factor", "2", "--out", file]),
+            "file: cannot create this folder",
+        )
+        self.refused(
+            Run([BIN / "ricochet", "sweep", self.write("study.toml", STUDY), "--out", file]),
+            "sweep: ",
+            "file",
+        )
 
     def test_output_that_goes_nowhere_is_no_success(self):
         for option in ("--dry-run", "--batch"):
             with open("/dev/full", "w") as full:
-                done = subprocess.run([BIN / "ricochet-contact", self.scene, option], input="{}\n{}\n", stdout=full,
-                                      stderr=subprocess.PIPE, text=True)
+                done = subprocess.run(
+                    [BIN / "ricochet-contact", self.scene, option],
+                    input="{}\n{}\n",
+                    stdout=full,
+                    stderr=subprocess.PIPE,
+                    text=True,
+                )
             self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1))
             self.assertIn("standard output", done.stderr)
 
     def test_requests_that_are_none_are_answered_and_the_next_ones_too(self):
-        requests = ["[", "5", '{"set": ' + 10**6 * "[" + 10**6 * "]" + "}", '{"set": [5]}', '{"set": ["modes.cuont=3"]}', "{}"]
-        done = subprocess.run([BIN / "ricochet-contact", self.scene, "--batch", "--out", self.out], input="\n".join(requests),
-                              capture_output=True, text=True)
+        requests = [
+            "[",
+            "5",
+            '{"set": ' + 10**6 * "[" + 10**6 * "]" + "}",
+            '{"set": [5]}',
+            '{"set": ["modes.cuont=3"]}',
+            "{}",
+        ]
+        done = subprocess.run(
+            [BIN / "ricochet-contact", self.scene, "--batch", "--out", self.out],
+            input="\n".join(requests),
+            capture_output=True,
+            text=True,
+        )
         answers = [json.loads(line) for line in done.stdout.splitlines()]
         self.assertEqual((done.returncode, [answer["status"] for answer in answers]), (0, [2] * 6))
-        for answer, word in zip(answers, ("JSON object", "JSON object", "nested", "list of texts", "cuont", "no kernel")):
+        for answer, word in zip(
+            answers, ("JSON object", "JSON object", "nested", "list of texts", "cuont", "no kernel")
+        ):
             self.assertIn(word, answer["error"])
 
 
 class Early(Robust):
     def test_the_last_body_is_checked_before_the_first_is_computed(self):
-        for fault, *fragments in (["bodies.b.contact=nowhere", "rod.geo", "nowhere"], ["bodies.b.order=0", "bodies.b.order"],
-                                  ["bodies.b.mesh=none.geo", "none.geo"],
-                                  ['output.receiver=[{name="far",body="b",at=[0,9,0]}]', "far", "off bodies.b"]):
+        for fault, *fragments in (
+            ["bodies.b.contact=nowhere", "rod.geo", "nowhere"],
+            ["bodies.b.order=0", "bodies.b.order"],
+            ["bodies.b.mesh=none.geo", "none.geo"],
+            ['output.receiver=[{name="far",body="b",at=[0,9,0]}]', "far", "off bodies.b"],
+        ):
             self.refused(kernel(self.scene, self.out, fault, ranks=1), *fragments)
             self.refused(self.check("--set", fault), *fragments)
             self.assertEqual(list(self.out.glob("*")) if self.out.exists() else [], [])
@@ -203,12 +225,18 @@ class Early(Robust):
 class Files(Robust):
     def test_slices_that_are_damaged_or_made_to_harm_are_computed_again(self):
         self.succeed(kernel(self.scene, self.folder / "whole", *SLICED, ranks=1))
-        process = self.start(BIN / "ricochet-kernel", self.scene, "--out", self.out, "--quiet", *settings(SLICED))
+        process = self.start(
+            BIN / "ricochet-kernel", self.scene, "--out", self.out, "--quiet", *settings(SLICED)
+        )
         self.until(lambda: list(self.out.glob("*.slices/slice-*.h5")) or list(self.out.glob("a-*.kernel.h5")))
         process.kill()
         process.wait()
-        harm = [lambda f: f["lambda"].__setitem__(3, np.nan), lambda f: f["slice"].__setitem__(1, 1e300),
-                lambda f: f["shape"].__setitem__((0, 0), np.inf), lambda f: f["lambda"].__setitem__(0, f["lambda"][-1] * 2)]
+        harm = [
+            lambda f: f["lambda"].__setitem__(3, np.nan),
+            lambda f: f["slice"].__setitem__(1, 1e300),
+            lambda f: f["shape"].__setitem__((0, 0), np.inf),
+            lambda f: f["lambda"].__setitem__(0, f["lambda"][-1] * 2),
+        ]
         for number, path in enumerate(sorted(self.out.glob("*.slices/slice-*.h5"))):
             with h5py.File(path, "r+") as file:
                 harm[number % len(harm)](file)
@@ -218,7 +246,9 @@ class Files(Robust):
         self.succeed(kernel(self.scene, self.out, *SLICED, ranks=1))
         times = np.linspace(0, 3, 20)
         for path in self.out.glob("*.kernel.h5"):
-            one, other = displacement_kernel(self.folder / "whole" / path.name, times), displacement_kernel(path, times)
+            one, other = displacement_kernel(self.folder / "whole" / path.name, times), displacement_kernel(
+                path, times
+            )
             self.assertLess(np.abs(one - other).max(), 1e-8 * np.abs(one).max())
 
     def test_memory_is_not_taken_on_the_word_of_a_file_or_scene(self):
@@ -231,7 +261,11 @@ class Files(Robust):
             file.create_dataset("surface/shape", shape=(1, 10**15), chunks=(1, 1000), dtype="f8")
         self.refused(self.limited(resource.RLIMIT_AS, 2 * 10**9, *command), path.name, "/surface/shape")
         path.write_bytes(whole)
-        sound = ['output.receiver=[{name="r",body="b",at=[1,0,0]}]', "time.rate_hz=48000", "time.duration=6000"]
+        sound = [
+            'output.receiver=[{name="r",body="b",at=[1,0,0]}]',
+            "time.rate_hz=48000",
+            "time.duration=6000",
+        ]
         self.succeed(kernel(self.scene, self.out, *sound, ranks=1))
         run = self.limited(resource.RLIMIT_AS, 2 * 10**9, *command, *settings(sound))
         # Whichever is short first.
@@ -246,9 +280,16 @@ class Files(Robust):
         whole = path.read_bytes()
         History(path)
         for name in ("time", "energy/kinetic", "contact/time", "contact/force", "bodies/a/velocity"):
-            for value in (np.float64(1), np.array([b"x"] * 101), np.full(101, np.nan), np.zeros((101, 7, 2)),
-                          np.zeros(101, dtype=[("a", "f8"), ("b", "f8")]), h5py.ExternalLink("/dev/zero", "/x"),
-                          h5py.SoftLink("/" + name), "group"):
+            for value in (
+                np.float64(1),
+                np.array([b"x"] * 101),
+                np.full(101, np.nan),
+                np.zeros((101, 7, 2)),
+                np.zeros(101, dtype=[("a", "f8"), ("b", "f8")]),
+                h5py.ExternalLink("/dev/zero", "/x"),
+                h5py.SoftLink("/" + name),
+                "group",
+            ):
                 path.write_bytes(whole)
                 with h5py.File(path, "r+") as file:
                     del file[name]
@@ -260,7 +301,18 @@ class Files(Robust):
 
 class Sweeps(Robust):
     def sweep(self, *more):
-        return [BIN / "ricochet", "sweep", self.study, "--ranks", "1", "--jobs", "1", "--out", self.out, *more]
+        return [
+            BIN / "ricochet",
+            "sweep",
+            self.study,
+            "--ranks",
+            "1",
+            "--jobs",
+            "1",
+            "--out",
+            self.out,
+            *more,
+        ]
 
     def test_one_that_is_told_to_end_has_its_tables_written_and_two_at_once_are_refused(self):
         self.study = self.write("study.toml", STUDY + '[set]\n"time.rate_hz" = 4e5\n')
@@ -294,7 +346,12 @@ class Sweeps(Robust):
         self.succeed(Run(run))
         journal = self.out / "many.sweep.jsonl"
         lines = journal.read_bytes().splitlines(keepends=True)
-        lines[3], lines[5], lines[7], lines[9] = b"\0" * 60 + b"\n", b'{"key": 3, "status": 0}\n', b"[]\n", b"\xff\xfe{\n"
+        lines[3], lines[5], lines[7], lines[9] = (
+            b"\0" * 60 + b"\n",
+            b'{"key": 3, "status": 0}\n',
+            b"[]\n",
+            b"\xff\xfe{\n",
+        )
         journal.write_bytes(b"".join(lines) + b'{"key": "half')
         self.succeed(Run(run))
         with h5py.File(self.out / "many.sweep.h5") as file:
@@ -305,8 +362,20 @@ class Sweeps(Robust):
 
 class Kills(unittest.TestCase):
     def test_programs_killed_at_random_moments_leave_nothing_partial_and_go_on(self):
-        run = Run(["env", f"RICOCHET_BIN={BIN}", SOURCE / "scripts/verify", "--kills", "--count", "10", "--seed", "3",
-                   "--only", "ricochet-contact"])
+        run = Run(
+            [
+                "env",
+                f"RICOCHET_BIN={BIN}",
+                SOURCE / "scripts/verify",
+                "--kills",
+                "--count",
+                "10",
+                "--seed",
+                "3",
+                "--only",
+                "ricochet-contact",
+            ]
+        )
         self.assertEqual(run.status, 0, run.out + run.err)
 
 

@@ -29,7 +29,9 @@ class Rods(ProgramTest):
             old.unlink()
         self.succeed(contact(SCENE, self.out, *sets))
         with h5py.File(self.out / "two-rods.result.h5") as file:
-            result = {name: file[name][:] for name in ("time", "contact/time", "contact/force", "contact/gap")}
+            result = {
+                name: file[name][:] for name in ("time", "contact/time", "contact/force", "contact/gap")
+            }
             result["energy"] = {name: data[:] for name, data in file["energy"].items()}
         return self.summary(self.out), result
 
@@ -63,7 +65,9 @@ class Rods(ProgramTest):
         self.assertEqual([double["precision"], single["precision"]], ["double", "single"])
         # 1e-6: ten times the round-off of a number
         self.assertAlmostEqual(single["impulse_ns"], double["impulse_ns"], delta=1e-6 * double["impulse_ns"])
-        self.assertAlmostEqual(single["exit_velocity"]["resting"][0], double["exit_velocity"]["resting"][0], delta=1e-6)
+        self.assertAlmostEqual(
+            single["exit_velocity"]["resting"][0], double["exit_velocity"]["resting"][0], delta=1e-6
+        )
         # 2e-3: 6e-8 of displacements of 10 m, a hundred modes, over the flexibility of a step of 0.01 m/N
         first = slice(0, 500)
         difference = narrow["contact/force"][first] - forces["contact/force"][first]

@@ -64,11 +64,15 @@ def node(folder):
     for name in ("state", "spool"):
         (folder / name).mkdir(parents=True)
     host = socket.gethostname().split(".")[0]
-    (folder / "slurm.conf").write_text(CONFIGURATION.format(host=host, ports=free_ports(2), user=getpass.getuser(), folder=folder))
+    (folder / "slurm.conf").write_text(
+        CONFIGURATION.format(host=host, ports=free_ports(2), user=getpass.getuser(), folder=folder)
+    )
     before = os.environ.get("SLURM_CONF")
     os.environ["SLURM_CONF"] = str(folder / "slurm.conf")
     with contextlib.ExitStack() as scope:
-        scope.callback(lambda: os.environ.pop("SLURM_CONF") if before is None else os.environ.update(SLURM_CONF=before))
+        scope.callback(
+            lambda: os.environ.pop("SLURM_CONF") if before is None else os.environ.update(SLURM_CONF=before)
+        )
         for command in (["slurmctld", "-D"], ["slurmd", "-D", "-N", host]):
             daemon = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
             scope.callback(daemon.wait)

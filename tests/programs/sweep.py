@@ -68,20 +68,31 @@ class Studies(SweepTest):
         pairs = [(s["bodies.moving.velocity[0]"], s["bodies.moving.material.young"]) for s in settings[::3]]
         self.assertEqual(pairs, list(itertools.product([0.5, 1.0], [1.0, 4.0])))
         self.assertTrue(all(0 <= s["contact.gap"] <= 0.1 for s in settings))
-        self.assertNotEqual(settings[0]["contact.gap"], self.settings(GRID.replace("count = 3", "count = 3\nseed = 7"))[0]["contact.gap"])
+        self.assertNotEqual(
+            settings[0]["contact.gap"],
+            self.settings(GRID.replace("count = 3", "count = 3\nseed = 7"))[0]["contact.gap"],
+        )
 
     def test_lists_are_walked_through_together_and_ranges_by_ratio(self):
-        settings = self.settings('[list]\n"time.rate_hz" = { from = 1.0, to = 100.0, steps = 3, scale = "log" }\n'
-                                 '"contact.scheme" = ["compliant", "impulse", "impulse"]')
+        settings = self.settings(
+            '[list]\n"time.rate_hz" = { from = 1.0, to = 100.0, steps = 3, scale = "log" }\n'
+            '"contact.scheme" = ["compliant", "impulse", "impulse"]'
+        )
         np.testing.assert_allclose([s["time.rate_hz"] for s in settings], [1, 10, 100], rtol=1e-14)
         self.assertEqual([s["contact.scheme"] for s in settings], ["compliant", "impulse", "impulse"])
 
     def test_what_is_wrong_with_a_study_is_said_in_one_line(self):
-        for text, part in [("", "varies nothing"), ("[grid]\na = 3", 'grid."a" = 3'), ("[rows]\na = [1]", 'unknown key "rows"'),
-                           ("[list]\na = [1]\nb = [1, 2]", "the same number of values"), ("[random]\na = {uniform = [0, 1]}", "count"),
-                           ("[random]\ncount = 2\na = {log_uniform = [-1, 1]}", "of one sign"),
-                           ("[grid]\na = [1]\n[list]\na = [2]", "varied twice"),
-                           ("[grid]\na = {from = -1, to = 1, steps = 3, scale = 'log'}", "same sign"), ("[grid", "is not TOML")]:
+        for text, part in [
+            ("", "varies nothing"),
+            ("[grid]\na = 3", 'grid."a" = 3'),
+            ("[rows]\na = [1]", 'unknown key "rows"'),
+            ("[list]\na = [1]\nb = [1, 2]", "the same number of values"),
+            ("[random]\na = {uniform = [0, 1]}", "count"),
+            ("[random]\ncount = 2\na = {log_uniform = [-1, 1]}", "of one sign"),
+            ("[grid]\na = [1]\n[list]\na = [2]", "varied twice"),
+            ("[grid]\na = {from = -1, to = 1, steps = 3, scale = 'log'}", "same sign"),
+            ("[grid", "is not TOML"),
+        ]:
             with self.assertRaisesRegex(InputError, part) as refused:
                 self.settings(text)
             self.assertNotIn("\n", str(refused.exception))
@@ -102,8 +113,16 @@ class Pictures(unittest.TestCase):
     def test_over_one_input_each_value_of_the_others_has_a_line_and_labels_have_units(self):
         speed, metal = [1.0, 2.0, 1.0, 2.0, 1.0, 2.0], [2700.0, 2700.0, 7850.0, 7850.0, 11340.0, 11340.0]
         force = [3.0, 6.0, 5.0, 10.0, 4.0, 8.0]
-        ax = self.drawn({"bodies.b.velocity[0]": speed, "bodies.b.material.density": metal, "bodies.b.material.young": [-m for m in metal]},
-                        "peak_force_n", ["bodies.b.velocity[0]"], force)
+        ax = self.drawn(
+            {
+                "bodies.b.velocity[0]": speed,
+                "bodies.b.material.density": metal,
+                "bodies.b.material.young": [-m for m in metal],
+            },
+            "peak_force_n",
+            ["bodies.b.velocity[0]"],
+            force,
+        )
         self.assertEqual((ax.get_xlabel(), ax.get_ylabel()), ("bodies.b.velocity[0] (m/s)", "peak force (N)"))
         self.assertEqual([list(line.get_ydata()) for line in ax.lines], [[3, 6], [5, 10], [4, 8]])
         legend = ax.get_legend()
@@ -112,8 +131,16 @@ class Pictures(unittest.TestCase):
 
     def test_units_are_those_of_the_reference(self):
         units = scene_keys.units(Run([BIN / "ricochet-contact", "--keys"]).out)
-        for key, unit in {"bodies.b.velocity[0]": "m/s", "bodies.b.material.steel.young": "Pa", "contact.gap": "m", "time.duration": "s",
-                          "loads.point[0].vector[1]": "N", "bodies.b.geometry.radius": "", "accuracy": "", "modes.up_to_hz": "Hz"}.items():
+        for key, unit in {
+            "bodies.b.velocity[0]": "m/s",
+            "bodies.b.material.steel.young": "Pa",
+            "contact.gap": "m",
+            "time.duration": "s",
+            "loads.point[0].vector[1]": "N",
+            "bodies.b.geometry.radius": "",
+            "accuracy": "",
+            "modes.up_to_hz": "Hz",
+        }.items():
             self.assertEqual(scene_keys.unit(key, units), unit, key)
 
     def test_over_two_inputs_each_pair_that_was_run_has_a_cell_with_its_values_as_labels(self):
@@ -124,7 +151,9 @@ class Pictures(unittest.TestCase):
         self.assertEqual([part.get_text() for part in ax.get_yticklabels()], ["a", "b"])
         draws = {"x": list(np.random.default_rng(1).uniform(size=40)), "y": [1.0, 2.0] * 20}
         drawn = self.drawn(draws, "restitution", ["x", "y"], list(range(40)))
-        self.assertEqual((len(drawn.images), len(drawn.collections)), (0, 1))  # draws are points where they are
+        self.assertEqual(
+            (len(drawn.images), len(drawn.collections)), (0, 1)
+        )  # draws are points where they are
         draws["y"] = list(range(40))
         (line,) = self.drawn(draws, "restitution", ["x"], list(range(40))).lines
         self.assertEqual(line.get_linestyle(), "None")  # y varies, too
@@ -135,7 +164,10 @@ class Sweeps(SweepTest):
         study = self.study(GRID)
         self.assertEqual(self.succeed(Run(self.sweep(study, "--kernels"))).out, "3 kernels, all computed\n")
         for before in ("", " before"):
-            self.assertEqual(self.succeed(Run(self.sweep(study, "--part", "2/3"))).out, f"part 2/3: 4 impacts, all done{before}\n")
+            self.assertEqual(
+                self.succeed(Run(self.sweep(study, "--part", "2/3"))).out,
+                f"part 2/3: 4 impacts, all done{before}\n",
+            )
         for before in ("", ", all done before"):
             done = self.succeed(Run(self.sweep(study, "--plot", "impulse_ns")))
             self.assertEqual(done.out.splitlines()[0], f"12 impacts{before}")
@@ -145,7 +177,10 @@ class Sweeps(SweepTest):
         self.assertTrue((self.out / "rods.impulse_ns.png").is_file())
         for row in (rows[0], rows[-1]):
             sets = ["modes.count=20", "time.rate_hz=20.0", "title=alone"]
-            sets += [f"{key}={row[key]}" for key in ("bodies.moving.velocity[0]", "bodies.moving.material.young", "contact.gap")]
+            sets += [
+                f"{key}={row[key]}"
+                for key in ("bodies.moving.velocity[0]", "bodies.moving.material.young", "contact.gap")
+            ]
             self.succeed(contact(self.folder / "two-rods.toml", self.out, *sets))
             summary = json.loads((self.out / "alone.summary.json").read_text())
             self.assertEqual(float(row["impulse_ns"]), summary["impulse_ns"])
@@ -159,15 +194,21 @@ class Sweeps(SweepTest):
         study = self.study(GRID.replace("count = 3", "count = 40"))
         journal, before = self.out / "rods.sweep.jsonl", b""
         for enough in (5, 60):
-            process = subprocess.Popen([str(word) for word in self.sweep(study)], stdout=subprocess.DEVNULL,
-                                       start_new_session=True, env=os.environ | {"RICOCHET_BIN": str(BIN)})
-            while process.poll() is None and (not journal.exists() or journal.read_bytes().count(b"\n") < enough):
+            process = subprocess.Popen(
+                [str(word) for word in self.sweep(study)],
+                stdout=subprocess.DEVNULL,
+                start_new_session=True,
+                env=os.environ | {"RICOCHET_BIN": str(BIN)},
+            )
+            while process.poll() is None and (
+                not journal.exists() or journal.read_bytes().count(b"\n") < enough
+            ):
                 time.sleep(0.01)
             os.killpg(process.pid, signal.SIGKILL)
             process.wait()
             found = journal.read_bytes()
             self.assertTrue(found.startswith(before))
-            before = found[:found.rfind(b"\n") + 1]
+            before = found[: found.rfind(b"\n") + 1]
         self.succeed(Run(self.sweep(study)))
         found = journal.read_bytes()
         self.assertTrue(found.startswith(before))
@@ -179,12 +220,15 @@ class Sweeps(SweepTest):
 
     def test_impacts_whose_process_is_killed_are_run_again(self):
         """The sweep itself lives on, as when memory runs out or a job's processes are told to end."""
-        study = self.study(GRID.replace("count = 3", "count = 10"))  # 40 impacts: each of two processes dies more than once
+        study = self.study(
+            GRID.replace("count = 3", "count = 10")
+        )  # 40 impacts: each of two processes dies more than once
         self.succeed(Run(self.sweep(study, "--kernels")))
         victims = self.folder / "victims"
         victims.mkdir()
         # Stands for ricochet-contact: each process dies of its tenth impact, half of them in the midst of the answer.
-        (victims / "ricochet-contact").write_text(f"""#!/usr/bin/python3
+        (victims / "ricochet-contact").write_text(
+            f"""#!/usr/bin/python3
 import os, subprocess, sys
 real = subprocess.Popen(["{BIN}/ricochet-contact", *sys.argv[1:]], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 if "--batch" not in sys.argv:
@@ -201,10 +245,13 @@ for line in sys.stdin:
         sys.stdout.flush()
         os.kill(os.getpid(), 9)
     print(answer, end="", flush=True)
-""")
+"""
+        )
         (victims / "ricochet-contact").chmod(0o755)
         self.succeed(Run(["env", f"RICOCHET_BIN={victims}", *self.sweep(study)]))
-        self.assertEqual({row["status"] for row in self.rows()}, {"0"})  # asked twice, and new processes answer
+        self.assertEqual(
+            {row["status"] for row in self.rows()}, {"0"}
+        )  # asked twice, and new processes answer
         always = (victims / "ricochet-contact").read_text().replace("impacts == 10", "impacts > 0")
         (victims / "ricochet-contact").write_text(always)
         (self.out / "rods.sweep.jsonl").unlink()
@@ -220,47 +267,72 @@ for line in sys.stdin:
         for program in ("ricochet-contact", "ricochet-kernel"):
             counted = f"echo >> {starts}\n" if program.endswith("kernel") else ""
             self.write(program, f'#!/bin/sh\n{counted}exec {BIN}/{program} "$@"\n').chmod(0o755)
-        text = ('[set]\n"modes.count" = 20\n"time.rate_hz" = 20.0\n[random]\ncount = 6\n'
-                '"bodies.moving.material.young" = { log_uniform = [1.0, 4.0] }\n"bodies.moving.damping.ratio" = { uniform = [0.01, 0.1] }')
+        text = (
+            '[set]\n"modes.count" = 20\n"time.rate_hz" = 20.0\n[random]\ncount = 6\n'
+            '"bodies.moving.material.young" = { log_uniform = [1.0, 4.0] }\n"bodies.moving.damping.ratio" = { uniform = [0.01, 0.1] }'
+        )
         self.succeed(Run(["env", f"RICOCHET_BIN={self.folder}", *self.sweep(self.study(text))]))
         self.assertEqual(starts.read_text().count("\n"), 1)
         self.assertEqual(len(list(self.out.glob("moving-*.kernel.h5"))), 6)
         self.assertEqual({row["status"] for row in self.rows()}, {"0"})
         last = self.rows()[-1]
-        sets = [f"{key}={last[key]}" for key in ("bodies.moving.material.young", "bodies.moving.damping.ratio")]
+        sets = [
+            f"{key}={last[key]}" for key in ("bodies.moving.material.young", "bodies.moving.damping.ratio")
+        ]
         sets += ["modes.count=20", "time.rate_hz=20.0", "title=alone"]
         self.succeed(kernel(self.folder / "two-rods.toml", self.folder / "alone", *sets, ranks=1))
         self.succeed(contact(self.folder / "two-rods.toml", self.folder / "alone", *sets))
         # Derived or computed, eigenvectors are right to round-off times the gap of frequencies.
-        self.assertAlmostEqual(float(last["impulse_ns"]) / self.summary(self.folder / "alone")["impulse_ns"], 1, delta=1e-7)
+        self.assertAlmostEqual(
+            float(last["impulse_ns"]) / self.summary(self.folder / "alone")["impulse_ns"], 1, delta=1e-7
+        )
 
     def test_bodies_at_rest_and_table_kernels_are_swept_too(self):
-        rod = (f'[bodies.rod]\nmesh = "{MESHES}/two-rods/rod.geo"\norder = 1\nmaterial = {{ density = 1, young = 1, area = 1 }}\n'
-               'contact = "left"\n[obstacles.wall]\nnormal = [1, 0, 0]\n[modes]\ncount = 3\n'
-               '[contact]\nbetween = ["rod", "wall"]\nscheme = "static"\n[loads]\ngravity = [-1, 0, 0]\n')
+        rod = (
+            f'[bodies.rod]\nmesh = "{MESHES}/two-rods/rod.geo"\norder = 1\nmaterial = {{ density = 1, young = 1, area = 1 }}\n'
+            'contact = "left"\n[obstacles.wall]\nnormal = [1, 0, 0]\n[modes]\ncount = 3\n'
+            '[contact]\nbetween = ["rod", "wall"]\nscheme = "static"\n[loads]\ngravity = [-1, 0, 0]\n'
+        )
         self.write("rod.toml", rod)
         self.succeed(Run(self.sweep(self.study('[grid]\n"loads.gravity[0]" = [-1e-3, -2e-3]', "rod.toml"))))
         for row in self.rows():  # its weight: 10 kg times gravity
-            self.assertAlmostEqual(float(row["pairs.0.force_n"]) / (-10 * float(row["loads.gravity[0]"])), 1, delta=1e-9)
-        text = '[set]\n"modes.count" = 20\n"time.rate_hz" = 20.0\n[grid]\n"contact.kernel" = ["modes", "table"]'
+            self.assertAlmostEqual(
+                float(row["pairs.0.force_n"]) / (-10 * float(row["loads.gravity[0]"])), 1, delta=1e-9
+            )
+        text = (
+            '[set]\n"modes.count" = 20\n"time.rate_hz" = 20.0\n[grid]\n"contact.kernel" = ["modes", "table"]'
+        )
         self.succeed(Run(self.sweep(self.study(text))))
         modes, table = self.rows()
         for name in ("impulse_ns", "exit_velocity.resting.x", "modes.moving"):  # sums in another order
-            self.assertAlmostEqual(float(table[name]), float(modes[name]), delta=1e-9 * abs(float(modes[name])))
+            self.assertAlmostEqual(
+                float(table[name]), float(modes[name]), delta=1e-9 * abs(float(modes[name]))
+            )
 
     def test_a_history_that_changed_is_another_impact(self):
         """What an impact reads beside kernels is part of what identifies it."""
         text = (self.folder / "two-rods.toml").read_text()
-        self.write("pushed.toml", text + '\n[[loads.point]]\nname = "push"\nbody = "resting"\nat = [10, 0, 0]\nvector = [1e-3, 0, 0]\n'
-                   'history = "push.csv"\n')
-        study = self.study('[set]\n"modes.count" = 5\n"time.rate_hz" = 20.0\n[grid]\n"contact.gap" = [0.0]', "pushed.toml")
-        found = []
+        self.write(
+            "pushed.toml",
+            text
+            + '\n[[loads.point]]\nname = "push"\nbody = "resting"\nat = [10, 0, 0]\nvector = [1e-3, 0, 0]\n'
+            'history = "push.csv"\n',
+        )
+        study = self.study(
+            '[set]\n"modes.count" = 5\n"time.rate_hz" = 20.0\n[grid]\n"contact.gap" = [0.0]', "pushed.toml"
+        )
+        found, before = [], None
         for history in ("0, 0\n30, 1\n", "0, 0\n30, 20\n", "0, 0\n30, 20\n"):
-            if not found or history != before:
+            if history != before:
                 self.write("push.csv", history)
             before = history
             self.succeed(Run(self.sweep(study)))
-            found.append((self.rows()[0]["exit_velocity.resting.x"], len((self.out / "rods.sweep.jsonl").read_text().splitlines())))
+            found.append(
+                (
+                    self.rows()[0]["exit_velocity.resting.x"],
+                    len((self.out / "rods.sweep.jsonl").read_text().splitlines()),
+                )
+            )
         self.assertNotEqual(found[0][0], found[1][0])
         self.assertEqual([lines for _, lines in found], [1, 2, 2])
 

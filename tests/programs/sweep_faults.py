@@ -37,14 +37,21 @@ class Faults(ProgramTest):
     def script(self, name, *words, env=(), **streams):
         """What a script left behind; a stream that a test names is its own."""
         command = ["env", *env, BIN / "ricochet", name, *words]
-        return subprocess.run([str(word) for word in command], text=True, errors="surrogateescape", timeout=DEADLOCK_S,
-                              **({"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | streams))
+        return subprocess.run(
+            [str(word) for word in command],
+            text=True,
+            errors="surrogateescape",
+            timeout=DEADLOCK_S,
+            **({"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | streams),
+        )
 
     def sweep(self, *more, **how):
         return self.script("sweep", self.folder / "study.toml", "--ranks", "1", *more, **how)
 
     def ends(self, done, status, *parts):
-        self.assertEqual((done.returncode, (done.stderr or "").count("\n")), (status, 1 if parts else 0), done.stderr)
+        self.assertEqual(
+            (done.returncode, (done.stderr or "").count("\n")), (status, 1 if parts else 0), done.stderr
+        )
         for part in parts:
             self.assertIn(part, done.stderr)
 
@@ -58,39 +65,88 @@ class Studies(Faults):
         gap = '[grid]\n"contact.gap" = '
         draw = '[random]\ncount = 5\n"contact.gap" = '
         for text, part in [
-                ("[random]\ncount = 5", "draws nothing"), (draw + "{uniform = [1.0, 0.0]}", "uniform"),
-                (draw + "{uniform = [-1e308, 1e308]}", "uniform"), (gap + "{from = -1e308, to = 1e308, steps = 3}", "steps"),
-                (gap + "{from = 0, to = %s, steps = 3}" % ("1" * 400), "64 bits"), (gap + "[%s]" % ("1" * 5000), "not TOML"),
-                (gap + "{from = 0, to = 1, steps = 1000000000000}", "10000000 steps"), (gap + "[9223372036854775808]", "64 bits"),
-                (gap + '{from = 0, to = 1, steps = 4000}\n"contact.reach" = {from = 0, to = 1, steps = 4000}', "10000000 settings"),
-                (gap + "[1.0, 1979-05-27]", "date"), (gap + '["a\\u0000b"]', "NUL"), (gap + "[" * 3000 + "]" * 3000, "nested"),
-                (gap + "[" * 60 + "]" * 60, "nested")]:
+            ("[random]\ncount = 5", "draws nothing"),
+            (draw + "{uniform = [1.0, 0.0]}", "uniform"),
+            (draw + "{uniform = [-1e308, 1e308]}", "uniform"),
+            (gap + "{from = -1e308, to = 1e308, steps = 3}", "steps"),
+            (gap + "{from = 0, to = %s, steps = 3}" % ("1" * 400), "64 bits"),
+            (gap + "[%s]" % ("1" * 5000), "not TOML"),
+            (gap + "{from = 0, to = 1, steps = 1000000000000}", "10000000 steps"),
+            (gap + "[9223372036854775808]", "64 bits"),
+            (
+                gap + '{from = 0, to = 1, steps = 4000}\n"contact.reach" = {from = 0, to = 1, steps = 4000}',
+                "10000000 settings",
+            ),
+            (gap + "[1.0, 1979-05-27]", "date"),
+            (gap + '["a\\u0000b"]', "NUL"),
+            (gap + "[" * 3000 + "]" * 3000, "nested"),
+            (gap + "[" * 60 + "]" * 60, "nested"),
+        ]:
             with self.subTest(text=text[:80]), self.assertRaisesRegex(InputError, part):
                 Study(self.study(text))
         for text, part in [("title = 5\n", "title"), ('scene = "none.toml"\n', "No such file")]:
             with self.assertRaisesRegex(InputError, part):
-                Study(self.write("study.toml", text + 'scene = "two-rods.toml"\n' * ("scene" not in text) + gap + "[0.0]"))
+                Study(
+                    self.write(
+                        "study.toml",
+                        text + 'scene = "two-rods.toml"\n' * ("scene" not in text) + gap + "[0.0]",
+                    )
+                )
 
     def test_draws_between_negative_ends_are_between_them(self):
-        settings = Study(self.study('[random]\ncount = 50\n"bodies.moving.velocity[0]" = { log_uniform = [-10.0, -1.0] }')).settings
+        settings = Study(
+            self.study('[random]\ncount = 50\n"bodies.moving.velocity[0]" = { log_uniform = [-10.0, -1.0] }')
+        ).settings
         self.assertTrue(all(-10 <= value <= -1 for setting in settings for value in setting.values()))
 
     def test_values_reach_programs_as_the_toml_that_they_were(self):
-        for value in ("é 😀 \x7f \"\\ \n\t", [{"a b": [1, 2.5], "é": {"x": True}}, {}], [[], [1e-300, float("inf")]], {'"': "'"}):
+        for value in (
+            'é 😀 \x7f "\\ \n\t',
+            [{"a b": [1, 2.5], "é": {"x": True}}, {}],
+            [[], [1e-300, float("inf")]],
+            {'"': "'"},
+        ):
             self.assertEqual(tomllib.loads("value = " + toml(value))["value"], value)
 
 
 class Journals(Faults):
     def test_lines_that_tables_cannot_hold_count_as_none(self):
-        good = {"key": "k", "status": 0, "summary": {"impulse_ns": 1.0, "restitution": None, "episodes": [{}],
-                                                     "exit_velocity": {"moving": [1.0, 0.0, 0.0]}, "pairs": [{"force_n": 2.0}]}}
+        good = {
+            "key": "k",
+            "status": 0,
+            "summary": {
+                "impulse_ns": 1.0,
+                "restitution": None,
+                "episodes": [{}],
+                "exit_velocity": {"moving": [1.0, 0.0, 0.0]},
+                "pairs": [{"force_n": 2.0}],
+            },
+        }
         self.assertEqual(row_of(json.dumps(good)), good)
         self.assertIsNotNone(row_of(json.dumps({"key": "k", "status": 2, "error": "refused"})))
-        wrong = [good | {"summary": good["summary"] | {name: value}} for name, value in [
-            ("episodes", 5), ("pairs", 3), ("pairs", [3]), ("x", 10**400), ("a/b", 1), (".", 1), ("", 1), ("a\0", 1), ("a\ud800", 1),
-            ("exit_velocity", {"a": [[1], [2]]}), ("exit_velocity", {"a": ["fast"]})]]
+        wrong = [
+            good | {"summary": good["summary"] | {name: value}}
+            for name, value in [
+                ("episodes", 5),
+                ("pairs", 3),
+                ("pairs", [3]),
+                ("x", 10**400),
+                ("a/b", 1),
+                (".", 1),
+                ("", 1),
+                ("a\0", 1),
+                ("a\ud800", 1),
+                ("exit_velocity", {"a": [[1], [2]]}),
+                ("exit_velocity", {"a": ["fast"]}),
+            ]
+        ]
         wrong += [{"key": "k", "status": 2, "error": error} for error in (5, "a\0", "a\ud800", {})]
-        wrong += [good | {"status": status} for status in (300, -1, True, [0], "0")] + [good | {"summary": 3}, good | {"key": [3]}, 3, None]
+        wrong += [good | {"status": status} for status in (300, -1, True, [0], "0")] + [
+            good | {"summary": 3},
+            good | {"key": [3]},
+            3,
+            None,
+        ]
         for line in [*map(json.dumps, wrong), "[" * 100000, "", "{"]:
             self.assertIsNone(row_of(line), line[:100])
 
@@ -126,7 +182,9 @@ class Kernels(Faults):
         self.ends(self.sweep(), 2, "sweep: ", path.name, "version 99", "newer")
 
     def test_what_meshes_refuse_is_a_row_at_every_stage(self):
-        self.study('[grid]\n"bodies.moving.contact" = ["nope", "right"]\n"bodies.moving.material.young" = [1.0, 2.0]')
+        self.study(
+            '[grid]\n"bodies.moving.contact" = ["nope", "right"]\n"bodies.moving.material.young" = [1.0, 2.0]'
+        )
         for stage in (["--kernels"], ["--part", "1/1"], ["--collect"]):
             self.ends(self.sweep(*stage), 0)
         self.assertEqual([row["status"] for row in self.rows()], ["2", "2", "0", "0"])
@@ -135,13 +193,16 @@ class Kernels(Faults):
     def test_a_kernel_that_breaks_down_is_a_row_and_others_go_on(self):
         """A ricochet-kernel stands in that finds nothing wrong with meshes."""
         self.write("ricochet-contact", f'#!/bin/sh\nexec {BIN}/ricochet-contact "$@"\n').chmod(0o755)
-        self.write("ricochet-kernel", f"""#!/bin/sh
+        self.write(
+            "ricochet-kernel",
+            f"""#!/bin/sh
 case "$*" in
     *--check*) exit 0;;
     *order=2*) echo "a warning" >&2; echo "ricochet-kernel: rank 0: it broke down" >&2; exit 1;;
 esac
 exec {BIN}/ricochet-kernel "$@"
-""").chmod(0o755)
+""",
+        ).chmod(0o755)
         self.study('[grid]\n"bodies.moving.order" = [2, 1]\n"contact.gap" = [0.0, 0.5]')
         self.ends(self.sweep(env=[f"RICOCHET_BIN={self.folder}", "RICOCHET_LAUNCHER=env"]), 0)
         self.assertEqual([row["status"] for row in self.rows()], ["1", "1", "0", "0"])
@@ -150,9 +211,15 @@ exec {BIN}/ricochet-kernel "$@"
 
 class Ends(Faults):
     def test_one_that_is_told_to_end_does_not_wait_for_its_impacts(self):
-        self.study('[list]\n"time.rate_hz" = [20.0, 3e7]\n"modes.count" = [5, 90]')  # the second one takes minutes
-        process = subprocess.Popen([BIN / "ricochet", "sweep", self.folder / "study.toml", "--ranks", "1", "--jobs", "1"],
-                                   stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        self.study(
+            '[list]\n"time.rate_hz" = [20.0, 3e7]\n"modes.count" = [5, 90]'
+        )  # the second one takes minutes
+        process = subprocess.Popen(
+            [BIN / "ricochet", "sweep", self.folder / "study.toml", "--ranks", "1", "--jobs", "1"],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
         self.addCleanup(process.kill)
         journal, before = self.out / "rods.sweep.jsonl", time.monotonic()
         while (not journal.exists() or not journal.stat().st_size) and time.monotonic() < before + DEADLOCK_S:
@@ -163,13 +230,21 @@ class Ends(Faults):
         self.assertEqual([row["status"] for row in self.rows()], ["0", "-1"])
 
     def test_output_that_goes_nowhere_is_said_and_columns_that_are_not_there_are_refused(self):
-        self.study('[grid]\n"contact.gap" = [0.0]\n"bodies.moving.velocity[0]" = [inf, 1.0]\n[[set.output.receiver]]\n'
-                   'name = "end"\nbody = "resting"\nat = [10, 0, 0]')
+        self.study(
+            '[grid]\n"contact.gap" = [0.0]\n"bodies.moving.velocity[0]" = [inf, 1.0]\n[[set.output.receiver]]\n'
+            'name = "end"\nbody = "resting"\nat = [10, 0, 0]'
+        )
         self.ends(self.sweep("--plot", "nonsense"), 2, '"nonsense" is not a column', "impulse_ns")
-        self.ends(self.sweep("--plot", "impulse_ns", "--against", "bodies.moving.velocity[0]", "contact.gap"), 0)
+        self.ends(
+            self.sweep("--plot", "impulse_ns", "--against", "bodies.moving.velocity[0]", "contact.gap"), 0
+        )
         with open("/dev/full", "w") as full:
             self.ends(self.sweep(stdout=full), 1, "standard output")
-            self.ends(self.script("batch", self.folder / "study.toml", "--dry-run", stdout=full), 1, "standard output")
+            self.ends(
+                self.script("batch", self.folder / "study.toml", "--dry-run", stdout=full),
+                1,
+                "standard output",
+            )
         closed = self.script("sweep", self.folder / "study.toml", stderr=None, preexec_fn=lambda: os.close(2))
         self.assertEqual(closed.returncode, 0)
 
@@ -179,11 +254,15 @@ class Ends(Faults):
         empty = self.folder / "empty"
         empty.mkdir()
         for done, parts in [
-                (self.script("batch", study, "--kernel-options", '--comment="a'), ["--kernel-options", "quot"]),
-                (self.script("batch", broken), ["broken.toml", '"a b" = 5']),
-                (self.script("batch", study, "--out", study), ["study.toml", "File exists"]),
-                (self.script("batch", "--version", env=[f"RICOCHET_BIN={empty}"]), ["ricochet-contact", "no such program"]),
-                (self.sweep(env=["RICOCHET_LAUNCHER=\""]), ["RICOCHET_LAUNCHER", "quot"])]:
+            (self.script("batch", study, "--kernel-options", '--comment="a'), ["--kernel-options", "quot"]),
+            (self.script("batch", broken), ["broken.toml", '"a b" = 5']),
+            (self.script("batch", study, "--out", study), ["study.toml", "File exists"]),
+            (
+                self.script("batch", "--version", env=[f"RICOCHET_BIN={empty}"]),
+                ["ricochet-contact", "no such program"],
+            ),
+            (self.sweep(env=['RICOCHET_LAUNCHER="']), ["RICOCHET_LAUNCHER", "quot"]),
+        ]:
             self.ends(done, 2, *parts)
         for words, part in [(["--ranks", "100000"], "4096"), (["--against", "contact.gap"], "--plot")]:
             done = self.sweep(*words)

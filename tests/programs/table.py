@@ -20,7 +20,9 @@ class AnalyticRods(ProgramTest):
 
     def table(self, *arguments):
         path = self.folder / "rods.table.h5"
-        done = subprocess.run(["/usr/bin/python3", ANALYTIC / "table.py", *arguments, path], capture_output=True, text=True)
+        done = subprocess.run(
+            ["/usr/bin/python3", ANALYTIC / "table.py", *arguments, path], capture_output=True, text=True
+        )
         self.assertEqual(done.returncode, 0, done.stderr)
         return path
 
@@ -30,7 +32,9 @@ class AnalyticRods(ProgramTest):
         (path,) = out.glob("*.result.h5")
         with h5py.File(path) as file:
             result = {}
-            file.visititems(lambda name, item: result.update({name: item[:]} if isinstance(item, h5py.Dataset) else {}))
+            file.visititems(
+                lambda name, item: result.update({name: item[:]} if isinstance(item, h5py.Dataset) else {})
+            )
         return self.summary(out), result
 
     def test_both_schemes_give_the_exact_impact(self):
@@ -57,12 +61,28 @@ class AnalyticRods(ProgramTest):
 
     def test_other_rods_at_a_rate_that_the_wave_does_not_meet(self):
         # Z = 2·3·0.5 = 3, c = 3, 2L/c = 4/3, 133.3 steps at 100 Hz: the sampled jump is a step wide, and so is the error.
-        table = self.table("--density", "2", "--young", "18", "--area", "0.5", "--length", "2", "--gap", "0.1",
-                           "--speed", "2", "--duration", "2")
+        table = self.table(
+            "--density",
+            "2",
+            "--young",
+            "18",
+            "--area",
+            "0.5",
+            "--length",
+            "2",
+            "--gap",
+            "0.1",
+            "--speed",
+            "2",
+            "--duration",
+            "2",
+        )
         for scheme in ("impulse", "compliant"):
             with self.subTest(scheme=scheme):
                 summary, result = self.collide(table, f"contact.scheme={scheme}", "time.duration=2")
-                self.assertAlmostEqual(summary["contact_end_s"] - summary["contact_start_s"], 4 / 3, delta=0.011)
+                self.assertAlmostEqual(
+                    summary["contact_end_s"] - summary["contact_start_s"], 4 / 3, delta=0.011
+                )
                 self.assertAlmostEqual(np.median(result["contact/force"]), 3, delta=1e-9)
                 self.assertAlmostEqual(summary["impulse_ns"], 4, delta=3 * 0.01)
 
@@ -77,7 +97,10 @@ class AnalyticRods(ProgramTest):
             self.assertEqual(file["table/velocity"].shape, (501, 1, 1))
         cases = [
             ([], "has samples for 5.01 s"),
-            (["time.duration=1", "time.rate_hz=200"], "time.rate_hz = 200: the table has a step of 0.01 s. Set 100."),
+            (
+                ["time.duration=1", "time.rate_hz=200"],
+                "time.rate_hz = 200: the table has a step of 0.01 s. Set 100.",
+            ),
             (["time.duration=1", "modes={count=3}"], "is replaced by contact.table"),
             (["time.duration=1", "output.snapshot_every=3"], "has no modal coordinates"),
             (["time.duration=1", "contact.kernel=modes"], 'belongs to kernel = "table"'),
@@ -102,10 +125,18 @@ class ModalRods(ProgramTest):
             with self.subTest(scheme=scheme):
                 rows = {}
                 for kind in ("modes", "table"):
-                    self.succeed(contact(scene, self.folder, f"title={kind}", f"contact.kernel={kind}", *scheme))
+                    self.succeed(
+                        contact(scene, self.folder, f"title={kind}", f"contact.kernel={kind}", *scheme)
+                    )
                     with h5py.File(self.folder / f"{kind}.result.h5") as file:
-                        names = ["contact/time", "contact/force", "contact/gap", "contact/point_a",
-                                 "bodies/moving/velocity", "bodies/resting/momentum"]
+                        names = [
+                            "contact/time",
+                            "contact/force",
+                            "contact/gap",
+                            "contact/point_a",
+                            "bodies/moving/velocity",
+                            "bodies/resting/momentum",
+                        ]
                         rows[kind] = {name: file[name][:] for name in names}
                 for name, values in rows["modes"].items():
                     np.testing.assert_allclose(rows["table"][name], values, rtol=0, atol=1e-9, err_msg=name)

@@ -13,8 +13,25 @@ import unittest
 from programs import BIN, MESHES, ProgramTest, Run
 
 SCENE = MESHES / "two-rods" / "two-rods.toml"
-AXES = ["--counts", "10", "40", "--rates", "0.5", "2", "--schemes", "compliant", "jump", "--precisions", "double",
-        "--tolerances", "1e-8", "--repeats", "1", "--ranks", "1"]
+AXES = [
+    "--counts",
+    "10",
+    "40",
+    "--rates",
+    "0.5",
+    "2",
+    "--schemes",
+    "compliant",
+    "jump",
+    "--precisions",
+    "double",
+    "--tolerances",
+    "1e-8",
+    "--repeats",
+    "1",
+    "--ranks",
+    "1",
+]
 
 
 class TradeOff(ProgramTest):
@@ -38,8 +55,13 @@ class TradeOff(ProgramTest):
         self.assertIn("Cheapest for an error of 0.01", done.out)
         floor = float(done.out.split("reference itself is about ")[1].split()[0])
         front = [point for point in points if point["pareto"] == "True"]
-        cost = lambda point: float(point["kernel_s"]) + float(point["impact_s"])
-        error = lambda point: max(float(point["error"]), floor)
+
+        def cost(point):
+            return float(point["kernel_s"]) + float(point["impact_s"])
+
+        def error(point):
+            return max(float(point["error"]), floor)
+
         self.assertTrue(front)
         for point in front:
             better = [p for p in points if cost(p) < cost(point) and error(p) < error(point)]
@@ -49,8 +71,12 @@ class TradeOff(ProgramTest):
         self.assertLess(float(best["error"]), 1e-2)
 
     def test_after_a_kill_only_what_is_missing_is_run(self):
-        process = subprocess.Popen([str(word) for word in self.command()], stdout=subprocess.DEVNULL, start_new_session=True,
-                                   env=os.environ | {"RICOCHET_BIN": str(BIN)})
+        process = subprocess.Popen(
+            [str(word) for word in self.command()],
+            stdout=subprocess.DEVNULL,
+            start_new_session=True,
+            env=os.environ | {"RICOCHET_BIN": str(BIN)},
+        )
         while process.poll() is None and len(self.lines()) < 6:
             time.sleep(0.02)
         os.killpg(process.pid, signal.SIGKILL)
@@ -60,14 +86,18 @@ class TradeOff(ProgramTest):
             file.write('{"key": "half a li')
         self.succeed(Run(self.command()))
         after = self.lines()
-        self.assertEqual(after[:len(before)], before)
+        self.assertEqual(after[: len(before)], before)
         keys = [json.loads(line)["key"] for line in after]
         self.assertEqual(len(keys), len(set(keys)))
         self.succeed(Run(self.command()))
         self.assertEqual(self.lines(), after)
 
     def test_a_setting_that_is_refused_is_a_row_that_says_so(self):
-        self.succeed(Run(self.command("--counts", "40", "--schemes", "compliant", "difference", "--rates", "0.01", "2")))
+        self.succeed(
+            Run(
+                self.command("--counts", "40", "--schemes", "compliant", "difference", "--rates", "0.01", "2")
+            )
+        )
         refused = [point for point in self.points() if point["refused"]]
         # The central difference is unstable at 1 step a second: the highest modes turn faster.
         self.assertEqual({(point["scheme"], point["rate_hz"]) for point in refused}, {("difference", "1.0")})

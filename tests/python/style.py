@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The Python package is formatted by Debian's black, and flake8 and mypy (strict) have no complaint. Each tool runs on its own."""
+"""All Python is formatted by Debian's black, and flake8 has no complaint; mypy (strict) has none of the package. Each tool runs on
+its own."""
 
 import shutil
 import subprocess
@@ -9,6 +10,7 @@ import unittest
 from programs import SOURCE
 
 PYTHON = SOURCE / "python"
+OTHERS = [SOURCE / name for name in ("benchmarks", "tests", "scripts/coverage", "scripts/fuzz")]
 
 
 class Style(unittest.TestCase):
@@ -18,11 +20,11 @@ class Style(unittest.TestCase):
         done = subprocess.run([*map(str, command)], cwd=PYTHON, capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
-    def test_black_leaves_the_package_as_it_is(self):
-        self.check("black", "--check", "--quiet", "--config", "pyproject.toml", "ricochet")
+    def test_black_leaves_all_files_as_they_are(self):
+        self.check("black", "--check", "--quiet", "--config", "pyproject.toml", "ricochet", *OTHERS)
 
     def test_flake8_has_no_complaint(self):
-        self.check("flake8", "--config", ".flake8", "ricochet")
+        self.check("flake8", "--config", ".flake8", "ricochet", *OTHERS)
 
     def test_types_agree(self):
         with tempfile.TemporaryDirectory(prefix="ricochet-mypy-") as cache:

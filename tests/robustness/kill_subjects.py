@@ -7,44 +7,16 @@ import os
 import h5py
 import numpy as np
 
+import scenes
 from ricochet import programs
 
-ROD = """
-DefineConstant[ elements = {20} ];
-Point(1) = {0, 0, 0}; Point(2) = {1, 0, 0}; Line(1) = {1, 2};
-Transfinite Curve{1} = elements + 1;
-Physical Curve("rod") = {1}; Physical Point("left") = {1}; Physical Point("right") = {2};
-"""
-
-SCENE = """
-title = "Kills"
-[bodies.moving]
-mesh = "rod.geo"
-geometry = { elements = 600 }
-order = 1
-translate = [-1, 0, 0]
-material = { density = 1, young = 1, area = 1 }
-velocity = [0.01, 0, 0]
-contact = "right"
-[bodies.resting]
-mesh = "rod.geo"
-geometry = { elements = 20 }
-order = 1
-material = { density = 1, young = 1, area = 1 }
-contact = "left"
-[modes]
-up_to_hz = 140
-[contact]
-between = ["moving", "resting"]
-direction = [1, 0, 0]
-[time]
-rate_hz = 48000
-duration = 0.5
-[[output.receiver]]
-name = "end"
-body = "resting"
-at = [1, 0, 0]
-"""
+SCENE = scenes.two_rods(
+    "Kills",
+    "up_to_hz = 140",
+    "rate_hz = 48000\nduration = 0.5",
+    elements=(600, 20),
+    more='[[output.receiver]]\nname = "end"\nbody = "resting"\nat = [1, 0, 0]',
+)
 
 STUDY = """
 scene = "kills.toml"
@@ -64,7 +36,7 @@ TIMINGS = ("wall_s", "real_time_factor")
 
 
 def write_scenes(folder):
-    for name, text in (("rod.geo", ROD), ("kills.toml", SCENE), ("kills-study.toml", STUDY)):
+    for name, text in (("rod.geo", scenes.rod()), ("kills.toml", SCENE), ("kills-study.toml", STUDY)):
         (folder / name).write_text(text)
 
 

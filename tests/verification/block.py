@@ -87,7 +87,9 @@ class Block:
             tables = [line.table[pair] for line, pair in zip(lines, pairs)]
             return np.kron(np.kron(tables[0], tables[1]), tables[2])
 
-        stiffness = np.block(stiffness_of({a + b: product(a, b) for a in "xyz" for b in "xyz"}, young, poisson))
+        stiffness = np.block(
+            stiffness_of({a + b: product(a, b) for a in "xyz" for b in "xyz"}, young, poisson)
+        )
         scalar = density * product("0", "0")
         count = len(scalar)
         x, y = (line.node for line in lines[:2])

@@ -19,8 +19,15 @@ class Box(ProgramTest):
         scene = self.write("box.toml", SCENE.format(density=DENSITY, young=YOUNG, poisson=POISSON, count=40))
         a, b, c = sides
         out = self.folder / f"{ranks}"
-        self.succeed(kernel(scene, out, f"bodies.box.geometry={{ a = {a}, b = {b}, c = {c}, n = 2 }}",
-                            f"bodies.box.support={support}", ranks=ranks))
+        self.succeed(
+            kernel(
+                scene,
+                out,
+                f"bodies.box.geometry={{ a = {a}, b = {b}, c = {c}, n = 2 }}",
+                f"bodies.box.support={support}",
+                ranks=ranks,
+            )
+        )
         (path,) = out.glob("box-*.kernel.h5")
         with h5py.File(path) as file:
             return file["modes/angular_frequency"][:] / (2 * np.pi)

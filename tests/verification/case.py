@@ -69,7 +69,9 @@ class Bench:
             raise Stopped(f"{programs.BIN}: no programs there. Run scripts/build first.")
         environment = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
         try:
-            done = subprocess.run([str(c) for c in command], env=environment, capture_output=True, text=True, timeout=DEADLOCK_S)
+            done = subprocess.run(
+                [str(c) for c in command], env=environment, capture_output=True, text=True, timeout=DEADLOCK_S
+            )
         except subprocess.TimeoutExpired:
             raise Stopped(f"{shown}: not finished after {DEADLOCK_S} s") from None
         if done.returncode != 0:
@@ -84,12 +86,21 @@ class Bench:
 
     def kernel(self, scene, *sets, ranks=1, body=None, out="out"):
         """Computes the scene's kernels that are not there yet; the open kernel file of `body` if one is named."""
-        command = programs.mpirun(ranks) + [programs.BIN / "ricochet-kernel", scene, "--out", self.folder / out]
+        command = programs.mpirun(ranks) + [
+            programs.BIN / "ricochet-kernel",
+            scene,
+            "--out",
+            self.folder / out,
+        ]
         words = [word for value in sets for word in ("--set", value)]
-        text = f"mpirun -n {ranks} ricochet-kernel {self.shown(scene)}" + "".join(f" --set '{value}'" for value in sets)
+        text = f"mpirun -n {ranks} ricochet-kernel {self.shown(scene)}" + "".join(
+            f" --set '{value}'" for value in sets
+        )
         done = self.call(command + words, text)
         if body:
-            found = re.findall(rf"^{body}: (?:already there: )?(/.*\.kernel\.h5)$", done.stdout + done.stderr, re.MULTILINE)
+            found = re.findall(
+                rf"^{body}: (?:already there: )?(/.*\.kernel\.h5)$", done.stdout + done.stderr, re.MULTILINE
+            )
             return h5py.File(found[-1])
         return None
 
@@ -99,7 +110,9 @@ class Bench:
         slug = f"run-{self.runs}"
         words = [word for value in [*sets, f"title={slug}"] for word in ("--set", value)]
         text = f"ricochet-contact {self.shown(scene)}" + "".join(f" --set '{value}'" for value in sets)
-        self.call([programs.BIN / "ricochet-contact", scene, "--quiet", "--out", self.folder / out, *words], text)
+        self.call(
+            [programs.BIN / "ricochet-contact", scene, "--quiet", "--out", self.folder / out, *words], text
+        )
         return Result(self.folder / out, slug)
 
     def impact(self, scene, *sets, ranks=1):
@@ -110,7 +123,8 @@ class Bench:
 
     def compare(self, what, ours, reference, bound, reason, absolute=False, known=None):
         """One line of the manual: |ours − reference|, over |reference| unless `absolute`, is within `bound`. `known` says why
-        it is not, where that is established: the line then stands as a failure without making the run fail."""
+        it is not, where that is established: the line then stands as a failure without making the run fail.
+        """
         error = abs(ours - reference) / (1 if absolute else abs(reference))
         self.check(what, ours, reference, error, bound, reason, error <= bound, absolute, known)
 
@@ -120,11 +134,23 @@ class Bench:
 
     def at_least(self, what, ours, reference, reason, known=None):
         """One line: what is a matter of more or less."""
-        self.check(what + ", at least", ours, reference, max(reference - ours, 0), 0.0, reason, ours >= reference, False, known)
+        self.check(
+            what + ", at least",
+            ours,
+            reference,
+            max(reference - ours, 0),
+            0.0,
+            reason,
+            ours >= reference,
+            False,
+            known,
+        )
 
     def check(self, what, ours, reference, error, bound, reason, holds, absolute, known):
         values = dict(ours=float(ours), reference=float(reference), error=float(error), bound=float(bound))
-        self.found["checks"].append(values | dict(what=what, reason=reason, absolute=absolute, holds=bool(holds), known=known))
+        self.found["checks"].append(
+            values | dict(what=what, reason=reason, absolute=absolute, holds=bool(holds), known=known)
+        )
 
     def order(self, what, sizes, errors, expected, bound, reason, known=None):
         """One line: the slope of errors over sizes in logarithms, by least squares, is `expected` within `bound`."""
@@ -133,7 +159,9 @@ class Bench:
 
     def table(self, head, rows):
         """A table for the manual, of texts."""
-        self.found["tables"].append({"head": list(head), "rows": [[str(cell) for cell in row] for row in rows]})
+        self.found["tables"].append(
+            {"head": list(head), "rows": [[str(cell) for cell in row] for row in rows]}
+        )
 
     # ---- Drawing ----
 
@@ -144,12 +172,28 @@ class Bench:
         matplotlib.use("Agg")
         import matplotlib.pyplot as plt
 
-        plt.rcParams.update({
-            "font.size": 9, "axes.titlesize": 10, "axes.titlelocation": "left", "axes.grid": True, "grid.color": "#e4e4e4",
-            "axes.axisbelow": True, "axes.spines.top": False, "axes.spines.right": False, "legend.frameon": False,
-            "legend.fontsize": 8, "lines.linewidth": 1.3,
-        })
-        return plt.subplots(rows, columns, figsize=(8.6 if columns > 1 else 5.6, height * rows), layout="constrained", **options)
+        plt.rcParams.update(
+            {
+                "font.size": 9,
+                "axes.titlesize": 10,
+                "axes.titlelocation": "left",
+                "axes.grid": True,
+                "grid.color": "#e4e4e4",
+                "axes.axisbelow": True,
+                "axes.spines.top": False,
+                "axes.spines.right": False,
+                "legend.frameon": False,
+                "legend.fontsize": 8,
+                "lines.linewidth": 1.3,
+            }
+        )
+        return plt.subplots(
+            rows,
+            columns,
+            figsize=(8.6 if columns > 1 else 5.6, height * rows),
+            layout="constrained",
+            **options,
+        )
 
     def save(self, figure, caption, suffix=""):
         """Keeps a figure for the manual, in few colours: these are lines on white."""
@@ -201,12 +245,14 @@ def run(name, module, folder):
         bench.found["stopped"] = str(why)
     except Exception as fault:  # what a broken program leaves behind must not end the other cases
         traceback.print_exc()
-        bench.found["stopped"] = f"it broke off: {type(fault).__name__}: {str(fault).splitlines()[0] if str(fault) else ''}"
+        bench.found[
+            "stopped"
+        ] = f"it broke off: {type(fault).__name__}: {str(fault).splitlines()[0] if str(fault) else ''}"
     return bench.found | {"seconds": processor_seconds() - started}
 
 
 def verdict(found):
-    """"pass", "FAIL", or "pass, known failures": what is known to fail and holds after all is a failure of the manual."""
+    """ "pass", "FAIL", or "pass, known failures": what is known to fail and holds after all is a failure of the manual."""
     if found["stopped"] or any(c["holds"] == bool(c["known"]) for c in found["checks"]):
         return "FAIL"
     return "pass, known failures" if any(c["known"] for c in found["checks"]) else "pass"

@@ -42,7 +42,10 @@ class ElasticBall:
         angle = (width * (np.arange(rings)[:, None] + (point + 1) / 2)).ravel()
         cosine, sine = np.cos(angle), np.sin(angle)
         share = (sine * np.tile(weight, rings) * width / 2).reshape(rings, -1)
-        mean = lambda f: (f.reshape(rings, -1) * share).sum(axis=1) / share.sum(axis=1)
+
+        def mean(f):
+            return (f.reshape(rings, -1) * share).sum(axis=1) / share.sum(axis=1)
+
         self.gap = mean(2 * np.sin(angle / 2) ** 2)
         self.square = mean(sine**2)  # of the distance from the axis
 
@@ -63,7 +66,9 @@ class ElasticBall:
         """Forces of the rings and the approach of the ball's centre of mass, for the force / (E R²)."""
         for pressing in range(1, len(self.gap)):
             inner = slice(0, pressing)
-            stiff, soft = np.linalg.solve(self.flexibility[inner, inner], np.stack([np.ones(pressing), self.gap[inner]], axis=1)).T
+            stiff, soft = np.linalg.solve(
+                self.flexibility[inner, inner], np.stack([np.ones(pressing), self.gap[inner]], axis=1)
+            ).T
             approach = (force + soft.sum()) / stiff.sum()
             rings = approach * stiff - soft
             if rings[-1] < 0:

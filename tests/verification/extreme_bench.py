@@ -7,6 +7,7 @@ import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
+import scenes
 from ricochet import programs
 
 # A program that has not ended by then hangs.
@@ -33,56 +34,16 @@ Physical Surface("top") = {top[]};
 """
 
 # A cube of side 1 with √(E/ρ) = 1 that meets the floor at a hundredth of that.
-BLOCK = """
-title = "Block"
-[bodies.block]
-mesh = "block.geo"
-order = 2
-material = { density = 1.0, young = 1.0, poisson = 0.3 }
-velocity = [0, 0, -0.01]
-contact = "foot"
-[obstacles.floor]
-normal = [0, 0, 1]
-[modes]
-count = 30
-[contact]
-between = ["block", "floor"]
-[time]
-rate_hz = 100.0
-duration = 10.0
-"""
-
-ROD_GEO = """
-DefineConstant[elements = 100];
-Point(1) = {0, 0, 0}; Point(2) = {10, 0, 0}; Line(1) = {1, 2};
-Transfinite Curve{1} = elements + 1;
-Physical Curve("rod") = {1}; Physical Point("left") = {1}; Physical Point("right") = {2};
-"""
+BLOCK = scenes.block_on_floor(
+    "Block",
+    "count = 30",
+    "",
+    "rate_hz = 100.0\nduration = 10.0",
+    "material = { density = 1.0, young = 1.0, poisson = 0.3 }\nvelocity = [0, 0, -0.01]",
+)
 
 # Of length 10 with c = 1, Z = ρcA = 1: contact lasts 2L/c = 20.
-RODS = """
-title = "Rods"
-[bodies.moving]
-mesh = "rod.geo"
-order = 1
-translate = [-10, 0, 0]
-material = { density = 1.0, young = 1.0, area = 1.0 }
-velocity = [0.01, 0, 0]
-contact = "right"
-[bodies.resting]
-mesh = "rod.geo"
-order = 1
-material = { density = 1.0, young = 1.0, area = 1.0 }
-contact = "left"
-[modes]
-count = 100
-[contact]
-between = ["moving", "resting"]
-direction = [1, 0, 0]
-[time]
-rate_hz = 100.0
-duration = 30.0
-"""
+RODS = scenes.two_rods("Rods", "count = 100", "rate_hz = 100.0\nduration = 30.0", length=10)
 
 
 @dataclass
@@ -106,7 +67,7 @@ class Bench:
         for name, text in (
             ("block.geo", BLOCK_GEO),
             ("block.toml", BLOCK),
-            ("rod.geo", ROD_GEO),
+            ("rod.geo", scenes.rod(10, 100)),
             ("rods.toml", RODS),
         ):
             (self.folder / name).write_text(text)
@@ -169,3 +130,27 @@ class Bench:
                 raise Unexpected(f"status {run.returncode}, {len(lines)} lines: {run.stderr.strip()}")
             return lines[0]
         raise Unexpected("is not refused")
+
+
+# ---- Comparisons ----
+
+SAME = {"contact_end_s": 1, "peak_force_n": 1, "impulse_ns": 1, "restitution": 1}
+
+
+def relative(found, expected):
+    return abs(found / expected - 1)
+
+
+def departure(summary, reference, units):
+    """The largest relative difference of an impact's figures from those of another one in other units."""
+    return max(relative(summary[key] / unit, reference[key]) for key, unit in units.items())
+
+
+def balance(summary, mass=1.0, speed=0.01):
+    """What an impact on the floor misses of its ledger and of momentum."""
+    away = summary["exit_velocity"]["block"][2]
+    return max(relative(summary["impulse_ns"], mass * (speed + away)), summary["energy_drift"])
+
+
+def velocity(value):
+    return f"bodies.block.velocity=[0,0,{-value!r}]"

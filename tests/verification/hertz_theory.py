@@ -53,7 +53,8 @@ class Contact:
 
     def radius_of_area(self):
         """Of the circle as large as the surface on which the pressure Σ λ_i w_i / A_i is not 0: a patch that presses does so
-        on all elements around it. It asks for no form of the pressure, but its error is a share of an element."""
+        on all elements around it. It asks for no form of the pressure, but its error is a share of an element.
+        """
         return np.sqrt(self.pressed_area / np.pi)
 
     def scatter(self):

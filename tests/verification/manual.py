@@ -37,7 +37,15 @@ def row(check):
     error = short(check["error"]) + (" abs." if check["absolute"] and check["reference"] else "")
     result = "pass" if check["holds"] else "**FAIL**"
     reason = check["reason"] + (f" **Known failure:** {check['known']}" if check["known"] else "")
-    cells = [check["what"], number(check["reference"]), number(check["ours"]), error, short(check["bound"]), result, reason]
+    cells = [
+        check["what"],
+        number(check["reference"]),
+        number(check["ours"]),
+        error,
+        short(check["bound"]),
+        result,
+        reason,
+    ]
     return "| " + " | ".join(cells) + " |"
 
 
@@ -47,12 +55,27 @@ def table(head, rows):
 
 
 def section(name, module, found):
-    lines = [f"## {module.TITLE}", "", f"Case `{name}`{', long' if module.LONG else ''}. Source: {module.SOURCE}", "",
-             module.__doc__.strip(), ""]
+    lines = [
+        f"## {module.TITLE}",
+        "",
+        f"Case `{name}`{', long' if module.LONG else ''}. Source: {module.SOURCE}",
+        "",
+        module.__doc__.strip(),
+        "",
+    ]
     commands = list(dict.fromkeys(found["commands"]))
     shown = commands[:4]
-    lines += [f"    scripts/verify {name}", "", f"It takes {found['seconds']:.1f} s of processor time and runs {len(commands)} "
-              + ("command" if len(commands) == 1 else "commands") + (", among them" if len(commands) > len(shown) else "") + ":" if commands else "", ""]
+    lines += [
+        f"    scripts/verify {name}",
+        "",
+        f"It takes {found['seconds']:.1f} s of processor time and runs {len(commands)} "
+        + ("command" if len(commands) == 1 else "commands")
+        + (", among them" if len(commands) > len(shown) else "")
+        + ":"
+        if commands
+        else "",
+        "",
+    ]
     lines += [f"    {command}" for command in shown] + [""]
     if found["stopped"]:
         lines += [f"**FAIL**: {found['stopped']}", ""]
@@ -73,9 +96,17 @@ def extremes(path):
         if line.startswith("| ") and cells[0] != "what":
             kinds.setdefault(cells[0], []).append(cells[-1] == "pass")
     passed = [result for results in kinds.values() for result in results]
-    lines = ["## Extremes", "", "`scripts/verify --extremes` tests the ends of the range of each setting, one case per line of [a table](extremes.md). It "
-             f"has {len(passed)} lines: {sum(passed)} pass, {len(passed) - sum(passed)} fail.", ""]
-    return lines + table(["extremes of", "lines", "pass"], [[kind, str(len(results)), str(sum(results))] for kind, results in kinds.items()])
+    lines = [
+        "## Extremes",
+        "",
+        "`scripts/verify --extremes` tests the ends of the range of each setting, one case per line of [a table](extremes.md). It "
+        f"has {len(passed)} lines: {sum(passed)} pass, {len(passed) - sum(passed)} fail.",
+        "",
+    ]
+    return lines + table(
+        ["extremes of", "lines", "pass"],
+        [[kind, str(len(results)), str(sum(results))] for kind, results in kinds.items()],
+    )
 
 
 def write(path, cases, machine):
@@ -84,12 +115,18 @@ def write(path, cases, machine):
     failing = [check for check in checks if not check["holds"]]
     known = sum(bool(check["known"]) for check in failing)
     count = f"{len(checks)} lines: {len(checks) - len(failing)} pass, {len(failing)} fail, {known} of them known failures."
-    lines = [INTRODUCTION.format(machine=machine, count=count), "| case | | pass | fail | result | processor s |", "|---|---|---|---|---|---|"]
+    lines = [
+        INTRODUCTION.format(machine=machine, count=count),
+        "| case | | pass | fail | result | processor s |",
+        "|---|---|---|---|---|---|",
+    ]
     for name, module, found in cases:
         anchor = re.sub(r"[^\w\- ]", "", module.TITLE.lower()).replace(" ", "-")
-        lines.append(f"| `{name}` | [{module.TITLE}](#{anchor}) | "
-                     f"{sum(c['holds'] for c in found['checks'])} | {sum(not c['holds'] for c in found['checks'])} | {verdict(found)} | "
-                     f"{found['seconds']:.1f} |")
+        lines.append(
+            f"| `{name}` | [{module.TITLE}](#{anchor}) | "
+            f"{sum(c['holds'] for c in found['checks'])} | {sum(not c['holds'] for c in found['checks'])} | {verdict(found)} | "
+            f"{found['seconds']:.1f} |"
+        )
     lines.append("")
     for case in cases:
         lines += section(*case)

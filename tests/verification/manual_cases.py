@@ -57,7 +57,8 @@ def sources(path, found):
     for name in re.findall(
         r"^ *(?:from|import) (?:cases(?: import |\.))?(\w+)", path.read_text(), re.MULTILINE
     ):
-        for imported in (MANUAL / "cases" / f"{name}.py", MANUAL / f"{name}.py"):
+        for folder in (MANUAL / "cases", MANUAL, MANUAL.parent / "programs"):
+            imported = folder / f"{name}.py"
             if imported.is_file():
                 sources(imported, found)
     return found

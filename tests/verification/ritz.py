@@ -25,7 +25,10 @@ def stiffness_of(g, young, poisson):
     lame = young * poisson / ((1 + poisson) * (1 - 2 * poisson))
     shear = young / (2 * (1 + poisson))
     laplace = g["xx"] + g["yy"] + g["zz"]
-    return [[lame * g[a + b] + shear * g[b + a] + (shear * laplace if a == b else 0) for b in "xyz"] for a in "xyz"]
+    return [
+        [lame * g[a + b] + shear * g[b + a] + (shear * laplace if a == b else 0) for b in "xyz"]
+        for a in "xyz"
+    ]
 
 
 def frequencies(product, parity, young, poisson):
@@ -38,7 +41,10 @@ def frequencies(product, parity, young, poisson):
     values = []
     for kind in np.unique(parity, axis=0):
         # A motion of this class has the class's parity across each component's own axis turned.
-        rows = [np.flatnonzero((parity == np.where(symmetric, kind ^ np.eye(3, dtype=int)[c], 0)).all(axis=1)) for c in range(3)]
+        rows = [
+            np.flatnonzero((parity == np.where(symmetric, kind ^ np.eye(3, dtype=int)[c], 0)).all(axis=1))
+            for c in range(3)
+        ]
         stiffness = np.block([[blocks[i][j][np.ix_(rows[i], rows[j])] for j in range(3)] for i in range(3)])
         values.append(np.linalg.eigvalsh((stiffness + stiffness.T) / 2))
     return np.sqrt(np.maximum(np.sort(np.concatenate(values)), 0)) / (2 * np.pi)
@@ -60,7 +66,9 @@ def box(sides, degree, density, young, poisson, held=False):
             value, slope = value * (1 + points), slope * (1 + points) + value
         pair = {"0": value, axis: slope * 2 / side}
         weight = weights * side / 2
-        tables[axis] = orthonormal({p + q: (pair[p] * weight) @ pair[q].T for p in pair for q in pair}, density ** (1 / 3))
+        tables[axis] = orthonormal(
+            {p + q: (pair[p] * weight) @ pair[q].T for p in pair for q in pair}, density ** (1 / 3)
+        )
 
     def product(a, b):
         factors = [tables[axis][(a if a == axis else "0") + (b if b == axis else "0")] for axis in "xyz"]
@@ -92,7 +100,9 @@ def disk(radius, thickness, degree, through, density, young, poisson):
     pz, dz = legendre_at(through, z)
     depth = {"0": pz, "z": dz / (thickness / 2)}
     in_plane = orthonormal({a + b: (plane[a] * area) @ plane[b].T for a in plane for b in plane}, density)
-    in_depth = orthonormal({a + b: (depth[a] * z_weight * thickness / 2) @ depth[b].T for a in depth for b in depth})
+    in_depth = orthonormal(
+        {a + b: (depth[a] * z_weight * thickness / 2) @ depth[b].T for a in depth for b in depth}
+    )
 
     def product(a, b):
         keys = ["".join(key if key in of else "0" for key in (a, b)) for of in ("xy", "z")]

@@ -25,7 +25,7 @@ VERBS = {
     "export": "write a kernel in the form that another program reads",
     "batch": "run a study on a SLURM cluster",
 }
-MODULES = {"import": "import_"}  # a Python keyword is no name of a module
+MODULES = {"import": "import_"}  # a Python keyword cannot name a module
 RESUMED = {"run", "modes", "sweep", "tradeoff"}  # verbs that skip finished work
 
 DESCRIPTION = "Frictionless impact of elastic bodies from modal kernels."

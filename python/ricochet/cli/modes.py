@@ -47,7 +47,9 @@ def kernels(options: argparse.Namespace) -> list[Path]:
     for line in report.splitlines():
         body, _, rest = line.partition(": ")
         if body in bodies and rest.endswith(".kernel.h5"):
-            found.setdefault(body, out / rest.rpartition("/")[2])  # with accuracy, another order follows
+            found.setdefault(
+                body, out / rest.rpartition("/")[2]
+            )  # with --accuracy, lines for another order follow
     return list(found.values())
 
 

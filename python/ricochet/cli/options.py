@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""What command lines share: the parser, types of arguments, output."""
+"""Shared parts of the verbs: the parser, types of arguments, output."""
 import argparse
 import contextlib
 from collections.abc import Callable, Iterator, Sequence

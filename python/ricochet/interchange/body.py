@@ -74,7 +74,7 @@ def rows_of(i: Array, j: Array, value: Array, size: int) -> Entries:
 
 
 def clockwise(node: Array, facets: Array, i: Array, j: Array) -> int:
-    """How many of `facets`, (T,k) node numbers from 0, run clockwise seen from outside, judged by the stiffness at rows i and
+    """The number of `facets`, (T,k) node numbers from 0, that run clockwise seen from outside, judged by the stiffness at rows i and
     columns j: the nodes that are coupled with all corners of a facet are those of its element, so they lie behind it.
     """
     corners = facets[:, : 3 if np.shape(facets)[1] in (3, 6, 10) else 4]

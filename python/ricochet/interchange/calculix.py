@@ -25,14 +25,8 @@ BRICK: tuple[Corners, Corners] = (
     [(0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)],
     [(0, 1), (1, 2), (2, 3), (0, 3), (4, 5), (5, 6), (6, 7), (4, 7), (0, 4), (1, 5), (2, 6), (3, 7)],
 )
-KINDS: dict[int, tuple[Corners, Corners]] = {
-    4: TETRAHEDRON,
-    10: TETRAHEDRON,
-    6: WEDGE,
-    15: WEDGE,
-    8: BRICK,
-    20: BRICK,
-}
+# By number of nodes.
+KINDS = {4: TETRAHEDRON, 10: TETRAHEDRON, 6: WEDGE, 15: WEDGE, 8: BRICK, 20: BRICK}
 # A face of eight nodes has no node in its middle: four triangles at its corners, and the quadrangle between them.
 CORNERS_OF_EIGHT, MIDDLE_OF_EIGHT = [(0, 4, 7), (1, 5, 4), (2, 6, 5), (3, 7, 6)], (4, 5, 6, 7)
 Card = tuple[str, str, dict[str, str], list["Line"]]  # place, keyword, parameters, lines of data
@@ -253,13 +247,18 @@ class Model:
             raise InputError(f'{self.path}: node set "{wrong[0]}" can\'t be named in a scene: rename it')
         return {name: np.array(nodes) for name, nodes in sets.items() if nodes}
 
+    def stored(self, suffix: str) -> Path:
+        """A file of the job that ccx writes."""
+        path = self.path.with_suffix(suffix)
+        if not path.is_file():
+            raise InputError(
+                f"{path}: no such file: run ccx on {self.path} with *FREQUENCY, SOLVER=MATRIXSTORAGE first"
+            )
+        return path
+
     def matrices(self) -> dict[str, Entries]:
         """Reads job.sti, job.mas and job.dof, which SOLVER=MATRIXSTORAGE writes: one triangle of each matrix, and its rows."""
-        dof = self.path.with_suffix(".dof")
-        if not dof.is_file():
-            raise InputError(
-                f"{dof}: no such file: run ccx on {self.path} with *FREQUENCY, SOLVER=MATRIXSTORAGE first"
-            )
+        dof = self.stored(".dof")
         listed: dict[int, bool] = {}  # in the order of the file
         for word in dof.read_text(errors="replace").split():
             node, _, direction = word.partition(".")
@@ -275,11 +274,7 @@ class Model:
         rows = np.array(list(listed))
         found = {}
         for name, suffix in (("stiffness", ".sti"), ("mass", ".mas")):
-            path = self.path.with_suffix(suffix)
-            if not path.is_file():
-                raise InputError(
-                    f"{path}: no such file: run ccx on {self.path} with *FREQUENCY, SOLVER=MATRIXSTORAGE first"
-                )
+            path = self.stored(suffix)
             values = numbers(path, path.read_bytes())
             if values.size % 3 or values.size == 0:
                 raise InputError(

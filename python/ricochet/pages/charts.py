@@ -11,8 +11,8 @@ from ricochet.pictures.history import Curves, History
 Axis = dict[str, Any]
 Chart = dict[str, Any]
 
-DOTS = 1600  # points of a line
-COLUMNS, ROWS = 400, 120  # at most, of the map of forces
+DOTS = 1600  # most points of a line
+COLUMNS, ROWS = 400, 120  # most cells of the map of forces
 PIECES = 700  # points of a spectrum
 
 

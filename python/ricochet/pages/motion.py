@@ -15,13 +15,13 @@ from ricochet.pictures.history import History
 
 Packed = dict[str, Any]  # an array as text
 
-MOMENTS = 1200  # at most so many snapshots, evenly spaced
-TRIANGLES = 80_000  # at most, of all bodies together
-SHAPES = 80  # at most, of each body, besides rigid motion
-SHAPES_MB = 4  # of all bodies together
+MOMENTS = 1200  # most snapshots, evenly spaced
+TRIANGLES = 80_000  # most triangles of all bodies
+SHAPES = 80  # most shapes of a body besides rigid motion
+SHAPES_MB = 4  # most memory of the shapes of all bodies
 LEFT_OUT = 3e-4  # allowed root mean square error of the deformation, relative
 POINTS = 300  # contact points whose forces are drawn: those with the largest impulse
-SIDES = 12  # of a rod's cross-section
+SIDES = 12  # sides of a rod's cross-section
 
 
 def packed(values: Any, kind: str = "f4") -> Packed:

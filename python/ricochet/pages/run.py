@@ -89,17 +89,10 @@ def commands_of(
     text, out = shlex.quote(f"{result.slug}.toml"), []
     if any(body["file"] for body in bodies):
         names = ", ".join(body["file"] for body in bodies)
-        out.append(
-            (
-                f"mpirun -n 2 ricochet-kernel {text}",
-                f"Any number of ranks. It makes, or finds, out/: {names}. "
-                "An equal name is an equal kernel.",
-            )
-        )
-    elif scene.get("contact", {}).get("table"):
-        out.append(
-            ("", f"The kernels are in {scene['contact']['table']}, which no command of Ricochet makes.")
-        )
+        effect = f"Any number of ranks. It makes, or finds, out/: {names}. An equal name is an equal kernel."
+        out.append((f"mpirun -n 2 ricochet-kernel {text}", effect))
+    elif table := scene.get("contact", {}).get("table"):
+        out.append(("", f"The kernels are in {table}, which no command of Ricochet makes."))
     out.append((f"ricochet-contact {text}", "The impact."))
     out.append((f"ricochet report {shlex.quote(f'out/{result.slug}.result.h5')}", "This page."))
     return out
@@ -112,9 +105,8 @@ def charts_of(result: History, by_table: bool) -> tuple[dict[str, Any], dict[str
     out: dict[str, list[dict[str, Any]]] = {"contact": [], "energy": []}
     if not still:
         out["contact"].append(charts.force_chart(result, i))
-        out["contact"] += (
-            charts.table_charts(result, i) if by_table else charts.along_normal_charts(result, i)
-        )
+        motion = charts.table_charts if by_table else charts.along_normal_charts
+        out["contact"] += motion(result, i)
     several = not by_table and np.count_nonzero(result.impulse()) > 1
     if several:
         out["contact"].append(charts.pressure_chart(result))

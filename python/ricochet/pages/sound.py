@@ -11,7 +11,7 @@ from ricochet.arrays import Array
 from ricochet.errors import InputError
 from ricochet.result_file import is_there
 
-SAMPLES = 700_000  # at most, of all receivers together: 1.9 MB in the page
+SAMPLES = 700_000  # most samples of all receivers together: 1.9 MB in the page
 
 
 def channels(path: Path, most: int) -> tuple[Array, int, int]:
@@ -43,22 +43,9 @@ def sound_of(path: Path, most: int) -> dict[str, Any]:
         raise InputError(f"{path}: holds samples that are not finite. Run ricochet-contact again.")
     axis = int(np.argmax(np.ptp(samples, axis=0))) if len(samples) else 0
     data = np.rint(32767 * np.clip(samples[:, axis], -1, 1)).astype("<i2").tobytes()
-    head = struct.pack(
-        "<4sI4s4sIHHIIHH4sI",
-        b"RIFF",
-        36 + len(data),
-        b"WAVE",
-        b"fmt ",
-        16,
-        1,
-        1,
-        rate,
-        2 * rate,
-        2,
-        16,
-        b"data",
-        len(data),
-    )
+    form = struct.pack("<HHIIHH", 1, 1, rate, 2 * rate, 2, 16)
+    head = struct.pack("<4sI4s4sI", b"RIFF", 36 + len(data), b"WAVE", b"fmt ", len(form)) + form
+    head += struct.pack("<4sI", b"data", len(data))
     return {
         "axis": "xyz"[axis],
         "rate_hz": rate,
@@ -74,9 +61,7 @@ def sounds_of(summary: dict[str, Any], folder: Path) -> dict[str, Any]:
     named = summary.get("sounds") or {}
     for name, sound in named.items():
         path = folder / Path(sound["file"]).name
-        out[name] = (
-            sound_of(path, SAMPLES // len(named))
-            if is_there(path)
-            else {"missing": f"there is no file {path.name}"}
-        )
+        out[name] = {"missing": f"there is no file {path.name}"}
+        if is_there(path):
+            out[name] = sound_of(path, SAMPLES // len(named))
     return out

@@ -74,7 +74,7 @@ def draw_modes(kernel: Path, folder: Path) -> Path:
 
 
 def save(figure: Figure, path: Path) -> None:
-    """Raises InputError."""
+    """Writes a figure and makes its folder. Raises InputError."""
     with writing(path, "--out"):
         path.parent.mkdir(parents=True, exist_ok=True)
         save_picture(figure, path, dpi=DPI)

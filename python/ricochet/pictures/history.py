@@ -43,7 +43,7 @@ class History(Result):
             shape = (len(self.contact_time), len(self.initial_gap))
             for name in ("displacement_a", "displacement_b", "velocity_a", "velocity_b"):
                 self.sides[name] = self._read(f"contact/{name}", *shape)
-            self.point_a, self.normal  # on first use arrays are checked, and refused if they are damaged
+            self.point_a, self.normal  # reading checks arrays and refuses damaged ones
         self.force, self.gap
         self.spacing = float(np.min(np.diff(self.time), initial=np.inf))  # of rows
         self.episodes = self._episodes()
@@ -58,7 +58,7 @@ class History(Result):
         return [(int(first), int(behind)) for first, behind in zip(edges[:-1], edges[1:])]
 
     def spans(self) -> list[tuple[float, float]]:
-        """Start and end of each episode [s]. Its first force acts from the row before on."""
+        """Start and end of each episode [s]. The first force acts from the row before."""
         before = np.maximum(np.searchsorted(self.time, self.contact_time - 0.5 * self.spacing) - 1, 0)
         return [
             (float(self.time[before[first]]), float(self.contact_time[behind - 1]))
@@ -110,7 +110,7 @@ class History(Result):
         first, last = self.spans()[0][0], float(self.contact_time[-1])
         margin = max(0.35 * (last - first), 4 * (t[1] - t[0]))
         start, end = max(float(t[0]), first - margin), min(float(t[-1]), last + margin)
-        return start - 0.01 * (end - start), end  # a force from the first step on stands clear of the axis
+        return start - 0.01 * (end - start), end  # the axis does not hide a force in the first step
 
     def broken(self, values: Array) -> Curve:
         """Contact rows with a NaN between episodes, so that no line crosses a time without contact."""
@@ -121,7 +121,7 @@ class History(Result):
         return np.concatenate([*times, []]), np.concatenate([*parts, []])
 
     def held(self, values: Array) -> Curve:
-        """The same for forces, which are constant between rows: drawn as steps that end at these times, they
+        """Contact rows of forces, which are constant between rows: drawn as steps that end at these times, forces
         rise from 0, return to 0, and enclose the impulse."""
         times, parts = list[Any](), list[Any]()
         for (first, behind), (start, end) in zip(self.episodes, self.spans()):

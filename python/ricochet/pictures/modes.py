@@ -8,11 +8,11 @@ from matplotlib.figure import Figure
 
 from ricochet.arrays import Floats
 from ricochet.errors import InputError
-from ricochet.pictures.style import BODY, WIDTH
+from ricochet.pictures.style import BODY, WIDTH, fit, normals
 from ricochet.pictures.viewpoint import clearest
 from ricochet.result_file import File
 
-AMPLITUDE = 0.08  # of the size of the body: the largest displacement that is drawn
+AMPLITUDE = 0.08  # largest displacement that is drawn, over the size of the body
 COLUMNS = 3
 
 
@@ -32,9 +32,11 @@ def modes_picture(file: File, count: int) -> Figure:
     rows = max(1, -(-len(chosen) // COLUMNS))
     figure = Figure(figsize=(WIDTH, 2.3 * rows + 0.5), layout="constrained")
     axes = figure.subplots(rows, COLUMNS, squeeze=False).ravel()
-    draw = draw_rod if element.shape[1] == 2 else draw_surface
     for ax, n in zip(axes, chosen):
-        draw(ax, node, element, shape[:, :, n])
+        if element.shape[1] == 2:
+            draw_rod(ax, node, shape[:, :, n])
+        else:
+            draw_surface(ax, node, element, shape[:, :, n])
         ax.set_title(f"mode {n + 1}: {omega[n] / (2 * np.pi):.5g} Hz", fontsize=9)
     for ax in axes[len(chosen) :]:
         ax.axis("off")
@@ -42,7 +44,7 @@ def modes_picture(file: File, count: int) -> Figure:
     return figure
 
 
-def draw_rod(ax: Axes, node: Floats, element: Floats, shape: Floats) -> None:
+def draw_rod(ax: Axes, node: Floats, shape: Floats) -> None:
     """Displacement along the rod over the place on it."""
     ends = node[[np.argmin(node.sum(axis=1)), np.argmax(node.sum(axis=1))]]
     axis = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
@@ -59,20 +61,13 @@ def draw_surface(ax: Axes, node: Floats, element: Floats, shape: Floats) -> None
     view = clearest([(node, element)], np.empty((0, 3)), tilted=True).turn()
     at_rest = (node @ view.T)[element]
     deflected = ((node + AMPLITUDE * size / moved.max() * shape) @ view.T)[element]
-    normal = np.cross(deflected[:, 1] - deflected[:, 0], deflected[:, 2] - deflected[:, 0])
-    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+    normal = normals(deflected)
     colour = matplotlib.colormaps["viridis"](moved[element].mean(axis=1) / moved.max())
     colour[:, :3] *= (0.65 + 0.35 * np.abs(normal[:, 2]))[:, None]
     order = np.argsort(deflected[:, :, 2].mean(axis=1), kind="stable")
-    ax.add_collection(
-        PolyCollection(at_rest[:, :, :2], facecolors="#e8e8e8", edgecolors="#e8e8e8", linewidths=0.3)
-    )
-    patches = PolyCollection(
-        deflected[order][:, :, :2], facecolors=colour[order], edgecolors=colour[order], linewidths=0.3
-    )
-    ax.add_collection(patches)
+    for patches, tint in ((at_rest, "#e8e8e8"), (deflected[order], colour[order])):
+        flat = PolyCollection(patches[:, :, :2], facecolors=tint, edgecolors=tint, linewidths=0.3)
+        ax.add_collection(flat)
     everything = np.concatenate([at_rest, deflected]).reshape(-1, 3)[:, :2]
     low, high = everything.min(axis=0), everything.max(axis=0)
-    margin = 0.03 * (high - low).max()
-    ax.set(xlim=(low[0] - margin, high[0] + margin), ylim=(low[1] - margin, high[1] + margin), aspect="equal")
-    ax.axis("off")
+    fit(ax, low, high, 0.03 * (high - low).max())

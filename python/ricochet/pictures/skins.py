@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Skins of the bodies of a result, moved by its snapshots."""
+"""The visualisation surfaces (skins) of the bodies of a result, moved by its snapshots."""
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,7 @@ from ricochet.result_file import File, are_finite, is_there
 
 
 class Skin:
-    """The visible surface of a body, moved by its modes."""
+    """The visualisation surface of a body, moved by its modes."""
 
     def __init__(self, kernel: File, rotation: Array, translation: Array, coordinates: Array) -> None:
         self.rotation, self.translation = rotation, translation
@@ -33,11 +33,9 @@ class Skin:
 
     def at(self, k: int, start: int | None = None, amplify: float = 1.0) -> Array:
         """(V,3) places of the nodes at snapshot k [m]; `amplify` multiplies motion since snapshot `start`."""
-        now = (
-            self.coordinates[k]
-            if start is None
-            else self.coordinates[start] + amplify * (self.coordinates[k] - self.coordinates[start])
-        )
+        now = self.coordinates[k]
+        if start is not None:
+            now = self.coordinates[start] + amplify * (now - self.coordinates[start])
         return np.asarray((self.node + self.shape @ now) @ self.rotation.T + self.translation)
 
     def deformation(self, k: int) -> float:
@@ -74,19 +72,16 @@ def skins_of(result: History, folder: Path) -> tuple[dict[str, Skin], Array] | s
         if not f.has(f"/snapshots/{body}"):
             continue
         where = f"/bodies/{body}"
-        name, rotation, translation = (
-            f.text(where, "kernel"),
-            f.attribute(where, "rotation"),
-            f.attribute(where, "translation"),
-        )
+        name = f.text(where, "kernel")
+        rotation, translation = (f.attribute(where, key) for key in ("rotation", "translation"))
         if not name or not are_finite(rotation, 9) or not are_finite(translation, 3):
-            return f"the result does not say where {body} stands"
+            return f"the result does not hold the position of {body}"
         path = folder / Path(name).name
         if not is_there(path):
             return f"there is no kernel {path} (set --kernels)"
         kernel = File(path, "ricochet-kernel")
         if not kernel.has("/view/node"):
-            return f"{path.name} has no skin (set [output] view = true)"
+            return f"{path.name} has no visualisation surface (set [output] view = true)"
         coordinates = f.array(f"/snapshots/{body}", len(time), None)
         skins[body] = Skin(kernel, np.reshape(rotation, (3, 3)), np.reshape(translation, 3), coordinates)
     return (skins, time) if skins else "the result has no snapshots of bodies"

@@ -8,14 +8,14 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from ricochet.arrays import Array
-from ricochet.pictures.style import WIDTH, colour_of, largest_of, legend_below, prefixed
+from ricochet.pictures.style import WIDTH, colour_of, fit, largest_of, legend_below, normals, prefixed
 from ricochet.pictures.viewpoint import clearest
 from ricochet.pictures.skins import Skin
 from ricochet.pictures.history import History
 
 MOMENTS = 9
-STILL = 0.01  # of the size: motion is drawn larger if all deformations are smaller
-SHOWN = 0.05  # of the size: the largest motion is then about this
+STILL = 0.01  # motion is drawn larger if all deformations over the size are smaller
+SHOWN = 0.05  # about the largest motion over the size, if it is drawn larger
 
 
 def snapshots_picture(result: History, skins: dict[str, Skin], time: Array) -> Figure | None:
@@ -58,20 +58,12 @@ def snapshots_picture(result: History, skins: dict[str, Skin], time: Array) -> F
         r, c = divmod(cell, 3)
         ax = figure.add_subplot(grid[r, 2 * c] if beside else grid[2 * r, c])
         paint(ax, result, skins, moment, turn)
-        ax.set(
-            xlim=(low[0] - margin, high[0] + margin),
-            ylim=(low[1] - margin, high[1] + margin),
-            aspect="equal",
-            title=f"{time[k] * ms:#.4g} {time_unit}",
-        )
-        ax.axis("off")
+        fit(ax, low, high, margin)
+        ax.set_title(f"{time[k] * ms:#.4g} {time_unit}")
         if cell == 0:
             scale_bar(ax, low[0], low[1] - margin / 2, high[0] - low[0])
-        forces.draw(
-            figure.add_subplot(grid[r, 2 * c + 1] if beside else grid[2 * r + 1, c]),
-            cell,
-            labelled=(cell + 3 >= len(chosen), c == 0),
-        )
+        below = figure.add_subplot(grid[r, 2 * c + 1] if beside else grid[2 * r + 1, c])
+        forces.draw(below, cell, labelled=(cell + 3 >= len(chosen), c == 0))
     handles = [Rectangle((0, 0), 1, 1, color=colour_of(result, body)) for body in skins]
     legend_below(figure, handles, skins)
     scale = "true to scale" if amplify == 1 else f"motion since the first touch {amplify:,.0f} times as large"
@@ -112,8 +104,7 @@ def paint(ax: Axes, result: History, skins: dict[str, Skin], places: dict[str, A
         line = skin.element.shape[1] == 2
         if not line:
             corner = seen[skin.element]
-            normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-            normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+            normal = normals(corner)
             shaded = colour * (0.62 + 0.38 * np.abs(normal @ light))[:, None]
             patches += list(corner[:, :, :2])
             depth += list(corner[:, :, 2].mean(axis=1) + number * near)
@@ -126,14 +117,8 @@ def paint(ax: Axes, result: History, skins: dict[str, Skin], places: dict[str, A
         edge += [colour if line else np.zeros(3)] * len(outline)
         width += [4 if line else 0.7] * len(outline)
     order = np.argsort(depth, kind="stable")
-    ax.add_collection(
-        PolyCollection(
-            [patches[k] for k in order],
-            facecolors=[face[k] for k in order],
-            edgecolors=[edge[k] for k in order],
-            linewidths=[width[k] for k in order],
-        )
-    )
+    patches, face, edge, width = ([values[k] for k in order] for values in (patches, face, edge, width))
+    ax.add_collection(PolyCollection(patches, facecolors=face, edgecolors=edge, linewidths=width))
 
 
 def scale_bar(ax: Axes, left: float, bottom: float, wide: float) -> None:

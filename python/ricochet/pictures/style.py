@@ -50,6 +50,19 @@ def largest_of(*arrays: Array) -> float:
     return max((float(np.nanmax(np.abs(a))) for a in arrays if np.size(a)), default=0.0)
 
 
+def normals(corners: Array) -> Array:
+    """(T,3) unit normals of triangles, (T,3,3); 0 for a triangle without area."""
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return np.asarray(normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300))
+
+
+def fit(ax: Axes, low: Array, high: Array, margin: float) -> None:
+    """Shows the rectangle from `low` to `high` and a margin to scale, without axes."""
+    (left, right), (bottom, top) = zip(low - margin, high + margin)
+    ax.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
+    ax.axis("off")
+
+
 def legend_below(figure: Figure, handles: Iterable[Any], names: Iterable[str], columns: int = 4) -> None:
     """A legend at the lower edge; constrained layout keeps the panels above it."""
     names = list(names)

@@ -58,7 +58,7 @@ def spread(node: Array, element: Array, distance: float) -> Array:
 
 
 def clearness(view: View, bodies: Sequence[Array], contact: Array, cell: float) -> float:
-    """How well a view shows bodies and contact, at most 1: the smallest visible share of a body, minus the mean depth of what
+    """The quality of a view, at most 1: the smallest visible share of a body, minus the mean depth of what
     hides the contact, relative to the size of all. `bodies`: (·,3) points of each, at most a `cell` apart."""
     turn = view.turn()
     seen = [points @ turn.T for points in [*bodies, contact]]

@@ -117,7 +117,7 @@ def others(
 
 def draw(table: Table, output: str, against: Sequence[str], path: Path, units: dict[str, str]) -> None:
     """Draws the column `output` over one or two columns as a PNG file. Raises InputError without a finite value."""
-    told = functools.partial(label, units=units)
+    labelled = functools.partial(label, units=units)
     z, _ = axis(table.column(output))
     places = [axis(table.column(name)) for name in against]
     there = np.isfinite(z)
@@ -126,16 +126,16 @@ def draw(table: Table, output: str, against: Sequence[str], path: Path, units: d
     fig = Figure(figsize=(6.4, 4.4), layout="constrained")
     ax = fig.subplots()
     if len(places) == 1:
-        lines(ax, z, there, places[0][0], *others(table, against, told))
-        ax.set_ylabel(told(output))
+        lines(ax, z, there, places[0][0], *others(table, against, labelled))
+        ax.set_ylabel(labelled(output))
         ax.grid(lw=0.3)
     elif all(len(np.unique(p)) <= FEW or names or is_even(np.unique(p)) for p, names in places) and len(
         np.unique(places[0][0])
     ) * len(np.unique(places[1][0])) <= 4 * len(z):
-        cells(fig, ax, z, there, places, told(output))
+        cells(fig, ax, z, there, places, labelled(output))
     else:
         fig.colorbar(
-            ax.scatter(places[0][0][there], places[1][0][there], c=z[there], s=14), label=told(output)
+            ax.scatter(places[0][0][there], places[1][0][there], c=z[there], s=14), label=labelled(output)
         )
     if len(places) == 1 or not ax.images:
         for (values, names), set_scale, set_ticks in zip(
@@ -143,8 +143,8 @@ def draw(table: Table, output: str, against: Sequence[str], path: Path, units: d
         ):
             scale(set_scale, set_ticks, values, names)
     if len(places) == 2:
-        ax.set_ylabel(told(against[1]))
-    ax.set(xlabel=told(against[0]), title=table.title)
+        ax.set_ylabel(labelled(against[1]))
+    ax.set(xlabel=labelled(against[0]), title=table.title)
     save_picture(fig, path, dpi=120)
 
 
@@ -158,16 +158,8 @@ def lines(
     for name, colour in zip(found, colours):
         of = np.flatnonzero(there & (names == name))
         of = of[np.argsort(x[of], kind="stable")]
-        ax.plot(
-            x[of],
-            z[of],
-            "o-" if joined else ".",
-            ms=4,
-            lw=1,
-            color=colour,
-            alpha=1 if joined else 0.7,
-            label=name,
-        )
+        form, alpha = ("o-", 1.0) if joined else (".", 0.7)
+        ax.plot(x[of], z[of], form, ms=4, lw=1, color=colour, alpha=alpha, label=name)
     if what:
         ax.legend(title=what, fontsize=8, title_fontsize=8)
 
@@ -195,15 +187,11 @@ def cells(
     if mean.size <= WRITTEN:
         for (row, column), value in np.ndenumerate(mean):
             if np.isfinite(value):
-                ax.text(
-                    column,
-                    row,
+                text_of, colour = (
                     f"{float(f'{value:.3g}'):g}",
-                    ha="center",
-                    va="center",
-                    fontsize=8,
-                    color="black" if image.norm(value) > 0.6 else "white",
+                    "black" if image.norm(value) > 0.6 else "white",
                 )
+                ax.text(column, row, text_of, ha="center", va="center", fontsize=8, color=colour)
 
 
 def scale(

@@ -50,7 +50,7 @@ class Journal:
             self.records.sync()
 
     def close(self) -> None:
-        """Lets others write the file."""
+        """Closes the file, which unlocks it for other processes."""
         if self.records:
             self.records.file.close()
 

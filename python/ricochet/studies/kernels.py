@@ -30,7 +30,7 @@ class Kernels:
         self.study, self.folder, self.jobs, self.ranks = study, folder, jobs, ranks
         self.refused: dict[int, Answer] = {}  # by index: the answer of --batch
         self.names: set[str] = set()  # kernel files of all settings
-        self.checked: dict[str, Answer | None] = {}  # by meshes: the error, or None
+        self.checked: dict[str, Answer | None] = {}  # errors by meshes, or None
         self.tried: set[str] = set()  # files that this round has attempted
 
     def ask(self, requests: Iterable[Answer]) -> Generator[tuple[int, bytes], None, None]:

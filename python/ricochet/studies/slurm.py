@@ -71,7 +71,7 @@ class Jobs:
         ]
 
     def _script(self, stage: str, words: Sequence[Any], options: list[str], log: str = "%j") -> Path:
-        """`options`: of sbatch; a later one overrides an earlier one."""
+        """`options`: options of sbatch, of which a later one overrides an earlier one."""
         stem = f"{self.folder / self.study.slug}.{stage}"
         launcher = os.environ.get("RICOCHET_LAUNCHER")
         command = map(str, [*self.sweep, *words])

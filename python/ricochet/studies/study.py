@@ -160,7 +160,7 @@ def utf8(path: Path) -> str:
 
 
 def unfit(value: Any, depth: int = 1) -> str:
-    """Why no scene can take a value, or an empty text."""
+    """The reason why no scene can take a value, or an empty text."""
     if depth > DEEPEST:
         return f"lists or tables are nested too deep: {DEEPEST} are the most"
     if isinstance(value, dict):

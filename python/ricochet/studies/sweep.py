@@ -42,7 +42,7 @@ class Sweep:
         self.stem = folder / study.slug
         self.journal = Journal(self.stem, part, reads_only=collects)
         self.kernels = Kernels(study, folder, jobs or os.cpu_count() or 1, ranks)
-        # They identify impacts by program, scene, setting, kernels and the files that are read.
+        # Keys identify impacts by program, scene, setting, kernels and the files that are read.
         self.keys = [""] * len(study.settings)
         self.refused: dict[int, Row] = {}  # answers by index of the setting
 
@@ -70,7 +70,7 @@ class Sweep:
                 raise InputError(
                     f"{self.folder}: ricochet-kernel does not leave {name} there: compute it by hand"
                 )
-            # Again: a kernel with some candidates may not yet be enough for all settings.
+            # A kernel with some candidates may not yet be enough for all settings: the next round checks again.
             self.kernels.compute(missing)
             for index, answer in self.kernels.refused.items():
                 self.journal.add(self.keys[index], json.dumps(answer).encode())
@@ -105,7 +105,7 @@ class Sweep:
         return [index for index in range(k - 1, len(self.keys), n) if index not in self.refused]
 
     def left(self) -> list[int]:
-        """Those that are to be run still."""
+        """The settings of `own` whose impacts are not finished."""
         return [index for index in self.own() if not self.journal.finished(self.keys[index])]
 
     def run(self, check: Callable[[Row], None] = lambda _: None) -> int:

@@ -73,8 +73,8 @@ class Worker:
         self.rest, self.deaths = b"", self.deaths + 1
         if self.deaths == 2 and self.asked:
             self.deaths = 0
-            told = {"status": 1, "error": f"ricochet-contact ended with status {status}", "died": True}
-            yield self.asked.popleft()[0], json.dumps(told).encode()
+            answer = {"status": 1, "error": f"ricochet-contact ended with status {status}", "died": True}
+            yield self.asked.popleft()[0], json.dumps(answer).encode()
         self.start()
         for _, line in self.asked:
             self.send(line)

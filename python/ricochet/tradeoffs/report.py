@@ -17,7 +17,7 @@ def write_csv(points: Sequence[Point], path: Path) -> None:
 
 
 def front_table(front: Sequence[Point], impacts: int) -> str:
-    """Markdown."""
+    """The Pareto front as a table in Markdown."""
     titles = ("setting", "error", "kernels (s)", "memory (MiB)", "steps of an impact (ms)", "all (s)")
     lines = [f"| {' | '.join(titles)} |", "|" + "---|" * len(titles)]
     for point in front:

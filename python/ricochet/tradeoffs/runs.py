@@ -77,7 +77,7 @@ class Runner:
         return self.key(kernel.changes(self.scene), self.ranks)
 
     def kernel(self, kernel: Kernel) -> Row:
-        """Time [s] and peak memory [MiB] of the kernels of all bodies, computed from nothing in one run."""
+        """Time [s] and peak memory [MiB] of the kernels of all bodies, computed in one run, with no kernel to start from."""
         key = self.kernel_key(kernel)
         folder = self.folder / key
         row = self.store.rows.get(key)

@@ -34,7 +34,10 @@ def far(admittance, node, step):
 def profile(admittance, node):
     """Distance from the middle patch and coupling to it, over its own entry."""
     middle = np.linalg.norm(node - node.mean(axis=0), axis=1).argmin()
-    return np.linalg.norm(node - node[middle], axis=1), np.abs(admittance[middle]) / admittance[middle, middle]
+    return (
+        np.linalg.norm(node - node[middle], axis=1),
+        np.abs(admittance[middle]) / admittance[middle, middle],
+    )
 
 
 def run(bench):
@@ -45,13 +48,21 @@ def run(bench):
     def kernel(elements, *sets):
         unknowns = 3 * (2 * elements + 1) ** 3
         a, b, c = SIDES
-        found = bench.kernel(scene, "bodies.box.support={}", f"bodies.box.geometry={{a={a},b={b},c={c},n={elements}}}",
-                             f"modes={{count={unknowns},residual_flexibility=false}}", *sets, body="box",
-                             out=f"out-{elements}-{len(sets)}")
+        found = bench.kernel(
+            scene,
+            "bodies.box.support={}",
+            f"bodies.box.geometry={{a={a},b={b},c={c},n={elements}}}",
+            f"modes={{count={unknowns},residual_flexibility=false}}",
+            *sets,
+            body="box",
+            out=f"out-{elements}-{len(sets)}",
+        )
         return found["surface/shape"][:], found["surface/node"][:, :2], found["surface/node"][:]
 
     def note(what, admittance, node, step, modes):
-        rows.append([what, len(node), modes, f"{spread(admittance):.2f}", f"{far(admittance, node, step):.4f}"])
+        rows.append(
+            [what, len(node), modes, f"{spread(admittance):.2f}", f"{far(admittance, node, step):.4f}"]
+        )
 
     step = SIDES[0] / 6
     shape, node, place = kernel(3)
@@ -59,8 +70,12 @@ def run(bench):
     block = Block(SIDES, 3, 2, **MATERIAL)
     order = block.rows(place)
     exact = (block.loads.T @ np.linalg.solve(block.mass, block.loads))[np.ix_(order, order)]
-    bench.below("all modes: largest error of an entry of Ṅ(0⁺), over the largest entry",
-                np.abs(whole - exact).max() / exact.max(), 1e-7, "orthonormality of the modes to 1e-8")
+    bench.below(
+        "all modes: largest error of an entry of Ṅ(0⁺), over the largest entry",
+        np.abs(whole - exact).max() / exact.max(),
+        1e-7,
+        "orthonormality of the modes to 1e-8",
+    )
     for modes in (50, 200, 600, shape.shape[1]):
         part = shape[:, :modes] @ shape[:, :modes].T
         note("3 bricks per side, all nodes", part, node, step, modes)
@@ -68,25 +83,58 @@ def run(bench):
     for elements in (2, 4):
         other = Block(SIDES, elements, 2, **MATERIAL)
         admittance = other.loads.T @ np.linalg.solve(other.mass, other.loads)
-        note(f"{elements} bricks per side, all nodes", admittance, other.node, SIDES[0] / (2 * elements), len(other.mass))
+        note(
+            f"{elements} bricks per side, all nodes",
+            admittance,
+            other.node,
+            SIDES[0] / (2 * elements),
+            len(other.mass),
+        )
     for spacing in (0.012, 0.02):
         thin, where, _ = kernel(3, f"contact.spacing={spacing}")
         note(f"3 bricks per side, spacing {1e3 * spacing:g} mm", thin @ thin.T, where, spacing, thin.shape[1])
-    bench.table(["mesh and patches", "patches", "modes", "off-diagonal sum of a row / diagonal, mean",
-                 "largest beyond two patches / diagonal"], rows)
+    bench.table(
+        [
+            "mesh and patches",
+            "patches",
+            "modes",
+            "off-diagonal sum of a row / diagonal, mean",
+            "largest beyond two patches / diagonal",
+        ],
+        rows,
+    )
 
     cut = shape[:, :200] @ shape[:, :200].T
-    bench.below("all modes: largest entry beyond two patches, over the diagonal", far(whole, node, step), CLAIM,
-                "the part of the claim that holds: distant patches do not couple")
+    bench.below(
+        "all modes: largest entry beyond two patches, over the diagonal",
+        far(whole, node, step),
+        CLAIM,
+        "the part of the claim that holds: distant patches do not couple",
+    )
     why = "hats overlap and the consistent mass couples neighbours; a finer mesh scales the pattern but does not reduce it"
-    bench.below("all modes: off-diagonal sum of a row over its diagonal", spread(whole), CLAIM, "the claim as printed", known=why)
-    bench.below("200 modes: off-diagonal sum of a row over its diagonal", spread(cut), CLAIM, "the claim as printed",
-                known="a truncated series cannot resolve a patch: its admittance extends as far as the shortest wavelength kept")
+    bench.below(
+        "all modes: off-diagonal sum of a row over its diagonal",
+        spread(whole),
+        CLAIM,
+        "the claim as printed",
+        known=why,
+    )
+    bench.below(
+        "200 modes: off-diagonal sum of a row over its diagonal",
+        spread(cut),
+        CLAIM,
+        "the claim as printed",
+        known="a truncated series cannot resolve a patch: its admittance extends as far as the shortest wavelength kept",
+    )
 
     figure, ax = bench.figure()
     for (name, (distance, coupling)), colour in zip(curves.items(), (RED, ORANGE, GREEN, BLUE)):
         ax.semilogy(distance * 1e3, np.maximum(coupling, 1e-4), ".", color=colour, label=name)
     ax.axhline(CLAIM, color=GREY, linestyle=":", linewidth=0.8)
-    ax.set(xlabel="distance from the middle patch (mm)", ylabel="|Ṅ(0⁺)| / diagonal", title="Coupling of the middle patch")
+    ax.set(
+        xlabel="distance from the middle patch (mm)",
+        ylabel="|Ṅ(0⁺)| / diagonal",
+        title="Coupling of the middle patch",
+    )
     ax.legend(fontsize=7)
     bench.save(figure, "Coupling of the middle patch of the block's top to the others")

@@ -8,4 +8,8 @@ LONG = True
 
 
 def run(bench):
-    ball_at_rest.run(bench, (1e-4, 5e-5, 2.5e-5), {"radius": 0.005, "approach": 0.002, "radius of the area": 0.02, "pressure": 0.1})
+    ball_at_rest.run(
+        bench,
+        (1e-4, 5e-5, 2.5e-5),
+        {"radius": 0.005, "approach": 0.002, "radius of the area": 0.02, "pressure": 0.1},
+    )

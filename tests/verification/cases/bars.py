@@ -7,7 +7,9 @@ import numpy as np
 from case import BLUE, GREY, ORANGE
 
 TITLE = "Free and clamped bars: frequencies and waves"
-SOURCE = "Closed forms: Graff 1975, *Wave Motion in Elastic Solids*, section 2.3; images of d'Alembert's solution."
+SOURCE = (
+    "Closed forms: Graff 1975, *Wave Motion in Elastic Solids*, section 2.3; images of d'Alembert's solution."
+)
 LONG = False
 DENSITY, YOUNG, AREA, LENGTH, FORCE = 7850.0, 210e9, 1e-4, 1.0, 1000.0
 SPEED = np.sqrt(YOUNG / DENSITY)
@@ -71,22 +73,51 @@ def run(bench):
             frequency = kernel["modes/angular_frequency"][:] / (2 * np.pi)
         number = np.arange(MODES)
         exact = (2 * number + 1) * SPEED / (4 * LENGTH) if clamped else number * SPEED / (2 * LENGTH)
-        bench.compare(f"{name}: rigid modes", np.count_nonzero(frequency == 0), 0 if clamped else 1, 0, "a count", absolute=True)
-        bench.compare(f"{name}: first elastic frequency (Hz)", frequency[exact > 0][0], exact[exact > 0][0], 1e-9,
-                      "round-off of the eigensolver: the square of its residual of 1e-8")
+        bench.compare(
+            f"{name}: rigid modes",
+            np.count_nonzero(frequency == 0),
+            0 if clamped else 1,
+            0,
+            "a count",
+            absolute=True,
+        )
+        bench.compare(
+            f"{name}: first elastic frequency (Hz)",
+            frequency[exact > 0][0],
+            exact[exact > 0][0],
+            1e-9,
+            "round-off of the eigensolver: the square of its residual of 1e-8",
+        )
         worst = np.abs(frequency / np.where(exact > 0, exact, 1) - 1)[exact > 0].max()
-        bench.below(f"{name}: largest relative error of {MODES} frequencies", worst, 1e-6,
-                    "order 5, 12 nodes per wavelength at the highest mode: (kh)¹⁰")
+        bench.below(
+            f"{name}: largest relative error of {MODES} frequencies",
+            worst,
+            1e-6,
+            "order 5, 12 nodes per wavelength at the highest mode: (kh)¹⁰",
+        )
         time = result["receivers/time"]
         for receiver, x, colour in (("end", 0.0, BLUE), ("middle", 0.4, ORANGE)):
             ours = result[f"receivers/{receiver}/displacement"][:, 0]
             theirs = waves(x, time, clamped)
             scale = waves(0.0, np.array([2 * LENGTH / SPEED]), False)[0]
-            bench.below(f"{name}: largest error at x = {x:g} m, over F/Z · 2L/c", np.abs(ours - theirs).max() / scale,
-                        2 / (np.pi**2 * MODES), "tail of Σ 1/n² over the truncated modes, all in phase at a kink: 2/(π²N)")
+            bench.below(
+                f"{name}: largest error at x = {x:g} m, over F/Z · 2L/c",
+                np.abs(ours - theirs).max() / scale,
+                2 / (np.pi**2 * MODES),
+                "tail of Σ 1/n² over the truncated modes, all in phase at a kink: 2/(π²N)",
+            )
             ax.plot(time * 1e3, ours * 1e6, color=colour, label=f"x = {x:g} m")
-            ax.plot(time * 1e3, theirs * 1e6, color=GREY, linestyle="--", linewidth=0.9, label="d'Alembert" if x else None)
-        ax.set(xlabel="time (ms)", ylabel="displacement (µm)", title=f"{name}: a force of 1 kN on the left end")
+            ax.plot(
+                time * 1e3,
+                theirs * 1e6,
+                color=GREY,
+                linestyle="--",
+                linewidth=0.9,
+                label="d'Alembert" if x else None,
+            )
+        ax.set(
+            xlabel="time (ms)", ylabel="displacement (µm)", title=f"{name}: a force of 1 kN on the left end"
+        )
         ax.set_ylim(0, 1.35 * ax.get_ylim()[1])
         ax.legend(loc="upper left", ncols=3)
     bench.save(figure, "Waves in a bar: 100 modes with static parts, and d'Alembert's images")

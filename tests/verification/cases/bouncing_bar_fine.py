@@ -33,7 +33,9 @@ def departures(time, foot):
     """Root of the mean square of the departure in each period, over h₀."""
     square = (foot - bar.exact(time)[0]) ** 2
     starts = np.arange(bar.FALL, time[-1] - bar.PERIOD, bar.PERIOD)
-    return np.array([np.sqrt(square[(time > t) & (time <= t + bar.PERIOD)].mean()) for t in starts]) / bar.HEIGHT
+    return (
+        np.array([np.sqrt(square[(time > t) & (time <= t + bar.PERIOD)].mean()) for t in starts]) / bar.HEIGHT
+    )
 
 
 def growth(departure):
@@ -45,18 +47,41 @@ def growth(departure):
 
 def run(bench):
     bar.run(bench, counts=(100, 200, MODES), bound=0.05)
-    result = bench.contact(bench.folder / "bar.toml", f"modes={{count={MODES}}}", f"bodies.bar.geometry={{elements={MODES}}}",
-                           f"time.rate_hz={30 * MODES}", f"time.duration={DURATION}", "output.every=100")
+    result = bench.contact(
+        bench.folder / "bar.toml",
+        f"modes={{count={MODES}}}",
+        f"bodies.bar.geometry={{elements={MODES}}}",
+        f"time.rate_hz={30 * MODES}",
+        f"time.duration={DURATION}",
+        "output.every=100",
+    )
     ours = departures(result["receivers/time"], bar.HEIGHT + result["receivers/foot/displacement"][:, 0])
     theirs = departures(*characteristics(MODES, DURATION))
-    bench.compare("growth of a deviation, factor per period", growth(ours), growth(theirs), 0.1, "a fit over the periods between 0.02 and 0.3 h₀")
+    bench.compare(
+        "growth of a deviation, factor per period",
+        growth(ours),
+        growth(theirs),
+        0.1,
+        "a fit over the periods between 0.02 and 0.3 h₀",
+    )
     followed = [2 * int(np.argmax(d > 0.1)) for d in (ours, theirs)]
-    bench.compare("touches until the foot deviates by a tenth of h₀", *followed, 4, "two periods: modes and cells deviate differently at first",
-                  absolute=True)
+    bench.compare(
+        "touches until the foot deviates by a tenth of h₀",
+        *followed,
+        4,
+        "two periods: modes and cells deviate differently at first",
+        absolute=True,
+    )
     figure, ax = bench.figure()
     touch = 2 * np.arange(1, len(ours) + 1)
     ax.semilogy(touch, ours, "o-", color=BLUE, markersize=4, label=f"{MODES} modes")
     ax.semilogy(touch, theirs, "s--", color=GREY, markersize=4, label=f"characteristics, {MODES} cells")
-    ax.set(xlabel="touches", ylabel="departure from the closed form / h₀", title="An unstable periodic motion")
+    ax.set(
+        xlabel="touches", ylabel="departure from the closed form / h₀", title="An unstable periodic motion"
+    )
     ax.legend()
-    bench.save(figure, "Bouncing bar: growth of the deviation from the periodic motion, two touches per period", "growth")
+    bench.save(
+        figure,
+        "Bouncing bar: growth of the deviation from the periodic motion, two touches per period",
+        "growth",
+    )

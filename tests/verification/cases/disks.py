@@ -12,15 +12,19 @@ from case import BLUE, ORANGE, RED
 from ricochet.programs import ROOT
 
 TITLE = "The paper's Figures 7 and 8: two disks"
-SOURCE = "Bensoam, section 4.2, Table 1 and the captions of Figures 7 and 8; free fall and balance of momentum."
+SOURCE = (
+    "Bensoam, section 4.2, Table 1 and the captions of Figures 7 and 8; free fall and balance of momentum."
+)
 LONG = False
 GRAVITY, GAP = 9.81, 0.01
 MASS = 11.3e3 * np.pi * 0.05**2 * 5e-3
 POSITIONS, MIDDLE = 17, 8
 RATE = 44100
 OPEN = 0.01  # of the contact
-OPENING = ("position 9 is relieved but does not open: the paper does not state the placement, the clamping or the mesh of its disks, and this "
-           "interpretation does not reproduce the opening")
+OPENING = (
+    "position 9 is relieved but does not open: the paper does not state the placement, the clamping or the mesh of its disks, and this "
+    "interpretation does not reproduce the opening"
+)
 
 
 def opened(force):
@@ -57,7 +61,9 @@ def snapshots(bench, result, speed):
     figure, axes = bench.figure(9, 2, height=1.35, height_ratios=[1.6, 1])
     for column, k in enumerate(chosen):
         for (body, skin), colour in zip(skins.items(), (ORANGE, BLUE)):
-            axes[0, column].add_collection(LineCollection(skin.outline(skin.at(k)[:, :2]) * 1e3, colors=colour, linewidths=0.7))
+            axes[0, column].add_collection(
+                LineCollection(skin.outline(skin.at(k)[:, :2]) * 1e3, colors=colour, linewidths=0.7)
+            )
         axes[0, column].set(xlim=(-58, 58), ylim=(-55, 165), aspect="equal")
         axes[0, column].set_title(f"{1e3 * time[k]:.1f} ms", fontsize=7)
         axes[0, column].axis("off")
@@ -68,10 +74,16 @@ def snapshots(bench, result, speed):
         if column:
             axes[1, column].set_yticklabels([])
     axes[1, 0].set_ylabel("force (N)", fontsize=7)
-    bench.save(figure, f"V0 = {speed} m/s: nine moments of the contact, and the force at positions 5 to 13", f"at-{speed}")
+    bench.save(
+        figure,
+        f"V0 = {speed} m/s: nine moments of the contact, and the force at positions 5 to 13",
+        f"at-{speed}",
+    )
 
 
-COARSE = [f"bodies.{body}.geometry={{size=1e-2}}" for body in ("upper", "lower")] + ['modes={basis="contact",up_to_hz=1500}']
+COARSE = [f"bodies.{body}.geometry={{size=1e-2}}" for body in ("upper", "lower")] + [
+    'modes={basis="contact",up_to_hz=1500}'
+]
 
 
 def run(bench, sets=COARSE, ranks=1, laws=()):
@@ -83,35 +95,98 @@ def run(bench, sets=COARSE, ranks=1, laws=()):
         first = (np.sqrt(speed**2 + 2 * GRAVITY * GAP) - speed) / GRAVITY
         step = 1 / RATE
         bench.compare(f"{name}: positions along the rim", force.shape[1], POSITIONS, 0, "a count")
-        bench.below(f"{name}: deviation of the first touch from free fall, in steps",
-                    max(summary["contact_start_s"] - first, first - summary["contact_start_s"] - step, 0) / step, 1.0,
-                    "the patch at position 9 is off the lowest point of the rim by up to 1.4e-6 of the gap")
+        bench.below(
+            f"{name}: deviation of the first touch from free fall, in steps",
+            max(summary["contact_start_s"] - first, first - summary["contact_start_s"] - step, 0) / step,
+            1.0,
+            "the patch at position 9 is off the lowest point of the rim by up to 1.4e-6 of the gap",
+        )
         last = summary["contact_end_s"]
         leaves = -(speed + GRAVITY * last) + summary["impulse_ns"] / MASS
-        bench.compare(f"{name}: exit velocity of the upper disk (m/s), from impulse and weight", summary["exit_velocity"]["upper"][1], leaves, 1e-3,
-                      "the mass of the mesh is within 1e-4 of πR²eρ")
-        bench.below(f"{name}: asymmetry of the impulses about position 9, over the largest",
-                    np.abs(force.sum(axis=0) - force.sum(axis=0)[::-1]).max() / force.sum(axis=0).max(), 0.05, "the mesh is not symmetric")
-        bench.below(f"{name}: drift of the energy ledger", summary["energy_drift"], 1e-10, "round-off of the steps")
-        bench.below(f"{name}: largest penetration (m)", summary["max_penetration_m"], 1e-12, "round-off: equality in (2)")
+        bench.compare(
+            f"{name}: exit velocity of the upper disk (m/s), from impulse and weight",
+            summary["exit_velocity"]["upper"][1],
+            leaves,
+            1e-3,
+            "the mass of the mesh is within 1e-4 of πR²eρ",
+        )
+        bench.below(
+            f"{name}: asymmetry of the impulses about position 9, over the largest",
+            np.abs(force.sum(axis=0) - force.sum(axis=0)[::-1]).max() / force.sum(axis=0).max(),
+            0.05,
+            "the mesh is not symmetric",
+        )
+        bench.below(
+            f"{name}: drift of the energy ledger", summary["energy_drift"], 1e-10, "round-off of the steps"
+        )
+        bench.below(
+            f"{name}: largest penetration (m)",
+            summary["max_penetration_m"],
+            1e-12,
+            "round-off: equality in (2)",
+        )
         reach = np.abs(np.flatnonzero(force.sum(axis=0) > 0) - MIDDLE).max()
         share = opened(force)
         if speed == 1:
-            bench.compare(f"{name}: positions on one side of 9 that ever touch", reach, 1, 0, "Figure 7: 8 and 10")
-            bench.below(f"{name}: longest opening of 9 between its neighbours, as a share of the contact", share, OPEN,
-                        "Figure 7: it stays in contact")
+            bench.compare(
+                f"{name}: positions on one side of 9 that ever touch", reach, 1, 0, "Figure 7: 8 and 10"
+            )
+            bench.below(
+                f"{name}: longest opening of 9 between its neighbours, as a share of the contact",
+                share,
+                OPEN,
+                "Figure 7: it stays in contact",
+            )
         else:
-            bench.at_least(f"{name}: positions on one side of 9 that ever touch", reach, 2, "Figure 8: beyond 8 and 10")
-            bench.at_least(f"{name}: longest opening of 9 between its neighbours, as a share of the contact", share, OPEN,
-                           "Figure 8: a gap appears", known=OPENING)
-        rows.append([f"{speed}", f"{1e3 * summary['contact_start_s']:.3f} – {1e3 * last:.3f}", summary["max_active"],
-                     f"{summary['peak_force_n']:.1f}", f"{summary['impulse_ns']:.4f}", f"{summary['exit_velocity']['upper'][1]:.3f}",
-                     f"{100 * summary['energy_lost_contact']:.2f} %"])
+            bench.at_least(
+                f"{name}: positions on one side of 9 that ever touch", reach, 2, "Figure 8: beyond 8 and 10"
+            )
+            bench.at_least(
+                f"{name}: longest opening of 9 between its neighbours, as a share of the contact",
+                share,
+                OPEN,
+                "Figure 8: a gap appears",
+                known=OPENING,
+            )
+        rows.append(
+            [
+                f"{speed}",
+                f"{1e3 * summary['contact_start_s']:.3f} – {1e3 * last:.3f}",
+                summary["max_active"],
+                f"{summary['peak_force_n']:.1f}",
+                f"{summary['impulse_ns']:.4f}",
+                f"{summary['exit_velocity']['upper'][1]:.3f}",
+                f"{100 * summary['energy_lost_contact']:.2f} %",
+            ]
+        )
         snapshots(bench, result, speed)
     relieved = [["compliant", f"{opened(force):.4f}", f"{relief(result):.2f}"]]
     for law in laws:
-        other = bench.contact(scene, *sets, "bodies.upper.velocity=[0,-6,0]", "contact.scheme=impulse", f"contact.admittance={law}")
+        other = bench.contact(
+            scene,
+            *sets,
+            "bodies.upper.velocity=[0,-6,0]",
+            "contact.scheme=impulse",
+            f"contact.admittance={law}",
+        )
         relieved.append([f"impulse, {law}", f"{opened(other['contact/force']):.4f}", f"{relief(other):.2f}"])
-    bench.table(["scheme, at 6 m/s", "longest opening of 9, as a share of the contact", "smallest force on 9 / mean of 8 and 10, over 0.5 ms"], relieved)
-    bench.table(["V0 (m/s)", "contact (ms)", "most positions touching", "peak force (N)", "impulse (N s)", "rebound (m/s)",
-                 "energy lost in contact"], rows)
+    bench.table(
+        [
+            "scheme, at 6 m/s",
+            "longest opening of 9, as a share of the contact",
+            "smallest force on 9 / mean of 8 and 10, over 0.5 ms",
+        ],
+        relieved,
+    )
+    bench.table(
+        [
+            "V0 (m/s)",
+            "contact (ms)",
+            "most positions touching",
+            "peak force (N)",
+            "impulse (N s)",
+            "rebound (m/s)",
+            "energy lost in contact",
+        ],
+        rows,
+    )

@@ -70,40 +70,99 @@ def run(bench):
     fall, speed = np.sqrt(2 * HEIGHT / GRAVITY), np.sqrt(2 * GRAVITY * HEIGHT)
     elastic = bench.contact(scene, "contact.restitution=1")
     plastic = bench.contact(scene, "contact.restitution=0")
-    compliant = bench.contact(scene, 'contact={between=["mass","floor"],direction=[-1,0,0],scheme="compliant"}')
+    compliant = bench.contact(
+        scene, 'contact={between=["mass","floor"],direction=[-1,0,0],scheme="compliant"}'
+    )
 
     instant = "the step of the touch contains the instant"
     bounces = elastic.summary["episodes"]
     times = fall * (1 + 2 * np.arange(len(bounces)))
     bench.compare("(a): bounces within 4 s", len(bounces), np.floor((4.0 / fall + 1) / 2), 0, "a count")
-    bench.below("(a): largest deviation of a bounce from t_c (2n + 1), in steps",
-                max(max(b["start_s"] - t, t - b["end_s"], 0) for b, t in zip(bounces, times)) * RATE, 1e-6, instant)
-    bench.compare("(a): impulse of the first bounce (N s)", bounces[0]["impulse_ns"], 2 * MASS * speed, 1e-9,
-                  "round-off: the instant is exact")
-    bench.compare("(a): impulse of the last bounce (N s)", bounces[-1]["impulse_ns"], 2 * MASS * speed, 1e-8, "round-off of all bounces")
-    bench.below("(a): share of the energy lost in contact", elastic.summary["energy_lost_contact"], 1e-8, "round-off of all bounces")
+    bench.below(
+        "(a): largest deviation of a bounce from t_c (2n + 1), in steps",
+        max(max(b["start_s"] - t, t - b["end_s"], 0) for b, t in zip(bounces, times)) * RATE,
+        1e-6,
+        instant,
+    )
+    bench.compare(
+        "(a): impulse of the first bounce (N s)",
+        bounces[0]["impulse_ns"],
+        2 * MASS * speed,
+        1e-9,
+        "round-off: the instant is exact",
+    )
+    bench.compare(
+        "(a): impulse of the last bounce (N s)",
+        bounces[-1]["impulse_ns"],
+        2 * MASS * speed,
+        1e-8,
+        "round-off of all bounces",
+    )
+    bench.below(
+        "(a): share of the energy lost in contact",
+        elastic.summary["energy_lost_contact"],
+        1e-8,
+        "round-off of all bounces",
+    )
 
     time, force = plastic.force()
     first = plastic.summary["episodes"][0]
-    bench.below("(b): deviation of the start of contact from t_c, in steps",
-                max(first["start_s"] - fall, fall - first["start_s"] - 1 / RATE, 0) * RATE, 1e-6, instant)
+    bench.below(
+        "(b): deviation of the start of contact from t_c, in steps",
+        max(first["start_s"] - fall, fall - first["start_s"] - 1 / RATE, 0) * RATE,
+        1e-6,
+        instant,
+    )
     row = np.flatnonzero(force)[0]
-    bench.compare("(b): impulse of the touch and the rest of its step (N s)", force[row] / RATE,
-                  MASS * speed + MASS * GRAVITY * (time[row] - fall), 1e-6,
-                  "round-off; the weight acts from the touch to the end of the step")
-    bench.compare("(b): mean force after the touch (N)", force[row + 1 :].mean(), MASS * GRAVITY, 1e-4, "the weight, as one impulse per step")
-    bench.below("(b): speed after the touch (m/s)", np.abs(plastic["bodies/mass/velocity"][row + 1 :]).max(), 1.01 * GRAVITY / RATE,
-                "the speed that gravity adds between two impulses")
-    bench.compare("(b): share of the energy lost at the touch", plastic["energy/contact"][row] / (MASS * GRAVITY * HEIGHT), 1.0, 1e-5,
-                  "all of it, and the work of the weight in the rest of that step")
+    bench.compare(
+        "(b): impulse of the touch and the rest of its step (N s)",
+        force[row] / RATE,
+        MASS * speed + MASS * GRAVITY * (time[row] - fall),
+        1e-6,
+        "round-off; the weight acts from the touch to the end of the step",
+    )
+    bench.compare(
+        "(b): mean force after the touch (N)",
+        force[row + 1 :].mean(),
+        MASS * GRAVITY,
+        1e-4,
+        "the weight, as one impulse per step",
+    )
+    bench.below(
+        "(b): speed after the touch (m/s)",
+        np.abs(plastic["bodies/mass/velocity"][row + 1 :]).max(),
+        1.01 * GRAVITY / RATE,
+        "the speed that gravity adds between two impulses",
+    )
+    bench.compare(
+        "(b): share of the energy lost at the touch",
+        plastic["energy/contact"][row] / (MASS * GRAVITY * HEIGHT),
+        1.0,
+        1e-5,
+        "all of it, and the work of the weight in the rest of that step",
+    )
     share = fall * RATE % 1
-    bench.compare("compliant: speed after the first touch, over v₀", compliant.summary["episodes"][0]["impulse_ns"] / (MASS * speed) - 1,
-                  abs(1 - 2 * share), 2 * GRAVITY / (RATE * speed), "the speed that gravity adds in two steps", absolute=True)
-    bench.below("compliant: penetration (m)", compliant.summary["max_penetration_m"], 1e-12, "round-off: equality in (2)")
+    bench.compare(
+        "compliant: speed after the first touch, over v₀",
+        compliant.summary["episodes"][0]["impulse_ns"] / (MASS * speed) - 1,
+        abs(1 - 2 * share),
+        2 * GRAVITY / (RATE * speed),
+        "the speed that gravity adds in two steps",
+        absolute=True,
+    )
+    bench.below(
+        "compliant: penetration (m)",
+        compliant.summary["max_penetration_m"],
+        1e-12,
+        "round-off: equality in (2)",
+    )
 
     figure, axes = bench.figure(2)
     for ax, label, index in zip(axes, ("height (m)", "velocity (m/s)"), (0, 1)):
-        for result, colour, name in ((elastic, BLUE, "(a) restitution 1"), (plastic, ORANGE, "(b) restitution 0")):
+        for result, colour, name in (
+            (elastic, BLUE, "(a) restitution 1"),
+            (plastic, ORANGE, "(b) restitution 0"),
+        ):
             values = height(result) if index == 0 else result["bodies/mass/velocity"][:, 0]
             ax.plot(result["time"], values, color=colour, label=name)
         for touch in times:
@@ -111,4 +170,6 @@ def run(bench):
         ax.set(xlabel="time (s)", ylabel=label, title=label.split(" (")[0].capitalize())
     axes[0].set_ylim(0, 1.35)
     axes[0].legend(loc="upper left", ncols=2)
-    bench.save(figure, "Figure 9: (a) energy is conserved, (b) it is lost at the first contact; dotted: t_c (2n + 1)")
+    bench.save(
+        figure, "Figure 9: (a) energy is conserved, (b) it is lost at the first contact; dotted: t_c (2n + 1)"
+    )

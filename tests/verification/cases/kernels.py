@@ -32,22 +32,47 @@ def run(bench):
     value, rate, at_once = by_modes(paper, times)
     for number in range(2):
         inside = (times > 20 * number + 1) & (times < 20 * number + 19)
-        bench.compare(f"stair {number + 1} of N, mean over its middle nine tenths (m/(N s))", value[inside].mean(), 1.0 + 2 * number,
-                          5e-3, "the ripples of truncation average out over many of their periods")
-    bench.compare("mean slope of N over 0 … 40 (1/kg)", value[times < 40].mean() / 20, 0.1, 5e-3,
-                  "the rigid mode alone gives 1/(ρAL), with stairs about it")
+        bench.compare(
+            f"stair {number + 1} of N, mean over its middle nine tenths (m/(N s))",
+            value[inside].mean(),
+            1.0 + 2 * number,
+            5e-3,
+            "the ripples of truncation average out over many of their periods",
+        )
+    bench.compare(
+        "mean slope of N over 0 … 40 (1/kg)",
+        value[times < 40].mean() / 20,
+        0.1,
+        5e-3,
+        "the rigid mode alone gives 1/(ρAL), with stairs about it",
+    )
 
-    order = [f"bodies.{name}.{key}" for name in ("moving", "resting") for key in ("order=5", "geometry={elements=200}")]
+    order = [
+        f"bodies.{name}.{key}"
+        for name in ("moving", "resting")
+        for key in ("order=5", "geometry={elements=200}")
+    ]
     fine = bench.kernel(scene, *order, "modes={count=200}", body="moving", out="fine")
     counts = np.array([25, 50, 100, 200])
     errors = []
     for count in counts:
         series, _, front = by_modes(fine, times, count)
         errors.append(np.sqrt(((series - stair) ** 2).mean()))
-    bench.order("rms error of N over the modes kept", counts, errors, -0.5, 0.05,
-                "Fourier series of a jump: coefficients 1/n, tail of their squares 1/N")
-    bench.compare("Ṅ(0⁺) of 200 modes (1/kg)", front, (1 + 2 * 199) / LENGTH, 1e-4,
-                  "1/(ρAL) for the rigid mode and 2/(ρAL) for each other one; elements of order 5, at least two per wavelength, disperse little")
+    bench.order(
+        "rms error of N over the modes kept",
+        counts,
+        errors,
+        -0.5,
+        0.05,
+        "Fourier series of a jump: coefficients 1/n, tail of their squares 1/N",
+    )
+    bench.compare(
+        "Ṅ(0⁺) of 200 modes (1/kg)",
+        front,
+        (1 + 2 * 199) / LENGTH,
+        1e-4,
+        "1/(ρAL) for the rigid mode and 2/(ρAL) for each other one; elements of order 5, at least two per wavelength, disperse little",
+    )
 
     figure, (left, right) = bench.figure(2)
     left.plot(times, stair, color=GREY, label="closed form")

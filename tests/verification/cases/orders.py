@@ -9,61 +9,58 @@
 and modal truncation."""
 import numpy as np
 
+import scenes
 from block import GEO
 from case import BLUE, GREEN, GREY, RED, slopes
 
 TITLE = "Orders of convergence in h, p, Δ and N"
-SOURCE = ("Separation of variables for the box, d'Alembert's solution for the bar; h^2p: Strang & Fix 1973, *An Analysis of the "
-          "Finite Element Method*.")
+SOURCE = (
+    "Separation of variables for the box, d'Alembert's solution for the bar; h^2p: Strang & Fix 1973, *An Analysis of the "
+    "Finite Element Method*."
+)
 LONG = True
 SIDES = (0.1, 0.13, 0.17)
 DENSITY, YOUNG, POISSON = 2700.0, 70e9, 0.33
 MESHES = {1: (4, 6, 8), 2: (2, 3, 4), 3: (1, 2, 3)}
 LOWEST = 6  # frequencies compared
 
-BOX = f"""[bodies.box]
+BOX = scenes.scene(
+    {
+        "box": f"""
 mesh = "box.geo"
 material = {{ density = {DENSITY}, young = {YOUNG}, poisson = {POISSON} }}
 contact = "top"
 support = {{ foot = "xy", top = "xy", "x sides" = "x", "y sides" = "y" }}
-[obstacles.ceiling]
-point = [0, 0, 2]
-normal = [0, 0, -1]
-[modes]
-count = {LOWEST + 3}
-residual_flexibility = false
-[contact]
-between = ["box", "ceiling"]
-direction = [0, 0, 1]
-spacing = 0.05
-[time]
-duration = 1.0
 """
-ROD = """Point(1) = {0, 0, 0}; Point(2) = {1, 0, 0}; Line(1) = {1, 2}; Transfinite Curve{1} = 161;
-Physical Curve("bar") = {1}; Physical Point("foot") = {1}; Physical Point("top") = {2};
-"""
+    },
+    modes=f"count = {LOWEST + 3}\nresidual_flexibility = false",
+    contact="direction = [0, 0, 1]\nspacing = 0.05",
+    time="duration = 1.0",
+    obstacles={"ceiling": "point = [0, 0, 2]\nnormal = [0, 0, -1]"},
+)
 # L = c = ρ = E = A = 1; the pulse lasts T = 1.2, and its wave is back at the foot after 3.
 LASTS, FORCE = 1.2, 1.0
-PRESSED = """[bodies.bar]
+PRESSED = scenes.scene(
+    {
+        "bar": """
 mesh = "rod.geo"
 order = 3
 material = { density = 1.0, young = 1.0, area = 1.0 }
 contact = "foot"
-[obstacles.floor]
-normal = [1, 0, 0]
-[modes]
-count = 320
-[contact]
-between = ["bar", "floor"]
-direction = [-1, 0, 0]
-[time]
-duration = 2.0
+"""
+    },
+    modes="count = 320",
+    contact="direction = [-1, 0, 0]",
+    time="duration = 2.0",
+    obstacles={"floor": "normal = [1, 0, 0]"},
+    more="""
 [[loads.traction]]
 body = "bar"
 group = "top"
 vector = [-1.0, 0, 0]
 history = "pulse.csv"
-"""
+""",
+)
 
 
 def reaction(time):
@@ -94,7 +91,9 @@ def separated():
             continue
         # One of the motions is along k, unless k's own direction is a sine of 0: then all are across.
         along = 1 if n > 0 else 0
-        found += [np.sqrt(pressure / DENSITY) * k] * along + [np.sqrt(shear / DENSITY) * k] * (motions - along)
+        found += [np.sqrt(pressure / DENSITY) * k] * along + [np.sqrt(shear / DENSITY) * k] * (
+            motions - along
+        )
     return np.sort(found)[:LOWEST]
 
 
@@ -106,12 +105,23 @@ def elements(bench, ax):
     for (order, meshes), colour in zip(MESHES.items(), (RED, BLUE, GREEN)):
         errors = []
         for n in meshes:
-            kernel = bench.kernel(scene, f"bodies.box.order={order}", f"bodies.box.geometry={{a={a},b={b},c={c},n={n}}}", body="box")
+            kernel = bench.kernel(
+                scene,
+                f"bodies.box.order={order}",
+                f"bodies.box.geometry={{a={a},b={b},c={c},n={n}}}",
+                body="box",
+            )
             ours = kernel["modes/angular_frequency"][:]
             errors.append(np.abs(ours[ours > 0][:LOWEST] / (2 * np.pi) / exact - 1).max())
         sizes = 1 / np.array(meshes)
-        bench.order(f"largest error of {LOWEST} frequencies over h, p = {order}", sizes, errors, 2 * order, 0.5,
-                    "2p, which such coarse meshes only approach")
+        bench.order(
+            f"largest error of {LOWEST} frequencies over h, p = {order}",
+            sizes,
+            errors,
+            2 * order,
+            0.5,
+            "2p, which such coarse meshes only approach",
+        )
         slopes(ax, sizes, errors, f"p = {order}", colour)
     ax.set(xlabel="h / side", ylabel="relative error", title="Lowest frequencies of a box between walls")
     ax.legend()
@@ -120,9 +130,11 @@ def elements(bench, ax):
 def run(bench):
     figure, axes = bench.figure(2, 2, height=3.0)
     elements(bench, axes[0, 0])
-    bench.write("rod.geo", ROD)
+    bench.write("rod.geo", scenes.rod(1, 160, "bar", ("foot", "top")))
     knots = np.linspace(0, LASTS, 1201)
-    bench.write("pulse.csv", "".join(f"{t:.9f}, {FORCE * np.sin(np.pi * t / LASTS) ** 2:.15f}\n" for t in knots))
+    bench.write(
+        "pulse.csv", "".join(f"{t:.9f}, {FORCE * np.sin(np.pi * t / LASTS) ** 2:.15f}\n" for t in knots)
+    )
     scene = bench.write("pressed.toml", PRESSED)
 
     rates, errors = np.array([20, 40, 80, 160]), []
@@ -130,7 +142,14 @@ def run(bench):
     for rate in rates:
         errors.append(force_error(bench.contact(scene, f"time.rate_hz={rate}")))
     slopes(axes[0, 1], 1 / rates, errors, "force", BLUE)
-    bench.order("force over Δ, 320 modes with R", 1 / rates, errors, 2.0, 0.5, "a force constant over the step, compared at the middle of the step")
+    bench.order(
+        "force over Δ, 320 modes with R",
+        1 / rates,
+        errors,
+        2.0,
+        0.5,
+        "a force constant over the step, compared at the middle of the step",
+    )
     axes[0, 1].set(xlabel="Δ c/L", ylabel="mean square error / 2F", title="Step, 320 modes with R")
     axes[0, 1].legend()
 
@@ -142,8 +161,16 @@ def run(bench):
             result = bench.impact(scene, modes, "time.rate_hz=1600")
             errors.append(force_error(result))
         slopes(axes[1, 0], counts, errors, name, colour)
-        bench.order(f"force over N, {name}", counts, errors, expected, 0.5,
-                    "inertia of the truncated modes, Σ 1/n⁴" if residual else "flexibility of the truncated modes, Σ 1/n²")
+        bench.order(
+            f"force over N, {name}",
+            counts,
+            errors,
+            expected,
+            0.5,
+            "inertia of the truncated modes, Σ 1/n⁴"
+            if residual
+            else "flexibility of the truncated modes, Σ 1/n²",
+        )
     axes[1, 0].set(xlabel="modes", ylabel="mean square error / 2F", title="Modes, Δ = L/(1600 c)")
     axes[1, 0].legend()
     time, force = result.force()

@@ -109,16 +109,42 @@ def run(bench):
         restitution = result.summary["exit_velocity"]["ball"][2] / SPEED
         time, force = result.force()
         force *= hertz.QUARTERS
-        bench.compare(f"{name}: restitution (λ = {inelastic:.3f})", restitution, ideal, 0.05,
-                      "Zener's plate neglects shear and waves across the thickness")
-        bench.compare(f"{name}: peak force (N)", force.max(), ideal_force.max() * MASS * SPEED / UNIT, 0.05,
-                      "as for the restitution; patches of 0.1 mm")
-        bench.compare(f"{name}: duration of contact (µs)", 1e6 * (result.summary["contact_end_s"] - result.summary["contact_start_s"]),
-                      1e6 * ideal_time[-1] * UNIT, 0.05, "as for the restitution")
-        bench.below(f"{name}: drift of the energy ledger", result.summary["energy_drift"], 1e-9, "round-off of the steps")
+        bench.compare(
+            f"{name}: restitution (λ = {inelastic:.3f})",
+            restitution,
+            ideal,
+            0.05,
+            "Zener's plate neglects shear and waves across the thickness",
+        )
+        bench.compare(
+            f"{name}: peak force (N)",
+            force.max(),
+            ideal_force.max() * MASS * SPEED / UNIT,
+            0.05,
+            "as for the restitution; patches of 0.1 mm",
+        )
+        bench.compare(
+            f"{name}: duration of contact (µs)",
+            1e6 * (result.summary["contact_end_s"] - result.summary["contact_start_s"]),
+            1e6 * ideal_time[-1] * UNIT,
+            0.05,
+            "as for the restitution",
+        )
+        bench.below(
+            f"{name}: drift of the energy ledger",
+            result.summary["energy_drift"],
+            1e-9,
+            "round-off of the steps",
+        )
         found.append((inelastic, restitution))
         left.plot(time * 1e6, force, color=colour, label=name)
-        left.plot(ideal_time * UNIT * 1e6, ideal_force * MASS * SPEED / UNIT, color=GREY, linestyle="--", linewidth=0.9)
+        left.plot(
+            ideal_time * UNIT * 1e6,
+            ideal_force * MASS * SPEED / UNIT,
+            color=GREY,
+            linestyle="--",
+            linewidth=0.9,
+        )
     left.set(xlabel="time (µs)", ylabel="force (N)", title="Force; dashed: Zener")
     left.legend()
     grid = np.linspace(0, 1, 41)

@@ -12,8 +12,10 @@ from case import BLUE, GREEN, GREY, RED
 from ricochet.programs import ROOT
 
 TITLE = "The paper's Figure 5 (iii, iv): rods by modes, each contact law"
-SOURCE = ("Bensoam, section 4.1.2 and Figure 5 (iii, iv); wave solution of Taylor & Papadopoulos 1993; `jump`: the creep formula of "
-          "docs/theory.md with a dense eigensolution.")
+SOURCE = (
+    "Bensoam, section 4.1.2 and Figure 5 (iii, iv); wave solution of Taylor & Papadopoulos 1993; `jump`: the creep formula of "
+    "docs/theory.md with a dense eigensolution."
+)
 LONG = False
 STEP = 0.01
 LAWS = {
@@ -47,33 +49,91 @@ def run(bench):
     results = {name: bench.contact(scene, *sets) for name, sets in LAWS.items()}
     for name in ("compliant", "difference"):
         result, summary = results[name], results[name].summary
-        bench.compare(f"{name}: mean force, t = 1 … 18 (N)", mean_force(result), 0.5, 5e-3, "the ripple of truncation averages out")
+        bench.compare(
+            f"{name}: mean force, t = 1 … 18 (N)",
+            mean_force(result),
+            0.5,
+            5e-3,
+            "the ripple of truncation averages out",
+        )
         bench.compare(f"{name}: end of contact (s)", summary["contact_end_s"], 20.0, 1e-2, CUT)
         bench.compare(f"{name}: impulse (N s)", summary["impulse_ns"], 10.0, 1e-2, CUT)
-        bench.compare(f"{name}: exit velocity of the moving rod (m/s)", summary["exit_velocity"]["moving"][0], 0.0, 1e-2, CUT, absolute=True)
-        bench.compare(f"{name}: exit velocity of the resting rod (m/s)", summary["exit_velocity"]["resting"][0], 1.0, 1e-2, CUT)
-        bench.below(f"{name}: share of the energy lost in contact", summary["energy_lost_contact"], 5e-3,
-                    "kinetic energy of the truncated modes, about 1/(4N)")
-    bench.below("compliant: largest penetration (m)", results["compliant"].summary["max_penetration_m"], 1e-12,
-                "round-off: equality in (2) at the end of each step")
-    bench.below("difference: largest penetration (m)", results["difference"].summary["max_penetration_m"], STEP * (1 + 1e-8),
-                "vΔ, the approach of the first step; modes are accurate to 1e-8")
+        bench.compare(
+            f"{name}: exit velocity of the moving rod (m/s)",
+            summary["exit_velocity"]["moving"][0],
+            0.0,
+            1e-2,
+            CUT,
+            absolute=True,
+        )
+        bench.compare(
+            f"{name}: exit velocity of the resting rod (m/s)",
+            summary["exit_velocity"]["resting"][0],
+            1.0,
+            1e-2,
+            CUT,
+        )
+        bench.below(
+            f"{name}: share of the energy lost in contact",
+            summary["energy_lost_contact"],
+            5e-3,
+            "kinetic energy of the truncated modes, about 1/(4N)",
+        )
+    bench.below(
+        "compliant: largest penetration (m)",
+        results["compliant"].summary["max_penetration_m"],
+        1e-12,
+        "round-off: equality in (2) at the end of each step",
+    )
+    bench.below(
+        "difference: largest penetration (m)",
+        results["difference"].summary["max_penetration_m"],
+        STEP * (1 + 1e-8),
+        "vΔ, the approach of the first step; modes are accurate to 1e-8",
+    )
     for name, result in results.items():
-        bench.below(f"{name}: drift of the energy ledger", result.summary["energy_drift"], 1e-11, "round-off of 3000 steps")
+        bench.below(
+            f"{name}: drift of the energy ledger",
+            result.summary["energy_drift"],
+            1e-11,
+            "round-off of 3000 steps",
+        )
 
     jump = results["jump"]
     admittance = end_admittance(100, 100, 10.0)
     pressure = 1 / (2 + STEP * admittance)
-    bench.compare("jump: mean force, by the creep formula (N)", mean_force(jump), pressure, 2e-3, "the ripple of truncation averages out")
+    bench.compare(
+        "jump: mean force, by the creep formula (N)",
+        mean_force(jump),
+        pressure,
+        2e-3,
+        "the ripple of truncation averages out",
+    )
     time, gap = jump["contact/time"], jump["contact/gap"][:, 0]
     first, last = np.searchsorted(time, [1 - STEP / 2, 18 - STEP / 2])
-    bench.compare("jump: penetration rate, by the creep formula (m/s)", (gap[first] - gap[last]) / (time[last] - time[first]),
-                  pressure * STEP * admittance, 2e-3, "the ripple of truncation averages out")
+    bench.compare(
+        "jump: penetration rate, by the creep formula (m/s)",
+        (gap[first] - gap[last]) / (time[last] - time[first]),
+        pressure * STEP * admittance,
+        2e-3,
+        "the ripple of truncation averages out",
+    )
     creeps = "with the printed algorithm (30), (34), the ends creep into each other between impulses"
-    bench.compare("jump: mean force, by the wave solution (N)", mean_force(jump), 0.5, 5e-3, "as for the other schemes",
-                  known=creeps)
-    bench.below("jump: share of the energy lost in contact", jump.summary["energy_lost_contact"], 5e-3, "as for the other schemes",
-                known=creeps)
+    bench.compare(
+        "jump: mean force, by the wave solution (N)",
+        mean_force(jump),
+        0.5,
+        5e-3,
+        "as for the other schemes",
+        known=creeps,
+    )
+    bench.below(
+        "jump: share of the energy lost in contact",
+        jump.summary["energy_lost_contact"],
+        5e-3,
+        "as for the other schemes",
+        known=creeps,
+    )
 
     figure, (left, right) = bench.figure(2)
     for (name, result), colour in zip(results.items(), (BLUE, RED, GREEN)):
@@ -81,8 +141,17 @@ def run(bench):
         # Impulses of every step stand for a force; the running mean over 0.5 s is what a picture can show.
         left.plot(time, np.convolve(force, np.ones(50) / 50, "same"), color=colour, label=name)
         right.plot(result["contact/time"], -result["contact/gap"][:, 0], color=colour, label=name)
-    left.plot([0, 0, 20, 20, 30], [0, 0.5, 0.5, 0, 0], color=GREY, linestyle="--", linewidth=1, label="wave solution")
-    left.set(xlabel="time (s)", ylabel="force (N), mean over 0.5 s", title="Force at the ends", ylim=(0, 0.95))
+    left.plot(
+        [0, 0, 20, 20, 30],
+        [0, 0.5, 0.5, 0, 0],
+        color=GREY,
+        linestyle="--",
+        linewidth=1,
+        label="wave solution",
+    )
+    left.set(
+        xlabel="time (s)", ylabel="force (N), mean over 0.5 s", title="Force at the ends", ylim=(0, 0.95)
+    )
     left.legend(loc="upper left", ncols=2)
     right.set(xlabel="time (s)", ylabel="penetration (m)", title="Penetration while touching")
     bench.save(figure, "Figure 5 (iii): force and penetration with each scheme")
@@ -91,8 +160,14 @@ def run(bench):
         result = results[name]
         shown = result["contact/time"] <= 0.2 + STEP / 2
         for side, colour, label in (("a", BLUE, "moving rod"), ("b", "#d2691e", "resting rod")):
-            ax.plot(result["contact/time"][shown], result[f"contact/displacement_{side}"][shown, 0], "o-", markersize=3, color=colour,
-                    label=label)
+            ax.plot(
+                result["contact/time"][shown],
+                result[f"contact/displacement_{side}"][shown, 0],
+                "o-",
+                markersize=3,
+                color=colour,
+                label=label,
+            )
         ax.set(xlabel="time (s)", ylabel="displacement of the end (m)", title=f"First 0.2 s: {name}")
     axes[0].legend()
     bench.save(figure, "Figure 5 (iv): the ends in the first 200 ms; the printed reading penetrates", "first")

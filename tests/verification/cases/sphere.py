@@ -64,7 +64,8 @@ def spheroidal(l, x):
     if l == 0:
         return radial
     return radial * ((l * l - 1 - x * x / 2) * bessel(l, x) + x * bessel(l + 1, x)) - l * (l + 1) * (
-        (l - 1) * bessel(l, x) - x * bessel(l + 1, x)) * ((l - 1) * bessel(l, a) - a * bessel(l + 1, a))
+        (l - 1) * bessel(l, x) - x * bessel(l + 1, x)
+    ) * ((l - 1) * bessel(l, a) - a * bessel(l + 1, a))
 
 
 def roots(condition, low=0.7, high=HIGHEST, steps=500):
@@ -86,30 +87,48 @@ def run(bench):
     kernel = bench.kernel(bench.write("sphere.toml", SCENE), body="ball")
     ours = kernel["modes/angular_frequency"][:] / SHEAR_SPEED
     elastic = ours[ours > 0]
-    table = sorted((x, l, kind) for kind, condition in (("T", torsional), ("S", spheroidal)) for l in range(0 if kind == "S" else 1, 8)
-                   for x in roots(lambda x: condition(l, x)))
+    table = sorted(
+        (x, l, kind)
+        for kind, condition in (("T", torsional), ("S", spheroidal))
+        for l in range(0 if kind == "S" else 1, 8)
+        for x in roots(lambda x: condition(l, x))
+    )
     flat = np.array([x for x, l, _ in table for _ in range(2 * l + 1)])
     reason = "elements of order 4, a quarter to half a wavelength long, on a surface of degree 4"
     bench.compare("rigid modes", np.count_nonzero(ours == 0), 6, 0, "a count")
-    bench.compare(f"elastic modes up to ωR/c_s = {HIGHEST}", len(elastic), len(flat), 0, "a count: Σ (2l + 1) over the roots")
+    bench.compare(
+        f"elastic modes up to ωR/c_s = {HIGHEST}",
+        len(elastic),
+        len(flat),
+        0,
+        "a count: Σ (2l + 1) over the roots",
+    )
     start = 0
     for x, l, kind in table:
         group = elastic[start : start + 2 * l + 1]
         start += 2 * l + 1
         if len(group) == 2 * l + 1:
             worst = group[np.argmax(np.abs(group - x))]
-            bench.compare(f"{kind}, l = {l}: farthest of its {2 * l + 1} values of ωR/c_s", worst, x, 2e-3, reason)
+            bench.compare(
+                f"{kind}, l = {l}: farthest of its {2 * l + 1} values of ωR/c_s", worst, x, 2e-3, reason
+            )
 
     figure, ax = bench.figure()
     for kind, colour, name in (("T", ORANGE, "torsional"), ("S", GREEN, "spheroidal")):
         chosen = [(l, x) for x, l, k in table if k == kind]
-        ax.plot(*zip(*chosen), "_", color=colour, markersize=16, markeredgewidth=2, label=f"{name}: closed form")
+        ax.plot(
+            *zip(*chosen), "_", color=colour, markersize=16, markeredgewidth=2, label=f"{name}: closed form"
+        )
     start = 0
     for x, l, kind in table:
         group = elastic[start : start + 2 * l + 1]
         start += 2 * l + 1
         label = "ours" if (x, l, kind) == table[0] else None
         ax.plot(l + 0.05 * (np.arange(len(group)) - l), group, ".", color=BLUE, markersize=3, label=label)
-    ax.set(xlabel="degree l", ylabel="ωR/c_s", title=f"{len(elastic)} elastic modes of {kernel.attrs['dofs']} unknowns")
+    ax.set(
+        xlabel="degree l",
+        ylabel="ωR/c_s",
+        title=f"{len(elastic)} elastic modes of {kernel.attrs['dofs']} unknowns",
+    )
     ax.legend(loc="lower right")
     bench.save(figure, "Modes of the free sphere by degree: bars in closed form, dots ours, 2l + 1 of each")

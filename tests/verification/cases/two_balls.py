@@ -29,23 +29,49 @@ def ideal_force(mass, modulus, curvature, duration):
 def run(bench):
     result = bench.impact(ROOT / "meshes" / "hertz" / "two-balls.toml")
     summary = result.summary
-    mass, modulus, curvature = hertz.DENSITY * 4 / 3 * np.pi * hertz.RADIUS**3 / 2, hertz.MODULUS / 2, hertz.RADIUS / 2
+    mass, modulus, curvature = (
+        hertz.DENSITY * 4 / 3 * np.pi * hertz.RADIUS**3 / 2,
+        hertz.MODULUS / 2,
+        hertz.RADIUS / 2,
+    )
     duration, peak = hertz.impact(mass, SPEED, modulus, curvature)
     reason = "Hertz's half-spaces are stiffer than balls by about a/R = 0.01, and the patches are coarse at the edge"
     bench.compare("episodes of contact", len(summary["episodes"]), 1, 0, "a count")
-    bench.compare("duration of contact (µs)", 1e6 * (summary["contact_end_s"] - summary["contact_start_s"]), 1e6 * duration, 0.03, reason)
+    bench.compare(
+        "duration of contact (µs)",
+        1e6 * (summary["contact_end_s"] - summary["contact_start_s"]),
+        1e6 * duration,
+        0.03,
+        reason,
+    )
     bench.compare("peak force (N)", hertz.QUARTERS * summary["peak_force_n"], peak, 0.03, reason)
-    bench.compare("impulse (N s)", hertz.QUARTERS * summary["impulse_ns"], 2 * mass * SPEED, 0.01,
-                  "waves retain less than a thousandth of the energy (Hunter)")
+    bench.compare(
+        "impulse (N s)",
+        hertz.QUARTERS * summary["impulse_ns"],
+        2 * mass * SPEED,
+        0.01,
+        "waves retain less than a thousandth of the energy (Hunter)",
+    )
     for body, sign in (("upper", 1), ("lower", -1)):
-        bench.compare(f"{body} ball leaves at (m/s)", summary["exit_velocity"][body][2], sign * SPEED / 2, 0.01,
-                      "waves retain less than a thousandth of the energy (Hunter)")
+        bench.compare(
+            f"{body} ball leaves at (m/s)",
+            summary["exit_velocity"][body][2],
+            sign * SPEED / 2,
+            0.01,
+            "waves retain less than a thousandth of the energy (Hunter)",
+        )
     bench.below("drift of the energy ledger", summary["energy_drift"], 1e-10, "round-off of the steps")
     figure, ax = bench.figure()
     ideal = ideal_force(mass, modulus, curvature, duration)
     time, force = result.force()
     ax.plot(time * 1e6, hertz.QUARTERS * force, color=BLUE, linewidth=2, label="two balls")
     ax.plot(ideal[0] * 1e6, ideal[1], color="black", linewidth=1, linestyle="--", label="Hertz")
-    ax.set(xlabel="time (µs)", ylabel="force (N)", xlim=(0, None), ylim=(0, None), title="Two steel balls of 10 mm meet at 0.3 m/s")
+    ax.set(
+        xlabel="time (µs)",
+        ylabel="force (N)",
+        xlim=(0, None),
+        ylim=(0, None),
+        title="Two steel balls of 10 mm meet at 0.3 m/s",
+    )
     ax.legend()
     bench.save(figure, "Force of the impact and Hertz's law")

@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Pages of ricochet report in a browser without network, and their numbers, for the tests in report.py."""
+
+import base64
+import html.parser
+import json
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+
+from programs import BIN, DEADLOCK_S, ProgramTest, Run
+
+
+KEEP = None
+if sys.argv[1:2] == ["--keep"]:
+    KEEP = pathlib.Path(sys.argv[2])
+    del sys.argv[1:3]
+
+
+class Elements(html.parser.HTMLParser):
+    """(tag, attributes, text inside) of all elements of a document."""
+
+    VOID = {"meta", "input", "img", "br", "link"}
+
+    def __init__(self, text):
+        super().__init__()
+        self.found, self.open = [], []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        self.found.append([tag, dict(attributes), ""])
+        if tag not in self.VOID:
+            self.open.append(self.found[-1])
+
+    def handle_endtag(self, tag):
+        while self.open and self.open.pop()[0] != tag:
+            pass
+
+    def handle_data(self, data):
+        for element in self.open:
+            element[2] += data
+
+    def one(self, **wanted):
+        (element,) = [
+            e
+            for e in self.found
+            if all(e[1].get(name.replace("_", "-")) == value for name, value in wanted.items())
+        ]
+        return element
+
+
+def browse(page, *more):
+    """The document as a browser without network leaves it, and what the browser says on its console."""
+    command = [
+        "chromium",
+        "--headless=new",
+        "--no-sandbox",
+        "--use-angle=swiftshader",
+        "--enable-unsafe-swiftshader",
+        "--no-first-run",
+        "--disable-extensions",
+        "--disable-background-networking",
+        "--disable-component-update",
+        "--proxy-server=127.0.0.1:9",
+        f"--user-data-dir={page.parent / 'browser'}",
+        "--enable-logging=stderr",
+        "--hide-scrollbars",
+        "--virtual-time-budget=4000",
+        *more,
+        page.resolve().as_uri(),
+    ]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=DEADLOCK_S)
+    said = [line for line in done.stderr.splitlines() if "CONSOLE" in line]
+    return done.stdout, [
+        line for line in said if "(OpenGL, Performance" not in line
+    ]  # the driver on reading its own pixels
+
+
+def number(text):
+    """What "−1.5 × 10⁻³ mN s" or "2 %" says, without its unit."""
+    match = re.match(r"(−?[\d.]+)(?: × 10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+))?(?: ([numkMG]?)|µ)?", text)
+    power = (match[2] or "⁰").translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789"))
+    return float(match[1].replace("−", "-")) * 10.0 ** int(power)
+
+
+def flat(value, path=""):
+    """Numbers of a summary by dotted path."""
+    if isinstance(value, dict):
+        return {
+            key: item for name, part in value.items() for key, item in flat(part, f"{path}{name}.").items()
+        }
+    if isinstance(value, list):
+        return {key: item for k, part in enumerate(value) for key, item in flat(part, f"{path}{k}.").items()}
+    return {path[:-1]: value}
+
+
+def unpacked(packed):
+    values = np.frombuffer(base64.b64decode(packed["data"]), "<" + packed["type"]).reshape(packed["shape"])
+    return values * packed.get("scale", 1.0)
+
+
+class ReportTest(ProgramTest):
+    def page(self, result, *more):
+        """The page of a result: its text, and its data."""
+        path = self.folder / "page.html"
+        done = self.succeed(Run([BIN / "ricochet", "report", result, "--out", path, *more]))
+        self.assertEqual(done.out, f"{path}\n")
+        text = path.read_text()
+        return (
+            path,
+            text,
+            json.loads(
+                re.search(r'<script type="application/json" id="run">(.*?)</script>', text, re.DOTALL)[1]
+            ),
+        )
+
+    def opened(self, path, name):
+        """The page in the browser; nothing may go wrong there."""
+        self.assertTrue(shutil.which("chromium"), "no chromium: scripts/setup --tests installs it")
+        dom, console = browse(path, "--window-size=500,600", "--dump-dom")
+        found = Elements(dom)
+        root = next(attributes for tag, attributes, _ in found.found if tag == "html")
+        self.assertEqual((console, root.get("data-error"), root.get("data-ready")), ([], None, "yes"))
+        if KEEP:
+            KEEP.mkdir(parents=True, exist_ok=True)
+            shutil.copy(path, KEEP / f"{name}.html")
+            browse(path, "--window-size=1000,7000", f"--screenshot={KEEP.resolve() / name}.png")
+        return found
+
+    def numbers_agree(self, found, summary):
+        """Each figure on the page is that of the summary: exactly beside it, and to the digits that are shown."""
+        scalars = {
+            key for key, value in summary.items() if value is None or not isinstance(value, (dict, list))
+        }
+        shown = {}
+        for _, attributes, text in found.found:
+            if "data-key" in attributes:
+                shown.setdefault(attributes["data-key"], []).append(
+                    (json.loads(json.dumps(attributes["data-value"])), text)
+                )
+        self.assertLessEqual(scalars, set(shown))
+        values = flat(summary)
+        for key, places in shown.items():
+            for exact, text in places:
+                if key.startswith("exit_velocity."):
+                    self.assertEqual(json.loads(exact), summary["exit_velocity"][key.split(".")[1]])
+                elif isinstance(values[key], (int, float)):
+                    self.assertEqual(float(exact), values[key], key)
+                    ratio = number(text) / values[key] if values[key] else number(text) + 1
+                    decade = 10.0 ** np.round(np.log10(ratio))
+                    self.assertAlmostEqual(
+                        ratio / decade, 1, delta=0.05 if "error" in key else 6e-3, msg=f"{key}: {text}"
+                    )  # two and three digits
+                    if "× 10" in text or values[key] == 0:
+                        self.assertEqual(decade, 1, f"{key}: {text}")
+                else:
+                    self.assertEqual(text, "–" if values[key] is None else str(values[key]), key)
