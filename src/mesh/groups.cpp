@@ -109,11 +109,4 @@ std::vector<int> find_entities(int dim, const std::string& name) {
   return with_partitions(dim, entities);
 }
 
-std::vector<int> entities_of(int dim, const std::string& name, const std::string& file,
-                             const std::string& key) {
-  std::vector<int> entities = find_entities(dim, name);
-  if (entities.empty()) throw no_group(dim, name, choice_of(dim), file, key);
-  return entities;
-}
-
 }  // namespace ricochet::mesh

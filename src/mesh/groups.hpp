@@ -20,13 +20,9 @@ Choice choice_of(int dim);
 /// none.
 std::vector<int> find_entities(int dim, const std::string& name);
 
-/// Like find_entities, but throws InputError with the available names if it finds none.
-/// @param file  name of the mesh in the message
+/// The error for a group that is not found, with the available names.
+/// @param file  name of the mesh
 /// @param key   key of the scene, such as "bodies.upper.contact"
-std::vector<int> entities_of(int dim, const std::string& name, const std::string& file,
-                             const std::string& key);
-
-/// The error of entities_of.
 InputError no_group(int dim, const std::string& name, const Choice& choice, const std::string& file,
                     const std::string& key);
 

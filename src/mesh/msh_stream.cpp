@@ -106,12 +106,6 @@ void MshStream::raw(void* to, std::size_t length, const char* what) {
   }
 }
 
-void MshStream::out_of_range(const char* what, std::int64_t found, std::int64_t low,
-                             std::int64_t high) const {
-  fail(low == high ? fmt::format("{} is {}: must be {}", what, found, low)
-                   : fmt::format("{} is {}: must be from {} to {}", what, found, low, high));
-}
-
 template <class T>
 std::int64_t MshStream::integer(const char* what, std::int64_t low, std::int64_t high) {
   std::int64_t value = 0;
@@ -126,7 +120,9 @@ std::int64_t MshStream::integer(const char* what, std::int64_t low, std::int64_t
     if (failure != std::errc() || end != text.data() + text.size())
       fail(fmt::format("\"{}\" instead of {}, a whole number", printed(text), what));
   }
-  if (value < low || value > high) out_of_range(what, value, low, high);
+  if (value < low || value > high)
+    fail(low == high ? fmt::format("{} is {}: must be {}", what, value, low)
+                     : fmt::format("{} is {}: must be from {} to {}", what, value, low, high));
   return value;
 }
 template std::int64_t MshStream::integer<std::int32_t>(const char*, std::int64_t, std::int64_t);

@@ -40,8 +40,6 @@ class MshStream {
   bool fill();
   int next();
   void raw(void* to, std::size_t length, const char* what);
-  [[noreturn]] void out_of_range(const char* what, std::int64_t found, std::int64_t low,
-                                 std::int64_t high) const;
 
   std::string name_;
   std::ifstream stream_;

@@ -75,8 +75,9 @@ class Reader {
  private:
   /// Entities of a group, which may be absent from a part of a mesh.
   std::vector<int> entities(int dim, const std::string& group, const std::string& key) {
-    if (!partial_) return entities_of(dim, group, file_, key);
     std::vector<int> found = find_entities(dim, group);
+    if (!partial_ && found.empty()) throw no_group(dim, group, choice_of(dim), file_, key);
+    if (!partial_) return found;
     GroupUse& of_this = groups_.emplace_back();
     of_this.found[static_cast<std::size_t>(dim)] = !found.empty();
     if (found.empty()) of_this.choice = choice_of(dim);

@@ -105,8 +105,10 @@ void leave_to_residual(const scene::KernelRequest& request, kernels::Kernel& ker
   kernel.modes.certificate.flexibility_error = made + beyond_search * error;
 }
 
-}  // namespace
-
+/// Computes the kernel of one body from its mesh, on all ranks. Rank 0 has all of it; other ranks lack the
+/// visualisation surface. Collective.
+/// @param checkpoint  folder of finished slices, read and extended
+/// Throws InputError on every rank, or SolverError.
 kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::filesystem::path& checkpoint,
                                MPI_Comm comm, console::Console& console) {
   const scene::Body& body = request.body;
@@ -163,8 +165,6 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::f
   console.end(fmt::format("{} {} kept", kernel.modes.size(), fitted ? "vectors" : "modes"));
   return kernel;
 }
-
-namespace {
 
 /// Derives the kernel from another one in the folder, if one is suitable, and writes it. @return a note for
 /// the user; empty if the kernel must be computed. Collective.

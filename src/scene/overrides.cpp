@@ -60,28 +60,15 @@ std::size_t end_of_key(const std::string& text) {
   return text.find('=');
 }
 
-/// Whether `text` is UTF-8, as TOML requires; other bytes could not be written out again.
+/// Whether `text` is UTF-8, as TOML requires, because other bytes could not be written out again: the parser
+/// accepts any text in a comment.
 bool is_utf8(const std::string& text) {
-  for (std::size_t at = 0; at < text.size();) {
-    const auto lead = static_cast<unsigned char>(text[at]);
-    const std::size_t length = lead < 0x80   ? 1
-                               : lead < 0xC2 ? 0
-                               : lead < 0xE0 ? 2
-                               : lead < 0xF0 ? 3
-                               : lead < 0xF5 ? 4
-                                             : 0;
-    if (length == 0 || length > text.size() - at) return false;
-    unsigned code = length == 1 ? lead : lead & (0x7FU >> length);
-    for (std::size_t k = 1; k < length; ++k) {
-      const auto next = static_cast<unsigned char>(text[at + k]);
-      if ((next & 0xC0) != 0x80) return false;
-      code = code << 6 | (next & 0x3FU);
-    }
-    constexpr unsigned least[] = {0, 0, 0x80, 0x800, 0x10000};
-    if (code < least[length] || code > 0x10FFFF || (code >= 0xD800 && code < 0xE000)) return false;
-    at += length;
+  try {
+    static_cast<void>(toml::parse("# " + one_line(text)));
+    return true;
+  } catch (const toml::parse_error&) {
+    return false;
   }
-  return true;
 }
 
 std::string trimmed(const std::string& text) {

@@ -150,11 +150,9 @@ void trace_motions(const mesh::Mesh& mesh, const modes::Lift& lift, kernels::Ker
   kernel.view->motion_residual = std::move(moved);
 }
 
-/// Stores the motions of the moving supports, u = (Ψ − ΦΓ) ū + Φ p. @param shape, body_force,
-/// shape_at_receivers  (rows, N): the modes at the candidates, under gravity, and at the receivers
+/// Stores the motions of the moving supports, u = (Ψ − ΦΓ) ū + Φ p.
 void trace_motions(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
-                   const modes::ModeSet& modes, const Patches& patches, const Eigen::MatrixXd& shape,
-                   const Eigen::MatrixXd& body_force, const Eigen::MatrixXd& shape_at_receivers,
+                   const modes::ModeSet& modes, const Patches& patches, const Traces& traces,
                    const Sources& sources, kernels::Kernel& kernel) {
   if (sources.motions.empty()) return;
   const modes::Lift& lift = sources.lift;
@@ -167,8 +165,9 @@ void trace_motions(const parallel::Teams& teams, const mesh::Mesh& mesh, const e
                         momentum = modes::inner(mesh.comm, body.rigid_load.leftCols(3), lift.shape) +
                                    body.imposed.momentum,
                         gamma = modes.gather(teams, modes::inner(mesh.comm, lift.inertia, modes.shape));
-  const Eigen::MatrixXd on_candidates = candidates - shape * gamma.transpose(),
-                        on_receivers = receivers - shape_at_receivers * gamma.transpose(),
+  const Eigen::MatrixXd body_force = traces.participation.topRows(3),
+                        on_candidates = candidates - traces.shape * gamma.transpose(),
+                        on_receivers = receivers - traces.at_receivers * gamma.transpose(),
                         in_momentum = momentum - body_force * gamma.transpose();
   kernel.motions = sources.motions;
   for (std::size_t s = 0; s < kernel.motions.size(); ++s) {
@@ -192,8 +191,7 @@ void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticit
   const Traces traces{seen_by_modes(loads), seen_by_modes(body.rigid_load), seen_by_modes(sources.load),
                       seen_by_modes(sources.receiver)};
   take_traces(patches, traces, sources, kernel);
-  trace_motions(teams, mesh, body, modes, patches, traces.shape, traces.participation.topRows(3),
-                traces.at_receivers, sources, kernel);
+  trace_motions(teams, mesh, body, modes, patches, traces, sources, kernel);
   if (view) gather_view(teams, mesh, modes, kernel);
   if (view && !sources.motions.empty()) trace_motions(mesh, sources.lift, kernel);
   if (residual) {
