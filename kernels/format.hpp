@@ -20,6 +20,7 @@ inline constexpr const char* kForceUnit = "kg^-1/2";
 
 using Shape = std::vector<std::size_t>;
 
+/// The lengths of `front`, then those of `back`.
 inline Shape joined(Shape front, const Shape& back) {
   front.insert(front.end(), back.begin(), back.end());
   return front;
@@ -140,6 +141,7 @@ void list_sources(auto& file, auto& kernel) {
   }
 }
 
+/// Lists a whole kernel. A reader has set `direction`, `whole` and `view` where the file has them.
 void list_kernel(auto& file, auto& kernel) {
   list_root(file, kernel);
   list_modes(file, kernel.modes);

@@ -67,7 +67,7 @@ class Validator {
     }
   }
 
-  // as format.hpp asks for
+  // The interface that the lists in format.hpp require.
   void group(const std::string&) const {}
   void attribute(const std::string&, const char*, const auto&) const {}
   void optional_attribute(const std::string&, const char*, std::int64_t) const {}
@@ -182,7 +182,7 @@ void validate_sources(const Kernel& kernel, const Validator& check) {
   for (const Load& load : kernel.applied)
     if (load.unit != "Pa" && load.unit != "N")
       check.fail_dataset("/loads/" + load.name, "has neither the unit of a traction nor that of a force.");
-  // Unlike other residuals, those of motions are there without residual flexibility, too.
+  // Unlike the other residuals, those of motions are required without residual flexibility, too.
   const std::size_t motions = kernel.motions.size();
   for (const Receiver& receiver : kernel.receivers)
     check.length("/receiver_data/" + receiver.name + "/motion_residual", receiver.motion_residual.size(),
