@@ -16,6 +16,7 @@ using base::hdf5::Reader;
 
 constexpr const char* table_format = "ricochet-table";
 constexpr std::int64_t table_version = 1;
+
 Vector vector(const std::vector<double>& x) { return Eigen::Map<const Vector>(x.data(), std::ssize(x)); }
 
 std::vector<FreeBody> read_bodies(const Reader& file, std::size_t m) {
