@@ -16,7 +16,6 @@ using base::hdf5::Reader;
 
 constexpr const char* table_format = "ricochet-table";
 constexpr std::int64_t table_version = 1;
-constexpr const char* advice = "contact/TABLE.md describes tables.";
 
 Vector vector(const std::vector<double>& x) { return Eigen::Map<const Vector>(x.data(), std::ssize(x)); }
 
@@ -38,7 +37,7 @@ std::vector<FreeBody> read_bodies(const Reader& file, std::size_t m) {
 }  // namespace
 
 Table read_table(const std::filesystem::path& path) {
-  const Reader file(path, advice);
+  const Reader file(path, table_advice);
   if (!file.has_attribute("/", "format") || file.string_attribute("/", "format") != table_format)
     file.fail("is not a table (no attribute format = \"ricochet-table\").");
   if (const std::int64_t version = file.integer_attribute("/", "version"); version != table_version)

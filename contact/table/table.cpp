@@ -12,8 +12,6 @@
 namespace ricochet::contact {
 namespace {
 
-constexpr const char* advice = "contact/TABLE.md describes tables.";
-
 /// A table with a linear tail must end in a straight line to within this share of its largest value.
 constexpr double straight = 1e-6;
 
@@ -38,7 +36,7 @@ std::int64_t Table::instants() const { return points() > 0 ? std::ssize(free) / 
 
 void validate(const Table& table, const std::string& origin) {
   const auto fail = [&](const std::string& what) {
-    throw InputError(base::format("{}: {} {}", origin, what, advice));
+    throw InputError(base::format("{}: {} {}", origin, what, table_advice));
   };
   const std::int64_t m = table.points(), L = table.samples(), K = table.instants();
   if (!(table.step > 0) || !std::isfinite(table.step))

@@ -49,6 +49,9 @@ struct Table {
   std::int64_t instants() const;  ///< K; 0: rigid motion of unlimited length
 };
 
+/// What messages about a table advise.
+inline constexpr const char* table_advice = "contact/TABLE.md describes tables.";
+
 /// Throws InputError that names `origin` if shapes disagree, a value is not finite, N_0 is not 0, points
 /// overlap at the start, a mass is not positive, or a kernel with a linear tail does not end in a straight
 /// line.
