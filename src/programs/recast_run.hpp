@@ -29,7 +29,8 @@ struct RecastOptions {
 
 /// Writes `<out>/<body>-<hash>.kernel.h5` and reports it on `out`. With `vtk`, writes
 /// `<body>-<hash>.modes.xdmf` and `.modes.h5` instead. If no new band is given, the old one is scaled like
-/// the frequencies. Returns 0. Throws a one-line InputError that begins with the kernel file.
+/// the frequencies. Returns 0. Throws a one-line InputError that begins with the name of the kernel
+/// file.
 int run_recast(const RecastOptions& options, std::ostream& out);
 
 }  // namespace ricochet::programs

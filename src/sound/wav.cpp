@@ -16,7 +16,7 @@ namespace ricochet::sound {
 namespace {
 
 constexpr int channels = 3;
-constexpr double largest_ratio = 256;  // of one pass of libsamplerate, as is the inverse
+constexpr double largest_ratio = 256;  // limit of one pass of libsamplerate; the inverse is the lower limit
 
 std::vector<float> pass(const std::vector<float>& in, double ratio) {
   const std::size_t frames = in.size() / channels;
