@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The measurements of scripts/bench: a module for each subcommand, and shared ones (timing, tables, runs)."""
+"""The measurements of scripts/bench: a module for each subcommand, and shared modules."""

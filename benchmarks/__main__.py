@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Measures speed, each subcommand one part: times against other solvers, cost and error of settings,
-overheads.
+"""Measures speed: times against other solvers, cost and error of settings, and overheads. Each subcommand
+measures one of them.
 
-Times depend on the machine and on other work on it: compare runs of one call, which alternate, by the ratios
-that are printed. Each subcommand has its own --help.
+Times depend on the machine and on other work on it. Compare runs of one call, which alternate, by the printed
+ratios. Each subcommand has its own --help.
 """
 import argparse
 import importlib

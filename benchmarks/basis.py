@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The contact-adapted basis against modes: vectors, time, and the error of an impact computed with each.
+"""Compares the contact-adapted basis with modes: vectors, time, and error of an impact with each.
 
     scripts/bench basis meshes/two-disks/two-disks.toml
     scripts/bench basis meshes/two-disks/two-disks.toml --errors 1e-2 1e-3 --modes 100 200 --figure basis.png
 
-The reference is the impact computed with the lowest 400 modes of each body. Errors are those of the rebound
-velocity of one body, along its initial velocity, and of the impulse. The errors of fewer modes (--modes) show
-how accurately modes predict the impact at all. Times are sums over the bodies of median times, from runs that
-alternate: bench_modes contact includes the residual flexibility, the searches for modes do not.
+The reference is the impact computed with the lowest 400 modes of each body. The errors are those of the
+impulse and of the rebound velocity of one body along its initial velocity. The errors with fewer modes
+(--modes) show how accurately modes predict the impact at all. Times are medians of alternating runs, summed
+over the bodies. The times of contact-adapted bases include the residual flexibility; those of the searches
+for modes do not.
 """
 import json
 import sys
@@ -23,7 +24,8 @@ ERRORS = [1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 1e-4]
 
 
 def timed(options, bodies, requests):
-    """Median seconds, summed over the bodies, of each (solver, [modes]), run in turn."""
+    """Runs each request, a pair (solver, [modes]), in turn. Returns its median time [s], summed over the
+    bodies."""
 
     cases = [launch.Case(options.scene, body, settings=options.set) for body in bodies]
 

@@ -12,16 +12,18 @@ namespace ricochet::bench {
 
 namespace {
 
-/// CalculiX reads numbers of at most 20 characters: this is as many digits as they hold.
+/// CalculiX reads at most 20 characters of a number. With 13 decimals, a number has no more.
 std::string number(double x) { return fmt::format("{:.13e}", x); }
 
-/// What CalculiX calls a type of gmsh's, and where gmsh has the nodes that it reads one after the other.
+/// An element type of gmsh and its name in CalculiX. Node a of the element in CalculiX is its node `node[a]`
+/// in gmsh.
 struct Element {
   int gmsh_type;
   const char* name;
   std::array<int, 10> node;
 };
-/// On edges 2–4 and 3–4 of the quadratic tetrahedron the two disagree about which node comes first.
+/// gmsh and CalculiX number the nodes on the edges 2–4 and 3–4 of the quadratic tetrahedron in opposite
+/// order.
 constexpr std::array<Element, 2> known{
     {{4, "C3D4", {0, 1, 2, 3}}, {11, "C3D10", {0, 1, 2, 3, 4, 5, 6, 7, 9, 8}}}};
 
@@ -33,7 +35,7 @@ std::string nodes_text(const mesh::GlobalMesh& mesh) {
   return text;
 }
 
-/// Elements in one set for each material.
+/// The elements of the mesh, in one set for each material.
 std::string elements_text(const mesh::GlobalMesh& mesh, const scene::Body& body) {
   std::string text;
   auto out = std::back_inserter(text);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The free vibrations of a body as a task for CalculiX, a peer to compare with.
+// Input files for CalculiX, which computes the same modes of a body for comparison.
 #pragma once
 
 #include <filesystem>
@@ -8,9 +8,10 @@
 
 namespace ricochet::bench {
 
-/// Writes the input of `ccx` for the `count` lowest modes of a body, rigid ones included: same nodes,
-/// elements, materials and supports. Frequencies appear in its .dat file. Rank 0 only. Throws InputError for
-/// a mesh of other elements than tetrahedra of order 1 and 2, and for a place that can't be written.
+/// Writes input from which `ccx` computes the `count` lowest modes of a body, including rigid modes, with the
+/// same nodes, elements, materials and supports. `ccx` writes the frequencies to its .dat file. Call on rank
+/// 0 only. Throws InputError if the mesh has elements other than tetrahedra of order 1 and 2, or if the file
+/// cannot be written.
 void write_calculix(const mesh::GlobalMesh& mesh, const scene::Body& body, std::int64_t count,
                     const std::filesystem::path& path);
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""CalculiX on the same mesh: `ccx` runs on input that bench_modes writes, each kept in a cache."""
+"""Runs CalculiX (`ccx`) on the same mesh, with input written by bench_modes. Finished runs can be cached."""
 import hashlib
 import json
 import re
@@ -12,7 +12,7 @@ from benchmarks import launch
 from ricochet import files, programs
 from ricochet.errors import SolverError
 
-RIGID_BELOW_HZ = 1.0  # as in bench_modes: CalculiX finds rigid modes at the square root of round-off
+RIGID_BELOW_HZ = 1.0  # as in bench_modes: due to round-off, CalculiX finds rigid modes slightly above 0
 
 
 def installed():
@@ -25,7 +25,7 @@ def installed():
 
 
 def frequencies_of(path):
-    """Frequencies [Hz] in a .dat file of CalculiX, ascending; rigid modes as 0."""
+    """Frequencies [Hz] in a .dat file of CalculiX, ascending. Rigid modes are included."""
     lines = path.read_text().splitlines() if path.is_file() else []
     found = []
     for line in lines:
@@ -38,7 +38,8 @@ def frequencies_of(path):
 
 
 def run_ccx(folder, threads, coretype):
-    """Wall and processor time [s], peak memory [MiB] and frequencies of `ccx -i body` in a folder."""
+    """Runs `ccx -i body` in a folder. Returns wall and processor time [s], peak memory [MiB] and
+    frequencies."""
     environment = {name: str(threads) for name in programs.ONE_THREAD}
     environment |= {"OPENBLAS_CORETYPE": coretype} if coretype else {}
     done = launch.measured(["ccx", "-i", "body"], folder, environment)
@@ -54,7 +55,7 @@ def run_ccx(folder, threads, coretype):
 
 
 class Cache:
-    """Runs of CalculiX in a JSON file: a run that was measured once on this machine is not repeated."""
+    """Runs of CalculiX in a JSON file. A run that was measured on this machine is not repeated."""
 
     def __init__(self, path=None):
         self.path = path
@@ -76,8 +77,9 @@ class Cache:
 
 
 def run(case, count, threads, rounds, cache):
-    """`rounds` runs of CalculiX for the `count` lowest modes; like those of `search`, but from reading the
-    input to the last output. The input decides whether a cached run serves."""
+    """Returns `rounds` runs of CalculiX for the `count` lowest modes, in the form of those of `search`. Their
+    time extends from reading the input to writing the last output. A cached run is used if its input is the
+    same."""
     with tempfile.TemporaryDirectory(prefix="ricochet-ccx-") as folder:
         folder = Path(folder)
         words = case.words(launch.modes_words(count))

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Speed of contact stepping on one core, in times real time at 44.1 kHz, and how long the slowest steps take.
+// Speed of contact stepping on one core, as a multiple of real time at 44.1 kHz, and the times of the slowest
+// steps.
 //
-//   bench_contact [--benchmark_…]      blocks against plain steps, alternating
+//   bench_contact [--benchmark_…]      look-ahead blocks against single steps
 //   bench_contact --worst [STEPS]      percentiles of the time of a step and of a block of 64 steps
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
@@ -51,7 +52,7 @@ std::string name_of(const Size& size, const Variant& variant) {
   return fmt::format("{} points, 2x{} modes: {}", size.nx * size.ny, size.modes, variant.name);
 }
 
-/// In contact since 0.1 s: the plates have met and stay together.
+/// A stepper at t = 0.1 s, when the plates have met and stay in contact.
 std::unique_ptr<Stepper> settled(const Size& size, const Variant& variant) {
   auto stepper = contact::make_stepper(model_of(size), {.scheme = ricochet::Scheme::compliant,
                                                         .step = 1 / rate,

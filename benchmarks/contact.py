@@ -40,7 +40,7 @@ def run(options):
     if options.worst:
         programs.call([program, "--worst", options.worst])
         return
-    # Google Benchmark alternates by itself.
+    # Google Benchmark itself alternates the variants.
     command = [
         program,
         "--benchmark_format=json",

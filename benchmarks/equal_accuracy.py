@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Equal accuracy: time of scripts/bench modes against the error of the lowest elastic frequencies, ours and
-CalculiX's."""
+"""Comparison at equal accuracy: the time of scripts/bench modes against the error of the lowest elastic
+frequencies, for Ricochet and for CalculiX."""
 import json
 import sys
 
@@ -11,7 +11,7 @@ from benchmarks import calculix, launch, tables, timing
 from ricochet import errors
 
 ELASTIC = 140
-COUNT = ELASTIC + 6  # with rigid modes of a free body
+COUNT = ELASTIC + 6  # including the rigid modes of a free body
 COLUMNS = [
     ("solver", "solver", ""),
     ("order", "order", ""),
@@ -64,8 +64,8 @@ def add_arguments(parser):
 
 
 def time_at(points, target):
-    """Time at which the error is `target`, and whether that lies beyond the points (error, time): on the line
-    in log-log through the two next to it."""
+    """Returns the time at which the error is `target`, and whether it is extrapolated. `points` are pairs
+    (error, time); the time lies on the line in log-log through the two points next to the target."""
     points = sorted(points, reverse=True)
     if len(points) < 2:
         return None, True
@@ -97,7 +97,7 @@ def row_of(solver, order, size, runs, seconds, truth):
 
 
 def curves(rows):
-    """Points (error, time) by solver and order; of sizes that make the same mesh, one."""
+    """Points (error, time) by solver and order. Of several sizes that give the same mesh, one is kept."""
     found = {}
     for row in rows:
         curve = found.setdefault(f"{row['solver']}, order {row['order']}", {})
@@ -119,14 +119,14 @@ def rows_of(options, case, ranks, truth, cache):
     if not options.calculix or not calculix.installed():
         return
     for order, size in options.calculix:
-        # The better number of threads counts.
+        # Only the faster number of threads is kept.
         try:
             trials = [
                 calculix.run(case(order, size), COUNT, threads, options.rounds, cache)
                 for threads in options.threads
             ]
         except errors.RicochetError as error:
-            # It usually runs out of memory; the other runs are still reported.
+            # CalculiX usually runs out of memory. The other runs are still reported.
             note(f"calculix, order {order}, size {size:g}: left out: {error}")
             continue
         runs = min(trials, key=timing.median)
@@ -134,7 +134,8 @@ def rows_of(options, case, ranks, truth, cache):
 
 
 def report(rows, target):
-    """Times for the target error, by solver and order, and how ours compare with CalculiX's."""
+    """Prints the time for the target error, by solver and order, and the ratio of CalculiX's best time to
+    ours."""
     needed = {}
     for name, points in curves(rows).items():
         seconds, beyond = time_at(points, target)
@@ -146,7 +147,7 @@ def report(rows, target):
             f"{name}: {seconds:.3g} s for an error of {target:.2g}, "
             + ("extrapolated: no runs on both sides of it" if beyond else "interpolated")
         )
-    # Interpolated times are preferred to extrapolated ones.
+    # Interpolated times take precedence over extrapolated ones.
     best = {
         family: min(
             (beyond, seconds, name) for name, (seconds, beyond) in needed.items() if name.startswith(family)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Impacts of one scene computed with different kernels, and how far they are from a reference."""
+"""Impacts of one scene computed with different kernels, and their errors relative to a reference."""
 import json
 import math
 import tomllib
@@ -12,7 +12,7 @@ from ricochet.errors import InputError
 
 
 def add_arguments(parser):
-    """The scene and what its impacts vary, for subcommands that compare impacts."""
+    """Adds the scene and the parameters of its impacts, for subcommands that compare impacts."""
     parser.add_argument("scene", type=Path, metavar="SCENE.toml")
     parser.add_argument("--body", default="upper", help="body whose rebound is compared (default: upper)")
     parser.add_argument(
@@ -26,7 +26,7 @@ def add_arguments(parser):
 
 
 class Impacts:
-    """Impacts of one scene at several speeds, their files in one folder."""
+    """Impacts of one scene at several speeds, with all files in one folder."""
 
     def __init__(self, options, folder, settings=()):
         self.scene, self.body, self.speeds = options.scene, options.body, options.speeds
@@ -46,8 +46,9 @@ class Impacts:
         return programs.with_set([*own, *self.settings, *more], self.folder)
 
     def compute(self, modes):
-        """Vectors of each body, the largest estimate of their flexibility's error, and by speed the rebound
-        velocity [m/s] (None: still touching) and the impulse [N s]."""
+        """Computes kernels and impacts. Returns the number of vectors of each body, the largest estimate of
+        their flexibility errors and, by speed, the rebound velocity [m/s] (None if the bodies still touch)
+        and the impulse [N s]."""
         programs.kernel(self.scene, ["--quiet", *self.words(modes)], self.ranks)
         impacts = {}
         for speed in self.speeds:
@@ -73,7 +74,7 @@ def relative(value, reference):
 
 
 def compare(found, reference):
-    """Relative errors by speed, rebound and impulse."""
+    """Relative errors of rebound and impulse, by speed."""
     return {
         speed: {key: relative(impact[key], reference["impacts"][speed][key]) for key in impact}
         for speed, impact in found["impacts"].items()
@@ -81,7 +82,7 @@ def compare(found, reference):
 
 
 def error_columns(speeds):
-    """Columns of a table whose rows have such errors."""
+    """Table columns for the errors of `compare`."""
     return [
         (
             f"error of {what} at {speed:g} m/s",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Builds what is timed, and runs bench_modes under mpirun on a body of a scene."""
+"""Builds the programs to be timed, and runs bench_modes under mpirun on a body of a scene."""
 import json
 import sys
 import tempfile
@@ -9,7 +9,7 @@ from ricochet import errors, programs, timing
 
 
 def build(*targets):
-    """Brings programs up to date with the source; scripts/build must have run once."""
+    """Rebuilds programs whose source has changed. scripts/build must have run once."""
     programs.find(["cmake"])
     measured(["cmake", "--build", programs.BIN.parent, "--target", *targets])
 
@@ -24,18 +24,19 @@ def measured(command, folder=None, variables=programs.ONE_THREAD):
 
 
 def modes_words(count, tolerance=None):
-    """The table [modes] for so many modes, with a bound of their residuals."""
+    """The table [modes] for a number of modes, with a bound on their residuals."""
     return f"{{count={count}" + (f",relative_residual={tolerance}" if tolerance else "") + "}"
 
 
 class Case:
-    """A body of a scene, meshed with elements of an order and a size (None: the scene's own)."""
+    """A body of a scene, meshed with elements of a given order and size (None: as in the scene)."""
 
     def __init__(self, scene, body, order=None, size=None, settings=()):
         self.scene, self.body, self.order, self.size, self.settings = scene, body, order, size, list(settings)
 
     def words(self, modes):
-        """SCENE BODY --set …, with this [modes]; what the user sets comes last and wins."""
+        """The arguments SCENE BODY --set … for this [modes]. Settings of the user come last, so they take
+        precedence."""
         own = [f"modes={modes}"]
         own += [f"bodies.{self.body}.order={self.order}"] if self.order else []
         own += [f"bodies.{self.body}.geometry.size={self.size}"] if self.size else []
@@ -47,7 +48,8 @@ def text(command):
 
 
 def search(solver, case, modes, ranks, upto_hz=None, frequencies=False):
-    """One run of bench_modes: what it prints, and the elastic frequencies where they are wanted."""
+    """Runs bench_modes once. Returns the data that it prints and, if `frequencies` is set, the elastic
+    frequencies."""
     with tempfile.TemporaryDirectory(prefix="ricochet-bench-") as folder:
         file = Path(folder) / "frequencies"
         command = [*programs.mpirun(ranks), programs.BIN / "bench_modes", solver, *case.words(modes)]

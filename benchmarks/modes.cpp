@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// One search for modes of a body of a scene, timed from assembled matrices to shapes in hand, by this
-// program's engines or one of their peers:
+// Computes modes of a body of a scene once, with a solver of this program or another solver, and measures the
+// time from assembled matrices to mode shapes in memory:
 //
 //   mpirun -n 2 bench_modes SOLVER SCENE.toml BODY [--set KEY=VALUE]... [--upto-hz HZ] [--frequencies FILE]
 //   bench_modes calculix-input SCENE.toml BODY OUT.inp [--set KEY=VALUE]...
 //
-// SOLVER: ricochet; contact (the basis fitted to contact, and its residual flexibility); krylov-schur
-// (SLEPc's, one shift, defaults); slicing (SLEPc's spectrum slicing, all in (1, HZ)). Modes are those that
-// [modes] asks for. Prints one line of JSON. scripts/bench modes calls it in turn, and ccx with the input
-// that it writes.
+// SOLVER is one of: ricochet; contact (the contact-adapted basis and its residual flexibility); krylov-schur
+// (that of SLEPc, with one shift and its defaults); slicing (spectrum slicing of SLEPc, all modes in (1,
+// HZ)). [modes] of the scene determines which modes are computed. Prints one line of JSON. scripts/bench
+// modes runs it for each solver in turn, and runs ccx on the input that calculix-input writes.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -38,7 +38,8 @@ struct Options {
   std::optional<double> upto_hz;
 };
 
-/// Every rank reads the small scene file; the complaint of one is the complaint of all.
+/// Reads the request on every rank, because the scene file is small. An error on one rank is thrown on all
+/// ranks.
 scene::KernelRequest read_request(const Options& options) {
   scene::KernelRequest request;
   std::string complaint;
@@ -77,7 +78,7 @@ void write_deck(const scene::KernelRequest& request, const mesh::GlobalMesh& glo
   bench::write_calculix(global, request.body, *request.modes.count, path);
   std::int64_t unknowns = 0;
   for (const unsigned fixed : global.fixed) unknowns += 3 - std::popcount(fixed);
-  // CalculiX should have the BLAS kernels that this program chose.
+  // CalculiX should use the same BLAS kernels as this program.
   const char* const kernels = std::getenv("OPENBLAS_CORETYPE");
   std::cout << fmt::format(R"({{"unknowns": {}, "openblas_coretype": "{}"}})", unknowns,
                            kernels == nullptr ? "" : kernels)
@@ -102,7 +103,8 @@ void run(const Options& options) {
   });
   if (deck) return;
 
-  // Ranks search for modes each on its own; all else they do together.
+  // In our own search, each rank is a team and searches on its own. All other solvers share the work of all
+  // ranks.
   const parallel::Teams teams(world, options.solver == "ricochet" ? parallel::size_of(world) : 1);
   if (parallel::rank_of(teams.team()) == 0) mesh::broadcast(global, teams.peers());
   const mesh::Mesh mesh = mesh::distribute(std::move(global), teams.team());
@@ -125,7 +127,7 @@ void run(const Options& options) {
   });
 }
 
-/// Exit status when nothing is left to do.
+/// Returns the exit status if the program should end.
 std::optional<int> parse(int argc, char** argv, bool speak, Options& options) {
   CLI::App app{"Times one search for modes of a body of a scene.", "bench_modes"};
   app.add_option("SOLVER", options.solver)
@@ -164,7 +166,7 @@ int main(int argc, char** argv) {
     run(options);
     return 0;
   } catch (const InputError& error) {
-    // Every rank holds the same complaint.
+    // The error is the same on every rank.
     if (first) std::cerr << "bench_modes: " << error.what() << '\n';
     return 2;
   } catch (const std::exception& error) {

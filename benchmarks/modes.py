@@ -7,16 +7,15 @@
     scripts/bench modes --ranks 1 2 --solvers ricochet   # gain from the second rank
     scripts/bench modes --accuracy --reference 4 4e-3 --cache calculix.json --figure accuracy.png
 
-Times run from assembled matrices to shapes in memory; those of CalculiX from reading its input to its end.
-Residuals are computed afterwards. All solvers use the same BLAS kernels and one thread a rank. CalculiX has
-threads instead of ranks; it runs with one thread and with as many as there are ranks, because its second
-thread often costs more than it gains.
+Times extend from assembled matrices to mode shapes in memory; for CalculiX, from reading its input to its
+end. Residuals are computed afterwards. All solvers use the same BLAS kernels and one thread per rank.
+CalculiX has threads in place of ranks. It runs with one thread and with as many as there are ranks, because
+its second thread often costs more than it gains.
 
-With three points or more, fitted exponents are printed: time ~ modes^a, time ~ unknowns^b.
+If there are three or more points, fitted exponents are printed: time ~ modes^a, time ~ unknowns^b.
 
-With --accuracy, time is compared at equal error instead: the error of the lowest 140 elastic frequencies
-against a fine reference. The body is the disk of benchmarks/, whose elements become smaller in all
-directions.
+With --accuracy, times are compared at equal error: the error of the lowest 140 elastic frequencies against a
+fine reference. The body is the disk of benchmarks/, whose elements are refined in all directions.
 """
 import json
 import sys
@@ -45,8 +44,7 @@ COLUMNS = [
 
 
 def case_runs(options, case, count, ranks, cache):
-    """Runs of each (solver, ranks or threads), in turn. CalculiX is compared with the largest number of
-    ranks."""
+    """Runs each (solver, ranks or threads) in turn. CalculiX is compared with the largest number of ranks."""
     modes = launch.modes_words(count, options.tolerance)
     upto_hz, rounds = None, 0
 
@@ -56,7 +54,7 @@ def case_runs(options, case, count, ranks, cache):
             rounds += n == options.threads[0]
             run = calculix.run(case, count, n, rounds, cache)[-1]
         else:
-            # Slicing needs the upper end that our own run found.
+            # Slicing needs the upper end that our own search has found.
             run = launch.search(solver, case, modes, n, upto_hz if solver == "slicing" else None)
         if solver == "ricochet":
             upto_hz = run["upto_hz"]
@@ -103,8 +101,8 @@ GROWTH = (("modes", "unknowns"), ("unknowns", "modes"))  # what varies, and what
 
 
 def series(rows, x, fixed):
-    """(solver and ranks, label of the value of `fixed`, [x], [time]) where rows share these and have several
-    x."""
+    """Yields (solver and ranks, label of the value of `fixed`, [x], [time]) for rows that share the first two
+    and have several x."""
     groups = {}
     for row in rows:
         name = f"{row['solver']} on {row['ranks']}", f"{row[fixed]} {fixed}"
@@ -186,7 +184,7 @@ def add_arguments(parser):
 
 
 def complete(options):
-    """Fills in defaults that depend on each other, and refuses what does not go together."""
+    """Fills in defaults that depend on each other, and refuses options that contradict each other."""
     if options.scene and not options.body:
         options.parser.error(f"name a body of {options.scene}")
     if not options.scene and options.accuracy:
@@ -196,7 +194,7 @@ def complete(options):
         options.size = options.size or ["2.3e-3"]
         options.order = options.order or "2"
     options.threads = options.threads or sorted({1, *options.ranks})
-    # The order of SOLVERS: slicing needs the upper end that ricochet finds.
+    # In the order of SOLVERS, because slicing needs the upper end that ricochet finds.
     options.solvers = [solver for solver in SOLVERS if solver in options.solvers]
     if "slicing" in options.solvers and "ricochet" not in options.solvers:
         options.parser.error("slicing needs ricochet among --solvers, which finds its upper end")

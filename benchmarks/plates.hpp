@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Two simply supported plates, one above the other, the upper one pressed on the lower: contact that
-// persists, with modes in closed form, of as many points and modes as asked for.
+// Two simply supported plates, one pressed on the other: persistent contact with modes in closed form, for
+// any number of points and modes.
 #pragma once
 
 #include <algorithm>
@@ -12,9 +12,10 @@
 
 namespace ricochet::benchmarks {
 
-/// Steel, 0.4 m × 0.3 m × 2 mm, 0.2 mm apart, a pressure on the upper plate that would bend it by 1 mm.
-/// @param nx, ny  contact points along the sides, evenly over the plate
-/// @param modes  of each plate; the flexibility of 20 times as many others is in R
+/// Model of two steel plates, 0.4 m × 0.3 m × 2 mm, 0.2 mm apart. A pressure acts on the upper plate that
+/// would bend it alone by 1 mm.
+/// @param nx, ny  contact points along the sides, distributed evenly over the plate
+/// @param modes  modes of each plate; R contains the flexibility of 20 times as many further modes
 inline contact::Model plates(int nx, int ny, int modes, double decay = 20) {
   constexpr double a = 0.4, b = 0.3, thickness = 2e-3, young = 2.1e11, poisson = 0.3, density = 7850;
   constexpr double gap = 2e-4, sag = 1e-3, pi = std::numbers::pi;
@@ -43,7 +44,7 @@ inline contact::Model plates(int nx, int ny, int modes, double decay = 20) {
   model.static_displacement.setZero(m);
   model.area.setConstant(m, a * b / static_cast<double>(m));
   contact::Vector trace(m);
-  Eigen::MatrixXd others(m, static_cast<Eigen::Index>(all.size()) - modes);  // traces over ω
+  Eigen::MatrixXd others(m, static_cast<Eigen::Index>(all.size()) - modes);  // their traces over ω
   double pressure = 0;
   for (std::size_t n = 0; n < all.size(); ++n) {
     const auto& [omega, k, l] = all[n];
@@ -55,7 +56,7 @@ inline contact::Model plates(int nx, int ny, int modes, double decay = 20) {
       others.col(static_cast<Eigen::Index>(n) - modes) = trace / omega;
       continue;
     }
-    // ∫ φ ds, and the pressure for which the lowest mode alone sags that much in the middle
+    // ∫ φ ds. The pressure is chosen so that the lowest mode alone would sag by `sag` in the middle.
     const bool odd = k % 2 == 1 && l % 2 == 1;
     const double participation = odd ? scale * 4 * a * b / (pi * pi * k * l) : 0;
     if (n == 0) pressure = sag * omega * omega / (scale * participation);
@@ -67,7 +68,7 @@ inline contact::Model plates(int nx, int ny, int modes, double decay = 20) {
       if (plate == 0) model.load(column) = pressure * participation;
     }
   }
-  model.R = 2 * others * others.transpose();  // of both plates
+  model.R = 2 * others * others.transpose();  // R of both plates
   return model;
 }
 

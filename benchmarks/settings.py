@@ -6,14 +6,14 @@ impacts.
     scripts/bench settings meshes/two-disks/two-disks.toml --json settings.json
     scripts/bench settings meshes/two-disks/two-disks.toml --approximate
 
-The reference is the impact computed with the lowest 400 certified modes of each body, residuals up to 1e-8.
-Times are those of ricochet-kernel as a whole, meshing and assembly included; memory is the peak of the rank
-that needed most. The error of frequencies is the largest of those kept, against the reference's of the same
-number.
+The reference is the impact computed with the lowest 400 certified modes of each body, with residuals up to
+1e-8. Times are those of ricochet-kernel as a whole, including meshing and assembly. Memory is the peak of the
+rank that used most. The error of the frequencies is the largest one; each mode is compared with the mode of
+the same number in the reference.
 
-With --approximate, modes from block iterations are compared with certified ones with residuals up to 1e-4
-(whose frequencies are accurate to 1e-7) by processor time on one rank, which other work on the machine
-affects less.
+With --approximate, modes from block iterations are compared with certified modes with residuals up to 1e-4,
+whose frequencies are accurate to 1e-7. The measure is processor time on one rank, which other work on the
+machine affects less.
 """
 import json
 import tempfile
@@ -57,7 +57,7 @@ APPROXIMATE_COLUMNS = [
 
 
 def frequencies(folder):
-    """The angular frequencies of each body, by name."""
+    """Angular frequencies by body."""
     found = {}
     for path in folder.glob("*.kernel.h5"):
         with h5py.File(path) as kernel:
@@ -66,7 +66,7 @@ def frequencies(folder):
 
 
 def elastic_errors(omega, reference):
-    """Relative errors of the elastic frequencies that both have."""
+    """Relative errors of the elastic frequencies that are in both arrays."""
     n = min(len(omega), len(reference))
     elastic = reference[:n] > 0
     return np.abs(omega[:n][elastic] / reference[:n][elastic] - 1)
@@ -100,7 +100,8 @@ def measure(options, name, modes, of_bodies, reference):
 
 
 def approximate(options, iterations=(0, 1, 2)):
-    """A table of certified modes (0) and of approximate ones by so many iterations, of all bodies."""
+    """Prints a table of certified modes (0) and of approximate modes with so many block iterations, for all
+    bodies."""
     table = tables.Table(APPROXIMATE_COLUMNS)
     truth, first = None, None
     for count in iterations:
@@ -134,7 +135,7 @@ def iterations_taken(folder):
 
 
 class Reference:
-    """The first setting measured."""
+    """The result of the first setting that was measured."""
 
     def __init__(self, bodies):
         self.bodies, self.found = bodies, None

@@ -18,14 +18,14 @@ namespace {
 
 using parallel::check;
 
-/// Seconds since the last rank was ready.
+/// Seconds since the last rank became ready.
 class Stopwatch {
  public:
   explicit Stopwatch(MPI_Comm comm) : comm_(comm) {
     MPI_Barrier(comm_);
     started_ = std::chrono::steady_clock::now();
   }
-  /// Of the slowest rank. Collective.
+  /// Seconds on the slowest rank. Collective.
   double seconds() const {
     return parallel::largest(
         comm_, std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count());
@@ -50,10 +50,11 @@ Found found_by_us(const modes::ModeSet& set, double seconds) {
 
 double lambda(Hertz frequency) { return std::pow(2 * std::numbers::pi * frequency.value, 2); }
 
-/// What is below is a rigid mode.
+/// Modes below this frequency are rigid.
 constexpr Hertz rigid_below{1};
 
-/// Shift-and-invert by MUMPS. Needs the solver's type and, for slicing, its interval.
+/// Selects shift-and-invert by MUMPS. The type of the solver and, for slicing, its interval must be set
+/// before.
 void set_inverse(EPS eps, bool slicing) {
   ST st = nullptr;
   KSP ksp = nullptr;
@@ -72,7 +73,7 @@ void set_inverse(EPS eps, bool slicing) {
   check(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
 }
 
-/// Solves and reads off at most `most` of the pairs.
+/// Solves the problem and returns at most `most` pairs.
 Found solve(const Problem& problem, EPS eps, const Stopwatch& watch, PetscInt most) {
   check(EPSSetFromOptions(eps));
   check(EPSSolve(eps));
@@ -130,7 +131,7 @@ Found by_contact_basis(const Problem& problem) {
       problem.mesh, request.body.contact,
       {.direction = request.direction, .along = request.along, .spacing = request.spacing});
   const Eigen::MatrixXd loads = surface::patch_loads(problem.mesh, patches);
-  // Gravity moves a supported body's surface too.
+  // Gravity also moves the surface of a supported body.
   Eigen::MatrixXd all(loads.rows(), loads.cols() + 3);
   all << loads, problem.body.rigid_load.leftCols(3);
 
@@ -167,7 +168,7 @@ Found by_slicing(const Problem& problem, Hertz upto) {
   check(EPSSetWhichEigenpairs(eps, EPS_ALL));
   check(EPSSetInterval(eps, lambda(rigid_below), lambda(upto)));
   set_inverse(eps, true);
-  // As SLEPc's own example has it: no ScaLAPACK at the root, null pivots detected.
+  // As in SLEPc's own example: no ScaLAPACK at the root, and null pivots are detected.
   check(PetscOptionsInsertString(
       nullptr, "-st_mat_mumps_icntl_13 1 -st_mat_mumps_icntl_24 1 -st_mat_mumps_cntl_3 1e-12"));
   return solve(problem, eps, watch, PETSC_MAX_INT);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The solvers that are timed, from assembled matrices to shapes in hand.
+// The solvers to be timed, from assembled matrices to mode shapes in memory.
 #pragma once
 
 #include <optional>
@@ -12,16 +12,16 @@
 
 namespace ricochet::bench {
 
-/// What one run found. Residuals are taken outside the time measured.
+/// Results of one run. Residuals are computed after the time is measured.
 struct Found {
   double seconds = 0;
-  std::vector<double> frequency_hz{};  ///< elastic, ascending
+  std::vector<double> frequency_hz{};  ///< elastic modes, ascending
   double worst_residual = 0;           ///< of the elastic modes, ‖Kφ − ω²Mφ‖₂ / ‖Kφ‖₂
   double upto_hz = 0;                  ///< end of the search
-  double flexibility_error = 0;        ///< contact: its estimate
+  double flexibility_error = 0;        ///< contact-adapted basis: its error estimate
 };
 
-/// A body on every team of ranks.
+/// A body on every team of ranks, and the request for its kernel.
 struct Problem {
   const parallel::Teams& teams;
   const scene::KernelRequest& request;
@@ -29,17 +29,16 @@ struct Problem {
   const elasticity::Body& body;
 };
 
-/// The search for modes that request.modes asks for. Collective, as are all below.
+/// Our own search for the modes that request.modes requests. Collective, like all functions below.
 Found by_ricochet(const Problem& problem);
 
-/// The basis fitted to contact that request.modes asks for, with the residual flexibility. Needs a
-/// GmshSession.
+/// The contact-adapted basis that request.modes requests, with the residual flexibility. Needs a GmshSession.
 Found by_contact_basis(const Problem& problem);
 
-/// SLEPc's Krylov–Schur with shift-and-invert by MUMPS for the `count` lowest modes, rigid ones included.
+/// Krylov–Schur of SLEPc with shift-and-invert by MUMPS, for the `count` lowest modes including rigid modes.
 Found by_krylov_schur(const Problem& problem, std::int64_t count);
 
-/// SLEPc's spectrum slicing: all modes from 1 Hz to `upto`.
+/// Spectrum slicing of SLEPc: all modes from 1 Hz to `upto`.
 Found by_slicing(const Problem& problem, Hertz upto);
 
 }  // namespace ricochet::bench

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Overhead of a sweep beside its impacts.
+"""Overhead of a sweep in addition to its impacts.
 
     scripts/bench sweep
     scripts/bench sweep --impacts 10000 --scenes two-rods --set modes.count=20 --set time.rate_hz=20.0
 
-The bare impacts run in as many processes as --jobs, each with its share of the requests on its standard
-input. Their own time is the sum of what their summaries report, from kernels in memory to results in memory.
-The overhead is the extra time of a sweep, which includes starts, checks, the journal and the tables: its wall
-time × processes, divided by the time of the bare impacts. On a machine with other work, compare processor
-times instead; that of the bare processes includes reading their requests. Kernels are kept in
-build/bench-sweep.
+The bare impacts run in as many processes as --jobs. Each process reads its share of the requests from its
+standard input. The time of the bare impacts is the sum of the times in their summaries, from kernels in
+memory to results in memory. The sweep needs additional time for starts, checks, the journal and the tables.
+The overhead is this additional time, as wall time × processes, divided by the time of the bare impacts. If
+other work runs on the machine, compare processor times instead; those of the bare processes include reading
+their requests. Kernels are kept in build/bench-sweep.
 """
 import json
 import os
@@ -21,7 +21,7 @@ from ricochet import errors, programs
 from ricochet.errors import InputError
 from ricochet.studies.study import Study
 
-# Scene, body and component of the velocity that is drawn from a range [m/s].
+# Scene: velocity component that is varied, and its range [m/s].
 SCENES = {
     "two-disks": ("bodies.upper.velocity[1]", -2.0, -0.5),
     "two-rods": ("bodies.moving.velocity[0]", 0.5, 2.0),
@@ -51,14 +51,14 @@ def write_study(folder, name, options):
 
 
 def sweep(study, folder, options, *more):
-    """Wall and processor time [s]."""
+    """Runs the sweep. Returns its wall and processor time [s]."""
     words = ["sweep", study, "--out", folder, "--jobs", options.jobs, *more]
     done = launch.measured([programs.BIN / "ricochet", *words])
     return done.seconds, done.cpu_seconds
 
 
 def bare(study, folder, options):
-    """Time of all impacts as their processes report it, and processor time [s]."""
+    """Runs the bare impacts. Returns the sum of the times that they report, and the processor time [s]."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     words = programs.with_set(programs.settings(study.fixed), folder)
     command = [str(word) for word in (programs.BIN / "ricochet-contact", study.scene, "--batch", *words)]
@@ -84,7 +84,7 @@ def bare(study, folder, options):
 
 
 def measure(name, options, folder):
-    """The row of a scene: the round with the median overhead."""
+    """Measures a scene. Returns the row of the round with the median overhead."""
     path = write_study(folder, name, options)
     sweep(path, folder, options, "--kernels")
 

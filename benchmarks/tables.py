@@ -4,7 +4,7 @@ from ricochet import files
 
 
 class Table:
-    """Prints its head at once and each row as it comes.
+    """Prints the header at once and each row as soon as it is known.
 
     @param columns  (title, value, format): the value is a key of the row or a function of it
     """

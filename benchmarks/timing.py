@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Runs in turn, and their medians."""
+"""Alternating runs, and their medians."""
 import statistics
 
 
 def alternate(rounds, candidates):
-    """Runs every candidate once a round, one after the other, so that other work on the machine slows all
-    alike.
+    """Runs every candidate once per round, one after the other, so that other work on the machine slows all
+    of them alike.
 
     @param candidates  functions without arguments, by name
-    @return  what each returned, in the order of the rounds, by name
+    @return  the values that each returned, by name, in the order of the rounds
     """
     found = {name: [] for name in candidates}
     for _ in range(rounds):

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# Completes the verbs and options of ricochet and of its programs, from their --help, the keys that --set takes, and the files that
+# Completes verbs and options of ricochet and its programs, from their --help, the keys of --set, and the files that
 # they read.
 
-# Keys that --set may name, for the bodies and obstacles of the scene $2 by their names. $1: ricochet-contact.
+# Prints the keys of --set, with the names of the bodies and obstacles of the scene $2. $1: ricochet-contact.
 _ricochet_keys() {
     local key name names
     "$1" --keys 2>/dev/null | awk -F'`' '
@@ -15,7 +15,7 @@ _ricochet_keys() {
         done
 }
 
-# Verbs, or the sources of ricochet import, as its help lists them.
+# Prints the verbs, or the sources of ricochet import, from the help of the command.
 _ricochet_verbs() { "$@" --help 2>/dev/null | sed -n 's/^    \([a-z]\+\) \+[^ ].*/\1/p'; }
 
 _ricochet() {
@@ -38,7 +38,7 @@ _ricochet() {
             return ;;
     esac
     if [[ $what == import ]]; then
-        # The source comes first and has options of its own.
+        # The source comes first and has its own options.
         what=$(printf '%s\n' "${words[@]:1}" | grep -m 1 -xE 'calculix|matrices')
         [[ $what ]] && command+=("$what")
         if [[ ! $what && $word != -* ]]; then

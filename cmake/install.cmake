@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# The library for other programs, as package Ricochet: cmake --install BUILD --component library
+# Installs the library for other programs, as package Ricochet: cmake --install BUILD --component library
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# What help2man makes of --help: the usage becomes the synopsis, and examples are printed line by line.
+# Edits the output of help2man: the usage becomes the synopsis, and examples keep their lines.
 /^[.]SH DESCRIPTION$/ {
   N
   s/^[.]SH DESCRIPTION\nusage: \(.*\)$/.SH SYNOPSIS\n\1\n.SH DESCRIPTION/

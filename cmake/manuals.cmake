@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# Manual pages of the command, its verbs and the programs, from their --help.
+# Makes manual pages of the command, its verbs and the programs from their --help.
 find_program(HELP2MAN help2man REQUIRED)
 set(manuals ${PROJECT_BINARY_DIR}/manuals)
 file(MAKE_DIRECTORY ${manuals})
 file(GLOB_RECURSE package_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/python/ricochet/*.py)
 set(command ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/ricochet)
 
-# The page NAME of the command line `program [VERB]`.
+# Adds the page NAME for the command line `program [VERB]`.
 function(add_manual name purpose program)
   cmake_parse_arguments(PARSE_ARGV 3 manual "" VERB DEPENDS)
   string(TOUPPER ${name} title)
@@ -27,7 +27,7 @@ if(RICOCHET_PREPROCESSOR)
   add_manual(ricochet-kernel "computes kernels of elastic bodies" ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/ricochet-kernel)
 endif()
 add_manual(ricochet "impact of elastic bodies from modal kernels" ${command} DEPENDS ${package_sources})
-# The verbs and their purposes are those of the command itself.
+# The verbs and their purposes are read from the source of the command.
 file(STRINGS ${PROJECT_SOURCE_DIR}/python/ricochet/cli/__init__.py verbs REGEX "^    \"[a-z]+\": \".*\",$")
 foreach(line IN LISTS verbs)
   string(REGEX REPLACE "^    \"([a-z]+)\": \"(.*)\",$" "\\1;\\2" line "${line}")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# Debian packages by cpack -G DEB, one for each licence: scripts/package makes them complete.
+# Debian packages, made with cpack -G DEB, one for each component. Use scripts/package, which adds the manual pages.
 if(DEFINED ENV{DEBEMAIL})
   set(packager "$ENV{DEBFULLNAME} <$ENV{DEBEMAIL}>")
 else()
@@ -59,7 +59,7 @@ Distributed under the BSD licence of two clauses; nothing in it needs MPI,
 PETSc or gmsh.")
 include(CPack)
 
-# The files that Debian expects in the documentation folder of a package.
+# The files that Debian requires in the documentation folder of a package.
 string(TIMESTAMP date "%a, %d %b %Y %H:%M:%S +0000" UTC)
 file(READ LICENSE license)
 string(REGEX REPLACE "^.*developers\n+" "" license "${license}")

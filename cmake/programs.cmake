@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# The programs, examples and documents: cmake --install BUILD --component programs. ricochet-kernel is linked with
-# gmsh, so that its packages are under the GPL; those of the library are not (see cmake/install.cmake).
+# Installs programs, examples and documents: cmake --install BUILD --component programs. ricochet-kernel is linked with
+# gmsh, so packages that contain it are under the GPL. Packages of the library are not (see cmake/install.cmake).
 set(share ${CMAKE_INSTALL_DATADIR}/ricochet)
 
 install(TARGETS ricochet-contact ricochet-recast COMPONENT programs)

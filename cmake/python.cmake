@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# The Python package `ricochet` and its command: in a checkout the command runs the package from the source tree, with the extension
-# module of the build. cmake --install BUILD --component python, or programs for the command.
+# The Python package `ricochet` and its command. In a checkout, the command runs the package from the source tree, with
+# the extension module of the build. cmake --install BUILD --component python installs the package; the component
+# programs contains the command.
 set(python_path "${PROJECT_SOURCE_DIR}/python:${PROJECT_BINARY_DIR}/python")
 set(python_options "-X pycache_prefix=${PROJECT_BINARY_DIR}/pycache")
 configure_file(${CMAKE_CURRENT_LIST_DIR}/ricochet.in ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/ricochet @ONLY USE_SOURCE_PERMISSIONS)

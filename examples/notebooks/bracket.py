@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-2-Clause
-"""Draws bracket.step with the OpenCASCADE kernel of gmsh: an angle bracket with a hole, 80 x 40 x 50 mm, 6 mm thick.
-Lengths in millimetres.
+"""Makes bracket.step with the OpenCASCADE kernel of gmsh: an angle bracket with a hole, 80 x 40 x 50 mm, 6 mm
+thick. Lengths are in millimetres.
 
     /usr/bin/python3 bracket.py        # needs python3-gmsh
 """

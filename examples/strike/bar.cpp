@@ -7,7 +7,7 @@
 namespace strike {
 namespace {
 
-/// Bending wave number of mode n = 1, 2, … times the length: cosh x cos x = 1.
+/// Bending wave number of mode n = 1, 2, … times the length: the n-th solution of cosh x cos x = 1.
 double wave_number(int n) {
   const double middle = (n + 0.5) * std::numbers::pi;
   double x = middle;
@@ -16,7 +16,7 @@ double wave_number(int n) {
 }
 
 /// Shape of the mode at s = x/L from an end, with mean square 1: cosh ξ + cos ξ − σ (sinh ξ + sin ξ), ξ = k
-/// s, with the growing part written so that it does not cancel.
+/// s. The growing part is written so that no digits cancel.
 double bending_shape(double k, double s) {
   const double xi = k * s, bottom = std::sinh(k) - std::sin(k);
   const double rest = (std::cos(k) - std::sin(k) - std::exp(-k)) / bottom;  // 1 − σ
@@ -32,7 +32,7 @@ void add_candidate(ricochet::kernels::Surface& surface, const ricochet::Vector3&
   surface.area.push_back(area);
 }
 
-/// A kernel whose φᵀ M e_i and φᵀ M (e_i × x) are 0 unless set below.
+/// Adds modes with φᵀ M e_i = 0 and φᵀ M (e_i × x) = 0. The caller sets those that are not 0.
 void add_modes(ricochet::kernels::Kernel& kernel, const std::vector<double>& omega, double loss_factor) {
   const std::size_t n = omega.size();
   kernel.modes.angular_frequency = omega;
@@ -52,7 +52,7 @@ ricochet::SharedKernel bar_kernel(const Bar& bar, int bending, int candidates) {
   kernel.inertia = {0, 0, 0, 0, inertia, 0, 0, 0, inertia};
 
   const double stretch = std::sqrt(bar.young / bar.density) * bar.height / std::sqrt(12.0);
-  std::vector<double> omega = {0, 0};  // translation, and rotation about y
+  std::vector<double> omega = {0, 0};  // translation along z, and rotation about y
   for (int n = 1; n <= bending; ++n) omega.push_back(std::pow(wave_number(n) / bar.length, 2) * stretch);
   add_modes(kernel, omega, bar.loss_factor);
   const std::size_t modes = omega.size();

@@ -4,8 +4,9 @@
 //   strike OUT.wav                      an aluminium bar
 //   strike OUT.wav KERNEL [CANDIDATE]   a body prepared by ricochet-kernel, struck at a candidate
 //
-// Left channel: the point of the strike; right channel: the first candidate. The samples are velocities
-// without components below 40 Hz; the loudest sample is 0.9 of full scale, and its velocity is printed.
+// The left channel is the point of the strike, and the right channel is the first candidate. The samples are
+// velocities without components below 40 Hz. The loudest sample is 0.9 of full scale; the velocity of full
+// scale is printed.
 #include <sndfile.h>
 
 #include <algorithm>
@@ -31,7 +32,7 @@ Vector3 row(const std::vector<double>& values, std::size_t i) {
   return {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
 }
 
-/// Direction out of the body at the candidate, along the component that its kernel has.
+/// Direction out of the body at the candidate; if the kernel has one component only, along its direction.
 Vector3 outward(const ricochet::kernels::Surface& surface, std::size_t candidate) {
   const Vector3 normal = row(surface.normal, candidate);
   if (!surface.direction) return normal;
@@ -41,7 +42,7 @@ Vector3 outward(const ricochet::kernels::Surface& surface, std::size_t candidate
   return out;
 }
 
-/// Mallet and body, 10 µm apart.
+/// The mallet 10 µm away from the body, moving towards it.
 ricochet::Scene scene_of(const ricochet::SharedKernel& body, std::size_t candidate) {
   const ricochet::kernels::Surface& surface = body->surface;
   if (candidate >= surface.size())
@@ -68,7 +69,7 @@ ricochet::Scene scene_of(const ricochet::SharedKernel& body, std::size_t candida
   return scene;
 }
 
-/// (n,2) velocities without their slow components, by a first-order filter.
+/// (n,2) velocities, high-pass filtered by a filter of first order.
 std::vector<double> render(ricochet::Simulation& simulation) {
   const std::int64_t total = static_cast<std::int64_t>(seconds * rate);
   std::vector<double> sound(static_cast<std::size_t>(2 * total));

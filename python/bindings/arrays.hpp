@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// NumPy arrays over memory of the library, and copies of it.
+// NumPy arrays that refer to memory of the library.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -16,7 +16,7 @@ using Shape = std::vector<pybind11::ssize_t>;
 
 inline pybind11::ssize_t length(std::size_t size) { return static_cast<pybind11::ssize_t>(size); }
 
-/// A read-only array over `values`, which `owner` keeps alive.
+/// A read-only array that refers to `values`. They must belong to `owner`, which the array keeps alive.
 template <class T>
 pybind11::array_t<T> view(const std::vector<T>& values, Shape shape, pybind11::handle owner) {
   pybind11::array_t<T> out(std::move(shape), values.data(), owner);

@@ -15,7 +15,8 @@ namespace py = pybind11;
 
 namespace {
 
-/// Calls `progress(phase, done, total)` ten times a second, and lets Ctrl-C end the run.
+/// Calls `progress(phase, done, total)` at most ten times a second and at the end of a phase; Ctrl-C ends the
+/// run.
 class Watch {
  public:
   explicit Watch(py::object progress) : progress_(std::move(progress)) {}

@@ -16,7 +16,7 @@ namespace {
 
 using kernels::Kernel;
 
-/// (cM,cM); None if the scene leaves it out.
+/// (cM,cM); None if the scene excludes it.
 py::object residual_flexibility(const py::object& self) {
   const Kernel& kernel = self.cast<const Kernel&>();
   const kernels::Surface& surface = kernel.surface;
@@ -52,7 +52,7 @@ py::dict certificate(const Kernel& kernel) {
   return out;
 }
 
-/// (node (V,3), element (E,k), shape (V,3,N)) of the visualisation surface; None without one.
+/// (node (V,3), element (E,k), shape (V,3,N)) of the visualisation surface; None if there is none.
 py::object visualisation_surface(const py::object& self) {
   const Kernel& kernel = self.cast<const Kernel&>();
   if (!kernel.view) return py::none();
@@ -63,7 +63,7 @@ py::object visualisation_surface(const py::object& self) {
                         view(surface.shape, {nodes, 3, length(kernel.modes.size())}, self));
 }
 
-/// By name: (point (3), shape (3,N)).
+/// Receivers by name: (point (3), shape (3,N)).
 py::dict receivers(const py::object& self) {
   const Kernel& kernel = self.cast<const Kernel&>();
   py::dict out;
@@ -103,7 +103,7 @@ void bind_kernel(py::module_& module) {
       .def_property_readonly("residual_flexibility", &residual_flexibility)
       .def_property_readonly("visualisation_surface", &visualisation_surface)
       .def_property_readonly("receivers", &receivers);
-  // A view of the array *values(kernel).
+  // Defines a property whose value is an array that refers to *values(kernel).
   const auto property = [&](const char* name, Shape (*shape)(const Kernel&), auto values) {
     kernel.def_property_readonly(name, [=](const py::object& self) {
       const Kernel& k = self.cast<const Kernel&>();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // ricochet._core: the C++ library for the Python package. It parses and checks scenes, reads kernels, runs
-// impacts and steps simulations; the modules of the package add names, units and types.
+// impacts and steps simulations. The modules of the package add names, units and types.
 #include <pybind11/pybind11.h>
 
 #include "python/bindings/impact.hpp"
@@ -13,12 +13,12 @@ namespace {
 
 namespace py = pybind11;
 
-/// The class of the package, alive as long as the process.
+/// A class of ricochet.errors, kept alive until the process ends.
 PyObject* error_class(const char* name) {
   return py::module_::import("ricochet.errors").attr(name).cast<py::object>().release().ptr();
 }
 
-/// InputError and SolverError of the library as those of the package.
+/// Translates InputError and SolverError of the library into the classes of the package.
 void translate_errors() {
   static PyObject* const input = error_class("InputError");
   static PyObject* const solver = error_class("SolverError");

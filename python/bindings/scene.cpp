@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// For each body: its name, its file, and whether the file exists and contains enough candidates.
+/// For each body: its name, the path of its file, and whether the file exists and contains enough candidates.
 std::vector<std::tuple<std::string, fs::path, bool>> kernel_files(const scene::Scene& scene,
                                                                   const fs::path& folder) {
   programs::KernelStore store;

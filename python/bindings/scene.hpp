@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Scenes: text to checked structs and back.
+// Scenes: conversion between text and checked data.
 #pragma once
 
 #include <pybind11/pybind11.h>

@@ -21,10 +21,10 @@ namespace {
 using Kernel = std::shared_ptr<kernels::Kernel>;
 using Rows = py::array_t<double, py::array::c_style>;
 
-/// Number of steps after which signals are checked.
+/// Number of steps between two checks for signals.
 constexpr std::int64_t longest_block = 1024;
 
-/// Refuses settings that only a complete run supports, because ricochet/ricochet.hpp does not have them.
+/// Refuses settings that only a complete run supports: ricochet/ricochet.hpp does not provide them.
 void check_steppable(const scene::Scene& scene) {
   const auto refuse = [&](const char* key, const char* what) {
     throw InputError(fmt::format("{}: {}: a Simulation cannot step {}. Leave it out, or use impact.",
@@ -71,7 +71,8 @@ class Stepper {
 
   Simulation& simulation() { return simulation_; }
 
-  /// Writes one row for each step into the requested arrays. Throws the error of a failed step.
+  /// Makes the steps and writes a row for each into the requested arrays. Throws the error of a step that
+  /// fails.
   void step_block(std::int64_t steps, std::optional<Rows>& velocity, std::optional<Rows>& total_force,
                   std::optional<Rows>& force, std::optional<Rows>& displacement) {
     const auto data = [](std::optional<Rows>& rows) { return rows ? rows->mutable_data() : nullptr; };
@@ -106,7 +107,7 @@ class Stepper {
   Simulation simulation_;
 };
 
-/// (m,3) of the contact points.
+/// A vector of every contact point as an array (m,3).
 py::array_t<double> vectors(const Simulation& simulation, Vector3 ContactPoint::*which) {
   py::array_t<double> out({length(simulation.points().size()), length(3)});
   double* to = out.mutable_data();
@@ -114,7 +115,7 @@ py::array_t<double> vectors(const Simulation& simulation, Vector3 ContactPoint::
   return out;
 }
 
-/// (m) of the contact points.
+/// A number of every contact point as an array (m).
 py::array_t<double> numbers(const Simulation& simulation, double ContactPoint::*which) {
   py::array_t<double> out(length(simulation.points().size()));
   double* to = out.mutable_data();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Simulations that a program steps.
+// Simulations that a Python program advances step by step.
 #pragma once
 
 #include <pybind11/pybind11.h>

@@ -8,7 +8,7 @@
     result = ricochet.impact(scene)
     result.total_force
 
-docs/python.md describes the interface. Names are loaded on first use: the command needs few of them.
+docs/python.md describes the interface. Names are loaded on first use, because the command needs few of them.
 """
 
 import importlib
@@ -53,7 +53,7 @@ _PLACES = {
 }
 _PLACE = {name: place for place, names in _PLACES.items() for name in names}
 
-__path__ = pkgutil.extend_path(__path__, __name__)  # in a checkout the extension module lies in the build
+__path__ = pkgutil.extend_path(__path__, __name__)  # in a checkout, the module is in the build folder
 
 
 def __getattr__(name: str) -> Any:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Types of arrays in annotations; docstrings state shapes and units."""
+"""Types of arrays for annotations. Docstrings state shapes and units."""
 from typing import Any
 
 import numpy as np

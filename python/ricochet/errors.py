@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Errors of the package: each has the exit status of the command and a text of one line."""
+"""Errors of the package. Each has an exit status for the command and a text of one line."""
 import re
 import sys
 
@@ -9,7 +9,8 @@ def one_line(text: object) -> str:
 
 
 class RicochetError(Exception):
-    """A failure with an exit `status`; its text is one line, empty where a program has already reported why."""
+    """A failure with an exit `status`. Its text is one line, or empty if a program has already reported the
+    reason."""
 
     def __init__(self, text: str = "", status: int = 1) -> None:
         super().__init__(text)
@@ -23,14 +24,14 @@ class RicochetError(Exception):
 
 
 class InputError(RicochetError):
-    """A mistake that the user can correct: the text states where, what was found and what to do."""
+    """A mistake that the user can correct. The text states where it is, what was found and what to do."""
 
     def __init__(self, text: str) -> None:
         super().__init__(text, 2)
 
 
 class SolverError(RicochetError):
-    """A computation that breaks down on good input."""
+    """A computation that fails on valid input."""
 
 
 def failure(status: int, text: str = "") -> RicochetError:

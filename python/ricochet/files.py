@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Writes files atomically: as <name>.<process>.partial beside the final name, synced, renamed."""
+"""Writes files atomically: into <name>.<process>.partial in the same folder, which is synced and renamed."""
 import contextlib
 import csv
 import errno
@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 from ricochet.errors import InputError
 
-if TYPE_CHECKING:  # it takes half a second to import, and few commands draw
+if TYPE_CHECKING:  # imported only for type checks: the import takes half a second, and few commands draw
     from matplotlib.figure import Figure
 
 
 @contextlib.contextmanager
 def writing(path: Path, choose: str) -> Iterator[None]:
-    """Turns an OSError of writing `path` into an InputError, which advises to choose another value of `choose`."""
+    """Converts an OSError for `path` to an InputError that advises another value of `choose`."""
     try:
         yield
     except OSError as error:
@@ -28,9 +28,9 @@ def writing(path: Path, choose: str) -> Iterator[None]:
 
 
 def write(path: Path, content: bytes | memoryview) -> None:
-    """Writes the file, or leaves it as it was. Raises OSError, whose filename is `path`."""
+    """Writes the file completely or leaves it unchanged. Raises OSError with the filename `path`."""
     try:
-        if path.exists() and not path.is_file():  # a device would become a file
+        if path.exists() and not path.is_file():  # a device would be replaced by a file
             raise FileExistsError(errno.EEXIST, "this name belongs to something other than a file")
         remove_left(path)
         partial = path.with_name(f"{path.name}.{os.getpid()}.partial")
@@ -45,7 +45,7 @@ def write(path: Path, content: bytes | memoryview) -> None:
             partial.unlink(missing_ok=True)
     except OSError as error:
         raise OSError(error.errno, error.strerror or str(error), str(path)) from None
-    with contextlib.suppress(OSError):  # some file systems can't sync a folder; the file itself is complete
+    with contextlib.suppress(OSError):  # some file systems cannot sync a folder; the file itself is complete
         folder = os.open(path.parent, os.O_RDONLY)
         try:
             os.fsync(folder)
@@ -54,7 +54,7 @@ def write(path: Path, content: bytes | memoryview) -> None:
 
 
 def lock(file: BinaryIO) -> bool:
-    """Locks the file, which shows others that its writer is alive; returns whether that was possible."""
+    """Locks the file, so that others see that its writer is alive. Returns whether that was possible."""
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         return True
@@ -63,11 +63,11 @@ def lock(file: BinaryIO) -> bool:
 
 
 def remove_left(path: Path) -> None:
-    """Removes the partial files of writers that were killed."""
+    """Removes partial files whose writers were killed."""
     mine = re.compile(re.escape(path.name) + r"\.[0-9]+\.partial")
-    with contextlib.suppress(OSError):  # a folder that can't be listed
+    with contextlib.suppress(OSError):  # the folder may not be readable
         for left in [other for other in path.parent.iterdir() if mine.fullmatch(other.name)]:
-            with contextlib.suppress(OSError), open(left, "rb+") as file:  # already gone, or another user's
+            with contextlib.suppress(OSError), open(left, "rb+") as file:  # gone, or of another user
                 if lock(file):
                     left.unlink()
 
@@ -84,8 +84,8 @@ def write_csv(path: Path, titles: Iterable[str], rows: Iterable[Sequence[Any]]) 
 def save_picture(figure: "Figure", path: Path, **options: Any) -> None:
     """Writes a figure as PNG. Raises OSError.
 
-    Dollars in titles and names stay dollars: only matplotlib's own labels are formulas. A letter that no font has becomes an
-    empty box.
+    Dollar signs in titles and names are printed as they are; only matplotlib's own labels are formulas. A
+    character that no font contains is drawn as an empty box.
     """
     from matplotlib.text import Text
 

@@ -19,18 +19,18 @@ from ricochet.modal_table import ModalTable
 
 @dataclass(frozen=True)
 class Certificate:
-    """The proof that no mode is missing; of a basis fitted to contact, the error that it met
+    """The proof that no mode is missing, or the error estimate of a contact-adapted basis
     (kernels/FORMAT.md)."""
 
-    below: int  #: modes below the interval that was searched
+    below: int  #: number of modes below the interval that was searched
     upto_hz: float  #: upper end of the interval [Hz]
-    count_by_inertia: int  #: modes in it by the Sturm-sequence count
-    count_found: int  #: modes found in it
-    left_out: int  #: of these, modes that the kernel leaves to the residual flexibility
-    complete: bool  #: counts agree and all errors are within their bounds
+    count_by_inertia: int  #: number of modes in the interval by the Sturm-sequence count
+    count_found: int  #: number of modes found in the interval
+    left_out: int  #: found modes whose static response is part of the residual flexibility instead
+    complete: bool  #: the counts agree and all errors are within their bounds
     orthonormality: float  #: max |Φᵀ M Φ − I|
-    flexibility_error: float  #: relative, of the contact over the band; 0 without a bound
-    approximate: int  #: block iterations in place of the certified search; 0: none
+    flexibility_error: float  #: relative error of the contact flexibility over the band; 0 if there is no bound
+    approximate: int  #: number of block iterations; 0: certified search
 
 
 @dataclass(frozen=True)
@@ -38,13 +38,13 @@ class VisualisationSurface:
     """The outer surface of a body, in its own axes. V nodes, E elements of k corners, N modes."""
 
     node: Floats  #: (V,3) [m]
-    element: NDArray[np.int64]  #: (E,k), k = 3 triangles or 2 segments
+    element: NDArray[np.int64]  #: (E,k); k = 3: triangles, k = 2: segments
     shape: NDArray[np.float32]  #: (V,3,N) [kg^-1/2]
 
 
 @dataclass(frozen=True)
 class KernelReceiver:
-    """A point whose motion is recorded, in the body's own axes."""
+    """A point whose motion is recorded, in the axes of the body."""
 
     point: Floats  #: (3) [m]
     shape: Floats  #: (3,N) [kg^-1/2]
@@ -53,13 +53,14 @@ class KernelReceiver:
 class Kernel:
     """The kernel of one body. Arrays are read-only views of the kernel's memory.
 
-    N modes, M candidate points, c components (3, or 1 where the scene fixes the direction of contact). SI
-    units; axes are the body's own: the mesh after `scale`, before rotation and translation. A mode is
+    N modes, M candidates, c components (3, or 1 if the scene fixes the direction of contact). SI units. The
+    axes are those of the body: of the mesh after `scale`, before rotation and translation. Modes are
     normalised by mass, φᵀ M φ = 1, so that shapes have the unit kg^-1/2.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        """Reads a kernel file. Raises InputError, one line, for a missing, damaged or foreign file."""
+        """Reads a kernel file. Raises InputError, one line, for a file that is missing, damaged or not a
+        kernel."""
         self.path = Path(path)
         self._core = _core.read_kernel(self.path)
 

@@ -12,7 +12,7 @@ from ricochet import files
 from ricochet.arrays import Floats
 from ricochet.result_file import File, expected
 
-DISPLAYED = 30  # rows in a notebook
+DISPLAYED = 30  # rows shown in a notebook
 COLUMNS = [
     "body",
     "mode",
@@ -26,22 +26,23 @@ COLUMNS = [
 
 @dataclass(repr=False)
 class ModalTable:
-    """The N modes of a body, rigid modes first.
+    """The N modes of a body. Rigid modes come first.
 
-    With mass-normalised shapes φ, the participation factor of mode n along axis e is Γ = φᵀ M e and its effective mass is Γ².
-    The effective masses of all modes of a free body add up to its mass. `contact_share` is the part of the mode in the static
-    flexibility of the contact, tr(B_n B_nᵀ / ω²) / tr F with F = Σ B_n B_nᵀ / ω² + R and B_n the normal displacement of the
-    candidates; NaN for rigid modes and without candidates.
+    With mass-normalised shapes φ, the participation factor of mode n along axis e is Γ = φᵀ M e, and its
+    effective mass is Γ². The effective masses of all modes of a free body add up to its mass. `contact_share`
+    is the share of the mode in the static flexibility of the contact, tr(B_n B_nᵀ / ω²) / tr F, with the
+    normal displacement B_n of the candidates and F = Σ B_n B_nᵀ / ω² + R. It is NaN for rigid modes and if
+    there are no candidates.
     """
 
     body: str
-    basis: str  # "modes", or "contact" for a contact-adapted basis, whose vectors aren't modes of the body
+    basis: str  # "modes", or "contact" for a contact-adapted basis, whose vectors are not modes of the body
     mass: float  # [kg]
     frequency_hz: Floats  # (N)
     damping: Floats  # (N) damping ratio; NaN for rigid modes
     participation: Floats  # (N,3) [√kg]
     contact_share: Floats  # (N)
-    residual_share: float  # the part of the residual flexibility R in the contact flexibility
+    residual_share: float  # share of the residual flexibility R in the contact flexibility
 
     @property
     def effective_mass(self) -> Floats:
@@ -50,7 +51,7 @@ class ModalTable:
 
     @property
     def elastic_share(self) -> float:
-        """The part of all modes in the contact flexibility; NaN without candidates."""
+        """The share of all modes in the contact flexibility; NaN if there are no candidates."""
         known = self.contact_share[np.isfinite(self.contact_share)]
         return float(known.sum()) if known.size else float("nan")
 
@@ -76,7 +77,7 @@ class ModalTable:
             )
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Writes all modes, with a row for each. Raises InputError."""
+        """Writes all modes, one row each. Raises InputError."""
         write_csv([self], Path(path))
 
     def __repr__(self) -> str:
@@ -105,7 +106,7 @@ class ModalTable:
             yield [self.body, n + 1, *(float(value) if np.isfinite(value) else "" for value in numbers)]
 
     def text(self, first: int) -> str:
-        """The table for a terminal, with the first modes."""
+        """The table of the first modes, for a terminal."""
         what = "modes" if self.basis == "modes" else "vectors of a contact-adapted basis"
         lines = [f"{self.body}: {len(self.frequency_hz)} {what}, mass {self.mass:.4g} kg"]
         lines.append("mode   frequency   damping  effective mass (% of the mass)   contact flexibility")
@@ -130,7 +131,7 @@ def cell(share: float, width: int) -> str:
 
 
 def contact_shares(file: File, omega: Floats) -> tuple[Floats, float]:
-    """The parts of modes and of R in the trace of the contact flexibility."""
+    """The shares of each mode and of R in the trace of the contact flexibility."""
     normal = file.array("/surface/normal", None, 3)
     points, count = len(normal), len(omega)
     direction = file.attribute("/surface/shape", "direction")

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Runs Ricochet's programs, under mpirun where needed, and names the files and folders that they use."""
+"""Runs Ricochet's programs, under mpirun if necessary, and determines the names of their files and
+folders."""
 import json
 import os
 import re
@@ -13,7 +14,7 @@ from typing import Any, NoReturn, cast
 from ricochet.errors import InputError, RicochetError, failure
 
 Word = str | Path
-Answer = dict[str, Any]  # one of ricochet-contact --batch: status, and summary or error
+Answer = dict[str, Any]  # an answer of ricochet-contact --batch: status, and summary or error
 Show = Callable[[str], object]
 
 ROOT = Path(__file__).resolve().parents[2]  # the checkout
@@ -21,7 +22,7 @@ ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 
 
 def folder_of_programs() -> Path:
-    """$RICOCHET_BIN, the build of this checkout, or the folder of the installed programs."""
+    """The folder $RICOCHET_BIN, that of the build of this checkout, or that of the installed programs."""
     named, built = os.environ.get("RICOCHET_BIN"), ROOT / "build" / "bin"
     installed = shutil.which("ricochet-contact")
     if named or built.is_dir() or not installed:
@@ -36,7 +37,8 @@ BIN = folder_of_programs()
 
 
 def mpirun(ranks: int) -> list[Word]:
-    """The words before a program that start it on `ranks` ranks. Errors appear once, from the program itself.
+    """The words that start a program on `ranks` ranks, to be placed in front of it. Errors are printed once,
+    by the program itself.
 
     $RICOCHET_LAUNCHER, such as "srun --mpi=pmix -n {ranks}", replaces mpirun.
     """
@@ -52,12 +54,12 @@ def mpirun(ranks: int) -> list[Word]:
 
 
 def bound(command: Sequence[Word]) -> list[str]:
-    """The command, to be ended with its parent process, even if that one is killed."""
+    """Extends the command so that it ends with its parent process, even if the parent is killed."""
     return ["setpriv", "--pdeathsig", "TERM", *map(str, command)]
 
 
 def find(command: Sequence[Word]) -> None:
-    """Raises InputError if the program, or its launcher, is missing."""
+    """Raises InputError if the program or its launcher is missing."""
     if not BIN.is_dir():
         raise InputError(f"{BIN}: no programs there. Run scripts/build first.")
     for word in map(Path, map(str, command)):
@@ -74,10 +76,10 @@ def find(command: Sequence[Word]) -> None:
 
 
 def start(command: Sequence[Word], capture: bool = False, quiet: bool = True) -> "subprocess.Popen[str]":
-    """Starts a program; `wait` waits for its end.
+    """Starts a program. `wait` waits for its end.
 
-    @param capture  keeps its standard output for `wait`
-    @param quiet    prints nothing of it
+    @param capture  keep its standard output for `wait`
+    @param quiet    print none of its output
     """
     find(command)
     output = subprocess.PIPE if capture else subprocess.DEVNULL if quiet else None
@@ -90,8 +92,9 @@ def start(command: Sequence[Word], capture: bool = False, quiet: bool = True) ->
 def wait(process: "subprocess.Popen[str]", show: Show | None = None) -> str:
     """Waits for the end of a program and returns the standard output that `start` kept.
 
-    `show` is called with each line that a quiet program writes on standard error. Raises InputError if the program refuses its
-    input, SolverError if it fails otherwise; a program that is not quiet has already reported the reason.
+    `show` is called with each line that a quiet program writes to standard error. Raises InputError if the
+    program refuses its input, and SolverError if it fails otherwise. A program that is not quiet has already
+    reported the reason.
     """
     lines = []
     with process:
@@ -101,7 +104,7 @@ def wait(process: "subprocess.Popen[str]", show: Show | None = None) -> str:
                 if show:
                     show(line)
             out, _ = process.communicate()
-        except BaseException:  # interrupted: the ranks have to end too, and remove their temporary files
+        except BaseException:  # interrupted: the ranks must end too, and remove their temporary files
             process.terminate()
             raise
     status = process.returncode
@@ -116,19 +119,20 @@ def wait(process: "subprocess.Popen[str]", show: Show | None = None) -> str:
 
 
 def call(command: Sequence[Word], capture: bool = False) -> str:
-    """Runs a program to its end and returns its standard output if `capture` is set."""
+    """Runs a program to its end. Returns its standard output if `capture` is set."""
     return wait(start(command, capture, quiet=False))
 
 
 def replace_this_process(command: Sequence[Word]) -> NoReturn:
-    """Turns this process into the program."""
+    """Replaces this process by the program."""
     find(command)
     os.environ.update(ONE_THREAD)
     os.execvp(command[0], [str(word) for word in command])
 
 
 def refusal(process: "subprocess.Popen[str]") -> Answer | None:
-    """Waits for the end of a quiet program; returns its error in the form of an answer of --batch, or None if it succeeded."""
+    """Waits for the end of a quiet program. Returns its error in the form of an answer of --batch, or None if
+    it succeeded."""
     try:
         wait(process)
     except RicochetError as error:
@@ -139,7 +143,7 @@ def refusal(process: "subprocess.Popen[str]") -> Answer | None:
 
 
 def complaint(err: str) -> str:
-    """The line of standard error that gives the reason why a program failed."""
+    """The line of standard error that contains the reason for a failure."""
     lines = [line.strip() for line in err.splitlines() if line.strip()]
     own = [line.split(": ", 1)[1] for line in lines if re.match("ricochet-[a-z]+: ", line)]
     return (own or lines or ["it gave no reason"])[-1]
@@ -153,7 +157,8 @@ def version() -> str:
 
 
 def with_set(settings: Iterable[str], out: Word | None = None) -> list[Word]:
-    """Words of a command that override scene keys, by KEY=VALUE each, and name the folder of kernels and results."""
+    """Command-line arguments that override scene keys, each as KEY=VALUE, and name the folder of kernels and
+    results."""
     words: list[Word] = [word for setting in settings for word in ("--set", setting)]
     return words + (["--out", out] if out else [])
 
@@ -170,7 +175,7 @@ def toml(value: Any) -> str:
 
 
 def settings(changes: Mapping[str, Any]) -> list[str]:
-    """KEY=VALUE, the form that --set takes, for Python values by key."""
+    """Converts Python values, by key, to the form KEY=VALUE of --set."""
     return [f"{key}={toml(value)}" for key, value in changes.items()]
 
 
@@ -182,7 +187,7 @@ def kernel_command(scene: Word, arguments: Sequence[Word], ranks: int) -> list[W
 
 
 def kernel(scene: Word, arguments: Sequence[Word], ranks: int) -> None:
-    """Computes the kernels of a scene that do not exist yet."""
+    """Computes the missing kernels of a scene."""
     call(kernel_command(scene, arguments, ranks))
 
 
@@ -197,7 +202,7 @@ def resolved(scene: Word, arguments: Sequence[Word], program: str = "ricochet-co
 
 
 def slug(title: str) -> str:
-    """The start of the names of all files of a result, made from the scene's title."""
+    """The start of all file names of a result, derived from the title of the scene."""
     return re.sub("[^a-z0-9]+", "-", title.lower()).strip("-") or "scene"
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""A progress bar on standard error, with the time left, on terminals and in notebooks."""
+"""A progress bar on standard error, with the remaining time, for terminals and notebooks."""
 import sys
 import time
 from typing import TextIO
@@ -16,7 +16,8 @@ def duration(seconds: float) -> str:
 
 
 class Progress:
-    """Counts pieces of work of similar length. Pieces that an earlier run finished don't count for the pace."""
+    """Counts units of work of similar length. Units that an earlier run finished do not count for the
+    remaining time."""
 
     WIDTH = 30
 

@@ -22,7 +22,7 @@ from ricochet.studies.table import Table
 
 
 class _Data:
-    """Datasets of an open result file, each read on first use."""
+    """Datasets of an open result file. Each is read on first use."""
 
     def __init__(self, file: File, group: str, rows: int | None = None) -> None:
         self._file, self._group, self._rows = file, group, rows
@@ -38,7 +38,7 @@ class _Data:
 
 
 class BodyMotion(_Data):
-    """Rigid part of the motion of a body. K rows, at the times `Result.time`; world axes."""
+    """The rigid part of the motion of a body. K rows, at the times `Result.time`; world axes."""
 
     @cached_property
     def velocity(self) -> Floats:
@@ -52,12 +52,12 @@ class BodyMotion(_Data):
 
     @cached_property
     def angular_momentum(self) -> Floats:
-        """(K,3) about the world's origin [kg m²/s]"""
+        """(K,3) about the origin of the world axes [kg m²/s]"""
         return self._read("angular_momentum", self._rows, 3)
 
     @cached_property
     def reaction(self) -> Floats:
-        """(K,3) force of the supports on the body, mean since the row before [N]"""
+        """(K,3) force of the supports on the body, mean since the previous row [N]"""
         return self._read("reaction", self._rows, 3)
 
     @property
@@ -77,7 +77,7 @@ class BodyMotion(_Data):
 
 
 class ReceiverMotion(_Data):
-    """Motion of a receiver. S rows, at the times `Result.receiver_time`, every step; world axes."""
+    """Motion of a receiver. S rows, at t = 0 and after every step (`Result.receiver_time`); world axes."""
 
     @cached_property
     def displacement(self) -> Floats:
@@ -91,12 +91,12 @@ class ReceiverMotion(_Data):
 
     @cached_property
     def acceleration(self) -> Floats:
-        """(S,3) of the modes [m/s²]"""
+        """(S,3) acceleration of the modes [m/s²]"""
         return self._read("acceleration", self._rows, 3)
 
     @property
     def point(self) -> Floats:
-        """(3) where it is at the start [m]"""
+        """(3) initial position [m]"""
         return self._vector("point")
 
 
@@ -104,22 +104,23 @@ class Result(_Data):
     """The result of an impact. Each array is read on first use.
 
     K rows of state at the times `time`, k rows of contact at the times `contact_time`, m contact points. SI
-    units, world axes; contact/FORMAT.md defines each quantity. The result keeps its file open: another run
-    may write a file of the same name without changing it.
+    units, world axes. contact/FORMAT.md defines each quantity. The result keeps its file open, so another run
+    that writes a file of the same name does not change it.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        """Opens a `.result.h5`. Raises InputError, one line, for a missing, damaged or foreign file."""
+        """Opens a `.result.h5`. Raises InputError, one line, for a file that is missing, damaged or not a
+        result."""
         self.path = Path(path)
         super().__init__(File(self.path, "ricochet-result"), "")
-        try:  # now, because another run may replace it
+        try:  # read now, because another run may replace the file
             self._summary = self.path.with_name(f"{self.slug}.summary.json").read_text("utf-8")
         except (OSError, ValueError):
             self._summary = ""
 
     @property
     def slug(self) -> str:
-        """The start of the names of its files."""
+        """The start of its file names."""
         return self.path.name.removesuffix(".h5").removesuffix(".result")
 
     @property
@@ -128,7 +129,7 @@ class Result(_Data):
 
     @cached_property
     def scene(self) -> dict[str, Any]:
-        """The resolved scene of the run; empty if the file holds none."""
+        """The resolved scene of the run; empty if the file contains none."""
         try:
             return tomllib.loads(self._file.text("/", "scene") or "")
         except tomllib.TOMLDecodeError:
@@ -144,7 +145,7 @@ class Result(_Data):
 
     @property
     def warnings(self) -> list[str]:
-        """Warnings that the model leaves its validity, one sentence each."""
+        """Warnings that the model may not be valid, one sentence each."""
         return list(self.summary["warnings"])
 
     # ---- Contact ----
@@ -156,12 +157,12 @@ class Result(_Data):
 
     @cached_property
     def contact_time(self) -> Floats:
-        """(k) the rows of `time` whose step has a force [s]"""
+        """(k) times of the rows whose step has a force [s]"""
         return self._read("contact/time", None)
 
     @cached_property
     def force(self) -> Floats:
-        """(k,m) λ ≥ 0, compressive [N]: constant over the step that ends at the row's time"""
+        """(k,m) compressive force λ ≥ 0 [N], constant over the step that ends at the time of the row"""
         return self._read("contact/force", len(self.contact_time), len(self.initial_gap))
 
     @cached_property
@@ -173,7 +174,7 @@ class Result(_Data):
 
     @cached_property
     def gap(self) -> Floats:
-        """(k,m) [m]; negative: penetration"""
+        """(k,m) [m]; negative values are penetration"""
         return self._read("contact/gap", len(self.contact_time), len(self.initial_gap))
 
     @cached_property
@@ -183,7 +184,7 @@ class Result(_Data):
 
     @cached_property
     def area(self) -> Floats:
-        """(m) of the patches on the first body of the pair [m²]; pressure is force / area"""
+        """(m) area of the patches on the first body of the pair [m²]; pressure is force / area"""
         return self._read("contact/area", len(self.initial_gap))
 
     @cached_property
@@ -193,12 +194,12 @@ class Result(_Data):
 
     @cached_property
     def point_b(self) -> Floats:
-        """(m,3) the places that they face [m]"""
+        """(m,3) opposite points on the other surface [m]"""
         return self._read("contact/point_b", len(self.initial_gap), 3)
 
     @cached_property
     def normal(self) -> Floats:
-        """(m,3) unit normals out of the first body"""
+        """(m,3) unit normals, pointing out of the first body"""
         return self._read("contact/normal", len(self.initial_gap), 3)
 
     # ---- Motion and energy ----
@@ -212,7 +213,7 @@ class Result(_Data):
 
     @cached_property
     def receivers(self) -> dict[str, ReceiverMotion]:
-        """Motion by the names of `[[output.receiver]]`."""
+        """Motion of the receivers, by the names in `[[output.receiver]]`."""
         names = [name for name in self._file.names("/receivers") if name != "time"]
         return {
             name: ReceiverMotion(self._file, f"/receivers/{name}", len(self.receiver_time)) for name in names
@@ -220,13 +221,13 @@ class Result(_Data):
 
     @cached_property
     def receiver_time(self) -> Floats:
-        """(S) 0 and every step [s]. Raises InputError where the scene has no receivers."""
+        """(S) 0 and the time of every step [s]. Raises InputError if the scene has no receivers."""
         return self._read("receivers/time", None)
 
     @cached_property
     def energy(self) -> dict[str, Floats]:
         """(K) each [J]: `kinetic`, `strain`, `residual` (of the static response), `loads` (their work so
-        far), `damping` and `contact` (taken so far), and `total` = kinetic + strain + residual − loads. Empty
+        far), `damping` and `contact` (lost so far), and `total` = kinetic + strain + residual − loads. Empty
         for table kernels.
         """
         if not self._file.has("/energy/total"):
@@ -235,8 +236,8 @@ class Result(_Data):
 
     @cached_property
     def snapshots(self) -> dict[str, Floats]:
-        """(s,N) modal coordinates by body [kg^1/2 m] at the (s) times of `time` [s]; empty without
-        `output.snapshot_every`"""
+        """(s,N) modal coordinates by body [kg^1/2 m], and the (s) times as `time` [s]. Empty without
+        `output.snapshot_every`."""
         return {
             name: self._read(f"snapshots/{name}", *([None] if name == "time" else [None, None]))
             for name in self._file.names("/snapshots")
@@ -245,7 +246,7 @@ class Result(_Data):
     # ---- Display ----
 
     def figures(self) -> dict[str, str]:
-        """Key figures by name, as texts with units."""
+        """The main figures by name, as text with units."""
         out = {}
         for key, name, unit in _FIGURES:
             value = self.summary.get(key)
@@ -273,7 +274,7 @@ class Result(_Data):
         return f"<b>{html.escape(self.title)}</b>{warned}<table>{rows}</table>{self._force_drawing()}"
 
     def _force_drawing(self) -> str:
-        """The total force over the time of contact as a small SVG; empty where nothing touches or there is no
+        """The total force over the time of contact as a small SVG. Empty if nothing touches or there is no
         history."""
         if len(self.contact_time) == 0 or len(self.time) < 3:
             return ""
@@ -284,7 +285,7 @@ class Result(_Data):
         )
         t, force = self.time[first:last], self.total_force[first:last]
         width, height, most = 420, 120, max(1, -(-len(t) // 800))
-        if most > 1:  # the peak of each group stays
+        if most > 1:  # keep the peak of each group
             groups = np.arange(0, len(t), most)
             t, force = t[groups], np.maximum.reduceat(force, groups)
         peak, (scale, unit) = float(force.max()), _prefix(float(t[-1]))
@@ -302,28 +303,28 @@ class Result(_Data):
 
 
 class SweepResult:
-    """The figures of all impacts of a study. Columns have equal length, with a row for each impact."""
+    """The figures of all impacts of a study. All columns have a row for each impact."""
 
     #: columns that a notebook shows
     SHOWN = ("peak_force_n", "impulse_ns", "restitution", "contact_steps")
 
     def __init__(self, table: Table) -> None:
         self.title = table.title
-        #: values of the keys that are varied
+        #: values of the varied keys
         self.inputs: dict[str, NDArray[Any]] = {
             name: np.array(column) for name, column in table.inputs.items()
         }
-        #: figures of summary.json, NaN where an impact has none; `exit_velocity.upper.y` and the like
+        #: figures of summary.json, such as `exit_velocity.upper.y`; NaN if an impact does not have one
         self.outputs: dict[str, Floats] = {
             name: np.array(column, dtype=np.float64) for name, column in table.outputs.items()
         }
-        #: 0; 2: refused, 1: broke down
+        #: 0: finished, 2: refused, 1: failed
         self.status: NDArray[np.int64] = np.array(table.status, dtype=np.int64)
-        #: why an impact was refused or broke down, one line
+        #: the reason why an impact was refused or failed, one line
         self.error: list[str] = list(table.error)
 
     def __getitem__(self, name: str) -> NDArray[Any]:
-        """A column, of inputs or outputs. Raises KeyError."""
+        """A column of the inputs or outputs. Raises KeyError."""
         return self.inputs[name] if name in self.inputs else self.outputs[name]
 
     def __len__(self) -> int:
@@ -346,7 +347,7 @@ class SweepResult:
 #: datasets of the energy ledger
 _TERMS = ("kinetic", "strain", "residual", "loads", "damping", "contact", "total")
 
-#: keys of the summary that make key figures, their names and units
+#: main figures: key in the summary, name and unit
 _FIGURES = (
     ("contact_start_s", "contact starts", " s"),
     ("contact_end_s", "contact ends", " s"),

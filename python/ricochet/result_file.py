@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Result and kernel files: HDF5 whose content is checked as it is read."""
+"""Result and kernel files: HDF5, with checks of the content while it is read."""
 import contextlib
 import warnings
 from collections.abc import Iterator
@@ -17,7 +17,7 @@ VERSION = 1
 
 
 def is_there(path: Path) -> bool:
-    """Whether the file exists and can be opened. Raises InputError if it cannot be opened."""
+    """Whether the file exists and can be opened. Raises InputError if it exists but cannot be opened."""
     try:
         if not path.is_file():
             return False
@@ -34,7 +34,7 @@ def expected(path: Path, program: str = "ricochet-contact") -> Iterator[None]:
     """Raises InputError in place of any exception that the content of a foreign file causes."""
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # NumPy warns of numbers that no run has
+            warnings.simplefilter("ignore")  # NumPy warns of numbers that no run produces
             yield
     except (InputError, MemoryError):
         raise
@@ -43,7 +43,7 @@ def expected(path: Path, program: str = "ricochet-contact") -> Iterator[None]:
 
 
 class File:
-    """An HDF5 file whose datasets are checked as they are read."""
+    """An HDF5 file. Datasets are checked when they are read."""
 
     def __init__(self, path: Path, kind: str) -> None:
         self.path = path
@@ -68,7 +68,7 @@ class File:
             )
 
     def text(self, where: str, name: str) -> str | None:
-        """An attribute; None unless it is a text."""
+        """An attribute, or None if it is not text."""
         value = self.attribute(where, name)
         if isinstance(value, bytes):
             return value.decode(errors="replace")
@@ -80,18 +80,19 @@ class File:
     def has(self, name: str) -> bool:
         try:
             item = self.file.get(name)
-        except RuntimeError:  # links in a circle
+        except RuntimeError:  # links that form a circle
             return False
         return isinstance(item, h5py.Dataset) and item.file.filename == self.file.filename
 
     def names(self, group: str) -> list[str]:
         try:
             return sorted(self.file[group]) if isinstance(self.file.get(group), h5py.Group) else []
-        except RuntimeError:  # links in a circle
+        except RuntimeError:  # links that form a circle
             return []
 
     def array(self, name: str, *shape: int | None) -> NDArray[Any]:
-        """Values as floats or integers. None in `shape` is a dimension of any length."""
+        """The values of a dataset, floats or integers. None in `shape` stands for a dimension of any
+        length."""
         refused = f'{self.path}: dataset "{name}"'
         if not self.has(name):
             raise InputError(f"{refused} is missing. Compute it again.")
@@ -99,7 +100,7 @@ class File:
         if len(data.shape) != len(shape) or any(s not in (None, d) for s, d in zip(shape, data.shape)):
             expected = ", ".join("*" if s is None else str(s) for s in shape)
             raise InputError(f"{refused} has shape {data.shape}, expected ({expected}). Compute it again.")
-        if data.nbytes > 64 * self.path.stat().st_size:  # a damaged file must not claim all memory
+        if data.nbytes > 64 * self.path.stat().st_size:  # a damaged file must not exhaust the memory
             raise InputError(f"{refused} claims more than the file can hold. Compute it again.")
         try:
             values: NDArray[Any] = data[()]
@@ -111,6 +112,6 @@ class File:
 
 
 def are_finite(values: Any, count: int) -> bool:
-    """Whether an attribute holds so many finite numbers."""
+    """Whether an attribute consists of `count` finite numbers."""
     numbers = np.asarray(values)
     return numbers.size == count and numbers.dtype.kind in "fi" and bool(np.isfinite(numbers).all())

@@ -19,7 +19,7 @@ from ricochet.scene import PathLike, Scene, plain, scene_of
 from ricochet.studies.study import Study
 from ricochet.studies.sweep import Sweep
 
-#: a line that ricochet-kernel prints at the end of a phase
+#: matches a line that ricochet-kernel prints at the end of a phase
 _PHASE = re.compile(r"(?P<body>[\w-]+): (?P<phase>.+?) {2,}[\d.]+ (s|min|h)")
 
 
@@ -27,10 +27,10 @@ def kernels(scene: Scene | PathLike, ranks: int = 2, out: PathLike | None = None
     """Returns the kernels of a scene, by body. Missing kernels are computed by ricochet-kernel under mpirun.
 
     ranks: MPI ranks of ricochet-kernel.
-    out: the folder of the kernels, otherwise `scene.out`.
+    out: folder of the kernels; default: `scene.out`.
 
-    Raises InputError, one line, for a mesh, a material or a setting that ricochet-kernel refuses; SolverError
-    for a computation that breaks down.
+    Raises InputError, one line, for a mesh, a material or a setting that ricochet-kernel refuses, and
+    SolverError for a computation that fails.
     """
     scene = scene_of(scene)
     folder = _folder(scene, out)
@@ -40,7 +40,7 @@ def kernels(scene: Scene | PathLike, ranks: int = 2, out: PathLike | None = None
 
 
 def stored_kernels(scene: Scene) -> dict[str, Kernel]:
-    """The kernels that are in `scene.out`, by body. Raises InputError where one is missing."""
+    """The kernels in `scene.out`, by body. Raises InputError if one is missing."""
     found = {}
     for body, path, there in scene._core.kernel_files(scene.out):
         if not there:
@@ -55,12 +55,13 @@ def impact(scene: Scene | PathLike, out: PathLike | None = None) -> Result:
     """Runs the impact of a scene in this process and returns its result.
 
     Kernels must exist: call `kernels` first. The files of the result are those that ricochet-contact writes.
-    Other threads run during the steps. Ctrl-C ends the run and leaves no files behind.
+    Other threads can run during the steps. Ctrl-C ends the run and leaves no files behind.
 
-    out: the folder of kernels and results, otherwise `scene.out`.
+    out: folder of kernels and results; default: `scene.out`.
 
-    Raises InputError, one line, for kernels that are missing and for bodies that overlap or do not meet;
-    SolverError if the motion stops being finite. Issues a UserWarning where the model leaves its validity.
+    Raises InputError, one line, for kernels that are missing and for bodies that overlap or do not meet, and
+    SolverError if the motion becomes infinite or undefined. Issues a UserWarning if the model may not be
+    valid.
     """
     scene = scene_of(scene)
     folder = _folder(scene, out)
@@ -84,12 +85,12 @@ def sweep(
 
     study: a study file (docs/studies.md), or a Scene whose keys `grid` varies.
     grid: lists of values by key; every combination is run.
-    out: the folder of kernels and results, otherwise `out` beside the study, or `scene.out`.
-    jobs: impacts side by side, otherwise one for each processor.
+    out: folder of kernels and results; default: `out` beside the study, or `scene.out`.
+    jobs: number of impacts that run at the same time; default: one for each processor.
     ranks: MPI ranks of ricochet-kernel.
 
-    Raises InputError for a study that is refused, and SolverError if all of its impacts break down. Single
-    impacts that fail are rows of the result, with the reason in `error`.
+    Raises InputError for a study that is refused, and SolverError if all of its impacts fail. If only some
+    impacts fail, their rows of the result contain the reason in `error`.
     """
     if isinstance(study, Scene):
         if not grid:
@@ -114,7 +115,7 @@ def sweep(
 
 
 class Picture:
-    """A PNG file, which a notebook shows."""
+    """A PNG file, displayed in notebooks."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -127,11 +128,12 @@ class Picture:
 
 
 def plot(what: Result | Kernel | PathLike, out: PathLike | None = None) -> list[Picture]:
-    """Draws a result: the contact, the energy and, if there are snapshots, the bodies. Or draws a kernel: its
-    first elastic modes, for which the scene needs `output.view = true`.
+    """Draws a result or a kernel. Pictures of a result show the contact, the energy and, if there are
+    snapshots, the bodies. The picture of a kernel shows its first elastic modes. For the modes, the scene
+    needs `output.view = true`.
 
-    what: also the path of a result.
-    out: the folder of the pictures, otherwise that of the result or of the kernel.
+    what: a result, its path, or a kernel.
+    out: folder of the pictures; default: the folder of the result or of the kernel.
 
     Raises InputError for a file that cannot be drawn.
     """
@@ -144,8 +146,9 @@ def plot(what: Result | Kernel | PathLike, out: PathLike | None = None) -> list[
 def report(result: Result | PathLike, out: PathLike | None = None) -> Path:
     """Writes the page of a run, which opens in any browser, and returns its path.
 
-    out: the page, otherwise `<slug>.report.html` beside the result. Raises InputError for a file that cannot
-        be read.
+    out: path of the page; default: `<slug>.report.html` beside the result.
+
+    Raises InputError for a file that cannot be read.
     """
     return pages.write_page(_path_of(result), None if out is None else Path(out))
 
@@ -162,7 +165,7 @@ def _path_of(result: Result | PathLike) -> Path:
 
 
 def _compute(scene: Scene, folder: Path, ranks: int) -> None:
-    """Runs ricochet-kernel, with a bar that counts bodies."""
+    """Runs ricochet-kernel, with a progress bar that counts bodies."""
     file, settings = scene._command(folder)
     bar, seen = Progress(len(scene.bodies)), ""
 
@@ -181,7 +184,7 @@ def _compute(scene: Scene, folder: Path, ranks: int) -> None:
 
 
 def _study_file(scene: Scene, grid: Mapping[str, Sequence[Any]], folder: Path) -> Path:
-    """Writes the scene and a study that varies it into `folder`."""
+    """Writes the scene, and a study that varies it, into `folder`."""
     written = scene.write(folder / f"{scene.slug}.toml")
     path = folder / f"{scene.slug}.study.toml"
     table = {"scene": written.name, "title": scene.title, "grid": plain(grid)}
@@ -190,7 +193,7 @@ def _study_file(scene: Scene, grid: Mapping[str, Sequence[Any]], folder: Path) -
 
 
 class _StepBar:
-    """A progress bar for the phases of a run that have a known length."""
+    """A progress bar for those phases of a run whose length is known."""
 
     def __init__(self) -> None:
         self._bar: Progress | None = None

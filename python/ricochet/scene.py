@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Scenes: TOML files or dictionaries that describe an impact, checked by the reader of the programs."""
+"""Scenes: TOML files or dictionaries that describe an impact. The reader of the programs checks them."""
 
 from __future__ import annotations
 
@@ -20,23 +20,23 @@ _PART = re.compile(r'(?:"(?P<quoted>[^"]*)"|(?P<bare>[^."\[\]]+))(?P<indices>(?:
 
 
 class Scene:
-    """A scene that is always valid: a file or a setting that is not raises InputError and changes nothing.
+    """A scene that is always valid: an invalid file or setting raises InputError and changes nothing.
 
     >>> scene = Scene("meshes/two-disks/two-disks.toml")
     >>> scene["bodies.upper.velocity"] = [0, -6, 0]
     >>> scene["time.rate_hz"]
     44100.0
 
-    A scene without [contact] or [time] is enough for `kernels`. docs/keys.md lists the keys. They are written
-    as for the option --set: `"loads.point[0].vector"`, `'bodies.ball.support."x plane"'`. All quantities are
-    in SI units.
+    For `kernels`, a scene needs no [contact] and no [time]. docs/keys.md lists the keys. They are written as
+    for the option --set: `"loads.point[0].vector"`, `'bodies.ball.support."x plane"'`. All quantities are in
+    SI units.
     """
 
     def __init__(self, source: PathLike | Mapping[str, Any], folder: PathLike = ".") -> None:
         """Reads a scene.
 
         source: a TOML file, or a dictionary with the same tables.
-        folder: of a dictionary: the folder that its relative paths start from, and that holds `out`.
+        folder: for a dictionary, the folder to which its paths are relative, and which contains `out`.
 
         Raises InputError, one line, for a file or a key that the programs refuse.
         """
@@ -62,8 +62,8 @@ class Scene:
     # ---- Keys ----
 
     def __getitem__(self, key: str) -> Any:
-        """The value of a key: the given one, otherwise the default. A table is a dictionary. Raises KeyError
-        for a key that has neither."""
+        """The value of a key: as given, otherwise the default. A table is returned as a dictionary. Raises
+        KeyError for a key that has neither."""
         path = _split(key)
         for table in (self._given, self._resolved):
             try:
@@ -87,11 +87,11 @@ class Scene:
         self.set({key: value})
 
     def set(self, changes: Mapping[str, Any]) -> None:
-        """Sets several keys at once, for keys that are valid only together. Raises InputError as above."""
+        """Sets several keys at once, which may be valid only together. Raises InputError as above."""
         self._load(settings(plain(changes)))
 
     def changed(self, changes: Mapping[str, Any]) -> Scene:
-        """A copy with these keys set; this scene stays as it is. Raises InputError as `set` does."""
+        """A copy with these keys set. This scene does not change. Raises InputError as `set` does."""
         other = object.__new__(Scene)
         other.__dict__.update(self.__dict__)
         other._settings = list(self._settings)
@@ -116,21 +116,22 @@ class Scene:
 
     @property
     def file(self) -> Path:
-        """The file that it was read from; for a dictionary, a file `scene.toml` that need not exist."""
+        """The file from which the scene was read. For a dictionary, a file `scene.toml` that need not
+        exist."""
         return self._file
 
     @property
     def out(self) -> Path:
-        """The folder of its kernels and results unless another one is named: `out` beside the file."""
+        """The default folder of its kernels and results: `out` beside the file."""
         return self._file.parent / "out"
 
     @property
     def resolved(self) -> dict[str, Any]:
-        """All keys with every default, as the programs read them."""
+        """All keys with their values or defaults, as the programs read them."""
         return tomllib.loads(self.to_toml())
 
     def to_toml(self) -> str:
-        """The resolved scene as TOML: read again from the same folder, it is the same scene."""
+        """The resolved scene as TOML. Read from the same folder, it gives the same scene."""
         return self._core.toml()
 
     def write(self, path: PathLike) -> Path:
@@ -164,11 +165,11 @@ class Scene:
     # ---- For the functions that run it ----
 
     def _for_impact(self) -> _core.Scene:
-        """Raises InputError if the scene lacks something that impacts need."""
+        """The scene for an impact. Raises InputError if something is missing that impacts need."""
         return _core.Scene(self._text, self._file, self._settings, _core.Purpose.impact)
 
     def _command(self, out: Path) -> tuple[Path, list[str]]:
-        """A scene file, and the words for the option --set that turn it into this scene."""
+        """A scene file, and the values of --set that turn it into this scene."""
         if self._is_stored:
             return self._file, self._settings
         return self.write(out / f"{self.slug}.toml"), []
@@ -195,7 +196,7 @@ def _split(key: str) -> list[str | int]:
 
 
 def _as_toml(scene: Mapping[str, Any]) -> str:
-    """The tables of a scene as people write them: a section for each table and for each body and obstacle."""
+    """The tables of a scene in the usual form: one section for each table, body and obstacle."""
     lines = _lines({name: value for name, value in scene.items() if not isinstance(value, Mapping)})
     for name, table in scene.items():
         if isinstance(table, Mapping):
@@ -215,7 +216,7 @@ def _lines(table: Mapping[str, Any]) -> list[str]:
 
 
 def plain(value: Any) -> Any:
-    """The value as TOML types: NumPy arrays and numbers, tuples and paths are converted."""
+    """Converts a value to TOML types. NumPy arrays and numbers, tuples and paths are converted."""
     if isinstance(value, Mapping):
         return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, os.PathLike):

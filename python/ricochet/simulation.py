@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Simulations: stepping through an impact in a loop, one step or one block at a time."""
+"""Simulations: advance an impact in a loop, by single steps or blocks of steps."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from ricochet.scene import Scene, scene_of
 
 @dataclass(frozen=True)
 class Pickup:
-    """A channel to listen to: a place of a body along a direction (world axes, any length but 0).
+    """A channel to listen to: a place of a body and a direction (world axes, any length except 0).
 
-    The place is a receiver of the scene, by name, or else the candidate of this index into `Kernel.node`.
+    The place is a receiver of the scene, by name, or the candidate with this index into `Kernel.node`.
     """
 
     body: str
@@ -33,24 +33,24 @@ class Pickup:
 
 @dataclass(frozen=True)
 class Block:
-    """A row for each of n steps; m contact points, p pickups."""
+    """Rows for n steps, with m contact points and p pickups."""
 
-    velocity: Floats  #: (n,p) of the pickups at the end of each step [m/s]
+    velocity: Floats  #: (n,p) velocity of the pickups at the end of each step [m/s]
     total_force: Floats  #: (n) Σ λ over each step [N]
-    force: Floats | None  #: (n,m) λ [N], where asked for
-    displacement: Floats | None  #: (n,m) u: the gap is initial_gap − u [m], where asked for
+    force: Floats | None  #: (n,m) λ [N], if requested
+    displacement: Floats | None  #: (n,m) u [m], if requested; the gap is initial_gap − u
 
 
 @dataclass(frozen=True)
 class Energy:
-    """Running ledger [J]: total + damping + contact stays constant, to round-off."""
+    """Energy ledger [J]: total + damping + contact stays constant to round-off."""
 
     kinetic: float
     strain: float
     residual: float  #: of the static response
     loads: float  #: work of gravity so far
-    damping: float  #: taken so far
-    contact: float  #: taken so far
+    damping: float  #: lost so far
+    contact: float  #: lost so far
     total: float  #: kinetic + strain + residual − loads
 
 
@@ -62,10 +62,10 @@ class State:
 
 
 class Simulation:
-    """Bodies in motion, from t = 0 on. m contact points, p pickups; SI units, world axes.
+    """Bodies in motion, from t = 0. m contact points, p pickups; SI units, world axes.
 
-    Steps are those of `impact`. A simulation belongs to one thread at a time; different simulations share
-    only kernels, which never change.
+    The steps are those of `impact`. Only one thread at a time may use a simulation. Different simulations
+    share only kernels, which do not change.
     """
 
     def __init__(
@@ -74,14 +74,14 @@ class Simulation:
         kernels: Mapping[str, Kernel] | None = None,
         pickups: Sequence[Pickup] | None = None,
     ) -> None:
-        """Places and pairs the bodies of a scene.
+        """Places the bodies of a scene and finds their contact pairs.
 
-        kernels: by body; otherwise those that `ricochet.kernels` left in `scene.out`.
-        pickups: channels to listen to; otherwise x, y and z of each receiver of the scene, in its order.
+        kernels: kernels by body; default: those that `ricochet.kernels` wrote to `scene.out`.
+        pickups: channels to listen to; default: x, y and z of each receiver of the scene, in its order.
 
-        Raises InputError, one line, for kernels that are missing, bodies that overlap or do not meet, and
-        scenes that only `impact` follows: `accuracy`, loads other than gravity, the scheme "static", table
-        kernels, events in steps.
+        Raises InputError, one line, for kernels that are missing, for bodies that overlap or do not meet, and
+        for scenes that only `impact` supports: `accuracy`, loads other than gravity, the scheme "static",
+        table kernels, event location, `max_pivots`.
         """
         self.scene = scene_of(scene)
         core = self.scene._for_impact()
@@ -107,15 +107,16 @@ class Simulation:
     # ---- Stepping ----
 
     def step(self) -> None:
-        """Makes one step. Raises InputError if no contact forces keep the bodies apart, SolverError if the
-        motion stops being finite; a step that fails changes nothing."""
+        """Makes one step. Raises InputError if no contact forces keep the bodies apart, and SolverError if
+        the motion becomes infinite or undefined. A step that fails changes nothing."""
         self._core.step()
 
     def step_block(self, steps: int, *, force: bool = False, displacement: bool = False) -> Block:
-        """Makes many steps: the same steps, to the last bit, as `step` in a loop, and much faster. Other
-        threads run meanwhile, and Ctrl-C ends the block. Raises as `step` does, when a step fails.
+        """Makes many steps. They equal, to the last bit, those of `step` in a loop, but are much faster.
+        Other threads can run meanwhile, and Ctrl-C ends the block. If a step fails, raises the same errors as
+        `step`.
 
-        force, displacement: also return those of each point. Displacements slow the steps down.
+        force, displacement: whether to return those of each point as well. Displacements slow the steps down.
         """
         if steps < 0:
             raise ValueError(f"steps = {steps}: must not be negative")
@@ -134,7 +135,8 @@ class Simulation:
         return State(self._core.save())
 
     def restore(self, state: State) -> None:
-        """Returns to a saved state, to the last bit. Raises ValueError for a state of another simulation."""
+        """Restores a saved state, to the last bit. Raises ValueError if the state belongs to another
+        simulation."""
         if not self._core.restore(state._core):
             raise ValueError("the state is of another simulation")
 
@@ -147,7 +149,7 @@ class Simulation:
 
     @property
     def gap(self) -> Floats:
-        """(m) initial_gap − u [m]; negative: penetration"""
+        """(m) initial_gap − u [m]; negative values are penetration"""
         return self.initial_gap - self.displacement
 
     active: int = of_core("active", "Points with a force in the last step.")
@@ -161,7 +163,7 @@ class Simulation:
         return Energy(**self._core.energy)
 
     def mean_velocity(self, body: str) -> Floats:
-        """(3) mass-mean of a body [m/s]"""
+        """(3) mass-mean velocity of a body [m/s]"""
         return self._core.mean_velocity(self.scene.bodies.index(body))
 
     # ---- Contact points ----

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The surfaces of a drawing or mesh that gmsh reads: triangles, groups, a table and a picture."""
+"""The surfaces of a drawing or mesh that gmsh can read: triangles, groups, a table and a picture."""
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -19,11 +19,12 @@ try:
 except ImportError:
     gmsh = None
 
-Triangles = dict[int, NDArray[np.float64]]  # by number of the surface: (T,3,3) corners
+Triangles = dict[int, NDArray[np.float64]]  # (T,3,3) corners, by number of the surface
 
 
 def kinds(surface: int) -> Iterator[tuple[int, int, list[int]]]:
-    """Element type, nodes of an element, and the corners of each triangle that it is drawn as."""
+    """Yields the element type, the number of nodes of an element, and the corners of the triangles that
+    represent it."""
     for kind in gmsh.model.mesh.getElements(2, surface)[0]:
         _, _, _, nodes, _, corners = gmsh.model.mesh.getElementProperties(kind)
         for corner in [[0, 1, 2]] if corners == 3 else [[0, 1, 2], [0, 2, 3]]:
@@ -31,7 +32,7 @@ def kinds(surface: int) -> Iterator[tuple[int, int, list[int]]]:
 
 
 def triangles(surface: int) -> NDArray[np.float64]:
-    """(T,3,3) corners of the mesh of a surface."""
+    """(T,3,3) corners of the triangles on a surface."""
     tags, xyz, _ = gmsh.model.mesh.getNodes(2, surface, includeBoundary=True)
     place = dict(zip(tags, xyz.reshape(-1, 3)))
     corners = [
@@ -53,7 +54,7 @@ def groups() -> dict[int, list[str]]:
 
 
 def read(path: Path) -> tuple[Triangles, dict[int, list[str]]]:
-    """Triangles and names of groups by surface; a drawing is meshed coarsely. Raises InputError."""
+    """Reads triangles and names of groups, by surface. A drawing is meshed coarsely. Raises InputError."""
     if gmsh is None:
         raise InputError("needs the Debian package python3-gmsh: run scripts/setup")
     if not path.is_file():
@@ -63,10 +64,10 @@ def read(path: Path) -> tuple[Triangles, dict[int, list[str]]]:
         gmsh.option.setNumber("General.Terminal", 0)
         gmsh.open(str(path))
         if not gmsh.model.mesh.getElements(2)[0].size:
-            gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 24)  # round enough for a picture
+            gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 24)  # fine enough for a picture
             gmsh.model.mesh.generate(2)
         found = {tag: triangles(tag) for _, tag in gmsh.model.getEntities(2)}
-    except Exception as problem:  # gmsh raises this very class
+    except Exception as problem:  # gmsh raises Exception itself
         raise InputError(f"{path}: {' '.join(str(problem).split())}") from None
     if not any(len(corners) for corners in found.values()):
         raise InputError(f"{path}: has no surfaces: name a drawing or mesh of a solid")
@@ -91,13 +92,14 @@ def table(surfaces: Triangles, named: dict[int, list[str]]) -> str:
 
 
 def normals(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(T,3) normals of triangles, each as long as twice the area."""
+    """(T,3) normals of triangles. Their length is twice the area."""
     found: NDArray[np.float64] = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     return found
 
 
 def picture(surfaces: Triangles, path: Path, title: str) -> None:
-    """Draws the surfaces from above and from below, each in its own colour, lighter where it faces up. Raises OSError."""
+    """Draws the surfaces from above and from below, each in its own colour, lighter where they face up.
+    Raises OSError."""
     corners = np.concatenate(list(surfaces.values()))
     normal = normals(corners)
     up = abs(normal @ [0.3, -0.5, 0.8]) / np.maximum(np.linalg.norm(normal, axis=1), 1e-300)

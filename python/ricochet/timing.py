@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Time and memory of a program, with all processes that it starts."""
+"""Time and memory of a program, including all processes that it starts."""
 import os
 import re
 import subprocess
@@ -20,10 +20,10 @@ class Done:
     text: str  # its output
     seconds: float  # wall time
     cpu_seconds: float  # processor time
-    peak_mib: float  # memory of the process that needed most
+    peak_mib: float  # memory of the process that used most
 
     def rank_mib(self) -> int | None:
-        """Memory of the rank that needed most, from the table of ricochet-kernel [MiB]."""
+        """Memory of the rank that used most, from the table of ricochet-kernel [MiB]."""
         found = re.search(r"^total .* (\d+) MiB", self.text, re.MULTILINE)
         return int(found[1]) if found else None
 
@@ -31,7 +31,7 @@ class Done:
 def timed(
     command: Sequence[Word], folder: Path | None = None, variables: dict[str, str] = ONE_THREAD
 ) -> Done:
-    """Runs a program to its end, in a folder and with environment variables."""
+    """Runs a program to its end, in a folder and with additional environment variables."""
     with tempfile.TemporaryFile("w+", errors="replace") as output:
         started = time.monotonic()
         process = subprocess.Popen(
@@ -39,7 +39,7 @@ def timed(
         )
         _, status, usage = os.wait4(process.pid, 0)
         seconds = time.monotonic() - started
-        process.returncode = os.waitstatus_to_exitcode(status)  # or Popen would wait for it once more
+        process.returncode = os.waitstatus_to_exitcode(status)  # otherwise Popen would wait for it again
         output.seek(0)
         cpu_seconds, peak_mib = usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024
         return Done(process.returncode, output.read(), seconds, cpu_seconds, peak_mib)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Command lines by CLI11, for programs whose options are not `Options`.
+// Parses command lines with CLI11, for programs whose options are not `Options`.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -7,12 +7,12 @@
 
 namespace ricochet::console {
 
-/// Parses the arguments into the variables bound to `app`. Returns the exit status if the program should end
-/// (--help, --version: 0; bad arguments: 2, with one line on stderr), otherwise none. If `speak` is false,
-/// nothing is printed.
+/// Parses the arguments into the variables bound to `app`. Returns the exit status if the program should end:
+/// 0 after --help or --version; 2 after bad arguments, with one line on stderr. Otherwise returns no value.
+/// If `speak` is false, prints nothing.
 std::optional<int> status_of_parsing(CLI::App& app, int argc, const char* const* argv, bool speak = true);
 
-/// Validator of an option: a number above 0 and at most 1e18, so that whole numbers fit.
+/// Accepts a number above 0 and at most 1e18, so that it can be converted to a 64-bit integer.
 CLI::Validator above_zero();
 
 }  // namespace ricochet::console

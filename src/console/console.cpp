@@ -53,7 +53,7 @@ void Console::begin(std::string name, std::int64_t total) {
 void Console::advance(std::int64_t done) {
   done_ = done;
   if (watch_) watch_(name_, done, total_);
-  // With many steps, the clock is read at every 64th only: a step may take less time than a reading.
+  // Reading the clock may take longer than a step, so with many steps it is read at every 64th only.
   if (open_ && terminal_ && !quiet_ && (total_ < 1000 || (done & 63) == 0)) draw(false);
 }
 

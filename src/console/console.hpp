@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Output at the terminal: progress bars, the table of phases, one-line errors. No MPI: ranks other than the
-// first construct a quiet Console.
+// Output on the terminal: progress bars, the table of phases and one-line messages. Independent of MPI: ranks
+// other than the first construct a quiet Console.
 #pragma once
 
 #include <cstdint>
@@ -17,38 +17,40 @@ double peak_memory_mib();
 
 /// Shows the progress of long phases on stderr and a table of their times on stdout.
 ///
-/// On a terminal a phase is one line, redrawn in place at most ten times a second; otherwise (a log file, CI)
-/// it is one line at the end of the phase. A quiet console prints nothing but still measures.
+/// On a terminal, a phase is one line that is redrawn in place at most ten times a second. Otherwise, as in a
+/// log file, it is one line at the end of the phase. A quiet console prints only warnings, but still
+/// measures.
 class Console {
  public:
-  /// @param peak  returns the peak memory [MiB] to report at the end of a phase; under MPI a collective
-  /// maximum, so that the Consoles of all ranks must have the same phases
-  /// @param watch  called by `advance`, also if quiet
+  /// @param peak  returns the peak memory [MiB] to report at the end of a phase. Under MPI it is a collective
+  /// maximum, so the Consoles of all ranks must have the same phases.
+  /// @param watch  called by `advance`, even if the console is quiet
   explicit Console(bool quiet = false, std::function<double()> peak = peak_memory_mib, Watch watch = {});
 
-  /// Ends the open phase, if any, and starts another. `total` 0: unknown end (no percentage is shown).
+  /// Ends the open phase, if any, and starts another. If `total` is 0, its length is unknown and no
+  /// percentage is shown.
   void begin(std::string name, std::int64_t total = 0);
-  /// Reports `done` of `total`; cheap enough for every step.
+  /// Reports that `done` of `total` is finished. Cheap enough to be called at every step.
   void advance(std::int64_t done);
-  /// Reports progress and the total, if it becomes known only now.
+  /// The same, for a total that only becomes known during the phase.
   void advance(std::int64_t done, std::int64_t total);
   /// Ends the open phase; `note` is shown after its time ("61 600 unknowns").
   void end(const std::string& note = "");
-  /// Prints one line on stdout, unless quiet.
+  /// Prints one line on stdout, unless the console is quiet.
   void say(const std::string& line);
-  /// Prints one line "warning: …" on stderr, also if quiet. With a watch nothing is printed; its program
-  /// finds the warnings in the summary.
+  /// Prints one line "warning: …" on stderr, even if the console is quiet. With a watch, prints nothing: the
+  /// calling program finds the warnings in the summary.
   void warn(const std::string& line);
 
   struct Phase {
     std::string name;
     double seconds = 0;
-    double peak_mib = 0;  ///< highest resident memory up to the end of the phase
+    double peak_mib = 0;  ///< peak resident memory up to the end of the phase
     std::string note;
   };
   const std::vector<Phase>& phases() const { return phases_; }
 
-  /// The table of phases, one line each, with a total; ready to print.
+  /// The phases as a table with a line for each and a total, ready to print.
   static std::string table(const std::vector<Phase>& phases);
 
  private:

@@ -14,7 +14,8 @@
 namespace ricochet::console {
 namespace {
 
-/// SA_RESETHAND: a second signal, such as the one raised here, ends the program at once.
+/// The handler is installed with SA_RESETHAND, so a second signal, such as the one raised here, ends the
+/// program.
 extern "C" void end(int signal) {
   base::remove_unfinished_files();
   ::raise(signal);
@@ -28,7 +29,7 @@ void end_cleanly_on_signals() {
   action.sa_flags = static_cast<int>(SA_RESETHAND | SA_NODEFER);
   for (const int signal : {SIGHUP, SIGINT, SIGTERM, SIGPIPE, SIGXCPU}) {
     struct sigaction before {};
-    // An ignored signal stays ignored: nohup.
+    // A signal that is ignored, as under nohup, remains ignored.
     if (::sigaction(signal, nullptr, &before) == 0 && before.sa_handler == SIG_IGN) continue;
     ::sigaction(signal, &action, nullptr);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The end of a program on a signal or an error.
+// Ends a program on a signal or an error.
 #pragma once
 
 #include <exception>
@@ -7,18 +7,18 @@
 
 namespace ricochet::console {
 
-/// From here on, SIGHUP, SIGINT, SIGTERM, SIGPIPE and SIGXCPU first remove the temporary files and then end
-/// the program as usual: its parent sees the signal, a shell the status 128 + its number. A file that exceeds
-/// the size limit (SIGXFSZ) raises an ordinary write error.
+/// After this call, SIGHUP, SIGINT, SIGTERM, SIGPIPE and SIGXCPU first remove the temporary files and then
+/// end the program in the usual way: its parent sees the signal, and a shell reports the status 128 + its
+/// number. A file that exceeds the size limit (SIGXFSZ) causes an ordinary write error.
 void end_cleanly_on_signals();
 
-/// Message of a failure, in one line.
+/// The message of a failure, for one line of output.
 std::string message_of(const std::exception& failure);
 
-/// Prints "NAME: message" on stderr. @return the exit status: 2 after bad input, otherwise 1.
+/// Prints "NAME: message" on stderr. @return the exit status: 2 for an InputError, otherwise 1
 int status_of(const std::exception& failure, const std::string& name);
 
-/// Whether all output reached stdout; if not, prints an error on stderr.
+/// Returns whether all output has reached stdout. If not, prints an error on stderr.
 bool all_printed(const std::string& name);
 
 }  // namespace ricochet::console

@@ -48,7 +48,7 @@ Parsed parse(const Program& program, int argc, const char* const* argv, bool spe
       "--keys", [&] { throw CLI::CallForVersion(program.keys, 0); },
       "Print the reference of all keys of a scene and stop");
   app.add_option("SCENE", scene, "Scene file (TOML)")->required();
-  // Each option takes one value verbatim: vectors contain commas and brackets.
+  // Each option takes its one value verbatim, because vectors contain commas and brackets.
   app.add_option("--set", options.overrides,
                  "Override a scene key: KEY=VALUE, dotted, [i] for list entries; repeatable")
       ->type_name("KEY=VALUE")

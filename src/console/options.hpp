@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The command line of both programs: an option has the same meaning in each.
+// The command line of both programs: an option has the same meaning in each of them.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace ricochet::console {
 
-/// Called at each step with the phase, the amount done and the total. An exception from it ends the run.
+/// Called at each step with the phase, the amount done and the total. The run ends if it throws.
 using Watch = std::function<void(const std::string& phase, std::int64_t done, std::int64_t total)>;
 
 struct Options {
@@ -24,11 +24,11 @@ struct Options {
   bool vtk = false;             ///< ricochet-contact: write the motion for ParaView
   bool batch = false;           ///< ricochet-contact: requests on stdin, answers on stdout
   std::filesystem::path fclib;  ///< ricochet-contact: folder of complementarity problems; empty: none
-  int fclib_every = 1;          ///< interval between the steps with contact that are written there
+  int fclib_every = 1;          ///< every n-th step with contact is written
   Watch watch{};                ///< for programs that call an impact as a function
 };
 
-/// The program that parses: name, one-line purpose, and examples for --help.
+/// The program whose command line is parsed.
 struct Program {
   std::string name;
   std::string purpose;
@@ -37,8 +37,9 @@ struct Program {
   std::string keys{};    ///< text that --keys prints
 };
 
-/// Parsed options, or the exit status if the program should end (--help, --version, --keys: 0; bad arguments:
-/// 2, with one line on stderr). If `speak` is false (ranks other than the first), nothing is printed.
+/// Parsed options, or the exit status if the program should end: 0 after --help, --version or --keys; 2 after
+/// bad arguments, with one line on stderr. If `speak` is false, as on ranks other than the first, nothing is
+/// printed.
 struct Parsed {
   std::optional<Options> options;
   int status = 0;

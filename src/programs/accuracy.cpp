@@ -17,7 +17,7 @@ KernelPointers pointers(const std::vector<kernels::Kernel>& kernels) {
   return out;
 }
 
-/// Kernels of another order for all bodies, or none.
+/// Kernels of another element order for all bodies; empty if any of them is missing.
 std::vector<kernels::Kernel> of_other_order(const scene::Scene& scene, const std::filesystem::path& folder) {
   std::vector<kernels::Kernel> out;
   for (const scene::Body& body : scene.bodies) {
@@ -30,7 +30,8 @@ std::vector<kernels::Kernel> of_other_order(const scene::Scene& scene, const std
   return out;
 }
 
-/// End of the band that the kernels are for.
+/// Highest frequency that the kernels represent: the end of the band of a contact-adapted basis, or the last
+/// mode.
 Hertz band(const Kernels& kernels) {
   Hertz highest{0};
   for (const auto& kernel : kernels.kernel) {

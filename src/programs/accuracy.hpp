@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The accuracy dial (contact/accuracy/dial.hpp) for a scene, and the resulting scene.
+// Applies the accuracy dial (contact/accuracy/dial.hpp) to a scene.
 #pragma once
 
 #include <filesystem>
@@ -11,20 +11,20 @@
 
 namespace ricochet::programs {
 
-/// Options of the scene's steps. A precision that the scene leaves open is double.
+/// Options of the scene's steps. If the scene leaves the precision open, it is double.
 StepOptions step_options(const scene::Scene& scene);
 
-/// Chooses the settings that the scene, which has an accuracy, leaves open.
-/// @param model  of these kernels, placement and forcing
-/// @param folder  of the kernels of another order, beside those of the scene
+/// Chooses the settings that a scene with an accuracy leaves open.
+/// @param model  built from these kernels, placement and forcing
+/// @param folder  contains the kernels of another element order, beside those of the scene
 /// @param poll  called after each step; may throw to end the run
-/// Throws InputError as building the model and running it do.
+/// Throws InputError in the same cases as building the model and running it.
 contact::Dialled dial_of(const scene::Scene& scene, const Kernels& kernels,
                          const contact::Placement& placement,
                          const std::vector<contact::ForcingRequest>& forcing, contact::Model model,
                          const std::filesystem::path& folder, std::function<void()> poll);
 
-/// The scene with the settings chosen, as results store it.
+/// Returns the scene with the chosen settings, as results store it.
 scene::Scene resolved(scene::Scene scene, const contact::Settings& settings);
 
 }  // namespace ricochet::programs

@@ -27,7 +27,7 @@ using Json = nlohmann::json;
 
 namespace {
 
-/// Largest nesting of lists and objects in a request.
+/// Greatest allowed nesting of lists and objects in a request.
 constexpr int most_nested = 16;
 
 class Batch {
@@ -70,7 +70,7 @@ class Batch {
  private:
   /// Writes the missing kernels of the scene that can be derived from `file`.
   void derive(const scene::Scene& scene, const fs::path& file) {
-    if (scene.accuracy) return;  // it also needs kernels of another element order
+    if (scene.accuracy) return;  // such a scene also needs kernels of another element order
     const std::vector<StoredKernel> stored = find_kernels(scene, options_.out, store_);
     for (std::size_t k = 0; k < stored.size(); ++k) {
       if (stored[k].enough || is_limited(scene, scene.bodies[k])) continue;
@@ -80,24 +80,25 @@ class Batch {
   }
 
   Json needed(const scene::Scene& scene) {
-    forcing_of(scene);  // refuses histories that cannot be read
+    forcing_of(scene);  // throws if a history cannot be read
     Json out = Json::array();
     for (const StoredKernel& kernel : find_kernels(scene, options_.out, store_)) {
       const fs::path& path = kernel.enough ? kernel.path : kernel.whole;
-      if (!kernel.enough && kernels::has_newer_format(path)) kernels::read(path);  // refuses it
+      if (!kernel.enough && kernels::has_newer_format(path)) kernels::read(path);  // throws
       out.push_back({{"file", path.filename().string()}, {"there", kernel.enough}});
     }
     return out;
   }
 
-  /// Size and time of change, which identify a version, of each file that an impact reads beside kernels.
+  /// Size and time of the last change, which identify a version, of each file that an impact reads besides
+  /// kernels.
   static Json other_files(const scene::Scene& scene) {
     std::vector<fs::path> paths{scene.contact.table};
     for (const auto* loads : {&scene.loads.tractions, &scene.loads.points, &scene.loads.motions})
       for (const scene::Forcing& driven : *loads) paths.push_back(driven.history);
     Json out = Json::object();
     for (const fs::path& path : paths) {
-      std::error_code missing;  // refused when it is read
+      std::error_code missing;  // reported when the impact reads the file
       const std::uintmax_t size = fs::file_size(path, missing);
       if (missing) continue;
       out[path.string()] = {size, fs::last_write_time(path, missing).time_since_epoch().count()};
@@ -116,7 +117,7 @@ class Batch {
   KernelStore store_;
 };
 
-/// One line; bytes of a path that are not UTF-8 become U+FFFD.
+/// The answer as one line. Bytes of a path that are not UTF-8 become U+FFFD.
 std::string text_of(const Json& answer) {
   return answer.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

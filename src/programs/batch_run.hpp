@@ -8,21 +8,25 @@
 
 namespace ricochet::programs {
 
-/// Reads requests from `in`, a line of JSON each, and answers each by a line on `out`, until `in` ends:
+/// Reads requests from `in`, one JSON object a line, until `in` ends. Answers each with a line on `out`. The
+/// requests are:
 ///
 ///     {"set": ["bodies.upper.velocity=[0,-6,0]"]}   run the impact, with these overrides after those of the
 ///                                   options
 ///     {"set": [], "kernels": true}                  list the kernels that the impact needs
 ///     {"set": [], "kernels": true, "derive": ["…"]}
-///                                   the same, after writing the missing kernels that follow from these files
+///                                   the same, after deriving missing kernels from these files
+///
+/// The answers are:
 ///
 ///     {"status": 0, "summary": {…}}                 keys of summary.json
 ///     {"status": 0, "kernels": [{"file": "…", "there": true}, …], "reads": {…}}
-///                                   reads: tables and histories. A damaged kernel counts as missing; one of
-///                                   a newer format is refused
+///                                   reads: tables and histories
 ///     {"status": 2, "error": "…"}                   the request was refused; 1: the computation failed
 ///
-/// Kernels and placements are kept between impacts. Results are not written. The answer to a request that is
+/// A damaged kernel counts as missing, but a kernel of a newer format is an error. A request that is not a
+/// JSON object has status 2. Kernels and placements are kept between impacts, and results are not written.
+/// Returns 0.
 /// not a JSON object has status 2. Returns 0.
 int run_batch(const console::Options& options, std::istream& in, std::ostream& out);
 

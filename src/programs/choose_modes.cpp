@@ -16,15 +16,15 @@ namespace ricochet {
 namespace {
 
 /// Number of times that a wave crosses the body within the shortest period of the band, at an accuracy of
-/// 1e-2. It is proportional to the inverse of the accuracy for rods, whose ends meet with a shock that
-/// excites all modes, and to its square root for solids.
+/// 1e-2. For rods, whose ends meet with a shock that excites all modes, it is inversely proportional to the
+/// accuracy. For solids, it is inversely proportional to the square root of the accuracy.
 constexpr double crossings = 2, crossings_of_rods = 15, reference = 1e-2;
 
-/// Largest error of the flexibility; its effect on impacts is a few times smaller.
+/// Largest error allowed for the flexibility. Its effect on impacts is a few times smaller.
 constexpr double most_flexibility_error = 0.1;
 
 struct Waves {
-  double rate;  ///< crossings of the body a second
+  double rate;  ///< crossings of the body per second
   bool rod;
 };
 
@@ -45,7 +45,7 @@ Waves waves(const scene::Scene& scene, const scene::Body& body) {
   return {speed / extent.length, extent.dimension == 1};
 }
 
-/// Rounded up to two digits, so that round-off does not change the band.
+/// Rounds up to two significant digits, so that round-off does not change the band.
 double rounded(double value) {
   const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1);
   return std::ceil(value / unit - 1e-9) * unit;

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Throws InputError if --fclib is given but the scheme does not pose such problems.
+/// Throws InputError if --fclib is given but the scheme does not pose complementarity problems.
 void check_problems(const console::Options& options, const scene::Scene& scene) {
   if (!options.fclib.empty() &&
       (scene.contact.scheme != Scheme::compliant || scene.contact.kernel != scene::ContactKernel::modes))

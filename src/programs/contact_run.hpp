@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// ricochet-contact as a function: from a scene and its bodies' kernels to a result file and a summary.
+// ricochet-contact as a function: reads a scene and the kernels of its bodies, writes a result file and a
+// summary.
 #pragma once
 
 #include <iosfwd>
@@ -9,9 +10,9 @@
 namespace ricochet::programs {
 
 /// Runs the scene and writes `<out>/<slug>.result.h5`, `<out>/<slug>.summary.json` and a `.wav` for each
-/// receiver. Prints the main figures to `out` unless quiet; with `dry_run`, prints only the resolved scene.
-/// Returns 0. Throws InputError for an invalid scene or a folder that cannot be written, and as run_impact
-/// does.
+/// receiver. Prints the main figures to `out` unless `quiet` is set. With `dry_run`, prints only the resolved
+/// scene. Returns 0. Throws InputError for an invalid scene, for a folder that cannot be written, and in the
+/// same cases as run_impact.
 int run_contact(const console::Options& options, std::ostream& out);
 
 }  // namespace ricochet::programs

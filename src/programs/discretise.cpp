@@ -19,7 +19,7 @@
 namespace ricochet {
 namespace {
 
-/// Splits the mesh of rank 0 among the ranks of each team. Collective over all teams.
+/// Distributes the mesh on rank 0 among the ranks of each team. Collective over all teams.
 mesh::Mesh hand_out(mesh::GlobalMesh whole, const parallel::Teams& teams) {
   if (parallel::rank_of(teams.team()) == 0) mesh::broadcast(whole, teams.peers());
   return mesh::distribute(std::move(whole), teams.team());
@@ -32,8 +32,9 @@ double expected_mib(const scene::Modes& wanted, const Discretised& made, std::in
   return modes::expected_mib(*made.factor, rows, count, per_shift, teams);
 }
 
-/// A body on `count` teams of ranks, up to its matrices. @param last  whether the source may be consumed
-/// Collective; throws InputError on every rank.
+/// Reads the mesh of a body on `count` teams of ranks and assembles the matrices. Collective; throws
+/// InputError on every rank.
+/// @param last  whether the source may be consumed
 Discretised assembled(const scene::KernelRequest& request, Source& source, int count, bool last,
                       MPI_Comm comm, console::Console& console) {
   const scene::Body& body = request.body;
@@ -43,7 +44,7 @@ Discretised assembled(const scene::KernelRequest& request, Source& source, int c
   std::vector<std::string> moved;
   for (const std::string& support : asked.moved) moved.push_back(body.support.at(support));
   Discretised made{std::make_unique<parallel::Teams>(comm, count), {}, {}, {}, {}};
-  if (source.in_parts)  // one team alone may fail to read a file
+  if (source.in_parts)  // reading a file may fail on one team only
     parallel::on_all_ranks(comm, [&] { made.mesh = mesh::read_parts(body, made.teams->team(), bar, asked); });
   else
     made.mesh = hand_out(last ? std::move(source.whole) : source.whole, *made.teams);
@@ -83,12 +84,12 @@ Discretised discretise(const scene::KernelRequest& request, MPI_Comm comm, conso
   const int most = request.modes.basis == scene::Basis::contact ? 1 : ranks;
   for (int count = most;; --count) {
     if (ranks % count != 0) continue;
-    // Until the last attempt, the source may be needed for fewer teams.
+    // The source is needed again if memory allows only fewer teams.
     Discretised made = assembled(request, source, count, count == 1, comm, console);
     made.factor = std::make_unique<modes::Factorisation>(made.matrices.stiffness, made.matrices.mass,
                                                          request.modes.low_rank);
     const double room = parallel::available_mib(comm);
-    // Delayed pivots and buffers need memory beyond the estimate.
+    // Delayed pivots and buffers need more memory than estimated.
     constexpr double usable = 0.85;
     double need = 0;
     for (const std::int64_t per_shift : {260, 130, 65}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// From the mesh of a body to its matrices, on as many teams of ranks as memory permits.
+// From the mesh of a body to its matrices, on as many teams of ranks as memory allows.
 #pragma once
 
 #include <memory>
@@ -18,17 +18,17 @@ struct Discretised {
   elasticity::Body matrices;
   std::unique_ptr<modes::Factorisation> factor;
   surface::Sources sources;          ///< loads with histories, moving supports, receivers
-  std::int64_t modes_per_shift = 0;  ///< for the search for modes
+  std::int64_t modes_per_shift = 0;  ///< modes searched from one shift
 };
 
-/// Uses as many teams as memory permits, because ranks that each hold the whole body and process their own
-/// slices are faster than ranks that share one slice. If memory is short, slices become smaller. A
-/// contact-adapted basis needs few factorisations, so all ranks form one team. Throws InputError if memory
-/// does not suffice for one team. Needs a GmshSession. Collective.
+/// Assembles the matrices and analyses their factorisation, on as many teams as memory allows: ranks that
+/// each hold the whole body and process their own slices are faster than ranks that share one. If memory is
+/// short, the slices become smaller. A contact-adapted basis needs few factorisations, so all ranks form one
+/// team. Throws InputError if memory does not suffice for one team. Needs a GmshSession. Collective.
 Discretised discretise(const scene::KernelRequest& request, MPI_Comm comm, console::Console& console);
 
-/// Checks with the mesh of a body whether its kernel can be computed. Throws InputError on every rank if not.
-/// Collective.
+/// Checks on the mesh of a body whether its kernel can be computed. Collective; throws InputError on every
+/// rank if it cannot.
 void check_body(const scene::KernelRequest& request, MPI_Comm comm, console::Console& console);
 
 }  // namespace ricochet

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Writes an impact while it runs: result file, motion for ParaView, sound files, complementarity problems.
+// Writes the files of an impact while it runs: result, motion for ParaView, sound, complementarity problems.
 #pragma once
 
 #include <filesystem>
@@ -17,7 +17,7 @@ struct ImpactFileOptions {
   std::filesystem::path folder;
   bool motion = false;
   std::filesystem::path problems{};  ///< folder of complementarity problems; empty: none
-  int problems_every = 1;            ///< every n-th step with contact is written there
+  int problems_every = 1;            ///< every n-th step with contact is written
 };
 
 class ImpactFiles : public ImpactObserver {
@@ -34,15 +34,15 @@ class ImpactFiles : public ImpactObserver {
 
   std::filesystem::path result() const { return with(".result.h5"); }
   std::filesystem::path summary() const { return with(".summary.json"); }
-  std::optional<std::filesystem::path> motion() const;  ///< the file to open; none: not requested
-  std::optional<int> problems() const;                  ///< number written; none: not requested
+  std::optional<std::filesystem::path> motion() const;  ///< the file to open; no value: not requested
+  std::optional<int> problems() const;                  ///< number written; no value: not requested
 
  private:
   std::filesystem::path with(const char* ending) const;
   contact::RecorderOptions recorder_options(const Impact& impact) const;
 
   ImpactFileOptions options_;
-  std::filesystem::path stem_;  ///< of all files
+  std::filesystem::path stem_;  ///< start of all file names
   std::optional<contact::Recorder> recorder_;
   std::optional<contact::MotionFile> motion_;
   std::optional<sound::ReceiverSounds> sounds_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The main figures of an impact as text, one per line.
+// The main figures of an impact as text, one line each.
 #pragma once
 
 #include <string>

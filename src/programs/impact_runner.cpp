@@ -27,7 +27,7 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// The parts of a model, from which the error estimates build variants.
+/// The parts from which a model is built, and its variants for error estimates.
 struct Prepared {
   contact::Placement placement;
   std::vector<contact::ForcingRequest> forcing;
@@ -56,7 +56,7 @@ struct ErrorReport {
   std::vector<std::string> warnings;
 };
 
-/// Chooses the settings that the scene leaves open to its accuracy.
+/// Chooses the settings that a scene with an accuracy leaves open.
 ErrorReport choose(Impact& impact, const Prepared& prepared, const ImpactRequest& request,
                    console::Console& console) {
   ErrorReport out{{}, impact.kernels.warnings};
@@ -93,7 +93,7 @@ contact::EquilibriumSummary rest(const Impact& impact, console::Console& console
   return contact::summarise(*impact.model, equilibrium);
 }
 
-/// √(E/ρ) [m/s] of the slowest material; 0 without bodies.
+/// √(E/ρ) of the slowest material [m/s]; 0 without bodies.
 double slowest_wave(const scene::Scene& scene) {
   double slowest = std::numeric_limits<double>::infinity();
   for (const scene::Body& body : scene.bodies)
@@ -102,12 +102,12 @@ double slowest_wave(const scene::Scene& scene) {
   return std::isfinite(slowest) ? slowest : 0;
 }
 
-/// Number of steps below which an episode is too coarse: the bell of meshes/bell rebounds 12 % too slowly
-/// with 16 steps, 5 % with 32.
+/// Number of steps below which an episode is too coarse. The bell of meshes/bell rebounds too slowly by 12 %
+/// with 16 steps and by 5 % with 32.
 constexpr double few_steps = 20;
 
 /// Adds a warning if all episodes of a "compliant" run have so few steps that peak force and rebound depend
-/// on the step. With an accuracy, the error estimate covers this.
+/// on the step. If the scene has an accuracy, the error estimate covers this.
 void warn_of_few_steps(const scene::Scene& scene, contact::Summary& summary) {
   if (scene.accuracy || scene.contact.scheme != Scheme::compliant) return;
   double longest = 0;

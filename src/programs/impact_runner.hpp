@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The impact of a scene: kernels → pairs → model → accuracy → rest or steps → summary, for every program.
+// Runs the impact of a scene, for all programs: kernels → pairs → model → accuracy → equilibrium or steps →
+// summary.
 #pragma once
 
 #include <cstdint>
@@ -21,28 +22,28 @@ namespace ricochet::programs {
 
 struct ImpactRequest {
   scene::Scene scene;
-  std::filesystem::path folder;  ///< of the kernels
+  std::filesystem::path folder;  ///< contains the kernels
   bool skins = false;            ///< also read the visualisation surfaces, for pictures of the motion
 };
 
 /// The data of one impact.
 struct Impact {
-  scene::Scene scene;                     ///< later with the settings that its accuracy chose
-  Kernels kernels{};                      ///< none with a table from a file
-  std::optional<contact::Model> model{};  ///< none with a table from a file
-  std::optional<contact::Table> table{};  ///< with table kernels
+  scene::Scene scene;  ///< at first as read, later with the settings chosen for its accuracy
+  Kernels kernels{};   ///< empty if the table comes from a file
+  std::optional<contact::Model> model{};  ///< no value if the table comes from a file
+  std::optional<contact::Table> table{};  ///< with table kernels only
   StepOptions options{};
   std::int64_t steps = 0;  ///< 0 at rest
 };
 
-/// Follows an impact. A function that throws ends the run.
+/// Observes an impact. The run ends if a function throws.
 class ImpactObserver {
  public:
   virtual ~ImpactObserver() = default;
-  virtual void prepared(const Impact&) {}  ///< the kernels are read; no setting is chosen yet
+  virtual void prepared(const Impact&) {}  ///< the kernels are read, but no setting is chosen yet
   virtual void started(const Impact&, const contact::Stepper&) {}      ///< before the first step
   virtual void stepped(const contact::Stepper&) {}                     ///< after each step
-  virtual void at_rest(const Impact&, const contact::Equilibrium&) {}  ///< in place of steps
+  virtual void at_rest(const Impact&, const contact::Equilibrium&) {}  ///< for bodies at rest
 };
 
 using ImpactSummary = std::variant<contact::Summary, contact::EquilibriumSummary>;
@@ -52,16 +53,16 @@ struct ImpactResult {
   ImpactSummary summary;
 };
 
-/// Runs the scene without writing or printing anything; `console` shows the phases.
+/// Runs the scene without writing files or printing results; `console` shows the phases.
 ///
-/// Throws InputError, one line that starts with the name of the scene or of another file: kernels that are
-/// missing or belong to another scene; bodies that overlap or do not meet; contact problems without a
-/// solution; unsupported bodies at rest. Throws SolverError if the motion stops being finite or Uzawa's
-/// iteration does not converge.
+/// Throws a one-line InputError that begins with the name of the scene or of another file: for kernels that
+/// are missing or belong to another scene, for bodies that overlap or do not meet, for contact problems
+/// without a solution, and for unsupported bodies at rest. Throws SolverError if the motion becomes infinite
+/// or undefined, or if Uzawa's iteration does not converge.
 ImpactResult run_impact(ImpactRequest request, KernelStore& store, console::Console& console,
                         ImpactObserver& observer);
 
-/// Throws the error of a step that failed at `time` [s]; returns if it succeeded.
+/// Throws the error of a step that failed at `time` [s]. Does nothing if the step succeeded.
 void check(StepStatus status, const scene::Scene& scene, double time);
 
 }  // namespace ricochet::programs

@@ -21,7 +21,7 @@ using base::hdf5::any;
 using base::hdf5::Reader;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Modes at all nodes of a body file, rigid ones first.
+/// Modes at all nodes of a body file. Rigid modes come first.
 struct Imported {
   double mass = 0;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
@@ -32,7 +32,7 @@ struct Imported {
   Eigen::MatrixXd participation;    ///< (6,N) ΦᵀM e_i, ΦᵀM (e_i × x)
 };
 
-/// A dataset of finite numbers as (rows, columns). @param shape  in the file
+/// Reads a dataset of finite numbers as a matrix with so many rows. @param shape  shape in the file
 Eigen::MatrixXd read_matrix(const Reader& file, const std::string& name, const base::hdf5::Shape& shape,
                             Eigen::Index rows) {
   const std::vector<double> values = file.read<double>(name, shape);
@@ -67,7 +67,7 @@ Imported read_inertia(const Reader& file) {
   return body;
 }
 
-/// Translations, then rotations about the principal axes, M-orthonormal.
+/// Adds three translations and three rotations about the principal axes, M-orthonormal.
 void add_rigid_modes(const std::vector<double>& position, Imported& body) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(body.inertia);
   Eigen::MatrixXd shape(std::ssize(position), 6), participation = Eigen::MatrixXd::Zero(6, 6);
@@ -101,7 +101,7 @@ void keep_first(Imported& body, Eigen::Index count) {
   body.participation.conservativeResize(Eigen::NoChange, count);
 }
 
-/// Keeps the modes that the scene requests; a multiple mode is kept whole.
+/// Keeps the modes that the scene requests. A multiple mode at the end is kept whole.
 void keep_wanted(const scene::Modes& wanted, const Reader& file, Imported& body) {
   const Eigen::Index all = body.omega.size();
   const double end = all > 0 ? body.omega[all - 1] : 0;
@@ -135,7 +135,7 @@ Imported read_modes(const scene::KernelRequest& request, const Reader& file,
           ? Eigen::VectorXd(read_matrix(file, "/modes/residual", {n}, static_cast<Eigen::Index>(n)))
           : Eigen::VectorXd::Ones(static_cast<Eigen::Index>(n));
 
-  // The frequencies of computed rigid modes are round-off of the lowest elastic ones.
+  // Computed rigid modes have frequencies below this fraction of the lowest elastic one, due to round-off.
   constexpr double near_zero = 1e-3;
   const Eigen::Index seventh = std::min<Eigen::Index>(6, std::ssize(body.omega) - 1);
   const Eigen::Index rigid = (body.omega.array() <= near_zero * body.omega[seventh]).count();
@@ -160,7 +160,7 @@ Imported read_modes(const scene::KernelRequest& request, const Reader& file,
   return body;
 }
 
-/// Static responses minus those of the modes. @param seen  (3n,b) unit forces on candidates and receivers
+/// Static responses minus those of the modes. @param seen  (3n,b) unit forces at candidates and receivers
 Eigen::MatrixXd residual_response(const Reader& file, const Imported& body, const Eigen::MatrixXd& seen,
                                   const Eigen::MatrixXd& load) {
   const auto n = static_cast<std::size_t>(seen.rows());

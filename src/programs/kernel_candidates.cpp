@@ -43,7 +43,7 @@ surface::Patches patches_of(const scene::KernelRequest& request, const mesh::Mes
 
 namespace {
 
-/// The part of a surface that pairing needs.
+/// The data of a surface that pairing needs.
 kernels::Surface surface_alone(kernels::WholeSurface from) {
   kernels::Surface to;
   to.node = std::move(from.node);
@@ -55,7 +55,7 @@ kernels::Surface surface_alone(kernels::WholeSurface from) {
   return to;
 }
 
-/// The candidates of a body from its mesh, which is freed afterwards; on rank 0. Collective.
+/// The candidates of a body from its mesh, on rank 0. The mesh is freed afterwards. Collective.
 kernels::Surface surface_of_mesh(const scene::KernelRequest& request, MPI_Comm comm,
                                  console::Console& console) {
   const scene::Body& body = request.body;
@@ -75,12 +75,12 @@ kernels::Surface surface_of_mesh(const scene::KernelRequest& request, MPI_Comm c
   return surface;
 }
 
-/// The candidates of a body in one of its kernel files.
+/// The candidates of a body from one of its kernel files; no value if none can be read.
 std::optional<kernels::Surface> surface_of_kernel(const std::vector<programs::KernelFile>& files) {
   for (const programs::KernelFile& file : files) try {
       return surface_alone(kernels::whole_surface(kernels::read(file.path).surface));
     } catch (const InputError&) {
-      // Another file may serve, or the mesh is read.
+      // Another file may be readable. If none is, the mesh is read.
     }
   return std::nullopt;
 }
@@ -94,7 +94,7 @@ std::vector<Points> needed_points(const scene::Scene& scene,
   std::vector<Points> points(requests.size());
   if (std::ranges::none_of(scene.bodies, [&](const auto& body) { return programs::is_limited(scene, body); }))
     return points;
-  std::vector<kernels::Kernel> surfaces;  // pairing needs no other part of the kernels
+  std::vector<kernels::Kernel> surfaces;  // only with the data that pairing needs
   for (const scene::KernelRequest& request : requests) {
     const auto alike = static_cast<std::size_t>(
         std::ranges::find(requests, request.hash, &scene::KernelRequest::hash) - requests.begin());

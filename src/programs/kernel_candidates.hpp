@@ -17,7 +17,7 @@ namespace ricochet {
 
 using programs::Points;
 
-/// A mesh in one file, read on rank 0. A mesh in parts is read later.
+/// A mesh in one file, read on rank 0, or in parts, which are read later.
 struct Source {
   bool in_parts = false;
   mesh::GlobalMesh whole;
@@ -29,20 +29,21 @@ Source open_source(const scene::Body& body, const mesh::RequestedGroups& asked, 
 /// All candidates of the body. Needs a GmshSession.
 surface::Patches patches_of(const scene::KernelRequest& request, const mesh::Mesh& mesh);
 
-/// Candidates that each kernel must contain: all of them if a pair has no reach. Surfaces come from kernels
-/// in the folder, or from meshes that are read one after the other; only the surfaces stay in memory. The
-/// result is the same on every rank. Collective. Throws InputError like read_mesh and contact::place.
+/// Candidates that each kernel must contain: all of them if a pair of its body has no reach. Surfaces are
+/// read from kernels in the folder or from meshes, one mesh at a time; only the surfaces stay in memory. The
+/// result is the same on every rank. Collective. Throws InputError in the same cases as read_mesh and
+/// contact::place.
 std::vector<Points> needed_points(const scene::Scene& scene,
                                   const std::vector<scene::KernelRequest>& requests,
                                   const std::filesystem::path& folder, MPI_Comm comm,
                                   console::Console& console);
 
-/// Candidates to compute for body k, including those of later bodies whose kernels are derived from its
+/// Candidates to compute for body k. They include those of later bodies whose kernels can be derived from its
 /// kernel.
 Points worth_computing(const std::vector<scene::KernelRequest>& requests, const std::vector<Points>& points,
                        std::size_t k);
 
-/// A request for all candidates, limited to these.
+/// Limits a request for all candidates to the given points.
 scene::KernelRequest with_points(scene::KernelRequest request, const Points& points);
 
 }  // namespace ricochet

@@ -28,10 +28,11 @@ namespace ricochet {
 
 namespace {
 
-/// Parts of the requested flexibility error: modes above the search, and modes found but left out.
+/// Shares of the requested flexibility error: for modes above the search, and for modes that are found but
+/// left out.
 constexpr double beyond_search = 0.5, left_out = 0.5;
 
-/// Modes or Ritz vectors, and the lifts of moving supports.
+/// Computes modes or Ritz vectors, and the lifts of moving supports.
 modes::ModeSet find_modes(const scene::KernelRequest& request, Discretised& made,
                           const Eigen::MatrixXd& loads, const std::filesystem::path& checkpoint,
                           console::Console& console) {
@@ -45,7 +46,7 @@ modes::ModeSet find_modes(const scene::KernelRequest& request, Discretised& made
       .begin = [&](const std::string& phase) { console.begin(request.body.name + ": " + phase); },
       .at = [&](std::int64_t done, std::int64_t total) { console.advance(done, total); }};
   const auto contact_basis = [&](double error, std::optional<std::int64_t> count) {
-    // Gravity also moves the surface of a supported body; a moving support acts through the inertia of its
+    // Gravity also moves the surface of a supported body. A moving support acts through the inertia of its
     // lift.
     const surface::Sources& sources = made.sources;
     Eigen::MatrixXd all(loads.rows(), loads.cols() + 3 + sources.receiver.cols() + sources.load.cols() +
@@ -62,7 +63,7 @@ modes::ModeSet find_modes(const scene::KernelRequest& request, Discretised& made
     return contact_basis(wanted.flexibility_error.value_or(0), wanted.count);
   std::optional<Hertz> up_to = wanted.up_to;
   if (wanted.flexibility_error) {
-    // A contact-adapted basis shows up to which frequency modes matter.
+    // A contact-adapted basis determines up to which frequency modes are needed.
     const double error = beyond_search * *wanted.flexibility_error;
     up_to = modes::needed_up_to(*made.teams, made.mesh, contact_basis(error, {}), loads, loads.cols(),
                                 *wanted.up_to, error);
@@ -95,7 +96,7 @@ std::string summary_of(const scene::KernelRequest& request, const modes::ModeSet
                      modes.certificate.flexibility_error);
 }
 
-/// Removes the modes that contact does not need from a kernel.
+/// Removes the modes that contact does not need; their static response moves to the residual flexibility.
 void leave_to_residual(const scene::KernelRequest& request, kernels::Kernel& kernel) {
   const double error = *request.modes.flexibility_error;
   const auto found = static_cast<std::int64_t>(kernel.modes.size());
@@ -105,8 +106,8 @@ void leave_to_residual(const scene::KernelRequest& request, kernels::Kernel& ker
   kernel.modes.certificate.flexibility_error = made + beyond_search * error;
 }
 
-/// Computes the kernel of one body from its mesh, on all ranks. Rank 0 has all of it; other ranks lack the
-/// visualisation surface. Collective.
+/// Computes the kernel of one body from its mesh, on all ranks. Rank 0 returns the whole kernel; other ranks
+/// return it without the visualisation surface. Collective.
 /// @param checkpoint  folder of finished slices, read and extended
 /// Throws InputError on every rank, or SolverError.
 kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::filesystem::path& checkpoint,
@@ -166,8 +167,8 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::f
   return kernel;
 }
 
-/// Derives the kernel from another one in the folder, if one is suitable, and writes it. @return a note for
-/// the user; empty if the kernel must be computed. Collective.
+/// Derives the kernel from another one in the folder, if one is suitable, and writes it. Collective. @return
+/// a note for the user; empty if the kernel must be computed
 std::string derive_if_possible(const scene::KernelRequest& request, const std::filesystem::path& folder,
                                const std::filesystem::path& path, MPI_Comm comm) {
   std::string from;
@@ -181,8 +182,8 @@ std::string derive_if_possible(const scene::KernelRequest& request, const std::f
   return from;
 }
 
-/// The folder of a kernel's finished slices. It is kept until the kernel is written, so that a killed run can
-/// resume.
+/// The folder of finished slices. It is kept until the kernel is written, so that an interrupted run can be
+/// resumed.
 std::filesystem::path checkpoint_of(std::filesystem::path kernel) {
   return kernel.replace_extension().replace_extension(".slices");
 }
@@ -198,7 +199,7 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
   const bool first = parallel::rank_of(comm) == 0;
   scene::Scene scene;
   std::vector<scene::KernelRequest> requests;
-  parallel::on_all_ranks(comm, [&] {  // each rank reads the small scene file
+  parallel::on_all_ranks(comm, [&] {  // the scene file is small, so each rank reads it
     scene = scene::read(options.scene, options.overrides, scene::Purpose::kernels);
     if (!options.dry_run)
       for (const scene::Body& body : scene.bodies) requests.push_back(scene::kernel_request(scene, body));
@@ -207,14 +208,15 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
     if (first) std::cout << scene::to_toml(scene);
     return 0;
   }
-  // Invalid histories are refused before anything is computed.
+  // Refuses invalid histories before the computation starts.
   parallel::on_first_rank(comm, [&] { programs::forcing_of(scene); });
 
   console::Console console(options.quiet || !first,
                            [comm] { return parallel::largest(comm, console::peak_memory_mib()); });
   if (requests.empty()) console.say("the scene takes its kernels from contact.table: nothing to compute");
   std::vector<Points> points = needed_points(scene, requests, options.out, comm, console);
-  // Kernels of another order, with all candidates, give the error of the mesh. They may fail.
+  // Kernels of another order, with all candidates, give the error due to the mesh. Their computation may
+  // fail.
   if (scene.accuracy)
     for (std::size_t k = 0; k < scene.bodies.size(); ++k)
       if (const auto other = scene::other_order(requests[k])) {
@@ -243,7 +245,7 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
     check_missing(0);
     return 0;
   }
-  // Errors in later bodies are reported before the first body is computed.
+  // Checks all later bodies before the first body is computed, so that their errors are reported early.
   auto check_later = [&, checked = false](std::size_t k) mutable {
     if (!std::exchange(checked, true)) check_missing(k + 1);
   };
@@ -273,7 +275,7 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
       try {
         const kernels::Kernel kernel = compute_kernel(request, checkpoint, comm, console);
         parallel::on_first_rank(comm, [&] { kernels::write(kernel, path); });
-      } catch (const InputError& error) {  // the same on every rank
+      } catch (const InputError& error) {  // the error is the same on every rank
         if (k < scene.bodies.size()) throw;
         if (first)
           console.warn(
@@ -285,7 +287,7 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
     if (first) forget(checkpoint);
     console.say(fmt::format("{}: {}{}", request.body.name, from, path.string()));
   }
-  // Peak memory is the maximum over the ranks.
+  // The peak memory of each phase is the maximum over the ranks.
   if (!console.phases().empty()) console.say(console::Console::table(console.phases()));
   return 0;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// ricochet-kernel: from a scene to one kernel file for each body.
+// ricochet-kernel as a function: reads a scene and writes one kernel file for each body.
 #pragma once
 
 #include <mpi.h>
@@ -8,7 +8,8 @@
 
 namespace ricochet {
 
-/// Writes the kernels that `options.out` does not contain yet. @return the exit status. Collective.
+/// Computes and writes the kernels that `options.out` does not contain yet. @return the exit status.
+/// Collective.
 int run_kernel(const console::Options& options, MPI_Comm comm);
 
 }  // namespace ricochet

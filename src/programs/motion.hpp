@@ -11,14 +11,15 @@
 
 namespace ricochet::programs {
 
-/// Throws InputError if the kernels of the scene do not contain the motion: tables, or no visualisation
-/// surface.
+/// Throws InputError if the motion of the scene cannot be written: with table kernels, or without
+/// visualisation surfaces.
 void check_motion(const scene::Scene& scene);
 
-/// Throws InputError if a kernel file has no visualisation surface.
+/// Throws InputError if a kernel has no visualisation surface.
 void check_skins(const Kernels& kernels);
 
-/// Options of `<stem>.motion.xdmf` and `.motion.h5`: every output.vtk_every-th step, or about 200 frames.
+/// Options of `<stem>.motion.xdmf` and `.motion.h5`: a frame every output.vtk_every steps, or about 200
+/// frames.
 contact::MotionOptions motion_options(const scene::Scene& scene, std::int64_t steps,
                                       const std::filesystem::path& stem);
 

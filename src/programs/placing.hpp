@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The bodies of a scene in their positions, and the candidates that the contact pairs use.
+// Places the bodies of a scene and finds the candidates that the contact pairs use.
 #pragma once
 
 #include <fmt/format.h>
@@ -15,7 +15,7 @@
 
 namespace ricochet::programs {
 
-/// Runs `action` and prefixes its InputErrors with the file of the scene.
+/// Runs `action` and puts the scene's file in front of the message of its InputErrors.
 template <class Action>
 auto in_scene(const scene::Scene& scene, Action action) {
   try {
@@ -27,32 +27,34 @@ auto in_scene(const scene::Scene& scene, Action action) {
 
 using KernelPointers = std::vector<const kernels::Kernel*>;
 
-/// @param kernels  of the scene's bodies, in their order; they outlive the result
+/// @param kernels  kernels of the scene's bodies, in their order; must outlive the result
 std::vector<contact::PlacedBody> placed_bodies(const scene::Scene& scene, const KernelPointers& kernels);
 std::vector<contact::HalfSpace> half_spaces(const scene::Scene& scene);
 std::vector<contact::PairRequest> pair_requests(const scene::Scene& scene);
 
-/// Positions and pairs of the scene's bodies. Throws InputError as contact::place does.
+/// Places the bodies of the scene and finds their contact pairs. Throws InputError in the same cases as
+/// contact::place.
 contact::Placement place(const scene::Scene& scene, const KernelPointers& kernels);
 
-/// The placement with other kernels of the same surfaces.
+/// Returns the placement with other kernels of the same surfaces.
 contact::Placement with_kernels(contact::Placement placement, const KernelPointers& kernels);
 
-/// Loads and moving supports, with their histories. Throws InputError if a history cannot be read.
+/// Loads and moving supports with their histories. Throws InputError if a history cannot be read.
 std::vector<contact::ForcingRequest> forcing_of(const scene::Scene& scene);
 
-/// Model of placed bodies under the scene's loads. Throws InputError as contact::build_model does.
+/// Builds the model of placed bodies under the scene's loads. Throws InputError in the same cases as
+/// contact::build_model.
 contact::Model model_of(const scene::Scene& scene, const contact::Placement& placement,
                         const std::vector<contact::ForcingRequest>& forcing);
 
-/// Whether every pair of a body has a reach, so that its kernel need not contain all candidates.
+/// Whether every pair of the body has a reach, so that its kernel may omit candidates.
 bool is_limited(const scene::Scene& scene, const scene::Body& body);
 
-/// Numbers of some candidates of a whole surface, ascending; none: all.
+/// Numbers of candidates on the whole surface, ascending; no value: all.
 using Points = std::optional<std::vector<std::int64_t>>;
 
-/// Candidates that the kernels of the scene's bodies must contain: all candidates of bodies that are not
-/// limited.
+/// Candidates that the kernels of the scene's bodies must contain. A body that is not limited needs all of
+/// its candidates.
 std::vector<Points> points_within_reach(const scene::Scene& scene, const contact::Placement& placement);
 
 struct KernelFile {
@@ -61,8 +63,8 @@ struct KernelFile {
   bool holds(const Points& points) const;
 };
 
-/// The kernel files in `folder` that answer `whole`, a request for all candidates, or the same request
-/// limited by a reach; those with the fewest candidates come first.
+/// Kernel files in `folder` that answer `whole`, a request for all candidates, or the same request limited by
+/// a reach. Files with the fewest candidates come first.
 std::vector<KernelFile> kernel_files(const std::filesystem::path& folder, const scene::KernelRequest& whole);
 
 }  // namespace ricochet::programs

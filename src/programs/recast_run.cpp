@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Converts numbers of candidates in the kernel to those on the whole surface.
+/// Converts numbers of candidates in the kernel to numbers on the whole surface.
 std::vector<std::int64_t> of_whole_surface(const scene::KernelRequest& had,
                                            const std::vector<std::int64_t>& points, std::size_t candidates) {
   if (!had.points) return points;
@@ -69,7 +69,7 @@ scene::KernelRequest wanted_of(const scene::KernelRequest& had, const RecastOpti
   return wanted;
 }
 
-/// The rescaled or truncated kernel, and the name of its file.
+/// Rescales or truncates `kernel` and returns the name of its file.
 std::string recast(const RecastOptions& options, kernels::Kernel& kernel) {
   const std::string file = options.kernel.string();
   kernels::Header header{kernel.hash, kernel.scene, kernel.mesh_sha256};
@@ -77,7 +77,7 @@ std::string recast(const RecastOptions& options, kernels::Kernel& kernel) {
   scene::KernelRequest had = scene::request_of(header, file);
   had.body.name = kernel.body;
   scene::KernelRequest wanted = wanted_of(had, options, kernel);
-  // Refuses values that no scene may contain, because the kernel could not be read again.
+  // Refuses values that no scene may contain, because the new kernel could not be read.
   scene::request_of({wanted.hash, wanted.toml, wanted.mesh_sha256, wanted.points}, "the new kernel");
   kernel = scene::derived(std::move(kernel), had, wanted);
   return scene::kernel_path({}, wanted).string();
@@ -94,7 +94,7 @@ int run_recast(const RecastOptions& options, std::ostream& out) {
     path /= options.vtk && !options.changes() ? options.kernel.filename().string() : recast(options, kernel);
     base::check_place(path);
     if (options.vtk) {
-      const fs::path stem = path.replace_extension().replace_extension(".modes");  // ….kernel.h5
+      const fs::path stem = path.replace_extension().replace_extension(".modes");  // removes .kernel.h5
       kernels::write_modes(kernel, stem);
       out << fmt::format("{}: {} {}: {}.xdmf\n", kernel.body, kernel.modes.size(), of_basis, stem.string());
       return 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// ricochet-contact: impacts of elastic bodies from their kernels.
+// ricochet-contact: computes impacts of elastic bodies from their kernels.
 #include <exception>
 #include <iostream>
 

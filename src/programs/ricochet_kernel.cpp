@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// ricochet-kernel SCENE.toml: elastic modes of each body, stored on its contact surface.
+// ricochet-kernel SCENE.toml: computes the modes of each body and stores their trace on its contact surface.
 //
 //   mpirun -n 2 ricochet-kernel meshes/two-disks/two-disks.toml
 //
@@ -19,9 +19,9 @@
 int main(int argc, char** argv) {
   using namespace ricochet;
   parallel::prepare_blas(argv);
-  console::end_cleanly_on_signals();  // also while MPI starts
+  console::end_cleanly_on_signals();  // before MPI starts, so that signals are handled then too
   const parallel::Session session;
-  console::end_cleanly_on_signals();  // PETSc has replaced some handlers
+  console::end_cleanly_on_signals();  // again, because PETSc has replaced some handlers
   const bool first = parallel::rank_of(PETSC_COMM_WORLD) == 0;
   const auto parsed = console::parse(
       {.name = "ricochet-kernel",
@@ -37,10 +37,11 @@ int main(int argc, char** argv) {
     const int status = run_kernel(*parsed.options, PETSC_COMM_WORLD);
     return console::all_printed("ricochet-kernel") ? status : 1;
   } catch (const InputError& error) {
-    // Every rank has the same error.
+    // The error is the same on every rank.
     return first ? console::status_of(error, "ricochet-kernel") : 2;
   } catch (const std::exception& error) {
-    // Other ranks may wait in a collective call, so all are ended. If all failed, the first one reports.
+    // Other ranks may wait in a collective call, so all ranks are ended. If all of them failed, the first one
+    // reports the error, because the others wait before they print.
     if (!first) std::this_thread::sleep_for(std::chrono::milliseconds(300));
     std::cerr << "ricochet-kernel: rank " << parallel::rank_of(PETSC_COMM_WORLD) << ": "
               << console::message_of(error) << std::endl;

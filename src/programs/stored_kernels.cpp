@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Files that hold all or some candidates of a body.
+/// Files that contain all or some candidates of a body.
 std::vector<KernelFile> files_of(const scene::Scene& scene, const scene::Body& body,
                                  const scene::KernelRequest& request, const fs::path& folder,
                                  KernelStore& store) {
@@ -35,7 +35,7 @@ std::shared_ptr<const kernels::Kernel> read(const fs::path& path, KernelStore& s
   return kernel;
 }
 
-/// Number of placements kept: those of a sweep over a few positions.
+/// Number of placements kept, enough for a sweep over a few positions.
 constexpr std::size_t most_placements = 4;
 
 }  // namespace
@@ -92,7 +92,7 @@ std::vector<StoredKernel> find_kernels(const scene::Scene& scene, const fs::path
 
 namespace {
 
-/// Poisson's ratio above which linear elements lock: they can hardly deform at constant volume, and peak
+/// Poisson's ratio above which linear elements lock. They can hardly deform at constant volume, and peak
 /// forces become at least twice as large.
 constexpr double locking_poisson = 0.45;
 

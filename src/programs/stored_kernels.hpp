@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The store of kernels: the files that ricochet-kernel wrote, and the data that a process keeps between runs.
+// The store of kernels: the files that ricochet-kernel wrote, and the data that a process keeps from one run
+// to the next.
 #pragma once
 
 #include <deque>
@@ -24,15 +25,16 @@ namespace ricochet::programs {
 struct Kernels {
   std::vector<std::shared_ptr<const kernels::Kernel>> kernel;
   std::vector<std::string> file;
-  std::vector<std::string> warnings;  ///< about elements that do not suit their material
+  std::vector<std::string> warnings;  ///< about element orders that do not suit the material
   KernelPointers pointers() const;
 };
 
-/// The last few placements of one thread, by the data that determine them: surfaces in their initial
-/// positions, obstacles and pair requests.
+/// The last few placements of one thread. Each is identified by the data that determine it: surfaces in their
+/// initial positions, obstacles and pair requests.
 class PlacementStore {
  public:
-  /// The placement of the scene's bodies, new or stored. Throws InputError as contact::place does.
+  /// Returns the placement of the scene's bodies, stored or new. Throws InputError in the same cases as
+  /// contact::place.
   contact::Placement place(const scene::Scene& scene, const KernelPointers& kernels);
 
  private:
@@ -52,8 +54,8 @@ class PlacementStore {
   std::deque<std::pair<Key, contact::Placement>> known_;
 };
 
-/// Data that one process keeps between runs, so that nothing is read or computed twice: kernels of the
-/// previous run, files that were found to be kernels, hashes of meshes, and placements.
+/// Data that one process keeps from one run to the next, so that nothing is read or computed twice: kernels
+/// of the previous run, files that were recognised as kernels, hashes of meshes, and placements.
 struct KernelStore {
   std::map<std::filesystem::path, std::shared_ptr<const kernels::Kernel>> kernels;
   std::set<std::filesystem::path> seen;
@@ -61,24 +63,25 @@ struct KernelStore {
   PlacementStore placements;
 };
 
-/// The file of a body's kernel. Files may differ in the candidates that they hold: the smallest sufficient
-/// one is chosen; if none suffices, the smallest; without any file, `path` names a kernel with all
-/// candidates.
+/// The file of a body's kernel. Files may differ in the candidates that they contain. The smallest sufficient
+/// file is chosen, or the smallest one if none suffices. If there is no file, `path` is that of a kernel with
+/// all candidates.
 struct StoredKernel {
   std::filesystem::path path;
   bool enough = false;
-  std::filesystem::path whole;  ///< the name of a kernel with all candidates
-  std::string hash;             ///< of that kernel
+  std::filesystem::path whole;  ///< path of a kernel with all candidates
+  std::string hash;             ///< hash of a kernel with all candidates
 };
 
-/// The files of the scene's bodies, in their order. A damaged file or one of another scene counts as none.
-/// Throws InputError like contact::place if the choice of a file depends on a reach.
+/// The files of the scene's bodies, in their order. A file that is damaged or belongs to another scene counts
+/// as missing. If the choice depends on a reach, throws InputError in the same cases as contact::place.
 std::vector<StoredKernel> find_kernels(const scene::Scene& scene, const std::filesystem::path& folder,
                                        KernelStore& store);
 
-/// Throws InputError if a body has no kernel, or one of another scene. A kernel that holds too few candidates
-/// is read; contact::build_model refuses it. Afterwards `store` holds only the kernels of the scene.
-/// @param view  whether to read their visualisation surfaces too
+/// Reads the kernels of the scene. Throws InputError if the kernel of a body is missing or belongs to another
+/// scene. A kernel with too few candidates is read as well, and contact::build_model then throws. Afterwards,
+/// `store` contains only the kernels of this scene.
+/// @param view  whether to read the visualisation surfaces too
 Kernels read_kernels(const scene::Scene& scene, const std::filesystem::path& folder, KernelStore& store,
                      bool view = false);
 

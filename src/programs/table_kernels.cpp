@@ -12,7 +12,8 @@
 namespace ricochet::programs {
 namespace {
 
-/// Refuses a table whose samples, their copy in the convolution and the spectra do not fit into memory.
+/// Throws InputError if the samples of a table, their copy in the convolution and the spectra do not fit into
+/// memory.
 void check_memory(const Impact& impact) {
   const auto points = impact.model->gap.size();
   const double kernels = impact.options.scheme == Scheme::impulse ? 2 : 1,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Table kernels of a scene: read from a file, or sampled from its modes.
+// Table kernels of a scene: read from a file, or sampled from the modes.
 #pragma once
 
 #include <memory>
@@ -8,11 +8,11 @@
 
 namespace ricochet::programs {
 
-/// Adds the table: from the scene's file, or sampled from the model for all steps of the impact. Throws
-/// InputError if the file cannot be read or the samples do not fit into memory.
+/// Adds the table to the impact: reads the file that the scene names, or samples the model at all steps of
+/// the impact. Throws InputError if the file cannot be read or the samples do not fit into memory.
 void add_table(Impact& impact, console::Console& console);
 
-/// Throws InputError if the table is shorter than the impact, or as contact::TableStepper does.
+/// Throws InputError if the table is shorter than the impact, or in the same cases as contact::TableStepper.
 std::unique_ptr<contact::Stepper> table_stepper(const Impact& impact);
 
 }  // namespace ricochet::programs

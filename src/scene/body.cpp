@@ -77,7 +77,8 @@ void read_body_matter(Table& table, Body& body) {
 
 namespace {
 
-/// Checks the keys that a meshed body needs and an imported body must not have.
+/// Checks that a meshed body has a material, and that an imported body has none of the keys that its file
+/// fixes.
 void check_matter(Table& table, const Body& body) {
   if (!body.imported()) {
     if (body.materials.empty())

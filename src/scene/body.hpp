@@ -10,13 +10,13 @@ namespace ricochet::scene {
 
 class Table;
 
-/// The damping laws of one number, by their keys.
+/// Damping laws with a single parameter, by key.
 inline constexpr std::pair<const char*, Damping::Law> damping_laws[] = {
     {"ratio", Damping::Law::ratio},
     {"loss_factor", Damping::Law::loss_factor},
     {"viscosity", Damping::Law::viscosity}};
 
-/// Reads the body `name` from its table. Its mesh is resolved against `folder`. Throws InputError.
+/// Reads the body `name` from its table and resolves its mesh against `folder`. Throws InputError.
 Body read_body(const std::string& name, Table& table, const std::filesystem::path& folder);
 
 /// Reads the keys of a body that its kernel depends on, except its mesh. Throws InputError.

@@ -29,8 +29,8 @@ void read_pair(Table& table, const Scene& scene, Pair& pair) {
     table.complain("between", "one of the two must be a body");
 }
 
-/// Swaps the pair if its body is not first. Call this only when all keys are known: a direction in [contact]
-/// points out of the first member that the pair itself names.
+/// Swaps the members of a pair whose first member is an obstacle. Must be called after all keys are read,
+/// because a direction in [contact] points out of the first name that the pair gives.
 Pair body_first(const Scene& scene, Pair pair) {
   if (scene.find_body(pair.a) != nullptr) return pair;
   std::swap(pair.a, pair.b);

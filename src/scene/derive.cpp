@@ -13,7 +13,8 @@ namespace ricochet::scene {
 
 namespace {
 
-/// Whether numbers agree up to a few roundings: factors are quotients of numbers in scenes.
+/// Whether two numbers agree up to a few roundings. Factors are quotients of numbers in scenes, so they are
+/// rounded.
 bool same(double a, double b) { return std::abs(a - b) <= 1e-12 * std::max(std::abs(a), std::abs(b)); }
 
 template <class T>
@@ -21,22 +22,22 @@ bool both_or_neither(const std::optional<T>& a, const std::optional<T>& b) {
   return a.has_value() == b.has_value();
 }
 
-/// Whether the second material is the first one multiplied by these factors.
+/// Whether the second material equals the first one multiplied by these factors.
 bool similar(const Material& had, const Material& wanted, const kernels::Similarity& by) {
   return had.group == wanted.group && had.poisson == wanted.poisson &&
          same(had.young * by.young, wanted.young) && same(had.density * by.density, wanted.density) &&
          same(had.area * by.area.value_or(1), wanted.area);
 }
 
-/// Whether the body is a rod: the patches of a rod are its ends, with the area of its cross-section. For
-/// solids the key `area` has no effect.
+/// Whether the body is a rod. The patches of a rod are its ends, so their area is that of its cross-section.
+/// The key `area` has no effect on solids.
 bool is_rod(const kernels::Kernel& kernel, const Body& body) {
   return std::ranges::all_of(kernel.surface.area, [&](double area) {
     return std::ranges::any_of(body.materials, [&](const Material& m) { return same(m.area, area); });
   });
 }
 
-/// The tables of the request in a kernel, where they differ from those of a scene.
+/// The tables of a stored request, which differ from those of a scene.
 const Section& request_keys() {
   static const Section section{"a kernel's scene",
                                "",
@@ -51,7 +52,7 @@ const Section& request_contact_keys() {
   static const Section section{
       "[contact] of a kernel's scene",
       "",
-      {{"direction", Type::vector, "", "", {}, ""},  // rounded, hence not of length 1
+      {{"direction", Type::vector, "", "", {}, ""},  // rounded, so its length is not exactly 1
        {"along", Type::vector, "", "", {}, ""},
        *pair_keys.find("spacing"),
        {"points", Type::integers, "", "", {}, ""},
@@ -72,7 +73,7 @@ bool same_modes(const Modes& had, const Modes& wanted, double frequency) {
          had.count == wanted.count && had.flexibility_error == wanted.flexibility_error;
 }
 
-/// @param adapted  whether a basis adapted to the candidates is adapted to the requested ones
+/// @param adapted  whether the stored basis is adapted to the requested candidates
 kernels::Kernel with_modes(kernels::Kernel kernel, const Modes& had, const Modes& wanted, double frequency,
                            bool adapted) {
   if (had.basis != wanted.basis || had.low_rank != wanted.low_rank || had.approximate != wanted.approximate ||
@@ -91,7 +92,7 @@ kernels::Kernel with_modes(kernels::Kernel kernel, const Modes& had, const Modes
   return kernels::truncated_to_band(std::move(kernel), *wanted.up_to);
 }
 
-/// Indices of the points of `wanted` among the candidates of `had`.
+/// Positions of the points of `wanted` among the candidates of `had`.
 std::vector<std::int64_t> places(const KernelRequest& had, const KernelRequest& wanted) {
   if (!had.points) return *wanted.points;
   std::vector<std::int64_t> places;
@@ -214,7 +215,7 @@ std::optional<kernels::Kernel> derive_from(const std::filesystem::path& file, co
     const KernelRequest had = request_of(*header, file.string());
     if (similarity(had, wanted)) return derived(kernels::read(file), had, wanted);
   } catch (const InputError&) {
-    // Another file may be suitable; otherwise the kernel is computed.
+    // Another file may be suitable. If none is, the kernel is computed.
   }
   return std::nullopt;
 }

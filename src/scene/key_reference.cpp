@@ -11,7 +11,7 @@ namespace ricochet::scene {
 
 namespace {
 
-/// The words for each Type, in the order of its members.
+/// Name of each Type, in the order of its members.
 constexpr std::array names{"number",          "whole number",    "whole numbers",
                            "true or false",   "string",          "string or list of them",
                            "two numbers",     "[x, y, z]",       "[x, y, z]",

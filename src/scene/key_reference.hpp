@@ -6,7 +6,7 @@
 
 namespace ricochet::scene {
 
-/// The reference as Markdown, without a line break at its end.
+/// The reference as Markdown, without a final line break.
 std::string key_reference();
 
 }  // namespace ricochet::scene

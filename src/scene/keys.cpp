@@ -26,7 +26,7 @@ Range from_to(const char* low, const char* high, const char* remark = "") {
 }
 Range one_of(std::vector<std::string> choices) { return {.choices = std::move(choices)}; }
 
-/// A default, as a scene would give it.
+/// A default value as a scene would state it, in backticks.
 std::string shown(const std::string& text) { return '`' + text + '`'; }
 std::string shown(const char* choice) { return shown(toml_string(choice)); }
 std::string shown(double number) { return shown(toml_number(number)); }
@@ -35,7 +35,7 @@ std::string shown(int number) { return shown(std::int64_t{number}); }
 std::string shown(bool on) { return shown(std::string(on ? "true" : "false")); }
 std::string shown(const Vector3& vector) { return shown(toml_vector(vector)); }
 
-/// A section's keys with those of another behind.
+/// Appends the keys of `more` to those of `section`.
 Section joined(Section section, const Section& more) {
   section.keys.insert(section.keys.end(), more.keys.begin(), more.keys.end());
   return section;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The keys of a scene: type, unit, default, range and meaning of each. Tables (src/scene/table.hpp) accept
-// only keys that are described here and enforce the ranges that the reference prints.
+// The keys of a scene: type, unit, default, range and meaning of each. A Table (src/scene/table.hpp) accepts
+// only the keys described here and enforces the ranges printed in the reference.
 #pragma once
 
 #include <string>
@@ -24,14 +24,14 @@ enum class Type {
   table,
   tables,   ///< an array of tables
   numbers,  ///< numbers under names that the user chooses
-  strings,  ///< strings under such names
+  strings,  ///< strings under names that the user chooses
 };
 
 struct Key {
   std::string name;
   Type type;
   std::string unit;
-  std::string fallback;  ///< as in the reference: a value in backticks, "none", "–" if the key is required
+  std::string fallback;  ///< as in the reference: a value in backticks, "none", or "–" for a required key
   Range range;
   std::string meaning;
 };
@@ -50,7 +50,7 @@ extern const Section scene_keys, body_keys, material_keys, damping_keys, obstacl
     contact_keys, pair_keys, time_keys, loads_keys, traction_keys, point_keys, motion_keys, output_keys,
     receiver_keys;
 
-/// All of the above, in the order of the reference.
+/// All sections, in the order of the reference.
 std::vector<const Section*> all_sections();
 
 }  // namespace ricochet::scene

@@ -18,7 +18,7 @@ std::string read_body(Table& table, const Scene& scene) {
   return name;
 }
 
-/// Checks a name that kernels will use.
+/// Checks a name that kernels will contain.
 void check_name(const Table& table, const std::string& key, const std::string& name) {
   if (!kernels::is_free_name(name))
     table.complain(key,
@@ -27,7 +27,7 @@ void check_name(const Table& table, const std::string& key, const std::string& n
                        "not body_force, body_force_residual or rotation");
 }
 
-/// Checks that a support moves along components that it holds.
+/// Checks that the motion of a support acts only along components that the support holds.
 void check_motion(Table& table, const Body& body, const Forcing& motion) {
   const auto support = body.support.find(motion.group);
   if (support == body.support.end()) {
@@ -89,7 +89,7 @@ void refuse_second(const Table& table, const std::vector<Forcing>& before, const
 void move_to_frame(const Body& body, Vector3& at) {
   for (std::size_t k = 0; k < 3; ++k) at[k] -= body.translate[k];
   at = in_body(body, at);
-  // Rounded, so that round-off does not change hashes.
+  // Rounding keeps the hashes independent of round-off.
   for (double& x : at) x = std::round(x * 1e12) / 1e12;
 }
 
@@ -138,7 +138,7 @@ void take_sources(const Scene& all, const Body& placed, KernelRequest& request) 
       driven.vector = {};
       driven.history.clear();
       if (from == &all.loads.points) move_to_frame(placed, driven.at);
-      // All histories of a support share its motion.
+      // All motions of a support share one dataset of the kernel, whatever their histories.
       if (from == &all.loads.motions) driven.name = driven.group;
       if (std::ranges::count(*to, driven.name, &Forcing::name) == 0) to->push_back(driven);
     }

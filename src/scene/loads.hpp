@@ -10,17 +10,17 @@ namespace ricochet::scene {
 
 class Table;
 
-/// Reads [loads] of `root`. The bodies of `scene` must be known. Throws InputError.
+/// Reads [loads] of `root`. `scene` must already contain its bodies. Throws InputError.
 void read_loads(Table& root, Scene& scene);
 
-/// Reads [[output.receiver]]. The bodies of `scene` must be known. Throws InputError.
+/// Reads [[output.receiver]]. `scene` must already contain its bodies. Throws InputError.
 std::vector<Receiver> read_receivers(Table& output, const Scene& scene);
 
-/// Copies the items of `all` that belong to the body into the request, in the form in which its kernel
-/// depends on them.
+/// Copies the loads, motions and receivers of `all` that belong to the body into the request, reduced to the
+/// data on which its kernel depends.
 void take_sources(const Scene& all, const Body& placed, KernelRequest& request);
 
-/// The items of take_sources as TOML; empty if there are none.
+/// The loads, motions and receivers of a request as TOML; empty if there are none.
 std::string toml_sources(const KernelRequest& request);
 
 }  // namespace ricochet::scene

@@ -8,7 +8,8 @@ namespace ricochet::scene {
 
 class Table;
 
-/// Reads [modes] of `root`; `accuracy`, if given, may choose what the table leaves open. Throws InputError.
+/// Reads [modes] of `root`. If `accuracy` is given, keys that the table does not set may remain open. Throws
+/// InputError.
 Modes read_modes(Table& root, const std::optional<double>& accuracy = {});
 
 }  // namespace ricochet::scene

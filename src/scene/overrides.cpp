@@ -16,7 +16,7 @@ struct Part {
   std::vector<std::size_t> index;
 };
 
-/// Splits a path such as "bodies.upper.list[2].x"; dots in quotes do not separate.
+/// Splits a path such as "bodies.upper.list[2].x". Dots in quotes do not separate parts.
 std::vector<Part> split(const std::string& path, const Override& text) {
   const auto refuse = [&](const std::string& what) {
     return refusal(text, what + ": write KEY=VALUE with a dotted key, as in bodies.upper.velocity=[0,-6,0]");
@@ -60,8 +60,8 @@ std::size_t end_of_key(const std::string& text) {
   return text.find('=');
 }
 
-/// Whether `text` is UTF-8, as TOML requires, because other bytes could not be written out again: the parser
-/// accepts any text in a comment.
+/// Whether `text` is UTF-8, which TOML requires; other bytes could not be written again. The parser accepts
+/// any UTF-8 text in a comment, so the text is parsed as one.
 bool is_utf8(const std::string& text) {
   try {
     static_cast<void>(toml::parse("# " + one_line(text)));

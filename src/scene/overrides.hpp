@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Internal to src/scene: keys that a command line sets, "--set KEY=VALUE".
+// Internal to src/scene: keys set on the command line, "--set KEY=VALUE".
 #pragma once
 
 #include <toml++/toml.h>
@@ -8,8 +8,8 @@
 
 namespace ricochet::scene {
 
-/// Applies one override to `root`. The value is parsed as TOML; text that is not TOML is taken as a string.
-/// Throws InputError that begins with "--set".
+/// Applies one override to `root`. The value is parsed as TOML, and a value that is not TOML is used as a
+/// string. Throws InputError that begins with "--set".
 void apply_override(toml::table& root, const Override& text);
 
 }  // namespace ricochet::scene

@@ -16,7 +16,7 @@ std::filesystem::path part_file(const std::filesystem::path& mesh, std::size_t n
   return mesh.parent_path() / fmt::format("{}_{}{}", mesh.stem().string(), number, mesh.extension().string());
 }
 
-/// Number of the last part that exists.
+/// Number of the last existing part; 0 if there is none.
 std::size_t last_part(const std::filesystem::path& mesh) {
   std::size_t last = 0;
   const std::filesystem::path folder = mesh.parent_path().empty() ? "." : mesh.parent_path();

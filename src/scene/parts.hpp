@@ -7,9 +7,9 @@
 
 namespace ricochet::scene {
 
-/// The files body_1.msh, body_2.msh… of a mesh body.msh that gmsh partitioned, in this order. Empty if the
-/// mesh itself exists or there is no first part. Throws InputError if a part between the first and the last
-/// is missing.
+/// Returns the files body_1.msh, body_2.msh… of a mesh body.msh that gmsh partitioned, in this order. Returns
+/// an empty list if the mesh itself exists or the first part does not. Throws InputError if a part between
+/// the first and the last is missing.
 std::vector<std::filesystem::path> part_files(const std::filesystem::path& mesh);
 
 }  // namespace ricochet::scene

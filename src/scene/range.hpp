@@ -7,13 +7,13 @@
 
 namespace ricochet::scene {
 
-/// The accepted values. Bounds are kept as they are written, for messages.
+/// The accepted values. Bounds are stored as text, so that messages print them as written.
 struct Range {
-  std::string low{}, high{};                 ///< empty: none
+  std::string low{}, high{};                 ///< empty: no bound
   bool low_open = false, high_open = false;  ///< whether the bound itself is refused
   bool or_zero = false;
-  std::vector<std::string> choices{};  ///< of a text: the only accepted ones
-  std::string remark{};                ///< appended to a refusal
+  std::vector<std::string> choices{};  ///< the accepted strings; empty: any
+  std::string remark{};                ///< appended to the error message
 
   bool holds(double value) const;
   /// The range in words, such as "from 1 to 10" or "above 0"; empty if every value is accepted.

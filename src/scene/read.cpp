@@ -69,7 +69,7 @@ void read_output(Table& root, Scene& scene) {
   table->refuse_unknown();
 }
 
-/// Refuses settings of modes that need elements or a wave speed, which an imported body does not have.
+/// Refuses settings of modes that need elements or a wave speed: an imported body has neither.
 void refuse_what_needs_elements(Table& root, const Scene& scene) {
   const Modes& modes = scene.modes;
   const char* what = modes.approximate > 0 ? "modes.approximate"
@@ -87,8 +87,8 @@ void refuse_what_needs_elements(Table& root, const Scene& scene) {
   }
 }
 
-/// Refuses names that exceed the 255 bytes of file systems; the longest are those of temporary files,
-/// "<name>.<process>.partial".
+/// Refuses names longer than the 255 bytes that file systems allow. The longest names are those of temporary
+/// files, "<name>.<process>.partial".
 void refuse_long_names(const Scene& scene) {
   constexpr std::size_t most = 255, temporary = 16;
   std::size_t ending = std::string_view(".summary.json").size();
@@ -102,7 +102,7 @@ void refuse_long_names(const Scene& scene) {
                     scene.file.filename().string(), length, most));
 }
 
-/// Refuses output and loads that do not exist for tables or at equilibrium.
+/// Refuses outputs and loads that do not exist with tables or at equilibrium.
 void refuse_what_does_not_go(Table& root, const Scene& scene) {
   const bool table = scene.contact.kernel == ContactKernel::table;
   if (table && scene.output.snapshot_every > 0)
@@ -136,7 +136,7 @@ std::string text_of(const std::filesystem::path& file) {
   return text;
 }
 
-/// Parses the text of a scene, whose file is called `name`, and applies the overrides.
+/// Parses the text of a scene and applies the overrides. `name` is the name of its file.
 toml::table tables_of(const std::string& text, const std::string& name,
                       const std::vector<Override>& overrides) {
   toml::table parsed;

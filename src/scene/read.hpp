@@ -1,28 +1,28 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Scene files, read and checked.
+// Reads and checks scene files.
 #pragma once
 
 #include "src/scene/scene.hpp"
 
 namespace ricochet::scene {
 
-/// The use of a scene. For kernels alone, [time] and [contact] are optional; without [contact], no body needs
-/// a contact surface.
+/// The use of a scene. If only kernels are computed, [time] and [contact] are optional; without [contact], no
+/// body needs a contact surface.
 enum class Purpose { impact, kernels };
 
-/// Reads a scene file, applies `overrides` (KEY=VALUE, as in --set) in their order, and checks every key and
-/// range. Throws InputError "FILE: dotted.key = value: what. fix." for a key that is unknown, missing, of
-/// the wrong type or out of range.
+/// Reads a scene file, applies `overrides` (KEY=VALUE, as in --set) in order, and checks every key and range.
+/// Throws InputError "FILE: dotted.key = value: what. fix." for a key that is unknown, missing, of the wrong
+/// type or out of range.
 Scene read(const std::filesystem::path& file, const std::vector<Override>& overrides = {},
            Purpose purpose = Purpose::impact);
 
-/// Reads the text of a scene likewise. `file` names it in errors and in the scene, and paths are relative to
-/// its folder; the file need not exist.
+/// Reads a scene from text in the same way. `file` is its name in the scene and in errors, and paths are
+/// relative to its folder. The file need not exist.
 Scene parse(const std::string& text, const std::filesystem::path& file,
             const std::vector<Override>& overrides = {}, Purpose purpose = Purpose::impact);
 
-/// Returns the text with the overrides applied, as TOML. Checks no key. Throws InputError for text that is
-/// not TOML and for overrides that cannot be applied.
+/// Returns the text with the overrides applied, as TOML. Does not check keys. Throws InputError if the text
+/// is not TOML or an override cannot be applied.
 std::string overridden(const std::string& text, const std::filesystem::path& file,
                        const std::vector<Override>& overrides);
 

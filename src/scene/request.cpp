@@ -20,11 +20,11 @@ namespace ricochet::scene {
 
 namespace {
 
-/// Increased whenever the meaning of a kernel changes, so that old kernels are computed again.
+/// Must be increased whenever the meaning of a kernel changes, so that old kernels are computed again.
 constexpr int kernel_generation = 4;
 
 std::string bytes_of(const std::filesystem::path& path, const std::string& key) {
-  // Reading a device or a pipe might never end.
+  // Reading a device or a pipe might not end.
   std::error_code ignored;
   const bool is_file = std::filesystem::is_regular_file(path, ignored);
   std::ifstream file;
@@ -36,7 +36,7 @@ std::string bytes_of(const std::filesystem::path& path, const std::string& key) 
   return text.str();
 }
 
-/// Hash of a mesh file, or of its parts. The hash of a .geo includes the files that it includes or merges.
+/// Hash of a mesh file or of its parts. The hash of a .geo covers the files that it includes or merges.
 std::string mesh_hash(const std::filesystem::path& path, const std::string& key,
                       std::set<std::filesystem::path>& seen) {
   seen.insert(path);
@@ -59,8 +59,8 @@ std::string mesh_hash(const std::filesystem::path& path, const std::string& key,
   return sha256(all);
 }
 
-/// A direction in the frame of the body, with the sign that makes its first nonzero component positive,
-/// rounded so that round-off does not change hashes.
+/// A direction in the frame of the body. Its sign is chosen so that the first nonzero component is positive,
+/// and it is rounded so that round-off does not change hashes.
 Vector3 own_axis(const Body& body, const Vector3& world) {
   Vector3 own = in_body(body, world);
   for (double& x : own) x = std::round(x * 1e12) / 1e12;
@@ -146,7 +146,7 @@ void seal(KernelRequest& request) {
   if (request.spacing) request.toml += "spacing = " + toml_number(*request.spacing) + "\n";
   if (request.points) {
     const std::string points = fmt::format("{}", fmt::join(*request.points, ", "));
-    // A list of thousands of points is too long for an attribute; the kernel stores it as a dataset.
+    // A list of thousands of points would be too long for an attribute, so the kernel stores it as a dataset.
     request.toml += request.within_reach ? fmt::format("within_reach = \"{}\"\n", sha256(points))
                                          : fmt::format("points = [{}]\n", points);
   }

@@ -1,52 +1,54 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The request for a kernel: all that the kernel depends on, and its hash.
+// The request for a kernel: the data that determine it, and their hash.
 #pragma once
 
 #include "src/scene/scene.hpp"
 
 namespace ricochet::scene {
 
-/// All that the kernel of a body depends on, and nothing else. Vectors are in the frame of the body.
+/// The data that determine the kernel of a body, and nothing else. Vectors are in the frame of the body.
 struct KernelRequest {
-  Body body;  ///< placement, velocity cleared
+  Body body;  ///< without placement and velocity
   Modes modes;
   std::optional<Vector3> direction;  ///< set only if every pair of the body gives the same one
   std::optional<Vector3> along;
   std::optional<double> spacing;
-  /// Indices, among the candidates of the whole surface, of those that the kernel keeps; none: all.
+  /// Candidates that the kernel keeps, as indices into those of the whole surface; no value: all.
   std::optional<std::vector<std::int64_t>> points;
-  /// Whether `points` (ascending) are the candidates within `reach`, with pairs still found on the whole
-  /// surface. Otherwise they are an explicit choice, the rest of the surface is dropped, and no scene makes
-  /// such a request.
+  /// True if `points` (ascending) are the candidates within `reach`; contact pairs are then still found on
+  /// the whole surface. False if they are an explicit choice, which no scene makes; the rest of the surface
+  /// is then dropped.
   bool within_reach = false;
   bool view = false;
   std::vector<Forcing> tractions, point_forces,
       motions;                      ///< of this body; vector and history empty, `at` in its frame
   std::vector<Receiver> receivers;  ///< of this body; `at` in its frame
-  std::vector<std::string> beside;  ///< with modes.accuracy: SHA-256 of mesh and material of the others
+  std::vector<std::string> beside;  ///< with modes.accuracy: SHA-256 of mesh and material of the other bodies
   std::string mesh_sha256;
   std::string toml;  ///< the request as TOML, part of the hash
-  std::string hash;  ///< SHA-256, hex
+  std::string hash;  ///< SHA-256, hexadecimal
 };
 
-/// SHA-256 of `bytes`, in hexadecimal digits. Throws SolverError if OpenSSL does not offer it.
+/// SHA-256 of `bytes` in hexadecimal digits. Throws SolverError if OpenSSL does not provide it.
 std::string sha256(const std::string& bytes);
 
-/// SHA-256 of meshes by path, from earlier requests. Later changes of the files are not noticed.
+/// SHA-256 of mesh files by path, from earlier requests. Later changes of the files are not detected.
 using MeshHashes = std::map<std::filesystem::path, std::string>;
 
-/// @param known  read and extended, for many requests
+/// Builds the request for the kernel of a body.
+/// @param known  hashes to reuse; new ones are added
 /// Throws InputError if two pairs require different patches of one body, or if a mesh file cannot be read.
 KernelRequest kernel_request(const Scene& scene, const Body& body, MeshHashes* known = nullptr);
 
-/// The same request with elements of the next lower order, or with order 2 instead of 1: comparing both shows
-/// the error due to the mesh. None for a mesh file, whose order is fixed.
+/// Returns the same request with elements of the next lower order, or of order 2 in place of 1. The
+/// difference of the results estimates the error due to the mesh. Returns no value for a .msh or a body file,
+/// because their order is fixed.
 std::optional<KernelRequest> other_order(const KernelRequest& request);
 
 /// Sets `toml` and `hash` from all other members.
 void seal(KernelRequest& request);
 
-/// `<out>/<body>-<first 12 of hash>.kernel.h5`
+/// `<out>/<body>-<first 12 digits of hash>.kernel.h5`
 std::filesystem::path kernel_path(const std::filesystem::path& out, const KernelRequest& request);
 
 }  // namespace ricochet::scene

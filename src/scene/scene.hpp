@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The scene as plain data: the user's settings, with every default resolved. No MPI, no PETSc. Defaults
-// written here are the documented defaults. SI units.
+// The scene as plain data: the user's settings with all defaults. Independent of MPI and PETSc. The defaults
+// in this file are those of the documentation. SI units.
 #pragma once
 
 #include <cstdint>
@@ -16,11 +16,11 @@
 namespace ricochet::scene {
 
 struct Material {
-  std::string group;   ///< physical volume (rods: line) of this material; empty: the whole body
+  std::string group;   ///< physical volume (rods: line) with this material; empty: the whole body
   double density = 0;  ///< [kg/m³]
   double young = 0;    ///< [Pa]
-  double poisson = 0;  ///< 1, in (-1, 0.5)
-  double area = 0;     ///< cross-section of a rod [m²]; 0: not given (not a rod)
+  double poisson = 0;  ///< [1], between −1 and 0.5
+  double area = 0;     ///< cross-section of a rod [m²]; 0: not a rod
   bool operator==(const Material&) const = default;
 };
 
@@ -33,15 +33,15 @@ struct Body {
   int order = 3;
   double scale = 1;
   Vector3 translate{};              ///< [m], after rotation
-  Vector3 rotate_deg{};             ///< about x, then y, then z through the mesh's origin
+  Vector3 rotate_deg{};             ///< about x, then y, then z, through the origin of the mesh
   std::vector<Material> materials;  ///< empty for an imported body
   Damping damping;
-  Vector3 velocity{};                ///< [m/s], initial, rigid
+  Vector3 velocity{};                ///< initial velocity of the rigid body [m/s]
   std::vector<std::string> contact;  ///< physical groups that may touch
-  /// Physical group → fixed components, a subset of "xyz" in that order.
+  /// Fixed components by physical group: a subset of "xyz", in that order.
   std::map<std::string, std::string> support;
 
-  /// Whether `mesh` is a body file: matrices or modes of another program, without elements or materials.
+  /// Whether `mesh` is a body file: matrices or modes from another program, without elements or materials.
   bool imported() const { return mesh.extension() == ".h5"; }
   bool operator==(const Body&) const = default;
 };
@@ -50,7 +50,7 @@ struct Body {
 struct Obstacle {
   std::string name;
   Vector3 point{};
-  Vector3 normal{};  ///< unit, out of the obstacle
+  Vector3 normal{};  ///< unit vector, pointing out of the obstacle
   bool operator==(const Obstacle&) const = default;
 };
 
@@ -58,27 +58,28 @@ enum class Basis { modes, contact };
 
 struct Modes {
   Basis basis = Basis::modes;
-  /// Basis modes: exactly one of up_to and count is set. Basis contact: up_to is set, and one of count and
-  /// flexibility_error.
+  /// With basis `modes`, exactly one of up_to and count is set. With basis `contact`, up_to is set together
+  /// with one of count and flexibility_error.
   std::optional<Hertz> up_to;
-  std::optional<std::int64_t> count;  ///< rigid modes included
-  /// Of the contact surface over [0, up_to]. Modes: those that it does not need are truncated.
+  std::optional<std::int64_t> count;  ///< including rigid modes
+  /// Allowed error of the flexibility of the contact surface over [0, up_to]. With basis `modes`, modes that
+  /// contact does not need are truncated.
   std::optional<double> flexibility_error;
-  /// If set, neither up_to nor count is, and ricochet-kernel chooses the basis that makes results this
-  /// accurate.
+  /// If set, up_to and count are not set, and ricochet-kernel chooses a basis for this accuracy of the
+  /// results.
   std::optional<double> accuracy;
   bool residual_flexibility = true;
   double relative_residual = 1e-8;  ///< bound on each mode's residual
-  int approximate = 0;              ///< modes: block iterations from the next lower order; 0: certified modes
-  double low_rank = 0;              ///< contact: threshold of block low-rank factors; 0: full rank
+  int approximate = 0;  ///< basis `modes`: block iterations from the next lower order; 0: certified modes
+  double low_rank = 0;  ///< basis `contact`: threshold of block low-rank factors; 0: full rank
   bool operator==(const Modes&) const = default;
 };
 
-/// A contact pair. `a` is a body; `b` a body or an obstacle.
+/// A contact pair. `a` is a body; `b` is a body or an obstacle.
 struct Pair {
   std::string a, b;
-  std::optional<Vector3> direction;  ///< unit, out of a
-  std::optional<Vector3> along;      ///< unit
+  std::optional<Vector3> direction;  ///< unit vector, pointing out of a
+  std::optional<Vector3> along;      ///< unit vector
   std::optional<double> spacing;     ///< [m]
   std::optional<double> gap;         ///< [m]
   std::optional<double> reach;       ///< [m]
@@ -88,42 +89,42 @@ struct Pair {
 
 enum class Solver { exact, uzawa };
 
-/// The representation of the response to contact forces: the modes of the bodies, or kernels sampled in time
-/// and convolved with the forces.
+/// How the response to contact forces is computed: from the modes of the bodies, or from kernels that are
+/// sampled in time and convolved with the forces.
 enum class ContactKernel { modes, table };
 
 struct Contact {
   ContactKernel kernel = ContactKernel::modes;
-  std::filesystem::path table;  ///< with kernel = table: a file that replaces the bodies; empty: their modes
+  std::filesystem::path table;  ///< kernel = table: file that replaces the bodies; empty: sampled modes
   Scheme scheme = Scheme::compliant;
-  Admittance admittance = Admittance::jump;  ///< of the impulse scheme
-  Instant instant = Instant::step;           ///< of the impulse scheme
-  double restitution = 0;                    ///< of the impulse scheme, in [0, 1]
-  Solver solver = Solver::exact;             ///< of equilibrium (scheme "static")
-  std::optional<int> max_pivots;             ///< bound on the work of a step, at least 1; none: unbounded
+  Admittance admittance = Admittance::jump;  ///< impulse scheme only
+  Instant instant = Instant::step;           ///< impulse scheme only
+  double restitution = 0;                    ///< impulse scheme only, in [0, 1]
+  Solver solver = Solver::exact;             ///< scheme "static" only
+  std::optional<int> max_pivots;             ///< bound on the work of a step, at least 1; no value: unbounded
   std::vector<Pair> pairs;                   ///< [contact] itself, or each [[contact.pair]]
   bool operator==(const Contact&) const = default;
 };
 
 struct Time {
   Hertz rate{44100};
-  bool rate_by_accuracy = false;  ///< not given: chosen by the accuracy of the scene
-  /// Precision of the matrix products of the steps (scheme "compliant"); none: chosen by the accuracy of the
-  /// scene.
+  bool rate_by_accuracy = false;  ///< the rate is not given and follows from the accuracy of the scene
+  /// Precision of the matrix products of the steps (scheme "compliant"); no value: chosen by the accuracy of
+  /// the scene.
   std::optional<Precision> precision = Precision::float64;
-  double duration = 0;  ///< [s]; 0: not given, because equilibrium needs none
+  double duration = 0;  ///< [s]; 0: not given, as equilibrium needs none
   bool operator==(const Time&) const = default;
 };
 
-/// A force on a surface or at a point, or the displacement of a support: `vector` times a history that is
-/// piecewise linear in time (CSV of t [s] and a factor; 0 before the first row, the last value after the last
-/// one). Without a history the factor is 1 from t = 0 on.
+/// A force on a surface or at a point, or the displacement of a support: `vector` times a piecewise linear
+/// history. The history is a CSV of t [s] and a factor, which is 0 before the first row and keeps its last
+/// value after the last row. Without a history, the factor is 1 from t = 0 on.
 struct Forcing {
   std::string name;  ///< unique within a body; default: the group, or "point <number in the scene>"
   std::string body;
-  std::string group;                ///< traction: physical surface; motion: a support of the body
-  Vector3 at{};                     ///< point force: where, world axes, bodies as placed by the scene [m]
-  Vector3 vector{};                 ///< world axes: [Pa], [N], [m]
+  std::string group;  ///< traction: physical surface; motion: support of the body
+  Vector3 at{};       ///< point force: point of application in world axes, bodies as placed by the scene [m]
+  Vector3 vector{};   ///< in world axes: [Pa], [N] or [m]
   std::filesystem::path history{};  ///< resolved against the scene's folder; empty: constant
   bool operator==(const Forcing&) const = default;
 };
@@ -140,7 +141,7 @@ struct Loads {
 struct Receiver {
   std::string name;
   std::string body;
-  Vector3 at{};  ///< world axes, bodies as placed by translate [m]
+  Vector3 at{};  ///< in world axes, bodies as placed by the scene [m]
   bool operator==(const Receiver&) const = default;
 };
 
@@ -148,18 +149,18 @@ struct Output {
   int every = 1;                    ///< steps between rows of the result
   bool view = false;                ///< keep the visualisation surface in the kernels
   std::int64_t snapshot_every = 0;  ///< steps between snapshots of the modal coordinates; 0: none
-  std::int64_t vtk_every = 0;       ///< steps between frames of the motion for ParaView; 0: none. Needs view
+  std::int64_t vtk_every = 0;  ///< steps between frames of the motion for ParaView; 0: none. Needs `view`
   std::vector<Receiver> receivers;  ///< [[output.receiver]]
   bool operator==(const Output&) const = default;
 };
 
 struct Scene {
   std::string title;
-  std::filesystem::path file;  ///< as the user named it: errors start with it
-  /// Relative error allowed in the main results: chooses the settings that the scene leaves open, and
-  /// requests error estimates.
+  std::filesystem::path file;  ///< as the user named it; errors begin with it
+  /// Allowed relative error of the main results. If set, it chooses the settings that the scene leaves open
+  /// and requests error estimates.
   std::optional<double> accuracy;
-  std::vector<Body> bodies;  ///< in the order of their names; none with contact.table
+  std::vector<Body> bodies;  ///< sorted by name; empty with contact.table
   std::vector<Obstacle> obstacles;
   Modes modes;
   Contact contact;
@@ -175,14 +176,14 @@ struct Scene {
 /// The text of one option `--set KEY=VALUE`.
 using Override = std::string;
 
-/// Title in lower case, with each run of characters other than a–z and 0–9 replaced by one "-", trimmed;
-/// "scene" if nothing remains.
+/// The title in lower case. Each run of other characters than a–z and 0–9 becomes one "-", except at the
+/// ends. Returns "scene" if nothing remains.
 std::string slug(const std::string& title);
 
 /// Rotation matrix of `rotate_deg`, row-major (3,3): world = rotation · body + translate.
 std::array<double, 9> rotation_of(const Body& body);
 
-/// A vector in world axes, along the axes of the body.
+/// Components of a world vector along the axes of the body.
 Vector3 in_body(const Body& body, const Vector3& world);
 
 }  // namespace ricochet::scene

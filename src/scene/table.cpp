@@ -49,7 +49,7 @@ double number_of(const toml::node& node) {
   return node.is_integer() ? static_cast<double>(node.as_integer()->get()) : node.as_floating_point()->get();
 }
 
-/// At most 60 bytes of a line, without partial characters.
+/// The line, cut to at most 60 bytes without splitting a character.
 std::string shortened(const std::string& line) {
   if (line.size() <= 60) return line;
   std::size_t end = 57;
@@ -66,8 +66,8 @@ std::string one_line(std::string text) {
 }
 
 toml::table parse_toml(const std::string& text, const std::string& origin) {
-  // Each dot of a key creates a table, and tables are destroyed recursively: tens of thousands would exhaust
-  // the stack. The parser limits other nesting. Consecutive dots are not part of a key.
+  // Each dot of a key creates a table, and tables are destroyed recursively, so tens of thousands would
+  // exhaust the stack. The parser limits all other nesting. Consecutive dots do not occur in keys.
   constexpr int most = 100;
   int line = 1, dots = 0;
   for (std::size_t at = 0; at < text.size(); ++at) {
@@ -198,8 +198,8 @@ std::optional<Vector3> Table::direction(const std::string& key) {
   const Vector3 given = vector_at(key, *node, std::numeric_limits<double>::max());
   const double length = std::hypot(given[0], given[1], given[2]);
   if (!(length > 0)) complain(key, "must not be zero");
-  // Already of unit length, to round-off: dividing again would change the last digit, and a written scene
-  // would differ from the original.
+  // The length is already 1 up to round-off. Another division would change the last digit, and a written
+  // scene would differ from the original.
   if (std::abs(length - 1) < 1e-15) return given;
   return Vector3{given[0] / length, given[1] / length, given[2] / length};
 }

@@ -18,20 +18,20 @@
 
 namespace ricochet::scene {
 
-/// Parses `text` as TOML. Throws the exceptions of the parser, and InputError that begins with `origin` for
-/// keys nested so deeply that destroying the tables would exhaust the stack.
+/// Parses `text` as TOML. Throws the exceptions of the parser. Throws InputError that begins with `origin` if
+/// keys are nested so deeply that destroying the tables would exhaust the stack.
 toml::table parse_toml(const std::string& text, const std::string& origin);
 
-/// `text` with control characters replaced by spaces, so that errors are one line whatever keys contain.
+/// Replaces control characters by spaces, so that every error is one line, whatever the keys contain.
 std::string one_line(std::string text);
 
 /// Numbers must be 0 or have a magnitude between 1/largest_number and largest_number, so that their squares
 /// and products do not overflow.
 constexpr double largest_number = 1e30;
 
-/// Reads the keys of one table, enforces the ranges of its section, records which keys were read, and reports
-/// errors in one line: "FILE: dotted.key = value: what. fix." Reading a key that the section does not
-/// describe is a std::logic_error.
+/// Reads the keys of one table, enforces the ranges of its section and records which keys were read. Errors
+/// are one line: "FILE: dotted.key = value: what. fix." Throws std::logic_error if a key is read that the
+/// section does not describe.
 class Table {
  public:
   /// `keys` must outlive the table.
@@ -44,28 +44,28 @@ class Table {
   std::optional<bool> boolean(const std::string& key);
   std::optional<std::string> text(const std::string& key);
   std::optional<Vector3> vector(const std::string& key);
-  /// A vector of any length but 0, normalised.
+  /// Three numbers, not all 0, normalised to length 1.
   std::optional<Vector3> direction(const std::string& key);
   /// Two numbers, neither negative; `names` appear in the error.
   std::optional<std::array<double, 2>> pair(const std::string& key, const char* names);
   /// A string or a list of strings.
   std::vector<std::string> texts(const std::string& key);
   std::optional<Table> table(const std::string& key, const Section& keys);
-  /// Sub-tables by name, in order of names.
+  /// All entries as tables, sorted by name.
   std::vector<std::pair<std::string, Table>> tables(const Section& keys) const;
-  /// Entries of an array of tables.
+  /// The entries of an array of tables.
   std::vector<Table> array(const std::string& key, const Section& keys);
   /// A table whose entries must all be strings.
   std::map<std::string, std::string> strings(const std::string& key);
   std::map<std::string, double> numbers(const std::string& key);
 
-  /// Throws InputError for a key that was not read, with the most similar known key.
+  /// Throws InputError if the table has a key that was not read, and suggests the most similar known key.
   void refuse_unknown() const;
 
-  /// @param key  of this table, or the dotted name of one further in; empty: the table itself
+  /// @param key  a key of this table or the dotted name of a nested key; empty: the table itself
   [[noreturn]] void complain(const std::string& key, const std::string& what) const;
   double required_number(const std::string& key);
-  /// The value that was read for `key`. Throws InputError "is missing: `remedy`" if there is none.
+  /// Returns `value`, which was read for `key`. Throws InputError "is missing: `remedy`" if there is none.
   template <class T>
   T required(const std::string& key, std::optional<T> value, const char* remedy) const {
     if (!value) complain(key, std::string("is missing: ") + remedy);
@@ -75,15 +75,15 @@ class Table {
   const toml::table& raw() const { return table_; }
 
  private:
-  /// Without `keys` any name is accepted.
+  /// If `keys` is null, any name is accepted.
   Table(const toml::table& table, const Section* keys, std::string file, std::string where)
       : table_(table), keys_(keys), file_(std::move(file)), where_(std::move(where)) {}
-  /// The value of the key, or null if it is absent. Records that it was read.
+  /// Returns the value of the key, or null if it is absent. Records that the key was read.
   const toml::node* value(const std::string& key, Type type);
   std::optional<Table> free_table(const std::string& key, Type type);
   Vector3 vector_at(const std::string& key, const toml::node& node, double largest) const;
   void check_range(const std::string& key, double value) const;
-  /// The dotted name of `key`; of the table itself if `key` is empty.
+  /// The dotted name of `key`, or that of the table itself if `key` is empty.
   std::string dotted(const std::string& key) const {
     return where_.empty() || key.empty() ? where_ + key : where_ + "." + key;
   }

@@ -89,7 +89,7 @@ std::string toml_modes(const Modes& modes) {
 
 namespace {
 
-/// A path relative to the folder of the scene.
+/// The path relative to the folder of the scene.
 std::string path_of(const Scene& scene, const std::filesystem::path& path) {
   const auto relative =
       path.lexically_relative(scene.file.parent_path().empty() ? "." : scene.file.parent_path());

@@ -8,10 +8,10 @@
 
 namespace ricochet::scene {
 
-/// The resolved scene as TOML, with every default; reading it gives the same scene.
+/// The resolved scene as TOML, with every default. Reading it gives the same scene.
 std::string to_toml(const Scene& scene);
 
-std::string toml_number(double value);  ///< shortest text that reads back to the same number, always a float
+std::string toml_number(double value);  ///< shortest text that gives the same number; always a float
 std::string toml_string(const std::string& text);
 std::string toml_vector(const Vector3& v);
 /// The keys of a body that its kernel depends on, except its mesh file: geometry, order, scale, material,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Sound files of a model's receivers: their velocities, gathered step by step.
+// Sound files of the receivers of a model, from their velocities at every step.
 #pragma once
 
 #include <cstdint>
@@ -15,13 +15,13 @@ namespace ricochet::sound {
 
 class ReceiverSounds {
  public:
-  /// Throws InputError as check_length does.
+  /// Throws InputError in the same cases as check_length.
   ReceiverSounds(const std::vector<contact::Model::Receiver>& receivers, std::int64_t steps, double rate_hz);
 
-  /// The motion at t = 0, then after each step.
+  /// Must be called with the motion at t = 0 and then after each step.
   void record(const contact::Receivers& motion);
 
-  /// Writes `<stem>.<receiver>.wav` for each receiver. Throws InputError as write_wav does.
+  /// Writes `<stem>.<receiver>.wav` for each receiver. Throws InputError in the same cases as write_wav.
   /// @return the files by receiver
   std::map<std::string, contact::Sound> write(const std::filesystem::path& stem) const;
 

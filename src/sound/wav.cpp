@@ -16,7 +16,7 @@ namespace ricochet::sound {
 namespace {
 
 constexpr int channels = 3;
-constexpr double largest_ratio = 256;  // largest ratio of one pass of libsamplerate, and its inverse
+constexpr double largest_ratio = 256;  // limit of one pass of libsamplerate; the inverse is the lower limit
 
 std::vector<float> pass(const std::vector<float>& in, double ratio) {
   const std::size_t frames = in.size() / channels;
@@ -57,7 +57,7 @@ double audio_rate(double rate_hz) {
 
 void check_length(std::int64_t frames, double rate_hz) {
   const double seconds = static_cast<double>(frames) / rate_hz, rate = audio_rate(rate_hz);
-  const double longest = (4294967295.0 - 4096) / (channels * sizeof(float)) / rate;  // 4 kB for headers
+  const double longest = (4294967295.0 - 4096) / (channels * sizeof(float)) / rate;  // 4 kB for the headers
   if (seconds > longest)
     throw InputError(fmt::format(
         "time.duration = {:.6g} s: a WAV file at {:g} Hz holds {:.6g} s at most. Shorten it, or take "

@@ -10,19 +10,19 @@ namespace ricochet::sound {
 
 /// Meaning of the samples of a file.
 struct Scale {
-  double rate_hz = 0;  ///< of the file
-  /// Velocity of a sample of 1: the largest |component| of any axis; 1 if all are 0.
+  double rate_hz = 0;  ///< sample rate of the file
+  /// Velocity that a sample of 1 represents: the largest |component| along any axis, or 1 if all are 0.
   double full_scale_m_per_s = 0;
 };
 
-/// Sample rate of the file: `rate_hz` itself if players support it (44.1, 48, 88.2, 96, 176.4, 192 kHz),
-/// otherwise 44.1 kHz for its other whole multiples and 48 kHz for all other rates.
+/// Sample rate of the file: `rate_hz` itself if players support it (44.1, 48, 88.2, 96, 176.4, 192 kHz).
+/// Other multiples of 44.1 kHz are converted to 44.1 kHz, and all other rates to 48 kHz.
 double audio_rate(double rate_hz);
 
-/// Throws InputError if `frames` at `rate_hz` make more than the 4 GB that a WAV file can hold.
+/// Throws InputError if `frames` at `rate_hz` exceed the 4 GB that a WAV file can contain.
 void check_length(std::int64_t frames, double rate_hz);
 
-/// Writes the file under a temporary name and renames it. Throws InputError if the place cannot be written.
+/// Writes the file under a temporary name and renames it. Throws InputError if the file cannot be written.
 /// @param velocity  (frames,3) [m/s] at `rate_hz`, from t = 0
 Scale write_wav(const std::filesystem::path& path, const std::vector<float>& velocity, double rate_hz);
 

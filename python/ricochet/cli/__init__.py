@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The command `ricochet`: one module a verb, with `add_arguments(parser)` and `run(options)`."""
+"""The command `ricochet`: one module for each verb, with `add_arguments(parser)` and `run(options)`."""
 import difflib
 import importlib
 import io
@@ -33,7 +33,7 @@ EPILOG = "ricochet VERB --help describes a verb. A scene starts as a copy of one
 
 
 class Interrupted(BaseException):
-    """A signal asked this process to end."""
+    """A signal requested the end of this process."""
 
     def __init__(self, number: int) -> None:
         super().__init__(number)
@@ -49,7 +49,8 @@ def module_of(verb: str) -> ModuleType:
 
 
 def parser_of(verb: str | None = None) -> Parser:
-    """The parser of all verbs; only `verb` gets its own arguments, which saves importing the modules of the others."""
+    """The parser of all verbs. Only `verb` gets its arguments, so that the modules of other verbs are not
+    imported."""
     parser = Parser(prog="ricochet", description=DESCRIPTION, epilog=EPILOG)
     verbs = parser.add_subparsers(
         title="verbs", metavar="VERB", dest="verb", required=True, parser_class=Parser
@@ -75,7 +76,7 @@ def dispatch(words: list[str]) -> int:
     heard = [
         n for n in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP) if signal.getsignal(n) != signal.SIG_IGN
     ]
-    for number in heard:  # until imports are done: numpy turns an interrupt into an error
+    for number in heard:  # default handling during imports, in which numpy turns an interrupt into an error
         signal.signal(number, signal.SIG_DFL)
     module = module_of(verb)
     parser = parser_of(verb)
@@ -97,11 +98,11 @@ def dispatch(words: list[str]) -> int:
 
 
 def main(words: list[str] | None = None) -> int:
-    """Runs a command line and returns its exit status: 0, 1 for a failure, 2 for a mistake of the user."""
-    if sys.stderr is None:  # closed: its descriptor is taken, so that no file gets it
+    """Runs a command line. Returns its exit status: 0; 1 after a failure; 2 after a mistake of the user."""
+    if sys.stderr is None:  # closed: occupy its descriptor, so that no opened file gets it
         sys.stderr = open(os.devnull, "w")
     if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(errors="surrogateescape")  # file names may be any bytes
+        sys.stdout.reconfigure(errors="surrogateescape")  # file names may contain any bytes
     words = sys.argv[1:] if words is None else words
     try:
         try:
@@ -112,5 +113,5 @@ def main(words: list[str] | None = None) -> int:
         why = error.strerror if isinstance(error, OSError) else error
         name = " ".join(["ricochet", *words[:1]])
         print(f"{one_line(name)}: cannot write to standard output ({why})", file=sys.stderr)
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # for the output that is still to be flushed
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # for output that is still in the buffer
         return 1

@@ -4,8 +4,8 @@
     ricochet batch study.toml --ranks 64 --parts 20
     ricochet batch study.toml --ranks 64 --parts 20 --kernel-options "--partition=long --time=12:00:00" --dry-run
 
-The scripts of the jobs, their logs and the results are in out/ beside the study. A job that was killed resumes its work when
-it is requeued, and the same command submits again what is missing.
+The scripts of the jobs, their logs and the results are in out/ beside the study. A job that is requeued after it was killed
+resumes its work. The same command again submits the missing work.
 """
 import argparse
 
@@ -17,7 +17,8 @@ TAKES_OPTIONS = ("--kernel-options", "--impact-options")
 
 
 def joined(words: list[str]) -> list[str]:
-    """Joins options for sbatch to their own option: argparse takes a lone "--time=1:00" for another option."""
+    """Joins each option for sbatch to --kernel-options or --impact-options before it, because argparse takes
+    a separate "--time=1:00" for another option."""
     rest, found = iter(words), []
     for word in rest:
         found.append(f"{word}={next(rest, '')}" if word in TAKES_OPTIONS else word)

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Writes a kernel in the form that another program reads: --faust, a modal model for the Faust language, on standard output.
+"""Writes a kernel in the format of another program to standard output. --faust writes a modal model for the Faust language.
 
   ricochet export --faust out/bell-0123456789ab.kernel.h5 --excite 17 --receive mic:x > bell.dsp
   faust2jaqt bell.dsp
 
 The model turns the force at one place into the velocity of others. A place is the name of a receiver, the number of a contact
-point, from 0, or x,y,z [m] in the axes of the body for the nearest contact point. A direction may follow a colon: x, y, z or
-three numbers. The default direction at a contact point is its normal. docs/interchange.md describes the model.
+point, from 0, or x,y,z [m] in the axes of the body for the nearest contact point. It may be followed by a colon and a direction:
+x, y, z or three numbers. The default direction at a contact point is its normal. docs/interchange.md describes the model.
 """
 import argparse
 import signal

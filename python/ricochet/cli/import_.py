@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Writes a body file, which a scene names as a mesh, from stiffness and mass of another finite element program.
+"""Writes a body file from the stiffness and mass matrices of another finite element program. A scene names this file as a mesh.
 
   ricochet import calculix JOB.inp                  # with JOB.sti, JOB.mas, JOB.dof of *FREQUENCY, SOLVER=MATRIXSTORAGE
   ricochet import matrices K.mtx M.mtx NODES.txt --surface top=TOP.txt --support foot=FOOT.txt
@@ -63,7 +63,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def inputs(options: argparse.Namespace) -> list[Path]:
-    """All files that are read; the first one gives the body file its name."""
+    """All files to read. The first one determines the name of the body file."""
     if options.source == "calculix":
         return [options.job, *(options.job.with_suffix(suffix) for suffix in (".sti", ".mas", ".dof"))]
     lists = [path for _, path in options.surface + options.supports]

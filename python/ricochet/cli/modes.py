@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Lists the modes of the bodies of a scene; computes kernels that do not exist yet. The scene needs no [contact] and no [time].
+"""Lists the modes of the bodies of a scene and computes missing kernels. The scene needs no [contact] and no [time].
 
     ricochet modes meshes/two-disks/two-disks.toml
     ricochet modes bell.toml --set modes.up_to_hz=5000 --csv bell.csv --plot
 
 Columns: frequency, damping ratio, effective mass along each axis as a share of the mass of the body, and the share of the mode in
-the static flexibility of the contact. Effective masses of all modes of a free body add up to its mass. The CSV file has
-participation factors and effective masses in SI units as well.
+the static flexibility of the contact. Effective masses of all modes of a free body add up to its mass. The CSV file also
+contains participation factors and effective masses in SI units.
 """
 import argparse
 import tomllib
@@ -31,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def kernels(options: argparse.Namespace) -> list[Path]:
-    """Computes missing kernels; the kernel files of all bodies, in the order of the scene."""
+    """Computes missing kernels. Returns the kernel files of all bodies, in the order of the scene."""
     options.set = [*options.set, *(["output.view=true"] if options.plot else [])]
     words = words_for_programs(options)
     program = programs.BIN / "ricochet-kernel"
@@ -49,7 +49,7 @@ def kernels(options: argparse.Namespace) -> list[Path]:
         if body in bodies and rest.endswith(".kernel.h5"):
             found.setdefault(
                 body, out / rest.rpartition("/")[2]
-            )  # with --accuracy, lines for another order follow
+            )  # with --accuracy, more lines follow, for another element order
     return list(found.values())
 
 

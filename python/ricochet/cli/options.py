@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Shared parts of the verbs: the parser, types of arguments, output."""
+"""Parts that verbs share: the parser, types of arguments, output."""
 import argparse
 import contextlib
 from collections.abc import Callable, Iterator, Sequence
@@ -10,7 +10,7 @@ from ricochet import programs
 from ricochet.errors import InputError, RicochetError
 
 MOST_RANKS = 4096
-Group = argparse._ActionsContainer  # a parser, or a group of its arguments
+Group = argparse._ActionsContainer  # a parser or a group of its arguments
 
 
 class Version(argparse.Action):
@@ -29,7 +29,8 @@ class Version(argparse.Action):
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser that keeps the lines of its description and knows --version; `more_help` is put below its own help."""
+    """A parser that keeps the lines of its description and has the option --version. `more_help` is appended
+    to its help."""
 
     def __init__(self, **more: Any) -> None:
         super().__init__(formatter_class=argparse.RawDescriptionHelpFormatter, **more)
@@ -41,7 +42,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def options_of(program: str) -> str:
-    """The options that a program lists."""
+    """The options in the help of a program."""
     text = programs.call([programs.BIN / program, "--help"], capture=True)
     return f"\noptions of {program}:\n" + text.partition("\nOptions:\n")[2]
 
@@ -99,7 +100,8 @@ def add_study(parser: argparse.ArgumentParser) -> None:
 
 
 def add_run(parser: argparse.ArgumentParser, content: str) -> None:
-    """The arguments of a verb that runs the programs on a scene; `content`: what it leaves in the folder."""
+    """Adds the arguments of a verb that runs the programs on a scene. `content` names the files that it
+    writes."""
     add_scene(parser)
     add_ranks(parser)
     parser.add_argument("--accuracy", metavar="X", help="relative error that the main results may have")
@@ -107,7 +109,7 @@ def add_run(parser: argparse.ArgumentParser, content: str) -> None:
 
 
 def words_for_programs(options: argparse.Namespace) -> list[programs.Word]:
-    """The options of `add_run` as words for ricochet-kernel and ricochet-contact."""
+    """Converts the options of `add_run` to arguments of ricochet-kernel and ricochet-contact."""
     accuracy = ["--accuracy", options.accuracy] if options.accuracy else []
     return [*programs.with_set(options.set, options.out), *accuracy]
 
@@ -123,11 +125,12 @@ def add_result(parser: argparse.ArgumentParser) -> None:
 
 
 class Unprinted(Exception):
-    """Standard output can't be written; the text gives the reason."""
+    """Standard output cannot be written. The text gives the reason."""
 
 
 def say(text: object) -> None:
-    """Prints at once. A failure is not an OSError, which would be taken for one of the files being written."""
+    """Prints at once. A failure raises Unprinted, because an OSError would be attributed to a file being
+    written."""
     try:
         print(text, flush=True)
     except OSError as error:
@@ -136,7 +139,7 @@ def say(text: object) -> None:
 
 @contextlib.contextmanager
 def writing(folder: Path) -> Iterator[None]:
-    """Turns an OSError, of files in `folder`, into an InputError."""
+    """Converts an OSError for files in `folder` to an InputError."""
     try:
         yield
     except OSError as problem:

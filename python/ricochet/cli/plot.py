@@ -3,7 +3,7 @@
 
     ricochet plot out/two-disks.result.h5
 
-Writes <slug>-contact.png, <slug>-energy.png and, if the scene asked for snapshots and views,
+Writes <slug>-contact.png, <slug>-energy.png and, if the scene requests snapshots and views,
 <slug>-snapshots.png, and prints their paths.
 """
 import argparse

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Takes a scene from mesh to pictures: kernels, impact, figures, page. Skips what exists and is up to date.
+"""Takes a scene from mesh to pictures: kernels, impact, figures, page. Skips files that are up to date.
 
     ricochet run meshes/two-disks/two-disks.toml
     ricochet run -n 4 meshes/two-disks/two-disks.toml --set title=fast --set 'bodies.upper.velocity=[0,-6,0]'
@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def newer(target: Path, *sources: Path) -> bool:
-    """Whether `target` exists and none of the sources changed after it."""
+    """Whether `target` exists and no source has changed since it was written."""
     return target.exists() and all(source.stat().st_mtime <= target.stat().st_mtime for source in sources)
 
 
@@ -34,7 +34,7 @@ def current(result: Path, scene: str) -> bool:
         with h5py.File(result) as file:
             kernels = [result.parent / group.attrs["kernel"].decode() for group in file["bodies"].values()]
             same = file.attrs["scene"].decode() == scene
-    except (OSError, KeyError, AttributeError, TypeError):  # not a file of ricochet-contact
+    except (OSError, KeyError, AttributeError, TypeError):  # not a result of ricochet-contact
         return False
     return same and newer(result, programs.BIN / "ricochet-contact", *kernels)
 

@@ -3,8 +3,8 @@
 
     ricochet surfaces meshes/bell/bell.step
 
-Reads what gmsh reads: .step, .brep, .geo, .msh. Lengths are those of the file. The picture is <drawing>-surfaces.png beside the
-drawing, or in the working folder if that one can't be written; its path is printed last.
+Reads the formats of gmsh: .step, .brep, .geo, .msh. Lengths are in the units of the file. The picture <drawing>-surfaces.png is
+written beside the drawing, or in the working folder if the folder of the drawing cannot be written. Its path is printed last.
 """
 import argparse
 import os

@@ -14,7 +14,7 @@ study.toml:
     count = 20
     "bodies.upper.translate[0]" = { uniform = [-0.01, 0.01] }
 
-All settings are checked before anything is computed. After an interruption the same command resumes the work.
+All settings are checked before anything is computed. After an interruption, the same command resumes the work.
 Results: <title>.sweep.h5 and <title>.sweep.csv in out/ beside the study. ricochet batch runs a study on a cluster.
 """
 import argparse
@@ -78,13 +78,13 @@ def check_options(options: argparse.Namespace) -> None:
 
 
 class Drawn:
-    """The columns of the requested picture. An unknown name is refused after the first impact."""
+    """The columns of the requested picture. An unknown name is reported after the first impact."""
 
     def __init__(self, study: Study, options: argparse.Namespace) -> None:
         self.inputs = study.keys
         self.names = [options.plot, *(options.against or study.keys[:1])] if options.plot else []
         self.unknown = set(self.names) - set(self.inputs)
-        # Summaries differ in their columns if one of these is varied.
+        # If one of these keys is varied, the columns of the summaries differ.
         self.alike = not {"accuracy", "contact.scheme", "contact.kernel"} & set(study.keys)
 
     def check(self, row: Row) -> None:

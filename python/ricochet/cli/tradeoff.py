@@ -1,17 +1,18 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Runs a scene over the settings that trade accuracy for speed and reports cost and error of each.
+"""Runs a scene with settings that trade accuracy for speed, and reports the cost and error of each.
 
     ricochet tradeoff meshes/two-disks/two-disks.toml
     ricochet tradeoff scene.toml --error 1e-3 --impacts 1000 --counts 50 100 --orders 2 3 4
 
 Kernels vary in their basis (modes, with and without residual flexibility, or a contact-adapted basis), its size, element order,
-tolerance of the eigensolver and spacing of candidates; impacts vary in scheme, time step and precision. Basis × scheme × step is
-run in full; orders, tolerances, spacings and precisions only with the largest kernel of each basis, or with --full in full too.
+tolerance of the eigensolver and spacing of candidates. Impacts vary in scheme, time step and precision. All combinations of basis,
+scheme, step and precision are run. Unless --full is given, orders and spacings vary only with two bases, the largest number of
+modes and the first of --fitted, and tolerances only with the former.
 
-The error is the largest relative error of the exit velocities and the impulse. The reference is computed as well: an order
-higher, half the spacing, twice the highest rate, and a contact-adapted basis for twice the band (without a band: the most
-modes). The same with half of that rate shows the error of the reference itself. After an interruption the same command resumes
-the work.
+The error is the largest relative error of the exit velocities and the impulse. The reference is computed too, with elements of the
+next higher order, half the spacing, twice the highest rate, and a contact-adapted basis for twice the band (without a band: the
+largest number of modes). A second run at half of that rate shows the error of the reference itself. After an interruption, the same
+command resumes the work.
 """
 import argparse
 from collections.abc import Callable
@@ -25,7 +26,7 @@ from ricochet.tradeoffs.runs import Outcome, Runner
 from ricochet.tradeoffs.settings import SCHEMES, Scene
 
 
-# Option, type of its values, default (a text where it depends on the scene) and meaning.
+# Option, type of its values, default (text if it depends on the scene) and meaning.
 NUMBERS: list[tuple[str, Callable[[str], float], list[float] | str, str]] = [
     ("--counts", count, "modes.count down to 1/16 of it, or 400 to 25", "modes"),
     ("--fitted", float, [0.3, 0.1, 0.03, 0.01, 0.001], "flexibility errors of contact-adapted bases"),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Bodies of other programs, and the body files (docs/interchange.md) that a scene names as a mesh."""
+"""Bodies from other programs, and the body files (docs/interchange.md) that a scene names as a mesh."""
 import io
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -21,11 +21,11 @@ class Body:
     matrices: dict[str, Entries]  # "stiffness" [N/m] and "mass" [kg], (3n,3n), both triangles
     surfaces: dict[str, list[Array]]  # by name: blocks of facets, (T,k) node numbers
     supports: dict[str, Array] = field(default_factory=dict)  # by name: node numbers
-    skin: Array | None = None  # (T,3) triangles to draw
+    skin: Array | None = None  # (T,3) triangles for pictures
     warnings: list[str] = field(default_factory=list)
 
     def in_units(self, length: float, mass: float) -> None:
-        """Converts to SI a body whose units are `length` metres and `mass` kilograms."""
+        """Converts the body to SI units. Its present units are `length` [m] and `mass` [kg]."""
         with np.errstate(over="ignore"):
             self.node = self.node * length
             self.matrices = {name: (i, j, value * mass) for name, (i, j, value) in self.matrices.items()}
@@ -34,8 +34,8 @@ class Body:
                 raise InputError("--length-unit, --mass-unit: make numbers that are not finite")
 
     def write(self, path: Path) -> None:
-        """Writes the body file. Raises OSError; the file is complete or does not exist."""
-        image = io.BytesIO()  # HDF5 itself crashes on a full disk
+        """Writes the body file completely or not at all. Raises OSError."""
+        image = io.BytesIO()  # written to memory first, because HDF5 crashes if the disk is full
         with h5py.File(image, "w") as file:
             file.attrs["format"] = np.bytes_("ricochet-body")
             file.attrs["version"] = 1
@@ -56,7 +56,7 @@ class Body:
 
 
 def is_name(text: str) -> bool:
-    """Whether a body file and a scene can hold a surface or support of this name."""
+    """Whether a body file and a scene can contain a surface or support of this name."""
     return text not in ("", ".", "..") and "/" not in text and text.isprintable()
 
 
@@ -74,8 +74,10 @@ def rows_of(i: Array, j: Array, value: Array, size: int) -> Entries:
 
 
 def clockwise(node: Array, facets: Array, i: Array, j: Array) -> int:
-    """The number of `facets`, (T,k) node numbers from 0, that run clockwise seen from outside, judged by the stiffness at rows i and
-    columns j: the nodes that are coupled with all corners of a facet are those of its element, so they lie behind it.
+    """Number of facets that run clockwise seen from outside. `facets`: (T,k) node numbers from 0.
+
+    The stiffness, with entries at rows i and columns j, shows on which side the body is: a node that is
+    coupled with all corners of a facet belongs to its element, so it lies inside.
     """
     corners = facets[:, : 3 if np.shape(facets)[1] in (3, 6, 10) else 4]
     here = np.isin(i // 3, corners)

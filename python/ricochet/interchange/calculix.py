@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Solid models of CalculiX: nodes, elements, sets and surfaces of an input file, and the matrices that ccx stores."""
+"""Solid models of CalculiX: nodes, elements, sets and surfaces of an input file, and the matrices that ccx
+has stored."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
@@ -12,7 +13,8 @@ from ricochet.interchange.body import Body, is_name
 from ricochet.interchange.numbers import Entries, both_triangles, entries_of, is_number, numbers
 
 Corners = list[tuple[int, ...]]
-# Corner nodes of the faces S1, S2, …, and edges in the order of the middle nodes; numbered from 0.
+# Corner nodes of the faces S1, S2, …, and edges in the order of their middle nodes. Nodes are numbered from
+# 0.
 TETRAHEDRON: tuple[Corners, Corners] = (
     [(0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)],
     [(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)],
@@ -25,16 +27,17 @@ BRICK: tuple[Corners, Corners] = (
     [(0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)],
     [(0, 1), (1, 2), (2, 3), (0, 3), (4, 5), (5, 6), (6, 7), (4, 7), (0, 4), (1, 5), (2, 6), (3, 7)],
 )
-# By number of nodes.
+# Element types by number of nodes.
 KINDS = {4: TETRAHEDRON, 10: TETRAHEDRON, 6: WEDGE, 15: WEDGE, 8: BRICK, 20: BRICK}
-# A face of eight nodes has no node in its middle: four triangles at its corners, and the quadrangle between them.
+# A face of eight nodes has no node in its middle. It is split into four triangles at its corners and the
+# quadrangle between them.
 CORNERS_OF_EIGHT, MIDDLE_OF_EIGHT = [(0, 4, 7), (1, 5, 4), (2, 6, 5), (3, 7, 6)], (4, 5, 6, 7)
 Card = tuple[str, str, dict[str, str], list["Line"]]  # place, keyword, parameters, lines of data
-MOST = 10**8  # members of a generated set
+MOST = 10**8  # largest number of members of a generated set
 
 
 class Line(list[str]):
-    """The words of a line, and its place in the file."""
+    """The words of a line and its position in the file."""
 
     def __init__(self, text: str, path: Path, number: int) -> None:
         super().__init__(word.strip() for word in text.rstrip().rstrip(",").split(","))
@@ -42,7 +45,7 @@ class Line(list[str]):
 
 
 def lines_of(path: Path) -> list[tuple[int, str]]:
-    """The numbered lines of a file, without comments and blank lines."""
+    """The lines of a file with their numbers, without comments and blank lines."""
     text = Path(path).read_text(errors="replace")
     return [
         (number, line)
@@ -52,7 +55,8 @@ def lines_of(path: Path) -> list[tuple[int, str]]:
 
 
 def cards(path: Path, outer: tuple[Path, ...] = ()) -> Iterator[Card]:
-    """The cards of an input file and its includes: place, keyword, parameters and lines of data of each."""
+    """Yields the cards of an input file and its includes: place, keyword, parameters and lines of data of
+    each."""
     card: Card | None = None
     outer = (*outer, Path(path).resolve())
     for number, line in lines_of(path):
@@ -84,7 +88,7 @@ def cards(path: Path, outer: tuple[Path, ...] = ()) -> Iterator[Card]:
 
 
 def members(lines: Iterable[Line], parameters: dict[str, str], sets: dict[str, list[int]]) -> Iterator[int]:
-    """The members of a set, whose lines may name other sets or a range."""
+    """Yields the members of a set. Its lines may contain names of other sets or define a range."""
     if "GENERATE" in parameters:
         for line in lines:
             first, last, step = [int(word) for word in line[:2]] + [int(line[2]) if len(line) > 2 else 1]
@@ -149,7 +153,7 @@ class Model:
             self.surface_lines[name] = lines
 
     def each(self, lines: Iterable[Line]) -> Iterator[Line]:
-        """The lines in turn; an error message names the current one."""
+        """Yields the lines and records the place of each, for error messages."""
         for line in lines:
             self.where = line.where
             yield line
@@ -179,7 +183,7 @@ class Model:
             sets.setdefault(name.upper(), []).extend(numbers)
 
     def faces(self, element: int) -> Iterator[list[int]]:
-        """Nodes of each face, corners first, then middles; corners run counter-clockwise seen from outside."""
+        """Yields the nodes of each face: corners, counter-clockwise seen from outside, then middle nodes."""
         nodes = self.element[element]
         faces, edges = KINDS[len(nodes)]
         corners = len({corner for face in faces for corner in face})
@@ -195,7 +199,8 @@ class Model:
             yield [nodes[k] for k in [*face, *around]]
 
     def blocks(self, faces: Iterable[Sequence[int]]) -> list[Array]:
-        """Arrays of facets, one for each number of nodes, with the node numbers of the body file."""
+        """Arrays of facets, one for each number of nodes per facet, with the node numbers of the body
+        file."""
         found: dict[int, list[list[int]]] = {}
         for face in faces:
             nodes = [self.number[node] for node in face]
@@ -207,7 +212,7 @@ class Model:
         return [np.array(facets) for facets in found.values()]
 
     def skin(self) -> list[list[int]]:
-        """The faces that belong to one element only."""
+        """The faces that belong to a single element."""
         seen: dict[frozenset[int], list[list[int]]] = {}
         for element in self.element:
             for face in self.faces(element):
@@ -248,7 +253,7 @@ class Model:
         return {name: np.array(nodes) for name, nodes in sets.items() if nodes}
 
     def stored(self, suffix: str) -> Path:
-        """A file of the job that ccx writes."""
+        """The path of a file that ccx has written for the job."""
         path = self.path.with_suffix(suffix)
         if not path.is_file():
             raise InputError(
@@ -257,7 +262,8 @@ class Model:
         return path
 
     def matrices(self) -> dict[str, Entries]:
-        """Reads job.sti, job.mas and job.dof, which SOLVER=MATRIXSTORAGE writes: one triangle of each matrix, and its rows."""
+        """Reads the files that SOLVER=MATRIXSTORAGE writes: one triangle of each matrix (.sti, .mas) and the
+        degree of freedom of each row (.dof)."""
         dof = self.stored(".dof")
         listed: dict[int, bool] = {}  # in the order of the file
         for word in dof.read_text(errors="replace").split():

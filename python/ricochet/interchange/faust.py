@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Faust modal models of a body: force at one place of a kernel in, velocities of other places out (docs/interchange.md)."""
+"""Modal models of a body for Faust: from the force at one place of a kernel to the velocities of others
+(docs/interchange.md)."""
 import math
 import re
 from dataclasses import dataclass
@@ -30,7 +31,7 @@ def direction_of(text: str, what: str) -> Array:
 
 
 def point_of(place: str, file: File, what: str) -> int | None:
-    """The number of the contact point that `place` names, or None."""
+    """The number of the contact point that `place` names; None if it names none."""
     node = file.array("/surface/node", None, 3)
     if re.fullmatch("[0-9]{1,15}", place):
         if int(place) >= len(node):
@@ -42,7 +43,8 @@ def point_of(place: str, file: File, what: str) -> int | None:
 
 
 def shape_at(text: str, file: File, modes: int, what: str) -> Array:
-    """(N) mode shapes at a place along a direction, as PLACE:DIRECTION; `what` names the option in messages."""
+    """(N) mode shapes at `text`, which has the form PLACE:DIRECTION. `what` is the name of the option in
+    messages."""
     place, _, towards = text.partition(":")
     if place in file.names("/receivers"):
         if not towards:
@@ -66,7 +68,7 @@ def shape_at(text: str, file: File, modes: int, what: str) -> Array:
 
 @dataclass
 class Model:
-    """Modes that ring below half of the sample rate."""
+    """The modes that ring below half of the sample rate."""
 
     body: str
     excite: str
@@ -78,7 +80,7 @@ class Model:
     note: str
 
     def text(self, button: bool) -> str:
-        """The Faust program; with `button`, a button strikes instead of an input of force."""
+        """The Faust program. With `button`, its input is a button that strikes, in place of a force."""
         lines = [
             f'declare name "{plain(self.body)}";',
             'import("stdfaust.lib");',
@@ -105,7 +107,7 @@ class Model:
 def model_of(
     kernel: Path, excite: str, receive: list[str], rate_hz: float, t60_s: float | None = None
 ) -> Model:
-    """The model of a kernel file; `t60_s` is the decay time of modes without damping. Raises InputError."""
+    """The model of a kernel file. `t60_s` is the decay time of undamped modes. Raises InputError."""
     with expected(kernel, "ricochet-kernel"):
         file = File(kernel, "ricochet-kernel")
         omega = file.array("/modes/angular_frequency", None)
@@ -133,5 +135,5 @@ def model_of(
 
 
 def plain(text: str) -> str:
-    """Replaces what would end a string or a comment of Faust."""
+    """Replaces characters that would end a string or a comment of Faust."""
     return "".join(letter if letter.isprintable() and letter not in '"\\' else "_" for letter in text)

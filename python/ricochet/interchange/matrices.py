@@ -10,7 +10,7 @@ from ricochet.interchange.body import Body, clockwise
 from ricochet.arrays import Array
 from ricochet.interchange.numbers import numbers_from_zero, read_matrix_market, table
 
-FACETS = (3, 4, 6, 9, 10, 16)  # nodes of the facets that are read
+FACETS = (3, 4, 6, 9, 10, 16)  # supported numbers of nodes of a facet
 Named = Sequence[tuple[str, Path]]
 
 

@@ -12,9 +12,9 @@ Entries = tuple[Array, Array, Array]  # rows, columns and values of a sparse mat
 
 
 def numbers(path: Path, text: bytes) -> Array:
-    """The numbers of a text that holds only numbers."""
+    """The numbers in a text, which must contain nothing else."""
     with warnings.catch_warnings():
-        warnings.simplefilter("error", DeprecationWarning)  # numpy: the text goes on after the numbers
+        warnings.simplefilter("error", DeprecationWarning)  # NumPy issues it if text follows the numbers
         try:
             return np.fromstring(text, sep=" ")
         except DeprecationWarning:
@@ -22,12 +22,13 @@ def numbers(path: Path, text: bytes) -> Array:
 
 
 def is_number(word: str) -> bool:
-    """Whether a word is the number of a node or element, or a count; int() accepts more than digits."""
+    """Whether a word is a valid node number, element number or count. int() accepts other words too."""
     return word.isdecimal() and len(word) < 16
 
 
 def entries_of(path: Path, values: Array, rows: int, columns: int) -> Entries:
-    """Entries, numbered from 0, of a flat array that holds row, column (from 1) and value of each in turn."""
+    """Entries, numbered from 0, of a flat array that contains row, column (both from 1) and value of each
+    entry in turn."""
     table = values.reshape(-1, 3)
     wrong = np.flatnonzero(~np.isfinite(table).all(axis=1))
     if wrong.size:
@@ -46,7 +47,7 @@ def entries_of(path: Path, values: Array, rows: int, columns: int) -> Entries:
 
 
 def both_triangles(path: Path, i: Array, j: Array, value: Array) -> Entries:
-    """The whole symmetric matrix of which one triangle is given."""
+    """Completes a symmetric matrix of which one triangle is given."""
     if (i < j).any() and (i > j).any():
         raise InputError(f"{path}: has entries of both triangles of a symmetric matrix: give one of them")
     off = i != j
@@ -54,7 +55,8 @@ def both_triangles(path: Path, i: Array, j: Array, value: Array) -> Entries:
 
 
 def read_matrix_market(path: Path) -> tuple[Entries, tuple[int, int]]:
-    """Entries, numbered from 0, and shape of a real matrix in coordinates; both triangles of a symmetric one."""
+    """Reads a real matrix in coordinate format: its entries, numbered from 0, and its shape. Of a symmetric
+    matrix, both triangles are returned."""
     with open(path, "rb") as file:
         words = file.readline().decode("latin-1").lower().split()
         if (
@@ -87,10 +89,10 @@ def read_matrix_market(path: Path) -> tuple[Entries, tuple[int, int]]:
 
 
 def table(path: Path, rows: str) -> Array:
-    """The numbers of a list; `rows` describes a row, for messages."""
+    """The numbers of a list. `rows` describes a row in messages."""
     try:
         with open(path) as file, warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # NumPy warns of empty lists
+            warnings.simplefilter("ignore")  # NumPy warns if a list is empty
             numbers = np.loadtxt(file, ndmin=2)
     except ValueError as error:
         raise InputError(
@@ -104,7 +106,7 @@ def table(path: Path, rows: str) -> Array:
 
 
 def numbers_from_zero(path: Path, nodes: int, rows: str) -> Array:
-    """Node numbers of a list, which counts from 1 to `nodes`."""
+    """The node numbers in a list, which are from 1 to `nodes`, converted to start from 0."""
     numbers = table(path, rows)
     wrong = numbers[(numbers < 1) | (numbers > nodes) | (numbers % 1 != 0)]
     if wrong.size:

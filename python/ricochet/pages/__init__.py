@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The web page of a result: one file with the motion, charts, sound, and the commands that repeat the run."""
+"""The web page of a result: one file with motion, charts, sound, and the commands that repeat the run."""
 from pathlib import Path
 
 from ricochet.pages.page import save_page
@@ -8,9 +8,10 @@ from ricochet.result_file import expected
 
 
 def write_page(result: Path, path: Path | None = None, kernels: Path | None = None) -> Path:
-    """Writes the page of the result file `result`, by default as <slug>.report.html beside it, and returns its path.
+    """Writes the page of the result file `result` and returns its path, by default <slug>.report.html in the
+    same folder.
 
-    @param kernels  folder of the kernels (default: that of the result)
+    @param kernels  folder of the kernels (default: folder of the result)
     Raises InputError.
     """
     with expected(result):

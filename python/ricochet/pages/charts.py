@@ -11,13 +11,13 @@ from ricochet.pictures.history import Curves, History
 Axis = dict[str, Any]
 Chart = dict[str, Any]
 
-DOTS = 1600  # most points of a line
-COLUMNS, ROWS = 400, 120  # most cells of the map of forces
-PIECES = 700  # points of a spectrum
+DOTS = 1600  # maximum number of points of a line
+COLUMNS, ROWS = 400, 120  # maximum number of cells of the force map
+PIECES = 700  # number of points of a spectrum
 
 
 def thinned(x: Array, y: Array) -> tuple[Array, Array]:
-    """A line with fewer points: the minimum and maximum of each of its pieces. Gaps (NaN) are kept."""
+    """Reduces the points of a line: each piece keeps its minimum and maximum. Gaps (NaN) are kept."""
     if len(x) <= DOTS:
         return x, y
     edges = np.unique(np.linspace(0, len(x), DOTS // 2 + 1).astype(int))
@@ -34,7 +34,8 @@ def thinned(x: Array, y: Array) -> tuple[Array, Array]:
 
 
 def line(name: str, colour: int | str, x: Any, y: Any, style: str = "") -> dict[str, Any]:
-    """`colour`: number of a body, or a name in the style sheet; `style`: words of charts.js, such as "held dashed"."""
+    """The data of a line. `colour` is the number of a body or a name in the style sheet. `style` consists of
+    words of charts.js, such as "held dashed"."""
     x, y = thinned(np.asarray(x), np.asarray(y))
     return {"name": name, "colour": colour, "style": style, "x": packed(x), "y": packed(y)}
 
@@ -97,7 +98,8 @@ def along_normal_charts(result: History, i: int) -> list[Chart]:
 
 
 def table_charts(result: History, i: int) -> list[Chart]:
-    """Charts of a run with table kernels: the gap, and the velocities of free bodies along the axis where they change most."""
+    """Charts of a run with table kernels: the gap, and the velocities of free bodies along the axis of their
+    largest change."""
     window = result.window()
     gap = [line("gap", "force", *result.broken(result.gap[:, i]))]
     note = "Negative: penetration."
@@ -114,12 +116,13 @@ def table_charts(result: History, i: int) -> list[Chart]:
 
 
 def spectrum(values: Array, step: float, factor: float) -> tuple[Array, Array]:
-    """Frequencies [Hz] and the largest |Σ values exp(−iωt)| · factor in each piece of a logarithmic axis."""
+    """Frequencies [Hz] and spectrum |Σ values exp(−iωt)| · factor: the maximum in each piece of a logarithmic
+    axis."""
     # Zero padding makes the spectrum smooth.
     length = min(1 << (8 * len(values) - 1).bit_length(), max(1 << 20, len(values)))
     size = np.abs(np.fft.rfft(values, length))[1:] * factor
     frequency = np.arange(1, len(size) + 1) / (length * step)
-    inside = frequency >= 0.5 / (len(values) * step)  # the record is too short for lower ones
+    inside = frequency >= 0.5 / (len(values) * step)  # the record is too short for lower frequencies
     frequency, size = frequency[inside], size[inside]
     edges = np.unique(np.searchsorted(frequency, np.geomspace(frequency[0], frequency[-1], PIECES)))
     best = [first + int(np.argmax(size[first:behind])) for first, behind in zip(edges[:-1], edges[1:])]
@@ -135,13 +138,13 @@ def spectrum_chart(result: History) -> Chart:
 
 
 def pressure_chart(result: History) -> Chart:
-    """Pressure of each point in the step of the largest force."""
+    """The pressure of each point in the step with the largest force."""
     row = int(np.argmax(result.force.sum(axis=1)))
     order, where, what = result.positions()
     pressure = (result.force[row] / result.area)[order]
     pressing = pressure > 0
     far = 1.6 * np.abs(where[pressing]).max()
-    near = np.abs(where) <= max(far, np.abs(where).min())  # farther points are open
+    near = np.abs(where) <= max(far, np.abs(where).min())  # points farther away are open
     note = f"{np.count_nonzero(pressing)} of {len(order)} points press" + (
         "." if len(result.time) == 1 else " when the force is largest."
     )
@@ -151,7 +154,7 @@ def pressure_chart(result: History) -> Chart:
 
 
 def force_map(result: History) -> dict[str, Any]:
-    """Force by point and time, the maximum in each cell. Points that never touch are left out."""
+    """The force by point and time: the maximum in each cell. Points that never touch are omitted."""
     order, where, what = result.positions()
     used = result.impulse()[order] > 0
     order, where = order[used], where[used]

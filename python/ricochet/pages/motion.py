@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The motion of a run for a page: the visualisation surfaces of the bodies, moved by a few shapes that replace all modes."""
+"""The motion of a run for a page: visualisation surfaces of the bodies, moved by a few shapes in place of all
+modes."""
 import base64
 from collections.abc import Sequence
 from pathlib import Path
@@ -13,19 +14,20 @@ from ricochet.pictures.viewpoint import clearest
 from ricochet.pictures.skins import Skin
 from ricochet.pictures.history import History
 
-Packed = dict[str, Any]  # an array as text
+Packed = dict[str, Any]  # an array encoded as text
 
-MOMENTS = 1200  # most snapshots, evenly spaced
-TRIANGLES = 80_000  # most triangles of all bodies
-SHAPES = 80  # most shapes of a body besides rigid motion
-SHAPES_MB = 4  # most memory of the shapes of all bodies
-LEFT_OUT = 3e-4  # allowed root mean square error of the deformation, relative
-POINTS = 300  # contact points whose forces are drawn: those with the largest impulse
+MOMENTS = 1200  # maximum number of snapshots, evenly spaced
+TRIANGLES = 80_000  # maximum number of triangles of all bodies
+SHAPES = 80  # maximum number of shapes of a body, without rigid motion
+SHAPES_MB = 4  # maximum memory of the shapes of all bodies
+LEFT_OUT = 3e-4  # allowed relative root mean square error of the deformation
+POINTS = 300  # number of contact points whose forces are drawn, those with the largest impulse
 SIDES = 12  # sides of a rod's cross-section
 
 
 def packed(values: Any, kind: str = "f4") -> Packed:
-    """An array as text. Types i2 and u2 hold fractions of the largest value, in 15 and 16 bits; f4 and u4 hold the values."""
+    """Encodes an array as text. The types i2 and u2 contain fractions of the largest value, with 15 and 16
+    bits. The types f4 and u4 contain the values."""
     values = np.asarray(values)
     out: Packed = {"type": kind, "shape": list(values.shape)}
     if kind in ("i2", "u2"):
@@ -38,24 +40,26 @@ def packed(values: Any, kind: str = "f4") -> Packed:
 def few_shapes(shape: Array, coordinates: Array, most: int, left_out: float) -> tuple[Array, Array]:
     """The best r fields (n,r) and amplitudes (S,r) with fields · amplitudesᵀ ≈ shape · coordinatesᵀ.
 
-    r is as small as the relative root mean square error `left_out` allows, and at most `most`.
+    r is the smallest number for which the relative root mean square error is within `left_out`, but at most
+    `most`.
     """
     if shape.shape[1] == 0:
         return np.zeros((len(shape), 0)), np.zeros((len(coordinates), 0))
-    # Converted to double precision in parts, to save memory.
+    # Converted to double precision in parts to save memory.
     parts = np.array_split(shape, len(shape) // 10_000 + 1)
     values, vectors = np.linalg.eigh(sum(part.T.astype(float) @ part for part in parts))
     held = values > 1e-14 * max(values[-1], 1e-300)
     root, vectors = np.sqrt(values[held]), vectors[:, held]
     left, size, right = np.linalg.svd((coordinates @ vectors) * root, full_matrices=False)
-    behind = np.sqrt(np.append(np.cumsum(size[::-1] ** 2)[::-1], 0))  # error with the first 0, 1, … of them
+    behind = np.sqrt(np.append(np.cumsum(size[::-1] ** 2)[::-1], 0))  # error with the first 0, 1, … shapes
     count = min(int(np.argmax(behind <= left_out * behind[0])), most)
     mix = (vectors / root) @ right[:count].T
     return np.concatenate([part @ mix for part in parts]), left[:, :count] * size[:count]
 
 
 def coarser(node: Array, element: Array, limit: int) -> tuple[Array, Array]:
-    """The nodes to keep and at most `limit` triangles between them: all nodes in a cell of a grid become one."""
+    """Coarsens a surface: all nodes in a cell of a grid become one. Returns the nodes to keep and at most
+    `limit` triangles between them."""
     kept, cells = np.arange(len(node)), 2.0 * np.sqrt(limit)
     while len(element) > limit:
         width = np.ptp(node, axis=0).max() / cells
@@ -73,7 +77,8 @@ def coarser(node: Array, element: Array, limit: int) -> tuple[Array, Array]:
 
 
 def tube(node: Array, element: Array, radius: float) -> tuple[Array, Array, Array]:
-    """A rod as a tube: triangles between rings of new nodes, the old node of each new one, and the offset from it."""
+    """Turns a rod into a tube. Returns triangles between rings of new nodes, the old node of each new node,
+    and its offset from the old node."""
     along = node[element[0, 1]] - node[element[0, 0]]
     along = along / (np.linalg.norm(along) or 1)
     across = np.cross(along, np.eye(3)[np.argmin(np.abs(along))])
@@ -96,13 +101,13 @@ def tube(node: Array, element: Array, radius: float) -> tuple[Array, Array, Arra
 
 
 def radius_of(body: dict[str, Any], length: float) -> float:
-    """The radius of a rod by its area, but thick enough to be visible."""
+    """The radius of a rod, from its cross-section. It is at least large enough to be visible."""
     area = max((part.get("area", 0) for part in materials(body).values()), default=0)
     return max(np.sqrt(area / np.pi), 0.01 * length)
 
 
 def materials(body: dict[str, Any]) -> dict[str, dict[str, Any]]:
-    """The materials of a body by physical volume; "" is the whole body."""
+    """The materials of a body by physical volume. The name "" stands for the whole body."""
     found = body.get("material", {})
     return {"": found} if "density" in found else found
 
@@ -110,9 +115,10 @@ def materials(body: dict[str, Any]) -> dict[str, dict[str, Any]]:
 def body_of(
     name: str, skin: Skin, chosen: Array, share: float, scene: dict[str, Any]
 ) -> tuple[dict[str, Any], Array, Array, tuple[float, float]]:
-    """A body of the page, its node positions at rest, its triangles, and error and size of its deformation [m].
+    """Returns a body of the page, its node positions at rest, its triangles, and error and size of its
+    deformation [m].
 
-    @param share  the part of the triangles and shapes of all bodies that this one may use
+    @param share  share of this body in the triangles and shapes that all bodies may have
     """
     node, element, coordinates = skin.node, skin.element, skin.coordinates[chosen]
     offset: Any = 0.0
@@ -150,7 +156,7 @@ def body_of(
 
 
 def half_space(name: str, obstacle: dict[str, Any], low: Array, high: Array) -> dict[str, Any]:
-    """The part of the surface of an obstacle near the bodies, as a square."""
+    """The part of the surface of an obstacle that is near the bodies, as a square."""
     point, normal = np.array(obstacle.get("point", [0, 0, 0]), float), np.array(obstacle["normal"], float)
     normal /= np.linalg.norm(normal)
     centre = (low + high) / 2
@@ -163,7 +169,7 @@ def half_space(name: str, obstacle: dict[str, Any], low: Array, high: Array) -> 
 
 
 def nearest(points: Array, places: Sequence[Array]) -> tuple[Array, Array]:
-    """For each point, the nearest body and node, and the offset from that node."""
+    """The nearest body and node of each point, and the offset of the point from that node."""
     best = np.full(len(points), np.inf)
     found, offset = np.zeros((len(points), 2), int), np.zeros((len(points), 3))
     for body, place in enumerate(places):
@@ -176,7 +182,7 @@ def nearest(points: Array, places: Sequence[Array]) -> tuple[Array, Array]:
 
 
 def forces_at(result: History, times: Array, points: Array) -> Array:
-    """(S,p) force at these points at each moment; 0 if the result has no contact row for it."""
+    """(S,p) force at these points and times; 0 if the result has no contact row for a time."""
     out = np.zeros((len(times), len(points)))
     if len(result.contact_time):
         half = 0.5 * result.spacing
@@ -187,7 +193,8 @@ def forces_at(result: History, times: Array, points: Array) -> Array:
 
 
 def motion_of(result: History, folder: Path, scene: dict[str, Any]) -> dict[str, Any]:
-    """The data of the animation, or {"missing": reason} without visualisation surfaces, snapshots or kernels."""
+    """The data of the animation, or {"missing": reason} if there are no visualisation surfaces, snapshots or
+    kernels."""
     found = skins_of(result, folder)
     if isinstance(found, str):
         return {"missing": found}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Fills the template of the page with style, scripts and data; the page needs no other file."""
+"""Fills the template of the page with style, scripts and data. The page needs no other file."""
 import base64
 import hashlib
 import html
@@ -16,12 +16,13 @@ LARGEST_MB = 16
 
 
 def numbers(value: Any) -> Any:
-    """NumPy values as values that json can write."""
+    """Converts NumPy values to values that json can write."""
     return value.tolist()
 
 
 def page_of(run: dict[str, Any]) -> str:
-    """The text of the page. Its content security policy allows the scripts of this folder only, by their hash."""
+    """The text of the page. Its content security policy allows only the scripts in this folder, by their
+    hashes."""
     script = "\n" + "\n".join((FOLDER / name).read_text() for name in SCRIPTS)
     data = json.dumps(run, ensure_ascii=False, allow_nan=False, separators=(",", ":"), default=numbers)
     parts = {

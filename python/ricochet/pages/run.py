@@ -24,7 +24,7 @@ def summary_of(path: Path, result: History) -> dict[str, Any]:
         )
     try:
         summary = json.loads(path.read_text(), parse_constant=lambda word: None)
-        # This refuses 1e999 and half a character.
+        # This refuses 1e999 and unpaired surrogates.
         json.dumps(summary, ensure_ascii=False, allow_nan=False).encode()
     except (ValueError, RecursionError):
         raise InputError(f"{path}: is damaged. Run ricochet-contact again.") from None
@@ -37,7 +37,7 @@ def summary_of(path: Path, result: History) -> dict[str, Any]:
 
 
 def plain(file: File, where: str, name: str) -> Any:
-    """An attribute of a file: text or a finite number."""
+    """An attribute of a file, if it is text or a finite number."""
     text, value = file.text(where, name), file.attribute(where, name)
     if text is not None:
         return text
@@ -47,7 +47,7 @@ def plain(file: File, where: str, name: str) -> Any:
 
 
 def kernel_of(path: Path) -> dict[str, Any] | None:
-    """The attributes of a kernel file that the page shows; None if the file is gone."""
+    """The attributes of a kernel file that the page shows; None if the file does not exist."""
     if not is_there(path):
         return None
     file = File(path, "ricochet-kernel")
@@ -85,7 +85,7 @@ def bodies_of(result: History, folder: Path, scene: dict[str, Any]) -> list[dict
 def commands_of(
     result: History, scene: dict[str, Any], bodies: list[dict[str, Any]]
 ) -> list[tuple[str, str]]:
-    """The commands that repeat the run, as (command, its effect)."""
+    """The commands that repeat the run, as pairs (command, its effect)."""
     text, out = shlex.quote(f"{result.slug}.toml"), []
     if any(body["file"] for body in bodies):
         names = ", ".join(body["file"] for body in bodies)
@@ -99,7 +99,7 @@ def commands_of(
 
 
 def charts_of(result: History, by_table: bool) -> tuple[dict[str, Any], dict[str, Any] | None]:
-    """The charts by section of the page, and the map of forces."""
+    """The charts by section of the page, and the force map."""
     i = result.strongest
     still = len(result.time) == 1
     out: dict[str, list[dict[str, Any]]] = {"contact": [], "energy": []}
@@ -123,7 +123,7 @@ def digest(path: Path) -> str:
 
 
 def run_of(path: Path, kernels: Path | None = None) -> dict[str, Any]:
-    """Reads the run of a result file. Raises InputError."""
+    """The content of the page for a result file. Raises InputError."""
     result = History(path)
     folder = kernels or path.parent
     beside = path.with_name(f"{result.slug}.summary.json")

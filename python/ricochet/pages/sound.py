@@ -11,11 +11,12 @@ from ricochet.arrays import Array
 from ricochet.errors import InputError
 from ricochet.result_file import is_there
 
-SAMPLES = 700_000  # most samples of all receivers together: 1.9 MB in the page
+SAMPLES = 700_000  # maximum number of samples of all receivers together: 1.9 MB in the page
 
 
 def channels(path: Path, most: int) -> tuple[Array, int, int]:
-    """The first samples (n,3) of a WAV file of ricochet-contact, their rate, and the number of all samples."""
+    """The first samples (n,3) of a WAV file of ricochet-contact, the sample rate, and the total number of
+    samples."""
     refusal = InputError(f"{path}: is not a sound that ricochet-contact wrote. Run it again.")
     with open(path, "rb") as file:
         riff = file.read(12)
@@ -56,7 +57,8 @@ def sound_of(path: Path, most: int) -> dict[str, Any]:
 
 
 def sounds_of(summary: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """The sound of each receiver with a file in the summary, or {"missing": reason} if the file is gone."""
+    """The sound of each receiver for which the summary names a file, or {"missing": reason} if that file does
+    not exist."""
     out = {}
     named = summary.get("sounds") or {}
     for name, sound in named.items():

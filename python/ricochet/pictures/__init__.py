@@ -21,10 +21,10 @@ DRAWN_MODES = 6
 
 
 def figures(result: History, kernels: Path, note: Callable[[str], None]) -> Iterator[tuple[str, Figure]]:
-    """The figures of a result by name: "contact", "snapshots", "energy".
+    """Yields the figures of a result with their names: "contact", "snapshots", "energy".
 
     @param kernels  folder of the kernels
-    @param note     called with the reason of each figure that is left out
+    @param note     called with the reason for each figure that is omitted
     """
     if result.static:
         raise InputError(f"{result.path}: bodies at rest have no history to draw. Use ricochet report.")
@@ -64,7 +64,7 @@ def draw_modes(kernel: Path, folder: Path) -> Path:
     """Writes the picture of the first elastic modes of a kernel file as <body>-modes.png and returns its
     path.
 
-    Raises InputError, also if the kernel has no visualisation surface.
+    Raises InputError, for example if the kernel has no visualisation surface.
     """
     with expected(kernel, "ricochet-kernel"), matplotlib.rc_context(STYLE | {"axes.grid": False}):
         file = File(kernel, "ricochet-kernel")
@@ -74,7 +74,7 @@ def draw_modes(kernel: Path, folder: Path) -> Path:
 
 
 def save(figure: Figure, path: Path) -> None:
-    """Writes a figure and makes its folder. Raises InputError."""
+    """Writes a figure and creates its folder. Raises InputError."""
     with writing(path, "--out"):
         path.parent.mkdir(parents=True, exist_ok=True)
         save_picture(figure, path, dpi=DPI)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Pictures of a contact over time: gap or place, velocity and force at the point that takes the largest impulse."""
+"""Pictures of a contact over time: gap or place, velocity and force at the point with the largest impulse."""
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,7 @@ from ricochet.pictures.history import History
 
 
 def panels(result: History, i: int, where: str) -> tuple[Figure, Any]:
-    """A figure with three axes over time, of which the lowest shows the force at point i."""
+    """A figure with three axes over time. The lowest axis shows the force at point i."""
     figure = Figure(figsize=(WIDTH, 8.2), layout="constrained")
     axes = figure.subplots(3, 1, sharex=True)
     force_panel(result, axes[2], i)
@@ -23,7 +23,7 @@ def panels(result: History, i: int, where: str) -> tuple[Figure, Any]:
 
 
 def finish(result: History, figure: Figure, axes: Any) -> Figure:
-    """Shades the contact and writes the legend: each name once."""
+    """Shades the contact and draws the legend, which contains each name once."""
     ms, _ = prefixed(result.window()[1], "s")
     handles: dict[str, Any] = {}
     for ax in axes:
@@ -35,7 +35,8 @@ def finish(result: History, figure: Figure, axes: Any) -> Figure:
 
 
 def force_panel(result: History, ax: Axes, i: int) -> None:
-    """The force at point i and the sum over all points, as steps over time; the area below them is the impulse."""
+    """The force at point i and the sum over all points, as steps over time. The area below them is the
+    impulse."""
     start, end = result.window()
     ms, time_unit = prefixed(end, "s")
     when, here = result.held(result.force[:, i])
@@ -54,7 +55,8 @@ def force_panel(result: History, ax: Axes, i: int) -> None:
 
 
 def table_picture(result: History) -> Figure:
-    """A run with table kernels: gap and force at the point with the largest impulse, and velocities of free bodies."""
+    """A run with table kernels: gap and force at the point with the largest impulse, and velocities of free
+    bodies."""
     i, axis = result.strongest, result.liveliest_axis
     ms, _ = prefixed(result.window()[1], "s")
     figure, axes = panels(result, i, "")
@@ -88,7 +90,8 @@ def contact_picture(result: History) -> Figure:
     ]:
         scale, shown_unit = prefixed(largest_of(*(v for _, v in at_point.values()), *mean.values()), unit)
         for name, (when, values) in at_point.items():
-            # An obstacle is drawn behind, broad and pale, as the other side lies on it.
+            # An obstacle is drawn in the background, wide and pale, because the line of the other side covers
+            # it.
             style = {"linewidth": 1.8, "color": colour_of(result, name)}
             if name not in result.bodies:
                 style |= {"linewidth": 5, "alpha": 0.3, "zorder": 1.4}

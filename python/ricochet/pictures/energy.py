@@ -10,10 +10,10 @@ from ricochet.pictures.history import History
 
 
 def energy_picture(result: History) -> Figure:
-    """All terms of the energy ledger with their sum, and the drift of the sum from its first value."""
+    """All terms of the energy ledger with their sum, and the deviation of the sum from its first value."""
     terms, ledger = result.ledger
     scale_name, reference = "first value", abs(ledger[0])
-    if reference <= 1e-12 * largest_of(*terms.values()):  # a body at rest has no energy at first
+    if reference <= 1e-12 * largest_of(*terms.values()):  # bodies at rest have no energy at first
         scale_name, reference = "largest term", largest_of(*terms.values())
     ms, time_unit = prefixed(result.time[-1], "s")
     mj, energy_unit = prefixed(largest_of(ledger, *terms.values()), "J")
@@ -28,7 +28,7 @@ def energy_picture(result: History) -> Figure:
     top.plot(t, ledger * mj, color="black", linewidth=1.8, linestyle=(0, (4, 1.5)), label="sum of all")
     top.set(ylabel=f"energy ({energy_unit})", title="Where the energy is")
     stray = np.abs(ledger - ledger[0]) / (reference or 1)
-    if np.any(stray):  # a logarithmic axis can't show zeros
+    if np.any(stray):  # a logarithmic axis cannot show zeros
         low.semilogy(t[stray > 0], stray[stray > 0], ".", color="black", markersize=2)
         first, last = np.floor(np.log10(stray[stray > 0].min())), np.ceil(np.log10(stray.max()))
         low.set_ylim(10.0**first, 10.0 ** max(last, first + 1))

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""A result as it is drawn: episodes of contact, the time around them, motion along the normal of a point."""
+"""A result prepared for pictures: episodes of contact, the time around them, and motion along the normal of a
+point."""
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ Curves = dict[str, Curve]  # by name of a side or a body
 
 
 class History(Result):
-    """A result whose arrays are read at once. A run by table kernels has no `energy` and no `sides`."""
+    """A result whose arrays are read at once. A run with table kernels has no `energy` and no `sides`."""
 
     LABELS = {
         "kinetic": "kinetic",
@@ -43,13 +44,13 @@ class History(Result):
             shape = (len(self.contact_time), len(self.initial_gap))
             for name in ("displacement_a", "displacement_b", "velocity_a", "velocity_b"):
                 self.sides[name] = self._read(f"contact/{name}", *shape)
-            self.point_a, self.normal  # reading checks arrays and refuses damaged ones
+            self.point_a, self.normal  # reading checks the arrays and raises InputError for damaged ones
         self.force, self.gap
-        self.spacing = float(np.min(np.diff(self.time), initial=np.inf))  # of rows
+        self.spacing = float(np.min(np.diff(self.time), initial=np.inf))  # time between rows
         self.episodes = self._episodes()
 
     def _episodes(self) -> list[tuple[int, int]]:
-        """Index ranges (first, behind last) of contact rows without a pause between them."""
+        """Index ranges (first, last + 1) of contact rows without a pause between them."""
         t = self.contact_time
         if len(t) == 0:
             return []
@@ -58,7 +59,7 @@ class History(Result):
         return [(int(first), int(behind)) for first, behind in zip(edges[:-1], edges[1:])]
 
     def spans(self) -> list[tuple[float, float]]:
-        """Start and end of each episode [s]. The first force acts from the row before."""
+        """Start and end of each episode [s]. An episode starts at the row before its first force."""
         before = np.maximum(np.searchsorted(self.time, self.contact_time - 0.5 * self.spacing) - 1, 0)
         return [
             (float(self.time[before[first]]), float(self.contact_time[behind - 1]))
@@ -66,23 +67,24 @@ class History(Result):
         ]
 
     def impulse(self) -> Array:
-        """(m) impulse of each contact point, over the step [N]"""
+        """(m) impulse of each contact point, divided by the step [N]"""
         return np.asarray(self.force.sum(axis=0))
 
     @property
     def strongest(self) -> int:
-        """The contact point with the largest impulse, the first one if nothing touched."""
+        """The contact point with the largest impulse, or the first one if nothing touched."""
         return int(np.argmax(self.impulse())) if self.episodes else 0
 
     @property
     def liveliest_axis(self) -> int:
-        """The axis along which the velocity of a free body changes most; x without free bodies."""
+        """The axis along which the velocity of a free body changes most, or x if there are no free bodies."""
         changes = [np.ptp(v, axis=0) for v in self.velocity.values()]
         return int(np.argmax(np.max(changes, axis=0))) if changes else 0
 
     @property
     def ledger(self) -> tuple[dict[str, Array], Array]:
-        """The terms of the energy ledger by name, and their sum, which damping and contact keep constant."""
+        """The terms of the energy ledger by name, and their sum, which remains constant in spite of damping
+        and contact."""
         terms = {name: self.energy[name] * (-1 if name == "loads" else 1) for name in self.LABELS}
         return terms, self.energy["total"] + self.energy["damping"] + self.energy["contact"]
 
@@ -90,10 +92,10 @@ class History(Result):
         """Contact points sorted by place, their places [m], and a description of the place."""
         weight, gap = self.impulse(), self.initial_gap
         used = weight > 0
-        first = used & (gap <= gap[used].min() + 1e-3 * np.ptp(gap[used]))  # all, where surfaces are parallel
+        first = used & (gap <= gap[used].min() + 1e-3 * np.ptp(gap[used]))  # all if surfaces are parallel
         away = self.point_a - weight[first] @ self.point_a[first] / weight[first].sum()
         spread, axes = np.linalg.eigh(away[used].T @ away[used])
-        if spread[1] < 0.1 * spread[2]:  # the points that touch stand along a line
+        if spread[1] < 0.1 * spread[2]:  # the points that touch lie on a line
             along = axes[:, 2] * np.sign(axes[np.argmax(np.abs(axes[:, 2])), 2])
             where, what = away @ along, "position along the contact"
         else:
@@ -103,17 +105,17 @@ class History(Result):
         return order, where[order], what
 
     def window(self) -> tuple[float, float]:
-        """Start and end of the contact with a margin, or of the run if nothing touched [s]."""
+        """Start and end of the contact with a margin [s], or of the run if nothing touched."""
         t = self.time
         if not self.episodes or len(t) == 1:
             return float(t[0]), float(t[-1])
         first, last = self.spans()[0][0], float(self.contact_time[-1])
         margin = max(0.35 * (last - first), 4 * (t[1] - t[0]))
         start, end = max(float(t[0]), first - margin), min(float(t[-1]), last + margin)
-        return start - 0.01 * (end - start), end  # the axis does not hide a force in the first step
+        return start - 0.01 * (end - start), end  # so that the axis does not cover a force in the first step
 
     def broken(self, values: Array) -> Curve:
-        """Contact rows with a NaN between episodes, so that no line crosses a time without contact."""
+        """Contact rows with NaN between episodes, so that no line crosses a time without contact."""
         times, parts = list[Any](), list[Any]()
         for first, behind in self.episodes:
             times += [self.contact_time[first:behind], [np.nan]]
@@ -121,8 +123,8 @@ class History(Result):
         return np.concatenate([*times, []]), np.concatenate([*parts, []])
 
     def held(self, values: Array) -> Curve:
-        """Contact rows of forces, which are constant between rows: drawn as steps that end at these times, forces
-        rise from 0, return to 0, and enclose the impulse."""
+        """Contact rows of forces, which are constant between rows, for drawing as steps that end at these
+        times. Forces start from 0 and return to 0, so the area below them is the impulse."""
         times, parts = list[Any](), list[Any]()
         for (first, behind), (start, end) in zip(self.episodes, self.spans()):
             times += [[start], self.contact_time[first:behind], [end, np.nan]]
@@ -130,8 +132,9 @@ class History(Result):
         return np.concatenate([*times, []]), np.concatenate([*parts, []])
 
     def along_normal(self, i: int) -> tuple[Curves, Curves, Curves, Curves]:
-        """Motion along the normal of point i: place and speed of the two sides there, by name, then of the mass-mean of
-        each body. Places count from the start of the second surface: the sides touch where their lines meet.
+        """Motion along the normal of point i: position and velocity of the two sides there, by name, then of
+        the centre of mass of each body. Positions are relative to the initial position of the second surface,
+        so the sides touch where their lines meet.
         """
         n, gap, names = self.normal[i], self.initial_gap[i], self.sides_names()
         place, speed, mean_place, mean_speed = Curves(), Curves(), Curves(), Curves()
@@ -146,7 +149,8 @@ class History(Result):
         return place, speed, mean_place, mean_speed
 
     def sides_names(self) -> tuple[str, str]:
-        """Names of the two sides if the scene has one pair. With several, a point does not know its pair."""
+        """Names of the two sides if the scene has one pair. With several pairs, the pair of a point is not
+        known."""
         contact = self.scene.get("contact", {})
         pairs = contact.get("pair", [contact])
         between = pairs[0].get("between", []) if len(pairs) == 1 else []

@@ -12,12 +12,13 @@ from ricochet.pictures.style import BODY, WIDTH, fit, normals
 from ricochet.pictures.viewpoint import clearest
 from ricochet.result_file import File
 
-AMPLITUDE = 0.08  # largest displacement that is drawn, over the size of the body
+AMPLITUDE = 0.08  # largest displacement in the picture, relative to the size of the body
 COLUMNS = 3
 
 
 def modes_picture(file: File, count: int) -> Figure:
-    """The first `count` elastic modes of a kernel file, in their largest deflection; rods as displacement along the axis.
+    """The first `count` elastic modes of a kernel file at their largest deflection. Rods show the
+    displacement along their axis.
 
     Raises InputError if the kernel has no visualisation surface.
     """
@@ -45,7 +46,7 @@ def modes_picture(file: File, count: int) -> Figure:
 
 
 def draw_rod(ax: Axes, node: Floats, shape: Floats) -> None:
-    """Displacement along the rod over the place on it."""
+    """The displacement along the rod over the position on it."""
     ends = node[[np.argmin(node.sum(axis=1)), np.argmax(node.sum(axis=1))]]
     axis = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
     where, value = node @ axis, shape @ axis
@@ -55,7 +56,7 @@ def draw_rod(ax: Axes, node: Floats, shape: Floats) -> None:
 
 
 def draw_surface(ax: Axes, node: Floats, element: Floats, shape: Floats) -> None:
-    """The deflected surface, coloured by the size of its displacement, over the outline at rest."""
+    """The deflected surface over the outline at rest. Its colour shows the magnitude of the displacement."""
     size = np.linalg.norm(np.ptp(node, axis=0))
     moved = np.linalg.norm(shape, axis=1)
     view = clearest([(node, element)], np.empty((0, 3)), tilted=True).turn()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The visualisation surfaces (skins) of the bodies of a result, moved by its snapshots."""
+"""Visualisation surfaces (skins) of the bodies of a result, moved by its snapshots."""
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +32,7 @@ class Skin:
         self.coordinates = coordinates
 
     def at(self, k: int, start: int | None = None, amplify: float = 1.0) -> Array:
-        """(V,3) places of the nodes at snapshot k [m]; `amplify` multiplies motion since snapshot `start`."""
+        """(V,3) node positions at snapshot k [m]. `amplify` multiplies the motion since snapshot `start`."""
         now = self.coordinates[k]
         if start is not None:
             now = self.coordinates[start] + amplify * (now - self.coordinates[start])
@@ -44,12 +44,12 @@ class Skin:
         return float(np.linalg.norm(moved, axis=1).max())
 
     def outline(self, flat: Array) -> Array:
-        """(·,2,2) the edges of `rim`"""
+        """(·,2,2) end points of the edges of `rim`"""
         return np.asarray(flat[self.rim(flat)])
 
     def rim(self, flat: Array) -> NDArray[Any]:
-        """(·,2) edges between triangles that face the viewer and others, or at the end of the surface.
-        `flat`: (V,2)"""
+        """(·,2) edges of the outline: between a triangle that faces the viewer and one that does not, or at
+        the boundary of the surface. `flat`: (V,2) projected nodes."""
         e = self.element
         if e.shape[1] == 2:
             return e
@@ -62,7 +62,7 @@ class Skin:
 
 
 def skins_of(result: History, folder: Path) -> tuple[dict[str, Skin], Array] | str:
-    """The skins of the bodies by name and the times of their snapshots, or the reason why there are none."""
+    """The skins by body and the times of their snapshots, or the reason why there are none."""
     f = result.file
     if not f.has("/snapshots/time"):
         return "the result has no snapshots (set [output] snapshot_every)"

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The picture of a contact at several moments: the bodies, from a viewpoint that hides the contact least, and the forces."""
+"""The picture of a contact at several moments: the forces, and the bodies from the viewpoint with the best
+view of the contact."""
 from matplotlib.axes import Axes
 import numpy as np
 from matplotlib.collections import PolyCollection
@@ -14,12 +15,12 @@ from ricochet.pictures.skins import Skin
 from ricochet.pictures.history import History
 
 MOMENTS = 9
-STILL = 0.01  # motion is drawn larger if all deformations over the size are smaller
-SHOWN = 0.05  # about the largest motion over the size, if it is drawn larger
+STILL = 0.01  # motion is magnified if all deformations, relative to the size, are below this
+SHOWN = 0.05  # approximate largest motion, relative to the size, if it is magnified
 
 
 def snapshots_picture(result: History, skins: dict[str, Skin], time: Array) -> Figure | None:
-    """Draws the contact with the largest impulse; None if it has no snapshot."""
+    """Draws the contact with the largest impulse. Returns None if there is no snapshot of it."""
     impulse_of = [result.force[first:behind].sum() for first, behind in result.episodes]
     longest = int(np.argmax(impulse_of))
     start, end = result.spans()[longest]
@@ -38,12 +39,12 @@ def snapshots_picture(result: History, skins: dict[str, Skin], time: Array) -> F
 
     everything = np.concatenate([place for moment in places for place in moment.values()]) @ turn.T
     low, high = everything.min(axis=0)[:2], everything.max(axis=0)[:2]
-    if high[1] - low[1] < 0.02 * (high[0] - low[0]):  # a rod is a line: add room above and below it
+    if high[1] - low[1] < 0.02 * (high[0] - low[0]):  # a rod is a line, so add space above and below it
         low[1], high[1] = low[1] - 0.1 * (high[0] - low[0]), high[1] + 0.1 * (high[0] - low[0])
     margin = 0.04 * (high - low).max()
     shape = (high[1] - low[1] + 2 * margin) / (high[0] - low[0] + 2 * margin)
 
-    # Bars stand beside tall pictures and below wide ones.
+    # Bars are drawn beside tall pictures and below wide ones.
     beside, rows = shape > 1.3, -(-len(chosen) // 3)
     width = WIDTH / 3 * (0.5 if beside else 1)
     height = width * min(shape, 2.2)
@@ -73,7 +74,7 @@ def snapshots_picture(result: History, skins: dict[str, Skin], time: Array) -> F
 
 
 def amplification(skins: dict[str, Skin], chosen: Array, touch: int) -> float:
-    """The factor by which motion is drawn larger: 1 if the deformation is visible, otherwise a round number."""
+    """The factor by which motion is magnified: 1 if the deformation is visible, otherwise a round number."""
     before = {body: skin.at(touch) for body, skin in skins.items()}
     everything = np.concatenate(list(before.values()))
     size = np.linalg.norm(np.ptp(everything, axis=0))
@@ -95,7 +96,7 @@ def paint(ax: Axes, result: History, skins: dict[str, Skin], places: dict[str, A
     """Paints triangles and outlines from back to front."""
     patches, depth, face, edge, width = [], [], [], [], []
     light = np.array([0.35, 0.5, 0.8]) / np.linalg.norm([0.35, 0.5, 0.8])
-    # Where flat bodies overlap a little, the later one is in front. Outlines are in front of their surfaces.
+    # Where flat bodies overlap slightly, the later one is in front. Outlines are in front of their surfaces.
     near = 0.02 * np.ptp(np.concatenate(list(places.values())), axis=0).max()
     for number, (body, skin) in enumerate(skins.items()):
         seen: Array = places[body] @ turn.T
@@ -129,8 +130,8 @@ def scale_bar(ax: Axes, left: float, bottom: float, wide: float) -> None:
 
 
 class Forces:
-    """Panels of force by point: over the numbers of the points if they are in order along a line; otherwise over the position
-    along the contact or the distance from the first touch."""
+    """Panels of force by point. The horizontal axis is the number of the point if the points lie on a line in
+    this order. Otherwise it is the position along the contact or the distance from the first touch."""
 
     def __init__(self, result: History, rows: list[int]) -> None:
         order, where, what = result.positions()
@@ -146,7 +147,7 @@ class Forces:
             return
         self.force = self.force[:, order]
         far = 1.6 * np.abs(where[result.impulse()[order] > 0]).max() or np.abs(where).max()
-        shown = np.abs(where) <= far  # farther points are open
+        shown = np.abs(where) <= far  # points farther away are open
         factor, unit = prefixed(far, "m")
         self.force, self.where, self.label = self.force[:, shown], where[shown] * factor, f"{what} ({unit})"
 

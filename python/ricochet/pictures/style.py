@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The look of pictures: colours, units, legends. Draw within matplotlib.rc_context(STYLE)."""
+"""The style of pictures: colours, units, legends. Draw within matplotlib.rc_context(STYLE)."""
 from collections.abc import Iterable
 from typing import Any
 
@@ -12,7 +12,7 @@ from ricochet.pictures.history import History
 
 
 DPI = 150
-WIDTH = 8.0  # inches: 1200 pixels, the width of a README
+WIDTH = 8.0  # inches; 1200 pixels, the width of a README
 BODY = ["#2b6cb0", "#d2691e", "#3a8f5c", "#8a4fa3"]
 GREY = "#555555"
 SHADE = {"color": "#f2e7c9", "zorder": 0, "linewidth": 0}
@@ -38,7 +38,8 @@ def colour_of(result: History, name: str) -> str:
 
 
 def prefixed(largest: float, unit: str) -> tuple[float, str]:
-    """The factor and the unit with an SI prefix for which `largest` is between 1 and 1000; no prefix from 0.1 on."""
+    """Returns a factor and the unit with an SI prefix, such that the factor times `largest` is between 1 and
+    1000, or at least 0.1 without a prefix."""
     for power, prefix in [(9, "G"), (6, "M"), (3, "k"), (0, ""), (-3, "m"), (-6, "µ"), (-9, "n")]:
         factor = 10.0**-power
         if largest * factor >= (0.1 if power == 0 else 1):
@@ -51,20 +52,20 @@ def largest_of(*arrays: Array) -> float:
 
 
 def normals(corners: Array) -> Array:
-    """(T,3) unit normals of triangles, (T,3,3); 0 for a triangle without area."""
+    """(T,3) unit normals of triangles (T,3,3); 0 for a triangle without area."""
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     return np.asarray(normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300))
 
 
 def fit(ax: Axes, low: Array, high: Array, margin: float) -> None:
-    """Shows the rectangle from `low` to `high` and a margin to scale, without axes."""
+    """Shows the rectangle from `low` to `high` with a margin, true to scale and without axes."""
     (left, right), (bottom, top) = zip(low - margin, high + margin)
     ax.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
     ax.axis("off")
 
 
 def legend_below(figure: Figure, handles: Iterable[Any], names: Iterable[str], columns: int = 4) -> None:
-    """A legend at the lower edge; constrained layout keeps the panels above it."""
+    """Draws a legend at the lower edge. Constrained layout keeps the panels above it."""
     names = list(names)
     rows = -(-len(names) // columns)
     room = (0.1 + 0.19 * rows) / figure.get_figheight()

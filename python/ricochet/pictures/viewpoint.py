@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Chooses a viewpoint from which no body hides another and as little as possible is in front of the contact."""
+"""Chooses a viewpoint from which no body hides another and the contact is hidden as little as possible."""
 from collections.abc import Iterator, Sequence
 import itertools
 
@@ -7,12 +7,13 @@ import numpy as np
 
 from ricochet.arrays import Array
 
-CELLS = 48  # along the longer side of the grid that finds what hides what
-GAIN = 0.05  # a later view must be better by this
+CELLS = 48  # cells along the longer side of the grid that determines what is hidden
+GAIN = 0.05  # a later view is chosen only if it is better by this
 
 
 class View:
-    """A viewpoint: right, up and towards the eye are the rows of `base`, turned by `azimuth` and `elevation` [rad]."""
+    """A viewpoint. The rows of `base` are right, up and towards the eye. They are turned by `azimuth` and
+    `elevation` [rad]."""
 
     def __init__(self, toward: Array, up: Array, azimuth: float = 0.0, elevation: float = 0.0) -> None:
         right = np.cross(up, toward)
@@ -29,7 +30,8 @@ class View:
 
 
 def views(low: Array, high: Array, tilted: bool) -> Iterator[View]:
-    """Views along the axes, the one of smallest extent first, and along space diagonals; `tilted`: a little off the axes."""
+    """Yields views along the axes, starting with the axis of smallest extent, and along space diagonals. If
+    `tilted`, views along the axes are slightly turned."""
     extent, axes = high - low, np.eye(3)
     depth = 2 if extent[2] <= 1.001 * extent.min() else int(np.argmin(extent))
     flat = extent[depth] < 0.3 * np.delete(extent, depth).min()
@@ -58,8 +60,9 @@ def spread(node: Array, element: Array, distance: float) -> Array:
 
 
 def clearness(view: View, bodies: Sequence[Array], contact: Array, cell: float) -> float:
-    """The quality of a view, at most 1: the smallest visible share of a body, minus the mean depth of what
-    hides the contact, relative to the size of all. `bodies`: (·,3) points of each, at most a `cell` apart."""
+    """The quality of a view, at most 1: the smallest visible share of any body, minus the mean depth of the
+    parts that hide the contact, relative to the size of all bodies. `bodies`: (·,3) points on each body, at
+    most a `cell` apart."""
     turn = view.turn()
     seen = [points @ turn.T for points in [*bodies, contact]]
     everything = np.concatenate(seen)
@@ -80,8 +83,8 @@ def clearness(view: View, bodies: Sequence[Array], contact: Array, cell: float) 
 
 
 def clearest(skins: Sequence[tuple[Array, Array]], contact: Array, tilted: bool = False) -> View:
-    """The first view that is not much worse than any other. `skins`: (nodes (V,3), elements (E,2 or 3)) of each body;
-    `contact`: (·,3) points that touch."""
+    """Returns the first view that is not much worse than any other. `skins`: nodes (V,3) and elements (E,2 or
+    3) of each body. `contact`: (·,3) points that touch."""
     places = np.concatenate([node for node, _ in skins])
     low, high = places.min(axis=0), places.max(axis=0)
     cell = (high - low).max() / CELLS

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Pictures of a sweep: an output over one input, with a line for each value of the others, or over two inputs as cells."""
+"""Pictures of a sweep: an output over one input, with a line for each value of the others, or over two inputs
+as cells."""
 from collections.abc import Callable, Sequence
 import functools
 import json
@@ -18,9 +19,9 @@ from ricochet.scene_keys import unit
 from ricochet.files import save_picture
 from ricochet.studies.table import Table, is_number
 
-FEW = 12  # at most so many ticks on an axis
-LINES = 8  # at most so many lines
-WRITTEN = 64  # up to so many cells show their value as text
+FEW = 12  # maximum number of ticks on an axis
+LINES = 8  # maximum number of lines
+WRITTEN = 64  # maximum number of cells that show their value as text
 
 WORDS = {
     "contact_start_s": "first touch (s)",
@@ -50,7 +51,8 @@ WORDS = {
 
 
 def label(name: str, units: dict[str, str]) -> str:
-    """The label of an output in words, or a scene key, each with its unit. `units`: of scene keys (scene_keys.units)."""
+    """The label of an output or a scene key, with its unit. `units`: units of scene keys
+    (scene_keys.units)."""
     path = name.split(".")
     if name in WORDS:
         return WORDS[name]
@@ -65,7 +67,7 @@ def label(name: str, units: dict[str, str]) -> str:
 
 
 def axis(values: Sequence[Any]) -> tuple[Array, list[str] | None]:
-    """The positions of values on an axis, and labels if they are not numbers."""
+    """The positions of values on an axis, and labels if the values are not numbers."""
     if all(map(is_number, values)):
         return np.array(values, dtype=float), None
     labels = [text(value) for value in values]
@@ -80,7 +82,8 @@ def text(value: Any) -> str:
 
 
 def looks_logarithmic(values: Array) -> bool:
-    """Whether values are positive, span more than a decade and are spaced rather by ratio than by difference."""
+    """Whether values are positive, span more than a decade, and are spaced by ratio rather than by
+    difference."""
     values = np.unique(values[np.isfinite(values)])
     return (
         len(values) > 2
@@ -91,7 +94,8 @@ def looks_logarithmic(values: Array) -> bool:
 
 
 def is_even(values: Array) -> bool:
-    """Whether ascending values have equal differences or ratios, so that cells of equal width represent them."""
+    """Whether ascending values have equal differences or ratios, so that cells of equal width can represent
+    them."""
     by_ratio = np.log(values) if values[0] > 0 else values
     return any(np.ptp(np.diff(v)) <= 1e-3 * np.abs(np.diff(v)).max() for v in (values, by_ratio))
 
@@ -99,14 +103,14 @@ def is_even(values: Array) -> bool:
 def others(
     table: Table, against: Sequence[str], label: Callable[[str], str]
 ) -> tuple[str | None, list[str] | None, bool]:
-    """The title of the lines, the name of the line of each setting (None if there are too many), and whether nothing else
-    varies along a line."""
+    """Returns the title of the lines, the name of the line to which each setting belongs (None if there are
+    too many), and whether all other inputs are constant along a line."""
     columns = {
         key: [text(value) for value in column] for key, column in table.inputs.items() if key not in against
     }
     columns = {key: column for key, column in columns.items() if len(set(column)) > 1}
     settings = list(zip(*columns.values()))
-    for key, column in columns.items():  # an input that determines all others, such as one of [list]
+    for key, column in columns.items():  # an input that determines all others, as in [list]
         if len(set(column)) == len(set(settings)) <= LINES:
             return label(key), column, True
     if columns and len(set(settings)) <= LINES:
@@ -116,7 +120,8 @@ def others(
 
 
 def draw(table: Table, output: str, against: Sequence[str], path: Path, units: dict[str, str]) -> None:
-    """Draws the column `output` over one or two columns as a PNG file. Raises InputError without a finite value."""
+    """Draws the column `output` over one or two columns as a PNG file. Raises InputError if it has no finite
+    value."""
     labelled = functools.partial(label, units=units)
     z, _ = axis(table.column(output))
     places = [axis(table.column(name)) for name in against]
@@ -151,7 +156,7 @@ def draw(table: Table, output: str, against: Sequence[str], path: Path, units: d
 def lines(
     ax: Axes, z: Array, there: NDArray[np.bool_], x: Array, what: str | None, names: Any, joined: bool
 ) -> None:
-    """A line for each name, or only points if other inputs vary along it."""
+    """Draws a line for each name, or only points if other inputs vary along it."""
     names = np.array(names if names else [""] * len(z))
     found = list(dict.fromkeys(names))
     colours = matplotlib.colormaps["viridis"](np.linspace(0, 0.85, len(found)))
@@ -172,7 +177,7 @@ def cells(
     places: Sequence[tuple[Array, list[str] | None]],
     what: str,
 ) -> None:
-    """A cell for each pair of values, with the mean over all other inputs."""
+    """Draws a cell for each pair of values, with the mean over all other inputs."""
     values = [np.unique(place) for place, _ in places]
     at = tuple(np.searchsorted(v, place[there]) for v, (place, _) in zip(values[::-1], places[::-1]))
     total, count = np.zeros((2, len(values[1]), len(values[0])))

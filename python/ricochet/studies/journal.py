@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The journal of a sweep: the answer of each impact that was run."""
+"""The journal of a sweep: the answers of all impacts that were run."""
 import glob
 import json
 import math
@@ -14,23 +14,24 @@ Part = tuple[int, int]  # the K-th of N
 class Journal:
     """A line of JSON for each impact, {"key", "status", "summary" or "error"}, in <stem>.sweep.jsonl.
 
-    A part of a sweep appends to its own <stem>.sweep.K-of-N.jsonl; every part reads the files of all. Rows of status 0 are
-    finished; refused and failed impacts are run again, as their reason may have gone. Written lines stay, however the sweep
-    ends; lines that were damaged on the disk are ignored.
+    A part of a sweep appends to its own <stem>.sweep.K-of-N.jsonl, and every part reads all files. Impacts
+    with status 0 are finished. Refused and failed impacts are run again, because the reason may no longer
+    exist. Lines that were written are kept, however the sweep ends. Damaged lines are ignored.
     """
 
     def __init__(self, stem: Path, part: Part | None = None, reads_only: bool = False) -> None:
         stem.parent.mkdir(parents=True, exist_ok=True)
         own = Path(f"{stem}.sweep.{part[0]}-of-{part[1]}.jsonl" if part else f"{stem}.sweep.jsonl")
         self.rows: dict[str, Row] = {}
-        # Another process may be writing a journal that is only read.
+        # If the journal is only read, another process may be writing it.
         self.records = None if reads_only else Records(own)
         for path in sorted(stem.parent.glob(f"{glob.escape(stem.name)}.sweep*.jsonl")):
             for row in filter(None, map(row_of, whole_lines(path).split(b"\n"))):
                 self._keep(row)
 
     def add(self, key: str, answer: bytes) -> None:
-        """Adds an answer, a line of JSON. The answer of a process that died is not written: it holds for this run alone."""
+        """Adds an answer, a line of JSON. The answer of a process that died is not written, because it is
+        valid for this run only."""
         line = b'{"key": "%s", %s' % (key.encode(), answer[1:])
         row = json.loads(line)
         if "died" not in row and row != self.rows.get(key):
@@ -56,7 +57,7 @@ class Journal:
 
 
 def row_of(line: bytes | str) -> Row | None:
-    """The row of a line, or None if no sweep wrote it or tables can't hold it."""
+    """The row of a line; None if no sweep wrote it or tables cannot contain it."""
     try:
         row: Row = json.loads(line)
         found = outputs(row["summary"]) if row["status"] == 0 else {}
@@ -74,12 +75,13 @@ def row_of(line: bytes | str) -> Row | None:
 
 
 def storable(text: Any) -> bool:
-    """Whether HDF5 can hold the text. Raises UnicodeEncodeError for half a character."""
+    """Whether HDF5 can store the text. Raises UnicodeEncodeError for an unpaired surrogate."""
     return isinstance(text, str) and b"\0" not in text.encode()
 
 
 def outputs(summary: dict[str, Any]) -> dict[str, float]:
-    """The numbers of a summary by name: "restitution", "exit_velocity.upper.y", "episodes" (their number)."""
+    """The numbers of a summary by name: "restitution", "exit_velocity.upper.y", "episodes" (number of
+    episodes)."""
     found: dict[str, Any] = {}
     for name, value in summary.items():
         if name in ("episodes", "warnings"):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The kernels of a sweep: all meshes are checked first, then each kernel is computed once."""
+"""The kernels of a sweep. All meshes are checked first, then each kernel is computed once."""
 import json
 import re
 import subprocess
@@ -13,14 +13,15 @@ from ricochet.progress import Progress
 from ricochet.studies.study import Study
 from ricochet.studies.workers import in_parallel
 
-# Keys that no mesh, group, load or receiver is checked against: settings that differ in these alone are checked once.
+# Keys that the check of meshes, groups, loads and receivers ignores. Settings that differ only in these are
+# checked once.
 NUMBERS = re.compile(
     r"(bodies\.[^.]+\.(material(\.[^.]+)?\.(young|density|poisson)|damping|velocity|translate|rotate_deg)"
     r"|time|loads\.gravity|contact\.(gap|scheme|restitution))\b"
 )
 
 
-Files = dict[int, list[str]]  # by index of a setting: kernel files
+Files = dict[int, list[str]]  # kernel files by index of a setting
 
 
 class Kernels:
@@ -28,19 +29,20 @@ class Kernels:
 
     def __init__(self, study: Study, folder: Path, jobs: int, ranks: int) -> None:
         self.study, self.folder, self.jobs, self.ranks = study, folder, jobs, ranks
-        self.refused: dict[int, Answer] = {}  # by index: the answer of --batch
+        self.refused: dict[int, Answer] = {}  # answer of --batch, by index of the setting
         self.names: set[str] = set()  # kernel files of all settings
-        self.checked: dict[str, Answer | None] = {}  # errors by meshes, or None
-        self.tried: set[str] = set()  # files that this round has attempted
+        self.checked: dict[str, Answer | None] = {}  # error or None, by meshes
+        self.tried: set[str] = set()  # files that this round has tried to compute
 
     def ask(self, requests: Iterable[Answer]) -> Generator[tuple[int, bytes], None, None]:
-        """Sends requests to processes of ricochet-contact; yields (index, answer as a line of JSON)."""
+        """Sends requests to processes of ricochet-contact. Yields (index, answer as a line of JSON)."""
         words = programs.with_set(programs.settings(self.study.fixed), self.folder)
         command = [programs.BIN / "ricochet-contact", self.study.scene, "--batch", *words]
         return in_parallel(self.jobs, programs.bound(command), requests)
 
     def compute(self, missing: Files) -> None:
-        """Computes missing kernel files, given by index of the setting. Settings that fail are added to `refused`."""
+        """Computes missing kernel files, given by index of the setting. Settings that fail are added to
+        `refused`."""
         self.tried = set()
         self._check(missing)
         left = self._first_of_each(missing)
@@ -69,7 +71,7 @@ class Kernels:
         return {path.name: path.stat().st_mtime_ns for path in self.folder.glob("*.kernel.h5")}
 
     def _first_of_each(self, missing: Files) -> dict[str, int]:
-        """For each file that is still missing, the first setting that needs it."""
+        """For each missing file, the first setting that needs it."""
         found: dict[str, int] = {}
         for index, files in missing.items():
             if index not in self.refused:
@@ -90,8 +92,9 @@ class Kernels:
             )
 
     def _refuse(self, index: int, answer: Answer, missing: Files) -> None:
-        """Refuses a setting and all others that fail for the same reason: they have the same meshes, or, after a failed
-        computation, need the same kernel, which is the first one missing."""
+        """Refuses a setting, and all others that fail for the same reason. If the computation has failed,
+        these are the settings that need the same kernel: the first one missing. Otherwise they are the
+        settings with the same meshes."""
         there = self._stamps()
         blamed = next((file for file in missing[index] if file not in there), missing[index][0])
         for other, files in missing.items():
@@ -99,15 +102,15 @@ class Kernels:
                 self.refused[other] = answer
 
     def _meshes(self, index: int) -> str:
-        """The part of a setting on which the check of meshes depends; with `reach`, which selects candidates by the placement of
-        bodies, the whole setting."""
+        """The part of a setting on which the check of meshes depends. With `reach`, this is the whole
+        setting, because the placement of the bodies then determines the candidates."""
         setting = self.study.fixed | self.study.settings[index]
         reach = "reach" in self.study.text or any("reach" in key for key in setting)
         return json.dumps({key: value for key, value in setting.items() if reach or not NUMBERS.match(key)})
 
     def _check(self, missing: Files) -> None:
-        """Lets processes of ricochet-kernel check the meshes of all settings side by side. A single setting is checked by the
-        computation itself."""
+        """Checks the meshes of all settings with several processes of ricochet-kernel. If there is only one
+        setting, its computation checks them."""
         while True:
             asked: dict[str, int] = {}
             for index in self._first_of_each(missing).values():
@@ -125,7 +128,8 @@ class Kernels:
                         self.refused[index] = answer
 
     def _answers(self, asked: dict[str, int]) -> Iterator[tuple[str, Answer | None]]:
-        """Pairs of meshes and the error of their setting, or None. `asked`: index of a setting by its meshes."""
+        """Yields meshes and the error of their setting, or None. `asked`: index of a setting by its
+        meshes."""
         running: deque[tuple[str, subprocess.Popen[str]]] = deque()
         waiting = iter(asked.items())
         try:

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Records of finished runs: files with a line of JSON each, which survive a kill at any moment."""
+"""Records of finished runs: files with one line of JSON each. They remain valid if the process is killed at
+any moment."""
 import fcntl
 import json
 import os
@@ -12,13 +13,14 @@ Row = dict[str, Any]
 
 
 def whole_lines(path: Path) -> bytes:
-    """The content up to the last line end; a kill may leave half a line behind it."""
+    """The content up to the last line end. A process that was killed may have written an incomplete line
+    after it."""
     content = path.read_bytes()
     return content[: content.rfind(b"\n") + 1]
 
 
 class Records:
-    """A file that this process alone appends to. An incomplete last line is cut off."""
+    """A file to which only this process appends. An incomplete last line is removed."""
 
     def __init__(self, path: Path) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -28,7 +30,8 @@ class Records:
         self.file.truncate(len(whole_lines(path)))
 
     def _lock(self) -> None:
-        """Holds until this process ends. A file system without locks can't report another writer."""
+        """Locks the file until this process ends. A file system without locks cannot report another
+        writer."""
         try:
             fcntl.flock(self.file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
@@ -47,7 +50,7 @@ class Records:
 
 
 class Store:
-    """Rows by their "key"; each is on the disk before it counts as finished."""
+    """Rows by their "key". Each is on the disk before it counts as finished."""
 
     def __init__(self, path: Path) -> None:
         self.records = Records(path)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Jobs of a study for SLURM: kernels, an array of impacts, and collecting."""
+"""SLURM jobs of a study: one for the kernels, an array for the impacts, one that collects the results."""
 import os
 import re
 import shlex
@@ -23,12 +23,12 @@ export RICOCHET_BIN={bin} OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1{launcher}
 exec {command}
 """
 
-# Errors of sbatch that mean that there is no controller.
+# Errors of sbatch if there is no controller.
 UNREACHED = ("contact slurm controller", "configuration source", "Socket timed out")
 
 
 def directive(word: str) -> str:
-    """An option in the form of a comment of the script, where a blank would end it and quotes would vanish."""
+    """Quotes an option for an #SBATCH line, in which blanks would end it and quotes would be removed."""
     return '"{}"'.format(re.sub(r'["\\]', r"\\\g<0>", word)) if re.search(r"""[\s\\"'#]""", word) else word
 
 
@@ -71,7 +71,8 @@ class Jobs:
         ]
 
     def _script(self, stage: str, words: Sequence[Any], options: list[str], log: str = "%j") -> Path:
-        """`options`: options of sbatch, of which a later one overrides an earlier one."""
+        """Writes the script of a stage. `options` are options of sbatch; a later option overrides an earlier
+        one."""
         stem = f"{self.folder / self.study.slug}.{stage}"
         launcher = os.environ.get("RICOCHET_LAUNCHER")
         command = map(str, [*self.sweep, *words])
@@ -89,7 +90,8 @@ class Jobs:
 
 
 def submit(study: Study, scripts: Sequence[Path]) -> list[str]:
-    """Submits the jobs in turn and returns their numbers. Impacts wait for kernels, collecting for all impacts."""
+    """Submits the jobs in turn and returns their numbers. The impacts wait for the kernels, and collecting
+    waits for all impacts."""
     if not shutil.which("sbatch"):
         raise InputError(
             f"there is no sbatch here: submit {scripts[0].parent}/{study.slug}.*.sh where SLURM is, in the order "
@@ -103,7 +105,7 @@ def submit(study: Study, scripts: Sequence[Path]) -> list[str]:
 
 
 def sbatch(script: Path, words: list[str]) -> str:
-    """The number of the submitted job."""
+    """Submits a script and returns the number of the job."""
     done = subprocess.run(["sbatch", "--parsable", *words, str(script)], capture_output=True, text=True)
     if done.returncode != 0:
         lines = [line.removeprefix("sbatch: ").removeprefix("error: ") for line in done.stderr.splitlines()]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Study files: the values that keys of a scene take in a sweep."""
+"""Study files: the values of scene keys in a sweep."""
 from collections.abc import Iterable, Iterator
 import itertools
 import math
@@ -15,12 +15,13 @@ from ricochet.programs import slug
 
 DRAWS = {"uniform", "log_uniform", "normal"}
 RANGE = {"from", "to", "steps"}
-MOST = 10**7  # settings, which are held in memory
+MOST = 10**7  # maximum number of settings, which are kept in memory
 DEEPEST = 50
 
 
 class Study:
-    """A study, the text of its scene and all its settings: dictionaries from scene keys to values, in a fixed order."""
+    """A study, the text of its scene and all its settings: dictionaries from scene keys to values, in a fixed
+    order."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -127,7 +128,7 @@ class Study:
                 return [given[k] for k in random.integers(len(given), size=count)]
             if kind in DRAWS and isinstance(given, list) and len(given) == 2 and numbers(*given):
                 low, high = given
-                if kind == "normal" and 0 <= high < 1e300 and abs(low) < 1e300:  # draws stay finite
+                if kind == "normal" and 0 <= high < 1e300 and abs(low) < 1e300:  # so that draws are finite
                     return random.normal(low, high, count).tolist()
                 if kind == "uniform" and low <= high and math.isfinite(high - low):
                     return random.uniform(low, high, count).tolist()
@@ -149,18 +150,18 @@ def same_sign(low: float, high: float) -> bool:
 
 
 def shown(value: Any) -> str:
-    """A value as messages print it."""
+    """A value as it appears in messages."""
     text = str(value)
     return text if len(text) < 200 else text[:200] + "…"
 
 
 def utf8(path: Path) -> str:
-    """A path as UTF-8 text; other bytes are replaced."""
+    """A path as UTF-8 text. Other bytes are replaced."""
     return os.fsencode(path).decode(errors="replace")
 
 
 def unfit(value: Any, depth: int = 1) -> str:
-    """The reason why no scene can take a value, or an empty text."""
+    """The reason why no scene can contain a value; empty if it can."""
     if depth > DEEPEST:
         return f"lists or tables are nested too deep: {DEEPEST} are the most"
     if isinstance(value, dict):
@@ -177,8 +178,9 @@ def unfit(value: Any, depth: int = 1) -> str:
 
 
 def flat(key: str, value: Any, leaves: Iterable[str] = ()) -> Iterator[tuple[str, Any]]:
-    """Pairs (dotted key, value) of a nested TOML table: [grid.bodies.upper] young = [1, 2] is the same as
-    [grid] "bodies.upper.young" = [1, 2]. A table with from, to and steps, or with a distribution, is a value.
+    """Yields pairs (dotted key, value) of a nested TOML table: [grid.bodies.upper] young = [1, 2] is the same
+    as [grid] "bodies.upper.young" = [1, 2]. A table with from, to and steps, or with a distribution, is a
+    value.
     """
     if isinstance(value, dict) and not {*RANGE, *leaves, "choice"} & set(value):
         for name, item in value.items():

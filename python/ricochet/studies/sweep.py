@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Runs a study: kernels first, each once, then impacts side by side. Finished work is skipped."""
+"""Runs a study: first the kernels, each once, then several impacts at a time. Finished work is skipped."""
 import contextlib
 import hashlib
 import json
@@ -25,8 +25,8 @@ SYNC_S = 2.0
 class Sweep:
     """A study in a folder of kernels and results.
 
-    @param part      runs this part of the impacts only, beside other parts, with kernels that exist
-    @param collects  runs nothing: only gathers what is finished
+    @param part      run only this part of the impacts, beside other parts, with existing kernels
+    @param collects  run nothing and only collect finished impacts
     """
 
     def __init__(
@@ -42,16 +42,17 @@ class Sweep:
         self.stem = folder / study.slug
         self.journal = Journal(self.stem, part, reads_only=collects)
         self.kernels = Kernels(study, folder, jobs or os.cpu_count() or 1, ranks)
-        # Keys identify impacts by program, scene, setting, kernels and the files that are read.
+        # Keys identify impacts by program, scene, setting, kernels and other files that they read.
         self.keys = [""] * len(study.settings)
         self.refused: dict[int, Row] = {}  # answers by index of the setting
 
     def prepare(self) -> None:
-        """Checks all settings and computes the kernels that this stage needs. Raises InputError and SolverError."""
+        """Checks all settings and computes the kernels that this stage needs. Raises InputError and
+        SolverError."""
         before = None
         while True:
             missing = self._check()
-            if self.part or self.collects:  # kernels that an earlier stage could not compute
+            if self.part or self.collects:  # an earlier stage may have failed to compute kernels
                 rows = self.journal.rows
                 self.kernels.refused = {k: rows[self.keys[k]] for k in missing if self.keys[k] in rows}
             self.refused |= self.kernels.refused
@@ -70,15 +71,16 @@ class Sweep:
                 raise InputError(
                     f"{self.folder}: ricochet-kernel does not leave {name} there: compute it by hand"
                 )
-            # A kernel with some candidates may not yet be enough for all settings: the next round checks again.
+            # A kernel with only some candidates may not suffice for all settings, so the next round checks
+            # again.
             self.kernels.compute(missing)
             for index, answer in self.kernels.refused.items():
                 self.journal.add(self.keys[index], json.dumps(answer).encode())
             before = missing
 
     def _check(self) -> Files:
-        """Asks for the kernels of each setting; fills `keys` and `refused`. Returns, by index, the kernels that an unfinished
-        impact needs and that don't exist or hold too few candidates."""
+        """Requests the list of kernels of each setting. Fills `keys` and `refused`. Returns, by index, the
+        kernels that an unfinished impact needs and that are missing or contain too few candidates."""
         study = self.study
         scene, version = [content_of(study.text), study.fixed], programs.version()
         self.refused, missing, bar = {}, {}, Progress(len(study.settings))
@@ -100,7 +102,7 @@ class Sweep:
         return missing
 
     def own(self) -> list[int]:
-        """The settings of this part that are not refused."""
+        """The settings of this part, except refused ones."""
         k, n = self.part or (1, 1)
         return [index for index in range(k - 1, len(self.keys), n) if index not in self.refused]
 
@@ -109,7 +111,8 @@ class Sweep:
         return [index for index in self.own() if not self.journal.finished(self.keys[index])]
 
     def run(self, check: Callable[[Row], None] = lambda _: None) -> int:
-        """Runs the impacts that are left and returns their number. `check` sees each row, and may raise InputError."""
+        """Runs the remaining impacts and returns their number. `check` is called with each row and may raise
+        InputError."""
         left, rows = self.left(), self.journal.rows
         bar, synced = Progress(len(self.keys)), time.monotonic()
         bar.advance("impacts", len(self.keys) - len(left), already=True)
@@ -139,7 +142,8 @@ class Sweep:
 
 
 def content_of(scene: str) -> dict[str, Any] | str:
-    """The content of a scene without comments and layout. ricochet-contact refuses a text that is not TOML."""
+    """The content of a scene without comments and layout. Text that is not TOML is returned as it is;
+    ricochet-contact refuses it."""
     try:
         return tomllib.loads(scene)
     except (ValueError, RecursionError):

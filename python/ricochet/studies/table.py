@@ -20,10 +20,11 @@ from ricochet.studies.study import Study, utf8
 
 
 class Table:
-    """Inputs and outputs of all settings as columns of equal length; a setting that was refused has NaN outputs."""
+    """Inputs and outputs of all settings as columns of equal length. The outputs of a refused setting are
+    NaN."""
 
     def __init__(self, study: Study, rows: Sequence[Row | None]) -> None:
-        """`rows`: of the journal in the order of the settings; None for an impact that has not run."""
+        """`rows`: rows of the journal, in the order of the settings; None for an impact that has not run."""
         self.title, self.scene = study.title, utf8(study.scene)
         self.inputs = {key: [setting[key] for setting in study.settings] for key in study.keys}
         self.status = [-1 if row is None else row["status"] for row in rows]
@@ -38,8 +39,9 @@ class Table:
         files.write_csv(path, titles, zip(*inputs, *self.outputs.values(), self.status, self.error))
 
     def write_hdf5(self, path: Path) -> None:
-        """/inputs/KEY, /outputs/NAME, /status, /error, all (settings); texts and lists as JSON."""
-        image = io.BytesIO()  # HDF5 itself crashes on a full disk
+        """Writes /inputs/KEY, /outputs/NAME, /status and /error, each with a value for each setting; texts
+        and lists as JSON."""
+        image = io.BytesIO()  # written to memory first, because HDF5 crashes if the disk is full
         with h5py.File(image, "w") as file:
             file.attrs["format"], file.attrs["version"] = "ricochet-sweep", 1
             file.attrs["title"], file.attrs["scene"] = self.title, self.scene
@@ -52,7 +54,7 @@ class Table:
         files.write(path, image.getbuffer())
 
     def with_values(self, names: Sequence[str]) -> "Table":
-        """The rows in which each of the columns has a finite number, a text or a list."""
+        """The rows in which each of the columns contains a finite number, a text or a list."""
 
         def value(v: Any) -> bool:
             return math.isfinite(v) if isinstance(v, (int, float)) else v is not None
@@ -74,7 +76,7 @@ class Table:
 
 
 def text_or_number(value: Any) -> str | float:
-    """A value of a key as tables hold it; lists as JSON."""
+    """A value of a key as stored in tables; lists as JSON."""
     return value if isinstance(value, (int, float, str)) else json.dumps(value)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Processes of ricochet-contact that answer requests side by side (src/programs/batch_run.hpp)."""
+"""Processes of ricochet-contact that answer requests in parallel (src/programs/batch_run.hpp)."""
 import itertools
 import json
 import os
@@ -11,17 +11,17 @@ from typing import Any
 
 from ricochet import programs
 
-# The next request waits in the pipe while a process computes, as long as the pipe is sure to hold it.
+# While a process computes, its next request waits in the pipe, if the pipe certainly has room for it.
 AHEAD, PIPE_BYTES = 2, 32768
 READ_BYTES = 1 << 20
 
 
 class Worker:
-    """A process of ricochet-contact that answers requests in order; it is restarted if it dies."""
+    """A process of ricochet-contact that answers requests in order. It is restarted if it dies."""
 
     def __init__(self, command: Sequence[str], selector: selectors.DefaultSelector) -> None:
         self.command, self.selector = command, selector
-        self.asked: deque[tuple[int, bytes]] = deque()  # sent, without an answer yet
+        self.asked: deque[tuple[int, bytes]] = deque()  # sent, but not answered yet
         self.rest, self.deaths = b"", 0
         self.start()
 
@@ -53,11 +53,12 @@ class Worker:
         try:
             self.requests.write(line)
         except BrokenPipeError:
-            pass  # the end of its output is handled in `answers`
+            pass  # `answers` handles the end of its output
 
     def answers(self) -> Generator[tuple[int, bytes], None, None]:
-        """Pairs of an index and an answer, a line of JSON. If the program dies twice with a request, the answer is
-        {"died": true, …}; the request is to be sent again later, as the program may have been killed."""
+        """Yields pairs of an index and an answer, a line of JSON. If the program dies twice on a request, the
+        answer is {"died": true, …}. Such a request should be sent again later, because the program may have
+        been killed."""
         found = os.read(self.replies.fileno(), READ_BYTES)
         if not found:
             yield from self.revive()
@@ -85,7 +86,7 @@ class Worker:
         self.replies.close()
 
     def dismiss(self) -> None:
-        """Ends the process: with unanswered requests by a signal, otherwise it ends with its input."""
+        """Ends the process: by a signal if requests are unanswered, otherwise by the end of its input."""
         if self.asked:
             self.process.terminate()
         self.close()
@@ -94,7 +95,8 @@ class Worker:
 def in_parallel(
     jobs: int, command: Sequence[str], requests: Iterable[Any]
 ) -> Generator[tuple[int, bytes], None, None]:
-    """Distributes requests, Python objects, to up to `jobs` processes; yields (index, answer as a line of JSON)."""
+    """Distributes requests, Python objects, to at most `jobs` processes. Yields (index, answer as a line of
+    JSON)."""
     waiting = ((index, json.dumps(request).encode() + b"\n") for index, request in enumerate(requests))
     with selectors.DefaultSelector() as selector:
         workers = []

@@ -33,9 +33,8 @@ COLUMNS = [
 
 
 def errors(row: Row, reference: Row) -> dict[str, float]:
-    """Relative errors of exit velocities (to the largest one of the reference), impulse and peak force.
-
-    The error of the velocities is infinite if the contact has not ended.
+    """Relative errors of exit velocities, impulse and peak force. Those of the velocities are relative to the
+    largest exit velocity of the reference, and infinite if the contact has not ended.
     """
     speed = max(math.hypot(*v) for v in reference["exit_velocity"].values())
     worst = math.inf
@@ -52,7 +51,7 @@ def errors(row: Row, reference: Row) -> dict[str, float]:
 
 
 class Point:
-    """One setting with its cost and error."""
+    """A setting with its cost and error."""
 
     def __init__(
         self,
@@ -73,7 +72,7 @@ class Point:
         self.row["error"] = self.error
 
     def cost(self, impacts: int) -> float:
-        """Time [s] of the kernels and so many impacts."""
+        """Time of the kernels and of `impacts` impacts [s]."""
         return self.row["kernel_s"] + impacts * self.row["impact_s"]
 
     def name(self) -> str:
@@ -86,7 +85,8 @@ Cost = Callable[[Point], float]
 
 
 def pareto(points: Sequence[Point], cost: Cost, floor: float) -> list[Point]:
-    """Points that no other one beats in both cost and error, by rising cost. Errors below `floor` count as equal."""
+    """Points for which no other point has both a lower cost and a lower error, by rising cost. Errors below
+    `floor` count as equal."""
     front: list[Point] = []
     least = math.inf
     for point in sorted((p for p in points if math.isfinite(p.error)), key=lambda p: (cost(p), p.error)):

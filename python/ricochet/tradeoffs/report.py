@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The outcome of a trade-off study as tables and a picture of error against cost."""
+"""The outcome of a trade-off study as tables, and as a picture of error against cost."""
 import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -30,7 +30,7 @@ def front_table(front: Sequence[Point], impacts: int) -> str:
 
 
 def scheme_lines(points: Sequence[Point], error: float) -> str:
-    """The shortest time of an impact with each scheme within the error, without the kernels."""
+    """For each scheme, the shortest time of an impact whose error is small enough, without the kernels."""
     best: dict[str, Point | None] = {}
     lines = []
     for scheme in dict.fromkeys(point.impact.scheme for point in points):

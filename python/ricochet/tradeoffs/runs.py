@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The runs of a trade-off study: kernels and impacts of its settings with time, memory and outcome, each computed once."""
+"""The runs of a trade-off study: kernels and impacts of all settings with time, memory and results, each
+computed once."""
 import argparse
 import hashlib
 import json
@@ -77,13 +78,14 @@ class Runner:
         return self.key(kernel.changes(self.scene), self.ranks)
 
     def kernel(self, kernel: Kernel) -> Row:
-        """Time [s] and peak memory [MiB] of the kernels of all bodies, computed in one run, with no kernel to start from."""
+        """Time [s] and peak memory [MiB] of the kernels of all bodies, computed in one run without any
+        existing kernel."""
         key = self.kernel_key(kernel)
         folder = self.folder / key
         row = self.store.rows.get(key)
         if row and (folder.is_dir() or "refused" in row):
             return row
-        shutil.rmtree(folder, ignore_errors=True)  # the time of a resumed run would be too short
+        shutil.rmtree(folder, ignore_errors=True)  # a resumed run would take less time
         changes = kernel.changes(self.scene)
         words = self._words(changes, folder)
         done = timed(programs.kernel_command(self.scene.path, words, self.ranks))
@@ -93,8 +95,8 @@ class Runner:
         return self.store.add(row | {"kernel_mib": done.rank_mib()})
 
     def impact(self, kernel: Kernel, impact: Impact) -> Row:
-        """Outcome of an impact whose kernels exist, and the time [s] of all its steps without reading and writing: the
-        shortest of `repeats` runs."""
+        """Results of an impact whose kernels exist, and the time of all its steps [s], without reading and
+        writing: the shortest of `repeats` runs."""
         changes = kernel.changes(self.scene) | impact.changes()
         key = self.key(changes)
         if key in self.store.rows:
@@ -129,14 +131,15 @@ class Runner:
 
 
 def needed(row: Row) -> Row:
-    """The row of a run of the reference. Raises InputError if it was refused."""
+    """The row of a run of the reference. Raises InputError if the run was refused."""
     if "refused" in row:
         raise InputError(f"the reference is refused: {row['refused']}")
     return row
 
 
 def refusal(done: Done) -> Row:
-    """The row of a setting that the programs refuse (status 2). Any other failure ends the study."""
+    """The row of a setting that the programs refuse (status 2). Raises the error of any other failure, which
+    ends the study."""
     own = [line for line in done.text.splitlines() if line.startswith("ricochet-")]
     last = own[-1] if own else "no reason given"
     if done.status != 2:

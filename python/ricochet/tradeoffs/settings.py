@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The settings of a trade-off study: kernels, impacts, and the product of what is varied."""
+"""The settings of a trade-off study: kernels, impacts, and all combinations of the varied keys."""
 import argparse
 import itertools
 import tomllib
@@ -17,7 +17,7 @@ SCHEMES = {
 
 
 class Scene:
-    """A scene with every default, from which the settings start."""
+    """A scene with all defaults, from which the settings are derived."""
 
     def __init__(self, path: Path, settings: list[str], band_hz: float | None) -> None:
         self.path, self.settings = path, settings
@@ -87,8 +87,9 @@ class Impact:
 
 
 def settings(options: argparse.Namespace, scene: Scene) -> list[tuple[Kernel, list[Impact]]]:
-    """Basis × R × step × scheme in full; order, tolerance, spacing and precision beside the largest kernel of each basis,
-    or in full too. `options`: those of ricochet tradeoff."""
+    """All combinations of basis, R, scheme, step and precision. Unless `options.full` is set, order and
+    spacing vary only with two bases: the largest number of modes and the first contact-adapted basis. The
+    tolerance varies only with the former. `options`: those of ricochet tradeoff."""
     counts = options.counts or [max(1, scene.count // part) for part in (16, 8, 4, 2, 1)]
     bases: list[tuple[str, float, bool]]
     bases = [("modes", count, word == "with") for count in counts for word in options.residual]
