@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kEnding = ".partial";
 
-/// Data that a signal handler can read: no allocation, no lock.
+/// An entry that a signal handler can read without allocation or lock.
 struct Listed {
   std::atomic<bool> taken = false, ready = false;
   std::array<char, PATH_MAX> path{};
@@ -36,7 +36,7 @@ struct Listed {
 std::array<Listed, 32> listed;
 static_assert(std::atomic<bool>::is_always_lock_free);
 
-/// Ensures that a file is listed before a signal can arrive.
+/// Blocks signals, so that a new file is listed before one can arrive.
 class SignalsWait {
  public:
   SignalsWait() {
@@ -52,7 +52,8 @@ class SignalsWait {
   sigset_t before_{};
 };
 
-/// @return its entry, or -1 if there is none: the next writer then removes the file of a killed process
+/// @return the entry of the file, or -1 if no entry is free; if the process is killed, the next writer then
+///   removes the file
 int list(const std::string& path) {
   for (std::size_t k = 0; k < listed.size() && path.size() < PATH_MAX; ++k)
     if (!listed[k].taken.exchange(true)) {
@@ -80,7 +81,8 @@ bool is_temporary_of(const std::string& name, const std::string& target) {
   return name.find_first_not_of("0123456789-", begin.size()) == name.size() - end.size();
 }
 
-/// On a file system without locks, running writers cannot be recognised, so files stay.
+/// Removes an abandoned file. On a file system without locks, running writers cannot be recognised, so the
+/// file stays.
 void remove_if_left(const fs::path& path) {
   const int descriptor = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
   if (descriptor < 0) return;
@@ -96,8 +98,8 @@ void remove_left(const fs::path& target) {
       remove_if_left(entry->path());
 }
 
-/// Whether `path` still names the file that `descriptor` has open: before it was locked, another writer may
-/// have removed it as an abandoned one.
+/// Whether `path` still names the file open as `descriptor`. Before it was locked, another writer may have
+/// removed it as abandoned.
 bool names(const fs::path& path, int descriptor) {
   struct stat there {
   }, mine{};

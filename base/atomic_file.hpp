@@ -2,12 +2,12 @@
 // Files that take their final name only once they are complete, even if the program that writes them is
 // killed.
 //
-//   AtomicFile file("out/body.kernel.h5");     // makes out/body.kernel.h5.<process>.partial
+//   AtomicFile file("out/body.kernel.h5");     // creates out/body.kernel.h5.<process>.partial
 //   write_to(file.path());
 //   file.commit();                             // syncs, then renames
 //
 // The writer holds a lock on its temporary file. The next writer of the same name therefore recognises and
-// removes what a killed writer left.
+// removes the temporary file of a killed writer.
 #pragma once
 
 #include <filesystem>
@@ -15,7 +15,7 @@
 
 namespace ricochet::base {
 
-/// Throws an InputError: `what` of the file at `place` could not be written, for the reason in errno.
+/// Throws an InputError stating that `what` could not be written at `place`, with the reason in errno.
 [[noreturn]] void fail_to_write(const std::filesystem::path& place, const std::string& what = "the file");
 
 class AtomicFile {
@@ -33,13 +33,13 @@ class AtomicFile {
   [[noreturn]] void fail() const;
 
   /// Syncs the file to disk, gives it its final name, and syncs the folder. The file at `path` must be
-  /// closed. Throws InputError on failure; a file that had the final name before still has it then.
-  /// @param outdated  a file that describes the one to be replaced; it is removed just before
+  /// closed. Throws InputError on failure; a previous file of that name then remains.
+  /// @param outdated  a file that describes the one to be replaced; it is removed just before the renaming
   void commit(const std::filesystem::path& outdated = {});
 
  private:
   std::filesystem::path target_, path_;
-  int descriptor_ = -1;  ///< holds the lock
+  int descriptor_ = -1;  ///< file descriptor that holds the lock
   int slot_ = -1;        ///< entry in the list of remove_unfinished_files
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Formatting of messages for the core, which depends on the standard library alone. Replaces std::format
-// until the supported compilers have it.
+// until all supported compilers provide it.
 #pragma once
 
 #include <concepts>
@@ -23,8 +23,8 @@ FormatArgument format_argument(const auto& value) {
     return value;
 }
 
-/// Replaces "{}" and "{:.Ng}" by the arguments, in order. A number prints as the shortest text that reads
-/// back to it, or with N digits.
+/// Replaces "{}" and "{:.Ng}" by the arguments, in order. A number is printed as the shortest text that
+/// parses back to the same value, or with N digits.
 std::string format_arguments(std::string_view text, std::initializer_list<FormatArgument> arguments);
 
 template <class... Arguments>

@@ -2,7 +2,7 @@
 // Types shared by the readers and writers of HDF5 files: shapes, element types and the owner of an
 // identifier. No HDF5 header is needed here; handles never leave these classes.
 //
-// The error printing of HDF5 is switched off permanently, and so is its closing of files at program exit.
+// The error messages of HDF5 and its closing of files at program exit are switched off permanently.
 #pragma once
 
 #include <concepts>

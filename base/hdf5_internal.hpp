@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Shared by the writer and the reader of HDF5 files. Not for other folders, because it needs the HDF5
-// headers.
+// Declarations shared by the writer and the reader of HDF5 files. Other folders must not include this header,
+// because it needs the HDF5 headers.
 #pragma once
 
 // Later releases of HDF5 still offer the functions of version 1.10 by their old names.
@@ -13,11 +13,11 @@ namespace ricochet::base::hdf5 {
 
 static_assert(std::same_as<hid_t, std::int64_t>);
 
-/// Suppresses the error stack that HDF5 prints, because our errors are one line. This holds for the thread
-/// and permanently: if printing were restored, a damaged file would make HDF5 print again when the program
-/// ends.
-/// HDF5 also closes no files at exit: closing a file that a full disk keeps from being closed would crash
-/// there.
+/// Suppresses the error stack that HDF5 prints, because Ricochet's errors have one line. The setting holds
+/// permanently for this thread: if printing were restored, HDF5 would print errors of a damaged file again
+/// when the program ends.
+/// Also prevents HDF5 from closing files at exit, because it would crash if a full disk keeps a file from
+/// being closed.
 inline void silence() {
   static const herr_t never_at_exit = H5dont_atexit();
   (void)never_at_exit;
@@ -28,7 +28,7 @@ struct ElementType {
   hid_t memory, file;
 };
 
-/// Files are little-endian on every machine, so that equal kernels are equal files.
+/// Files are little-endian on every machine, so that equal kernels give equal files.
 template <Element T>
 ElementType element_type() {
   if constexpr (std::same_as<T, double>)

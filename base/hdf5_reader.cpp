@@ -34,8 +34,8 @@ std::uintmax_t bytes_of(std::span<const hsize_t> shape, std::uintmax_t element) 
   return bytes;
 }
 
-/// Whether the data is stored in this file, behind filters that every HDF5 has, and no chunk of it needs more
-/// than `bound` bytes.
+/// Whether the data is stored in this file, uses only filters that every HDF5 library contains, and has no
+/// chunk of more than `bound` bytes.
 bool data_is_inside(hid_t dataset, std::uintmax_t element, std::uintmax_t bound) {
   const Id list(H5Dget_create_plist(dataset));
   const H5D_layout_t layout = H5Pget_layout(list.get());

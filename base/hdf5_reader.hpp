@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// HDF5 files, read as untrusted input. Errors are one-line InputErrors. Arrays are row-major.
+// Reads HDF5 files as untrusted input. Errors are one-line InputErrors. Arrays are row-major.
 #pragma once
 
 #include <cstdint>
@@ -11,9 +11,9 @@
 
 namespace ricochet::base::hdf5 {
 
-/// An existing file, opened read-only and not trusted. Refused are links out of the file or across it, data
-/// stored in other files, filters from plug-ins, strings of variable length, and datasets that claim far more
-/// data than the file can hold. HDF5 itself verifies the headers that Writer makes by their checksums.
+/// An existing file, opened read-only and not trusted. The reader refuses links, data stored in other files,
+/// filters from plug-ins, strings of variable length, and datasets that claim far more data than the file can
+/// contain. HDF5 itself verifies the checksums of the headers that Writer creates.
 class Reader {
  public:
   /// @param advice  last sentence of every error, such as "Compute it again with ricochet-kernel."
@@ -34,15 +34,15 @@ class Reader {
   std::vector<T> read(const std::string& dataset, const Shape& expected) const;
   std::vector<std::string> read_strings(const std::string& dataset, std::size_t expected) const;
 
-  /// Scalar attributes. They throw InputError if the attribute is missing or has another type.
+  /// Return a scalar attribute. Throw InputError if it is missing or has another type.
   std::string string_attribute(const std::string& object, const std::string& name) const;
   double double_attribute(const std::string& object, const std::string& name) const;
   std::int64_t integer_attribute(const std::string& object, const std::string& name) const;
-  /// An attribute that holds `count` numbers.
+  /// Returns an attribute that contains `count` numbers.
   std::vector<double> doubles_attribute(const std::string& object, const std::string& name,
                                         std::size_t count) const;
 
-  /// Throws InputError "FILE: `what`. ADVICE".
+  /// Throws an InputError with the message "FILE: `what` ADVICE".
   [[noreturn]] void fail(const std::string& what) const;
 
  private:

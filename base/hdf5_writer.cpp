@@ -16,8 +16,8 @@ namespace {
 /// Capacity of a message in an object header, minus space for name and type.
 constexpr std::size_t kLongestAttribute = 64'000;
 
-/// Strings have a fixed length: HDF5 does not check its heap for strings of variable length when reading, and
-/// a damaged one crashes.
+/// Strings have a fixed length. HDF5 does not check its heap of variable-length strings when reading, and a
+/// damaged heap crashes the reader.
 Id utf8_type(std::size_t size) {
   Id type(H5Tcopy(H5T_C_S1));
   H5Tset_size(type.get(), std::max<std::size_t>(size, 1));
@@ -31,9 +31,9 @@ Id simple_space(const Shape& shape) {
   return Id(H5Screate_simple(static_cast<int>(dims.size()), dims.data(), nullptr));
 }
 
-/// Creation properties of files, groups and datasets: no times, and links and attributes in the object
-/// header, which has a checksum. The heaps that HDF5 uses for many of them have incomplete checksums, and a
-/// damaged heap crashes the reader.
+/// Creation properties of files, groups and datasets: no times are stored, and links and attributes stay in
+/// the object header, which has a checksum. The heaps that HDF5 uses for large numbers of them have
+/// incomplete checksums, and a damaged heap crashes the reader.
 Id properties(hid_t property_class) {
   constexpr unsigned kInHeader = 64;
   Id list(H5Pcreate(property_class));
@@ -189,7 +189,8 @@ void Writer::write_attribute(const std::string& object, const std::string& name,
   errno = 0;
   const Id target(H5Acreate_by_name(file_.get(), object.c_str(), name.c_str(), type, space.get(), H5P_DEFAULT,
                                     H5P_DEFAULT, H5P_DEFAULT));
-  // The types in memory and in the file differ only in byte order, which the native types below carry.
+  // The types in memory and in the file differ only in byte order; the native types below have that of the
+  // processor.
   const hid_t memory = H5Tget_class(type) == H5T_FLOAT     ? H5T_NATIVE_DOUBLE
                        : H5Tget_class(type) == H5T_INTEGER ? H5T_NATIVE_INT64
                                                            : type;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// HDF5 files, written completely or not at all. Errors are one-line InputErrors.
+// Writes HDF5 files, completely or not at all. Errors are one-line InputErrors.
 //
 //   Writer file(path);                                     // opens a temporary file beside path
 //   file.attribute("/", "format", "my-format");
@@ -32,7 +32,7 @@ class Rows {
   Rows(Id dataset, std::string file, std::string name, Shape row, std::size_t block);
 
   /// @param row  the values of one row
-  /// Throws InputError if the file cannot be written, std::logic_error if the number of values differs.
+  /// Throws InputError if the file cannot be written, and std::logic_error if the number of values differs.
   void append(std::span<const double> row);
   void append(double value) { append(std::span<const double>(&value, 1)); }
 
@@ -47,17 +47,17 @@ class Rows {
   std::vector<double> block_;
 };
 
-/// A new file. It has a temporary name until `commit`; if it is destroyed before, nothing remains.
+/// A new file. It has a temporary name until `commit`; if it is destroyed earlier, nothing remains.
 class Writer {
  public:
   /// Throws InputError if the file cannot be created.
   explicit Writer(std::filesystem::path path);
   ~Writer();
 
-  /// Creates an empty group (and those above it), for attributes that are written before any dataset.
+  /// Creates an empty group and the groups above it, so that attributes can be written before any dataset.
   void group(const std::string& name);
 
-  /// @param values  as many as `shape` requires; otherwise std::logic_error
+  /// @param values  as many as `shape` requires; otherwise throws std::logic_error
   /// @param unit    SI, "1" for pure numbers; an empty unit writes no attribute
   template <Element T>
   void write(const std::string& dataset, std::span<const T> values, const Shape& shape,
@@ -83,7 +83,8 @@ class Writer {
   }
 
   /// Writes buffered rows, closes the file, syncs it to disk and renames it. No member may be called
-  /// afterwards. Throws InputError on failure; the final path then holds the previous file, or none.
+  /// afterwards. Throws InputError on failure; the final path then still holds the previous file, if there
+  /// was one.
   /// @param outdated  as for AtomicFile
   void commit(const std::filesystem::path& outdated = {});
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// XDMF files: a short text by which ParaView and other viewers read the HDF5 file beside it.
+// XDMF files: short texts that describe the HDF5 file beside them to ParaView and other viewers.
 //
 //   xdmf::File file(path, "two-disks.motion.h5");
 //   file.begin("upper");                      // a grid that moves …
@@ -25,12 +25,12 @@ struct Field {
   std::string name;     ///< shown to the user
   std::string dataset;  ///< in the HDF5 file
   bool vector = false;
-  int bytes = 4;  ///< of a number
+  int bytes = 4;  ///< per number
 };
 
 struct Grid {
   std::string name;
-  int corners = 3;  ///< of an element: 1 points, 2 segments, 3 triangles
+  int corners = 3;  ///< per element: 1 for points, 2 for segments, 3 for triangles
   std::size_t elements = 0, nodes = 0;
   std::string element;  ///< dataset (elements, corners), 64-bit integers
   Field position{};     ///< vector [m]
@@ -40,18 +40,18 @@ struct Grid {
 class File {
  public:
   /// @param data  name of the HDF5 file, in the same folder
-  /// The file has a temporary name until `commit`; if it is destroyed before, nothing remains.
+  /// The file has a temporary name until `commit`; if it is destroyed earlier, nothing remains.
   File(const std::filesystem::path& path, std::string data);
   File(const File&) = delete;
   File& operator=(const File&) = delete;
 
   void begin(const std::string& name);
-  /// Adds a frame to the open grid, or, without a time, a grid that does not move.
+  /// Adds a frame to the open grid or, if no time is given, a grid that does not move.
   void add(const Grid& grid, std::optional<double> time = {});
   void end();
 
   /// Completes the text, syncs it to disk and renames the file. No member may be called afterwards. Throws
-  /// InputError on failure; the final path then holds the previous file, or none.
+  /// InputError on failure; the final path then still holds the previous file, if there was one.
   void commit();
 
  private:

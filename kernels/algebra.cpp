@@ -13,7 +13,7 @@
 namespace ricochet::kernels {
 namespace {
 
-/// Factors by which stiffness and mass of a body grow.
+/// Factors of the stiffness and the mass of a body.
 struct Growth {
   double stiffness, mass;
 };
@@ -32,13 +32,14 @@ void multiply(Range& values, double factor) {
   throw InputError(fmt::format("kernel of \"{}\": {}", kernel.body, what));
 }
 
-/// Restriction is not implemented for the data that loads, supports and receivers hold for the candidates.
+/// Throws InputError if the kernel has loads, moving supports or receivers, because restriction is not
+/// implemented for their data.
 void refuse_sources(const Kernel& kernel) {
   if (!kernel.applied.empty() || !kernel.motions.empty() || !kernel.receivers.empty())
     fail(kernel, "has loads, moving supports or receivers: compute the requested kernel");
 }
 
-/// Requires all modes below the end of the certificate.
+/// Throws InputError unless the kernel contains all modes below the end of the certificate.
 void require_all_found(const Kernel& kernel) {
   if (kernel.modes.contact_adapted())
     fail(kernel, "holds a contact-adapted basis, which cannot be truncated: compute another one");
@@ -65,8 +66,8 @@ void take_rows(std::vector<double>& matrix, std::size_t width, const std::vector
   matrix = std::move(taken);
 }
 
-/// Keeps the elements all of whose corners are among `points`, renumbered; if there are none, the points
-/// themselves.
+/// Keeps the elements whose corners are all among `points`, renumbered. If there are none, each point becomes
+/// an element.
 void take_elements(Surface& surface, const std::vector<std::int64_t>& points) {
   std::vector<std::int64_t> number(surface.size(), -1), element;
   for (std::size_t i = 0; i < points.size(); ++i) number[points[i]] = static_cast<std::int64_t>(i);
@@ -94,8 +95,8 @@ double frequency_factor(const Similarity& factors) {
 Kernel rescaled(Kernel kernel, const Similarity& factors, const Damping& damping) {
   const auto [k, m] = growth(factors);
   const double frequency = frequency_factor(factors), s = factors.scale, root = std::sqrt(m);
-  // Each structure is decomposed into all its members: a new member must get its factor here, or this does
-  // not compile.
+  // Each structure is decomposed into all its members, so a new member must get its factor here; otherwise
+  // this does not compile.
   auto& [body, hash, scene, mesh_sha256, created_by, dofs, elements, order, mass, centre, inertia, supported,
          modes, surface, loads, applied, motions, receivers, view] = kernel;
   mass *= m;

@@ -16,7 +16,7 @@ using Complex = std::complex<double>;
 using Matrix = Eigen::MatrixXd;
 using ComplexMatrix = Eigen::MatrixXcd;
 
-/// (c,N)
+/// Matrix (c,N) of the traces.
 Matrix traces(const BandModes& modes) {
   const auto n = static_cast<Eigen::Index>(modes.lambda.size());
   if (n == 0) return {};
@@ -75,8 +75,8 @@ void keep_columns(std::vector<T>& matrix, const std::vector<bool>& keep) {
   matrix.resize(to);
 }
 
-/// Updates block `at` of `blocks` blocks side by side in a matrix of columns (rows, blocks · width): +=
-/// left_k right_kᵀ / λ with left (rows, n), right (width, n). An empty matrix stays empty.
+/// Adds left_k right_kᵀ / λ to block `at` of a matrix (rows, blocks · width), where left_k and right_k are
+/// column k of left (rows, n) and right (width, n). An empty matrix stays empty.
 template <class T>
 void add_product(std::vector<T>& matrix, const std::vector<T>& left, const std::vector<double>& right,
                  std::size_t k, std::size_t n, double lambda, std::size_t at = 0, std::size_t blocks = 1) {
@@ -86,7 +86,7 @@ void add_product(std::vector<T>& matrix, const std::vector<T>& left, const std::
       matrix[(i * blocks + at) * width + j] += static_cast<T>(left[i * n + k] * right[j * n + k] / lambda);
 }
 
-/// Static part of mode k at the outputs: a receiver or the visualisation surface.
+/// Adds the static part of mode k to the residuals of an output: a receiver or the visualisation surface.
 void leave_seen(auto& seen, const Kernel& kernel, std::size_t k, double lambda) {
   const std::size_t n = kernel.modes.size(), loads = kernel.applied.size(), motions = kernel.motions.size();
   add_product(seen.residual_flexibility, seen.shape, kernel.surface.shape, k, n, lambda);

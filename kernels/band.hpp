@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// How much modes, or Ritz vectors, contribute to the flexibility of the contact surface over a band.
+// Contributions of modes or Ritz vectors to the flexibility of the contact surface over a band.
 #pragma once
 
 #include <complex>
@@ -13,14 +13,15 @@ namespace ricochet::kernels {
 /// Modes restricted to the contact surface: H(s) = Σ B_n B_nᵀ / (λ_n + s²).
 struct BandModes {
   std::span<const double> lambda;  ///< (N) ω² [rad²/s²], positive
-  std::span<const double> trace;   ///< (N,c): mode n at place i is entry n·c + i [kg^-1/2]
+  std::span<const double> trace;   ///< (N,c): mode n at point i is entry n·c + i [kg^-1/2]
 };
 
-/// Largest relative difference, in the Frobenius norm, of the flexibilities H(s) of two sets of modes, over s
-/// = ω e^{iπ/4} with 0 < ω ≤ band. On this ray a response decays within one period, like the response to a
-/// contact force that changes; resonances that no impact lasts long enough to excite do not count.
+/// Largest relative difference between the flexibilities H(s) of two sets of modes, in the Frobenius norm, on
+/// the ray s = ω e^{iπ/4} with 0 < ω ≤ band. On this ray, a response decays within one period, like the
+/// response to a contact force that changes; resonances that no impact lasts long enough to excite do not
+/// count.
 ///
-/// @param quasi_static  gives the coarse set the static flexibility of the fine one
+/// @param quasi_static  whether the coarse set gets the static flexibility of the fine one
 /// @return ‖H_coarse − H_fine‖ / ‖H_fine‖; 0 if the fine set has no modes
 double flexibility_error(const BandModes& coarse, const BandModes& fine, RadPerSecond band,
                          bool quasi_static);
@@ -39,9 +40,9 @@ class Contributions {
   /// `flexibility_error` of truncating some of the modes. @param truncated  (N)
   double error_without(const std::vector<bool>& truncated) const;
 
-  /// Bound on the error due to modes above `end` that are represented only by a static flexibility of the
-  /// Frobenius norm `flexibility` [m/N]: |1/(λ + s²) − 1/λ| = |s²/(λ + s²)|/λ, largest at the end, and no two
-  /// terms B_n B_nᵀ form an angle above 90°.
+  /// Bound on the error due to modes above `end` that are represented only by a static flexibility with the
+  /// Frobenius norm `flexibility` [m/N]. The factor |1/(λ + s²) − 1/λ| = |s²/(λ + s²)|/λ is largest at `end`,
+  /// and the terms B_n B_nᵀ have no negative inner products.
   double error_above(RadPerSecond end, double flexibility) const;
 
   /// Number of leading entries of `order` that can be truncated with at most this error. @param order  (≤ N)
@@ -61,8 +62,8 @@ class Contributions {
 /// response to gravity, if the kernel has these. @param keep  (N); rigid modes must be kept
 void truncate(Kernel& kernel, const std::vector<bool>& keep);
 
-/// Truncates the elastic modes, or vectors, above `end`. Unlike truncated_to_band, the kernel need not have
-/// had all modes below, and its certificate does not change.
+/// Truncates the elastic modes, or vectors, above `end`. In contrast to truncated_to_band, the kernel need
+/// not contain all modes below `end`, and its certificate does not change.
 Kernel truncated_above(Kernel kernel, RadPerSecond end);
 
 /// `flexibility_error` of truncated_above if the static part of the truncated modes is kept.

@@ -26,13 +26,13 @@ inline Shape joined(Shape front, const Shape& back) {
   return front;
 }
 
-/// `front`, the components unless there is only one, `back`.
+/// The lengths of `front`, then 3 for the components unless there is only one, then the lengths of `back`.
 inline Shape over_components(const Surface& surface, Shape front, const Shape& back = {}) {
   if (!surface.direction) front.push_back(3);
   return joined(front, back);
 }
 
-// Below, `file` writes, reads or checks what it is given:
+// Below, `file` is a writer, a reader or a validator with these functions:
 //   attribute(object, name, value), dataset(name, values, shape, unit)
 //   optional_attribute, optional_dataset     absent if the value is 0, or the dataset is empty
 //   group(name)                              a group that has attributes before it has datasets
@@ -141,7 +141,7 @@ void list_sources(auto& file, auto& kernel) {
   }
 }
 
-/// Lists a whole kernel. A reader has set `direction`, `whole` and `view` where the file has them.
+/// Lists a whole kernel. A reader must first set `direction`, `whole` and `view` if the file contains them.
 void list_kernel(auto& file, auto& kernel) {
   list_root(file, kernel);
   list_modes(file, kernel.modes);

@@ -21,11 +21,11 @@ namespace {
 /// roundings, but not for a mistake.
 constexpr double kUnitTolerance = 1e-9;
 
-/// Relative asymmetry of R, which comes from iterated static solves and is symmetric to about their
-/// tolerance.
+/// Tolerance of the relative asymmetry of R, which results from iterated static solves and is symmetric to
+/// about their tolerance.
 constexpr double kSymmetryTolerance = 1e-6;
 
-/// Checks the lengths and the finiteness of what list_kernel lists; rules beyond these follow below.
+/// Checks the lengths and the finiteness of all data that list_kernel lists. Further rules follow below.
 class Validator {
  public:
   explicit Validator(const std::string& origin) : origin_(origin) {}
@@ -182,7 +182,7 @@ void validate_sources(const Kernel& kernel, const Validator& check) {
   for (const Load& load : kernel.applied)
     if (load.unit != "Pa" && load.unit != "N")
       check.fail_dataset("/loads/" + load.name, "has neither the unit of a traction nor that of a force.");
-  // Unlike the other residuals, those of motions are required without residual flexibility, too.
+  // Unlike the other residuals, those of motions are also required without residual flexibility.
   const std::size_t motions = kernel.motions.size();
   for (const Receiver& receiver : kernel.receivers)
     check.length("/receiver_data/" + receiver.name + "/motion_residual", receiver.motion_residual.size(),

@@ -72,7 +72,7 @@ void write_modes(const Kernel& kernel, const std::filesystem::path& stem) {
   file.write("/amplitude", amplitude, {n}, "kg^1/2 m");
 
   std::error_code ignored;
-  std::filesystem::remove(text, ignored);  // a text of an earlier run would misread the new data
+  std::filesystem::remove(text, ignored);  // an .xdmf of an earlier run would not match the new data
   file.commit();
   xdmf::File light(text, data.filename().string());
   light.add(grid);

@@ -33,7 +33,7 @@ void check_version(const hdf5::Reader& file) {
   if (version < 1) file.fail(fmt::format("has format version {}, which never existed.", version));
 }
 
-/// Reads what list_kernel lists.
+/// Reads the data that list_kernel lists.
 class KernelReader {
  public:
   explicit KernelReader(const hdf5::Reader& file) : file_(file) {}
@@ -82,7 +82,7 @@ class KernelReader {
   }
   void elements(const std::string& name, std::vector<std::int64_t>& element, int& corners, int, std::size_t) {
     element = file_.read<std::int64_t>(name, {hdf5::any, hdf5::any});
-    corners = static_cast<int>(std::min<std::size_t>(file_.shape(name)[1], 4));  // 4: refused later
+    corners = static_cast<int>(std::min<std::size_t>(file_.shape(name)[1], 4));  // validate refuses 4
   }
   /// The names become names of datasets and are therefore checked first.
   void names(const std::string& kind, auto& items) {

@@ -19,14 +19,14 @@ Kernel read(const std::filesystem::path& path, bool view = true);
 /// The attributes that identify a kernel file.
 struct Header {
   std::string hash, scene, mesh_sha256;
-  std::optional<std::vector<std::int64_t>> held{};  ///< as in WholeSurface; none: all candidates are held
+  std::optional<std::vector<std::int64_t>> held{};  ///< as in WholeSurface, if the kernel has one
 };
 
-/// Reads the attributes only. Returns none if `path` is not a kernel file of a known format.
+/// Reads only the attributes and `held`. Returns no value if `path` is not a kernel file of a known format.
 std::optional<Header> read_header(const std::filesystem::path& path) noexcept;
 
-/// Reads the root attribute `hash` only: a cheap test of whether `path` is a complete kernel file, and which
-/// one. Returns an empty string if it is not.
+/// Returns the attribute `hash` without reading the arrays of modes, or an empty string if `path` is not a
+/// complete kernel file.
 std::string read_hash(const std::filesystem::path& path) noexcept;
 
 /// Whether `path` is a kernel file whose format is newer than this program.

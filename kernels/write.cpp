@@ -7,7 +7,7 @@
 namespace ricochet::kernels {
 namespace {
 
-/// Writes what list_kernel lists.
+/// Writes the data that list_kernel lists.
 class KernelWriter {
  public:
   explicit KernelWriter(base::hdf5::Writer& file) : file_(file) {}

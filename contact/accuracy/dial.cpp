@@ -8,11 +8,12 @@
 namespace ricochet::contact {
 namespace {
 
-/// Shares of the accuracy that the step, fewer contact points and single precision may take.
+/// Shares of the accuracy allowed for the step, for fewer contact points and for single precision.
 constexpr double of_step = 0.5, of_spacing = 0.1, of_precision = 0.05;
 
-/// The first step tried divides a period at the end of the kernels' band by `steps_a_period`, and a run has
-/// at least `fewest_steps`; the step is halved as long as a run takes at most `most_steps`.
+/// The first step tried is a period at the end of the kernels' band divided by `steps_a_period`, but a run
+/// has at least `fewest_steps`. The step is halved until its share of the error is small enough or a run
+/// takes `most_steps`.
 constexpr double steps_a_period = 4, fewest_steps = 200, most_steps = 5e5;
 
 Hertz chosen_rate(Estimator& estimator, const DialRequest& request, double duration) {
@@ -27,8 +28,8 @@ Hertz chosen_rate(Estimator& estimator, const DialRequest& request, double durat
   }
 }
 
-/// Whether an impact with fewer contact points is the same one. Quantities may agree where the force does
-/// not, so the time of contact has to agree, too.
+/// Whether an impact with fewer contact points gives the same results. The quantities may agree even if the
+/// forces do not, so the duration of contact must agree, too.
 bool alike(const Quantities& all, const Quantities& fewer, double accuracy) {
   return distance(all, fewer) <= of_spacing * accuracy &&
          std::abs(fewer.longest_touch - all.longest_touch) <= accuracy * all.longest_touch;

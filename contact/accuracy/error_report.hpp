@@ -9,11 +9,11 @@
 
 namespace ricochet::contact {
 
-/// "0.0031: mesh 0.0029, modes …"
+/// Returns a text such as "0.0031: mesh 0.0029, modes …".
 std::string formatted(const ErrorEstimate& estimate);
 
-/// Warns of an estimate above `accuracy`, with its largest cause and a remedy, and of shares that are
-/// unknown.
+/// Returns a warning if the estimate exceeds `accuracy`, with its largest cause and a remedy, and another one
+/// if shares are unknown.
 std::vector<std::string> warnings(const ErrorEstimate& estimate, double accuracy);
 
 }  // namespace ricochet::contact

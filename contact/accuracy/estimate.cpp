@@ -17,19 +17,18 @@ namespace {
 /// Relative change of frequencies that makes their small errors visible.
 constexpr double visible = 1e-3;
 
-/// Unit round-off of double over that of single precision, and the latter.
+/// Ratio of the unit round-off of double precision to that of single precision, and the latter.
 constexpr double double_over_single = 0x1p-29, single_round_off = 0x1p-24;
 
-/// Change that repeated doubling would still make: the last change d times ρ + ρ² + … with the ratio ρ of d
-/// to the change before, ½ if that is not known. Either may be small by chance, so ρ is at most ½ and d at
-/// least a quarter of the change before.
+/// The change that repeated refinement by a factor of two would still make: d (ρ + ρ² + …) with the last
+/// change d and its ratio ρ to the previous change, ½ if that is unknown. Either change may be small by
+/// chance, so ρ is at most ½ and d at least a quarter of the previous change.
 double remaining_change(double change, double before) {
   const double last = std::max(change, before / 4), pace = before > 0 ? std::min(last / before, 0.5) : 0.5;
   return last * pace / (1 - pace);
 }
 
-/// Errors of ω, relative: half of Kato and Temple's r² λ/gap of λ, and never more than half of the residual
-/// r.
+/// Relative errors of ω: half of Kato and Temple's bound r² λ/gap for λ, but at most half of the residual r.
 std::vector<double> frequency_errors(const kernels::Modes& modes, double low_rank) {
   const std::vector<double>& omega = modes.angular_frequency;
   std::vector<double> error(omega.size(), 0.0);
@@ -51,7 +50,7 @@ std::vector<double> frequency_errors(const kernels::Modes& modes, double low_ran
   return error;
 }
 
-/// This share of the highest frequency, or of the band of a contact-adapted basis.
+/// A share of the highest frequency or, for a contact-adapted basis, of its band.
 RadPerSecond end_of(const kernels::Kernel& kernel, double share) {
   const kernels::Modes& modes = kernel.modes;
   if (modes.contact_adapted())
@@ -59,7 +58,7 @@ RadPerSecond end_of(const kernels::Kernel& kernel, double share) {
   return RadPerSecond{modes.size() > 0 ? share * modes.angular_frequency.back() : 0};
 }
 
-/// Frequencies off by `factor` times their errors, up or down.
+/// Changes each frequency by `factor` times its error, up or down at random.
 void detune(kernels::Modes& modes, const std::vector<double>& error, double factor) {
   std::minstd_rand random;
   for (std::size_t n = 0; n < error.size(); ++n)
@@ -80,8 +79,8 @@ std::optional<Quantities> mean_of(const std::optional<Quantities>& one,
 }  // namespace
 
 double left_by_order(int order) {
-  // Balls gained 10 to 40 times from order 1 to 2, where linear tetrahedra lock, disks 3 to 5 times by an
-  // order above.
+  // From order 1 to 2, the results of balls improved by a factor of 10 to 40, because linear tetrahedra lock.
+  // Each further order improved those of disks by a factor of 3 to 5.
   return order == 1 ? 1 : order == 2 ? 1.0 / 8 : 1.0 / 3;
 }
 
@@ -142,7 +141,7 @@ std::optional<double> Estimator::precision(const StepOptions& options) {
   if (options.scheme == Scheme::compliant && !subject_.at_rest) {
     there = base(other);
   } else {
-    // These schemes have no products in single precision: the frequencies are rounded to it instead.
+    // These schemes have no products in single precision, so the frequencies are rounded instead.
     std::vector<kernels::Kernel> kernels = subject_.kernels;
     for (kernels::Kernel& kernel : kernels)
       detune(kernel.modes, std::vector(kernel.modes.size(), single_round_off), 1);
@@ -154,7 +153,7 @@ std::optional<double> Estimator::precision(const StepOptions& options) {
 
 std::optional<double> Estimator::modes(const StepOptions& options, const Quantities& base) {
   if (subject_.at_rest && model_.has_residual) return 0;
-  // By the share of the highest frequency, or of the band, that is kept.
+  // Truncates all kernels to a share of the highest frequency or of the band.
   const auto cut = [&](double share) {
     std::vector<kernels::Kernel> out;
     for (const kernels::Kernel& kernel : subject_.kernels)
@@ -162,8 +161,8 @@ std::optional<double> Estimator::modes(const StepOptions& options, const Quantit
     return out;
   };
   const std::vector<kernels::Kernel> half = cut(0.5);
-  // Waves return whole from the end of a rod, so its resonances count, which the error of the flexibility
-  // ignores.
+  // Waves return undiminished from the end of a rod. Its resonances therefore count, but the flexibility
+  // error ignores them.
   bool fewer = false, fitted = false, rods = false;
   double left = 0, made = 0;
   for (std::size_t k = 0; k < half.size(); ++k) {
@@ -180,7 +179,7 @@ std::optional<double> Estimator::modes(const StepOptions& options, const Quantit
   if (!once) return std::nullopt;
   const double change = distance(base, *once);
   if (fitted) {
-    // Nothing is known of vectors above the band: their effect counts in full.
+    // Nothing is known about the vectors above the band, so their effect counts in full.
     const auto in_band = mean(cut(1), options);
     return std::max(left < made && !rods ? change * left / made : change,
                     in_band ? distance(base, *in_band) : 0);
@@ -205,7 +204,7 @@ std::optional<double> Estimator::mesh(const StepOptions& options, const Quantiti
   std::optional<Quantities> other;
   try {
     other = mean(coarsened(subject_.other_order(), coarsenings_), options);
-  } catch (const InputError&) {  // its candidates may not face each other
+  } catch (const InputError&) {  // the candidates of that order may not face each other
   }
   if (!other) return std::nullopt;
   return distance(base, *other) * subject_.left_of_other;
@@ -215,7 +214,7 @@ std::optional<double> Estimator::eigensolver(const StepOptions& options, const Q
   std::vector<kernels::Kernel> kernels = subject_.kernels;
   double largest = 0;
   for (const kernels::Kernel& kernel : kernels) {
-    // So large a residual bounds nothing: imported modes may have come without theirs.
+    // A residual of 1 bounds nothing; imported modes without known residuals have this value.
     if (std::ranges::any_of(kernel.modes.residual, [](double r) { return r >= 1; })) return std::nullopt;
     for (const double error : frequency_errors(kernel.modes, subject_.low_rank))
       largest = std::max(largest, error);

@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Bodies that can move rigidly, and how many rigid modes lead theirs.
+/// A body that can move rigidly, with the number of its rigid modes, which come first among its modes.
 struct Mover {
   int body;
   Eigen::Index rigid;
@@ -32,8 +32,8 @@ std::vector<Mover> movers(const Model& model) {
   return out;
 }
 
-/// By body [m/s]; 0 where a support holds it. Rigid modes carry all momentum of a free body, and no
-/// vibration.
+/// Mean velocity of each body [m/s]; 0 if supports hold it. The rigid modes of a free body carry all of its
+/// momentum and no vibration.
 std::vector<Vector3d> velocities(const Model& model, const std::vector<Mover>& movers, const Vector& v) {
   std::vector<Vector3d> out(model.bodies.size(), Vector3d::Zero());
   for (const Mover& mover : movers) {

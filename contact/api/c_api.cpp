@@ -45,7 +45,7 @@ Result guarded(Result failed, Action action) noexcept {
   return failed;
 }
 
-/// Runs `action`, which returns nothing.
+/// Runs `action`. Returns RICOCHET_OK, or RICOCHET_REFUSED if it throws.
 template <class Action>
 int checked(Action action) noexcept {
   return guarded<int>(RICOCHET_REFUSED, [&] {

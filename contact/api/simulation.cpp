@@ -89,7 +89,8 @@ StepOptions step_options(const Scene& scene) {
           .precision = scene.single_precision ? Precision::float32 : Precision::float64};
 }
 
-/// (3,N) modes at the pickup's place, in the body's own axes; (1,N) along the kernel's only direction.
+/// Modes at the point of the pickup: (3,N) in the axes of the body, or (1,N) along the only direction of the
+/// kernel.
 Eigen::Map<const contact::Matrix> modes_at(const Pickup& pickup, const kernels::Kernel& kernel,
                                            const std::string& where) {
   const Eigen::Index modes = kernel.modes.size();
@@ -108,7 +109,7 @@ Eigen::Map<const contact::Matrix> modes_at(const Pickup& pickup, const kernels::
   return {surface.shape.data() + pickup.candidate * rows * modes, rows, modes};
 }
 
-/// (p,N) velocities of the pickups by q̇.
+/// Matrix (p,N) that maps q̇ to the velocities of the pickups.
 contact::Matrix pickups_of(const Scene& scene, const contact::Model& model) {
   contact::Matrix out = contact::Matrix::Zero(scene.pickups.size(), model.omega.size());
   for (std::size_t k = 0; k < scene.pickups.size(); ++k) {
@@ -178,7 +179,7 @@ struct Simulation::Impl {
     for (const Body& body : scene.bodies) kernels.push_back(body.kernel);
   }
 
-  /// Row k of the forces of the last step.
+  /// Writes row k from the last step.
   void write_forces(const Block& out, std::int64_t k) const noexcept {
     const Eigen::Index m = stepper->force().size();
     if (out.total_force) out.total_force[k] = stepper->force().sum();
@@ -186,7 +187,8 @@ struct Simulation::Impl {
     if (out.displacement) std::copy_n(stepper->displacement().data(), m, out.displacement + k * m);
   }
 
-  /// Rows from … to of velocities: of the steps that the state was moved through last.
+  /// Writes the rows of velocities from `from` to before `to`: the steps through which the state was last
+  /// advanced.
   void write_velocities(const Block& out, std::int64_t from, std::int64_t to) const noexcept {
     if (!out.velocity) return;
     const Eigen::Index p = pickups.rows();
@@ -208,7 +210,7 @@ struct Simulation::Impl {
   }
 
   std::uint64_t identity = next_identity();
-  std::vector<SharedKernel> kernels;  ///< the model points at them
+  std::vector<SharedKernel> kernels;  ///< the model contains pointers to them
   contact::Model model;
   std::unique_ptr<contact::Stepper> stepper;
   contact::Matrix pickups;  ///< (p,N)
@@ -230,7 +232,7 @@ StepStatus Simulation::step() noexcept {
   return impl_->stepper->step();
 }
 
-// The state is moved a block at a time, unless displacements are asked for after each step.
+// The state is advanced a block at a time unless displacements are requested after each step.
 BlockResult Simulation::step_block(std::int64_t steps, const Block& out) noexcept {
   const FlushDenormals scope;
   contact::Stepper& stepper = *impl_->stepper;
@@ -288,7 +290,7 @@ Simulation::State Simulation::save() const {
   return State(std::make_unique<const State::Impl>(State::Impl{impl_->identity, impl_->stepper->clone()}));
 }
 
-// Assigned to, not replaced: the stepper's arrays keep their memory and their capacity.
+// Assigns to the stepper instead of replacing it, so that its arrays keep their memory and capacity.
 bool Simulation::restore(const State& state) noexcept {
   if (!state.impl_ || state.impl_->identity != impl_->identity) return false;
   impl_->stepper->assign(*state.impl_->stepper);

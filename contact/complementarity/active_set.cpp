@@ -8,10 +8,10 @@
 namespace ricochet::contact {
 namespace {
 
-/// A Schur complement this far below its diagonal is examined more closely.
+/// A Schur complement below this share of its diagonal entry is examined more closely.
 constexpr double suspicious = 1e-8;
 
-/// Up to this many indices plain loops are faster than Eigen's blocked ones.
+/// Up to this many indices, plain loops are faster than Eigen's blocked solvers.
 constexpr int few = 24;
 
 Eigen::Map<Eigen::VectorXd> head(std::vector<double>& x, int n) { return {x.data(), n}; }
@@ -32,8 +32,8 @@ void ActiveSet::clear() noexcept {
   count_ = 0;
 }
 
-/// j depends on P when its Schur complement dᵀ S d, d_j = 1, d_P = −S_PP⁻¹ S_Pj, is within the round-off of
-/// that sum, n ε (Σ |d_i| √S_ii)².
+/// j depends on P if its Schur complement dᵀ S d with d_j = 1 and d_P = −S_PP⁻¹ S_Pj is within the round-off
+/// of that sum, 4 n ε (Σ |d_i| √S_ii)².
 bool ActiveSet::enter(const Symmetric& S, int j, bool trusted) noexcept {
   const double* const column = &S.coeffRef(0, j);
   for (int k = 0; k < count_; ++k) row_[k] = column[active_[k]];
@@ -57,8 +57,9 @@ bool ActiveSet::enter(const Symmetric& S, int j, bool trusted) noexcept {
   return true;
 }
 
-/// With row k of L gone, S_PP behind it is L₃₃ L₃₃ᵀ + l lᵀ, l what column k held there: Givens rotations take
-/// l into the columns of L₃₃ one by one, which move up and to the left.
+/// Without row k of L, the part of S_PP that follows index k is L₃₃ L₃₃ᵀ + l lᵀ, where l is the part of
+/// column k below the diagonal. Givens rotations merge l into the columns of L₃₃ one by one; these columns
+/// move up and to the left.
 void ActiveSet::leave(int position) noexcept {
   is_active_[active_[position]] = 0;
   std::copy(active_.begin() + position + 1, active_.begin() + count_, active_.begin() + position);

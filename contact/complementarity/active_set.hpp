@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The active set P of a complementarity problem with the Cholesky factor of S_PP, kept as indices enter and
-// leave. Takes memory in the constructor only.
+// The active set P of a complementarity problem with the Cholesky factor of S_PP, which is updated as indices
+// enter and leave. Only the constructor allocates.
 #pragma once
 
 #include <Eigen/Dense>
@@ -20,21 +20,22 @@ class ActiveSet {
   bool contains(int i) const { return is_active_[i]; }
   void clear() noexcept;
 
-  /// Appends j. False, P unchanged, when j depends on P: null_direction() is then d with S_j = −Σ d_P S_P to
-  /// round-off. `trusted`: P ∪ j is known to be regular, so any positive Schur complement will do. O(p²).
+  /// Appends j to P. If j depends on P, returns false and leaves P unchanged; null_direction() then returns
+  /// the d with S_j = −Σ d_P S_P to round-off. If P ∪ j is known to be regular (`trusted`), any positive
+  /// Schur complement is accepted. O(p²).
   bool enter(const Symmetric& S, int j, bool trusted) noexcept;
 
-  /// Takes out the index at `position`; those behind it move up by one. O(p²). However long the factor is
-  /// kept, its round-off does not grow: only rows that entered later are rotated, and an index that comes
-  /// back is the latest, so a row is rotated for each older one at most, which is as much round-off as in a
-  /// new factor.
+  /// Removes the index at `position`; later indices move up by one. O(p²).
+  /// Round-off does not accumulate, however long the factor is kept. Removing an index rotates only the rows
+  /// of indices that entered later, and an index that returns is appended at the end. A row is therefore
+  /// rotated at most once for each older index, which causes as much round-off as a new factorisation.
   void leave(int position) noexcept;
 
-  /// Computes the factor of another matrix, and leaves out what depends on the indices before it or lies
-  /// beyond n; false when that was so. O(p³).
+  /// Computes the factor of another matrix S (n,n). Indices that depend on earlier ones or are not below n
+  /// are removed; the result is false if there are any. O(p³).
   bool renew(const Symmetric& S) noexcept;
 
-  /// z = S_PP⁻¹ r_P. O(p²).
+  /// Computes z = S_PP⁻¹ r_P. O(p²).
   void minimise(const Eigen::Ref<const Eigen::VectorXd>& r, std::vector<double>& z) const noexcept;
 
   const std::vector<double>& null_direction() const { return d_; }  ///< (p) d_P

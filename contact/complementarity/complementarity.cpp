@@ -10,7 +10,7 @@ namespace {
 
 constexpr double round_off = 1e-13;  // of w, relative to |r|_∞ + ‖S‖_∞ |λ|_∞
 constexpr double negative =
-    1e-14;  // λ_i above −negative |λ|_∞ counts as 0: moves w by less than its tolerance
+    1e-14;  // λ_i above −negative |λ|_∞ counts as 0; this changes w by less than its tolerance
 constexpr int patience_of_pivots = 10;  // p_max: block pivots allowed without progress
 
 double largest_of(const std::vector<double>& x, int n) {
@@ -39,7 +39,8 @@ void ComplementaritySolver::reset() noexcept {
   changed_ = true;
 }
 
-/// Diagonal and factor of S, unless they are those at hand. False: the diagonal is not finite.
+/// Computes the diagonal and the factor of S unless they are stored. Returns false if the diagonal is not
+/// finite.
 bool ComplementaritySolver::know(const Symmetric& S) noexcept {
   if (options_.same_matrix && known_ == S.rows()) return true;
   if (!std::isfinite(S.diagonal().sum())) return false;
@@ -79,12 +80,12 @@ void ComplementaritySolver::drop(const Symmetric& S, int position) noexcept {
   if (active_set_.size() == 0) weight_.setZero();
 }
 
-/// w = S λ − r and its tolerance, for λ_P = on_set the minimiser on the active set. Rows that cannot be
-/// negative are left at 0. S is semidefinite, so for any μ whose f = S μ is known
+/// Computes w = S λ − r and its tolerance for λ_P = on_set, the minimiser on the active set. Rows that cannot
+/// be negative are set to 0. S is semidefinite, so for any μ with a known f = S μ
 ///
 ///   |S_i λ − f_i| ≤ √S_ii ‖λ − μ‖,   ‖λ − μ‖² = λᵀSλ − 2 λᵀf + μᵀf,   λᵀSλ = λᵀr up to the tolerance of w;
 ///
-/// μ is the λ for which all rows were last evaluated, or 0. False: not finite.
+/// μ is the λ for which all rows were last evaluated, or 0. Returns false if a value is not finite.
 bool ComplementaritySolver::evaluate(const Symmetric& S, const Right& r,
                                      const std::vector<double>& on_set) noexcept {
   const int n = static_cast<int>(r.size()), p = active_set_.size();
@@ -109,7 +110,7 @@ bool ComplementaritySolver::evaluate(const Symmetric& S, const Right& r,
         !active_set_.contains(i))
       rows_.push_back(i);
 
-  if (4 * rows_.size() > static_cast<std::size_t>(n)) {  // a row gathered costs about four of whole columns
+  if (4 * rows_.size() > static_cast<std::size_t>(n)) {  // a gathered row costs about four times as much
     auto push = seen_.push.head(n);
     push.setZero();
     int k = 0;
@@ -139,7 +140,7 @@ bool ComplementaritySolver::evaluate(const Symmetric& S, const Right& r,
   return std::isfinite(w.sum());
 }
 
-/// leaving_: positions with λ < 0; entering_: indices with w < 0.
+/// Sets leaving_ to the positions with λ < 0 and entering_ to the indices with w < 0.
 void ComplementaritySolver::find_infeasible(int n) noexcept {
   const double least = -negative * largest_of(z_, active_set_.size());
   leaving_.clear();
@@ -150,7 +151,8 @@ void ComplementaritySolver::find_infeasible(int n) noexcept {
     if (w_[i] < -tolerance_ && !active_set_.contains(i)) entering_.push_back(i);
 }
 
-/// Cuts the lists down to the pivots left: tension goes first, then the deepest come in.
+/// Shortens both lists to the remaining pivots. Indices in tension leave first; those with the deepest
+/// penetration enter.
 void ComplementaritySolver::cut_to_budget() noexcept {
   const auto left = static_cast<std::size_t>(left_);
   if (leaving_.size() > left) leaving_.resize(left);
@@ -161,9 +163,9 @@ void ComplementaritySolver::cut_to_budget() noexcept {
   entering_.resize(enter);
 }
 
-/// Block principal pivoting from the active set at hand, after Kostreva 1978 and Júdice & Pires 1994: every
-/// infeasible index changes sides at once, as long as their number falls now and then. `solved` leaves λ_P in
-/// x_; `no_solution` hands over to `descend`.
+/// Block principal pivoting from the current active set, after Kostreva 1978 and Júdice & Pires 1994: all
+/// infeasible indices change sides at once, as long as their number falls at least once in ten rounds. After
+/// `solved`, x_ contains λ_P. After `no_solution`, `descend` takes over.
 SolveStatus ComplementaritySolver::pivot(const Symmetric& S, const Right& r) noexcept {
   const int n = static_cast<int>(r.size());
   if (!stopped_) {
@@ -197,8 +199,9 @@ SolveStatus ComplementaritySolver::pivot(const Symmetric& S, const Right& r) noe
   }
 }
 
-/// From λ_P = x_ ≥ 0 to the minimiser on a subset of P where it is ≥ 0: steps towards it, dropping what
-/// reaches 0 first. False: no pivots left, x_ is as far as they went.
+/// Moves from λ_P = x_ ≥ 0 to the minimiser on a subset of P where it is not negative. Each step goes towards
+/// the minimiser and drops the index whose force reaches 0 first. Returns false if the pivots are used up; x_
+/// is then the last point reached.
 bool ComplementaritySolver::move_on_active_set(const Symmetric& S, const Right& r) noexcept {
   while (true) {
     active_set_.minimise(r, z_);
@@ -218,9 +221,9 @@ bool ComplementaritySolver::move_on_active_set(const Symmetric& S, const Right& 
   }
 }
 
-/// j depends on P (null direction d from `enter`): the objective falls without end along d until some λ_k is
-/// 0 and j takes its place. False: nothing blocks, so the problem has no solution. A slope within round-off
-/// refuses j instead.
+/// Called if j depends on P, with the null direction d from `enter`. The objective falls without bound along
+/// d until some λ_k reaches 0; j then takes its place. Returns false if no λ_k reaches 0, because the problem
+/// then has no solution. A slope within round-off refuses j instead.
 bool ComplementaritySolver::exchange(const Symmetric& S, int j) noexcept {
   const std::vector<double>& d = active_set_.null_direction();
   double length = 1;
@@ -231,7 +234,8 @@ bool ComplementaritySolver::exchange(const Symmetric& S, int j) noexcept {
   }
   int blocking = -1;
   double reach = std::numeric_limits<double>::infinity();
-  // The swap changes the determinant of S_PP by the factor d_k²: a small d_k blocks only where no other does.
+  // The exchange multiplies the determinant of S_PP by d_k², so a small d_k is chosen only if there is no
+  // larger one.
   for (const double least : {1e-8, 1e-12}) {
     for (int k = 0; k < active_set_.size(); ++k)
       if (d[k] < -least * length && x_[k] < -d[k] * reach) {
@@ -247,16 +251,16 @@ bool ComplementaritySolver::exchange(const Symmetric& S, int j) noexcept {
   return enter(S, j, true);
 }
 
-/// Primal active set on the convex problem, after Lawson & Hanson 1974: feasible throughout, the objective
-/// strictly falling, hence finite; singular S by `exchange`. Where the pivots run out, λ_P and P wait for the
-/// next solve.
+/// Primal active-set method for the convex problem, after Lawson & Hanson 1974. All iterates are feasible and
+/// the objective falls strictly, so the method is finite. `exchange` handles singular S. If the pivots are
+/// used up, the next solve continues with λ_P and P.
 SolveStatus ComplementaritySolver::descend(const Symmetric& S, const Right& r) noexcept {
   const int n = static_cast<int>(r.size());
   ++statistics_.fallbacks;
   active_set_.minimise(r, z_);
   if (bounded()) offer(S, r, z_);
   if (!std::exchange(descending_, false)) {
-    // Start from the part of the active set that pushes.
+    // Start from the indices of the active set with positive forces.
     std::fill(refused_.begin(), refused_.begin() + n, char{0});
     entered_ = -1;
     std::copy(z_.begin(), z_.begin() + active_set_.size(), x_.begin());
@@ -267,7 +271,7 @@ SolveStatus ComplementaritySolver::descend(const Symmetric& S, const Right& r) n
       }
   }
 
-  const int most = 1000 + 50 * n;  // far beyond what falling objectives need: round-off alone could get there
+  const int most = 1000 + 50 * n;  // far more than a falling objective needs; only round-off could reach it
   bool regular = true;
   for (int round = 0; regular && round < most; ++round) {
     if (!move_on_active_set(S, r)) {
@@ -276,8 +280,8 @@ SolveStatus ComplementaritySolver::descend(const Symmetric& S, const Right& r) n
       return SolveStatus::limited;
     }
     if (entered_ >= 0) {
-      // Exactly, j grows from 0; where it was dropped at once, w_j was round-off. Any real progress reopens
-      // all cases.
+      // In exact arithmetic, λ_j grows from 0. If j was dropped at once, w_j was round-off, and j is refused.
+      // Any real progress readmits all refused indices.
       if (active_set_.contains(entered_))
         std::fill(refused_.begin(), refused_.begin() + n, char{0});
       else
@@ -307,8 +311,8 @@ SolveStatus ComplementaritySolver::descend(const Symmetric& S, const Right& r) n
   return SolveStatus::no_solution;
 }
 
-/// Remembers t x, x = max(on_set, 0), if its objective is the least so far. The t that is best,
-/// t = xᵀr / xᵀSx, makes λᵀw = 0 and F = −½ (xᵀr)² / xᵀSx < 0.
+/// Stores t x, with x = max(on_set, 0), if its objective is the lowest so far. The best t, xᵀr / xᵀSx, makes
+/// λᵀw = 0 and F = −½ (xᵀr)² / xᵀSx < 0.
 void ComplementaritySolver::offer(const Symmetric& S, const Right& r,
                                   const std::vector<double>& on_set) noexcept {
   double gain = 0, quadratic = 0;

@@ -15,40 +15,42 @@ namespace ricochet::contact {
 
 enum class SolveStatus {
   solved,
-  limited,      ///< max_pivots was reached: λ ≥ 0 and λᵀw = 0, but w ≥ 0 only to within residual()
+  limited,  ///< max_pivots was reached: λ ≥ 0 and λᵀw = 0, but w ≥ 0 holds only to within residual()
   no_solution,  ///< S is singular and r pushes along its null space: no λ closes the gap
-  not_finite,   ///< r, the diagonal of S or a column that is used holds a NaN or an infinity
+  not_finite,   ///< r, the diagonal of S or a column in use contains a NaN or an infinity
 };
 
 struct SolveOptions {
-  /// All problems are of one matrix S: its factor is kept from one solve to the next, until reset().
+  /// Whether all problems have the same matrix S. Its factor is then kept from one solve to the next, until
+  /// reset().
   bool same_matrix = false;
-  /// Bound on the work of a solve: how many indices may change sides between the start and the answer. Each
-  /// costs O(p²), each round of them a product S_·P λ_P.
+  /// Bound on the work of a solve: the number of indices that may change sides. Each change costs O(p²), and
+  /// each round of changes costs a product S_·P λ_P.
   int max_pivots = std::numeric_limits<int>::max();
 };
 
 /// Violation of complementarity by the last answer; all 0 unless it was `limited`.
 struct SolveResidual {
   double violation = 0;  ///< max −w_i, in units of r
-  double scale = 0;      ///< |r|_∞ + ‖S_·P‖_∞ |λ|_∞, which the tolerance of w is relative to
-  double work = 0;       ///< |λᵀw|: round-off
+  double scale = 0;      ///< |r|_∞ + ‖S_·P‖_∞ |λ|_∞, to which the tolerance of w is relative
+  double work = 0;       ///< |λᵀw|, which is round-off
 };
 
-/// Passive statistics since construction.
+/// Statistics since construction. They do not influence the solver.
 struct SolveStatistics {
   std::int64_t problems = 0;
-  std::int64_t warm_hits = 0;  ///< solved by the active set of the problem before
+  std::int64_t warm_hits = 0;  ///< solved by the active set of the previous problem
   std::int64_t pivots = 0;     ///< indices that changed sides
-  std::int64_t fallbacks = 0;  ///< finite fallback entered
-  std::int64_t renewals = 0;   ///< factors computed again for another matrix, O(p³)
+  std::int64_t fallbacks = 0;  ///< solves that needed the primal active-set method
+  std::int64_t renewals = 0;   ///< factors recomputed for another matrix, O(p³) each
   std::int64_t limited = 0;    ///< stopped by max_pivots
   int max_active = 0;
 };
 
-/// Active set with warm start; block principal pivoting; a finite primal active-set method (strictly
-/// decreasing objective, singular active sets followed along their null direction) where those cycle or
-/// meet a singular active set. Allocates in the constructor only.
+/// Solves by block principal pivoting, which starts from the previous active set. If the pivoting cycles or
+/// meets a singular active set, a primal active-set method takes over. That method is finite, because the
+/// objective decreases strictly; it leaves singular active sets along their null direction. Only the
+/// constructor allocates.
 class ComplementaritySolver {
  public:
   /// @param capacity  largest problem size m
@@ -57,14 +59,16 @@ class ComplementaritySolver {
   /// @param S  (n,n) symmetric positive semidefinite, n ≤ capacity, both triangles
   /// @param r  (n)
   /// @param lambda  (n) out: λ ≥ 0, exactly 0 off the active set
-  /// Complementarity holds to round-off: w_i ≥ −tol, tol = 1e-13 (|r|_∞ + ‖S‖_∞ |λ|_∞); for a row that
-  /// depends on active rows, S_i = −Σ d_P S_P, tol is (1 + |d|_1) times that, because the error of λ_P
-  /// reaches w_i through d. With `limited`, F(λ) is no more than at 0 and than at the start's active set with
-  /// tension cut off, each scaled as is best; the next solve continues from there. Otherwise λ is 0.
+  /// Complementarity holds to round-off: w_i ≥ −tol with tol = 1e-13 (|r|_∞ + ‖S‖_∞ |λ|_∞). For a row that
+  /// depends on active rows, S_i = −Σ d_P S_P, tol is larger by the factor 1 + |d|_1, because the error of
+  /// λ_P reaches w_i through d.
+  /// With the status `limited`, F(λ) is at most F(0). It is also at most F at the minimiser on the initial
+  /// active set, after tension is cut off and the rest scaled optimally. The next solve continues from the
+  /// active set reached. If there is no solution or a value is not finite, λ is 0.
   SolveStatus solve(const Symmetric& S, const Eigen::Ref<const Eigen::VectorXd>& r,
                     Eigen::Ref<Eigen::VectorXd> lambda) noexcept;
 
-  /// Forget the warm start and, with `same_matrix`, the matrix.
+  /// Discards the warm start and, with `same_matrix`, the matrix.
   void reset() noexcept;
   const SolveStatistics& statistics() const { return statistics_; }
   const SolveResidual& residual() const { return residual_; }
@@ -87,31 +91,31 @@ class ComplementaritySolver {
   void offer(const Symmetric& S, const Right& r, const std::vector<double>& on_set) noexcept;
   void answer_with_best(const Symmetric& S, const Right& r, Eigen::Ref<Eigen::VectorXd> lambda) noexcept;
 
-  /// f = S μ for the λ_P = μ at which all rows were last evaluated.
+  /// The λ at which all rows were last evaluated, here called μ, with f = S μ.
   struct Seen {
     Eigen::VectorXd push;                       ///< (n) f
-    double sum = 0, square = 0, tolerance = 0;  ///< |μ|_1, μᵀf, of f
+    double sum = 0, square = 0, tolerance = 0;  ///< |μ|_1, μᵀf, tolerance of f
   };
 
   SolveOptions options_;
   SolveStatistics statistics_;
   SolveResidual residual_;
   ActiveSet active_set_;           ///< P
-  Eigen::Index known_ = 0;         ///< size of the matrix whose factor and diagonal are at hand
-  bool warm_ = false;              ///< P is that of a solved problem
-  bool stopped_ = false;           ///< the problem before was `limited`
-  bool descending_ = false;        ///< and that in `descend`: x_ is feasible
-  int entered_ = -1;               ///< index that `descend` let in last
-  bool changed_ = true;            ///< P, since heaviest_
-  int left_ = 0;                   ///< pivots
-  int fewest_ = 0, patience_ = 0;  ///< least number of infeasible indices; rounds left without a new one
+  Eigen::Index known_ = 0;         ///< size of the matrix whose factor and diagonal are stored
+  bool warm_ = false;              ///< P belongs to a solved problem
+  bool stopped_ = false;           ///< the previous problem was `limited`
+  bool descending_ = false;        ///< it stopped in `descend`, with x_ feasible
+  int entered_ = -1;               ///< index that entered last in `descend`
+  bool changed_ = true;            ///< whether P has changed since heaviest_ was computed
+  int left_ = 0;                   ///< remaining pivots
+  int fewest_ = 0, patience_ = 0;  ///< least number of infeasible indices; remaining rounds to reduce it
   std::vector<char> refused_;      ///< (n) dependent rows found consistent
   std::vector<double> z_, x_;      ///< (p) minimiser on the active set, current λ_P
-  std::vector<int> leaving_, entering_, rows_;  ///< positions in P, ascending; indices; rows of w at work
-  Eigen::VectorXd w_, weight_, root_;           ///< (n) w or 0 where it is not negative; Σ_P |S_ij|; √S_ii
+  std::vector<int> leaving_, entering_, rows_;  ///< positions in P, ascending; indices; rows of w to compute
+  Eigen::VectorXd w_, weight_, root_;  ///< (n) w, or 0 if it cannot be negative; Σ_P |S_ij|; √S_ii
   Seen seen_;
   double heaviest_ = 0;        ///< max weight_
-  double tolerance_ = 0;       ///< of w, for the λ last evaluated
+  double tolerance_ = 0;       ///< of w, for the last λ evaluated
   double best_objective_ = 0;  ///< F of the best feasible λ so far
   int best_count_ = 0;
   std::vector<int> best_index_;

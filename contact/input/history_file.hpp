@@ -8,9 +8,9 @@
 
 namespace ricochet::contact {
 
-/// Reads a text file with a time [s] and a factor a line, "t, factor", times ascending. Empty lines, lines
-/// that begin with '#', and a first line of names are skipped. Throws InputError, one line with the file and
-/// the line's number, on any other line.
+/// Reads a text file whose lines contain a time [s] and a factor, "t, factor", with ascending times. Empty
+/// lines, lines that begin with '#', and a first line of names are skipped. Any other line throws an
+/// InputError with the file and the line number.
 History read_history(const std::filesystem::path& path);
 
 }  // namespace ricochet::contact

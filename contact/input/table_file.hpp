@@ -8,7 +8,7 @@
 
 namespace ricochet::contact {
 
-/// Reads and validates. Throws InputError, one line.
+/// Reads and validates a table file. Throws a one-line InputError.
 Table read_table(const std::filesystem::path& path);
 
 }  // namespace ricochet::contact

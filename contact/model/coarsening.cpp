@@ -12,8 +12,8 @@ namespace {
 
 using Eigen::Index;
 
-/// Neighbours are no farther than this times the distance of the second nearest point: the two beside a point
-/// on a line, the six around one of a surface of equal triangles.
+/// Neighbours are at most this many times as far away as the second nearest point. These are the two points
+/// on either side on a line, and the six around a point of a surface of equal triangles.
 constexpr double reach = 1.4;
 
 double reach_of(const Matrix& at, Index i, Index first, Index count) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Loads, moving supports and receivers, from each body's kernel to the stacked model.
+// Loads, moving supports and receivers, from the kernel of each body to the stacked model.
 #include <algorithm>
 
 #include "base/format.hpp"
@@ -16,7 +16,7 @@ auto matrix(const std::vector<double>& values, Eigen::Index rows, Eigen::Index c
   return Eigen::Map<const Matrix>(values.data(), rows, columns);
 }
 
-/// The kernel's entry of this name, and its place.
+/// Returns the index of the kernel's entry of this name.
 template <class Entry>
 std::size_t place_of(const std::vector<Entry>& entries, const ForcingRequest& request, const char* what) {
   const auto found =
@@ -29,8 +29,8 @@ std::size_t place_of(const std::vector<Entry>& entries, const ForcingRequest& re
       request.body, request.name, names.empty() ? "none" : names));
 }
 
-/// A support that is displaced at t = 0 has been so for ever; later, a jump would be a shock of infinite
-/// energy.
+/// Throws InputError if a support jumps after t = 0, because that would be a shock of infinite energy. A
+/// support that is displaced at t = 0 counts as having had this displacement always.
 void refuse_jump(const ForcingRequest& request) {
   if (request.history.time.front() <= 0 || request.history.value.front() == 0) return;
   throw InputError(base::format(
@@ -48,7 +48,7 @@ Vector share_of_a(const Model& model, int k, const Vector& u) {
   return out;
 }
 
-/// Columns of a load or motion in a receiver's residual: three for each load, or each motion.
+/// Displacement of a receiver by its residual, which has three columns for each load or each motion.
 Vector3d column(const std::vector<double>& residual, const Model::Forcing& one, const Vector3d& along) {
   if (residual.empty()) return Vector3d::Zero();
   return matrix(residual, 3, residual.size() / 3).middleCols(3 * one.entry, 3) * along;
@@ -131,7 +131,7 @@ void refuse_overlap(const Model& model) {
   for (const Model::Forcing& one : model.forcing)
     if (one.support) lifted += one.history.at(0) * one.displacement;
   const double depth = lifted.size() > 0 ? (lifted - model.gap).maxCoeff() : 0;
-  // 1e-9: of the lift, above the round-off of modes that sum up to it
+  // 1e-9: of the lift: above the round-off of the sum over modes
   if (depth > 1e-9 * lifted.cwiseAbs().maxCoeff())
     throw InputError(
         base::format("loads.motion: supports displaced at t = 0 press the bodies {:.6g} m into each other "

@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Share of the kinetic energy of a rigid velocity that the rigid modes may miss by round-off of the
+/// Share of the kinetic energy of a rigid velocity that the rigid modes may miss because of round-off in the
 /// eigensolver.
 constexpr double rigid_slack = 1e-6;
 
@@ -45,7 +45,8 @@ Model::BodyBlock block_of(const PlacedBody& body, int first_mode, const Vector3d
   return block;
 }
 
-/// v_n = φ_nᵀ M v for the modes with ω_n = 0: exact, as these span the rigid motions that the supports leave.
+/// v_n = φ_nᵀ M v for the modes with ω_n = 0. This is exact, because these modes span the rigid motions that
+/// the supports leave free.
 Vector rigid_velocity(const PlacedBody& body, const Model::BodyBlock& block) {
   Vector out = Vector::Zero(block.modes);
   if (body.velocity.isZero(0)) return out;
@@ -63,8 +64,8 @@ Vector rigid_velocity(const PlacedBody& body, const Model::BodyBlock& block) {
   return out;
 }
 
-/// By number on the whole surface, the index of a candidate in the kernel, or −1; empty: the kernel holds
-/// all.
+/// Index in the kernel of each candidate of the whole surface, or −1. Empty if the kernel contains all
+/// candidates.
 std::vector<int> held_candidates(const kernels::Surface& surface) {
   if (!surface.whole) return {};
   std::vector<int> out(surface.whole->area.size(), -1);
@@ -81,8 +82,8 @@ std::vector<int> held_candidates(const kernels::Surface& surface) {
       body.name == request.a ? request.b : request.a));
 }
 
-/// P (m, cM) with u = Σ_bodies P · (displacement of the body's candidates in its own frame): a's rows are n,
-/// b's −n W.
+/// Returns P (m, cM) with u = Σ_bodies P · (displacement of the candidates of the body in its own frame).
+/// Rows contain n for body a and −n W for body b.
 Selection selection(const PlacedBody& body, int index, const std::vector<ContactPair>& pairs, int points) {
   const kernels::Surface& surface = body.kernel->surface;
   const int c = surface.components;
@@ -96,7 +97,7 @@ Selection selection(const PlacedBody& body, int index, const std::vector<Contact
       const auto add = [&](int number, double weight) {
         const int candidate = held.empty() ? number : held[number];
         if (candidate < 0) refuse_missing(body, pair.request, number);
-        if (c == 1)  // pairing has made sure that n is ± the stored direction
+        if (c == 1)  // check_component ensures that n is ± the stored direction
           entries.emplace_back(
               row, candidate,
               std::copysign(weight, weight * n.dot(Eigen::Map<const Vector3d>(surface.direction->data()))));

@@ -3,7 +3,7 @@
 //
 // Modes of all bodies are stacked in q (N); paired candidates of all pairs are stacked in i (m).
 //   u = B q + s − R λ     relative normal displacement, positive when a gap closes
-//   s                     static correction of the loads, and the static lift of moving supports
+//   s                     static correction of the loads, plus the static lift of moving supports
 //   u_i ≤ g_i             impenetrability,   λ_i ≥ 0 compressive force [N],   modal force of contact −Bᵀ λ
 #pragma once
 
@@ -20,7 +20,7 @@
 
 namespace ricochet::contact {
 
-/// (m, cM) of one body: u = Σ_bodies P · (displacement of its candidates in its own frame).
+/// P (m, cM) of one body, with u = Σ_bodies P · (displacement of its candidates in its own frame).
 using Selection = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
 /// A load or a moving support of the scene: `vector` times a history.
@@ -28,7 +28,7 @@ struct ForcingRequest {
   std::string body;
   std::string name;                                  ///< of the load, or of the motion, in the kernel
   bool support = false;                              ///< whether it is a moving support
-  Eigen::Vector3d vector = Eigen::Vector3d::Zero();  ///< world; [Pa] or [N] of a load, [m] of a support
+  Eigen::Vector3d vector = Eigen::Vector3d::Zero();  ///< world axes; load: [Pa] or [N], support: [m]
   History history{};
 };
 
@@ -39,12 +39,12 @@ struct Model {
   Vector q0, v0;        ///< initial modal displacement (0) and velocity (rigid), [kg^1/2 m], [kg^1/2 m/s]
   // contact points (m)
   Matrix B;  ///< (m,N) [kg^-1/2]
-  Matrix R;  ///< (m,m) [m/N]; zero if the kernels hold none
+  Matrix R;  ///< (m,m) [m/N]; zero if the kernels contain none
   bool has_residual = false;
   Vector gap;                       ///< (m) g [m]
   Vector static_displacement;       ///< (m) constant part of s, due to gravity [m]
-  Matrix R_a;                       ///< (m,m) share of R that belongs to body a of point i [m/N]
-  Vector static_a;                  ///< (m) share of static_displacement that belongs to body a [m]
+  Matrix R_a;                       ///< (m,m) share of body a of point i in R [m/N]
+  Vector static_a;                  ///< (m) share of body a in static_displacement [m]
   Vector area;                      ///< (m) [m²]
   Matrix point_a, point_b, normal;  ///< (m,3) world
 
@@ -67,13 +67,13 @@ struct Model {
 
   struct PairBlock {
     int first_point = 0, points = 0, unpaired = 0;
-    int a = 0, b = -1;            ///< indices of the bodies; b = −1: a half-space
-    std::optional<double> reach;  ///< [m] set if points beyond it were left out
+    int a = 0, b = -1;            ///< indices of the bodies; b = −1 for a half-space
+    std::optional<double> reach;  ///< [m] set if points beyond it were dropped
   };
   std::vector<PairBlock> pairs;
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
 
-  /// A load or a moving support for a history of value 1. Its modal vectors cover the modes of `body` only.
+  /// A load or a moving support, for a history of value 1. Its modal vectors cover only the modes of `body`.
   struct Forcing {
     std::string name;
     int body = 0;
@@ -82,11 +82,11 @@ struct Model {
     int entry = 0;                    ///< index of the load, or of the motion, in the kernel
     Eigen::Vector3d vector{0, 0, 0};  ///< world
     History history;
-    Vector force;                            ///< (modes) modal force of a load [kg^1/2 m/s²]; support: 0
-    Vector lift;                             ///< (modes) Γ of a support [kg^1/2 m]; load: 0
-    Vector displacement;                     ///< (m) quasi-static u: residual of a load, Ψ of a support [m]
-    Vector displacement_a;                   ///< (m) share of displacement that belongs to body a
-    Eigen::Vector3d total{0, 0, 0};          ///< resultant force of a load [N]; support: 0
+    Vector force;                    ///< (modes) modal force of a load [kg^1/2 m/s²]; 0 for a support
+    Vector lift;                     ///< (modes) Γ of a support [kg^1/2 m]; 0 for a load
+    Vector displacement;             ///< (m) quasi-static u: residual of a load, Ψ of a support [m]
+    Vector displacement_a;           ///< (m) share of body a in displacement
+    Eigen::Vector3d total{0, 0, 0};  ///< resultant force of a load [N]; 0 for a support
     Eigen::Vector3d lift_momentum{0, 0, 0};  ///< ∫ρΨ of a support, of its elastic modes and beyond [kg m]
   };
   std::vector<Forcing> forcing;
@@ -111,13 +111,12 @@ struct Model {
   Eigen::Vector3d angular_momentum(int body, const Vector& v, double t) const;
 };
 
-/// Stacks placed bodies, in their order, and their pairs. Throws InputError when a kernel does not hold a
-/// paired candidate, for a load or motion that the kernel of its body lacks, and for a support that would
-/// jump or that makes bodies overlap at the start.
+/// Stacks placed bodies and their pairs, in their order. Throws InputError if a kernel omits a paired
+/// candidate or lacks a load or motion, or if a support would jump or makes bodies overlap at the start.
 Model build_model(const Placement& placement, const Eigen::Vector3d& gravity,
                   const std::vector<ForcingRequest>& forcing = {});
 
-/// Places the bodies first. Throws InputError as `place` does, too.
+/// Places the bodies first. Also throws InputError as `place` does.
 inline Model build_model(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& obstacles,
                          const std::vector<PairRequest>& pairs, const Eigen::Vector3d& gravity,
                          const std::vector<ForcingRequest>& forcing = {}) {

@@ -22,12 +22,12 @@ void write_integer(Writer& file, const std::string& name, std::int64_t value) {
   file.write<std::int64_t>(name, std::vector{value}, {1}, "");
 }
 
-/// FCLIB reads a text of fixed length that ends with a zero.
+/// FCLIB reads texts of fixed length that end with a zero.
 void write_text(Writer& file, const std::string& name, const std::string& text) {
   file.write_strings(name, {text + '\0'});
 }
 
-/// W by compressed rows.
+/// Writes W in compressed rows.
 void write_matrix(Writer& file, const Eigen::MatrixXd& S) {
   const Eigen::Index m = S.rows();
   const double tangential = S.diagonal().mean();

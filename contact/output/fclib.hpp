@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The complementarity problems of a run as files of FCLIB, a collection of contact problems in HDF5 that
-// other nonsmooth solvers read (Acary et al. 2014; github.com/FrictionalContactLibrary/fclib, fclib.h).
+// Writes the complementarity problems of a run as files of FCLIB, a collection of contact problems in HDF5
+// that other nonsmooth solvers read (Acary et al. 2014; github.com/FrictionalContactLibrary/fclib, fclib.h).
 //
 //   FCLIB, local problem:  u = W r + q,  K* ∋ u ⟂ r ∈ K,  a friction cone for each contact
 //   here:                  w = S λ − (û − g),  0 ≤ w ⟂ λ ≥ 0,  W = S and q = g − û in the normal rows, μ = 0
 //
-// A contact has three rows in FCLIB, normal first. Without friction the two others are not coupled to
-// anything; they have the mean of S's diagonal on theirs, so that W is as definite as S, and answer with 0.
+// A contact has three rows in FCLIB, the normal one first. Without friction, the other two are not coupled to
+// any row. Their diagonal entry is the mean diagonal of S, so that W is as definite as S, and their solution
+// is 0.
 #pragma once
 
 #include <filesystem>
@@ -21,17 +22,17 @@ struct ProblemOptions {
   std::filesystem::path folder;  ///< created if missing
   std::string name;              ///< files are <name>-i<step>-<points>.hdf5
   std::string title;
-  int every = 1;  ///< writes every n-th of the steps with contact, beginning with the first
+  int every = 1;  ///< writes every n-th step with contact, beginning with the first
 };
 
-/// Watches a run of the compliant scheme. `observe` is called after each step.
+/// Observes a run of the compliant scheme. Call `observe` after each step.
 class ProblemFiles {
  public:
   /// `model` must outlive this object. Throws InputError if the folder cannot be created.
   ProblemFiles(const Model& model, const StepOptions& step, ProblemOptions options);
 
-  /// Writes the step's problem and its solution, where it has a force and was solved to the end (not cut
-  /// short by max_pivots). Throws InputError if the file cannot be written.
+  /// Writes the problem of the step and its solution if the step has a force and max_pivots did not cut the
+  /// solve short. Throws InputError if the file cannot be written.
   void observe(const Stepper& stepper);
 
   int written() const { return written_; }

@@ -16,11 +16,11 @@ namespace {
 
 // Bounds beyond which linear elasticity with pairs fixed in the reference configuration does not model the
 // impact.
-constexpr double fastest_share = 0.02;        // of the wave speed: strains of per cents
-constexpr double farthest_share = 0.5;        // of the spacing: the neighbour would be the nearer candidate
+constexpr double fastest_share = 0.02;  // of the wave speed: strains of a few per cent
+constexpr double farthest_share = 0.5;  // of the spacing: beyond it, a neighbour is the nearer candidate
 constexpr double largest_rotation_deg = 5.0;  // linear rotations lengthen a body by 1 − cos, 0.4 % here
 
-/// Smallest distance of two corners of one surface element; infinite for rods.
+/// Smallest distance between two corners of a surface element; infinite for rods.
 /// @param surface  kernels::Surface or kernels::WholeSurface
 template <class Any>
 double spacing_of(const Any& surface) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Whether a run stays within linear elasticity with pairs fixed in the reference configuration.
+// Checks whether a run stays within linear elasticity with pairs fixed in the reference configuration.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@
 
 namespace ricochet::contact {
 
-/// Mass-mean displacement and rotation (or their rates) of a body. Supported bodies have none.
+/// Mass-mean displacement and rotation (or their rates) of a body; 0 for supported bodies.
 struct RigidMotion {
   Eigen::Vector3d linear{0, 0, 0}, rotation{0, 0, 0}, centre{0, 0, 0};
   Eigen::Vector3d at(const Eigen::Vector3d& x) const { return linear + rotation.cross(x - centre); }
@@ -23,22 +23,23 @@ RigidMotion rigid_motion(const Model::BodyBlock& body, const Eigen::Matrix3d& in
 /// Pseudo-inverse of an inertia tensor, because rods have no inertia about their axis, or none at all.
 Eigen::Matrix3d pseudo_inverse(const Eigen::Matrix3d& inertia);
 
-/// A warning if `body` turned by more than linear rotations allow.
+/// Returns a warning if `body` turned by more than linear rotations allow.
 /// @param angle  [rad], while touching
 std::optional<std::string> rotation_warning(const std::string& body, double angle);
 
-/// A warning if points that `reach` left out may touch.
-/// @param nearer  by how much the bodies of the pair approached each other [m]
+/// Returns a warning if points that `reach` dropped may touch.
+/// @param nearer  distance by which the bodies of the pair approached each other [m]
 std::optional<std::string> reach_warning(const Model& model, const Model::PairBlock& pair, double nearer);
 
 class LinearityCheck {
  public:
-  /// @param wave_speed  smallest √(E/ρ) of the bodies [m/s]; 0: unknown, no warning on fast impacts
-  /// `model` outlives the check.
+  /// @param wave_speed  smallest √(E/ρ) of the bodies [m/s]; 0 if unknown, without a warning on fast impacts
+  /// `model` must outlive the check.
   LinearityCheck(const Model& model, double wave_speed);
 
-  /// Call it after each step with a force. @param before  (N) q̇ at its start @param first  the first such
-  /// step of a run
+  /// Call it after each step with a force.
+  /// @param before  (N) q̇ at the start of the step
+  /// @param first  whether this is the first such step of the run
   void observe(const Stepper& stepper, const Vector& before, bool first);
 
   std::vector<std::string> warnings() const;
@@ -52,7 +53,7 @@ class LinearityCheck {
   std::vector<double> nearer_;        ///< by pair, farthest rigid approach of its points [m]
   double slip_ = 0, slip_share_ = 0;  ///< worst tangential motion [m] and its share of the spacing
   double tilt_ = 0;                   ///< largest rotation of a free body while touching [rad]
-  std::string tilted_;                ///< that body
+  std::string tilted_;                ///< name of that body
 };
 
 }  // namespace ricochet::contact

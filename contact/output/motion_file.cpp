@@ -30,7 +30,7 @@ void write(base::hdf5::Writer& file, const std::string& dataset, const Values& x
              Values::ColsAtCompileTime == 1 ? Shape{rows} : Shape{rows, columns}, unit);
 }
 
-/// The one candidate of each of a pair's points; −1 where there are several, as of widened patches.
+/// The candidate of each point of a pair, or −1 if the point has several, as coarsened patches do.
 std::vector<int> candidates_of(const Selection& selection, const Model::PairBlock& pair, int components) {
   std::vector<int> out;
   for (int i = pair.first_point; i < pair.first_point + pair.points; ++i) {
@@ -163,7 +163,7 @@ std::filesystem::path MotionFile::xdmf() const { return with(stem_, ".xdmf"); }
 
 void MotionFile::commit() {
   write(file_, "/time", Vector(Eigen::Map<const Vector>(time_.data(), time_.size())), "s");
-  // One of an earlier run would misread the new data.
+  // An .xdmf of an earlier run would not match the new data.
   std::error_code ignored;
   std::filesystem::remove(xdmf(), ignored);
   file_.commit();

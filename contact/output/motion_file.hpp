@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Streams the motion of the bodies' surfaces and the contact forces into <stem>.h5, with <stem>.xdmf for
-// ParaView beside it (FORMAT.md). Both files get their final names when they are complete.
+// Streams the motion of the surfaces of the bodies and the contact forces into <stem>.h5, with <stem>.xdmf
+// for ParaView beside it (FORMAT.md). Both files get their final names when they are complete.
 //
 //   MotionFile motion(stepper, model, {.stem = "out/two-disks.motion", .every = 8});
 //   while (…) { stepper.step(); motion.record(stepper); }
@@ -24,13 +24,14 @@ struct MotionOptions {
   std::filesystem::path stem;  ///< path of both files without .h5 and .xdmf
   std::string title{}, created_by{};
   std::vector<std::string> pairs{};  ///< one name per pair of the model
-  std::int64_t every = 1;            ///< steps from one frame to the next
+  std::int64_t every = 1;            ///< number of steps between frames
 };
 
 class MotionFile {
  public:
-  /// Makes the file and writes the frame of `start`, a stepper that has not stepped. Every body's kernel
-  /// has a view. `model` outlives the file. Throws InputError if the file cannot be created.
+  /// Creates the file and writes the frame of `start`, a stepper that has made no steps. The kernel of every
+  /// body must have a visualisation surface, and `model` must outlive the file. Throws InputError if the file
+  /// cannot be created.
   MotionFile(const Stepper& start, const Model& model, const MotionOptions& options);
 
   /// Writes bodies at rest as one frame at t = 0. Throws as above.
@@ -49,10 +50,10 @@ class MotionFile {
   struct Patch {
     std::string name;
     const Model::PairBlock* pair = nullptr;
-    int corners = 1;                    ///< of an element: 1 where points make no surface
+    int corners = 1;                    ///< per element: 1 if the points form no surface
     std::vector<std::int64_t> element;  ///< by point of the pair
-    std::vector<SurfacePoint> place;    ///< of a's visualisation surface, closest to each point
-    Matrix offset;                      ///< (points,3) of each point from that point, at the start [m]
+    std::vector<SurfacePoint> place;    ///< closest point of the visualisation surface of a, for each point
+    Matrix offset;  ///< (points,3) from that closest point to the contact point, at the start [m]
   };
 
   MotionFile(const Model& model, const StepOptions& step, const MotionOptions& options);

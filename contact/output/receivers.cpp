@@ -31,7 +31,7 @@ void Receivers::observe(const Stepper& stepper) noexcept {
   update(stepper.time(), stepper.modal()->q, stepper.modal()->v, stepper.force());
 }
 
-/// q̈ = f + F h − Bᵀ λ − 2δ q̇ − ω² q; impulses act at the instant before.
+/// q̈ = f + F h − Bᵀ λ − 2δ q̇ − ω² q; impulses have already acted.
 void Receivers::update(double t, const Vector& q, const Vector& v, const Vector& force) noexcept {
   if (receivers_.empty()) return;
   acceleration_ = model_.load;

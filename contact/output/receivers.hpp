@@ -13,8 +13,8 @@ namespace ricochet::contact {
 /// Motion of one receiver, in world axes.
 struct ReceiverMotion {
   Eigen::Vector3d displacement{0, 0, 0};  ///< of the modes and of all static corrections [m]
-  Eigen::Vector3d velocity{0, 0, 0};      ///< of the modes, the supports and the loads that change [m/s]
-  /// The share of the modes [m/s²]. At an impulse and at a kink of a support's history, where it is
+  Eigen::Vector3d velocity{0, 0, 0};      ///< of the modes, the supports and the loads that vary [m/s]
+  /// The share of the modes [m/s²]. At an impulse and at a knot of a support's history, where it is
   /// undefined, the value just after.
   Eigen::Vector3d acceleration{0, 0, 0};
 };

@@ -84,7 +84,7 @@ Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOp
   make_model_rows();
   if (step.scheme == Scheme::at_rest) return;
   if (step.scheme == Scheme::compliant)
-    // Steps move modes above half the rate into R and s; a's share of them follows.
+    // Steps move modes above half the rate into R and s; add the share of body a.
     for (Eigen::Index n = 0; n < model.omega.size(); ++n)
       if (!sampled(model.omega(n), step.step)) {
         const double stiffness = model.omega(n) * model.omega(n);
@@ -105,7 +105,7 @@ Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOp
 Recorder::Recorder(const Model& model, const Equilibrium& equilibrium, const RecorderOptions& options)
     : Recorder(model, {.scheme = Scheme::at_rest}, options) {
   const Vector rest = Vector::Zero(model.omega.size());
-  push(equilibrium.force, 1);  // for a second, in which momentum does not change
+  push(equilibrium.force, 1);  // for one second, in which momentum does not change
   bodies_row(rest, 0, 1);
   energy_row(equilibrium.energy);
   persistency_->append(0);
@@ -212,7 +212,7 @@ void Recorder::record(const Stepper& stepper) {
   receivers_row(t);
 }
 
-/// The impulses of contact on the bodies while `force` (m) lasts for `duration` [s].
+/// Adds the impulses that `force` (m) exerts on the bodies in `duration` [s].
 void Recorder::push(const Vector& force, double duration) {
   for (const Model::PairBlock& pair : model_->pairs) {
     const Vector3d impulse = duration * model_->normal.middleRows(pair.first_point, pair.points).transpose() *
@@ -222,7 +222,7 @@ void Recorder::push(const Vector& force, double duration) {
   }
 }
 
-/// `from`: the time of the row before, `to` in the first one.
+/// @param from  time of the previous row, or `to` in the first row
 void Recorder::bodies_row(const Vector& v, double from, double to) {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const Model::BodyBlock& body = model_->bodies[k];
@@ -273,7 +273,8 @@ void Recorder::contact_row(double time, const Vector& u, const Vector& force) {
   append(contact_.gap, gap_ - u);
 }
 
-/// u = n·u_a − n·u_b, and n·u_a = B_a q + s_a − R_a λ with the share of the forcing in s_a and its rate.
+/// u = n·u_a − n·u_b, and n·u_a = B_a q + s_a − R_a λ where s_a and its rate include the share of the
+/// forcing.
 void Recorder::sides_row(double time, const Vector& q, const Vector& v, const Vector& u,
                          const Vector& force) {
   Vector u_a = B_a_ * q + s_a_ - R_a_ * force;
@@ -287,7 +288,7 @@ void Recorder::sides_row(double time, const Vector& q, const Vector& v, const Ve
   }
   Vector u_b = u_a - u, v_b = v_a - v_relative;
   for (const Model::PairBlock& pair : model_->pairs)
-    if (pair.b < 0) {  // a half-space stays where it is
+    if (pair.b < 0) {  // a half-space does not move
       u_a.segment(pair.first_point, pair.points) = u.segment(pair.first_point, pair.points);
       u_b.segment(pair.first_point, pair.points).setZero();
       v_b.segment(pair.first_point, pair.points).setZero();
@@ -298,7 +299,8 @@ void Recorder::sides_row(double time, const Vector& q, const Vector& v, const Ve
   append(contact_.velocity_b, v_b);
 }
 
-/// Coordinates of the whole motion, Φᵀ M u: those relative to the lift and the lift's own, Γ ū.
+/// Writes the coordinates of the whole motion, Φᵀ M u: those relative to the lift plus those of the lift, Γ
+/// ū.
 void Recorder::snapshot_row(double time, const Vector& q) {
   snapshot_time_->append(time);
   for (std::size_t k = 0; k < bodies_.size(); ++k) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Streams a run into a result file (FORMAT.md). The file has its final name only once it is whole.
+// Streams a run into a result file (FORMAT.md). The file gets its final name only when it is complete.
 //
 //   Recorder recorder(model, step_options, {.path = "out/two-disks.result.h5", …});
 //   while (…) { stepper.step(); recorder.record(stepper); }
@@ -27,35 +27,35 @@ struct RecorderOptions {
   std::string title{}, scene{};             ///< scene: resolved TOML
   std::string created_by{};                 ///< program and version
   std::vector<std::string> kernel_files{};  ///< by body of the model
-  std::int64_t every = 1;                   ///< a row each n-th step
-  std::int64_t snapshot_every = 0;          ///< modal coordinates each n-th step; 0: none
+  std::int64_t every = 1;                   ///< writes a row every n-th step
+  std::int64_t snapshot_every = 0;          ///< writes modal coordinates every n-th step; 0 for never
 };
 
-/// Lower bound on the bytes of a result of `steps` steps: rows that are written during contact
-/// are not counted.
+/// Lower bound on the size of a result of `steps` steps [bytes]; rows that are written during contact are not
+/// counted.
 double least_bytes(const Model& model, const RecorderOptions& options, std::int64_t steps);
 
 class Recorder {
  public:
-  /// Makes the file and writes the row of t = 0. `model` outlives the recorder.
+  /// Creates the file and writes the row of t = 0. `model` must outlive the recorder.
   /// Throws InputError if the file cannot be created.
   Recorder(const Model& model, const StepOptions& step, const RecorderOptions& options);
 
   /// Creates the file and writes bodies at rest as one row at t = 0. Throws as above.
   Recorder(const Model& model, const Equilibrium& equilibrium, const RecorderOptions& options);
 
-  /// A run by table kernels. Energies, the motion of the two sides and modal coordinates are not known; their
-  /// datasets are absent. `snapshot_every` is not used.
-  /// @param source  the model that the table was sampled from, for places and normals, or null
+  /// Records a run by table kernels. Energies, the motion of the two sides and modal coordinates are not
+  /// known; their datasets are absent. `snapshot_every` is not used.
+  /// @param source  the model from which the table was sampled, for points and normals, or null
   Recorder(const Table& table, const Model* source, const StepOptions& step, const RecorderOptions& options);
 
   /// Call it after each step of `stepper`; it applies `every`. Throws InputError if the disk is full.
   void record(const Stepper& stepper);
 
-  /// Motion of the model's receivers after the last step. Not with a table.
+  /// Motion of the receivers after the last step. Must not be called with a table.
   const Receivers& receivers() const { return *receivers_; }
 
-  /// Writes what is held back and gives the file its name. Nothing may be called after it.
+  /// Writes buffered rows and gives the file its final name. No member may be called afterwards.
   /// @param summary  summary of an earlier run; it is removed first, because a summary marks a complete run
   void commit(const std::filesystem::path& summary = {});
 

@@ -46,7 +46,7 @@ void SummaryObserver::add_model(const Model& model) {
   out_.candidates = static_cast<int>(model.gap.size());
 }
 
-/// Adds a step that ends at `time` to the figures that follow from the forces (m) alone.
+/// Adds a step that ends at `time` to the results that follow from the forces (m) alone.
 void SummaryObserver::count_forces(const Vector& force, double time) {
   const int active = static_cast<int>((force.array() > 0).count());
   const bool touched = std::exchange(touching_, active > 0);
@@ -104,7 +104,7 @@ void SummaryObserver::observe_energy(const Energy& energy) {
   energy_before_ = energy.kinetic + energy.strain;
 }
 
-/// By body, at the end of the step before, which was at `time`.
+/// Velocity of each body at the end of the previous step, at `time`.
 Matrix3Xd SummaryObserver::mean_velocities(double time) const {
   if (!model_) return before_.reshaped(3, std::ssize(bodies_));
   Matrix3Xd out(3, std::ssize(model_->bodies));
@@ -124,8 +124,8 @@ void SummaryObserver::push(const Vector& force) {
     }
 }
 
-/// Closing speed of the bodies along the impulse, supported bodies and obstacles at 0. None unless it is that
-/// of one pair.
+/// Closing speed of the bodies along the impulse, with supported bodies and obstacles at 0. Returns no value
+/// unless exactly one pair has an impulse.
 std::optional<double> SummaryObserver::closing_speed(const Matrix3Xd& velocity) const {
   if (model_) {
     const Eigen::RowVectorXd size = impulse_.colwise().norm();
@@ -138,7 +138,8 @@ std::optional<double> SummaryObserver::closing_speed(const Matrix3Xd& velocity) 
     if (pair.b >= 0 && !model_->bodies[pair.b].supported) relative -= velocity.col(pair.b);
     return relative.dot(impulse_.col(p).normalized());
   }
-  // Two bodies that others push too have unequal impulses. 1e-9: far above the round-off of a sum of steps.
+  // If other bodies push two bodies as well, their impulses are unequal. 1e-9 is far above the round-off of a
+  // sum of steps.
   const bool pair = impulse_.cols() == 2 && impulse_.rowwise().sum().norm() < 1e-9 * impulse_.norm();
   if (impulse_.cols() != 1 && !pair) return {};
   const double size = impulse_.col(0).norm();

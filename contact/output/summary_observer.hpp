@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Gathers the figures of one run, step by step.
+// Gathers the main results of one run, step by step.
 #pragma once
 
 #include <optional>
@@ -11,21 +11,22 @@
 
 namespace ricochet::contact {
 
-/// Observes a run. `observe` is called after each step.
+/// Observes a run. Call `observe` after each step.
 class SummaryObserver {
  public:
-  /// @param wave_speed  smallest √(E/ρ) of the bodies [m/s], for the warning on fast impacts; 0: unknown, no
-  /// warning. `model` outlives the observer.
+  /// @param wave_speed  smallest √(E/ρ) of the bodies [m/s], for the warning on fast impacts; 0 if unknown,
+  ///                    without this warning
+  /// `model` must outlive the observer.
   SummaryObserver(const Model& model, double step, double wave_speed);
 
-  /// A run by table kernels: energies are not known, and no warnings are given. Restitution requires one free
-  /// body, or two that press on each other alone.
-  /// @param source  the model that the table was sampled from, or null
+  /// Observes a run by table kernels. Energies are not known, and there are no warnings. Restitution requires
+  /// one free body, or two that press only on each other.
+  /// @param source  the model from which the table was sampled, or null
   SummaryObserver(const Table& table, const Model* source, const StepOptions& options);
 
   void observe(const Stepper& stepper);
 
-  /// The times are the caller's to fill.
+  /// The caller must set the elapsed times.
   Summary summary() const;
 
  private:
@@ -42,13 +43,12 @@ class SummaryObserver {
   double step_;
   Summary out_;
   bool touching_ = false;
-  Vector
-      before_;  ///< rates at the end of the step before: (N) q̇, or (3·bodies) velocities of a table's bodies
-  Eigen::Matrix3Xd at_start_, at_end_;  ///< by body, mass-mean velocity when contact started, last ended
+  Vector before_;  ///< at the end of the previous step: (N) q̇, or (3·bodies) velocities with a table
+  Eigen::Matrix3Xd at_start_, at_end_;  ///< by body, mass-mean velocity when contact began and last ended
   Eigen::Matrix3Xd impulse_;            ///< Σ λ n Δ by pair; with a table by body [N s]
   std::optional<LinearityCheck> check_;
   double initial_ledger_ = 0, worst_ledger_ = 0, largest_energy_ = 0;
-  double energy_before_ = 0;  ///< kinetic + strain at the end of the step before
+  double energy_before_ = 0;  ///< kinetic + strain at the end of the previous step
   double energy_at_start_ = 0, energy_lost_ = 0;
 };
 

@@ -10,7 +10,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 using Eigen::VectorXf;
 
-/// (3V, columns) of a kernel's array, which may be empty.
+/// View (3V, columns) of an array of a kernel, which may be empty.
 auto columns_of(const std::vector<float>& values, Index rows) {
   using Values = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   return Eigen::Map<const Values>(values.data(), rows, rows > 0 ? values.size() / rows : 0);
@@ -49,7 +49,7 @@ VisualisationSurface::VisualisationSurface(const Model& model, int body, const S
   if (options.scheme == Scheme::compliant) add_dropped(options);
 }
 
-/// Steps move modes above half the rate into R and s; their effect on the surface follows.
+/// Adds the static effect of modes above half the rate, which steps move into R and s.
 void VisualisationSurface::add_dropped(const StepOptions& options) {
   for (Index i = 0; i < body_.modes; ++i) {
     const Index n = body_.first_mode + i;
@@ -68,7 +68,7 @@ const SurfaceMotion& VisualisationSurface::at(double t, const Vector& q, const V
   const Index rows = shape_.rows(), elastic = body_.modes - rigid_;
   const VectorXd own = q.segment(body_.first_mode, body_.modes),
                  rate = v.segment(body_.first_mode, body_.modes);
-  // A body may fly far: what its modes of frequency 0 do is summed in double precision.
+  // A body may fly far, so the motion of its rigid modes is summed in double precision.
   const Eigen::MatrixXd rigid_shape = shape_.leftCols(rigid_).cast<double>();
   VectorXf deformation = constant_, velocity = shape_.rightCols(elastic) * rate.tail(elastic).cast<float>();
   deformation.noalias() += shape_.rightCols(elastic) * own.tail(elastic).cast<float>();
@@ -97,7 +97,7 @@ std::vector<SurfacePoint> VisualisationSurface::closest(const Eigen::Ref<const M
   for (std::size_t i = 0; i < view_.node.size(); i += 3) {
     surface.node.push_back(body_.rotation * Eigen::Map<const Eigen::Vector3d>(&view_.node[i]) +
                            body_.translation);
-    surface.normal.push_back(Eigen::Vector3d::UnitX());  // any: nothing depends on it here
+    surface.normal.push_back(Eigen::Vector3d::UnitX());  // arbitrary; it is not used here
   }
   const auto k = static_cast<std::size_t>(surface.corners);
   for (std::size_t e = 0; e + k <= view_.element.size(); e += k) {

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The motion of a body's visualisation surface: x = Q (x_0 + φ q + r) + t, in single precision.
 //
-// r is the static correction under contact, gravity, loads and supports, the same as
-// that of receivers.
+// r is the static correction under contact, gravity, loads and supports, as for receivers.
 #pragma once
 
 #include <array>
@@ -13,12 +12,12 @@
 
 namespace ricochet::contact {
 
-/// World axes; V nodes.
+/// The motion of V nodes, in world axes.
 struct SurfaceMotion {
   using Rows = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
   Rows position;     ///< (V,3) [m]
-  Rows deformation;  ///< (V,3) displacement without that of modes of frequency 0 [m]
-  Rows velocity;     ///< (V,3) of the modes, supports, and loads that change [m/s]
+  Rows deformation;  ///< (V,3) displacement without that of rigid modes [m]
+  Rows velocity;     ///< (V,3) of the modes, the supports and the loads that vary [m/s]
 };
 
 /// A point of a visualisation surface: nodes and their weights.
@@ -30,7 +29,7 @@ struct SurfacePoint {
 
 class VisualisationSurface {
  public:
-  /// The body's kernel must have a visualisation surface. `model` must outlive this object.
+  /// The kernel of the body must have a visualisation surface. `model` must outlive this object.
   VisualisationSurface(const Model& model, int body, const StepOptions& options);
 
   std::size_t nodes() const { return view_.node.size() / 3; }
@@ -39,7 +38,7 @@ class VisualisationSurface {
   /// @param q, v, force  (N), (N), (m) the state of a stepper at time t
   const SurfaceMotion& at(double t, const Vector& q, const Vector& v, const Vector& force);
 
-  /// The points of the surface closest to x (·,3) [m], with the bodies as placed.
+  /// Returns the points of the surface closest to x (·,3) [m], with the body in its initial placement.
   std::vector<SurfacePoint> closest(const Eigen::Ref<const Matrix>& x) const;
 
  private:
@@ -50,8 +49,8 @@ class VisualisationSurface {
   const Model::BodyBlock& body_;
   const kernels::View& view_;
   Eigen::Map<const Values> shape_;  ///< (3V,N)
-  Eigen::Index rigid_ = 0;          ///< modes of frequency 0, the first ones
-  Values flexibility_;              ///< (3V,m) by λ [m/N]; no columns where contact has no static part
+  Eigen::Index rigid_ = 0;          ///< number of rigid modes, which come first
+  Values flexibility_;              ///< (3V,m) by λ [m/N]; no columns if contact has no static part
   Eigen::VectorXf constant_;        ///< (3V) under gravity [m]
   Values forcing_;  ///< (3V,forcings) displacement for a history of value 1, in the order of of_body_
   std::vector<const Model::Forcing*> of_body_;

@@ -16,27 +16,29 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Normals at right angles to the direction still face along it: the ends of a half rim must not be lost.
+/// Normals perpendicular to the direction count as facing along it, so that the ends of a half rim are not
+/// lost.
 constexpr double facing_slack = 1e-6;
 
 /// Depths below this share of the bodies' size are round-off of a touching placement.
 constexpr double overlap_slack = 1e-12;
 
-/// Round-off of a point, relative to the largest coordinate that it was computed from: a turn and two sums.
+/// Round-off of a point, relative to the largest coordinate from which it was computed by a rotation and two
+/// sums.
 constexpr double place_slack = 16 * std::numeric_limits<double>::epsilon();
 
-/// Cosine between mutual normal and direction below which patches only glance: their gap stretches no
-/// further.
+/// Cosine between mutual normal and direction below which patches only graze each other; their gap is not
+/// stretched further.
 constexpr double steepest = 0.5;
 
-/// Depths and misses of a gap that mean nothing [m].
+/// Round-off of an overlap or a gap [m].
 double round_off_of(const WorldSurface& a, const WorldSurface& b) {
   return overlap_slack * size_of(a, b) + place_slack * std::max(a.farthest, b.farthest);
 }
 
-/// The gap along n between the means of the patches less that between their nodes: displacements are means,
-/// too. Lopsided patches stand off their nodes sideways; the surfaces meet across their mutual
-/// normal, so that only what lies along it separates them.
+/// The gap along n between the means of the patches minus that between their nodes, because displacements are
+/// means too. The mean of an asymmetric patch also lies sideways of its node. The surfaces face each other
+/// along their mutual normal, so only the part along that normal separates them.
 double between_means(const WorldSurface& a, std::size_t i, const WorldSurface& b, const Projection& y,
                      const Vector3d& n) {
   Vector3d apart = -a.offset[i];
@@ -51,7 +53,7 @@ std::string title(const PairRequest& request) {
 
 std::string text(const Vector3d& v) { return base::format("[{:.6g}, {:.6g}, {:.6g}]", v.x(), v.y(), v.z()); }
 
-/// A kernel of one component holds the motion along its own direction only.
+/// A kernel of one component contains only the motion along its own direction.
 void check_component(const PlacedBody& body, const std::optional<Vector3d>& normal,
                      const PairRequest& request) {
   const kernels::Surface& surface = body.kernel->surface;
@@ -64,7 +66,7 @@ void check_component(const PlacedBody& body, const std::optional<Vector3d>& norm
       title(request), body.name, text(own), normal ? text(*normal) : "each point's own normal", text(own)));
 }
 
-/// Pairs for a given position of a, before gap, reach and overlap are examined.
+/// Finds the pairs for a given position of a, before gap, reach and overlap are checked.
 Pairing find_pairs(const PlacedBody& a, const SurfaceProjection& onto,
                    const std::optional<Vector3d>& direction) {
   const WorldSurface& b = onto.surface();
@@ -128,7 +130,7 @@ void check_some(const Pairing& pairing, const PairRequest& request) {
                      title(request), request.a, request.b, pairing.unpaired, request.a));
 }
 
-/// Applies gap, overlap and reach. `find` pairs for a given position of a.
+/// Applies gap and reach, and checks overlap. `find` returns the pairs for a given position of a.
 template <class Find>
 Pairing arrange(PlacedBody a, const PairRequest& request, double round_off, Find find) {
   Pairing out = find(a);
@@ -140,7 +142,7 @@ Pairing arrange(PlacedBody a, const PairRequest& request, double round_off, Find
     for (const auto& point : out.points) way += point.area * point.normal;
     way = request.direction.value_or(way.normalized());
     Vector3d shift = Vector3d::Zero();
-    // Newton's method: with one direction the first round is exact; otherwise pairs change as a moves.
+    // Newton's method. With a given direction, the first round is exact; otherwise, pairs change as a moves.
     for (int round = 0;; ++round) {
       const Pairing::Point& nearest = closest_pair(out);
       const double excess = nearest.gap - *request.gap, rate = nearest.normal.dot(way);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// From two candidate surfaces in the world to contact pairs: which candidate projects onto which point,
-// along which normal, with which gap.
+// From two candidate surfaces in the world to contact pairs: for each candidate, its projection on the other
+// surface, the normal and the gap.
 #pragma once
 
 #include <Eigen/Dense>
@@ -16,7 +16,7 @@ namespace ricochet::contact {
 /// A kernel placed in the world: x_world = rotation · x_body + translation.
 struct PlacedBody {
   std::string name;
-  const kernels::Kernel* kernel = nullptr;  ///< outlives the model
+  const kernels::Kernel* kernel = nullptr;  ///< must outlive the model
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();  ///< [m]
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();     ///< initial, rigid [m/s]
@@ -39,29 +39,29 @@ struct PairRequest {
   bool operator==(const PairRequest&) const = default;
 };
 
-/// Candidates of a that face a point of b's surface (world frame, after `gap` has moved a). Candidates are
-/// numbered as on whole surfaces, whichever of them the kernels hold.
+/// Candidates of a that face a point of the surface of b (world frame, after `gap` has moved a). Candidates
+/// are numbered as on whole surfaces, regardless of which ones the kernels contain.
 struct Pairing {
   struct Point {
     int candidate = 0;             ///< of a
     Eigen::Vector3d a, b, normal;  ///< x_i, y_i [m], n_i out of a
     double gap = 0;                ///< g_i between the means of the patches, about n_i·(y_i − x_i) [m]
-    double area = 0;               ///< [m²], of a's patch
+    double area = 0;               ///< [m²], of the patch of a
     std::vector<std::pair<int, double>>
         weights;  ///< W: candidates of b around y_i; weights ≥ 0, sum 1; empty for a half-space
   };
   std::vector<Point> points;
-  int unpaired = 0;      ///< candidates of a dropped because they face nothing or lie beyond reach
-  int beyond_reach = 0;  ///< of these: beyond reach
-  Eigen::Vector3d shift = Eigen::Vector3d::Zero();  ///< how far `gap` moved a
+  int unpaired = 0;      ///< number of candidates of a that face nothing or lie beyond reach
+  int beyond_reach = 0;  ///< number of these that lie beyond reach
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero();  ///< translation of a due to `gap`
 };
 
-/// Pairs a's candidates with b's surface. With `direction`, along it; otherwise each point is projected along
-/// n_i = (n_a − n_b)/|n_a − n_b|, found by iteration from the closest point. A projection onto b is a point
-/// of its candidate mesh (triangles, segments, points); it may lie up to 1e-6 of the element's size beyond an
-/// edge. Pairs are found on whole surfaces, whichever candidates the kernels hold. Throws InputError when
-/// nothing faces anything, when bodies overlap (with the depth), and when a kernel holds one component only
-/// and the contact acts along another direction.
+/// Pairs the candidates of a with the surface of b. With `direction`, points are projected along it.
+/// Otherwise each point is projected along n_i = (n_a − n_b)/|n_a − n_b|, found by iteration from the closest
+/// point. A projection is a point of the candidate mesh of b (triangles, segments, points); it may lie up to
+/// 1e-6 of the element's size beyond an edge. Pairs are found on whole surfaces, regardless of which
+/// candidates the kernels contain. Throws InputError if no point faces the other surface, if bodies overlap
+/// (with the depth), or if a kernel contains only one component and the contact acts along another direction.
 Pairing pair(const PlacedBody& a, const PlacedBody& b, const PairRequest& request);
 Pairing pair(const PlacedBody& a, const HalfSpace& b, const PairRequest& request);
 

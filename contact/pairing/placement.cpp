@@ -18,9 +18,9 @@ int index_of(const std::string& name, const std::vector<PlacedBody>& bodies) {
 
 namespace {
 
-/// Throws InputError when the gap of another pair has moved one of the bodies again.
+/// Throws InputError if the gap of another pair has moved one of the bodies again.
 void check_gap(const Placement& placement, const ContactPair& pair) {
-  // A point is the sum of a placement and a mesh coordinate, and both may be far larger than the sum.
+  // A point is the sum of a translation and a mesh coordinate, and both may be far larger than the sum.
   const PairRequest& request = pair.request;
   double nearest = pair.pairing.points.front().gap,
          farthest = placement.bodies[pair.a].translation.cwiseAbs().maxCoeff();
@@ -41,7 +41,7 @@ void check_gap(const Placement& placement, const ContactPair& pair) {
 Placement place(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& obstacles,
                 const std::vector<PairRequest>& requests) {
   Placement out{std::move(bodies), {}};
-  std::vector<const HalfSpace*> obstacle;  // of each pair; null: a body
+  std::vector<const HalfSpace*> obstacle;  // of each pair; null if b is a body
   for (const PairRequest& request : requests) {
     out.pairs.push_back({request, index_of(request.a, out.bodies), index_of(request.b, out.bodies), {}});
     const ContactPair& pair = out.pairs.back();

@@ -10,24 +10,24 @@
 
 namespace ricochet::contact {
 
-/// Index of a body in the list; −1: not there.
+/// Index of a body in the list, or −1.
 int index_of(const std::string& name, const std::vector<PlacedBody>& bodies);
 
-/// A request with its names looked up, and its pairing.
+/// A request with the indices of its bodies and its pairing.
 struct ContactPair {
   PairRequest request;
-  int a = 0, b = -1;  ///< index into the bodies; b = −1: a half-space
+  int a = 0, b = -1;  ///< indices of the bodies; b = −1 for a half-space
   Pairing pairing;
 };
 
 struct Placement {
-  std::vector<PlacedBody> bodies;  ///< those whose pairs ask for a gap have been moved
+  std::vector<PlacedBody> bodies;  ///< after pairs with a gap have moved their body a
   std::vector<ContactPair> pairs;  ///< in the order of the requests
 };
 
-/// Moves the bodies whose pairs ask for a gap, then finds all pairs. Of the kernels only the surfaces are
-/// used. Throws InputError as `pair` does, for an unknown name, for a body that no pair names, and when two
-/// gaps cannot both be met.
+/// Moves the bodies whose pairs require a gap, then finds all pairs. Uses only the surfaces of the kernels.
+/// Throws InputError as `pair` does, for an unknown name, for a body that no pair names, and if two gaps
+/// contradict each other.
 Placement place(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& obstacles,
                 const std::vector<PairRequest>& requests);
 

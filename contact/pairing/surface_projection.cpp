@@ -11,11 +11,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A line meets an element up to this share of its size beyond the edges, so that none slips between two
-/// elements.
+/// A line intersects an element up to this share of the element's size beyond its edges, so that no line
+/// slips between two elements.
 constexpr double edge_slack = 1e-6;
 
-/// Change of n_i below which the search for a mutual normal has settled, and the one it must reach.
+/// Change of n_i at which the search for a mutual normal stops, and the largest change at which it may end.
 constexpr double settled = 1e-13, settled_enough = 1e-6;
 
 /// @param from  kernels::Surface or kernels::WholeSurface
@@ -45,7 +45,7 @@ WorldSurface placed(const PlacedBody& body, const From& from) {
   return to;
 }
 
-/// The point of these weights, clipped to [0, 1]. None where the corners' normals cancel.
+/// The point with these weights, clipped to [0, 1]; no value if the normals at the corners cancel.
 std::optional<Projection> projection(const WorldSurface& b, const WorldSurface::Element& element,
                                      std::array<double, 3> weight) {
   Projection out{Vector3d::Zero(), Vector3d::Zero(), element.corner, weight};
@@ -62,7 +62,7 @@ std::optional<Projection> projection(const WorldSurface& b, const WorldSurface::
   return out;
 }
 
-/// A line that passes an element's centre farther away does not meet it [m].
+/// A line that is farther than this from the centre of an element does not intersect it [m].
 double reach_of(const WorldSurface::Element& element) { return element.size * (1 + edge_slack); }
 
 /// The intersection of the line x + t d with an element.
@@ -132,16 +132,15 @@ std::array<double, 3> closest_weights(const WorldSurface& b, const WorldSurface:
 
 constexpr double none = std::numeric_limits<double>::max();
 
-/// The objective of Eigen::BVMinimize: the nearest projection, the first element's among equals.
-/// `bound`: lower bound of the distance within a box; `none` if the box holds no projection.
-/// `at`: the projection onto an element and its distance.
+/// The objective of Eigen::BVMinimize: finds the nearest projection, and among equally near ones that of the
+/// first element.
 template <class Bound, class At>
 struct Nearest {
   using Scalar = double;
   Nearest(Bound of_box, At of_element) : bound(of_box), at(of_element) {}
 
-  /// A little less, so that round-off hides neither a projection nor one at the distance of the nearest so
-  /// far.
+  /// Slightly below the bound, so that round-off hides neither a projection nor another one at the smallest
+  /// distance so far.
   double minimumOnVolume(const Eigen::AlignedBox3d& box) {
     const double least = bound(box);
     return least == none ? none : std::max(least, 0.0) * (1 - 1e-9) - std::numeric_limits<double>::min();
@@ -205,7 +204,7 @@ std::optional<Projection> SurfaceProjection::first_along(
       [&](const Eigen::AlignedBox3d& box) {
         const double slack = edge_slack * size;
         const Vector3d away = box.center() - x, half = box.sizes() / 2 + Vector3d::Constant(slack);
-        // Line and box are apart if they are so along d × e_k for one of the axes e_k.
+        // The line misses the box if d × e_k separates them for one of the axes e_k.
         for (int k = 0; k < 3; ++k) {
           const Vector3d side = d.cross(Vector3d::Unit(k));
           if (std::abs(side.dot(away)) > half.dot(side.cwiseAbs())) return none;

@@ -27,47 +27,51 @@ struct WorldSurface {
     bool operator==(const Element&) const = default;
   };
   std::vector<Element> element;
-  /// An element of these corners, whose nodes are there.
+  /// Adds an element with these corners, whose nodes must exist.
   void add(Element of_corners);
   double extent = 0;    ///< diagonal of the nodes' bounding box [m]
   double farthest = 0;  ///< largest |coordinate| of a node, in the world and in the body's own frame [m]
   bool operator==(const WorldSurface&) const = default;
 };
 
-/// A point on a candidate surface, by weights of an element's corners.
+/// A point on a candidate surface, given by weights of the corners of an element.
 struct Projection {
   Eigen::Vector3d point, normal;
   std::array<int, 3> corner{};
   std::array<double, 3> weight{};
 };
 
-/// All candidates of the body, also those that its kernel does not hold.
+/// All candidates of the body, including those that its kernel omits.
 WorldSurface surface_of(const PlacedBody& body);
 
-/// Reference length for round-off [m]. Rods have no extent: a metre and their distance from the origin count.
+/// Reference length for round-off [m]. Rods have no extent; for them it is a metre plus their distance from
+/// the origin.
 double size_of(const WorldSurface& a, const WorldSurface& b);
 
-/// Projects points onto a surface, searched through a tree of boxes around its elements. Among equally good
-/// projections the one on the first element counts.
+/// Projects points onto a surface by a search through a tree of boxes around its elements. Among equally good
+/// projections, the one on the first element is chosen.
 class SurfaceProjection {
  public:
   explicit SurfaceProjection(WorldSurface surface);
   const WorldSurface& surface() const { return surface_; }
 
-  /// The intersection of the line x + t d with the surface for which `faces` holds and |t| is smallest.
+  /// Returns the intersection of the line x + t d with the surface that satisfies `faces` and has the
+  /// smallest |t|.
   ///
-  /// Triangles are intersected along d. Segments stand for strips that extend sideways: the projection lies
-  /// abreast of the line along the segment as seen along d, and the line may pass beside it by half the
-  /// segment's length. The line hits a point if it passes within 1e-6 of `size`.
+  /// Triangles are intersected along d. Segments represent strips that extend sideways: seen along d, the
+  /// line is projected perpendicularly onto the segment and may pass it at up to half its length. The line
+  /// hits a point if it passes within 1e-6 of `size`.
   std::optional<Projection> first_along(const Eigen::Vector3d& x, const Eigen::Vector3d& d, double size,
                                         const std::function<bool(const Projection&)>& faces) const;
 
-  /// The point closest to x; none without elements, or where their corners' normals cancel.
+  /// Returns the point closest to x, or no value if there are no elements or the normals at the corners
+  /// cancel.
   std::optional<Projection> closest(const Eigen::Vector3d& x) const;
 
-  /// Projection of x along the mutual normal n = (n_a − n_b)/|n_a − n_b|, which depends on the result:
-  /// fixed-point iteration from the closest one. Each round shrinks the error about as the gap compares with
-  /// the surface's diameter. A line that misses it on the way is led back to it; the last one must meet it.
+  /// Projects x along the mutual normal n = (n_a − n_b)/|n_a − n_b|. This normal depends on the result, so it
+  /// is found by fixed-point iteration from the closest point. Each round reduces the error by about the
+  /// ratio of the gap to the diameter of the surface. If the line of an intermediate round misses the
+  /// surface, the closest point of the surface is used; the last line must intersect it.
   std::optional<std::pair<Projection, Eigen::Vector3d>> along_mutual_normal(const Eigen::Vector3d& x,
                                                                             const Eigen::Vector3d& n_a,
                                                                             double size) const;

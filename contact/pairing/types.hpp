@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Dense matrices and vectors of contact, as its lowest module knows them.
+// Types of dense matrices and vectors in all modules of contact.
 #pragma once
 
 #include <Eigen/Dense>

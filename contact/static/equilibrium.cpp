@@ -14,10 +14,10 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 
 constexpr double balanced = 1e-11;  // imbalance of the exact solver: round-off of sums over many points
-constexpr double held = 1e-8;       // share of a body's load that round-off may leave without a hold
-constexpr double unfelt = 1e-12;    // a rigid mode that moves no point by more than this share moves none
-constexpr double first_spring = 10, softest_spring = 1e7;  // of S₀'s norm; the first keep most of its digits
-constexpr int most_rounds = 100;  // each gains a factor of four, or softens the springs for the next
+constexpr double held = 1e-8;       // share of a body's load that may remain unbalanced because of round-off
+constexpr double unfelt = 1e-12;    // a rigid mode moves no point if it moves all by less than this share
+constexpr double first_spring = 10, softest_spring = 1e7;  // times S₀'s norm; the first keeps most digits
+constexpr int most_rounds = 100;  // each reduces the imbalance by a factor of four, or softens the springs
 
 struct Parts {
   MatrixXd S;                       ///< (m,m) S₀
@@ -63,9 +63,9 @@ class Minimiser {
   std::int64_t iterations() const { return iterations_; }
 
  private:
-  /// p ← max(0, p̄ + τ (r − S λ̄)),  λ = A p,  from the λ given, with τ = 1/‖A S‖_∞. p̄ runs ahead of p by
-  /// Nesterov's rule (1983), restarted whenever that overshoots (O'Donoghue & Candès 2015): plain steps, p̄ =
-  /// p, take some eighty times as many.
+  /// p ← max(0, p̄ + τ (r − S λ̄)), λ = A p, starting from the given λ, with τ = 1/‖A S‖_∞. p̄ extrapolates p
+  /// by Nesterov's rule (1983) and is restarted whenever it overshoots (O'Donoghue & Candès 2015). Without
+  /// extrapolation, p̄ = p, about eighty times as many iterations are needed.
   void uzawa(const MatrixXd& S, const Vector& r, Vector& lambda) {
     const double closing = r.size() > 0 ? r.maxCoeff() : 0;
     if (!(closing > 0)) {
@@ -78,7 +78,7 @@ class Minimiser {
     Vector ahead = lambda;
     for (double t = 1;; ++iterations_) {
       const Vector next = (ahead - step.cwiseProduct(S * ahead - r)).cwiseMax(0);
-      const Vector open = (ahead - next).cwiseQuotient(step);  // S λ̄ − r where points press
+      const Vector open = (ahead - next).cwiseQuotient(step);  // S λ̄ − r at pressed points
       const double error = open.cwiseAbs().maxCoeff() / closing;
       const Vector move = next - lambda;
       lambda = next;
@@ -100,7 +100,7 @@ class Minimiser {
   std::int64_t iterations_ = 0;
 };
 
-/// Least |f_r − B_rᵀ λ|² over λ ≥ 0 must be 0.
+/// Throws InputError unless the minimum of |f_r − B_rᵀ λ|² over λ ≥ 0 is 0.
 void check_held(const Model& model, const Parts& parts) {
   if (parts.f.isZero(0)) return;
   ComplementaritySolver solver(static_cast<int>(parts.B.rows()));
@@ -128,7 +128,8 @@ void check_held(const Model& model, const Parts& parts) {
   }
 }
 
-/// Flexibility D_n of a spring on each rigid coordinate, such that B_n D_n B_nᵀ has `share` times S₀'s norm.
+/// Flexibility D_n of a spring on each rigid coordinate, such that B_n D_n B_nᵀ has `share` times the norm of
+/// S₀.
 Vector springs(const Parts& parts, double share) {
   Vector out = Vector::Zero(parts.B.cols());
   if (parts.B.size() == 0) return out;
@@ -141,7 +142,7 @@ Vector springs(const Parts& parts, double share) {
   return out;
 }
 
-/// λ and the rigid coordinates ρ; the imbalance that is left.
+/// Computes λ and the rigid coordinates ρ. Returns the remaining imbalance.
 double balance(const Parts& parts, Minimiser& minimiser, double tolerance, Vector& lambda, Vector& rho) {
   if (parts.rigid.empty()) {
     minimiser.solve(parts.S, parts.closing, lambda);
@@ -174,7 +175,7 @@ Equilibrium find_equilibrium(const Model& model, const EquilibriumOptions& optio
   const Parts parts = parts_of(model);
   check_held(model, parts);
   Minimiser minimiser(model, options);
-  // Uzawa's λ is as good as its tolerance, and a sum over points keeps no more digits.
+  // λ of Uzawa's iteration is accurate to its tolerance, and a sum over points has no more digits.
   const double tolerance =
       options.solver == EquilibriumOptions::Solver::exact ? balanced : 100 * options.uzawa_tolerance;
 

@@ -10,7 +10,7 @@
 namespace ricochet::contact {
 namespace {
 
-/// A bound stays one after rounding.
+/// Rounds a bound up, so that it remains a bound.
 template <class T>
 T rounded_up(double bound) {
   return static_cast<T>(bound * (1 + 2.0 * std::numeric_limits<T>::epsilon()));

@@ -9,7 +9,7 @@
 namespace ricochet::contact {
 namespace {
 
-/// A point is expected to change its force by this many times its change in the block before.
+/// Budget of a point, relative to its change of force in the previous block.
 constexpr double growth = 2;
 
 /// An upper bound on the sum of this many positive terms, each of which was rounded.
@@ -52,7 +52,7 @@ void CandidateScreening<T>::combine(const BlockSystem<T>& system, const std::vec
                         sum_.data());
 }
 
-/// Without force the energy of an elastic mode about its rest never grows, and
+/// Under a constant force, the energy of an elastic mode about its rest position never grows, and
 /// |Σ B y| ≤ (Σ B²/ω²)^½ (Σ ω²y² + ẏ²)^½.
 template <class T>
 void CandidateScreening<T>::bound_by_energy(const BlockSystem<T>& of, const Motion& free,

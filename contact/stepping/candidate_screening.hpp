@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Candidate screening: which points could close in a look-ahead block. The others are provably open and are
-// skipped.
+// Candidate screening: finds the points that could close in a look-ahead block. All other points provably
+// stay open and are skipped.
 //
-// A point keeps a margin to its gap if forces stay at λ̄, by the energy of the modes or by its prediction.
-// Changes of the forces can use up as much of it as their sum allows, Σ_j (max_d |S_d,ij|) Σ_k |λ_kj − λ̄_j|.
-// Each point gets a budget for its part of that sum, from its changes in the block before; if it exceeds the
-// budget, the budget is raised, and points whose margin no longer suffices must be kept.
+// The margin of a point is a lower bound on its gap if forces stay at λ̄. It follows from the energy of the
+// modes or from the prediction of the point. Changes of the forces reduce it by at most Σ_j (max_d |S_d,ij|)
+// Σ_k |λ_kj − λ̄_j|. Each point j gets a budget for Σ_k |λ_kj − λ̄_j|, derived from its changes in the
+// previous block. If the point exceeds its budget, the budget is raised, and points whose margin no longer
+// suffices must be kept.
 #pragma once
 
 #include <Eigen/Dense>
@@ -22,37 +23,38 @@ class CandidateScreening {
  public:
   explicit CandidateScreening(const BlockSystem<T>& system);
 
-  /// For a new block: budgets from the changes so far, which were made at the points `changed`.
+  /// Starts a block: derives the budgets from the changes in the previous block, which were made at the
+  /// points `changed`.
   void start(const BlockSystem<T>& system, std::span<const int> changed) noexcept;
 
   /// Modes at the start of a block, (modes) each.
   struct Motion {
-    const double *q, *v, *load;  ///< load: constant force less Bᵀλ̄
+    const double *q, *v, *load;  ///< load: constant force minus Bᵀλ̄
   };
-  /// Sets the margins of all points by the energy of their motion under λ̄.
+  /// Sets the margins of all points from the energy of the modes, which move under λ̄.
   /// @param pressed  points with λ̄ > 0   @param rigid_motion  (L, rigid)
   void bound_by_energy(const BlockSystem<T>& system, const Motion& free, const Vector& held_force,
                        std::span<const int> pressed, const Matrix& rigid_motion) noexcept;
   void set_margin(int point, double margin) noexcept { margin_(point) = margin; }
-  /// For forcing, by which the energy may grow: no point is skipped before its prediction.
+  /// For blocks with forcing, under which the energy may grow: no point is skipped before it is predicted.
   void drop_margins() noexcept { margin_.setConstant(-1); }
 
-  /// Whether the point could close if forces change by this many times their budgets.
+  /// Whether the point could close if forces change by `times` their budgets.
   bool could_close(int point, double times) const noexcept {
     return !(margin_(point) > times * could_(point));
   }
 
   /// Adds a change of a point's force, λ − λ̄ in one step.
   void spend(int point, double change) noexcept { spent_(point) += std::abs(change); }
-  /// Raises the budgets that `force` (by position in `points`) exceeds. Returns whether there were any.
+  /// Raises the budgets that `force` (by position in `points`) exceeds. Returns whether there are any.
   bool raise_budgets(const BlockSystem<T>& system, std::span<const int> points, const Vector& force,
                      const Vector& held_force) noexcept;
 
  private:
   void combine(const BlockSystem<T>& system, const std::vector<T>& rows, std::span<const int> of) noexcept;
 
-  Vector margin_, could_;  ///< (points) g − u at least, under λ̄; what budgeted changes could add to u
-  Vector spent_, budget_;  ///< (points) Σ |λ − λ̄| in this block; its bound in could_
+  Vector margin_, could_;  ///< (points) bound on g − u under λ̄; bound on u due to budgeted changes
+  Vector spent_, budget_;  ///< (points) Σ |λ − λ̄| in this block; its bound, on which could_ is based
   Vector rigid_at_;        ///< (L) u of a point by rigid motion
   std::vector<int> raised_, every_band_;
   std::vector<T> factor_, sum_;  ///< scratch

@@ -3,9 +3,9 @@
 //
 //   0 ≤ λ ⟂ S λ − (û − g) ≥ 0,   û = B q̂ + s with q̂ the motion without contact,   S = B c Bᵀ + R
 //
-// Its energy theorem requires u ≤ g at the start, the static displacement s included. A step that max_pivots
-// cuts short may end beyond g; from then on g̃ = max(g, u) at a step's start replaces g: a point beyond g may
-// not go deeper, and is not pushed out, which would do work.
+// The energy theorem of this scheme requires u ≤ g at the start, where u includes the static displacement s.
+// A step that max_pivots cuts short may end with u > g. From then on, g̃ = max(g, u) at the start of a step
+// replaces g: a point beyond g cannot go deeper, and it is not pushed out, because that would do work.
 #pragma once
 
 #include "contact/stepping/stepper.hpp"

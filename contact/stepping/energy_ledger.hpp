@@ -20,7 +20,7 @@ class EnergyLedger {
 
   const Energy& energy() const { return energy_; }
 
-  /// Closes the ledger after one or more steps. False, without any change, if a value is not finite.
+  /// Closes the ledger after one or more steps. Returns false and changes nothing if a value is not finite.
   /// @param end  kinetic, strain and residual energy, and the work of constant loads, at the end
   bool close(const Energy& end, const Work& work) noexcept;
 

@@ -10,7 +10,8 @@
 
 namespace ricochet::contact {
 
-// Share of the margin for touching: a point that is closed here must be so in ImpulseProblem too.
+// Share of touching_margin within which a point counts as closed. It is below 1, so that ImpulseProblem finds
+// that the point touches.
 constexpr double closed = 0.5;
 
 EventLocation::EventLocation(const StepSystem& system) {
@@ -38,8 +39,8 @@ void EventLocation::close(const std::vector<int>& points) noexcept {
   std::erase_if(open_, [&](int i) { return std::binary_search(points.begin(), points.end(), i); });
 }
 
-/// A time for which the open points certainly stay open from (q_, v_), `passed` after the last knot; 0 if one
-/// of them has closed.
+/// Returns a time for which the selected points certainly stay open from (q_, v_), `passed` after the last
+/// knot, or 0 if one of them has closed.
 double EventLocation::safe_time(double passed, const ModalState& state) noexcept {
   const StepSystem& system = *state.system;
   double shortest = std::numeric_limits<double>::infinity();

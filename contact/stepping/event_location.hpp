@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The first instant of a free motion at which an open point closes (event location).
 //
-// Between knots |q̈| ≤ √(q̈² + ω² q̇²) + |f'| ℓ, because damping takes energy from q̈ and q̇ too. So |ü_i| ≤ A_i,
-// and a point at the distance d that closes at the rate u̇ stays open while u̇ t + ½ A t² < d. Steps of that
-// length cannot pass the first closing, and converge to it as fast as Newton's do.
+// Let q̈ and q̇ be the values at a knot. Until the next knot, |q̈| is bounded at the time ℓ after the knot by
+//
+//   √(q̈² + ω² q̇²) + |f'| ℓ
+//
+// because damping only removes energy. This gives |ü_i| ≤ A_i. A point at the distance d that closes at the
+// rate u̇ stays open while u̇ t + ½ A_i t² < d. Steps of that length cannot pass the first closing, and they
+// converge to it as fast as Newton's method.
 #pragma once
 
 #include <vector>
@@ -16,14 +20,15 @@ class EventLocation {
  public:
   explicit EventLocation(const StepSystem& system);
 
-  /// The points that may close: all of them; those that are open in the state, with the displacement u (m).
+  /// Selects the points that may close: all of them, or those that are open in `state` with the displacement
+  /// u (m).
   void open_all() noexcept;
   void open(const ModalState& state, const Vector& u) noexcept;
-  /// Removes points that have closed. Ascending.
+  /// Removes points that have closed from the selection. @param points  ascending
   void close(const std::vector<int>& points) noexcept;
 
-  /// The first instant in [from, to) at which an open point of the motion from (next_q, next_v) closes to
-  /// round-off; `to` if there is none.
+  /// Returns the first instant in [from, to) at which a selected point closes to round-off in the motion from
+  /// (next_q, next_v), or `to` if there is none.
   double first_closing(double from, double to, const ModalState& state) noexcept;
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The impulse scheme with event location: if points that were open at t_{k−1} close within the step, free
-// motion ends at the first such instant, impulses follow, and the rest of the step continues from there. Each
+// The impulse scheme with event location. If points that were open at t_{k−1} close within the step, free
+// motion ends at the first such instant, impulses act, and the rest of the step continues from there. Each
 // point closes at most once per step. Points that touch at t_0 get their impulses there.
 #pragma once
 

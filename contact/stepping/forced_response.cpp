@@ -53,7 +53,7 @@ void ForcedResponse::interval(double from, double to, Interval& out) const noexc
   fill(out);
 }
 
-/// From rest, with ℓ the time that is left:
+/// Response from rest, where ℓ is the time from a knot to the end:
 ///   loads:     q = F [h c + h' r] at the start, and F [J c(ℓ) + K r(ℓ)] from each knot; q̇ likewise by S, c
 ///   supports:  q = −Γ K S(ℓ), q̇ = −Γ K S'(ℓ) from each knot
 void ForcedResponse::fill(Interval& out) const noexcept {
@@ -140,7 +140,7 @@ void ForcedResponse::velocity_jump(double knot, Vector& v) const noexcept {
   }
 }
 
-/// Piece by piece, g = f + F h − ω² q, k = F h', ℓ its length:
+/// For each piece between knots, of length ℓ, with g = f + F h − ω² q and k = F h':
 ///   ∫ F h(t) q̇ dt = F h (q⁺ − q) + k [ℓ (q⁺ − q) − c q̇ − r g − w k],   ∫ Γ (dū/dt) q̈ dt = Γ (dū/dt) (q̇⁺ − q̇)
 Work ForcedResponse::advance(const Interval& over, const Vector& constant, Vector& q, Vector& v) noexcept {
   Work work;

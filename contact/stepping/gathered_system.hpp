@@ -10,8 +10,8 @@
 
 namespace ricochet::contact {
 
-/// The parts of the system that the kept points of a block need, gathered into dense arrays; the points
-/// seldom change. A copy has the same room, and holds nothing.
+/// The parts of the system that the kept points of a block need, gathered into dense arrays. The kept points
+/// change rarely. A copy has the same capacity but is empty.
 template <class T>
 class GatheredSystem {
  public:
@@ -24,7 +24,7 @@ class GatheredSystem {
 
   bool holds() const { return holds_; }
   void take(const BlockSystem<T>& system, std::span<const int> points) noexcept;
-  /// Gathers the lags of a point that pushes, unless that was done.
+  /// Gathers the lags of a point with a force unless they are present.
   void need(const BlockSystem<T>& system, int position) noexcept;
 
   std::size_t width = 0;     ///< padded number of points
@@ -32,7 +32,7 @@ class GatheredSystem {
   std::unique_ptr<T[]> lag;  ///< (points, L, width) S_d
 
  private:
-  std::size_t room_;  ///< of lag
+  std::size_t room_;  ///< capacity of `lag`
   bool holds_ = false;
   std::vector<int> points_;
   std::vector<char> has_lags_;  ///< by position

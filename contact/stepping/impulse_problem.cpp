@@ -6,7 +6,7 @@
 namespace ricochet::contact {
 
 double touching_margin(const StepSystem& system, Eigen::Index i, double size, double s) noexcept {
-  // u_i is a sum of N products: its round-off is a small multiple of ε |B_i| |q|.
+  // u_i is a sum of N products, so its round-off is a small multiple of ε |B_i| |q|.
   return 1e-13 * (size * system.norm(i) + std::abs(system.gap(i)) + std::abs(s));
 }
 

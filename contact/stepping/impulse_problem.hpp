@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The impulses of the points that touch at one instant:  0 ≤ P ⟂ A P − (1 + e) v̂ ≥ 0  on the points with
-// u ≥ g, to round-off. R plays no part, because an impulse has no static response. If there are more points
-// than modes, P is not unique; the one of least norm is taken.
+// The impulses at one instant on the points that touch, that is, have u ≥ g to round-off:
+//
+//   0 ≤ P ⟂ A P − (1 + e) v̂ ≥ 0
+//
+// R plays no part, because an impulse has no static response. If there are more points than modes, P is not
+// unique, and the P of least norm is computed.
 #pragma once
 
 #include <vector>
@@ -11,7 +14,7 @@
 
 namespace ricochet::contact {
 
-/// Points closer than this to their gap touch: the round-off of u_i, a sum over modes.
+/// Points closer than this to their gap count as touching. This is the round-off of u_i, a sum over modes.
 /// @param size  |q|   @param s  static displacement of point i
 double touching_margin(const StepSystem& system, Eigen::Index i, double size, double s) noexcept;
 
@@ -28,7 +31,7 @@ class ImpulseProblem {
 
  private:
   StepOptions options_;
-  ForcedResponse::Interval next_;  ///< the step after, of "difference"
+  ForcedResponse::Interval next_;  ///< the next step, for "difference"
   Vector rhs_, solution_;          ///< (m) of the touching points
   Eigen::MatrixXd sub_;            ///< (m,m) A of the touching points
   std::vector<int> touching_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The impulse scheme, the source paper's algorithm (30): free motion from t_{k−1} to t_k, where the points
-// with u ≥ g get impulses P that jump q̇. The first such instant is t_1: points that touch at t_0 and approach
-// get their impulse one step later, within Δ times their velocity.
+// The impulse scheme, algorithm (30) of the source paper. The bodies move freely from t_{k−1} to t_k, where
+// impulses P on the points with u ≥ g change q̇. The first such instant is t_1. Points that touch at t_0 and
+// approach therefore get their impulse one step later, and penetrate by at most Δ times their velocity.
 #pragma once
 
 #include "contact/stepping/impulse_problem.hpp"

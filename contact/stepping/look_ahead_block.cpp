@@ -5,8 +5,8 @@
 
 namespace ricochet::contact {
 
-/// A new set of kept points includes those that this many times the budgeted changes could reach, so that the
-/// set lasts.
+/// A new set of kept points includes those that could close after this many times the budgeted changes, so
+/// that the set lasts.
 constexpr double provision = 1.5;
 
 template <class T>
@@ -58,7 +58,7 @@ void LookAheadBlock<T>::set_forcing(int l, const Vector& q, const Vector& v, con
   std::copy(v.begin(), v.end(), to + system_->modes);
 }
 
-/// Includes λ̄ in the load.
+/// Makes `force` the held force λ̄ and includes it in the load.
 template <class T>
 void LookAheadBlock<T>::hold(const Vector& force) noexcept {
   held_force_ = force;
@@ -114,7 +114,7 @@ void LookAheadBlock<T>::start(const Vector& q, const Vector& v, const Vector& fo
   choose_kept();
 }
 
-/// Motion of the rigid modes under λ̄.
+/// Computes the motion of the rigid modes under λ̄.
 template <class T>
 void LookAheadBlock<T>::predict_rigid() noexcept {
   const StepSystem& plain = *system_->plain;
@@ -262,7 +262,7 @@ void LookAheadBlock<T>::copy_state(Vector& q, Vector& v) const noexcept {
   std::copy_n(v_.begin(), v.size(), v.begin());
 }
 
-/// Sets predicted_u_ of the points `rows`, and their margins without changes of force.
+/// Sets predicted_u_ of the points `rows` and their margins under λ̄.
 template <class T>
 void LookAheadBlock<T>::predict(std::span<const int> rows) noexcept {
   const std::size_t width = system_->width;
@@ -322,7 +322,7 @@ void LookAheadBlock<T>::choose_kept() noexcept {
   if (!kept_.empty()) gather();
 }
 
-/// Adds a predicted point to the kept ones, with the effect of all forces so far in this block.
+/// Adds a predicted point to the kept points. Its u includes all changes of force so far in this block.
 template <class T>
 void LookAheadBlock<T>::keep(int point) noexcept {
   const std::size_t k = kept_.size(), width = system_->width;

@@ -4,8 +4,8 @@
 namespace ricochet::contact {
 namespace {
 
-/// The cost of near history grows with the block and with the square of the points, that of far history only
-/// with the modes: with few points longer blocks pay.
+/// The cost of the near history grows with the block and with the square of the points; that of the far
+/// history grows only with the modes. Longer blocks therefore pay if there are few points.
 constexpr Eigen::Index few_points = 64;
 constexpr int long_block = 24, short_block = 8;
 
@@ -65,8 +65,8 @@ void LookAheadStepper<T>::start_block() noexcept {
   block_.start(state_.q, state_.v, contact_.force);
 }
 
-/// Moves q, q̇ and the ledger through the pending steps; the last of them is not counted in steps_ yet. If
-/// that fails, none of them was made.
+/// Advances q, q̇ and the ledger through the pending steps; steps_ does not yet include the last of them. If
+/// this fails, all pending steps are undone.
 template <class T>
 StepStatus LookAheadStepper<T>::move_state() noexcept {
   const simd::Sums sums = block_.advance(keeps_rates_);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The compliant scheme by look-ahead blocks: CompliantStepper's steps, to round-off, at the cost of those
-// points that could close.
+// The compliant scheme by look-ahead blocks. The steps equal those of CompliantStepper to round-off, and
+// their cost depends only on the points that could close.
 #pragma once
 
 #include "contact/stepping/look_ahead_block.hpp"
@@ -8,11 +8,11 @@
 
 namespace ricochet::contact {
 
-/// @tparam T  of the products of a block
+/// @tparam T  type of the products of a block
 template <class T>
 class LookAheadStepper final : public Stepper {
  public:
-  /// The model has contact points. Throws as make_stepper does.
+  /// The model must have contact points. Throws as make_stepper does.
   LookAheadStepper(const Model& model, const StepOptions& options);
 
   StepStatus step() noexcept override;
@@ -34,7 +34,7 @@ class LookAheadStepper final : public Stepper {
   bool keeps_rates_ = false;
   mutable bool u_is_current_ = true;
   int pending_ = 0;  ///< steps of the block that state_ does not include
-  Contact known_;    ///< in the last step that state_ includes, while some are pending
+  Contact known_;    ///< contact in the last step that state_ includes, for pending steps that fail
 };
 
 }  // namespace ricochet::contact

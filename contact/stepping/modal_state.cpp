@@ -20,8 +20,8 @@ void ModalState::begin(std::int64_t k) noexcept {
   next_q = q + free_motion(q, v, now);
 }
 
-/// q⁺ − q = b q̇ + c g, and the response to the forcing. These increments are the propagator, and they keep
-/// the work of a force on a slow motion free of cancellation.
+/// q⁺ − q is b q̇ + c g plus the response to the forcing. Computing this increment instead of q⁺ avoids
+/// cancellation in the work of a force on a slow motion.
 Vector& ModalState::free_motion(const Vector& from_q, const Vector& from_v,
                                 const ForcedResponse::Interval& over) noexcept {
   g_.array() = system->load.array() - system->stiffness.array() * from_q.array();
@@ -30,7 +30,7 @@ Vector& ModalState::free_motion(const Vector& from_q, const Vector& from_v,
   return dq_;
 }
 
-/// push_ = Bᵀ λ; returns the number of points with λ > 0.
+/// Sets push_ = Bᵀ λ and returns the number of points with λ > 0.
 int ModalState::push(const Vector& lambda) noexcept {
   int active = 0;
   push_.setZero();

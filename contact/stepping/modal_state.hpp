@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Modal coordinates of all bodies with their energy ledger, and their exact motion over one step.
 //
-// The step under way ends in next_q, next_v; nothing before it changes until `commit` succeeds.
+// The current step ends in next_q, next_v; the state before it changes only when `commit` succeeds.
 #pragma once
 
 #include <memory>
@@ -14,7 +14,7 @@
 namespace ricochet::contact {
 
 struct ModalState {
-  /// Throws InputError for options with which `model` cannot be stepped.
+  /// Throws InputError if `model` cannot be stepped with these options.
   ModalState(const Model& model, const StepOptions& options);
 
   const Energy& energy() const { return ledger.energy(); }
@@ -26,13 +26,14 @@ struct ModalState {
   Vector& free_motion(const Vector& q, const Vector& v, const ForcedResponse::Interval& over) noexcept;
   /// After `begin`: completes the step without contact.
   Work free_step() noexcept;
-  /// After `begin`: completes the step under λ (m), held over it, and commits it.
+  /// After `begin`: completes the step under a constant λ (m) and commits it.
   bool step_under(const Vector& force) noexcept;
-  /// q̇⁺ = q̇⁻ − Bᵀ P at the end of the step. Adds to `work`; returns the number of points with P > 0.
+  /// Applies impulses at the end of the step: q̇⁺ = q̇⁻ − Bᵀ P. Adds their work to `work` and returns the
+  /// number of points with P > 0.
   int strike(const Vector& impulse, Work& work) noexcept;
-  /// Takes next_q, next_v as the state. False, without any change, if it is not finite.
+  /// Makes next_q, next_v the state. Returns false and changes nothing if they are not finite.
   bool commit(const Work& work, double residual) noexcept;
-  /// u = B q + s − R λ (m)
+  /// Computes u = B q + s − R λ (m).
   void displacement(const Vector& force, Vector& u) const noexcept;
 
   std::shared_ptr<const StepSystem> system;
@@ -40,7 +41,7 @@ struct ModalState {
   Vector q, v;  ///< (N) q relative to the lift of moving supports, and q̇
   Vector s;     ///< (m) s at t_k
   EnergyLedger ledger;
-  ForcedResponse::Interval now;  ///< the step under way, or its last interval
+  ForcedResponse::Interval now;  ///< the current step, or its last interval
   Vector next_q, next_v;         ///< (N)
 
  private:

@@ -9,10 +9,11 @@
 namespace ricochet::contact {
 namespace {
 
-/// (eˣ − 1)/x, so that ∫₀^Δ e^{rt} dt = Δ φ(rΔ) for any r ≤ 0, zero included.
+/// φ(x) = (eˣ − 1)/x, so that ∫₀^Δ e^{rt} dt = Δ φ(rΔ) for any r ≤ 0, zero included.
 double phi(double x) { return x == 0 ? 1.0 : std::expm1(x) / x; }
 
-/// (eˣ − 1 − x)/x² and (eˣ − 1 − x − x²/2)/x³ for x ≤ 0: ∫∫ and ∫∫∫ of e^{rt}.
+/// (eˣ − 1 − x)/x² and (eˣ − 1 − x − x²/2)/x³ for x ≤ 0. They occur in the double and triple integrals of
+/// e^{rt}.
 struct Phis {
   double two, three;
 };
@@ -66,7 +67,7 @@ Response response(double omega, double decay, double t) {
   return {S, std::exp(fast * t) + slow * S};
 }
 
-/// max(ω, δ)Δ ≤ 0.5: S(t) = Δ Σ y_k (t/Δ)^k, by the recurrence of S'' + 2δS' + ω²S = 0.
+/// Series for max(ω, δ)Δ ≤ 0.5: S(t) = Δ Σ y_k (t/Δ)^k, by the recurrence of S'' + 2δS' + ω²S = 0.
 constexpr int terms = 32;  // of S²: 2^k/k! < 1e-26 at the end
 using Series = std::array<double, terms + 1>;
 constexpr double short_span = 0.5;
@@ -120,7 +121,7 @@ Squares short_squares(const Series& y, double step) {
 /// c = ∫₀^Δ S of a step that is not short.
 double flexibility(double omega, double decay, double step, double S) {
   if (decay < omega) {
-    // 1 − a = (1 − E) + E (1 − cos) − δ S, each part free of cancellation for weak damping
+    // 1 − a = (1 − E) + E (1 − cos) − δ S; each part is free of cancellation if damping is weak
     const double half = std::sin(0.5 * damped_frequency(omega, decay) * step);
     const double rest = -std::expm1(-decay * step) + std::exp(-decay * step) * 2 * half * half - decay * S;
     return std::max(0.0, rest) / omega / omega;
@@ -141,7 +142,7 @@ Integrals integrals(double omega, double decay, double step, double S, double c)
     return {step * (step * (of_slow.two - of_fast.two) / (2 * s)),
             step * (step * (step * (of_slow.three - of_fast.three) / (2 * s)))};
   }
-  // The equation of motion integrated twice and three times; with ωΔ > 0.45 little is lost.
+  // The equation of motion, integrated twice and three times. With ωΔ > 0.45, few digits cancel.
   const double r = (step - S - 2 * decay * c) / omega / omega;
   return {r, (0.5 * step * step - c - 2 * decay * r) / omega / omega};
 }
@@ -152,11 +153,11 @@ constexpr std::array<double, 4> node = {0.1834346424956498, 0.5255324099163290, 
 constexpr std::array<double, 4> weight = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
                                           0.1012285362903763};
 
-// The functions below leave cc at 0.
+// The next two functions leave cc at 0.
 
-/// Close to ζ = 1 the closed forms are small differences of large numbers; S and S' themselves are not.
+/// Close to ζ = 1, the closed forms are small differences of large numbers; S and S' themselves are not.
 Squares squares_near_critical(double omega, double decay, double step) {
-  // Panels of about 1/δ: error below 1e-18 of e^{−2δt}; past 50/δ nothing is left.
+  // Panels of about 1/δ integrate e^{−2δt} with an error below 1e-18; beyond 50/δ, it is negligible.
   const double end = std::min(step, 50 / decay);
   const int panels = std::max(1, static_cast<int>(std::ceil(end * decay)));
   const double half = 0.5 * end / panels;
@@ -190,7 +191,7 @@ Squares squares(double omega, double decay, double step) {
           step * (p * p * of_slow - 2 * p * q * of_both + q * q * of_fast), 0};
 }
 
-/// ∫c² where the slow root hardly moves: beyond 40/|fast| c is a polynomial to round-off.
+/// ∫c² if the slow root hardly decays in the step: beyond 40/|fast|, c is a polynomial to round-off.
 double ramp_square_of_slow(double omega, double decay, double step) {
   const auto [slow, fast, s] = roots(omega, decay);
   const double width = -2 / fast;
@@ -208,7 +209,7 @@ double ramp_square_of_slow(double omega, double decay, double step) {
   return sum;
 }
 
-/// ∫c² of a step that is not short, by c'' + 2δc' + ω²c = 1 times c.
+/// ∫c² of a step that is not short, from c'' + 2δc' + ω²c = 1 multiplied by c.
 double ramp_square(double omega, double decay, double step, const ModeResponse& m, double ss) {
   if (decay >= 1.1 * omega && -roots(omega, decay).slow * step < 0.5)
     return ramp_square_of_slow(omega, decay, step);

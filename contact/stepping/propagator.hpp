@@ -6,7 +6,8 @@
 //   q̇⁺ = −ω² S q + S' q̇ + S f          S' = C − δ S
 //   S = e^{−δΔ} sin(ω_dΔ)/ω_d,   C = e^{−δΔ} cos(ω_dΔ),   ω_d² = ω² − δ²
 //
-// for ζ = δ/ω below, at and above 1 and for ω = 0, without cancellation when ωΔ or δΔ is small.
+// The implementation covers ζ = δ/ω below, at and above 1 as well as ω = 0, without cancellation if ωΔ or δΔ
+// is small.
 #pragma once
 
 namespace ricochet::contact {
@@ -19,9 +20,9 @@ struct ModeResponse {
 /// @param omega  ω ≥ 0 [rad/s]   @param decay  δ ≥ 0 [1/s]   @param time  t ≥ 0 [s]
 ModeResponse mode_response(double omega, double decay, double time) noexcept;
 
-/// The response at the end of a step, with the squares that give the work of damping.
+/// The response at the end of a step, with integrals of squares that give the work of damping.
 struct ModeStep : ModeResponse {
-  /// Exact energy that damping takes over the step:
+  /// Energy that damping dissipates over the step, exactly:
   /// ∫ 2δ q̇² dt = 2δ [ss g² + 2 sr g q̇ + rr q̇²],  g = f − ω² q,  ss = ∫S², sr = ∫S S' = S(Δ)²/2, rr = ∫S'²,
   /// because q̇(t) = g S(t) + q̇ S'(t). Each integral has its own closed form; none comes from the energy
   /// balance.

@@ -17,7 +17,7 @@ struct StepsMade {
   StepStatus status = StepStatus::ok;
 };
 
-/// Advances `stepper` by up to `steps` steps and ends at the first that fails. Each observer is called with
+/// Advances `stepper` by up to `steps` steps and stops at the first that fails. Each observer is called with
 /// the number of steps made, after every step that succeeds; it may throw to end the run.
 template <class Stepper, class... Observers>
 StepsMade run_steps(Stepper& stepper, std::int64_t steps, Observers&&... observers) {

@@ -9,7 +9,7 @@
 
 namespace ricochet::contact::simd {
 
-/// The instruction sets that this processor has, the widest last.
+/// The instruction sets that this processor supports, the widest last.
 std::span<const InstructionSet* const> available() noexcept;
 
 template <class T>

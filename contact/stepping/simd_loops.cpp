@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Compiled once for each instruction set, which RICOCHET_SIMD names. Uses no inline functions from other
-// headers, which a linker could take from here and run on a processor that lacks the instructions: only types
-// from <utility>.
+// Compiled once for each instruction set, which RICOCHET_SIMD names. This file uses only types from <utility>
+// and no inline functions of other headers: a linker could take such a function from here and run it on a
+// processor that lacks the instructions.
 #include "contact/stepping/simd_loops.hpp"
 
 #include <utility>
@@ -29,13 +29,13 @@ struct Lanes {
     for (std::size_t k = 0; k < count; ++k) total += x[k];
     return total;
   }
-  /// Lane j: the sum of the entries j and j ^ s of a, or of b if j has bit `s`.
+  /// Lane j is the sum of the entries j and j ^ s of a, or of b if j has bit `s`.
   template <std::size_t s, std::size_t... j>
   static type fold(type a, type b, std::index_sequence<j...>) {
     return __builtin_shufflevector(a, b, ((j & s) != 0 ? count + j : j)...) +
            __builtin_shufflevector(a, b, ((j & s) != 0 ? count + (j ^ s) : j ^ s)...);
   }
-  /// Lane j: the sum of x[j], of `count` registers; x is used up.
+  /// Lane j is the sum of the register x[j], for `count` registers. Overwrites x.
   template <std::size_t s = 1>
   static type sums(type* x) {
     if constexpr (s == count) {
@@ -58,7 +58,7 @@ Double::type widened(typename Narrow<T>::type x) {
   return __builtin_convertvector(x, Double::type);
 }
 
-/// Registers of modes that are stepped side by side, as each waits for its step before.
+/// Number of registers of modes that are stepped side by side, because each waits for its previous step.
 constexpr std::size_t wide = 4, group = wide * Double::size;
 static_assert(pad % group == 0);
 
@@ -96,7 +96,7 @@ struct Spent {
   Double::type damping = {}, contact = {};
 };
 
-/// `steps` steps of the modes from `first` on; the forces begin at `force`.
+/// Makes `steps` steps of the modes from `first` on; the changes of force begin at `force`.
 template <class T, std::size_t steps>
 void pushed_tile(const Modes& m, const Pushes<T>& pushes, const T* force, std::size_t first, Group& at,
                  double* rates, Spent& spent) {
@@ -110,7 +110,7 @@ void pushed_tile(const Modes& m, const Pushes<T>& pushes, const T* force, std::s
       for (std::size_t l = 0; l < steps; ++l) push[l][w] += strength[l] * b;
     }
   }
-  // Each register has its own sums; otherwise each would wait for the one before.
+  // Each register has its own sums; otherwise each addition would wait for the previous one.
   Double::type damping[wide] = {}, contact[wide] = {};
   for (std::size_t l = 0; l < steps; ++l)
     for (std::size_t w = 0; w < wide; ++w) {

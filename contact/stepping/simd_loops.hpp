@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The loops of block stepping, compiled once for each instruction set and chosen at run time. None allocates,
-// locks or calls anything. Arrays are padded with zeros: `modes` is a multiple of simd::pad.
+// The loops of block stepping, compiled once for each instruction set and chosen at run time. They do not
+// allocate, lock or call other functions. Arrays are padded with zeros: `modes` is a multiple of simd::pad.
 #pragma once
 
 #include <cstddef>
 
 namespace ricochet::contact::simd {
 
-/// Modes come in multiples of this.
+/// The padded number of modes is a multiple of this.
 constexpr std::size_t pad = 32;
-/// Points come in multiples of this.
+/// The padded number of points is a multiple of this.
 constexpr std::size_t point_pad = 16;
 
 constexpr std::size_t padded(std::size_t n, std::size_t to = pad) { return (n + to - 1) / to * to; }
@@ -23,7 +23,8 @@ struct Modes {
   const double *damp_ss, *damp_sr, *damp_rr;  ///< (modes) 2δ∫S², 4δ∫SS', 2δ∫S'²
 };
 
-/// Forces on the modes beside the held ones: (·, stride) of a row of B, by step.
+/// Changes of contact force that act on the modes in addition to the held force. Row k of `force` (·, stride)
+/// contains the changes, by step, of the point with row[k] in B.
 template <class T>
 struct Pushes {
   const T* B;  ///< (·, modes)
@@ -33,7 +34,8 @@ struct Pushes {
   std::size_t stride;
 };
 
-/// [J] of some modes: at the end ½ q̇², ½ ω² q² and force · (q − origin); work of damping, and of contact.
+/// Sums over some modes [J]: at the end, ½ q̇², ½ ω² q² and force · (q − origin); over the steps, the work of
+/// damping and of contact.
 struct Sums {
   double kinetic = 0, strain = 0, loads = 0, damping = 0, contact = 0;
 };
@@ -41,11 +43,12 @@ struct Sums {
 /// Loops of one precision.
 template <class T>
 struct Loops {
-  /// Motion without pushes: x (steps, modes) = q after each step. `forced` (steps, 2 modes) or null: what
-  /// forcing adds to q and q̇ in each.
+  /// Motion without pushes: x (steps, modes) = q after each step. `forced` (steps, 2 modes), or null,
+  /// contains the response of q and q̇ to the forcing in each step.
   void (*free_motion)(const Modes& m, std::size_t steps, const double* q, const double* v,
                       const double* forced, T* x);
-  /// Motion under pushes: q and v (modes) in place; q̇ after each step to `rates` (steps, modes) unless null.
+  /// Motion under pushes: updates q and v (modes) in place, and stores q̇ after each step in `rates` (steps,
+  /// modes) unless it is null.
   void (*pushed_motion)(const Modes& m, const Pushes<T>& pushes, std::size_t steps, double* q, double* v,
                         double* rates, Sums& sums);
   /// u[l][row[i]] += B[row[i]] · x[l] for l < steps; B (·, modes), x (steps, modes), u (·, stride).

@@ -12,8 +12,8 @@
 namespace ricochet::contact {
 namespace {
 
-/// Share of A's mean diagonal added to it. Where there are more points than modes A is singular and only Bᵀ P
-/// is determined; this picks the P of least norm, and leaves 1e-12 of the approach velocity.
+/// Share of the mean diagonal of A that is added to it. If there are more points than modes, A is singular
+/// and determines only Bᵀ P; this term selects the P of least norm and leaves 1e-12 of the approach velocity.
 constexpr double least_norm = 1e-12;
 
 void check(const Model& model, const StepOptions& o) {
@@ -59,7 +59,7 @@ std::shared_ptr<const StepSystem> make_step_system(const Model& model, const Ste
   for (Eigen::Index n = 0; n < N; ++n) {
     const double omega = model.omega(n), delta = model.decay(n);
     if (compliant && !sampled(omega, options.step)) {
-      // At rest but for its static displacement (f_n − Σ B_in λ_i)/ω², which the points see through s
+      // The mode has only its static displacement (f_n − Σ B_in λ_i)/ω², which moves the points through s
       // (ForcedResponse) and R.
       out.R.noalias() += out.B.col(n) * out.B.col(n).transpose() / out.stiffness(n);
       out.B.col(n).setZero();

@@ -28,14 +28,14 @@ struct StepSystem : ModeConstants {
   Vector v0;            ///< (N) q̇ at t = 0
   Matrix B;             ///< (m,N)
   Vector s, gap;        ///< (m) s of constant loads; g
-  Eigen::MatrixXd R;    ///< (m,m) residual flexibility, modes moved into it included
+  Eigen::MatrixXd R;    ///< (m,m) residual flexibility, including modes moved into it
   Eigen::MatrixXd S;    ///< (m,m) compliant: S; impulse: A
   Vector norm;          ///< (m) |B_i|, of the impulse scheme
   bool damped = false;
   int dropped = 0;  ///< modes moved into R
 };
 
-/// Throws InputError for options with which `model` cannot be stepped.
+/// Throws InputError if `model` cannot be stepped with these options.
 std::shared_ptr<const StepSystem> make_step_system(const Model& model, const StepOptions& options);
 
 }  // namespace ricochet::contact

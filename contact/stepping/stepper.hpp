@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// One scheme that advances contact through time. `step` neither throws nor allocates.
+// A scheme that advances contact in time. `step` neither throws nor allocates.
 #pragma once
 
 #include <cstdint>
@@ -30,30 +30,31 @@ class Stepper {
 
   /// (m) λ_k [N] over (t_{k−1}, t_k]; impulses as P/Δ
   const Vector& force() const { return contact_.force; }
-  /// (m) u at t_k, residual included [m]; of a step whose state is pending, u after the last known state.
+  /// (m) u at t_k, including the residual [m]; while steps are pending, u at the last known state.
   virtual const Vector& displacement() const noexcept { return u_; }
   int active() const { return contact_.active; }  ///< points with λ > 0 in this step
-  /// Power through the contact, σ_n u̇_n of (16), mean of the step [W]: compliant −λᵀ(u_k − u_{k−1})/Δ;
-  /// impulse −Pᵀ(u̇⁻ + u̇⁺)/(2Δ), the velocities just before and after the impulses.
+  /// Power through the contact, σ_n u̇_n of equation (16) in the source paper, as the mean over the step [W]:
+  /// compliant −λᵀ(u_k − u_{k−1})/Δ; impulse −Pᵀ(u̇⁻ + u̇⁺)/(2Δ), the velocities just before and after the
+  /// impulses.
   double persistency() const { return contact_.persistency; }
   const SolveStatistics& solver() const { return solver_.statistics(); }
-  /// By how much the last step's forces violate complementarity; 0 unless max_pivots cut the step short.
+  /// Violation of complementarity by the forces of the last step; 0 unless max_pivots cut the step short.
   /// compliant: u beyond its bound [m]; impulse: remaining approach (1 + e) v̂ − A P [m/s].
   const SolveResidual& residual() const { return contact_.residual; }
 
-  /// Motion and energy of the bodies; null where only the contact points are known (tables).
+  /// Motion and energy of the bodies; null if only the motion of the contact points is known (tables).
   virtual const ModalState* modal() const noexcept { return nullptr; }
   /// (3,bodies) mass-mean velocities of a table's bodies after the step [m/s]; null with modes.
   virtual const Eigen::Matrix3Xd* body_velocities() const noexcept { return nullptr; }
 
-  // Schemes that step in look-ahead blocks may know the state after the last step of a block only.
-  /// Applies options.every_state from the next step on. `rates`: record q̇ after each step for rate().
+  // Schemes that step in look-ahead blocks may know the state only after the last step of a block.
+  /// Sets options.every_state from the next step on. With `rates`, q̇ after each step is recorded for rate().
   virtual void keep(bool /*every_state*/, bool /*rates*/) noexcept {}
-  /// Steps whose state is not known yet.
+  /// Number of steps whose state is not known yet.
   virtual int pending() const noexcept { return 0; }
-  /// Moves the state to the last step. Fails as `step` does.
+  /// Advances the state to the last step. Fails as `step` does.
   virtual StepStatus catch_up() noexcept { return StepStatus::ok; }
-  /// (N) q̇, `back` steps before the last one, within the steps that the last move of the state covered.
+  /// (N) q̇, `back` steps before the last one, within the steps through which the state was last advanced.
   virtual const double* rate(int /*back*/) const noexcept { return modal()->v.data(); }
 
  protected:
@@ -76,21 +77,21 @@ class Stepper {
     return status == SolveStatus::not_finite ? StepStatus::not_finite : StepStatus::no_solution;
   }
 
-  /// Ends the step under way, with next_force_ and next_u_.
+  /// Ends the current step with next_force_ and next_u_.
   StepStatus complete(int active, double persistency, const SolveResidual& residual) noexcept;
 
   StepOptions options_;
   ComplementaritySolver solver_;
   std::int64_t steps_ = 0;
   Contact contact_;
-  mutable Vector u_;            ///< (m); a scheme may compute it when it is asked for
-  Vector next_force_, next_u_;  ///< (m) of the step under way
+  mutable Vector u_;            ///< (m); a scheme may compute it on demand
+  Vector next_force_, next_u_;  ///< (m) of the current step
 };
 
-/// The stepper of the scheme in `options`.
-/// Throws InputError: `impulse` with "difference" and ω_max Δ ≥ π; a restitution outside [0, 1]; a
-/// max_pivots below 1. `compliant`: modes with ωΔ > π carry no sampled information; they move into R and into
-/// the static displacement, and leave q (their q, q̇ stay 0).
+/// Returns the stepper of the scheme in `options`. With `compliant`, steps do not sample modes with ωΔ > π:
+/// these modes move into R and into the static displacement, and their q and q̇ stay 0.
+/// Throws InputError for `impulse` with "difference" and ω_max Δ ≥ π, for a restitution outside [0, 1], and
+/// for max_pivots below 1.
 std::unique_ptr<Stepper> make_stepper(const Model& model, const StepOptions& options);
 
 }  // namespace ricochet::contact

@@ -7,19 +7,19 @@
 #include <cmath>
 #include <stdexcept>
 
-// Needs <cmath> before it.
+// Requires <cmath> before it.
 #include <kissfft/kissfft.hh>
 
 namespace ricochet::contact {
 namespace {
 
-/// Steps at the end of a table that a linear tail continues.
+/// Number of steps at the end of a table whose slope a linear tail continues.
 std::int64_t tail_steps(std::int64_t length) { return std::max<std::int64_t>(2, length / 10); }
 
 }  // namespace
 
-/// Real signals of 2B samples, B + 1 bins: real parts in the first half of a spectrum, imaginary in the
-/// other.
+/// Transforms of real signals of 2B samples. A spectrum has B + 1 bins: real parts in its first half,
+/// imaginary parts in its second half.
 class Convolution::Transform {
  public:
   explicit Transform(int block)
@@ -31,7 +31,7 @@ class Convolution::Transform {
 
   std::complex<double>& signal(std::size_t k) { return in_[k]; }
 
-  /// From `signal`.
+  /// Transforms `signal`.
   void forward(double* spectrum) noexcept {
     forward_.transform(in_.data(), out_.data());
     for (std::size_t f = 0; f <= block_; ++f) {
@@ -40,7 +40,7 @@ class Convolution::Transform {
     }
   }
 
-  /// The second half of the signal, where overlap-save is free of wrapping around.
+  /// Computes the second half of the signal, where overlap-save is free of wrap-around.
   template <class Row>
   void inverse(const double* spectrum, Row&& half) noexcept {
     for (std::size_t f = 0; f <= block_; ++f) {
@@ -147,8 +147,8 @@ void Convolution::push(const Eigen::VectorXd& x) noexcept {
   }
 }
 
-/// The block that has just ended is number b − 1. Block b gets, from partition p ≥ 1 (lags pB … pB + B − 1),
-/// the product of that partition's spectrum and the one of the blocks b − p − 1 and b − p.
+/// Adds the far lags for block b, after block b − 1 has ended. Partition p ≥ 1 (lags pB … pB + B − 1)
+/// contributes the product of its spectrum and that of the blocks b − p − 1 and b − p.
 void Convolution::finish_block() noexcept {
   const std::size_t B = block_, bins = B + 1, width = 2 * bins;
   const std::size_t rows = rows_, columns = columns_;

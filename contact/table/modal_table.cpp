@@ -12,8 +12,8 @@
 namespace ricochet::contact {
 namespace {
 
-/// Coefficient of one mode in the kernels, over the steps: the motion that a unit impulse or a unit force
-/// over the first step leaves behind.
+/// Coefficient of one mode in the kernels at each step: its motion after a unit impulse, or after a unit
+/// force over the first step.
 struct Series {
   double stiffness, q, v;
   ModeStep by;
@@ -29,7 +29,7 @@ struct Series {
 Table table_from_modes(const Model& model, const StepOptions& options, std::int64_t steps) {
   const bool compliant = options.scheme == Scheme::compliant;
   const Eigen::Index N = model.omega.size(), m = model.gap.size();
-  // A mean rate takes one sample and one instant more.
+  // A mean rate needs one more sample and one more instant.
   const int more = !compliant && options.admittance == Admittance::difference ? 1 : 0;
   const std::int64_t L = std::max<std::int64_t>(2, steps + more), K = steps + 1 + more;
   Table table;
@@ -37,7 +37,7 @@ Table table_from_modes(const Model& model, const StepOptions& options, std::int6
   table.gap = model.gap;
   table.area = model.area;
 
-  // Without contact: the same bodies, out of reach of each other.
+  // The motion without contact is that of the same bodies out of reach of each other.
   Model apart = model;
   apart.gap.setConstant(1e300);
   const std::unique_ptr<Stepper> motion = make_stepper(apart, options);

@@ -10,9 +10,10 @@
 
 namespace ricochet::contact {
 
-/// The model's kernels and free motion for `steps` steps of the scheme in `options`, with only what it needs
-/// (impulse: displacement and velocity; compliant: flexibility, with R and the modes above half the rate
-/// in S_0). Bodies without supports are in `bodies`. Memory: steps·m² numbers, twice for impulse.
+/// Samples the kernels and the free motion of the model for `steps` steps of the scheme in `options`, as far
+/// as the scheme needs them: for impulse, displacement and velocity; for compliant, flexibility, with R and
+/// the modes above half the rate in S_0. `bodies` contains the bodies without supports. The table needs
+/// steps·m² numbers of memory, twice as many for impulse.
 Table table_from_modes(const Model& model, const StepOptions& options, std::int64_t steps);
 
 }  // namespace ricochet::contact

@@ -18,7 +18,7 @@ constexpr double straight = 1e-6;
 /// Gaps smaller than this share of their terms are round-off of touching.
 constexpr double touching = 1e-12;
 
-/// Names become groups of the result.
+/// Names become groups of the result file.
 bool is_name(const std::string& name) {
   return !name.empty() && name.find_first_not_of(
                               "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"

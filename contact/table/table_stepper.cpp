@@ -12,23 +12,23 @@
 namespace ricochet::contact {
 namespace {
 
-/// Round-off of the convolution: a point within this share of the terms of u − g touches.
+/// Round-off of the convolution: a point touches if u − g is within this share of its terms.
 constexpr double touch = 1e-12;
 
 /// Asymmetry and negative eigenvalues up to this share of the largest entry of lag 0 are round-off.
 constexpr double definite = 1e-9;
 
-/// (L − 1, m, m) mean rate over the step behind each sample.
+/// Mean rate over the step after each sample (L − 1, m, m).
 std::vector<double> difference(const std::vector<double>& x, std::size_t width, double step) {
   std::vector<double> out(x.size() - width);
   for (std::size_t k = 0; k < out.size(); ++k) out[k] = (x[k + width] - x[k]) / step;
   return out;
 }
 
-/// The samples that are convolved with the forces (L, rows, m), and the block of lag 0, which multiplies the
+/// The samples (L, rows, m) that are convolved with the forces, and the block of lag 0, which multiplies the
 /// unknown force.
 struct Kernel {
-  std::span<const double> values;  ///< the table's own, or `made`
+  std::span<const double> values;  ///< those of the table, or `made`
   std::vector<double> made;
   Eigen::MatrixXd at_once;
   int rows = 0;
@@ -77,7 +77,7 @@ Kernel kernel_of(const Table& table, const StepOptions& options) {
   return out;
 }
 
-/// Lag 0 made exactly symmetric, and definite for impulses.
+/// Returns lag 0, made exactly symmetric and, for impulses, definite.
 Eigen::MatrixXd semidefinite(const Eigen::MatrixXd& lag, bool impulse) {
   const char* what = impulse ? "the admittance" : "the flexibility of a step";
   const double largest = lag.cwiseAbs().maxCoeff();
@@ -97,7 +97,7 @@ Eigen::MatrixXd semidefinite(const Eigen::MatrixXd& lag, bool impulse) {
   return S;
 }
 
-/// Throws InputError, with the scene's keys, if the options do not fit the table.
+/// Throws an InputError that names the keys of the scene if the options do not fit the table.
 const StepOptions& checked(const StepOptions& options, const Table& table) {
   if (std::abs(options.step - table.step) > 1e-9 * table.step)
     throw InputError(base::format("time.rate_hz = {:.12g}: the table has a step of {:.12g} s. Set {:.12g}.",
@@ -115,7 +115,7 @@ TableStepper::TableStepper(const Table& table, const StepOptions& options)
       free_velocity_(table.free_velocity),
       gap_(table.gap),
       bodies_(table.bodies),
-      // S_ and available_, declared before it, come from the same arrays.
+      // Also sets S_ and available_, which are declared before it and come from the same arrays.
       convolution_([&] {
         const Kernel kernel = kernel_of(table, options);
         S_ = semidefinite(kernel.at_once, options.scheme == Scheme::impulse);
@@ -146,7 +146,7 @@ TableStepper::TableStepper(const Table& table, const StepOptions& options)
   free_motion(0, u_);
 }
 
-/// ũ_k.
+/// Computes ũ_k.
 void TableStepper::free_motion(std::int64_t k, Vector& u) const noexcept {
   if (free_.empty()) {
     const double t = static_cast<double>(k) * options_.step;
@@ -156,7 +156,7 @@ void TableStepper::free_motion(std::int64_t k, Vector& u) const noexcept {
   }
 }
 
-/// ũ̇_k, or its mean over the step that follows.
+/// Computes ũ̇_k, or its mean over the next step.
 void TableStepper::free_rate(std::int64_t k, Vector& v) const noexcept {
   if (free_.empty()) {
     const double later = options_.admittance == Admittance::difference ? 0.5 : 0.0;
@@ -218,7 +218,7 @@ SolveStatus TableStepper::impulses() noexcept {
   return status;
 }
 
-/// Newton's law of each body as a whole.
+/// Updates the velocity of each body as a whole by Newton's law.
 void TableStepper::push_bodies() noexcept {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     auto v = velocity_.col(b);

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Steps the contact forces of a Table through time: the source paper's formulation, in which the motion of
-// the contact points is a convolution with all earlier forces.
+// Advances the contact forces of a Table in time. This is the formulation of the source paper, in which the
+// motion of the contact points is a convolution with all earlier forces.
 //
 // impulse, step k: û_k = ũ_k − Σ_{l≥1} N_l P_{k−l}; on the points with û ≥ g, to round-off,
 //   0 ≤ P ⟂ A P − (1 + e) v̂ ≥ 0
 //   "jump":        A = Ṅ_0,    v̂ = ũ̇_k − Σ_{l≥1} Ṅ_l P_{k−l}
 //   "difference":  the same with (N_{l+1} − N_l)/Δ for Ṅ_l and (ũ_{k+1} − ũ_k)/Δ for ũ̇_k
-// The first instant is t_1, as in the source paper. displacement() is that before the impulses.
+// The first instant is t_1, as in the source paper. displacement() is u before the impulses.
 //
 // compliant, step k: 0 ≤ λ ⟂ S_0 λ − (û − g) ≥ 0,  û = ũ_k − Σ_{l≥1} S_l λ_{k−l},  over all points.
 //
-// With kernels from modes both are the modal schemes, to round-off. The energy of the bodies is not known
-// here; whether a step can gain energy depends on the table. persistency() is known for `compliant` only.
+// With kernels sampled from modes, both equal the modal schemes to round-off. The energy of the bodies is
+// unknown here, and whether a step can gain energy depends on the table. persistency() is known only for
+// `compliant`.
 #pragma once
 
 #include <Eigen/Dense>
@@ -26,18 +27,19 @@ namespace ricochet::contact {
 
 class TableStepper final : public Stepper {
  public:
-  /// Without end: the tail is known.
+  /// Value of available() without a limit.
   static constexpr std::int64_t endless = std::numeric_limits<std::int64_t>::max();
 
   /// @param table  valid; not needed afterwards
-  /// Throws InputError if the table lacks what the scheme needs, has another step than `options`, or its
-  /// lag 0 (A or S_0) is not symmetric and positive semidefinite; if restitution is outside [0, 1].
+  /// Throws InputError if the table lacks data that the scheme needs, if its step differs from that of
+  /// `options`, if its lag 0 (A or S_0) is not symmetric and positive semidefinite, or if restitution is
+  /// outside [0, 1].
   TableStepper(const Table& table, const StepOptions& options);
 
-  /// Steps that the table has kernels and free motion for.
+  /// Number of steps for which the table has kernels and free motion.
   std::int64_t available() const { return available_; }
 
-  /// `table_ended` if the step is beyond `available`; the state then stays.
+  /// Returns `table_ended`, without any change, if the step is beyond `available`.
   StepStatus step() noexcept override;
   std::unique_ptr<Stepper> clone() const override { return std::make_unique<TableStepper>(*this); }
   void assign(const Stepper& clone) noexcept override { *this = static_cast<const TableStepper&>(clone); }
@@ -52,14 +54,14 @@ class TableStepper final : public Stepper {
 
   std::int64_t available_ = endless;
   std::vector<double> free_, free_velocity_;    ///< (K,m), (·,m)
-  Vector rigid_velocity_, rigid_acceleration_;  ///< (m) of ũ, where there is no `free_`
+  Vector rigid_velocity_, rigid_acceleration_;  ///< (m) of ũ, if `free_` is empty
   Vector gap_;
   Eigen::MatrixXd S_;  ///< (m,m) S_0 or A
   std::vector<FreeBody> bodies_;
   Convolution convolution_;  ///< compliant: S (m rows); impulse: N and Ṅ (2m rows)
   Eigen::Matrix3Xd velocity_;
 
-  // the step under way
+  // The current step
   Vector rhs_, solution_, rate_;  ///< (m)
   Eigen::MatrixXd sub_;
   std::vector<int> touching_;

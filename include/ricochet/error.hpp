@@ -7,8 +7,8 @@
 
 namespace ricochet {
 
-/// Bad input: a scene, a mesh, a file. `what()` is one line that states where, what was found and what to do.
-/// Programs print it once and end with status 2.
+/// Bad input: a scene, a mesh, a file. `what()` is one line that states where the problem is, what was found
+/// and what to do. Programs print it once and end with status 2.
 struct InputError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };

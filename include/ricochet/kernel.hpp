@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The kernel of one body: all that contact needs to know of it. No MPI, no PETSc, no Eigen.
+// The kernel of one body: all data of the body that contact needs. Requires neither MPI, PETSc nor Eigen.
 //
 // Every array is row-major, with its shape beside it:
 //   N modes, M candidate points, c components (3, or 1 if the scene fixes a contact direction),
@@ -17,13 +17,13 @@
 namespace ricochet::kernels {
 
 /// Evidence that no mode is missing: the Sturm-sequence (inertia) count of full-rank factorisations, compared
-/// with the number of modes found. For a contact-adapted basis: the error estimate that it met.
+/// with the number of modes found. For a contact-adapted basis: its estimated error.
 struct Certificate {
   std::int64_t below = 0;             ///< modes below the interval (0: it starts below all modes)
   double upto_hz = 0;                 ///< upper end of the proved interval [Hz]
   std::int64_t count_by_inertia = 0;  ///< modes in it, by Sylvester's law; basis "contact": number of vectors
   std::int64_t count_found = 0;       ///< modes found
-  std::int64_t left_out = 0;  ///< of those found: truncated, because contact hardly excites them in the band
+  std::int64_t left_out = 0;  ///< modes found but truncated, because contact hardly excites them in the band
   /// The counts agree, and residuals, M-orthonormality and flexibility are within their bounds. False for the
   /// basis "imported".
   bool complete = false;
@@ -31,7 +31,7 @@ struct Certificate {
   /// Estimated error of the flexibility of the contact surface over the band of the scene; 0 if no bound on
   /// it was requested.
   double flexibility_error = 0;
-  std::int64_t approximate = 0;  ///< block iterations instead of the certified search; 0: none
+  std::int64_t approximate = 0;  ///< block iterations that replaced the certified search, or 0
   bool operator==(const Certificate&) const = default;
 };
 
@@ -45,20 +45,20 @@ struct Modes {
   /// Kind of the modes for reports: "modes" (certified), "approximate modes", "contact" or "imported".
   std::string kind() const { return certificate.approximate > 0 ? "approximate " + basis : basis; }
   /// Whether these are the load-dependent Ritz vectors of a contact-adapted basis. They are not modes of the
-  /// body, and a part of the basis is of no use.
+  /// body, and the basis is useful only as a whole.
   bool contact_adapted() const { return basis == "contact"; }
   bool imported() const { return basis == "imported"; }
   bool operator==(const Modes&) const = default;
 };
 
-/// All candidates of a surface, if a kernel holds only some of them. Contact pairs are found among all. W
-/// candidates, T elements of k corners.
+/// All candidates of a surface, for a kernel that contains only some of them. Contact pairs are found among
+/// all of them. There are W candidates and T elements of k corners.
 struct WholeSurface {
   std::vector<double> node, centroid, normal;  ///< (W,3) as in Surface
   std::vector<double> area;                    ///< (W) [m²]
   int element_corners = 3;                     ///< k
   std::vector<std::int64_t> element;           ///< (T,k)
-  std::vector<std::int64_t> held;              ///< (M) the candidates that the kernel holds, ascending
+  std::vector<std::int64_t> held;              ///< (M) the candidates that the kernel contains, ascending
   bool operator==(const WholeSurface&) const = default;
 };
 
@@ -68,7 +68,7 @@ struct Surface {
   std::optional<Vector3> direction;   ///< unit vector of the stored component when c = 1
   std::vector<double> node;           ///< (M,3) vertex of each hat [m]
   std::vector<double> centroid;       ///< (M,3) (1/A_i) ∫ w_i x ds [m]; empty: equal to node
-  std::vector<std::string> group;     ///< (M) physical surface each belongs to
+  std::vector<std::string> group;     ///< (M) physical surface to which each belongs
   std::vector<double> normal;         ///< (M,3) outward unit normal
   std::vector<double> area;           ///< (M) A_i [m²]
   int element_corners = 3;            ///< k: 1 point (rods), 2 segments (`along`), 3 triangles
@@ -76,7 +76,7 @@ struct Surface {
   std::vector<double> shape;          ///< (M,c,N) φ_i = (1/A_i) ∫ w_i φ ds [kg^-1/2]
   std::vector<double>
       residual_flexibility;           ///< (cM,cM) R [m/N], index c·i + component; empty if not requested
-  std::optional<WholeSurface> whole;  ///< if candidates out of reach are missing; otherwise none
+  std::optional<WholeSurface> whole;  ///< set only if candidates out of reach are missing
   std::size_t size() const { return area.size(); }
   bool operator==(const Surface&) const = default;
 };
@@ -92,8 +92,8 @@ struct Loads {
   bool operator==(const Loads&) const = default;
 };
 
-/// A traction on a surface or a force at a point, whose history the scene gives. One column for a unit of
-/// each component along the body's axes.
+/// A traction on a surface or a force at a point; the scene gives its history. Arrays have one row or column
+/// for a unit load along each axis of the body.
 struct Load {
   std::string name;
   std::string unit;  ///< of the vector that the history scales: "Pa" (traction) or "N" (force)
@@ -105,8 +105,9 @@ struct Load {
 };
 
 /// A support that moves by ū, the same vector at all its nodes; other supports do not move. With the static
-/// lift Ψ (K Ψ = 0 off the supports) u = (Ψ − ΦΓ) ū + Φ p, p̈ + 2δ (ṗ − Γ ū̇) + ω² p = ω² Γ ū. One column for
-/// each component of ū along the body's axes; components that the support does not hold are 0.
+/// lift Ψ (K Ψ = 0 off the supports), u = (Ψ − ΦΓ) ū + Φ p and p̈ + 2δ (ṗ − Γ ū̇) + ω² p = ω² Γ ū. Arrays
+/// have one row or column for each component of ū along the axes of the body; it is 0 if the support does not
+/// hold that component.
 struct Motion {
   std::string name;                   ///< the support's group
   std::vector<double> participation;  ///< (3,N) Γ = Φᵀ M Ψ [kg^1/2]
@@ -146,8 +147,8 @@ struct View {
 struct Kernel {
   std::string body;         ///< its name in the scene
   std::string hash;         ///< SHA-256 (hex) of all that the kernel depends on
-  std::string scene;        ///< resolved TOML of what it depends on
-  std::string mesh_sha256;  ///< of the mesh file (and the files it includes)
+  std::string scene;        ///< settings that the kernel depends on, as resolved TOML
+  std::string mesh_sha256;  ///< of the mesh file and the files that it includes
   std::string created_by;   ///< program and version
   std::int64_t dofs = 0;
   std::int64_t elements = 0;
@@ -155,7 +156,7 @@ struct Kernel {
   double mass = 0;                  ///< [kg]
   Vector3 centre{};                 ///< centre of mass [m]
   std::array<double, 9> inertia{};  ///< (3,3) about the centre of mass [kg m²]
-  bool supported = false;           ///< some displacement is held by a support
+  bool supported = false;           ///< a support holds some displacement
 
   Modes modes;
   Surface surface;
@@ -168,13 +169,13 @@ struct Kernel {
 };
 
 /// Whether a load, a motion or a receiver may have this name, which becomes the name of a dataset: 1 to 100
-/// bytes, no "/" and no control characters, not "." and not the name of one of the file's own datasets of
-/// loads.
+/// bytes, no "/" and no control characters, neither "." nor "..", and not a name that the file uses for its
+/// own datasets of loads.
 bool is_free_name(const std::string& name);
 
-/// Throws InputError that names `origin` if shapes disagree, a value is not finite, an area or a frequency is
-/// negative, an index is out of range, or a normal is not a unit vector. Every loader calls it, so that later
-/// code need not check again.
+/// Throws an InputError that names `origin` if shapes disagree, a value is not finite, an area or a frequency
+/// is negative, an index is out of range, or a normal is not a unit vector. Every loader calls it, so that
+/// later code need not check again.
 void validate(const Kernel& kernel, const std::string& origin);
 
 }  // namespace ricochet::kernels

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Impacts of elastic bodies from their kernels, for C and for languages that call C. The interface is that of
- * ricochet.hpp, which gives units and rules in full.
+ * ricochet.hpp, which documents units and rules in full.
  *
  *   ricochet_kernel* kernel = ricochet_kernel_load("bar.kernel.h5");
  *   ricochet_scene* scene = ricochet_scene_new(44100);
@@ -11,11 +11,11 @@
  *   ricochet_simulation* simulation = ricochet_simulation_new(scene);
  *   ricochet_simulation_step_block(simulation, 512, &block);
  *
- * A function that refuses its input returns NULL or RICOCHET_REFUSED; ricochet_error() then states in one line
- * where, what was found and what to do. Vectors are three doubles in SI units and world axes. rotate_deg,
- * translate, velocity, direction, gap, reach and receiver may be NULL: not given. Handles of simulations are
- * not checked. Objects may be freed in any order: a simulation keeps the parts of its scene and kernels that it
- * needs. */
+ * A function that refuses its input returns NULL or RICOCHET_REFUSED; ricochet_error() then states in one
+ * line where the problem is, what was found and what to do. Vectors are three doubles in SI units and world
+ * axes. rotate_deg, translate, velocity, direction, gap, reach and receiver may be NULL if not given. Handles
+ * of simulations are not checked. Objects may be freed in any order, because a simulation keeps the parts of
+ * its scene and kernels that it needs. */
 #ifndef RICOCHET_H
 #define RICOCHET_H
 
@@ -96,8 +96,8 @@ typedef struct ricochet_point {
 ricochet_simulation* ricochet_simulation_new(const ricochet_scene* scene);
 void ricochet_simulation_free(ricochet_simulation* simulation);
 
-/* Return RICOCHET_OK, RICOCHET_NO_SOLUTION or RICOCHET_NOT_FINITE. A failed step changes nothing; the rows of
- * the block from it on are 0. block may be NULL. */
+/* Return RICOCHET_OK, RICOCHET_NO_SOLUTION or RICOCHET_NOT_FINITE. A failed step changes nothing; rows of the
+ * block from that step on are 0. block may be NULL. */
 int ricochet_simulation_step(ricochet_simulation* simulation);
 int ricochet_simulation_step_block(ricochet_simulation* simulation, int64_t steps,
                                    const ricochet_block* block);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Impacts of elastic bodies from their kernels, inside another program: place, pair, step, listen.
+// Impacts of elastic bodies from their kernels, for use inside another program.
 //
 //   ricochet::Scene scene;
 //   scene.bodies = {{.name = "bar", .kernel = ricochet::load_kernel("bar.kernel.h5"),
@@ -11,8 +11,8 @@
 //   std::vector<double> sound(512);
 //   simulation.step_block(512, {.velocity = sound.data()});
 //
-// Needs the standard library alone. SI units, world axes. Every array is row-major, with its shape beside it:
-// n steps, m contact points, p pickups.
+// This header requires only the standard library. Units are SI; vectors are in world axes. Every array is
+// row-major, with its shape beside it: n steps, m contact points, p pickups.
 #pragma once
 
 #include <cstddef>
@@ -34,12 +34,12 @@ namespace ricochet {
 /// A constant kernel, shared by any number of simulations and threads.
 using SharedKernel = std::shared_ptr<const kernels::Kernel>;
 
-/// Reads a kernel file. Throws InputError, one line, if the file is missing, truncated, not a kernel, or
-/// inconsistent. Call it from one thread at a time: HDF5 may not be built for more.
+/// Reads a kernel file. Throws a one-line InputError if the file is missing, truncated, not a kernel, or
+/// inconsistent. Call it from one thread at a time, because HDF5 may not be thread-safe.
 SharedKernel load_kernel(const std::filesystem::path& path);
 
-/// Writes a kernel file (kernels/FORMAT.md); a partial file never has the final name. Throws InputError, one
-/// line, if the place cannot be written. Call it from one thread at a time, like load_kernel.
+/// Writes a kernel file (kernels/FORMAT.md); a partial file never has the final name. Throws a one-line
+/// InputError if the place cannot be written. Call it from one thread at a time, like load_kernel.
 void save_kernel(const kernels::Kernel& kernel, const std::filesystem::path& path);
 
 /// A kernel placed in the world: first rotated, then translated.
@@ -55,26 +55,26 @@ struct Body {
 struct HalfSpace {
   std::string name;
   Vector3 point{};   ///< [m]
-  Vector3 normal{};  ///< outward, of any length but 0
+  Vector3 normal{};  ///< outward, of any nonzero length
 };
 
 /// Two surfaces that may touch, by name.
 struct Pair {
   std::string a;                       ///< a body
   std::string b;                       ///< a body or a half-space
-  std::optional<Vector3> direction{};  ///< of contact, out of a; none: from the normals of the surfaces
+  std::optional<Vector3> direction{};  ///< of contact, out of a; default: from the surface normals
   /// Moves body a along the direction until the closest points have this gap [m].
   std::optional<double> gap{};
   std::optional<double> reach{};  ///< drops points whose initial gap is not below this [m]
 };
 
-/// An audio channel: the motion of a point of a body along a direction. It keeps a name of its own, which the C
-/// functions share: unlike a receiver, it may be a contact candidate and has one component.
+/// An audio channel: the motion of a point of a body along a direction. Unlike a receiver, it has one
+/// component, and it may be a contact candidate.
 struct Pickup {
   std::string body;
-  std::string receiver{};     ///< a receiver of the kernel, by name; empty: a candidate
+  std::string receiver{};     ///< a receiver of the kernel, by name; if empty, `candidate` is used
   std::size_t candidate = 0;  ///< row of the kernel's surface.node, if no receiver is named
-  Vector3 direction{};        ///< of any length but 0
+  Vector3 direction{};        ///< of any nonzero length
 };
 
 struct Scene {
@@ -97,7 +97,7 @@ struct ContactPoint {
   double area = 0;             ///< of the patch of a [m²]
 };
 
-/// Destinations of step_block, one row per step; null: not wanted.
+/// Output arrays of step_block, with one row per step; null if not requested.
 struct Block {
   double* velocity = nullptr;      ///< (n,p) of the pickups [m/s]
   double* total_force = nullptr;   ///< (n) Σ λ_i [N]
@@ -110,15 +110,15 @@ struct BlockResult {
   StepStatus status = StepStatus::ok;
 };
 
-/// Bodies in motion. The constructor computes and allocates all constant data. Functions that are noexcept do
-/// not allocate, lock or call the system, so they may run in an audio callback. Use each simulation from one
-/// thread at a time; different simulations share nothing that changes. A moved-from simulation can only be
-/// assigned to.
+/// Bodies in motion. The constructor computes and allocates all constant data. Functions that are noexcept
+/// neither allocate nor lock nor call the system, so they may run in an audio callback. Use each simulation
+/// from one thread at a time; different simulations share only constant data. A moved-from simulation can
+/// only be assigned to.
 class Simulation {
  public:
   class State;
 
-  /// Throws InputError, one line, if the scene cannot be placed, paired or stepped.
+  /// Throws a one-line InputError if the scene cannot be placed, paired or stepped.
   explicit Simulation(const Scene& scene);
   ~Simulation();
   Simulation(Simulation&&) noexcept;
@@ -152,7 +152,8 @@ class Simulation {
   /// Returns the complete state of motion. Allocates.
   State save() const;
 
-  /// Continues from `state`, bitwise. Returns false, and changes nothing, for a state of another simulation.
+  /// Continues from `state`; the following steps are bitwise the same. Returns false and changes nothing if
+  /// `state` is from another simulation.
   bool restore(const State& state) noexcept;
 
  private:

@@ -8,13 +8,13 @@
 namespace ricochet {
 
 enum class Scheme {
-  compliant,  ///< λ constant over the step, Signorini at its end with the residual flexibility
+  compliant,  ///< λ constant over the step; Signorini's conditions at its end, with the residual flexibility
   impulse,    ///< algorithm (30) of the source paper: impulses at the instants t_k on the points that are
               ///< found beyond their gap
   at_rest,    ///< "static": equilibrium, no steps
 };
 enum class Admittance {
-  jump,        ///< A = Ṅ(0⁺) = B Bᵀ, v̂ the velocity at t_k: the printed reading
+  jump,        ///< A = Ṅ(0⁺) = B Bᵀ, v̂ the velocity at t_k, as printed in the paper
   difference,  ///< A = N(Δ)/Δ, v̂ = (û(t_{k+1}) − u(t_k))/Δ
 };
 
@@ -34,14 +34,15 @@ struct StepOptions {
   double step = 0;                  ///< Δ [s]
   /// Bound on the work of a step: the number of changes of the active set in its solve.
   int max_pivots = std::numeric_limits<int>::max();
-  /// Length of a look-ahead block: steps of the compliant scheme computed by one matrix product. 1: none, 0:
-  /// chosen from the number of points. The result is the same to round-off.
+  /// Length of a look-ahead block: the number of steps of the compliant scheme computed by one matrix
+  /// product. 1 turns blocks off; 0 chooses the length from the number of points. The result is the same to
+  /// round-off.
   int block = 0;
   /// Precision of the products of a block. State, contact and rigid motion stay in double precision.
   Precision precision = Precision::float64;
-  /// Whether q, q̇ and the energy ledger are known after each step. If not, blocks are faster and know them
-  /// at their ends, or after catch_up(); only forces are known after each step. Always on with loads that
-  /// vary.
+  /// Whether q, q̇ and the energy ledger are known after each step. Otherwise, blocks are faster, but only
+  /// forces are known after each step; the rest is known at the end of a block and after catch_up(). With
+  /// loads that vary, this is always on.
   bool every_state = true;
 };
 
@@ -49,16 +50,16 @@ enum class StepStatus {
   ok,
   no_solution,
   not_finite,
-  table_ended,  ///< schemes by tables: the step is beyond the table
+  table_ended,  ///< table kernels: the step is beyond the end of the table
 };
 
-/// Running energy ledger [J]: kinetic + strain + residual − loads + damping + contact keeps its value of t =
-/// 0. Each term has a formula of its own.
+/// Running energy ledger [J]: kinetic + strain + residual − loads + damping + contact keeps its initial
+/// value. Each term has its own formula.
 struct Energy {
   double kinetic = 0;   ///< ½ |q̇|²; with moving supports ½ |q̇ + Γ dū/dt|²
   double strain = 0;    ///< ½ Σ ω² q²
   double residual = 0;  ///< ½ λᵀ R λ
-  double loads = 0;  ///< work so far of gravity, fᵀ (q − q0), of loads and of supports, with ∫ λᵀ ds
+  double loads = 0;  ///< work so far of gravity, fᵀ (q − q0), of loads and of supports, including ∫ λᵀ ds
   double damping = 0;  ///< ∫ 2 δ q̇², so far
   double contact = 0;  ///< removed by contact so far; compliant: λᵀ(B(q⁺ − q) + s⁺ − s) minus the growth of
                        ///< ½ λᵀRλ; impulse: Pᵀ (B q̇ + ṡ) − ½ |BᵀP|²

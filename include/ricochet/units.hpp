@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Frequencies by unit, so that no factor 2π is lost between them.
+// One type for each unit of frequency, so that no factor 2π is forgotten.
 #pragma once
 
 #include <array>
