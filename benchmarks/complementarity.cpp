@@ -3,7 +3,7 @@
 //
 //   hold     the same points press in every step
 //   drift    the pressed zone moves: a point enters or leaves in every fourth step
-//   flat     a quarter of the points come into contact in one step, and the active set is empty before
+//   flat     a quarter of the points come into contact in one step, from an empty active set
 //
 // For real time at 44.1 kHz, a step must not exceed 22.7 µs.
 #include <benchmark/benchmark.h>

@@ -53,8 +53,8 @@ double lambda(Hertz frequency) { return std::pow(2 * std::numbers::pi * frequenc
 /// Modes below this frequency are rigid.
 constexpr Hertz rigid_below{1};
 
-/// Selects shift-and-invert by MUMPS. The type of the solver and, for slicing, its interval must be set
-/// before.
+/// Selects shift-and-invert by MUMPS. The type of the solver and, for slicing, its interval must
+/// already be set.
 void set_inverse(EPS eps, bool slicing) {
   ST st = nullptr;
   KSP ksp = nullptr;

@@ -26,7 +26,7 @@ class Certificate:
     upto_hz: float  #: upper end of the interval [Hz]
     count_by_inertia: int  #: number of modes in the interval by the Sturm-sequence count
     count_found: int  #: number of modes found in the interval
-    left_out: int  #: found modes whose static response is part of the residual flexibility instead
+    left_out: int  #: number of modes found but left to the residual flexibility
     complete: bool  #: the counts agree and all errors are within their bounds
     orthonormality: float  #: max |Φᵀ M Φ − I|
     flexibility_error: float  #: relative error of the contact flexibility over the band; 0 if there is no bound
