@@ -18,7 +18,7 @@ struct ContactRequest {
 double shift_near_zero(Hertz band);
 
 /// Computes Ritz vectors of K φ = ω² M φ in the block rational Krylov space of (K − σM)⁻¹ M, which starts
-/// with the responses (K − σM)⁻¹ L to the loads. At least the first four blocks use σ ≈ 0. If that saves
+/// with the responses (K − σM)⁻¹ L to the loads. The first four blocks, or more, use σ ≈ 0. If that saves
 /// blocks, or with `count`, further blocks use σ = −ω_band². Rigid modes come first and are exact.
 ///
 /// The flexibility of the contact surface over the band is compared from one block to the next
