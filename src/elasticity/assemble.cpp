@@ -16,9 +16,9 @@ using mesh::Basis;
 using mesh::Block;
 using mesh::Mesh;
 
-/// Quadrature degree. Straight simplices have constant Jacobians, so that 2p integrates the mass exactly; for
-/// other elements the Jacobian adds degrees, and 2p + 2 keeps the patch test exact up to order 4 (cofactors
-/// have degree 2(p − 1), gradients p − 1).
+/// Quadrature degree. Straight simplices have constant Jacobians, so that degree 2p integrates the mass
+/// exactly. In other elements the Jacobian raises the degree; 2p + 2 keeps the patch test exact up to order 4
+/// (cofactors have degree 2(p − 1), gradients p − 1).
 int degree_of(const mesh::ReferenceElement& element, bool affine) {
   const bool simplex = element.family == mesh::Family::tetrahedron || element.family == mesh::Family::line;
   return 2 * element.order + (simplex && affine ? 0 : 2);
@@ -34,7 +34,7 @@ Material material_of(const scene::Material& m, int dim) {
           m.young / (2 * (1 + m.poisson))};
 }
 
-/// Element matrices of one block, from tables that are computed once.
+/// Computes the element matrices of one block. Shape functions are tabulated once.
 class Element {
  public:
   Element(const Mesh& mesh, const Block& block)
@@ -64,7 +64,7 @@ class Element {
       if (mesh_.dim == 1) {
         double slope = 0;
         for (int k = 0; k < 3; ++k) slope += local.col(0).dot(position_.col(k)) * mesh_.axis[k];
-        // A line has no interior: it may have either direction along the rod.
+        // A line may point in either direction along the rod, so the slope may be negative.
         measure_(q) = std::abs(slope) * weight_[q];
         if (!(measure_(q) > 0)) return false;
         gradient_.col(q) = local.col(0) / slope;
@@ -101,8 +101,8 @@ class Element {
   const Eigen::Matrix<double, Eigen::Dynamic, 3>& position() const { return position_; }
 
  private:
-  /// Whether every element of the block is an affine image of the reference element: its corners determine
-  /// its nodes.
+  /// Whether every element of the block is an affine image of the reference element, so that its corners
+  /// determine its nodes.
   bool all_affine(const Block& block) const {
     if (reference_.order == 1) return true;
     for (std::size_t e = 0; e < block.size(); ++e) {
@@ -117,7 +117,8 @@ class Element {
           double x = at(0, k);
           for (int d = 0; d < reference_.dim; ++d) {
             const double xi = reference_.node[static_cast<std::size_t>(a) * reference_.dim + d];
-            // Lines span [−1, 1], tetrahedra [0, 1]; other families never use the affine rule.
+            // Reference coordinates are in [−1, 1] for lines and in [0, 1] for tetrahedra. Other families
+            // never use the affine rule.
             x += (reference_.dim == 1 ? (xi + 1) / 2 : xi) *
                  (at(std::min(d + 1, reference_.corners - 1), k) - at(0, k));
           }
@@ -141,7 +142,7 @@ class Element {
   Eigen::Matrix<double, Eigen::Dynamic, 3> position_;
 };
 
-/// The pattern, counted exactly from the elements.
+/// Counts the entries of each row exactly, from the elements.
 Pattern pattern_of(const Mesh& mesh) {
   std::vector<std::vector<std::int64_t>> columns(static_cast<std::size_t>(mesh.owned_nodes));
   for (const Block& block : mesh.blocks) {
@@ -155,7 +156,7 @@ Pattern pattern_of(const Mesh& mesh) {
           const std::int64_t column = mesh.node[block.node[e * n + b]];
           if (column >= row + mesh.first_node) list.push_back(column);
         }
-        // Elements repeat columns; occasional compaction keeps memory near the final size.
+        // Elements repeat columns. Removing duplicates from time to time keeps the list near its final size.
         if (list.size() > 512 && list.size() > 2 * list.capacity() / 3) mesh::sort_once(list);
       }
   }

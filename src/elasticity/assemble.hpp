@@ -3,8 +3,8 @@
 //
 //   K = ∫ Bᵀ D B dV,  M = ∫ ρ Nᵀ N dV       (rods: ∫ E A N'ᵀN' dx, ∫ ρ A NᵀN dx)
 //
-// Rows are global node × components + component. A held component keeps its row, with a positive diagonal in
-// K and a zero row in M: an infinite eigenvalue, which no count below a shift includes.
+// Rows are global node × components + component. A held component keeps its row, with a positive diagonal
+// entry in K and zeros in M. Its eigenvalue is infinite, so that no count below a shift includes it.
 #pragma once
 
 #include <Eigen/Dense>
@@ -18,7 +18,7 @@ namespace ricochet::elasticity {
 struct Body {
   parallel::Matrix stiffness;  ///< SBAIJ, block size = components
   parallel::Matrix mass;       ///< same pattern
-  /// (local rows, 6): M times the rigid motions e_x, e_y, e_z, e_x × x, e_y × x, e_z × x before supports;
+  /// (local rows, 6): M without supports times the rigid motions e_x, e_y, e_z, e_x × x, e_y × x, e_z × x;
   /// held rows are zero.
   Eigen::MatrixXd rigid_load;
   std::int64_t local_rows = 0, total_rows = 0;
@@ -27,12 +27,12 @@ struct Body {
   Vector3 centre{};                 ///< [m]
   std::array<double, 9> inertia{};  ///< about the centre [kg m²]
   double wave_speed = 0;            ///< largest sqrt(E/ρ) [m/s]
-  Imposed imposed;                  ///< by moving supports
+  Imposed imposed;                  ///< forcing by moving supports
 };
 
-/// Assembles K and M. `file` names the mesh in messages; `moved`: as for Imposing. Collective. Needs a
-/// GmshSession. Throws InputError on all ranks for an element whose Jacobian is not positive, with its tag
-/// and position.
+/// Assembles K and M. Messages refer to the mesh as `file`; `moved` is as for Imposing. Collective. Needs a
+/// GmshSession. Throws InputError on all ranks if the Jacobian of an element is not positive; the message
+/// contains the tag and the position of the element.
 Body assemble(const mesh::Mesh& mesh, const std::vector<scene::Material>& materials, const std::string& file,
               const parallel::Progress& progress = {}, const std::vector<std::string>& moved = {});
 

@@ -27,7 +27,7 @@ Eigen::RowVectorXd Imposing::row(std::size_t local_node, int component) const {
       values[static_cast<Eigen::Index>(3 * s) + k] =
           mesh_.dim == 3 ? 1 : mesh_.axis[static_cast<std::size_t>(k)];
     }
-    // A node of several supports moves with the first of them only.
+    // A node that belongs to several supports moves only with the first.
     if (!values.isZero(0)) break;
   }
   return values;

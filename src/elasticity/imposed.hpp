@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Forcing by moving supports: the coupling that held rows lose in K and M.
+// Forcing by moving supports: the coupling between free and held rows, which supports remove from K and M.
 #pragma once
 
 #include <Eigen/Dense>
@@ -10,10 +10,10 @@
 
 namespace ricochet::elasticity {
 
-/// For S supports, three columns each: unit displacements along x, y and z of the body. A column is 0 if the
-/// support does not hold that component. f: free rows, s: held rows.
+/// Forcing by S supports. Each has three columns, for unit displacements along x, y and z of the body. A
+/// column is 0 if the support does not hold that component. Indices: f for free rows, s for held rows.
 struct Imposed {
-  Eigen::MatrixXd shape;     ///< (local rows, 3S) E: the displacement of held rows; free rows 0
+  Eigen::MatrixXd shape;     ///< (local rows, 3S) E: displacement of held rows; free rows 0
   Eigen::MatrixXd force;     ///< (local rows, 3S) −K_fs E [N/m]; held rows 0
   Eigen::MatrixXd inertia;   ///< (local rows, 3S) M_fs E [kg]; held rows 0
   Eigen::MatrixXd momentum;  ///< (3,3S) e_iᵀ M E over held rows, the same on every rank [kg]
@@ -21,19 +21,21 @@ struct Imposed {
 
 using ElementMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Accumulates the elements of one rank.
+/// Accumulates the contributions of the elements of one rank.
 class Imposing {
  public:
-  /// @param moved  components that each support of mesh::RequestedGroups::moved holds, some of "xyz"
+  /// @param moved  for each support of mesh::RequestedGroups::moved, the components that it holds, a subset
+  /// of "xyz"
   Imposing(const mesh::Mesh& mesh, const std::vector<std::string>& moved);
 
-  /// @param nodes        local nodes of one element
+  /// Adds one element.
+  /// @param nodes        local nodes of the element
   /// @param K, M         (cn, cn), before supports
   /// @param translation  (cn, ≥ 3) M times e_x, e_y, e_z
   void add(const std::int64_t* nodes, int count, const ElementMatrix& K, const ElementMatrix& M,
            const Eigen::MatrixXd& translation);
 
-  /// Collective.
+  /// Returns the result. Collective.
   Imposed take();
 
  private:

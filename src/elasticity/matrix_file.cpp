@@ -71,7 +71,8 @@ Rows read_rows(const Reader& file, const std::string& name, std::int64_t rows) {
 }
 
 void check_symmetric(const Reader& file, const char* name, const Rows& matrix) {
-  // Sums of element matrices differ by round-off; printed matrices by their last digit.
+  // Symmetric entries may differ: sums of element matrices by round-off, printed matrices by their last
+  // digit.
   constexpr double tolerance = 1e-9;
   for (std::int64_t i = 0; i < matrix.size(); ++i)
     matrix.for_each(i, [&](std::int64_t j, double value) {
@@ -85,7 +86,8 @@ void check_symmetric(const Reader& file, const char* name, const Rows& matrix) {
     });
 }
 
-/// Whether each displacement has no row (n). Refuses displacements that have only stiffness or only mass.
+/// Returns, for each displacement (n), whether it has no row. Refuses displacements that have only stiffness
+/// or only mass.
 std::vector<char> absent_rows(const Reader& file, const Rows& stiffness, const Rows& mass) {
   std::vector<char> absent;
   for (std::int64_t i = 0; i < stiffness.size(); ++i) {
@@ -105,8 +107,8 @@ std::vector<char> absent_rows(const Reader& file, const Rows& stiffness, const R
   return absent;
 }
 
-/// Index of the connected part of each node, ordered by first nodes. Nodes without any row are held; they
-/// belong to the single part of the body that they were connected to.
+/// Returns the index of the connected part of each node. Parts are ordered by their first nodes. Nodes
+/// without any row are held; if there are such nodes, the body must have only one part, to which they belong.
 std::vector<std::int64_t> connected(const Reader& file, const Rows& stiffness,
                                     const std::vector<char>& absent) {
   std::vector<std::int64_t> part(static_cast<std::size_t>(stiffness.size() / 3), 0);
@@ -134,7 +136,7 @@ std::vector<std::int64_t> connected(const Reader& file, const Rows& stiffness,
   return part;
 }
 
-/// Distributes rows that rank 0 holds to their owners. Collective.
+/// Distributes rows from rank 0 to their owners. Collective.
 Rows share_out(const Rows& whole, const Mesh& mesh) {
   const auto ranks = static_cast<std::size_t>(parallel::size_of(mesh.comm));
   std::vector<std::int64_t> own{3 * mesh.owned_nodes};
@@ -160,7 +162,7 @@ Rows share_out(const Rows& whole, const Mesh& mesh) {
 struct Nodes {
   std::vector<double> position;     ///< (n,3)
   std::vector<std::int64_t> fixed;  ///< (n) as in Mesh
-  Eigen::MatrixXd imposed;          ///< (3n,3S) displacement of held rows by moving supports
+  Eigen::MatrixXd imposed;          ///< (3n,3S) displacements that moving supports impose on held rows
   bool held(std::int64_t row) const { return (fixed[static_cast<std::size_t>(row / 3)] >> (row % 3)) & 1; }
   double x(std::int64_t row, int k) const { return position[static_cast<std::size_t>(row / 3 * 3 + k)]; }
 };
@@ -175,7 +177,7 @@ Eigen::MatrixXd imposed_displacements(const Nodes& nodes, const std::vector<std:
       const bool of_support = (nodes.fixed[static_cast<std::size_t>(row / 3)] >> (3 + s)) & 1;
       if (!of_support || moved[s].find("xyz"[k]) == std::string::npos) continue;
       shape(row, static_cast<Eigen::Index>(3 * s) + k) = 1;
-      break;  // a node of several supports moves with the first of them only
+      break;  // a node that belongs to several supports moves only with the first
     }
   return shape;
 }
@@ -196,7 +198,7 @@ Pattern pattern_of(const Mesh& mesh, const Rows& stiffness, const Rows& mass) {
   return pattern;
 }
 
-/// Both matrices get the blocks of either, because K − σM has them all.
+/// Fills K and M. Both have the same pattern, the union of their blocks, because K − σM has all of them.
 void fill(const Mesh& mesh, const Nodes& nodes, const Rows& stiffness, const Rows& mass, Body& body) {
   const Pattern pattern = pattern_of(mesh, stiffness, mass);
   body.stiffness = create(mesh, pattern);
@@ -226,7 +228,7 @@ void fill(const Mesh& mesh, const Nodes& nodes, const Rows& stiffness, const Row
 
 /// Sums over the rows of this rank.
 struct Sums {
-  std::array<double, 10> moments{};  ///< as for finish_inertia, means of the three directions
+  std::array<double, 10> moments{};  ///< as for finish_inertia; means over the three directions
   std::array<double, 3> mass{};      ///< by direction
   std::array<double, 3> stretch{};   ///< uᵀKu for u = x_k e_k
   double stiffest = 0;
@@ -315,7 +317,7 @@ Body read_matrices(Mesh& mesh, const std::filesystem::path& path, const std::vec
   parallel::sum(mesh.comm, sums.stretch);
   finish_inertia(mesh.comm, sums.moments, body);
   const auto [least, most] = std::ranges::minmax(sums.mass);
-  // Missing rows reduce the mass in their direction.
+  // If rows are missing, the mass in their direction is smaller.
   const bool whole = std::ranges::count(absent, 1) == 0;
   if (!(least > 0) || (whole && most > (1 + 1e-6) * least))
     throw InputError(

@@ -6,14 +6,15 @@
 
 namespace ricochet::elasticity {
 
-/// Reads the matrices of a body file (docs/interchange.md), for a mesh from read_body_file on any number of
-/// ranks. Displacements without a row become held in `mesh`, whose connected parts become those of the
-/// stiffness. Mass, centre and inertia follow from the mass matrix, the wave speed from uniform stretch.
+/// Reads the matrices of a body file (docs/interchange.md). `mesh` comes from read_body_file and may be
+/// distributed over any number of ranks. Displacements without a row are marked as held in `mesh`, and its
+/// connected parts are set to those of the stiffness. Mass, centre and inertia are computed from the mass
+/// matrix, and the wave speed from uniform stretch.
 ///
 /// @param moved  as for Imposing
-/// Collective. Throws InputError on every rank: no matrices, sizes that differ, not symmetric, a diagonal
-/// that is not positive, a mass that depends on the direction. Definiteness is not tested here
-/// (modes::validate_matrices).
+/// Collective. Throws InputError on every rank if there are no matrices, their sizes are wrong, they are not
+/// symmetric, a diagonal entry is not positive, or the mass depends on the direction. Definiteness is checked
+/// separately, by modes::validate_matrices.
 Body read_matrices(mesh::Mesh& mesh, const std::filesystem::path& path,
                    const std::vector<std::string>& moved = {});
 

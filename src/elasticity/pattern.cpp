@@ -9,7 +9,7 @@ namespace ricochet::elasticity {
 
 namespace {
 
-/// e_i × x.
+/// Returns e_i × x.
 Vector3 cross_unit(int i, const Vector3& x) {
   if (i == 0) return {0, -x[2], x[1]};
   if (i == 1) return {x[2], 0, -x[0]};
@@ -68,7 +68,8 @@ void finish_inertia(MPI_Comm comm, std::array<double, 10>& moments, Body& body) 
 
 void finish_rows(const mesh::Mesh& mesh, double stiffest, Body& body) {
   const int c = mesh.components();
-  // The value on held rows is arbitrary but positive; the largest diagonal entry keeps the conditioning.
+  // Any positive value serves on the diagonal of held rows; the largest diagonal entry preserves the
+  // conditioning.
   stiffest = parallel::largest(mesh.comm, stiffest);
   std::int64_t held = 0;
   mesh.for_each_owned([&](std::size_t i, std::int64_t) {

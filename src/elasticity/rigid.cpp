@@ -7,7 +7,8 @@ namespace ricochet::elasticity {
 
 namespace {
 
-/// Rigid motions of one connected part that its supports leave free, M-orthonormal. @return (local rows, r)
+/// Returns the M-orthonormal rigid motions of one connected part that its supports leave free, (local rows,
+/// r).
 Eigen::MatrixXd rigid_modes_of(const mesh::Mesh& mesh, const Body& body, std::int64_t part) {
   const int c = mesh.components();
   const auto for_each_own_node = [&](auto&& visit) {
@@ -15,8 +16,8 @@ Eigen::MatrixXd rigid_modes_of(const mesh::Mesh& mesh, const Body& body, std::in
       if (mesh.part[i] == part) visit(i, row, Eigen::Map<const Eigen::Vector3d>(&mesh.position[3 * i]));
     });
   };
-  // Motions about the centroid of the part's nodes, with rotations in units of its size, so that entries are
-  // of order one.
+  // Motions refer to the centroid of the part's nodes, and rotations are scaled by its size, so that entries
+  // are of order one.
   Eigen::Matrix<double, 5, 1> sums = Eigen::Matrix<double, 5, 1>::Zero();
   for_each_own_node([&](std::size_t, std::int64_t, const Eigen::Vector3d& x) {
     sums.head<3>() += x;
@@ -27,8 +28,8 @@ Eigen::MatrixXd rigid_modes_of(const mesh::Mesh& mesh, const Body& body, std::in
   const Eigen::Vector3d middle = sums.head<3>() / sums[4];
   const double size = std::sqrt(std::max(sums[3] / sums[4] - middle.squaredNorm(), 1e-300));
 
-  // Column m of `motion` is a combination of e_x, e_y, e_z, e_x × x, e_y × x, e_z × x about the origin, whose
-  // products with M are known.
+  // Each column of `motion` is a combination of e_x, e_y, e_z, e_x × x, e_y × x, e_z × x about the origin.
+  // The products of these with M are known.
   const Eigen::Index m = mesh.dim == 1 ? 1 : 6;
   Eigen::MatrixXd motion = Eigen::MatrixXd::Zero(6, m);
   if (mesh.dim == 1) {
@@ -56,7 +57,7 @@ Eigen::MatrixXd rigid_modes_of(const mesh::Mesh& mesh, const Body& body, std::in
   });
   parallel::sum(mesh.comm, seen);
 
-  // The supports permit the null space of `seen`.
+  // The supports leave the null space of `seen` free.
   Eigen::MatrixXd free = Eigen::MatrixXd::Identity(m, m);
   if (!seen.isZero(0)) {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(seen);

@@ -8,8 +8,8 @@
 
 namespace ricochet::elasticity {
 
-/// Rigid motions that the supports leave free, M-orthonormal, one column each: six for a free body, one for a
-/// free rod, and as many for each connected part of the body. Translations come first in each part.
+/// Returns the rigid motions that the supports leave free, M-orthonormal, one in each column. For each
+/// connected part, a free body has six and a free rod has one; translations come first.
 /// @return (local rows, r). Collective.
 Eigen::MatrixXd rigid_modes(const mesh::Mesh& mesh, const Body& body);
 

@@ -17,7 +17,7 @@ using base::hdf5::Reader;
 
 constexpr std::int64_t version = 1;
 
-/// Kinds of facets by their number of nodes, in the node order of gmsh.
+/// A kind of facet, identified by its number of nodes. Nodes are in the order of gmsh.
 struct FacetKind {
   int nodes, gmsh_type, corners, order;
 };
@@ -83,7 +83,7 @@ class Content {
     }
   }
 
-  /// Reads the visualisation surface: the triangles of the file, otherwise the contact surface.
+  /// Reads the visualisation surface: the triangles of the file if it has any, otherwise the contact surface.
   void collect_visualisation() {
     Block surface{2, 3, {}, {}, {}};
     if (file_.exists("/skin")) {

@@ -14,8 +14,8 @@ namespace ricochet::mesh {
 void refuse_repeated(const std::vector<Block>& blocks, const char* what, const char* key,
                      const scene::Body& body);
 
-/// The bit of GlobalMesh::fixed that marks a support that moves; 0 for others. Throws InputError if there are
-/// more of them than bits.
+/// Returns the bit of GlobalMesh::fixed that marks a moving support, or 0 if the support does not move.
+/// Throws InputError if there are more moving supports than bits.
 unsigned moved_bit(const scene::Body& body, const RequestedGroups& asked, const std::string& support);
 
 /// Errors about the mesh as a whole.

@@ -9,19 +9,19 @@
 
 namespace ricochet::mesh {
 
-/// Nodes that edges connect: union-find with path halving.
+/// Connected components of a graph, by union-find with path halving.
 class Connections {
  public:
   explicit Connections(std::size_t nodes);
   void join(std::int64_t a, std::int64_t b);
-  /// The lowest node that edges connect to `node`.
+  /// Returns the lowest node that edges connect to `node`.
   std::int64_t first(std::int64_t node);
 
  private:
   std::vector<std::int64_t> root_;
 };
 
-/// For each of `nodes` nodes, the lowest node that elements connect it to.
+/// Returns, for each node, the lowest node to which elements connect it.
 std::vector<std::int64_t> first_connected(std::size_t nodes, const std::vector<Block>& blocks);
 
 }  // namespace ricochet::mesh

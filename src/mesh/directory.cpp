@@ -10,7 +10,7 @@ Directory::Directory(MPI_Comm comm, const std::vector<std::int64_t>& tags)
       tags_(tags.size()),
       place_(static_cast<std::size_t>(parallel::size_of(comm))),
       entry_(place_.size()) {
-  // Ranges of equal length: gmsh skips few numbers.
+  // Ranges of equal length are balanced, because gmsh skips few tags.
   std::int64_t last = 0;
   for (std::int64_t tag : tags) last = std::max(last, tag);
   MPI_Allreduce(MPI_IN_PLACE, &last, 1, MPI_INT64_T, MPI_MAX, comm);

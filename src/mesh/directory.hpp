@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Data about entities that several ranks hold, such as the nodes between two parts of a mesh.
+// Combines data about entities that several ranks hold, such as the nodes between two parts of a mesh.
 #pragma once
 
 #include <cstddef>
@@ -11,17 +11,19 @@
 
 namespace ricochet::mesh {
 
-/// Combines the values that ranks hold for a tag. Each rank is responsible for a range of tags, so that none
-/// needs to know all of them.
+/// Combines the values that several ranks hold for the same tag. Each rank is responsible for a range of
+/// tags, so that no rank stores all of them.
 class Directory {
  public:
-  /// @param tags  of this rank, not negative, each once. Collective.
+  /// Collective.
+  /// @param tags  tags of this rank, distinct and not negative
   Directory(MPI_Comm comm, const std::vector<std::int64_t>& tags);
 
-  /// For each of this rank's tags, the number of lower tags on all ranks. Collective.
+  /// Returns, for each tag of this rank, the number of distinct lower tags on all ranks. Collective.
   std::vector<std::int64_t> order() const;
 
-  /// For each of this rank's tags, the values of all ranks, combined by `both(a, b)`. Collective.
+  /// Returns, for each tag of this rank, the values of all ranks for this tag, combined by `both(a, b)`.
+  /// Collective.
   template <class T, class Both>
   std::vector<T> combined(const std::vector<T>& values, Both both) const {
     std::vector<std::vector<T>> asked(place_.size());
@@ -53,9 +55,9 @@ class Directory {
   MPI_Comm comm_;
   std::size_t tags_;
   std::vector<std::vector<std::size_t>> place_;  ///< by responsible rank: indices of this rank's tags
-  std::vector<std::vector<std::size_t>> entry_;  ///< by requesting rank: entries here
+  std::vector<std::vector<std::size_t>> entry_;  ///< by requesting rank: indices of its tags here
   std::size_t entries_ = 0;
-  std::int64_t lower_ = 0;  ///< entries on the ranks before
+  std::int64_t lower_ = 0;  ///< number of entries on lower ranks
 };
 
 }  // namespace ricochet::mesh

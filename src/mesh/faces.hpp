@@ -12,21 +12,22 @@ namespace ricochet::mesh {
 
 /// The nodes at the corners of a face.
 using Corners = std::vector<std::int64_t>;
-/// Faces by their sorted corners; the value has the corners in the order that points out of the body.
+/// Faces by their sorted corners. The value lists the corners such that the normal points out of the body.
 using Faces = std::map<Corners, Corners>;
 
-/// Faces that belong to exactly one element.
+/// Returns the faces that belong to exactly one element.
 Faces outside_of(const std::vector<Block>& blocks);
 
-/// Adds a boundary face of one part to those of the other parts, or removes it if it coincides with one of
-/// them.
+/// Adds a boundary face of one part. If another part has added the same face, it lies between them and is
+/// removed.
 void add_face(Faces& outside, Corners outward);
 
-/// The faces, divided into triangles.
+/// Divides the faces into triangles.
 Block triangles_of(const Faces& outside);
 
-/// Orients each facet of a surface of `body` outward. Throws InputError that names `key` of the scene if a
-/// facet does not lie on the boundary, or if its order is not the `order` of the elements.
+/// Orients each facet of a surface of `body` outward. Throws InputError if a facet does not lie on the
+/// boundary, in which case the message names `key` of the scene, or if its order differs from the `order` of
+/// the elements.
 void orient(Block& facets, int order, const Faces& outside, const scene::Body& body, const std::string& key);
 
 }  // namespace ricochet::mesh

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The gmsh library as a scope, and its errors as InputErrors.
+// A scope in which gmsh is initialised, and the conversion of its errors to InputError.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace ricochet::mesh {
 
-/// Initialises gmsh until the end of the scope; at most one at a time in a process.
+/// Initialises gmsh until the end of the scope. A process may have only one session at a time.
 class GmshSession {
  public:
   GmshSession();
@@ -20,18 +20,17 @@ class GmshSession {
   GmshSession& operator=(const GmshSession&) = delete;
 };
 
-/// Frees the meshes that gmsh has read so far; shape functions and quadrature do not need them. Needs a
-/// GmshSession.
+/// Frees the meshes that gmsh has read so far. Shape functions do not need them. Needs a GmshSession.
 void forget_meshes();
 
-/// The error with `message` in one line.
+/// Returns an error with `message` on one line.
 inline InputError gmsh_error(const std::string& where, std::string message) {
   std::replace_if(
       message.begin(), message.end(), [](unsigned char c) { return std::iscntrl(c) != 0; }, ' ');
   return InputError(where + ": gmsh: " + message);
 }
 
-/// Calls `task` and turns any exception of gmsh into an InputError "`where`: gmsh: message".
+/// Calls `task` and converts any exception of gmsh to an InputError "`where`: gmsh: message".
 template <class Task>
 void with_gmsh_errors(const std::string& where, Task&& task) {
   try {

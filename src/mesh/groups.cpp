@@ -14,15 +14,16 @@ namespace ricochet::mesh {
 
 namespace {
 
-/// The entity from which a partition, or an interface between partitions, was created, if any.
+/// Returns the dimension and tag of the entity from which a partition, or an interface between partitions,
+/// was created; −1 if there is none.
 std::pair<int, int> parent_of(int dim, int tag) {
   std::pair<int, int> parent{-1, -1};
   gmsh::model::getParent(dim, tag, parent.first, parent.second);
   return parent;
 }
 
-/// Interfaces between partitions have the group numbers of the entities that they divide, in a lower
-/// dimension.
+/// Whether an entity is an interface between partitions. Interfaces have the group numbers of the entities
+/// that they divide, but a lower dimension.
 bool is_interface(int dim, int tag) {
   const auto [above, parent] = parent_of(dim, tag);
   return parent >= 0 && above != dim;
@@ -48,7 +49,7 @@ const char* kind_of(int dim) {
   return std::array{"point", "line", "surface", "volume"}[static_cast<std::size_t>(dim)];
 }
 
-/// Every entity of one dimension as "surface 3", by tag.
+/// Names of all entities of one dimension, such as "surface 3", by tag.
 std::map<int, std::string> entity_names(int dim) {
   gmsh::vectorpair pairs;
   gmsh::model::getEntities(pairs, dim);
@@ -58,7 +59,8 @@ std::map<int, std::string> entity_names(int dim) {
   return names;
 }
 
-/// Names in quotes, truncated to the first ones if there are many.
+/// Returns the names in quotes. If there are more than `most`, "…" replaces the names between the first ones
+/// and the last.
 std::string list_of(std::vector<std::string> names, std::size_t most) {
   for (std::string& name : names) name = '"' + name + '"';
   if (names.size() > most) {
@@ -68,7 +70,7 @@ std::string list_of(std::vector<std::string> names, std::size_t most) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-/// `entities` and their partitions.
+/// Returns `entities` and their partitions.
 std::vector<int> with_partitions(int dim, const std::vector<int>& entities) {
   std::set<int> all(entities.begin(), entities.end());
   gmsh::vectorpair pairs;

@@ -25,7 +25,7 @@ struct ElementType {
   int dim = 0, nodes = 0;
 };
 
-/// Element types whose nodes lie on lattices, complete or on edges only.
+/// Element types with Lagrange nodes, either all of them or only those on edges.
 const std::map<int, ElementType>& element_types() {
   static const auto all = [] {
     std::map<int, ElementType> types{{15, {0, 1}}};
@@ -129,7 +129,7 @@ class Check {
     }
   }
 
-  /// Whole numbers in the formats of the file.
+  /// These functions read integers of the types that the format prescribes.
   std::int64_t count(const char* what) { return in_.integer<std::uint64_t>(what, 0, largest_tag); }
   std::int64_t tag(const char* what) { return in_.integer<std::uint64_t>(what, 1, largest_tag); }
   int number(const char* what, std::int64_t low, std::int64_t high) {
@@ -137,7 +137,7 @@ class Check {
   }
   int entity(const char* what) { return number(what, 0, largest_int); }
 
-  /// A count on a line of its own.
+  /// Reads a count that stands on a line of its own.
   std::int64_t line_count(const char* what) {
     const std::int64_t n = in_.integer<std::int32_t>(what, 0, largest_int);
     if (!in_.rest_of_line().empty()) in_.fail(fmt::format("{} must be on a line of its own", what));
@@ -191,7 +191,7 @@ class Check {
     for (std::int64_t i = 0; i < n; ++i) number("a partition", 1, partitions_);
   }
 
-  /// The entities that bound a partition may be in the file of another one.
+  /// Checks bounding entities. Those of a partition may be in the file of another partition.
   void boundary(int dim, bool partitioned) {
     const std::int64_t n = count("the number of bounding entities");
     for (std::int64_t i = 0; i < n; ++i)
@@ -231,7 +231,7 @@ class Check {
     sort_nodes();
   }
 
-  /// After a count that is text even in binary files.
+  /// Skips to the numbers after a count, which is text even in binary files.
   void skip_to_numbers() {
     if (!binary_) return;
     in_.skip_line();
@@ -285,13 +285,15 @@ class Check {
     if (held != all) in_.fail("the number of elements differs from that of the blocks");
   }
 
-  /// @param n  number of tags of an element in `elements`
+  /// Checks the tags of one element.
+  /// @param n         number of its tags
+  /// @param elements  number of elements in the file
   void old_tags(int n, std::int64_t elements) {
     for (int i = 0; i < n; ++i) {
       const int value = number("an element's group", -largest_int, largest_int);
       if (i == 1 && value < 0) in_.fail("an element's entity is negative");
       if (i == 2 && n > 3 && value != n - 3) in_.fail("an element has parts that do not agree, or a parent");
-      // gmsh allocates a list as long as the largest value.
+      // gmsh allocates a list as long as the largest partition number.
       if (i == 3 && (value < 1 || value > elements))
         in_.fail("an element's partition is not from 1 to the number of elements");
       if (i > 3) in_.fail("has ghost cells: save the mesh without them");
@@ -351,7 +353,7 @@ class Check {
         for (int i = 0; i < 16; ++i) in_.real("a transformation");
         next = in_.word("the number of pairs");
       }
-      // gmsh reads this word into six bytes.
+      // gmsh reads this word into a buffer of six bytes.
       if (next.empty() || next.size() > 5 || next.find_first_not_of("0123456789") != std::string::npos)
         in_.fail("the number of pairs must be below 100000: save the mesh in version 4.1");
       pairs(std::stoll(next));
@@ -366,7 +368,7 @@ class Check {
   std::vector<std::int64_t> nodes_;  ///< tags, ascending
 };
 
-/// Checks the end of the file, which most truncated files lack.
+/// Refuses files without a closing line; most truncated files lack it.
 void refuse_cut_off(const std::filesystem::path& msh) {
   std::ifstream stream(msh, std::ios::binary | std::ios::ate);
   const std::streamoff size = stream.tellg(), length = std::min<std::streamoff>(size, 256);

@@ -14,7 +14,7 @@ namespace ricochet::mesh {
 
 namespace {
 
-/// Longest line: gmsh reads lines into 256 bytes.
+/// Longest permitted line: gmsh reads lines into a buffer of 256 bytes.
 constexpr std::size_t longest_line = 255;
 
 bool is_space(int c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
@@ -112,7 +112,7 @@ std::int64_t MshStream::integer(const char* what, std::int64_t low, std::int64_t
   if (binary_) {
     T number{};
     raw(&number, sizeof number, what);
-    // Values beyond the range become negative, hence out of range.
+    // Values that are too large become negative and are refused below.
     value = static_cast<std::int64_t>(number);
   } else {
     const std::string_view text = word(what);
@@ -136,7 +136,7 @@ double MshStream::real(const char* what) {
     const std::string_view text = word(what);
     const std::size_t sign = text.starts_with('+') ? 1 : 0;
     const auto [end, failure] = std::from_chars(text.data() + sign, text.data() + text.size(), value);
-    // A number too small for a double counts as 0, as in gmsh.
+    // A number too small for a double is read as 0, as in gmsh.
     if (failure == std::errc::result_out_of_range &&
         text.find("e-") + text.find("E-") != 2 * std::string_view::npos)
       value = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Internal to src/mesh: the words and numbers of a .msh file of any size, not trusted.
+// Internal to src/mesh: reads words and numbers from an untrusted .msh file of any size.
 #pragma once
 
 #include <array>
@@ -16,24 +16,25 @@ class MshStream {
   /// Throws InputError if the file cannot be read.
   explicit MshStream(const std::filesystem::path& file);
 
-  /// Throws InputError "FILE: line N: `what`", or with the byte offset if numbers are binary.
+  /// Throws InputError "FILE: line N: `what`", or with the byte offset instead of the line if numbers are
+  /// binary.
   [[noreturn]] void fail(const std::string& what) const;
 
   bool ended();
-  /// The next word, valid until the next call. At the end of the file throws InputError that names
-  /// `expected`.
+  /// Returns the next word, valid until the next call. At the end of the file, throws an InputError that
+  /// names `expected`.
   std::string_view word(const char* expected);
-  /// The rest of this line, without its end and surrounding spaces.
+  /// Returns the rest of this line without the line break and surrounding spaces.
   std::string rest_of_line();
   void skip_line();
 
   /// Sets whether numbers are binary from here on.
   void set_binary(bool binary) { binary_ = binary; }
 
-  /// A whole number from `low` to `high`: a word, or binary of the width of T.
+  /// Reads an integer from `low` to `high`: a word, or a T if numbers are binary.
   template <class T>
   std::int64_t integer(const char* what, std::int64_t low, std::int64_t high);
-  /// A finite number.
+  /// Reads a finite number.
   double real(const char* what);
 
  private:
@@ -45,7 +46,7 @@ class MshStream {
   std::ifstream stream_;
   std::array<char, 1 << 16> buffer_;
   std::size_t at_ = 0, end_ = 0;
-  std::int64_t line_ = 1, before_ = 0;  ///< line; bytes before the buffer
+  std::int64_t line_ = 1, before_ = 0;  ///< current line; number of bytes before the buffer
   bool binary_ = false;
   std::string word_;
 };

@@ -34,7 +34,7 @@ bool ends_in(const std::string& code, const std::string& word) {
          (end == word.size() || !is_word(code[end - word.size() - 1]));
 }
 
-/// A .geo without comments and strings.
+/// The text of a .geo file without comments and strings, and the files that it includes.
 struct Code {
   std::string text;
   std::vector<std::string> includes;
@@ -85,8 +85,8 @@ void check_parameters(const scene::Body& body) {
                       defined.empty() ? "none" : fmt::format("{}", fmt::join(defined, ", "))));
 }
 
-/// A temporary file that sets the parameters of a .geo and then reads it. Parameters on the command line of
-/// gmsh (-setnumber) would apply to all later bodies too.
+/// A temporary file that sets the parameters of a .geo file and then merges that file. Parameters on the
+/// command line of gmsh (-setnumber) would apply to all later bodies too.
 class Parameters {
  public:
   explicit Parameters(const scene::Body& body) {
@@ -121,7 +121,8 @@ bool holds_elements() {
   return false;
 }
 
-/// Detects lines of length zero, for which gmsh 4.8 throws in a thread of its own, which ends the program.
+/// Refuses lines of zero length. For these, gmsh 4.8 throws in a thread of its own, which would end the
+/// program.
 void refuse_points_for_lines(const std::string& file) {
   gmsh::vectorpair curves, ends;
   gmsh::model::getEntities(curves, 1);
@@ -143,9 +144,9 @@ void refuse_points_for_lines(const std::string& file) {
   }
 }
 
-/// Adds the names in a list that starts at `i`; returns its end.
+/// Adds the names in the list that starts at `i`. Returns the position after the list.
 std::size_t add_listed(const std::string& code, std::size_t i, std::set<std::string>& names) {
-  // A name follows the start and each comma outside inner brackets.
+  // A name stands at the start and after each comma outside nested brackets.
   int inner = 0;
   bool expected = true;
   for (; i < code.size() && inner >= 0; ++i) {

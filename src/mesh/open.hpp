@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// From a body's file to a meshed gmsh model.
+// Opens the file of a body as a meshed gmsh model.
 #pragma once
 
 #include <filesystem>
@@ -10,22 +10,23 @@
 
 namespace ricochet::mesh {
 
-/// Opens the mesh of a body, or its geometry, which is then meshed with elements of the body's order.
-/// @return whether the file already held the mesh; its elements then keep their order
-/// Rank 0 only; needs a GmshSession made with the geometry values of the body. Throws InputError: no such
-/// file, a .msh that is not a mesh or is truncated, a `geometry` name that the file does not define.
+/// Opens the mesh of a body. A geometry is meshed with elements of the body's order; an existing mesh keeps
+/// the order of its elements. Rank 0 only; needs a GmshSession.
+/// Throws InputError if the file does not exist, a .msh file is not a mesh or is truncated, or `geometry`
+/// contains a name that the file does not define.
+/// @return whether the file already contained a mesh
 bool open_model(const scene::Body& body);
 
-/// The extent of a body, without meshing it.
+/// Extent of a body, determined without meshing it.
 struct Extent {
   double length = 0;  ///< longest side of its bounding box [m]
   int dimension = 3;  ///< 1: a rod
 };
-/// Has the requirements and errors of open_model.
+/// Returns the extent of a body. Has the requirements and errors of open_model.
 Extent extent_of(const scene::Body& body);
 
-/// The names that `geometry` can set in a .geo file: those in its DefineConstant lists and those that it
-/// tests by Exists. Includes are read too.
+/// Returns the names that `geometry` can set in a .geo file: the names in its DefineConstant lists and the
+/// names that it tests with Exists. Included files are searched too.
 std::set<std::string> parameters_of(const std::filesystem::path& geo);
 
 }  // namespace ricochet::mesh

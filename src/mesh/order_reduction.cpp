@@ -12,7 +12,7 @@ namespace {
 
 using Table = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Shape functions of `element` at the nodes of `at`. (nodes of at, nodes of element)
+/// Returns the shape functions of `element` at the nodes of `at`, (nodes of `at`, nodes of `element`).
 Table functions_at(const ReferenceElement& element, const ReferenceElement& at) {
   std::vector<double> local(static_cast<std::size_t>(3 * at.nodes), 0.0);
   for (int a = 0; a < at.nodes; ++a)
@@ -24,7 +24,7 @@ Table functions_at(const ReferenceElement& element, const ReferenceElement& at) 
 
 /// One element type in both orders.
 struct Pair {
-  /// The interior of a corner, edge, face or element: the corners that span it, and the nodes that lie in it.
+  /// A corner, or the interior of an edge, face or element: the corners that span it, and the nodes in it.
   struct Inside {
     std::vector<int> corner, high, low;
   };
@@ -55,8 +55,8 @@ struct Pair {
   std::vector<Inside> parts;
 };
 
-/// Chooses, for each node of the lower order, a node of the element. Both are sorted in an order that all
-/// elements around an edge or a face share.
+/// Matches each node of the lower order with a node of the element. Both are sorted in an order on which all
+/// elements around an edge or a face agree.
 void match(const Pair& pair, const Mesh& mesh, const std::int64_t* nodes, std::vector<std::int64_t>& taken) {
   const auto canonical = [&](int a) { return mesh.canonical[static_cast<std::size_t>(nodes[a])]; };
   const auto by_number = [&](int a, int b) { return canonical(a) < canonical(b); };
@@ -122,7 +122,7 @@ OrderReduction::OrderReduction(const Mesh& mesh) : weights_(static_cast<std::siz
   sort_once(taken);
   number(mesh, taken);
 
-  // Renumber from local nodes of the higher order to those of the lower one.
+  // Converts local numbers of the higher order to local numbers of the lower order.
   const auto local = [&](std::int64_t node) {
     return std::lower_bound(taken.begin(), taken.end(), node) - taken.begin();
   };
@@ -142,7 +142,7 @@ OrderReduction::OrderReduction(const Mesh& mesh) : weights_(static_cast<std::siz
 }
 
 void OrderReduction::number(const Mesh& mesh, const std::vector<std::int64_t>& taken) {
-  // Local nodes, and therefore also the chosen ones, are in the order of their global numbers.
+  // Local nodes are in the order of their global numbers, and so are the chosen ones.
   std::vector<std::int64_t> tags, numbers;
   for (const std::int64_t node : taken) {
     const auto i = static_cast<std::size_t>(node);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The same elements with shape functions of the next lower order.
+// A mesh with the same elements and shape functions of the next lower order.
 #pragma once
 
 #include <Eigen/Dense>
@@ -11,16 +11,16 @@ namespace ricochet::mesh {
 /// A mesh of the next lower order on the same ranks, and the prolongation from it to the original order.
 class OrderReduction {
  public:
-  /// Every node of the lower order takes the number, the owner and the supports of a node of `mesh` that lies
-  /// inside the same corner, edge, face or element; there are at least as many of these. Its position is
-  /// computed on the elements of `mesh`. Facets are omitted. Needs a GmshSession. Collective.
+  /// Each node of the lower order is matched with a node of `mesh` at the same corner or inside the same
+  /// edge, face or element, and takes its owner and supports; `mesh` has enough nodes there. Positions are
+  /// interpolated on the elements of `mesh`. Facets are omitted. Needs a GmshSession. Collective.
   /// @param mesh  of order 2 or more
   explicit OrderReduction(const Mesh& mesh);
 
   const Mesh& mesh() const { return mesh_; }
 
-  /// Prolongation: the displacements of the lower order at the nodes of the higher one; 0 at displacements
-  /// that supports hold.
+  /// Interpolates displacements of the lower order at the nodes of the higher order. Held displacements are
+  /// set to 0.
   /// @param columns  (local rows of the lower order, n)
   /// @return (local rows, n). Collective.
   Eigen::MatrixXd prolong(const Eigen::Ref<const Eigen::MatrixXd>& columns) const;
@@ -32,9 +32,9 @@ class OrderReduction {
   Mesh mesh_;
   /// For each node of the higher order that this rank owns: local nodes of the lower order and their weights.
   std::vector<std::vector<std::pair<std::int64_t, double>>> weights_;
-  std::vector<std::int64_t> held_;  ///< rows of the higher order
-  /// Nodes of the lower order that other ranks own: by owner, their local numbers here; by requesting rank,
-  /// their local numbers on this owner.
+  std::vector<std::int64_t> held_;  ///< held rows of the higher order
+  /// Nodes of the lower order that ranks exchange. `ghost_`: by owner, local numbers of nodes that other
+  /// ranks own; `asked_`: by requesting rank, indices among the nodes that this rank owns.
   std::vector<std::vector<std::int64_t>> ghost_, asked_;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Internal to src/mesh: one part of a body's mesh, as in its file.
+// Internal to src/mesh: one part of the mesh of a body, as stored in its file.
 #pragma once
 
 #include <array>
@@ -10,26 +10,27 @@
 
 namespace ricochet::mesh {
 
-/// Key of the scene for surfaces under tractions, in messages.
+/// Key of the scene for surfaces under tractions; used in messages.
 inline constexpr const char* traction_key = "loads.traction.group";
 
-/// Occurrence in a part of a group that the scene names.
+/// Occurrence of one group of the scene in a part.
 struct GroupUse {
-  std::array<bool, 4> found{};  ///< by dimension
-  bool holds = false;           ///< supports: nodes of the body
-  Choice choice;                ///< available names, if it was not found
+  std::array<bool, 4> found{};  ///< for each dimension
+  bool holds = false;           ///< for a support: whether it contains nodes of the body
+  Choice choice;                ///< available names if the group was not found
 };
 
-/// Nodes are identified by gmsh's tags, which all parts share.
+/// One part of a mesh. Nodes are identified by their tags in gmsh, which are the same in all parts.
 struct Part {
-  int order = 0;                    ///< 0: no elements of the body
-  std::vector<std::int64_t> tag;    ///< (n) of the nodes
+  int order = 0;                    ///< 0 if there are no elements of the body
+  std::vector<std::int64_t> tag;    ///< (n) tags of the nodes
   std::vector<double> position;     ///< (n,3) [m], scaled
-  std::vector<std::int64_t> fixed;  ///< (n) as in GlobalMesh, by supports of this part
+  std::vector<std::int64_t> fixed;  ///< (n) as in GlobalMesh, for supports of this part
   std::vector<Block> blocks;
   std::vector<Block> contact, loaded;  ///< facets, not yet oriented
   Faces outside;                       ///< faces on the boundary of the body or next to another part
-  std::vector<GroupUse> groups;  ///< of the materials, the contact surface, loaded surfaces, the supports
+  /// Groups of the materials, the contact surface, the loaded surfaces and the supports, in this order.
+  std::vector<GroupUse> groups;
 };
 
 }  // namespace ricochet::mesh

@@ -16,7 +16,8 @@ namespace {
 
 using parallel::broadcast;
 
-/// Rank of each element, in the order of the blocks: METIS on the dual graph of the corners.
+/// Returns the rank of each element, in the order of the blocks. METIS partitions the dual graph that the
+/// corners define.
 Numbers partition(const GlobalMesh& mesh, int ranks) {
   std::vector<idx_t> start{0}, corner;
   for (const Block& block : mesh.blocks) {
@@ -32,15 +33,15 @@ Numbers partition(const GlobalMesh& mesh, int ranks) {
   idx_t parts = std::min<idx_t>(ranks, elements);
   std::vector<idx_t> part(static_cast<std::size_t>(elements), 0), node_part(static_cast<std::size_t>(nodes));
   if (parts < 2) return Numbers(part.size(), 0);
-  idx_t common = mesh.dim == 1 ? 1 : 3;  // corners that neighbours share: at least a triangle
+  idx_t common = mesh.dim == 1 ? 1 : 3;  // corners that neighbours must share: in a solid, a triangle
   if (METIS_PartMeshDual(&elements, &nodes, start.data(), corner.data(), nullptr, nullptr, &common, &parts,
                          nullptr, nullptr, &cut, part.data(), node_part.data()) != METIS_OK)
     throw InputError("METIS could not split the mesh: run on fewer ranks");
   return {part.begin(), part.end()};
 }
 
-/// Sets owners and global numbers: owners in rank order, then reading order. @return the first number of
-/// each rank, and behind them the number of nodes (ranks + 1)
+/// Sets the owners of the nodes, and numbers the nodes by owner, then in reading order.
+/// @return (ranks + 1) the first number of each rank, followed by the number of nodes
 Numbers number_nodes(const GlobalMesh& mesh, const Numbers& part, int ranks, Nodes& nodes) {
   const std::size_t n = mesh.fixed.size();
   nodes.owner.assign(n, ranks);
@@ -64,7 +65,8 @@ Numbers number_nodes(const GlobalMesh& mesh, const Numbers& part, int ranks, Nod
   return first;
 }
 
-/// Index of the connected part of each node (n), ordered by first nodes; and the number of parts.
+/// Returns the index of the connected part of each node (n), and the number of parts. Parts are ordered by
+/// their first nodes.
 std::pair<Numbers, std::int64_t> connected_parts(const GlobalMesh& mesh) {
   Numbers part = first_connected(mesh.fixed.size(), mesh.blocks);
   std::int64_t parts = 0;
@@ -75,7 +77,7 @@ std::pair<Numbers, std::int64_t> connected_parts(const GlobalMesh& mesh) {
   return {std::move(part), parts};
 }
 
-/// Keeps the nodes of the facets alone, with their global numbers.
+/// Restricts the nodes to those of the facets, with their global numbers.
 void renumber(FacetMesh& facets, const GlobalMesh& mesh, const Numbers& number) {
   Numbers used;
   for (const Block& block : facets.blocks) used.insert(used.end(), block.node.begin(), block.node.end());
@@ -159,7 +161,7 @@ Mesh distribute(GlobalMesh&& global, MPI_Comm comm) {
   mesh.dim = parallel::of_rank(comm, 0, global.dim);
   mesh.order = parallel::of_rank(comm, 0, global.order);
   mesh.axis = parallel::of_rank(comm, 0, global.axis);
-  // Ranks without elements take part with empty blocks of the same types.
+  // The other ranks contribute empty blocks of the same types.
   if (me > 0) global = {};
   for (std::size_t k = 0; me > 0 && k < types.size(); k += 2)
     global.blocks.push_back({static_cast<int>(types[k]), static_cast<int>(types[k + 1]), {}, {}, {}});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// From the whole mesh on one rank to a part on each rank.
+// Distributes a mesh from one rank over all ranks.
 #pragma once
 
 #include "src/mesh/mesh.hpp"
@@ -12,7 +12,8 @@ void broadcast(FacetMesh& facets, MPI_Comm comm);
 /// Copies the mesh of the first rank of `comm` to its other ranks. Collective.
 void broadcast(GlobalMesh& global, MPI_Comm comm);
 
-/// Partitions the mesh by METIS and sends each rank its part. `global` is used on rank 0 only. Collective.
+/// Partitions the mesh with METIS and sends each rank its part. Only the `global` of rank 0 is used.
+/// Collective.
 Mesh distribute(GlobalMesh&& global, MPI_Comm comm);
 
 }  // namespace ricochet::mesh

@@ -19,7 +19,7 @@ namespace {
 using parallel::broadcast;
 using parallel::gather;
 
-/// The distinct values of all ranks, ascending, on every rank. Collective.
+/// Returns the distinct values of all ranks, in ascending order, on every rank. Collective.
 Numbers united(MPI_Comm comm, const Numbers& mine) {
   Numbers all = gather(comm, mine);
   sort_once(all);
@@ -27,7 +27,8 @@ Numbers united(MPI_Comm comm, const Numbers& mine) {
   return all;
 }
 
-/// Extends `blocks` to one for every element type of any rank, in the same order on every rank. Collective.
+/// Returns one block for each element type that any rank has, in the same order on every rank. Blocks of
+/// types that this rank does not have are empty. Collective.
 std::vector<Block> same_types(MPI_Comm comm, const std::vector<Block>& blocks) {
   Numbers types;
   for (const Block& block : blocks) types.push_back(block.gmsh_type);
@@ -41,8 +42,8 @@ std::vector<Block> same_types(MPI_Comm comm, const std::vector<Block>& blocks) {
   return all;
 }
 
-/// Connected parts of the body: the nodes of each rank take the lowest tag that elements connect them to,
-/// until no rank receives a lower one from another.
+/// Finds the connected parts of the body. Each node takes the lowest tag to which elements connect it. This
+/// is repeated until no rank receives a lower tag from another rank.
 void find_connected_parts(MPI_Comm comm, const Part& share, const Directory& directory, Nodes& nodes) {
   const Numbers first = first_connected(share.tag.size(), share.blocks);
   Numbers& lowest = nodes.part = share.tag;
@@ -69,14 +70,14 @@ void find_connected_parts(MPI_Comm comm, const Part& share, const Directory& dir
     part = std::lower_bound(firsts.begin(), firsts.end(), part) - firsts.begin();
 }
 
-/// Numbers nodes by owner in rank order, then by tag. A node belongs to the lowest rank that read it.
+/// Numbers nodes by owner, then by tag. The owner of a node is the lowest rank that read it.
 Nodes number_nodes(MPI_Comm comm, const Part& share) {
   const std::int64_t me = parallel::rank_of(comm);
   const Directory directory(comm, share.tag);
   Nodes nodes;
   nodes.owner =
       directory.combined(Numbers(share.tag.size(), me), [](auto a, auto b) { return std::min(a, b); });
-  // A support may touch a part only at a corner; the part then has none of its facets.
+  // If a part touches a support only at a corner, its file contains no facet of the support.
   nodes.fixed = directory.combined(share.fixed, [](auto a, auto b) { return a | b; });
   nodes.owned = std::count(nodes.owner.begin(), nodes.owner.end(), me);
   nodes.total = parallel::sum(comm, nodes.owned);
@@ -91,9 +92,9 @@ Nodes number_nodes(MPI_Comm comm, const Part& share) {
   return nodes;
 }
 
-/// Collects the faces of all ranks on rank 0, without those between two parts. Collective.
+/// Gathers the boundary faces of all ranks on rank 0 and removes faces between two parts. Collective.
 Faces gather_outside(MPI_Comm comm, const Faces& mine) {
-  // A triangle has no fourth corner.
+  // A triangle has −1 as its fourth corner.
   constexpr std::size_t width = 4;
   Numbers corners;
   for (const auto& [key, outward] : mine) {
@@ -107,8 +108,8 @@ Faces gather_outside(MPI_Comm comm, const Faces& mine) {
   return outside;
 }
 
-/// Collects the contact facets of all ranks on rank 0, with nodes by tag, in the order of their own tags.
-/// Facets that touch another part may occur in both files. Collective.
+/// Gathers the facets of all ranks on rank 0, in the order of their tags and with nodes identified by tags. A
+/// facet that touches another part may occur in both files; it is kept once. Collective.
 std::vector<Block> gather_facets(MPI_Comm comm, const std::vector<Block>& mine) {
   std::vector<Block> blocks = same_types(comm, mine);
   for (Block& block : blocks) {
@@ -134,8 +135,8 @@ std::vector<Block> gather_facets(MPI_Comm comm, const std::vector<Block>& mine) 
   return blocks;
 }
 
-/// Completes facets with the numbers and positions of their nodes on every rank. `blocks` identify nodes by
-/// tags; they are used on rank 0 only and then hold indices. Collective.
+/// Returns facets with the global numbers and positions of their nodes, on every rank. `blocks` identify
+/// nodes by tags and are empty except on rank 0; the blocks of the result hold indices. Collective.
 FacetMesh numbered(std::vector<Block> blocks, const scene::Body& body, const Part& share, const Nodes& nodes,
                    MPI_Comm comm) {
   Numbers tags;
@@ -144,7 +145,7 @@ FacetMesh numbered(std::vector<Block> blocks, const scene::Body& body, const Par
   for (Block& block : blocks)
     for (std::int64_t& node : block.node)
       node = std::lower_bound(tags.begin(), tags.end(), node) - tags.begin();
-  // Only the owner of a node adds nonzero values: number, position, 1.
+  // Only the owner of a node contributes its values: number, position and 1.
   constexpr std::size_t width = 5;
   std::vector<double> values(width * tags.size(), 0);
   for (std::size_t i = 0; i < tags.size(); ++i) {
@@ -169,8 +170,8 @@ FacetMesh numbered(std::vector<Block> blocks, const scene::Body& body, const Par
   return facets;
 }
 
-/// The surfaces of the complete body: contact and loaded surfaces on every rank, the visualisation surface on
-/// rank 0.
+/// Collects the surfaces of the complete body: contact and loaded surfaces on every rank, the visualisation
+/// surface on rank 0.
 void collect_surfaces(MPI_Comm comm, const scene::Body& body, const Part& share, const Nodes& nodes,
                       Mesh& mesh) {
   const Faces outside = gather_outside(comm, share.outside);

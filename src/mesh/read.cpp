@@ -22,7 +22,7 @@ namespace {
 
 using Tags = std::vector<std::size_t>;
 
-/// The gmsh model of one body, with the lookups that reading needs.
+/// Reads one body from its gmsh model.
 class Reader {
  public:
   Reader(const scene::Body& body, const RequestedGroups& asked)
@@ -53,6 +53,7 @@ class Reader {
     return std::move(mesh_);
   }
 
+  /// Reads one part of a mesh.
   /// @param parts  number of parts of the mesh
   Part read_part(int parts) {
     partial_ = true;
@@ -73,7 +74,8 @@ class Reader {
   }
 
  private:
-  /// Entities of a group, which may be absent from a part of a mesh.
+  /// Returns the entities of a group. Throws if a complete mesh does not contain the group; for a part of a
+  /// mesh, records whether the part contains it.
   std::vector<int> entities(int dim, const std::string& group, const std::string& key) {
     std::vector<int> found = find_entities(dim, group);
     if (!partial_ && found.empty()) throw no_group(dim, group, choice_of(dim), file_, key);
@@ -84,7 +86,7 @@ class Reader {
     return found;
   }
 
-  /// gmsh 4.8 loses the groups of parts in version 2.2.
+  /// Refuses old versions: in version 2.2, gmsh 4.8 loses the groups of parts.
   void refuse_old_version() const {
     std::ifstream stream(body_.mesh);
     std::string header;
@@ -94,7 +96,8 @@ class Reader {
           "{}: is of version {}: save parts in version 4.1 (Mesh.MshFileVersion = 4.1)", file_, version));
   }
 
-  /// Detects missing last files of a mesh: entities record which parts they touch.
+  /// Refuses a mesh whose last files are missing. Entities record the parts that they touch, which reveals
+  /// parts without a file.
   void refuse_missing_neighbours(int parts) const {
     gmsh::vectorpair all;
     gmsh::model::getEntities(all);
@@ -189,8 +192,8 @@ class Reader {
                       file_, mesh_.order, body_.order, body_.name));
   }
 
-  /// Detects elements that would be lost: gmsh lists the elements of an entity by the type of the first one,
-  /// so those of another order would be missing.
+  /// Refuses a mesh if gmsh would lose some of its elements. gmsh lists the elements of an entity by the type
+  /// of the first one and omits elements of another order.
   void refuse_lost_elements() const {
     if (mesh_.dim != 3) return;
     std::size_t listed = 0;
@@ -241,7 +244,7 @@ class Reader {
     turn(mesh_.loaded, traction_key);
   }
 
-  /// Whether elements use each node.
+  /// For each node, whether an element uses it.
   std::vector<char> used_nodes() const {
     std::vector<char> used(mesh_.fixed.size(), 0);
     for (const Block& block : mesh_.blocks)
@@ -259,7 +262,7 @@ class Reader {
       if (mesh_.dim == 3) {
         for (char component : components) bits |= 1u << (component - 'x');
       } else {
-        // A rod moves along its axis only: a support that holds any component of the axis holds it.
+        // A rod moves only along its axis, so a support holds it if it holds any component of the axis.
         for (char component : components)
           if (std::abs(mesh_.axis[component - 'x']) > 1e-12) bits |= 1;
       }
@@ -282,7 +285,7 @@ class Reader {
     }
   }
 
-  /// Removes nodes that no element uses; a .msh may contain such nodes (centres of arcs, other dimensions).
+  /// Removes nodes that no element uses, such as centres of arcs and nodes of elements of another dimension.
   void drop_unused_nodes() {
     const std::vector<char> used = used_nodes();
     std::vector<std::int64_t> rank(used.size(), -1);
@@ -310,7 +313,7 @@ class Reader {
     if (mesh_.dim == 1) mesh_.visualisation.blocks.push_back(lines_of(mesh_.blocks));
   }
 
-  /// The part that was read, with its nodes by tag.
+  /// Returns the part, with its nodes identified by tags.
   Part by_tag() {
     const auto use_tags = [&](std::vector<std::int64_t>& nodes) {
       for (std::int64_t& node : nodes) node = tag_[static_cast<std::size_t>(node)];
@@ -344,7 +347,7 @@ class Reader {
   bool meshed_before_ = false, partial_ = false;
   GlobalMesh mesh_;
   std::unordered_map<std::size_t, std::int64_t> index_;
-  std::vector<std::int64_t> tag_;  ///< (n) gmsh's, of the nodes
+  std::vector<std::int64_t> tag_;  ///< (n) tags of the nodes in gmsh
   Faces outside_;
   std::vector<GroupUse> groups_;
 };

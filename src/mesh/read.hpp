@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A mesh file or a geometry, read through gmsh.
+// Reads mesh files and geometries through gmsh.
 #pragma once
 
 #include "src/mesh/mesh.hpp"
@@ -7,14 +7,14 @@
 
 namespace ricochet::mesh {
 
-/// Reads a mesh, or meshes a geometry. Rank 0 only; needs a GmshSession made with the geometry values of the
-/// body. Throws InputError: unreadable file, missing physical group, no volume elements, contact facets
-/// inside the body, an order that gmsh could not reach, a bent rod.
+/// Reads a mesh, or meshes a geometry. Rank 0 only; needs a GmshSession. Throws InputError if the file is
+/// unreadable, a physical group is missing, there are no volume or line elements, contact facets lie inside
+/// the body, gmsh did not reach the requested order, or a rod is bent.
 GlobalMesh read_mesh(const scene::Body& body, const parallel::Progress& progress = {},
                      const RequestedGroups& asked = {});
 
-/// Reads the file body.mesh as one of `parts` parts; needs a GmshSession. Throws InputError like read_mesh,
-/// except for groups that the part does not contain.
+/// Reads body.mesh, the file of one of the `parts` parts of a mesh. Needs a GmshSession. Throws InputError
+/// like read_mesh, except that the part need not contain every group.
 Part read_part(const scene::Body& body, int parts, const RequestedGroups& asked);
 
 }  // namespace ricochet::mesh

@@ -17,7 +17,7 @@ namespace ricochet::mesh {
 
 namespace {
 
-/// The families by gmsh's names.
+/// A family and its name in gmsh.
 struct Kind {
   Family family;
   const char* name;
@@ -31,19 +31,20 @@ constexpr Kind kinds[] = {{Family::point, "point", 0, 1},
                           {Family::hexahedron, "hexahedron", 3, 8},
                           {Family::prism, "prism", 3, 6}};
 
-/// Beyond order 2, gmsh 4.8 meshes with prisms but has no shape functions and no node table for them.
+/// Whether the shape functions are computed as products. gmsh 4.8 creates prisms of order above 2, but has no
+/// shape functions and no node table for them.
 bool is_product(const ReferenceElement& element) {
   return element.family == Family::prism && element.order > 2;
 }
 
-/// Order of a prism that gmsh has no node table for; 0: another element.
+/// Returns the order if the type is a prism without a node table in gmsh, otherwise 0.
 int product_order(int gmsh_type) {
   for (int order = 3; order <= 9; ++order)
     if (type_of(Family::prism, order) == gmsh_type) return order;
   return 0;
 }
 
-/// Such a prism, with its nodes (nodes,3) obtained by letting gmsh raise the order of the reference prism.
+/// Returns such a prism. To obtain its nodes, gmsh raises the order of the reference prism.
 ReferenceElement product_prism(int gmsh_type, int order) {
   std::string model;
   gmsh::model::getCurrent(model);
@@ -117,8 +118,7 @@ namespace {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// gmsh's Lagrange functions of one type at `local` (points,3): values (points,nodes), gradients
-/// (points,nodes,3).
+/// Evaluates the Lagrange functions of a gmsh type at `local` (points,3).
 Basis gmsh_functions(int type, const std::vector<double>& local) {
   Basis basis;
   basis.points = static_cast<int>(local.size() / 3);
@@ -129,7 +129,8 @@ Basis gmsh_functions(int type, const std::vector<double>& local) {
   return basis;
 }
 
-/// Shape functions of a prism as products of those on its triangle (u, v) and along its axis (w).
+/// Evaluates the shape functions of a prism: products of functions on its triangle (u, v) and along its axis
+/// (w).
 Basis product_functions(const ReferenceElement& element, const std::vector<double>& local) {
   const ReferenceElement triangle = reference_element(type_of(Family::triangle, element.order)),
                          line = reference_element(type_of(Family::line, element.order));
@@ -180,8 +181,8 @@ Basis functions_of(const ReferenceElement& element, const std::vector<double>& l
   return is_product(element) ? product_functions(element, local) : gmsh_functions(element.gmsh_type, local);
 }
 
-/// The shape functions at the nodes of the element: the identity except for gmsh's round-off, which reaches
-/// 4e-12 for hexahedra of order 4.
+/// Returns the shape functions at the nodes of the element: the identity, except for round-off in gmsh, which
+/// reaches 4e-12 for hexahedra of order 4.
 RowMajor at_own_nodes(const ReferenceElement& element) {
   std::vector<double> local(3 * static_cast<std::size_t>(element.nodes), 0.0);
   for (int n = 0; n < element.nodes; ++n)
@@ -189,8 +190,9 @@ RowMajor at_own_nodes(const ReferenceElement& element) {
   return Eigen::Map<const RowMajor>(functions_of(element, local).value.data(), element.nodes, element.nodes);
 }
 
-/// Gauss points and weights on [0, 1], exact to `degree`, by Newton's iteration on the Legendre polynomial
-/// P_n. The line rules of gmsh end at degree 31, beyond which it crashes; facets of order 10 need 32.
+/// Returns Gauss points and weights on [0, 1], exact to `degree`, computed by Newton's method on the Legendre
+/// polynomial P_n. The line rules of gmsh do not suffice: it crashes beyond degree 31, and facets of order 10
+/// need 32.
 std::vector<std::array<double, 2>> unit_line(int degree) {
   const int n = degree / 2 + 1;
   std::vector<std::array<double, 2>> rule;
@@ -213,7 +215,8 @@ std::vector<std::array<double, 2>> unit_line(int degree) {
 Basis basis_at(const ReferenceElement& element, const std::vector<double>& local) {
   Basis basis = functions_of(element, local);
   if (element.nodes == 1) return basis;
-  // Exact Lagrange functions of the same space: N V⁻¹ with the functions V of gmsh at the nodes.
+  // N V⁻¹ are the exact Lagrange functions of the same space, where N are the functions of gmsh and V their
+  // values at the nodes.
   const Eigen::PartialPivLU<RowMajor> correction(at_own_nodes(element).transpose());
   Eigen::Map<RowMajor> value(basis.value.data(), basis.points, basis.nodes);
   value = correction.solve(value.transpose()).transpose().eval();
@@ -226,8 +229,8 @@ Basis basis_at(const ReferenceElement& element, const std::vector<double>& local
 }
 
 Quadrature quadrature_of(Family family, int degree) {
-  // gmsh tabulates its rules for simplices with 12 digits only. Products of line rules, collapsed if the
-  // domain is a simplex (each collapse raises the degree by one), have full precision.
+  // gmsh tabulates its rules for simplices with only 12 digits. Products of line rules have full precision.
+  // For a simplex they are collapsed, and each collapse raises the degree by one.
   const auto line = unit_line(degree), collapsed = unit_line(degree + 1), twice = unit_line(degree + 2);
   Quadrature rule;
   const auto add = [&](double u, double v, double w, double weight) {

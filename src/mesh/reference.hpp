@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Reference elements, from gmsh's own shape functions and quadrature.
+// Reference elements with the shape functions of gmsh, and quadrature rules on them.
 #pragma once
 
 #include <vector>
@@ -16,15 +16,16 @@ struct ReferenceElement {
   std::vector<double> node;  ///< (nodes,dim) local coordinates
 };
 
-/// Throws InputError unless the type is a point, line, triangle, quadrangle, tetrahedron, hexahedron or prism
-/// with all its Lagrange nodes (pyramids and serendipity elements are refused) for which gmsh has shape
-/// functions.
+/// Returns the element of a gmsh type. Throws InputError unless it is a point, line, triangle, quadrangle,
+/// tetrahedron, hexahedron or prism with all its Lagrange nodes, and its shape functions can be computed.
+/// Pyramids and serendipity elements are refused.
 ReferenceElement reference_element(int gmsh_type);
 
-/// The type of gmsh with all Lagrange nodes of an order.
+/// Returns the gmsh type of the complete Lagrange element of this order.
 int type_of(Family family, int order);
 
-/// Corners of each face of a volume element, in the order that points outward; empty for other families.
+/// Returns the corners of each face of a volume element, ordered such that the normal points outward; empty
+/// for other families.
 std::vector<std::vector<int>> outward_faces(Family family);
 
 /// Shape functions at given points.
@@ -33,6 +34,7 @@ struct Basis {
   std::vector<double> value;     ///< (points,nodes)
   std::vector<double> gradient;  ///< (points,nodes,3), in local coordinates
 };
+/// Evaluates the shape functions of an element.
 /// @param local  (points,3) local coordinates
 Basis basis_at(const ReferenceElement& element, const std::vector<double>& local);
 
@@ -41,8 +43,8 @@ struct Quadrature {
   std::vector<double> weight;  ///< (points)
   std::size_t size() const { return weight.size(); }
 };
-/// Gauss rule with positive weights, exact for polynomials of `degree` on gmsh's reference domain of the
-/// family.
+/// Returns a Gauss rule with positive weights, exact for polynomials of `degree`, on the reference domain of
+/// the family in gmsh.
 Quadrature quadrature_of(Family family, int degree);
 
 }  // namespace ricochet::mesh

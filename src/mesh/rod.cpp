@@ -18,7 +18,8 @@ std::array<std::int64_t, 2> ends_of(const Block& lines, std::size_t element) {
 }  // namespace
 
 void find_axis(GlobalMesh& mesh, const std::string& file) {
-  // The two nodes farthest apart along the first-to-farthest line span the rod.
+  // The ends of the rod are the two nodes that belong to only one line each. All other nodes must lie on the
+  // line between them.
   const auto at = [&](std::int64_t n, int c) { return mesh.position[3 * static_cast<std::size_t>(n) + c]; };
   std::map<std::int64_t, int> uses;
   std::vector<std::int64_t> all;

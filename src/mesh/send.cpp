@@ -14,7 +14,8 @@ std::vector<T> joined(const std::vector<std::vector<T>>& lists) {
   return all;
 }
 
-/// Sends elements, with global node numbers. @return the nodes (indices) that each rank receives
+/// Sends elements with global node numbers.
+/// @return for each rank, the indices of the nodes that it needs
 std::vector<Numbers> send_elements(const std::vector<Block>& blocks, const Numbers& rank, const Nodes& nodes,
                                    Mesh& mesh) {
   const auto ranks = static_cast<std::size_t>(parallel::size_of(mesh.comm));
@@ -96,7 +97,7 @@ void send(const std::vector<Block>& blocks, const Numbers& rank, const std::vect
   mesh.owned_nodes = nodes.owned;
   mesh.parts = nodes.parts;
   std::vector<Numbers> used = send_elements(blocks, rank, nodes, mesh);
-  // A body given by matrices has no elements: each rank needs the nodes that it owns.
+  // A body given by matrices has no elements, so each rank needs only the nodes that it owns.
   for (std::size_t n = 0; blocks.empty() && n < nodes.owner.size(); ++n)
     used[static_cast<std::size_t>(nodes.owner[n])].push_back(static_cast<std::int64_t>(n));
   send_nodes(std::move(used), position, nodes, mesh);

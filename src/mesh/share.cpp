@@ -17,7 +17,7 @@ namespace {
 
 using parallel::agree;
 
-/// A group of the scene, in the order of Part::groups.
+/// A group that the scene names. Lists of groups have the order of Part::groups.
 struct NamedGroup {
   std::string name, key;
   int dim = 0;
@@ -59,7 +59,7 @@ void append(std::vector<Block>& blocks, const std::vector<Block>& more) {
   }
 }
 
-/// Adds a part to a share whose nodes may repeat and are still identified by tags.
+/// Adds a part to a share. Nodes of the share may repeat and are still identified by tags.
 void append(Part& share, Part part, const scene::Body& body) {
   if (share.order != 0 && part.order != 0 && share.order != part.order) throw mixed_orders(body);
   share.order = std::max(share.order, part.order);
@@ -87,7 +87,7 @@ InputError repeated(const scene::Body& body, std::int64_t tag) {
   return misfit(body, fmt::format("element {} is in more than one", tag));
 }
 
-/// Keeps each node once, by ascending tag.
+/// Removes duplicate nodes, sorts nodes by tag, and converts the nodes of blocks to indices.
 void merge_nodes(Part& share, const scene::Body& body) {
   std::vector<std::size_t> order(share.tag.size());
   std::iota(order.begin(), order.end(), 0);
@@ -143,11 +143,13 @@ std::vector<std::string> gather_names(MPI_Comm comm, const std::vector<std::stri
   return names;
 }
 
-/// Throws on every rank unless some part contains each group of the scene. Collective.
+/// Checks each group of the scene: some part must contain it, all parts must agree on its dimension, and a
+/// support must contain nodes of the body. Throws on every rank otherwise. Collective.
 void check_groups(const scene::Body& body, const std::vector<NamedGroup>& asked,
                   const std::vector<GroupUse>& uses, MPI_Comm comm) {
   constexpr std::size_t dims = 4;
-  std::vector<double> parts;  // per group: ranks that found it, by dimension; ranks on which it holds nodes
+  // Per group: number of ranks that found it, for each dimension, then number of ranks on which it has nodes.
+  std::vector<double> parts;
   for (const GroupUse& use : uses) {
     for (bool found : use.found) parts.push_back(found ? 1 : 0);
     parts.push_back(use.holds ? 1 : 0);
@@ -163,7 +165,8 @@ void check_groups(const scene::Body& body, const std::vector<NamedGroup>& asked,
         throw no_group(asked[g].dim, asked[g].name, choice, body.mesh.filename().string(), asked[g].key);
       });
     }
-    // In an unpartitioned mesh, the group of the highest dimension would be used.
+    // In an unpartitioned mesh, the group of the highest dimension would be used, but a part may not contain
+    // it.
     if (kinds > 1)
       throw InputError(
           fmt::format("{}: \"{}\" names groups of two dimensions, of which parts have one or the other: give "
@@ -173,7 +176,8 @@ void check_groups(const scene::Body& body, const std::vector<NamedGroup>& asked,
   }
 }
 
-/// Throws on every rank unless the nodes and elements of all ranks fit together. Collective.
+/// Checks that all ranks have the same element order, have no element in common, and agree on the positions
+/// of shared nodes. Throws on every rank otherwise. Collective.
 void check_fit(const scene::Body& body, const Part& share, MPI_Comm comm) {
   std::string complaint;
   const auto lower = [](auto a, auto b) { return std::min(a, b); };

@@ -19,14 +19,14 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Modes closer than this are not separated: a cut never falls between them.
+/// Relative distance in λ below which modes are not separated: a cut never falls between them.
 constexpr double apart = 1e-3;
 
-/// Shift of the iteration, from the largest λ of interest: K − σM is definite, and rigid motions do not
-/// dominate the others.
+/// Shift of the iteration, relative to the largest λ of interest. K − σM is definite, and rigid motions do
+/// not dominate.
 constexpr double near_zero = -1e-3;
 
-/// Further iterations if the counts do not agree.
+/// Maximum number of further iterations if the counts do not agree.
 constexpr int further = 3;
 
 /// With fewer displacements than this, computing the modes directly is faster than starting from a lower
@@ -35,12 +35,13 @@ constexpr std::int64_t few = 2000;
 
 constexpr Index panel = 64;
 
-/// Number of vectors iterated for each requested mode, and their range in frequency. Linear elements are so
-/// stiff in bending that the requested modes spread over many more modes of these elements.
+/// Number of iterated vectors per requested mode, and their range of frequency relative to that of the
+/// request. Linear elements are so stiff in bending that the requested modes spread over many more modes of
+/// these elements.
 double surplus(int order) { return order == 1 ? 1.45 : 1.2; }
 double reach(int order) { return order == 1 ? 1.4 : 1.2; }
 
-/// Index of the first column of each team; the last entry is the number of all columns. (teams + 1)
+/// Returns the index of the first column of each team, followed by the number of all columns, (teams + 1).
 /// Collective.
 std::vector<Index> shares_of(const parallel::Teams& teams, const MatrixXd& mine) {
   std::vector<Index> first(static_cast<std::size_t>(teams.count()) + 1, 0);
@@ -50,7 +51,7 @@ std::vector<Index> shares_of(const parallel::Teams& teams, const MatrixXd& mine)
   return first;
 }
 
-/// Block inverse iteration with a projection on the space of the columns of all teams.
+/// Block inverse iteration with a projection onto the span of the columns of all teams.
 class Iteration {
  public:
   Iteration(const parallel::Teams& teams, const Operators& operators, Factorisation& factor)
@@ -79,7 +80,7 @@ class Iteration {
 
   const VectorXd& lambda() const { return lambda_; }
 
-  /// The leading `n` Ritz vectors, distributed evenly.
+  /// Returns the leading `n` Ritz vectors, distributed evenly among the teams.
   MatrixXd vectors(Index n) const {
     const auto [first, own] = teams_.share(n);
     const auto part = vector_.middleCols(first, own);
@@ -91,7 +92,8 @@ class Iteration {
   }
 
  private:
-  /// Broadcasts `mine` of every team to all, in groups of columns: visit(team, index among all, columns).
+  /// Broadcasts the columns of every team to all teams, in panels. Calls visit(team, index among all columns,
+  /// columns) for each panel.
   template <class Visit>
   void each_panel(const MatrixXd& mine, Visit&& visit) const {
     MatrixXd columns;
@@ -106,7 +108,8 @@ class Iteration {
       }
   }
 
-  /// Yᵀ A Y from A Y. By symmetry, each of two teams computes half of their pairs.
+  /// Computes Yᵀ A Y from A Y. By symmetry, two teams share the products of their columns: each computes half
+  /// of them.
   MatrixXd projected(const MatrixXd& image) const {
     const Index k = share_.back();
     MatrixXd whole = MatrixXd::Zero(k, k);
@@ -118,7 +121,7 @@ class Iteration {
       whole.block(share_[me], at, rows, columns.cols()).noalias() = y_.leftCols(rows).transpose() * columns;
     });
     parallel::sum(teams_.world(), whole);
-    // An entry that no team computed is 0, and is present on the other side of the diagonal.
+    // An entry that no team has computed is 0; its value is then on the other side of the diagonal.
     for (Index j = 0; j < k; ++j)
       for (Index i = 0; i < j; ++i) {
         const double value = whole(i, j) != 0 ? whole(i, j) : whole(j, i);
@@ -132,7 +135,7 @@ class Iteration {
     MatrixXd mass = projected(momentum_), stiffness = projected(force_);
     lambda_.resize(k);
     vector_.resize(k, k);
-    // One rank computes for all, so that they agree bitwise.
+    // One rank computes the result for all, so that they agree bitwise.
     if (parallel::rank_of(teams_.world()) == 0) {
       const VectorXd size = eigen_decomposition(mass);
       MatrixXd normal = mass * size.cwiseMax(1e-14 * size[k - 1]).cwiseSqrt().cwiseInverse().asDiagonal();
@@ -153,7 +156,7 @@ class Iteration {
   MatrixXd vector_;
 };
 
-/// Converts a request for the given order to one for the next lower order.
+/// Converts a request to one for the next lower order, `order`, of which `body` is the discretisation.
 ApproximateRequest request_below(const ApproximateRequest& request, const elasticity::Body& body, int order) {
   ApproximateRequest below;
   if (request.up_to) below.up_to = Hertz{reach(order) * request.up_to->value};
@@ -170,21 +173,21 @@ ApproximateRequest request_below(const ApproximateRequest& request, const elasti
   return below;
 }
 
-/// Number of the ascending λ that are requested.
+/// Returns how many of the ascending λ are requested.
 Index wanted_of(const ApproximateRequest& request, const VectorXd& lambda, Index rigid) {
   if (request.count) return std::max<Index>(*request.count - rigid, 0);
   const double end = std::pow(static_cast<RadPerSecond>(*request.up_to).value, 2);
   return std::upper_bound(lambda.begin(), lambda.end(), end) - lambda.begin();
 }
 
-/// Elastic modes of the lower order, prolonged.
+/// Elastic modes of the lower order, prolonged to the higher order.
 struct Start {
   MatrixXd shape;  ///< (local rows, n), of this team
   double end = 0;  ///< approximate λ of the last mode
 };
 
-/// Whether the modes of this order are themselves started from the next lower order, which must have enough
-/// displacements: at least the given share.
+/// Whether the modes of this order are in turn started from the next lower order. That order must have more
+/// than four displacements for each requested mode.
 bool starts_below(const ApproximateRequest& request, const elasticity::Body& body, int order) {
   if (order == 1 || body.free_rows <= few) return false;
   const double left = static_cast<double>(body.free_rows) * std::pow((order - 1.0) / order, 3);
@@ -229,13 +232,14 @@ struct Cut {
   double sigma = 0;
 };
 
-/// The widest gaps after `wanted` Ritz values and a few more; at most `most` gaps.
+/// Returns cuts in the widest gaps of the spectrum, at most `most`. A gap may follow the first `wanted` Ritz
+/// values or a few more.
 std::vector<Cut> gaps(const VectorXd& lambda, Index wanted, double above, std::size_t most) {
   std::vector<std::pair<double, Cut>> found;
   const Index last = std::min(wanted + std::max<Index>(8, wanted / 12), lambda.size() - 1);
   for (Index m = wanted; m <= last; ++m) {
     const double from = std::max(m > 0 ? lambda[m - 1] : 0, above), to = lambda[m];
-    // Modes lie below their Ritz values: the shift must keep a distance from the upper end.
+    // Modes lie below their Ritz values, so the shift must keep a distance from the upper end of the gap.
     found.push_back({(to - from) / to, {m, from + 0.2 * (to - from)}});
   }
   std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
@@ -244,8 +248,8 @@ std::vector<Cut> gaps(const VectorXd& lambda, Index wanted, double above, std::s
   return cuts;
 }
 
-/// The first of the cuts, one for each team, at which the inertia count equals the number of Ritz values.
-/// Collective.
+/// Returns the first cut at which the inertia count equals the number of Ritz values. Each team tests one
+/// cut. Collective.
 std::optional<Cut> proved(const parallel::Teams& teams, Factorisation& factor, Index rigid,
                           const std::vector<Cut>& cuts) {
   const auto me = static_cast<std::size_t>(teams.mine());
@@ -315,7 +319,7 @@ ModeSet approximate_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, 
 
 double expected_approximate_mib(const Factorisation& factor, std::int64_t local_rows, std::int64_t modes,
                                 int teams) {
-  // X or its image, Y, and M Y, for the columns of a team.
+  // Each team stores three blocks of columns: X or its image, Y, and M Y.
   const auto column = static_cast<double>(local_rows) * sizeof(double) / (1 << 20);
   return factor.expected_mib() + 3 * surplus(1) * static_cast<double>(modes) / teams * column;
 }

@@ -11,9 +11,9 @@ namespace ricochet::modes {
 
 namespace {
 
-/// Two modes from different shifts, with residuals up to r, are orthogonal to 2rλ/Δλ, and neighbours are
-/// rarely closer than 2 %. A mode that was found twice would give 1. Ritz vectors of one space are orthogonal
-/// for any residuals.
+/// Returns the bound on max |ΦᵀMΦ − I|. Two modes from different shifts, with residuals up to r, are
+/// orthogonal to within 2rλ/Δλ, and neighbours are rarely closer than 2 %; the bound is therefore 100 r. A
+/// mode that was found twice would give 1. Ritz vectors of one space are orthogonal whatever their residuals.
 double orthonormality_bound(std::optional<double> tolerance) {
   return tolerance ? std::clamp(100 * *tolerance, 1e-8, 0.1) : 1e-8;
 }
@@ -24,8 +24,8 @@ struct Measured {
   double orthonormality = 0;
 };
 
-/// Computes in panels, because K Φ and M Φ are as large as Φ: each team multiplies its own columns, then all
-/// compare the M Φ of every team with theirs.
+/// Computes residuals and orthonormality in panels, because K Φ and M Φ are as large as Φ. Each team
+/// multiplies its own columns. The M Φ of each team is then compared with the columns of the others.
 Measured measure(const parallel::Teams& teams, const Operators& operators, const Eigen::VectorXd& lambda,
                  const Eigen::MatrixXd& shape) {
   constexpr Eigen::Index panel = 64;
@@ -50,7 +50,7 @@ Measured measure(const parallel::Teams& teams, const Operators& operators, const
       if (teams.mine() != t) theirs.resize(shape.rows(), n);
       MPI_Bcast(teams.mine() == t ? momentum.data() : theirs.data(), static_cast<int>(shape.rows() * n),
                 MPI_DOUBLE, t, teams.peers());
-      // Of two teams, the later one computes the pair.
+      // Of two teams, the one with the higher number computes their products.
       if (teams.mine() < t || n == 0) continue;
       const Eigen::Index rows = teams.mine() == t ? j + n : shape.cols();
       Eigen::MatrixXd gram =
@@ -64,7 +64,8 @@ Measured measure(const parallel::Teams& teams, const Operators& operators, const
   return measured;
 }
 
-/// Stores residuals in `set`, those of this team's vectors also as a row; returns the M-orthonormality.
+/// Stores the residuals of all modes in `set`, and those of this team's modes as a row in `residual`. Returns
+/// max |ΦᵀMΦ − I|.
 double take_residuals(const parallel::Teams& teams, const Operators& operators, ModeSet& set,
                       Eigen::MatrixXd& residual) {
   const Eigen::Index r = operators.rigid.cols();
@@ -76,7 +77,7 @@ double take_residuals(const parallel::Teams& teams, const Operators& operators, 
   residual = measured.residual.transpose();
   const double stiffest =
       parallel::largest(operators.comm, operators.diagonal.size() > 0 ? operators.diagonal.maxCoeff() : 0);
-  // For rigid modes ‖Kφ‖ cannot serve as the scale.
+  // For rigid modes, ‖Kφ‖ vanishes, so it cannot serve as the scale.
   if (residual.size() > 0 && set.index.front() < r)
     residual.leftCols(r) = (operators.norms(operators.stiffness(set.shape.leftCols(r))).array() /
                             (stiffest * operators.norms(set.shape.leftCols(r)).array()))
@@ -113,7 +114,7 @@ void certify(const parallel::Teams& teams, const Operators& operators, std::int6
              std::optional<double> tolerance, ModeSet& set) {
   Eigen::MatrixXd residual;
   const double orthonormality = take_residuals(teams, operators, set, residual);
-  // The largest residual that round-off does not explain.
+  // Residuals above the tolerance that round-off does not explain.
   Eigen::MatrixXd excess = Eigen::MatrixXd::Zero(1, set.shape.cols());
   for (Eigen::Index j = 0; tolerance && j < excess.cols(); ++j)
     if (!(residual(0, j) <= *tolerance) && !(residual(0, j) <= operators.round_off(set.shape.col(j))[0]))

@@ -23,10 +23,10 @@ bool finite(const std::vector<double>& values) {
   return std::ranges::all_of(values, [](double x) { return std::isfinite(x); });
 }
 
-/// A count of eigenvalues, as stored in a file.
+/// Whether a number from a file is a valid count of eigenvalues.
 bool is_count(double value) { return value >= 0 && value < 1e15 && value == std::floor(value); }
 
-/// Contents that this program did not write cause no message: they are computed again.
+/// Whether `values` form a valid plan. Invalid contents cause no message; they are computed again.
 bool is_plan(const std::vector<double>& values) {
   if (!finite(values) || values[0] <= 0 || !is_count(values[1]) || values.size() < 5) return false;
   for (std::size_t k = 2; k < values.size(); k += 3)
@@ -34,6 +34,7 @@ bool is_plan(const std::vector<double>& values) {
   return true;
 }
 
+/// Whether the contents of a file form a valid slice.
 /// @param header  shift, count below it, ends of the covered interval, eigenvalues
 bool is_slice(const std::vector<double>& header, const std::vector<double>& shapes) {
   return finite(header) && finite(shapes) && is_count(header[1]) && header[2] <= header[3] &&
@@ -41,8 +42,8 @@ bool is_slice(const std::vector<double>& header, const std::vector<double>& shap
          (header.size() == 4 || (header[4] >= header[2] && header.back() <= header[3]));
 }
 
-/// The rows of all ranks of a team in reading order, on its first rank, so that files do not depend on the
-/// ranks.
+/// Gathers the rows of a team in reading order on its first rank, so that files do not depend on the number
+/// of ranks.
 class Rows {
  public:
   explicit Rows(const Operators& operators)
@@ -54,7 +55,7 @@ class Rows {
     for (std::size_t r = 1; r < count_.size(); ++r) start_[r] = start_[r - 1] + count_[r - 1];
     buffer_.resize(key_.size());
   }
-  std::size_t size() const { return key_.size(); }  ///< on the first rank
+  std::size_t size() const { return key_.size(); }  ///< number of rows, on the first rank
 
   /// Gathers a column in reading order on the first rank. Collective.
   std::vector<double> gather(const double* column) {
@@ -64,7 +65,7 @@ class Rows {
     for (std::size_t i = 0; i < key_.size(); ++i) ordered[static_cast<std::size_t>(key_[i])] = buffer_[i];
     return ordered;
   }
-  /// Scatters a column. @param ordered  on the first rank. Collective.
+  /// Scatters a column that the first rank holds in reading order. Collective.
   void scatter(const double* ordered, double* column) {
     for (std::size_t i = 0; i < key_.size(); ++i) buffer_[i] = ordered[static_cast<std::size_t>(key_[i])];
     MPI_Scatterv(buffer_.data(), count_.data(), start_.data(), MPI_DOUBLE, column, static_cast<int>(local_),
@@ -88,7 +89,7 @@ void Checkpoint::save(const Plan& plan) const {
   if (folder_.empty()) return;
   const std::int64_t rows = parallel::sum(teams_.team(), operators_.body.local_rows);
   parallel::on_first_rank(teams_.world(), [&] {
-    // Slices overlap slightly, so this is a lower bound.
+    // Slices overlap slightly, so this size is a lower bound.
     base::check_place(folder_ / "plan.h5",
                       sizeof(double) * static_cast<double>(rows) * static_cast<double>(plan.end.below));
     hdf5::Writer file(folder_ / "plan.h5");
@@ -141,7 +142,7 @@ void Checkpoint::save(const Slice& slice, const Eigen::MatrixXd& shape) const {
     // Another run may have completed the kernel and removed this folder.
     std::error_code ignored;
     std::filesystem::create_directories(folder_, ignored);
-    // The bits of the shift give the name of the file.
+    // The name of the file consists of the bits of the shift.
     file.emplace(folder_ / fmt::format("slice-{:016x}.h5", std::bit_cast<std::uint64_t>(slice.probe.sigma)));
     file->write<double>("/slice",
                         std::vector<double>{slice.probe.sigma, static_cast<double>(slice.probe.below),
@@ -166,7 +167,7 @@ std::vector<Checkpoint::Found> Checkpoint::slices() const {
       if (entry.path().filename().string().rfind("slice-", 0) == 0 && entry.path().extension() == ".h5")
         paths.push_back(entry.path());
   std::sort(paths.begin(), paths.end());
-  // All ranks use the list and headers of the first rank.
+  // All ranks use the list of files of the first rank.
   std::string names;
   for (const auto& path : paths) names += path.filename().string() + "\n";
   parallel::broadcast(teams_.world(), names);
@@ -179,7 +180,7 @@ std::vector<Checkpoint::Found> Checkpoint::slices() const {
     Found next;
     next.team = static_cast<int>(found.size()) % teams_.count();
     const bool holds = teams_.mine() == next.team;
-    // The team that will hold a slice reads it and reports what it read.
+    // The team that will hold a slice reads it and broadcasts its header.
     std::vector<double> header, values;
     if (holds && parallel::rank_of(teams_.team()) == 0) {
       try {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Finished slices on disk, so that a killed search resumes, on any number of ranks.
+// Stores finished slices on disk, so that an interrupted search can resume on any number of ranks.
 #pragma once
 
 #include <filesystem>
@@ -26,16 +26,18 @@ class Checkpoint {
     Eigen::MatrixXd shape;  ///< (local rows, Slice::lambda.size()) on that team's ranks, otherwise empty
   };
 
-  /// @param folder  empty: nothing is stored
+  /// @param folder  if empty, nothing is stored
   Checkpoint(const parallel::Teams& teams, const Operators& operators, std::filesystem::path folder);
 
-  /// Collective on all ranks. Both throw InputError on every rank if the folder cannot be written.
+  /// Stores the plan. Collective on all ranks; throws InputError on every rank if the folder cannot be
+  /// written.
   void save(const Plan& plan) const;
+  /// Returns the stored plan, if there is a valid one. Collective on all ranks.
   std::optional<Plan> plan() const;
 
   /// Stores one slice of this team. Collective on the team; throws InputError on its ranks.
   void save(const Slice& slice, const Eigen::MatrixXd& shape) const;
-  /// All stored slices, by shift, distributed among the teams. Collective on all ranks.
+  /// Returns all stored slices, sorted by shift and distributed among the teams. Collective on all ranks.
   std::vector<Found> slices() const;
 
  private:

@@ -38,15 +38,15 @@ class RitzSpace {
   MatrixXd extend(MatrixXd block, double bound, Index most) {
     const auto q = vectors();
     MatrixXd momentum = operators_.mass(block);
-    // Two passes suffice (Giraud, Langou & Rozložník 2005): in the second, a column of noise becomes visible.
-    // Rigid motions are removed too, because their remainder in the vectors would grow with every block.
+    // Two passes suffice (Giraud, Langou & Rozložník 2005); the second reveals columns of noise. Rigid
+    // motions are removed too, because their remainder in the vectors would grow with every block.
     for (int pass = 0; pass < 2 && block.cols() > 0; ++pass) {
       block.noalias() -= operators_.rigid * inner(operators_.comm, operators_.rigid, momentum);
       block.noalias() -= q * inner(operators_.comm, q, momentum);
       momentum = operators_.mass(block);
       MatrixXd gram = inner(operators_.comm, block, momentum);
       gram = (gram + gram.transpose().eval()) / 2;
-      // The same vectors must be dropped in every team.
+      // Every team must drop the same vectors.
       MPI_Bcast(gram.data(), static_cast<int>(gram.size()), MPI_DOUBLE, 0, teams_.peers());
       const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(gram);
       const double floor = pass == 0 ? 1e-14 * eigen.eigenvalues()[gram.rows() - 1] : 0.5;
@@ -76,7 +76,7 @@ class RitzSpace {
     return {eigen.eigenvalues(), eigen.eigenvectors()};
   }
 
-  /// Traces of the Ritz vectors on the contact surface. (seen, n)
+  /// Returns the traces of the Ritz vectors on the contact surface, (seen, n).
   MatrixXd trace(const MatrixXd& ritz_vectors) const { return trace_ * ritz_vectors; }
 
   Eigen::Ref<const MatrixXd> vectors() const { return q_.leftCols(size_); }
@@ -115,8 +115,8 @@ struct Seen {
   }
 };
 
-/// The loads without their rigid part. Loads after the first `seen` that are entirely rigid, such as gravity
-/// on a free body, are removed.
+/// Returns the loads without their rigid part. Loads after the first `seen` that are entirely rigid, such as
+/// gravity on a free body, are removed.
 MatrixXd elastic(const Operators& operators, const MatrixXd& loads, Index seen) {
   MatrixXd rest = loads - operators.rigid_momentum * inner(operators.comm, operators.rigid, loads);
   const VectorXd size = operators.norms(loads), left = operators.norms(rest);
@@ -129,8 +129,8 @@ MatrixXd elastic(const Operators& operators, const MatrixXd& loads, Index seen) 
   return rest(Eigen::all, kept);
 }
 
-/// Scales the loads after the first `seen` so that their largest response equals that of these; one bound
-/// then applies to all.
+/// Scales the response to each load after the first `seen` to the size of the largest response to the first
+/// `seen` loads. One bound then applies to all.
 void balance(const Operators& operators, MatrixXd& response, Index seen) {
   const VectorXd square =
       inner(operators.comm, response, operators.mass(response)).diagonal().cwiseMax(1e-300);
@@ -170,14 +170,15 @@ ModeSet contact_basis(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
     }
     MatrixXd next = shared_solve(teams, factor, number == 0 || turn ? elastic_loads : operators.mass(block));
     if (number == 0 || turn) balance(operators, next, seen);
-    // The omitted directions must be recovered by the residual flexibility.
+    // Directions may be omitted only if the residual flexibility represents them.
     if (number == 0 && !request.count && request.residual_flexibility) {
       const double flexibility = inner(operators.comm, loads.leftCols(seen), next.leftCols(seen)).norm();
       bound = compression * request.flexibility_error * flexibility / square;
     }
     block = space.extend(next, number == 0 ? bound : turn ? 1e-3 * bound : 0, most - space.size());
     if (turn && block.cols() == 0) block = space.extend(std::move(next), 0, most - space.size());
-    // The space is complete: it contains all that the loads can excite, or all that moves within the band.
+    // Without new vectors, the space is complete: it contains everything that the loads can excite, or
+    // everything that moves within the band.
     const bool exhausted = block.cols() == 0;
     if (exhausted) {
       error = 0;
@@ -190,7 +191,7 @@ ModeSet contact_basis(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
     if (number > 0)
       change = kernels::flexibility_error(before.modes(), now.modes(), band, request.residual_flexibility);
     change = parallel::of_rank(teams.world(), 0, change);
-    // The change is the error of the previous space; the error of this one is smaller by the rate of
+    // The change is about the error of the previous space. The error of this one is smaller by the rate of
     // convergence, which increases.
     const double pace = number > 1 && change < last ? change / last : 1;
     error = change * pace;
@@ -232,7 +233,8 @@ Hertz needed_up_to(const parallel::Teams& teams, const mesh::Mesh& mesh, const M
   const std::size_t left =
       kernels::Contributions(all.modes(), static_cast<RadPerSecond>(band)).dispensable(from_above, error);
   if (from_above.empty()) return band;
-  // At least the lowest. Ritz values are slightly above the modes that they approximate.
+  // At least the lowest vector is kept. The factor is a margin, because Ritz values differ slightly from the
+  // modes that they approximate.
   const std::size_t highest = from_above[std::min(left, from_above.size() - 1)];
   return to_hertz(RadPerSecond{1.001 * std::sqrt(lambda[static_cast<Index>(highest)])});
 }

@@ -7,24 +7,26 @@
 namespace ricochet::modes {
 
 struct ContactRequest {
-  Hertz band{};                         ///< in which the flexibility must be accurate
-  double flexibility_error = 1e-3;      ///< bound on its estimate, or
+  Hertz band{};                         ///< frequencies at which the flexibility must be accurate
+  double flexibility_error = 1e-3;      ///< bound on the estimated error; not used with `count`
   std::optional<std::int64_t> count{};  ///< number of vectors, rigid modes included
-  bool residual_flexibility = true;     ///< the caller will add the static correction
+  bool residual_flexibility = true;     ///< whether the caller adds the static correction
 };
 
 /// The first shift of contact_basis [rad²/s²]. K − σM is definite, so rigid modes are harmless, and σ is
 /// negligible for the elastic modes.
 double shift_near_zero(Hertz band);
 
-/// Ritz vectors of K φ = ω² M φ from the block rational Krylov space of (K − σM)⁻¹ M, started by the
-/// responses (K − σM)⁻¹ L to the loads: four blocks about σ ≈ 0, further ones about σ = −ω_band². Rigid modes
-/// come first and are exact.
+/// Computes Ritz vectors of K φ = ω² M φ in the block rational Krylov space of (K − σM)⁻¹ M, which starts
+/// with the responses (K − σM)⁻¹ L to the loads. The first four blocks, or more, use σ ≈ 0. If that saves
+/// blocks, or with `count`, further blocks use σ = −ω_band². Rigid modes come first and are exact.
+///
+/// The flexibility of the contact surface over the band is compared from one block to the next
+/// (kernels::flexibility_error). The change is about the error before the block. The error after it is
+/// estimated as the change times its ratio to the previous change.
 ///
 /// @param loads  L (local rows, b) [N], held components 0, the same in every team
-/// @param seen   number of leading columns of L that belong to the contact surface. Its flexibility over the
-/// band is compared from one block to the next (kernels::flexibility_error). A change is about the error
-/// before it; the error after it is estimated as the change times its ratio to the previous change.
+/// @param seen   number of leading columns of L that belong to the contact surface
 /// @return the vectors, distributed among the teams; the certificate holds the estimate. Collective on all
 /// ranks.
 /// Source: Wilson, Yuan & Dickens 1982 (load-dependent vectors); Gallivan, Grimme & Van Dooren 1996 (rational
@@ -33,8 +35,9 @@ ModeSet contact_basis(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
                       Factorisation& factor, const Eigen::MatrixXd& loads, Eigen::Index seen,
                       const ContactRequest& request, const Progress& progress = {});
 
-/// Frequency above which modes contribute less than `error` to the flexibility over the band if they are
-/// represented by the residual flexibility. @param basis  of contact_basis for that band
+/// Returns the frequency above which the residual flexibility can replace modes: the error in the flexibility
+/// over the band is then less than `error`.
+/// @param basis  result of contact_basis for that band
 Hertz needed_up_to(const parallel::Teams& teams, const mesh::Mesh& mesh, const ModeSet& basis,
                    const Eigen::MatrixXd& loads, Eigen::Index seen, Hertz band, double error);
 

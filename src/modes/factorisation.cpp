@@ -14,7 +14,7 @@ using parallel::check;
 
 struct Factorisation::Mumps {
   DMUMPS_STRUC_C id{};
-  /// Numbered as in the MUMPS manual.
+  /// Parameters are numbered as in the manual of MUMPS.
   MUMPS_INT& icntl(int k) { return id.icntl[k - 1]; }
   MUMPS_INT infog(int k) const { return id.infog[k - 1]; }
 };
@@ -38,7 +38,7 @@ Factorisation::Factorisation(Mat stiffness, Mat mass, double low_rank)
   id.par = host_works;
   id.comm_fortran = MPI_Comm_c2f(comm_);
   run(job_init, "start");
-  // No output; no ScaLAPACK at the root, which would hide a part of the inertia.
+  // Disables output, and ScaLAPACK at the root, which would hide a part of the inertia.
   for (int k : {1, 2, 3}) mumps_->icntl(k) = -1;
   mumps_->icntl(4) = 0;
   mumps_->icntl(13) = 1;
@@ -66,8 +66,8 @@ Factorisation::Factorisation(Mat stiffness, Mat mass, double low_rank)
 }
 
 void Factorisation::take_users_options() {
-  // Uses PETSc's names of the options, except those on which inertia counts rely (13, 35) and those for the
-  // input of data.
+  // Options have the names that PETSc gives them. Those on which inertia counts rely (13, 35) and those for
+  // data input cannot be set.
   for (int k : {4, 6, 8, 10, 12, 14, 22, 23, 24, 31, 58}) {
     PetscInt value = 0;
     PetscBool given = PETSC_FALSE;
@@ -138,7 +138,7 @@ void Factorisation::order_by_metis(Mat stiffness) {
   edge = parallel::gather(comm_, edge);
   if (parallel::rank_of(comm_) != 0) return;
 
-  // The graph, with each edge at both its ends.
+  // The graph contains each edge at both of its ends.
   const auto nodes = static_cast<std::size_t>(rows_ / block);
   std::vector<idx_t> start(nodes + 1, 0), neighbour(edge.size());
   for (int node : edge) ++start[static_cast<std::size_t>(node) + 1];
@@ -190,7 +190,7 @@ void Factorisation::factor(double sigma) {
     dmumps_c(&id);
     const int code = mumps_->infog(1);
     if (attempt == 4 || (code != singular && code != more_integers && code != more_reals)) break;
-    // A shift that equals an eigenvalue is increased; delayed pivots may need more memory than the analysis
+    // A shift that equals an eigenvalue is raised. Delayed pivots may need more memory than the analysis
     // estimated.
     if (code == singular) {
       sigma += 1e-6 * std::abs(sigma);
@@ -218,7 +218,7 @@ Eigen::MatrixXd Factorisation::solve(const Eigen::Ref<const Eigen::MatrixXd>& ri
     run(job_solve, "solve with");
     return solution;
   }
-  // Right-hand sides and solutions are collected on the first rank.
+  // MUMPS takes right-hand sides and returns solutions on the first rank.
   const bool first = parallel::rank_of(comm_) == 0;
   Eigen::MatrixXd whole(first ? rows_ : 0, n);
   for (Eigen::Index j = 0; j < n; ++j)
@@ -234,7 +234,7 @@ Eigen::MatrixXd Factorisation::solve(const Eigen::Ref<const Eigen::MatrixXd>& ri
 }
 
 double Factorisation::expected_mib() const {
-  // INFO(15), or INFO(30) for low rank.
+  // INFO(15), or INFO(30) for low rank, in millions of bytes.
   return static_cast<double>(mumps_->id.info[low_rank_ > 0 ? 29 : 14]) * 1e6 / (1 << 20);
 }
 

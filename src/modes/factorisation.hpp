@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// K − σM factored by MUMPS: inertia and block solves.
+// Factorisation of K − σM by MUMPS: inertia and block solves.
 #pragma once
 
 #include <Eigen/Dense>
@@ -9,16 +9,17 @@
 
 namespace ricochet::modes {
 
-/// L D Lᵀ of K − σM at one shift after another. The inertia of full-rank factors is exact; block low-rank
-/// factors take less time and memory on large bodies, but solve approximately.
+/// Factorisation L D Lᵀ of K − σM at one shift after another. The inertia of full-rank factors is exact.
+/// Block low-rank factors need less time and memory for large bodies, but their solutions are approximate.
 ///
-/// MUMPS is called directly, not through PETSc: the elimination order is METIS's nested dissection of the
-/// nodes, computed once for all shifts (Debian's MUMPS only has PORD, which leaves up to twice the entries).
+/// MUMPS is called directly, not through PETSc, so that METIS orders the elimination by nested dissection of
+/// the nodes, once for all shifts. The MUMPS of Debian offers only PORD, whose factors have up to twice as
+/// many entries.
 class Factorisation {
  public:
-  /// Analysis. Collective on the ranks of the matrices.
-  /// @param stiffness, mass  SBAIJ with one pattern; they must outlive this object
-  /// @param low_rank  relative threshold of block low-rank factors; 0: full rank
+  /// Copies the matrices and runs the analysis. Collective on the ranks of the matrices.
+  /// @param stiffness, mass  SBAIJ with the same pattern
+  /// @param low_rank  relative threshold of block low-rank factors; 0 for full rank
   /// Throws SolverError if MUMPS breaks down.
   /// Source: Amestoy, Buttari, L'Excellent & Mary 2019 (block low-rank in MUMPS).
   Factorisation(Mat stiffness, Mat mass, double low_rank = 0);
@@ -26,8 +27,9 @@ class Factorisation {
   Factorisation(const Factorisation&) = delete;
   Factorisation& operator=(const Factorisation&) = delete;
 
-  /// Factors K − σM unless it was factored last; if it is singular, at a shift larger by a millionth.
-  /// Collective. @param sigma  [rad²/s²]. Throws SolverError: not enough memory, breakdown.
+  /// Factors K − σM, unless it was factored last. If the matrix is singular, σ is raised by a millionth of
+  /// its magnitude. Collective. Throws SolverError if memory is insufficient or MUMPS breaks down.
+  /// @param sigma  [rad²/s²]
   void factor(double sigma);
 
   double sigma() const { return sigma_; }  ///< shift of the factors
@@ -35,10 +37,12 @@ class Factorisation {
   /// Number of eigenvalues below σ (Sylvester's law of inertia). Valid for full-rank factors only.
   std::int64_t below() const { return below_; }
 
-  /// Solves (K − σM) X = B. @param right  B (local rows, n). @return X, likewise. Collective.
+  /// Solves (K − σM) X = B. Collective.
+  /// @param right  B (local rows, n)
+  /// @return X (local rows, n)
   Eigen::MatrixXd solve(const Eigen::Ref<const Eigen::MatrixXd>& right);
 
-  /// Memory that MUMPS expects to need on this rank for a factorisation [MiB].
+  /// Returns the memory that a factorisation needs on this rank, as estimated by MUMPS [MiB].
   double expected_mib() const;
 
  private:
@@ -53,7 +57,8 @@ class Factorisation {
   std::unique_ptr<Mumps> mumps_;
   std::vector<int> row_, column_, order_;
   std::vector<double> stiffness_, mass_, shifted_;
-  std::vector<int> rows_of_rank_, first_of_rank_;  ///< on the first rank: rows of each rank
+  /// Of each rank: number of rows, and first row.
+  std::vector<int> rows_of_rank_, first_of_rank_;
   std::int64_t local_rows_ = 0, rows_ = 0;
   double low_rank_ = 0;
   double sigma_ = 0;
@@ -61,13 +66,13 @@ class Factorisation {
   std::int64_t below_ = 0;
 };
 
-/// Solves for the same right-hand sides in every team; each team solves for a part of the columns. The
-/// factors of all teams have one shift. @return (local rows, n), the same in every team. Collective on all
-/// ranks of `teams`.
+/// Solves for right-hand sides that are the same in every team. Each team solves for a part of the columns.
+/// The factors of all teams must have the same shift. Collective on all ranks of `teams`.
+/// @return (local rows, n), the same in every team
 Eigen::MatrixXd shared_solve(const parallel::Teams& teams, Factorisation& factor,
                              const Eigen::Ref<const Eigen::MatrixXd>& right);
 
-/// XᵀY summed over the ranks, the same on each. Collective.
+/// Returns XᵀY, summed over the ranks and the same on each. Collective.
 Eigen::MatrixXd inner(MPI_Comm comm, const Eigen::Ref<const Eigen::MatrixXd>& x,
                       const Eigen::Ref<const Eigen::MatrixXd>& y);
 

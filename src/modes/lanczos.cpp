@@ -16,7 +16,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Threshold for columns of a block that lost rank, relative to the largest.
+/// Norm below which a column of a block counts as linearly dependent, relative to the largest.
 constexpr double rank_tolerance = 1e-12;
 
 /// Q and the block tridiagonal T of one iteration.
@@ -31,17 +31,17 @@ class Basis {
     append(start);
   }
 
-  /// Number of vectors whose image is in the span of all; the last block is excluded.
+  /// Number of vectors whose image lies in the span of all vectors; the last block is excluded.
   Index inner_size() const { return inner_; }
   Index size() const { return size_; }
   bool exhausted() const { return inner_ == size_; }
   const MatrixXd& vectors() const { return q_; }
   auto projected() const { return t_.topLeftCorner(inner_, inner_); }
-  /// B: coupling of the last inner block with the next one. (behind, last)
+  /// B: coupling of the last inner block with the next one, (columns of the next, columns of the last).
   auto coupling() const { return t_.block(inner_, last_, size_ - inner_, inner_ - last_); }
   /// (MQ⁺)ᵀ(MQ⁺) of the next block, for residuals in the 2-norm.
   const MatrixXd& behind_momentum() const { return behind_momentum_; }
-  /// 2-norm of M times a typical unit vector of the basis.
+  /// Smallest 2-norm of M times a basis vector; scale of the residuals.
   double momentum() const { return typical_momentum_; }
 
   void step() {
@@ -68,7 +68,7 @@ class Basis {
       momentum.noalias() -= momentum_ * share;
       t_.block(last_, last_, width, width) = share.bottomRows(width);
       if (previous_ > 0) {
-        // Components along the other blocks are round-off only, which the iteration would amplify. Single
+        // Components along the other blocks are only round-off, but the iteration would amplify them. Single
         // precision does not suffice here: its noise would limit residuals to 1e-6.
         const auto far = q_.leftCols(previous_);
         next.noalias() -= far * inner(operators_.comm, far, momentum);
@@ -111,7 +111,7 @@ class Basis {
     }
   }
 
-  /// Another orthogonalisation against all vectors in full precision, if little of the columns remains.
+  /// Orthogonalises once more against all vectors; needed if little of the columns remains.
   void again(MatrixXd& next, MatrixXd& momentum) const {
     const auto q = q_.leftCols(size_);
     next.noalias() -= q * inner(operators_.comm, q, momentum);
@@ -163,7 +163,8 @@ double worst_inside(const Ritz& ritz, const Interval& interval) {
   return worst;
 }
 
-/// First and last converged Ritz value without a gap about the shift, and the interval that they cover.
+/// The converged Ritz values about the shift, without a gap: the range [first, behind), and the interval that
+/// it covers.
 struct Reach {
   Index first = 0, behind = 0;
   Interval covered;
@@ -172,9 +173,10 @@ struct Reach {
 
 Reach reach_of(const Ritz& ritz, double sigma, const Interval& wanted, Index modes_below,
                const LanczosOptions& options, bool exhausted) {
-  // The estimate is conservative; the residual itself is verified at the end.
+  // The bound leaves a margin, because residuals are only estimated here. They are verified at the end.
   const double bound = 0.7 * options.tolerance;
-  // The next Ritz value outside must have appeared; otherwise one inside might still be missing.
+  // The next Ritz value outside must have appeared, to this accuracy; otherwise, one inside might still be
+  // missing.
   const double shown = 1e-2;
   const auto relative = [&](Index i) {
     return ritz.residual[i] * std::abs(ritz.lambda[i] / (ritz.lambda[i] - sigma));
@@ -190,7 +192,7 @@ Reach reach_of(const Ritz& ritz, double sigma, const Interval& wanted, Index mod
     --reach.first;
   const bool right = exhausted || (reach.behind < m && ritz.lambda[reach.behind] > wanted.to &&
                                    relative(reach.behind) <= shown);
-  // Down to zero, the inertia gives the number of modes.
+  // If the interval extends to zero, the inertia gives the number of modes.
   const bool left = wanted.from <= 0
                         ? start - reach.first == modes_below
                         : exhausted || (reach.first > 0 && ritz.lambda[reach.first - 1] < wanted.from &&
@@ -209,8 +211,8 @@ Converged lanczos(const Operators& operators, Factorisation& factor, const Inter
   Basis basis(operators, factor, options);
   Ritz ritz;
   Reach reach;
-  // Solving the projected problem costs as much as a step: it is skipped until the residuals can have fallen
-  // far enough, by the rate between the last two solutions.
+  // Solving the projected problem costs as much as a step. It is skipped until the residuals can be small
+  // enough, judging by the rate between the last two solutions.
   Index next_look = 6 * options.block, looked = 0;
   double worst = 1;
   for (;;) {

@@ -13,7 +13,7 @@ struct Interval {
 
 struct LanczosOptions {
   double tolerance = 1e-8;    ///< on ‖Kφ − λMφ‖₂ / ‖Kφ‖₂
-  Eigen::Index block = 16;    ///< columns of a block: bounds the multiplicity found at once
+  Eigen::Index block = 16;    ///< columns of a block; bounds the multiplicity of modes found at once
   Eigen::Index basis = 1200;  ///< largest number of basis vectors
   std::uint64_t seed = 1;
 };
@@ -27,11 +27,11 @@ struct Converged {
 
 /// Computes the elastic modes in `wanted`, as far as the basis reaches. Collective on the team.
 ///
-/// Block Lanczos for (K − σM)⁻¹M, with the σ of the factors, in the inner product of M (Grimes, Lewis & Simon
-/// 1994); rigid modes are deflated, with one full orthogonalisation per step. With the projected pair (θ, s)
-/// and the next block Q⁺, the vector x = Q s + Q⁺ B s / θ costs nothing more (Ericsson & Ruhe 1980) and has K
-/// x − λ M x = −M Q⁺ B s / θ². The iteration stops by this residual, so that modes near the shift need fewer
-/// steps.
+/// Block Lanczos iteration for (K − σM)⁻¹M, with the σ of the factors, in the inner product of M (Grimes,
+/// Lewis & Simon 1994). Rigid modes are deflated, and each step includes one full orthogonalisation. Take a
+/// projected pair (θ, s), the next block Q⁺ and its coupling B. The vector x = Q s + Q⁺ B s / θ needs no
+/// further solve (Ericsson & Ruhe 1980), and its residual is K x − λ M x = −M Q⁺ B s / θ². The iteration
+/// stops when this residual is small enough, so that modes near the shift need fewer steps.
 Converged lanczos(const Operators& operators, Factorisation& factor, const Interval& wanted,
                   const LanczosOptions& options, const parallel::Progress& progress = {});
 

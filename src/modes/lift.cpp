@@ -8,14 +8,14 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// xᵀy of each column.
+/// Returns xᵀy of each column.
 VectorXd dots(MPI_Comm comm, const MatrixXd& x, const MatrixXd& y) {
   VectorXd values = x.cwiseProduct(y).colwise().sum().transpose();
   parallel::sum(comm, values);
   return values;
 }
 
-/// a/b, or 0 if b is 0.
+/// Returns a/b, or 0 where b is 0.
 VectorXd quotients(const VectorXd& a, const VectorXd& b) {
   return (b.array() > 0).select(a.array() / b.array(), 0.0);
 }
@@ -28,7 +28,7 @@ MatrixXd solve_statically(const parallel::Teams& teams, const Operators& operato
     z -= operators.rigid * inner(operators.comm, operators.rigid_momentum, z);
     return z;
   };
-  // In the norm of strain energy.
+  // Relative error in the norm of strain energy.
   constexpr double tolerance = 1e-12;
   constexpr int most = 500;
   MatrixXd x = MatrixXd::Zero(force.rows(), force.cols()), rest = force, z = precondition(rest), p = z;

@@ -8,14 +8,14 @@ namespace ricochet::modes {
 
 /// The static lift of S moving supports, three columns each, as in elasticity::Imposed.
 struct Lift {
-  Eigen::MatrixXd
-      shape;  ///< (local rows, 3S) Ψ: K Ψ = 0 on free rows, the displacement of the support on held rows
+  /// (local rows, 3S) Ψ: K Ψ = 0 on free rows, the displacement of the support on held rows
+  Eigen::MatrixXd shape;
   Eigen::MatrixXd inertia;  ///< (local rows, 3S) M Ψ on free rows [kg]
 };
 
-/// Computes the static lift. It is determined up to rigid motions that are left free; the one with Φ_rᵀ M Ψ =
-/// 0 is chosen. Any shift σ < 0 with available factors will do: conjugate gradients for K, preconditioned by
-/// (K − σM)⁻¹, remove its effect, in few steps if it is small.
+/// Computes the static lift. Where supports leave rigid motion free, the lift with Φ_rᵀ M Ψ = 0 is chosen.
+/// Conjugate gradients for K, preconditioned by (K − σM)⁻¹, remove the effect of the shift. Any σ < 0 is
+/// possible; a small one needs few steps.
 ///
 /// @return the same in every team. Collective on all ranks of `teams`; throws SolverError if the iteration
 /// does not converge.

@@ -16,7 +16,7 @@ namespace {
 
 using kernels::multiple_mode;
 
-/// Position of an eigenvalue: its slice and column.
+/// An eigenvalue with its slice and column.
 struct Place {
   double lambda;
   std::size_t slice, column;
@@ -31,7 +31,7 @@ std::vector<Place> places_of(const Search& found) {
   return places;
 }
 
-/// Number of elastic modes that a request for `wanted` keeps: multiple modes are kept whole.
+/// Returns the number of elastic modes to keep if `wanted` are requested. Multiple modes are kept whole.
 std::size_t kept_of(const std::vector<Place>& places, std::int64_t wanted) {
   auto kept = static_cast<std::size_t>(std::max<std::int64_t>(wanted, 0));
   while (kept > 0 && kept < places.size() &&
@@ -40,12 +40,12 @@ std::size_t kept_of(const std::vector<Place>& places, std::int64_t wanted) {
   return std::min(kept, places.size());
 }
 
-/// Subspace iteration about σ < 0 with a Rayleigh–Ritz step for the leading columns of a slice, until they
-/// meet the tolerance, at most three times.
+/// Reduces the residuals of the leading columns of a slice by subspace iteration about σ < 0, with a
+/// Rayleigh–Ritz projection in each step. Stops when the residuals meet the tolerance, or after three steps.
 ///
-/// The lowest modes of a thin body lie thousands of times their own λ below the shift of the slice, where the
-/// round-off of its solves matters. About a shift near zero, components outside the span decay, and the
-/// projected problem resolves those inside.
+/// The lowest modes of a thin body lie thousands of times their own λ below the shift of the slice, so that
+/// the round-off of its solves matters. About a shift near zero, components outside the span decay, and the
+/// projected problem separates the components inside.
 void polish(const Operators& operators, Factorisation& factor, double tolerance, Eigen::VectorXd& lambda,
             Eigen::MatrixXd& shape) {
   const auto too_large = [&](Eigen::Index first, Eigen::Index n) -> Eigen::Array<bool, Eigen::Dynamic, 1> {
@@ -53,7 +53,7 @@ void polish(const Operators& operators, Factorisation& factor, double tolerance,
     const Eigen::VectorXd bound = operators.round_off(x).cwiseMax(tolerance);
     return operators.residuals(x, lambda.segment(first, n)).array() > bound.array();
   };
-  // Round-off affects the lowest modes first: the search ends after eight good ones in a row.
+  // Round-off affects the lowest modes first, so the search ends at the first eight modes without a bad one.
   Eigen::Index bad = 0;
   for (Eigen::Index first = 0; first < shape.cols(); first += 8) {
     const auto found = too_large(first, std::min<Eigen::Index>(8, shape.cols() - first));
@@ -118,11 +118,12 @@ ModeSet compute_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
   std::vector<Place> places = places_of(found);
   const std::size_t kept = request.count ? kept_of(places, *request.count - r) : places.size();
   ModeSet set;
-  // Between the shifts of two slices the count is proved, and each mode is located within its residual: the
-  // cut needs no inertia of its own.
+  // The count between the shifts of two slices is proved, and each mode is known to within its residual. The
+  // cut therefore needs no inertia count of its own.
   const double last = kept > 0 ? places[kept - 1].lambda : 0;
   set.cut = kept < places.size() ? (last + places[kept].lambda) / 2 : end;
-  // Far enough from zero for rigid motions to be harmless, close enough for a series in σ/λ_cut.
+  // This shift is far enough from zero for rigid motions to be harmless, and close enough for the series in
+  // σ/λ_cut to converge fast.
   set.static_shift = -1e-3 * set.cut;
   places.resize(kept);
   const std::int64_t counted = r + static_cast<std::int64_t>(kept);

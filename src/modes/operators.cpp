@@ -42,7 +42,7 @@ Operators::Operators(const mesh::Mesh& mesh, const elasticity::Body& given)
 }
 
 Eigen::MatrixXd Operators::noise(Eigen::Index n, std::uint64_t seed) const {
-  // splitmix64 (Steele, Lea & Flood 2014) of row and column.
+  // Hashes row and column by splitmix64 (Steele, Lea & Flood 2014).
   const auto mixed = [](std::uint64_t z) {
     z += 0x9e3779b97f4a7c15ULL;
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
@@ -73,7 +73,7 @@ Eigen::VectorXd Operators::round_off(const Eigen::Ref<const Eigen::MatrixXd>& sh
 Eigen::VectorXd Operators::residuals(const Eigen::Ref<const Eigen::MatrixXd>& shape,
                                      const Eigen::VectorXd& lambda) const {
   Eigen::VectorXd residual(shape.cols());
-  // In panels, because both products are as large as their operand.
+  // Computes in panels, because both products are as large as their operand.
   constexpr Eigen::Index panel = 64;
   for (Eigen::Index j = 0; j < shape.cols(); j += panel) {
     const Eigen::Index n = std::min(panel, shape.cols() - j);

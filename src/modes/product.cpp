@@ -9,11 +9,13 @@ namespace {
 
 using parallel::check;
 
-/// Number of columns per pass over the matrix: a cache line of each row.
+/// Number of columns per pass over the matrix; they fill one cache line in each row.
 constexpr int width = 8;
 
-/// y += A x, where rows of x and y are `width` columns side by side. B: block size; D: blocks are diagonal,
-/// and all are stored except the columns of ghosts; otherwise those of the upper triangle are stored.
+/// Computes y += A x. Each row of x and y has `width` columns side by side.
+/// @tparam B  block size
+/// @tparam D  whether blocks are diagonal; complete rows are then stored, except for the rows of ghosts.
+/// Otherwise, the upper triangle is stored.
 template <int B, bool D>
 [[gnu::always_inline]] inline void accumulate(std::size_t rows, const PetscInt* start, const PetscInt* column,
                                               const double* value, const double* x, double* y) {
@@ -46,8 +48,8 @@ template <int B, bool D>
   }
 }
 
-// One function body, compiled for each instruction set: packages of a distribution are built for the oldest
-// one.
+// Compiles one function body for several instruction sets, because packages of a distribution are built for
+// the oldest one.
 #define RICOCHET_PRODUCT(name, B, D)                                                                         \
   __attribute__((target_clones("arch=x86-64-v4", "avx2", "default"))) void name(                             \
       std::size_t rows, const PetscInt* start, const PetscInt* column, const double* value, const double* x, \
@@ -72,7 +74,7 @@ BlockProduct::BlockProduct(Mat matrix) {
   diagonal_ = true;
   for (std::size_t k = 0; k < value_.size() && diagonal_; ++k)
     diagonal_ = (k % entries) % static_cast<std::size_t>(block_ + 1) == 0 || value_[k] == 0;
-  // All ranks use the same kernel.
+  // All ranks must use the same variant of the product.
   int all = diagonal_ ? 1 : 0;
   MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_INT, MPI_MIN, comm);
   diagonal_ = all == 1;
@@ -91,7 +93,8 @@ void BlockProduct::take_blocks(Mat matrix) {
       const PetscInt* column = nullptr;
       const double* entry = nullptr;
       check(MatGetRow(matrix, i + r, &n, &column, &entry));
-      // A row of a block starts at the block, even if that is the diagonal block.
+      // Every row of a block row starts at the first column of its first block, even within the diagonal
+      // block.
       const PetscInt blocks = n / block_;
       if (r == 0) {
         start_.push_back(start_.back() + blocks);
@@ -145,7 +148,8 @@ void BlockProduct::take_diagonals() {
   const auto block = static_cast<std::size_t>(block_), entries = block * block;
   const std::vector<double> upper = std::move(value_);
   const std::vector<PetscInt> start_of = std::move(start_), column_of = std::move(column_);
-  // Upper and lower triangle: a row is then summed without touching other rows, except for ghosts.
+  // Stores the upper and the lower triangle, so that a row is summed without writing to other rows, except to
+  // ghosts.
   start_.assign(rows_ + 1, 0);
   const auto each = [&](const auto& visit) {
     for (std::size_t i = 0; i < rows_; ++i)

@@ -7,7 +7,7 @@ namespace ricochet::modes {
 
 namespace {
 
-/// Columns of a team that are solved together: several of the right-hand-side blocks of MUMPS.
+/// Number of columns that a team solves together: several right-hand-side blocks of MUMPS.
 constexpr Eigen::Index columns_at_once = 256;
 
 }  // namespace
@@ -15,16 +15,17 @@ constexpr Eigen::Index columns_at_once = 256;
 Eigen::MatrixXd residual_response(const parallel::Teams& teams, const mesh::Mesh& mesh,
                                   const elasticity::Body& body, Factorisation& factor, const ModeSet& modes,
                                   const Eigen::MatrixXd& loads, Eigen::Index seen, Rows* field) {
-  // No truncated mode lies below the cut: each term of the series shrinks by |σ|/(λ_cut + |σ|).
+  // No mode outside the set lies below the cut, so each term of the series is smaller than the previous one
+  // by the factor |σ|/(λ_cut + |σ|).
   constexpr double tolerance = 1e-12;
   const double sigma = modes.static_shift, ratio = -sigma / modes.cut;
   factor.factor(sigma);
   const BlockProduct mass(body.mass);
-  // The part of a load to which the kept modes φ respond: M φ, which for exact modes equals K φ/λ. For Ritz
-  // vectors the latter makes the rest of the load orthogonal to them, and R the static flexibility minus
-  // theirs.
+  // Kept modes φ respond to the part of a load along M φ, which for exact modes equals K φ/λ. For Ritz
+  // vectors, K φ/λ makes the rest of the load orthogonal to them, and R the static flexibility minus theirs.
   Eigen::MatrixXd inertia = mass(modes.shape);
-  // Scale of the response: little remains beside vectors that contain the static responses.
+  // Scale of the response. Without it, the tolerance would refer to the little that remains if the vectors
+  // contain the static responses.
   double flexibility = 0;
   if (!modes.exact) {
     const Eigen::MatrixXd force = BlockProduct(body.stiffness)(modes.shape);
@@ -44,15 +45,15 @@ Eigen::MatrixXd residual_response(const parallel::Teams& teams, const mesh::Mesh
     parallel::sum(teams.peers(), part);
     return part;
   };
-  // P f = f − M Φ Φᵀ f removes the kept modes from a load, Pᵀ u = u − Φ (MΦ)ᵀ u from a displacement; each
-  // team holds some of the modes.
+  // P f = f − M Φ Φᵀ f removes the kept modes from a load, and Pᵀ u = u − Φ (MΦ)ᵀ u removes them from a
+  // displacement. Each team holds some of the modes.
   const auto respond_to = [&](const Eigen::Ref<const Eigen::MatrixXd>& force) -> Eigen::MatrixXd {
     const Eigen::MatrixXd rest = force - over_teams(inertia * inner(mesh.comm, modes.shape, force));
     const Eigen::MatrixXd u = shared_solve(teams, factor, rest);
     return u - over_teams(modes.shape * inner(mesh.comm, inertia, u));
   };
-  // Intermediate fields exist for some columns at a time: all of them would be several times as large as the
-  // loads.
+  // Solves for some columns at a time, because the intermediate fields of all columns would be several times
+  // as large as the loads.
   const Eigen::Index width = columns_at_once * teams.count();
   const auto respond = [&](const Eigen::MatrixXd& force) {
     Eigen::MatrixXd out(force.rows(), force.cols());
@@ -62,9 +63,9 @@ Eigen::MatrixXd residual_response(const parallel::Teams& teams, const mesh::Mesh
     }
     return out;
   };
-  // Term k is (−σ)^k Cᵀ X_k with X_k = ((K − σM)⁻¹ M)^k (K − σM)⁻¹ P L. As the operator is symmetric and L
-  // begins with C, Cᵀ X_{i+j+1} = X_iᵀ M X_j over the leading columns: two solves give four terms. The field
-  // itself is Σ (−σ)^k X_k, from half as many terms, hence the square root of the tolerance.
+  // Term k is (−σ)^k Cᵀ X_k with X_k = ((K − σM)⁻¹ M)^k (K − σM)⁻¹ P L. The operator is symmetric and L
+  // begins with C; therefore Cᵀ X_{i+j+1} = X_iᵀ M X_j over the leading columns, and two solves give four
+  // terms. The field Σ (−σ)^k X_k has half as many terms, so its tolerance is the square root.
   Eigen::MatrixXd x = respond(loads);
   double weight_of_x = 1;
   if (field != nullptr) field->value = x(field->row, Eigen::all);

@@ -12,14 +12,15 @@ struct Rows {
   Eigen::MatrixXd value;  ///< (rows, columns of the field)
 };
 
-/// Quasi-static response of the modes outside the set to loads: Cᵀ Pᵀ (K − σM)⁻¹ P L, corrected to σ = 0. The
-/// output places C are the first `seen` columns of L.
+/// Computes the quasi-static response to loads of the modes outside the set, Cᵀ Pᵀ (K − σM)⁻¹ P L, corrected
+/// to σ = 0. C are the first `seen` columns of L, the loads at the output points.
 ///
 /// @param loads  L (local rows, b) [N], held components 0, the same in every team
-/// @param field  if given, receives these rows of the response Pᵀ (K − σM)⁻¹ P L, likewise corrected, to
-/// 1e-6: for pictures
+/// @param field  if given, receives its rows of the response Pᵀ (K − σM)⁻¹ P L, corrected to σ = 0 with an
+/// error of 1e-6, which is enough for pictures
 /// @return (seen, b) [m/N for unit loads], the same on every rank. Collective on all ranks of `teams`.
-/// Source: MacNeal 1971, Rubin 1975; by the shifted series Σ (−σ)^k … until 1e-12 relative.
+/// Source: MacNeal 1971, Rubin 1975. The series Σ (−σ)^k Cᵀ X_k, up to relative terms of 1e-12, removes the
+/// shift.
 Eigen::MatrixXd residual_response(const parallel::Teams& teams, const mesh::Mesh& mesh,
                                   const elasticity::Body& body, Factorisation& factor, const ModeSet& modes,
                                   const Eigen::MatrixXd& loads, Eigen::Index seen, Rows* field = nullptr);

@@ -19,7 +19,7 @@ constexpr double too_close = 1e-7;
 
 double hertz(double lambda) { return std::sqrt(std::max(lambda, 0.0)) / (2 * std::numbers::pi); }
 
-/// Rounds of factorisations and iterations, one for each team.
+/// Performs the search in rounds; in each round, every team factors and iterates about one shift.
 class Searcher {
  public:
   Searcher(const parallel::Teams& teams, const Operators& operators, Factorisation& factor,
@@ -55,7 +55,7 @@ class Searcher {
         found_.end = end_;
         return std::move(found_);
       }
-      // Another start vector, in case the first had no component of the missing mode.
+      // Uses other start vectors, in case the previous ones had no component of the missing mode.
       ++options_.seed;
       work(stitched.missing);
     }
@@ -66,12 +66,12 @@ class Searcher {
   }
 
  private:
-  /// Takes over the stored slices; @return the remaining tasks.
+  /// Takes over the stored slices and returns the remaining tasks.
   std::vector<Task> resume(std::vector<Task> tasks) {
     progress_.begin("slices from disk");
     const std::size_t planned = tasks.size();
     for (Checkpoint::Found& found : checkpoint_.slices()) {
-      // The shift may have been moved off a mode.
+      // The shift of a slice may differ slightly from that of its task, because it was moved off a mode.
       std::erase_if(
           tasks, [&](const Task& task) { return std::abs(found.slice.probe.sigma / task.sigma - 1) < 1e-5; });
       insert(std::move(found.slice), found.team, std::move(found.shape));
@@ -80,13 +80,14 @@ class Searcher {
     return tasks;
   }
 
-  /// The lists `mine` of all teams. Collective.
+  /// Returns the lists `mine` of all teams. Collective.
   std::vector<std::vector<double>> from_each_team(const std::vector<double>& mine) const {
     return parallel::exchange(
         teams_.peers(), std::vector<std::vector<double>>(static_cast<std::size_t>(teams_.count()), mine));
   }
 
-  /// Each team factors at its entry of `sigma`, if any; the counts are added to the probes.
+  /// Counts the eigenvalues below each entry of `sigma`, one entry per team, and adds the counts to the
+  /// probes.
   void probe(const std::vector<double>& sigma) {
     std::vector<double> mine;
     if (static_cast<std::size_t>(teams_.mine()) < sigma.size()) {
@@ -104,7 +105,7 @@ class Searcher {
     end_ = probes_.back();
   }
 
-  /// Probes until one shift has at least `count` eigenvalues below it, but few more.
+  /// Probes until one shift has at least `count` eigenvalues below it, but only a few more.
   void probe_for(std::int64_t count) {
     const std::int64_t most = count + count / 8 + 8;
     const auto wanted = static_cast<double>(count);
@@ -139,8 +140,9 @@ class Searcher {
       throw SolverError(fmt::format("modes: no frequency with {} modes below it is found", count));
   }
 
-  /// λ with about `count` modes below it, for a box with the mass, inertia and wave speed of the body:
-  /// in-plane waves and bending of its two longest sides (Weyl's law), or waves through all three.
+  /// Estimates the λ below which about `count` modes lie, for a box with the mass, inertia and wave speed of
+  /// the body. By Weyl's law, the box has in-plane and bending waves over its two longest sides, and waves
+  /// through all three.
   double first_guess(double count) const {
     const elasticity::Body& body = operators_.body;
     const Eigen::Vector3d principal =
@@ -195,7 +197,7 @@ class Searcher {
                    converged.covered.to};
         message.insert(message.end(), converged.lambda.begin(), converged.lambda.end());
       }
-      // A disk that is full for one team ends the computation on all.
+      // If one team cannot write its slice, all ranks throw.
       parallel::agree(teams_.world(), complaint);
       const auto all = from_each_team(message);
       for (std::size_t t = 0; t < teams; ++t)
@@ -208,7 +210,7 @@ class Searcher {
     }
   }
 
-  /// If the end coincides with a mode, it is raised and counted again.
+  /// Raises the end if it coincides with a mode, and counts again.
   void move_end_off_modes() {
     const auto hit = [&] {
       for (const Slice& slice : found_.slices)
@@ -222,7 +224,7 @@ class Searcher {
     end_ = probes_.back();
   }
 
-  /// Computes all modes of a task; a shift that coincides with a mode is raised.
+  /// Computes all modes of a task. Raises the shift if it coincides with a mode.
   Converged solve(const Task& task) {
     double sigma = task.sigma;
     const parallel::Progress bar = [&](std::int64_t done, std::int64_t) {
@@ -266,7 +268,7 @@ class Searcher {
 
 double expected_mib(const Factorisation& factor, std::int64_t local_rows, std::int64_t modes,
                     std::int64_t modes_per_shift, int teams) {
-  // Unknown for a search by frequency: the modes of one slice are assumed.
+  // The number is unknown for a search by frequency; the modes of one slice are assumed.
   if (modes == 0) modes = modes_per_shift;
   // A Lanczos basis grows to about three vectors per mode.
   const auto column = static_cast<double>(local_rows) * sizeof(double) / (1 << 20);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The search for all modes up to an end: probes, slices in rounds over the teams, repair.
+// Search for all modes up to an end: inertia counts, slices in rounds over the teams, and repair of gaps.
 #pragma once
 
 #include "src/modes/modes.hpp"
@@ -7,23 +7,23 @@
 
 namespace ricochet::modes {
 
-/// All slices, and the shapes of those that this team computed.
+/// All slices, with the shapes of the slices that this team computed.
 struct Search {
   std::vector<Slice> slices;  ///< by shift, ascending
   Probe end;                  ///< end of the search
   std::vector<Share> share;   ///< modes that each slice keeps
   std::vector<int> team;      ///< team that holds the shapes
-  std::vector<Eigen::MatrixXd>
-      shape;  ///< (local rows, Slice::lambda.size()) of this team's slices, otherwise empty
+  /// (local rows, Slice::lambda.size()) for this team's slices, otherwise empty
+  std::vector<Eigen::MatrixXd> shape;
 };
 
 /// Peak memory of the search on this rank, in addition to K and M [MiB]: factors, the Lanczos basis, and its
-/// share of `modes` shapes, twice while they are assembled.
+/// share of `modes` shapes, which exist twice while they are collected. `modes` is 0 if unknown.
 double expected_mib(const Factorisation& factor, std::int64_t local_rows, std::int64_t modes,
                     std::int64_t modes_per_shift, int teams);
 
-/// Elastic modes up to `request.up_to`, or at least `request.count` modes in total. The number of modes
-/// between neighbouring shifts equals the inertia count. Throws SolverError if this cannot be achieved.
+/// Finds the elastic modes up to `request.up_to`, or at least `request.count` modes in total. The number of
+/// modes between neighbouring shifts equals the inertia count. Throws SolverError if this cannot be achieved.
 /// Collective on all ranks.
 Search search(const parallel::Teams& teams, const Operators& operators, Factorisation& factor,
               const Request& request, const Progress& progress);

@@ -11,9 +11,9 @@ CountModel::CountModel(std::int64_t rigid, std::vector<Probe> probes)
   std::sort(probes_.begin(), probes_.end(), [](const Probe& a, const Probe& b) { return a.sigma < b.sigma; });
 }
 
-// Interpolation through (λ_1, n_1) and (λ_2, n_2): n = n_1 (λ/λ_1)^p with n counted from the rigid modes,
-// plus a half so that no count is 0. Below the first probe n ~ λ, between Weyl's λ^(3/2) of a solid and
-// λ^(1/2) of the bending of a plate.
+// Interpolates through (λ_1, n_1) and (λ_2, n_2) by n = n_1 (λ/λ_1)^p. Here n does not include the rigid
+// modes, and a half is added so that no count is 0. Below the first probe, n ~ λ is used, which lies between
+// Weyl's λ^(3/2) for a solid and λ^(1/2) for the bending of a plate.
 double CountModel::count_at(double lambda) const {
   if (probes_.empty() || lambda <= 0) return rigid_;
   const auto n = [&](const Probe& probe) {
@@ -64,7 +64,7 @@ std::vector<Task> plan_shifts(const CountModel& model, double end, std::int64_t 
 
 namespace {
 
-/// Middle of the widest gap in [from, to] without an eigenvalue of either list.
+/// Returns the middle of the widest gap in [from, to] without an eigenvalue of either slice.
 double widest_gap(const Slice& a, const Slice& b, double from, double to) {
   std::vector<double> at{from, to};
   for (const Slice* slice : {&a, &b})
@@ -85,7 +85,7 @@ Stitched stitch(std::int64_t rigid, const std::vector<Slice>& slices, const Prob
     return static_cast<std::size_t>(std::lower_bound(slice.lambda.begin(), slice.lambda.end(), lambda) -
                                     slice.lambda.begin());
   };
-  // Zero and the end count as slices without modes.
+  // Zero and the end are treated as slices without modes.
   const Slice bottom{{0, rigid}, {0, 0}, {}}, top{end, {end.sigma, end.sigma}, {}};
   result.share.resize(slices.size());
   for (std::size_t k = 0; k <= slices.size(); ++k) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Spectrum slicing: the choice of shifts, and the proof of completeness from their results. No MPI: the same
-// on every rank.
+// Spectrum slicing: the choice of shifts, and the proof of completeness from their results. It uses no MPI;
+// results are the same on every rank.
 #pragma once
 
 #include <cstdint>
@@ -16,17 +16,17 @@ struct Probe {
   std::int64_t below = 0;
 };
 
-/// Interpolated eigenvalue counts: N(λ) − r as a power law through neighbouring probes.
+/// Interpolates eigenvalue counts: N(λ) − r follows a power law through neighbouring probes.
 class CountModel {
  public:
-  /// @param rigid  zero eigenvalues
+  /// @param rigid  number r of zero eigenvalues
   CountModel(std::int64_t rigid, std::vector<Probe> probes);
   double count_at(double lambda) const;
   double lambda_at(double count) const;
 
  private:
   double rigid_;
-  std::vector<Probe> probes_;  ///< by shift
+  std::vector<Probe> probes_;  ///< sorted by shift
 };
 
 /// A shift, and the eigenvalues sought from it.
@@ -43,8 +43,8 @@ struct Slice {
 };
 
 /// Divides the eigenvalues up to the highest probe into intervals of about equal count, with a shift in the
-/// middle of each: a multiple of `teams` intervals, none with many more than `modes_per_shift` unless there
-/// is only one. Intervals of neighbours overlap by a few modes.
+/// middle of each. Unless there are few eigenvalues, the number of intervals is a multiple of `teams`. No
+/// interval has many more eigenvalues than `modes_per_shift`. Neighbouring intervals overlap by a few modes.
 std::vector<Task> plan_shifts(const CountModel& model, double end, std::int64_t modes_per_shift, int teams);
 
 /// Modes that a slice keeps: [first, behind) of Slice::lambda.
@@ -54,15 +54,15 @@ struct Share {
 
 /// The division of the spectrum among the slices, and the gaps that remain.
 struct Stitched {
-  std::vector<Share> share;   ///< per slice; together they hold each eigenvalue in (0, end) once
-  std::vector<Task> missing;  ///< empty: every count between neighbouring shifts agrees with inertia
+  std::vector<Share> share;   ///< per slice; together they contain each eigenvalue in (0, end) once
+  std::vector<Task> missing;  ///< empty if every count between neighbouring shifts agrees with the inertia
 };
 
+/// Divides the spectrum among the slices. Neighbours are divided at the widest gap of the spectrum in which
+/// both have all eigenvalues. The inertia at both shifts gives the number of eigenvalues between them
+/// (Sturm-sequence count). If the number found agrees, none is missing.
 /// @param slices  by shift, ascending
 /// @param end     end of the search, with its count
-/// Neighbours are divided at the widest gap of the spectrum in which both have all eigenvalues. The inertia
-/// at both shifts gives the number of eigenvalues between them (Sturm-sequence count); if it agrees, none is
-/// missing.
 Stitched stitch(std::int64_t rigid, const std::vector<Slice>& slices, const Probe& end);
 
 }  // namespace ricochet::modes

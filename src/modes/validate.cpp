@@ -12,7 +12,7 @@ void validate_matrices(const mesh::Mesh& mesh, const elasticity::Body& body, Fac
   const Operators operators(mesh, body);
   const double most = operators.stiffest();
 
-  // Printed matrices have about 13 digits, and the sums of many elements add round-off.
+  // Printed matrices have about 13 digits, and sums over many elements add round-off.
   constexpr double grounded = 1e-9;
   const Eigen::Index rigid = operators.rigid.cols();
   if (rigid > 0) {
@@ -28,14 +28,14 @@ void validate_matrices(const mesh::Mesh& mesh, const elasticity::Body& body, Fac
           origin, left));
   }
 
-  // A direction with negative M gives an eigenvalue below any −K/M of the body.
+  // At this shift, −σM dominates K, so that there are negative pivots only if M is not positive definite.
   constexpr double beyond = 1e6;
   factor.factor(-beyond * most);
   if (factor.below() > 0)
     throw InputError(fmt::format("{}: the mass is not positive definite: {} of its eigenvalues are negative",
                                  origin, factor.below()));
 
-  // Round-off gives rigid motions eigenvalues of about 1e-16 of the highest.
+  // Round-off gives rigid motions eigenvalues of about 1e-16 times the highest.
   constexpr double zero = 1e-13;
   factor.factor(-zero * most);
   const std::int64_t negative = factor.below();

@@ -9,7 +9,8 @@ namespace ricochet::parallel {
 /// Settings of the environment take precedence.
 ///
 /// OpenBLAS 0.3.21 of Debian 12 identifies processors by their model numbers and falls back to "Prescott"
-/// (2004) for those released after it: matrix products then take three times as long, factorisations twice.
+/// (2004) for processors released later. Matrix products then take three times as long, and factorisations
+/// twice as long.
 void prepare_blas(char** argv);
 
 }  // namespace ricochet::parallel

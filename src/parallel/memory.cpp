@@ -12,14 +12,14 @@ namespace {
 
 constexpr double mib = 1 << 20;
 
-/// The number in a file; infinity if it has none ("max") or cannot be read.
+/// Returns the number in a file, or infinity if the file contains no number ("max") or cannot be read.
 double number_in(const std::string& file) {
   double value = 0;
   return std::ifstream(file) >> value ? value : std::numeric_limits<double>::infinity();
 }
 
-/// Smallest remaining memory under the limits of the control group of this process (version 2) and its
-/// parents.
+/// Returns the memory that this process may still allocate under the limits of its control group (version 2)
+/// and of the parents of that group [bytes].
 double left_by_control_groups() {
   double left = std::numeric_limits<double>::infinity();
   std::ifstream groups("/proc/self/cgroup");

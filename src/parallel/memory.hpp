@@ -6,9 +6,9 @@
 
 namespace ricochet::parallel {
 
-/// Memory that each rank may still allocate [MiB], the minimum over all ranks: the available memory of the
-/// machine, or the rest of the limit of the control group, divided by the number of ranks on the machine.
-/// Collective.
+/// Returns the memory that each rank may still allocate [MiB], as the minimum over all ranks. It is the
+/// smaller of the available memory of the machine and the unused memory of the control group, divided by the
+/// number of ranks on the machine. Collective.
 double available_mib(MPI_Comm comm);
 
 }  // namespace ricochet::parallel

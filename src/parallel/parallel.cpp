@@ -12,7 +12,7 @@ namespace ricochet::parallel {
 
 namespace {
 
-/// MPI counts are of type int: longer vectors are sent in pieces.
+/// MPI counts are of type int, so longer vectors are sent in pieces.
 constexpr std::size_t piece_bytes = std::size_t{1} << 30;
 
 std::string last_message;
@@ -25,7 +25,7 @@ PetscErrorCode keep_message(MPI_Comm, int, const char* function, const char*, Pe
   return code;
 }
 
-/// Sends to one rank while another sends to this one.
+/// Sends bytes to one rank and receives bytes from another at the same time.
 void pass_bytes(MPI_Comm comm, const void* out, std::size_t out_bytes, int to, void* in, std::size_t in_bytes,
                 int from) {
   const char* out_at = static_cast<const char*>(out);
@@ -46,7 +46,7 @@ Session::Session() {
   char** none = nullptr;
   check(SlepcInitialize(&count, &none, nullptr, nullptr));
   check(PetscPushErrorHandler(keep_message, nullptr));
-  // Options that are meant for another program of the batch job must not cause output.
+  // Options that are intended for another program of the batch job must not cause output.
   check(PetscOptionsSetValue(nullptr, "-options_left", "no"));
 }
 
@@ -105,7 +105,7 @@ std::int64_t sum(MPI_Comm comm, std::int64_t value) {
 std::int64_t sum_before(MPI_Comm comm, std::int64_t value) {
   std::int64_t before = 0;
   MPI_Exscan(&value, &before, 1, MPI_INT64_T, MPI_SUM, comm);
-  return rank_of(comm) == 0 ? 0 : before;  // MPI leaves it undefined on the first rank
+  return rank_of(comm) == 0 ? 0 : before;  // MPI_Exscan leaves it undefined on the first rank
 }
 
 double largest(MPI_Comm comm, double value) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// MPI, PETSc and SLEPc: the session as a scope, owners of handles, checked calls, errors that all ranks
-// share.
+// MPI, PETSc and SLEPc: a scope for the session, owners of handles, checked calls, and errors that all ranks
+// throw together.
 #pragma once
 
 #include <petscsys.h>
@@ -18,7 +18,7 @@
 namespace ricochet::parallel {
 
 /// Initialises MPI, PETSc and SLEPc until the end of the scope. Must be the first local variable of `main`;
-/// every handle lives in a function called after it. PETSc's options come from PETSC_OPTIONS, never from the
+/// all handles must be destroyed before it. PETSc takes its options from PETSC_OPTIONS, never from the
 /// arguments of the program.
 class Session {
  public:
@@ -28,20 +28,21 @@ class Session {
   Session& operator=(const Session&) = delete;
 };
 
-/// Progress of a long task: `done` of `total` parts. May be called on one rank or on all.
+/// Receives the progress of a long task: `done` of `total` parts. May be called on one rank or on all.
 using Progress = std::function<void(std::int64_t done, std::int64_t total)>;
 
 int rank_of(MPI_Comm comm);
 int size_of(MPI_Comm comm);
 
-/// Throws SolverError with PETSc's message and the caller's line unless `code` is 0.
+/// Throws SolverError with the message of PETSc and the caller's line unless `code` is 0.
 void check(PetscErrorCode code, std::source_location at = std::source_location::current());
 
 /// Collective. Returns if `complaint` is empty on every rank; otherwise every rank throws InputError with the
 /// complaint of the lowest rank that has one.
 void agree(MPI_Comm comm, const std::string& complaint);
 
-/// Collective. Runs `task` on every rank. If it throws InputError on some, all ranks throw, as in `agree`.
+/// Collective. Runs `task` on every rank. If it throws InputError on some ranks, all ranks throw as in
+/// `agree`.
 template <class Task>
 void on_all_ranks(MPI_Comm comm, Task&& task) {
   std::string complaint;
@@ -61,8 +62,8 @@ void on_first_rank(MPI_Comm comm, Task&& task) {
   });
 }
 
-/// Move-only owner of a PETSc or SLEPc object. Throws if a null handle would be passed to a call, which would
-/// crash.
+/// Move-only owner of a PETSc or SLEPc object. Throws if a null handle is used, because passing it to a call
+/// would crash.
 template <class Raw, PetscErrorCode (*Destroy)(Raw*)>
 class Handle {
  public:
@@ -80,7 +81,7 @@ class Handle {
     if (raw_ == nullptr) throw SolverError("internal: a PETSc object was used before it was made");
     return raw_;
   }
-  /// For functions that create an object: PETSc writes it here.
+  /// Returns the address to which PETSc writes a new object.
   Raw* out() {
     reset();
     return &raw_;
@@ -133,7 +134,7 @@ std::int64_t sum(MPI_Comm comm, std::int64_t value);
 std::int64_t sum_before(MPI_Comm comm, std::int64_t value);  ///< over the ranks before this one
 double largest(MPI_Comm comm, double value);
 
-/// Each rank sends one vector to each rank; returns the received ones, by sender. Collective.
+/// Sends one vector to each rank, and returns the vectors received from each rank. Collective.
 template <class T>
 std::vector<std::vector<T>> exchange(MPI_Comm comm, const std::vector<std::vector<T>>& to);
 /// Concatenates the vectors of all ranks on rank 0; empty elsewhere. Collective.
@@ -142,7 +143,7 @@ std::vector<T> gather(MPI_Comm comm, const std::vector<T>& mine);
 /// Copies a vector or a text of one rank to every rank. Collective.
 template <class Values>
 void broadcast(MPI_Comm comm, Values& values, int from = 0);
-/// The value, a number or a struct of numbers, of one rank. Collective.
+/// Returns the value of one rank on every rank. T is a number or a struct of numbers. Collective.
 template <class T>
 T of_rank(MPI_Comm comm, int rank, T value) {
   MPI_Bcast(&value, sizeof value, MPI_BYTE, rank, comm);

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Ranks in equal teams that do the same work on different parts of a problem.
+// Teams of ranks, equal in size, that work on different parts of a problem.
 #pragma once
 
 #include "src/parallel/parallel.hpp"
 
 namespace ricochet::parallel {
 
-/// Divides the ranks of a communicator into `count` teams of neighbours. Each team holds a complete body,
-/// distributed over its ranks in the same way in every team: ranks with the same position in their teams, the
-/// peers, hold the same rows.
+/// Divides the ranks of a communicator into `count` teams of consecutive ranks. Each team holds a complete
+/// body, which is distributed over its ranks in the same way in every team. Ranks with the same position in
+/// their teams are peers; they hold the same rows.
 class Teams {
  public:
   /// Collective. `count` must divide the number of ranks.
@@ -23,7 +23,8 @@ class Teams {
   int count() const { return count_; }
   int mine() const { return mine_; }  ///< number of this rank's team
 
-  /// This team's part of `columns` that are divided evenly: the first, and their number.
+  /// Divides `columns` evenly among the teams. Returns the first column of this team and the number of its
+  /// columns.
   std::pair<std::ptrdiff_t, std::ptrdiff_t> share(std::ptrdiff_t columns) const {
     const std::ptrdiff_t first = columns * mine_ / count_;
     return {first, columns * (mine_ + 1) / count_ - first};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Points sorted into the cells of a regular grid, to find those near a position.
+// A regular grid whose cells contain points, to find the points near a position.
 #pragma once
 
 #include <Eigen/Dense>
@@ -18,7 +18,7 @@ class Grid {
 
   void add(std::size_t number, const Eigen::Vector3d& x) { points_[key(x)].push_back(number); }
 
-  /// Calls `visit` with the number of every point within `radius` of x, and of some points beyond.
+  /// Calls `visit` with the number of every point within `radius` of x, and of some points farther away.
   template <class Visit>
   void near(const Eigen::Vector3d& x, double radius, Visit&& visit) const {
     const Eigen::Vector3d aside = Eigen::Vector3d::Constant(radius);

@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 using mesh::Family;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// The nearest point of the triangle or tetrahedron ξ ≥ 0, Σ ξ ≤ 1.
+/// Moves `xi` to the nearest point of the triangle or tetrahedron ξ ≥ 0, Σ ξ ≤ 1.
 void to_simplex(double* xi, int dim) {
   const auto cut = [&](double level) {
     double sum = 0;
@@ -43,7 +43,7 @@ void to_element(const mesh::ReferenceElement& element, Vector3d& xi) {
   for (int d = first; d < element.dim; ++d) xi[d] = std::clamp(xi[d], -1.0, 1.0);
 }
 
-/// The map of one element from local coordinates.
+/// Maps local coordinates of one element to positions.
 struct Map {
   const mesh::ReferenceElement& element;
   Eigen::Matrix<double, 3, Eigen::Dynamic> position;  ///< (3, nodes)
@@ -68,13 +68,13 @@ Vector3d centre_of(const mesh::ReferenceElement& element) {
   return centre;
 }
 
-/// Local coordinates of `point` in an element, by Newton's method; outside the element, those of the nearest
-/// position in local coordinates.
+/// Returns the local coordinates of `point` in an element, by Newton's method. If they lie outside the
+/// element, returns the nearest local coordinates inside.
 Vector3d by_newton(Map& map, const Vector3d& point) {
   const int dim = map.element.dim;
   const Vector3d centre = centre_of(map.element);
   Vector3d xi = centre;
-  // Outside a curved element it may diverge.
+  // Newton's method may diverge if the point is outside a curved element.
   for (int step = 0; step < 30 && (xi - centre).norm() < 4; ++step) {
     const Vector3d off = point - map(xi);
     const Eigen::VectorXd move =
@@ -87,7 +87,7 @@ Vector3d by_newton(Map& map, const Vector3d& point) {
   return xi;
 }
 
-/// The position in an element nearest to `point`, by projected gradients.
+/// Returns the local coordinates of the position in an element nearest to `point`, by projected gradients.
 Vector3d by_gradients(Map& map, const Vector3d& point) {
   Vector3d xi = by_newton(map, point);
   for (int step = 0; step < 200; ++step) {
@@ -102,7 +102,7 @@ Vector3d by_gradients(Map& map, const Vector3d& point) {
   return xi;
 }
 
-/// An element, and a lower bound of its distance from the point, by its bounding box.
+/// An element, and a lower bound on its distance from the point, computed from its bounding box.
 struct Near {
   double distance;
   std::size_t block, element;
@@ -132,7 +132,7 @@ std::vector<Near> by_distance(const mesh::Mesh& mesh, const Vector3d& point) {
   return all;
 }
 
-/// Accepts the position `xi` of an element if it is nearer than the best so far.
+/// Stores the position at `xi` in `best` if it is nearer to `point` than the present one.
 void take_nearer(Map& map, const Vector3d& xi, const Vector3d& point, const mesh::Mesh& mesh,
                  const std::int64_t* nodes, Located& best) {
   const Vector3d place = map(xi);
@@ -146,7 +146,7 @@ void take_nearer(Map& map, const Vector3d& xi, const Vector3d& point, const mesh
   best.weight.assign(map.shape.data(), map.shape.data() + map.shape.size());
 }
 
-/// A body without elements is located by its nodes.
+/// Returns the nearest node of a body without elements.
 Located nearest_node(const mesh::Mesh& mesh, const Vector3d& point) {
   Located best;
   best.distance = infinity;
@@ -159,8 +159,8 @@ Located nearest_node(const mesh::Mesh& mesh, const Vector3d& point) {
   return best;
 }
 
-/// Searches the own elements of this rank: first for one that contains the point; if no rank has one, for the
-/// nearest position. Collective.
+/// Searches the own elements of this rank, first for an element that contains the point. If no rank finds
+/// one, searches for the nearest position. Collective.
 Located locate_here(const mesh::Mesh& mesh, const Vector3d& point) {
   std::vector<mesh::ReferenceElement> references;
   for (const mesh::Block& block : mesh.blocks) references.push_back(mesh::reference_element(block.gmsh_type));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Position of a point in a body.
+// Locates points in a body.
 #pragma once
 
 #include <vector>
@@ -8,17 +8,17 @@
 
 namespace ricochet::surface {
 
-/// The position in a body nearest to a point, as a combination of nodes: the displacement there is Σ weight ·
-/// u.
+/// The position in a body nearest to a point, as a combination of nodes. The displacement at the position is
+/// Σ weight · u.
 struct Located {
   std::vector<std::int64_t> node;  ///< global
-  std::vector<double> weight;      ///< shape functions of the element that contains it
-  Vector3 place{};                 ///< [m]
-  double distance = 0;             ///< from the point to the position [m]; 0 to round-off inside
+  std::vector<double> weight;      ///< shape functions of the element that contains the position
+  Vector3 place{};                 ///< the position [m]
+  double distance = 0;  ///< from the point to the position [m]; 0 to round-off if the point is inside
 };
 
-/// Locates `point`; the result is the same on every rank. For a body without elements it is the nearest node.
-/// Needs a GmshSession. Collective.
+/// Locates `point`; the result is the same on every rank. For a body without elements, the position is the
+/// nearest node. Needs a GmshSession. Collective.
 Located locate(const mesh::Mesh& mesh, const Vector3& point);
 
 /// Diagonal of the bounding box [m]. Collective.

@@ -27,7 +27,7 @@ struct Fine {
   std::vector<double> area;
   std::vector<std::int64_t> group;
   std::vector<std::map<std::int64_t, double>> load;  ///< per vertex: node index → ∫ w N ds
-  std::vector<std::int64_t> simplex;                 ///< flat, by vertex
+  std::vector<std::int64_t> simplex;                 ///< flat list of vertices
   int corners = 3;
 };
 
@@ -37,13 +37,13 @@ std::array<double, 4> hats(int corners, double u, double v) {
   return {(1 - u) * (1 - v) / 4, (1 + u) * (1 - v) / 4, (1 + u) * (1 + v) / 4, (1 - u) * (1 + v) / 4};
 }
 
-/// Adds the hats of one block of surface facets. Each cell of the lattice, one of p² equal parts of the
-/// reference facet, has its own quadrature rule.
+/// Adds the hats of one block of surface facets. The lattice divides the reference facet into p² equal cells,
+/// each with its own quadrature points.
 void add_facets(const Block& block, Fine& fine) {
   const auto reference = mesh::reference_element(block.gmsh_type);
   const auto lattice = mesh::lattice_of(reference);
   const int p = reference.order, n = reference.nodes;
-  // Hat × shape function × surface measure: degree 1 + p + 2(p − 1).
+  // The integrand is hat × shape function × surface measure, of degree 1 + p + 2(p − 1).
   const auto rule = mesh::quadrature_of(reference.family, 3 * p + 1);
   struct CellTable {
     std::vector<std::array<double, 4>> hat;
@@ -123,7 +123,7 @@ Fine fine_hats(const FacetMesh& facets) {
   return fine;
 }
 
-/// Merging of fine vertices into coarser candidates: vertex → (candidate, share); the shares of a vertex sum
+/// Merges fine vertices into coarser candidates. Each vertex has a list of (candidate, share); its shares sum
 /// to 1.
 struct Merge {
   std::vector<Eigen::Vector3d> centre;
@@ -136,7 +136,8 @@ Merge one_each(const Fine& fine) {
   return merge;
 }
 
-/// One candidate for all vertices on a line in direction `along` with normals on the same side.
+/// Merges all vertices that lie on a line in direction `along`, with normals on the same side, into one
+/// candidate.
 Merge merge_lines(const Fine& fine, const Eigen::Vector3d& along) {
   double size = 0;
   for (const auto& x : fine.position) size = std::max(size, (x - fine.position[0]).norm());
@@ -168,9 +169,9 @@ Merge merge_lines(const Fine& fine, const Eigen::Vector3d& along) {
   return merge;
 }
 
-/// Points of a surface, and the advancing front by which some are chosen, none closer than `spacing`. The
-/// next point is the one nearest to those chosen, and among several the one at the lowest corner, so that a
-/// row of points is traversed from end to end.
+/// Chooses points of a surface by an advancing front, such that no two are closer than `spacing`. The next
+/// point is the one nearest to the points already chosen. Among several nearest points, it is the one at the
+/// lowest corner, so that a row of points is traversed from end to end.
 class Front {
  public:
   Front(const std::vector<Eigen::Vector3d>& point, const std::vector<Eigen::Vector3d>& normal, double spacing)
@@ -191,7 +192,7 @@ class Front {
     for (std::size_t k = 0; k < by_corner_.size(); ++k) rank_[by_corner_[k]] = k;
   }
 
-  /// The chosen points, in their order.
+  /// Returns the chosen points in the order in which they were chosen.
   std::vector<std::size_t> choose() {
     std::vector<std::size_t> chosen;
     std::size_t next = by_corner_[0];
@@ -200,7 +201,8 @@ class Front {
       grid_.near(point_[next], near_, [&](std::size_t i) { meet(i, next); });
       next = next_near();
       if (next < point_.size()) continue;
-      // A separate region: only now are the distances of the other points needed.
+      // The front has ended; the remaining points may form a separate region. Only now are their distances
+      // needed.
       std::vector<std::size_t> rest;
       for (std::size_t i = 0; i < point_.size(); ++i)
         if (is_free(i)) rest.push_back(i);
@@ -211,7 +213,8 @@ class Front {
     return chosen;
   }
 
-  /// Distance of two points; infinite between opposite sides of a thin body, however close they are.
+  /// Returns the distance of two points; infinite between opposite sides of a thin body, however close they
+  /// are.
   double distance(std::size_t i, std::size_t j) const {
     return normal_[i].dot(normal_[j]) <= 0 ? infinity : (point_[i] - point_[j]).norm();
   }
@@ -220,7 +223,7 @@ class Front {
   static constexpr double infinity = std::numeric_limits<double>::infinity();
   using Entry = std::pair<std::int64_t, std::size_t>;  ///< level of the distance, rank
 
-  /// Lengths of one level are equal except for round-off.
+  /// Lengths of the same level are equal except for round-off.
   std::int64_t level(double length) const { return std::llround(length / (1e-9 * spacing_)); }
   bool is_free(std::size_t i) const { return nearest_[i] >= spacing_ * (1 - 1e-6); }
 
@@ -231,7 +234,7 @@ class Front {
     if (is_free(i) && d < near_) front_.emplace(level(d), rank_[i]);
   }
 
-  /// The next free point near those chosen; the number of points if there is none.
+  /// Returns the next free point near the chosen ones, or the number of points if there is none.
   std::size_t next_near() {
     while (!front_.empty()) {
       const auto [at, rank] = front_.top();
@@ -242,7 +245,7 @@ class Front {
     return point_.size();
   }
 
-  /// The next of all free points; if all face away from those chosen, the first.
+  /// Returns the next of all free points, or the first if all of them face away from the chosen ones.
   std::size_t next_of_all() const {
     std::size_t best = point_.size();
     Entry lowest;
@@ -260,13 +263,14 @@ class Front {
   const std::vector<Eigen::Vector3d>&point_, &normal_;
   double spacing_, near_;
   Grid grid_;
-  std::vector<double> nearest_;  ///< distance of each point to those chosen, if it is known to be small
-  std::vector<std::size_t> by_corner_, rank_;  ///< the points, lowest corner first, and their ranks
+  std::vector<double> nearest_;  ///< distance of each point to the nearest chosen one, as far as known
+  /// The points from the lowest corner on, and the rank of each point in this order.
+  std::vector<std::size_t> by_corner_, rank_;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> front_;  ///< may contain outdated distances
 };
 
-/// Coarsens to centres no closer than `spacing`; every point is shared among the centres near it by linear
-/// hats of that radius.
+/// Coarsens to centres that are at least `spacing` apart. Every point is shared among the centres near it by
+/// linear hats of that radius.
 Merge coarsen(const Merge& points, const std::vector<Eigen::Vector3d>& normal, double spacing) {
   Front front(points.centre, normal, spacing);
   const std::vector<std::size_t> chosen = front.choose();
@@ -291,8 +295,8 @@ Merge coarsen(const Merge& points, const std::vector<Eigen::Vector3d>& normal, d
   return merge;
 }
 
-/// Candidate mesh: the fine simplices with each vertex replaced by the candidate that has its largest share;
-/// elements of the highest remaining dimension.
+/// Builds the mesh of the candidates. In the fine simplices, each vertex is replaced by the candidate that
+/// has its largest share. Only elements of the highest remaining dimension are kept.
 void quotient(const Fine& fine, const Merge& merge, kernels::Surface& surface) {
   const auto holder = [&](std::int64_t vertex) {
     const auto& share = merge.share[static_cast<std::size_t>(vertex)];

@@ -14,23 +14,25 @@ struct Patches {
 };
 
 struct PatchOptions {
-  std::optional<Vector3> direction{};  ///< unit: only this component of the trace is kept
-  std::optional<Vector3> along{};      ///< unit: one patch for all vertices on a line in this direction
-  std::optional<double> spacing{};     ///< [m] between candidates; none: every node of the subdivided surface
+  std::optional<Vector3> direction{};  ///< unit vector: only this component of the trace is kept
+  std::optional<Vector3> along{};      ///< unit vector: vertices on a line in this direction are merged
+  /// Distance between candidates [m]. Without it, every node of the subdivided surface is a candidate.
+  std::optional<double> spacing{};
 };
 
-/// Hats w_i ≥ 0, Σ w_i = 1, on the vertices of the surface, which is subdivided to the element order. On
-/// request they are merged along a direction and coarsened to a spacing. Needs a GmshSession. Throws
-/// InputError if the mesh has no contact facets.
+/// Makes patches with hats w_i ≥ 0, Σ w_i = 1, on the vertices of the surface, which is subdivided to the
+/// element order. On request, they are merged along a direction and coarsened to a spacing. Needs a
+/// GmshSession. Throws InputError if the mesh has no contact facets.
 Patches make_patches(const mesh::Mesh& mesh, const std::vector<std::string>& groups,
                      const PatchOptions& options);
 
-/// Keeps only the candidates `points` (ascending), with their patches and loads unchanged. The surface
-/// records all candidates (kernels::WholeSurface).
+/// Keeps only the candidates `points`, in ascending order. Their patches and loads do not change. The
+/// geometry of all candidates is kept as kernels::WholeSurface.
 void restrict_to(Patches& patches, const std::vector<std::int64_t>& points);
 
-/// Loads of the patches: column c·i + k is a unit force on patch i in component k (c = 3), or along
-/// `direction` (c = 1). Held components are 0. @return (local rows, c M) [N]
+/// Returns the loads of the patches: column c·i + k is a unit force on patch i in component k (c = 3), or
+/// along `direction` (c = 1). Held components are 0.
+/// @return (local rows, c M) [N]
 Eigen::MatrixXd patch_loads(const mesh::Mesh& mesh, const Patches& patches);
 
 }  // namespace ricochet::surface

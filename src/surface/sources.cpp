@@ -21,8 +21,8 @@ std::vector<double> rows_of(const Matrix3d& matrix) {
   return {columns.data(), columns.data() + columns.size()};
 }
 
-/// A load with its resultants. `total` is the sum of its weights, `first` the sum of weights times positions.
-/// A rod moves along its axis only.
+/// Returns a load with its resultants. `total` is the sum of its weights, and `first` is the sum of weights
+/// times positions. A rod moves only along its axis.
 kernels::Load load_of(const mesh::Mesh& mesh, const std::string& name, const char* unit, double total,
                       const Vector3d& first) {
   const Vector3d axis(mesh.axis.data());
@@ -34,12 +34,12 @@ kernels::Load load_of(const mesh::Mesh& mesh, const std::string& name, const cha
 
 /// Integrals over one surface.
 struct Surface {
-  std::map<std::int64_t, double> weight;  ///< of global nodes: ∫ N ds
+  std::map<std::int64_t, double> weight;  ///< by global node: ∫ N ds
   double area = 0;
   Vector3d first = Vector3d::Zero();  ///< ∫ x ds
 };
 
-/// The surfaces of RequestedGroups::loaded, by label.
+/// Integrates over the surfaces of RequestedGroups::loaded, by label.
 std::vector<Surface> integrate(const mesh::FacetMesh& facets, std::size_t surfaces) {
   std::vector<Surface> sums(surfaces);
   const auto position = [&](std::int64_t node) {
@@ -61,7 +61,8 @@ std::vector<Surface> integrate(const mesh::FacetMesh& facets, std::size_t surfac
       continue;
     }
     const auto reference = mesh::reference_element(block.gmsh_type);
-    // Shape function × measure; the measure of a curved facet is not a polynomial, hence the higher degree.
+    // The integrand is shape function × measure. The measure of a curved facet is not a polynomial, which
+    // requires a higher degree.
     const auto rule = mesh::quadrature_of(reference.family, 3 * reference.order + 1);
     const auto basis = mesh::basis_at(reference, rule.local);
     for (std::size_t e = 0; e < block.size(); ++e) {
@@ -80,14 +81,14 @@ std::vector<Surface> integrate(const mesh::FacetMesh& facets, std::size_t surfac
   return sums;
 }
 
-/// Index of `name` in `list`, to which it is appended if missing.
+/// Returns the index of `name` in `list`. Appends it if it is missing.
 std::size_t place_of(std::vector<std::string>& list, const std::string& name) {
   const auto found = std::find(list.begin(), list.end(), name);
   if (found == list.end()) list.push_back(name);
   return static_cast<std::size_t>(std::find(list.begin(), list.end(), name) - list.begin());
 }
 
-/// The position of a point that the scene calls `key` `name`. Collective.
+/// Locates the point `name` under `key` of the scene. Throws InputError if it is not on the body. Collective.
 Located on_body(const mesh::Mesh& mesh, const scene::Body& body, const char* key, const std::string& name,
                 const Vector3& at, double tolerance) {
   Located found = locate(mesh, at);

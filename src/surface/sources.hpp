@@ -9,22 +9,23 @@
 
 namespace ricochet::surface {
 
-/// Loads, moving supports and receivers of a body; the same on every rank except for rows of the mesh.
+/// Loads, moving supports and receivers of a body; the same on every rank except for rows of the mesh, which
+/// are distributed.
 struct Sources {
   std::vector<kernels::Load> loads;          ///< name, unit, total and moment
   std::vector<kernels::Motion> motions;      ///< names, in the order of mesh::RequestedGroups::moved
   std::vector<kernels::Receiver> receivers;  ///< names and points
   std::vector<Weight> at_receivers;
-  Eigen::MatrixXd load;      ///< (local rows, 3 each): unit traction or force; held rows 0
-  Eigen::MatrixXd receiver;  ///< (local rows, 3 each): unit force at each receiver
+  Eigen::MatrixXd load;      ///< (local rows, 3 per load) unit traction or force; held rows 0
+  Eigen::MatrixXd receiver;  ///< (local rows, 3 per receiver) unit force at the receiver
   modes::Lift lift;          ///< of the moving supports; set once the matrices are factored
 };
 
-/// The groups of the mesh that a request needs.
+/// Returns the groups of the mesh that a request needs.
 mesh::RequestedGroups requested_groups(const scene::KernelRequest& request);
 
-/// Everything except the lift. `mesh` was read with requested_groups(request). Needs a GmshSession.
-/// Collective.
+/// Makes the sources, except for the lift. `mesh` must have been read with requested_groups(request). Needs a
+/// GmshSession. Collective.
 /// Throws InputError if a point is farther from the body than 1e-6 of its size.
 Sources make_sources(const mesh::Mesh& mesh, const scene::KernelRequest& request);
 

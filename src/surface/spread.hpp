@@ -10,8 +10,8 @@
 
 namespace ricochet::surface {
 
-/// One weight of a patch: candidate i spreads a unit force over the nodes, C(node, i) = (1/A_i) ∫ w_i N_node
-/// ds. Loads and receivers use the same structure, numbered in their order.
+/// One weight of a patch. Candidate i spreads a unit force over the nodes, C(node, i) = (1/A_i) ∫ w_i N_node
+/// ds. Loads and receivers use the same structure, with their own index as `candidate`.
 struct Weight {
   std::int64_t node;  ///< global
   int candidate;
@@ -20,9 +20,10 @@ struct Weight {
 
 enum class HeldRows { zero, filled };
 
-/// Unit forces at `places`, distributed by weights: column 3·i + k is component k at place i, or column i the
-/// component along `direction`. If held rows are filled, the transpose gives the displacement of the places
-/// from that of all nodes. @return (local rows, columns) [N]
+/// Returns unit forces at `places`, distributed by weights. Column 3·i + k is component k at place i; with a
+/// `direction`, column i is the component along it. If held rows are filled, the transpose gives the
+/// displacement of the places from the displacement of all nodes.
+/// @return (local rows, columns) [N]
 Eigen::MatrixXd spread(const mesh::Mesh& mesh, const std::vector<Weight>& weights, std::size_t places,
                        const std::optional<Vector3>& direction, HeldRows held);
 

@@ -31,8 +31,9 @@ class VisualisationField {
     }
   }
 
-  /// Gathers columns on the first rank of `comm`, one at a time: (V,3,count); empty on other ranks.
-  /// `column(j)` returns this rank's rows of a column, or none if another team holds it. Collective.
+  /// Gathers columns on the first rank of `comm`, one at a time. Returns (V,3,count), or an empty vector on
+  /// other ranks. `column(j)` returns this rank's rows of a column, or std::nullopt if another team holds it.
+  /// Collective.
   template <class Column>
   std::vector<float> gather(MPI_Comm comm, std::size_t count, Column&& column) const {
     const bool first = parallel::rank_of(comm) == 0;
@@ -52,7 +53,8 @@ class VisualisationField {
     return out;
   }
 
-  /// Gathers some columns of `rows`, which each team holds, on the first rank of the team. Collective on it.
+  /// Gathers columns of `rows`, which every team holds, on the first rank of the team. Collective on the
+  /// team.
   std::vector<float> gather(Eigen::Index from, Eigen::Index count) const {
     return gather(mesh_.comm, static_cast<std::size_t>(count),
                   [&](Eigen::Index j) -> Eigen::VectorXd { return rows.value.col(from + j); });
@@ -66,7 +68,7 @@ class VisualisationField {
   std::vector<std::size_t> own_;  ///< indices into node_
 };
 
-/// Gathers the modes on the visualisation surface on the first rank.
+/// Stores the modes on the visualisation surface in the kernel of the first rank. Collective.
 void gather_view(const parallel::Teams& teams, const mesh::Mesh& mesh, const modes::ModeSet& modes,
                  kernels::Kernel& kernel) {
   const VisualisationField field(mesh);
@@ -120,7 +122,7 @@ void take_traces(const Patches& patches, const Traces& traces, const Sources& so
 
 namespace {
 
-/// Stores the static correction on the visualisation surface, from the field of the same responses.
+/// Stores the static correction on the visualisation surface. `field` contains the responses there.
 /// Collective on the team.
 void take_residuals(const VisualisationField& field, Eigen::Index candidates, Eigen::Index seen,
                     kernels::Kernel& kernel) {
