@@ -1,2 +1,2 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Empty: the precompiled headers of the serial tests belong to it.
+// This file is empty: it only carries the precompiled headers of the serial tests.

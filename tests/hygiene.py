@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Tracked files: every source has its licence line, none is a fuzzing artefact, names a machine's folder or is large.
+"""Every source has its licence line; no tracked file is large, a fuzzing artefact or names a machine's folder.
 
-    python3 tests/hygiene.py [FOLDER]    # status 1 and a line a finding; 77 where there is no git checkout
+    python3 tests/hygiene.py [FOLDER]    # status 1 and one line per finding; 77 without a git checkout
 """
 import re
 import subprocess

@@ -17,8 +17,8 @@
 
 namespace ricochet::test {
 
-/// Truncated pyramid: unit square at z = 0, sides leaning in by `lean` at z = 1 (0: the unit cube). "tet",
-/// "hex" or "prism".
+/// Truncated pyramid of the elements `kind` ("tet", "hex" or "prism"): a unit square at z = 0, with sides
+/// that lean inwards by `lean` at z = 1. With lean = 0 it is the unit cube.
 inline std::string block_geo(const std::string& kind, int divisions, double lean) {
   std::string text = "SetFactory(\"Built-in\");\n";
   const double h = 1.0 / divisions, s = 0.5 * lean;
@@ -47,7 +47,7 @@ inline std::string block_geo(const std::string& kind, int divisions, double lean
          "Physical Surface(\"sides\") = {3:6};\n";
 }
 
-/// A triangulated square, extruded in layers: prisms.
+/// A triangulated square, extruded in layers of prisms.
 inline std::string prism_geo(int divisions) {
   const double h = 1.0 / divisions;
   return fmt::format(
@@ -62,7 +62,7 @@ inline std::string prism_geo(int divisions) {
       h, divisions);
 }
 
-/// A rod of length 2 along x, its ends named.
+/// A rod of length 2 along x with named ends.
 inline std::string rod_geo(int elements) {
   return fmt::format(
       "Point(1) = {{0,0,0}};\nPoint(2) = {{2,0,0}};\nLine(1) = {{1,2}};\nTransfinite Curve{{1}} = {};\n"
@@ -71,7 +71,7 @@ inline std::string rod_geo(int elements) {
       elements + 1);
 }
 
-/// A file that one rank writes and all read; removed at the end of the scope.
+/// A file that one rank writes and all ranks read. It is removed at the end of the scope.
 class SharedFile {
  public:
   SharedFile(const std::string& extension, const std::string& text) {
@@ -113,13 +113,13 @@ inline const parallel::Teams& one_team() {
   return *teams;
 }
 
-/// Each rank a team of its own.
+/// A team for each rank.
 inline const parallel::Teams& own_teams() {
   static const auto* teams = new parallel::Teams(PETSC_COMM_WORLD, parallel::size_of(PETSC_COMM_WORLD));
   return *teams;
 }
 
-/// Reads and distributes over the ranks of each team; needs a GmshSession.
+/// Reads a mesh and distributes it over the ranks of each team. Requires a GmshSession.
 inline mesh::Mesh mesh_of(const scene::Body& body, const parallel::Teams& teams = one_team()) {
   mesh::GlobalMesh global;
   parallel::on_first_rank(PETSC_COMM_WORLD, [&] { global = mesh::read_mesh(body); });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// main of the collective tests: one session, output from every rank, failure of any rank fails the run.
+// main of the collective tests: one session, output from every rank. The run fails if any rank fails.
 #include <gtest/gtest.h>
 
 #include "src/parallel/blas.hpp"

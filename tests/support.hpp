@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Helpers for the tests of several folders: temporary folders, and the one line of a refusal.
+// Helpers for the tests of several folders: temporary folders and the line of an error message.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 
 namespace ricochet::test {
 
-/// A new folder, removed with its contents at the end of the scope.
+/// A new folder, which is removed with its contents at the end of the scope.
 class Folder {
  public:
   Folder() {
@@ -41,7 +41,8 @@ class Folder {
   std::filesystem::path path_;
 };
 
-/// The message of the InputError; the test fails if none is thrown or it has more than one line.
+/// The message of the InputError that `action` throws. The test fails if none is thrown
+/// or the message has more than one line.
 template <class Action>
 std::string complaint_of(Action action) {
   try {

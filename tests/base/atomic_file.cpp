@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Files that get their names only when complete: which files remain for each way in which the writer ends.
+// Files that get their names only when complete. The tests check which files remain
+// for each way in which the writer ends.
 #include "base/atomic_file.hpp"
 
 #include <gmock/gmock.h>
@@ -40,7 +41,7 @@ TEST(AtomicFile, has_its_name_only_when_it_is_committed) {
   EXPECT_EQ(folder.entries(), 1U);
 }
 
-/// Runs `work` in a child process, which `signal` ends when `work` returns.
+/// Runs `work` in a child process, which `signal` ends as soon as `work` has returned.
 void in_process_that_dies(int signal, const std::function<void()>& work) {
   const pid_t child = ::fork();
   if (child == 0) {
@@ -103,7 +104,7 @@ TEST(Place, is_tested_before_it_is_needed) {
               HasSubstr("No such file or directory"));
 }
 
-// HDF5 itself crashes when such a program ends.
+// With HDF5 alone, such a program crashes at exit.
 TEST(Writer, on_a_full_disk_throws_and_lets_the_program_end) {
   const Folder folder;
   const auto fill = [&] {

@@ -11,7 +11,7 @@
 namespace ricochet::base {
 namespace {
 
-// The oracle is the fmt library, which the programs use.
+// The fmt library, which the programs use, is the reference.
 TEST(Format, prints_numbers_as_fmt_does) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> exponent(-30, 30), mantissa(-10, 10);

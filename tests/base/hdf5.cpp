@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The HDF5 wrapper alone: growing datasets, silence, handles.
+// Tests of the HDF5 wrapper alone: growing datasets, suppressed error output, closed handles.
 #define H5_USE_110_API
 #include "base/hdf5_reader.hpp"
 #include "base/hdf5_writer.hpp"
@@ -20,12 +20,12 @@ using test::Folder;
 
 TEST(Rows, read_back_in_order_for_any_block) {
   const Folder folder;
-  constexpr std::size_t kRows = 3000;  // beyond the longest block of 1024 and no multiple of it
+  constexpr std::size_t kRows = 3000;  // longer than the longest block of 1024 rows, and no multiple of it
   {
     Writer file(folder / "rows.h5");
     Rows& time = file.rows("/time", {}, "s");
     Rows& force = file.rows("/contact/force", {7}, "N");
-    Rows& wide = file.rows("/contact/wide", {3, 5000}, "m");  // a row beyond the size of a block
+    Rows& wide = file.rows("/contact/wide", {3, 5000}, "m");  // a row is larger than a block
     for (std::size_t k = 0; k < kRows; ++k) {
       time.append(static_cast<double>(k));
       std::vector<double> row(7);
@@ -91,7 +91,8 @@ TEST(Wrapper, prints_nothing_about_bad_files_even_when_the_program_ends) {
   kernels::write(kernels::test::sample_kernel(3), folder / "body.h5");
   kernels::test::put_bytes(folder / "text.h5", "text");
   std::string spoilt = kernels::test::bytes_of(folder / "body.h5");
-  // After the signature of the header: its checksum fails, which HDF5 remembers until the end.
+  // Damages object headers after their signature. Their checksums fail, and
+  // HDF5 records this until the program ends.
   for (std::size_t at = 0; (at = spoilt.find("OHDR", at + 1)) != std::string::npos;)
     if (at > 1000) spoilt[at + 20] = static_cast<char>(~spoilt[at + 20]);
   kernels::test::put_bytes(folder / "spoilt.h5", spoilt);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Output of a run: one line per phase in a log file, a bar on a terminal, nothing if quiet.
+// Output of a run: one line per phase in a log file, a progress bar on a terminal, nothing with --quiet.
 #include "src/console/console.hpp"
 
 #include <fcntl.h>
@@ -24,7 +24,7 @@ struct Printed {
   std::string out, err;
 };
 
-/// What `action` prints to files.
+/// The output of `action` to files.
 template <class Action>
 Printed printed(Action action) {
   ::testing::internal::CaptureStdout();
@@ -37,7 +37,7 @@ Printed printed(Action action) {
   return text;
 }
 
-/// What `action` prints on stderr when that is a terminal.
+/// The output of `action` on stderr if stderr is a terminal.
 template <class Action>
 std::string shown(Action action) {
   const int screen = ::posix_openpt(O_RDWR | O_NOCTTY);
@@ -49,7 +49,7 @@ std::string shown(Action action) {
   std::fflush(stderr);
   ::dup2(before, STDERR_FILENO);
   ::close(before);
-  // A final line ends the reading: waiting on an empty terminal would never end.
+  // A final character ends the loop; reading from an empty terminal would block forever.
   const bool sent = ::write(terminal, "\x04", 1) == 1;
   std::string text;
   for (char c = 0; sent && ::read(screen, &c, 1) == 1 && c != '\x04';) text += c;
@@ -72,7 +72,7 @@ TEST(Log, holds_one_line_for_each_phase_when_it_ends) {
     console.end();
   });
   EXPECT_EQ(text.out, "");
-  // No escape codes and no "\r": this goes to files.
+  // The output goes to files, so it contains no escape codes and no "\r".
   EXPECT_THAT(text.err,
               MatchesRegex("modes {23} +0\\.[0-9][0-9] s  62 found\ntrace {23} +0\\.[0-9][0-9] s *\n"));
 }
@@ -121,7 +121,7 @@ TEST(Phases, have_times_and_memory) {
     console.end();
     EXPECT_GE(console.phases()[0].seconds, 0.03);
     EXPECT_LT(console.phases()[0].seconds,
-              30);  // a loaded machine may sleep too long, but not by a factor of a unit
+              30);  // a loaded machine may sleep too long, but not a thousand times too long
     EXPECT_GT(console.phases()[0].peak_mib, 1);
     EXPECT_LT(console.phases()[0].peak_mib, 10000);
   });
@@ -165,7 +165,7 @@ TEST(Terminal, shows_a_bar_that_grows_and_leaves_one_line) {
   EXPECT_THAT(text, HasSubstr("[############............]  50 %"));
   EXPECT_THAT(text, HasSubstr(" s left"));
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1);
-  // The bar is wiped before the phase's own line.
+  // The bar is erased before the line of the phase is printed.
   EXPECT_THAT(text.substr(text.rfind(wipe)), HasSubstr("62 found"));
 }
 
@@ -173,7 +173,7 @@ TEST(Terminal, is_drawn_at_most_ten_times_a_second) {
   double seconds = 0;
   const std::string text = shown([&] {
     Console console;
-    console.begin("steps", 2048);  // few enough to fit the buffer of a terminal even if all are drawn
+    console.begin("steps", 2048);  // few enough to fit into the buffer of a terminal even if all are drawn
     for (int k = 1; k <= 2048; ++k) console.advance(k);
     console.end();
     seconds = console.phases()[0].seconds;
@@ -181,7 +181,7 @@ TEST(Terminal, is_drawn_at_most_ten_times_a_second) {
   if (text.empty()) GTEST_SKIP() << "no pseudo-terminal here";
   int drawings = 0;
   for (std::size_t at = text.find(wipe); at != std::string::npos; at = text.find(wipe, at + 1)) ++drawings;
-  EXPECT_LE(drawings, 10 * seconds + 2);  // the first and the last are not held back
+  EXPECT_LE(drawings, 10 * seconds + 2);  // the first and the last are always drawn
 }
 
 TEST(Terminal, shows_no_percentage_if_the_end_is_unknown) {

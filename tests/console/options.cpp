@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The command line of both programs. Bad arguments give status 2 and one line with the remedy.
+// The command line of both programs. Invalid arguments give status 2 and one line with the remedy.
 #include "src/console/options.hpp"
 
 #include <gmock/gmock.h>
@@ -67,7 +67,7 @@ TEST(Options, are_read_on_either_side_of_the_scene) {
   }
 }
 
-// --out is relative to the working folder, its default to the folder of the scene.
+// --out is relative to the working folder. Its default is relative to the folder of the scene.
 TEST(Options, put_results_beside_the_scene) {
   EXPECT_EQ(options_of({"deep/down/a.toml"}).out, "deep/down/out");
   EXPECT_EQ(options_of({"/far/a.toml"}).out, "/far/out");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Bodies small enough to know everything about: surfaces without modes, and rods with their exact ones.
+// Bodies simple enough for closed-form results: surfaces without modes, and rods with their exact modes.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -30,8 +30,8 @@ inline void add_candidate(kernels::Kernel& kernel, const Vector3d& x, const Vect
   surface.area.push_back(area);
 }
 
-/// Unit square cut into nx × ny cells of two triangles each and bent by `shape`, which gives a point and its
-/// normal.
+/// Unit square divided into nx × ny cells of two triangles each. `shape` maps the coordinates
+/// in the square to a point and its normal.
 inline kernels::Kernel sheet(int nx, int ny,
                              const std::function<std::pair<Vector3d, Vector3d>(double, double)>& shape) {
   kernels::Kernel kernel;
@@ -50,13 +50,13 @@ inline kernels::Kernel sheet(int nx, int ny,
   return kernel;
 }
 
-/// Flat, in the plane z = 0, facing +z.
+/// Flat sheet in the plane z = 0 that faces +z.
 inline kernels::Kernel square(int nx, int ny) {
   return sheet(nx, ny, [](double s, double t) { return std::pair(Vector3d(s, t, 0), Vector3d(0, 0, 1)); });
 }
 
-/// Cap of a sphere around the origin, about its +z pole, out to 45 degrees at the edges' middles times
-/// `width`.
+/// Spherical cap around the +z pole, centred at the origin. The middles of its edges lie at an
+/// angle of arctan(`width`) from the pole.
 inline kernels::Kernel cap(int n, double radius, double width = 1) {
   return sheet(n, n, [=](double s, double t) {
     const Vector3d way = Vector3d(width * (2 * s - 1), width * (2 * t - 1), 1).normalized();
@@ -64,14 +64,15 @@ inline kernels::Kernel cap(int n, double radius, double width = 1) {
   });
 }
 
-/// Turns +z into −z and keeps x.
+/// Rotation that maps +z to −z and keeps x.
 inline Matrix3d upside_down() { return Vector3d(1, -1, -1).asDiagonal(); }
 
 inline Matrix3d turn(double angle, const Vector3d& axis) {
   return Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
 }
 
-/// Free rod along x with ρA = E A = 1, hence c = 1: modes √(2/L) cos(nπx/L), ends 0 (x = 0) and 1 (x = L).
+/// Free rod along x with ρA = EA = 1, hence c = 1. Modes √(2/L) cos(nπx/L);
+/// candidates 0 (x = 0) and 1 (x = L).
 inline kernels::Kernel rod(int modes, double length, bool residual = true) {
   kernels::Kernel kernel;
   kernel.body = "rod";
@@ -108,9 +109,9 @@ inline kernels::Kernel rod(int modes, double length, bool residual = true) {
   return kernel;
 }
 
-/// Bar along x, clamped at x = 0, with ρA = EA = c = 1: candidates are both ends.
-/// φ_n = √(2/L) sin((n + ½)πx/L). Its foot moves as the motion "foot" along x, a load "tip" pulls at its end,
-/// and a receiver "mic" is in its middle; residuals are the statics of the bar less those of its modes.
+/// Bar along x, clamped at x = 0, with ρA = EA = c = 1 and modes φ_n = √(2/L) sin((n + ½)πx/L). Both ends are
+/// candidates. The motion "foot" moves the foot along x, the load "tip" pulls at the free end, and the
+/// receiver "mic" is in the middle. Residuals are the static response of the bar minus that of its modes.
 inline kernels::Kernel clamped_bar(int modes, double length) {
   kernels::Kernel kernel = rod(1, length, false);
   kernel.supported = true;
@@ -128,7 +129,8 @@ inline kernels::Kernel clamped_bar(int modes, double length) {
   kernel.modes.decay_rate.assign(static_cast<std::size_t>(modes), 0);
   for (const double x : {0.0, length})
     for (int n = 0; n < modes; ++n) kernel.surface.shape.push_back(phi(n, x));
-  // statics: a force at y displaces x by min(x, y); its own weight by x (2L − x)/2; the lift is 1
+  // Statics: a unit force at y displaces x by min(x, y), the weight of
+  // the bar by x (2L − x)/2; the lift is 1.
   const auto rest = [&](double x, double y) {
     double out = std::min(x, y);
     for (int n = 0; n < modes; ++n) out -= phi(n, x) * phi(n, y) / (wave(n) * wave(n));
@@ -151,7 +153,7 @@ inline kernels::Kernel clamped_bar(int modes, double length) {
   kernels::Motion foot{"foot", kernel.loads.body_force, {lift(0), 0, 0, lift(length), 0, 0}, {}};
   foot.momentum = {momentum, 0, 0, 0, 0, 0, 0, 0, 0};
   kernel.motions = {foot};
-  // a force along x at the tip
+  // A force along x at the tip.
   kernels::Load tip{"tip", "N", {}, {1, 0, 0, 0, 0, 0, 0, 0, 0}, std::vector<double>(9, 0), {}};
   for (int n = 0; n < modes; ++n) tip.participation.push_back(phi(n, length));
   tip.participation.resize(3 * static_cast<std::size_t>(modes), 0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Contact points at twice their distance: wider patches of the same surface.
+// Coarsening: contact points at twice their distance, with wider patches of the same surface.
 #include "contact/model/coarsening.hpp"
 
 #include <gmock/gmock.h>
@@ -12,7 +12,7 @@ namespace {
 using namespace ricochet::contact;
 using namespace ricochet::contact::test;
 
-/// A flat sheet of n × n cells above a floor, its one mode rigid along z, R a Gaussian of the distance.
+/// A flat sheet above a floor. Its only mode is rigid along z, and R is a Gaussian of the distance.
 Model sheet_on_floor(const ricochet::kernels::Kernel& bare, ricochet::kernels::Kernel& kernel) {
   kernel = bare;
   const std::size_t m = kernel.surface.size();
@@ -46,7 +46,7 @@ TEST(Coarsened, points_stand_about_twice_as_far_apart) {
   for (const auto& [bare, points] : {std::pair{square(16, 16), 17 * 17}, std::pair{square(30, 1), 62}}) {
     const Model fine = sheet_on_floor(bare, kernel), wide = coarsened(fine);
     ASSERT_EQ(fine.gap.size(), points);
-    // Patches at an edge are means over what lies inwards of it too.
+    // The distance is less than doubled at edges, where a patch is a mean over points further inside.
     EXPECT_GT(nearest(wide), 1.05 * nearest(fine));
     EXPECT_LT(wide.gap.size(), 0.6 * static_cast<double>(fine.gap.size()));
     EXPECT_GT(wide.gap.size(), 0.15 * static_cast<double>(fine.gap.size()));
@@ -63,8 +63,8 @@ TEST(Coarsened, surface_is_as_large_and_moves_rigidly_as_it_did) {
   EXPECT_LT((wide.normal.rowwise() - fine.normal.row(0)).cwiseAbs().maxCoeff(), 1e-13);
 }
 
-// The same pressure everywhere, as the forces λ_i = A_i of the fine and λ_I = A_I of the wide patches, does
-// the same work.
+// A uniform pressure acts as the forces λ_i = A_i on the fine patches and λ_I = A_I
+// on the wide ones. Both do the same work.
 TEST(Coarsened, surface_yields_to_a_uniform_pressure_as_it_did) {
   ricochet::kernels::Kernel kernel;
   const Model fine = sheet_on_floor(square(9, 7), kernel), wide = coarsened(fine);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The solver against enumeration of every active set, and against the conditions of complementarity
-// themselves, evaluated in extended precision.
+// The solver compared with enumeration of all active sets, and checked against the
+// complementarity conditions in extended precision.
 #include "contact/complementarity/complementarity.hpp"
 
 #include <gtest/gtest.h>
@@ -21,8 +21,8 @@ using lcp::violation;
 using ricochet::contact::ComplementaritySolver;
 using ricochet::contact::SolveStatus;
 
-/// w = Sλ − r of a solution, by trying every active set whose rows are independent (a solvable problem has
-/// such a one). w, unlike λ, is the same for every solution of a semidefinite problem.
+/// w = Sλ − r of a solution, found by trying every active set with independent rows. Each solvable problem
+/// has a solution with such a set. Unlike λ, w is the same for all solutions of a semidefinite problem.
 std::optional<VectorXd> by_enumeration(const MatrixXd& S, const VectorXd& r) {
   const int n = static_cast<int>(r.size());
   const double tol = 1e-9 * (1 + r.cwiseAbs().maxCoeff());
@@ -69,7 +69,7 @@ TEST(Complementarity, agrees_with_enumeration_on_definite_problems) {
   }
 }
 
-// Small integers: ranks, ties and null directions are exact, so "has a solution" is a matter of fact.
+// With small integers, ranks, ties and null directions are exact, so solvability is unambiguous.
 TEST(Complementarity, agrees_with_enumeration_on_singular_problems_solvable_or_not) {
   std::mt19937 random(2);
   std::uniform_int_distribution<int> small(-2, 2);
@@ -97,7 +97,8 @@ TEST(Complementarity, agrees_with_enumeration_where_points_touch_without_pushing
     const int n = 2 + trial % 8, rank = 1 + trial % 4;
     const MatrixXd B = MatrixXd::NullaryExpr(n, rank, [&] { return small(random); });
     const MatrixXd S = B * B.transpose();
-    VectorXd r = VectorXd::Zero(n);  // of a solution whose λ_i and w_i are often both 0
+    VectorXd r =
+        VectorXd::Zero(n);  // the right-hand side of a solution in which λ_i and w_i are often both 0
     for (int i = 0; i < n; ++i) {
       const int kind = third(random);
       if (kind == 1) r += S.col(i);
@@ -116,14 +117,14 @@ TEST(Complementarity, holds_for_two_hundred_points_of_an_ill_conditioned_matrix)
   std::mt19937 random(4);
   std::normal_distribution<double> normal;
   for (const double width : {1.0, 3.0, 10.0, 30.0}) {
-    // a smooth kernel: condition numbers from 1e3 to past 1e16, singular to round-off
+    // A smooth kernel with condition numbers from 1e3 to beyond 1e16, hence singular to round-off.
     const MatrixXd S = MatrixXd::NullaryExpr(n, n, [&](Eigen::Index i, Eigen::Index j) {
       const double x = static_cast<double>(i - j) / width;
       return std::exp(-0.5 * x * x);
     });
     for (int trial = 0; trial < 5; ++trial) {
       const VectorXd x = VectorXd::NullaryExpr(n, [&] { return normal(random); });
-      const VectorXd r = S * x;  // solvable: no null direction gains
+      const VectorXd r = S * x;  // solvable: rᵀd = 0 for every null direction d
       VectorXd lambda(n);
       ASSERT_EQ(solver.solve(S, r, lambda), SolveStatus::solved) << width;
       EXPECT_LE(violation(S, r, lambda), 1e-12) << width;
@@ -131,9 +132,10 @@ TEST(Complementarity, holds_for_two_hundred_points_of_an_ill_conditioned_matrix)
   }
 }
 
-// A wedge between two nearly parallel walls and a third behind: S d = 0 for d = (1/α, 1/α, 1) ≥ 0, so nothing
-// would block a push along d. r = B y makes none, rᵀd = 0, but this and w of the last wall are known to |d|
-// round-offs only. They must pass for what they are.
+// A wedge between two nearly parallel walls and a third wall opposite them: S d = 0 for
+// d = (1/α, 1/α, 1) ≥ 0, so no force resists a push along d. r = B y contains no such push,
+// rᵀd = 0. This product and w of the last wall, however, are known only to round-off
+// multiplied by |d|, and the solver must not mistake this error for a push.
 TEST(Complementarity, holds_a_wedge_whose_balance_is_known_to_round_off_only) {
   std::mt19937 random(6);
   std::uniform_real_distribution<double> unit(0, 1);
@@ -176,7 +178,7 @@ TEST(Complementarity, refuses_what_is_not_a_number) {
   EXPECT_EQ(lambda, Eigen::Vector2d(1, 0));
 }
 
-/// A bump of pressure that wanders over the points.
+/// A pressed zone that moves back and forth over the points.
 VectorXd wandering(int n, double t) {
   return VectorXd::NullaryExpr(n, [=](Eigen::Index i) {
     return 0.3 - std::pow(0.1 * (static_cast<double>(i) - 20 - 8 * std::sin(t)), 2);
@@ -197,7 +199,7 @@ TEST(Complementarity, starts_from_the_active_set_of_the_problem_before) {
     ASSERT_EQ(solver.solve(S, wandering(n, 0.002 * k), lambda), SolveStatus::solved);
     ASSERT_LE(violation(S, wandering(n, 0.002 * k), lambda), 1e-13);
   }
-  // the set changes about 20 times as its two ends move over 2·8 sin(2) points
+  // the active set changes about 20 times while its two ends move over 2·8 sin(2) points
   EXPECT_GT(solver.statistics().warm_hits, 0.95 * steps);
   EXPECT_EQ(solver.statistics().problems, steps);
   EXPECT_GT(solver.statistics().max_active, 5);
@@ -213,7 +215,7 @@ TEST(Complementarity, reads_and_writes_nothing_outside_the_problem) {
   ComplementaritySolver solver(12);
   VectorXd lambda(12);
   ASSERT_EQ(solver.solve(exponential_kernel(12), VectorXd::Ones(12), lambda),
-            SolveStatus::solved);  // warm start too wide
+            SolveStatus::solved);  // warm start with too many points
   MatrixXd S = MatrixXd::Constant(12, 12, poison);
   S.block(3, 2, 5, 5) = exponential_kernel(5);
   VectorXd r = VectorXd::Constant(12, poison);
@@ -228,7 +230,7 @@ TEST(Complementarity, reads_and_writes_nothing_outside_the_problem) {
 #if RICOCHET_HEAP_COUNTED
 TEST(HeapCounter, counts_new_and_the_temporaries_of_eigen) {
   const long start = heap_counter::calls;
-  ::operator delete(::operator new(8));  // called by name: the compiler may not leave it out
+  ::operator delete(::operator new(8));  // called by name, because the compiler may omit a new-expression
   const long after_new = heap_counter::calls;
   const VectorXd x = VectorXd::Ones(100);
   const long after_eigen = heap_counter::calls;

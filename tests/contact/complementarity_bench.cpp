@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Problems of every kind that contact brings, and worse, against Lemke's method, against solutions known
-// beforehand, and against the conditions of complementarity in extended precision.
+// Contact problems of every kind, and harder ones. Results are compared with Lemke's method and with known
+// solutions, and checked against the complementarity conditions in extended precision.
 #include <gtest/gtest.h>
 
 #include "contact/complementarity/complementarity.hpp"
@@ -12,12 +12,12 @@ using namespace lcp;
 using ricochet::contact::ComplementaritySolver;
 using ricochet::contact::SolveStatus;
 
-// w_i ≥ −1e-13 is promised; pressed points, w_i = 0, are right to the round-off of a backward stable solve of
-// up to 1000 unknowns.
+// The solver guarantees w_i ≥ −1e-13. For pressed points, w_i = 0 holds to the round-off of a
+// backward stable solve of up to 1000 unknowns.
 constexpr double holds = 1e-12;
 
-/// Status, conditions and objective as Lemke has them. The objective, unlike λ, is the same for all
-/// solutions.
+/// Compares status and objective with Lemke's method and checks the conditions. Unlike λ, the
+/// objective is the same for all solutions.
 void expect_as_lemke(ComplementaritySolver& solver, const MatrixXd& S, const VectorXd& r) {
   VectorXd lambda(r.size());
   const SolveStatus status = solver.solve(S, r, lambda);
@@ -41,8 +41,8 @@ TEST(ComplementarityBench, agrees_with_lemke_on_random_problems_of_any_size_to_s
   }
 }
 
-// Small integers: ranks, ties and null directions are exact, so whether there is a solution is a matter of
-// fact. Points come twice, press without force, and lie on nothing (rows of zeros).
+// With small integers, ranks, ties and null directions are exact, so solvability is unambiguous. Some points
+// occur twice, some touch without force, and some have rows of zeros.
 TEST(ComplementarityBench, agrees_with_lemke_on_ten_thousand_singular_problems_solvable_or_not) {
   Random random(2);
   std::uniform_int_distribution<int> small(-3, 3), size(1, 12), any(0, 1 << 20);
@@ -77,7 +77,8 @@ TEST(ComplementarityBench, finds_the_solution_of_problems_made_from_one) {
         VectorXd lambda(n);
         ASSERT_EQ(solver.solve(S, problem.r, lambda), SolveStatus::solved) << n << ' ' << condition;
         EXPECT_LE(violation(S, problem.r, lambda), holds) << n << ' ' << condition;
-        // The error e of a λ that violates the conditions by τ obeys eᵀSe ≤ 2 τ |e|_1, and S ≥ 1/condition.
+        // The error e of a λ that violates the conditions by τ satisfies
+        // eᵀSe ≤ 2 τ |e|_1, and S ≥ 1/condition.
         const VectorXd error = lambda - problem.lambda;
         const double tolerance = 1e-12 * scale(S, problem.r, lambda);
         EXPECT_LE(error.dot(S * error), 2 * tolerance * error.lpNorm<1>() + 1e-15) << n << ' ' << condition;
@@ -94,7 +95,7 @@ TEST(ComplementarityBench, holds_for_hilbert_matrices_singular_to_round_off) {
     ComplementaritySolver solver(static_cast<int>(n));
     const MatrixXd S = hilbert(n);
     for (int trial = 0; trial < (n < 1000 ? 20 : 3); ++trial) {
-      const VectorXd x = normal_vector(random, n).cwiseAbs();  // a push that λ = x would answer
+      const VectorXd x = normal_vector(random, n).cwiseAbs();  // λ = x balances the push S x
       const VectorXd gap = trial % 2 == 0 ? VectorXd::Zero(n) : normal_vector(random, n).cwiseAbs().eval();
       const VectorXd r = S * x - gap;
       VectorXd lambda(n);
@@ -104,7 +105,7 @@ TEST(ComplementarityBench, holds_for_hilbert_matrices_singular_to_round_off) {
   }
 }
 
-// Stiff and soft places in one problem: w has one unit throughout, and so has its tolerance.
+// Stiff and soft points in one problem. All w have the same unit and the same tolerance.
 TEST(ComplementarityBench, holds_for_rows_scaled_over_twelve_decades) {
   Random random(5);
   std::uniform_real_distribution<double> exponent(-6, 6);
@@ -134,7 +135,7 @@ TEST(ComplementarityBench, holds_for_a_thousand_points_with_a_known_solution) {
   }
 }
 
-// As without residual flexibility: every set of more than 120 points is dependent.
+// As in models without residual flexibility, every set of more than 120 points is dependent.
 TEST(ComplementarityBench, holds_for_a_thousand_points_on_a_hundred_and_twenty_modes) {
   Random random(7);
   const Index n = 1000, modes = 120;
@@ -142,7 +143,7 @@ TEST(ComplementarityBench, holds_for_a_thousand_points_on_a_hundred_and_twenty_m
   for (int trial = 0; trial < 3; ++trial) {
     const MatrixXd B = normal_matrix(random, n, modes);
     const MatrixXd S = B * B.transpose();
-    // a motion q that would have to be undone, and gaps: λ exists because q = 0 is a place without contact
+    // A motion q that contact must undo, and gaps. A λ exists because no point touches at q = 0.
     const VectorXd r = B * normal_vector(random, modes) - normal_vector(random, n).cwiseAbs();
     VectorXd lambda(n);
     ASSERT_EQ(solver.solve(S, r, lambda), SolveStatus::solved) << trial;
@@ -151,7 +152,7 @@ TEST(ComplementarityBench, holds_for_a_thousand_points_on_a_hundred_and_twenty_m
   }
 }
 
-// The same points n/4 times over: any one of a group may push, or all.
+// Each point occurs n/4 times. Any one point of a group may push, or all of them.
 TEST(ComplementarityBench, holds_for_points_that_come_many_times) {
   Random random(8);
   const Index n = 200, distinct = 50;
@@ -172,7 +173,8 @@ TEST(ComplementarityBench, holds_for_points_that_come_many_times) {
   }
 }
 
-/// A pressed zone that wanders and breathes, with bumps that flicker: drift of contact from step to step.
+/// A pressed zone whose position and width oscillate, with small random bumps:
+/// contact that drifts from step to step.
 VectorXd drifting(Random& random, Index n, double t) {
   std::uniform_real_distribution<double> unit(-1, 1);
   const double middle = 0.5 + 0.25 * std::sin(t), width = 0.13 + 0.05 * std::cos(1.7 * t);
@@ -182,7 +184,7 @@ VectorXd drifting(Random& random, Index n, double t) {
   });
 }
 
-// 20 000 steps, thousands of points in and out of one factor that is never made anew.
+// In 20 000 steps, thousands of points enter and leave one factor, which is never recomputed.
 TEST(ComplementarityBench, keeps_its_factor_through_a_long_drift) {
   Random random(9);
   const Index n = 150;
@@ -208,7 +210,7 @@ TEST(ComplementarityBench, keeps_its_factor_through_a_long_drift) {
   EXPECT_GT(statistics.max_active, 40);
 }
 
-// Singular all the way: points enter by exchange, and the factor of a dependent set is never kept.
+// The matrix is always singular: points enter by exchange, and the factor of a dependent set is never kept.
 TEST(ComplementarityBench, keeps_its_factor_where_points_outnumber_modes) {
   Random random(10);
   const Index n = 60, modes = 25;

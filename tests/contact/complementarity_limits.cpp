@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a solve that was stopped by max_pivots still promises, and what a body stepped with it does.
+// Guarantees for a solve that max_pivots has stopped.
 #include <gtest/gtest.h>
 
 #include "contact/complementarity/complementarity.hpp"
@@ -11,14 +11,14 @@ using namespace lcp;
 using ricochet::contact::ComplementaritySolver;
 using ricochet::contact::SolveStatus;
 
-/// F at the best multiple of λ.
+/// The objective F at the optimal multiple of λ.
 Long best_objective_along(const MatrixXd& S, const VectorXd& r, const VectorXd& lambda) {
   const LongVector x = lambda.cast<Long>();
   const Long gain = x.dot(r.cast<Long>()), quadratic = x.dot(slack(S, 0 * r, lambda));
   return gain > 0 ? -0.5L * gain * gain / quadratic : 0;
 }
 
-/// The minimiser on the active set of `before`, tension cut off.
+/// The minimiser on the active set of `before`, with negative forces set to 0.
 VectorXd clipped_start(const MatrixXd& S, const VectorXd& r, const VectorXd& before) {
   std::vector<Index> P;
   for (Index i = 0; i < r.size(); ++i)
@@ -54,7 +54,7 @@ TEST(LimitedSolve, is_feasible_does_no_work_and_is_no_worse_than_its_start) {
       ComplementaritySolver solver(static_cast<int>(n), {.same_matrix = true, .max_pivots = most});
       VectorXd lambda = VectorXd::Zero(n), r = normal_vector(random, n);
       for (int k = 0; k < 10; ++k) {
-        // the start is an active set that was solved, or, after a limited solve, none that is known
+        // The start is an active set that was solved. After a limited solve, no start is known.
         const VectorXd before = solver.statistics().limited == 0 ? lambda : VectorXd::Zero(n);
         const auto pivots = solver.statistics().pivots;
         const SolveStatus status = solver.solve(S, r, lambda);
@@ -90,7 +90,7 @@ TEST(LimitedSolve, keeps_its_promises_from_a_solved_start_that_pulls) {
     for (int k = 0; k < 100 && status == SolveStatus::limited; ++k) status = solver.solve(S, r, before);
     ASSERT_EQ(status, SolveStatus::solved);
     const VectorXd next = normal_vector(random, n);
-    ComplementaritySolver stopped = solver;  // statistics of its own
+    ComplementaritySolver stopped = solver;  // the copy has its own statistics
     if (stopped.solve(S, next, lambda) != SolveStatus::limited) continue;
     expect_promises(stopped, S, next, lambda, before);
     if (HasFatalFailure()) return;
@@ -103,7 +103,7 @@ TEST(LimitedSolve, goes_on_where_it_was_stopped_and_ends_at_the_solution) {
   Random random(3);
   for (int trial = 0; trial < 600; ++trial) {
     const Index n = 1 + trial % 30;
-    // every third one singular but solvable
+    // Every third matrix is singular, but the problem is solvable.
     const MatrixXd B = normal_matrix(random, n, trial % 3 == 0 ? 1 + n / 2 : n + 2), S = B * B.transpose();
     const VectorXd r = B * normal_vector(random, B.cols()) - normal_vector(random, n).cwiseAbs();
     VectorXd exact(n), lambda(n);
@@ -121,7 +121,8 @@ TEST(LimitedSolve, goes_on_where_it_was_stopped_and_ends_at_the_solution) {
   }
 }
 
-// The patience of block pivoting outlives the stop: without that a small budget cycles for ever.
+// The count of unsuccessful block pivots persists between calls;
+// otherwise a small budget would cycle forever.
 TEST(LimitedSolve, ends_for_matrices_on_which_block_pivoting_cycles) {
   Random random(4);
   std::uniform_int_distribution<int> small(-2, 2);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Convolutions against the sum written out, in every way of cutting it into parts.
+// Convolutions compared with the explicit sum, for every way of partitioning them.
 #include "contact/table/convolution.hpp"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ struct Case {
 
   double h(std::int64_t l, int i, int j) const { return kernel[(l * rows + i) * columns + j]; }
 
-  /// Σ_{l=1}^{L−1} H_l x_{k−l}, smallest index first, in extended precision.
+  /// Σ_{l=1}^{L−1} H_l x_{k−l}, from the smallest index on, in extended precision.
   Eigen::VectorXd sum(std::int64_t k) const {
     Eigen::VectorXd out(rows);
     for (int i = 0; i < rows; ++i) {
@@ -33,7 +33,7 @@ struct Case {
   }
 };
 
-/// Contacts come and go: each column has a value in `share` of all spells of 40 samples.
+/// Contact that comes and goes: each column is nonzero in a fraction `share` of all periods of 40 samples.
 Case random_case(int rows, int columns, std::int64_t length, std::int64_t samples, double share,
                  unsigned seed) {
   std::mt19937 random(seed);
@@ -51,7 +51,7 @@ Case random_case(int rows, int columns, std::int64_t length, std::int64_t sample
   return out;
 }
 
-/// Largest departure from the sum, over ‖H‖ ‖x‖ of a row: what bounds any y.
+/// Largest deviation from the explicit sum, relative to ‖H‖ ‖x‖ of a row, which bounds any result.
 double error_of(const Case& c, int block) {
   Convolution convolution(c.kernel, c.rows, c.columns, Tail::none, block);
   double worst = 0;
@@ -106,7 +106,7 @@ TEST(Convolution, of_nothing_is_exactly_nothing) {
   }
 }
 
-/// A kernel that is straight from sample 50 on, given to 60 samples and to the end.
+/// A kernel that is linear from sample 50 on, given once by 60 samples with a linear tail and once in full.
 TEST(LinearTail, goes_on_as_a_longer_table_does) {
   Case c = random_case(2, 2, 700, 700, 0.6, 9);
   for (std::int64_t l = 51; l < 700; ++l)
@@ -119,7 +119,7 @@ TEST(LinearTail, goes_on_as_a_longer_table_does) {
     Convolution with_tail(cut, 2, 2, Tail::linear, block);
     for (std::int64_t k = 0; k < 700; ++k) {
       const Eigen::VectorXd exact = c.sum(k);
-      // 1e-11: the slope is a quotient over 6 steps, used for 640
+      // 1e-11: the slope is a difference over 6 steps that is extrapolated over 640
       ASSERT_LT((with_tail.history() - exact).cwiseAbs().maxCoeff(), 1e-11 * (1 + exact.norm())) << k;
       with_tail.push(c.x.col(k));
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The core of contact, linked without HDF5, fmt and every library above it.
+// The core of contact, linked without HDF5, fmt and any library of a higher layer.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -40,7 +40,7 @@ TEST(Core, steps_a_drop_by_every_scheme_without_the_libraries_above_it) {
     }
     ASSERT_EQ(stepper->step(), StepStatus::ok);
     EXPECT_EQ(stepper->active(), 1);
-    // 1e-12: round-off of some hundred steps from an energy of 0.1 J
+    // 1e-12: round-off of some hundred steps at an energy of 0.1 J
     EXPECT_NEAR(stepper->modal()->energy().ledger(), 0, 1e-12);
   }
 }

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""No source of the core includes anything but Eigen, the standard library and headers of the core itself.
+"""Sources of the core include only Eigen, the standard library and headers of the core itself.
 
     core_includes.py COMPILER ROOT EIGEN
 
-EIGEN is Eigen's folder. Headers that the standard library itself includes are found from a unit that includes nothing else.
+EIGEN is the folder of Eigen. The headers of the standard library are those of a unit that includes nothing else.
 """
 
 import re
@@ -21,7 +21,7 @@ STANDARD = "#include <bits/stdc++.h>\n#include <immintrin.h>\n"
 
 
 def includes(compiler, folders, source, text=None):
-    """Absolute paths of a unit's files, by the compiler."""
+    """Absolute paths of all files that a translation unit includes, as listed by the compiler."""
     command = [compiler, "-std=c++20", "-x", "c++", "-M", *[f"-I{folder}" for folder in folders], source]
     rule = subprocess.run(command, input=text, capture_output=True, text=True, check=True).stdout
     return {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Flush-to-zero: on inside a scope, as it was after it, and without a trace in the results.
+// Flush-to-zero is active inside a scope, ends with it, and does not affect the results.
 #include "ricochet/denormals.hpp"
 
 #include <gtest/gtest.h>
@@ -20,13 +20,13 @@ using namespace ricochet;
 using contact::test::Plate;
 using contact::test::plate;
 
-/// Half the smallest normal number, computed when called.
+/// Half of the smallest normal number, computed at run time.
 double tiny() {
   volatile double smallest = std::numeric_limits<double>::min();
   return smallest / 2;
 }
 
-/// A denormal operand made large, computed when called.
+/// A denormal operand times a large number, computed at run time.
 double revived() {
   volatile double denormal = std::numeric_limits<double>::denorm_min();
   return denormal * 1e300;
@@ -69,11 +69,11 @@ TEST(Simulation, leaves_the_mode_of_its_caller_alone) {
   EXPECT_GT(tiny(), 0);
 }
 
-/// A mallet flies up at a supported plate, which rings until nothing is left.
+/// A mallet flies up at a supported plate, which rings until its motion has decayed to nothing.
 constexpr Plate struck{.modes = 6, .ratio = 0.4, .supported = true};
 constexpr Plate mallet{.modes = 1, .points = 1, .mass = 0.01};
 
-// 1e-300: some roundings of 2e-308, on a motion of order 1
+// 1e-300: some roundings of 2e-308 in a motion of order 1.
 TEST(Simulation, of_a_dying_sound_is_the_same_with_and_without_denormals) {
   Scene scene;
   scene.bodies = {{.name = "plate", .kernel = plate(struck)},
@@ -114,7 +114,7 @@ TEST(Simulation, of_a_dying_sound_is_the_same_with_and_without_denormals) {
   EXPECT_EQ(
       std::count_if(sound.begin(), sound.end(), [](double v) { return std::fpclassify(v) == FP_SUBNORMAL; }),
       0);
-  EXPECT_LT(std::abs(sound.back()), 1e-300);  // what is left moves by less than 2e-308 a step
+  EXPECT_LT(std::abs(sound.back()), 1e-300);  // the remaining motion is less than 2e-308 per step
 #endif
 }
 

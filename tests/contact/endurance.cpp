@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A million steps: what adds up over them.
+// Errors that accumulate over a million steps.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,10 +13,10 @@ using namespace ricochet;
 using contact::test::falling;
 
 struct Outcome {
-  double drift = 0;    ///< largest departure of the ledger over the initial energy
-  double damping = 0;  ///< taken by damping, over the initial energy
-  int impacts = 0;     ///< runs of steps with a force
-  int late = 0;        ///< of them, in the second half
+  double drift = 0;    ///< largest deviation of the ledger, relative to the initial energy
+  double damping = 0;  ///< energy lost to damping, relative to the initial energy
+  int impacts = 0;     ///< periods of consecutive steps with a force
+  int late = 0;        ///< impacts in the second half
 };
 
 Outcome endure(const Scene& scene) {
@@ -40,10 +40,10 @@ Outcome endure(const Scene& scene) {
   return out;
 }
 
-/// Bounces for the whole 23 s: damped lightly, and driven down by its weight.
+/// A plate that bounces for the whole 23 s, lightly damped and pulled down by its weight.
 Scene bouncing() { return falling({.ratio = 1e-5, .rigid_decay = 1e-3, .flexibility = 1e-5}, 1e-3, 1, 9.81); }
 
-// 1e-10 of the initial energy: a million roundings of 2e-16 that may all have one sign.
+// 1e-10 of the initial energy: a million rounding errors of 2e-16 that may all have the same sign.
 TEST(Ledger, of_compliant_steps_closes_over_a_million_steps_of_gravity_damping_and_impacts) {
   const Outcome out = endure(bouncing());
   EXPECT_LT(out.drift, 1e-10);

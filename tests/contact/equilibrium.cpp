@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Bodies at rest against statics by hand: standing and stacked rods, a table's legs, enumerated active sets.
+// Bodies at rest compared with statics by hand (standing and stacked rods, a table on three
+// legs) and with enumerated active sets.
 #include "contact/static/equilibrium.hpp"
 
 #include <gmock/gmock.h>
@@ -24,7 +25,7 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 constexpr auto uzawa = EquilibriumOptions::Solver::uzawa;
-constexpr double length = 2, weight = 3;  // the rods have ρA = EA = 1: weight per length
+constexpr double length = 2, weight = 3;  // the rods have ρA = EA = 1; weight per length
 
 const HalfSpace wall{"wall", Vector3d::Zero(), Vector3d::UnitX()};
 
@@ -39,13 +40,13 @@ TEST(Equilibrium, of_a_rod_on_its_foot_is_that_of_a_column_under_its_own_weight)
   for (const auto solver : {EquilibriumOptions::Solver::exact, uzawa}) {
     const Model model = standing(kernel, gap);
     const Equilibrium at_rest = find_equilibrium(model, {.solver = solver});
-    // 1e-6: the rod's R is a sum of 10⁶ terms, and Uzawa stops at 1e-9 of the gap closed
+    // 1e-6: R of the rod is a sum of 10⁶ terms, and Uzawa stops at 1e-9 of the closed gap
     EXPECT_NEAR(at_rest.force.sum(), weight * length, 1e-6);
     EXPECT_NEAR(at_rest.displacement(0), gap, 1e-6);
     const EquilibriumSummary figures = summarise(model, at_rest);
     ASSERT_EQ(figures.pairs.size(), 1U);
     EXPECT_NEAR(figures.pairs[0].force_n, weight * length, 1e-6);
-    // the gap, and u(x) = w (L x − x²/2) above the foot: its mean is w L²/3
+    // The gap plus the mean w L²/3 of the displacement u(x) = w (L x − x²/2) above the foot.
     EXPECT_NEAR(figures.pairs[0].approach_m, gap + weight * length * length / 3, 1e-5);
     EXPECT_EQ(figures.pairs[0].contact_points, 1);
     EXPECT_LT(figures.imbalance, 1e-6);
@@ -60,8 +61,8 @@ TEST(Equilibrium, of_stacked_rods_loads_the_lower_one_twice) {
   const EquilibriumSummary figures = summarise(model, find_equilibrium(model));
   EXPECT_NEAR(figures.pairs[0].force_n, 2 * weight * length, 1e-9);
   EXPECT_NEAR(figures.pairs[1].force_n, weight * length, 1e-9);
-  // Lower rod: w (L x − x²/2) + w L x, hence mean 5/6 w L² and head 3/2 w L²; the upper one stands on that
-  // head.
+  // Lower rod: u(x) = w (L x − x²/2) + w L x, with the mean 5/6 w L² and the value 3/2 w L² at the
+  // head. The upper rod stands on this head.
   const double unit = weight * length * length;
   EXPECT_NEAR(figures.pairs[0].approach_m, 5.0 / 6 * unit, 1e-5);
   EXPECT_NEAR(figures.pairs[1].approach_m, 0.5 + (3.0 / 2 + 1.0 / 3 - 5.0 / 6) * unit, 1e-5);
@@ -83,8 +84,8 @@ TEST(Equilibrium, that_cannot_be_is_refused_with_the_force_that_nothing_carries)
                     HasSubstr("give it a support")));
 }
 
-/// A stiff table without thickness: its centre of mass in the origin, three legs, the modes heave and two
-/// tilts.
+/// A rigid, flat table on three legs with its centre of mass at the
+/// origin. Its modes are heave and two tilts.
 Kernel table(const std::vector<Vector3d>& legs, double mass, double radius) {
   Kernel kernel;
   kernel.mass = mass;
@@ -95,7 +96,7 @@ Kernel table(const std::vector<Vector3d>& legs, double mass, double radius) {
   for (const Vector3d& x : legs) {
     add_candidate(kernel, x, -Vector3d::UnitZ(), 1e-4);
     const double heave = 1 / std::sqrt(mass), tilt = 1 / std::sqrt(inertia);
-    // e_z/√m, e_x × x/√I, e_y × x/√I
+    // Modes: e_z/√m, e_x × x/√I, e_y × x/√I.
     kernel.surface.shape.insert(kernel.surface.shape.end(), {0, 0, tilt * x.z(),   //
                                                              0, -tilt * x.z(), 0,  //
                                                              heave, tilt * x.y(), -tilt * x.x()});
@@ -118,7 +119,8 @@ Model on_floor(const Kernel& kernel) {
 }
 
 TEST(Equilibrium, of_a_table_shares_its_weight_among_three_legs_as_levers_do) {
-  // The origin is 1/6, 1/3 and 1/2 of the legs: so are the forces.
+  // The barycentric coordinates of the origin are 1/6, 1/3 and 1/2. The
+  // legs carry these shares of the weight.
   const Kernel kernel = table({{2, 2, -1}, {-2, 1, -1}, {2.0 / 3, -4.0 / 3, -1}}, 7, 1.5);
   const Model model = on_floor(kernel);
   const Equilibrium at_rest = find_equilibrium(model);
@@ -142,7 +144,7 @@ struct Statics {
   VectorXd closing, f;
 };
 
-/// `points` between elastic modes, a residual and rigid modes whose load some forces can carry.
+/// A model with elastic modes, a residual, and rigid modes whose load some contact forces can balance.
 Statics random_statics(int points, int elastic, int rigid, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
@@ -152,7 +154,8 @@ Statics random_statics(int points, int elastic, int rigid, unsigned seed) {
   Statics out;
   Model& model = out.model;
   model.B = fill(points, rigid + elastic);
-  model.B.leftCols(rigid) = model.B.leftCols(rigid).cwiseAbs();  // pressing anywhere pushes back
+  model.B.leftCols(rigid) =
+      model.B.leftCols(rigid).cwiseAbs();  // any contact force pushes the rigid modes back
   model.omega.setZero(rigid + elastic);
   for (int n = rigid; n < rigid + elastic; ++n) model.omega(n) = 1 + n;
   model.load = fill(rigid + elastic, 1);
@@ -175,7 +178,7 @@ Statics random_statics(int points, int elastic, int rigid, unsigned seed) {
   return out;
 }
 
-/// Each active set's saddle point; the one that is feasible.
+/// Solves the saddle point problem of each active set and returns the feasible solution.
 VectorXd by_enumeration(const Statics& statics) {
   const int m = static_cast<int>(statics.S.rows()), r = static_cast<int>(statics.f.size());
   for (unsigned set = 0; set < 1U << m; ++set) {
@@ -208,9 +211,9 @@ TEST(Equilibrium, is_the_one_feasible_active_set_of_all) {
     const VectorXd expected = by_enumeration(statics);
     const double scale = expected.cwiseAbs().maxCoeff() + 1e-3;
     const Equilibrium exact = find_equilibrium(statics.model);
-    // 1e-9: the balance holds to 1e-11, and forces follow it by the condition of S₀, about 100
+    // 1e-9: the balance holds to 1e-11, and the condition number of S₀, about 100, amplifies this error
     EXPECT_LT((exact.force - expected).cwiseAbs().maxCoeff(), 1e-9 * scale);
-    // Uzawa stops at 1e-9 of the gap closed, its balance at 1e-7
+    // Uzawa stops at 1e-9 of the closed gap; its balance holds to 1e-7.
     const Equilibrium slow = find_equilibrium(statics.model, {.solver = uzawa});
     EXPECT_LT((slow.force - expected).cwiseAbs().maxCoeff(), 1e-5 * scale);
   }
@@ -220,7 +223,7 @@ TEST(Equilibrium, of_many_points_meets_its_conditions) {
   const Statics statics = random_statics(200, 60, 3, 7);
   const Equilibrium at_rest = find_equilibrium(statics.model);
   const VectorXd open = statics.model.gap - at_rest.displacement;
-  // Round-off of sums over 200 points.
+  // Scale of the round-off of sums over 200 points.
   const double scale = statics.S.cwiseAbs().rowwise().sum().maxCoeff() * at_rest.force.maxCoeff();
   EXPECT_GT(at_rest.active, 3);
   EXPECT_GE(at_rest.force.minCoeff(), 0);
@@ -237,7 +240,7 @@ TEST(Equilibrium, by_uzawa_that_takes_too_long_is_an_error_and_no_result) {
 
 // ---- Results ----
 
-/// Rod along x with ρA = E A = 1, held at x = 0, with its head as candidate; flexibility L, sag g L²/2.
+/// Rod along x with ρA = EA = 1, held at x = 0. Its head is the candidate, with flexibility L and sag g L²/2.
 Kernel post(int modes) {
   Kernel kernel = rod(1, length);
   kernel.supported = true;
@@ -279,14 +282,16 @@ TEST(EquilibriumResult, holds_one_row_with_forces_displacements_and_what_support
   EXPECT_EQ(file.read<double>("/contact/time", {1}), std::vector<double>{0});
   EXPECT_NEAR(row("/contact/force", 1)[0], weight * length, 1e-9);
   EXPECT_NEAR(row("/contact/gap", 1)[0], 0, 1e-12);
-  // The head of the post sinks by its own weight and the rod's: w L²/2 + w L · L; n points down.
+  // The head of the post sinks under its own weight and that of the rod, by
+  // w L²/2 + w L · L. The normal n points down.
   for (const char* side : {"/contact/displacement_a", "/contact/displacement_b"})
     EXPECT_NEAR(row(side, 1)[0], 1.5 * weight * length * length, 1e-9);
   EXPECT_NEAR(row("/bodies/low/reaction", 3)[0], 2 * weight * length, 1e-9);
   EXPECT_EQ(row("/bodies/top/reaction", 3)[0], 0);
   EXPECT_EQ(row("/bodies/top/velocity", 3)[0], 0);
   EXPECT_EQ(file.read<double>("/energy/kinetic", {1})[0], 0);
-  // Strain energy of the free rod on a foot: ∫ σ²/2 = w² L³/6, all but what its modes above the fifth hold.
+  // Strain energy of the free rod on its foot: ∫ σ²/2 = w² L³/6, except for
+  // the part of the modes above the fifth.
   const double strain =
       file.read<double>("/energy/strain", {1})[0] + file.read<double>("/energy/residual", {1})[0];
   const double whole = weight * weight * std::pow(length, 3) * (1.0 / 6 + 7.0 / 6);  // post: ∫ (2L − x)²/2

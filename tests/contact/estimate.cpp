@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Error estimates against true errors, where one approximation alone is to blame: rods from their exact
-// modes, whose collision d'Alembert's waves solve (they exchange their velocities, and the impulse is that of
-// one rod).
+// Error estimates compared with true errors, each with a single source of error. Two rods collide,
+// represented by their exact modes. D'Alembert's solution is the reference: the rods exchange their
+// velocities, and the impulse is the momentum of one rod.
 #include "contact/accuracy/estimate.hpp"
 
 #include <gmock/gmock.h>
@@ -29,7 +29,7 @@ Model collision(const std::vector<Kernel>& rods) {
 
 std::vector<Kernel> rods(int modes) { return {rod(modes, length), rod(modes, length)}; }
 
-/// The subject and its estimator.
+/// A subject with its estimator.
 struct Estimated {
   explicit Estimated(Subject subject) : of(std::move(subject)), estimator(of, of.rebuild(of.kernels)) {}
   Subject of;
@@ -38,7 +38,7 @@ struct Estimated {
 
 Subject subject(int modes) { return {.rebuild = collision, .kernels = rods(modes), .duration = duration}; }
 
-/// What the waves leave of the impact.
+/// The quantities of interest of the wave solution.
 Quantities exact() {
   Quantities out;
   out.value.setZero(7);
@@ -52,20 +52,21 @@ Quantities exact() {
 TEST(Quantities, of_colliding_rods_are_those_of_the_waves) {
   const auto found = impact_quantities(collision(rods(200)), {.step = 0.002}, 15000);
   ASSERT_TRUE(found);
-  EXPECT_LT(distance(exact(), *found), 2e-3);  // of 200 modes
+  EXPECT_LT(distance(exact(), *found), 2e-3);  // error of 200 modes
   EXPECT_NEAR(found->longest_touch, 2 * length, 0.5);
   EXPECT_NEAR(found->scale[1], speed, 1e-12);
 }
 
-// √(2 g h) after a fall of h = ½ at g = 1; a run that begins at rest has no other speed.
+// The impact speed is √(2 g h) after a fall of h = ½ at g = 1. A run that
+// starts at rest has no other reference speed.
 TEST(Quantities, of_a_falling_rod_are_measured_by_the_speed_at_which_it_meets_the_wall) {
   const Kernel kernel = rod(8, length);
   const Model model = build_model({{.name = "a", .kernel = &kernel, .translation = {-length, 0, 0}}},
                                   {{.name = "wall", .point = {0.5, 0, 0}, .normal = {-1, 0, 0}}},
                                   {PairRequest{"a", "wall", {}, {}, {}}}, {1, 0, 0});
-  const auto found = impact_quantities(model, {.step = 1e-3}, 2000);  // until it is still pressed on
+  const auto found = impact_quantities(model, {.step = 1e-3}, 2000);  // the run ends while contact lasts
   ASSERT_TRUE(found);
-  EXPECT_NEAR(found->scale[1], 1, 2e-3);  // a step's
+  EXPECT_NEAR(found->scale[1], 1, 2e-3);  // error of one step
   EXPECT_NEAR(found->longest_touch, 1, 0.1);
 }
 
@@ -81,7 +82,7 @@ TEST(Distance, is_the_largest_relative_to_its_scale) {
   EXPECT_EQ(distance(a, b), std::numeric_limits<double>::infinity());
 }
 
-// A run of steps a hundred times shorter stands for no error of the step.
+// A run with steps a hundred times shorter is the reference without step error.
 TEST(StepShare, is_near_the_true_error_of_the_step) {
   for (const Scheme scheme : {Scheme::compliant, Scheme::impulse})
     for (const double step : {0.2, 0.05}) {
@@ -96,7 +97,8 @@ TEST(StepShare, is_near_the_true_error_of_the_step) {
     }
 }
 
-// The error of a shock jumps about with the number of modes, as the estimate does: most of them have to hold.
+// The error of a shock varies irregularly with the number of modes, as does the
+// estimate, so only most cases must hold.
 TEST(ModesShare, holds_for_nine_of_ten_numbers_of_modes_and_is_close_for_seven) {
   int held = 0, close = 0, all = 0;
   for (int modes = 5; modes <= 64; modes += 3, ++all) {
@@ -107,7 +109,7 @@ TEST(ModesShare, holds_for_nine_of_ten_numbers_of_modes_and_is_close_for_seven) 
     const double error = distance(exact(), *estimator.quantities(options));
     held += error <= 3 * found.total() ? 1 : 0;
     close += found.total() <= 10 * error ? 1 : 0;
-    EXPECT_EQ(found.spacing, 0);  // one point
+    EXPECT_EQ(found.spacing, 0);  // one contact point
     EXPECT_EQ(found.eigensolver, 0);
     EXPECT_FALSE(found.mesh);
   }
@@ -115,7 +117,7 @@ TEST(ModesShare, holds_for_nine_of_ten_numbers_of_modes_and_is_close_for_seven) 
   EXPECT_GE(close, 0.7 * all);
 }
 
-// What is left away, not left to the statics, takes 2L/(πc)·ω of the energy of the ends with it.
+// Without the static correction, the truncated modes remove 2L/(πc)·ω of the energy of the ends.
 TEST(ModesShare, is_larger_without_residual_flexibility) {
   double sum[2] = {0, 0};
   for (int modes = 16; modes < 48; modes += 4)
@@ -134,7 +136,8 @@ TEST(ModesShare, is_unknown_where_there_is_no_mode_to_leave_out) {
   EXPECT_FALSE(estimator.estimate({.step = 0.05}).modes);
 }
 
-// Kato and Temple: λ is off by r² λ²/gap at most, so a tenth of the residual is a hundredth of the share.
+// By the Kato–Temple bound, the error of λ is at most r² λ²/gap. A tenth of the residual
+// therefore gives a hundredth of the share.
 TEST(EigensolverShare, goes_with_the_square_of_the_residuals) {
   double share[2];
   for (int k = 0; k < 2; ++k) {
@@ -154,11 +157,11 @@ TEST(PrecisionShare, of_double_is_that_of_single_in_their_round_offs) {
   EXPECT_GT(in_single, 0);
   EXPECT_LT(in_single, 1e-3);
   EXPECT_NEAR(in_double / in_single, std::ldexp(1, -29),
-              1e-6 * std::ldexp(1, -29));  // relative to one or the other
+              1e-6 * std::ldexp(1, -29));  // relative, as each is obtained from the other
 }
 
-// Meshes too coarse by some per cent of each frequency, the more the higher; the next order has none of it
-// left.
+// The frequencies of too coarse meshes are too high by some per cent, and more so for higher modes. The next
+// element order is taken as free of this error.
 TEST(MeshShare, is_as_much_as_is_left_of_what_other_elements_change) {
   std::vector<Kernel> coarse = rods(16);
   for (Kernel& kernel : coarse)
@@ -176,12 +179,12 @@ TEST(MeshShare, is_as_much_as_is_left_of_what_other_elements_change) {
                impact_quantities(collision(rods(16)), {.step = step}, steps)->value[0]) /
               2;
   EXPECT_NEAR(share(1), std::abs(change) / (length * speed),
-              1e-2 * share(1));  // of the impulse, as rated
+              1e-2 * share(1));  // error of the impulse, relative to its scale
   EXPECT_DOUBLE_EQ(share(0.25), share(1) / 4);
 }
 
-/// A block that falls flat on a floor: a rigid mode, and elastic ones that bulge its face; more of it the
-/// wider the patch.
+/// A block that falls flat on a floor, with a rigid mode and elastic modes that deform its face. A wider
+/// patch averages out more of this deformation.
 Kernel block(int points) {
   Kernel kernel = square(points - 1, 1);
   const std::size_t m = kernel.surface.size(), n = 12;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Impulses at the exact instants of closing.
+// Impulses at the exact instants at which points close.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -20,7 +20,7 @@ using ricochet::StepStatus;
 using namespace ricochet::contact::test;
 using ricochet::kernels::Kernel;
 
-/// A rigid unit mass that moves along z, its lowest point at the height 0 of its own frame.
+/// A rigid unit mass that moves along z. Its lowest point has the height 0 in its own frame.
 Kernel mass() {
   Kernel kernel;
   kernel.mass = 1;
@@ -47,8 +47,8 @@ StepOptions exact(double step, double restitution = 0) {
   return {.scheme = Scheme::impulse, .instant = Instant::exact, .restitution = restitution, .step = step};
 }
 
-// Galilei: bounce k leaves at e^k √(2gh), and the flight after it lasts twice that over g. Round-off of 2e-13
-// m, the margin for touching, is 1e-13 s at each bounce.
+// By Galilei's laws, bounce k leaves at e^k √(2gh), and the flight after it lasts twice this speed divided by
+// g. The margin for touching, 2e-13 m of round-off, is 1e-13 s at each bounce.
 TEST(ExactInstant, makes_a_mass_bounce_as_galilei_has_it) {
   const double gravity = 9.81, height = 0.7, restitution = 0.8, step = 0.0137;
   const Kernel kernel = mass();
@@ -76,8 +76,8 @@ TEST(ExactInstant, makes_a_mass_bounce_as_galilei_has_it) {
   }
 }
 
-// A force that grows from a knot within the step: z = F τ³/6 closes the gap 0.002 at τ = (6 · 0.002 /
-// F)^{1/3}.
+// A force grows linearly from a knot within the step: z = F τ³/6 closes the
+// gap 0.002 at τ = (6 · 0.002 / F)^{1/3}.
 TEST(ExactInstant, is_found_under_a_load_that_grows_within_the_step) {
   const Kernel kernel = mass();
   const double gap = 0.002, growth = 20, start = 0.03, step = 0.2;
@@ -88,21 +88,22 @@ TEST(ExactInstant, is_found_under_a_load_that_grows_within_the_step) {
   const double flight = std::cbrt(6 * gap / growth), speed = growth * flight * flight / 2;
   ASSERT_LT(start + flight, step);
   const double met = start + flight, left = step - met;
-  // then pushed on from rest by the load; beyond the gap at t_1, and so met there again
+  // After the impact the load pushes the mass from rest. It is beyond the
+  // gap at t_1 and is stopped again there.
   const double again = growth * flight * left + growth * left * left / 2;
   EXPECT_NEAR(stepper->force()(0) * step, speed + again, 1e-10);
   EXPECT_NEAR(stepper->displacement()(0) - gap,
               growth * flight * left * left / 2 + growth * left * left * left / 6, 1e-10);
 }
 
-/// Two rods of unit impedance, the left one arriving at 1 over a gap.
+/// Two rods of unit impedance. The left one approaches the other across a gap at unit speed.
 Model rods(const Kernel& kernel, double gap) {
   return build_model({{"left", &kernel, Matrix3d::Identity(), Vector3d::Zero(), {1, 0, 0}},
                       {"right", &kernel, Matrix3d::Identity(), {10 + gap, 0, 0}}},
                      {}, {{"left", "right", Vector3d(1, 0, 0), {}, {}}}, Vector3d::Zero());
 }
 
-// Rods that are rigid until they meet: the instant is gap / 1, whatever the step.
+// The rods move rigidly until they meet, so the instant is gap / 1 for any step.
 TEST(ExactInstant, leaves_no_penetration_at_the_first_touch) {
   const Kernel kernel = rod(30, 10);
   for (const double gap : {0.0, 0.0037, 0.0999, 0.31}) {
@@ -116,11 +117,12 @@ TEST(ExactInstant, leaves_no_penetration_at_the_first_touch) {
     }
     const double late = 0.1 * (static_cast<int>(gap / 0.1) + 1) - gap;
     EXPECT_NEAR(deepest[0], late, 1e-12);
-    EXPECT_LT(deepest[1], 0.6 * late) << gap;  // what creeps back between the instant and t_k
+    EXPECT_LT(deepest[1], 0.6 * late) << gap;  // penetration that builds up between the instant and t_k
   }
 }
 
-/// Many modes and points with speed: brute force looks at 20 000 instants a step.
+/// Many modes and points with random velocities. The reference searches
+/// 20 000 instants of the step by brute force.
 TEST(ExactInstant, is_the_first_at_which_any_point_closes) {
   const Kernel kernel = rod(12, 10);
   Model model = rods(kernel, 0.5);
@@ -136,7 +138,7 @@ TEST(ExactInstant, is_the_first_at_which_any_point_closes) {
     many.static_displacement = many.static_a = Vector::Zero(m);
     many.v0 = Vector::NullaryExpr(N, [&] { return 0.4 * normal(random); });
     many.decay = 0.1 * many.omega;
-    // no contact: the free motion on a fine grid
+    // Free motion without contact on a fine time grid.
     Model free = many;
     free.gap.setConstant(1e9);
     constexpr int grid = 20000;
@@ -156,7 +158,7 @@ TEST(ExactInstant, is_the_first_at_which_any_point_closes) {
     ASSERT_EQ(stepper->step(), StepStatus::ok);
     EXPECT_EQ(stepper->active() > 0, point >= 0) << trial;
     if (point < 0) continue;
-    // the ledger takes what the first impulse takes at least: (u̇)² / 2A of the point that closes first
+    // The contact energy is at least that of the first impulse: (u̇)² / 2A of the point that closes first.
     const double least = 0.5 * speed * speed / many.B.row(point).squaredNorm();
     EXPECT_GT(stepper->modal()->energy().contact, least * (1 - 1e-3)) << trial << " " << first;
     EXPECT_GT(stepper->force()(point), 0);

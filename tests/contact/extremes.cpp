@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The ends of the knobs of stepping: steps, damping, masses, precision, and very many steps. Each is measured
-// against a closed form or a law of conservation; scripts/verify --extremes makes a table of what is found.
+// Extreme settings of stepping: step length, damping, masses, precision, and numbers of steps. Each is
+// compared with a closed form or a conservation law. scripts/verify --extremes prints the results as a table.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
@@ -21,7 +21,7 @@ using ricochet::StepStatus;
 using namespace ricochet::contact::test;
 using ricochet::kernels::Kernel;
 
-/// A line of the table: what is set, what it must be, the bound on the error and the error.
+/// A line of the table: setting, oracle, bound on the error, and largest error.
 class Row {
  public:
   Row(const std::string& setting, const std::string& oracle, double bound)
@@ -40,7 +40,7 @@ class Row {
     keep("found", fmt::format("{}", worst_));
   }
 
-  /// NaN stays.
+  /// Records the error relative to `scale`. A NaN is kept.
   void error(double found, double expected, double scale) {
     const double e = std::abs(found - expected) / scale;
     if (!(e <= worst_)) worst_ = e;
@@ -53,9 +53,9 @@ class Row {
   static inline int rows_ = 0;
 };
 
-constexpr double length = 10;  // of rods with c = ρA = EA = 1: m = 10, highest mode nπ/L
+constexpr double length = 10;  // rods with c = ρA = EA = 1: mass 10, highest mode nπ/L
 
-/// A rod that touches a wall on its right and moves into it at speed 1.
+/// A rod that moves right towards a wall; with gap 0 it touches the wall at the start.
 Model against_wall(const Kernel& kernel, double gap = 0, double speed = 1) {
   return build_model({{"rod", &kernel, Matrix3d::Identity(), Vector3d::Zero(), {speed, 0, 0}}},
                      {{"wall", {length + gap, 0, 0}, {-1, 0, 0}}}, {{"rod", "wall", {}, {}, {}}},
@@ -65,8 +65,8 @@ Model against_wall(const Kernel& kernel, double gap = 0, double speed = 1) {
 double shortest_period(const Model& model) { return 2 * std::numbers::pi / model.omega.maxCoeff(); }
 
 struct Impact {
-  double impulse = 0, velocity = 0;  ///< Σ λΔ; mass-mean, at the end
-  double drift = 0;                  ///< of the ledger, relative
+  double impulse = 0, velocity = 0;  ///< Σ λΔ; mean velocity at the end
+  double drift = 0;                  ///< deviation of the ledger, relative
   double growth = 0;                 ///< largest growth of the energy in a step, relative
   bool ok = true;
 };
@@ -88,7 +88,7 @@ Impact collide(const Model& model, const StepOptions& options, int steps) {
   return out;
 }
 
-/// Momentum, the ledger and falling energy, of whatever the impact becomes.
+/// Checks momentum, ledger and energy growth, whatever the course of the impact.
 void expect_balance(const Model& model, const StepOptions& options, int steps, Row& row) {
   const Impact impact = collide(model, options, steps);
   const double mass = model.bodies[0].mass;
@@ -101,13 +101,13 @@ void expect_balance(const Model& model, const StepOptions& options, int steps, R
 TEST(Step, of_any_length_keeps_momentum_and_ledger_and_gains_no_energy) {
   const Kernel kernel = rod(40, length);
   const Model model = against_wall(kernel);
-  // 1e-10: round-off of 2000 steps, where R presses with as much as 1e5 times the energy that moves
+  // 1e-10: round-off of 2000 steps, where R stores up to 1e5 times the kinetic energy
   Row row("Δ = 1e-12 to 1e4 shortest periods", "momentum, ledger, energy never grows", 1e-10);
   for (int k = -12; k <= 4; ++k)
     expect_balance(model, {.step = std::pow(10.0, k) * shortest_period(model)}, 2000, row);
 }
 
-// Until waves matter the modes keep still: λ = v t/R.
+// As long as waves are negligible, the modes do not move: λ = v t/R.
 TEST(Step, far_below_the_periods_loads_the_residual_spring) {
   const Kernel kernel = rod(40, length);
   const Model model = against_wall(kernel);
@@ -122,8 +122,8 @@ TEST(Step, far_below_the_periods_loads_the_residual_spring) {
   }
 }
 
-// All modes are quasi-static: a mass m on the static flexibility F = L/(3EA), S = Δ²/2m + F, λ = vΔ/S. In the
-// next step it is free.
+// All modes are quasi-static: a mass m on the static flexibility F = L/(3EA), S = Δ²/2m + F,
+// λ = vΔ/S. The rod is free in the next step.
 TEST(Step, far_above_the_periods_turns_a_rigid_body_round) {
   const Kernel kernel = rod(40, length);
   const Model model = against_wall(kernel);
@@ -131,7 +131,7 @@ TEST(Step, far_above_the_periods_turns_a_rigid_body_round) {
     const double step = periods * shortest_period(model);
     const Impact impact = collide(model, {.step = step}, 2);
     const double force = step / (step * step / (2 * length) + length / 3);
-    // F is the sum over a million modes: 1e-6 of it is missing
+    // F is the sum over a million modes, which lacks 1e-6 of the exact value
     Row row(fmt::format("Δ = {:g} shortest periods", periods), "rigid body on its static flexibility", 1e-6);
     row.relative(impact.velocity, 1 - force * step / length);
     row.error(impact.drift, 0, 1e-6);
@@ -148,13 +148,13 @@ TEST(Damping, from_none_to_a_hundredfold_of_critical_keeps_momentum_and_ledger) 
   }
 }
 
-// Bodies of other mass, stiffness and size are the same in other units. Single precision holds numbers from
-// 1e-38 to 1e38 and squares of none beyond 1e19.
+// A change of units is equivalent to bodies of another mass, stiffness and size. Single precision represents
+// numbers from 1e-38 to 1e38, and squares only of numbers up to 1e19.
 TEST(SinglePrecision, follows_double_in_any_units) {
   const Kernel unit = rod(40, length);
   for (const auto& [mass, time] :
        {std::pair(1.0, 1.0), std::pair(1e-12, 1e-9), std::pair(1e12, 1e3), std::pair(1e-21, 1e-12)}) {
-    // lengths stay; frequencies 1/time, modes mass^-1/2, R time²/mass
+    // Lengths are unchanged; frequencies scale by 1/time, modes by mass^-1/2, R by time²/mass.
     Kernel kernel = unit;
     kernel.mass *= mass;
     for (double& x : kernel.inertia) x *= mass;
@@ -166,7 +166,7 @@ TEST(SinglePrecision, follows_double_in_any_units) {
     const auto found =
         make_stepper(model, {.step = 0.01 * time, .block = 16, .precision = Precision::float32});
     const auto expected = make_stepper(reference, {.step = 0.01});
-    // 1e-4: 24 bits over 16 steps of a block, of a force that is an amplified difference
+    // 1e-4: 24 bits over the 16 steps of a block, for a force that is an amplified difference
     Row row(fmt::format("single precision, masses times {:g}, times times {:g}", mass, time),
             "double precision in other units", 1e-4);
     double impulse = 0, same = 0;
@@ -180,16 +180,17 @@ TEST(SinglePrecision, follows_double_in_any_units) {
   }
 }
 
-// A mode that is let go swings for ever: q = (f/ω²)(1 − cos ωt).
+// A mode that is released oscillates forever: q = (f/ω²)(1 − cos ωt).
 TEST(TenMillionSteps, of_free_motion_keep_phase_and_energy) {
   Kernel kernel = clamped_bar(4, length);
   const Model model = build_model({{"bar", &kernel}}, {{"wall", {2 * length, 0, 0}, {-1, 0, 0}}},
                                   {{"bar", "wall", {}, {}, {}}}, {0.01, 0, 0});
-  const double step = 0.0123;  // no share of a period: 4L/(2n + 1)
+  const double step = 0.0123;  // no fraction of a period, 4L/(2n + 1)
   const auto stepper = make_stepper(model, {.step = step});
   constexpr std::int64_t steps = 10'000'000;
   for (std::int64_t k = 0; k < steps; ++k) ASSERT_EQ(stepper->step(), StepStatus::ok);
-  // Each step may turn a mode by a rounding too much, 1e-16 of its state: 1e-9 if all have one sign.
+  // Each step may turn a mode by a rounding error of 1e-16 of its state:
+  // 1e-9 in total if all have the same sign.
   Row row("1e7 steps of free motion under gravity", "q = f (1 − cos ωt)/ω²", 1e-8);
   for (Eigen::Index n = 0; n < model.omega.size(); ++n) {
     const double rest = model.load(n) / (model.omega(n) * model.omega(n));
@@ -200,7 +201,7 @@ TEST(TenMillionSteps, of_free_motion_keep_phase_and_energy) {
             (model.load.array() / model.omega.array()).square().sum());
 }
 
-// Damped, it stands in the end as it would if it had been laid down.
+// The damped rod comes to rest in its static equilibrium.
 TEST(MillionSteps, at_rest_under_gravity_carry_the_weight_without_sinking) {
   Kernel kernel = rod(20, length);
   for (std::size_t n = 0; n < kernel.modes.size(); ++n) kernel.modes.decay_rate[n] = 0.05;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Loads with histories and supports that move: modes and energy against Runge–Kutta steps of the equation of
-// motion itself, bars against their waves and statics.
+// Loads with histories and moving supports. Modes and energy are compared with Runge–Kutta steps of the
+// equation of motion, and bars with waves and statics.
 #include "contact/stepping/forced_response.hpp"
 
 #include <gmock/gmock.h>
@@ -25,7 +25,7 @@ using namespace ricochet::contact::test;
 using ricochet::kernels::Kernel;
 using ::testing::HasSubstr;
 
-/// Knots at places that no step knows of, several in one step and none in others.
+/// A history with knots that no step is aligned with. Some steps contain several knots, others none.
 History ragged(double duration, unsigned seed, double start = 0) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(0, 1);
@@ -37,8 +37,8 @@ History ragged(double duration, unsigned seed, double start = 0) {
   return h;
 }
 
-/// One mode by Runge–Kutta in extended precision, from knot to knot in pieces of at most `pace`:
-/// p̈ = force h − 2δ (ṗ − lift h') − ω² (p − lift h), the motion with the support's, not relative to it.
+/// Absolute motion of one mode, by Runge–Kutta in extended precision, in increments of at most `pace` between
+/// knots: p̈ = force h − 2δ (ṗ − lift h') − ω² (p − lift h).
 struct Mode {
   long double omega, decay, force, lift;
   long double p = 0, rate = 0;
@@ -68,8 +68,8 @@ struct Mode {
   }
 };
 
-/// Modes of one body and no contact: rigid ones with and without decay, and some below, at and above
-/// critical.
+/// Modes of one body without contact: rigid modes with and without decay, and
+/// modes below, at and above critical damping.
 Model loose(const History& history, bool support, double step) {
   Model model;
   const std::vector<double> omega = {0, 0, 3, 30, 30, 30, 30, 250}, decay = {0, 5, 0, 0.1, 30, 33.5, 400, 25};
@@ -92,8 +92,8 @@ Model loose(const History& history, bool support, double step) {
   return model;
 }
 
-// 1e-10: Runge–Kutta of order four with 4000 pieces a step and the highest mode at ωΔ = 2.5, and sums of 100
-// steps.
+// 1e-10: error of fourth-order Runge–Kutta with 1000 increments per step, with the highest mode
+// at ωΔ = 2.5, and round-off of 60 steps.
 TEST(Forcing, moves_modes_of_any_damping_exactly_for_any_knots) {
   const double step = 0.01;
   constexpr int steps = 60;
@@ -128,7 +128,7 @@ TEST(Forcing, moves_modes_of_any_damping_exactly_for_any_knots) {
     }
 }
 
-/// A body with a load and a moving support over a floor, both with ragged histories, every mode damped.
+/// A body above a floor with a load and a moving support, both with ragged histories.
 Model busy(double step, double gap, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> spread(-1, 1);
@@ -149,7 +149,8 @@ Model busy(double step, double gap, unsigned seed) {
   return model;
 }
 
-// Round-off of 400 steps; the theorem of the compliant scheme with forcing that does work.
+// Tolerances are the round-off of 400 steps. The compliant scheme must not gain
+// energy although the forcing does work.
 TEST(Ledger, closes_with_loads_and_supports_that_change_within_steps) {
   const double step = 0.01;
   int touching = 0;
@@ -178,7 +179,7 @@ TEST(Ledger, closes_with_loads_and_supports_that_change_within_steps) {
   EXPECT_GT(touching, 200);
 }
 
-// E(t) and the work ∫ f q̇ dt by quadrature of the Runge–Kutta solution.
+// Work ∫ f q̇ dt and damping losses by quadrature of the Runge–Kutta solution.
 TEST(Ledger, counts_the_work_of_a_load_as_its_integral) {
   const double step = 0.01;
   const History history = ragged(20 * step, 8);
@@ -188,7 +189,7 @@ TEST(Ledger, counts_the_work_of_a_load_as_its_integral) {
   long double work = 0, lost = 0;
   for (Eigen::Index n = 0; n < model.omega.size(); ++n) {
     Mode mode{model.omega(n), model.decay(n), 1.5L, 0};
-    for (double t = 0; t < 20 * step - 1e-9;) {  // midpoint rule; knots bound the pieces
+    for (double t = 0; t < 20 * step - 1e-9;) {  // midpoint rule, with intervals that end at knots
       const std::size_t knot = history.passed(t);
       const double end =
           std::min({t + step / 2000, 20 * step, knot < history.time.size() ? history.time[knot] : 1.0});
@@ -200,15 +201,15 @@ TEST(Ledger, counts_the_work_of_a_load_as_its_integral) {
       t = end;
     }
   }
-  // the midpoint rule of 2000 pieces a step, the highest mode at ωΔ = 2.5: 1e-7
+  // 1e-7: error of the midpoint rule with 2000 intervals per step and the highest mode at ωΔ = 2.5.
   EXPECT_NEAR(stepper->modal()->energy().loads, static_cast<double>(work),
               1e-6 * std::abs(static_cast<double>(work)));
   EXPECT_NEAR(stepper->modal()->energy().damping, static_cast<double>(lost),
               1e-6 * static_cast<double>(lost));
 }
 
-// A unit mass on a support that lifts it at speed 2 from t = 0: the lift is rigid, and the ledger must find
-// ½ m v² of work, although the mass vibrates against the lift before its damper stops it.
+// A support lifts a unit mass at speed 2 from t = 0 on. The lift is rigid. The mass vibrates relative to it
+// until the damper stops it, and the work must include the final kinetic energy ½ m v².
 TEST(Ledger, counts_the_work_of_a_support_that_gets_a_body_moving) {
   Model model = loose({{0, 100}, {0, 200}}, true, 0.01);
   for (Vector* x : {&model.omega, &model.decay, &model.load, &model.q0, &model.v0}) x->conservativeResize(1);
@@ -223,24 +224,24 @@ TEST(Ledger, counts_the_work_of_a_support_that_gets_a_body_moving) {
   for (int k = 0; k < 500; ++k) ASSERT_EQ(stepper->step(), StepStatus::ok);
   EXPECT_NEAR(stepper->modal()->energy().kinetic, 2, 1e-12);
   EXPECT_NEAR(stepper->modal()->energy().strain, 0, 1e-12);
-  // the support works 2 J on the mass and 2 J on the damper: seen from the support, the mass starts at speed
-  // −2
+  // The support does 2 J of work on the mass and 2 J on the damper: relative to the
+  // support, the mass starts at speed −2.
   EXPECT_NEAR(stepper->modal()->energy().damping, 2, 1e-12);
   EXPECT_NEAR(stepper->modal()->energy().loads, 4, 1e-12);
 }
 
 constexpr double length = 10;
 
-/// The bar with its tip before a wall at `gap`, under `forcing`.
+/// The bar under `forcing`, with its tip in front of a wall at the distance `gap`.
 Model bar_at_wall(const Kernel& bar, double gap, const std::vector<ForcingRequest>& forcing,
                   double gravity = 0) {
   return build_model({{"bar", &bar}}, {{"wall", Vector3d(length + gap, 0, 0), Vector3d(-1, 0, 0)}},
                      {{"bar", "wall", {}, {}, 20 * length}}, {gravity, 0, 0}, forcing);
 }
 
-// The foot leaves at speed V; the wave is at the tip at t = L, doubles there, comes back from the foot with
-// its sign changed: the tip moves at 2V from L to 3L, at 0 from 3L to 5L, at 2V again … 1e-3 V L: 200 modes
-// blur each front over 2L/200.
+// The foot starts to move at speed V. The wave reaches the tip at t = L, is doubled there, and returns from
+// the foot with the opposite sign: the tip moves at 2V from L to 3L, at 0 from 3L to 5L, and so on. 200 modes
+// blur each front over 2L/200, which gives an error of 1e-3 V L.
 TEST(Bar, whose_foot_moves_follows_the_waves) {
   const Kernel bar = clamped_bar(200, length);
   const double speed = 0.3, step = 0.07;
@@ -263,7 +264,8 @@ TEST(Bar, whose_foot_moves_follows_the_waves) {
   EXPECT_LT(stepper->modal()->energy().ledger(), 1e-10);
 }
 
-// Pressed by its foot against the wall slowly and left to rest, the bar is a spring EA/L. 1e-6: the damper.
+// The foot presses the bar slowly against the wall; once at rest, the bar
+// is a spring EA/L. 1e-6: residual motion.
 TEST(Bar, pressed_by_its_foot_is_a_spring) {
   for (const int modes : {3, 40}) {
     Kernel bar = clamped_bar(modes, length);
@@ -274,15 +276,15 @@ TEST(Bar, pressed_by_its_foot_is_a_spring) {
     for (int k = 0; k < 2000; ++k) ASSERT_EQ(stepper->step(), StepStatus::ok);
     EXPECT_NEAR(stepper->force()(0), (travel - gap) / length, 1e-6 * travel / length) << modes;
     EXPECT_NEAR(stepper->displacement()(0), gap, 1e-15);
-    // work of the foot: ½ k x² in the bar, and what damping and contact took
+    // Work of the foot: ½ k x² in the bar, plus the losses to damping and contact.
     const Energy& e = stepper->modal()->energy();
     EXPECT_NEAR(e.kinetic, 0, 1e-12);
     EXPECT_LT(std::abs(e.ledger()), 1e-15);
   }
 }
 
-// A load of 2 on the tip ends as 2 L of stretch once e^{−0.15 t} is over, whether its modes are stepped or,
-// above half the rate, static.
+// A load of 2 on the tip stretches the bar by 2 L once e^{−0.15 t} has decayed, no matter which modes are
+// stepped and which are static because they lie above half the rate.
 TEST(Bar, stretches_by_its_load_whichever_of_its_modes_are_static) {
   for (const double step : {0.01, 0.5, 5.0, 100.0}) {
     Kernel bar = clamped_bar(20, length);
@@ -296,7 +298,7 @@ TEST(Bar, stretches_by_its_load_whichever_of_its_modes_are_static) {
   }
 }
 
-// A foot displaced from the start moves nothing but the gap.
+// A foot that is displaced from the start on only changes the gap.
 TEST(Bar, whose_foot_is_displaced_from_the_start_is_at_rest) {
   const Kernel bar = clamped_bar(20, length);
   const Model model = bar_at_wall(bar, 1, {{"bar", "foot", true, {0.25, 0, 0}, {}}});
@@ -307,8 +309,8 @@ TEST(Bar, whose_foot_is_displaced_from_the_start_is_at_rest) {
   EXPECT_EQ(stepper->modal()->energy().total(), 0);
 }
 
-// Two ends of one body against two walls, with no modes below half the rate: λ = R⁻¹ (d h − g), R not
-// diagonal.
+// Two ends of one body touch two walls. No mode lies below half the rate, so
+// λ = R⁻¹ (d h − g) with a full matrix R.
 TEST(Pairs, of_one_body_are_coupled_through_its_residual_flexibility) {
   Kernel block;
   block.mass = 1;
@@ -341,7 +343,7 @@ TEST(Pairs, of_one_body_are_coupled_through_its_residual_flexibility) {
   for (int k = 1; k <= 30; ++k) {
     ASSERT_EQ(stepper->step(), StepStatus::ok);
     const double h = std::min(1.0, k * 0.05);
-    // along the normals R is [2, 0.5; 0.5, 3]: both ends pressed, or one alone
+    // Along the normals, R is [2, 0.5; 0.5, 3]. Both ends are pressed, or only one.
     const double a = 0.4 * h - 0.1, b = 0.7 * h - 0.2, both = 2 * 3 - 0.25;
     double left = (3 * a - 0.5 * b) / both, right = (2 * b - 0.5 * a) / both;
     if (left < 0 || right < 0) {

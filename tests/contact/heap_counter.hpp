@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Counts every call that takes memory from the heap, and apart from them those that return some, in the one
-// test file that includes it. It stands in front of malloc itself, because Eigen calls malloc and operator
-// new ends there (glibc).
+// Counts all calls that allocate heap memory and, separately, those that release some, in
+// the one test file that includes this header. It replaces malloc itself, because in glibc
+// both Eigen and operator new call malloc.
 #pragma once
 
 #include <atomic>
@@ -9,10 +9,11 @@
 
 namespace heap_counter {
 inline std::atomic<long> calls{0};
-inline std::atomic<long> returns{0};  ///< of memory that was taken: destructors of Eigen free null
+inline std::atomic<long> returns{
+    0};  ///< calls that release allocated memory; destructors of Eigen also free null
 }  // namespace heap_counter
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // those bring a malloc of their own
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // the sanitizers have their own malloc
 #define RICOCHET_HEAP_COUNTED 1
 extern "C" {
 void* __libc_malloc(std::size_t);

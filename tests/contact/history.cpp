@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Histories: values, slopes, integrals, and files that are refused in one line.
+// Histories: values, slopes, integrals, and files that are refused with one line.
 #include "contact/input/history_file.hpp"
 #include "contact/model/history.hpp"
 
@@ -32,7 +32,7 @@ TEST(History, is_zero_before_its_first_knot_and_keeps_its_last_value) {
   EXPECT_EQ(h.kink(0), 2);
   EXPECT_EQ(h.kink(1), -5);
   EXPECT_EQ(h.kink(2), 3);
-  EXPECT_DOUBLE_EQ(h.integral(0, 5), 4 + 4 - 1);  // trapezia, then one second at −1
+  EXPECT_DOUBLE_EQ(h.integral(0, 5), 4 + 4 - 1);  // two trapezia, then one second at −1
   EXPECT_DOUBLE_EQ(h.integral(1.5, 3), 0.5 * 4.5 + 3.5);
   EXPECT_EQ(h.integral(-2, 1), 0);
 }

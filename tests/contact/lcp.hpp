@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Complementarity problems 0 ≤ λ ⟂ Sλ − r ≥ 0 as tests see them: the conditions themselves, evaluated in
-// extended precision, and Lemke's method, which has nothing in common with active sets of the convex problem.
+// Complementarity problems 0 ≤ λ ⟂ Sλ − r ≥ 0 for tests: their conditions in extended precision, and Lemke's
+// method, which is independent of active sets.
 #pragma once
 
 #include <Eigen/Dense>
@@ -28,12 +28,12 @@ inline LongVector slack(const MatrixXd& S, const VectorXd& r, const VectorXd& la
   return w;
 }
 
-/// What the tolerance of w is relative to.
+/// Reference magnitude for the tolerance of w.
 inline double scale(const MatrixXd& S, const VectorXd& r, const VectorXd& lambda) {
   return r.cwiseAbs().maxCoeff() + S.cwiseAbs().rowwise().sum().maxCoeff() * lambda.cwiseAbs().maxCoeff();
 }
 
-/// Worst violation of 0 ≤ λ ⟂ Sλ − r ≥ 0, relative to |r|_∞ + ‖S‖_∞ |λ|_∞; infinite where λ < 0.
+/// Largest violation of 0 ≤ λ ⟂ Sλ − r ≥ 0, relative to |r|_∞ + ‖S‖_∞ |λ|_∞; infinite if any λ < 0.
 inline double violation(const MatrixXd& S, const VectorXd& r, const VectorXd& lambda) {
   if (!(lambda.array() >= 0).all()) return std::numeric_limits<double>::infinity();
   const LongVector w = slack(S, r, lambda);
@@ -48,13 +48,14 @@ inline Long objective(const MatrixXd& S, const VectorXd& r, const VectorXd& lamb
   return 0.5L * lambda.cast<Long>().dot(slack(S, r, lambda) - r.cast<Long>());
 }
 
-/// Lemke 1965, with the lexicographic rule against cycling, dense tableau, extended precision. λ, or nothing
-/// when it ends in a ray: for a semidefinite S there is no solution then (Cottle, Pang & Stone 1992, 4.4.12).
-/// Two ratios within `tie` of each other are taken as equal.
+/// Lemke's method (1965) with the lexicographic rule against cycling, on a dense tableau in
+/// extended precision. Returns λ, or nullopt if the method ends in a ray: for a semidefinite S
+/// there is then no solution (Cottle, Pang & Stone 1992, 4.4.12). Two ratios are considered
+/// equal if they differ by at most `tie`.
 inline std::optional<VectorXd> by_lemke(const MatrixXd& S, const VectorXd& r, Long tie = 1e-13L) {
   const Index n = r.size(), artificial = 2 * n, right = 2 * n + 1;
   if ((r.array() <= 0).all()) return VectorXd::Zero(n);
-  // w − Sλ − e z₀ = −r: columns w, λ, z₀, right-hand side
+  // w − Sλ − e z₀ = −r. Columns: w, λ, z₀, right-hand side.
   LongMatrix T = LongMatrix::Zero(n, 2 * n + 2);
   T.leftCols(n).setIdentity();
   T.middleCols(n, n) = -S.cast<Long>();
@@ -78,7 +79,7 @@ inline std::optional<VectorXd> by_lemke(const MatrixXd& S, const VectorXd& r, Lo
     return std::exchange(basis[row], column);
   };
 
-  Index row = 0;  // z₀ = the largest r: of equal ones the last is lexicographically least in −r
+  Index row = 0;  // z₀ = the largest r; of equal ones, the last is lexicographically least in −r
   for (Index i = 1; i < n; ++i)
     if (T(i, right) <= T(row, right)) row = i;
   Index entering = artificial;
@@ -96,7 +97,7 @@ inline std::optional<VectorXd> by_lemke(const MatrixXd& S, const VectorXd& r, Lo
     for (Index i = 0; i < n; ++i)
       if (T(i, entering) > least && (row < 0 || precedes(i, row, entering))) row = i;
     if (row < 0) return std::nullopt;
-    for (Index i = 0; i < n; ++i)  // of rows that tie, z₀ ends it
+    for (Index i = 0; i < n; ++i)  // in a tie, z₀ leaves the basis and ends the method
       if (basis[i] == artificial && T(i, entering) > least &&
           T(i, right) / T(i, entering) <= T(row, right) / T(row, entering) + tie)
         row = i;
@@ -115,7 +116,7 @@ inline MatrixXd normal_matrix(Random& random, Index n, Index m) {
   return MatrixXd::NullaryExpr(n, m, [&] { return normal(random); });
 }
 
-/// Q D Qᵀ with D from 1 down to 1/condition, evenly on a logarithmic scale.
+/// Q D Qᵀ with D logarithmically spaced from 1 to 1/condition.
 inline MatrixXd with_condition(Random& random, Index n, double condition) {
   const MatrixXd Q = Eigen::HouseholderQR<MatrixXd>(normal_matrix(random, n, n)).householderQ();
   const VectorXd D = VectorXd::NullaryExpr(n, [&](Index k) {
@@ -129,19 +130,19 @@ inline MatrixXd hilbert(Index n) {
   return MatrixXd::NullaryExpr(n, n, [](Index i, Index j) { return 1.0 / static_cast<double>(i + j + 1); });
 }
 
-/// Flexibility that falls off with the distance: condition number about (4/rate)².
+/// Flexibility that decays with distance, with a condition number of about (4/rate)².
 inline MatrixXd exponential(Index n, double rate = 0.2) {
   return MatrixXd::NullaryExpr(
       n, n, [=](Index i, Index j) { return std::exp(-rate * static_cast<double>(std::abs(i - j))); });
 }
 
-/// A problem made from its solution.
+/// A problem constructed from its solution.
 struct Known {
   VectorXd lambda, r;
 };
 
-/// A third each of the indices, at random: pushes (λ in [0.1, 1.1]), is open (w in [0.1, 1.1]), and, with
-/// `degenerate`, touches without pushing (λ = w = 0).
+/// Each index is, at random, pushing (λ in [0.1, 1.1]), open (w in [0.1, 1.1]) or, with `degenerate`,
+/// touching without a force (λ = w = 0).
 inline Known known(Random& random, const MatrixXd& S, bool degenerate) {
   std::uniform_real_distribution<double> unit(0.1, 1.1);
   std::uniform_int_distribution<int> kind(0, degenerate ? 2 : 1);

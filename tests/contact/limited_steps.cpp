@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Bodies stepped with max_pivots: what the forces of a step cut short may cost, and what they may not.
+// Bodies stepped with max_pivots: permitted and forbidden effects of contact forces from a stopped solve.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,8 +16,9 @@ using ricochet::Energy;
 using ricochet::Scheme;
 using ricochet::StepStatus;
 
-/// A body that flies at an obstacle, or lies on it, with many points that touch at once: modes over three
-/// decades, damped or not, weight, residual flexibility of any size or none.
+/// A body that flies at an obstacle or lies on it, with many points that touch at once. Its
+/// modes span three decades, with or without damping, and its residual flexibility has any
+/// size or is absent. Its weight acts on it.
 Model flying(std::mt19937& random, Eigen::Index points) {
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> unit(0, 1);
@@ -42,7 +43,7 @@ Model flying(std::mt19937& random, Eigen::Index points) {
   return model;
 }
 
-// 1e-12 of the energy about: round-off of one step.
+// 1e-12 of the energies involved: round-off of one step.
 TEST(LimitedStep, never_gains_energy_though_points_are_let_in) {
   std::mt19937 random(1);
   std::int64_t limited = 0, held = 0;
@@ -85,7 +86,7 @@ TEST(LimitedStep, lets_no_point_in_deeper_once_the_forces_are_found) {
   EXPECT_GT(steps_after, 1000);
 }
 
-/// 1 kg of weight 10 N that lies on six points of flexibility R [m/N].
+/// A mass of 1 kg with a weight of 10 N that lies on six points of flexibility R [m/N].
 Model on_six_points(double R) {
   Model model;
   model.omega = model.decay = model.load = model.q0 = model.v0 = Vector::Zero(1);
@@ -101,7 +102,7 @@ Model on_six_points(double R) {
 
 TEST(LimitedStep, ends_without_penetration_after_the_bodies_have_parted) {
   Model model = on_six_points(1e-6);
-  model.v0(0) = 1;  // comes back in 0.2 s after each bounce off R
+  model.v0(0) = 1;  // returns 0.2 s after each bounce on R
   const auto stepper = make_stepper(model, {.step = 1e-4, .max_pivots = 5});
   int limited = 0;
   bool parted = false;
@@ -120,7 +121,7 @@ TEST(LimitedStep, ends_without_penetration_after_the_bodies_have_parted) {
   EXPECT_GT(limited, 0);
 }
 
-// Sinks in by R times its weight, without a bounce. 1e-15: 20 000 round-offs of that, 1.7e-4.
+// The mass sinks by R times its weight without a bounce. 1e-15: 20 000 rounding errors of this depth, 1.7e-4.
 TEST(LimitedStep, rests_as_deep_as_it_was_left) {
   Model model = on_six_points(1e-4);
   model.decay(0) = 200;
@@ -145,7 +146,8 @@ TEST(LimitedStep, reports_how_deep_it_let_a_point_in) {
     const auto stepper = make_stepper(model, {.step = 1e-4, .max_pivots = 2});
     for (int k = 0; k < 100; ++k) {
       ASSERT_EQ(stepper->step(), StepStatus::ok);
-      if (stepper->solver().limited == 0) continue;  // the first limited step, from u ≤ g
+      if (stepper->solver().limited == 0)
+        continue;  // wait for the first limited step, which starts from u ≤ g
       const double depth = (stepper->displacement() - model.gap).maxCoeff();
       EXPECT_NEAR(stepper->residual().violation, std::max(depth, 0.0), 1e-15);
       EXPECT_GE(stepper->residual().scale, depth);

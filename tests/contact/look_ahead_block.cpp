@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Blocks of steps against plain ones: the same forces and motion to round-off, whatever is left out of sight.
+// Look-ahead blocks compared with single steps: the same forces and motion to
+// round-off, whichever points are screened out.
 #include "contact/stepping/look_ahead_block.hpp"
 
 #include <gtest/gtest.h>
@@ -22,8 +23,8 @@ using ricochet::StepStatus;
 
 constexpr double step = 1 / 44100.0;
 
-/// A damped body of one rigid and `modes` − 1 elastic modes that its weight drops on a rigid floor; its
-/// points lie up to `spread` above the lowest.
+/// A damped body with one rigid and `modes` − 1 elastic modes that falls on a rigid floor under its weight.
+/// Its points lie up to `spread` above the lowest.
 Model dropped(Eigen::Index modes, Eigen::Index points, double spread, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(-1, 1);
@@ -40,7 +41,7 @@ Model dropped(Eigen::Index modes, Eigen::Index points, double spread, unsigned s
   for (Eigen::Index i = 0; i < points; ++i)
     model.gap(i) = 1e-5 + spread * static_cast<double>(i) / static_cast<double>(points);
   for (Eigen::Index n = 1; n < modes; ++n) {
-    // The highest lie above half the rate: they move into R.
+    // The highest modes lie above half the rate and move into R.
     model.omega(n) = 2e5 * std::pow(static_cast<double>(n) / static_cast<double>(modes), 2) + 500;
     model.decay(n) = 5 + 1e-4 * model.omega(n);
     for (Eigen::Index i = 0; i < points; ++i) model.B(i, n) = uniform(random);
@@ -55,7 +56,7 @@ struct Difference {
   int touches = 0;
 };
 
-/// `steps` of both, compared after each where the state is kept and after each block where it is not.
+/// Compares `steps` steps of both: after each step if every state is kept, otherwise after each block.
 Difference compare(const Model& model, StepOptions options, int steps) {
   StepOptions plain = options;
   plain.block = 1;
@@ -83,7 +84,7 @@ Difference compare(const Model& model, StepOptions options, int steps) {
   return worst;
 }
 
-// 1e-9: each impact amplifies round-off, by some 1e4 over these steps.
+// 1e-9: impacts amplify round-off by about 1e4 over these steps.
 TEST(Blocks, give_the_forces_and_motion_of_plain_steps) {
   for (const int block : {2, 3, 8, 16, 21, 64})
     for (const bool every_state : {true, false})
@@ -98,8 +99,8 @@ TEST(Blocks, give_the_forces_and_motion_of_plain_steps) {
       }
 }
 
-// The tap at point 0 is too weak to bring point 1 into sight, the blow at point 2 is not; both turn point 1
-// into the floor before the block ends.
+// The weak force at point 0 does not make point 1 a candidate of the screening, but the strong force at point
+// 2 does. Both turn point 1 into the floor before the block ends.
 TEST(Blocks, make_up_for_earlier_forces_at_points_that_come_into_sight) {
   Model model = dropped(3, 3, 0, 1);
   model.omega.setZero();
@@ -121,8 +122,8 @@ TEST(Blocks, make_up_for_earlier_forces_at_points_that_come_into_sight) {
   EXPECT_LT(difference.motion, 1e-9);
 }
 
-// Knots lie within steps and within blocks; the load throws the body up again and again, the support moves
-// its points about.
+// Knots lie within steps and within blocks. The load repeatedly throws the
+// body up, and the support moves its points.
 TEST(Blocks, give_those_of_plain_steps_under_loads_with_histories_and_supports_that_move) {
   Model model = dropped(60, 12, 1e-4, 3);
   model.bodies.resize(1);
@@ -156,8 +157,8 @@ TEST(Blocks, give_those_of_two_plates_that_stay_in_contact) {
   EXPECT_GT(difference.touches, 2000);
 }
 
-// Forces of a contact that chatters depend on all that happened: the impulse of the first 500 steps is
-// compared.
+// The forces of a chattering contact depend on the entire history, so only the
+// impulse of the first 500 steps is compared.
 TEST(Blocks, in_single_precision_give_the_impulse_to_1e_4) {
   const Model model = benchmarks::plates(6, 5, 80);
   double impulse[2] = {0, 0};
@@ -193,8 +194,8 @@ TEST(Blocks, are_not_taken_beyond_a_step_that_fails) {
   }
 }
 
-// It flies off with an energy beyond double precision: where states are kept for the ends of blocks,
-// the whole block fails with its last step.
+// The body flies off with an energy beyond double precision. If states are kept only at the ends of blocks,
+// the whole block fails at its last step.
 TEST(Blocks, leave_the_state_before_them_when_they_fail_and_fail_again) {
   Model model = dropped(5, 2, 0, 1);
   model.v0(0) = -1e200;
@@ -212,7 +213,7 @@ TEST(Blocks, leave_the_state_before_them_when_they_fail_and_fail_again) {
   }
 }
 
-/// Steps of a block from a state, and what it says of the last.
+/// Makes `steps` steps of a block from the state of a stepper. `force` is that of the last step.
 template <class T>
 void run(LookAheadBlock<T>& block, ComplementaritySolver& solver, const Stepper& from, int steps,
          Vector& force) {
@@ -220,7 +221,7 @@ void run(LookAheadBlock<T>& block, ComplementaritySolver& solver, const Stepper&
   for (int k = 0; k < steps; ++k) ASSERT_EQ(block.step(solver, force), SolveStatus::solved);
 }
 
-// A block that was taken back must know nothing of the steps it made: neither forces nor where points ended.
+// A block that is taken back must not keep anything of its steps: neither forces nor displacements.
 TEST(Blocks, that_are_taken_back_start_again_as_new_ones) {
   const Model model = dropped(60, 12, 1e-5, 3);
   const StepOptions options{.step = step, .block = 1};
@@ -240,7 +241,7 @@ TEST(Blocks, that_are_taken_back_start_again_as_new_ones) {
     run(block, used, *stepper, 1, force);
     run(fresh, unused, *stepper, 1, expected);
     EXPECT_GT(expected.maxCoeff(), 0);
-    // 1e-9: the matrices of the two problems may hold other points.
+    // 1e-9: the matrices of the two problems may contain other points.
     EXPECT_LT((force - expected).norm(), 1e-9 * expected.norm());
     EXPECT_NEAR(block.work(), fresh.work(), 1e-9 * std::abs(fresh.work()));
     const simd::Sums found = block.advance(false), exact = fresh.advance(false);
@@ -249,7 +250,7 @@ TEST(Blocks, that_are_taken_back_start_again_as_new_ones) {
   }
 }
 
-/// Random numbers, of which those of padding are 0.
+/// Random numbers; entries of the padding are 0.
 template <class T>
 std::vector<T> noise(std::size_t rows, std::size_t columns, std::size_t used, unsigned seed) {
   std::mt19937 random(seed);
@@ -260,7 +261,7 @@ std::vector<T> noise(std::size_t rows, std::size_t columns, std::size_t used, un
   return out;
 }
 
-/// All loops of one precision against one sum after the other in long double.
+/// Compares all loops of one precision with sequential sums in long double.
 template <class T>
 void check_loops(const simd::InstructionSet& set) {
   SCOPED_TRACE(set.name);

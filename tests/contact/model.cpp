@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The stacked system of several bodies, against rows worked out by hand.
+// The joint system of several bodies, compared with rows derived by hand.
 #include "contact/model/model.hpp"
 
 #include <gmock/gmock.h>
@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 constexpr double round_off = 1e-14;  // a few operations on numbers of order 1
 const Vector3d up(0, 0, 1);
 
-/// Matrix of random-looking but repeatable numbers of order 1.
+/// Matrix of reproducible, irregular numbers of order 1.
 Matrix numbers(int rows, int columns, double seed) {
   Matrix out(rows, columns);
   for (int i = 0; i < rows; ++i)
@@ -26,7 +26,7 @@ Matrix numbers(int rows, int columns, double seed) {
 }
 std::vector<double> flat(const Matrix& x) { return {x.data(), x.data() + x.size()}; }
 
-/// Point masses would do as bodies: `modes` modes with arbitrary traces on the candidates that are there.
+/// Adds `modes` modes with arbitrary traces on the existing candidates.
 void give_modes(Kernel& kernel, int modes, double seed, bool residual) {
   const int rows = kernel.surface.components * static_cast<int>(kernel.surface.size());
   for (int n = 0; n < modes; ++n) {
@@ -43,7 +43,7 @@ void give_modes(Kernel& kernel, int modes, double seed, bool residual) {
   kernel.loads.rotation = flat(numbers(3, modes, seed + 2));
 }
 
-/// A body with one candidate below (0) and one above (1), 2 m apart.
+/// A body with a lower candidate (0) and an upper candidate (1), 2 m apart.
 Kernel ball(double seed, int components = 3, bool residual = true) {
   Kernel kernel;
   kernel.mass = 2;
@@ -57,7 +57,7 @@ Kernel ball(double seed, int components = 3, bool residual = true) {
   return kernel;
 }
 
-/// Row of φ (or R's) of one candidate's component.
+/// Value of mode shape `mode` for one component of one candidate.
 double shape(const Kernel& kernel, int candidate, int component, int mode) {
   return kernel.surface.shape[static_cast<std::size_t>((3 * candidate + component) * 2 + mode)];
 }
@@ -68,7 +68,8 @@ double residual_zz(const Kernel& kernel, int i, int j) {
 }
 
 TEST(Rows, hold_a_outward_and_b_weighted_and_opposite) {
-  // b: one triangle above, facing down; a's upper point lies below its place 0.2, 0.3, 0.5 (barycentric).
+  // b is one triangle above that faces down. Its point opposite a's upper candidate has the
+  // barycentric coordinates 0.2, 0.3, 0.5.
   Kernel a = ball(1), b;
   b.mass = 1;
   add_candidate(b, {0, 0, 0}, -up, 1);
@@ -86,7 +87,7 @@ TEST(Rows, hold_a_outward_and_b_weighted_and_opposite) {
   EXPECT_EQ(model.area(0), 2e-4);
   EXPECT_EQ(model.pairs[0].unpaired, 1);
   for (int n = 0; n < 2; ++n) {
-    EXPECT_NEAR(model.B(0, n), shape(a, 1, 2, n), round_off);  // turning about z keeps z
+    EXPECT_NEAR(model.B(0, n), shape(a, 1, 2, n), round_off);  // rotation about z does not change z
     double expected = 0;
     for (int j = 0; j < 3; ++j) expected -= weight[j] * shape(b, j, 2, n);
     EXPECT_NEAR(model.B(0, 2 + n), expected, round_off);
@@ -96,7 +97,7 @@ TEST(Rows, hold_a_outward_and_b_weighted_and_opposite) {
 }
 
 TEST(Rows, follow_the_rotation_of_a_body) {
-  // a lies on its side: its own x axis points up in the world, and the point in question looks along it.
+  // a lies on its side: its x axis points up in the world, and so does the normal of its candidate.
   Kernel a, wall;
   a.mass = 1;
   add_candidate(a, {1, 0, 0}, {1, 0, 0}, 1);
@@ -110,7 +111,8 @@ TEST(Rows, follow_the_rotation_of_a_body) {
   for (int n = 0; n < 2; ++n) EXPECT_NEAR(model.B(0, n), shape(a, 0, 0, n), round_off);
 }
 
-/// floor ← low ← high: three points, all along −z; `low` takes part in two of the pairs.
+/// Two bodies on a floor: pairs low–floor and high–low with one point each, both
+/// along −z. `low` belongs to both pairs.
 struct Stack {
   Kernel low, high;
   Model model;
@@ -129,7 +131,8 @@ TEST(Residual, of_a_shared_body_couples_its_pairs) {
     const Matrix& R = stack.model.R;
     ASSERT_EQ(R.rows(), 2);
     EXPECT_TRUE(stack.model.has_residual);
-    // point 0: u = −z of low's bottom; point 1: u = −z of high's bottom plus z of low's top
+    // Point 0: u = −z of the lower end of low. Point 1: u = −z of the lower end
+    // of high plus z of the upper end of low.
     EXPECT_NEAR(R(0, 0), residual_zz(stack.low, 0, 0), round_off);
     EXPECT_NEAR(R(1, 1), residual_zz(stack.high, 0, 0) + residual_zz(stack.low, 1, 1), round_off);
     EXPECT_NEAR(R(0, 1), -residual_zz(stack.low, 0, 1), round_off);
@@ -144,10 +147,10 @@ TEST(Residual, of_a_shared_body_couples_its_pairs) {
 
 TEST(Residual, of_bodies_upside_down_is_the_same) {
   const Stack upright(1, Vector3d::Zero()), turned(1, Vector3d::Zero(), upside_down());
-  // Turned over, low's candidates have changed places.
+  // In the inverted body, the candidates are exchanged.
   EXPECT_NEAR(turned.model.R(0, 0), residual_zz(turned.low, 1, 1), round_off);
   EXPECT_NEAR(turned.model.R(0, 1), upright.model.R(0, 1), round_off);
-  // Its displacement along −z of the world is that along +z of its own.
+  // A displacement along −z of the world is one along +z of the body.
   for (int n = 0; n < 2; ++n)
     EXPECT_NEAR(turned.model.B(0, 2 + n), turned.low.surface.shape[static_cast<std::size_t>(2 + n)],
                 round_off);
@@ -178,14 +181,15 @@ TEST(Gravity, loads_the_modes_and_settles_the_modes_left_out) {
       f += stack.low.loads.body_force[static_cast<std::size_t>(2 * k + n)] * in_low(k);
     EXPECT_NEAR(stack.model.load(2 + n), f, 1e-13);  // numbers of order 10
   }
-  // low's world −z is its own +z, and its top (1) is at the bottom
+  // The world's −z is +z of low, whose upper candidate (1) is at the bottom.
   EXPECT_NEAR(stack.model.static_displacement(0), settled(stack.low, 1, in_low), 1e-13);
   const double high = -settled(stack.high, 0, gravity);
   EXPECT_NEAR(stack.model.static_displacement(1), high - settled(stack.low, 0, in_low), 1e-13);
   EXPECT_NEAR(stack.model.static_a(1), high, 1e-13);
 }
 
-/// Mass 2 with its centre at (1, 2, 3): the three rigid translations and one elastic mode.
+/// Mass 2 with its centre at (1, 2, 3), three translations and one
+/// elastic mode. If supported, no mode is rigid.
 Kernel lump(bool supported) {
   Kernel kernel = ball(1);
   kernel.supported = supported;
@@ -196,7 +200,7 @@ Kernel lump(bool supported) {
   kernel.modes.decay_rate = {0, 0, 0, 0};
   kernel.surface.shape = flat(numbers(6, 4, 1));
   kernel.loads.body_force = {root, 0, 0, 0, 0, root, 0, 0, 0, 0, root, 0};
-  // L = centre × p, by columns of each translation
+  // L = centre × p, one column for each translation.
   kernel.loads.rotation = {0, -3 * root, 2 * root, 0, 3 * root, 0, -root, 0, -2 * root, root, 0, 0};
   return kernel;
 }
@@ -217,7 +221,7 @@ TEST(Bodies, carry_their_momenta_into_the_world) {
   EXPECT_LT((body.angular_momentum * model.v0 - body.centre.cross(2 * v)).norm(), 1e-12);
   EXPECT_EQ(model.v0(3), 0);
   EXPECT_NEAR(0.5 * model.v0.squaredNorm(), 0.5 * 2 * v.squaredNorm(), 1e-13);
-  EXPECT_NEAR(body.inertia.trace(), 12, 1e-13);  // of any rotation
+  EXPECT_NEAR(body.inertia.trace(), 12, 1e-13);  // invariant under rotation
   const Vector3d axis = Q * Vector3d(1, 0, 0);
   EXPECT_NEAR(axis.dot(body.inertia * axis), 3, 1e-13);
 }
@@ -267,7 +271,8 @@ TEST(Gaps, of_two_pairs_place_both_bodies) {
   EXPECT_NEAR(model.bodies[0].translation.z(), 3.3, round_off);
 }
 
-// The contact lies at the origin, the body's own a metre above: gaps have the round-off of the latter.
+// The contact lies at the origin and the centre of the body a metre above it.
+// Gaps have the round-off of this distance.
 TEST(Gaps, may_be_as_small_as_one_likes) {
   const Kernel one = ball(1);
   for (const double gap : {0.0, 1.557176905742086e-7, 1.5916132835025465e-8, 3.3e-10, 1e-15}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Which point faces which place: flat sheets, spheres, rims of disks, rods, half-spaces.
+// Surface projection from points to opposite points: flat sheets, spheres, rims of disks, rods, half-spaces.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -50,7 +50,7 @@ TEST(FlatSheets, unlike_meshes_pair_exactly) {
         sum += w;
       }
       EXPECT_NEAR(sum, 1, round_off);
-      // Positions are themselves linear fields: W takes those of b to the point of a.
+      // Positions are linear fields themselves, so the weights map the nodes of b to the point opposite a.
       EXPECT_LT((weighted_node(point, b) - point.a - 0.3 * up).norm(), round_off);
     }
   }
@@ -82,7 +82,7 @@ TEST(FlatSheets, pair_the_same_wherever_the_bodies_are_placed) {
 TEST(FlatSheets, candidates_beside_the_other_body_are_dropped_and_counted) {
   const Kernel lower = square(4, 4), upper = square(3, 3);
   PlacedBody b = above(upper, 0.1);
-  b.translation.x() = 0.5;  // covers x from 0.5 on: columns 0.5, 0.75 and 1 of five
+  b.translation.x() = 0.5;  // b covers x ≥ 0.5: columns 0.5, 0.75 and 1 of five
   const Pairing pairing = pair({"a", &lower}, b, along(up));
   EXPECT_EQ(pairing.points.size(), 15U);
   EXPECT_EQ(pairing.unpaired, 10);
@@ -96,14 +96,14 @@ TEST(FlatSheets, backs_face_nothing) {
   EXPECT_THAT(complaint_of([&] { pair(a, above(upper, 0.1), along(-up)); }), HasSubstr("contact.direction"));
 }
 
-/// A thick body: two sheets 1 m apart, one behind the other, in either order in the kernel.
+/// A thick body consists of two sheets 1 m apart, one behind the other, in either order in the kernel.
 TEST(FlatSheets, the_nearer_of_two_facing_sheets_is_met) {
   const Kernel lower = square(2, 2);
   for (const bool near_first : {true, false}) {
     Kernel stack = square(3, 3);
     const Kernel other = stack;
     const auto first = static_cast<std::int64_t>(stack.surface.size());
-    for (std::size_t i = 0; i < other.surface.size(); ++i)  // upside down, −z lies beyond
+    for (std::size_t i = 0; i < other.surface.size(); ++i)  // upside down, a sheet at −z is farther away
       add_candidate(
           stack, {other.surface.node[3 * i], other.surface.node[3 * i + 1], near_first ? -1.0 : 1.0}, up, 1);
     for (const std::int64_t corner : other.surface.element) stack.surface.element.push_back(first + corner);
@@ -115,9 +115,10 @@ TEST(FlatSheets, the_nearer_of_two_facing_sheets_is_met) {
 }
 
 TEST(FlatSheets, a_place_just_beyond_the_edge_is_taken_at_the_edge) {
-  const Kernel lower = square(2, 2), upper = square(2, 3);  // also beside the middle of an edge
+  const Kernel lower = square(2, 2),
+               upper = square(2, 3);  // some points also lie beside the middle of an edge
   PlacedBody b = above(upper, 0.1);
-  b.translation.x() = 5e-7;  // elements are 0.7 m large: 1e-6 of that is met
+  b.translation.x() = 5e-7;  // elements have a size of 0.7 m, of which 1e-6 is tolerated
   const Pairing met = pair({"a", &lower}, b, along(up));
   EXPECT_EQ(met.unpaired, 0);
   for (const auto& point : met.points) {
@@ -133,11 +134,12 @@ TEST(FlatSheets, a_place_just_beyond_the_edge_is_taken_at_the_edge) {
 
 TEST(Spheres, equal_ones_meet_in_their_mirror_plane) {
   const Kernel sphere = cap(8, 1, 0.5);
-  const double height = 2.5;  // of b's centre: b is a's mirror image in z = 1.25
+  const double height =
+      2.5;  // height of the centre of b, which is the mirror image of a in the plane z = 1.25
   const Pairing pairing = pair({"a", &sphere}, {"b", &sphere, upside_down(), height * up}, freely);
   EXPECT_EQ(pairing.unpaired, 0);
   for (const auto& point : pairing.points) {
-    // 1e-9: the iteration stops when normals settle to 1e-13; its rate here is below 0.6
+    // 1e-9: the iteration stops when normals change by less than 1e-13; it converges with a rate below 0.6
     EXPECT_LT((point.normal - up).norm(), 1e-9);
     EXPECT_NEAR(point.gap, height - 2 * point.a.z(), 1e-9);
   }
@@ -151,7 +153,7 @@ TEST(Spheres, unlike_ones_have_the_normal_between_theirs) {
   const double h = 3 * 0.6 / 40;
   for (const auto& point : pairing.points) {
     EXPECT_LT((point.b - point.a - point.gap * point.normal).norm(), 1e-12);
-    // Facets lie inside the sphere by at most h²/4R on a triangle whose longest edge is √2 h.
+    // Facets lie inside the sphere by at most h²/4R for triangles whose longest edge is √2 h.
     EXPECT_LE((point.b - centre).norm(), 3 + 1e-12);
     EXPECT_GE((point.b - centre).norm(), 3 - h * h / 4 / 3);
     const Vector3d n_a = point.a, n_b = (point.b - centre).normalized();
@@ -159,7 +161,7 @@ TEST(Spheres, unlike_ones_have_the_normal_between_theirs) {
   }
 }
 
-/// Half rims of two disks, edge on, 17 positions every 11.25°: strips across the thickness.
+/// Half of the rim of a disk, with `intervals` + 1 candidates: strips across the thickness.
 Kernel half_rim(double thickness_offset, bool lower_half, int intervals) {
   Kernel kernel;
   kernel.mass = 1;
@@ -187,7 +189,8 @@ TEST(Rims, all_positions_pair_the_ends_too) {
     const auto heaviest = std::max_element(point.weights.begin(), point.weights.end(),
                                            [](auto p, auto q) { return p.second < q.second; });
     EXPECT_EQ(heaviest->first, point.candidate);
-    EXPECT_NEAR(heaviest->second, 1, 1e-11);  // the last segment is seen nearly end on: round-off over 0.02
+    EXPECT_NEAR(heaviest->second, 1,
+                1e-11);  // the last segment is seen nearly edge on: round-off divided by 0.02
   }
 }
 
@@ -260,8 +263,8 @@ TEST(Gap, moves_a_until_the_closest_pair_has_it) {
       const Pairing pairing = pair(a, b, request);
       double nearest = 1;
       for (const auto& point : pairing.points) nearest = std::min(nearest, point.gap);
-      EXPECT_NEAR(nearest, 0.01, 1e-11) << start;  // 1e-12 of bodies of about a metre, and their distance
-      // The poles are the closest pair, and candidates of both.
+      EXPECT_NEAR(nearest, 0.01, 1e-11) << start;  // 1e-12 for bodies of about a metre, and their distance
+      // The poles are the closest points, and both are candidates.
       EXPECT_LT((pairing.shift - (start - 4 - 0.01) * up).norm(), 1e-9) << start;
     }
 }
@@ -293,8 +296,8 @@ TEST(Reach, drops_pairs_that_start_too_far_apart) {
               HasSubstr("the closest pair is 0.1 m apart"));
 }
 
-/// The kernel with patches whose means lie off their nodes, by up to `far` in each component that `way`
-/// keeps.
+/// The kernel with patches whose centroids are offset from their nodes by up to
+/// `far`, in the components selected by `way`.
 Kernel lopsided(Kernel kernel, double far, const Vector3d& way) {
   kernel.surface.centroid = kernel.surface.node;
   for (std::size_t k = 0; k < kernel.surface.centroid.size(); ++k)
@@ -319,7 +322,8 @@ TEST(Means, of_patches_set_the_gap_to_a_wall) {
 TEST(Means, of_patches_in_the_planes_of_flat_sheets_leave_the_gap_as_it_is) {
   const Kernel lower = lopsided(square(5, 4), 0.05, {1, 1, 0}),
                upper = lopsided(square(7, 3), 0.05, {1, 1, 0});
-  // Along a direction 30 degrees off the sheets' normal, where sideways is not across it.
+  // The direction is 30 degrees off the normal of the sheets, so motion
+  // along the sheets has a component along it.
   const Matrix3d Q = turn(std::numbers::pi / 6, {1, 0, 0});
   const PlacedBody a{"a", &lower, Q};
   PlacedBody b = above(upper, 0.3);
@@ -357,7 +361,8 @@ TEST(Overlap, by_round_off_is_touching) {
     EXPECT_EQ(point.gap, 0);
 }
 
-/// A square drawn 1e6 m away from the origin of its own frame: turned, its places are known to 1e-10 m.
+/// A square drawn 1e6 m from the origin of its own frame. After a
+/// rotation, its positions are known to 1e-10 m.
 Kernel far_away() {
   return sheet(3, 3, [](double s, double t) {
     return std::pair(Vector3d(1e6 + s, 1e6 + t, 1e6), Vector3d(0, 0, -1));

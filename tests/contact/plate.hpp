@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A body of random modes that faces the floor, as programs that embed the library hand it over.
+// A body with random modes that faces the floor, in the form in which embedding programs pass bodies.
 #pragma once
 
 #include <cmath>
@@ -13,12 +13,12 @@
 namespace ricochet::contact::test {
 
 struct Plate {
-  int modes = 12;             ///< the rigid one along z included
+  int modes = 12;             ///< including the rigid mode along z
   int points = 3;             ///< at x = 0, 1, …, facing −z
   double mass = 2;            ///< [kg]
-  double ratio = 0;           ///< of damping
-  double rigid_decay = 0;     ///< of the rigid mode [1/s]
-  bool supported = false;     ///< no rigid mode
+  double ratio = 0;           ///< damping ratio
+  double rigid_decay = 0;     ///< decay rate of the rigid mode [1/s]
+  bool supported = false;     ///< no rigid mode if true
   double flexibility = 1e-7;  ///< R of each point [m/N]
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// One step of one mode against the exponential of its matrix, in quadruple precision by Taylor series,
-// scaling and squaring: an oracle that knows nothing of sines, roots or regimes of damping.
+// One step of one mode, compared with the matrix exponential in quadruple precision (Taylor series, scaling
+// and squaring). This oracle uses no sines, no roots and no cases of damping.
 #include "contact/stepping/propagator.hpp"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ using ricochet::contact::mode_step;
 using ricochet::contact::ModeResponse;
 using ricochet::contact::ModeStep;
 
-__extension__ typedef __float128 Quad;  // 113 bits: 2^40 squarings would still leave 20 digits
+__extension__ typedef __float128 Quad;  // 113 bits: 20 digits remain even after 2^40 squarings
 
 template <std::size_t n>
 using Square = std::array<std::array<Quad, n>, n>;
@@ -31,7 +31,7 @@ Square<n> product(const Square<n>& x, const Square<n>& y) {
   return z;
 }
 
-/// exp(M), with M ↦ M/2^k first so that its entries are below 1/8.
+/// exp(M). M is first divided by 2^k so that its entries are below 1/8.
 template <std::size_t n>
 Square<n> exponential(Square<n> m) {
   Quad largest = 0;
@@ -57,8 +57,8 @@ struct Exact {
   Quad b, c, e, ss, sr, rr;
 };
 
-/// Time in units of Δ. Motion: (q, q̇, f)' . Squares: x = (S², S S', S'²) obeys
-/// x₁' = 2x₂, x₂' = x₃ − 2δx₂ − ω²x₁, x₃' = −4δx₃ − 2ω²x₂, and two more rows integrate x₁ and x₃.
+/// Time is in units of Δ. Motion: (q, q̇, f)'. Squares: x = (S², S S', S'²) satisfies x₁' = 2x₂,
+/// x₂' = x₃ − 2δx₂ − ω²x₁, x₃' = −4δx₃ − 2ω²x₂; two more rows integrate x₁ and x₃.
 Exact exact_step(double omega, double decay, double step) {
   const Quad D = Quad(decay) * step, X2 = Quad(omega) * step * Quad(omega) * step, dt = step;
   const auto M = exponential<3>({{{0, 1, 0}, {-X2, -2 * D, 1}, {0, 0, 0}}});
@@ -73,10 +73,9 @@ Exact exact_step(double omega, double decay, double step) {
 
 double error(double got, Quad want) { return std::abs(static_cast<double>(Quad(got) - want)); }
 
-/// Time in units of Δ. Under a force that grows from 0: (q, q̇, f, k)', and two more rows integrate q under a
-/// ramp and under a constant force. Square: y = (c², c S, S², c, S, 1) obeys y₁' = 2y₂,
-/// y₂' = y₃ + y₄ − 2δy₂ − ω²y₁, y₃' = 2y₅ − 4δy₃ − 2ω²y₂, y₄' = y₅, y₅' = 1 − 2δy₅ − ω²y₄; a row integrates
-/// y₁.
+/// Time is in units of Δ. Motion under a force that grows from 0: (q, q̇, f, k)'; another row integrates q.
+/// Squares: y = (c², c S, S², c, S, 1) satisfies y₁' = 2y₂, y₂' = y₃ + y₄ − 2δy₂ − ω²y₁,
+/// y₃' = 2y₅ − 4δy₃ − 2ω²y₂, y₄' = y₅, y₅' = 1 − 2δy₅ − ω²y₄; another row integrates y₁.
 void expect_exact_ramp(double omega, double decay, double step, const ModeStep& m) {
   const Quad D = Quad(decay) * step, X2 = Quad(omega) * step * Quad(omega) * step, dt = step;
   const auto M = exponential<5>(
@@ -91,8 +90,8 @@ void expect_exact_ramp(double omega, double decay, double step, const ModeStep& 
   const double r = static_cast<double>(M[0][3] * dt * dt * dt),
                w = static_cast<double>(M[4][3] * dt * dt * dt * dt),
                cc = static_cast<double>(Q[6][5] * dt * dt * dt * dt * dt);
-  // From ωΔ = 0.5 on r, w and cc come from differences that leave 1/25, 1/50 and 1/40 of their terms, and cc
-  // takes r's error with it.
+  // From ωΔ = 0.5 on, r, w and cc are differences that amount to 1/25, 1/50 and 1/40 of their
+  // terms, and cc inherits the error of r.
   const double eps = std::numeric_limits<double>::epsilon();
   EXPECT_NEAR(m.r, r, 200 * eps * r);
   EXPECT_NEAR(m.w, w, 1000 * eps * w);
@@ -103,10 +102,10 @@ void expect_exact(double omega, double decay, double step) {
   SCOPED_TRACE(testing::Message() << "omega " << omega << " decay " << decay << " step " << step);
   const ModeStep m = mode_step(omega, decay, step);
   const Exact x = exact_step(omega, decay, step);
-  // Round-off of ω alone moves the phase by ε ωΔ and the decay by ε δΔ (slow root: ω²Δ/2δ < ωΔ); 20 covers
-  // the sums.
+  // Round-off of ω alone shifts the phase by ε ωΔ and the decay by ε δΔ (slow root:
+  // ω²Δ/2δ < ωΔ). The factor 20 covers the sums.
   const double eps = 20 * std::numeric_limits<double>::epsilon() * (1 + omega * step);
-  // Where a value passes through zero, its error is that of the terms it is the sum of: the envelope of S.
+  // Where a value passes through zero, its error is that of its terms, which the envelope of S bounds.
   const double size_S = static_cast<double>(x.b < 0 ? -x.b : x.b);
   const double slow = decay > omega ? omega * omega / decay : 0;
   const double envelope =
@@ -116,7 +115,7 @@ void expect_exact(double omega, double decay, double step) {
   const double tiny = 1e-290;
   EXPECT_LE(error(m.S, x.b), eps * width + tiny);
   expect_exact_ramp(omega, decay, step, m);
-  // 1 − a of an undamped or weakly damped mode near a whole number of turns: relative to what passes through
+  // c = (1 − a)/ω² of a weakly damped mode near a whole number of periods: relative to the terms that cancel.
   EXPECT_LE(error(m.c, x.c),
             eps * std::max(static_cast<double>(x.c), omega > 0 ? envelope / omega / omega : 0.0) + tiny)
       << m.c << " for " << static_cast<double>(x.c);
@@ -152,8 +151,8 @@ TEST(ModeStep, moves_a_rigid_mode_with_and_without_decay) {
   EXPECT_EQ(m.rate, 1);
 }
 
-// Whole turns: 1 − a nearly vanishes. Phase errors of 2ε per turn leave 4ε/1e-6 = 1e-9 of it; 1 − cos would
-// leave 1e-5.
+// After whole periods, 1 − a nearly vanishes. Phase errors of 2ε per period give a relative error of
+// 4ε/1e-6 = 1e-9, whereas evaluation of 1 − cos would give 1e-5.
 TEST(ModeStep, keeps_the_small_flexibility_of_steps_a_millionth_off_a_whole_period) {
   const double omega = 6.283185307179586;
   for (const double turns : {1.0, 3.0})

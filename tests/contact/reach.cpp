@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Kernels without the candidates beyond reach: the same pairs, the same model, and what they lack is told.
+// Kernels without the candidates beyond reach give the same pairs and the same
+// model, and warn if reach was too small.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -21,7 +22,7 @@ using ::testing::IsEmpty;
 using Points = std::vector<std::int64_t>;
 const Vector3d up(0, 0, 1);
 
-/// The kernel without all but these candidates, as reach would leave it.
+/// The kernel with only the candidates `held`, as reach would leave it.
 Kernel cut(const Kernel& kernel, const Points& held) {
   auto whole = ricochet::kernels::whole_surface(kernel.surface);
   Kernel out = ricochet::kernels::restricted_to_points(kernel, held);
@@ -88,7 +89,7 @@ TEST(KernelsWithinReach, serve_each_smaller_reach_and_tell_what_they_lack_for_a_
   EXPECT_THAT(refusal(0.6, kernel, b), HasSubstr("of \"b\" holds too few candidates"));
 }
 
-/// Points 1 m apart, the k-th raised by k times `rise`.
+/// A plate with points 1 m apart, the k-th of which is raised by k times `rise`.
 Kernel stairs(const Plate& options, double rise) {
   Kernel kernel = *plate(options);
   for (std::size_t k = 0; k < kernel.surface.size(); ++k)
@@ -141,7 +142,7 @@ std::vector<std::string> warnings(double rise, double reach) {
 TEST(Reach, is_warned_of_when_bodies_come_nearer_than_it) {
   EXPECT_THAT(warnings(0.01, 0.0099), IsEmpty());
   EXPECT_THAT(warnings(0.01, 0.0011), ElementsAre(HasSubstr("beyond reach = 0.0011 m")));
-  EXPECT_THAT(warnings(0.0, 0.0011), IsEmpty());  // nothing was left out
+  EXPECT_THAT(warnings(0.0, 0.0011), IsEmpty());  // no candidate was omitted
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a step does besides arithmetic: nothing. A child process gives up all system calls but read, write and
-// exit (seccomp, strict), makes a million steps and reports how often the heap and locks were asked.
+// Checks that a step does nothing but arithmetic. A child process gives up all system calls except read,
+// write and exit (strict seccomp), makes a million steps, and reports its calls of the heap and of locks.
 #include <dlfcn.h>
 #include <gtest/gtest.h>
 #include <linux/seccomp.h>
@@ -22,7 +22,7 @@ namespace {
 std::atomic<long> locks{0};
 }
 
-// In front of the locks of libpthread; the real ones are looked up on first use.
+// Wrappers of the locks of libpthread. They look up the original functions on first use.
 #define COUNT_LOCK(name, type)                                                   \
   extern "C" int name(type* lock) noexcept {                                     \
     static int (*real)(type*) = nullptr;                                         \
@@ -50,7 +50,7 @@ long heap_calls() { return heap_counter::calls + heap_counter::returns; }
 enum class Ending { told, killed, no_seccomp };
 constexpr int cannot = 77;
 
-/// Runs `action` (returning a Verdict) in a child that may only read, write and exit.
+/// Runs `action`, which returns a Verdict, in a child process that may only read, write and exit.
 template <class Action>
 Ending confined(Action action, Verdict& verdict) {
   int ends[2];
@@ -71,7 +71,8 @@ Ending confined(Action action, Verdict& verdict) {
   return whole && WIFEXITED(status) && WEXITSTATUS(status) == 0 ? Ending::told : Ending::killed;
 }
 
-/// Half in blocks of 64 with all that a block can write, half in single steps.
+/// Makes half of the steps in blocks of 64 that write velocities and
+/// forces, and the other half as single steps.
 Verdict a_million_steps(Simulation& simulation, std::vector<double>& velocity, std::vector<double>& force) {
   constexpr std::int64_t block = 64, half = 500'032;
   const std::size_t points = simulation.points().size();
@@ -90,7 +91,7 @@ Verdict a_million_steps(Simulation& simulation, std::vector<double>& velocity, s
   return out;
 }
 
-/// A heavily damped body that comes to rest on the floor, on all its points.
+/// A heavily damped body comes to rest on the floor on all its points.
 void expect_nothing_but_arithmetic(Scheme scheme, Admittance admittance) {
   Scene scene = falling({.modes = 16, .points = 6, .ratio = 0.05, .rigid_decay = 5}, 1e-5, 0.1, 9.81);
   scene.scheme = scheme;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What receivers see, and what supports carry, of bars that waves and statics tell everything about.
+// Motion of receivers and reactions of supports, for bars with known waves and statics.
 #include "contact/output/receivers.hpp"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ Kernel damped_bar(int modes, double decay) {
   return bar;
 }
 
-/// The bar along y, `gap` below a wall.
+/// The bar along y, with its tip `gap` below a wall.
 Model upright(const Kernel& bar, double gap, const std::vector<ForcingRequest>& forcing, double gravity = 0) {
   return build_model({{"bar", &bar, turn(std::numbers::pi / 2, {0, 0, 1})}},
                      {{"wall", Vector3d(0, length + gap, 0), Vector3d(0, -1, 0)}},
@@ -45,8 +45,8 @@ ForcingRequest tip(double force, const History& history) {
   return {"bar", "tip", false, {0, force, 0}, history};
 }
 
-// The foot leaves at speed V: u = V Σ (−1)^j [(t − x − 2jL)₊ + (t − 2L + x − 2jL)₊]. 3e-3 V L: the modes blur
-// fronts.
+// The foot starts to move at speed V: u = V Σ (−1)^j [(t − x − 2jL)₊ + (t − 2L + x − 2jL)₊]. The tolerance
+// 3e-3 V L covers fronts that are blurred by modal truncation.
 TEST(Receiver, of_a_bar_whose_foot_moves_sees_the_waves_pass) {
   const Kernel bar = clamped_bar(200, length);
   const double speed = 0.3, step = 0.07, x = length / 2;
@@ -74,8 +74,8 @@ TEST(Receiver, of_a_bar_whose_foot_moves_sees_the_waves_pass) {
   }
 }
 
-// Under weight, load, a foot displaced and a wall all at once, at rest; whichever modes are stepped or
-// static.
+// Static equilibrium under weight, load, displaced foot and wall at once. It does not depend on which modes
+// are stepped and which are static.
 TEST(Receiver, sees_the_static_displacement_of_all_forces_and_supports) {
   const double weight = 1e-3, force = 4e-3, travel = 0.02, gap = 0.05, x = length / 2;
   const double pressed = (travel + weight * length * length / 2 + force * length - gap) / length;
@@ -100,7 +100,8 @@ TEST(Receiver, sees_the_static_displacement_of_all_forces_and_supports) {
   }
 }
 
-// Central differences, between knots: error of (ωΔ)²/6 = 2e-5 of the largest mode's share.
+// Rates are compared with central differences between knots, with an error of (ωΔ)²/6 = 2e-5 of the
+// contribution of the highest mode.
 TEST(Receiver, has_velocity_and_acceleration_that_are_the_rates_of_its_displacement) {
   const Kernel bar = damped_bar(3, 0.02);
   const double step = 0.01;
@@ -154,8 +155,8 @@ TEST(Result, holds_receivers_at_every_step_whatever_rows_are_written) {
   EXPECT_GT(rows.back() * rows.back() + rows[121] * rows[121], 0);
 }
 
-// A hanging bar with a load at its tip: at rest its support carries both. With the wall, what the wall
-// leaves.
+// At rest, the support of a hanging bar carries the weight and the load at the tip. If
+// there is a wall, its force is subtracted.
 TEST(Reaction, of_a_hanging_bar_is_its_weight_and_its_load_less_what_a_wall_carries) {
   for (const double gap : {50.0, 0.01})
     for (const int every : {1, 13}) {
@@ -170,7 +171,8 @@ TEST(Reaction, of_a_hanging_bar_is_its_weight_and_its_load_less_what_a_wall_carr
     }
 }
 
-// From rest to the speed V of its foot: the reaction's impulse is m V, whatever vibrates on the way.
+// The bar accelerates from rest to the speed V of its foot. The impulse of the
+// reaction is m V, regardless of vibrations.
 TEST(Reaction, of_a_foot_that_moves_gives_the_bar_its_momentum) {
   for (const int modes : {2, 20}) {
     const Folder folder;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Result files: what is in them after a run, and that there is none before it ends.
+// Result files: their contents after a run, and their absence until it ends.
 #include "contact/output/recorder.hpp"
 #include "base/hdf5_reader.hpp"
 
@@ -25,7 +25,7 @@ using ricochet::test::Folder;
 constexpr int modes = 12;
 constexpr double length = 10, step = 0.1;
 
-/// A rod at speed 1 meets one at rest, 0.25 m away.
+/// A rod at speed 1 approaches a rod at rest, 0.25 m away.
 Model rods(const Kernel& kernel) {
   return build_model({{"left", &kernel, Matrix3d::Identity(), Vector3d::Zero(), {1, 0, 0}},
                       {"right", &kernel, Matrix3d::Identity(), {length + 0.25, 0, 0}}},
@@ -95,7 +95,7 @@ TEST(Result, holds_every_dataset_with_its_shape_and_unit) {
   }
   read(file, "/contact/persistency", {K}, "W");
 
-  // Energy: what the parts say, from half a kilogram square of speed 1 and mass 10.
+  // Energy is the sum of its parts, initially ½ · 10 kg · (1 m/s)² = 5 J.
   const auto total = file.read<double>("/energy/total", {K}),
              kinetic = file.read<double>("/energy/kinetic", {K});
   const auto strain = file.read<double>("/energy/strain", {K}),
@@ -104,11 +104,11 @@ TEST(Result, holds_every_dataset_with_its_shape_and_unit) {
   EXPECT_NEAR(kinetic.front(), 5, 1e-14);
   for (std::size_t k = 0; k < K; ++k) EXPECT_NEAR(total[k], kinetic[k] + strain[k] + residual[k], 1e-13);
 
-  // Momentum goes from one to the other, by the force of the contact rows.
+  // The recorded contact forces transfer momentum from one rod to the other.
   const auto touching = read(file, "/contact/time", {any}, "s");
   const std::size_t k = touching.size();
-  EXPECT_NEAR(touching.front(), 0.3, 1e-12);  // the step in which 0.25 m at speed 1 are closed ends there
-  ASSERT_GT(k, 150U);                         // 2L/c = 20 s of contact, and the waves of few modes
+  EXPECT_NEAR(touching.front(), 0.3, 1e-12);  // the step in which a gap of 0.25 m closes at speed 1 ends here
+  ASSERT_GT(k, 150U);                         // 2L/c = 20 s of contact, up to the waves of few modes
   const auto force = read(file, "/contact/force", {k, 1}, "N");
   double impulse = 0;
   for (const double lambda : force) impulse += lambda * step;
@@ -118,8 +118,8 @@ TEST(Result, holds_every_dataset_with_its_shape_and_unit) {
   EXPECT_NEAR(left[3 * steps], 10 - impulse, 1e-11);
   EXPECT_NEAR(right[3 * steps], impulse, 1e-11);
 
-  // Gap and displacements along n agree, and touching points touch: the compliant scheme ends each step
-  // there.
+  // Gaps and displacements along n are consistent. Touching points have no gap, because the compliant scheme
+  // closes it at the end of each step.
   const auto gap = read(file, "/contact/gap", {k, 1}, "m");
   const auto u_a = read(file, "/contact/displacement_a", {k, 1}, "m");
   const auto u_b = read(file, "/contact/displacement_b", {k, 1}, "m");
@@ -138,14 +138,14 @@ TEST(Result, holds_every_dataset_with_its_shape_and_unit) {
   EXPECT_EQ(file.shape("/snapshots/left"), (Shape{4, modes}));
 }
 
-/// Against a wall all of the relative displacement is the rod's own, the residual's and the fast modes' share
-/// included. At step 0.6 the modes from the 20th on (ω Δ > π beyond n = 16) are quasi-static.
+/// Against a wall, the entire relative displacement is that of the rod, including the parts of the residual
+/// and of fast modes. With a step of 0.6, modes with ω Δ > π are quasi-static, that is n > 16.
 TEST(Result, gives_body_a_its_share_of_residual_and_fast_modes) {
   const Kernel kernel = rod(20, length);
   const Model one = build_model({{"rod", &kernel, Matrix3d::Identity(), Vector3d::Zero(), {1, 0, 0}}},
                                 {{"wall", Vector3d(length, 0, 0), Vector3d(-1, 0, 0)}},
                                 {{"rod", "wall", {}, {}, {}}}, Vector3d::Zero());
-  // The same rod against its mirror image: by symmetry each moves as against the wall.
+  // The same rod against its mirror image. By symmetry, each rod moves as it does against the wall.
   const Model two =
       build_model({{"rod", &kernel, Matrix3d::Identity(), Vector3d::Zero(), {1, 0, 0}},
                    {"mirror", &kernel, turn(std::numbers::pi, {0, 0, 1}), {2 * length, 0, 0}, {-1, 0, 0}}},
@@ -168,7 +168,7 @@ TEST(Result, gives_body_a_its_share_of_residual_and_fast_modes) {
   ASSERT_GT(displacement[0].size(), 10U);
   ASSERT_EQ(displacement[0].size(), displacement[1].size());
   for (std::size_t k = 0; k < displacement[0].size(); ++k) {
-    EXPECT_NEAR(displacement[0][k], 0, 1e-12);  // the wall does not give way
+    EXPECT_NEAR(displacement[0][k], 0, 1e-12);  // the wall is rigid
     EXPECT_NEAR(displacement[1][k], 0, 1e-12);
     EXPECT_NEAR(velocity[0][k], velocity[1][k], 1e-12);
   }
@@ -191,14 +191,14 @@ TEST(Result, writes_each_nth_step) {
     file.read<double>("/bodies/left/velocity", {rows, 3});
     EXPECT_FALSE(file.exists("/snapshots/time"));
     force[every == 3] = file.read<double>("/contact/force", {any, 1});
-    const std::size_t touching = every == 1 ? 98 : 33;  // all steps from the third on
+    const std::size_t touching = every == 1 ? 98 : 33;  // in all steps from the third on
     EXPECT_NEAR(file.read<double>("/contact/time", {touching})[0], 0.3, 1e-15);
   }
   for (std::size_t k = 0; k < 33; ++k) EXPECT_EQ(force[1][k], force[0][3 * k]);
 }
 
-/// A unit mass on a spring, critically damped, over a floor it does not reach: the support ends up carrying
-/// it. Then, on a floor that it rests on, the two share the weight.
+/// A critically damped unit mass on a spring. If it does not reach the floor, the support carries its weight
+/// in the end. If it rests on the floor, support and floor share the weight.
 TEST(Reaction, of_a_support_ends_as_the_weight_that_no_contact_carries) {
   Kernel kernel;
   kernel.mass = 1;
@@ -212,7 +212,7 @@ TEST(Reaction, of_a_support_ends_as_the_weight_that_no_contact_carries) {
   kernel.loads.body_force = {0, 0, 1};
   kernel.loads.rotation = {0, 0, 0};
   const double sag = 9.81 / 400;
-  for (const double share : {1.0, 0.25}) {  // of the sag that the floor allows, if it is within reach
+  for (const double share : {1.0, 0.25}) {  // share of the weight on the support; 1 without contact
     const double depth = share < 1 ? share * sag : 2 * sag;
     const Model model =
         build_model({{"mass", &kernel}}, {{"floor", Vector3d(0, 0, -depth), Vector3d(0, 0, 1)}},
@@ -226,7 +226,7 @@ TEST(Reaction, of_a_support_ends_as_the_weight_that_no_contact_carries) {
       const std::size_t rows = static_cast<std::size_t>(7000 / every + 1);
       const auto reaction = open(folder).read<double>("/bodies/mass/reaction", {rows, 3});
       EXPECT_EQ(reaction[2], 0);
-      EXPECT_NEAR(reaction[3 * rows - 1], share * 9.81, 1e-9) << every;  // the motion has died out by e^-140
+      EXPECT_NEAR(reaction[3 * rows - 1], share * 9.81, 1e-9) << every;  // the motion has decayed by e^-140
     }
   }
 }
@@ -240,7 +240,7 @@ TEST(Files, that_are_not_finished_leave_nothing) {
     Recorder recorder(model, options, {.path = folder / "rods.result.h5"});
     run(model, options, 2000, recorder);
     EXPECT_FALSE(std::filesystem::exists(folder / "rods.result.h5"));
-    EXPECT_FALSE(folder.entries() == 0);  // it was being written
+    EXPECT_FALSE(folder.entries() == 0);  // the temporary file
   }
   EXPECT_TRUE(folder.entries() == 0);
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Two equal elastic rods that collide end to end, from their exact modes. The wave solution: the ends move
-// together at v/2 under the pressure Z v/2, until the waves are back from the free ends at t = 2L/c = 20;
-// then the striking rod stands still and the other leaves at v. ρ = A = E = 1, so c = 1 and the impedance Z =
-// ρcA = 1; L = 10, v = 1.
+// Two equal elastic rods, represented by their exact modes, collide end to end. Wave solution: the ends
+// move together at v/2 under the pressure Z v/2 until the waves return from the free ends at t = 2L/c = 20.
+// Then the striking rod is at rest and the other one leaves at v. With ρ = A = E = 1, c = 1 and the
+// impedance is Z = ρcA = 1; L = 10, v = 1.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,9 +21,9 @@ using ricochet::StepStatus;
 
 constexpr double length = 10, speed = 1, impedance = 1, step = 0.01, duration = 30;
 constexpr double touching_time = 20;  // 2L/c
-constexpr int modes = 100;            // a rod: the rigid one and 99 elastic ones
+constexpr int modes = 100;            // modes of a rod: one rigid and 99 elastic ones
 
-/// cos(nπx/L) modes of a free rod of mass 10: φ_0 = 1/√10, |φ_n| = √(2/10) at an end, ω_n = nπ/10.
+/// Modes cos(nπx/L) of a free rod of mass 10: φ_0 = 1/√10, |φ_n| = √(2/10) at an end, ω_n = nπ/10.
 Model two_rods() {
   Model model;
   const Eigen::Index N = 2 * modes;
@@ -35,7 +35,7 @@ Model two_rods() {
       model.B(0, rod * modes + n) = (rod == 0 ? 1 : -1) * std::sqrt((n == 0 ? 1 : 2) / length);
     }
   model.v0(0) = speed * std::sqrt(length);
-  // flexibility of the modes left out: Σ_{n>99} φ_n²/ω_n², from Σ_{n≥1} 1/n² = π²/6
+  // Flexibility of the truncated modes: Σ_{n>99} φ_n²/ω_n², from Σ_{n≥1} 1/n² = π²/6.
   double rest = std::numbers::pi * std::numbers::pi / 6;
   for (int n = modes - 1; n >= 1; --n) rest -= 1.0 / (static_cast<double>(n) * n);
   const double tail = 2 / length * std::pow(length / std::numbers::pi, 2) * rest;
@@ -46,7 +46,7 @@ Model two_rods() {
   return model;
 }
 
-/// Of a whole rod, mass-mean: its rigid mode over √mass.
+/// Mean velocity of a rod: the rate of its rigid mode divided by √mass.
 double velocity(const Stepper& stepper, int rod) {
   return stepper.modal()->v(rod * modes) / std::sqrt(length);
 }
@@ -56,11 +56,11 @@ struct Outcome {
   double last_contact = 0;  ///< end of the last step with a force
   double impulse = 0;
   double early_mean = 0;        ///< mean force from t = 1 to t = 18
-  double penetration = 0;       ///< largest, at step ends
-  double penetration_rate = 0;  ///< mean from t = 1 to t = 18
-  double energy_lost = 0;       ///< relative
-  double energy_growth = 0;     ///< largest in a step, relative
-  double ledger = 0;            ///< largest departure, relative
+  double penetration = 0;       ///< largest penetration at step ends
+  double penetration_rate = 0;  ///< mean rate of penetration from t = 1 to t = 18
+  double energy_lost = 0;       ///< relative loss of energy
+  double energy_growth = 0;     ///< largest relative growth of the energy in a step
+  double ledger = 0;            ///< largest relative deviation of the ledger
 };
 
 Outcome collide(const StepOptions& options) {
@@ -94,7 +94,7 @@ TEST(RodsCompliant, exchange_their_velocities_at_the_exact_time_and_pressure) {
   EXPECT_NEAR(out.exit_a, 0, 0.01);
   EXPECT_NEAR(out.exit_b, speed, 0.01);
   EXPECT_NEAR(out.last_contact, touching_time,
-              0.15);  // the wave front is as wide as the shortest mode, 2L/99 = 0.2
+              0.15);  // the width of the wave front is the wavelength of the highest mode, 2L/99 = 0.2
   EXPECT_NEAR(out.impulse / touching_time, impedance * speed / 2, 0.005);
 }
 
@@ -104,12 +104,12 @@ TEST(RodsCompliant, do_not_penetrate_and_hardly_lose_energy) {
   EXPECT_GE(out.energy_lost, 0);
   EXPECT_LT(out.energy_lost, 0.005);
   EXPECT_LT(out.energy_growth, 1e-12);
-  EXPECT_LT(out.ledger, 1e-12);  // 3000 steps of round-off
+  EXPECT_LT(out.ledger, 1e-12);  // round-off of 3000 steps
 }
 
-// The velocity is cancelled at t_k⁺ only: the force P/Δ that keeps up makes u̇ grow by the jump p(Ṅ_a + Ṅ_b)
-// over a step, whose mean, half of it, is what the ends creep at. v = p (1/Z_a + 1/Z_b) + p Δ (Ṅ_a + Ṅ_b)/2
-// gives p.
+// An impulse cancels the velocity only at t_k⁺. During the step, the force P/Δ makes u̇ grow
+// by p Δ (Ṅ_a + Ṅ_b), so the ends creep at half of this velocity on average. p follows from
+// v = p (1/Z_a + 1/Z_b) + p Δ (Ṅ_a + Ṅ_b)/2.
 TEST(RodsImpulseJump, creep_at_the_steady_pressure_of_the_velocity_jump) {
   const Outcome out = collide({.scheme = Scheme::impulse, .admittance = Admittance::jump, .step = step});
   const double jump = (1 + 2 * (modes - 1)) / length;  // Ṅ(0⁺) of one rod
@@ -125,7 +125,7 @@ TEST(RodsImpulseDifference, press_as_the_waves_do_and_penetrate_less_than_a_step
   const Outcome out =
       collide({.scheme = Scheme::impulse, .admittance = Admittance::difference, .step = step});
   EXPECT_NEAR(out.early_mean, impedance * speed / 2,
-              0.0025);  // half a percent: the truncated wave front rings
+              0.0025);  // half a per cent: the truncated wave front rings
   EXPECT_NEAR(out.impulse / touching_time, impedance * speed / 2, 0.0025);
   EXPECT_LE(out.penetration, speed * step * (1 + 1e-9));
   EXPECT_NEAR(out.exit_a, 0, 0.01);
@@ -134,7 +134,8 @@ TEST(RodsImpulseDifference, press_as_the_waves_do_and_penetrate_less_than_a_step
   EXPECT_LT(out.ledger, 1e-12);
 }
 
-// The first instant of the impulse scheme is t_1: ends that touch at t_0 are met one step, hence v Δ, later.
+// The first instant of the impulse scheme is t_1. Ends that touch at t_0
+// are stopped one step, and thus v Δ, late.
 TEST(RodsImpulse, meet_first_at_the_end_of_the_first_step) {
   for (const Admittance admittance : {Admittance::jump, Admittance::difference}) {
     const auto stepper =

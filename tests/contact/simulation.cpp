@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The library as other programs see it.
+// The library interface, as other programs use it.
 #include "ricochet/ricochet.hpp"
 
 #include <gtest/gtest.h>
@@ -21,8 +21,8 @@ using ricochet::test::complaint_of;
 
 constexpr double length = 10;
 
-/// A rod (ρA = EA = 1, so c = 1 and its impedance is 1) that flies at unit speed along its axis, which
-/// `rotate_deg` turns into −`normal`, and touches a wall at t = 0.
+/// A rod with ρA = EA = 1, so c = 1 and its impedance is 1. It moves along −`normal` at unit speed and
+/// touches a wall at t = 0. `rotate_deg` must align its axis with `normal`.
 Scene rod_at_wall(const Vector3& rotate_deg = {0, 0, 0}, const Vector3& normal = {1, 0, 0}) {
   Scene scene;
   Vector3 velocity = normal;
@@ -43,8 +43,8 @@ double mean(const std::vector<double>& values, double from, double to) {
   return std::accumulate(at(from), at(to), 0.0) / (100 * (to - from));
 }
 
-// d'Alembert: the force is ρcAv = 1 until the wave is back at t = 2L/c = 20; its front reverses the far end
-// at t = 10. 1 %: 100 modes and 2000 steps for a front.
+// D'Alembert's solution: the force is ρcAv = 1 until the wave returns at t = 2L/c = 20; its front reverses
+// the far end at t = 10. 1 %: error of 100 modes and 2000 steps.
 TEST(Simulation, of_a_rod_that_meets_a_wall_is_the_wave_solution) {
   Simulation simulation(rod_at_wall());
   ASSERT_EQ(simulation.points().size(), 1);
@@ -62,7 +62,7 @@ TEST(Simulation, of_a_rod_that_meets_a_wall_is_the_wave_solution) {
   EXPECT_NEAR(simulation.pickup_displacement(0), -10 + 20, 0.1);
 }
 
-// 1e-10: round-off of a thousand steps in contact
+// 1e-10: round-off of a thousand steps in contact.
 TEST(Simulation, is_the_same_for_bodies_turned_with_their_surroundings) {
   Simulation along_x(rod_at_wall());
   Simulation along_y(rod_at_wall({0, 0, 90}, {0, 1, 0}));
@@ -108,7 +108,7 @@ TEST(Simulation, hears_the_receivers_of_a_kernel) {
   }
 }
 
-/// The three ways to step.
+/// The compliant scheme and the impulse scheme with both admittances.
 std::vector<Scene> schemes(const Scene& compliant) {
   Scene jump = compliant, difference = compliant;
   jump.scheme = difference.scheme = Scheme::impulse;
@@ -141,8 +141,8 @@ TEST(Simulation, block_is_its_steps_to_the_last_bit) {
   }
 }
 
-// Blocks of a length that fits no block of the integrator, with and without displacements, and single steps
-// in between.
+// Blocks whose length is no multiple of the stepper's own blocks, with and without
+// displacements, alternate with single steps.
 TEST(Simulation, gives_the_same_whichever_way_steps_are_asked_for) {
   for (const Scene& scene : schemes(falling({.ratio = 0.01}, 1e-4, 1, 9.81))) {
     Simulation mixed(scene), single(scene);
@@ -172,7 +172,7 @@ TEST(Simulation, gives_the_same_whichever_way_steps_are_asked_for) {
       }
       ASSERT_EQ(mixed.pickup_displacement(0), single.pickup_displacement(0));
       ASSERT_EQ(mixed.mean_velocity(0)[2], single.mean_velocity(0)[2]);
-      // Sums over several steps are rounded in another order.
+      // Sums over several steps are rounded in a different order.
       ASSERT_NEAR(mixed.energy().ledger(), single.energy().ledger(), 1e-12);
       ASSERT_NEAR(mixed.energy().contact, single.energy().contact, 1e-12);
     }
@@ -212,7 +212,7 @@ TEST(Simulation, goes_on_from_a_saved_state_to_the_last_bit_and_takes_no_memory_
 }
 
 TEST(Simulation, fills_the_rest_of_a_block_with_silence_when_a_step_fails) {
-  Simulation simulation(falling({}, 1, 1e200, 0));  // its energy is beyond double precision
+  Simulation simulation(falling({}, 1, 1e200, 0));  // its energy exceeds the range of double precision
   std::vector<double> velocity(5, 7), force(15, 7);
   const BlockResult done = simulation.step_block(5, {.velocity = velocity.data(), .force = force.data()});
   EXPECT_EQ(done.status, StepStatus::not_finite);

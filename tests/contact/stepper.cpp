@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What must hold of every model and step: energy, the conditions of contact, the ledger, no memory taken.
+// Properties of every model and step: bounded energy, contact
+// conditions, a closed ledger, no heap allocation.
 #include "contact/stepping/stepper.hpp"
 
 #include <gtest/gtest.h>
@@ -35,10 +36,11 @@ Model blank(Eigen::Index modes, Eigen::Index points) {
 
 constexpr double gravity = 9.81, mass = 2;
 
-/// Steps that are predicted together at most.
+/// Largest number of steps that are predicted together.
 constexpr std::size_t longest_block = 24;
 
-/// A body over a rigid half-space: the rigid mode towards it, `modes` − 1 elastic ones, weight.
+/// A body above a rigid half-space under its weight, with one rigid mode
+/// towards it and `modes` − 1 elastic modes.
 Model dropped(Eigen::Index modes, Eigen::Index points, double gap, unsigned seed = 1) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> spread(-1, 1);
@@ -60,7 +62,7 @@ void add_damping(Model& model, double ratio, double rigid) {
   model.decay(0) = rigid;
 }
 
-/// Largest departure of the ledger from its start, relative to the largest energy that was about.
+/// Largest deviation of the ledger from its initial value, relative to the largest energy during the run.
 double ledger_error(const Model& model, const StepOptions& options, int steps) {
   const auto stepper = make_stepper(model, options);
   const double start = stepper->modal()->energy().ledger();
@@ -74,7 +76,8 @@ double ledger_error(const Model& model, const StepOptions& options, int steps) {
   return worst / size;
 }
 
-// 1e-10: 1e5 steps of round-off ε = 2e-16 that may all have one sign, with room for the number of modes.
+// 1e-10: 1e5 steps with a round-off of ε = 2e-16 that may always have the same
+// sign, and a margin for the number of modes.
 TEST(Ledger, closes_over_a_hundred_thousand_steps_of_a_bouncing_damped_body) {
   Model model = dropped(12, 3, 1e-3);
   add_damping(model, 0.002, 0.05);
@@ -97,8 +100,8 @@ TEST(Ledger, closes_for_modes_damped_below_at_and_above_critical) {
   }
 }
 
-/// Random bodies: rigid and elastic modes over four decades, R absent or of any size, initial motion of all
-/// modes.
+/// Random bodies: rigid and elastic modes over four decades, R absent or of any
+/// size, initial velocities in all modes.
 Model random_model(std::mt19937& random) {
   std::uniform_real_distribution<double> unit(0, 1);
   std::normal_distribution<double> normal;
@@ -112,7 +115,7 @@ Model random_model(std::mt19937& random) {
     for (Eigen::Index i = 0; i < points; ++i) model.B(i, n) = normal(random);
     model.load(n) = unit(random) < 0.5 ? 0 : normal(random);
   }
-  model.omega(0) = 1e4;  // the shortest period
+  model.omega(0) = 1e4;  // gives the shortest period
   if (unit(random) < 0.6) {
     const Matrix A = Matrix::NullaryExpr(points, points, [&] { return normal(random); });
     model.R = std::pow(10, -8 * unit(random)) * A * A.transpose();
@@ -122,7 +125,7 @@ Model random_model(std::mt19937& random) {
   return model;
 }
 
-// The theorem of the compliant scheme: whatever B, ω, δ, R and Δ. 1e-12: round-off of one step.
+// The energy theorem of the compliant scheme, for any B, ω, δ, R and Δ. 1e-12: round-off of one step.
 TEST(Compliant, energy_never_grows_for_any_step_and_points_never_overlap) {
   std::mt19937 random(7);
   const double shortest = 2 * std::numbers::pi / 1e4;
@@ -130,13 +133,14 @@ TEST(Compliant, energy_never_grows_for_any_step_and_points_never_overlap) {
   for (double step = 1e-9 * shortest; step < 2e3 * shortest; step *= 10)
     for (int trial = 0; trial < 40; ++trial) {
       Model model = random_model(random);
-      // the premise of the theorem: no overlap at the start, the static displacement of modes moved into R
-      // included
+      // Premise of the theorem: no overlap at the start, including the
+      // static displacement of modes moved into R.
       model.gap = model.gap.cwiseMax(
           make_stepper(model, {.scheme = Scheme::compliant, .step = step})->displacement());
       const auto stepper = make_stepper(model, {.scheme = Scheme::compliant, .step = step});
-      // The solver keeps to u ≤ g within round-off of its largest term, size_u; the energy is known to λ
-      // times that. What a block of steps predicts sums the answers to all its forces.
+      // The solver satisfies u ≤ g to the round-off of its largest term, size_u, and the energy is
+      // accurate to λ times this round-off. The prediction of a look-ahead block sums the
+      // responses to all forces of the block.
       const Vector softest =
           model.omega.unaryExpr([&](double w) { return std::min(0.5 * step * step, 2 / (w * w)); });
       const Matrix size_B = model.B.cwiseAbs();
@@ -195,9 +199,9 @@ TEST(Compliant, carries_the_weight_of_a_body_at_rest) {
   EXPECT_LT(stepper->displacement().maxCoeff(), 1e-12);
 }
 
-// Ten modes above half the sampling rate, left to the stepper or moved into R and s by hand.
+// Ten modes lie above half the step rate. The stepper moves them into R and s, as the reference does by hand.
 TEST(Compliant, moves_modes_that_a_step_cannot_sample_into_the_residual) {
-  const double step = 1e-3;  // π/Δ = 3141.6: the modes at 3300, 3600, … go
+  const double step = 1e-3;  // π/Δ = 3141.6: the modes at 3300, 3600, … are moved
   Model whole = dropped(21, 3, 1e-3);
   whole.load.tail(20).setConstant(0.3);
   Model by_hand = dropped(21, 3, 1e-3);
@@ -219,7 +223,7 @@ TEST(Compliant, moves_modes_that_a_step_cannot_sample_into_the_residual) {
   for (int k = 0; k < 200; ++k) {
     ASSERT_EQ(one->step(), StepStatus::ok);
     ASSERT_EQ(other->step(), StepStatus::ok);
-    // a force is a displacement of 1e-15 over a stiffness of 1e7, and bounces amplify
+    // Force error: a displacement of 1e-15 times a stiffness of 1e7, amplified by bounces.
     ASSERT_LT((one->force() - other->force()).cwiseAbs().maxCoeff(), 1e-6);
     ASSERT_LT((one->modal()->q.head(kept) - other->modal()->q).cwiseAbs().maxCoeff(), 1e-12);
     ASSERT_EQ(one->modal()->q.tail(10), Vector::Zero(10));
@@ -279,7 +283,7 @@ TEST(Impulse, returns_a_rigid_body_with_the_restitution_asked_for) {
   }
 }
 
-// A gap of a whole number of steps: u = g there but for round-off of either sign.
+// A gap of a whole number of steps: u = g at its end except for round-off of either sign.
 TEST(Impulse, meets_the_obstacle_at_the_step_that_reaches_it_to_round_off) {
   for (int steps = 1; steps <= 100; ++steps) {
     Model model = dropped(1, 1, 0.01 * steps);
@@ -293,8 +297,8 @@ TEST(Impulse, meets_the_obstacle_at_the_step_that_reaches_it_to_round_off) {
   }
 }
 
-// Five points on one mode: only the sum of the impulses is determined. 1e-3: round-off ε over the share 1e-12
-// that selects.
+// Five points on one mode: only the sum of the impulses is determined. 1e-3: round-off ε relative to the term
+// of 1e-12 that selects equal impulses.
 TEST(Impulse, is_shared_evenly_by_points_that_are_alike) {
   Model model = dropped(1, 5, 0.01);
   model.load.setZero();

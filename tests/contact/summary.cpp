@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The figures of a run, against what mechanics says of two rods: contact lasts 2L/c and the rods trade
-// velocities.
+// The summary of a run compared with the mechanics of two rods: contact lasts 2L/c,
+// and the rods exchange their velocities.
 #include "contact/output/summary_observer.hpp"
 
 #include <gmock/gmock.h>
@@ -60,11 +60,11 @@ TEST(Summary, of_two_rods_is_what_waves_give) {
   const Kernel kernel = rod(100, length);
   const Summary s = run(rods(kernel, 0.005), 30);
   ASSERT_TRUE(s.contact_start_s && s.contact_end_s && s.restitution);
-  EXPECT_DOUBLE_EQ(*s.contact_start_s, 0);  // 0.005 m at 1 m/s are closed within the first step
-  EXPECT_NEAR(*s.contact_end_s, 20, 0.3);   // 2L/c; 100 modes blur it by about a period of the last one
-  EXPECT_NEAR(s.impulse_ns, 10, 0.05);      // the whole momentum
+  EXPECT_DOUBLE_EQ(*s.contact_start_s, 0);  // a gap of 0.005 m closes at 1 m/s within the first step
+  EXPECT_NEAR(*s.contact_end_s, 20, 0.3);   // 2L/c, blurred by about the period of the highest of 100 modes
+  EXPECT_NEAR(s.impulse_ns, 10, 0.05);      // the entire momentum
   EXPECT_EQ(s.peak_force_n, largest_force(rods(kernel, 0.005), 30));
-  EXPECT_GT(s.peak_force_n, 0.5);  // Z v/2 is its mean
+  EXPECT_GT(s.peak_force_n, 0.5);  // Z v/2 is the mean force
   EXPECT_NEAR(*s.restitution, 1, 0.01);
   EXPECT_NEAR(s.exit_velocity.at("left").x(), 0, 0.005);
   EXPECT_NEAR(s.exit_velocity.at("right").x(), 1, 0.005);
@@ -104,7 +104,8 @@ TEST(Summary, of_bodies_that_miss_has_no_contact) {
   EXPECT_EQ(s.energy_lost_contact, 0);
 }
 
-/// Printed impulses stop a rigid rod at every t_k, and its weight drags it on: it is never seen to move.
+/// The impulse scheme stops a rigid rod at every t_k while its weight pulls it
+/// down, so it is never observed to move.
 TEST(Summary, of_a_rod_that_sinks_at_rest_measures_drift_by_what_loads_and_contact_did) {
   const Kernel kernel = rod(1, length, false);
   const Model model =
@@ -113,10 +114,11 @@ TEST(Summary, of_a_rod_that_sinks_at_rest_measures_drift_by_what_loads_and_conta
   const Summary s = run(model, 10, 0, 0);
   EXPECT_GT(s.contact_steps, 990);
   EXPECT_LT(s.energy_drift.value(), 1e-12);  // round-off of 1000 steps
-  EXPECT_FALSE(s.energy_lost_contact);       // of a rod that had none when it touched
+  EXPECT_FALSE(s.energy_lost_contact);       // the rod had no energy to lose when it touched
 }
 
-/// A rigid rod (its one mode) dropped on a floor: each bounce is a single step, e of the speed is left.
+/// A rigid rod with a single mode falls on a floor. Each bounce is a single step
+/// and retains the fraction e of the speed.
 TEST(Summary, lists_each_bounce) {
   const Kernel kernel = rod(1, length, false);
   const double g = 10, height = 5, e = 0.5;
@@ -124,15 +126,15 @@ TEST(Summary, lists_each_bounce) {
                                   {{"floor", {length + height, 0, 0}, {-1, 0, 0}}},
                                   {{"rod", "floor", {}, {}, {}}}, {g, 0, 0});
   const Summary s = run(model, 2.25, 0, e, 1e-4);
-  ASSERT_EQ(s.episodes.size(), 2U);  // at t = 1 with speed 10, and 2·5/10 = 1 s later with speed 5
-  // 2e-3: times are those of steps, and what is fallen within the step counts
+  ASSERT_EQ(s.episodes.size(), 2U);  // at t = 1 at speed 10, and 2·5/10 = 1 s later at speed 5
+  // 2e-3: times are rounded to steps, and the motion within the step adds to this.
   EXPECT_NEAR(s.episodes[0].start_s, 1, 2e-3);
   EXPECT_NEAR(s.episodes[1].start_s, 2, 2e-3);
   EXPECT_NEAR(s.episodes[0].impulse_ns, 10 * 10 * (1 + e), 0.1);
   EXPECT_NEAR(s.episodes[1].impulse_ns, 10 * 5 * (1 + e), 0.1);
   EXPECT_NEAR(s.episodes[0].peak_force_n, 1500 / 10 / 1e-4, 2e3);  // an impulse within one step
   EXPECT_EQ(s.contact_steps, 2);
-  EXPECT_NEAR(*s.restitution, e * e, 2e-3);  // first approach to last exit
+  EXPECT_NEAR(*s.restitution, e * e, 2e-3);  // from the first approach to the last exit
   EXPECT_NEAR(s.energy_lost_contact.value(), 1 - e * e * e * e, 0.01);
   EXPECT_LT(s.energy_drift, 1e-12);
 }
@@ -144,8 +146,8 @@ TEST(Warnings, name_a_speed_above_two_per_cent_of_the_waves) {
               ElementsAre(HasSubstr("approach speed 1 m/s is 2.5 % of the wave speed 40 m/s")));
 }
 
-/// A free rigid plate with its six rigid modes (uniform density, mass 1, inertia 1) over a floor at `gap`;
-/// candidates are 0.5 m apart.
+/// A free rigid plate with its six rigid modes (uniform density, mass 1,
+/// inertia 1). Its candidates are 0.5 m apart.
 Kernel plate() {
   Kernel kernel = square(2, 2);
   for (double& z : kernel.surface.normal) z = -z;
@@ -164,7 +166,7 @@ Kernel plate() {
   for (int k = 0; k < 3; ++k)
     for (int n = 0; n < 6; ++n) {
       kernel.loads.body_force.push_back(n == k ? 1 : 0);
-      // L about the origin: centre × p of translations, inertia of rotations
+      // Angular momentum about the origin: centre × p for translations, the inertia for rotations.
       const Vector3d about =
           n < 3 ? Vector3d(0.5, 0.5, 0).cross(Vector3d::Unit(n)) : Vector3d(Vector3d::Unit(n - 3));
       kernel.loads.rotation.push_back(about(k));
@@ -183,13 +185,14 @@ std::vector<std::string> warnings_of_plate(const Vector3d& velocity, const Vecto
 
 TEST(Warnings, name_tangential_motion_beyond_half_the_spacing) {
   EXPECT_THAT(warnings_of_plate({0.3, 0.2, -1}, Vector3d::Zero()), IsEmpty());
-  // touches after 0.5 s (or a step later), 0.5 · |(1, 0.2)| = 0.51 m further
+  // The plate touches after 0.5 s (or a step later), after a tangential motion of 0.5 · |(1, 0.2)| = 0.51 m.
   EXPECT_THAT(warnings_of_plate({1, 0.2, -1}, Vector3d::Zero()),
               ElementsAre(HasSubstr("times the candidate spacing (above 0.5)")));
 }
 
 TEST(Warnings, name_rotation_beyond_five_degrees) {
-  EXPECT_THAT(warnings_of_plate({0, 0, -1}, {0, 0, 0.1}), IsEmpty());  // 2.9 degrees at touch, about z
+  EXPECT_THAT(warnings_of_plate({0, 0, -1}, {0, 0, 0.1}),
+              IsEmpty());  // turned by 2.9 degrees about z at touch
   const auto warnings = warnings_of_plate({0, 0, -1}, {0, 0, 0.2});
   EXPECT_THAT(warnings, ElementsAre(::testing::ContainsRegex("plate turned by 5.[78][0-9]* degrees")));
 }
@@ -237,7 +240,7 @@ TEST(Json, holds_what_the_summary_holds_and_null_for_what_is_not_known) {
        {"contact_steps", "peak_force_n", "impulse_ns", "max_penetration_m", "limited_steps",
         "limited_residual", "candidates", "unpaired", "max_active", "real_time_factor", "wall_s"})
     EXPECT_EQ(json.at(key), 0) << key;
-  EXPECT_EQ(folder.entries(), 1U);  // no temporary file is left
+  EXPECT_EQ(folder.entries(), 1U);  // no temporary file remains
   EXPECT_THAT(complaint_of([&] { write_json(s, folder / "not" / "there.json"); }), HasSubstr("--out"));
 }
 

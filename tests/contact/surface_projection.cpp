@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Projections onto surfaces against all elements searched one by one.
+// Surface projections compared with an exhaustive search over all elements.
 #include "contact/pairing/surface_projection.hpp"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ namespace {
 using namespace ricochet::contact;
 using namespace ricochet::contact::test;
 
-/// Triangles of all sizes and directions, moved away from the origin; their normals look all the same way.
+/// Triangles of all sizes and orientations around `origin`. All normals point in the same direction.
 WorldSurface soup(int count, const Vector3d& origin) {
   std::mt19937 random(7);
   std::normal_distribution<double> normal;
@@ -34,7 +34,7 @@ WorldSurface soup(int count, const Vector3d& origin) {
   return out;
 }
 
-/// Distance from x to a triangle: the least over its plane's foot, its edges and its corners.
+/// Distance from x to a triangle: the minimum over the foot of the perpendicular, the edges and the corners.
 double distance(const Vector3d& x, const std::array<Vector3d, 3>& p) {
   double least = std::numeric_limits<double>::infinity();
   for (int j = 0; j < 3; ++j) {
@@ -50,7 +50,7 @@ double distance(const Vector3d& x, const std::array<Vector3d, 3>& p) {
   return least;
 }
 
-/// |t| of the nearest triangle on the line x + t d.
+/// |t| at which the line x + t d intersects the triangle, or infinity.
 double along(const Vector3d& x, const Vector3d& d, const std::array<Vector3d, 3>& p) {
   Eigen::Matrix3d frame;
   frame << p[1] - p[0], p[2] - p[0], -d;
@@ -64,7 +64,7 @@ class Places : public testing::TestWithParam<double> {
   const Vector3d origin_{GetParam(), -GetParam(), 0};
   const WorldSurface surface_ = soup(300, origin_);
   const SurfaceProjection target_{surface_};
-  /// Of places, a few ulps of their coordinates through a system whose conditioning slender triangles make.
+  /// Round-off of positions: a few ulps of the coordinates, amplified by the condition of slender triangles.
   const double round_off_ = 1e-10 + 1e-12 * GetParam();
 
   template <class Of>
@@ -98,12 +98,13 @@ TEST_P(Places, first_along_a_line_are_those_of_all_elements) {
     ASSERT_EQ(found.has_value(), std::isfinite(expected)) << k;
     if (!found) continue;
     ++met;
-    EXPECT_NEAR(std::abs(d.dot(found->point - x)), expected, 1e-5);  // beyond edges by 1e-6 of the element
+    EXPECT_NEAR(std::abs(d.dot(found->point - x)), expected,
+                1e-5);  // 1e-6 of an element is tolerated beyond its edges
   }
   EXPECT_GT(met, 100);
 }
 
-// 1e5: meshes far from the origin.
+// 1e5: meshes far from the origin of coordinates.
 INSTANTIATE_TEST_SUITE_P(NearAndFar, Places, testing::Values(0.0, 1e5));
 
 TEST(SurfaceProjection, without_elements_finds_nothing) {

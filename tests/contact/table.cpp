@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Table kernels: the closed form of two rods against the wave solution, kernels from modes against modal
-// stepping, files, and what is refused.
+// Table kernels: the closed form for two rods compared with the wave solution, kernels from modes compared
+// with modal stepping, files, and refused input.
 #include "contact/table/table.hpp"
 #include "contact/input/table_file.hpp"
 #include "contact/table/modal_table.hpp"
@@ -31,16 +31,16 @@ using namespace ricochet::contact::test;
 using ricochet::test::Folder;
 using ::testing::HasSubstr;
 
-// ---- The rods of tests/contact/rods.cpp, apart by a gap: ρ = A = E = 1, L = 10, Z = 1, v = 1 ----
+// ---- The rods of tests/contact/rods.cpp, separated by a gap: ρ = A = E = 1, L = 10, Z = 1, v = 1 ----
 
 constexpr double step = 0.01, speed = 1;
-constexpr std::int64_t around = 2000;  ///< steps of 2L/c
+constexpr std::int64_t around = 2000;  ///< steps in 2L/c
 
-/// An impulse on its end moves the end of a rod by 1/Z at once and by 2/Z with each return of the wave.
+/// An impulse moves the end of a rod by 1/Z at once and by 2/Z at each return of the wave.
 Table rods(double gap, std::int64_t samples) {
   Table table;
   table.step = step;
-  const auto displacement = [](std::int64_t l) {  // of both rods, just before lΔ
+  const auto displacement = [](std::int64_t l) {  // of both rods together, just before lΔ
     return l == 0 ? 0.0 : 2.0 * (1 + 2 * static_cast<double>((l - 1) / around));
   };
   for (std::int64_t l = 0; l < samples; ++l) {
@@ -57,7 +57,7 @@ Table rods(double gap, std::int64_t samples) {
   return table;
 }
 
-/// u(t) of the wave solution (d'Alembert): together from t = g/v for 2L/c.
+/// u(t) of d'Alembert's wave solution: contact starts at t = g/v and lasts 2L/c.
 double exact_displacement(double gap, double t) {
   const double start = gap / speed, end = start + 20;
   return t < start ? speed * t : t < end ? gap : gap - speed * (t - end);
@@ -72,13 +72,13 @@ const std::vector<Named> laws = {
     {"jump", {.scheme = Scheme::impulse, .admittance = Admittance::jump, .step = step}},
     {"difference", {.scheme = Scheme::impulse, .admittance = Admittance::difference, .step = step}}};
 
-// 1e-11: round-off of sums of 2000 terms, of lengths up to 30.
+// 1e-11: round-off of sums of 2000 terms, for lengths up to 30.
 TEST(AnalyticRods, move_as_the_waves_do_under_either_scheme) {
   const double gap = 1;
   for (const auto& [name, options] : laws) {
     SCOPED_TRACE(name);
     TableStepper rod(rods(gap, 3002), options);
-    // λ of `compliant` acts over the step before its instant, P of `impulse` stands for the step behind it.
+    // λ of `compliant` acts over the step before its instant; P of `impulse` represents the step after it.
     const double shift = options.scheme == Scheme::impulse ? 0.5 : -0.5;
     for (std::int64_t k = 1; k <= 3000; ++k) {
       ASSERT_EQ(rod.step(), StepStatus::ok);
@@ -91,7 +91,8 @@ TEST(AnalyticRods, move_as_the_waves_do_under_either_scheme) {
   }
 }
 
-// What touches at t = 0 is met at t_1 by the impulse scheme, all else one step later: vΔ of penetration.
+// The impulse scheme stops rods that touch at t = 0 only at t_1. All later motion is
+// one step late, with a penetration of vΔ.
 TEST(AnalyticRods, that_touch_at_the_start_are_late_by_a_step_under_impulse_alone) {
   for (const auto& [name, options] : laws) {
     SCOPED_TRACE(name);
@@ -113,7 +114,7 @@ TEST(AnalyticRods, may_be_given_their_free_motion_by_samples) {
     sampled.bodies.clear();
     validate(sampled, "rods");
     TableStepper rod(sampled, options), reference(rods(1, 3002), options);
-    // a rate made from two instants uses up one
+    // a rate is the difference of two samples and uses up one of them
     EXPECT_EQ(rod.available(), options.scheme == Scheme::impulse ? 3000 : 3001);
     while (rod.step() == StepStatus::ok) {
       ASSERT_EQ(reference.step(), StepStatus::ok);
@@ -124,8 +125,9 @@ TEST(AnalyticRods, may_be_given_their_free_motion_by_samples) {
   }
 }
 
-// The closed form is the sum of the rods' modes: steps of 1, 2, 2 … over Z at 0, 2L/c, 4L/c …, and on average
-// the rigid mode's t/(ρAL). The paper's printed formula has its second Heaviside outside of the sum.
+// The closed form is the sum over the modes of the rods: steps of 1/Z, 2/Z, 2/Z, …
+// at 0, 2L/c, 4L/c, …, and on average the rigid motion t/(ρAL). In the formula printed in the
+// paper, the second Heaviside function is outside the sum.
 TEST(AnalyticRods, have_the_kernel_that_their_modes_add_up_to) {
   const double length = 10;
   const auto by_modes = [&](double t) {
@@ -133,8 +135,7 @@ TEST(AnalyticRods, have_the_kernel_that_their_modes_add_up_to) {
     const int count = 200000;
     for (int n = count; n >= 1; --n) {
       const double omega = n * std::numbers::pi / length, x = n * std::numbers::pi / (count + 1);
-      sum +=
-          2 / length * std::sin(omega * t) / omega * std::sin(x) / x;  // Lanczos' factor stills the ringing
+      sum += 2 / length * std::sin(omega * t) / omega * std::sin(x) / x;  // Lanczos factors suppress ringing
     }
     return sum;
   };
@@ -143,9 +144,9 @@ TEST(AnalyticRods, have_the_kernel_that_their_modes_add_up_to) {
     EXPECT_NEAR(table.displacement[std::lround(t / step)], 2 * by_modes(t), 1e-4) << t;
 }
 
-// A mass that lies on the floor under its weight: nothing moves under "compliant"; "difference" meets it a
-// step late and holds it there; "jump" cancels its velocity at each instant, and it creeps by ½gΔ² in each
-// step.
+// A mass lies on the floor under its weight. Under "compliant" it does not move. Under "difference"
+// it is stopped one step late and then held. Under "jump" its velocity is cancelled at each
+// instant, and it creeps by ½gΔ² in each step.
 TEST(RigidTable, rests_under_its_weight) {
   const double mass = 2, g = 9.81;
   Table table;
@@ -168,15 +169,15 @@ TEST(RigidTable, rests_under_its_weight) {
       ASSERT_EQ(stepper.step(), StepStatus::ok);
       const double fall = 0.5 * g * step * step, place = creeps ? k * fall : late ? fall : 0;
       ASSERT_NEAR(stepper.displacement()(0), place, 1e-10);  // it would have fallen 122 m
-      const double first = std::string(name) == "difference" && k == 1 ? 1.5 : 1;  // of v̂ = g (t_1 + Δ/2)
-      ASSERT_NEAR(stepper.force()(0), first * mass * g, 1e-6);  // round-off of u over Δ², which adds up
+      const double first = std::string(name) == "difference" && k == 1 ? 1.5 : 1;  // from v̂ = g (t_1 + Δ/2)
+      ASSERT_NEAR(stepper.force()(0), first * mass * g, 1e-6);  // accumulated round-off of u, divided by Δ²
     }
   }
 }
 
 // ---- Kernels from modes ----
 
-/// Supported and free modes, damping, weight, R, points that come and go.
+/// One rigid mode and elastic modes, with damping, weight and R. Its points open and close repeatedly.
 Model lively(unsigned seed, double ratio) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> spread(-1, 1);
@@ -198,15 +199,15 @@ Model lively(unsigned seed, double ratio) {
   return model;
 }
 
-// 1e-9 of the largest: the modal sums and the convolution are different sums of 4000 steps, and each touch
-// carries their differences on.
+// 1e-9 of the largest value: modal sums and convolutions round 4000 steps differently, and
+// each contact propagates the differences.
 TEST(ModalTable, gives_what_modal_stepping_gives_under_both_schemes) {
   for (const double ratio : {0.0, 0.02})
     for (const double dt : {1e-4, 1e-3})  // the coarse step moves modes above 3142 rad/s into R
       for (const auto& [name, law] : laws) {
         StepOptions options = law;
         options.step = dt;
-        if (options.admittance == Admittance::difference && dt > 5e-4) continue;  // refused by both
+        if (options.admittance == Admittance::difference && dt > 5e-4) continue;  // both refuse this step
         SCOPED_TRACE(testing::Message() << name << " ratio " << ratio << " step " << dt);
         const Model model = lively(2, ratio);
         const std::int64_t steps = 4000;
@@ -239,7 +240,7 @@ TEST(ModalTable, gives_what_modal_stepping_gives_under_both_schemes) {
       }
 }
 
-/// The mass-mean velocities come from the forces here, from the rigid modes there.
+/// Mean velocities follow from the forces in the table and from the rigid modes in modal stepping.
 TEST(ModalTable, knows_the_velocities_of_free_bodies) {
   const ricochet::kernels::Kernel kernel = rod(40, 10);
   const Model model = build_model({{"left", &kernel, Matrix3d::Identity(), Vector3d::Zero(), {1, 0, 0}},
@@ -262,8 +263,9 @@ TEST(ModalTable, knows_the_velocities_of_free_bodies) {
   }
 }
 
-/// Without /table/flexibility S is the trapezoidal rule: exact for rigid motion, else an error of Δ². A mass,
-/// alone or with a mode, bounces off in one step under λ; then u = vt − S_{k−1} λ shows S.
+/// Without /table/flexibility, S follows from the trapezoidal rule, which is exact for rigid motion and
+/// otherwise has an error of order Δ². A mass, alone or with a mode, bounces off in one step under λ; the
+/// later motion u = vt − S_{k−1} λ shows S.
 TEST(ModalTable, is_integrated_to_second_order_where_no_flexibility_is_given) {
   Model model = lively(4, 0.05);
   for (Vector* x : {&model.gap, &model.static_displacement, &model.load, &model.v0}) x->setZero();
@@ -341,7 +343,8 @@ TEST(TableFile, is_refused_in_one_line_that_says_why) {
   EXPECT_THAT(refusal([](Table& t) { t.gap(0) = -1; }), HasSubstr("must not be negative"));
   EXPECT_THAT(refusal([](Table& t) { t.bodies[0].mass = 0; }), HasSubstr("mass of moving is 0 kg"));
   EXPECT_THAT(refusal([](Table& t) { t.bodies[0].name = "a/b"; }), HasSubstr("letters, digits"));
-  EXPECT_THAT(refusal([](Table& t) { t.bodies.clear(); }), HasSubstr("the motion of the points without contact is missing"));
+  EXPECT_THAT(refusal([](Table& t) { t.bodies.clear(); }),
+              HasSubstr("the motion of the points without contact is missing"));
   EXPECT_THAT(refusal([](Table& t) { t.free = {1, 2}; }), HasSubstr("overlaps by 0.5 m"));
   EXPECT_THAT(refusal([](Table& t) { t.free = {0}; }), HasSubstr("at least 2 instants"));
   EXPECT_THAT(refusal([](Table& t) {
@@ -360,7 +363,7 @@ TEST(TableFile, is_refused_whatever_stands_in_the_place_of_an_object) {
   const auto path = folder / "rods.h5";
   write_table(rods(0.5, 4), path);
   ricochet::test::for_each_hostile_change(path, {"unit"}, [&](const std::string& what) {
-    if (what == "/table: tail") return;  // one that is missing is "none"
+    if (what == "/table: tail") return;  // a missing tail means "none"
     EXPECT_EQ(complaint_of([&] { read_table(path); }).find(path.string() + ": "), 0U) << what;
   });
 }

@@ -28,7 +28,8 @@ add_serial_test(contact coarsening ricochet_contact)
 add_serial_test(contact estimate ricochet_contact)
 add_serial_test(contact extremes ricochet_contact)
 
-# The core links and includes nothing from above it: no precompiled header, which would bring other libraries in.
+# The core links and includes nothing from higher layers. This test has no precompiled
+# header, which would bring in other libraries.
 add_executable(test_contact_core_alone contact/core_alone.cpp)
 target_link_libraries(test_contact_core_alone PRIVATE ricochet_core GTest::gtest_main)
 add_dependencies(serial_tests test_contact_core_alone)

@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Runs a Markdown page, block by block, in a folder that looks like this repository.
+"""Runs a Markdown page, block by block, in a folder with the layout of this repository.
 
-Blocks that a reader sees:
+Visible blocks:
 
-    ```sh                 commands; the folder and variables carry over to the next block
-    ```python             run by this Python; names carry over
+    ```sh                 commands; the folder and variables persist in the next block
+    ```python             run by this Python; names persist
     ```text               lines that the output of the block before must contain, in this order; … matches anything
-    ```toml path/to/file  the content of that file
+    ```toml path/to/file  the contents of that file
 
-Comments that a reader does not see:
+Comments, which are not shown:
 
     <!-- run: COMMANDS -->      commands that always run
-    <!-- quick: COMMANDS -->    commands for quick runs only, to make the example coarser; numbers of outputs are
+    <!-- quick: COMMANDS -->    commands for quick runs only, which make the example coarser; numbers in outputs are
                                 then not compared
     <!-- not run: WHY -->       skips the next block
 """
@@ -26,7 +26,7 @@ import subprocess
 import time
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
-TOLERANCE = 0.02  # of numbers: meshes differ a little between versions of gmsh
+TOLERANCE = 0.02  # of numbers, because meshes differ slightly between versions of gmsh
 BLOCK = re.compile(
     r"^```(?P<language>\w+)(?: (?P<info>[^\n]*))?\n(?P<text>.*?)^```$|"
     r"^<!-- (?P<kind>run|quick|not run): ?(?P<command>.*?)-->",
@@ -36,11 +36,11 @@ NUMBER = r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
 
 
 class Failed(Exception):
-    """The page does not do what it says; the text tells where."""
+    """The page does not behave as it describes. The text states the place."""
 
 
 def blocks(page):
-    """(line, kind, info, text) of what a page has for us, in its order."""
+    """(line, kind, info, text) of the blocks and comments of a page, in order."""
     text = page.read_text()
     for found in BLOCK.finditer(text):
         line = text.count("\n", 0, found.start()) + 1
@@ -51,7 +51,7 @@ def blocks(page):
 
 
 def make_folder(folder):
-    """A folder in which pages find what they name: scripts, programs, and copies of the scenes."""
+    """Adds the scripts, programs and scenes that pages refer to; the scenes are copies."""
     shutil.copytree(SOURCE / "meshes", folder / "meshes", ignore=shutil.ignore_patterns("out"))
     (folder / "build").mkdir()
     (folder / "build" / "bin").symlink_to(os.environ["RICOCHET_BIN"])
@@ -60,7 +60,7 @@ def make_folder(folder):
 
 
 def matches(expected, line, compare):
-    """Whether the line is the one expected, up to blanks and what numbers may differ by."""
+    """Whether the line agrees with the expected one, up to blanks and the tolerance of numbers."""
     parts = re.split(f"({NUMBER}|…|[ ]+)", expected.strip())
     pattern = "".join(
         f"({NUMBER})"
@@ -82,7 +82,7 @@ def matches(expected, line, compare):
 
 
 class Page:
-    """A page that is run in `folder`, made by make_folder; `names` are those of its Python."""
+    """A page that runs in `folder`, prepared by make_folder. `names` are the names of its Python code."""
 
     def __init__(self, path, folder, quick, say=lambda line: None):
         self.path, self.folder, self.quick, self.say = path, folder, quick, say
@@ -156,6 +156,6 @@ class Page:
                 )
 
     def file(self, line, text, info=""):
-        """A file is shown as it lies in the repository, not as a quick run changed it."""
+        """Checks a shown file against the one in the repository, not against the one that a quick run changed."""
         if info and (SOURCE / info).read_text() != text:
             self.fail(line, f"{info} reads otherwise")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Runs the commands and Python blocks of the documentation, and checks its keys and links."""
+"""Runs the commands and Python blocks of the documentation and checks its keys and links."""
 
 import json
 import pathlib
@@ -24,7 +24,7 @@ PAGES = sorted(
 
 
 class Reader(unittest.TestCase):
-    """The two rods: unit length by unit mass, wave speed 1, ten long."""
+    """The two rods have unit mass per length, wave speed 1 and length 10."""
 
     def run_page(self, name):
         scope = tempfile.TemporaryDirectory(prefix="ricochet-page-")
@@ -41,27 +41,29 @@ class Reader(unittest.TestCase):
     def test_the_kernel_s_has_frequencies_and_admittance_of_a_free_rod(self):
         names = self.run_page("kernels/FORMAT.md").names
         n = np.arange(10)
-        # 100 linear elements: relative error (n pi / 100)^2 / 24.
+        # 100 linear elements have a relative error of (n pi / 100)^2 / 24.
         np.testing.assert_allclose(names["omega"], n * np.pi / 10, rtol=4e-3, atol=1e-12)
-        # cos(n pi x / L) by mass 10: 1/10 for the rigid mode, 2/10 for each other one; the error likewise.
+        # cos(n pi x / L) for the mass 10 gives 1/10 for the rigid mode and 2/10 for
+        # each other mode, with a similar error.
         np.testing.assert_allclose(names["admittance"], [1.9], rtol=1e-2)
 
     def test_the_result_s_has_the_force_and_velocity_of_two_rods_that_meet(self):
         names = self.run_page("contact/FORMAT.md").names
-        # Waves of speed 1 return after 2 · 10; until then the force is half of mass by length, by wave speed,
-        # by velocity. 30 modes resolve the ends of the touch to a wave of the highest one, 2 · 10 / 30.
+        # Waves of speed 1 return after 2 · 10. Until then the force is half the product of mass
+        # per length, wave speed and velocity. 30 modes resolve the ends of contact to the
+        # wavelength of the highest mode, 2 · 10 / 30.
         self.assertAlmostEqual(names["when"][-1], 20, delta=0.7)
-        self.assertAlmostEqual(names["total"].sum() / 20, 10, delta=0.1)  # N s: it takes all of the momentum
+        self.assertAlmostEqual(names["total"].sum() / 20, 10, delta=0.1)  # N s, the entire momentum
         self.assertAlmostEqual(np.median(names["total"]), 0.5, delta=0.02)
-        np.testing.assert_allclose(names["pressure"][:, 0], names["total"])  # an area of 1
+        np.testing.assert_allclose(names["pressure"][:, 0], names["total"])  # the area is 1
         np.testing.assert_allclose(names["v"][[0, -1], 0], [1, 0], atol=0.02)
 
     def test_results_are_read_as_shown(self):
         names = self.run_page("docs/results.md").names
         self.assertAlmostEqual(names["total"].sum() * names["step"], 10, delta=0.1)
         self.assertEqual(len(names["place"]), 101)
-        # The wave from the struck end passes the middle with half the speed of impact, then takes it to the
-        # whole.
+        # The wave from the struck end passes the middle with half the impact speed; its
+        # reflection restores the full speed.
         self.assertAlmostEqual(names["v"][np.searchsorted(names["t"], 10), 0], 0.5, delta=0.1)
 
     def test_the_page_on_convergence_varies_what_it_says(self):
@@ -70,7 +72,8 @@ class Reader(unittest.TestCase):
             json.loads((out / f"{name}.summary.json").read_text())
             for name in ("fine-step", "two-disks", "coarse-step", "more-points", "estimated")
         )
-        # Contact takes less energy with each shorter step (theory, section 11), and steps of 1 ms are too few.
+        # Shorter steps lose less energy in contact (theory, section 11). Steps of
+        # 1 ms are too coarse and cause warnings.
         self.assertLess(fine["energy_lost_contact"], given["energy_lost_contact"])
         self.assertLess(given["energy_lost_contact"], coarse["energy_lost_contact"])
         self.assertGreater(len(coarse["warnings"]), len(given["warnings"]))
@@ -81,7 +84,7 @@ class Reader(unittest.TestCase):
         names = self.run_page("docs/python.md").names
         self.assertEqual(names["kernel"].frequency.shape, (30,))
         self.assertAlmostEqual(names["result"].summary["impulse_ns"], 10, delta=0.1)
-        self.assertAlmostEqual(names["block"].total_force.mean(), 0.5, delta=0.02)  # of the wave solution
+        self.assertAlmostEqual(names["block"].total_force.mean(), 0.5, delta=0.02)  # wave solution
         self.assertEqual(names["page"].name, "two-rods.report.html")
 
     @unittest.skipUnless(shutil.which("ccx"), "CalculiX is not installed: scripts/setup --tests")
@@ -90,7 +93,7 @@ class Reader(unittest.TestCase):
         box, plate = (
             json.loads((folder / f"out/{name}.summary.json").read_text()) for name in ("box", "box-on-plate")
         )
-        # What the force takes is the momentum that the box loses: 30 x 20 x 20 mm of aluminium from 1 m/s.
+        # The impulse is the momentum that the box loses: 30 x 20 x 20 mm of aluminium at 1 m/s.
         for found in (box, plate):
             self.assertGreater(found["contact_steps"], 4)
             self.assertAlmostEqual(
@@ -126,8 +129,8 @@ class Keys(unittest.TestCase):
         self.assertIn("bodies.NAME.material.young", self.known)
 
     def is_key(self, dotted):
-        """`dotted` with the user's own names in the place of NAME; what they hold in geometry and support is
-        theirs alone."""
+        """Whether `dotted` is a known key with a name of the user in place of NAME. Keys below geometry and
+        support are free."""
 
         def pattern(key):
             free = r"(\.[^.]+)?" if key.endswith((".geometry", ".support")) else ""
@@ -170,7 +173,7 @@ class Keys(unittest.TestCase):
         for page in PAGES:
             if (
                 page == pages.SOURCE / "kernels" / "FORMAT.md"
-            ):  # a kernel keeps its scene with keys of its own
+            ):  # kernels keep their scene with keys of their own
                 continue
             for key in re.findall(r"`((?:contact|modes|time|loads|output)\.[a-z_.]+)`", page.read_text()):
                 named.add(key)
@@ -217,7 +220,7 @@ class Links(unittest.TestCase):
 
 
 def headings(page):
-    """Names of a page's headings as they are linked to; a second one of a kind gets a number."""
+    """Link targets of the headings of a page. A repeated heading gets a number."""
     found = []
     text = re.sub(r"^```.*?^```$", "", page.read_text(), flags=re.MULTILINE | re.DOTALL)
     for title in re.findall(r"^#+ (.*)$", text, re.MULTILINE):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The tutorials do what they say, in coarser examples than theirs: scripts/verify --tutorials runs them as
-they stand."""
+"""The tutorials behave as they describe. The examples are coarser here; scripts/verify --tutorials runs them
+unchanged."""
 
 import pathlib
 import tempfile
@@ -26,12 +26,13 @@ class Tutorials(unittest.TestCase):
 
         study = pages.Page(TUTORIALS / "study.md", folder, quick=True).run().names
         self.assertEqual(len(study["speed"]), 12)
-        # Momentum of a ball of this mass: once it where it sticks, twice it where it bounces off a wall.
+        # Momentum of a ball of this mass: the impulse is once this if it
+        # sticks, twice if it bounces off a wall.
         mass = study["density"] * 4 / 3 * np.pi * 0.035**3
         by_momentum = study["impulse"] / (mass * study["speed"])
         self.assertTrue(((by_momentum > 0.7) & (by_momentum < 2)).all(), by_momentum)
 
-        # The bell's kernel stays; SLURM's jobs are to compute a clapper's and the impacts.
+        # The kernel of the bell is kept. SLURM jobs then compute the kernel of the clapper and the impacts.
         for pattern in ("blows.*", "clapper-*"):
             for path in out.glob(pattern):
                 path.unlink()
@@ -40,7 +41,7 @@ class Tutorials(unittest.TestCase):
 
 
 class Runner(unittest.TestCase):
-    """What finds the slips of pages finds them."""
+    """The runner detects faults of pages."""
 
     def run_page(self, text):
         with tempfile.TemporaryDirectory(dir=pages.SOURCE / "tests" / "docs") as name:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Patch tests: properties that any convergent element has exactly.
+// Patch tests: properties that every convergent element satisfies exactly.
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -62,7 +62,7 @@ TEST_P(Patch, linear_displacement_leaves_no_force_inside_and_the_exact_energy) {
   largest = parallel::largest(mesh.comm, largest);
   left = parallel::largest(mesh.comm, left);
   ASSERT_GT(parallel::sum(mesh.comm, interior), 0);
-  // Some tens of elements contribute to a node, each to round-off.
+  // Some tens of elements contribute to a node, each with round-off.
   EXPECT_LT(left / largest, 1e-12);
 
   // Exact: W = ½ λ tr(ε)² V + μ ε:ε V, with the volume of a truncated pyramid.
@@ -86,7 +86,7 @@ TEST_P(Patch, rigid_motions_leave_no_force) {
   ASSERT_EQ(rigid.cols(), 6);
   const Eigen::MatrixXd force = test::product(body.stiffness, rigid);
   EXPECT_LT(parallel::largest(mesh.comm, force.size() > 0 ? force.cwiseAbs().maxCoeff() : 0),
-            1e-12 * 100);  // diagonal of K is of the order of 10
+            1e-12 * 100);  // diagonal entries of K are of order 10
   const Eigen::MatrixXd gram = modes::inner(mesh.comm, rigid, test::product(body.mass, rigid));
   EXPECT_LT((gram - Eigen::MatrixXd::Identity(6, 6)).cwiseAbs().maxCoeff(), 1e-12);
 }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The shared library from Python's ctypes: python3 shared.py PREFIX KERNEL, the kernel of a bob of 4 kg."""
+"""Uses the shared library through ctypes: python3 shared.py PREFIX KERNEL. KERNEL is that of a bob of 4 kg."""
 
 import ctypes
 import pathlib
@@ -49,7 +49,7 @@ force = vector(*[0] * 10)
 block = Block(total_force=force)
 refused(ricochet.ricochet_simulation_step_block(simulation, ctypes.c_int64(10), ctypes.byref(block)))
 velocity = ricochet.ricochet_simulation_pickup_velocity(simulation, ctypes.c_size_t(0))
-assert abs(velocity - 1) < 1e-9, velocity  # restitution 0.5 of 2 m/s
+assert abs(velocity - 1) < 1e-9, velocity  # restitution 0.5 at 2 m/s
 assert abs(sum(force) / 1000 - 4 * 3) < 1e-8, list(force)  # the change of momentum
 ricochet.ricochet_simulation_free(simulation)
 

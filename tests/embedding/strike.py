@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The example's bar sounds at the frequencies of the tables: python3 strike.py PROGRAM FOLDER."""
+"""Checks that the bar of the example sounds at tabulated frequencies: python3 strike.py PROGRAM FOLDER."""
 
 import pathlib
 import subprocess
@@ -36,7 +36,7 @@ for channel in sound.T:
     for frequency in f:
         near = slice(int(0.95 * frequency / bin_hz), int(1.05 * frequency / bin_hz))
         peak = (near.start + np.argmax(spectrum[near])) * bin_hz
-        assert abs(peak - frequency) < 0.5, (peak, frequency)  # a third of the window's resolution
+        assert abs(peak - frequency) < 0.5, (peak, frequency)  # a third of the resolution of the window
 
 refused = subprocess.run([program, path, "nowhere.h5"], capture_output=True, text=True)
 assert refused.returncode == 2 and refused.stderr.count("\n") == 1 and "nowhere.h5" in refused.stderr, refused

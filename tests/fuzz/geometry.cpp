@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A .geo file: the parameters that it defines, and its hash with all that it includes, itself perhaps.
-//
-// gmsh does not see it: its language runs commands.
+// A .geo file: the parameters that it defines, and its hash with all included files, possibly including
+// itself. gmsh does not read the file, because its language can run commands.
 #include "src/mesh/open.hpp"
 #include "src/scene/request.hpp"
 #include "tests/fuzz/input.hpp"

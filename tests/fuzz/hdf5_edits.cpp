@@ -18,7 +18,7 @@ void put(const std::filesystem::path& path, std::string_view bytes) {
   std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
-/// Of all objects of a file but its root, in the order of their names.
+/// The names of all objects of a file except its root, in alphabetical order.
 std::vector<std::string> names_in(hid_t file) {
   std::vector<std::string> names;
   H5Lvisit(
@@ -31,7 +31,7 @@ std::vector<std::string> names_in(hid_t file) {
   return names;
 }
 
-/// Handles are closed with the file: an edit may fail anywhere.
+/// Handles are closed with the file, because an edit may fail anywhere.
 class Editor {
  public:
   Editor(hid_t file, Bytes& bytes) : file_(file), bytes_(bytes), names_(names_in(file)) {}
@@ -137,7 +137,7 @@ class Editor {
       }
       case 14:
         return H5T_STD_B64LE;
-      default: {  // a floating-point number of an odd make
+      default: {  // an unusual floating-point format
         const hid_t type = H5Tcopy(H5T_IEEE_F64LE);
         H5Tset_fields(type, 15, 10, 5, 0, 10);
         H5Tset_precision(type, 16);
@@ -183,7 +183,7 @@ class Editor {
     return list;
   }
 
-  /// `size` bytes, the next ones over and over.
+  /// `size` bytes that repeat the next ones of the input.
   std::vector<char> some_bytes(std::size_t size) {
     std::array<char, 16> piece{};
     for (char& c : piece) c = bytes_.number<char>();
@@ -196,7 +196,7 @@ class Editor {
     return H5Tdetect_class(type, H5T_VLEN) > 0 || H5Tis_variable_str(type) > 0;
   }
 
-  /// HDF5 1.10 reads and writes beyond its memory where it compresses data by others of its filters.
+  /// HDF5 1.10 reads and writes out of bounds when it compresses data with some of its other filters.
   static bool safely_written(hid_t dataset) {
     const hid_t list = H5Dget_create_plist(dataset);
     for (int i = 0; i < H5Pget_nfilters(list); ++i) {
@@ -268,7 +268,7 @@ class Editor {
     const unsigned kind = bytes_.below(4);
     const hid_t type = kind == 0 ? H5T_NATIVE_DOUBLE : kind == 1 ? H5T_NATIVE_INT64 : some_type();
     const hid_t space = kind < 2 ? H5Screate(H5S_SCALAR) : some_space(some_shape());
-    // HDF5 keeps attributes in memory, of any size.
+    // HDF5 keeps attributes of any size in memory.
     if (H5Sget_simple_extent_npoints(space) > 1 << 20) return;
     H5Adelete(object, name.c_str());
     const hid_t attribute = H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT);
@@ -297,7 +297,7 @@ class Editor {
     H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
   }
 
-  /// Other strings in a list of names.
+  /// Replaces a list of names by other strings.
   void rename() {
     const std::string& name = some_name();
     const std::size_t width = 1 + bytes_.below(8);
@@ -326,7 +326,7 @@ void make_hdf5(const std::uint8_t* data, std::size_t size, const std::filesystem
     put(path, {reinterpret_cast<const char*>(data), size});
     return;
   }
-  // Nothing kept for later: sanitizers then see what HDF5 does with what it has given back.
+  // HDF5 must not reuse freed memory, so that sanitizers detect accesses to it.
   static const herr_t unkept = H5set_free_list_limits(0, 0, 0, 0, 0, 0);
   require(unkept >= 0, "HDF5 keeps free lists");
   Bytes bytes(data, size);
@@ -345,7 +345,7 @@ void make_hdf5(const std::uint8_t* data, std::size_t size, const std::filesystem
   Editor editor(file, bytes);
   for (int edits = 0; !bytes.empty() && edits < 8; ++edits) editor.edit();
   H5Fclose(file);
-  // Types, spaces and lists of properties; closing a file leaves them.
+  // Closing a file does not close types, spaces and property lists.
   for (const H5I_type_t kind : {H5I_DATATYPE, H5I_DATASPACE, H5I_GENPROP_LST}) H5Iclear_type(kind, false);
 }
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// HDF5 files that are well formed but not what they should be: edits to a good one, as an input says.
-//
-// The library's own decoding is left alone by these; inputs that begin with HDF5's signature are files as
-// they stand, and try that.
+// Well-formed HDF5 files with unexpected contents: the input determines edits to a valid file.
+// These edits do not test HDF5's own decoding. Inputs that start with the HDF5 signature are used
+// as files unchanged, which tests the decoding.
 #pragma once
 
 #include <filesystem>
@@ -12,8 +11,9 @@
 
 namespace ricochet::fuzz {
 
-/// The file at `path`: the input itself if it is an HDF5 file, else the one of `variants` that its first byte
-/// names, edited by what is left of it. `write` writes a variant, once each.
+/// Writes the file at `path`. If the input is an HDF5 file, it is written unchanged.
+/// Otherwise its first byte selects one of `variants`, which the remaining bytes edit.
+/// `write` writes a variant and is called once for each.
 void make_hdf5(const std::uint8_t* data, std::size_t size, const std::filesystem::path& path,
                unsigned variants,
                const std::function<void(unsigned variant, const std::filesystem::path&)>& write);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Changes HDF5 files in place: they are full of addresses, and hardly one survives when bytes are moved.
+// Changes HDF5 files in place. They are full of addresses, so hardly any file remains readable if bytes move.
 #include <algorithm>
 #include <array>
 #include <cstdint>

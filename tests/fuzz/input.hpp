@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the fuzz targets share: their input in pieces, files in memory, and what must hold of every refusal.
-//
-// Each target defines LLVMFuzzerTestOneInput. libFuzzer calls it with inputs of its own (scripts/fuzz), the
-// tests with those of corpus/ (replay.cpp).
+// Common parts of the fuzz targets: decoding of the input, files in memory, and checks of every refusal. Each
+// target defines LLVMFuzzerTestOneInput. libFuzzer calls it with generated inputs (scripts/fuzz), the tests
+// call it with those of corpus/ (replay.cpp).
 #pragma once
 
 #include <unistd.h>
@@ -22,14 +21,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
 namespace ricochet::fuzz {
 
-/// Ends the program, which is what a fuzzer takes for a fault.
+/// Ends the program if `holds` is false; a fuzzer reports this as a fault.
 inline void require(bool holds, const std::string& what) {
   if (holds) return;
   std::fprintf(stderr, "fuzz: %s\n", what.c_str());
   std::abort();
 }
 
-/// Whether `task` does its work. Otherwise it has to throw an InputError of one line that is not endless.
+/// Returns whether `task` succeeds. Otherwise it must throw an
+/// InputError with a single line of limited length.
 template <class Task>
 bool accepts(Task&& task) {
   try {
@@ -43,7 +43,7 @@ bool accepts(Task&& task) {
   return true;
 }
 
-/// A folder in memory, where there is such a file system, gone when the program ends.
+/// A folder, in memory if there is such a file system, which is removed when the program ends.
 class Scratch {
  public:
   Scratch() {
@@ -72,7 +72,7 @@ class Scratch {
   std::filesystem::path folder_;
 };
 
-/// Takes an input apart from its front; 0 where it has ended.
+/// Reads an input from its front; gives 0 after its end.
 class Bytes {
  public:
   Bytes(const std::uint8_t* data, std::size_t size) : at_(data), left_(size) {}

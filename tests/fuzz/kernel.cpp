@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A kernel file, made or mended as tests/fuzz/hdf5_edits.hpp says.
-//
-// An accepted kernel is as kernels/kernel.hpp promises, and comes back the same from a file of ours.
+// A kernel file, edited as described in tests/fuzz/hdf5_edits.hpp. An accepted kernel must satisfy the
+// guarantees of ricochet/kernel.hpp, and must be unchanged after it is written and read again.
 #include "kernels/read.hpp"
 #include "kernels/write.hpp"
 #include "ricochet/kernel.hpp"
@@ -17,7 +16,7 @@ using namespace ricochet;
 using fuzz::accepts;
 using fuzz::require;
 
-/// What must be finite, whatever else it is.
+/// Checks values that must be finite in every accepted kernel.
 void check_numbers(const kernels::Kernel& kernel) {
   const auto finite = [](const std::vector<double>& values) {
     for (double value : values) require(std::isfinite(value), "a number that is not finite was accepted");

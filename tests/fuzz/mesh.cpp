@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A .msh file, read as a whole body, as one with named parts, and as a part of a split mesh.
-//
-// What is accepted has its numbers in range, and becomes matrices or is refused in one line.
+// A .msh file, read as a whole body, as a body with named parts, and as a part of a split mesh. Accepted
+// meshes contain valid numbers. Their matrices are assembled or refused with one line.
 #include "src/mesh/mesh.hpp"
 
 #include <gmsh.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Changes words and lines of a .msh file besides its bytes: a number becomes another number.
+// Changes words and lines of a .msh file in addition to its bytes, for example a number to another number.
 #include <algorithm>
 #include <array>
 #include <cctype>

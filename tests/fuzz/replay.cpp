@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The inputs of corpus/ without a fuzzer: replay FOLDER…
+// Runs a target on the inputs of corpus/ without a fuzzer: replay FOLDER…
 #include <algorithm>
 #include <iterator>
 #include <vector>
@@ -14,10 +14,10 @@ int main(int argc, char** argv) {
   ricochet::fuzz::require(!files.empty(), "no inputs: give a folder");
   for (const auto& file : files) {
     std::printf("%s\n", file.filename().c_str());
-    std::fflush(stdout);  // names the culprit
+    std::fflush(stdout);  // if the target crashes, the last name is that of the input
     std::ifstream stream(file, std::ios::binary);
     const std::string input{std::istreambuf_iterator<char>(stream), {}};
-    // A block of its own, so that a step beyond the end is seen by sanitizers.
+    // A separate allocation, so that sanitizers detect reads beyond its end.
     const std::vector<std::uint8_t> bytes(input.begin(), input.end());
     LLVMFuzzerTestOneInput(bytes.data(), bytes.size());
   }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A scene, and behind a line "---" overrides, a line each.
-//
-// An accepted scene, written out, is read back as the same scene, and what its kernels say of themselves is
-// understood when they are asked again.
+// A scene, and after a line "---" overrides, one per line. An accepted scene is unchanged after it is written
+// and read again. The request that a kernel stores is similar to the original request.
 #include "src/scene/scene.hpp"
 #include "src/scene/read.hpp"
 #include "src/scene/request.hpp"
@@ -26,7 +24,7 @@ void check_requests(const scene::Scene& scene) {
     if (!accepts([&] { request = scene::kernel_request(scene, body); })) continue;
     if (request.modes.accuracy || !request.tractions.empty() || !request.point_forces.empty() ||
         !request.motions.empty() || !request.receivers.empty())
-      continue;  // these fit one scene only
+      continue;  // kernels of such requests belong to one scene only
     const kernels::Header header{request.hash, request.toml, request.mesh_sha256};
     const scene::KernelRequest again = scene::request_of(header, "kernel");
     require(scene::similarity(again, request).has_value(), "a kernel does not know its own body");

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A table of sampled kernels, made or mended as tests/fuzz/hdf5_edits.hpp says.
-//
-// An accepted table comes back the same from a file of ours, and can be stepped, or is refused in one line.
+// A table of sampled kernels, edited as described in tests/fuzz/hdf5_edits.hpp. An accepted table is
+// unchanged after it is written and read again. It can be stepped or is refused with one line.
 #include "contact/table/table.hpp"
 #include "contact/input/table_file.hpp"
 
@@ -30,7 +29,7 @@ bool same(const Table& a, const Table& b) {
                     [](const auto& x, const auto& y) { return same(x, y); });
 }
 
-/// Two points; a bit of `parts` for each thing that a table may have.
+/// A table with two points. Each bit of `parts` adds an optional part.
 Table sample(unsigned parts) {
   Table table;
   table.step = 1e-3;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# The targets of scripts/fuzz; the tests replay the same files without libFuzzer (tests.cmake).
+# The targets of scripts/fuzz. The tests replay the same files without libFuzzer (tests.cmake).
 function(add_fuzz_target name)
   add_executable(fuzz_${name} ${PROJECT_SOURCE_DIR}/tests/fuzz/${name}.cpp)
   target_link_libraries(fuzz_${name} PRIVATE ${ARGN} fmt::fmt)
@@ -20,5 +20,5 @@ if(RICOCHET_PREPROCESSOR)
   endforeach()
   target_sources(fuzz_mesh PRIVATE ${PROJECT_SOURCE_DIR}/tests/fuzz/mesh_mutator.cpp)
 endif()
-# The parser marks states as unreachable that are not always so.
+# The parser marks some reachable states as unreachable.
 set_source_files_properties(${PROJECT_SOURCE_DIR}/tests/fuzz/toml.cpp PROPERTIES COMPILE_OPTIONS -fno-sanitize=undefined)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# The corpus of scripts/fuzz, fed to the same functions without a fuzzer: inputs that once broke a reader, and some
-# that reach far into each.
+# Runs the targets of scripts/fuzz on their corpus without a fuzzer: inputs that once broke a reader,
+# and inputs that reach deep into each reader.
 function(add_replay name label)
   add_executable(test_fuzz_${name} fuzz/${name}.cpp fuzz/replay.cpp)
   target_link_libraries(test_fuzz_${name} PRIVATE ${ARGN} fmt::fmt)

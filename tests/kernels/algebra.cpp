@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Kernels derived from others, compared with those of bars in closed form.
+// Kernels derived from other kernels, compared with closed-form kernels of bars.
 #include "kernels/algebra.hpp"
 
 #include <Eigen/Dense>
@@ -16,7 +16,7 @@ using test::plain_kernel;
 using test::sample_kernel;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Compares all values, within `tolerance` of the largest one of the array.
+/// Compares all values, with a tolerance relative to the largest value of the array.
 template <class Range>
 void expect_close(const Range& found, const Range& expected, const std::string& name, double tolerance) {
   ASSERT_EQ(found.size(), expected.size()) << name;
@@ -28,7 +28,8 @@ void expect_close(const Range& found, const Range& expected, const std::string& 
   EXPECT_LE(off, tolerance * largest) << name;
 }
 
-/// R and sag are small differences; their errors are relative to the totals from which they are subtracted.
+/// R and sag are small differences, so their errors are relative to the
+/// totals from which they are subtracted.
 void expect_same(const Kernel& found, const Kernel& expected, double whole = 1) {
   constexpr double round_off = 1e-13;
   expect_close(found.modes.angular_frequency, expected.modes.angular_frequency, "omega", round_off);
@@ -70,7 +71,7 @@ void expect_same(const Kernel& found, const Kernel& expected, double whole = 1) 
     expect_close(found.view->body_force_residual, expected.view->body_force_residual, "view's sag", 1e-6);
 }
 
-/// With 40 modes, R and sag are differences 200 and 1e5 times smaller than the totals.
+/// With 40 modes, R and sag are differences that are 200 and 1e5 times smaller than the totals.
 constexpr double of_differences = 1e5;
 
 class BothBars : public testing::TestWithParam<bool> {
@@ -105,7 +106,7 @@ TEST_P(BothBars, as_rods_keep_a_cross_section_of_their_own) {
 TEST(Rescaling, by_one_changes_nothing) {
   for (const int components : {1, 3}) {
     const Kernel kernel = sample_kernel(components);
-    // The sample's decay rates are δ = 0.01 n with ω = 100 √n.
+    // The decay rates of the sample are δ = 0.01 n at ω = 100 √n.
     const Kernel same = rescaled(kernel, {}, {Damping::Law::viscosity, 2e-6});
     EXPECT_EQ(same.surface.shape, kernel.surface.shape);
     EXPECT_EQ(same.surface.residual_flexibility, kernel.surface.residual_flexibility);
@@ -116,7 +117,7 @@ TEST(Rescaling, by_one_changes_nothing) {
   }
 }
 
-// The law of damping of the new body applies, not that of the first kernel.
+// The damping law of the new body applies, not that of the first kernel.
 TEST(Rescaling, gives_decay_rates_by_the_law_at_the_new_frequencies) {
   Bar bar{.clamped = false};
   bar.decay = [](double) { return 5.0; };
@@ -129,10 +130,10 @@ TEST(Rescaling, gives_decay_rates_by_the_law_at_the_new_frequencies) {
   EXPECT_NEAR(rates({Law::loss_factor, 0.01})[3], 0.005 * omega, 1e-12);
   EXPECT_NEAR(rates({Law::viscosity, 1e-3})[3], 5e-4 * omega * omega, 1e-12);
   EXPECT_NEAR(rates({Law::rayleigh, 2, 1e-3})[3], 1 + 5e-4 * omega * omega, 1e-12);
-  EXPECT_EQ(rates({Law::rayleigh, 2, 1e-3})[0], 1);  // α damps rigid motion too
+  EXPECT_EQ(rates({Law::rayleigh, 2, 1e-3})[0], 1);  // α also damps rigid motion
 }
 
-// N(t) = Σ φ φ sin(ωt)/ω has the unit s/kg: N'(t) = N(t ω'/ω) ω/(ω' m).
+// N(t) = Σ φ φ sin(ωt)/ω has the unit s/kg, hence N'(t) = N(t ω'/ω) ω/(ω' m).
 TEST(Rescaling, stretches_kernel_functions_in_time) {
   const Kernel old = Bar{}.kernel();
   const Kernel found = rescaled(old, {.young = 3, .density = 1.5, .scale = 2}, {});
@@ -157,7 +158,7 @@ TEST_P(BothBars, truncated_to_a_band_are_those_with_fewer_modes) {
   expect_same(truncated_to_band(bar_.kernel(), bar_.end()), bar_.kernel());
 }
 
-/// Σ φ φᵀ/ω² + R of the elastic modes.
+/// Σ φ φᵀ/ω² + R over the elastic modes.
 Eigen::MatrixXd flexibility(const Kernel& kernel) {
   const auto n = static_cast<Eigen::Index>(kernel.modes.size());
   const auto rows = static_cast<Eigen::Index>(kernel.surface.shape.size()) / n;
@@ -214,7 +215,7 @@ TEST(Truncation, needs_no_residual_flexibility_and_no_visualisation_surface) {
   EXPECT_NO_THROW(validate(cut, "origin"));
 }
 
-/// The visualisation surface of the bar has four columns.
+/// The view restricted to these points; the visualisation surface of the bar has four columns.
 View with_columns(View view, const std::vector<std::size_t>& points) {
   std::vector<float> taken;
   for (std::size_t row = 0; row < view.residual_flexibility.size(); row += 4)
@@ -230,7 +231,7 @@ TEST_P(BothBars, restricted_to_points_are_those_with_fewer) {
   expected.surface.element = {1, 0};  // with reversed orientation
   expected.view = with_columns(*bar_.kernel().view, {2, 1});
   expect_same(restricted_to_points(bar_.kernel(), {2, 1}), expected);
-  // No two of these are neighbours.
+  // No two of these points are neighbours.
   fewer.at = {0.25, 0.75};
   expected = fewer.kernel();
   expected.surface.element_corners = 1;
@@ -256,7 +257,7 @@ TEST(Restriction, to_points_keeps_all_components_of_each) {
   EXPECT_EQ(cut.surface.group, (std::vector<std::string>{"upper face", "upper face"}));
 }
 
-/// Static response of row r of the receiver to column e: its residual plus the sum over the modes, Σ φ f/ω².
+/// Static response of row r of the receiver to column e: the residual plus the sum over the modes, Σ φ f/ω².
 double answer(const Kernel& kernel, std::size_t r, const std::vector<double>& residual, std::size_t width,
               std::size_t column, const std::vector<double>& force, std::size_t e) {
   const std::size_t n = kernel.modes.size();
@@ -267,9 +268,9 @@ double answer(const Kernel& kernel, std::size_t r, const std::vector<double>& re
   return sum;
 }
 
-// Young 3, density 5, scale 2: the displacement of a similar body under a force grows by 1/(3·2), under a
-// pressure by 2²/(3·2), under its own weight by 5·2³/(3·2). The lift of a support is geometric: Γ grows as
-// √mass.
+// Young's modulus × 3, density × 5, size × 2: the displacement of a similar body grows by 1/(3·2)
+// under a force, by 2²/(3·2) under a pressure and by 5·2³/(3·2) under its own weight. The lift of a
+// support is geometric, so Γ grows as √mass.
 TEST(Rescaling, scales_the_response_to_sources_with_size_and_stiffness) {
   const Kernel had = sample_kernel(3), made = rescaled(had, {.young = 3, .density = 5, .scale = 2}, {});
   const std::size_t loads = had.applied.size();
@@ -287,7 +288,7 @@ TEST(Rescaling, scales_the_response_to_sources_with_size_and_stiffness) {
     return answer(kernel, 2, kernel.receivers[0].body_force_residual, 3, 0, kernel.loads.body_force, 0);
   };
   EXPECT_NEAR(under_weight(made), 40.0 / 6 * under_weight(had), 1e-12 * std::abs(under_weight(had)));
-  const auto moved_by = [](const Kernel& kernel) {  // Ψ at the receiver: ΦΓ and the rest
+  const auto moved_by = [](const Kernel& kernel) {  // Ψ at the receiver: ΦΓ plus the residual
     const std::size_t n = kernel.modes.size();
     double sum = kernel.receivers[0].motion_residual[0];
     for (std::size_t k = 0; k < n; ++k)
@@ -312,7 +313,7 @@ TEST(Restriction, to_a_direction_keeps_the_component_along_it) {
   const Kernel cut = restricted_to_direction(whole, d);
   EXPECT_NO_THROW(validate(cut, "origin"));
   EXPECT_EQ(cut.surface.direction, d);
-  // A unit force along d on patch i, in the three components of each patch.
+  // A unit force along d on patch i, as three components for each patch.
   Eigen::MatrixXd load = Eigen::MatrixXd::Zero(12, 4);
   for (Eigen::Index i = 0; i < 4; ++i) load.block<3, 1>(3 * i, i) << 0.6, 0, -0.8;
   const auto matrix = [](const std::vector<double>& values, Eigen::Index rows) -> RowMajor {

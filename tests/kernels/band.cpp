@@ -11,8 +11,8 @@ namespace {
 
 using namespace test_band;
 
-/// Magnitude of the terms that are subtracted, relative to ‖H‖, which determines the round-off. With static
-/// parts subtracted it is up to (band/ω)² of the lowest mode.
+/// Magnitude of the subtracted terms relative to ‖H‖, which determines the round-off. If static parts are
+/// subtracted, it reaches (band/ω)² of the lowest mode.
 double subtracted(const Set& coarse, const Set& fine, bool quasi_static) {
   double most = 0;
   for (const std::complex<double> s : ray()) {
@@ -67,7 +67,7 @@ TEST_P(Flexibility, error_is_that_of_dense_matrices) {
   }
 }
 
-// There are no resonances on this ray, so few samples suffice: between them the error rises by at most 2 %.
+// The ray has no resonances, so few samples suffice: the error rises by at most 2 % between them.
 TEST_P(Flexibility, error_is_hardly_larger_between_the_samples) {
   Random random(2);
   for (int k = 0; k < 20; ++k) {
@@ -79,7 +79,7 @@ TEST_P(Flexibility, error_is_hardly_larger_between_the_samples) {
   }
 }
 
-// Its norm is estimated from 64 random combinations.
+// The norm of many candidates is estimated from 64 random combinations.
 TEST_P(Flexibility, error_of_many_candidates_is_about_that_of_dense_matrices) {
   Random random(12);
   const Set fine = random_set(random, 150, 30), coarse = nearly(random, fine, 0.03);
@@ -96,7 +96,7 @@ TEST_P(Flexibility, error_of_a_set_that_differs_only_in_its_order_is_zero) {
   }
 }
 
-// Of a multiple mode only the space is known, and any basis of it has the same H.
+// Only the space of a multiple mode is determined, and each of its bases gives the same H.
 TEST_P(Flexibility, error_of_another_basis_of_a_multiple_mode_is_zero) {
   Random random(4);
   Set set = random_set(random, 5, 8);
@@ -161,7 +161,7 @@ TEST(Contributions, ascend_by_the_error_of_truncating_each_mode_alone) {
   }
 }
 
-// Such as a mode that contact cannot excite for reasons of symmetry, however low it is.
+// An example is a mode of low frequency that contact cannot excite because of symmetry.
 TEST(Contributions, of_modes_that_vanish_at_the_contact_surface_are_the_least) {
   Random random(9);
   Set set = random_set(random, 6, 20);

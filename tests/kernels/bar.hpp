@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The kernel of a uniform bar that moves along its axis, in closed form.
+// Closed-form kernel of a uniform bar that moves along its axis.
 #pragma once
 
 #include <cmath>
@@ -12,16 +12,16 @@ namespace ricochet::kernels::test {
 
 struct Bar {
   double young = 3, density = 2, length = 1.7, area = 0.3;
-  double beside = 0.4;  ///< its axis is at y = beside
+  double beside = 0.4;  ///< the axis is at y = beside
   bool clamped = true;  ///< at x = 0
   std::size_t modes = 40;
-  std::vector<double> at = {0.25, 0.5, 0.75, 1};  ///< candidates, as parts of the length
+  std::vector<double> at = {0.25, 0.5, 0.75, 1};  ///< candidates, as fractions of the length
   std::function<double(double)> decay = [](double) { return 0.0; };
 
   double speed() const { return std::sqrt(young / density); }
   double mass() const { return density * area * length; }
 
-  /// Of elastic mode n = 1, 2, …
+  /// Wave number of elastic mode n = 1, 2, …
   double wave_number(std::size_t n) const {
     return (static_cast<double>(n) - (clamped ? 0.5 : 0.0)) * std::numbers::pi / length;
   }
@@ -43,7 +43,7 @@ struct Bar {
   /// Displacement at x under unit acceleration.
   double sag(double x) const { return clamped ? density / young * (length * x - x * x / 2) : 0; }
 
-  /// The frequency half way between the last mode and the next.
+  /// The frequency halfway between the last mode and the next.
   Hertz end() const { return to_hertz(RadPerSecond{(omega(modes) + omega(modes + 1)) / 2}); }
 
   Kernel kernel() const;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Kernel files that are truncated, damaged, foreign or malicious. Each gives one line that names the file and
-// the fault.
+// Kernel files that are truncated, damaged, foreign or malicious. Each gives a one-line
+// error that names the file and the fault.
 #include <functional>
 
 #include "kernels/read.hpp"
@@ -69,7 +69,7 @@ class Damage : public testing::Test {
     });
   }
 
-  /// Expects that reading is refused, with a line that starts with the file and contains each of `parts`.
+  /// Expects that reading fails with a line that starts with the file name and contains each of `parts`.
   void expect_refused(const std::vector<std::string>& parts) const {
     const std::string message = complaint_of([&] { read(path_); });
     EXPECT_EQ(message.find(path_.string() + ": "), 0U) << message;
@@ -84,7 +84,7 @@ class Damage : public testing::Test {
 TEST_F(Damage, a_file_cut_anywhere_is_refused) {
   const std::string whole = bytes_of(path_);
   for (std::size_t i = 0; i < 20; ++i) {
-    // From the empty file through the first header bytes to the last byte missing.
+    // From the empty file and the first header bytes to a file that lacks only its last byte.
     const std::size_t kept = i < 4 ? i * 16 : i == 19 ? whole.size() - 1 : whole.size() * i / 20;
     put_bytes(path_, whole.substr(0, kept));
     expect_refused({"Compute it again with ricochet-kernel."});
@@ -140,7 +140,7 @@ TEST_F(Damage, a_certificate_for_another_number_of_modes_is_refused) {
   expect_refused({"certificate is for 4 modes", "has 5"});
 }
 
-// The name is quoted in messages, which are one line.
+// The name is quoted in messages, which must fit on one line.
 TEST_F(Damage, a_body_with_a_line_break_in_its_name_is_refused) {
   const hid_t type = H5Tcopy(H5T_C_S1);
   H5Tset_size(type, 3);
@@ -301,7 +301,7 @@ TEST_F(Damage, a_group_in_the_place_of_a_dataset_is_refused) {
   expect_refused({"\"/modes/decay_rate\" is not a dataset"});
 }
 
-// Units are informative; only those of loads are read. Older files have no attribute "approximate".
+// Units are informative, and only those of loads are read. Older files have no attribute "approximate".
 TEST_F(Damage, whatever_stands_in_the_place_of_an_object_is_refused_in_one_line) {
   ricochet::test::for_each_hostile_change(path_, {"unit", "approximate"}, [&](const std::string& what) {
     SCOPED_TRACE(what);

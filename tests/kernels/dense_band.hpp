@@ -24,7 +24,7 @@ using Random = std::mt19937_64;
 
 inline constexpr RadPerSecond band{6000};
 
-/// Modes with the columns of B side by side.
+/// Modes with B as a dense matrix, one column per mode.
 struct Set {
   VectorXd lambda;
   MatrixXd trace;  ///< (c, n)
@@ -55,7 +55,7 @@ struct Set {
   }
 };
 
-/// Modes from far below to far above the band.
+/// Modes with frequencies from far below to far above the end of the band.
 inline Set random_set(Random& random, Index c, Index n) {
   std::uniform_real_distribution<double> decade(-1.3, 1);
   std::normal_distribution<double> normal;

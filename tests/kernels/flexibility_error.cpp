@@ -15,7 +15,7 @@ namespace {
 using test::Bar;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// H(s) of a kernel, R included, on the ray s² = iω².
+/// H(s) of a kernel, including R, on the ray s² = iω².
 Eigen::MatrixXcd response(const Kernel& kernel, double omega) {
   const auto n = static_cast<Eigen::Index>(kernel.modes.size());
   const auto rows = static_cast<Eigen::Index>(kernel.surface.shape.size()) / n;
@@ -29,8 +29,8 @@ Eigen::MatrixXcd response(const Kernel& kernel, double omega) {
   return sum;
 }
 
-/// Largest relative error of the response of a kernel up to `band`, compared with 2000 modes, whose own error
-/// is a thousand times below every bound here.
+/// Largest relative error of the response of a kernel up to `band`. The reference has 2000 modes, and its own
+/// error is a thousand times below every bound in this file.
 double error_of(const Kernel& kernel, RadPerSecond band) {
   static const Kernel truth = Bar{.modes = 2000}.kernel();
   double error = 0;
@@ -57,18 +57,19 @@ TEST(TruncationToAFlexibilityError, reports_a_bound_of_the_error) {
     EXPECT_EQ(reported.upto_hz, whole.modes.certificate.upto_hz);
     EXPECT_LE(reported.flexibility_error, bound);
     EXPECT_LE(error_of(cut, band), reported.flexibility_error);
-    EXPECT_GT(error_of(cut, band), reported.flexibility_error / 10);  // and the bound is not loose
+    EXPECT_GT(error_of(cut, band), reported.flexibility_error / 10);  // the bound is not loose
   }
 }
 
-// Little of the error remains for modes within the band if those above the end may cause almost all of it.
+// If the modes above the end may cause almost the entire error, little remains for the modes within the band.
 TEST(TruncationToAFlexibilityError, includes_the_modes_above_the_end) {
   const RadPerSecond band{Bar{}.omega(6)};
   for (const std::size_t modes : {12U, 20U, 60U}) {
     const Kernel whole = Bar{.modes = modes}.kernel();
     const double above = error_above(whole, band, RadPerSecond(Hertz{whole.modes.certificate.upto_hz}));
     EXPECT_GE(above, error_of(whole, band));
-    EXPECT_LE(above, 5 * error_of(whole, band));  // most of them lie far above: Σ 1/n⁴ is 1/3 of Σ 1/n² / N²
+    EXPECT_LE(above,
+              5 * error_of(whole, band));  // most of these modes lie far above: Σ 1/n⁴ is 1/3 of Σ 1/n² / N²
     const Kernel cut = truncated_to_flexibility_error(whole, to_hertz(band), 1.05 * above);
     EXPECT_LE(cut.modes.certificate.flexibility_error, 1.05 * above);
     EXPECT_GE(cut.modes.certificate.flexibility_error, above);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Kernel files: reading gives the written data, equal kernels give equal files, and a final name means a
-// complete file.
+// Kernel files: reading returns the written data, equal kernels give equal files, and
+// a file with its final name is complete.
 #define H5_USE_110_API
 #include <hdf5.h>
 #include <signal.h>
@@ -25,7 +25,7 @@ using test::Folder;
 using test::plain_kernel;
 using test::sample_kernel;
 
-/// Equal bitwise, including −0.0 and subnormal numbers.
+/// Bitwise equality, including −0.0 and subnormal numbers.
 template <class T>
 bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
@@ -137,7 +137,7 @@ TEST_P(Components, a_kernel_without_residual_flexibility_and_view_comes_back_wit
   expect_same(kernel, read(folder / "body.kernel.h5"));
 }
 
-// The same holds for a kernel from before they existed.
+// This covers kernels that were written before loads, motions and receivers existed.
 TEST_P(Components, a_kernel_without_loads_motions_and_receivers_comes_back_without_them) {
   const Folder folder;
   const Kernel kernel = plain_kernel(GetParam());
@@ -172,7 +172,7 @@ TEST(KernelFile, identifies_itself_in_its_header) {
 TEST(KernelFile, equal_kernels_give_equal_bytes) {
   const Folder folder;
   write(sample_kernel(3), folder / "one.h5");
-  {  // other work of the library in between must not affect the file
+  {  // other use of the library in between must not affect the file
     hdf5::Writer other(folder / "other.h5");
     other.write<double>("/x", std::vector<double>(1000, 1.5), {1000}, "m");
   }
@@ -198,7 +198,8 @@ TEST(KernelFile, every_dataset_of_numbers_has_a_unit_and_no_object_a_time) {
   int seen = 0;
   H5Ovisit(file, H5_INDEX_NAME, H5_ITER_NATIVE, check_object, &seen);
   H5Fclose(file);
-  // The datasets of FORMAT.md except names: 22, 4 for each load, 3 for a motion, 6 for each receiver.
+  // The datasets of FORMAT.md without names: 22, plus 4 for each load,
+  // 3 for a motion and 6 for each receiver.
   EXPECT_EQ(seen, 22 + 2 * 4 + 3 + 2 * 6);
 }
 
@@ -282,8 +283,7 @@ TEST(KernelFile, a_place_that_cannot_be_written_is_an_input_error_that_names_it)
 TEST(KernelFile, a_full_disk_is_an_input_error_and_leaves_nothing_behind) {
   const Folder folder;
   const pid_t child = ::fork();
-  if (child ==
-      0) {  // a limit on file sizes represents the full disk; in this process it would outlive the test
+  if (child == 0) {  // the size limit represents a full disk; only the child is subject to it
     ::signal(SIGXFSZ, SIG_IGN);
     const rlimit limit{20'000, 20'000};
     ::setrlimit(RLIMIT_FSIZE, &limit);

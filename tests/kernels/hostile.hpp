@@ -16,10 +16,11 @@ namespace ricochet::test {
 
 struct Objects {
   std::vector<std::string> groups, datasets;
-  std::vector<std::pair<std::string, std::string>> attributes;  ///< of an object, by name
+  std::vector<std::pair<std::string, std::string>>
+      attributes;  ///< attributes, each with the name of its object
 };
 
-/// All objects of a file, except the attributes that `kept` names.
+/// All objects of a file, except the attributes listed in `kept`.
 inline Objects objects_in(const std::filesystem::path& path, const std::set<std::string>& kept) {
   Objects found;
   const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
@@ -41,7 +42,7 @@ inline Objects objects_in(const std::filesystem::path& path, const std::set<std:
   return found;
 }
 
-/// Creates an object of this name in a file.
+/// Creates an object with this name in a file.
 using Maker = std::function<void(hid_t file, const char* name)>;
 
 inline void make_dataset(hid_t file, const char* name, hid_t type, const std::vector<hsize_t>& dims,
@@ -51,7 +52,7 @@ inline void make_dataset(hid_t file, const char* name, hid_t type, const std::ve
   H5Sclose(space);
 }
 
-/// The replacements by name, for messages.
+/// The replacements and their names for messages.
 inline const std::map<std::string, Maker>& hostile_objects() {
   static const hid_t text = [] {
     const hid_t type = H5Tcopy(H5T_C_S1);
@@ -113,7 +114,7 @@ inline const std::map<std::string, Maker>& hostile_objects() {
   return all;
 }
 
-/// Replaces an object by `make`.
+/// Replaces an object by the one that `make` creates.
 inline void replace(const std::filesystem::path& path, const std::string& object, const Maker& make) {
   const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
   H5Ldelete(file, object.c_str(), H5P_DEFAULT);
@@ -121,7 +122,7 @@ inline void replace(const std::filesystem::path& path, const std::string& object
   H5Fclose(file);
 }
 
-/// Replaces an attribute by ten thousand numbers; by none if `type` is 0.
+/// Replaces an attribute by five thousand numbers, or removes it if `type` is 0.
 inline void replace_attribute(const std::filesystem::path& path, const std::string& object,
                               const std::string& name, hid_t type) {
   const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
@@ -136,7 +137,7 @@ inline void replace_attribute(const std::filesystem::path& path, const std::stri
   H5Fclose(file);
 }
 
-/// Calls `read` for each malicious change of the file; `what` describes the change.
+/// Calls `read` after each malicious change of the file; `what` describes the change.
 inline void for_each_hostile_change(const std::filesystem::path& path,
                                     const std::set<std::string>& kept_attributes,
                                     const std::function<void(const std::string& what)>& read) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Kernels without the modes that contact does not need.
+// Truncation of the modes that contact does not need.
 #include <gtest/gtest.h>
 
 #include "tests/kernels/dense_band.hpp"
@@ -11,8 +11,8 @@ namespace {
 using namespace test_band;
 using test::sample_kernel;
 
-/// A kernel with three rigid modes and elastic modes from below the band to above it, four of which vanish on
-/// the surface.
+/// A kernel with three rigid modes and elastic modes from below to above the band.
+/// Four elastic modes vanish on the surface.
 Kernel kernel_of(int components) {
   constexpr std::size_t n = 40;
   Kernel kernel = sample_kernel(components, n, 4);
@@ -26,7 +26,7 @@ Kernel kernel_of(int components) {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// A row-major array of a kernel, with `columns` columns.
+/// An array of a kernel as a row-major matrix with `columns` columns.
 template <class T>
 RowMajor array_of(const std::vector<T>& values, std::size_t columns) {
   EXPECT_EQ(values.size() % columns, 0U);
@@ -50,7 +50,7 @@ Set elastic_modes(const Kernel& kernel) {
   return set;
 }
 
-/// Indices of the remaining modes, identified by their frequencies; the rigid modes are first.
+/// Indices of the remaining modes, identified by their frequencies. The rigid modes come first.
 Order left_in(const Kernel& kernel, const Kernel& whole) {
   Order columns;
   std::size_t rigid = 0;
@@ -66,7 +66,7 @@ class Keeping : public testing::TestWithParam<int> {
  protected:
   Keeping() : whole_(kernel_of(GetParam())) {}
 
-  /// The kernel without the modes that contribute less than `error`.
+  /// The kernel after removal of the least contributing modes, up to the flexibility error `error`.
   Kernel kept(double error) {
     Kernel kernel = whole_;
     made_ = truncate_least_contributing(kernel, band, error);
@@ -97,7 +97,7 @@ TEST_P(Keeping, contributing_modes_reports_its_error_which_is_within_the_bound) 
     const double error = dense_error_without(modes, left_out);
     EXPECT_NEAR(made_, error, 1e-12 * (1 + error));
     EXPECT_LE(error, bound);
-    // A larger bound keeps no more modes.
+    // A larger bound never keeps more modes.
     EXPECT_GE(number, last);
     last = number;
   }
@@ -117,7 +117,7 @@ TEST_P(Keeping, modes_up_to_an_end_has_the_reported_error) {
   }
 }
 
-// Truncating the next mode in the order of contributions would exceed the bound.
+// Truncation of one more mode in the order of contributions would exceed the bound.
 TEST_P(Keeping, contributing_modes_keeps_no_more_than_necessary) {
   const Set modes = elastic_modes(whole_);
   const Choice left_out = gone(kept(0.05));
@@ -153,7 +153,7 @@ TEST_P(Keeping, contributing_modes_preserves_static_responses) {
                force.rightCols(modes.size()).transpose() +
            array_of(kernel.loads.body_force_residual, 3);
   };
-  // Static response at the outputs: Σ over the modes of (seen · acting)/λ, plus the residual.
+  // Static response at the outputs: the sum of (seen · acting)/λ over the modes, plus the residual.
   const auto responses = [&](const Kernel& kernel) {
     const std::size_t n = kernel.modes.size();
     const MatrixXd inverse = elastic_modes(kernel).lambda.cwiseInverse().asDiagonal();
@@ -174,11 +174,11 @@ TEST_P(Keeping, contributing_modes_preserves_static_responses) {
                     array_of(receiver.residual_flexibility, rows));
       all.push_back(elastic(receiver.shape) * inverse * elastic(k.loads.body_force).transpose() +
                     array_of(receiver.body_force_residual, 3));
-      // The response to a support that moves slowly is unchanged: Ψ = (Ψ − ΦΓ) + ΦΓ.
+      // The response to a slowly moving support is unchanged: Ψ = (Ψ − ΦΓ) + ΦΓ.
       all.push_back(elastic(receiver.shape) * elastic(k.motions[0].participation).transpose() +
                     array_of(receiver.motion_residual, 3));
     }
-    if (k.view) {  // the visualisation surface, last but two
+    if (k.view) {  // the visualisation surface, third from the end
       const RowMajor skin = array_of(k.view->shape, n).rightCols(inverse.rows());
       MatrixXd seen(9, rows + 3 + 6 + 3);
       seen << array_of(k.view->residual_flexibility, rows), array_of(k.view->body_force_residual, 3),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A small kernel with a distinct value in every field, and a folder that is removed with its test.
+// A small kernel with a distinct value in every field.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ inline void put_bytes(const std::filesystem::path& path, const std::string& byte
   std::ofstream(path, std::ios::binary) << bytes;
 }
 
-/// @param components  3, or 1 with a direction
+/// @param components  3, or 1 for a kernel with a direction
 inline Kernel sample_kernel(int components, std::size_t n = 5, std::size_t m = 4) {
   std::mt19937_64 random(7);
   std::normal_distribution<double> normal;

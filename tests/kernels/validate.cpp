@@ -13,7 +13,7 @@ using test::sample_kernel;
 struct Breach {
   const char* name;
   std::function<void(Kernel&)> commit;
-  const char* named;  ///< what the complaint must name
+  const char* named;  ///< part of the message that names the fault
 };
 
 void PrintTo(const Breach& breach, std::ostream* out) { *out << breach.name; }

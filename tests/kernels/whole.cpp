@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Kernels that hold some of the candidates and record the complete surface.
+// Kernels that contain only some of the candidates but record the complete surface.
 #include <functional>
 
 #include "kernels/algebra.hpp"

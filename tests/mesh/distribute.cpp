@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The parts of a mesh on any number of ranks, compared with the same mesh on one.
+// The parts of a mesh on any number of ranks, compared with the mesh on one rank.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ std::string chain_geo(int elements) {
       elements + 1);
 }
 
-/// A cube of hexahedra beside a cube of prisms; they share the square x = 1.
+/// A cube of hexahedra beside a cube of prisms. They share the square x = 1.
 std::string hexahedra_beside_prisms() {
   return "SetFactory(\"Built-in\");\nPoint(1) = {0,0,0};\nPoint(2) = {1,0,0};\nPoint(3) = {1,1,0};\nPoint(4) "
          "= {0,1,0};\n"
@@ -54,14 +54,14 @@ class Distribute : public testing::TestWithParam<Case> {
       body.materials[1].group = "left";
     }
     if (GetParam().extension == ".geo") body.support = {{"top", "x"}};
-    // Every rank reads the mesh itself: a reference that is independent of the number of ranks.
+    // Each rank reads the mesh itself, which gives a reference that is independent of the number of ranks.
     whole_ = mesh::distribute(mesh::read_mesh(body), PETSC_COMM_SELF);
     mesh_ = test::mesh_of(body);
   }
   bool owns(std::int64_t node) const {
     return node >= mesh_.first_node && node < mesh_.first_node + mesh_.owned_nodes;
   }
-  /// An element by tag: material, then its nodes by reading order.
+  /// Elements by tag. The values are the gmsh type, the material and the reading numbers of the nodes.
   static std::map<std::int64_t, std::vector<std::int64_t>> elements(const Mesh& mesh, bool own_only) {
     std::map<std::int64_t, std::vector<std::int64_t>> found;
     for (std::size_t b = 0; b < mesh.blocks.size(); ++b) {
@@ -99,7 +99,7 @@ TEST_P(Distribute, every_node_is_owned_once_in_rank_order) {
   EXPECT_EQ(mesh_.order, whole_.order);
   EXPECT_EQ(mesh_.axis, whole_.axis);
 
-  // This rank holds each node it owns, and every reading number is owned by one rank.
+  // Each rank holds the nodes that it owns, and each reading number is owned by exactly one rank.
   EXPECT_TRUE(std::is_sorted(mesh_.node.begin(), mesh_.node.end()));
   std::vector<double> owners(static_cast<std::size_t>(mesh_.total_nodes), 0);
   std::int64_t held = 0;
@@ -111,7 +111,7 @@ TEST_P(Distribute, every_node_is_owned_once_in_rank_order) {
   EXPECT_EQ(held, mesh_.owned_nodes);
   parallel::sum(mesh_.comm, owners);
   EXPECT_EQ(owners, std::vector<double>(owners.size(), 1));
-  // METIS gives every rank elements if there are enough.
+  // With enough elements, METIS assigns some to every rank.
   if (mesh_.total_elements >= 8 * ranks) {
     EXPECT_GT(mesh_.owned_nodes, 0);
   }
@@ -160,7 +160,7 @@ TEST_P(Distribute, contact_surface_is_complete_on_every_rank_and_the_visualisati
       EXPECT_EQ(got.blocks[b].tag, wanted.blocks[b].tag);
       EXPECT_EQ(got.blocks[b].label, wanted.blocks[b].label);
     }
-    // Global numbers of the own nodes of this rank refer to the same positions.
+    // The global numbers of the nodes of this rank refer to the same positions.
     for (std::size_t i = 0; i < got.node.size(); ++i) {
       const auto local =
           std::lower_bound(mesh_.node.begin(), mesh_.node.end(), got.node[i]) - mesh_.node.begin();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Hand-written meshes, small enough to check by eye.
+// Hand-written meshes that are small enough to check by eye.
 #pragma once
 
 #include <fmt/format.h>
@@ -8,8 +8,8 @@
 
 namespace ricochet::test {
 
-/// Two tetrahedra on the triangle of nodes 1, 2, 3, with apexes 4 above and 5 below; volume 1/6 each. The
-/// corners of the second are `second`: "1 3 2 5" is right.
+/// Two tetrahedra on both sides of the triangle 1, 2, 3, with the apexes 4 above and 5 below and a volume of
+/// 1/6 each. `second` lists the corners of the second; "1 3 2 5" is correct.
 inline std::string two_tetrahedra_22(const std::string& second) {
   return "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n3 1 \"body\"\n$EndPhysicalNames\n"
          "$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 0 0 -1\n$EndNodes\n"
@@ -25,7 +25,8 @@ inline std::string two_tetrahedra_41(const std::string& second) {
          second + "\n$EndElements\n";
 }
 
-/// One element of a gmsh type on the corners of the unit cube: 1–4 round the bottom, 5–8 above them.
+/// One element of gmsh's type number `type` on the corners of the unit cube:
+/// 1–4 around the bottom, 5–8 above them.
 inline std::string one_element(int type, const std::string& nodes) {
   return fmt::format(
       "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n8\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0 0 1\n6 1 0 "
@@ -34,7 +35,7 @@ inline std::string one_element(int type, const std::string& nodes) {
       type, nodes);
 }
 
-/// Its eight corners: "1 2 3 4 5 6 7 8" is right.
+/// A hexahedron with these corners; "1 2 3 4 5 6 7 8" is correct.
 inline std::string one_hexahedron(const std::string& nodes) { return one_element(5, nodes); }
 
 /// A tetrahedron of order 2 in volume 1 and one of order 1 in `volume`.

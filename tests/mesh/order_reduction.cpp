@@ -43,12 +43,12 @@ TEST_P(OrderReduction, order_contains_the_polynomials_of_its_degree) {
   const int degree = GetParam().order - 1;
   ASSERT_EQ(lower.mesh().order, degree);
   const Eigen::MatrixXd error = lower.prolong(polynomial(lower.mesh(), degree)) - polynomial(mesh, degree);
-  // Round-off of the values, up to 4.5^degree, and of the positions by gmsh.
+  // Round-off of the values, which reach 4.5^degree, and of the positions computed by gmsh.
   EXPECT_LT(parallel::largest(mesh.comm, test::largest_entry(error)), 1e-13 * std::pow(4.5, degree) * 10);
 }
 
-// The matrices of the smaller of two nested spaces are projections of those of the larger: the test covers
-// numbering, ghosts and supports.
+// For nested spaces, the matrices of the smaller space are projections of those of the larger. The test also
+// covers numbering, ghosts and supports.
 TEST_P(OrderReduction, order_has_the_projected_matrices_of_the_higher_one) {
   const mesh::GmshSession gmsh;
   const test::SharedFile file(".geo", GetParam().geo);
@@ -64,7 +64,7 @@ TEST_P(OrderReduction, order_has_the_projected_matrices_of_the_higher_one) {
     const auto row = static_cast<double>(lower.mesh().first_node * mesh.components() + i);
     x.row(i) << std::sin(row), std::cos(3 * row);
   }
-  // Held displacements do not belong to the space.
+  // Displacements held by a support do not belong to the space.
   for (std::size_t i = 0; i < lower.mesh().node.size(); ++i) {
     const std::int64_t row = lower.mesh().node[i] - lower.mesh().first_node;
     if (row < 0 || row >= lower.mesh().owned_nodes) continue;

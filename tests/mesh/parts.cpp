@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A mesh in several files, read in parallel, compared with the same mesh in one file, read by each rank.
+// A mesh in several files, read in parallel, compared with the same mesh in one file that each rank reads.
 #include "src/mesh/parts.hpp"
 
 #include <gtest/gtest.h>
@@ -67,7 +67,7 @@ class Parts : public testing::TestWithParam<Case> {
   bool owns(std::int64_t node) const {
     return node >= mesh_.first_node && node < mesh_.first_node + mesh_.owned_nodes;
   }
-  /// Elements by the positions of their nodes, in order; value: the material.
+  /// Elements by the positions of their nodes, in order. The values are the materials.
   static std::map<std::vector<Place>, std::int64_t> elements(const Mesh& mesh, bool own_only) {
     std::map<std::vector<Place>, std::int64_t> found;
     for (std::size_t b = 0; b < mesh.blocks.size(); ++b) {
@@ -83,8 +83,8 @@ class Parts : public testing::TestWithParam<Case> {
     }
     return found;
   }
-  /// Facets by the positions of their nodes, rotated so that the lowest corner comes first, with the same
-  /// orientation.
+  /// Facets by the positions of their nodes. They are rotated so that the lowest corner
+  /// comes first, with unchanged orientation.
   static std::multiset<std::vector<Place>> facets(const mesh::FacetMesh& mesh) {
     std::multiset<std::vector<Place>> found;
     for (const mesh::Block& block : mesh.blocks) {
@@ -108,7 +108,7 @@ class Parts : public testing::TestWithParam<Case> {
   std::vector<scene::Material> materials_;
   Mesh whole_, mesh_;
   std::map<Place, std::size_t> whole_index_;
-  std::vector<std::size_t> in_whole_;  ///< per local node
+  std::vector<std::size_t> in_whole_;  ///< index in the whole mesh, per local node
 };
 
 TEST_P(Parts, give_each_node_to_one_rank_in_rank_order) {
@@ -130,7 +130,7 @@ TEST_P(Parts, give_each_node_to_one_rank_in_rank_order) {
     if (owns(mesh_.node[i])) owners[in_whole_[i]] += 1;
   parallel::sum(mesh_.comm, owners);
   EXPECT_EQ(owners, std::vector<double>(owners.size(), 1));
-  // If there are enough parts, no rank is idle.
+  // With enough parts, no rank is idle.
   const std::int64_t busy = parallel::sum(mesh_.comm, std::int64_t{mesh_.owned_nodes > 0});
   EXPECT_EQ(busy, std::min<std::int64_t>(parallel::size_of(mesh_.comm), GetParam().parts));
 }
@@ -149,7 +149,7 @@ TEST_P(Parts, have_the_supports_and_connected_parts_of_the_complete_mesh) {
 }
 
 TEST_P(Parts, have_numbers_that_do_not_depend_on_ranks) {
-  // Each number denotes one node on all ranks.
+  // Each number denotes the same node on all ranks.
   std::vector<double> number(whole_.node.size(), 0), holders(number.size(), 0);
   for (std::size_t i = 0; i < mesh_.node.size(); ++i) {
     number[in_whole_[i]] += static_cast<double>(mesh_.canonical[i]);

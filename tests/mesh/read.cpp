@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Meshes after reading: sizes, measures and orientation against closed forms.
+// Meshes after reading: sizes, measures and orientation compared with closed forms.
 #include <fmt/format.h>
 #include <gmsh.h>
 #include <gtest/gtest.h>
@@ -50,7 +50,7 @@ double volume_of(const GlobalMesh& mesh) {
   return volume;
 }
 
-/// ∫ n ds and ⅓ ∫ x·n ds over facets of one label, with the area.
+/// ∫ n ds, ⅓ ∫ x·n ds and the area of the facets with one label.
 struct Flux {
   Point normal = Point::Zero();
   double area = 0, third = 0;
@@ -81,7 +81,7 @@ Flux flux_of(const GlobalMesh& mesh, std::int64_t label) {
   return flux;
 }
 
-/// V from the flat triangles of the visualisation surface: correct only if all point outward.
+/// V from the flat triangles of the visualisation surface. It is correct only if all triangles face outward.
 double enclosed_by_skin(const GlobalMesh& mesh) {
   double volume = 0;
   const auto& node = mesh.visualisation.blocks.front().node;
@@ -97,7 +97,7 @@ TEST(Read, truncated_pyramids_have_their_volume_and_areas_in_every_element_and_o
   for (const char* kind : {"tet", "hex", "prism"})
     for (int order = 1; order <= 3; ++order) {
       const bool prism = kind == std::string("prism");
-      // Even if gmsh is asked to reverse surfaces, contact facets point out of the body.
+      // Contact facets point out of the body even if a geometry asks gmsh to reverse surfaces.
       const test::SharedFile file(".geo", (prism ? test::prism_geo(2) : test::block_geo(kind, 2, lean)) +
                                               "ReverseMesh Surface{1, 3};\n");
       scene::Body body = test::body_of(file.path(), order);
@@ -170,7 +170,7 @@ TEST(Read, geometry_sets_what_the_file_defines) {
   EXPECT_NEAR(volume, 2.5, 1e-13);
 }
 
-// The parameters of gmsh outlive its session unless they are cleared.
+// The parameters of gmsh persist after its session unless they are cleared.
 TEST(Read, parameters_of_one_body_are_not_those_of_the_next) {
   const auto block = [](int layers) {
     return fmt::format("DefineConstant[ layers = {{{}, Name \"layers\"}} ];\nSetFactory(\"Built-in\");\n",
@@ -192,7 +192,7 @@ TEST(Read, parameters_of_one_body_are_not_those_of_the_next) {
   EXPECT_EQ(elements(second.path(), {}), 2U);
 }
 
-/// A file that gmsh writes on rank 0, from the model that `build` leaves open, and that all ranks read.
+/// A file that gmsh writes on rank 0 from the model that `build` creates, and that all ranks read.
 class Written {
  public:
   Written(const std::string& extension, const std::function<void()>& build) : file_(extension, "") {
@@ -223,7 +223,7 @@ TEST(Read, a_mesh_written_by_gmsh_is_the_mesh_of_its_geometry) {
       });
       scene::Body again = body;
       again.mesh = written.path();
-      again.order = 1;  // a .msh keeps its own
+      again.order = 1;  // a .msh file keeps its own order
       const GlobalMesh read = mesh::read_mesh(again);
       EXPECT_EQ(read.order, 3);
       EXPECT_EQ(read.fixed.size(), made.fixed.size());
@@ -301,7 +301,7 @@ TEST(Read, rods_have_their_axis_ends_and_supports) {
     const bool low = ends.label[e] == 0;
     const auto node = static_cast<std::size_t>(ends.node[e]);
     EXPECT_NEAR((at(mesh, ends.node[e]) - (low ? Point(1, 1, 0) : Point(4, 5, 0))).norm(), 0, 1e-14);
-    // body_of's rods have a cross-section of 0.5.
+    // The rods of body_of have a cross-section of 0.5.
     EXPECT_NEAR((Point(&mesh.contact.end_normal[3 * node]) - (low ? -0.5 : 0.5) * exact).norm(), 0, 1e-14);
     EXPECT_EQ(mesh.fixed[node], low ? 1U : 0U);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Reference elements against closed forms.
+// Reference elements compared with closed forms.
 #include "src/mesh/reference.hpp"
 
 #include <gmsh.h>
@@ -20,10 +20,10 @@ using mesh::Family;
 
 struct Kind {
   Family family;
-  const char* name;  ///< gmsh's
+  const char* name;  ///< name in gmsh
   int dim;
   bool simplex;  ///< polynomials of total degree p; otherwise of degree p along each axis
-  int orders;    ///< tested up to
+  int orders;    ///< largest order tested
 };
 constexpr Kind kinds[] = {{Family::line, "line", 1, false, 4},
                           {Family::triangle, "triangle", 2, true, 4},
@@ -35,7 +35,7 @@ constexpr Kind kinds[] = {{Family::line, "line", 1, false, 4},
 double factorial(int n) { return std::tgamma(n + 1.0); }
 double over_line(int a) { return a % 2 == 1 ? 0 : 2.0 / (a + 1); }  // ∫ x^a on [−1, 1]
 
-/// ∫ x^a y^b z^c over gmsh's reference domain.
+/// ∫ x^a y^b z^c over the reference domain of gmsh.
 double exact_integral(Family family, int a, int b, int c) {
   const double triangle = factorial(a) * factorial(b) / factorial(a + b + 2);
   switch (family) {
@@ -62,7 +62,7 @@ class Reference : public testing::TestWithParam<Kind> {};
 TEST_P(Reference, quadrature_integrates_every_monomial_of_its_degree_with_positive_weights) {
   const mesh::GmshSession gmsh;
   const auto [family, name, dim, simplex, orders] = GetParam();
-  // 31 and 32: the degrees that facets of order 10 need.
+  // 31 and 32 are the degrees that facets of order 10 need.
   for (int degree : {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, dim < 3 ? 31 : 14, dim < 3 ? 32 : 22}) {
     const mesh::Quadrature rule = mesh::quadrature_of(family, degree);
     ASSERT_EQ(rule.local.size(), 3 * rule.size());
@@ -74,13 +74,13 @@ TEST_P(Reference, quadrature_integrates_every_monomial_of_its_degree_with_positi
           for (std::size_t q = 0; q < rule.size(); ++q)
             sum += rule.weight[q] * std::pow(rule.local[3 * q], a) * std::pow(rule.local[3 * q + 1], b) *
                    std::pow(rule.local[3 * q + 2], c);
-          // Round-off of thousands of terms that sum to at most 8.
+          // Round-off of thousands of terms with a sum of at most 8.
           EXPECT_NEAR(sum, exact_integral(family, a, b, c), 2e-13) << degree << ": " << a << b << c;
         }
   }
 }
 
-/// Points inside every reference domain, off all symmetries.
+/// Points inside every reference domain and off all symmetry planes.
 const std::vector<double> inside = {0.11, 0.23, 0.31, 0.47, 0.05, 0.21, 0.02, 0.61, 0.34, 0.3, 0.3, 0.05};
 
 TEST_P(Reference, shape_functions_reproduce_the_polynomials_of_their_order_and_their_gradients) {
@@ -119,8 +119,9 @@ TEST_P(Reference, shape_functions_reproduce_the_polynomials_of_their_order_and_t
               for (int e = 0; e < dim; ++e)
                 if (e != d) exact[d] *= power(x[e], n[e]);
             }
-            // a = b = c = 0 is "the functions sum to one and their gradients to zero".
-            // Solving with gmsh's own functions at up to 125 nodes costs two digits.
+            // a = b = c = 0 checks that the functions sum to one and their gradients to
+            // zero. The coefficients come from a system with gmsh's functions at up to
+            // 125 nodes, which costs two digits.
             EXPECT_NEAR(value, power(x[0], a) * power(x[1], b) * power(x[2], c), 1e-13) << p << a << b << c;
             for (int d = 0; d < dim; ++d) EXPECT_NEAR(gradient[d], exact[d], 2e-12) << p << a << b << c;
           }
@@ -139,7 +140,7 @@ TEST(Faces, close_each_volume_element_and_point_outward) {
     if (dim < 3) continue;
     const auto element = mesh::reference_element(gmsh::model::mesh::getElementType(name, 1));
     const auto corner = [&](int k) { return Eigen::Map<const Eigen::Vector3d>(&element.node[3 * k]); };
-    // Each edge is traversed once in each direction, and V = ⅓ ∫ x·n ds by fans of triangles.
+    // Each edge is traversed once in each direction. V = ⅓ ∫ x·n ds over fans of triangles.
     std::map<std::pair<int, int>, int> walked;
     double volume = 0;
     for (const std::vector<int>& face : faces)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Unusable input is refused on every rank, in one line that states where, what and what to do.
+// Unusable input is refused on every rank, in one line that states the place, the fault and the remedy.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -16,7 +16,8 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-/// The error of a body, from its file to its matrices; the same on every rank, or "ranks differ".
+/// The error of a body between its file and its matrices. It must be the same
+/// on every rank; otherwise "ranks differ".
 std::string complaint(const scene::Body& body) {
   std::string said = "accepted";
   try {
@@ -31,7 +32,7 @@ std::string complaint(const scene::Body& body) {
   return same == parallel::size_of(PETSC_COMM_WORLD) ? said : "ranks differ";
 }
 
-/// One line that starts with the file's name.
+/// One line that starts with the name of the file.
 auto about(const test::SharedFile& file) {
   return AllOf(testing::StartsWith(file.path().filename().string() + ": "), testing::Not(HasSubstr("\n")));
 }
@@ -111,7 +112,7 @@ TEST(Refusal, an_unknown_parameter_is_named_with_the_available_ones) {
   body.geometry = {{"height", 3}};
   EXPECT_THAT(complaint(body), AllOf(about(outer), HasSubstr("it defines extra, length, n.")));
 
-  // Neither a file that includes itself nor endless spaces cause an endless loop.
+  // Neither a file that includes itself nor very many spaces cause an endless loop.
   const test::SharedFile odd(".geo", "Include" + std::string(1 << 20, ' ') + "\"none.geo\"\nDefineConstant" +
                                          std::string(1 << 20, ' ') + "[ length = 2 ];\n");
   const std::string itself = fmt::format("Include \"{}\"\n", odd.path().filename().string());
@@ -137,7 +138,7 @@ TEST(Refusal, a_file_that_is_not_a_complete_mesh_is_refused) {
     EXPECT_THAT(complaint(file), about(file)) << text;
   }
   for (const std::string& whole : {test::two_tetrahedra_22("1 3 2 5"), test::two_tetrahedra_41("1 3 2 5")}) {
-    // Truncation at any position: within a header, a number, the end of a section.
+    // The file is truncated anywhere: within a header, within a number, at the end of a section.
     for (std::size_t length = 1; length + 13 < whole.size(); length += 7) {
       const test::SharedFile file(".msh", whole.substr(0, length));
       EXPECT_THAT(complaint(file), about(file)) << whole.substr(0, length);
@@ -147,7 +148,7 @@ TEST(Refusal, a_file_that_is_not_a_complete_mesh_is_refused) {
   EXPECT_THAT(complaint(broken), AllOf(about(broken), HasSubstr("99")));
 }
 
-// Files for which gmsh 4.8 exhausts memory, crashes, or silently reads something different.
+// Files for which gmsh 4.8 exhausts memory, crashes, or silently reads something else.
 TEST(Refusal, a_mesh_file_that_gmsh_cannot_be_trusted_with_is_refused_before) {
   const std::string old = test::two_tetrahedra_22("1 3 2 5"), now = test::two_tetrahedra_41("1 3 2 5");
   struct Change {
@@ -185,7 +186,7 @@ TEST(Refusal, surfaces_without_a_volume_and_mixed_orders_are_refused) {
   EXPECT_THAT(complaint(surface), AllOf(about(surface), HasSubstr("surface elements but no volume")));
   const test::SharedFile pyramid(".msh", test::one_element(7, "1 2 3 4 5"));
   EXPECT_THAT(complaint(pyramid), AllOf(about(pyramid), HasSubstr("\"Pyramid 5\" are not supported")));
-  // In one volume, where gmsh itself loses the second, and in two.
+  // In one volume, where gmsh itself loses the second element, and in two volumes.
   for (int volume : {1, 2}) {
     const test::SharedFile mixed(".msh", test::tetrahedra_of_two_orders(volume));
     EXPECT_THAT(complaint(mixed), AllOf(about(mixed), HasSubstr("mixes element orders"))) << volume;
@@ -205,7 +206,7 @@ TEST(Refusal, groups_that_overlap_or_lie_elsewhere_are_refused) {
   body.materials[1].group = "again";
   EXPECT_THAT(complaint(body), AllOf(about(file), HasSubstr("lies in two groups of bodies.body.material")));
 
-  // Two cubes apart; the body is the first.
+  // Two separate cubes, of which the first is the body.
   const test::SharedFile two(
       ".geo",
       "SetFactory(\"OpenCASCADE\");\nBox(1) = {0,0,0,1,1,1};\nBox(2) = {3,0,0,1,1,1};\n"
@@ -257,7 +258,8 @@ Physical Volume("body") = {body[1]};
   EXPECT_THAT(complaint(flat), AllOf(about(flat), HasSubstr("has no length"), HasSubstr("geometry")));
 }
 
-// Last, because the parser of gmsh is unusable for the rest of the process after a syntax error.
+// This test is the last, because after a syntax error the parser of gmsh
+// is unusable for the rest of the process.
 TEST(Refusal, a_geometry_that_gmsh_cannot_read_or_mesh_is_refused) {
   const test::SharedFile syntax(".geo", "Point(1) = {0, 0, 0};\nBlub(3) = {4};\n");
   EXPECT_THAT(complaint(syntax), AllOf(about(syntax), HasSubstr("line 2: syntax error")));

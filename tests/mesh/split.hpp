@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Meshes in one file and in several, in a folder that all ranks use.
+// Meshes in one file and in several files, in a folder that all ranks use.
 #pragma once
 
 #include <gmsh.h>
@@ -16,7 +16,7 @@ namespace ricochet::test {
 
 inline int me() { return parallel::rank_of(PETSC_COMM_WORLD); }
 
-/// A folder that one rank creates and all use; removed at the end of the scope.
+/// A folder that one rank creates and all ranks use. It is removed at the end of the scope.
 class SharedFolder {
  public:
   SharedFolder() {
@@ -49,7 +49,7 @@ class SharedFolder {
   std::filesystem::path path_;
 };
 
-/// whole.msh, and the same in `parts` files: split_1.msh…
+/// Writes the mesh to whole.msh, and again as `parts` files: split_1.msh and so on.
 inline void write_both(const SharedFolder& folder, const std::string& geo, int order, int parts) {
   folder.write("body.geo", geo);
   folder.once([&] {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Errors of meshes in several files, the same on every rank, and the order of these files.
+// Errors in meshes that are split into several files, equal on every rank, and the order of these files.
 #include <gmock/gmock.h>
 
 #include <set>
@@ -18,7 +18,7 @@ using test::SharedFolder;
 using testing::AllOf;
 using testing::HasSubstr;
 
-/// The error of a body in parts; the same on every rank, or "ranks differ".
+/// The error of a body in parts. It must be the same on every rank; otherwise "ranks differ".
 std::string complaint(const scene::Body& body) {
   std::string said = "accepted";
   try {
@@ -93,8 +93,8 @@ TEST_F(PartsRefused, without_a_group_that_the_scene_names) {
   EXPECT_EQ(complaint(body_), "accepted");
 }
 
-/// A file with one tetrahedron in volume 1, and the facet 9 named "between" where two
-/// tetrahedra meet; node 1 lies at `x`.
+/// A file with one tetrahedron in volume 1, and facet 9 named "between" where
+/// two tetrahedra meet. Node 1 lies at `x`.
 std::string one_cell(const std::string& x, const std::string& tag_and_nodes) {
   return fmt::format(
       "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 9 \"between\"\n$EndPhysicalNames\n"
@@ -110,7 +110,7 @@ TEST(PartsByHand, must_fit_together) {
   folder.write("hand_1.msh", one_cell("0", "1 1 2 3 4"));
   folder.write("hand_2.msh", one_cell("0", "2 1 3 2 5"));
   EXPECT_EQ(complaint(body), "accepted");
-  // The interface between parts is not the surface of the body.
+  // The interface between parts does not belong to the surface of the body.
   body.contact = {"between"};
   EXPECT_THAT(complaint(body),
               AllOf(about("hand.msh"), HasSubstr("facet 9"), HasSubstr("is not on the body's surface")));

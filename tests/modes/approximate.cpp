@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Approximate modes against dense eigenvalues, and the proof of their number.
+// Approximate modes compared with dense eigenvalues, and the proof of their number.
 #include "src/modes/approximate.hpp"
 
 #include <gtest/gtest.h>
@@ -40,7 +40,7 @@ modes::ModeSet approximate(const Made& made, const modes::ApproximateRequest& re
                                   request);
 }
 
-/// Largest relative error of the elastic frequencies, all of which must lie at or above the exact ones.
+/// Largest relative error of the elastic frequencies, none of which may lie below the exact ones.
 double worst_error(const modes::ModeSet& set, const Eigen::VectorXd& exact) {
   double worst = 0;
   for (std::size_t n = 0; n < set.angular_frequency.size(); ++n) {
@@ -73,7 +73,7 @@ std::string two_blocks() {
 
 class Approximate : public testing::TestWithParam<Case> {};
 
-// Linear elements start from frequencies that are tens of per cent too high.
+// Linear elements give starting frequencies that are tens of per cent too high.
 TEST_P(Approximate, modes_are_bounds_from_above_that_iterations_bring_closer) {
   const mesh::GmshSession gmsh;
   const Case& given = GetParam();
@@ -90,13 +90,13 @@ TEST_P(Approximate, modes_are_bounds_from_above_that_iterations_bring_closer) {
       EXPECT_EQ(set.certificate.count_by_inertia, static_cast<std::int64_t>(set.angular_frequency.size()));
       const double error = worst_error(set, exact);
       EXPECT_LT(error, before) << iterations;
-      // If the counts did not agree at once, the first set took a further iteration.
+      // If the counts differ at first, the first set has already taken another iteration.
       before = std::max(1.001 * error, 1e-8);
     }
   }
 }
 
-// Computed from the matrices, not from the results of the solver: impacts rely on both.
+// Impacts rely on both properties. They are computed from the matrices, not from the results of the solver.
 TEST_P(Approximate, modes_are_orthogonal_in_mass_and_stiffness) {
   const mesh::GmshSession gmsh;
   const Case& given = GetParam();
@@ -138,7 +138,7 @@ TEST(ApproximateModes, up_to_a_frequency_are_as_many_as_dense_algebra_finds) {
             static_cast<std::ptrdiff_t>(set.angular_frequency.size()));
 }
 
-// Large enough for the lower order to be started from the next lower one too.
+// The mesh is large enough for the lower order to start from the next lower order too.
 TEST(ApproximateModes, from_two_orders_below_are_near_the_certified_ones) {
   const mesh::GmshSession gmsh;
   for (const parallel::Teams* teams : {&test::one_team(), &test::own_teams()}) {
@@ -188,7 +188,7 @@ TEST(ApproximateModes, and_their_static_correction_have_the_static_response_of_t
   whole.middleRows(made.mesh.first_node * 3, loads.rows()) = loads;
   parallel::sum(made.mesh.comm, whole);
   const Eigen::MatrixXd exact = whole.transpose() * stiffness.ldlt().solve(whole);
-  // Each term of the series in the shift omits the error of the vectors: about 1e-3, squared.
+  // Each term of the series in the shift neglects the error of the vectors, which is about 1e-3, squared.
   EXPECT_LT((found - exact).cwiseAbs().maxCoeff(), 1e-6 * exact.cwiseAbs().maxCoeff());
 }
 

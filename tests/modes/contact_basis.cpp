@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Contact-adapted bases against dense flexibilities of the complete body.
+// Contact-adapted bases compared with dense flexibilities of the complete body.
 #include "src/modes/contact_basis.hpp"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// A body whose top may touch, with the loads of its patches and of gravity.
+/// A body whose top may touch, with the load vectors of its patches and of gravity.
 struct Struck {
   mesh::Mesh mesh;
   elasticity::Body body;
@@ -58,7 +58,7 @@ struct Struck {
   const parallel::Teams& teams;
 };
 
-/// Dense K, M and loads on the free rows, and the responses from them.
+/// Dense K, M and loads on the free rows, and the responses that follow from them.
 struct Dense {
   MatrixXd stiffness, mass, loads;
 
@@ -74,14 +74,14 @@ struct Dense {
     loads = whole(rows, Eigen::all);
   }
 
-  /// Response to all loads at the first `seen` of them, by a direct solve. (seen, all)
+  /// Response to all loads, at the first `seen` of them, by a direct solve. (seen, all)
   MatrixXcd flexibility(std::complex<double> s, Eigen::Index seen) const {
     const MatrixXcd matrix = stiffness.cast<std::complex<double>>() + s * s * mass;
     return loads.leftCols(seen).transpose() * matrix.partialPivLu().solve(loads.cast<std::complex<double>>());
   }
 };
 
-/// Flexibility of Ritz vectors and their residual flexibility.
+/// Flexibility from Ritz vectors and their residual flexibility.
 MatrixXcd flexibility(const modes::ModeSet& set, const MatrixXd& trace, const MatrixXd& residual,
                       std::complex<double> s) {
   Eigen::VectorXcd weight(trace.cols());
@@ -96,7 +96,7 @@ TEST_P(ContactBasis, meets_its_estimate_of_the_flexibility_over_the_band) {
   const mesh::GmshSession gmsh;
   Struck struck(GetParam(), test::one_team());
   const Dense dense(struck);
-  // A band that contains some of the body's 500 modes; the first elastic one is at 0.2 Hz.
+  // A band that contains some of the 500 modes; the first elastic mode is at 0.2 Hz.
   const Hertz band{1.0};
   std::size_t before = 0;
   for (const double asked : {1e-1, 1e-2, 1e-3, 1e-4}) {
@@ -115,7 +115,7 @@ TEST_P(ContactBasis, meets_its_estimate_of_the_flexibility_over_the_band) {
       const std::complex<double> s =
           std::polar(static_cast<RadPerSecond>(band).value * k / 9, std::numbers::pi / 4);
       const MatrixXcd exact = dense.flexibility(s, struck.seen).leftCols(struck.seen);
-      // Scale of the estimate: elastic motion only.
+      // The scale of the estimate is the elastic motion alone.
       const MatrixXcd elastic = exact - trace.leftCols(rigid) * trace.leftCols(rigid).transpose() / (s * s);
       worst = std::max(worst, (flexibility(set, trace, residual, s) - exact).norm() / elastic.norm());
     }
@@ -129,12 +129,12 @@ TEST_P(ContactBasis, with_its_residual_is_statically_exact) {
   const mesh::GmshSession gmsh;
   Struck struck(GetParam(), test::own_teams());
   const Dense dense(struck);
-  // Few vectors, so that the residual is large.
+  // Few vectors leave a large residual.
   const modes::ModeSet set = struck.basis({.band = Hertz{1.0}, .flexibility_error = 0.3});
   const MatrixXd trace = struck.trace(set);
   const MatrixXd residual = modes::residual_response(struck.teams, struck.mesh, struck.body, *struck.factor,
                                                      set, struck.loads, struck.seen);
-  // Static response from all elastic modes of the dense problem.
+  // Static response of all elastic modes of the dense problem.
   const test::DenseModes all(struck.mesh.comm, dense.stiffness, dense.mass);
   const Eigen::Index rigid = GetParam() ? 0 : 6, elastic = all.value.size() - rigid;
   const MatrixXd seen = dense.loads.transpose() * all.vector.rightCols(elastic);
@@ -196,7 +196,7 @@ struct StruckRod {
 TEST(ContactBasis, with_all_vectors_is_the_body_itself) {
   const mesh::GmshSession gmsh;
   StruckRod rod(5);
-  // Six nodes, one load: the Krylov space becomes the complete space.
+  // With six nodes and one load, the Krylov space is the complete space.
   const modes::ModeSet set = rod.basis({.band = Hertz{10.0}, .flexibility_error = 1e-6});
   const VectorXd exact = test::dense_eigenvalues(rod.mesh, rod.body);
   ASSERT_EQ(set.angular_frequency.size(), 6u);
@@ -217,7 +217,7 @@ TEST(ContactBasis, is_only_rigid_if_nothing_more_is_requested) {
   const mesh::GmshSession gmsh;
   StruckRod rod(20);
   EXPECT_EQ(rod.basis({.band = Hertz{1.0}, .count = 1}).angular_frequency, std::vector<double>{0.0});
-  // The first elastic mode is at 0.3 Hz: the rod is rigid far below it.
+  // The first elastic mode is at 0.3 Hz, so the rod is rigid in a band far below it.
   EXPECT_EQ(rod.basis({.band = Hertz{1e-4}, .flexibility_error = 1e-3}).angular_frequency,
             std::vector<double>{0.0});
 }
@@ -257,7 +257,7 @@ INSTANTIATE_TEST_SUITE_P(Bodies, ContactBasis, testing::Bool(),
 TEST(BlockProduct, is_that_of_petsc) {
   const mesh::GmshSession gmsh;
   Struck struck(true, test::one_team());
-  // 11 columns: a complete pass of 8 and a partial one.
+  // 11 columns: one complete pass of 8 and a partial one.
   const modes::Operators operators(struck.mesh, struck.body);
   const MatrixXd columns = operators.noise(11, 3);
   for (Mat matrix : {Mat(struck.body.stiffness), Mat(struck.body.mass)}) {

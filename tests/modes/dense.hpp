@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Dense oracles for small bodies: the matrices gathered on every rank, modes by LAPACK on one.
+// Dense oracles for small bodies: matrices gathered on every rank, and modes by LAPACK on one rank.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,7 +18,7 @@ namespace ricochet::test {
 
 inline double largest_entry(const Eigen::MatrixXd& x) { return x.size() > 0 ? x.cwiseAbs().maxCoeff() : 0; }
 
-/// A X by PETSc, column by column. X (local rows, n), result likewise.
+/// A X by PETSc, column by column. X and the result are (local rows, n).
 inline Eigen::MatrixXd product(Mat matrix, const Eigen::MatrixXd& columns) {
   MPI_Comm comm = MPI_COMM_NULL;
   parallel::check(PetscObjectGetComm(reinterpret_cast<PetscObject>(matrix), &comm));
@@ -46,7 +46,7 @@ inline Eigen::MatrixXd dense(const mesh::Mesh& mesh, const elasticity::Body& bod
   return whole;
 }
 
-/// Rows that no support holds: M has a positive diagonal there.
+/// Rows that no support holds. The diagonal of M is positive there.
 inline std::vector<Eigen::Index> free_rows(const Eigen::MatrixXd& mass) {
   std::vector<Eigen::Index> rows;
   for (Eigen::Index i = 0; i < mass.rows(); ++i)
@@ -66,7 +66,7 @@ struct DenseModes {
     const int kind = 1, n = static_cast<int>(value.size()), room = 1 + 6 * n + 2 * n * n,
               integers = 3 + 5 * n;
     int info = 0;
-    // One rank is faster than all at once on few cores.
+    // One rank is faster than all ranks at once if there are few cores.
     if (rank == 0) {
       Eigen::VectorXd work(room);
       Eigen::VectorXi more(integers);

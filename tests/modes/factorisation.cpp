@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The factorisation against its definition: (K − σM) x = b, and eigenvalue counts from dense LAPACK.
+// The factorisation compared with its definition, (K − σM) x = b, and
+// with eigenvalue counts from dense LAPACK.
 #include "src/modes/factorisation.hpp"
 
 #include <gtest/gtest.h>
@@ -31,7 +32,7 @@ TEST(Factorisation, solves_the_shifted_problem) {
   const Eigen::MatrixXd x = factor.solve(right);
   const Eigen::MatrixXd defect =
       test::product(body.stiffness, x) - sigma * test::product(body.mass, x) - right;
-  // Condition number about 1e4, entries of order one.
+  // The condition number is about 1e4, and the entries are of order one.
   EXPECT_LT(parallel::largest(mesh.comm, test::largest_entry(defect)), 1e-11);
 }
 
@@ -74,7 +75,7 @@ TEST(Factorisation, in_low_rank_solves_to_about_its_threshold) {
     const Eigen::MatrixXd defect = test::product(body.stiffness, x) + test::product(body.mass, x) - right;
     error.push_back(parallel::largest(mesh.comm, test::largest_entry(defect)));
   }
-  // Round-off, then the threshold times the norm of the factors, about 1e3.
+  // The first error is round-off. The others are the threshold times the norm of the factors, about 1e3.
   EXPECT_LT(error[0], 1e-10);
   EXPECT_LT(error[1], 1e-5);
   EXPECT_LT(error[2], 1);

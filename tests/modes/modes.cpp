@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Modes against closed forms of the discrete problem and against dense eigenvalues.
+// Modes compared with closed forms of the discrete problem and with dense eigenvalues.
 #include "src/modes/modes.hpp"
 
 #include <gtest/gtest.h>
@@ -34,7 +34,8 @@ Made make(const std::string& geo, int order, const std::map<std::string, std::st
   return made;
 }
 
-/// ω of linear elements of length h with consistent mass, wave number κ: the dispersion relation of the mesh.
+/// Dispersion relation of a mesh of linear elements of length h with
+/// consistent mass: ω for the wave number κ.
 double discrete_omega(double kappa, double h, double young, double density) {
   const double c = std::cos(kappa * h);
   return std::sqrt(6 * young / (density * h * h) * (1 - c) / (2 + c));
@@ -49,7 +50,7 @@ TEST(Rod, if_free_has_the_frequencies_of_its_mesh_in_closed_form) {
   ASSERT_EQ(set.angular_frequency.size(), static_cast<std::size_t>(n + 1));
   EXPECT_EQ(set.angular_frequency[0], 0);
   for (int k = 1; k <= n; ++k)
-    // λ is accurate to about the round-off of the largest eigenvalue, 1e4 times the smallest.
+    // λ is accurate to about the round-off of the largest eigenvalue, which is 1e4 times the smallest.
     EXPECT_NEAR(set.angular_frequency[k] / discrete_omega(k * pi / 2, 2.0 / n, 3.0, 2.0), 1, 1e-10) << k;
 }
 
@@ -95,7 +96,8 @@ TEST_P(FreeBody, has_the_eigenvalues_that_dense_algebra_finds) {
   EXPECT_TRUE(set.certificate.complete);
   for (int k = 6; k < 41; ++k)
     EXPECT_NEAR(set.angular_frequency[k], std::sqrt(exact[k]), 1e-9 * std::sqrt(exact[k])) << k;
-  // K and M are diagonal in the modes, computed from the matrices, not from the results of the solver.
+  // K and M are diagonal in the modes. This is computed from the
+  // matrices, not from the results of the solver.
   const Eigen::MatrixXd stiffness =
       modes::inner(made.mesh.comm, set.shape, test::product(made.body.stiffness, set.shape));
   Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(41, 41);
@@ -128,7 +130,7 @@ TEST_P(FreeBody, has_the_same_modes_if_each_rank_computes_slices_of_its_own) {
 
 TEST(SupportedBody, keeps_the_rigid_motions_that_its_supports_leave_free) {
   const mesh::GmshSession gmsh;
-  // A plane held along its normal leaves two translations and one rotation.
+  // A plane held along its normal permits two translations and one rotation.
   const Made made = make(test::block_geo("tet", 2, 0), 2, {{"bottom", "z"}});
   const modes::ModeSet set =
       modes::compute_modes(test::one_team(), made.mesh, made.body, *made.factor, {.count = 12});
@@ -165,7 +167,7 @@ TEST(SeveralParts, have_the_rigid_modes_and_the_eigenvalues_of_each) {
 
 TEST(Count, that_would_split_a_double_mode_includes_it) {
   const mesh::GmshSession gmsh;
-  // A square column of hexahedra: bending modes come in pairs.
+  // A square column of hexahedra has pairs of bending modes.
   const Made made = make(test::block_geo("hex", 2, 0), 2, {{"bottom", "xyz"}});
   const Eigen::VectorXd exact = test::dense_eigenvalues(made.mesh, made.body);
   Eigen::Index first = 0;
@@ -184,7 +186,8 @@ TEST(Count, beyond_the_free_displacements_is_refused_on_every_rank) {
                InputError);
 }
 
-// Below, round-off gives rigid motion an eigenvalue; far above, K is negligible beside the shift.
+// Far below the modes, round-off gives rigid motion an eigenvalue. Far above, K
+// is negligible compared with the shift.
 TEST(Band, that_ends_where_the_mesh_has_no_modes_is_refused_on_every_rank) {
   const mesh::GmshSession gmsh;
   const Made rod = make(test::rod_geo(5), 1);
@@ -220,7 +223,7 @@ TEST(ResidualFlexibility, is_the_static_response_of_the_truncated_modes) {
     const Made made = make(test::block_geo("tet", 2, 0.3), 2, held ? Support{{"bottom", "xyz"}} : Support{});
     const modes::ModeSet set =
         modes::compute_modes(test::one_team(), made.mesh, made.body, *made.factor, {.count = 20});
-    // Forces on a few nodes on several ranks, in each component; held components are not loaded.
+    // Forces on a few nodes of several ranks, in each component. Held components are not loaded.
     Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(made.body.local_rows, 3);
     for (std::size_t i = 0; i < made.mesh.node.size(); ++i) {
       const std::int64_t row = made.mesh.node[i] - made.mesh.first_node;
@@ -231,7 +234,7 @@ TEST(ResidualFlexibility, is_the_static_response_of_the_truncated_modes) {
         dense_residual(made, loads, static_cast<Eigen::Index>(set.angular_frequency.size()));
     const Eigen::MatrixXd ours = modes::residual_response(test::one_team(), made.mesh, made.body,
                                                           *made.factor, set, loads, loads.cols());
-    // The series is summed to 1e-12, the modes are known to 1e-8.
+    // The series is summed to 1e-12, and the modes are accurate to 1e-8.
     EXPECT_LT((ours - exact).cwiseAbs().maxCoeff(), 1e-9 * exact.cwiseAbs().maxCoeff()) << held;
   }
 }

@@ -11,7 +11,7 @@
 namespace ricochet::modes {
 namespace {
 
-/// The spectrum of a made-up body: six rigid modes, then λ_k = k^1.3, every tenth one double.
+/// Spectrum of an invented body: six rigid modes, then λ_k = k^1.3, where every tenth is double.
 std::vector<double> spectrum() {
   std::vector<double> lambda;
   for (int k = 1; k <= 400; ++k) {
@@ -123,7 +123,7 @@ TEST(Stitch, notices_an_eigenvalue_too_many) {
 TEST(Stitch, requests_what_no_slice_covers_and_accepts_the_result) {
   for (std::size_t short_one : {0u, 1u, 3u}) {
     Case made;
-    // A basis that was exhausted before its interval was covered, on both sides of its shift.
+    // A slice whose basis was exhausted before its interval was covered, on both sides of the shift.
     Slice& slice = made.slices[short_one];
     const double sigma = slice.probe.sigma;
     slice.covered = {sigma - 0.2 * (sigma - slice.covered.from), sigma + 0.2 * (slice.covered.to - sigma)};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The torsional modes of the free sphere in closed form, with their multiplicities, and an end that coincides
-// with a mode.
+// Torsional modes of the free sphere in closed form, with their multiplicities, and
+// a band whose end coincides with a mode.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -45,7 +45,7 @@ struct Ball {
 };
 
 TEST(Sphere, has_its_torsional_modes_with_their_multiplicities_for_any_teams) {
-  // body_of: E = 3, ν = 0.3, ρ = 2.
+  // Material of body_of: E = 3, ν = 0.3, ρ = 2.
   const double c = std::sqrt(3.0 / (2 * 1.3) / 2.0);
   for (const parallel::Teams* teams : {&test::one_team(), &test::own_teams()}) {
     Ball ball(*teams);
@@ -54,8 +54,8 @@ TEST(Sphere, has_its_torsional_modes_with_their_multiplicities_for_any_teams) {
     EXPECT_EQ(std::count(set.angular_frequency.begin(), set.angular_frequency.end(), 0.0), 6);
     for (unsigned degree : {2u, 3u}) {
       const double exact = torsional(degree, c);
-      // Elements of order 3, a quarter of a wavelength long: a Ritz value lies above the eigenvalue by the
-      // sixth power of the size.
+      // Elements of order 3 have a size of a quarter of a wavelength. The excess of a Ritz
+      // value is of sixth order in this size.
       const auto near = std::count_if(set.angular_frequency.begin(), set.angular_frequency.end(),
                                       [&](double omega) { return std::abs(omega / exact - 1) < 2e-3; });
       EXPECT_EQ(near, 2 * static_cast<int>(degree) + 1) << degree;

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""One wanted accuracy for both programs: what it chooses for rods reaches it, against d'Alembert's waves, and the summary says
-what keeps a scene from it."""
+"""The key `accuracy` in both programs: the settings that it chooses for rods reach it, compared with d'Alembert's waves, and the
+summary names the cause if a scene cannot reach it."""
 
 import tomllib
 import unittest
@@ -50,7 +50,7 @@ class Accuracy(ProgramTest):
         return self.summary(out)
 
     def error(self, summary):
-        """The rods exchange their velocities, and the impulse is the momentum of one."""
+        """Largest deviation from the exact impact: the rods exchange velocities, and the impulse is the momentum of one."""
         velocity = summary["exit_velocity"]
         return max(
             abs(summary["impulse_ns"] / 10 - 1), abs(velocity["moving"][0]), abs(velocity["resting"][0] - 1)
@@ -115,7 +115,7 @@ class Accuracy(ProgramTest):
         self.assertTrue(any("leaves out: mesh" in warning for warning in summary["warnings"]))
 
     def test_a_mesh_too_coarse_to_be_made_coarser_is_no_error(self):
-        summary = self.collide("modes.count=150", "time.rate_hz=100")  # of 181 of order 3, and 121 of order 2
+        summary = self.collide("modes.count=150", "time.rate_hz=100")  # of 181 of order 3 and 121 of order 2
         self.assertIsNone(summary["error_estimate"]["mesh"])
 
     def test_nothing_is_estimated_unless_it_is_asked_for_or_something_touches(self):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Kernels derived from others of the folder, by ricochet-kernel or ricochet-recast, are those that modes give."""
+"""Kernels that ricochet-kernel or ricochet-recast derive from others in the folder equal computed ones."""
 
 import unittest
 
@@ -17,7 +17,8 @@ SCENE = scenes.block_on_floor(
     more="[loads]\ngravity = [0, 0, -1]\n[output]\nview = true",
 )
 
-# Twice as large, of another stiffness and density: frequencies √(1.7 / 0.6) / 2 = 0.842 times the old ones.
+# Twice the size with another stiffness and density: frequencies are
+# √(1.7 / 0.6) / 2 = 0.842 times the old ones.
 OTHER = [
     "bodies.block.scale=2",
     "bodies.block.material.young=5.1",
@@ -30,8 +31,8 @@ FASTER = np.sqrt(1.7 / 0.6) / 2
 
 
 def functions(file):
-    """Σ_n v_n v_nᵀ sin(ω_n t)/ω_n at some times, of all that a kernel holds of its modes: they do not know the choice of
-    vectors within a multiple mode. Each quantity in units of its largest value."""
+    """Σ_n v_n v_nᵀ sin(ω_n t)/ω_n at some times, over all modal data of a kernel. These sums do not depend on the choice of
+    vectors within a multiple mode. Each quantity is scaled by its largest value."""
     omega, decay = file["modes/angular_frequency"][:], file["modes/decay_rate"][:]
     sets = [
         file[name][:].reshape(-1, omega.size)
@@ -46,7 +47,7 @@ def functions(file):
 
 
 def flexibility(file):
-    """The largest static displacement of a candidate under a unit force on it, by its elastic modes."""
+    """Largest static displacement of a candidate under a unit force on it, from the elastic modes."""
     omega = file["modes/angular_frequency"][:]
     shape = file["surface/shape"][:].reshape(-1, omega.size)[:, omega > 0]
     return (shape**2 / omega[omega > 0] ** 2).sum(axis=1).max()
@@ -60,14 +61,14 @@ class Algebra(ProgramTest):
         self.out, self.fresh = self.folder / "out", self.folder / "fresh"
 
     def assert_close(self, one, other, bound, name, scale=0):
-        """Within `bound` of the largest value, or of `scale` where that is larger."""
+        """Checks equality within `bound` times the largest value, or times `scale` if that is larger."""
         one, other = np.asarray(one, dtype=float), np.asarray(other, dtype=float)
         self.assertEqual(one.shape, other.shape, name)
         largest = max(np.abs(other).max(initial=0), scale)
         self.assertLessEqual(np.abs(one - other).max(initial=0), bound * largest, name)
 
     def assert_same(self, path, computed):
-        """That both kernel files say the same, for all a reader can tell; modes are known to 1e-8 by their residuals."""
+        """Checks that both kernel files are equivalent. Modes are accurate to 1e-8 according to their residuals."""
         bound = 1e-8
         self.assertEqual(path.name, computed.name)
         with h5py.File(path) as a, h5py.File(computed) as b:
@@ -78,7 +79,7 @@ class Algebra(ProgramTest):
             self.assertEqual(set(found), set(expected))
             for name in ("below", "count_by_inertia", "count_found", "left_out", "complete"):
                 self.assertEqual(found[name], expected[name], name)
-            if b"count = " in b.attrs["scene"]:  # Then the end may be anywhere up to the next mode.
+            if b"count = " in b.attrs["scene"]:  # the end may be anywhere up to the next mode
                 self.assertGreater(2 * np.pi * found["upto_hz"], a["modes/angular_frequency"][-1])
             else:
                 self.assert_close(found["upto_hz"], expected["upto_hz"], 1e-8, "upto_hz")
@@ -98,7 +99,8 @@ class Algebra(ProgramTest):
                     self.assert_close(a[name], b[name], 1e-12, name)
             for name in ("modes/angular_frequency", "modes/decay_rate"):
                 self.assert_close(a[name], b[name], bound, name)
-            # What is left out may be nothing but round-off of the whole: the sag of a free body, R of fitted vectors.
+            # The truncated part may be only round-off of the whole: the sag
+            # of a free body, R of Ritz vectors.
             yielding = flexibility(b)
             name = "surface/residual_flexibility"
             self.assert_close(a[name], b[name], bound, name, yielding)
@@ -113,7 +115,7 @@ class Algebra(ProgramTest):
                 )  # single precision
 
     def path(self, folder, *sets, ranks=1):
-        """The one kernel there that the scene asks for with these settings."""
+        """Computes or derives the kernel that the scene needs with these settings. Returns its path and the run."""
         before = set(folder.glob("*.kernel.h5"))
         run = self.succeed(kernel(self.scene, folder, *sets, ranks=ranks, quiet=False))
         new = set(folder.glob("*.kernel.h5")) - before
@@ -121,7 +123,7 @@ class Algebra(ProgramTest):
         return new.pop(), run
 
     def check(self, before, after):
-        """That the second request is derived from the first's kernel, and what it would be if computed."""
+        """Checks that the second request is derived from the kernel of the first and equals a computed kernel."""
         old, _ = self.path(self.out, *before)
         derived, run = self.path(self.out, *after, ranks=2)
         self.assertIn(f"derived from {old.name}", run.out)

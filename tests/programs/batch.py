@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""ricochet batch with a real SLURM, its controller and one node started here on the loopback address."""
+"""ricochet batch with a real SLURM. The test starts its controller and one node on the loopback address."""
 
 import csv
 import shutil
@@ -24,7 +24,7 @@ class Batch(ProgramTest):
     def setUp(self):
         super().setUp()
         self.enterContext(slurm.node(self.folder / "slurm"))
-        place = self.folder / "a user's 50%"  # as paths may be
+        place = self.folder / "a user's 50%"  # a path may contain such characters
         shutil.copytree(MESHES / "two-rods", place, ignore=shutil.ignore_patterns("out"))
         self.study = place / "study.toml"
         self.study.write_text(STUDY)
@@ -57,7 +57,7 @@ class Batch(ProgramTest):
         self.succeed(Run([BIN / "ricochet", "sweep", self.study, "--out", alone]))
         with open(alone / "rods.sweep.csv") as file:
             for one, other in zip(rows, csv.DictReader(file), strict=True):
-                # Kernels of two ranks and of other runs differ by round-off, which the first touches amplify.
+                # Kernels of two ranks and of other runs differ by round-off, which the first impacts amplify.
                 self.assertAlmostEqual(float(one["impulse_ns"]), float(other["impulse_ns"]), delta=1e-6)
 
     def test_jobs_that_were_killed_are_made_up_for_by_submitting_again(self):
@@ -91,7 +91,8 @@ class Unreached(ProgramTest):
             ],
             ["error: Batch job submission failed: Unable to contact slurm controller (connect failure)"],
         ):
-            # Stands for sbatch, with what that of Debian 12 says without a slurm.conf, and with one but no slurmctld.
+            # Replaces sbatch and prints the errors of Debian 12's sbatch without a slurm.conf,
+            # and with one but without slurmctld.
             lines = "".join(f"echo 'sbatch: {line}' >&2\n" for line in told)
             self.write("sbatch", f"#!/bin/sh\n{lines}exit 1\n").chmod(0o755)
             done = Run(["env", f"PATH={self.folder}:/usr/bin:/bin", BIN / "ricochet", "batch", study])

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The box of boxes.py, from its own mesh and from its matrices: what tests of bodies from other programs, and of what other
-programs read, start from."""
+"""The box of boxes.py, from its own mesh and from its matrices: the common base of the tests of imported bodies and of exports
+to other programs."""
 
 import pathlib
 import tempfile

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""A box of eight-node bricks, assembled with numpy alone, and the same bricks as a gmsh mesh; matrices from and to files."""
+"""A box of eight-node bricks, assembled with numpy alone, and the same bricks as a gmsh mesh. Reads and writes matrices."""
 
 import itertools
 
@@ -10,8 +10,8 @@ CORNERS = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0
 
 
 class Box:
-    """Of `size` with `cells` bricks along each axis, its corner nodes moved a little where they are inside or on a side, so
-    that nothing is symmetric; the foot z = 0 stays flat."""
+    """A box of `size` with `cells` bricks along each axis. Nodes inside and on the sides are slightly displaced, so that
+    nothing is symmetric. The foot z = 0 remains flat."""
 
     def __init__(self, size=(1.0, 0.7, 0.5), cells=(3, 2, 2)):
         points = [np.linspace(0, length, n + 1) for length, n in zip(size, cells)]
@@ -48,7 +48,7 @@ class Box:
         )
 
     def matrices(self):
-        """K and M, (3n,3n), row 3 node + component: ε = sym ∇u, σ = λ tr ε + 2μ ε by the rule of Gauss that integrates them."""
+        """K and M (3n,3n) with the rows 3 node + component: ε = sym ∇u, σ = λ tr ε + 2μ ε, by Gauss quadrature."""
         density, young, poisson = MATERIAL.values()
         lame, shear = young * poisson / ((1 + poisson) * (1 - 2 * poisson)), young / (2 * (1 + poisson))
         elastic = np.diag([2 * shear] * 3 + [shear] * 3)
@@ -79,7 +79,7 @@ class Box:
         return stiffness, mass
 
     def gmsh(self):
-        """The same bricks, their foot and top, as a .msh file of version 2.2."""
+        """The same bricks with their foot and top as a .msh file of version 2.2."""
         lines = [
             "$MeshFormat",
             "2.2 0 8",
@@ -108,7 +108,7 @@ class Box:
 
 
 def matrix_market(matrix, symmetric=True):
-    """As text, of a symmetric matrix the lower triangle."""
+    """The matrix as Matrix Market text; the lower triangle if it is symmetric."""
     rows, columns = np.nonzero(np.tril(matrix) if symmetric else matrix)
     lines = [f"{i + 1} {j + 1} {float(matrix[i, j])!r}" for i, j in zip(rows.tolist(), columns.tolist())]
     kind = "symmetric" if symmetric else "general"
@@ -128,7 +128,7 @@ def listed(numbers):
 
 
 def dense(matrix):
-    """FCLIB's compressed rows."""
+    """The dense matrix from compressed rows of FCLIB."""
     full = np.zeros((matrix["m"][0], matrix["n"][0]))
     start = matrix["p"][:]
     rows = np.repeat(np.arange(start.size - 1), np.diff(start))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The command ricochet: help, mistakes in its words, programs that it hands on to, and the table of modes beside the kernel's data."""
+"""The command ricochet: help, mistyped words, the programs that it runs, and the table of modes compared with the kernel."""
 
 import csv
 import math
@@ -12,7 +12,7 @@ import numpy as np
 from programs import BIN, MESHES, ProgramTest, Run
 
 VERBS = "run modes kernel impact plot report sweep tradeoff surfaces import export batch".split()
-# A free bar of 300 x 50 x 20 mm: no contact, no time.
+# A free bar of 300 x 50 x 20 mm without contact and time.
 BAR = """[bodies.bar]
 mesh = "bar.geo"
 order = 2
@@ -92,7 +92,7 @@ class Words(ProgramTest):
 
 
 class Modes(ProgramTest):
-    """Beside the kernel's own data, with another formula for each column."""
+    """The table of modes compared with the data of the kernel, by another formula for each column."""
 
     def rows(self, path):
         with open(path, newline="") as file:
@@ -113,10 +113,10 @@ class Modes(ProgramTest):
         rows = self.rows(self.folder / "bar.csv")
         frequency = self.column(rows, "frequency_hz")
         self.assertEqual(list(frequency[:6]), [0] * 6)
-        # Timoshenko's correction of Euler's beam is 2 % for these thicknesses and the mesh adds 1 %.
+        # Timoshenko's correction of Euler's beam is 2 % for this thickness, and the mesh adds 1 %.
         bending = 4.73004**2 / (2 * math.pi * 0.3**2) * math.sqrt(70e9 * 0.02**2 / 12 / 2700)
         self.assertAlmostEqual(frequency[6] / bending, 1, delta=0.03)
-        # Rigid motion takes all of the mass along each axis; elastic modes of a free body take none.
+        # Rigid motion has the entire mass along each axis; elastic modes of a free body have none.
         for axis in "xyz":
             mass = self.column(rows, f"effective_mass_{axis}_kg")
             self.assertAlmostEqual(mass[:6].sum() / (2700 * 0.3 * 0.05 * 0.02), 1, delta=1e-9)
@@ -142,12 +142,13 @@ class Modes(ProgramTest):
         with h5py.File(kernel) as file:
             omega, shape = file["modes/angular_frequency"][:], file["surface/shape"][:]
             residual = file["surface/residual_flexibility"][:]
-        # One candidate, one direction. The flexibility of a free rod of 100 elements at its end without rigid motion, by
-        # cos(nπx/L): Σ 2/(m ω_n²) with ω_n = nπ/L, m = L = 10, is L/3 (Euler's Σ 1/n² = π²/6).
+        # One candidate and one direction. The flexibility of a free rod at its end without rigid motion is
+        # Σ 2/(m ω_n²) over the modes cos(nπx/L). With ω_n = nπ/L and m = L = 10 it is L/3
+        # (Euler's Σ 1/n² = π²/6). The rod has 100 elements.
         share = self.column(rows, "contact_share")
         self.assertTrue(np.isnan(share[0]))
         n = np.arange(1, 8)
-        np.testing.assert_allclose(share[1:], 6 / (n * math.pi) ** 2, rtol=1e-2)  # the mesh: (7π/100)²/12
+        np.testing.assert_allclose(share[1:], 6 / (n * math.pi) ** 2, rtol=1e-2)  # mesh error (7π/100)²/12
         self.assertAlmostEqual(np.nansum(share) + residual.sum() / (10 / 3), 1, delta=1e-3)
         self.assertEqual(shape.shape, (1, len(omega)))
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""A rod whose foot is moved and whose tip is struck, from mesh to sound, against the waves on it (c = 1, L = 10): what a
-receiver in the middle sees, and what is left of bad histories."""
+"""A rod whose foot is moved and whose tip is loaded, from mesh to sound. The motion of a receiver in the middle is compared
+with the waves on the rod (c = 1, L = 10). Bad histories are refused and leave nothing."""
 
 import shutil
 import struct
@@ -50,8 +50,8 @@ at = [5.0, 0, 0]
 
 
 def waves(times):
-    """Displacement in the middle: V (t − x)₊ of the foot and F t of the tip (h rises to 1 over 2 s), reflected with their
-    sign at the free tip and against it at the foot."""
+    """Displacement in the middle: V (t − x)₊ from the foot and F t from the tip, where h rises to 1 within 2 s. Waves are
+    reflected with the same sign at the free tip and with the opposite sign at the foot."""
 
     def ramp(t):  # ∫ h dt
         return np.where(t > 2, t - 1, np.where(t > 0, t * t / 4, 0))
@@ -85,7 +85,7 @@ class Driven(ProgramTest):
             times, moved = file["receivers/time"][:], file["receivers/mic/displacement"][:, 0]
             velocity = file["receivers/mic/velocity"][:, 0]
         self.assertEqual(len(times), 1401)
-        # 60 modes blur a front of speed 0.02 over 2L/60: a third of their product
+        # 60 modes blur a front of speed 0.02 over 2L/60; the tolerance is a third of their product.
         np.testing.assert_allclose(moved, waves(times), rtol=0, atol=2e-3)
         summary = self.summary(self.out)
         self.assertLess(summary["energy_drift"], 1e-12)

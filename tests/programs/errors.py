@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Bad input: one line that says where, what and what to do; status 2; nothing lost; no rank hangs."""
+"""Bad input: one line that states the place, the fault and the remedy; status 2; nothing is lost; no rank hangs."""
 
 import unittest
 
@@ -11,7 +11,7 @@ from programs import ProgramTest, contact, kernel
 ROD = scenes.rod()
 SCENE = scenes.two_rods("Errors", "count = 8", "rate_hz = 100\nduration = 1", ("a", "b"), speed=1)
 
-# The second tetrahedron's first two nodes are exchanged: its volume is negative.
+# The first two nodes of the second tetrahedron are exchanged, so its volume is negative.
 INVERTED = """$MeshFormat
 2.2 0 8
 $EndMeshFormat
@@ -45,9 +45,9 @@ class Errors(ProgramTest):
         self.out = self.folder / "out"
 
     def refused(self, run, *fragments):
-        """Status 2 and one line on stderr that holds each fragment."""
+        """Checks for status 2 and one line on stderr that contains each fragment."""
         self.assertEqual(run.status, 2, run.err)
-        # mpirun adds its own remark on the status, behind a rule of dashes.
+        # mpirun adds its own remark on the status after a line of dashes.
         lines = [line for line in run.err.split("-----")[0].splitlines() if line.strip()]
         self.assertEqual(len(lines), 1, run.err)
         for fragment in fragments:
@@ -101,7 +101,7 @@ class Errors(ProgramTest):
             path.write_bytes(whole[:part])
             with self.subTest(bytes=part):
                 self.refused(contact(self.scene, self.out), path.name)
-        # ricochet-kernel replaces what can't be read.
+        # ricochet-kernel replaces a file that it cannot read.
         self.succeed(kernel(self.scene, self.out))
         self.succeed(contact(self.scene, self.out))
 
@@ -126,7 +126,7 @@ class Errors(ProgramTest):
 
     def test_touches_of_few_steps_are_warned_of(self):
         self.succeed(kernel(self.scene, self.out, ranks=1))
-        for rate, few in ((5, True), (100, False)):  # a touch lasts 2 s
+        for rate, few in ((5, True), (100, False)):  # a contact lasts 2 s
             self.succeed(contact(self.scene, self.out, "time.duration=5", f"time.rate_hz={rate}"))
             warned = [w for w in self.summary(self.out)["warnings"] if "steps: peak force, rebound" in w]
             self.assertEqual(bool(warned), few)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Contact problems and sounds that other programs solve and play."""
+"""Exported contact problems and sounds, which other programs solve and play."""
 
 import re
 import shutil
@@ -21,7 +21,7 @@ except ImportError:
 
 class Exports(BoxTest):
     def problems(self):
-        """What --fclib wrote of a box that falls flat on the floor, and the forces of the run."""
+        """Returns the files that --fclib wrote for a box that falls flat on the floor, and the forces of the run."""
         self.succeed(
             Run(
                 [
@@ -60,10 +60,10 @@ class Exports(BoxTest):
                     (file["fclib_local/vectors/mu"][:] == 0).all()
                     and file["fclib_local/vectors/mu"].shape == (12,)
                 )
-                # FCLIB's reader takes the size of the type for the text with its final zero.
+                # FCLIB's reader relies on the type having the size of the text with its final zero.
                 self.assertEqual(file["fclib_local/info/title"].dtype.itemsize, len("Box") + 1)
             np.testing.assert_allclose(r[::3], forces[step], rtol=0, atol=1e-15 * abs(r).max())
-            size = 0.01  # m: gaps are differences of displacements as large as the first one
+            size = 0.01  # m; gaps are differences of displacements that are as large as the first one
             self.assertLess(abs(full @ r + q - u).max(), 1e-14 * size)
             self.assertGreater(u.min(), -1e-13 * size)
             self.assertLess(abs(r @ u), 1e-13 * size * r.sum())
@@ -76,7 +76,7 @@ class Exports(BoxTest):
             with h5py.File(path) as file:
                 matrix, q = dense(file["fclib_local/W"]), file["fclib_local/vectors/q"][:]
                 mu, ours = file["fclib_local/vectors/mu"][:], file["solution/r"][:]
-            # Lemke's algorithm pivots to the exact solution; Gauss–Seidel stops at its tolerance.
+            # Lemke's algorithm pivots to the exact solution, whereas Gauss–Seidel stops at its tolerance.
             z, w = np.zeros(mu.size), np.zeros(mu.size)
             problem = siconos.LCP(np.asfortranarray(matrix[::3, ::3]), q[::3].copy())
             options = siconos.SolverOptions(siconos.SICONOS_LCP_LEMKE)
@@ -111,7 +111,7 @@ class Exports(BoxTest):
 
     @unittest.skipUnless(shutil.which("faust"), "Faust is not installed: scripts/setup --tests")
     def test_faust_plays_the_modes_of_the_body(self):
-        """The answer to an impulse of 1 N s, as compiled by faust, beside Σ φ φ e^{−δt} (cos ω_d t − δ/ω_d sin ω_d t)."""
+        """The response to an impulse of 1 N s, compiled by faust, is Σ φ φ e^{−δt} (cos ω_d t − δ/ω_d sin ω_d t)."""
         file, rate, count = self.one(self.all / "imported"), 50, 200
         text = self.succeed(
             self.faust(file, "--excite", 3, "--receive", 7, "--receive", "0,0,0:1,1,0", "--rate", rate)
@@ -132,9 +132,10 @@ class Exports(BoxTest):
         gains = np.stack([struck * (normal[7] @ shape[7]), struck * at_corner])
         damped, time = np.sqrt(omega**2 - decay**2), np.arange(count)[:, None] / rate
         answer = np.exp(-decay * time) * (np.cos(damped * time) - decay / damped * np.sin(damped * time))
-        answer[0] = 0.5  # the jump at t = 0 is met half way
+        answer[0] = 0.5  # at the jump at t = 0, the filter gives the mean
         error = abs(heard - answer @ gains.T)
-        # Of a mode: 2 δ/rate + (ω/rate)² δ/ω by the numerator 1 − z⁻²; in single precision, ω_d by 4·2⁻²⁴/sin(ω_d/rate) a sample.
+        # Error of a mode: 2 δ/rate + (ω/rate)² δ/ω by the numerator 1 − z⁻²; in single precision, ω_d errs
+        # by 4·2⁻²⁴/sin(ω_d/rate) per sample.
         of_mode = (
             2 * decay / rate
             + omega * decay / rate**2

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""What plot, report, surfaces and sweep make of files that nobody expects: results that are damaged, places where nothing
-can be written or read, titles of any letters."""
+"""plot, report, surfaces and sweep with unusual files: damaged results, places that cannot be read or written, and titles with
+any characters."""
 
 import contextlib
 import gc
@@ -20,8 +20,8 @@ from programs import BIN, MESHES, SOURCE, ProgramTest, Run, contact, settings
 
 from ricochet import cli, files
 
-TITLE = "a $x^$ 日本語 😀"  # no formula, and letters that no font has
-# Rods of 10 m that waves cross in 1 ms: few rows, and a short sound.
+TITLE = "a $x^$ 日本語 😀"  # not a formula, and with characters that no font has
+# Waves cross the rods of 10 m in 1 ms: few rows and a short sound.
 SETS = [
     "modes.count=10",
     "output.view=true",
@@ -40,9 +40,9 @@ OBSTACLE = '[obstacles.floor]\npoint = [0,0,0]\n[contact]\nscheme = "compliant"\
 
 
 def as_nobody(command):
-    """As a user who may not read what others closed."""
+    """Runs the command as a user who may not read protected files."""
     lead = ["setpriv", "--reuid", "65534", "--regid", "65534", "--clear-groups"] if os.geteuid() == 0 else []
-    with tempfile.TemporaryDirectory() as home:  # matplotlib complains without
+    with tempfile.TemporaryDirectory() as home:  # matplotlib prints a warning without a home folder
         pathlib.Path(home).chmod(0o777)
         return subprocess.run(
             [*lead, *map(str, command)],
@@ -74,7 +74,7 @@ class Files(ProgramTest):
         self.result, self.summary_path = self.out / "rods.result.h5", self.out / "rods.summary.json"
 
     def done(self, name, *arguments):
-        """Status, and what the script says on stderr."""
+        """Returns the status and the output on stderr."""
         said = io.StringIO()
         with contextlib.redirect_stderr(said), contextlib.redirect_stdout(io.StringIO()):
             status = cli.main([name, str(self.result), *map(str, arguments)])
@@ -253,7 +253,7 @@ class Files(ProgramTest):
         self.assertEqual(
             {path.name for path in self.folder.iterdir()}, {"out", "table.csv", living.name, other.name}
         )
-        with self.assertRaisesRegex(OSError, "/dev/null"):  # and the device stays one
+        with self.assertRaisesRegex(OSError, "/dev/null"):  # and it remains a device
             files.write(pathlib.Path("/dev/null"), b"")
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""ricochet import: matrices of CalculiX and lists of numbers become body files, and what it refuses."""
+"""ricochet import: body files from matrices of CalculiX and from lists of numbers, and refused input."""
 
 import shutil
 import subprocess
@@ -57,13 +57,13 @@ class ImportCommand(BoxTest):
         with h5py.File(self.one(self.folder)) as file, h5py.File(self.folder / "stored.h5") as body:
             omega = file["modes/angular_frequency"][6:20]
             facets, node = body["surface/foot/4"][:], body["node"][:]
-        # Printed with seven digits.
+        # The table has seven digits.
         np.testing.assert_allclose(omega, [float(words[2]) for words in table[6:]], rtol=2e-7)
         np.testing.assert_allclose(node, box.node, atol=1e-12)
         self.assertEqual(
             {frozenset(row) for row in facets.tolist()}, {frozenset(row) for row in box.foot.tolist()}
         )
-        # Facets run so that the normal points out.
+        # Facets are oriented so that the normal points outward.
         side = node[facets]
         self.assertTrue((np.cross(side[:, 1] - side[:, 0], side[:, 2] - side[:, 0])[:, 2] < 0).all())
 
@@ -193,7 +193,7 @@ class ImportCommand(BoxTest):
         path = self.write("job.inp", deck)
         self.assertEqual(
             [facets.tolist() for facets in Model(path).surfaces()["foot"]], [[[2, 1, 0]]]
-        )  # clockwise from above
+        )  # clockwise seen from above
         for words, old, new in [
             ('line 9: surface foot has "S7"', "e, S1", "e, S7"),
             ('line 9: surface foot has "S0"', "e, S1", "e, S0"),

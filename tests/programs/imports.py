@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Bodies from other programs: a box whose matrices numpy assembles."""
+"""Bodies from other programs: a box with matrices assembled by numpy."""
 
 import re
 import shutil
@@ -14,11 +14,11 @@ from programs import BIN, SOURCE, Run, contact, displacement_kernel, kernel, sta
 from ricochet.interchange.body import Body
 
 TIMES = [0.1, 0.5, 2.0, 7.0]
-# Bricks that are not straight have a stiffness whose integrand is no polynomial: two rules of quadrature differ by 1e-9.
+# The integrand of the stiffness of skewed bricks is not a polynomial: two quadrature rules differ by 1e-9.
 QUADRATURE = 1e-8
-# Shapes of modes are within their residuals, 1e-8, times a few tens of modes.
+# Mode shapes are accurate to their residuals, 1e-8, times a few tens of modes.
 SHAPES = 1e-6
-# Gravity, a traction, a receiver and a support that moves, in vectors that ranks work at together.
+# Gravity, a traction, a receiver and a moving support, with vectors that ranks compute together.
 EVERYTHING = [
     'modes={up_to_hz=0.8,basis="contact"}',
     'bodies.box.support={"top"="xz"}',
@@ -34,7 +34,7 @@ def coordinates(matrix):
 
 class Imports(BoxTest):
     def assertSameKernel(self, first, second, tolerance):
-        """What contact can tell: the displacement kernel, its static rest, mass and momentum."""
+        """Compares the data that contact depends on: displacement kernel, residual, mass and momentum."""
         a, b = displacement_kernel(first, TIMES), displacement_kernel(second, TIMES)
         self.assertLess(abs(a - b).max(), tolerance * abs(a).max())
         with h5py.File(first) as one, h5py.File(second) as other:
@@ -53,7 +53,7 @@ class Imports(BoxTest):
             for name in (
                 "body_force",
                 "rotation",
-            ):  # of a multiple mode, as rigid ones are, only this is known
+            ):  # for multiple modes, such as rigid ones, only this product is unique
                 a, b = (file[f"loads/{name}"][:] @ file[f"loads/{name}"][:].T for file in (one, other))
                 self.assertLess(abs(a - b).max(), tolerance * abs(a).max(), name)
 
@@ -69,7 +69,7 @@ class Imports(BoxTest):
         self.succeed(kernel(self.all / "imported.toml", self.folder / "imported", *sets, ranks=3))
 
         def responses(path):
-            with h5py.File(path) as file:  # Γ itself cancels from what a support that moves does slowly
+            with h5py.File(path) as file:  # Γ itself cancels in the slow response to a moving support
                 gamma = file["motions/top/participation"][:]
             return static_responses(path) | {("top", "inertia"): gamma @ gamma.T}
 
@@ -79,7 +79,7 @@ class Imports(BoxTest):
             self.assertLess(abs(value - imported[name]).max(), QUADRATURE * max(abs(value).max(), 1e-3), name)
 
     def modes(self, free, rigid=0):
-        """Of dense LAPACK on the free rows: ω², shapes at all rows without the rigid ones, and Σ φφᵀ/ω²."""
+        """Modes by dense LAPACK on the free rows: ω², shapes at all rows, and Σ φφᵀ/ω², without the rigid modes."""
         lower = np.linalg.inv(np.linalg.cholesky(self.mass[np.ix_(free, free)]))
         squares, vectors = np.linalg.eigh(lower @ self.stiffness[np.ix_(free, free)] @ lower.T)
         shape = np.zeros((len(self.mass), squares.size - rigid))
@@ -87,7 +87,7 @@ class Imports(BoxTest):
         return squares, shape, (shape / squares) @ shape.T
 
     def write_by_the_book(self, path, free=None, surface="foot", origin=(0, 0, 0)):
-        """All modes, by the writer in docs/interchange.md. One of the box's sides takes part in contact."""
+        """Writes all modes with the writer in docs/interchange.md. One side of the box takes part in contact."""
         page = (SOURCE / "docs" / "interchange.md").read_text()
         names = {}
         exec(re.search(r"```python\n(.*?def write_modes.*?)```", page, re.DOTALL).group(1), names)
@@ -156,7 +156,7 @@ class Imports(BoxTest):
         self.assertGreater(own["contact_steps"], 10)
         for key in ("impulse_ns", "peak_force_n", "contact_end_s", "energy_lost_contact"):
             self.assertAlmostEqual(imported[key] / own[key], 1, delta=100 * SHAPES, msg=key)
-        # Its file has no residuals.
+        # The imported file has no residuals.
         self.assertIsNotNone(own["error_estimate"]["eigensolver"])
         self.assertIsNone(imported["error_estimate"]["eigensolver"])
 
@@ -272,7 +272,8 @@ class Imports(BoxTest):
             coupled[k, 3 + k] = coupled[3 + k, k] = 2 * coupled[0, 0]
         self.refused("mass is not positive definite: 3 of its eigenvalues", mass=coupled)
         self.refused("resists rigid motion", stiffness=self.stiffness + 1e-2 * np.eye(n))
-        # A node at the place of another one, held to it by a spring along (1, 1, 1) alone: two directions are loose.
+        # A node coincides with another one and is connected to it only by a spring along
+        # (1, 1, 1), so two directions are free.
         spring = np.zeros((n + 3, n + 3))
         spring[:n, :n] = self.stiffness
         ends = np.concatenate([np.ones(3), np.zeros(n - 3), -np.ones(3)])

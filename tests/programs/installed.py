@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""What `cmake --install` leaves: programs that work from PATH outside the tree, one version, shell completion, pkg-config."""
+"""The result of `cmake --install`: programs that run from PATH outside the tree, one version, shell completion, pkg-config."""
 
 import os
 import re
@@ -31,7 +31,7 @@ VERBS = [
     "batch",
 ]
 COMMANDS = [*PROGRAMS[1:], *(f"ricochet {verb}" for verb in VERBS)]
-# What each reads, if not a scene or a study.
+# The input of commands that do not read a scene or a study.
 READS = dict.fromkeys(
     ["ricochet plot", "ricochet report", "ricochet-recast", "ricochet export"], "b.result.h5"
 )
@@ -52,7 +52,7 @@ class Installed(ProgramTest):
             )
 
     def call(self, *command, path="{bin}:/usr/bin:/bin", **more):
-        """Without what points to the tree: its folder, its programs."""
+        """Runs a command without the environment variables that point to the tree."""
         found = {
             name: value for name, value in os.environ.items() if not name.startswith(("RICOCHET", "PYTHON"))
         }
@@ -66,7 +66,7 @@ class Installed(ProgramTest):
         )
 
     def options(self, command):
-        """Those that start a line of --help, with a short form before the long one or without."""
+        """The options that start a line of --help, with or without a short form before the long one."""
         text = self.succeed_in(self.call(*command.split(), "--help"))
         return {
             word
@@ -123,7 +123,7 @@ class Installed(ProgramTest):
         self.assertIn("there is no sbatch here", refused.stderr)
 
     def completed(self, command, words):
-        """What the shell offers for the last of `words`."""
+        """The completions that the shell offers for the last of `words`."""
         program = command.split()[0]
         script = (
             f"source {self.prefix}/share/bash-completion/completions/{program}\n"
@@ -184,7 +184,7 @@ class Installed(ProgramTest):
         self.assertFalse([key for key in keys if "NAME" in key or not re.fullmatch(r"[a-z_.]+=", key)])
         self.assertEqual(self.completed("ricochet run", "two-rods.toml --set modes.co"), {"modes.count="})
         self.assertEqual(self.completed("ricochet impact", "--set bodies."), set())
-        # What a scene doesn't know it refuses by saying so; values and combinations may not be what it takes.
+        # A wrong key would give "unknown key". Errors in values and combinations do not matter here.
         for key in keys:
             refused = self.call("ricochet-contact", "two-rods.toml", "--dry-run", "--set", key + "0")
             self.assertNotIn("unknown key", refused.stderr, key)

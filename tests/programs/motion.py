@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""What ParaView is given: the motion of bodies and the forces between them, read as XDMF says and compared with the result
-file, with receivers at the skin's nodes and with free flight; modes of a rod against cosines. Where ParaView is installed
-(scripts/setup --peers) its own reader has to see the same."""
+"""The files for ParaView: the motion of bodies and the forces between them, read according to XDMF and compared with the result
+file, with receivers at nodes of the surface and with free flight; modes of a rod compared with cosines. If ParaView is
+installed (scripts/setup --peers), its own reader must return the same data."""
 
 import json
 import shutil
@@ -22,7 +22,7 @@ Mesh.MeshSizeMin = 0.9; Mesh.MeshSizeMax = 0.9;
 Physical Volume("block") = {1};
 Physical Surface("bottom") = {5}; Physical Surface("top") = {6}; Physical Surface("side") = {1};
 """
-# Few modes, so that the static part of what is left out is large.
+# With few modes, the static part of the truncated modes is large.
 BLOCKS = """
 title = "Blocks"
 [bodies.striker]
@@ -107,7 +107,7 @@ json.dump(found, open(sys.argv[2], "w"))
 
 
 def frame_of(grid, folder):
-    """A grid as XDMF tells it: element, position and fields."""
+    """Element, position and fields of an XDMF grid."""
 
     def item(parent):
         (data,) = parent.findall("DataItem")
@@ -130,7 +130,7 @@ def frame_of(grid, folder):
 
 
 def read_xdmf(path):
-    """By name: a grid, or the times of a film and its fields, each stacked over the frames."""
+    """Grids by name. A film has its times and its fields, each stacked over the frames."""
     out = {}
     for grid in ElementTree.parse(path).find("Domain").findall("Grid"):
         if grid.get("GridType") != "Collection":
@@ -185,7 +185,7 @@ class Motion(ProgramTest):
         return self.write("blocks.toml", BLOCKS)
 
     def test_rods_fly_freely_then_touch_where_the_result_says(self):
-        # Turned by a right angle: along y.
+        # Turned by a right angle, so that the rods lie along y.
         turned = [f"bodies.{name}.rotate_deg=[0,0,90]" for name in ("moving", "resting")]
         scene, sets = self.rods(
             *turned,
@@ -222,7 +222,7 @@ class Motion(ProgramTest):
         np.testing.assert_array_equal(met["gap"][~flight], gap)
         np.testing.assert_allclose((met["pressure"] * area).sum(axis=1), met["force"].sum(axis=1), rtol=1e-15)
         np.testing.assert_allclose(met["push"][:, 0], met["force"] * [0, -1, 0], rtol=1e-15)
-        # The skin ends where the contact points are, with all that six modes leave out.
+        # The surface ends at the contact points, including the static response of all modes beyond the six.
         end, other = np.argmax(moving["position"][0, :, 1]), np.argmin(resting["position"][0, :, 1])
         self.assert_close(moving["position"][~flight, end, 1], displacement - 0.5, 10)
         self.assert_close(met["position"][:, 0], moving["position"][:, end], 10)
@@ -233,7 +233,7 @@ class Motion(ProgramTest):
     def test_the_skin_moves_like_receivers_on_it(self):
         scene, out = self.blocks(), self.folder / "out"
         self.succeed(kernel(scene, out))
-        # Modes above half of the lower rate are quasi-static; an impulse meets no static response.
+        # Modes above half of the lower rate are quasi-static. Under impulses there is no static response.
         for setting in ("time.rate_hz=2000", "time.rate_hz=25", "contact.scheme=impulse"):
             self.succeed(contact(scene, out, setting, "output.vtk_every=1"))
             film = read_xdmf(out / "blocks.motion.xdmf")
@@ -249,11 +249,11 @@ class Motion(ProgramTest):
                     node = away.argmin()
                     self.assertLess(away[node], 1e-6)
                     moved, velocity = receiver["displacement"][:], receiver["velocity"][:]
-                    # 5: the field of the static part is summed to 1e-6
+                    # 5: the field of the static part is summed to 1e-6.
                     self.assert_close(skin["position"][:, node] - receiver.attrs["point"], moved, 5 * 2)
                     self.assert_close(skin["velocity"][:, node], velocity, 5 * abs(velocity).max())
         grid = film["striker on base"]
-        self.assertEqual(grid["element"].shape[2], 3)  # a surface of pressure
+        self.assertEqual(grid["element"].shape[2], 3)  # pressure on triangles
 
     def test_modes_of_a_rod_are_cosines_named_by_their_frequencies(self):
         self.rods()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""A mesh in several files gives the kernel of the same mesh in one."""
+"""A mesh in several files gives the same kernel as the mesh in one file."""
 
 import pathlib
 import tempfile
@@ -34,7 +34,7 @@ at = [0.3, 0.9, 0.4]
 
 
 def scene_of(name):
-    """The block of the mesh NAME.msh below a wall."""
+    """A scene with the block of NAME.msh below a wall."""
     body = f"""
 mesh = "{name}.msh"
 material = {{ density = 2.0, young = 3.0, poisson = 0.3 }}
@@ -47,7 +47,7 @@ support = {{ foot = "xyz" }}
 
 
 def grid():
-    """Nodes, and hexahedra and facets at the top and foot of a skewed block: (type, group, nodes)."""
+    """Nodes and elements (type, group, nodes) of a skewed block: hexahedra, and facets at its top and foot."""
     n = np.array(CELLS) + 1
 
     def number(i, j, k):
@@ -76,7 +76,7 @@ def grid():
 
 
 def msh(nodes, elements, chosen):
-    """The chosen elements (indices) and their nodes, in gmsh's format 4.1."""
+    """The chosen elements (by index) and their nodes in the format 4.1 of gmsh."""
     used = sorted({node for e in chosen for node in elements[e][2]})
     lines = ["$MeshFormat", "4.1 0 8", "$EndMeshFormat"]
     lines += ["$PhysicalNames", "3", '3 1 "block"', '2 2 "foot"', '2 3 "top"', "$EndPhysicalNames"]
@@ -105,7 +105,7 @@ class Parts(ProgramTest):
         everything = range(len(elements))
         self.write("whole.msh", msh(nodes, elements, everything))
         for part in range(3):
-            # Columns of elements, so that every part has facets and shares nodes with others.
+            # Each part consists of columns of elements, so that it has facets and shares nodes with others.
             self.write(
                 f"split_{part + 1}.msh", msh(nodes, elements, [e for e in everything if e // 4 % 3 == part])
             )

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Placements that are kept between runs, against placements found anew.
+// Placements that are kept between runs, compared with newly computed ones.
 #include <gtest/gtest.h>
 
 #include "src/programs/stored_kernels.hpp"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Runs the two programs as a user does, for the tests of this folder and of tests/verification."""
+"""Runs the two programs as a user does, for the tests in this folder and in tests/verification."""
 
 import json
 import os
@@ -14,12 +14,12 @@ import numpy as np
 BIN = pathlib.Path(os.environ["RICOCHET_BIN"])
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 MESHES = SOURCE / "meshes"
-# A program that has not ended by then is a deadlock.
+# A program that runs longer counts as a deadlock.
 DEADLOCK_S = 240
 
 
 class Run:
-    """What a program left behind: `status`, `out`, `err`."""
+    """The result of a program: `status`, `out`, `err`."""
 
     def __init__(self, command):
         done = subprocess.run([str(c) for c in command], capture_output=True, text=True, timeout=DEADLOCK_S)
@@ -31,7 +31,7 @@ def settings(sets):
 
 
 def kernel(scene, out, *sets, ranks=1, quiet=True):
-    """ricochet-kernel: one rank without mpirun, whose start takes longer than most bodies here."""
+    """Runs ricochet-kernel. One rank runs without mpirun, whose start takes longer than most bodies here."""
     start = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", ranks] if ranks > 1 else []
     return Run(start + [BIN / "ricochet-kernel", scene, "--out", out] + ["--quiet"] * quiet + settings(sets))
 
@@ -41,7 +41,7 @@ def contact(scene, out, *sets, quiet=True):
 
 
 def displacement_kernel(path, times):
-    """N_ij(t) (t, i, j) of a kernel file with one component, from its modes: Σ_n φ_in φ_jn sin(ω_n t)/ω_n."""
+    """N_ij(t) (t, i, j) of a kernel file with one component: Σ_n φ_in φ_jn sin(ω_n t)/ω_n over its modes."""
     with h5py.File(path) as file:
         omega, shape = file["modes/angular_frequency"][:], file["surface/shape"][:]
     shape = shape.reshape(-1, shape.shape[-1])
@@ -52,8 +52,8 @@ def displacement_kernel(path, times):
 
 
 def static_responses(path):
-    """What loads, gravity and supports that move do slowly at the receivers of a kernel file, by name: modes and static
-    parts of what is left out together; and sums over modes that do not depend on how multiple ones are turned.
+    """Static response of the receivers of a kernel file to loads, gravity and moving supports, by name: modes and residuals
+    together. Also returns sums over modes that do not depend on the choice of vectors within multiple modes.
     """
     with h5py.File(path) as file:
         omega, gravity = file["modes/angular_frequency"][:], file["loads/body_force"][:]
@@ -79,7 +79,7 @@ def static_responses(path):
 
 
 class ProgramTest(unittest.TestCase):
-    """A test with a folder of its own, `self.folder`, gone afterwards."""
+    """A test with its own folder, `self.folder`, which is removed afterwards."""
 
     def setUp(self):
         scope = tempfile.TemporaryDirectory(prefix="ricochet-test-")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The kernel of a body does not depend on how many ranks computed it."""
+"""The kernel of a body does not depend on the number of ranks that compute it."""
 
 import unittest
 
@@ -79,7 +79,7 @@ class Ranks(ProgramTest):
         scene = self.write("ranks.toml", SCENE)
         for ranks in (1, 2, 3):
             self.succeed(kernel(scene, self.folder / str(ranks), f"modes={modes}", ranks=ranks))
-        # A few periods of the lowest mode and of the highest.
+        # A few periods of the lowest mode and of the highest mode.
         times = np.concatenate([np.linspace(0, 30, 50), np.linspace(0, 1, 50)])
         for body in ("free", "held"):
             paths = [next((self.folder / str(ranks)).glob(f"{body}-*.kernel.h5")) for ranks in (1, 2, 3)]
@@ -92,7 +92,8 @@ class Ranks(ProgramTest):
                 with h5py.File(paths[0]) as a, h5py.File(path) as b:
                     np.testing.assert_array_equal(a["surface/node"][:], b["surface/node"][:])
                     for name in ("surface/residual_flexibility", "loads/body_force_residual"):
-                        # A uniform acceleration bends no free body: there the second is round-off of 1 s².
+                        # A uniform acceleration does not deform a free body, whose
+                        # second dataset is round-off of 1 s².
                         scale = max(np.abs(a[name][:]).max(), 1e-6)
                         self.assertLess(np.abs(a[name][:] - b[name][:]).max(), 1e-8 * scale)
         paths = [next((self.folder / str(ranks)).glob("held-*.kernel.h5")) for ranks in (1, 2, 3)]

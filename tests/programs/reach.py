@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Kernels without the candidates that reach leaves out do what whole ones do, and are found and made anew as needed."""
+"""Kernels without the candidates beyond reach give the results of complete ones. They are found, or computed if needed."""
 
 import unittest
 
@@ -17,7 +17,7 @@ Physical Volume("block") = {1};
 Physical Surface("foot") = {5};
 """
 
-# One edge of the upper block is 0.052 m farther from the lower one than the other.
+# One edge of the upper block is 0.052 m farther from the lower block than the other edge.
 SCENE = """
 title = "Reach"
 [bodies.upper]
@@ -108,7 +108,7 @@ class Reach(ProgramTest):
         for found, expected in zip(self.forces(self.out), self.forces(self.fresh)):
             self.assertEqual(found.shape, expected.shape)
             self.assertGreater(np.abs(expected).max(), 0)
-            # Flexibilities agree to 1e-9; forces follow by their condition, and over 300 steps.
+            # Flexibilities agree to 1e-9. Forces follow with the condition number, over 300 steps.
             self.assertLess(np.abs(found - expected).max(), 1e-6 * np.abs(expected).max())
 
     def test_one_two_and_three_ranks_leave_out_the_same(self):
@@ -159,7 +159,7 @@ class Reach(ProgramTest):
         run = self.succeed(kernel(self.scene, self.out, "contact.reach=0.06", quiet=False))
         self.assertIn("assembly", run.out)
         self.assertGreater(len(self.kernels(self.out)), len(before))
-        # Now there are kernels to choose from.
+        # The folder now contains several kernels to choose from.
         for sets in ([], ["contact.reach=0.06"]):
             self.succeed(contact(self.scene, self.out, *sets))
 
@@ -175,7 +175,7 @@ class Reach(ProgramTest):
         both, some = self.one(self.out, "lower"), self.one(self.out, "upper")
         self.assertIn(f"upper: derived from {both.name}", run.out)
         self.assertLess(set(held(some)), set(held(both)))
-        # Of two bodies that are not alike each is computed for itself.
+        # If the two bodies differ, each one is computed separately.
         other = "bodies.lower.material.poisson=0.29"
         run = self.succeed(kernel(self.scene, self.fresh, other, quiet=False))
         self.assertNotIn("derived", run.out)
@@ -190,7 +190,7 @@ class Reach(ProgramTest):
         self.assertEqual(run.status, 2)
         (line,) = [
             line for line in run.err.splitlines() if line.startswith("ricochet-kernel:")
-        ]  # mpirun has its say, too
+        ]  # mpirun prints lines of its own
         for fragment in ("reach = 0.005 m", "0.01 m apart"):
             self.assertIn(fragment, line)
         self.assertEqual(self.kernels(self.out), set())

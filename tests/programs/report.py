@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""ricochet report: the page in a browser without network, its numbers beside the summary's, its motion and sound beside the
-result's, and what it refuses. `report.py --keep FOLDER` also keeps the pages, and a picture of each, in FOLDER."""
+"""ricochet report: the page in a browser without network. Its numbers are compared with the summary, its motion and sound with
+the result; bad input is refused. `report.py --keep FOLDER` also keeps the pages and a picture of each in FOLDER."""
 
 import base64
 import json
@@ -22,7 +22,7 @@ from ricochet.pictures.viewpoint import clearest
 
 TITLE = 'Rods </script><script>document.title = "run"</script> & <b>"more"</b>'
 RECEIVER = "tip <img src=x onerror=alert(1)>"
-# Rods of 10 m that waves cross in 1 ms, at 1 % of the speed of waves.
+# Waves cross the rods of 10 m in 1 ms; the impact is at 1 % of the wave speed.
 RODS = [
     "modes.count=20",
     "bodies.moving.material.young=1e8",
@@ -39,7 +39,8 @@ RODS = [
     "accuracy=1e-2",
 ]
 
-# A hand at the controls. What it finds goes into an attribute; the policy of the page, which stops it, is taken out for it.
+# Simulates a user at the controls. Results go into an attribute; the page's policy,
+# which would block the script, is removed.
 HAND = """
 const canvas = document.querySelector("canvas[data-covered]"), found = {};
 const [time, amplify] = ["Time", "Amplification"].map(name => document.querySelector(`input[aria-label="${name}"]`));
@@ -144,8 +145,8 @@ class Rods(ReportTest):
         )
         self.assertEqual(
             found["boxes"], [["checkbox", "moving", 0], ["checkbox", "resting", 0]]
-        )  # in reach of the keyboard
-        row = np.argmin(np.abs(when - 1e-3 * number(found["tip"][0])))  # it says ms
+        )  # accessible by keyboard
+        row = np.argmin(np.abs(when - 1e-3 * number(found["tip"][0])))  # the page shows ms
         self.assertAlmostEqual(
             1e6 * number(found["tip"][1].removeprefix("force: ")), force[row], delta=1e-3 * force[row]
         )  # and MN
@@ -181,15 +182,15 @@ class Rods(ReportTest):
     def area_below_the_force_is_the_impulse(self, run, summary):
         drawn = run["charts"]["contact"][0]["lines"][0]
         time, force = unpacked(drawn["x"]).astype(float), unpacked(drawn["y"]).astype(float)
-        area = np.nansum(force[1:] * np.diff(time))  # steps that end at these times
+        area = np.nansum(force[1:] * np.diff(time))  # steps end at these times
         self.assertAlmostEqual(
             area, summary["impulse_ns"], delta=1e-4 * summary["impulse_ns"]
-        )  # times of 32 bits
+        )  # times have 32 bits
         self.assertAlmostEqual(run["episodes"][0][0], summary["contact_start_s"], delta=1e-9)
         self.assertEqual(np.nanmax(force), np.float32(summary["peak_force_n"]))
 
     def motion_is_that_of_the_modes(self, motion):
-        """Within what the page says that it misses, and 32-bit and 15-bit storage."""
+        """Compares the motion, up to the error that the page states and to storage in 32 and 15 bits."""
         for body in motion["bodies"]:
             fields = np.concatenate(
                 [unpacked(body["rigid"])] + [unpacked(field)[None] for field in body["bent"]]
@@ -212,7 +213,7 @@ class Rods(ReportTest):
             bound = motion["missed"] * deformation + 1e-4 * deformation + 1e-6 * np.abs(exact).max()
             self.assertLess(np.abs(drawn - exact[:, :, None]).max(), bound)
             ring = unpacked(body["node"]).reshape(len(node), -1, 3)
-            np.testing.assert_allclose(ring.mean(axis=1), start, atol=1e-5)  # a ring stands about its node
+            np.testing.assert_allclose(ring.mean(axis=1), start, atol=1e-5)  # a ring is centred at its node
 
     def test_what_is_wrong_with_a_file_is_said_in_one_line_and_leaves_no_page(self):
         page = self.folder / "none.html"
@@ -265,7 +266,7 @@ class Others(ReportTest):
         kept, coarse = coarser(node, element, 5000)
         self.assertTrue(1000 < len(coarse) <= 5000)
         a, b, c = np.moveaxis(node[kept][coarse], 1, 0)
-        # Nodes stay where they are; the rims recede by half a cell, 1 % of the height or so.
+        # Nodes do not move. The rims recede by half a cell, about 1 % of the height.
         self.assertAlmostEqual(
             np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2 / (2 * np.pi), 1, delta=0.1
         )
@@ -299,7 +300,7 @@ class Others(ReportTest):
         beside = clearest([ball, box(np.array([1.2, 0, 0]), 0.3)], np.array([[0.9, 0, 0]])).turn()
         np.testing.assert_allclose(
             beside, np.eye(3), atol=1e-12
-        )  # nothing hides anything: as a drawing on paper
+        )  # nothing is hidden, so the view is that of a drawing
 
     def test_snapshots_are_true_to_scale_where_deformation_is_seen_and_say_how_much_larger_they_are_elsewhere(
         self,

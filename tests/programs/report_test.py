@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Pages of ricochet report in a browser without network, and their numbers, for the tests in report.py."""
+"""Opens pages of ricochet report in a browser without network and reads their numbers, for the tests in report.py."""
 
 import base64
 import html.parser
@@ -22,7 +22,7 @@ if sys.argv[1:2] == ["--keep"]:
 
 
 class Elements(html.parser.HTMLParser):
-    """(tag, attributes, text inside) of all elements of a document."""
+    """(tag, attributes, inner text) of all elements of a document."""
 
     VOID = {"meta", "input", "img", "br", "link"}
 
@@ -54,7 +54,7 @@ class Elements(html.parser.HTMLParser):
 
 
 def browse(page, *more):
-    """The document as a browser without network leaves it, and what the browser says on its console."""
+    """The document after loading in a browser without network, and the messages on the browser's console."""
     command = [
         "chromium",
         "--headless=new",
@@ -77,18 +77,18 @@ def browse(page, *more):
     said = [line for line in done.stderr.splitlines() if "CONSOLE" in line]
     return done.stdout, [
         line for line in said if "(OpenGL, Performance" not in line
-    ]  # the driver on reading its own pixels
+    ]  # the driver warns about reads of its own pixels
 
 
 def number(text):
-    """What "−1.5 × 10⁻³ mN s" or "2 %" says, without its unit."""
+    """The value of a text such as "−1.5 × 10⁻³ mN s" or "2 %", without the unit."""
     match = re.match(r"(−?[\d.]+)(?: × 10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+))?(?: ([numkMG]?)|µ)?", text)
     power = (match[2] or "⁰").translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789"))
     return float(match[1].replace("−", "-")) * 10.0 ** int(power)
 
 
 def flat(value, path=""):
-    """Numbers of a summary by dotted path."""
+    """The numbers of a summary by dotted path."""
     if isinstance(value, dict):
         return {
             key: item for name, part in value.items() for key, item in flat(part, f"{path}{name}.").items()
@@ -105,7 +105,7 @@ def unpacked(packed):
 
 class ReportTest(ProgramTest):
     def page(self, result, *more):
-        """The page of a result: its text, and its data."""
+        """The page of a result: path, text and data."""
         path = self.folder / "page.html"
         done = self.succeed(Run([BIN / "ricochet", "report", result, "--out", path, *more]))
         self.assertEqual(done.out, f"{path}\n")
@@ -119,7 +119,7 @@ class ReportTest(ProgramTest):
         )
 
     def opened(self, path, name):
-        """The page in the browser; nothing may go wrong there."""
+        """The page in the browser, which must not report any error."""
         self.assertTrue(shutil.which("chromium"), "no chromium: scripts/setup --tests installs it")
         dom, console = browse(path, "--window-size=500,600", "--dump-dom")
         found = Elements(dom)
@@ -132,7 +132,7 @@ class ReportTest(ProgramTest):
         return found
 
     def numbers_agree(self, found, summary):
-        """Each figure on the page is that of the summary: exactly beside it, and to the digits that are shown."""
+        """Compares each figure on the page with the summary: the attached value exactly, the text to its digits."""
         scalars = {
             key for key, value in summary.items() if value is None or not isinstance(value, (dict, list))
         }
@@ -154,7 +154,7 @@ class ReportTest(ProgramTest):
                     decade = 10.0 ** np.round(np.log10(ratio))
                     self.assertAlmostEqual(
                         ratio / decade, 1, delta=0.05 if "error" in key else 6e-3, msg=f"{key}: {text}"
-                    )  # two and three digits
+                    )  # two or three digits
                     if "× 10" in text or values[key] == 0:
                         self.assertEqual(decade, 1, f"{key}: {text}")
                 else:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""A killed ricochet-kernel goes on from its finished slices, on any number of ranks, and gives the same kernel."""
+"""A killed ricochet-kernel continues from its finished slices on any number of ranks and gives the same kernel."""
 
 import os
 import pathlib
@@ -21,7 +21,7 @@ SCENE = scenes.block_on_floor(
 
 
 def kill_all(out):
-    """SIGKILL to mpirun and every rank of the run that writes to `out`."""
+    """Sends SIGKILL to mpirun and to every rank of the run that writes to `out`."""
     for process in pathlib.Path("/proc").glob("[0-9]*"):
         try:
             words = (process / "cmdline").read_bytes()
@@ -33,7 +33,7 @@ def kill_all(out):
 
 class Restart(ProgramTest):
     def run_for(self, seconds, out, ranks):
-        """Starts a run and kills it; @return whether it had ended before."""
+        """Starts a run and kills it. Returns whether it had ended before."""
         command = [
             "mpirun",
             "--allow-run-as-root",
@@ -67,12 +67,12 @@ class Restart(ProgramTest):
         started = time.monotonic()
         self.succeed(kernel(self.scene, whole, ranks=1))
         length = time.monotonic() - started
-        self.assertEqual(self.slices(whole), 0)  # the slices go when the kernel is there
+        self.assertEqual(self.slices(whole), 0)  # slices are removed once the kernel exists
 
         choice = random.Random(7)
         for attempt in range(4):
             self.run_for(choice.uniform(0.2, 0.7) * length, broken, ranks=1 + attempt % 2)
-        # At least one slice is done by then, or nothing is tested.
+        # Ensures at least one finished slice; otherwise the test would check nothing.
         self.run_for(60, broken, ranks=2) if self.slices(broken) == 0 else None
         left = self.slices(broken)
         if not list(broken.glob("*.kernel.h5")):

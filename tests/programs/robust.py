@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""What programs do when things go wrong around them: signals, full disks, folders that can't be written, ranks that die,
-files made to harm; and that inputs are checked before anything long."""
+"""Programs under adverse conditions: signals, full disks, read-only folders, ranks that die and malicious files. Inputs are
+checked before anything that takes long."""
 
 import json
 import os
@@ -18,7 +18,7 @@ from robust_test import Robust
 from ricochet.errors import InputError
 from ricochet.pictures.history import History
 
-# Two slices a body, in some tenths of a second.
+# Two slices per body, in some tenths of a second.
 SLICED = ["bodies.a.mesh=long.geo", "bodies.b.mesh=long.geo", "modes.count=300"]
 STUDY = """
 scene = "scene.toml"
@@ -99,7 +99,7 @@ class Places(Robust):
         self.succeed(kernel(self.scene, self.out, ranks=1))
         self.succeed(contact(self.scene, self.out))
         before = {path.name: path.read_bytes() for path in self.out.iterdir()}
-        for limit in (0, 1000, 20_000):  # files of no bytes, of too few for a header, for the rows
+        for limit in (0, 1000, 20_000):  # no bytes, too few for a header, too few for the rows
             run = self.limited(
                 resource.RLIMIT_FSIZE,
                 limit,
@@ -141,7 +141,7 @@ class Places(Robust):
         subprocess.run(["mount", "-o", "remount,ro", self.out], check=True)
         self.refused(contact(self.scene, self.out), "errors.result.h5", "Read-only")
         self.refused(kernel(self.scene, self.out, "modes.count=7", ranks=1), "out/a-", "Read-only")
-        self.succeed(kernel(self.scene, self.out, ranks=1))  # all is there
+        self.succeed(kernel(self.scene, self.out, ranks=1))  # all kernels exist, so nothing is written
 
     def test_a_folder_that_is_a_file_is_refused_by_all(self):
         self.succeed(kernel(self.scene, self.out, ranks=1))
@@ -268,7 +268,7 @@ class Files(Robust):
         ]
         self.succeed(kernel(self.scene, self.out, *sound, ranks=1))
         run = self.limited(resource.RLIMIT_AS, 2 * 10**9, *command, *settings(sound))
-        # Whichever is short first.
+        # The run fails for memory or for disk space, whichever is exhausted first.
         self.assertRegex(run.err, "not enough memory|MB are needed")
         self.assertIn(run.status, (1, 2))
         self.assertEqual(run.err.count("\n"), 1)
@@ -333,7 +333,7 @@ class Sweeps(Robust):
         self.study = self.write("study.toml", STUDY)
         run = ["env", f"RICOCHET_BIN={BIN}", *self.sweep()]
         self.succeed(Run([*run, "--kernels"]))
-        for limit in (1000, 8_000, 30_000):  # within the journal, or the tables
+        for limit in (1000, 8_000, 30_000):  # within the journal or the tables
             self.refused(self.limited(resource.RLIMIT_FSIZE, limit, *run), "sweep: ", "File too large")
             self.assertEqual(self.left(), [])
         self.succeed(Run(run))

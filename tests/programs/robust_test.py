@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""A folder with two rods, and programs that are started, limited and refused in it, for the tests in robust.py."""
+"""A folder with two rods, and functions that run programs in it with limited resources, for the tests in robust.py."""
 
 import os
 import resource
@@ -55,7 +55,7 @@ class Robust(ProgramTest):
             self.assertIn(fragment, lines[0])
 
     def limited(self, kind, limit, *command):
-        """The command under a limit of resources."""
+        """Runs the command with a resource limit."""
         done = subprocess.run(
             [str(word) for word in command],
             capture_output=True,

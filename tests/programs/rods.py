@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Two rods of the paper from mesh to impact, against the wave solution: they part at t = 2L/c = 20 with exchanged
+"""The two rods of the paper from mesh to impact, compared with the wave solution: they part at t = 2L/c = 20 with exchanged
 velocities after a constant force of Zv/2 = 1/2 (Taylor & Papadopoulos 1993)."""
 
 import pathlib
@@ -36,7 +36,7 @@ class Rods(ProgramTest):
         return self.summary(self.out), result
 
     def mean_force(self, result):
-        """Over t = 1 to 18, away from both ends of the contact."""
+        """Mean force from t = 1 to 18, away from both ends of the contact."""
         inside = (result["contact/time"] > 1 + STEP / 2) & (result["contact/time"] < 18 + STEP / 2)
         return result["contact/force"][inside].sum() * STEP / 17
 
@@ -63,12 +63,13 @@ class Rods(ProgramTest):
         double, forces = self.collide()
         single, narrow = self.collide("time.precision=single")
         self.assertEqual([double["precision"], single["precision"]], ["double", "single"])
-        # 1e-6: ten times the round-off of a number
+        # 1e-6: ten times the round-off of a single-precision number.
         self.assertAlmostEqual(single["impulse_ns"], double["impulse_ns"], delta=1e-6 * double["impulse_ns"])
         self.assertAlmostEqual(
             single["exit_velocity"]["resting"][0], double["exit_velocity"]["resting"][0], delta=1e-6
         )
-        # 2e-3: 6e-8 of displacements of 10 m, a hundred modes, over the flexibility of a step of 0.01 m/N
+        # 2e-3: round-off 6e-8 of displacements of 10 m, for a hundred modes, divided by
+        # the flexibility of a step, 0.01 m/N.
         first = slice(0, 500)
         difference = narrow["contact/force"][first] - forces["contact/force"][first]
         self.assertLess(abs(difference).max(), 2e-3 * forces["contact/force"].max())
@@ -77,8 +78,9 @@ class Rods(ProgramTest):
 
     def test_jump_creeps_as_its_formula_says(self):
         summary, result = self.collide("contact.scheme=impulse", "contact.admittance=jump")
-        # Ṅ(0+) of a rod end by finite elements whose every mode is kept is the end entry of M⁻¹; of 100 of the 101
-        # modes, M⁻¹ less the highest one's share, from a dense eigenproblem of the 101 nodes.
+        # For finite elements with all modes, Ṅ(0+) of a rod end is the end entry of M⁻¹. With
+        # 100 of the 101 modes, the share of the highest mode is missing. It follows from a
+        # dense eigenproblem of the 101 nodes.
         elements, length = 100, 10.0
         h = length / elements
         element = np.zeros((elements + 1, elements + 1))
@@ -91,16 +93,16 @@ class Rods(ProgramTest):
         end = (lower.T @ vectors)[0, :100]
         admittance = (end**2).sum()
         pressure = 1 / (1 + 1 + STEP * (admittance + admittance) / 2)
-        # The creep is steady but for the ripple of the cut modes; the formula holds to three digits.
+        # The creep is steady except for the ripple of the truncated modes. The formula holds to three digits.
         self.assertAlmostEqual(self.mean_force(result) / pressure, 1, delta=2e-3)
         self.assertAlmostEqual(self.creep(summary, result) / (pressure * STEP * admittance), 1, delta=2e-3)
-        # What this reading loses is the finding.
+        # This admittance loses much energy in contact, which is the finding.
         self.assertGreater(summary["energy_lost_contact"], 0.2)
 
     def test_difference_neither_creeps_nor_loses_the_force(self):
         summary, result = self.collide("contact.scheme=impulse", "contact.admittance=difference")
         self.assertAlmostEqual(self.mean_force(result), 0.5, delta=0.005)
-        # v Δ, reached in the first step; the modes, hence v, are known to 1e-8.
+        # v Δ, reached in the first step. The modes, and hence v, are accurate to 1e-8.
         self.assertLessEqual(summary["max_penetration_m"], 1.0 * STEP * (1 + 1e-8))
         self.assertLess(abs(self.creep(summary, result)), 1e-4)
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Scenes and drawings, as texts, that tests of several folders start from."""
+"""Texts of scenes and geometries for the tests of several folders."""
 
 
 def scene(bodies, modes, contact, time, obstacles=None, title="", more=""):
-    """A scene, of which each argument is the lines of a section.
+    """A scene. Each argument contains the lines of a section.
 
     @param bodies, obstacles  lines by name; the contact is between all of them, in this order
     @param more  further sections
@@ -19,7 +19,7 @@ def scene(bodies, modes, contact, time, obstacles=None, title="", more=""):
 
 
 def rod(length=1, elements=10, curve="rod", ends=("left", "right")):
-    """A rod along x; `geometry = { elements = … }` of a scene changes the number of its elements."""
+    """A rod along x. `geometry = { elements = … }` in a scene changes the number of elements."""
     return f"""
 DefineConstant[elements = {elements}];
 Point(1) = {{0, 0, 0}}; Point(2) = {{{length}, 0, 0}}; Line(1) = {{1, 2}};
@@ -29,7 +29,7 @@ Physical Curve("{curve}") = {{1}}; Physical Point("{ends[0]}") = {{1}}; Physical
 
 
 def two_rods(title, modes, time, names=("moving", "resting"), length=1, speed=0.01, elements=None, more=""):
-    """Two rods of rod.geo with E = ρ = A = 1; the first one arrives at the second and touches it."""
+    """Two rods of rod.geo with E = ρ = A = 1. The first one moves towards the second and touches it at the start."""
     common = 'mesh = "rod.geo"\norder = 1\nmaterial = { density = 1.0, young = 1.0, area = 1.0 }\n'
     own = (
         f'translate = [{-length}, 0, 0]\nvelocity = [{speed}, 0, 0]\ncontact = "right"\n',
@@ -41,7 +41,7 @@ def two_rods(title, modes, time, names=("moving", "resting"), length=1, speed=0.
 
 
 def skewed_block(size):
-    """A block with no right angle between its sides, meshed with tetrahedra of this size."""
+    """A block without right angles, meshed with tetrahedra of this size."""
     return f"""
 SetFactory("Built-in");
 Point(1) = {{0, 0, 0, {size}}}; Point(2) = {{1.1, 0, 0, {size}}};

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""A real SLURM, its controller and one node, on the loopback address."""
+"""A real SLURM with its controller and one node on the loopback address."""
 
 import contextlib
 import getpass
@@ -58,7 +58,7 @@ def output_of(*command):
 
 @contextlib.contextmanager
 def node(folder):
-    """SLURM with its files in `folder`, for commands that are started inside this scope."""
+    """Runs SLURM with its files in `folder` for the commands that are started in this scope."""
     if not all(shutil.which(program) for program in ("slurmctld", "slurmd", "sbatch")):
         raise FileNotFoundError("SLURM is not installed: run scripts/setup --tests")
     for name in ("state", "spool"):

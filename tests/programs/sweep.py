@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""ricochet sweep: the settings of a study, that kernels are shared, that a kill loses nothing, what it writes and refuses."""
+"""ricochet sweep: the settings of a study, shared kernels, restarts after a kill without loss, outputs, and refused input."""
 
 import csv
 import itertools
@@ -103,7 +103,7 @@ class Studies(SweepTest):
 
 class Pictures(unittest.TestCase):
     def drawn(self, inputs, output, against, rows):
-        """The axes of a picture of a table, as matplotlib has them."""
+        """The matplotlib axes of a picture of a table."""
         table = SimpleNamespace(title="t", inputs=inputs, column=lambda name: (inputs | {output: rows})[name])
         with mock.patch.object(chart, "save_picture") as saved:
             units = scene_keys.units(Run([BIN / "ricochet-contact", "--keys"]).out)
@@ -153,10 +153,10 @@ class Pictures(unittest.TestCase):
         drawn = self.drawn(draws, "restitution", ["x", "y"], list(range(40)))
         self.assertEqual(
             (len(drawn.images), len(drawn.collections)), (0, 1)
-        )  # draws are points where they are
+        )  # random draws are shown as points
         draws["y"] = list(range(40))
         (line,) = self.drawn(draws, "restitution", ["x"], list(range(40))).lines
-        self.assertEqual(line.get_linestyle(), "None")  # y varies, too
+        self.assertEqual(line.get_linestyle(), "None")  # y varies as well
 
 
 class Sweeps(SweepTest):
@@ -219,14 +219,15 @@ class Sweeps(SweepTest):
         self.assertEqual(journal.read_bytes(), found)
 
     def test_impacts_whose_process_is_killed_are_run_again(self):
-        """The sweep itself lives on, as when memory runs out or a job's processes are told to end."""
+        """The sweep itself continues, as it does if memory runs out or if processes of a job are terminated."""
         study = self.study(
             GRID.replace("count = 3", "count = 10")
-        )  # 40 impacts: each of two processes dies more than once
+        )  # 40 impacts, so that each of two processes dies more than once
         self.succeed(Run(self.sweep(study, "--kernels")))
         victims = self.folder / "victims"
         victims.mkdir()
-        # Stands for ricochet-contact: each process dies of its tenth impact, half of them in the midst of the answer.
+        # Replaces ricochet-contact. Each process dies at its tenth impact, half
+        # of them in the middle of the answer.
         (victims / "ricochet-contact").write_text(
             f"""#!/usr/bin/python3
 import os, subprocess, sys
@@ -251,7 +252,7 @@ for line in sys.stdin:
         self.succeed(Run(["env", f"RICOCHET_BIN={victims}", *self.sweep(study)]))
         self.assertEqual(
             {row["status"] for row in self.rows()}, {"0"}
-        )  # asked twice, and new processes answer
+        )  # the sweep asks again, and new processes answer
         always = (victims / "ricochet-contact").read_text().replace("impacts == 10", "impacts > 0")
         (victims / "ricochet-contact").write_text(always)
         (self.out / "rods.sweep.jsonl").unlink()
@@ -262,7 +263,7 @@ for line in sys.stdin:
         self.assertEqual({row["status"] for row in self.rows()}, {"0"})
 
     def test_kernels_that_follow_from_others_are_not_computed(self):
-        """Six Young's moduli and six dampings: a start of ricochet-kernel for each mesh, not for each body."""
+        """Six Young's moduli and six dampings: ricochet-kernel runs once per mesh, not once per body."""
         starts = self.folder / "starts"
         for program in ("ricochet-contact", "ricochet-kernel"):
             counted = f"echo >> {starts}\n" if program.endswith("kernel") else ""
@@ -282,7 +283,7 @@ for line in sys.stdin:
         sets += ["modes.count=20", "time.rate_hz=20.0", "title=alone"]
         self.succeed(kernel(self.folder / "two-rods.toml", self.folder / "alone", *sets, ranks=1))
         self.succeed(contact(self.folder / "two-rods.toml", self.folder / "alone", *sets))
-        # Derived or computed, eigenvectors are right to round-off times the gap of frequencies.
+        # Derived or computed, eigenvectors are accurate to round-off divided by the gap between frequencies.
         self.assertAlmostEqual(
             float(last["impulse_ns"]) / self.summary(self.folder / "alone")["impulse_ns"], 1, delta=1e-7
         )
@@ -295,7 +296,7 @@ for line in sys.stdin:
         )
         self.write("rod.toml", rod)
         self.succeed(Run(self.sweep(self.study('[grid]\n"loads.gravity[0]" = [-1e-3, -2e-3]', "rod.toml"))))
-        for row in self.rows():  # its weight: 10 kg times gravity
+        for row in self.rows():  # the weight: 10 kg times gravity
             self.assertAlmostEqual(
                 float(row["pairs.0.force_n"]) / (-10 * float(row["loads.gravity[0]"])), 1, delta=1e-9
             )
@@ -304,13 +305,13 @@ for line in sys.stdin:
         )
         self.succeed(Run(self.sweep(self.study(text))))
         modes, table = self.rows()
-        for name in ("impulse_ns", "exit_velocity.resting.x", "modes.moving"):  # sums in another order
+        for name in ("impulse_ns", "exit_velocity.resting.x", "modes.moving"):  # summed in another order
             self.assertAlmostEqual(
                 float(table[name]), float(modes[name]), delta=1e-9 * abs(float(modes[name]))
             )
 
     def test_a_history_that_changed_is_another_impact(self):
-        """What an impact reads beside kernels is part of what identifies it."""
+        """The identity of an impact includes the files that it reads besides kernels."""
         text = (self.folder / "two-rods.toml").read_text()
         self.write(
             "pushed.toml",

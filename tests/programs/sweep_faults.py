@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""What can go wrong with a sweep: broken studies and journals, damaged kernels, meshes that refuse, closed outputs, signals."""
+"""Faults of a sweep: broken studies and journals, damaged kernels, unusable meshes, closed outputs, signals."""
 
 import csv
 import json
@@ -35,7 +35,7 @@ class Faults(ProgramTest):
         return self.write("study.toml", STUDY + text)
 
     def script(self, name, *words, env=(), **streams):
-        """What a script left behind; a stream that a test names is its own."""
+        """Runs a command and returns its result. A test may pass its own streams."""
         command = ["env", *env, BIN / "ricochet", name, *words]
         return subprocess.run(
             [str(word) for word in command],
@@ -157,7 +157,7 @@ class Journals(Faults):
             journal.add("k", answer)
         journal.records.file.close()
         again = Journal(self.out / "rods")
-        self.assertEqual((again.finished("k"), again.rows["k"]["error"]), (False, "no"))  # tables say why
+        self.assertEqual((again.finished("k"), again.rows["k"]["error"]), (False, "no"))  # for tables
         self.assertEqual((self.out / "rods.sweep.jsonl").read_bytes().count(b"\n"), 1)
         again.add("k", done)
         again.add("k", refused)
@@ -191,7 +191,7 @@ class Kernels(Faults):
         self.assertIn("nope", self.rows()[1]["error"])
 
     def test_a_kernel_that_breaks_down_is_a_row_and_others_go_on(self):
-        """A ricochet-kernel stands in that finds nothing wrong with meshes."""
+        """The checks of meshes by a substitute for ricochet-kernel always succeed."""
         self.write("ricochet-contact", f'#!/bin/sh\nexec {BIN}/ricochet-contact "$@"\n').chmod(0o755)
         self.write(
             "ricochet-kernel",
@@ -213,7 +213,7 @@ class Ends(Faults):
     def test_one_that_is_told_to_end_does_not_wait_for_its_impacts(self):
         self.study(
             '[list]\n"time.rate_hz" = [20.0, 3e7]\n"modes.count" = [5, 90]'
-        )  # the second one takes minutes
+        )  # the second impact takes minutes
         process = subprocess.Popen(
             [BIN / "ricochet", "sweep", self.folder / "study.toml", "--ranks", "1", "--jobs", "1"],
             stdout=subprocess.DEVNULL,

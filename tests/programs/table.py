@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Table kernels as a user runs them: the shipped example against the wave solution of two rods (d'Alembert), and kernels
-sampled from modes against modal stepping."""
+"""Table kernels as a user runs them: the shipped example compared with d'Alembert's wave solution for two rods, and kernels
+sampled from modes compared with modal stepping."""
 
 import subprocess
 import unittest
@@ -16,7 +16,7 @@ IMPULSE = "contact.scheme=impulse"
 
 
 class AnalyticRods(ProgramTest):
-    """They meet after a gap at v = 1 and stay together for 2L/c = 20 under a force of Zv/2 = 1/2."""
+    """Two rods close a gap at v = 1 and remain in contact for 2L/c = 20 under a force of Zv/2 = 1/2."""
 
     def table(self, *arguments):
         path = self.folder / "rods.table.h5"
@@ -39,7 +39,8 @@ class AnalyticRods(ProgramTest):
 
     def test_both_schemes_give_the_exact_impact(self):
         table = self.table()
-        # A force of "compliant" is stamped with the end of its step; an impulse stands for the step behind its instant.
+        # The time of a "compliant" force is the end of its step; an impulse
+        # represents the step after its instant.
         for scheme, behind in [("impulse", 0.01), ("compliant", 0.0)]:
             with self.subTest(scheme=scheme):
                 summary, result = self.collide(table, f"contact.scheme={scheme}")
@@ -55,12 +56,13 @@ class AnalyticRods(ProgramTest):
                 moving = result["bodies/moving/velocity"][:, 0]
                 t = np.clip(result["time"] + behind - 1, 0, 20)
                 np.testing.assert_allclose(moving, 1 - t / 20, atol=1e-10)
-                # What a table does not know is not there, or null.
+                # Values that a table does not provide are absent or null.
                 self.assertNotIn("energy/total", result)
                 self.assertIsNone(summary["energy_drift"])
 
     def test_other_rods_at_a_rate_that_the_wave_does_not_meet(self):
-        # Z = 2·3·0.5 = 3, c = 3, 2L/c = 4/3, 133.3 steps at 100 Hz: the sampled jump is a step wide, and so is the error.
+        # Z = 2·3·0.5 = 3, c = 3, 2L/c = 4/3 or 133.3 steps at 100 Hz: the sampled jump is
+        # one step wide, and so is the error.
         table = self.table(
             "--density",
             "2",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""ricochet tradeoff: what it runs, what it says of it, and that a run cut off goes on where it was."""
+"""ricochet tradeoff: its runs, its report, and the continuation of an interrupted run."""
 
 import csv
 import json
@@ -66,7 +66,7 @@ class TradeOff(ProgramTest):
         for point in front:
             better = [p for p in points if cost(p) < cost(point) and error(p) < error(point)]
             self.assertEqual(better, [])
-        # Two equal rods change velocities: with gaps and many modes all of the speed is passed on.
+        # Two equal rods exchange velocities: with gaps and many modes, the entire speed is passed on.
         best = min(points, key=error)
         self.assertLess(float(best["error"]), 1e-2)
 
@@ -99,7 +99,8 @@ class TradeOff(ProgramTest):
             )
         )
         refused = [point for point in self.points() if point["refused"]]
-        # The central difference is unstable at 1 step a second: the highest modes turn faster.
+        # The central difference is unstable at 1 step per second, because
+        # the highest modes are too fast for it.
         self.assertEqual({(point["scheme"], point["rate_hz"]) for point in refused}, {("difference", "1.0")})
         self.assertTrue(all(math.isinf(float(point["error"])) for point in refused))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The Python interface: scenes, kernels, impacts, steps, studies, and the texts that notebooks show."""
+"""The Python interface: scenes, kernels, impacts, steps, studies, and the texts shown in notebooks."""
 
 import _thread
 import gc
@@ -24,7 +24,7 @@ MIC = {"name": "mic", "body": "resting", "at": [5, 0, 0]}
 
 
 class ScenesTest(ProgramTest):
-    """With a copy of the two rods: `self.file`, and `self.scene` with 30 modes."""
+    """Tests with a copy of the two rods: `self.file`, and `self.scene` with 30 modes."""
 
     def setUp(self):
         super().setUp()
@@ -35,7 +35,7 @@ class ScenesTest(ProgramTest):
 
 
 class KernelsTest(ScenesTest):
-    """With the kernels, computed once for all tests of the class."""
+    """Tests with kernels, which are computed once for all tests of the class."""
 
     @classmethod
     def setUpClass(cls):
@@ -127,14 +127,17 @@ class Kernels(KernelsTest):
     def test_are_those_of_a_rod(self):
         kernel = self.kernels["moving"]
         n = np.arange(30)
-        # Linear elements: relative error (n pi / 100)^2 / 24, 3.5 % at n = 29; speed of waves 1, length 10.
+        # Linear elements have a relative error of (n pi / 100)^2 / 24, 3.5 % at n = 29.
+        # The wave speed is 1, the length 10.
         np.testing.assert_allclose(kernel.frequency, n / 20, rtol=0.04, atol=1e-12)
         np.testing.assert_allclose(kernel.mass, 10)
         np.testing.assert_allclose(kernel.centre, [5, 0, 0])
         modes = kernel.modes
-        # Rigid: shape 1/√10, so all of the mass. The others are cosines of shape² 2/10 at the end, without momentum.
+        # The rigid mode has the shape 1/√10 and hence the entire mass. The others are cosines with
+        # shape² = 2/10 at the end and have no momentum.
         np.testing.assert_allclose(modes.effective_mass[:, 0], [10] + [0] * 29, atol=1e-9)
-        # Their static flexibilities 0.2 / ω² add up to that of the end, L / 3; linear elements err as above.
+        # Their static flexibilities 0.2 / ω² add up to that of the end, L / 3. Linear
+        # elements have the same error as above.
         self.assertTrue(np.isnan(modes.contact_share[0]))
         error = modes.contact_share[1:] * (np.pi * n[1:]) ** 2 / 6 - 1
         np.testing.assert_array_less(abs(error), 1e-3 + (n[1:] * np.pi / 100) ** 2 / 6)
@@ -191,7 +194,7 @@ class Impact(KernelsTest):
         self.scene["output.snapshot_every"] = 100
 
     def by_program(self, scene):
-        """The result file of ricochet-contact, in a folder of its own."""
+        """The result file of ricochet-contact in a separate folder."""
         out = self.folder / "by-program"
         out.mkdir()
         for kernel in scene.out.glob("*.kernel.h5"):
@@ -200,7 +203,7 @@ class Impact(KernelsTest):
         return out / f"{scene.slug}.result.h5"
 
     def test_has_the_arrays_of_the_program_bit_for_bit(self):
-        self.scene.set({"output.receiver": [MIC], "time.duration": 5})  # long sounds take long to resample
+        self.scene.set({"output.receiver": [MIC], "time.duration": 5})  # resampling of long sounds takes long
         ricochet.kernels(self.scene, ranks=1)
         result = ricochet.impact(self.scene)
         with h5py.File(self.by_program(self.scene)) as file:
@@ -250,7 +253,7 @@ class Impact(KernelsTest):
         thread.join()
         for start, end in ((started, between), (between, finished)):
             quarter = (end - start) / 4
-            # Some ticks, of a hundred or more; none of them if the lock were held.
+            # Some of a hundred or more ticks. With the lock held there would be none.
             self.assertGreater(sum(start + quarter < t < end - quarter for t in ticks), 5)
 
     def test_is_ended_by_an_interrupt_and_leaves_nothing_behind(self):
@@ -265,7 +268,7 @@ class Impact(KernelsTest):
         second = ricochet.impact(self.scene.changed({"bodies.moving.velocity": [2, 0, 0]}))
         self.assertEqual(first.path, second.path)
         np.testing.assert_allclose(second.force, 2 * first.force, rtol=1e-9, atol=1e-12)
-        # The momentum that one rod loses, 10 kg at 1 m/s, up to modes that are left out.
+        # The momentum that one rod loses, 10 kg at 1 m/s, up to the truncated modes.
         self.assertAlmostEqual(first.total_force.sum() * 0.01, 10, delta=0.1)
 
     def test_warns_where_the_model_leaves_its_validity(self):
@@ -301,7 +304,7 @@ class Impact(KernelsTest):
 
 class Simulation(KernelsTest):
     def test_steps_as_the_impact_does(self):
-        self.scene.set({"output.receiver": [MIC], "time.duration": 5})  # long sounds take long to resample
+        self.scene.set({"output.receiver": [MIC], "time.duration": 5})  # resampling of long sounds takes long
         ricochet.kernels(self.scene, ranks=1)
         result = ricochet.impact(self.scene)
         simulation = ricochet.Simulation(self.scene)
@@ -310,7 +313,7 @@ class Simulation(KernelsTest):
         rows = np.searchsorted(result.time, result.contact_time) - 1
         np.testing.assert_array_equal(block.force[rows], result.force)
         np.testing.assert_array_equal(simulation.initial_gap - block.displacement[rows], result.gap)
-        # The pickups are x, y, z of the receiver; another order of the sum over the modes.
+        # The pickups are x, y and z of the receiver. Sums over the modes have another order.
         np.testing.assert_allclose(block.velocity, result.receivers["mic"].velocity[1:], atol=1e-12)
         self.assertAlmostEqual(simulation.energy.total, result.energy["total"][-1], delta=1e-12)
         np.testing.assert_allclose(
@@ -385,4 +388,4 @@ class Package(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(warnings="ignore")  # the rods meet at the speed of sound, which each run warns of
+    unittest.main(warnings="ignore")  # the rods meet at the wave speed, which causes a warning in each run

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The notebooks of examples/notebooks run from top to bottom, and are as short as they promise."""
+"""The notebooks in examples/notebooks run from top to bottom and are as short as they promise."""
 
 import os
 import shutil
@@ -13,13 +13,13 @@ FOLDER = SOURCE / "examples" / "notebooks"
 
 
 def html_of(cell):
-    """What the cell shows as HTML."""
+    """The HTML output of the cell."""
     return "".join(output.get("data", {}).get("text/html", "") for output in cell.outputs)
 
 
 class Notebooks(ProgramTest):
     def run_notebook(self, name):
-        """The code cells, in a copy of the folder, with their outputs."""
+        """Runs the notebook in a copy of the folder. Returns its code cells with their outputs."""
         folder = self.folder / "notebooks"
         shutil.copytree(FOLDER, folder, ignore=shutil.ignore_patterns("out"))
         notebook = nbformat.read(folder / name, as_version=4)

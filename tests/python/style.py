@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""All Python is formatted by Debian's black, and flake8 has no complaint; mypy (strict) has none of the package. Each tool runs on
+"""All Python is formatted by Debian's black and passes flake8; the package passes mypy (strict). Each tool runs on
 its own."""
 
 import shutil

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The programs that scripts/verify --kills kills, on small scenes, and the checks of what they left."""
+"""The programs that scripts/verify --kills kills, on small scenes, and checks of the files that they leave."""
 import csv
 import json
 import os
@@ -30,7 +30,7 @@ title = "Many"
 "bodies.resting.material.young" = [1.0, 2.0]
 """
 
-# These are errors of the modes, and of a free body.
+# These datasets are errors of the modes, and of a free body.
 ROUND_OFF = ("modes/residual", "loads/body_force_residual")
 TIMINGS = ("wall_s", "real_time_factor")
 
@@ -41,7 +41,7 @@ def write_scenes(folder):
 
 
 def files(out):
-    """Of final names: (path within `out`, as text): Path."""
+    """Files with final names: path within `out` as text → Path."""
     return {
         str(path.relative_to(out)): path
         for path in sorted(out.rglob("*"))
@@ -54,7 +54,7 @@ def leftovers(out):
 
 
 def same_numbers(one, other):
-    """Two HDF5 files alike but for round-off: slices that were read or computed, on one rank or two."""
+    """Whether two HDF5 files agree up to round-off. Slices may be read or computed, on one rank or two."""
     with h5py.File(one) as a, h5py.File(other) as b:
         found, wanted = [], []
         a.visititems(lambda name, item: found.append(name) if isinstance(item, h5py.Dataset) else None)
@@ -76,7 +76,7 @@ def same_numbers(one, other):
 
 
 def is_slice(path):
-    """Whether all that a slice, or the plan of slices, consists of is there."""
+    """Whether a slice, or the plan of slices, is complete."""
     try:
         with h5py.File(path) as file:
             if path.name == "plan.h5":
@@ -87,7 +87,7 @@ def is_slice(path):
 
 
 class Subject:
-    """A program that is killed. `whole` is the folder that an undisturbed run left."""
+    """A program that is killed. `whole` is the folder that an undisturbed run leaves."""
 
     victims = ("all",)
     keeps = ()
@@ -98,11 +98,11 @@ class Subject:
         self.environment = os.environ | programs.ONE_THREAD | {"RICOCHET_BIN": str(programs.BIN)}
 
     def prepare(self, out, random):
-        """Makes the folder that the first run of a life finds."""
+        """Creates the folder for the first run of a life."""
         out.mkdir(parents=True)
 
     def finished(self, out):
-        """What must neither be lost nor done again, and which file it is."""
+        """Identifies the files that must be neither lost nor written again."""
         return (
             {
                 name: (path.stat().st_ino, path.stat().st_mtime_ns)
@@ -116,7 +116,7 @@ class Subject:
     def lost(self, before, out):
         after = self.finished(out)
         gone = {name for name in before if before[name] != after.get(name)}
-        # Slices go when their kernel is there.
+        # Slices are removed once their kernel exists.
         return sorted(
             name
             for name in gone
@@ -129,8 +129,8 @@ class Subject:
         )
 
     def outlived(self, before, out):
-        """Temporary files that a run told to end should have taken with it. mpirun kills ranks a second after
-        it told them to end, whatever the disk lets them do meanwhile."""
+        """Temporary files that a terminated run should have removed. mpirun kills ranks a second after it has
+        asked them to end, even if a slow disk delays them."""
         return sorted(
             name
             for name in set(leftovers(out)) - before
@@ -138,7 +138,7 @@ class Subject:
         )
 
     def spoilt(self, out):
-        """Names of files that are not whole, or not what an undisturbed run writes."""
+        """Names of files that are incomplete or differ from those of an undisturbed run."""
         return [name for name, path in files(out).items() if not self.is_whole(name, path)]
 
     def is_whole(self, name, path):
@@ -151,7 +151,7 @@ class Subject:
         return path.name.endswith(".kernel.h5") and same_numbers(path, wanted)
 
     def complete(self, out):
-        """What is missing or too much after a run that was left alone."""
+        """Files that are missing or superfluous after an undisturbed run."""
         return sorted(set(files(out)) ^ set(files(self.whole)))
 
 
@@ -160,7 +160,7 @@ class Kernel(Subject):
     keeps = (".h5",)
 
     def command(self, out):
-        # Alone, a program under Open MPI would start a daemon.
+        # Without mpirun, a program under Open MPI would start a daemon.
         self.environment["OMPI_MCA_ess_singleton_isolated"] = "1"
         return [programs.BIN / "ricochet-kernel", self.scenes / "kills.toml", "--out", out]
 
@@ -200,7 +200,7 @@ class Contact(Subject):
         return [programs.BIN / "ricochet-contact", self.scenes / "kills.toml", "--out", out]
 
     def prepare(self, out, random):
-        """With the kernels, and in half of all lives with the results of another impact of that title."""
+        """Adds the kernels, and in half of all lives also the results of another impact with the same title."""
         super().prepare(out, random)
         had = self.earlier if random.random() < 0.5 else self.whole
         for name, path in files(had).items():
@@ -224,7 +224,7 @@ class Contact(Subject):
             for name, path in files(out).items()
         }
         wrong = [name for name, runs in found.items() if not runs]
-        # Where there is a summary, all is of its run.
+        # If there is a summary, all files belong to its run.
         for name in found if not wrong and "kills.summary.json" in found else ():
             if found["kills.summary.json"][0] not in found[name]:
                 wrong.append(name + " beside the summary of another run")
@@ -288,7 +288,7 @@ class Sweep(Subject):
             wanted = self.results(self.whole)
             return all(wanted.get(key) == value for key, value in self.results(path.parent).items())
         if name == "many.sweep.csv":
-            # Impacts that were not run yet have no outputs.
+            # Impacts that have not run yet have no outputs.
             rows = self.rows(path.parent)
             return len(rows) == len(self.rows(self.whole)) and all(
                 row == wanted for row, wanted in zip(rows, self.rows(self.whole)) if row["status"] == "0"
@@ -299,7 +299,7 @@ class Sweep(Subject):
         return super().is_whole(name, path)
 
     def results(self, out):
-        """Of the journal, by key; twice the same key is another key."""
+        """Results of the journal by key. A repeated key is stored under a different key."""
         found = {}
         for line in self.journal(out)[0].splitlines():
             row = json.loads(line)

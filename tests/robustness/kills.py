@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Kills programs at random moments by SIGKILL, SIGTERM or SIGINT, and checks what they leave.
+"""Kills programs at random moments by SIGKILL, SIGTERM or SIGINT, and checks the files that they leave.
 
     scripts/verify --kills --count 1000 --lanes 4
-    scripts/verify --kills --seed 17.42     # repeats one life, to look into a failure
+    scripts/verify --kills --seed 17.42     # repeats one life, to investigate a failure
 
-Nothing partial may have a final name, nothing finished may be lost or done twice, no program may hang, and
-the next run must end as if nothing had happened. A life is a folder in which a program is run and killed one
-to four times, then left alone. The status is 1 if a check fails.
+No partial file may have a final name, no finished work may be lost or done twice, no program may hang, and
+the next run must end as if nothing had happened. A life is a folder in which a program runs and is killed one
+to four times, and then runs undisturbed. The status is 1 if a check fails.
 """
 import argparse
 import collections
@@ -32,7 +32,7 @@ AMISS = ("lost", "partial", "left", "status", "hung", "unfinished")
 
 
 def members(session):
-    """Processes of a session that still run, the first one first."""
+    """Running processes of a session; its first process comes first."""
     found = []
     for entry in Path("/proc").glob("[0-9]*/stat"):
         try:
@@ -52,7 +52,7 @@ def send(number, process):
 
 
 class Paces:
-    """How long a run of each program takes, by the last ones that were left alone."""
+    """Duration of a run of each program: the median of the last undisturbed runs."""
 
     def __init__(self):
         self.seconds = collections.defaultdict(lambda: collections.deque(maxlen=7))
@@ -70,7 +70,7 @@ class Life:
         self.random = random.Random(seed)
         self.out = folder / "out"
         self.said = folder / "said"
-        self.kills = []  # (phase, signal, what was amiss)
+        self.kills = []  # (phase, signal, faults)
 
     def start(self):
         with open(self.said, "w") as said:
@@ -84,7 +84,7 @@ class Life:
             )
 
     def ends(self, process):
-        """Waits for all processes of a run; @return whether they end by themselves."""
+        """Waits for all processes of a run. Returns whether they end by themselves."""
         try:
             process.wait(timeout=HANG_S)
         except subprocess.TimeoutExpired:
@@ -98,11 +98,11 @@ class Life:
         return not alive
 
     def amiss(self, before):
-        """After any run."""
+        """Faults after any run: lost and partial files."""
         return {"lost": self.subject.lost(before, self.out), "partial": self.subject.spoilt(self.out)}
 
     def run_and_kill(self):
-        """@return whether it was killed: it may have ended before."""
+        """Runs and kills the program. Returns whether it was killed: it may have ended before."""
         before, remains = self.subject.finished(self.out), set(leftovers(self.out))
         moment = self.random.random() * self.paces.of(self.subject.name)
         number, victim = self.random.choice(SIGNALS), self.random.choice(self.subject.victims)
@@ -124,19 +124,20 @@ class Life:
         found |= self.amiss(before)
         if (
             number != signal.SIGKILL and victim != "one"
-        ):  # an earlier one's goes when its file is written again
+        ):  # a file left by an earlier run is removed when its target is written again
             found["left"] = self.subject.outlived(remains, self.out)
-        # One that dies may be replaced, and an end may be reached just then; mpirun has statuses of its own.
+        # A process that dies may be replaced, and the run may end at this
+        # moment. mpirun has its own statuses.
         usual = {0, -number, 128 + number}
         if number == signal.SIGINT and "KeyboardInterrupt" in self.said.read_text():
-            usual.add(1)  # Python's own, when it has not even read the script
+            usual.add(1)  # from Python itself if it has not read the script yet
         if victim != "one" and process.returncode not in usual and self.subject.name[:6] != "mpirun":
             found["status"] = [f"{process.returncode}: {self.said.read_text()[-300:]}"]
         self.kills.append((phase, f"{number.name} to {victim}", found))
         return True
 
     def finish(self):
-        """A run that is left alone."""
+        """Runs the program undisturbed and checks its result."""
         before = self.subject.finished(self.out)
         started = time.monotonic()
         process = self.start()
@@ -175,7 +176,7 @@ def undisturbed(subject, out, paces, times=1):
 
 
 def references(folder, names, paces):
-    """The subjects of these names, each with what it leaves when nobody disturbs it."""
+    """The subjects of these names, each with the files of an undisturbed run."""
     write_scenes(folder)
     kernel = Kernel(folder, folder / "kernels")
     undisturbed(kernel, kernel.whole, paces)
@@ -271,7 +272,7 @@ def add_arguments(parser):
 def run(options):
     signal.signal(
         signal.SIGINT, signal.default_int_handler
-    )  # where it was ignored, programs would ignore it, too
+    )  # if SIGINT were ignored here, the programs would ignore it too
     folder = Path(tempfile.mkdtemp(prefix="ricochet-kills-"))
     paces, tally, lives, started = Paces(), Tally(), queue.Queue(), time.monotonic()
     subjects = references(folder, options.only or list(WEIGHTS), paces)

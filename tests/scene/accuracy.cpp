@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// `accuracy` chooses only the settings that a scene leaves open; kernels chosen for it belong to this scene
-// only.
+// `accuracy` chooses only settings that a scene leaves open. Kernels chosen for it belong to this scene only.
 #include <gmock/gmock.h>
 
 #include "src/scene/derive.hpp"
@@ -16,7 +15,7 @@ using namespace ricochet::scene;
 using namespace ricochet::scene::test;
 using ::testing::HasSubstr;
 
-/// The smallest scene without [modes], with a block of a .geo beside the ball.
+/// The smallest scene without [modes], with a block from a .geo file beside the ball.
 const std::string open_scene = changed(changed(smallest, "[modes]\ncount = 10\n", R"([bodies.block]
 mesh = "block.geo"
 material = { density = 1000, young = 1e9 }
@@ -29,7 +28,7 @@ std::vector<Override> with_accuracy(std::vector<Override> more = {}) {
   return more;
 }
 
-/// Request of the body with this index: the block is first, the ball second.
+/// Request of the body with this index: 0 is the block, 1 the ball.
 KernelRequest request_of(const std::vector<Override>& overrides, std::size_t body = 1,
                          const std::string& ball = "a ball") {
   const Folder folder;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The kernels that can be derived from others, and those that cannot.
+// Kernels that can be derived from others, and kernels that cannot.
 #include "src/scene/derive.hpp"
 #include "src/scene/read.hpp"
 #include "src/scene/request.hpp"
@@ -29,7 +29,7 @@ direction = [0, 0, -1]
 along = [1, 0, 0]
 spacing = 0.01)");
 
-/// The request of the scene's ball with these overrides.
+/// The request for the ball of the scene with these overrides.
 KernelRequest request_of_ball(const std::vector<Override>& overrides = {}) {
   const Folder folder;
   folder.write("ball.msh", "a mesh");
@@ -42,7 +42,7 @@ std::optional<kernels::Similarity> similarity_with(const std::vector<Override>& 
   return similarity(request_of_ball(), request_of_ball(overrides));
 }
 
-/// A bar that stands for the ball; its 40 modes reach up to 14.4 Hz.
+/// A bar in place of the ball. Its 40 modes reach up to 14.4 Hz.
 Kernel kernel_of(const KernelRequest& request) {
   Kernel kernel = Bar{}.kernel();
   kernel.hash = request.hash;
@@ -158,14 +158,14 @@ TEST(Derived, kernels_answer_the_new_request) {
   EXPECT_EQ(kernel.hash, wanted.hash);
   EXPECT_EQ(kernel.scene, wanted.toml);
   EXPECT_EQ(kernel.body, "ball");
-  EXPECT_FALSE(kernel.view);  // although the bar has one
+  EXPECT_FALSE(kernel.view);  // none, although the bar has one
   EXPECT_EQ(kernel.modes.size(), 40U);
   const Bar bar;
   EXPECT_THAT(kernel.modes.angular_frequency[3], DoubleNear(2 * bar.omega(4), 1e-12));
   EXPECT_THAT(kernel.modes.decay_rate[3], DoubleNear(0.02 * bar.omega(4), 1e-13));
 }
 
-// The area of a solid has no meaning; the patches of a rod have the area of its cross-section.
+// The area of a solid has no meaning. The patches of a rod have the area of its cross-section.
 TEST(Derived, kernels_of_rods_keep_their_cross_section) {
   const auto masses = [](const char* area) {
     const KernelRequest had = request_of_ball({fmt::format("bodies.ball.material.area={}", area)});
@@ -177,7 +177,7 @@ TEST(Derived, kernels_of_rods_keep_their_cross_section) {
     const Kernel before = kernel_of(had);
     return derived(before, had, wanted).mass / before.mass;
   };
-  EXPECT_DOUBLE_EQ(masses("0.3"), 2);  // as of the bar
+  EXPECT_DOUBLE_EQ(masses("0.3"), 2);  // as in the bar
   EXPECT_DOUBLE_EQ(masses("0.4"), 8);
 }
 
@@ -186,7 +186,7 @@ TEST(Derived, kernels_hold_the_requested_modes) {
   const auto modes = [](const char* wanted, const char* had = "title=any") {
     return derived_with({wanted}, {had}).modes.size();
   };
-  EXPECT_EQ(modes("modes.up_to_hz=14.3"), 40U);  // above the first request, but covered
+  EXPECT_EQ(modes("modes.up_to_hz=14.3"), 40U);  // above the first request, but still covered
   EXPECT_EQ(modes("modes.up_to_hz=7"), 19U);     // modes at (n - 1/2) 0.36 Hz
   EXPECT_EQ(modes("modes={count=7}"), 7U);
   EXPECT_EQ(modes("modes={count=7}", "modes={count=40}"), 7U);
@@ -230,7 +230,8 @@ TEST(Derived, contact_adapted_bases_serve_the_same_band_of_a_similar_body) {
   EXPECT_THAT(complaint_of([&] { derived(kernel, had, of("9e9", "14")); }), HasSubstr("another band"));
 }
 
-// One direction can be taken from all three components, but a basis adapted to all is not adapted to one.
+// One direction can be taken from all three components, but a basis adapted
+// to all directions is not adapted to one.
 TEST(Derived, kernels_in_one_direction_serve_no_other_and_those_in_all_serve_each) {
   const std::string open = changed(scene_text, "direction = [0, 0, -1]\n", "");
   const auto ask = [&](const std::string& text, const char* modes) {
@@ -291,7 +292,7 @@ TEST(Derived, points_within_reach_keep_the_record_of_the_complete_surface) {
               ::testing::ElementsAreArray(derived(all, whole, near({1, 3}, false)).surface.node));
   EXPECT_FALSE(derived(cut, three, near({1, 3}, false)).surface.whole);
   EXPECT_FALSE(similarity(two, three));
-  EXPECT_FALSE(similarity(chosen, two));  // which has no record of its surface
+  EXPECT_FALSE(similarity(chosen, two));  // this one has no record of its surface
 }
 
 TEST(Folders, hold_kernels_to_derive_from_among_other_files) {

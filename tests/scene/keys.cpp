@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The reader follows the reference of keys.
+// The reader agrees with the key reference.
 #include "src/scene/keys.hpp"
 #include "src/scene/key_reference.hpp"
 #include "src/scene/read.hpp"
@@ -19,7 +19,7 @@ using namespace ricochet::scene::test;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-/// Every table, with its required keys only.
+/// Every table, each with only its required keys.
 const std::string barest = R"([bodies.ball]
 mesh = "ball.msh"
 contact = "skin"
@@ -57,7 +57,7 @@ body = "ball"
 at = [0, 0, 0]
 )";
 
-/// The error of the scene; empty if it is accepted.
+/// The error of the scene, or an empty string if it is accepted.
 std::string refusal(const std::string& text, const std::vector<Override>& overrides) {
   try {
     scene_of(text, overrides);
@@ -67,7 +67,7 @@ std::string refusal(const std::string& text, const std::vector<Override>& overri
   return "";
 }
 
-/// The key in the syntax of --set, in `barest`.
+/// The path of the key in `barest`, in the syntax of --set.
 std::string path(const Section& section, const Key& key) {
   if (section.title.front() != '[') return key.name;
   std::string table = section.title.substr(section.title.find_first_not_of('['));
@@ -121,7 +121,7 @@ TEST(TheDefaultOfAKey, given_in_the_scene_changes_nothing) {
   EXPECT_GT(found, 20);
 }
 
-// Missing tables have lines of their own: Refused.is_a_missing_key.
+// For missing tables, see Refused.is_a_missing_key.
 TEST(ARequiredKey, is_reported_if_missing) {
   ASSERT_EQ(refusal(barest, {}), "");
   for_each_key([](const Section& section, const Key& key) {
@@ -137,7 +137,7 @@ TEST(ARequiredKey, is_reported_if_missing) {
   });
 }
 
-// Bounds of each kind, at and beyond them, with numbers written in the test.
+// Bounds of each kind, at and beyond their ends, with numbers written in the test.
 TEST(ARange, accepts_what_its_text_states) {
   const Range above{.low = "0", .low_open = true}, from{.low = "1e-6", .high = "0.5"},
       inside{.low = "-1", .high = "0.5", .low_open = true, .high_open = true},

@@ -55,7 +55,7 @@ body = "ball"
 at = [0.4, 0.5, -0.6]
 )";
 
-/// The scene with all of them, read in the folder of its history.
+/// The scene with all of these, read in the folder of its history.
 Scene driven_scene(const std::vector<Override>& overrides = {}, const std::string& text = held + sources) {
   const Folder folder;
   folder.write("push.csv", "0, 1\n");
@@ -143,9 +143,9 @@ TEST(Sources, are_refused_in_one_line) {
       "… }");
 }
 
-// A support holds components in the axes of the mesh and moves in those of the world.
+// A support holds components along the axes of the mesh and moves along those of the world.
 TEST(Motions, of_a_rotated_body_are_along_the_components_of_its_support) {
-  const std::vector<Override> turned{"bodies.ball.rotate_deg=[0,0,90]"};  // the body's x is the world's y
+  const std::vector<Override> turned{"bodies.ball.rotate_deg=[0,0,90]"};  // x of the body is y of the world
   EXPECT_NO_THROW(driven_scene({turned[0], "loads.motion[0].vector=[0,1,-1]"}));
   EXPECT_THAT(complaint_of([&] {
                 driven_scene({turned[0], "loads.motion[0].vector=[1,0,0]"});
@@ -222,7 +222,8 @@ TEST(KernelRequests, hold_a_support_once_for_any_number_of_histories) {
   EXPECT_EQ(request.hash, driven_request().hash);
 }
 
-// Rotated by 90 degrees about x and then z, the body's x, y, z are the world's y, z, x.
+// After rotations by 90 degrees about x and then z, the x, y, z axes of the
+// body are the y, z, x axes of the world.
 TEST(KernelRequests, hold_positions_in_the_frame_of_the_body) {
   const KernelRequest request =
       driven_request({"bodies.ball.rotate_deg=[90,0,90]", "bodies.ball.translate=[1,2,3]",

@@ -120,7 +120,7 @@ TEST(Set, without_a_target_is_refused) {
     EXPECT_EQ(complaint_about(smallest, {set}), "--set " + set + ": " + line);
 }
 
-// A line break would start another TOML line, but a --set is one key.
+// A line break would start another line of TOML, but --set takes a single key.
 TEST(Set, that_holds_two_lines_is_refused_in_one) {
   EXPECT_EQ(complaint_about(smallest, {"time.duration=1\ntitle=2"}),
             "--set time.duration=1 title=2: holds more than one value");

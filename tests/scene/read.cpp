@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The values of a scene reach the program: the default and the value of each key.
+// Values of a scene reach the program: the default and a given value of each key.
 #include <gmock/gmock.h>
 
 #include "src/scene/read.hpp"
@@ -34,7 +34,7 @@ TEST(SceneDefaults, of_a_body_are_those_documented) {
 
 TEST(SceneDefaults, of_everything_else_are_those_documented) {
   const Scene scene = scene_of(smallest);
-  EXPECT_EQ(scene.title, "scene");  // the file's name without .toml
+  EXPECT_EQ(scene.title, "scene");  // the file name without .toml
   ASSERT_EQ(scene.obstacles.size(), 1U);
   EXPECT_THAT(scene.obstacles[0].point, ElementsAre(0, 0, 0));
   EXPECT_EQ(scene.modes.basis, Basis::modes);
@@ -191,7 +191,7 @@ TEST(SceneValues, of_contact_adapted_bases_are_read) {
   EXPECT_EQ(within.basis, Basis::contact);
   EXPECT_EQ(within.flexibility_error, 1e-6);
   EXPECT_FALSE(within.count);
-  // A number of vectors, for any error: the error then has no default.
+  // A number of vectors for any error: the error then has no default.
   const Modes counted = scene_of(smallest, {"modes={ basis = \"contact\", up_to_hz = 2e3, count = 60, "
                                             "residual_flexibility = false }"})
                             .modes;
@@ -212,11 +212,11 @@ TEST(SceneValues, of_truncated_modes_are_read) {
     EXPECT_FALSE(modes.count);
     EXPECT_EQ(modes.flexibility_error, 0.5);
   }
-  // Without it all modes are kept.
+  // Without a residual flexibility, all modes are kept.
   EXPECT_FALSE(scene_of(smallest, {"modes={ up_to_hz = 2e3 }"}).modes.flexibility_error);
 }
 
-// Squares of such lengths exceed the range of a double, but the direction is valid.
+// Squares of such lengths exceed the range of double precision, but the direction is valid.
 TEST(Directions, may_have_any_length) {
   for (const char* normal : {"[0, 3e200, 4e200]", "[0, 3e-200, 4e-200]"}) {
     const Scene scene = scene_of(changed(smallest, "[0, 0, 1]", normal));
@@ -225,8 +225,8 @@ TEST(Directions, may_have_any_length) {
   }
 }
 
-// The body of a pair comes first, which defines "out of a"; a direction that the user gave out of the floor
-// is reversed.
+// The body of a pair comes first, which defines "out of a". A direction that the
+// user gave out of the floor is reversed.
 TEST(Pairs, that_name_the_obstacle_first_are_swapped) {
   const Contact contact =
       scene_of(changed(smallest, R"(["ball", "floor"])", "[\"floor\", \"ball\"]\ndirection = [0, 0, 2]"))
@@ -246,7 +246,7 @@ TEST(Pairs, inherit_missing_keys_from_contact) {
   EXPECT_EQ(*contact.pairs[1].reach, 0.25);
 }
 
-// "direction" points out of the first member of "between", whichever of both the pair itself gives.
+// "direction" points out of the first member of "between", whichever of the two the pair itself gives.
 TEST(Pairs, are_swapped_once_for_any_inherited_keys) {
   const std::string two_balls = changed(smallest, "[obstacles.floor]", R"([bodies.cube]
 mesh = "cube.msh"
@@ -315,7 +315,7 @@ TEST(Title, is_refused_if_it_makes_file_names_too_long) {
   const auto titled = [](int length) {
     return "title = \"" + std::string(static_cast<std::size_t>(length), 'a') + "\"\n" + smallest;
   };
-  EXPECT_EQ(scene_of(titled(226)).title.size(), 226);  // with .summary.json and .1234567.partial 255
+  EXPECT_EQ(scene_of(titled(226)).title.size(), 226);  // 255 bytes with .summary.json and .1234567.partial
   EXPECT_EQ(complaint_about(titled(227)),
             "scene.toml: title: with the names of receivers, it gives file names of 256 bytes, more than "
             "255: shorten it");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// An invalid scene is refused in one line: the file, the key, what was found, what to do.
+// An invalid scene is refused in one line: the file, the key, the value found, and the remedy.
 #include "src/scene/read.hpp"
 #include "tests/scene/scenes.hpp"
 
@@ -12,7 +12,7 @@ struct Refusal {
   std::string from, to, line;
 };
 
-/// Each change of `smallest` must give exactly its line.
+/// Each change of `smallest` must give exactly the expected line.
 void expect_lines(const std::vector<Refusal>& refusals) {
   for (const Refusal& refusal : refusals) {
     SCOPED_TRACE(refusal.to);
@@ -176,7 +176,7 @@ TEST(Refused, is_a_number_out_of_range) {
     expect_lines({{"[time]", "[output]\n" + key + "\n[time]", "output." + line}});
 }
 
-// In a computation they would give infinite factors, not a refusal.
+// Without the refusal, such numbers would give infinite factors in computations.
 TEST(Refused, is_a_number_whose_square_overflows) {
   expect_body_lines({{"scale = 1e150", "scale = 1e+150: must be from -1e30 to 1e30"},
                      {"scale = 1e-150", "scale = 1e-150: must be at least 1e-30"},
@@ -256,7 +256,7 @@ TEST(Refused, is_a_flexibility_error_out_of_range) {
                        "flexibilityerror = 0.1: unknown key. Did you mean \"flexibility_error\"?"}});
 }
 
-// Settings of contact-adapted bases and of modes, in every combination that has no meaning.
+// Settings of contact-adapted bases and of modes in every contradictory combination.
 TEST(Refused, are_contradictory_requests_for_modes_or_ritz_vectors) {
   const std::string no_band =
       "modes = {…}: basis = \"contact\" needs up_to_hz, the band in which contact acts";
@@ -326,7 +326,7 @@ TEST(Refused, is_a_file_that_is_missing_or_not_toml) {
   const std::string missing = (folder.path() / "none.toml").string();
   EXPECT_EQ(complaint_of([&] { read(missing); }), missing + ": no such file");
   EXPECT_EQ(complaint_of([&] { read(folder.path()); }), folder.path().string() + ": no such file");
-  // Line 2, column 5: the second "="; the rest is the message of the parser.
+  // Line 2, column 5 is the second "=". The rest is the message of the parser.
   EXPECT_EQ(complaint_about("title = \"a\"\na = = 3\n").substr(0, 15), "scene.toml:2:5:");
 }
 
@@ -343,7 +343,7 @@ TEST(Refused, is_reported_in_one_line_for_any_keys) {
 }
 
 TEST(Refused, are_long_values_which_are_shortened_between_characters) {
-  // 1 + 55 bytes, then an é whose second byte is the 58th: the character is removed completely.
+  // 1 + 55 bytes, then an é whose second byte is the 58th: the message drops this character as a whole.
   const std::string start(55, 'a');
   expect_lines({{"count = 10", "count = \"" + start + "ééé\"",
                  "modes.count = \"" + start + "…: must be a whole number"}});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The hash of a kernel depends on all data that the kernel depends on, and on nothing else: otherwise runs
-// would use the modes of another body, or compute modes again unnecessarily.
+// The hash of a kernel depends on all data that the kernel depends on, and on nothing else. Otherwise runs
+// would use the modes of another body or recompute modes needlessly.
 #include "src/scene/request.hpp"
 #include "src/scene/read.hpp"
 #include "src/scene/write.hpp"
@@ -36,7 +36,7 @@ KernelRequest request_of(const std::string& text, const std::vector<Override>& o
 
 std::string hash_with(const Override& set) { return request_of(scene_text, {set}).hash; }
 
-// The example of FIPS 180-4.
+// The example in FIPS 180-4.
 TEST(Sha256, matches_the_standard) {
   EXPECT_EQ(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
 }
@@ -60,7 +60,7 @@ TEST(KernelHash, changes_with_everything_that_the_kernel_depends_on) {
     EXPECT_NE(hash_with(set), hash) << set;
 }
 
-// The same band with other settings is a different kernel.
+// The same band with other settings gives a different kernel.
 TEST(KernelHash, changes_with_basis_and_flexibility_error) {
   std::set<std::string> hashes;
   for (const char* modes : {"{ up_to_hz = 1e3 }", "{ up_to_hz = 1e3, flexibility_error = 1e-3 }",
@@ -88,7 +88,7 @@ TEST(KernelHash, is_unchanged_by_everything_else) {
         "contact.reach=0.5", "contact.scheme=impulse", "contact.max_pivots=20", "time.rate_hz=96000",
         "time.duration=1", "loads.gravity=[0,0,-9.81]", "output.every=2", "output.snapshot_every=5",
         "obstacles.floor.point=[0,0,1]", "bodies.ball.order=3",
-        "bodies.ball.mesh=moved.msh"})  // 3 is the default; the other file holds the same
+        "bodies.ball.mesh=moved.msh"})  // 3 is the default; the other file has the same contents
     EXPECT_EQ(hash_with(set), hash) << set;
 }
 
@@ -103,7 +103,7 @@ TEST(KernelHash, changes_with_the_content_of_the_mesh_file) {
   EXPECT_EQ(request_of(scene_text, {}, "abc").mesh_sha256, sha256("abc"));
 }
 
-/// Hash of a ball whose mesh is the .geo of these files.
+/// Hash of a ball whose mesh is the .geo file with these contents.
 std::string geo_hash(const std::string& main, const std::string& included, const std::string& merged) {
   const Folder folder;
   folder.write("ball.geo", main);
@@ -115,8 +115,8 @@ std::string geo_hash(const std::string& main, const std::string& included, const
 
 TEST(KernelHash, changes_with_the_files_that_a_geo_includes) {
   const std::string main = "Include \"parts/sizes.geo\";\nPoint(1) = {0, 0, 0};\n";
-  // sizes.geo merges a file in its folder, and includes the file that includes it; this must not loop for
-  // ever.
+  // sizes.geo merges a file in its folder and includes the file that includes it,
+  // which must not cause an endless loop.
   const std::string sizes = "  Merge \"shape.step\";\nInclude \"../ball.geo\";\n";
   const std::string hash = geo_hash(main, sizes, "a cube");
   EXPECT_EQ(geo_hash(main, sizes, "a cube"), hash);
@@ -163,7 +163,8 @@ TEST(KernelRequests, of_many_runs_of_a_scene_hash_a_mesh_once) {
   EXPECT_EQ(ask(nullptr).mesh_sha256, sha256("abd"));
 }
 
-// Rotated by 90 degrees about x and then z, the body's x, y, z are the world's y, z, x. An axis has no sign.
+// After rotations by 90 degrees about x and then z, the x, y, z axes of the body are the y, z, x
+// axes of the world. An axis has no sign.
 TEST(KernelRequests, hold_axes_in_the_frame_of_the_body) {
   const KernelRequest request =
       request_of(scene_text, {"bodies.ball.rotate_deg=[90,0,90]", "contact.direction=[0,-3,4]"});
@@ -171,8 +172,8 @@ TEST(KernelRequests, hold_axes_in_the_frame_of_the_body) {
   EXPECT_THAT(*request.along, ElementsAre(0, 0, 1));
 }
 
-// A body that is rotated together with its axes therefore needs no other kernel, nor does one that is hit
-// from the opposite side.
+// No other kernel is therefore needed for a body that is rotated together with its axes,
+// or that is hit from the opposite side.
 TEST(KernelHash, is_unchanged_if_body_and_axes_rotate_together) {
   const std::string hash = request_of(scene_text).hash;  // direction −z, along x
   EXPECT_EQ(request_of(scene_text, {"bodies.ball.rotate_deg=[90,0,90]", "contact.direction=[1,0,0]",
@@ -231,7 +232,7 @@ TEST(Rotation, is_about_x_then_y_then_z) {
   EXPECT_THAT(turned({90, 90, 90}), ElementsAre(0, 0, 1, 0, 1, 0, -1, 0, 0));  // y to z to x to y
 }
 
-// 1e17 is 80 below a multiple of 360; small additions to such a number are lost.
+// 1e17 is 80 below a multiple of 360. Small additions to such a number are lost.
 TEST(Rotation, by_many_turns_equals_the_remainder) {
   for (const Vector3 degrees : {Vector3{1e17, 0, 0}, Vector3{0, -1e17, 0}, Vector3{0, 0, 1e17}}) {
     const double left = std::remainder(degrees[0] + degrees[1] + degrees[2], 360.0);

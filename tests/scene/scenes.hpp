@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Minimal scenes for the tests, each in a folder of its own.
+// Small scenes for the tests, each in a folder of its own.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ namespace ricochet::scene::test {
 using ricochet::test::complaint_of;
 using ricochet::test::Folder;
 
-/// Required keys only; all others keep their defaults.
+/// Required keys only; all others have their defaults.
 inline const std::string smallest = R"(
 [bodies.ball]
 mesh = "ball.msh"
@@ -50,7 +50,7 @@ table = "../tables/rods.h5"
 duration = 0.01
 )";
 
-/// Two bodies, an obstacle and two pairs, with every key given a value that is not its default.
+/// Two bodies, an obstacle and two pairs. Every key has a value other than its default.
 inline const std::string fullest = R"(
 title = "Ball, block & \"floor\""
 
@@ -115,7 +115,7 @@ snapshot_every = 100
 vtk_every = 16
 )";
 
-/// `text` with its one `from` replaced.
+/// `text` with the only occurrence of `from` replaced.
 inline std::string changed(std::string text, const std::string& from, const std::string& to) {
   const std::size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << "the scene does not hold: " << from;
@@ -124,7 +124,7 @@ inline std::string changed(std::string text, const std::string& from, const std:
   return text.replace(at, from.size(), to);
 }
 
-/// The scene with this text, in a temporary file "scene.toml".
+/// The scene with this text, from a temporary file "scene.toml".
 inline Scene scene_of(const std::string& text, const std::vector<Override>& overrides = {}) {
   const Folder folder;
   return read(folder.write("scene.toml", text), overrides);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The resolved scene, as --dry-run prints it, is a scene: reading it gives the same one.
+// The resolved scene, as --dry-run prints it, is a scene itself: reading it gives the same scene.
 #include "src/scene/write.hpp"
 #include "src/scene/read.hpp"
 
@@ -90,7 +90,7 @@ void expect_same(const Scene& a, const Scene& b) {
   EXPECT_EQ(a.output.vtk_every, b.output.vtk_every);
 }
 
-/// The scene, written and read back from a file beside it.
+/// Writes the scene and reads it back from a file in the same folder.
 void expect_to_come_back(const std::string& text, const std::vector<Override>& overrides = {}) {
   const Folder folder;
   const Scene scene = read(folder.write("scene.toml", text), overrides);
@@ -142,7 +142,7 @@ TEST(Resolved, scene_with_each_request_for_modes_reads_back) {
     expect_to_come_back(smallest, {std::string("modes=") + modes});
 }
 
-// Strings of all kinds, and numbers that need all their digits or have no decimals.
+// Strings of all kinds, and numbers that need all of their digits or have no decimals.
 TEST(Resolved, scene_with_unusual_values_reads_back) {
   expect_to_come_back(smallest, {R"(title="back\\slash \"quote\" tab\t line\n bell\u0007 delete\u007F é")"});
   expect_to_come_back(smallest, {"title="});
@@ -153,7 +153,7 @@ TEST(Resolved, scene_with_unusual_values_reads_back) {
   expect_to_come_back(smallest, {"time.rate_hz=1e20", "time.duration=1e-15", "time.precision=single"});
 }
 
-// A unit vector may be slightly longer than 1; dividing by its length again would change it.
+// A unit vector may be slightly longer than 1. Normalising it again would change it.
 TEST(Resolved, directions_do_not_drift) {
   for (int x = -3; x <= 3; ++x)
     for (int y = -3; y <= 3; ++y) {
@@ -230,7 +230,7 @@ TEST(Slug, is_the_title_as_a_file_name) {
   EXPECT_EQ(slug("  V0 = 6 m/s!  "), "v0-6-m-s");
   EXPECT_EQ(slug("a--b__c"), "a-b-c");
   EXPECT_EQ(slug("../../etc"), "etc");
-  EXPECT_EQ(slug("Étude"), "tude");  // characters other than a–z do not appear, even at the start
+  EXPECT_EQ(slug("Étude"), "tude");  // characters other than a–z are dropped, even at the start
   EXPECT_EQ(slug("!?"), "scene");
   EXPECT_EQ(slug(""), "scene");
 }

@@ -35,7 +35,7 @@ Read read(const std::filesystem::path& path) {
   return out;
 }
 
-/// x: `hertz` with amplitude 0.02 m/s, y: at rest, z: a quarter of x.
+/// x: `hertz` with an amplitude of 0.02 m/s; y: at rest; z: a quarter of x.
 std::vector<float> tone(double hertz, double rate, double seconds) {
   std::vector<float> out;
   for (int k = 0; k < seconds * rate; ++k) {
@@ -45,7 +45,7 @@ std::vector<float> tone(double hertz, double rate, double seconds) {
   return out;
 }
 
-/// Amplitude and phase of a tone in a channel, over the middle half.
+/// Amplitude and phase of a tone in a channel, over the middle half of the sound.
 std::complex<double> find(const Read& sound, int channel, double hertz) {
   std::complex<double> sum = 0;
   const auto frames = sound.info.frames;
@@ -79,7 +79,8 @@ TEST(Wav, keeps_rates_that_players_support_and_resamples_others) {
   EXPECT_EQ(audio_rate(100), 48000);
 }
 
-// 1 % of the amplitude: leakage of the window. Two passes at 100 Hz (a ratio of 480) and at 20 MHz.
+// 1 % of the amplitude: leakage of the window. Two resampling passes at
+// 100 Hz (a ratio of 480) and at 20 MHz.
 TEST(Wav, resampled_keeps_pitch_level_and_time) {
   struct Case {
     double rate, hertz, seconds;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Moving supports, against dense solves and the closed forms of a rod.
+// Moving supports compared with dense solves and with closed forms of a rod.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,8 +14,8 @@ namespace {
 
 using namespace test;
 
-/// The block of the tests below: its bottom moves and its top is held along z, so that it is sheared and
-/// stretched.
+/// The block of the tests below. Its bottom moves and its top is held along
+/// z, so that it is sheared and stretched.
 scene::KernelRequest squeezed() {
   scene::KernelRequest request = request_of({"sides"}, {{"bottom", "xyz"}, {"top", "z"}});
   request.direction = Vector3{0.6, 0, 0.8};
@@ -33,7 +33,7 @@ std::int64_t node_at(const mesh::Mesh& mesh, const Point& x) {
   return static_cast<std::int64_t>(parallel::largest(mesh.comm, found));
 }
 
-// The oracle takes the matrices of the body without supports, partitions them and solves densely.
+// The oracle partitions the matrices of the body without supports and solves densely.
 TEST(Lift, of_two_supports_is_that_of_a_dense_solve) {
   Made made(test::block_geo("hex", 2, 0), 2, squeezed());
   const kernels::Kernel kernel = made.kernel({.count = 12});
@@ -43,7 +43,7 @@ TEST(Lift, of_two_supports_is_that_of_a_dense_solve) {
   const MatrixXd K = test::dense(free_mesh, free_body, free_body.stiffness),
                  M = test::dense(free_mesh, free_body, free_body.mass);
   const Eigen::Index n = K.rows();
-  // Columns: the bottom along x, y, z, the top along z.
+  // Columns: the bottom along x, y and z, and the top along z.
   MatrixXd psi = MatrixXd::Zero(n, 4);
   Eigen::VectorXd held = Eigen::VectorXd::Zero(n);
   for (std::size_t i = 0; i < made.mesh.node.size(); ++i) {
@@ -63,14 +63,14 @@ TEST(Lift, of_two_supports_is_that_of_a_dense_solve) {
     if (held[i] == 0) f.push_back(i);
   const MatrixXd pull = K * psi, solved = K(f, f).ldlt().solve(pull(f, Eigen::all));
   for (std::size_t i = 0; i < f.size(); ++i) psi.row(f[i]) -= solved.row(static_cast<Eigen::Index>(i));
-  // All modes of the oracle, of which the kernel holds the lowest.
+  // All modes of the oracle. The kernel contains the lowest of them.
   const test::DenseModes oracle(PETSC_COMM_WORLD, K(f, f), M(f, f));
   MatrixXd phi = MatrixXd::Zero(n, static_cast<Eigen::Index>(kernel.modes.size()));
   for (std::size_t i = 0; i < f.size(); ++i)
     phi.row(f[i]) = oracle.vector.row(static_cast<Eigen::Index>(i)).leftCols(phi.cols());
   const MatrixXd gamma = phi.transpose() * M * psi, rest = psi - phi * gamma;
 
-  // In units in which all values are of order one; the modes are accurate to about their residuals, 1e-8.
+  // In these units all values are of order one. The modes are accurate to about their residuals, 1e-8.
   constexpr double tolerance = 1e-7;
   const auto expect_near = [&](const MatrixXd& found, const MatrixXd& exact) {
     ASSERT_EQ(found.rows(), exact.rows());
@@ -80,7 +80,7 @@ TEST(Lift, of_two_supports_is_that_of_a_dense_solve) {
   const kernels::Motion &bottom = kernel.motions[0], &press = kernel.motions[1];
   MatrixXd participation(4, phi.cols());
   participation << rows(bottom.participation, 3), rows(press.participation, 3).row(2);
-  // Modes of one frequency are determined up to rotation, but sums over them are not affected.
+  // Modes of equal frequency are determined only up to rotation, which does not affect sums over them.
   const Eigen::VectorXd square = oracle.value.head(phi.cols());
   for (int power : {0, 1, 2}) {
     const Eigen::VectorXd weight = square.array().pow(-power);
@@ -96,13 +96,13 @@ TEST(Lift, of_two_supports_is_that_of_a_dense_solve) {
     expect_near(found.leftCols(3), exact.leftCols(3));
     expect_near(found.col(5), exact.col(3));
   }
-  // Momentum, from the translations.
+  // Momentum, from products with translations.
   MatrixXd translations = MatrixXd::Zero(n, 3);
   for (Eigen::Index i = 0; i < n; ++i) translations(i, i % 3) = 1;
   const MatrixXd momentum = translations.transpose() * M * rest;
   expect_near(rows(bottom.momentum, 3), momentum.leftCols(3));
   expect_near(rows(press.momentum, 3).col(2), momentum.col(3));
-  // Candidates record a mean over their patch along the direction, with the weights of the patches.
+  // Candidates record a mean over their patch along the direction, with the weights of the patch.
   const Point direction(0.6, 0, 0.8);
   MatrixXd seen = MatrixXd::Zero(static_cast<Eigen::Index>(kernel.surface.size()), 4);
   for (const surface::Weight& weight : made.patches.weights)
@@ -110,7 +110,7 @@ TEST(Lift, of_two_supports_is_that_of_a_dense_solve) {
   expect_near(rows(bottom.residual, kernel.surface.size()), seen.leftCols(3));
   expect_near(rows(press.residual, kernel.surface.size()).col(2), seen.col(3));
 
-  // A force at a node: the inverse of K itself.
+  // A force at a node gives a column of the inverse of K.
   const std::int64_t tap = node_at(made.mesh, {1, 0.5, 0.5});
   MatrixXd unit = MatrixXd::Zero(n, 3);
   unit.middleRows(3 * tap, 3).setIdentity();
@@ -123,7 +123,7 @@ TEST(Lift, of_two_supports_is_that_of_a_dense_solve) {
               displaced.middleRows(3 * places[0], 3));
 }
 
-/// A rod of length 2 along x, ρA = 1, EA = 1.5.
+/// A rod of length 2 along x with ρA = 1 and EA = 1.5.
 Made rod(const std::map<std::string, std::string>& support) {
   scene::KernelRequest request = request_of({"right"}, support);
   request.motions = {load("shaker", "left")};
@@ -132,7 +132,7 @@ Made rod(const std::map<std::string, std::string>& support) {
   return Made(test::rod_geo(40), 3, request);
 }
 
-// Modes √(2/(ρAL)) sin((n − ½)πx/L), Ψ = 1.
+// The modes are √(2/(ρAL)) sin((n − ½)πx/L), and Ψ = 1.
 TEST(Rod, whose_only_support_moves_has_its_participation_in_closed_form) {
   Made made = rod({{"left", "x"}});
   const kernels::Kernel kernel = made.kernel({.count = 6});
@@ -142,7 +142,7 @@ TEST(Rod, whose_only_support_moves_has_its_participation_in_closed_form) {
     EXPECT_NEAR(std::abs(kernel.motions[0].participation[n]), exact, 1e-6 * exact);
     EXPECT_EQ(kernel.motions[0].participation[6 + n], 0);
   }
-  // Pulled by 1 Pa on its cross-section of 0.5 m²: u = 0.5 x / EA.
+  // A traction of 1 Pa on the cross-section of 0.5 m² gives u = 0.5 x / EA.
   EXPECT_NEAR(kernel.applied[0].total[0], 0.5, 1e-15);
   const MatrixXd part = rows(kernel.applied[0].participation, 3);
   EXPECT_NEAR(modal(kernel, shape_of(kernel), part)(0, 0) + kernel.applied[0].residual[0], 0.5 * length / 1.5,
@@ -152,7 +152,7 @@ TEST(Rod, whose_only_support_moves_has_its_participation_in_closed_form) {
       0.5 * 0.6 / 1.5, 1e-9);
 }
 
-// Modes √(2/(ρAL)) sin(nπx/L), Ψ = 1 − x/L.
+// The modes are √(2/(ρAL)) sin(nπx/L), and Ψ = 1 − x/L.
 TEST(Rod, held_at_one_end_and_moved_at_the_other_has_its_participation_in_closed_form) {
   Made made = rod({{"left", "x"}, {"right", "xyz"}});
   const kernels::Kernel kernel = made.kernel({.count = 6});
@@ -166,10 +166,10 @@ TEST(Rod, held_at_one_end_and_moved_at_the_other_has_its_participation_in_closed
   }
   EXPECT_NEAR(kernel.motions[0].momentum[0], momentum, 1e-5);
   EXPECT_NEAR(kernel.receivers[0].motion_residual[0], rest, 1e-5);
-  EXPECT_NEAR(kernel.motions[0].residual[0], 0, 1e-12);  // the held end stays
+  EXPECT_NEAR(kernel.motions[0].residual[0], 0, 1e-12);  // the held end does not move
 }
 
-// A node that both hold moves with one of them, not with both.
+// A node that belongs to both supports moves with one of them, not with both.
 TEST(Lift, of_all_supports_together_is_a_rigid_translation) {
   scene::KernelRequest request = request_of({"top"}, {{"bottom", "xyz"}, {"sides", "xyz"}});
   request.motions = {load("bottom", "bottom"), load("sides", "sides")};
@@ -187,15 +187,15 @@ TEST(Lift, of_all_supports_together_is_a_rigid_translation) {
   }
 }
 
-// A cube on a hinge along x, at y = z = 0. Among its lifts e_y + θ e_x × x the one with ∫ (e_x × x)·Ψ = 0 has
-// θ = ¾, because ∫ z = ½ and ∫ (y² + z²) = ⅔; likewise −¾ for e_z. The hinge therefore does not rotate the
-// cube.
+// A cube on a hinge along x, at y = z = 0. Its lifts are e_y + θ e_x × x. The condition
+// ∫ (e_x × x)·Ψ = 0 gives θ = ¾, because ∫ z = ½ and ∫ (y² + z²) = ⅔; for e_z it gives −¾.
+// The hinge therefore does not rotate the cube.
 TEST(Lift, of_a_hinge_does_not_excite_the_rotation_that_it_leaves_free) {
   scene::KernelRequest request = request_of({"top"}, {{"hinge", "xyz"}});
   request.motions = {load("hinge", "hinge")};
   request.receivers = {receiver("mic", {0.3, 0.4, 0.8})};
-  // Linear elements, because in quadratic ones M happens not to couple the nodes of the hinge to rotation
-  // about it.
+  // Linear elements are used because M of quadratic ones does not couple the nodes
+  // of the hinge to the rotation about it.
   Made made(test::block_geo("hex", 2, 0) + "Physical Curve(\"hinge\") = {1};\n", 1, request);
   const kernels::Kernel kernel = made.kernel({.count = 8});
   const MatrixXd gamma = rows(kernel.motions[0].participation, 3);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// All components of the kernel of a body with loads, receivers and moving supports.
+// The components of the kernel of a body with loads, receivers and moving supports.
 #pragma once
 
 #include "src/mesh/partition.hpp"
@@ -58,7 +58,7 @@ struct Made {
     patches = surface::make_patches(mesh, body.contact, {.direction = request.direction});
   }
 
-  /// The kernel of modes, or of a contact-adapted basis.
+  /// The kernel with modes or with a contact-adapted basis.
   kernels::Kernel kernel(const modes::Request& wanted) {
     modes::Factorisation factor(matrices.stiffness, matrices.mass);
     modes::ModeSet set = modes::compute_modes(one_team(), mesh, matrices, factor, wanted);
@@ -81,7 +81,7 @@ struct Made {
     made.modes.angular_frequency = set.angular_frequency;
     return made;
   }
-  /// u = G x + o at the nodes of this rank, and −2 u, used as modes.
+  /// The fields u = G x + o and −2 u at the nodes of this rank, used as modes.
   modes::ModeSet linear_fields() const {
     modes::ModeSet set;
     set.angular_frequency = {0, 0};
@@ -112,7 +112,7 @@ inline scene::KernelRequest request_of(const std::vector<std::string>& contact,
   return request;
 }
 
-/// Σ seen_n acting_nᵀ/ω² over elastic modes.
+/// Σ seen_n acting_nᵀ/ω² over the elastic modes.
 inline MatrixXd modal(const kernels::Kernel& kernel, const MatrixXd& seen, const MatrixXd& acting) {
   MatrixXd sum = MatrixXd::Zero(seen.rows(), acting.rows());
   for (std::size_t n = 0; n < kernel.modes.size(); ++n) {

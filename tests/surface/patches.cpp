@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Contact patches against hand values and the closed forms of hats on flat triangles.
+// Contact patches compared with values derived by hand and with closed forms of hats on flat triangles.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -32,7 +32,7 @@ Made make(const std::string& geo, int order, const std::vector<std::string>& con
   body.contact = contact;
   Made made{test::mesh_of(body), {}};
   made.patches = surface::make_patches(made.mesh, contact, options);
-  // The same as on one rank, bitwise except for the numbering of the nodes.
+  // The patches are the same as on one rank, bitwise except for the numbering of the nodes.
   const auto alone = mesh::distribute(mesh::read_mesh(body), PETSC_COMM_SELF);
   const Patches same = surface::make_patches(alone, contact, options);
   EXPECT_EQ(made.patches.geometry.node, same.geometry.node);
@@ -57,7 +57,7 @@ double total(const std::vector<double>& values) {
   return sum;
 }
 
-/// Σ weight · f(node) of each patch: its mean of the finite-element field with the nodal values f.
+/// Σ weight · f(node) of each patch: the mean of the finite-element field with the nodal values f.
 template <class Field>
 std::vector<double> means(const Made& made, Field&& field) {
   std::map<std::int64_t, Point> place;
@@ -111,7 +111,7 @@ TEST(Patches, of_flat_triangles_have_the_mean_of_a_linear_field_at_their_centroi
       EXPECT_NEAR(ones[i], 1, 1e-13);
       EXPECT_NEAR((row(geometry.centroid, i) - centroid[i]).norm(), 0, 1e-13);
       EXPECT_NEAR(linear[i], 0.3 - 2 * centroid[i][0] + 5 * centroid[i][1] + centroid[i][2], 1e-12);
-      // Gradients of order 4 sum to zero within some 1e-13.
+      // Gradients of order 4 sum to zero within about 1e-13.
       EXPECT_NEAR((row(geometry.normal, i) - Point(0, 0, 1)).norm(), 0, 1e-12);
       EXPECT_EQ(geometry.group[i], "top");
     }
@@ -127,7 +127,7 @@ TEST(Patches, of_a_grid_of_squares_have_the_areas_and_centroids_of_its_hats) {
     const auto& geometry = made.patches.geometry;
     ASSERT_EQ(geometry.size(), static_cast<std::size_t>((2 * order + 1) * (2 * order + 1)));
     EXPECT_EQ(geometry.element.size(), static_cast<std::size_t>(3 * 2 * 4 * order * order));
-    // At an edge, half a hat remains: its centroid lies h/3 inside.
+    // At an edge, half a hat remains, with its centroid h/3 inside.
     const auto centre = [&](double x) { return x < h / 2 ? h / 3 : x > 1 - h / 2 ? 1 - h / 3 : x; };
     const auto width = [&](double x) { return x < h / 2 || x > 1 - h / 2 ? h / 2 : h; };
     const auto x = means(made, [](const Point& p) { return p[0]; });
@@ -152,7 +152,7 @@ TEST(Patches, of_a_cylinder_partition_its_area_and_point_outward) {
   for (std::size_t i = 0; i < geometry.size(); ++i) {
     EXPECT_GT(geometry.area[i], 0);
     const Point x = row(geometry.node, i);
-    // Mean normal of a patch about h/3 wide that is not necessarily symmetric about its node.
+    // Mean normal of a patch that is about h/3 wide and not necessarily symmetric about its node.
     EXPECT_GT(row(geometry.normal, i).dot(Point(x[0], x[1], 0)), 0.99);
   }
 }
@@ -172,7 +172,7 @@ TEST(Patches, belong_to_the_group_they_lie_on) {
 TEST(Along, merges_all_vertices_on_a_line) {
   const mesh::GmshSession gmsh;
   for (int order : {1, 2}) {
-    // Across y the square consists of 2·order + 1 strips along y.
+    // Across y, the square consists of 2·order + 1 strips along y.
     const Made made = make(test::block_geo("hex", 2, 0), order, {"top"}, {.along = Vector3{0, 1, 0}});
     const auto& geometry = made.patches.geometry;
     const double h = 0.5 / order;
@@ -200,8 +200,8 @@ TEST(Along, keeps_opposite_faces_apart) {
 
 TEST(Spacing, coarsens_a_row_to_evenly_spaced_hats_that_keep_its_area) {
   const mesh::GmshSession gmsh;
-  // Strips every 1/8, with a requested spacing of 1/4: hats of that radius at 0, ¼, ½, ¾, 1, so that the
-  // merged hats are the wide ones.
+  // The strips are 1/8 apart and the requested spacing is 1/4. Hats of this radius lie at 0, ¼, ½, ¾ and 1,
+  // so the merged hats are the wide ones.
   const Made made =
       make(test::block_geo("hex", 8, 0), 1, {"top"}, {.along = Vector3{0, 1, 0}, .spacing = 0.25});
   const auto& geometry = made.patches.geometry;
@@ -225,7 +225,7 @@ TEST(Spacing, keeps_centres_apart_covers_the_surface_and_its_linear_fields) {
     const auto& geometry = made.patches.geometry;
     EXPECT_NEAR(total(geometry.area), 2, 1e-13);
     for (double one : means(made, [](const Point&) { return 1.0; })) EXPECT_NEAR(one, 1, 1e-13);
-    // For any patches, ∫ x ds over both squares is that of the surface; top and bottom never mix.
+    // For any patches, ∫ x ds over both squares is that of the surface. Top and bottom never mix.
     double moment = 0;
     const auto x = means(made, [](const Point& p) { return p[0]; });
     const auto z = means(made, [](const Point& p) { return p[2]; });
@@ -273,7 +273,7 @@ TEST(Restriction, keeps_patches_and_loads_of_the_remaining_candidates) {
     EXPECT_EQ(geometry.whole->node, before.node);
     EXPECT_EQ(geometry.whole->element, before.element);
     EXPECT_EQ(geometry.whole->held, points);
-    // Only the elements between remaining candidates, with their new numbers.
+    // Only the elements between remaining candidates are kept, with new numbers.
     ASSERT_FALSE(geometry.element.empty());
     EXPECT_LT(geometry.element.size(), before.element.size());
     for (const std::int64_t corner : geometry.element)

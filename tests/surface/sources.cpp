@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Tractions, point forces and receivers on the mesh, and moving supports of a complete body, against closed
-// forms.
+// Tractions, point forces and receivers on the mesh, and moving supports of a
+// complete body, compared with closed forms.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ using testing::HasSubstr;
 
 constexpr double placed = 1e-11;  // gmsh divides a line evenly to about 2e-12
 
-// A surface may be loaded and touch; one group may carry two tractions.
+// A surface may be both loaded and touched, and a group may carry two tractions.
 TEST(Traction, of_a_surface_is_its_area_times_the_vector) {
   for (const char* kind : {"tet", "hex", "prism"}) {
     scene::KernelRequest request = request_of({"top"}, {});
@@ -35,7 +35,7 @@ TEST(Traction, of_a_surface_is_its_area_times_the_vector) {
     EXPECT_LT((rows(loads[0].total, 3) - top * Matrix3d::Identity()).norm(), placed) << kind;
     EXPECT_LT((rows(loads[1].total, 3) - sides * Matrix3d::Identity()).norm(), placed) << kind;
     EXPECT_EQ(loads[2].total, loads[0].total);
-    // Σ x × f about the origin, with the centre of the surface at (½, ½, 1).
+    // Σ x × f about the origin. The centre of the surface is (½, ½, 1).
     const Point centre(0.5, 0.5, 1);
     for (int k = 0; k < 3; ++k)
       EXPECT_LT((rows(loads[0].moment, 3).col(k) - top * centre.cross(Point::Unit(k))).norm(), placed);
@@ -56,7 +56,7 @@ TEST(Receiver, of_a_linear_field_is_its_value_at_any_position) {
   for (const char* kind : {"tet", "hex", "prism"})
     for (int order : {1, 2, 3}) {
       scene::KernelRequest request = request_of({"top"}, {});
-      // Inside, at a corner, on an edge, on an inclined face, and slightly outside.
+      // Receivers inside, at a corner, on an edge, on an inclined face, and slightly outside.
       const Vector3 places[] = {
           {0.41, 0.53, 0.37}, {0, 0, 0}, {0.5, 0, 0}, {0.1, 0.5, 0.5}, {0.3, 0.6, 1 + 1e-7}};
       for (const Vector3& at : places) request.receivers.push_back(receiver("mic", at));
@@ -103,8 +103,8 @@ TEST(Traction, on_a_missing_surface_is_refused_with_the_available_ones) {
               AllOf(HasSubstr("no physical surface \"rim\""), HasSubstr("change loads.traction.group")));
 }
 
-/// A column without lateral contraction, clamped at z = 0: tension, weight and the lift are polynomials that
-/// its elements represent exactly.
+/// A column without lateral contraction, clamped at z = 0. Tension, weight and the lift are
+/// polynomials that its elements represent exactly.
 class Column : public testing::TestWithParam<bool> {
  protected:
   static constexpr double young = 3, density = 2;
@@ -148,7 +148,8 @@ TEST_P(Column, under_its_weight_is_compressed_by_what_stands_above) {
 }
 
 TEST_P(Column, is_reciprocal_to_a_receiver) {
-  // Reciprocity: the force is distributed evenly over the top, that is, over all patches by their areas.
+  // Reciprocity with a force that is distributed evenly over the top: over all
+  // patches in proportion to their areas.
   const kernels::Receiver& low = kernel_.receivers[0];
   const MatrixXd all =
       modal(kernel_, rows(low.shape, 3), shape_of(kernel_)) + rows(low.residual_flexibility, 3);
@@ -161,7 +162,7 @@ TEST_P(Column, is_reciprocal_to_a_receiver) {
 TEST_P(Column, follows_its_only_moving_support_as_a_rigid_body) {
   const kernels::Motion& shaker = kernel_.motions[0];
   const MatrixXd gamma = rows(shaker.participation, 3), shape = shape_of(kernel_);
-  // Ψ = I, so Γ equals the response to gravity, and Ψ = (Ψ − ΦΓ) + ΦΓ.
+  // Ψ = I, so Γ equals the modal gravity load, and Ψ = (Ψ − ΦΓ) + ΦΓ.
   EXPECT_LT((gamma - rows(kernel_.loads.body_force, 3)).norm(), 1e-9);
   const MatrixXd top = shape * gamma.transpose() + rows(shaker.residual, 3 * kernel_.surface.size());
   for (std::size_t i = 0; i < kernel_.surface.size(); ++i)

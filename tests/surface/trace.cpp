@@ -34,7 +34,7 @@ struct Body {
     factor = std::make_unique<modes::Factorisation>(matrices.stiffness, matrices.mass);
     patches = surface::make_patches(mesh, contact, options);
   }
-  /// The columns u_0 = G x + o, u_1 = −2 u_0, used as modes.
+  /// The columns u_0 = G x + o and u_1 = −2 u_0, used as modes.
   modes::ModeSet linear_fields() const {
     modes::ModeSet set;
     set.angular_frequency = {0, 0};
@@ -63,7 +63,7 @@ struct Body {
   surface::Patches patches;
 };
 
-/// Centroid of a hat of the unit square's grid of step h, at height 1.
+/// Centroid of a hat on a grid of step h on the unit square, at height 1.
 Point centroid(const double* node, double h) {
   const auto inward = [&](double x) { return x < h / 2 ? h / 3 : x > 1 - h / 2 ? 1 - h / 3 : x; };
   return {inward(node[0]), inward(node[1]), 1};
@@ -104,7 +104,7 @@ TEST(Trace, along_a_direction_is_only_that_component) {
 TEST(Trace, of_loads_is_momentum_and_angular_momentum_of_the_field) {
   const Body body(test::block_geo("hex", 2, 0), 2, {"top"}, {});
   const kernels::Kernel kernel = body.trace(body.linear_fields(), false, false);
-  // ρ ∫ u dV and ρ ∫ x × u dV over the unit cube, ρ = 2; ∫ x_i x_j = ¼, ⅓ on the diagonal.
+  // ρ ∫ u dV and ρ ∫ x × u dV over the unit cube with ρ = 2; ∫ x_i x_j = ¼, and ⅓ on the diagonal.
   const Point middle(0.5, 0.5, 0.5), momentum = 2 * (gradient * middle + offset);
   const Eigen::Matrix3d second =
       Eigen::Matrix3d::Constant(0.25) + Eigen::Matrix3d(Point::Constant(1.0 / 3 - 0.25).asDiagonal());
@@ -123,7 +123,7 @@ TEST(Trace, keeps_the_visualisation_surface_on_rank_0) {
   ASSERT_EQ(kernel.view.has_value(), parallel::rank_of(PETSC_COMM_WORLD) == 0);
   if (!kernel.view) return;
   const kernels::View& view = *kernel.view;
-  EXPECT_EQ(view.node.size(), 3U * 26);  // the 3³ corners except the inner one
+  EXPECT_EQ(view.node.size(), 3U * 26);  // all of the 3³ corners except the inner one
   EXPECT_EQ(view.element.size(), 3U * 6 * 4 * 2);
   ASSERT_EQ(view.shape.size(), view.node.size() * 2);
   for (std::size_t v = 0; v < view.node.size() / 3; ++v) {
@@ -142,8 +142,8 @@ TEST(PatchLoads, are_unit_forces_that_supports_do_not_carry) {
   for (Eigen::Index r = 0; r < loads.rows(); ++r) force.row(r % 3) += loads.row(r);
   parallel::sum(PETSC_COMM_WORLD, force);
   for (std::size_t i = 0; i < geometry.size(); ++i) {
-    // Only the middle node is free along x. It carries, in each direction, 2/3 of a hat, or 1/3 at an edge:
-    // the rows (1, 4, 1)/6 and (2, 1)/6 of a linear mass matrix over their sums.
+    // Only the middle node is free along x. In each direction it carries 2/3 of a hat, or 1/3 at an edge: the
+    // rows (1, 4, 1)/6 and (2, 1)/6 of a linear mass matrix, divided by their sums.
     double share = 1;
     for (int d = 0; d < 2; ++d)
       share *= std::abs(geometry.node[3 * i + static_cast<std::size_t>(d)] - 0.5) < 0.1 ? 2.0 / 3 : 1.0 / 3;
@@ -153,7 +153,7 @@ TEST(PatchLoads, are_unit_forces_that_supports_do_not_carry) {
 }
 
 TEST(ResidualFlexibility, and_modes_of_a_clamped_rod_add_to_its_static_flexibility) {
-  // Linear elements are exact at nodes: u(L) = L/(EA) for a unit force, for any number of modes.
+  // Linear elements are exact at nodes: u(L) = L/(EA) under a unit force, for any number of modes.
   const double exact = 2.0 / (3.0 * 0.5);
   for (std::int64_t count : {1, 4}) {
     const Body rod(test::rod_geo(20), 1, {"right"}, {}, {{"left", "x"}});
@@ -163,7 +163,7 @@ TEST(ResidualFlexibility, and_modes_of_a_clamped_rod_add_to_its_static_flexibili
     ASSERT_EQ(kernel.surface.size(), 1U);
     EXPECT_EQ(kernel.surface.area[0], 0.5);
     EXPECT_EQ(kernel.surface.element_corners, 1);
-    // A rod moves along x: the other components are zero.
+    // A rod moves only along x, so the other components are zero.
     const auto n = static_cast<std::size_t>(count);
     double flexibility = kernel.surface.residual_flexibility[0],
            gravity = kernel.loads.body_force_residual[0];
@@ -174,12 +174,12 @@ TEST(ResidualFlexibility, and_modes_of_a_clamped_rod_add_to_its_static_flexibili
       EXPECT_EQ(kernel.surface.shape[n + k], 0);
     }
     EXPECT_NEAR(flexibility, exact, 1e-9 * exact);
-    // Hanging under its own weight: u(L) = ρ L²/(2E) per unit of acceleration.
+    // Under its own weight: u(L) = ρ L²/(2E) per unit of acceleration.
     EXPECT_NEAR(gravity, 2.0 * 4.0 / (2 * 3.0), 1e-9);
     for (std::size_t k = 1; k < 9; ++k) EXPECT_EQ(kernel.surface.residual_flexibility[k], 0);
 
-    // Along the rod u(x) = x/(EA) under the force, ρ/E (L x − x²/2) under its weight.
-    if (!kernel.view) continue;  // on other ranks
+    // Along the rod, u(x) = x/(EA) under the force and ρ/E (L x − x²/2) under the weight.
+    if (!kernel.view) continue;  // the view is on another rank
     const kernels::View& view = *kernel.view;
     ASSERT_EQ(view.node.size(), 3U * 21);
     for (std::size_t v = 0; v < 21; ++v) {

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""A box of n × n × n equal bricks of order p as products of piecewise polynomials in one dimension: small dense matrices that share
-no code, no quadrature and no node numbering with Ricochet, for the same discrete space."""
+"""A box of n × n × n equal bricks of order p, built from products of one-dimensional piecewise polynomials. The small dense
+matrices describe the same discrete space as Ricochet but share no code, quadrature or node numbering with it."""
 import numpy as np
 from numpy.polynomial import legendre
 
@@ -21,7 +21,7 @@ Physical Surface("x sides") = {box[3], box[5]};
 Physical Surface("y sides") = {box[2], box[4]};
 """
 
-# Frequencies alone are wanted of it: it has something to touch as every scene must.
+# Only the frequencies are needed. The contact is there because every scene must have one.
 SCENE = """[bodies.box]
 mesh = "box.geo"
 order = 5
@@ -51,7 +51,7 @@ def lagrange(order, x):
 
 
 class Line:
-    """One dimension: integrals of products of the functions and their slopes, and of hats on all its nodes."""
+    """One dimension: integrals of products of the functions and their slopes, and of their products with hats on all nodes."""
 
     def __init__(self, length, elements, order):
         size, h = elements * order + 1, length / elements
@@ -61,7 +61,7 @@ class Line:
         point, weight = legendre.leggauss(order + 2)
         for e in range(elements):
             at = slice(e * order, e * order + order + 1)
-            # Hats have a kink at each node: every part between two nodes has its own rule.
+            # Hats have a kink at each node, so each part between two nodes has its own quadrature rule.
             for part in range(order):
                 x = (part + (point + 1) / 2) / order
                 w = weight / 2 / order * h
@@ -95,7 +95,7 @@ class Block:
         x, y = (line.node for line in lines[:2])
         self.node = np.array([(a, b) for a in x for b in y])
         load = np.kron(lines[0].hat, lines[1].hat)
-        self.area = load.sum(axis=1)  # functions add up to 1
+        self.area = load.sum(axis=1)  # the functions sum to one
         top = np.zeros(len(lines[2].node))
         top[-1] = 1
         normal = np.kron(load / self.area[:, None], top).T
@@ -109,7 +109,7 @@ class Block:
         self.mass = np.kron(np.eye(3), scalar)[np.ix_(free, free)]
 
     def rows(self, node):
-        """The block's candidate at each place (x, y, …)."""
+        """Indices of the block's candidates at the positions (x, y, …)."""
         distance = np.abs(self.node[:, None, :] - np.asarray(node)[None, :, :2]).max(axis=2)
         found = distance.argmin(axis=0)
         assert distance.min(axis=0).max() < 1e-9 * self.node.max()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""A free cube and a clamped box on 1 to 3 ranks against Rayleigh-Ritz solutions, which share nothing with finite elements."""
+"""A free cube and a clamped box on 1 to 3 ranks, compared with Rayleigh–Ritz solutions, which do not use finite elements."""
 
 import unittest
 
@@ -41,7 +41,7 @@ class Box(ProgramTest):
             elastic = frequencies[rigid:]
             n = len(elastic)
             self.assertGreaterEqual(n, 40 - rigid)
-            # The oracle itself is converged well within the bound.
+            # The error of the oracle itself is well within the bound.
             self.assertLess(np.abs(coarser[:n] / oracle[:n] - 1).max(), bound / 2)
             error = np.abs(elastic / oracle[:n] - 1).max()
             print(f"box {sides}, support {support}: largest error of {n} elastic frequencies {error:.1e}")
@@ -57,7 +57,7 @@ class Box(ProgramTest):
         self.assertEqual(max(groups), 3)
 
     def test_clamped(self):
-        # Stresses are singular along the clamped edges: both converge slowly there.
+        # Stresses are singular along the clamped edges, where both solutions converge slowly.
         self.compare((0.1, 0.13, 0.17), '{ foot = "xyz" }', 9, 0, 1e-2, ranks=(2,))
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""What a case of the validation manual works with: running the programs, comparing, fitting orders, drawing.
+"""Tools for the cases of the validation manual: running the programs, comparing, fitting orders, drawing.
 
 A case is a module in cases/ with TITLE, SOURCE, a docstring for the manual, and run(bench: Bench)."""
 import json
@@ -14,16 +14,16 @@ import numpy as np
 
 from ricochet import programs
 
-# A program that has not ended by then is stuck.
+# A program that runs longer counts as a deadlock.
 DEADLOCK_S = 1800
 
 
 class Stopped(Exception):
-    """A case that could not go on; its text is one line."""
+    """A case that cannot continue. The text is one line."""
 
 
 class Result:
-    """A finished run of ricochet-contact: `summary`, and datasets of the result file by name."""
+    """A finished run of ricochet-contact: its `summary`, and datasets of the result file by name."""
 
     def __init__(self, folder, slug):
         self.summary = json.loads((folder / f"{slug}.summary.json").read_text())
@@ -34,21 +34,21 @@ class Result:
             return file[name][()]
 
     def force(self):
-        """Time [s] and sum over the points [N], with zeros where nothing touches; needs output.every = 1."""
+        """Time [s] and total force [N], which is zero without contact. Requires output.every = 1."""
         time, total = self["time"], np.zeros(len(self["time"]))
         rows = np.searchsorted(time, self["contact/time"] - 0.25 * (time[1] - time[0]))
         total[rows] = self["contact/force"].sum(axis=1)
         return time, total
 
     def kernel(self, body):
-        """The body's kernel file, open."""
+        """The open kernel file of the body."""
         with h5py.File(self.path) as file:
             name = file[f"bodies/{body}"].attrs["kernel"].decode()
         return h5py.File(self.path.parent / name)
 
 
 class Bench:
-    """Where one case works. `found` is what the manual prints of it."""
+    """The workspace of a case. `found` contains the results for the manual."""
 
     def __init__(self, name, folder):
         self.name, self.folder = name, folder
@@ -58,13 +58,13 @@ class Bench:
     # ---- Running ----
 
     def write(self, name, text):
-        """A file in the case's folder."""
+        """Writes a file in the folder of the case."""
         path = self.folder / name
         path.write_text(text)
         return path
 
     def call(self, command, shown):
-        """Runs a program and notes how it was called; further calls of the same kind are only counted."""
+        """Runs a program and records the command."""
         if not programs.BIN.is_dir():
             raise Stopped(f"{programs.BIN}: no programs there. Run scripts/build first.")
         environment = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
@@ -85,7 +85,7 @@ class Bench:
         return path.relative_to(programs.ROOT) if path.is_relative_to(programs.ROOT / "meshes") else path.name
 
     def kernel(self, scene, *sets, ranks=1, body=None, out="out"):
-        """Computes the scene's kernels that are not there yet; the open kernel file of `body` if one is named."""
+        """Computes the missing kernels of the scene. Returns the open kernel file of `body` if it is given."""
         command = programs.mpirun(ranks) + [
             programs.BIN / "ricochet-kernel",
             scene,
@@ -105,7 +105,7 @@ class Bench:
         return None
 
     def contact(self, scene, *sets, out="out"):
-        """One impact, under a title of its own."""
+        """Runs one impact under a title of its own."""
         self.runs += 1
         slug = f"run-{self.runs}"
         words = [word for value in [*sets, f"title={slug}"] for word in ("--set", value)]
@@ -122,18 +122,18 @@ class Bench:
     # ---- Comparing ----
 
     def compare(self, what, ours, reference, bound, reason, absolute=False, known=None):
-        """One line of the manual: |ours − reference|, over |reference| unless `absolute`, is within `bound`. `known` says why
-        it is not, where that is established: the line then stands as a failure without making the run fail.
+        """Adds a line to the manual: |ours − reference|, divided by |reference| unless `absolute`, is within `bound`. `known`
+        states the established reason if it is not. The line is then listed as a failure, but the run does not fail.
         """
         error = abs(ours - reference) / (1 if absolute else abs(reference))
         self.check(what, ours, reference, error, bound, reason, error <= bound, absolute, known)
 
     def below(self, what, ours, bound, reason, known=None):
-        """One line of the manual: an error, or what should be 0, is at most `bound`."""
+        """Adds a line to the manual: an error, or a value that should be 0, is at most `bound`."""
         self.check(what, ours, 0.0, abs(ours), bound, reason, abs(ours) <= bound, True, known)
 
     def at_least(self, what, ours, reference, reason, known=None):
-        """One line: what is a matter of more or less."""
+        """Adds a line to the manual: the value is at least `reference`."""
         self.check(
             what + ", at least",
             ours,
@@ -153,12 +153,12 @@ class Bench:
         )
 
     def order(self, what, sizes, errors, expected, bound, reason, known=None):
-        """One line: the slope of errors over sizes in logarithms, by least squares, is `expected` within `bound`."""
+        """Adds a line to the manual: the least-squares slope of log(error) over log(size) is `expected` within `bound`."""
         slope = float(np.polyfit(np.log(sizes), np.log(errors), 1)[0])
         self.compare(f"order: {what}", slope, expected, bound, reason, absolute=True, known=known)
 
     def table(self, head, rows):
-        """A table for the manual, of texts."""
+        """Adds a table of texts to the manual."""
         self.found["tables"].append(
             {"head": list(head), "rows": [[str(cell) for cell in row] for row in rows]}
         )
@@ -166,7 +166,7 @@ class Bench:
     # ---- Drawing ----
 
     def figure(self, columns=1, rows=1, height=3.2, **options):
-        """A figure and its axes, in one look for the whole manual."""
+        """A figure and its axes in the common style of the manual."""
         import matplotlib
 
         matplotlib.use("Agg")
@@ -196,7 +196,7 @@ class Bench:
         )
 
     def save(self, figure, caption, suffix=""):
-        """Keeps a figure for the manual, in few colours: these are lines on white."""
+        """Saves a figure for the manual with few colours, which suffice for lines on white."""
         import matplotlib.pyplot as plt
         from PIL import Image
 
@@ -212,7 +212,7 @@ BLUE, ORANGE, GREEN, PURPLE, RED, GREY = "#2b6cb0", "#d2691e", "#3a8f5c", "#8a4f
 
 
 def plain_ticks(ax, sizes):
-    """Just these on a logarithmic x axis, as plain numbers."""
+    """Labels only these sizes on a logarithmic x axis, as plain numbers."""
     from matplotlib.ticker import NullLocator
 
     ticks = sorted(sizes)
@@ -221,20 +221,20 @@ def plain_ticks(ax, sizes):
 
 
 def slopes(ax, sizes, errors, label, colour):
-    """Points on logarithmic axes with the fitted order in the legend."""
+    """Draws points on logarithmic axes, with the fitted order in the legend."""
     slope = np.polyfit(np.log(sizes), np.log(errors), 1)[0]
     ax.loglog(sizes, errors, "o-", color=colour, markersize=4, label=f"{label}: order {slope:.2f}")
     plain_ticks(ax, {float(x) for line in ax.lines for x in line.get_xdata()})
 
 
 def processor_seconds():
-    """Of this process and of the programs that it has run: what other work on the machine does not change much."""
+    """Processor seconds of this process and its programs, which other work on the machine hardly affects."""
     times = os.times()
     return times.user + times.system + times.children_user + times.children_system
 
 
 def run(name, module, folder):
-    """What is found by one case, with its processor seconds; a case that stopped has the line why in `stopped`."""
+    """Results of one case with its processor seconds. If the case stopped, `stopped` contains the reason."""
     folder.mkdir(parents=True, exist_ok=True)
     bench = Bench(name, folder)
     started = processor_seconds()
@@ -243,7 +243,7 @@ def run(name, module, folder):
         bench.found["stopped"] = None if bench.found["checks"] else "it compared nothing"
     except Stopped as why:
         bench.found["stopped"] = str(why)
-    except Exception as fault:  # what a broken program leaves behind must not end the other cases
+    except Exception as fault:  # an error in one case must not end the others
         traceback.print_exc()
         bench.found[
             "stopped"
@@ -252,7 +252,7 @@ def run(name, module, folder):
 
 
 def verdict(found):
-    """ "pass", "FAIL", or "pass, known failures": what is known to fail and holds after all is a failure of the manual."""
+    """ "pass", "FAIL", or "pass, known failures". A known failure that passes counts as a failure of the manual."""
     if found["stopped"] or any(c["holds"] == bool(c["known"]) for c in found["checks"]):
         return "FAIL"
     return "pass, known failures" if any(c["known"] for c in found["checks"]) else "pass"

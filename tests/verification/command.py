@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The command scripts/verify: the cases of the validation manual, or another check that the first option
-names."""
+"""The command scripts/verify: runs the cases of the validation manual, or another check selected by the first
+option."""
 import argparse
 import importlib
 import sys

@@ -6,15 +6,15 @@ In a unit ball, with P_n' = dP_n/dθ, Navier's equations have the regular soluti
     (u_r, u_θ) = r^(n-1) (n P_n, P_n')      and      r^(n+1) ((n + α) P_n, P_n'),
     α = -2 (nλ + (3n + 1) μ) / ((n + 3) λ + (n + 5) μ),
 
-and under a uniform body force r² (P_1, P_1') takes the place of the first one of degree 1, a rigid motion. The plane presses
-along the axis on rings around the pole θ = 0. Pressure is constant on a ring, and displacements are means over it."""
+and under a uniform body force r² (P_1, P_1') replaces the first solution of degree 1, a rigid motion. The plane presses
+along the axis on rings around the pole θ = 0. The pressure on a ring is constant, and its displacement is a mean."""
 
 import numpy as np
 
 
 def responses(degrees, poisson):
-    """(n,2,2): coefficients of (u_r, u_θ) at r = 1, relative to the ball's mean displacement, after those of the tractions
-    (σ_rr, σ_rθ), in (P_n, P_n'). Young's modulus is 1."""
+    """(n,2,2): coefficients of (u_r, u_θ) at r = 1, relative to the mean displacement of the ball, for unit coefficients of the
+    tractions (σ_rr, σ_rθ), in (P_n, P_n'). Young's modulus is 1."""
     mu, lam = 0.5 / (1 + poisson), poisson / ((1 + poisson) * (1 - 2 * poisson))
     out = []
     for n in degrees:
@@ -24,7 +24,7 @@ def responses(degrees, poisson):
         alpha = -2 * (n * lam + (3 * n + 1) * mu) / ((n + 3) * lam + (n + 5) * mu)
         second = [lam * (2 * n + alpha * (n + 3)) + 2 * mu * (n + alpha) * (n + 1), mu * (2 * n + alpha)]
         if n == 1:
-            mean = 3 / 5 + alpha / 5  # of r² e_z + α z x; that of r² e_z is 3/5
+            mean = 3 / 5 + alpha / 5  # mean of r² e_z + α z x; that of r² e_z is 3/5
             motion = np.array([[2 / 5, 1 + alpha - mean], [2 / 5, 1 - mean]])
             first = [2 * lam + 4 * mu, 2 * mu]
         else:
@@ -36,7 +36,7 @@ def responses(degrees, poisson):
 
 class ElasticBall:
     def __init__(self, poisson, reach, rings, terms=12):
-        """Radius 1, Young's modulus 1; `rings` of equal width out to the angle `reach`; degrees up to `terms` / width."""
+        """Radius and Young's modulus are 1; `rings` of equal width up to the angle `reach`; degrees up to `terms` / width."""
         width = reach / rings
         point, weight = np.polynomial.legendre.leggauss(4)
         angle = (width * (np.arange(rings)[:, None] + (point + 1) / 2)).ravel()
@@ -47,7 +47,7 @@ class ElasticBall:
             return (f.reshape(rings, -1) * share).sum(axis=1) / share.sum(axis=1)
 
         self.gap = mean(2 * np.sin(angle / 2) ** 2)
-        self.square = mean(sine**2)  # of the distance from the axis
+        self.square = mean(sine**2)  # mean square of the distance from the axis
 
         degrees = np.arange(int(terms / width))
         along = np.zeros((len(degrees), 2, rings))  # unit force on a ring, against the axis: along r and θ
@@ -63,7 +63,7 @@ class ElasticBall:
         self.flexibility = flat.T @ (response @ along).reshape(-1, rings) / (2 * np.pi)
 
     def press(self, force):
-        """Forces of the rings and the approach of the ball's centre of mass, for the force / (E R²)."""
+        """Forces of the rings and the approach of the centre of mass, under the given force / (E R²)."""
         for pressing in range(1, len(self.gap)):
             inner = slice(0, pressing)
             stiff, soft = np.linalg.solve(

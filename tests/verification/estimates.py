@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Error estimates hold for the impacts of rods and a bouncing bar in scripts/verify --estimates, against
-closed forms: of ten true errors nine are within three estimates, and seven are not below a tenth. The other
-cases there, against finer runs, take minutes."""
+"""Error estimates of the impacts of rods and a bouncing bar in scripts/verify --estimates, compared with
+closed forms: nine of ten true errors are at most three estimates, and seven are at least a tenth. The other
+cases of that command, compared with finer runs, take minutes."""
 
 import subprocess
 import unittest

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Scenes small enough for scripts/verify --extremes, and how they are run."""
+"""Small scenes for scripts/verify --extremes, and functions that run them."""
 
 import json
 import os
@@ -10,7 +10,7 @@ from pathlib import Path
 import scenes
 from ricochet import programs
 
-# A program that has not ended by then hangs.
+# A program that runs longer counts as a deadlock.
 DEADLOCK_S = 120
 
 BLOCK_GEO = """
@@ -33,7 +33,7 @@ Physical Surface("foot") = {foot[]};
 Physical Surface("top") = {top[]};
 """
 
-# A cube of side 1 with √(E/ρ) = 1 that meets the floor at a hundredth of that.
+# A cube of side 1 with √(E/ρ) = 1 that hits the floor at a hundredth of this speed.
 BLOCK = scenes.block_on_floor(
     "Block",
     "count = 30",
@@ -42,7 +42,7 @@ BLOCK = scenes.block_on_floor(
     "material = { density = 1.0, young = 1.0, poisson = 0.3 }\nvelocity = [0, 0, -0.01]",
 )
 
-# Of length 10 with c = 1, Z = ρcA = 1: contact lasts 2L/c = 20.
+# Rods of length 10 with c = 1 and Z = ρcA = 1: contact lasts 2L/c = 20.
 RODS = scenes.two_rods("Rods", "count = 100", "rate_hz = 100.0\nduration = 30.0", length=10)
 
 
@@ -55,11 +55,11 @@ class Row:
 
 
 class Unexpected(Exception):
-    """A program ended as it should not have."""
+    """A program ended in an unexpected way."""
 
 
 class Bench:
-    """Runs scenes in a folder of its own."""
+    """Runs scenes in a separate folder."""
 
     def __init__(self, folder):
         self.folder = Path(folder)
@@ -73,7 +73,7 @@ class Bench:
             (self.folder / name).write_text(text)
 
     def fresh(self):
-        """A folder without kernels, so that none is derived from another one."""
+        """A new folder without kernels, so that no kernel is derived from another."""
         self.number += 1
         return self.folder / f"out-{self.number}"
 
@@ -98,7 +98,7 @@ class Bench:
         return self._run([programs.BIN / "ricochet-contact", self.folder / scene, "--out", out], sets)
 
     def impact(self, scene, *sets, out=None, ranks=1):
-        """The summary of the impact. Kernels that are in `out` serve it if they can."""
+        """The summary of the impact. Kernels in `out` are reused if they fit."""
         out = out or self.fresh()
         run = self.contact(scene, out, *sets) if out.exists() else None
         if run is None or "no kernel for body" in run.stderr:
@@ -111,7 +111,7 @@ class Bench:
         return json.loads(path.read_text())
 
     def body(self, scene, *sets, out=None, ranks=1):
-        """The one kernel file of a scene."""
+        """Computes the kernel of a scene and returns its path."""
         out = out or self.fresh()
         run = self.kernel(scene, out, *sets, ranks=ranks)
         if run.returncode != 0:
@@ -119,8 +119,8 @@ class Bench:
         return max(out.glob("*.kernel.h5"), key=lambda path: path.stat().st_mtime_ns)
 
     def refusal(self, scene, *sets, out=None, ranks=1):
-        """The line of the first program that refuses; anything else but one line and status 2 is
-        Unexpected."""
+        """The error line of the first program that refuses the input. Raises Unexpected unless there is one line
+        and status 2."""
         out = out or self.fresh()
         for run in (self.kernel(scene, out, *sets, ranks=ranks), self.contact(scene, out, *sets)):
             if run.returncode == 0:
@@ -142,12 +142,12 @@ def relative(found, expected):
 
 
 def departure(summary, reference, units):
-    """The largest relative difference of an impact's figures from those of another one in other units."""
+    """Largest relative difference between the figures of two impacts that are in different units."""
     return max(relative(summary[key] / unit, reference[key]) for key, unit in units.items())
 
 
 def balance(summary, mass=1.0, speed=0.01):
-    """What an impact on the floor misses of its ledger and of momentum."""
+    """Errors of an impact on the floor in its ledger and its momentum, whichever is larger."""
     away = summary["exit_velocity"]["block"][2]
     return max(relative(summary["impulse_ns"], mass * (speed + away)), summary["energy_drift"])
 

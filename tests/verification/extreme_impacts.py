@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Cases of scripts/verify --extremes that run the programs, for places, speeds, damping, ranks and values beyond arithmetic: a function for each kind of extreme. It
-takes a Bench and yields Row(what is set, what it must be, bound, found); `found` above `bound`, or not a
-number, is a failure."""
+"""Cases of scripts/verify --extremes that run the programs: positions, speeds, damping, ranks and values out of range. There is
+a function for each kind of extreme, which takes a Bench and yields Row(setting, oracle, bound, found). If `found` exceeds
+`bound` or is not a number, the case fails."""
 
 import h5py
 import numpy as np
@@ -9,7 +9,7 @@ from extreme_bench import SAME, Row, balance, departure, relative, velocity
 
 
 def placements(bench):
-    """Overlap is refused with its depth; what touches or lies far away is not."""
+    """Overlap is refused with its depth. Touching and distant bodies are accepted."""
     out = bench.fresh()
     for depth in (0.1, 1e-6, 1e-9):
         line = bench.refusal("block.toml", f"bodies.block.translate=[0,0,{-depth!r}]", out=out)
@@ -32,12 +32,12 @@ def placements(bench):
         departure(bench.impact("block.toml", high, floor, out=out), reference, SAME),
     )
     summary = bench.impact("block.toml", "contact.gap=1e9", velocity(1e9), "time.rate_hz=1.0", out=out)
-    # Contact is met within the step in which the bodies meet.
+    # Contact starts within the step in which the bodies meet.
     yield Row("a gap of 1e9 m", "met when v t = gap, to a step", 1.0, abs(summary["contact_start_s"] - 1))
 
 
 def speeds(bench):
-    """Bodies that touch answer in proportion to their speed. Faster than 2 % of the wave there is a
+    """The response of touching bodies is proportional to their speed. Above 2 % of the wave speed there is a
     warning."""
     out = bench.fresh()
     reference = bench.impact("block.toml", out=out)
@@ -73,7 +73,7 @@ def speeds(bench):
 
 
 def nothing_touches(bench):
-    """A body in free fall above the floor, and two that part."""
+    """A body in free fall above the floor, and two bodies that move apart."""
     out = bench.fresh()
     summary = bench.impact("block.toml", "contact.gap=1e3", "loads.gravity=[0,0,-9.81]", out=out)
     with h5py.File(out / "block.result.h5") as file:
@@ -98,7 +98,7 @@ def nothing_touches(bench):
 
 
 def damping(bench):
-    """A held block falls into its own weight: q̇_n = f_n e^{−ζωt} sin(ω_d t)/ω_d, whatever ζ, by complex
+    """A held block is suddenly exposed to its weight: q̇_n = f_n e^{−ζωt} sin(ω_d t)/ω_d for any ζ, in complex
     arithmetic."""
     free = bench.fresh()
     for ratio in (0.0, 1.0, 1 + 1e-9, 100.0):
@@ -115,7 +115,7 @@ def damping(bench):
             omega, weight = file["modes/angular_frequency"][:], file["loads/body_force"][2]
             time, momentum = result["time"][:][:, None], result["bodies/block/momentum"][:, 2]
         root = np.sqrt(complex(ratio**2 - 1)) * omega * time
-        # (eʳ − e⁻ʳ)/2 with the decay inside, so that nothing overflows.
+        # (eʳ − e⁻ʳ)/2 with the decay inside the exponents, so that nothing overflows.
         decay = -ratio * omega * time
         sine = np.where(
             np.abs(root) < 1e-3,
@@ -134,7 +134,7 @@ def damping(bench):
 
 
 def ranks(bench):
-    """Kernels do not depend on the number of ranks, even where some have no element."""
+    """Kernels do not depend on the number of ranks, even if some have no element."""
     one = ["bodies.block.geometry={nx=1,ny=1,nz=1}", "modes={count=20}"]
     reference, summary = bench.impact("block.toml", *one), bench.impact("block.toml", *one, ranks=4)
     yield Row("4 ranks, 1 element", "impact by 1 rank", 1e-9, departure(summary, reference, SAME))
@@ -149,8 +149,8 @@ def ranks(bench):
 
 
 def double_modes(bench):
-    """Two equal blocks in one mesh, held to nothing: each mode twice, twelve of them rigid, and the impact of
-    each."""
+    """Two equal, unconnected blocks in one mesh: each mode occurs twice, twelve are rigid, and both blocks have
+    the same impact."""
     single, twice = bench.fresh(), bench.fresh()
     copies = ["bodies.block.geometry={copies=2}", "modes={count=60}"]
     reference, summary = bench.impact("block.toml", out=single), bench.impact(
@@ -175,7 +175,7 @@ def double_modes(bench):
 
 
 def nonsense(bench):
-    """What is beyond arithmetic is refused before it is computed."""
+    """Values that would exceed the range of arithmetic are refused before any computation."""
     out = bench.fresh()
     for setting, word in (
         ("bodies.block.material.density=1e300", "density"),

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Cases of scripts/verify --extremes that run the programs, for materials, schemes, modes and elements: a function for each kind of extreme. It
-takes a Bench and yields Row(what is set, what it must be, bound, found); `found` above `bound`, or not a
-number, is a failure."""
+"""Cases of scripts/verify --extremes that run the programs: materials, schemes, modes and elements. There is a function for each
+kind of extreme, which takes a Bench and yields Row(setting, oracle, bound, found). If `found` exceeds `bound` or is not a
+number, the case fails."""
 
 import h5py
 import numpy as np
@@ -9,7 +9,7 @@ from extreme_bench import SAME, Row, balance, departure, relative, velocity
 
 
 def scaled(young, density, length):
-    """Settings of the block in other units, and what they make of a time, a force and an impulse."""
+    """Settings of the block in other units, and the factors of a time, a force and an impulse."""
     time, mass = length * np.sqrt(density / young), density * length**3
     speed = length / time
     sets = [
@@ -28,7 +28,7 @@ def scaled(young, density, length):
 
 
 def materials(bench):
-    """Nothing but units changes with E, ρ and size. Kernels are computed, not derived from each other."""
+    """E, ρ and size only change the units. Kernels are computed, not derived from each other."""
     out = bench.fresh()
     reference = bench.impact("block.toml", out=out)
     for young, density in ((1.0, 1e5), (1e12, 1e-3)):
@@ -63,7 +63,8 @@ def materials(bench):
             departure(bench.impact("block.toml", *sets), reference, units),
         )
     far = "bodies.block.geometry={x=1e6,y=1e6,z=1e6}"
-    # Coordinates are round to 1e-10 of a metre, in elements of 0.5 m; the energy of an impact feels it most.
+    # Coordinates are rounded to 1e-10 of a metre, in elements of 0.5 m. This
+    # affects the energy of an impact most.
     yield Row(
         "a mesh 1e6 m from the origin",
         "impact at the origin",
@@ -90,8 +91,8 @@ def materials(bench):
 
 
 def poisson(bench):
-    """Lamé's modes of a free cube, u = (cos πx sin πy, −sin πx cos πy, 0) and the like, keep its volume and
-    leave its faces free of stress: ω = π √(2G/ρ)/L whatever ν. Elements that lock would raise them."""
+    """Lamé's modes of a free cube, u = (cos πx sin πy, −sin πx cos πy, 0) and its permutations, preserve volume and
+    leave the faces free of stress: ω = π √(2G/ρ)/L for any ν. Locking elements would raise ω."""
     for ratio in (0.0, 0.4999):
         path = bench.body(
             "block.toml",
@@ -105,8 +106,8 @@ def poisson(bench):
         yield Row(
             f"ν = {ratio:g}", "three Lamé modes at π √(2G/ρ)/L", 2e-3, np.sort(np.abs(omega / exact - 1))[2]
         )
-    # The same nine points of contact, so that elements alone differ. The peak of order 3 is 1e-4 off, that of
-    # order 1 18 times.
+    # All orders have the same nine contact points, so that only the elements differ. The peak force of order
+    # 3 has an error of 1e-4; that of order 1 is too large by a factor of 18.
     same = ["bodies.block.material.poisson=0.4999", "contact.spacing=0.5", "modes={count=14}"]
     found = {order: bench.impact("block.toml", f"bodies.block.order={order}", *same) for order in (1, 2, 4)}
     yield Row("ν = 0.4999, order 2", "impact of order 4", 1e-2, departure(found[2], found[4], SAME))
@@ -121,10 +122,10 @@ def poisson(bench):
 
 
 def laws(bench):
-    """The other ends of [contact] and [time.precision]."""
+    """The remaining extremes of [contact] and [time.precision]."""
     out = bench.fresh()
     reference = bench.impact("block.toml", out=out)
-    # Round-off of single precision, over as many steps as they touch.
+    # Round-off of single precision over all steps in contact.
     yield Row(
         "single precision",
         "impact in double precision",
@@ -144,12 +145,12 @@ def laws(bench):
 
 
 def mode_counts(bench):
-    """One rigid mode and a spring R: a half sine of π √(m R), R = L/(3EA) of a rod that is pressed at its
-    end. More points than modes: a rigid block turns round in one step. All modes: nothing is left to R."""
-    # c = 1, m = 10 against 10: reduced 5, R = 20/3.
+    """One rigid mode and a spring R: a half sine of length π √(m R), where R = L/(3EA) for a rod pressed at its
+    end. More points than modes: a rigid block rebounds within one step. All modes: R vanishes."""
+    # c = 1; two masses of 10 have the reduced mass 5, and R = 20/3.
     period = np.sqrt(5 * 20 / 3)
     summary = bench.impact("rods.toml", "modes={count=1}", "time.rate_hz=1000")
-    # The force acts at the end of its step: an error of the first order in Δ/√(mR) = 2e-4.
+    # The force acts at the end of its step, which gives an error of first order in Δ/√(mR) = 2e-4.
     yield Row(
         "rods with one rigid mode",
         "half sine of π √(mR), peak v √(m/R)",
@@ -161,7 +162,7 @@ def mode_counts(bench):
         ),
     )
     summary = bench.impact("rods.toml", "modes={count=101}")
-    # The front is as wide as a few elements: 1 % of the rod.
+    # The wave front is a few elements wide: 1 % of the rod.
     yield Row(
         "rods with all 101 modes",
         "velocities exchanged after 2L/c",
@@ -170,7 +171,7 @@ def mode_counts(bench):
     )
     out = bench.fresh()
     six = bench.impact("block.toml", "modes={count=6}", out=out)
-    # Its kernel follows from the one with R.
+    # This kernel is derived from the one with R.
     summary = bench.impact("block.toml", "modes={count=6,residual_flexibility=false}", out=out)
     yield Row(
         "25 points, 6 modes, no R",
@@ -188,19 +189,20 @@ def mode_counts(bench):
 
 
 def mass_ratios(bench):
-    """Rods of unlike section: both leave without strain after 2L/c, as rigid bodies of their masses would."""
+    """Rods of different sections: both leave without strain after 2L/c, like rigid bodies of the same masses."""
     out = bench.fresh()
     for ratio in (1e-6, 1e-3, 1e3, 1e6):
         summary = bench.impact("rods.toml", f"bodies.resting.material.area={ratio!r}", out=out)
         moving, resting = (summary["exit_velocity"][name][0] / 0.01 for name in ("moving", "resting"))
-        # The front is as wide as a few elements, of 100; momentum is a matter of round-off and modes at 1e-8.
+        # The wave front is a few of 100 elements wide. Momentum has
+        # round-off, and modes are accurate to 1e-8.
         error = max(abs(moving - (1 - ratio) / (1 + ratio)), abs(resting * (1 + ratio) / 2 - 1))
         yield Row(f"masses as 1 to {ratio:g}", "v (m₁ − m₂)/(m₁ + m₂) and 2v m₁/(m₁ + m₂)", 0.02, error)
         yield Row(f"masses as 1 to {ratio:g}", "momentum", 1e-9, abs(moving + ratio * resting - 1))
 
 
 def thin_elements(bench):
-    """Bending of a slender bar by Bernoulli, ω = 22.3733 √(EI/ρA)/L²; the breathing of a thin plate of ν = 0,
+    """Bending of a slender bar by Bernoulli, ω = 22.3733 √(EI/ρA)/L², and in-plane modes of a thin plate with ν = 0,
     ω = πc/L."""
     path = bench.body(
         "block.toml",
@@ -212,7 +214,7 @@ def thin_elements(bench):
     with h5py.File(path) as file:
         omega = file["modes/angular_frequency"][:]
     exact = 22.373285448 / np.sqrt(12) * 8e-3 / 64
-    # 1e-13 of the highest eigenvalue of the mesh: in double precision the last three digits are left.
+    # The mode is at 1e-13 of the highest eigenvalue of the mesh: three digits remain in double precision.
     yield Row(
         "bar of elements 125 times as long as wide, 1000 widths long",
         "first bending pair by Bernoulli",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Every line of the table of extremes holds."""
+"""Every line of the table of extremes passes."""
 
 import subprocess
 import unittest

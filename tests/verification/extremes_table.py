@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Extreme settings: the ends of every option's range, compared with closed forms and conservation laws.
+"""Extreme settings: the ends of the range of every option, compared with closed forms and conservation laws.
 
     scripts/verify --extremes                     # all; writes tests/verification/extremes.md
     scripts/verify --extremes --check             # all; compares the table's cases instead of writing it
-    scripts/verify --extremes speeds damping      # these kinds only, without the table; --list names them
+    scripts/verify --extremes speeds damping      # only these kinds, without the table; --list prints all kinds
 
 A line of the table states one case: the setting, the expected result, the bound on the error and the error
 found. The status is 1 if a line exceeds its bound. The tests must be built: scripts/build --strict.
@@ -45,7 +45,7 @@ them) and in `tests/contact/extremes.cpp` (the library).
 
 
 def stepping(_):
-    """Steps, damping, single precision and millions of steps, in the library."""
+    """Step lengths, damping, single precision and millions of steps, in the library."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "rows.json"
         done = subprocess.run(
@@ -61,7 +61,7 @@ def stepping(_):
         for number in sorted(
             int(key.split("_")[1]) for key in test if key.startswith("row_") and key.endswith("_bound")
         ):
-            # GoogleTest writes each byte of a character by itself.
+            # GoogleTest writes each byte of a character separately.
             setting, oracle, bound, found = (
                 test[f"row_{number}_{key}"].encode("latin-1").decode()
                 for key in ("setting", "oracle", "bound", "found")
@@ -75,7 +75,7 @@ ALL = [*extreme_models.ALL, *extreme_impacts.ALL, stepping]
 
 
 def rows_of(kind):
-    """(rows, seconds) of a kind of extreme; a case that breaks off is a row that fails."""
+    """(rows, seconds) of a kind of extreme. A case that aborts becomes a failing row."""
     started, rows = time.monotonic(), []
     with tempfile.TemporaryDirectory(prefix="ricochet-extremes-") as folder:
         try:
@@ -95,7 +95,7 @@ def rows_of(kind):
 
 
 def passes(row):
-    return row.found <= row.bound  # false for what is not a number
+    return row.found <= row.bound  # false for NaN
 
 
 def label(kind):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Writes the validation manual from the results of the cases, the source of every figure in it."""
+"""Writes the validation manual. All figures in it come from the results of the cases."""
 import re
 
 from case import verdict
@@ -24,7 +24,7 @@ Further tests cover the [ends of the range of each setting](#extremes).
 
 
 def number(value):
-    """Five digits, without a tail of zeros."""
+    """Five digits without trailing zeros."""
     text = f"{value:.5g}"
     return re.sub(r"e([+-])0?(\d)", r"e\1\2", text).replace("e+", "e")
 
@@ -89,7 +89,7 @@ def section(name, module, found):
 
 
 def extremes(path):
-    """Section on the table of extremes at `path`, with its lines counted by kind."""
+    """Section on the table of extremes at `path`, with the number of lines of each kind."""
     kinds = {}
     for line in path.read_text().splitlines():
         cells = [cell.strip() for cell in line.strip("|").split(" | ")]
@@ -110,7 +110,7 @@ def extremes(path):
 
 
 def write(path, cases, machine):
-    """The manual at `path`; `cases`: (name, module, found) in the order of the manual."""
+    """Writes the manual to `path`. `cases` are (name, module, found) in the order of the manual."""
     checks = [check for _, _, found in cases for check in found["checks"]]
     failing = [check for check in checks if not check["holds"]]
     known = sum(bool(check["known"]) for check in failing)

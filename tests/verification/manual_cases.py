@@ -7,7 +7,7 @@ references.
     scripts/verify bars sphere      # these cases
     scripts/verify --long --manual  # also writes the manual and its figures
 
-A finished case is kept in build/verify. It is computed again after a change of the case, of what it imports
+A finished case is kept in build/verify. It is computed again after a change of the case, of its imports
 or of the programs, or with --again; an interrupted case continues with the kernels that it has. The status is
 1 if a case fails.
 """
@@ -25,7 +25,7 @@ from ricochet import errors, programs
 
 MANUAL = programs.ROOT / "tests" / "verification"
 
-# The order of the manual: the paper's examples, vibration, statics, impacts, and how errors fall.
+# The order of the manual: examples of the paper, vibration, statics, impacts, and orders of convergence.
 ORDER = [
     "kernels",
     "rods_analytic",
@@ -50,7 +50,7 @@ ORDER = [
 
 
 def sources(path, found):
-    """The module at `path` and what it imports from tests/verification, added to `found`."""
+    """Adds the module at `path` and its imports from tests/verification to `found`."""
     if path in found:
         return found
     found.add(path)
@@ -65,7 +65,7 @@ def sources(path, found):
 
 
 def fingerprint(module):
-    """Hash of the case, of what it imports, of the scenes in meshes/ and of the programs."""
+    """Hash of the case, its imports, the scenes in meshes/ and the programs."""
     files = sorted(sources(Path(module.__file__), {MANUAL / "case.py"}))
     files += [programs.BIN / "ricochet-kernel", programs.BIN / "ricochet-contact"]
     files += [
@@ -93,7 +93,7 @@ def modules(wanted):
 
 
 def found_by(name, module, mark, cache, again):
-    """Results of the case, from the cache if they are still valid; and whether they are."""
+    """Results of the case, from the cache if they are still valid, and whether they come from the cache."""
     path = cache / name / "found.json"
     if path.is_file() and not again:
         kept = json.loads(path.read_text())
@@ -162,7 +162,7 @@ def add_arguments(parser):
 
 
 def run(options):
-    """The status: 1 if a case fails."""
+    """Returns the status, which is 1 if a case fails."""
     cache = options.cache.resolve()
     chosen = [entry for entry in modules(options.cases) if options.long or options.cases or not entry[1].LONG]
     if options.list:

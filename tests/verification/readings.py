@@ -23,14 +23,14 @@ READINGS = {
 
 
 def mean_force(path):
-    """Over the middle eight tenths of the first touch to the last [N]."""
+    """Mean force [N] over the middle eight tenths of the time between first and last touch."""
     with h5py.File(path) as file:
         time, force = file["contact/time"][:], file["contact/force"][:].sum(axis=1)
     if len(time) == 0:
         return 0.0
     span = time[-1] - time[0]
     inside = (time > time[0] + 0.1 * span) & (time < time[-1] - 0.1 * span)
-    # Steps without a force have no row: they count as zeros.
+    # Steps without a force have no row and count as zeros.
     step = np.diff(time).min() if len(time) > 1 else 1.0
     return float(force[inside].sum() * step / (0.8 * span)) if span > 0 else float(force.mean())
 
@@ -88,7 +88,7 @@ def run(options):
     programs.kernel(options.scene, [*common, "--quiet", "--out", out], options.ranks)
     print("| " + " | ".join(HEAD) + " |\n" + "|---" * len(HEAD) + "|")
     with tempfile.TemporaryDirectory(prefix="ricochet-readings-") as scratch:
-        # Results go to a folder of their own; links in it lead to the kernels.
+        # Results go to a separate folder, in which links lead to the kernels.
         for path in out.glob("*.kernel.h5"):
             (Path(scratch) / path.name).symlink_to(path.resolve())
         for name, sets in READINGS.items():

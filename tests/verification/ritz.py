@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Rayleigh-Ritz frequencies of boxes and disks in products of Legendre polynomials: resonant ultrasound spectroscopy (Demarest
-1971, J. Acoust. Soc. Am. 49, 768; Visscher, Migliori, Bell & Reinert 1991, 90, 2154). No mesh, no elements and no shift: errors
-fall exponentially with the degree. Even and odd functions do not couple, so each of their classes is solved on its own."""
+1971, J. Acoust. Soc. Am. 49, 768; Visscher, Migliori, Bell & Reinert 1991, 90, 2154). There is no mesh, no element and
+no shift. Errors fall exponentially with the degree. Even and odd functions do not couple, so each class is solved separately."""
 import numpy as np
 from numpy.polynomial import legendre
 
@@ -14,8 +14,8 @@ def legendre_at(degree, x):
 
 
 def orthonormal(tables, weight=1.0):
-    """The same integrals, by pairs of derivatives, in a basis in which weight · tables["00"] is the identity. Its functions keep
-    their parities, as a triangular factor mixes no others."""
+    """The integrals, by pairs of derivatives, in a basis in which weight · tables["00"] is the identity. The functions keep
+    their parities, because the triangular factor does not mix parities."""
     inverse = np.linalg.inv(np.linalg.cholesky(weight * tables["00"]))
     return {pair: inverse @ table @ inverse.T for pair, table in tables.items()}
 
@@ -32,15 +32,16 @@ def stiffness_of(g, young, poisson):
 
 
 def frequencies(product, parity, young, poisson):
-    """All frequencies [Hz], ascending, rigid ones as what round-off makes of 0.
+    """All frequencies [Hz] in ascending order. Those of rigid modes are 0 to round-off.
 
-    product(a, b): ∫ ∂_a f_m ∂_b f_n of scalar functions with ∫ ρ f_m f_n = δ_mn, a, b from "xyz"; parity: (functions, 3) of 0 or
-    1 along x, y and z, all 0 along an axis without symmetry."""
+    product(a, b) is ∫ ∂_a f_m ∂_b f_n of scalar functions with ∫ ρ f_m f_n = δ_mn, for a, b from "xyz". parity
+    (functions, 3) is 0 or 1 along x, y and z, and 0 for all functions along an axis without symmetry."""
     blocks = stiffness_of({a + b: product(a, b) for a in "xyz" for b in "xyz"}, young, poisson)
     symmetric = parity.any(axis=0)
     values = []
     for kind in np.unique(parity, axis=0):
-        # A motion of this class has the class's parity across each component's own axis turned.
+        # In a motion of this class, each component has the parity of the class,
+        # reversed along the component's own axis.
         rows = [
             np.flatnonzero((parity == np.where(symmetric, kind ^ np.eye(3, dtype=int)[c], 0)).all(axis=1))
             for c in range(3)
@@ -51,13 +52,13 @@ def frequencies(product, parity, young, poisson):
 
 
 def multiplicities(frequencies, tolerance):
-    """Sizes of runs of ascending frequencies that agree."""
+    """Sizes of groups of equal frequencies; the frequencies are in ascending order."""
     groups = np.split(frequencies, np.flatnonzero(np.diff(frequencies) > tolerance * frequencies[1:]) + 1)
     return [len(group) for group in groups]
 
 
 def box(sides, degree, density, young, poisson, held=False):
-    """Frequencies of a box by polynomials of up to `degree` in each of x, y and z; `held`: the face at the lowest z is clamped."""
+    """Frequencies of a box by polynomials of up to `degree` in x, y and z. If `held`, the face at the lowest z is clamped."""
     points, weights = legendre.leggauss(degree + 3)
     tables = {}
     for axis, side in zip("xyz", sides):
@@ -74,14 +75,14 @@ def box(sides, degree, density, young, poisson, held=False):
         factors = [tables[axis][(a if a == axis else "0") + (b if b == axis else "0")] for axis in "xyz"]
         return np.kron(np.kron(factors[0], factors[1]), factors[2])
 
-    # The scale of ρ^(1/3) for each axis is in the derivatives' tables too: ∫ ρ f f = 1.
+    # The factor ρ^(1/3) of each axis is also contained in the tables of derivatives, so that ∫ ρ f f = 1.
     parity = np.stack(np.meshgrid(*[np.arange(degree + 1) % 2] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
     return frequencies(product, parity * [1, 1, int(not held)], young, poisson)
 
 
 def disk(radius, thickness, degree, through, density, young, poisson):
     """Frequencies of a free disk by polynomials of total `degree` in x, y and degree `through` in z."""
-    # Quadrature on the unit disk, exact for the products: Gauss in r² and equal angles.
+    # Quadrature on the unit disk that is exact for the products: Gauss in r², and equal angles.
     radial, radial_weight = legendre.leggauss(degree + 2)
     angles = 2 * degree + 4
     r = np.sqrt((radial + 1) / 2)

@@ -5,7 +5,7 @@ add_program_test(verification extremes LONG)
 add_program_test(verification uzawa)
 add_program_test(verification verify)
 
-# Each short case of the validation manual is a test of its own, which computes it again.
+# Each short case of the validation manual is a separate test, which computes the case again.
 file(GLOB cases CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/verification/cases/*.py)
 foreach(file ${cases})
   file(STRINGS ${file} short REGEX "^LONG = False")

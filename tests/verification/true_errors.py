@@ -4,7 +4,7 @@
     scripts/verify --estimates [--out DIR] [--ranks N] [--only TEXT …] [--check]
 
 Closed forms exist for rods; the reference of other scenes is a run with everything finer. Kernels and
-references stay in DIR (default out/estimates) and are not computed again. With --check the status is 1 unless
+references are kept in DIR (default out/estimates) and are not computed again. With --check the status is 1 unless
 the true error is at most 3 estimates in 9 of 10 cases and the estimate at most 10 true errors in 7 of 10.
 Prints Markdown.
 """
@@ -48,7 +48,7 @@ normal = [-1, 0, 0]
 DISKS = ROOT / "meshes/two-disks/two-disks.toml"
 BALLS = ROOT / "meshes/hertz/two-balls.toml"
 BALL = ROOT / "meshes/hertz/resting-ball.toml"
-# Bodies and axes along which they leave, by scene.
+# Bodies and axes of the exit velocities, by scene.
 MOVING = {"two-disks": [("upper", 0), ("upper", 1)], "two-balls": [("upper", 2), ("lower", 2)]}
 
 
@@ -67,8 +67,8 @@ def rod_scene(folder, name, other, length=10, order=1, elements=100):
 
 
 def bar(folder):
-    """The bouncing bar, and what is known after a number of touches: it leaves each at the speed at which it
-    came."""
+    """The bouncing bar, and its exact state after a number of touches: it leaves each touch at its arrival
+    speed."""
     (folder / "bar.geo").write_text(bouncing_bar.GEO)
     scene = folder / "bouncing-bar.toml"
     scene.write_text(bouncing_bar.SCENE)
@@ -215,7 +215,7 @@ def cases(folder):
 
 
 def summary_of(scene, sets, out, title, ranks, accuracy=None):
-    """Summary of the scene with these settings, computed once."""
+    """Summary of the scene with these settings. It is computed only once."""
     path = out / f"{title}.summary.json"
     if not path.exists():
         arguments = ["--out", out, "--quiet"] + [a for s in [f"title={title}", *sets] for a in ("--set", s)]
@@ -227,7 +227,7 @@ def summary_of(scene, sets, out, title, ranks, accuracy=None):
 
 
 def numbers(summary):
-    """What docs/theory.md calls the main results."""
+    """The quantities of interest in docs/theory.md."""
     if "pairs" in summary:
         return np.array([p[key] for p in summary["pairs"] for key in ("force_n", "approach_m")])
     return summary["impulse_ns"], summary["exit_velocity"]
@@ -275,7 +275,7 @@ def run(given):
         moving, speed = [], 1
         if isinstance(truth, list):
             moving, speed = MOVING.get(scene.stem, []), int(name.split()[1]) if scene == DISKS else 0.3
-            # One reference serves the cases that share its settings.
+            # Cases with the same reference settings share one reference.
             named = f"reference-{scene.stem}" + (f"-{speed}" if scene == DISKS else "")
             truth = summary_of(scene, truth, given.out, named, given.ranks)
         error, estimate = true_error(found, truth, moving, speed), found["error_estimate"]

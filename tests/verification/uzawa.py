@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Uzawa's iteration on the pressures of a ball at rest, against the exact solver of the same complementarity problem."""
+"""Uzawa's iteration for the pressures of a ball at rest, compared with the exact solver of the same complementarity problem."""
 
 import unittest
 
@@ -23,7 +23,8 @@ class Uzawa(ProgramTest):
         exact, _ = self.rest()
         slow, summary = self.rest("contact.solver=uzawa")
         self.assertGreater(summary["iterations"], 100)
-        # It stops at 1e-9 of the gap closed; forces follow by the condition of the flexibility, some hundreds.
+        # The iteration stops at 1e-9 of the closed gap. The condition number of the flexibility,
+        # some hundreds, amplifies this error.
         self.assertLess(np.abs(slow - exact).max(), 1e-5 * exact.max())
 
 

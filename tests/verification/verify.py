@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The program of the validation manual: what it counts as a failure, what it keeps, and that the manual holds
+"""The program of the validation manual: failures, cached results, and a check that the manual contains
 every case."""
 
 import json
@@ -62,7 +62,7 @@ class Verify(unittest.TestCase):
             self.assertIn("kept", verify(*words).stdout)
             self.assertEqual(found.stat().st_mtime_ns, stamp)
             self.assertNotIn("kept", verify(*words, "--again").stdout)
-            # Another source of the case is another case.
+            # A case with another fingerprint is computed again.
             found.write_text(json.dumps(json.loads(found.read_text()) | {"fingerprint": "other"}))
             self.assertNotIn("kept", verify(*words).stdout)
 

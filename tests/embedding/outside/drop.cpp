@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Drops a rigid bob through the C++ header and compares with Galilei; leaves its kernel for drop.c.
+// Drops a rigid bob through the C++ header, compares with Galilei's law, and writes the kernel for drop.c.
 #include <ricochet/ricochet.hpp>
 
 #if defined(EIGEN_WORLD_VERSION) || defined(MPI_VERSION) || defined(H5_VERS_MAJOR) || defined(FMT_VERSION)
@@ -23,7 +23,7 @@ void expect(bool holds, const char* what) {
   ++failures;
 }
 
-/// A mass of 4 kg that moves along z, on a spring of 1e5 N/m.
+/// A mass of 4 kg on a spring of 1e5 N/m that moves along z.
 ricochet::kernels::Kernel bob() {
   ricochet::kernels::Kernel kernel;
   kernel.body = kernel.hash = "bob";

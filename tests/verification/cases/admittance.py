@@ -16,23 +16,23 @@ from cases.flexibility import MATERIAL, SCENE, SIDES
 TITLE = "Is Ṅ(0⁺) nearly diagonal? Section 3.5 measured"
 SOURCE = "Bensoam, section 3.5; Cᵀ M⁻¹ C of finite elements assembled in the case, for all modes."
 LONG = False
-CLAIM = 0.1  # of its diagonal: what "almost diagonal" is taken to allow a row
+CLAIM = 0.1  # fraction of the diagonal that "almost diagonal" is assumed to permit per row
 
 
 def spread(admittance):
-    """Mean over the rows of what is off the diagonal, over the diagonal."""
+    """Sum of the off-diagonal entries of a row divided by its diagonal entry, as the mean over the rows."""
     size = np.abs(admittance)
     return ((size.sum(axis=1) - size.diagonal()) / size.diagonal()).mean()
 
 
 def far(admittance, node, step):
-    """Largest entry between patches more than two steps apart, over the mean of the diagonal."""
+    """Largest entry between patches more than two steps apart, divided by the mean of the diagonal."""
     apart = np.linalg.norm(node[:, None] - node[None], axis=2) > 2.01 * step
     return np.abs(admittance[apart]).max() / admittance.diagonal().mean()
 
 
 def profile(admittance, node):
-    """Distance from the middle patch and coupling to it, over its own entry."""
+    """Distances from the middle patch, and the coupling to it divided by its diagonal entry."""
     middle = np.linalg.norm(node - node.mean(axis=0), axis=1).argmin()
     return (
         np.linalg.norm(node - node[middle], axis=1),

@@ -51,7 +51,7 @@ at = [{HEIGHT}, 0, 0]
 
 
 def exact(time):
-    """Height of the foot and force on it."""
+    """Height of the foot and the force on it."""
     foot, force = np.zeros_like(time), np.zeros_like(time)
     for i, t in enumerate(time):
         if t < FALL:
@@ -62,7 +62,8 @@ def exact(time):
             force[i] = ARRIVAL * YOUNG / SPEED + SPEED * GRAVITY * phase
         elif phase < TOUCH + FLIGHT:
             s = phase - TOUCH
-            # Bar released 2u_s short: uniform motion and a free vibration, whose foot repeats the even image of its shape.
+            # The bar is released with a shortening of 2u_s. Its foot moves uniformly and with the free
+            # vibration of the even image of its shape.
             x = LENGTH - abs((SPEED * s) % (2 * LENGTH) - LENGTH)
             foot[i] = (
                 2 * GRAVITY / SPEED**2 * (x**2 / 2 - LENGTH * x) + ARRIVAL * s - GRAVITY * s**2 / 2

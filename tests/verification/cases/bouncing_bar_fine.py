@@ -15,8 +15,8 @@ DURATION, MODES = 60.0, 400
 
 
 def characteristics(cells, duration):
-    """Time and height of the foot: u(x, t+τ) = u(x+cτ, t) + u(x−cτ, t) − u(x, t−τ) − gτ² holds without error for the bar, and its
-    free ends reflect."""
+    """Time and height of the foot, from u(x, t+τ) = u(x+cτ, t) + u(x−cτ, t) − u(x, t−τ) − gτ², which is exact for the bar, with
+    reflection at its free ends."""
     step = bar.LENGTH / bar.SPEED / cells
     fall = bar.GRAVITY * step**2
     now = np.full(cells + 1, bar.HEIGHT)
@@ -30,7 +30,7 @@ def characteristics(cells, duration):
 
 
 def departures(time, foot):
-    """Root of the mean square of the departure in each period, over h₀."""
+    """Root mean square of the deviation in each period, divided by h₀."""
     square = (foot - bar.exact(time)[0]) ** 2
     starts = np.arange(bar.FALL, time[-1] - bar.PERIOD, bar.PERIOD)
     return (
@@ -39,7 +39,7 @@ def departures(time, foot):
 
 
 def growth(departure):
-    """Factor a period, between 0.02 and 0.3 of h₀."""
+    """Growth factor per period, for deviations between 0.02 and 0.3 of h₀."""
     upto = int(np.argmax(departure > 0.3)) or len(departure)
     inside = np.flatnonzero(departure[:upto] > 0.02)
     return np.exp(np.polyfit(inside, np.log(departure[inside]), 1)[0])

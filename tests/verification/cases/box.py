@@ -54,7 +54,7 @@ def run(bench):
             "the shortest wavelengths are about two elements",
         )
         if name == "cube":
-            # The last group may be cut by the count.
+            # The number of computed modes may cut the last group.
             known = ritz.multiplicities(fine, 1e-6)[:-1]
             found = ritz.multiplicities(elastic, 1e-6)[: len(known)]
             bench.compare("cube: largest multiplicity", max(found), max(known), 0, "a count")

@@ -20,7 +20,7 @@ GRAVITY, GAP = 9.81, 0.01
 MASS = 11.3e3 * np.pi * 0.05**2 * 5e-3
 POSITIONS, MIDDLE = 17, 8
 RATE = 44100
-OPEN = 0.01  # of the contact
+OPEN = 0.01  # fraction of the contact
 OPENING = (
     "position 9 is relieved but does not open: the paper does not state the placement, the clamping or the mesh of its disks, and this "
     "interpretation does not reproduce the opening"
@@ -28,7 +28,7 @@ OPENING = (
 
 
 def opened(force):
-    """Longest time, in steps, that the middle is free while others press on both sides, over the steps of the contact."""
+    """Longest time without force on the middle but with force on both sides, as a fraction of the contact time."""
     pressed = force > 0
     longest = length = 0
     for free in ~pressed[:, MIDDLE] & pressed[:, :MIDDLE].any(axis=1) & pressed[:, MIDDLE + 1 :].any(axis=1):
@@ -38,7 +38,7 @@ def opened(force):
 
 
 def relief(result):
-    """Least force on the middle over the mean of its two neighbours, all as running means over 0.5 ms, while both press."""
+    """Least ratio of the force on the middle to the mean of its neighbours while both press; running means over 0.5 ms."""
     time, force = result["contact/time"], result["contact/force"]
     steps = np.round((time - time[0]) * RATE).astype(int)
     near = np.zeros((steps[-1] + 1, 3))

@@ -42,12 +42,12 @@ gravity = [{-GRAVITY}, 0, 0]
 
 
 def height(result):
-    """Of the body above the floor, from its velocity, which is linear within each step but for impulses."""
+    """Height of the body above the floor, from its velocity, which is linear within each step except for impulses."""
     time, velocity = result["time"], result["bodies/mass/velocity"][:, 0]
     force = np.zeros(len(time))
     moments, totals = result.force()
     force[:] = totals
-    # The impulse of a step acts at its own instant; before it the body moves with the old velocity.
+    # The impulse of a step acts at its own instant. Before it the body moves with the old velocity.
     step = time[1] - time[0]
     rise, out = HEIGHT, [HEIGHT]
     for k in range(1, len(time)):

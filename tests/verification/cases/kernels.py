@@ -14,7 +14,7 @@ LENGTH, STEP = 10.0, 0.01
 
 
 def by_modes(kernel, times, count=None):
-    """N(t), its rate and the jump of the rate at the end that is struck, of the lowest `count` modes."""
+    """N(t), its rate and the jump of the rate at the struck end, from the lowest `count` modes."""
     omega, shape = kernel["modes/angular_frequency"][:count], kernel["surface/shape"][:].reshape(-1)[:count]
     square, phase = shape**2, np.outer(times, omega)
     over = np.where(omega > 0, np.sin(phase) / np.where(omega > 0, omega, 1), np.asarray(times)[:, None])

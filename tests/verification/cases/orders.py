@@ -22,7 +22,7 @@ LONG = True
 SIDES = (0.1, 0.13, 0.17)
 DENSITY, YOUNG, POISSON = 2700.0, 70e9, 0.33
 MESHES = {1: (4, 6, 8), 2: (2, 3, 4), 3: (1, 2, 3)}
-LOWEST = 6  # frequencies compared
+LOWEST = 6  # number of frequencies compared
 
 BOX = scenes.scene(
     {
@@ -38,7 +38,7 @@ support = {{ foot = "xy", top = "xy", "x sides" = "x", "y sides" = "y" }}
     time="duration = 1.0",
     obstacles={"ceiling": "point = [0, 0, 2]\nnormal = [0, 0, -1]"},
 )
-# L = c = ρ = E = A = 1; the pulse lasts T = 1.2, and its wave is back at the foot after 3.
+# L = c = ρ = E = A = 1. The pulse lasts T = 1.2, and its wave returns to the foot after 3.
 LASTS, FORCE = 1.2, 1.0
 PRESSED = scenes.scene(
     {
@@ -64,14 +64,14 @@ history = "pulse.csv"
 
 
 def reaction(time):
-    """On the foot: twice the pulse, as its wave arrives."""
+    """Reaction on the foot: twice the pulse, when its wave arrives."""
     inside = (time > 1) & (time < 1 + LASTS)
     return np.where(inside, 2 * FORCE * np.sin(np.pi * (time - 1) / LASTS) ** 2, 0)
 
 
 def force_error(result, upto=1.95):
-    """Root of the mean square of the force less the reaction in the middle of each step, over 2F; up to the tail of the pulse, which
-    reaches no further than the contact lasts."""
+    """Root mean square of the difference between the force and the reaction in the middle of each step, divided by 2F. It
+    excludes the tail of the pulse, during which contact may already have ended."""
     time, force = result.force()
     inside = (time > 0) & (time < upto)
     return np.sqrt(((force - reaction(time - (time[1] - time[0]) / 2))[inside] ** 2).mean()) / (2 * FORCE)
@@ -89,7 +89,8 @@ def separated():
         motions = int(l > 0 and n > 0) + int(m > 0 and n > 0) + 1
         if not any(index):
             continue
-        # One of the motions is along k, unless k's own direction is a sine of 0: then all are across.
+        # One of the motions is along k, unless that motion vanishes because of a
+        # sine of 0. All motions are then transverse.
         along = 1 if n > 0 else 0
         found += [np.sqrt(pressure / DENSITY) * k] * along + [np.sqrt(shear / DENSITY) * k] * (
             motions - along

@@ -78,7 +78,7 @@ def inelasticity(thickness):
 
 
 def zener(inelastic, steps=4000):
-    """Time over T₀ and force over mv/T₀ while they touch, and the restitution, by Heun's method."""
+    """Time divided by T₀ and force divided by mv/T₀ during contact, and the restitution, by Heun's method."""
     step, indent, speed = 4.0 / steps, 0.0, 1.0
     time, force = [0.0], [0.0]
 

@@ -27,7 +27,7 @@ CUT = "100 modes resolve a front to 2L/(Nc) = 0.2 s, 1 % of the contact"
 
 
 def end_admittance(elements, modes, length):
-    """Ṅ(0⁺) at the end of a free rod of linear elements, ρ = A = E = 1, of its lowest `modes`."""
+    """Ṅ(0⁺) at the end of a free rod of linear elements with ρ = A = E = 1, from its lowest `modes`."""
     h = length / elements
     mass, stiffness = np.zeros((elements + 1, elements + 1)), np.zeros((elements + 1, elements + 1))
     for e in range(elements):
@@ -138,7 +138,7 @@ def run(bench):
     figure, (left, right) = bench.figure(2)
     for (name, result), colour in zip(results.items(), (BLUE, RED, GREEN)):
         time, force = result.force()
-        # Impulses of every step stand for a force; the running mean over 0.5 s is what a picture can show.
+        # Impulses of every step represent a force; a picture can show their running mean over 0.5 s.
         left.plot(time, np.convolve(force, np.ones(50) / 50, "same"), color=colour, label=name)
         right.plot(result["contact/time"], -result["contact/gap"][:, 0], color=colour, label=name)
     left.plot(

@@ -30,7 +30,8 @@ def run(bench):
         )
         results[scheme] = result
         time, force = result["contact/time"], result["contact/force"][:, 0]
-        # An impulse at t_k stands for the force over the step that follows, a compliant force for that before.
+        # An impulse at t_k represents the force over the next step; a
+        # compliant force acts over the previous step.
         start, end = (time[0], time[-1] + 0.01) if scheme == "impulse" else (time[0] - 0.01, time[-1])
         bench.compare(
             f"{scheme}: start of contact (s)", start, 1.0, ROUND_OFF, "round-off: both instants lie on steps"

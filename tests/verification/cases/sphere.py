@@ -14,7 +14,7 @@ LONG = False
 POISSON = 0.3
 SHEAR_SPEED = np.sqrt(1 / (2 * (1 + POISSON)))
 RATIO = np.sqrt((1 - 2 * POISSON) / (2 * (1 - POISSON)))  # c_s / c_p
-HIGHEST = 5.5  # of ωR/c_s
+HIGHEST = 5.5  # largest ωR/c_s
 
 GEO = """SetFactory("OpenCASCADE");
 DefineConstant[size = 0.6];
@@ -44,7 +44,7 @@ duration = 1.0
 
 
 def bessel(degree, x):
-    """j_l(x) by its power series: no recurrence loses digits for x as small as here."""
+    """j_l(x) by its power series. For the small x used here, recurrences would lose digits."""
     term = x**degree / math.prod(range(1, 2 * degree + 2, 2))
     total, k = term, 0
     while abs(term) > 1e-18 * abs(total) or k < 5:
@@ -69,7 +69,7 @@ def spheroidal(l, x):
 
 
 def roots(condition, low=0.7, high=HIGHEST, steps=500):
-    """Simple roots between low and high; the one at 0 is rigid motion."""
+    """Simple roots between low and high. The root at 0, a rigid motion, is excluded."""
     grid = np.linspace(low, high, steps)
     values = [condition(x) for x in grid]
     found = []

@@ -15,7 +15,7 @@ SPEED = 0.3
 
 
 def ideal_force(mass, modulus, curvature, duration):
-    """Time and force by Hertz's law, by Verlet's method in 4000 steps."""
+    """Time and force by Hertz's law, integrated with Verlet's method in 4000 steps."""
     k = 4 / 3 * modulus * np.sqrt(curvature)
     step, x, v = duration / 4000, 0.0, SPEED
     out = [x]
