@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* In place of libc's in the tests: Open MPI calls it while a rank waits (mpi_yield_when_idle). Tests run on fewer cores than
- * ranks, so a rank that waits sleeps and leaves its core to one that works. */
+/* Replaces sched_yield of libc in the tests. Open MPI calls it while a rank waits (mpi_yield_when_idle). Tests run on fewer
+ * cores than ranks, so a waiting rank sleeps and leaves its core to a working rank. */
 #define _POSIX_C_SOURCE 199309L
 #include <time.h>
 

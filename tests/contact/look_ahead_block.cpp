@@ -52,7 +52,7 @@ Model dropped(Eigen::Index modes, Eigen::Index points, double spread, unsigned s
 }
 
 struct Difference {
-  double force = 0, motion = 0, displacement = 0;  ///< largest, relative
+  double force = 0, motion = 0, displacement = 0;  ///< largest relative differences
   int touches = 0;
 };
 

@@ -5,7 +5,7 @@ Visible blocks:
 
     ```sh                 commands; the folder and variables persist in the next block
     ```python             run by this Python; names persist
-    ```text               lines that the output of the block before must contain, in this order; … matches anything
+    ```text               lines that the output of the previous block must contain in this order; … matches anything
     ```toml path/to/file  the contents of that file
 
 Comments, which are not shown:

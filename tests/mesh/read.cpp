@@ -242,7 +242,7 @@ TEST(Read, files_of_cad_programs_need_no_groups) {
       gmsh::model::occ::addCylinder(0, 0, 0, 0, 0, 2, 1);
       gmsh::model::occ::synchronize();
     });
-    // A cylinder has three surfaces; its mantle is the first.
+    // A cylinder has three surfaces. The lateral one is the first.
     scene::Body body = test::body_of(part.path(), 3);
     body.contact = {"surface 1", "surface 2", "surface 3"};
     body.support = {{"surface 3", "z"}};

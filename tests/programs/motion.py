@@ -14,7 +14,7 @@ import numpy as np
 
 from programs import BIN, MESHES, ProgramTest, Run, contact, kernel, settings
 
-SINGLE = 1e-6  # some units in the last place of the 32-bit numbers of pictures, relative to the largest
+SINGLE = 1e-6  # some units in the last place of 32-bit numbers, relative to the largest value
 BLOCK = """
 SetFactory("OpenCASCADE");
 Box(1) = {0, 0, 0, 1, 1, 1};

@@ -370,7 +370,7 @@ TEST(Refused, is_a_key_that_table_kernels_do_not_use) {
             "instant, kernel, max_pivots, restitution, scheme, solver, table.");
 }
 
-// Tables nested ten thousand deep would exhaust the stack when they are destroyed.
+// Very deeply nested tables would exhaust the stack when they are destroyed.
 TEST(Refused, is_a_key_of_endless_depth) {
   std::string key = "a";
   for (int depth = 0; depth < 100000; ++depth) key += ".a";

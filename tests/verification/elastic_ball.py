@@ -50,7 +50,7 @@ class ElasticBall:
         self.square = mean(sine**2)  # mean square of the distance from the axis
 
         degrees = np.arange(int(terms / width))
-        along = np.zeros((len(degrees), 2, rings))  # unit force on a ring, against the axis: along r and θ
+        along = np.zeros((len(degrees), 2, rings))  # unit force on a ring against the axis: along r and θ
         below, here = np.zeros_like(angle), np.ones_like(angle)
         for n in degrees:
             slope = n * (cosine * here - below) / sine

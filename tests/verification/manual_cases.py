@@ -113,7 +113,7 @@ def found_by(name, module, mark, cache, again):
 
 
 def show_failure(check):
-    """Prints a line that does not hold, or that holds although it is known to fail."""
+    """Prints a line that fails, or a known failure that passes."""
     if not check["holds"]:
         verdict = "known failure" if check["known"] else "FAIL"
         values = f"{check['ours']:.6g}, reference {check['reference']:.6g}"

@@ -3,7 +3,7 @@
 
     scripts/verify --estimates [--out DIR] [--ranks N] [--only TEXT …] [--check]
 
-Closed forms exist for rods; the reference of other scenes is a run with everything finer. Kernels and
+Closed forms exist for rods; for other scenes the reference is a run with finer settings. Kernels and
 references are kept in DIR (default out/estimates) and are not computed again. With --check the status is 1 unless
 the true error is at most 3 estimates in 9 of 10 cases and the estimate at most 10 true errors in 7 of 10.
 Prints Markdown.

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Drops the bob of drop.cpp through the C header and compares with Galilei. */
+/* Drops the bob of drop.cpp through the C header and compares with Galilei's law. */
 #include <ricochet/ricochet.h>
 
 #if defined(EIGEN_WORLD_VERSION) || defined(MPI_VERSION) || defined(H5_VERS_MAJOR)

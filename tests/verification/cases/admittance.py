@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Section 3.5 of the paper states that the admittance Ṅ(0⁺) of (34) is almost diagonal, and in theory exactly so: in no time, no wave
-travels from one point to another. This case measures it on a free steel block of 60 × 50 × 40 mm with all of its modes. The measures are
+"""Section 3.5 of the paper states that the admittance Ṅ(0⁺) of (34) is almost diagonal, and in theory exactly so, because no wave
+travels from one point to another in no time. This case measures it on a free steel block of 60 × 50 × 40 mm with all of its modes. The measures are
 the sum of the off-diagonal entries of a row over its diagonal entry, as the mean over the rows, and the largest off-diagonal entry
 between patches that do not touch. All modes together give Cᵀ M⁻¹ C, so the oracle needs no modes.
 

@@ -2,7 +2,7 @@
 """The bar of `bouncing_bar` with up to 400 modes, and over 60 s with 22 touches, where no computation can follow the periodic motion, because
 it is unstable. A deviation grows by a constant factor in each period, until touches split and the bar rattles. This is a property
 of the bar: the wave equation, solved by the method of characteristics, which is exact except for the instants at which touches begin and
-end, behaves likewise. Over many touches, the case therefore compares the growth."""
+end, behaves likewise. The case therefore compares the growth over many touches."""
 import numpy as np
 
 from case import BLUE, GREY

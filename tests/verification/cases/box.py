@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """A free aluminium box of 100 × 130 × 170 mm and a free cube, with two elements of order 5 along each side, compared with polynomials over
 the whole box. The cube has modes in pairs and triples, and the same multiplicities must be found. Both oracles are evaluated at two
-degrees, which shows their own error."""
+degrees to show their own error."""
 import numpy as np
 
 import ritz

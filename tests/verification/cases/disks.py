@@ -2,7 +2,7 @@
 """The paper's soft lead disks, edge on, at V0 = 1 and 6 m/s (`meshes/two-disks`), with elements of 10 mm and contact-adapted bases. The
 paper shows the contact in figures and describes it: at 1 m/s, position 9 stays in contact, and 8 and 10 join at times; at 6 m/s the
 contact extends beyond 8 and 10, and position 9 opens while its neighbours press. Here, position 9 counts as open if it carries no force
-for at least a hundredth of the contact while positions on both of its sides do; single steps are chatter. The time of the first touch,
+for at least a hundredth of the contact time while positions on both sides do; single steps are chatter. The time of the first touch,
 the effect of the impulse on the momentum, and the symmetry about position 9 are known in closed form."""
 import numpy as np
 

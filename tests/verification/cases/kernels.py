@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The end of a free rod (ρ = A = E = 1, L = 10) after a unit impulse on it. In closed form, N(t) is a staircase: 1 up to the first return
+"""The end of a free rod (ρ = A = E = 1, L = 10) moves after a unit impulse on it. In closed form, N(t) is a staircase: 1 up to the first return
 of the wave at 2L/c = 20, then 3, 5, … The sum over the 100 lowest modes of 100 linear elements rings about the stairs, as the paper's
 Figure 4 (ii) and (iii) show. The means over a stair and the decrease of the error with the number of modes show that the ringing is only
 that of a truncated series: at a jump, the root-mean-square error falls as 1/√N."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Two steel balls of 10 mm radius meet at 0.3 m/s (`meshes/hertz/two-balls.toml`), slowly enough for Hertz's quasi-static law; their meshes
+"""Two steel balls of 10 mm radius meet at 0.3 m/s (`meshes/hertz/two-balls.toml`), slowly enough for Hertz's quasi-static law. Their meshes
 do not match. The reference is the law m δ̈ = −k δ^(3/2): its closed form for the duration of contact and the peak force, and its
 step-by-step solution for the figure."""
 import numpy as np
