@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The extension module of python/bindings; the modules around it document what users see."""
+"""The extension module of python/bindings. The modules that use it document its content for users."""
 
 from collections.abc import Callable, Sequence
 from os import PathLike

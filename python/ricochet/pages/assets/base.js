@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 "use strict";
-// What the other scripts share: the run, elements, numbers.
+// Shared by the other scripts: the data of the run, page elements and numbers as text.
 
 const run = JSON.parse(document.getElementById("run").textContent);
 
@@ -14,20 +14,20 @@ function fill(element, attributes, children) {
   return element;
 }
 
-/** An element. Text among the children is text, never markup. */
+/** Creates an element. Strings among the children are inserted as text, never as markup. */
 const make = (tag, attributes = {}, ...children) => fill(document.createElement(tag), attributes, children);
 const draw = (tag, attributes = {}, ...children) => fill(document.createElementNS(svgNames, tag), attributes, children);
 
 const arrays = {f4: Float32Array, i2: Int16Array, u2: Uint16Array, u4: Uint32Array};
 
-/** Numbers that were packed as base64. */
+/** Decodes numbers from base64. */
 function unpack({type, scale, data}) {
   const bytes = Uint8Array.from(atob(data), letter => letter.charCodeAt(0));
   const values = new arrays[type](bytes.buffer);
   return scale === undefined ? values : Float32Array.from(values, value => value * scale);
 }
 
-/** Four digits, with a power of ten where that is shorter. */
+/** A number with `count` digits. Very small and very large numbers are written with a power of ten. */
 function digits(value, count = 4) {
   if (value === 0) return "0";
   const size = Math.abs(value);
@@ -39,7 +39,7 @@ function digits(value, count = 4) {
 
 const linear = ["s", "m", "N", "J", "N s", "m/s", "Pa", "Hz", "W"];
 
-/** The factor and the unit that bring `largest` into 1 … 1000, or 0.1 … without a prefix. */
+/** A factor and the unit with an SI prefix. The factor times `largest` is from 1 to 1000, or at least 0.1 without a prefix. */
 function prefixed(largest, unit) {
   if (!linear.includes(unit) || largest === 0) return {factor: 1, unit};
   for (const [power, prefix] of [[9, "G"], [6, "M"], [3, "k"], [0, ""], [-3, "m"], [-6, "µ"], [-9, "n"]])

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Charts of lines and dots in SVG: values under the pointer or the arrow keys, the time of the animation, values as CSV.
+// Charts of lines and dots in SVG. They show values at the pointer, which arrow keys move too, and the time of the animation.
+// Their values can be saved as CSV.
 
 const charts = [];
 
@@ -14,7 +15,7 @@ function join(ranges) {
   return [Math.min(...ranges.map(range => range[0])), Math.max(...ranges.map(range => range[1]))];
 }
 
-/** Round places for ticks on [low, high]. */
+/** Round values for ticks on [low, high]. */
 function ticks(low, high, about) {
   const rough = (high - low) / about, ten = 10 ** Math.floor(Math.log10(rough));
   const step = ten * [1, 2, 5, 10].find(factor => factor * ten >= rough);
@@ -23,7 +24,7 @@ function ticks(low, high, about) {
   return out;
 }
 
-/** Powers of ten; with their doubles and fives where these are few. */
+/** Powers of ten on [low, high]; if there are few, also twice and five times each. */
 function decades(low, high, about) {
   const first = Math.ceil(Math.log10(low) - 1e-9), last = Math.floor(Math.log10(high) + 1e-9);
   const step = Math.max(1, Math.ceil((last - first) / about));
@@ -34,7 +35,7 @@ function decades(low, high, about) {
   return parts.filter(value => value >= low * (1 - 1e-9) && value <= high * (1 + 1e-9));
 }
 
-/** A power of ten, or twice or five times one. */
+/** The label of a power of ten, or of twice or five times a power. */
 const power = value => value >= 0.01 && value <= 1e4 ? digits(value) : digits(value).replace(/^1 × /, "").replace(" × ", "·");
 
 class Axis {
@@ -57,7 +58,7 @@ class Axis {
     if (!this.log) Object.assign(this, {low: this.low && this.low - room, high: this.high && this.high + room});
     return this;
   }
-  /** 0 … 1 */
+  /** The position of a value on the axis, from 0 to 1. */
   at(value) {
     return this.log ? Math.log(value / this.low) / Math.log(this.high / this.low) : (value - this.low) / (this.high - this.low);
   }
@@ -144,7 +145,7 @@ class Chart {
     let path = "", area = "", pen = false, start = 0;
     const close = k => {
       if (!pen) return;
-      if (k === start) path += "h0";  // a step alone is a dot
+      if (k === start) path += "h0";  // a single step is drawn as a dot
       area += `L${X(line.x[k])} ${Y(0)}L${X(line.x[start])} ${Y(0)}Z`;
     };
     for (let k = 0; k < line.x.length; ++k) {
@@ -160,7 +161,7 @@ class Chart {
     return is("filled") ? [draw("path", {class: `area ${of}`, d: area}), stroke] : [stroke];
   }
 
-  /** Shows the values at a share of the width; -1: none. */
+  /** Shows the values at a position, as a share of the width; -1 hides them. */
   point(share) {
     this.place = share;
     const visible = share >= 0 && share <= 1 ? "visible" : "hidden";
@@ -169,7 +170,7 @@ class Chart {
     const wanted = this.x.back(share), reach = 0.02 * (this.x.log ? 1 : this.x.high - this.x.low);
     const near = this.lines.map(line => {
       let best = -1, least = Infinity;
-      if (line.style.includes("held")) {  // since the time before
+      if (line.style.includes("held")) {  // constant since the previous time
         const k = line.x.findIndex(x => x >= wanted);
         return Number.isNaN(line.x[k - 1] ?? NaN) ? -1 : k;
       }
@@ -191,7 +192,7 @@ class Chart {
     this.tip.style.left = `${left > room ? Math.max(0, pixel - 12 - this.tip.offsetWidth) : left}px`;
   }
 
-  /** The time that the animation shows [s]. */
+  /** Marks the time that the animation shows [s]. */
   mark(time) {
     if (!this.now || !this.spec.cursor) return;
     const inside = time >= this.x.low && time <= this.x.high;
@@ -216,7 +217,7 @@ class Chart {
   }
 }
 
-/** Force by point and time, as a picture with values under the pointer. */
+/** Draws the force by point and time as a picture, and shows values at the pointer. */
 function forceMap(map) {
   const [columns, rows] = map.force.shape, force = unpack(map.force), where = unpack(map.where);
   const largest = extent(force)[1] || 1;

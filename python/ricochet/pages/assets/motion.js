@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The impact in motion: skins X + F c(t) in WebGL 2, with few shapes F for the modes of each body.
-// Amplified A times from the start of contact on: X + F (c₀ + A (c − c₀)).
+// Animates the impact in WebGL 2: visualisation surfaces X + F c(t), with a few shapes F in place of the modes of each body.
+// Amplification by A from the start of contact: X + F (c₀ + A (c − c₀)).
 
 const stops = [[0.19, 0.15, 0.36], [0.17, 0.36, 0.56], [0.13, 0.57, 0.55], [0.37, 0.74, 0.40], [0.80, 0.84, 0.22], [0.99, 0.92, 0.60]];
 
-/** Colour of 0 … 1. */
+/** The colour for a value from 0 to 1. */
 function ramp(share) {
   const at = Math.min(1, Math.max(0, share)) * (stops.length - 1), k = Math.min(stops.length - 2, Math.floor(at));
   return stops[k].map((part, c) => part + (at - k) * (stops[k + 1][c] - part));
@@ -64,7 +64,7 @@ class Skin {
     const values = unpack(packed), [rows, length] = packed.shape;
     return Array.from({length: rows}, (_, k) => values.subarray(k * length, (k + 1) * length));
   }
-  /** Amplitudes of the fields at snapshot k + f; or how fast they change there, with dt the time between the two. */
+  /** Amplitudes of the fields at snapshot k + f. If dt is given, their rates; dt is the time from snapshot k to k + 1. */
   amplitudes(k, f, dt) {
     return this.amounts.flatMap((values, part) => {
       const count = part === 0 ? this.rigid : this.fields.length - this.rigid, next = Math.min(k + 1, moments - 1);
@@ -74,7 +74,7 @@ class Skin {
       });
     });
   }
-  /** out = base + Σ weights · fields from number `from` on. */
+  /** out = base + Σ weights · fields, for the fields from number `from` on. */
   combine(out, base, weights, from = 0) {
     if (base) out.set(base); else out.fill(0);
     for (let r = from; r < this.fields.length; ++r) {
@@ -149,7 +149,7 @@ class Motion {
     }
   }
 
-  /** The size of things, how far they move while they touch, and from that an amplification for the eye. */
+  /** Determines the size of the scene, the motion during contact and, from both, an amplification that makes it visible. */
   measureScene() {
     const around = () => {
       const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
@@ -196,7 +196,7 @@ class Motion {
     this.shape = Math.min(0.8, Math.max(0.3, 1.05 * this.spans[1] / this.spans[0]));
   }
 
-  /** Rows: right, up, towards the eye. */
+  /** Rotation matrix of the view. Its rows are right, up and towards the eye. */
   turn() {
     const {azimuth, elevation} = this.view, [right, up, toward] = this.base;
     const c = Math.cos(azimuth), s = Math.sin(azimuth), ce = Math.cos(elevation), se = Math.sin(elevation);
@@ -205,7 +205,7 @@ class Motion {
     return [across, mix(ce, up, -se, deep), mix(se, up, ce, deep)];
   }
 
-  /** Moves what is looked at by shares of the canvas's width. */
+  /** Moves the target of the view. The arguments are shares of the width of the canvas. */
   shift(right, down) {
     const rows = this.turn(), width = this.canvas.width / this.scale;
     this.target = this.target.map((x, i) => x - width * (right * rows[0][i] - down * rows[1][i]));
@@ -245,7 +245,7 @@ class Motion {
     }
   }
 
-  /** Sizes of the chosen measure at snapshot k + f, into `body.value`. */
+  /** Writes the magnitudes of the chosen measure at snapshot k + f to `body.value`. */
   measure(body, k, f, dt) {
     const moved = this.scratch?.length === body.place.length ? this.scratch : this.scratch = new Float32Array(body.place.length);
     if (this.colour === "speed") body.combine(moved, null, body.amplitudes(k, f, dt));
@@ -254,7 +254,7 @@ class Motion {
     for (let v = 0; v < body.value.length; ++v) body.value[v] = Math.hypot(moved[3 * v], moved[3 * v + 1], moved[3 * v + 2]);
   }
 
-  /** The end of the colour scale: exceeded by 1 % of the nodes at most, in any moment. */
+  /** The upper end of the colour scale. At none of the sampled moments do more than 1 % of the nodes of a body exceed it. */
   top() {
     if (this.colour === "body") return 1;
     const inMost = (body, time) => {
@@ -264,7 +264,7 @@ class Motion {
     return this.most[this.colour] ??= Math.max(...this.sampled(60).flatMap(k => this.bodies.map(body => inMost(body, this.time[k])))) || 1;
   }
 
-  /** Spikes into both bodies, as long as the force at each point. */
+  /** Makes spikes into both bodies at each point. Their lengths are proportional to the force. */
   makeSpikes(k) {
     const {anchor, offset, normal, force} = this.points, count = anchor.length, place = [], element = [];
     const longest = 0.16 * Math.max(...this.spans.slice(0, 2));
@@ -306,7 +306,7 @@ class Motion {
     else gl.drawElements(gl.TRIANGLES, thing.element.length, gl.UNSIGNED_INT, 0);
   }
 
-  /** Draws the moment `time` [s] on the canvas as large as it is. */
+  /** Draws the moment `time` [s] at the present size of the canvas. */
   draw(time) {
     const gl = this.gl, {canvas, view} = this, [k, f, dt] = this.find(time);
     this.shown = time;
@@ -315,7 +315,7 @@ class Motion {
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     const distance = 4 * this.size, wide = canvas.width / canvas.height;
     const fit = 0.92 * view.zoom * 2 * distance * Math.min(1 / this.spans[0], 1 / (this.spans[1] * wide));
-    this.scale = canvas.width * fit / (2 * distance);  // pixels a metre
+    this.scale = canvas.width * fit / (2 * distance);  // pixels per metre
     gl.uniformMatrix3fv(this.at("turn"), true, this.turn().flat());
     gl.uniform3fv(this.at("target"), this.target);
     gl.uniform2f(this.at("lens"), fit, fit * wide);
@@ -339,7 +339,7 @@ class Motion {
     gl.enable(gl.DEPTH_TEST);
   }
 
-  /** A moment as a picture of this size. */
+  /** Draws a moment as a picture of the given size. */
   picture(time, width, height) {
     const {canvas} = this, before = [canvas.width, canvas.height];
     [canvas.width, canvas.height] = [width, height];
@@ -349,7 +349,7 @@ class Motion {
     return url;
   }
 
-  /** Share of the canvas on which something is drawn. */
+  /** The share of the canvas that is not empty. */
   covered() {
     const {gl, canvas} = this, pixels = new Uint8Array(4 * canvas.width * canvas.height);
     gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
@@ -359,7 +359,7 @@ class Motion {
   }
 }
 
-/** A colour of the style sheet, 0 … 1 each. */
+/** A colour of the style sheet, with components from 0 to 1. */
 function cssColour(name) {
   const hex = getComputedStyle(document.documentElement).getPropertyValue(name).trim().slice(1);
   return [0, 2, 4].map(i => parseInt(hex.slice(i, i + 2), 16) / 255);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Fills the sections of the page from the run.
+// Fills the sections of the page with the data of the run.
 
 const section = name => document.getElementById(name);
 const {summary} = run;
@@ -8,22 +8,22 @@ const code = text => make("code", {}, text);
 const percent = value => `${digits(100 * value, 3)} %`;
 const plural = (count, name) => `${count} ${name}${count === 1 ? "" : "s"}`;
 
-/** A row of a table; the first cell is its head. */
+/** A row of a table. The first cell is its header. */
 const row = (...cells) => make("tr", {}, ...cells.map((cell, k) => make(k ? "td" : "th", {scope: k ? undefined : "row"}, cell)));
 
-/** Text for a figure of the run, with its exact value beside it. */
+/** Text for a figure of the run, with its exact value as an attribute. */
 const told = (key, value, text) => make("span", {"data-key": key, "data-value": JSON.stringify(value)}, text);
 
 const figure = (key, value, unit) =>
   told(key, value, typeof value === "number" ? quantity(value, unit) : value === null ? "–" : String(value));
 
-/** Components; what is round-off beside the largest is 0. */
+/** The components of a vector as text. Components that are round-off of the largest one are shown as 0. */
 function vector(values, unit) {
   const least = 1e-6 * Math.max(...values.map(Math.abs));
   return `(${values.map(x => digits(Math.abs(x) < least ? 0 : x)).join(", ")}) ${unit}`;
 }
 
-// Key of summary.json: what it is, its unit.
+// Description and unit of each key of summary.json.
 const glosses = {
   contact_start_s: ["first touch", "s"],
   contact_end_s: ["last touch; – while touching at the end", "s"],
@@ -54,7 +54,7 @@ const glosses = {
   end_s: ["to", "s"],
 };
 
-/** A table of objects in a list of the summary, a row each. */
+/** A table with a row for each object in a list of the summary. */
 function listed(list, path, keys, name) {
   const cells = (item, k) => keys.map(key => figure(`${path}.${k}.${key}`, item[key], glosses[key][1]));
   return table(["", ...keys.map(key => glosses[key][0])], list.map((item, k) => row(`${name} ${k + 1}`, ...cells(item, k))));
@@ -129,9 +129,9 @@ function contactSection() {
     at.append(make("h3", {}, "Velocities, mean of the mass"), table(["", "before", "when contact last ended"], rows));
 }
 
-const audible = 0.1;  // s
+const audible = 0.1;  // [s]
 
-/** The sound of a receiver with its controls, and what it is. */
+/** The sound of a receiver, with its controls and a description. */
 function sounding(name, sound) {
   if (sound.of_seconds < audible) return [note(`${quantity(sound.of_seconds, "s", 2)} of sound: lengthen time.duration to hear it.`)];
   const audio = make("audio", {controls: "", src: `data:audio/wav;base64,${sound.wav}`, "aria-label": `Sound of ${name}`});

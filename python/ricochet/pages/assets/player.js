@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What stands around the animation: its controls, its colours, the pointer, and the row of moments.
+// The surroundings of the animation: controls, colours, the pointer, and the row of moments.
 
-const seconds = 8;  // a play from end to end
+const seconds = 8;  // duration of a play from end to end
 
 const swatch = (colour, text) => make("span", {}, make("i", {class: `swatch ${colour}`}), text);
 const range = (name, max, step) => make("input", {type: "range", min: 0, max, step, "aria-label": name});
@@ -10,7 +10,7 @@ const choice = (name, options) =>
 const labelled = (text, ...controls) => make("label", {}, text, ...controls);
 const pressable = text => make("button", {type: "button"}, text);
 
-/** Fills the section; `tell(time)` hears of each moment shown. */
+/** Fills the section. Calls `tell(time)` for each moment shown. */
 function player(section, data, tell) {
   const say = text => section.append(make("p", {class: "note"}, text));
   if (data.missing) {
@@ -27,7 +27,7 @@ function player(section, data, tell) {
   const shown = new Player(section, motion, canvas, tell);
   say(remarks(motion, data));
   if (moments > 1) section.append(rowOfMoments(motion));
-  shown.show();  // the row has drawn on the same canvas
+  shown.show();  // draws again, because the row of moments has used the canvas
   canvas.dataset.moments = moments;
   canvas.dataset.covered = motion.covered();
 }
@@ -73,14 +73,14 @@ class Player {
     new ResizeObserver(() => this.fit()).observe(this.stage);
   }
 
-  /** A box to show and hide a body or an obstacle. */
+  /** A checkbox that shows and hides a body or an obstacle. */
   shower(body) {
     const box = make("input", {type: "checkbox", checked: ""});
     box.addEventListener("change", () => { body.visible = box.checked; this.show(); });
     return box;
   }
 
-  /** The time at a share of the part of the run that is shown. */
+  /** The time at a position in the part of the run that is shown, from 0 to 1. */
   within(share) { return this.window[0] + share * (this.window[1] - this.window[0]); }
 
   show() {
@@ -125,7 +125,7 @@ class Player {
   }
 }
 
-/** When the force of the drawn points is largest. */
+/** The time at which the force of the drawn points is largest. */
 function peakTime(motion) {
   const {force, anchor} = motion.points, count = anchor.length;
   let best = 0, most = 0;
@@ -153,7 +153,7 @@ function remarks(motion, data) {
   return parts.join(" ");
 }
 
-/** Nine moments of the contact, from first to last touch. */
+/** A row of nine moments of the contact, from the first touch to the last. */
 function rowOfMoments(motion) {
   const [from, to] = motion.touch, [across, up] = motion.spans, width = 560;
   const height = Math.round(width * Math.min(0.9, Math.max(0.2, 1.05 * up / across)));
@@ -166,7 +166,7 @@ function rowOfMoments(motion) {
   return make("div", {}, make("h3", {}, title), make("div", {class: "moments"}, ...cells));
 }
 
-/** Turning, shifting and zooming by pointer, wheel, fingers and keys. */
+/** Turns, shifts and zooms the view on events of pointer, wheel, fingers and keys. */
 function handle(canvas, motion, changed) {
   const down = new Map();
   const zoom = factor => { motion.view.zoom = Math.min(200, Math.max(0.2, motion.view.zoom * factor)); };
