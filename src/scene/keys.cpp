@@ -133,7 +133,8 @@ const Section body_keys{
       "without `[contact]`"},
      {"support", Type::strings, "", "`{}`", any(),
       "physical group (surface, curve, point or volume) = held components, some of `\"xyz\"`, in the axes "
-      "of the mesh (before `rotate_deg`). A rod is held if a named component has a share along its axis"}}};
+      "of the mesh (before `rotate_deg`). A rod is held unless all named components are normal to its "
+      "axis"}}};
 
 const Section material_keys{
     "[bodies.NAME.material]",
@@ -208,7 +209,7 @@ const Section pair_keys{
       "each point has the mutual normal (n_a − n_b)/|n_a − n_b|. Against an obstacle it must lie along the "
       "obstacle's normal and point towards the second name"},
      {"along", Type::direction, "", none, any(),
-      "merges all of the contact surface that lies on one line in this direction (world axes) into one "
+      "merges all nodes of the contact surface on a line in this direction (world axes) into one "
       "candidate. Each line should meet the surface on one side of the body only"},
      {"spacing", Type::number, "m", none, above("0"),
       "smallest distance between candidates. Without it, every node of the contact surface is one"},
@@ -241,7 +242,7 @@ const Section contact_keys =
               "`\"table\"`: the kernels are sampled at each step and convolved with the forces"},
              {"table", Type::text, "", none, any(),
               "file of sampled kernels, for `kernel = \"table\"` only. It replaces bodies, modes, pairs "
-              "and loads, which are refused beside it"},
+              "and loads, which must not be given"},
              {"solver", Type::text, "", shown("exact"), one_of({"exact", "uzawa"}),
               "`static` only. `uzawa`: iteration on the pressures, for comparison"},
              {"pair", Type::tables, "", none, any(), "`[[contact.pair]]`, several pairs"}}},
@@ -300,7 +301,7 @@ const Section output_keys{
       "interval between rows of the result"},
      {"view", Type::boolean, "", shown(Output{}.view), any(),
       "keep each body's visualisation surface in its kernel, for pictures: the modes and, with "
-      "`residual_flexibility`, the static response to each candidate. Each of these columns takes 12 bytes "
+      "`residual_flexibility`, the static response to each candidate. Each of them takes 12 bytes "
       "for each node"},
      {"snapshot_every", Type::integer, "steps", shown(Output{}.snapshot_every), at_least("0"),
       "interval between snapshots of the modal coordinates; 0: none"},
