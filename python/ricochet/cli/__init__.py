@@ -48,26 +48,19 @@ def module_of(verb: str) -> ModuleType:
     return importlib.import_module(f"ricochet.cli.{MODULES.get(verb, verb)}")
 
 
-def parser_of(verb: str | None = None) -> Parser:
-    """The parser of all verbs. Only `verb` gets its arguments, so that the modules of other verbs are not
-    imported."""
+def root_parser() -> Parser:
+    """The parser of the command without a verb: it lists the verbs, and none of their modules is imported."""
     parser = Parser(prog="ricochet", description=DESCRIPTION, epilog=EPILOG)
-    verbs = parser.add_subparsers(
-        title="verbs", metavar="VERB", dest="verb", required=True, parser_class=Parser
-    )
+    verbs = parser.add_subparsers(title="verbs", metavar="VERB", required=True, parser_class=Parser)
     for name, purpose in VERBS.items():
-        if name == verb:
-            module = module_of(name)
-            module.add_arguments(verbs.add_parser(name, help=purpose, description=module.__doc__))
-        else:
-            verbs.add_parser(name, help=purpose)
+        verbs.add_parser(name, help=purpose)
     return parser
 
 
 def dispatch(words: list[str]) -> int:
     verb = words[0] if words and not words[0].startswith("-") else None
     if verb is None:
-        parser_of().parse_args(words or ["--help"])
+        root_parser().parse_args(words or ["--help"])
     if verb not in VERBS:
         near = difflib.get_close_matches(str(verb), VERBS, 1, 0.4)
         hint = f'did you mean "{near[0]}"?' if near else f"the verbs are {', '.join(VERBS)}"
@@ -79,13 +72,14 @@ def dispatch(words: list[str]) -> int:
     for number in heard:  # default handling during imports, in which numpy turns an interrupt into an error
         signal.signal(number, signal.SIG_DFL)
     module = module_of(verb)
-    parser = parser_of(verb)
+    parser = Parser(prog=f"ricochet {verb}", description=module.__doc__)
+    module.add_arguments(parser)
     for number in heard:
         signal.signal(number, interrupt)
     try:
-        options, rest = parser.parse_known_args(getattr(module, "joined", list)(words))
+        options, rest = parser.parse_known_args(getattr(module, "joined", list)(words[1:]))
         if rest and not hasattr(module, "PASSES_ON"):
-            parser.error(f"unrecognized arguments: {' '.join(rest)}")
+            parser.error(f"unexpected argument {rest[0]}")
         options.words = rest
         module.run(options)
         return 0

@@ -4,10 +4,10 @@ import argparse
 import contextlib
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from ricochet import programs
-from ricochet.errors import InputError, RicochetError
+from ricochet.errors import InputError, RicochetError, one_line
 
 MOST_RANKS = 4096
 Group = argparse._ActionsContainer  # a parser or a group of its arguments
@@ -39,6 +39,9 @@ class Parser(argparse.ArgumentParser):
 
     def format_help(self) -> str:
         return super().format_help() + self.more_help()
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(2, f"{self.prog}: {one_line(message)}; {self.prog} --help describes the options\n")
 
 
 def options_of(program: str) -> str:
