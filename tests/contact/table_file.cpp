@@ -18,6 +18,7 @@ namespace {
 using namespace ricochet::contact;
 using namespace ricochet::contact::test;
 using ricochet::test::Folder;
+using ricochet::test::complaint_of;
 using ::testing::HasSubstr;
 
 TEST(TableFile, comes_back_as_it_was) {

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // An invalid scene is refused in one line: the file, the key, the value found, and the remedy.
 #include "src/scene/read.hpp"
+
+#include <gmock/gmock.h>
+
 #include "tests/scene/scenes.hpp"
 
 namespace {
 
 using namespace ricochet::scene;
 using namespace ricochet::scene::test;
+using ::testing::HasSubstr;
 
 struct Refusal {
   std::string from, to, line;
