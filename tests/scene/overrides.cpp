@@ -121,6 +121,12 @@ TEST(Set, without_a_target_is_refused) {
 }
 
 // A line break would start another line of TOML, but --set takes a single key.
+TEST(Set, that_is_not_utf_8_is_refused) {
+  for (const char* bytes : {"title=\xff", "title=\xc3", "title=\xc0\x80", "title=\xed\xa0\x80", "t\x80=1"})
+    EXPECT_EQ(complaint_about(smallest, {bytes}), "--set: is not UTF-8: give it in that encoding");
+  EXPECT_EQ(scene_of(smallest, {"title=\u00e9 \u20ac \U0001f600"}).title, "\u00e9 \u20ac \U0001f600");
+}
+
 TEST(Set, that_holds_two_lines_is_refused_in_one) {
   EXPECT_EQ(complaint_about(smallest, {"time.duration=1\ntitle=2"}),
             "--set time.duration=1 title=2: holds more than one value");
