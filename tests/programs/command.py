@@ -54,6 +54,17 @@ class Words(ProgramTest):
         done = ricochet("\x1bxyzzy\n")
         self.assertEqual((done.status, done.err.count("\n")), (2, 1))
 
+    def test_a_wrong_argument_is_refused_in_one_line_that_names_it_and_the_verb(self):
+        for words, complaint in (
+            (["modes", "a.toml", "--frist"], "ricochet modes: unexpected argument --frist; "),
+            (["modes", "a.toml", "b.toml"], "ricochet modes: unexpected argument b.toml; "),
+            (["run", "a.toml", "--ranks", "x"], "ricochet run: argument -n/--ranks: give a number"),
+            (["plot"], "ricochet plot: the following arguments are required: "),
+        ):
+            done = ricochet(*words)
+            self.assertEqual((done.status, done.out, done.err.count("\n")), (2, "", 1), done.err)
+            self.assertTrue(done.err.startswith(complaint), done.err)
+
     def test_the_programs_get_all_words_that_are_not_the_command_s_own(self):
         scene = MESHES / "two-rods/two-rods.toml"
         sets = ["--set", "modes.count=5", "--set", "bodies.moving.velocity=[-1,0,0]"]

@@ -172,21 +172,9 @@ class Bench:
         matplotlib.use("Agg")
         import matplotlib.pyplot as plt
 
-        plt.rcParams.update(
-            {
-                "font.size": 9,
-                "axes.titlesize": 10,
-                "axes.titlelocation": "left",
-                "axes.grid": True,
-                "grid.color": "#e4e4e4",
-                "axes.axisbelow": True,
-                "axes.spines.top": False,
-                "axes.spines.right": False,
-                "legend.frameon": False,
-                "legend.fontsize": 8,
-                "lines.linewidth": 1.3,
-            }
-        )
+        from ricochet.pictures.style import STYLE
+
+        plt.rcParams.update(STYLE | {"legend.fontsize": 8, "lines.linewidth": 1.3})
         return plt.subplots(
             rows,
             columns,
