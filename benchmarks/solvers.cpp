@@ -144,7 +144,7 @@ Found by_contact_basis(const Problem& problem) {
                             .count = wanted.count,
                             .residual_flexibility = wanted.residual_flexibility});
   if (wanted.residual_flexibility)
-    modes::residual_response(problem.teams, problem.mesh, problem.body, factor, set, all, loads.cols());
+    modes::residual_response(problem.teams, problem.mesh, problem.body, factor, set, all.sparseView());
   return found_by_us(set, watch.seconds());
 }
 

@@ -85,6 +85,17 @@ void take_elements(Surface& surface, const std::vector<std::int64_t>& points) {
   surface.element = std::move(element);
 }
 
+/// Combines each three rows of `width` numbers into one. `by` contains the factors of successive rows, from
+/// its beginning again after its end.
+template <class T, class Factors>
+void contract(std::vector<T>& matrix, std::size_t width, const Factors& by) {
+  std::vector<T> sums(matrix.size() / 3, 0);
+  for (std::size_t row = 0; row * width < matrix.size(); ++row)
+    for (std::size_t j = 0; j < width; ++j)
+      sums[row / 3 * width + j] += static_cast<T>(by[row % by.size()] * matrix[row * width + j]);
+  matrix = std::move(sums);
+}
+
 }  // namespace
 
 double frequency_factor(const Similarity& factors) {
@@ -98,10 +109,11 @@ Kernel rescaled(Kernel kernel, const Similarity& factors, const Damping& damping
   // Each structure is decomposed into all its members, so a new member must get its factor here; otherwise
   // this does not compile.
   auto& [body, hash, scene, mesh_sha256, created_by, dofs, elements, order, mass, centre, inertia, supported,
-         modes, surface, loads, applied, motions, receivers, view] = kernel;
+         parts, held_on_lines, outline, modes, surface, loads, applied, motions, receivers, view] = kernel;
   mass *= m;
   multiply(centre, s);
   multiply(inertia, m * s * s);
+  multiply(outline, s);
   {
     auto& [basis, omega, decay, residual, certificate] = modes;
     multiply(omega, frequency);
@@ -112,7 +124,7 @@ Kernel rescaled(Kernel kernel, const Similarity& factors, const Damping& damping
   }
   {
     auto& [components, direction, node, centroid, group, normal, area, corners, element, shape, flexibility,
-           whole] = surface;
+           normal_residual, whole] = surface;
     multiply(node, s);
     multiply(centroid, s);
     multiply(area, factors.area.value_or(s * s));
@@ -211,7 +223,8 @@ void restrict_candidates(Surface& surface, const std::vector<std::int64_t>& poin
 Kernel restricted_to_points(Kernel kernel, const std::vector<std::int64_t>& points) {
   Surface& surface = kernel.surface;
   const std::size_t m = surface.size(), n = kernel.modes.size(),
-                    c = static_cast<std::size_t>(surface.components);
+                    c = static_cast<std::size_t>(surface.components),
+                    r = static_cast<std::size_t>(surface.residual_components());
   refuse_sources(kernel);
   if (points.empty()) fail(kernel, "no candidate would remain: name at least one");
   std::vector<bool> named(m, false);
@@ -226,19 +239,19 @@ Kernel restricted_to_points(Kernel kernel, const std::vector<std::int64_t>& poin
   if (!surface.residual_flexibility.empty()) {
     std::vector<double> square;
     for (const std::int64_t i : points)
-      for (std::size_t a = 0; a < c; ++a)
+      for (std::size_t a = 0; a < r; ++a)
         for (const std::int64_t j : points)
-          for (std::size_t b = 0; b < c; ++b)
-            square.push_back(surface.residual_flexibility[(i * c + a) * c * m + j * c + b]);
+          for (std::size_t b = 0; b < r; ++b)
+            square.push_back(surface.residual_flexibility[(i * r + a) * r * m + j * r + b]);
     surface.residual_flexibility = std::move(square);
   }
-  if (!kernel.loads.body_force_residual.empty()) take_rows(kernel.loads.body_force_residual, 3, points, c);
+  if (!kernel.loads.body_force_residual.empty()) take_rows(kernel.loads.body_force_residual, 3, points, r);
   if (kernel.view && !kernel.view->residual_flexibility.empty()) {
     std::vector<float>& whole = kernel.view->residual_flexibility;
     std::vector<float> taken;
-    for (std::size_t row = 0; row < whole.size() / (c * m); ++row)
+    for (std::size_t row = 0; row < whole.size() / (r * m); ++row)
       for (const std::int64_t i : points)
-        for (std::size_t a = 0; a < c; ++a) taken.push_back(whole[(row * m + i) * c + a]);
+        for (std::size_t a = 0; a < r; ++a) taken.push_back(whole[(row * m + i) * r + a]);
     whole = std::move(taken);
   }
   return kernel;
@@ -248,15 +261,10 @@ Kernel restricted_to_direction(Kernel kernel, const Vector3& direction) {
   refuse_sources(kernel);
   Surface& surface = kernel.surface;
   if (surface.components != 3) fail(kernel, "has one direction only: compute it without contact.direction");
+  if (surface.normal_residual)
+    fail(kernel, "holds its residual flexibility along the normals alone: compute it for this direction");
   const std::size_t m = surface.size();
-  // Combines each three rows of `width` numbers into one.
-  const auto along = [&]<class T>(std::vector<T>& matrix, std::size_t width) {
-    std::vector<T> sums(matrix.size() / 3, 0);
-    for (std::size_t row = 0; row * width < matrix.size(); ++row)
-      for (std::size_t j = 0; j < width; ++j)
-        sums[row / 3 * width + j] += static_cast<T>(direction[row % 3] * matrix[row * width + j]);
-    matrix = std::move(sums);
-  };
+  const auto along = [&](auto& matrix, std::size_t width) { contract(matrix, width, direction); };
   along(surface.shape, kernel.modes.size());
   if (!surface.residual_flexibility.empty()) {
     along(surface.residual_flexibility, 3 * m);
@@ -266,6 +274,22 @@ Kernel restricted_to_direction(Kernel kernel, const Vector3& direction) {
   if (kernel.view) along(kernel.view->residual_flexibility, 1);
   surface.components = 1;
   surface.direction = direction;
+  return kernel;
+}
+
+Kernel restricted_to_normals(Kernel kernel) {
+  Surface& surface = kernel.surface;
+  if (surface.residual_flexibility.empty() || surface.residual_components() != 3)
+    fail(kernel, "has no residual flexibility in three components: compute the requested kernel");
+  const std::vector<double>& normal = surface.normal;
+  const std::size_t m = surface.size();
+  contract(surface.residual_flexibility, 3 * m, normal);
+  contract(surface.residual_flexibility, 1, normal);
+  contract(kernel.loads.body_force_residual, 3, normal);
+  for (Load& load : kernel.applied) contract(load.residual, 3, normal);
+  for (Receiver& receiver : kernel.receivers) contract(receiver.residual_flexibility, 1, normal);
+  if (kernel.view) contract(kernel.view->residual_flexibility, 1, normal);
+  surface.normal_residual = true;
   return kernel;
 }
 

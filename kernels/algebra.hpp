@@ -66,6 +66,10 @@ void restrict_candidates(Surface& surface, const std::vector<std::int64_t>& poin
 /// Keeps only the component along this unit vector. Throws InputError if the kernel has only one component.
 Kernel restricted_to_direction(Kernel kernel, const Vector3& direction);
 
+/// Keeps static corrections only along the normal of each candidate, as (M,M), (M,3) and so on. Throws
+/// InputError if the kernel has no residual flexibility in three components.
+Kernel restricted_to_normals(Kernel kernel);
+
 /// Keeps the modes that contact needs. The modes that contribute least over [0, band] are truncated and
 /// represented by the residual flexibility. Their number is the largest that keeps the error of the
 /// flexibility of the contact surface within `error` (above 0). The possible contribution of the modes above

@@ -87,9 +87,10 @@ void add_product(std::vector<T>& matrix, const std::vector<T>& left, const std::
 }
 
 /// Adds the static part of mode k to the residuals of an output: a receiver or the visualisation surface.
-void leave_seen(auto& seen, const Kernel& kernel, std::size_t k, double lambda) {
+void leave_seen(auto& seen, const Kernel& kernel, const std::vector<double>& trace, std::size_t k,
+                double lambda) {
   const std::size_t n = kernel.modes.size(), loads = kernel.applied.size(), motions = kernel.motions.size();
-  add_product(seen.residual_flexibility, seen.shape, kernel.surface.shape, k, n, lambda);
+  add_product(seen.residual_flexibility, seen.shape, trace, k, n, lambda);
   add_product(seen.body_force_residual, seen.shape, kernel.loads.body_force, k, n, lambda);
   for (std::size_t l = 0; l < loads; ++l)
     add_product(seen.load_residual, seen.shape, kernel.applied[l].participation, k, n, lambda, l, loads);
@@ -99,16 +100,16 @@ void leave_seen(auto& seen, const Kernel& kernel, std::size_t k, double lambda) 
 
 /// Adds the static part of mode k to the residuals of loads, moving supports, receivers and the visualisation
 /// surface. A support also takes over its share of the mode: Ψ − ΦΓ grows by φ_k Γ_k.
-void leave_sources(Kernel& kernel, std::size_t k, double lambda) {
+void leave_sources(Kernel& kernel, const std::vector<double>& trace, std::size_t k, double lambda) {
   const std::size_t n = kernel.modes.size();
   const std::vector<double>&shape = kernel.surface.shape, &gravity = kernel.loads.body_force;
-  for (Load& load : kernel.applied) add_product(load.residual, shape, load.participation, k, n, lambda);
+  for (Load& load : kernel.applied) add_product(load.residual, trace, load.participation, k, n, lambda);
   for (Motion& motion : kernel.motions) {
     add_product(motion.residual, shape, motion.participation, k, n, 1);
     add_product(motion.momentum, gravity, motion.participation, k, n, 1);
   }
-  for (Receiver& receiver : kernel.receivers) leave_seen(receiver, kernel, k, lambda);
-  if (kernel.view) leave_seen(*kernel.view, kernel, k, lambda);
+  for (Receiver& receiver : kernel.receivers) leave_seen(receiver, kernel, trace, k, lambda);
+  if (kernel.view) leave_seen(*kernel.view, kernel, trace, k, lambda);
 }
 
 /// The elastic modes of a kernel; rigid modes come first.
@@ -123,10 +124,11 @@ Elastic elastic_of(const Kernel& kernel) {
   const std::vector<double>& omega = kernel.modes.angular_frequency;
   Elastic elastic{static_cast<std::size_t>(std::ranges::count(omega, 0.0)), {}, {}};
   if (elastic.rigid == n) return elastic;
-  const std::size_t rows = kernel.surface.shape.size() / n;
+  const std::vector<double> trace = residual_trace(kernel);
+  const std::size_t rows = trace.size() / n;
   for (std::size_t k = elastic.rigid; k < n; ++k) {
     elastic.lambda.push_back(omega[k] * omega[k]);
-    for (std::size_t i = 0; i < rows; ++i) elastic.trace.push_back(kernel.surface.shape[i * n + k]);
+    for (std::size_t i = 0; i < rows; ++i) elastic.trace.push_back(trace[i * n + k]);
   }
   return elastic;
 }
@@ -200,20 +202,32 @@ std::size_t Contributions::dispensable(const std::vector<std::size_t>& order, do
   return fine;
 }
 
+std::vector<double> residual_trace(const Kernel& kernel) {
+  const Surface& surface = kernel.surface;
+  if (!surface.normal_residual) return surface.shape;
+  const std::size_t n = kernel.modes.size();
+  std::vector<double> trace(surface.size() * n, 0.0);
+  for (std::size_t row = 0; row < 3 * surface.size(); ++row)
+    for (std::size_t k = 0; k < n; ++k)
+      trace[row / 3 * n + k] += surface.normal[row] * surface.shape[row * n + k];
+  return trace;
+}
+
 void truncate(Kernel& kernel, const std::vector<bool>& keep) {
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   using Eigen::Index;
   std::vector<Index> leaving;
   Eigen::VectorXd inverse(keep.size());
+  const std::vector<double> shape = residual_trace(kernel);
   for (std::size_t k = 0; k < keep.size(); ++k) {
     if (keep[k]) continue;
     leaving.push_back(k);
-    leave_sources(kernel, k, std::pow(kernel.modes.angular_frequency[k], 2));
+    leave_sources(kernel, shape, k, std::pow(kernel.modes.angular_frequency[k], 2));
     inverse[k] = std::pow(kernel.modes.angular_frequency[k], -2);
   }
   if (leaving.empty()) return;
-  const auto n = static_cast<Index>(keep.size()), rows = static_cast<Index>(kernel.surface.shape.size()) / n;
-  const Matrix trace = Eigen::Map<const RowMajor>(kernel.surface.shape.data(), rows, n)(Eigen::all, leaving);
+  const auto n = static_cast<Index>(keep.size()), rows = static_cast<Index>(shape.size()) / n;
+  const Matrix trace = Eigen::Map<const RowMajor>(shape.data(), rows, n)(Eigen::all, leaving);
   const Matrix flexible = trace * inverse(leaving).asDiagonal();
   if (!kernel.surface.residual_flexibility.empty()) {
     Eigen::Map<RowMajor> r(kernel.surface.residual_flexibility.data(), rows, rows);

@@ -58,6 +58,9 @@ class Contributions {
   std::vector<std::size_t> ascending_;
 };
 
+/// The modes on the components of the candidates that the static correction covers. (rM,N) [kg^-1/2]
+std::vector<double> residual_trace(const Kernel& kernel);
+
 /// Truncates the modes that are not kept and adds their static parts to the residual flexibility and to the
 /// response to gravity, if the kernel has these. @param keep  (N); rigid modes must be kept
 void truncate(Kernel& kernel, const std::vector<bool>& keep);

@@ -18,6 +18,10 @@ inline constexpr std::int64_t kVersion = 1;
 inline constexpr const char* kTractionUnit = "kg^-1/2 m^2";
 inline constexpr const char* kForceUnit = "kg^-1/2";
 
+/// Attribute of the residual flexibility that is held along the normals, and its value.
+inline constexpr const char* kComponents = "components";
+inline constexpr const char* kNormal = "normal";
+
 using Shape = std::vector<std::size_t>;
 
 /// The lengths of `front`, then those of `back`.
@@ -32,6 +36,12 @@ inline Shape over_components(const Surface& surface, Shape front, const Shape& b
   return joined(front, back);
 }
 
+/// The same for static corrections, which may be held along the normals alone.
+inline Shape over_residual(const Surface& surface, Shape front, const Shape& back = {}) {
+  if (surface.residual_components() > 1) front.push_back(3);
+  return joined(front, back);
+}
+
 // Below, `file` is a writer, a reader or a validator with these functions:
 //   attribute(object, name, value), dataset(name, values, shape, unit)
 //   optional_attribute, optional_dataset     absent if the value is 0, or the dataset is empty
@@ -40,6 +50,7 @@ inline Shape over_components(const Surface& surface, Shape front, const Shape& b
 //   elements(name, element, corners, fewest corners, number of nodes)
 //   names(kind, items)                       the names of all loads, motions or receivers
 //   rows(dataset, values, width)             returns the first length of a dataset
+//   constant(object, name, value)            an attribute that only a writer handles
 
 void list_root(auto& file, auto& kernel) {
   file.attribute("/", "body", kernel.body);
@@ -54,6 +65,10 @@ void list_root(auto& file, auto& kernel) {
   file.attribute("/", "supported", kernel.supported);
   file.dataset("/body/centre", kernel.centre, {3}, "m");
   file.dataset("/body/inertia", kernel.inertia, {3, 3}, "kg m^2");
+  file.optional_attribute("/", "parts", kernel.parts);
+  file.optional_attribute("/", "held_on_lines", kernel.held_on_lines);
+  const std::size_t outline = file.rows("/body/outline", kernel.outline, 3);
+  file.optional_dataset("/body/outline", kernel.outline, {outline, 3}, "m");
 }
 
 void list_modes(auto& file, auto& modes) {
@@ -89,10 +104,11 @@ void list_candidates(auto& file, const std::string& group, auto& surface) {
 
 void list_surface(auto& file, auto& surface, std::size_t n) {
   list_candidates(file, "/surface", surface);
-  const std::size_t m = surface.size(), rows = static_cast<std::size_t>(surface.components) * m;
+  const std::size_t m = surface.size(), rows = static_cast<std::size_t>(surface.residual_components()) * m;
   file.dataset("/surface/shape", surface.shape, over_components(surface, {m}, {n}), "kg^-1/2");
   if (surface.direction) file.attribute("/surface/shape", "direction", *surface.direction);
   file.optional_dataset("/surface/residual_flexibility", surface.residual_flexibility, {rows, rows}, "m/N");
+  if (surface.normal_residual) file.constant("/surface/residual_flexibility", kComponents, kNormal);
   if (!surface.whole) return;
   list_candidates(file, "/surface/whole", *surface.whole);
   file.dataset("/surface/whole/held", surface.whole->held, {m}, "1");
@@ -102,7 +118,7 @@ void list_surface(auto& file, auto& surface, std::size_t n) {
 void list_residuals(auto& file, const std::string& group, auto& seen, const Shape& at, auto& kernel) {
   const std::size_t m = kernel.surface.size(), loads = kernel.applied.size(), motions = kernel.motions.size();
   file.optional_dataset(group + "/residual_flexibility", seen.residual_flexibility,
-                        over_components(kernel.surface, joined(at, {m})), "m/N");
+                        over_residual(kernel.surface, joined(at, {m})), "m/N");
   file.optional_dataset(group + "/body_force_residual", seen.body_force_residual, joined(at, {3}), "s^2");
   file.optional_dataset(group + "/load_residual", seen.load_residual, joined(at, {loads, 3}),
                         "m per unit of the load");
@@ -112,10 +128,11 @@ void list_residuals(auto& file, const std::string& group, auto& seen, const Shap
 /// Gravity, loads with histories, motions of supports, and receivers.
 void list_sources(auto& file, auto& kernel) {
   const std::size_t m = kernel.surface.size(), n = kernel.modes.size();
-  const Shape on_surface = over_components(kernel.surface, {m}, {3});
+  const Shape on_surface = over_components(kernel.surface, {m}, {3}),
+              static_part = over_residual(kernel.surface, {m}, {3});
   file.dataset("/loads/body_force", kernel.loads.body_force, {3, n}, "kg^1/2");
   file.dataset("/loads/rotation", kernel.loads.rotation, {3, n}, "kg^1/2 m");
-  file.optional_dataset("/loads/body_force_residual", kernel.loads.body_force_residual, on_surface, "s^2");
+  file.optional_dataset("/loads/body_force_residual", kernel.loads.body_force_residual, static_part, "s^2");
   file.names("loads", kernel.applied);
   file.names("motions", kernel.motions);
   file.names("receivers", kernel.receivers);
@@ -125,7 +142,7 @@ void list_sources(auto& file, auto& kernel) {
     file.dataset("/loads/" + load.name, load.participation, {3, n}, traction ? kTractionUnit : kForceUnit);
     file.dataset(data + "/total", load.total, {3, 3}, traction ? "m^2" : "1");
     file.dataset(data + "/moment", load.moment, {3, 3}, traction ? "m^3" : "m");
-    file.optional_dataset(data + "/residual", load.residual, on_surface, "m/" + load.unit);
+    file.optional_dataset(data + "/residual", load.residual, static_part, "m/" + load.unit);
   }
   for (auto& motion : kernel.motions) {
     const std::string data = "/motions/" + motion.name;
@@ -141,7 +158,8 @@ void list_sources(auto& file, auto& kernel) {
   }
 }
 
-/// Lists a whole kernel. A reader must first set `direction`, `whole` and `view` if the file contains them.
+/// Lists a whole kernel. A reader must first set `direction`, `normal_residual`, `whole` and
+/// `view` if the file contains them.
 void list_kernel(auto& file, auto& kernel) {
   list_root(file, kernel);
   list_modes(file, kernel.modes);

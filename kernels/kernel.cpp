@@ -70,6 +70,7 @@ class Validator {
   // The interface that the lists in format.hpp require.
   void group(const std::string&) const {}
   void attribute(const std::string&, const char*, const auto&) const {}
+  void constant(const std::string&, const char*, const char*) const {}
   void optional_attribute(const std::string&, const char*, std::int64_t) const {}
   std::size_t rows(const std::string&, const auto& values, std::size_t width) const {
     return values.size() / width;
@@ -117,6 +118,9 @@ void validate_body(const Kernel& kernel, const Validator& check) {
     check.fail("attribute \"mass\"", base::format("is {}: must be positive.", kernel.mass));
   if (kernel.dofs < 0 || kernel.elements < 0 || kernel.order < 0)
     check.fail("attribute \"dofs\", \"elements\" or \"order\"", "is negative.");
+  if (kernel.parts < 0) check.fail("attribute \"parts\"", "is negative.");
+  if (kernel.held_on_lines < 0 || kernel.held_on_lines > 7)
+    check.fail("attribute \"held_on_lines\"", "must be from 0 to 7.");
 }
 
 void validate_modes(const Modes& modes, const Validator& check) {
@@ -162,13 +166,16 @@ void validate_components(const Surface& surface, const Validator& check) {
                        base::format("has {} components: must be 3 or 1.", surface.components));
   if (surface.direction.has_value() != (surface.components == 1))
     check.fail_dataset("/surface/shape", "must have a direction if and only if it has one component.");
+  if (surface.normal_residual && (surface.components != 3 || surface.residual_flexibility.empty()))
+    check.fail_dataset("/surface/residual_flexibility",
+                       "cannot be held along the normals if it is missing or if the kernel has a direction.");
   if (surface.direction) check.unit("attribute \"direction\" of \"/surface/shape\"", *surface.direction);
 }
 
 void validate_symmetry(const Surface& surface, const Validator& check) {
   const std::vector<double>& r = surface.residual_flexibility;
   if (r.empty()) return;
-  const std::size_t rows = surface.components * surface.size();
+  const std::size_t rows = surface.residual_components() * surface.size();
   const auto smaller = [](double a, double b) { return std::abs(a) < std::abs(b); };
   const double largest = std::abs(*std::ranges::max_element(r, smaller));
   for (std::size_t i = 0; i < rows; ++i)

@@ -58,10 +58,12 @@ class KernelReader {
                              Limits::min(), Limits::max()));
     value = static_cast<T>(number);
   }
+  void constant(const std::string&, const char*, const char*) {}
   void optional_attribute(const std::string& object, const char* name, std::int64_t& value) {
     if (file_.has_attribute(object, name)) attribute(object, name, value);
   }
   std::size_t rows(const std::string& name, const auto&, std::size_t) {
+    if (!file_.exists(name)) return 0;
     const Shape shape = file_.shape(name);
     return shape.empty() ? 0 : shape.front();
   }
@@ -98,6 +100,16 @@ class KernelReader {
   const hdf5::Reader& file_;
 };
 
+/// Whether the static correction is held along the normals alone.
+bool has_normal_residual(const hdf5::Reader& file) {
+  const std::string name = "/surface/residual_flexibility";
+  if (!file.exists(name) || !file.has_attribute(name, kComponents)) return false;
+  const std::string value = file.string_attribute(name, kComponents);
+  if (value != kNormal)
+    file.fail(fmt::format("attribute \"{}\" of \"{}\" is not \"{}\".", kComponents, name, kNormal));
+  return true;
+}
+
 void check_certificate(const hdf5::Reader& file, const Modes& modes) {
   const Certificate& certificate = modes.certificate;
   if (!certificate.complete && !modes.imported())
@@ -121,6 +133,7 @@ Kernel read(const std::filesystem::path& path, bool view) {
     kernel.surface.components = 1;
     kernel.surface.direction.emplace();
   }
+  kernel.surface.normal_residual = has_normal_residual(file);
   if (file.exists("/surface/whole")) kernel.surface.whole.emplace();
   if (view && file.exists("/view")) kernel.view.emplace();
   KernelReader reader(file);
@@ -142,6 +155,7 @@ std::optional<Header> read_header(const std::filesystem::path& path) noexcept {
                   file.string_attribute("/", "mesh_sha256")};
     if (file.exists("/surface/whole"))
       header.held = file.read<std::int64_t>("/surface/whole/held", {hdf5::any});
+    header.normal_residual = has_normal_residual(file);
     return header;
   } catch (...) {
     return std::nullopt;

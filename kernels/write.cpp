@@ -16,6 +16,9 @@ class KernelWriter {
   void attribute(const std::string& object, const char* name, const auto& value) {
     file_.attribute(object, name, value);
   }
+  void constant(const std::string& object, const char* name, const std::string& value) {
+    file_.attribute(object, name, value);
+  }
   void optional_attribute(const std::string& object, const char* name, std::int64_t value) {
     if (value != 0) file_.attribute(object, name, value);
   }

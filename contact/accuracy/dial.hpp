@@ -12,7 +12,7 @@ struct DialRequest {
   double accuracy = 0;  ///< relative error that the quantities of interest may have
   StepOptions options;  ///< step and precision are only starting values if they are left open
   bool choose_rate = false, choose_precision = false, choose_points = false;
-  Hertz band{0};  ///< end of the band of the kernels; used with choose_rate
+  Hertz rate{0};  ///< with choose_rate: where to start, from the settings of a similar run; 0: unknown
 };
 
 /// The values chosen for settings that the scene leaves open.
@@ -25,6 +25,8 @@ struct Dialled {
   Model model;  ///< with coarsened points if that hardly changes results
   Settings settings{};
   std::optional<ErrorEstimate> estimate{};  ///< no value if nothing touches
+  std::optional<Errors> mesh_change{};      ///< change from the next coarser mesh; no value if unknown
+  std::optional<Quantities> quantities{};   ///< with the settings; no value if nothing touches
 };
 
 /// Runs the subject several times. @param model  built from the subject's kernels

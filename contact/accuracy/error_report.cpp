@@ -7,31 +7,44 @@ namespace ricochet::contact {
 
 std::string formatted(const ErrorEstimate& estimate) {
   std::string text = fmt::format("{:.2g}", estimate.total());
-  for (const auto& cause : estimate.causes())
-    text += fmt::format("{} {} {}", text.find(':') == std::string::npos ? ":" : ",", cause.name,
-                        cause.share ? fmt::format("{:.2g}", *cause.share) : "unknown");
+  if (estimate.requested.size() > 1) text += fmt::format(" of the {}", name_of(estimate.worst()));
+  for (const auto& [cause, errors] : estimate.by_cause) {
+    const auto share = estimate.share(cause);
+    if (share == 0) continue;
+    text += fmt::format("{} {} {}", text.find(':') == std::string::npos ? ":" : ",", name_of(cause),
+                        share ? fmt::format("{:.2g}", *share) : "unknown");
+  }
   return text;
 }
 
 std::vector<std::string> warnings(const ErrorEstimate& estimate, double accuracy) {
   std::vector<std::string> out;
   std::string unknown;
-  ErrorEstimate::Cause worst{"", 0, ""};
-  for (const auto& cause : estimate.causes()) {
-    if (!cause.share) unknown += (unknown.empty() ? "" : ", ") + std::string(cause.name);
-    if (cause.share.value_or(0) > *worst.share) worst = cause;
-  }
-  if (estimate.total() > accuracy)
+  for (const auto& [cause, errors] : estimate.by_cause)
+    if (!errors) unknown += (unknown.empty() ? "" : ", ") + std::string(name_of(cause));
+  if (const auto largest = largest_cause(estimate); largest && estimate.total() > accuracy)
     out.push_back(fmt::format(
-        "the error is estimated at {:.2g}, above accuracy = {:g}; its largest share ({:.2g}) is that of "
-        "the {}: use {}",
-        estimate.total(), accuracy, *worst.share, worst.name, worst.advice));
+        "the error of the {} is estimated at {:.2g}, above accuracy = {:g}; its largest share ({:.2g}) is "
+        "that of the {}: use {}",
+        name_of(estimate.worst()), estimate.total(), accuracy, *estimate.share(*largest), name_of(*largest),
+        advice_on(*largest)));
   if (!unknown.empty())
     out.push_back(fmt::format("the error estimate leaves out: {}{}", unknown,
-                              estimate.mesh
+                              estimate.share(Cause::mesh)
                                   ? ""
                                   : " (for that of the mesh, run ricochet-kernel with this accuracy; "
                                     "mesh files have one order only)"));
+  return out;
+}
+
+std::optional<Cause> largest_cause(const ErrorEstimate& estimate) {
+  std::optional<Cause> out;
+  double largest = 0;
+  for (const auto& [cause, errors] : estimate.by_cause)
+    if (const double share = estimate.share(cause).value_or(0); share > largest) {
+      largest = share;
+      out = cause;
+    }
   return out;
 }
 

@@ -20,12 +20,32 @@ constexpr double visible = 1e-3;
 /// Ratio of the unit round-off of double precision to that of single precision, and the latter.
 constexpr double double_over_single = 0x1p-29, single_round_off = 0x1p-24;
 
-/// The change that repeated refinement by a factor of two would still make: d (ρ + ρ² + …) with the last
-/// change d and its ratio ρ to the previous change, ½ if that is unknown. Either change may be small by
-/// chance, so ρ is at most ½ and d at least a quarter of the previous change.
-double remaining_change(double change, double before) {
-  const double last = std::max(change, before / 4), pace = before > 0 ? std::min(last / before, 0.5) : 0.5;
-  return last * pace / (1 - pace);
+/// e(d, d') of the header for each quantity.
+Errors remaining(Errors change, const std::optional<Errors>& before) {
+  for (auto& [quantity, d] : change) {
+    const double previous = before && before->contains(quantity) ? before->at(quantity) : 0;
+    const double last = std::max(d, previous / 4), pace = previous > 0 ? std::min(last / previous, 0.5) : 0.5;
+    d = last * pace / (1 - pace);
+  }
+  return change;
+}
+
+Errors scaled(Errors errors, double factor) {
+  for (auto& [quantity, error] : errors) error *= factor;
+  return errors;
+}
+
+/// No value if one of the runs failed.
+std::optional<Errors> change(const std::optional<Quantities>& a, const std::optional<Quantities>& b) {
+  if (!a || !b) return std::nullopt;
+  return distances(*a, *b);
+}
+
+/// No error in any of these quantities.
+Errors none(const Quantities& quantities) {
+  Errors out;
+  for (const auto& [quantity, figure] : quantities.figures) out[quantity] = 0;
+  return out;
 }
 
 /// Relative errors of ω: half of Kato and Temple's bound r² λ/gap for λ, but at most half of the residual r.
@@ -65,23 +85,17 @@ void detune(kernels::Modes& modes, const std::vector<double>& error, double fact
     modes.angular_frequency[n] *= 1 + (random() % 2 == 0 ? factor : -factor) * error[n];
 }
 
-StepOptions divided(StepOptions options, double parts) {
-  options.step /= parts;
-  return options;
-}
-
-std::optional<Quantities> mean_of(const std::optional<Quantities>& one,
-                                  const std::optional<Quantities>& other) {
-  if (!one || !other) return std::nullopt;
-  return Quantities{0.5 * one->value + 0.5 * other->value, one->scale, one->longest_touch};
-}
+/// Share of the reach beyond which a pressed point shows that the reach may be too small.
+constexpr double near_reach = 0.9;
 
 }  // namespace
 
-double left_by_order(int order) {
-  // From order 1 to 2, the results of balls improved by a factor of 10 to 40, because linear tetrahedra lock.
-  // Each further order improved those of disks by a factor of 3 to 5.
-  return order == 1 ? 1 : order == 2 ? 1.0 / 8 : 1.0 / 3;
+StepOptions with_step(StepOptions options, double step) {
+  const double sample = options.steps_per_sample * options.step;
+  options.step = step;
+  if (options.scheme == Scheme::compliant)
+    options.steps_per_sample = std::max(1, static_cast<int>(std::lround(sample / step)));
+  return options;
 }
 
 Estimator::Estimator(const Subject& subject, Model model, int coarsenings)
@@ -99,7 +113,14 @@ std::unique_ptr<Estimator>& Estimator::coarser() {
 
 std::optional<Quantities> Estimator::run(const Model& model, const StepOptions& options) const {
   if (subject_.at_rest) return rest_quantities(model);
-  return impact_quantities(model, options, step_count(subject_.duration, 1 / options.step), subject_.poll);
+  const bool receivers = std::ranges::count(subject_.requested, Quantity::receivers) > 0;
+  return impact_quantities(model, options, step_count(subject_.duration, 1 / options.step), receivers,
+                           subject_.poll);
+}
+
+std::optional<Quantities> Estimator::run(const std::vector<kernels::Kernel>& kernels,
+                                         const StepOptions& options) const {
+  return run(coarsened(subject_.rebuild(kernels), coarsenings_), options);
 }
 
 const std::optional<Quantities>& Estimator::quantities(const StepOptions& options) {
@@ -109,134 +130,148 @@ const std::optional<Quantities>& Estimator::quantities(const StepOptions& option
                                     : quantities_.emplace(key, run(model_, options)).first->second;
 }
 
-std::optional<Quantities> Estimator::base(const StepOptions& options) {
-  return subject_.at_rest ? quantities(options)
-                          : mean_of(quantities(options), quantities(divided(options, 2)));
+const std::optional<Quantities>& Estimator::up_to(double share, const StepOptions& options) {
+  const std::pair key{share, options.step};
+  const auto known = up_to_.find(key);
+  if (known != up_to_.end()) return known->second;
+  std::vector<kernels::Kernel> fewer;
+  for (const kernels::Kernel& kernel : subject_.kernels)
+    fewer.push_back(kernels::truncated_above(kernel, end_of(kernel, share)));
+  return up_to_.emplace(key, run(fewer, options)).first->second;
 }
 
-std::optional<Quantities> Estimator::mean(const Model& model, const StepOptions& options) const {
-  const auto one = run(model, options);
-  return subject_.at_rest ? one : mean_of(one, run(model, divided(options, 2)));
+std::optional<Errors> Estimator::step(const StepOptions& options) {
+  const auto whole = quantities(options);
+  if (!whole) return std::nullopt;
+  if (subject_.at_rest) return none(*whole);
+  const auto last = change(whole, quantities(with_step(options, options.step / 2)));
+  if (!last) return std::nullopt;
+  // Steps of the impulse scheme may be unstable at 2Δ.
+  const bool first_order = options.scheme == Scheme::impulse;
+  Errors out = remaining(
+      *last, first_order ? std::nullopt : change(whole, quantities(with_step(options, 2 * options.step))));
+  for (auto& [quantity, error] : out) error += last->at(quantity);
+  return out;
 }
 
-std::optional<Quantities> Estimator::mean(const std::vector<kernels::Kernel>& kernels,
-                                          const StepOptions& options) const {
-  return mean(coarsened(subject_.rebuild(kernels), coarsenings_), options);
-}
-
-std::optional<double> Estimator::step(const StepOptions& options) {
-  if (subject_.at_rest) return 0;
-  const auto whole = quantities(options), half = quantities(divided(options, 2)),
-             quarter = quantities(divided(options, 4));
-  if (!whole || !half || !quarter) return std::nullopt;
-  return std::max(4.0 / 3 * distance(*whole, *quarter), distance(*whole, *half));
-}
-
-std::optional<double> Estimator::precision(const StepOptions& options) {
+std::optional<Errors> Estimator::precision(const StepOptions& options) {
   const bool is_single = options.precision == Precision::float32;
   StepOptions other = options;
   other.precision = is_single ? Precision::float64 : Precision::float32;
-  const auto here = base(options);
+  const auto here = quantities(options);
   std::optional<Quantities> there;
   if (options.scheme == Scheme::compliant && !subject_.at_rest) {
-    there = base(other);
+    there = quantities(other);
   } else {
     // These schemes have no products in single precision, so the frequencies are rounded instead.
     std::vector<kernels::Kernel> kernels = subject_.kernels;
     for (kernels::Kernel& kernel : kernels)
       detune(kernel.modes, std::vector(kernel.modes.size(), single_round_off), 1);
-    there = mean(kernels, options);
+    there = run(kernels, options);
   }
-  if (!here || !there) return std::nullopt;
-  return distance(*here, *there) * (is_single ? 1 : double_over_single);
+  const auto found = change(here, there);
+  if (!found) return std::nullopt;
+  return scaled(*found, is_single ? 1 : double_over_single);
 }
 
-std::optional<double> Estimator::modes(const StepOptions& options, const Quantities& base) {
-  if (subject_.at_rest && model_.has_residual) return 0;
-  // Truncates all kernels to a share of the highest frequency or of the band.
-  const auto cut = [&](double share) {
-    std::vector<kernels::Kernel> out;
-    for (const kernels::Kernel& kernel : subject_.kernels)
-      out.push_back(kernels::truncated_above(kernel, end_of(kernel, share)));
-    return out;
-  };
-  const std::vector<kernels::Kernel> half = cut(0.5);
-  // Waves return undiminished from the end of a rod. Its resonances therefore count, but the flexibility
-  // error ignores them.
-  bool fewer = false, fitted = false, rods = false;
+std::optional<Errors> Estimator::modes(const StepOptions& options, const Quantities& base) {
+  if (subject_.at_rest && model_.has_residual) return none(base);
+  const bool fewer = std::ranges::any_of(subject_.kernels, [](const kernels::Kernel& kernel) {
+    return kernel.modes.size() > 0 && kernel.modes.angular_frequency.back() > end_of(kernel, 0.5).value;
+  });
+  if (!fewer) return std::nullopt;
+  const auto half = up_to(0.5, options);
+  auto last = change(base, half);
+  if (!last) return std::nullopt;
+  if (const auto nearly = change(base, up_to(0.75, options)))
+    for (auto& [quantity, d] : *last) d = std::max(d, nearly->at(quantity));
+  return remaining(*last, change(half, up_to(0.25, options)));
+}
+
+std::optional<Errors> Estimator::basis(const StepOptions& options, const Quantities& base) {
   double left = 0, made = 0;
-  for (std::size_t k = 0; k < half.size(); ++k) {
-    const kernels::Kernel& kernel = subject_.kernels[k];
-    fewer = fewer || half[k].modes.size() < kernel.modes.size();
+  for (const kernels::Kernel& kernel : subject_.kernels) {
     if (!kernel.modes.contact_adapted()) continue;
-    fitted = true;
-    rods = rods || kernel.surface.element_corners == 1;
     left = std::max(left, kernel.modes.certificate.flexibility_error);
     made = std::max(made, kernels::truncation_error(kernel, end_of(kernel, 0.5), end_of(kernel, 1)));
   }
-  if (!fewer) return std::nullopt;
-  const auto once = mean(half, options);
-  if (!once) return std::nullopt;
-  const double change = distance(base, *once);
-  if (fitted) {
-    // Nothing is known about the vectors above the band, so their effect counts in full.
-    const auto in_band = mean(cut(1), options);
-    return std::max(left < made && !rods ? change * left / made : change,
-                    in_band ? distance(base, *in_band) : 0);
-  }
-  const auto nearly = mean(cut(0.75), options), twice = mean(cut(0.25), options);
-  return remaining_change(std::max(change, nearly ? distance(base, *nearly) : 0),
-                          twice ? distance(*once, *twice) : 0);
+  if (left == 0 || (subject_.at_rest && model_.has_residual)) return none(base);
+  const auto last = change(base, up_to(0.5, options));
+  if (!last) return std::nullopt;
+  return scaled(*last, left < made ? left / made : 1);
 }
 
-std::optional<double> Estimator::spacing(const StepOptions& options, const Quantities& base) {
+std::optional<Errors> Estimator::spacing(const StepOptions& options, const Quantities& base) {
   Estimator* const wide = coarser().get();
-  if (!wide) return 0;
-  const auto once = wide->base(options);
-  if (!once) return std::nullopt;
+  if (!wide) return none(base);
+  const auto once = wide->quantities(options);
+  const auto last = change(base, once);
+  if (!last) return std::nullopt;
   Estimator* const wider = wide->coarser().get();
-  const auto twice = wider ? wider->base(options) : std::nullopt;
-  return remaining_change(distance(base, *once), twice ? distance(*once, *twice) : 0);
+  return remaining(*last, wider ? change(once, wider->quantities(options)) : std::nullopt);
 }
 
-std::optional<double> Estimator::mesh(const StepOptions& options, const Quantities& base) const {
-  if (!subject_.other_order) return std::nullopt;
-  std::optional<Quantities> other;
+std::optional<Errors> Estimator::mesh(const StepOptions& options, const Quantities& base) {
+  if (!subject_.coarser_mesh) return std::nullopt;
   try {
-    other = mean(coarsened(subject_.other_order(), coarsenings_), options);
-  } catch (const InputError&) {  // the candidates of that order may not face each other
+    const auto coarse = run(coarsened(subject_.coarser_mesh(), coarsenings_), options);
+    double share = 0;  // of the band, so that both meshes have the same
+    for (const kernels::Kernel& kernel : subject_.kernels)
+      share = std::max(share, RadPerSecond(subject_.coarser_band).value / end_of(kernel, 1).value);
+    mesh_change_ = share < 1 ? change(up_to(share, options), coarse) : change(base, coarse);
+  } catch (const InputError&) {  // the candidates of that mesh may not face each other
   }
-  if (!other) return std::nullopt;
-  return distance(base, *other) * subject_.left_of_other;
+  if (!mesh_change_) return std::nullopt;
+  return remaining(*mesh_change_, subject_.coarser_change);
 }
 
-std::optional<double> Estimator::eigensolver(const StepOptions& options, const Quantities& base) const {
+std::optional<Errors> Estimator::eigensolver(const StepOptions& options, const Quantities& base) const {
   std::vector<kernels::Kernel> kernels = subject_.kernels;
   double largest = 0;
   for (const kernels::Kernel& kernel : kernels) {
     // A residual of 1 bounds nothing; imported modes without known residuals have this value.
-    if (std::ranges::any_of(kernel.modes.residual, [](double r) { return r >= 1; })) return std::nullopt;
+    const auto unknown = [](double r) { return r >= 1; };
+    if (!kernel.modes.contact_adapted() && std::ranges::any_of(kernel.modes.residual, unknown))
+      return std::nullopt;
     for (const double error : frequency_errors(kernel.modes, subject_.low_rank))
       largest = std::max(largest, error);
   }
-  if (largest == 0) return 0;
+  if (largest == 0) return none(base);
   const double factor = visible / largest;
   for (kernels::Kernel& kernel : kernels)
     detune(kernel.modes, frequency_errors(kernel.modes, subject_.low_rank), factor);
-  const auto detuned = mean(kernels, options);
-  if (!detuned) return std::nullopt;
-  return distance(base, *detuned) / factor;
+  const auto found = change(base, run(kernels, options));
+  if (!found) return std::nullopt;
+  return scaled(*found, 1 / factor);
+}
+
+Errors Estimator::zone(const Quantities& base) const {
+  Errors out = none(base);
+  for (const Model::PairBlock& pair : model_.pairs) {
+    if (!pair.reach || base.pressed.empty()) continue;
+    const auto gap = model_.gap.segment(pair.first_point, pair.points);
+    const double closest = gap.minCoeff();
+    for (int i = 0; i < pair.points; ++i)
+      if (base.pressed[static_cast<std::size_t>(pair.first_point + i)] &&
+          gap[i] - closest > near_reach * (*pair.reach - closest))
+        for (auto& [quantity, error] : out) error = 1;
+  }
+  return out;
 }
 
 ErrorEstimate Estimator::estimate(const StepOptions& options) {
-  const auto found = base(options);
-  if (!found) return {};
-  return {.mesh = mesh(options, *found),
-          .modes = modes(options, *found),
-          .step = step(options),
-          .eigensolver = eigensolver(options, *found),
-          .precision = precision(options),
-          .spacing = spacing(options, *found)};
+  ErrorEstimate out{.requested = subject_.requested, .by_cause = {}};
+  const auto base = quantities(options);
+  if (!base) return out;
+  out.by_cause = {{Cause::mesh, mesh(options, *base)},
+                  {Cause::modes, modes(options, *base)},
+                  {Cause::basis, basis(options, *base)},
+                  {Cause::step, step(options)},
+                  {Cause::eigensolver, eigensolver(options, *base)},
+                  {Cause::precision, precision(options)},
+                  {Cause::spacing, spacing(options, *base)},
+                  {Cause::zone, zone(*base)}};
+  return out;
 }
 
 }  // namespace ricochet::contact

@@ -1,29 +1,30 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Error estimates of the quantities of interest (quantities.hpp): the scene is run again with one
-// approximation at a time made coarser or finer.
+// approximation at a time made coarser, or finer.
 //
-// Notation: r are the quantities, |·| is their relative distance, and Δ is the step. ⟨·⟩ is the mean over
-// runs at Δ and Δ/2, because results depend slightly on the step in which a point happens to touch.
+// Notation: r is a quantity, |·| its relative distance, and Δ the step. Each quantity has its own error:
 //
-//   step         max(4/3 |r(Δ) − r(Δ/4)|, |r(Δ) − r(Δ/2)|): exact for errors of first order in Δ
-//   modes        d ρ/(1 − ρ),  d = |⟨r⟩ − ⟨r of the modes up to half of the highest frequency⟩|
-//                (up to three quarters of it, if that changes more)
-//   spacing      d ρ/(1 − ρ),  d = |⟨r⟩ − ⟨r of points twice as far apart⟩|
-//   mesh         left_by_order() · |⟨r⟩ − ⟨r of elements of another order⟩|
-//   eigensolver  |⟨r⟩ − ⟨r with frequencies changed by A times their errors⟩| / A,  A · largest error = 1e-3
-//   precision    |⟨r⟩ − ⟨r in single precision⟩|; in double precision 2⁻²⁹ of it, the ratio of the round-offs
+//   step         d + e(d, |r(Δ) − r(2Δ)|) with d = |r(Δ) − r(Δ/2)|; 2 d for the impulse scheme, which is of
+//                first order and may be unstable at 2Δ
+//   modes        e(d₂, d₄) with d₂ = |r − r of the modes up to half of the band|, and d₄ the change by
+//   halving
+//                the band once more
+//   basis        d₂ ε/ε₂ for Ritz vectors that were made with a flexibility error ε, with the flexibility
+//   error
+//                ε₂ of those up to half of the band (kernels/band.hpp)
+//   spacing      e(d₂, d₄) with points twice and four times as far apart
+//   mesh         e(d₁, d₂) with the next coarser mesh, and the one before it
+//   eigensolver  |r − r with frequencies changed by A times their errors| / A,  A · largest error = 1e-3
+//   precision    |r − r in single precision|; in double precision 2⁻²⁹ of it, the ratio of the round-offs
+//   zone         1 if a point whose initial gap is near the reach was pressed, as points beyond may touch too
 //
-// ρ is the ratio of d to the change that follows when the modes are halved, or the distance is doubled, once
-// more. Either change may be small by chance. Therefore ρ is at most ½, and if it is below ¼, d is replaced
-// by a quarter of the other change.
-//
-// Contact-adapted bases have their own estimate of `modes`, d e/e' but at most d. Here d is the change due to
-// truncating the vectors above half of the band, e' the flexibility error (kernels/band.hpp) of this
-// truncation, and e the flexibility error with which the basis was made. The estimate is at least the change
-// due to truncating the vectors above the band. For rods, d counts in full.
+// e(d, d') = d ρ/(1 − ρ) is the sum of all further changes if each is ρ = d/d' times the one before it.
+// Either change may be small by chance. Therefore ρ is at most ½, the ratio of errors of first order (and the
+// value used if d' is unknown), and d counts at least as d'/4, the ratio of errors of second order.
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -36,9 +37,8 @@
 
 namespace ricochet::contact {
 
-/// Error of elements of this order, as a share of the change of results between them and elements of the next
-/// lower order, as measured. Elements of order 1 are compared with those of order 2 and have a share of 1.
-double left_by_order(int order);
+/// Options with another step Δ [s]. The compliant scheme keeps its output samples, up to rounding.
+StepOptions with_step(StepOptions options, double step);
 
 /// The scene that is run several times.
 struct Subject {
@@ -46,11 +46,14 @@ struct Subject {
   /// refer to the given kernels.
   std::function<Model(const std::vector<kernels::Kernel>&)> rebuild;
   std::vector<kernels::Kernel> kernels;
-  std::function<Model()> other_order{};  ///< returns the model in elements of another order; may be null
-  double left_of_other = 1;              ///< left_by_order of the elements of `kernels`
+  /// Returns the model on the next coarser mesh; may be null. Its band may be narrower.
+  std::function<Model()> coarser_mesh{};
+  Hertz coarser_band{std::numeric_limits<double>::infinity()};  ///< band of coarser_mesh
+  std::optional<Errors> coarser_change{};  ///< change from coarser_mesh to an even coarser one
   double low_rank = 0;  ///< threshold of the low-rank factors with which a contact-adapted basis was solved
   bool at_rest = false;
-  double duration = 0;           ///< [s]; unused at rest
+  double duration = 0;  ///< [s]; unused at rest
+  std::vector<Quantity> requested{Quantity::impulse, Quantity::rebound};
   std::function<void()> poll{};  ///< called after each step; may throw to end the run
 };
 
@@ -71,28 +74,33 @@ class Estimator {
   /// Quantities of the subject itself. @return no value if a step fails
   const std::optional<Quantities>& quantities(const StepOptions& options);
 
-  /// Share of the time step; 0 at rest.
-  std::optional<double> step(const StepOptions& options);
-  std::optional<double> precision(const StepOptions& options);
-  /// All shares. The subject must touch (`Quantities::touched`).
+  std::optional<Errors> step(const StepOptions& options);
+  std::optional<Errors> precision(const StepOptions& options);
+  /// Change from the next coarser mesh to that of the subject; no value if unknown.
+  const std::optional<Errors>& mesh_change() const { return mesh_change_; }
+  /// The errors of all causes. The subject must touch (`Quantities::touched`).
   ErrorEstimate estimate(const StepOptions& options);
 
  private:
   std::optional<Quantities> run(const Model& model, const StepOptions& options) const;
-  std::optional<Quantities> mean(const Model& model, const StepOptions& options) const;
-  std::optional<Quantities> mean(const std::vector<kernels::Kernel>& kernels,
-                                 const StepOptions& options) const;
-  std::optional<double> modes(const StepOptions& options, const Quantities& base);
-  std::optional<double> spacing(const StepOptions& options, const Quantities& base);
-  std::optional<double> mesh(const StepOptions& options, const Quantities& base) const;
-  std::optional<double> eigensolver(const StepOptions& options, const Quantities& base) const;
-  std::optional<Quantities> base(const StepOptions& options);
+  std::optional<Quantities> run(const std::vector<kernels::Kernel>& kernels,
+                                const StepOptions& options) const;
+  /// The subject with modes up to a share of its band.
+  const std::optional<Quantities>& up_to(double share, const StepOptions& options);
+  std::optional<Errors> modes(const StepOptions& options, const Quantities& base);
+  std::optional<Errors> basis(const StepOptions& options, const Quantities& base);
+  std::optional<Errors> spacing(const StepOptions& options, const Quantities& base);
+  std::optional<Errors> mesh(const StepOptions& options, const Quantities& base);
+  std::optional<Errors> eigensolver(const StepOptions& options, const Quantities& base) const;
+  Errors zone(const Quantities& base) const;
 
   const Subject& subject_;
   Model model_;
   int coarsenings_;
   std::optional<std::unique_ptr<Estimator>> coarser_;  ///< no value before coarser() is called
   std::map<std::pair<double, Precision>, std::optional<Quantities>> quantities_;  ///< by step and precision
+  std::map<std::pair<double, double>, std::optional<Quantities>> up_to_;  ///< by share of the band and step
+  std::optional<Errors> mesh_change_;
 };
 
 }  // namespace ricochet::contact

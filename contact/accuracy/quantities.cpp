@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "contact/accuracy/spectrum.hpp"
+#include "contact/output/receivers.hpp"
 #include "contact/output/summary.hpp"
 #include "contact/static/equilibrium.hpp"
 #include "contact/stepping/run_steps.hpp"
@@ -32,92 +34,217 @@ std::vector<Mover> movers(const Model& model) {
   return out;
 }
 
-/// Mean velocity of each body [m/s]; 0 if supports hold it. The rigid modes of a free body carry all of its
-/// momentum and no vibration.
-std::vector<Vector3d> velocities(const Model& model, const std::vector<Mover>& movers, const Vector& v) {
-  std::vector<Vector3d> out(model.bodies.size(), Vector3d::Zero());
+/// Mean velocity [m/s] and angular velocity [rad/s] of a body.
+struct RigidMotion {
+  Vector3d velocity = Vector3d::Zero(), spin = Vector3d::Zero();
+};
+
+/// Whether the body has the six rigid modes of a solid, and hence a spin.
+bool turns(const Mover& mover) { return mover.rigid == 6; }
+
+/// Motion of each body; 0 if supports hold it. The rigid modes of a free body carry all of its momentum and
+/// no vibration.
+std::vector<RigidMotion> motions(const Model& model, const std::vector<Mover>& movers, const Vector& v) {
+  std::vector<RigidMotion> out(model.bodies.size());
   for (const Mover& mover : movers) {
     const Model::BodyBlock& body = model.bodies[mover.body];
-    out[mover.body] =
-        body.momentum.leftCols(mover.rigid) * v.segment(body.first_mode, mover.rigid) / body.mass;
+    const auto rate = v.segment(body.first_mode, mover.rigid);
+    RigidMotion& motion = out[mover.body];
+    motion.velocity = body.momentum.leftCols(mover.rigid) * rate / body.mass;
+    if (!turns(mover)) continue;
+    const Vector3d about_centre =
+        body.angular_momentum.leftCols(mover.rigid) * rate - body.centre.cross(body.mass * motion.velocity);
+    motion.spin = body.inertia.ldlt().solve(about_centre);
   }
   return out;
 }
 
-double approach(const Model& model, const std::vector<Vector3d>& velocity) {
+double approach(const Model& model, const std::vector<RigidMotion>& motion) {
   double fastest = 0;
   for (const Model::PairBlock& pair : model.pairs) {
-    Vector3d relative = velocity[pair.a];
-    if (pair.b >= 0) relative -= velocity[pair.b];
+    Vector3d relative = motion[pair.a].velocity;
+    if (pair.b >= 0) relative -= motion[pair.b].velocity;
     const Vector3d normal = model.normal.middleRows(pair.first_point, pair.points).colwise().mean();
     fastest = std::max(fastest, relative.dot(normal));
   }
   return fastest;
 }
 
+/// Gathers the quantities of an impact step by step.
+class Follower {
+ public:
+  Follower(const Model& model, const StepOptions& options, bool receivers)
+      : model_(model),
+        step_(options.step),
+        moving_(movers(model)),
+        start_(motions(model, moving_, model.initial_rates())),
+        end_(start_),
+        pressed_(model.gap.size(), false) {
+    if (receivers && !model.receivers.empty()) receivers_.emplace(model, options);
+    heard_.resize(3 * model.receivers.size());
+    before_.kinetic = model.initial_rates().squaredNorm() / 2;
+  }
+
+  void observe(const Stepper& stepper) {
+    const std::int64_t passed = stepper.steps() - last_;
+    last_ = stepper.steps();
+    const double force = stepper.force().sum();
+    without_force_ += passed;
+    if (force > 0) {
+      force_.resize(force_.size() + static_cast<std::size_t>(without_force_), 0.0);
+      force_.back() = force;
+      without_force_ = 0;
+    }
+    if (receivers_) listen(stepper, passed);
+    if (force > 0) {
+      if (!touched_) energy_ = before_;
+      touched_ = true;
+      longest_ = std::max(longest_, static_cast<double>(++touch_) * step_);
+      end_ = motions(model_, moving_, stepper.modal()->v);
+      end_energy_ = stepper.modal()->energy();
+      for (Eigen::Index i = 0; i < stepper.force().size(); ++i)
+        if (stepper.force()[i] > 0) pressed_[static_cast<std::size_t>(i)] = true;
+      return;
+    }
+    touch_ = 0;
+    if (touched_) return;
+    start_ = end_ = motions(model_, moving_, stepper.modal()->v);
+    before_ = stepper.modal()->energy();
+  }
+
+  Quantities quantities(const Stepper& stepper) const {
+    Quantities out;
+    double impulse = 0, peak = 0, contact = 0;
+    for (const double force : force_) {
+      impulse += force * step_;
+      peak = std::max(peak, force);
+      contact += force > 0 ? step_ : 0;
+    }
+    const auto relative_to_itself = [](double value) { return Figure{Vector::Constant(1, value), value}; };
+    out.figures[Quantity::impulse] = relative_to_itself(impulse);
+    out.figures[Quantity::peak_force] = relative_to_itself(peak);
+    out.figures[Quantity::duration] = relative_to_itself(contact);
+    add_motion(out);
+    add_energy(out, stepper);
+    if (receivers_) add_receivers(out);
+    out.longest_touch = longest_;
+    out.force = force_;
+    out.pressed = pressed_;
+    return out;
+  }
+
+ private:
+  void listen(const Stepper& stepper, std::int64_t passed) {
+    receivers_->observe(stepper);
+    for (std::size_t k = 0; k < receivers_->size(); ++k)
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        heard_[3 * k + axis].resize(heard_[3 * k + axis].size() + static_cast<std::size_t>(passed),
+                                    (*receivers_)[k].velocity[static_cast<Eigen::Index>(axis)]);
+  }
+
+  void add_motion(Quantities& out) const {
+    double speed = approach(model_, start_);
+    for (const Mover& mover : moving_)
+      speed = std::max(speed, (end_[mover.body].velocity - start_[mover.body].velocity).norm() / 2);
+    Figure rebound{Vector(3 * moving_.size()), speed}, spin{Vector::Zero(3 * moving_.size()), speed};
+    for (std::size_t k = 0; k < moving_.size(); ++k) {
+      const auto row = static_cast<Eigen::Index>(3 * k);
+      const Model::BodyBlock& body = model_.bodies[moving_[k].body];
+      rebound.value.segment<3>(row) = end_[moving_[k].body].velocity;
+      // The spin times the radius of gyration is a speed.
+      if (turns(moving_[k]))
+        spin.value.segment<3>(row) =
+            std::sqrt(body.inertia.trace() / (2 * body.mass)) * end_[moving_[k].body].spin;
+    }
+    out.figures[Quantity::rebound] = rebound;
+    if (std::ranges::any_of(moving_, turns)) out.figures[Quantity::spin] = spin;
+  }
+
+  void add_energy(Quantities& out, const Stepper& stepper) const {
+    const Energy& end = touched_ ? end_energy_ : stepper.modal()->energy();
+    double rigid = 0;
+    for (const Mover& mover : moving_) {
+      const Model::BodyBlock& body = model_.bodies[mover.body];
+      const RigidMotion& motion = end_[mover.body];
+      rigid += (body.mass * motion.velocity.squaredNorm() + motion.spin.dot(body.inertia * motion.spin)) / 2;
+    }
+    Figure energy{Vector(2), energy_.kinetic + energy_.strain};
+    energy.value << end.kinetic + end.strain + end.residual - rigid, end.damping + end.contact;
+    // Bodies that are pressed together from rest have no energy at the start.
+    if (!(energy.scale > 0)) energy.scale = energy.value.cwiseAbs().maxCoeff();
+    out.figures[Quantity::energy] = energy;
+  }
+
+  void add_receivers(Quantities& out) const {
+    Figure bands;
+    for (const std::vector<double>& velocity : heard_) {
+      const Vector one = third_octaves(velocity, step_);
+      bands.value.conservativeResize(bands.value.size() + one.size());
+      bands.value.tail(one.size()) = one;
+    }
+    bands.scale = bands.value.norm();
+    out.figures[Quantity::receivers] = bands;
+  }
+
+  const Model& model_;
+  double step_;
+  std::vector<Mover> moving_;
+  std::vector<RigidMotion> start_, end_;  ///< when contact began, when it last ended
+  Energy before_{}, energy_{}, end_energy_{};
+  std::vector<bool> pressed_;
+  std::vector<double> force_;
+  std::int64_t without_force_ = 0;  ///< steps since the last force
+  std::optional<Receivers> receivers_;
+  std::vector<std::vector<double>> heard_;  ///< velocity of each axis of each receiver [m/s]
+  double longest_ = 0;
+  std::int64_t last_ = 0, touch_ = 0;
+  bool touched_ = false;
+};
+
 }  // namespace
 
-double distance(const Quantities& a, const Quantities& b) {
-  double largest = 0;
-  for (Eigen::Index i = 0; i < a.value.size(); ++i) {
-    const double apart = std::abs(a.value[i] - b.value[i]);
-    if (apart > 0)
-      largest =
-          std::max(largest, a.scale[i] > 0 ? apart / a.scale[i] : std::numeric_limits<double>::infinity());
+bool Quantities::touched() const {
+  const auto push = figures.find(figures.contains(Quantity::impulse) ? Quantity::impulse : Quantity::force);
+  return push != figures.end() && push->second.value.maxCoeff() > 0;
+}
+
+Errors distances(const Quantities& a, const Quantities& b) {
+  Errors out;
+  for (const auto& [quantity, one] : a.figures) {
+    const double apart = (one.value - b.figures.at(quantity).value).norm();
+    out[quantity] = apart == 0      ? 0
+                    : one.scale > 0 ? apart / one.scale
+                                    : std::numeric_limits<double>::infinity();
   }
-  return largest;
+  return out;
 }
 
 std::optional<Quantities> impact_quantities(const Model& model, const StepOptions& options,
-                                            std::int64_t steps, const std::function<void()>& poll) {
+                                            std::int64_t steps, bool receivers,
+                                            const std::function<void()>& poll) {
   const std::unique_ptr<Stepper> stepper = make_stepper(model, options);
-  const std::vector<Mover> moving = movers(model);
-  std::vector<Vector3d> before = velocities(model, moving, model.initial_rates()), start = before,
-                        end = before;
-  double impulse = 0, longest = 0;
-  std::int64_t touch = 0;
-  bool touched = false;
+  Follower follower(model, options, receivers);
   const auto observe = [&](std::int64_t) {
     if (poll) poll();
-    const double force = stepper->force().sum();
-    if (force > 0 || !touched) before = velocities(model, moving, stepper->modal()->v);
-    if (force > 0) {
-      touched = true;
-      impulse += force * options.step;
-      longest = std::max(longest, static_cast<double>(++touch) * options.step);
-      end = before;
-    } else {
-      touch = 0;
-      if (!touched) start = end = before;
-    }
+    follower.observe(*stepper);
   };
   if (run_steps(*stepper, steps, observe).status != StepStatus::ok) return std::nullopt;
-  Quantities out;
-  const auto count = static_cast<Eigen::Index>(moving.size());
-  out.value.setZero(1 + 3 * count);
-  out.scale.setZero(1 + 3 * count);
-  out.value[0] = out.scale[0] = impulse;
-  out.longest_touch = longest;
-  double speed = approach(model, start);
-  for (const Mover& mover : moving) speed = std::max(speed, (end[mover.body] - start[mover.body]).norm() / 2);
-  for (Eigen::Index k = 0; k < count; ++k) {
-    out.value.segment<3>(1 + 3 * k) = end[moving[k].body];
-    out.scale.segment<3>(1 + 3 * k).setConstant(speed);
-  }
-  return out;
+  return follower.quantities(*stepper);
 }
 
 Quantities rest_quantities(const Model& model) {
   const EquilibriumSummary found = summarise(model, find_equilibrium(model));
-  Quantities out;
-  out.value.setZero(2 * found.pairs.size());
-  for (std::size_t p = 0; p < found.pairs.size(); ++p) {
-    const auto i = 2 * static_cast<Eigen::Index>(p);
-    out.value[i] = found.pairs[p].force_n;
-    out.value[i + 1] = found.pairs[p].approach_m;
+  Figure force, approach;
+  const auto pairs = static_cast<Eigen::Index>(found.pairs.size());
+  force.value.resize(pairs);
+  approach.value.resize(pairs);
+  for (Eigen::Index p = 0; p < pairs; ++p) {
+    force.value[p] = found.pairs[static_cast<std::size_t>(p)].force_n;
+    approach.value[p] = found.pairs[static_cast<std::size_t>(p)].approach_m;
   }
-  out.scale = out.value.cwiseAbs();
-  return out;
+  force.scale = force.value.norm();
+  approach.scale = approach.value.norm();
+  return {.figures = {{Quantity::force, force}, {Quantity::approach, approach}}};
 }
 
 }  // namespace ricochet::contact

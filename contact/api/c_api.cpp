@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <utility>
@@ -101,6 +102,17 @@ int ricochet_scene_body(ricochet_scene* scene, const char* name, const ricochet_
                                  .rotate_deg = vector_or_zero(rotate_deg),
                                  .translate = vector_or_zero(translate),
                                  .velocity = vector_or_zero(velocity)});
+  });
+}
+
+int ricochet_scene_angular_velocity(ricochet_scene* scene, const char* body, const double* angular_velocity) {
+  return checked([&] {
+    auto& bodies = given(scene, "scene").scene.bodies;
+    const auto found = std::ranges::find(bodies, text(body, "body"), &ricochet::Body::name);
+    if (found == bodies.end())
+      throw ricochet::InputError(std::string("angular_velocity: \"") + body +
+                                 "\" is not a body of the scene.");
+    found->angular_velocity = vector_or_zero(angular_velocity);
   });
 }
 

@@ -55,7 +55,8 @@ contact::PlacedBody placed(const Body& body) {
           .kernel = body.kernel.get(),
           .rotation = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rotation.data()),
           .translation = finite(body.translate, where + ".translate"),
-          .velocity = finite(body.velocity, where + ".velocity")};
+          .velocity = finite(body.velocity, where + ".velocity"),
+          .angular_velocity = finite(body.angular_velocity, where + ".angular_velocity")};
 }
 
 contact::Model model_of(const Scene& scene) {
@@ -76,16 +77,27 @@ contact::Model model_of(const Scene& scene) {
           unit(*pair.direction, fmt::format("contact between \"{}\" and \"{}\": direction", pair.a, pair.b));
     pairs.push_back(request);
   }
-  return contact::build_model(std::move(bodies), obstacles, pairs, finite(scene.gravity, "gravity"));
+  contact::Model model =
+      contact::build_model(std::move(bodies), obstacles, pairs, finite(scene.gravity, "gravity"));
+  contact::refuse_sag(model);
+  return model;
 }
 
 StepOptions step_options(const Scene& scene) {
   if (!(scene.rate_hz > 0 && std::isfinite(scene.rate_hz)))
     throw InputError(fmt::format("rate_hz = {}: must be positive and finite.", scene.rate_hz));
+  const double ratio = std::max(1.0, std::ceil(scene.contact_rate_hz / scene.rate_hz * (1 - 1e-12)));
+  if (!(ratio <= 1e6) || (ratio > 1 && scene.scheme != Scheme::compliant))
+    throw InputError(
+        fmt::format("contact_rate_hz = {}: must be 0 with the impulse scheme, and at most 1e6 times rate_hz "
+                    "= {} otherwise.",
+                    scene.contact_rate_hz, scene.rate_hz));
   return {.scheme = scene.scheme,
           .admittance = scene.admittance,
           .restitution = scene.restitution,
-          .step = 1 / scene.rate_hz,
+          .contact_step = scene.integration,
+          .step = 1 / (scene.rate_hz * ratio),
+          .steps_per_sample = static_cast<int>(ratio),
           .precision = scene.single_precision ? Precision::float32 : Precision::float64};
 }
 
@@ -174,27 +186,39 @@ struct Simulation::Impl {
   explicit Impl(const Scene& scene)
       : model(model_of(scene)),
         stepper(contact::make_stepper(model, step_options(scene))),
+        force(stepper->force()),
         pickups(pickups_of(scene, model)),
         points(points_of(model)) {
     for (const Body& body : scene.bodies) kernels.push_back(body.kernel);
   }
 
-  /// Writes row k from the last step.
+  int per_sample() const noexcept { return stepper->options().steps_per_sample; }
+  std::int64_t samples() const noexcept { return stepper->steps() / per_sample(); }
+
+  /// Adds the force of the last contact step to the mean over the sample.
+  void add_force() noexcept {
+    if (begins_sample) force.setZero();
+    force += stepper->force() / per_sample();
+    begins_sample = stepper->at_sample();
+  }
+
+  /// Writes row k from the last sample.
   void write_forces(const Block& out, std::int64_t k) const noexcept {
-    const Eigen::Index m = stepper->force().size();
-    if (out.total_force) out.total_force[k] = stepper->force().sum();
-    if (out.force) std::copy_n(stepper->force().data(), m, out.force + k * m);
+    const Eigen::Index m = force.size();
+    if (out.total_force) out.total_force[k] = force.sum();
+    if (out.force) std::copy_n(force.data(), m, out.force + k * m);
     if (out.displacement) std::copy_n(stepper->displacement().data(), m, out.displacement + k * m);
   }
 
-  /// Writes the rows of velocities from `from` to before `to`: the steps through which the state was last
-  /// advanced.
+  /// Writes the rows of velocities of the samples between contact steps `from` and `to` of the block: the
+  /// steps through which the state was last advanced.
   void write_velocities(const Block& out, std::int64_t from, std::int64_t to) const noexcept {
     if (!out.velocity) return;
     const Eigen::Index p = pickups.rows();
-    for (std::int64_t k = from; k < to; ++k) {
-      const Eigen::Map<const contact::Vector> v(stepper->rate(static_cast<int>(to - 1 - k)), pickups.cols());
-      for (Eigen::Index i = 0; i < p; ++i) out.velocity[k * p + i] = pickups.row(i).dot(v);
+    for (std::int64_t row = from / per_sample(); (row + 1) * per_sample() <= to; ++row) {
+      const auto back = static_cast<int>(to - (row + 1) * per_sample());
+      const Eigen::Map<const contact::Vector> v(stepper->rate(back), pickups.cols());
+      for (Eigen::Index i = 0; i < p; ++i) out.velocity[row * p + i] = pickups.row(i).dot(v);
     }
   }
 
@@ -213,6 +237,8 @@ struct Simulation::Impl {
   std::vector<SharedKernel> kernels;  ///< the model contains pointers to them
   contact::Model model;
   std::unique_ptr<contact::Stepper> stepper;
+  contact::Vector force;  ///< (m) mean over the sample
+  bool begins_sample = true;
   contact::Matrix pickups;  ///< (p,N)
   std::vector<ContactPoint> points;
 };
@@ -220,6 +246,7 @@ struct Simulation::Impl {
 struct Simulation::State::Impl {
   std::uint64_t identity;
   std::unique_ptr<contact::Stepper> stepper;
+  contact::Vector force;
 };
 
 Simulation::Simulation(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {}
@@ -229,23 +256,29 @@ Simulation& Simulation::operator=(Simulation&&) noexcept = default;
 
 StepStatus Simulation::step() noexcept {
   const FlushDenormals scope;
-  return impl_->stepper->step();
+  StepStatus status = StepStatus::ok;
+  do {
+    status = impl_->stepper->step();
+    if (status == StepStatus::ok) impl_->add_force();
+  } while (status == StepStatus::ok && !impl_->stepper->at_sample());
+  return status;
 }
 
 // The state is advanced a block at a time unless displacements are requested after each step.
 BlockResult Simulation::step_block(std::int64_t steps, const Block& out) noexcept {
   const FlushDenormals scope;
   contact::Stepper& stepper = *impl_->stepper;
-  const std::int64_t first = stepper.steps();
-  const auto made = [&] { return stepper.steps() - first; };
+  const std::int64_t first = stepper.steps(), per_sample = impl_->per_sample();
   std::int64_t heard = 0;
+  const auto made = [&] { return (stepper.steps() - first) / per_sample; };
   const auto hear = [&] {
-    impl_->write_velocities(out, heard, made());
-    heard = made();
+    impl_->write_velocities(out, heard, stepper.steps() - first);
+    heard = stepper.steps() - first;
   };
   stepper.keep(out.displacement != nullptr, out.velocity != nullptr);
-  StepStatus status = contact::run_steps(stepper, steps, [&](std::int64_t k) {
-                        impl_->write_forces(out, k - 1);
+  StepStatus status = contact::run_steps(stepper, steps * per_sample, [&](std::int64_t) {
+                        impl_->add_force();
+                        if (stepper.at_sample()) impl_->write_forces(out, made() - 1);
                         if (stepper.pending() == 0) hear();
                       }).status;
   if (stepper.catch_up() != StepStatus::ok) status = StepStatus::not_finite;
@@ -255,11 +288,11 @@ BlockResult Simulation::step_block(std::int64_t steps, const Block& out) noexcep
   return {made(), status};
 }
 
-std::int64_t Simulation::steps() const noexcept { return impl_->stepper->steps(); }
+std::int64_t Simulation::steps() const noexcept { return impl_->samples(); }
 double Simulation::time() const noexcept { return impl_->stepper->time(); }
 
 std::span<const ContactPoint> Simulation::points() const noexcept { return impl_->points; }
-std::span<const double> Simulation::force() const noexcept { return span_of(impl_->stepper->force()); }
+std::span<const double> Simulation::force() const noexcept { return span_of(impl_->force); }
 std::span<const double> Simulation::displacement() const noexcept {
   return span_of(impl_->stepper->displacement());
 }
@@ -287,13 +320,16 @@ Energy Simulation::energy() const noexcept { return impl_->stepper->modal()->ene
 int Simulation::quasi_static_modes() const noexcept { return impl_->stepper->modal()->modes_in_residual(); }
 
 Simulation::State Simulation::save() const {
-  return State(std::make_unique<const State::Impl>(State::Impl{impl_->identity, impl_->stepper->clone()}));
+  return State(std::make_unique<const State::Impl>(
+      State::Impl{impl_->identity, impl_->stepper->clone(), impl_->force}));
 }
 
 // Assigns to the stepper instead of replacing it, so that its arrays keep their memory and capacity.
 bool Simulation::restore(const State& state) noexcept {
   if (!state.impl_ || state.impl_->identity != impl_->identity) return false;
   impl_->stepper->assign(*state.impl_->stepper);
+  impl_->force = state.impl_->force;
+  impl_->begins_sample = true;
   return true;
 }
 

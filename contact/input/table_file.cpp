@@ -50,6 +50,7 @@ Table read_table(const std::filesystem::path& path) {
     return file.exists("/table/" + name) ? file.read<double>("/table/" + name, shape) : std::vector<double>{};
   };
   table.flexibility = optional("flexibility", {any, m, m});
+  table.residual = optional("residual", {m, m});
   if (table.flexibility.empty() || file.exists("/table/displacement")) {
     table.displacement = file.read<double>("/table/displacement", {any, m, m});
     table.velocity = file.read<double>("/table/velocity", {any, m, m});

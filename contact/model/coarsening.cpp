@@ -94,7 +94,11 @@ Model coarsened(const Model& model) {
     one.displacement = T * one.displacement;
     one.displacement_a = T * one.displacement_a;
   }
-  for (Model::BodyBlock& body : out.bodies) body.selection = Selection(T.sparseView()) * body.selection;
+  const Selection combined = T.sparseView();
+  for (Model::BodyBlock& body : out.bodies) {
+    body.selection = combined * body.selection;
+    body.static_selection = combined * body.static_selection;
+  }
   for (Model::Receiver& receiver : out.receivers) receiver.flexibility = receiver.flexibility * T.transpose();
   return out;
 }

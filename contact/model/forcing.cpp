@@ -56,7 +56,7 @@ Vector3d column(const std::vector<double>& residual, const Model::Forcing& one, 
 
 }  // namespace
 
-void add_forcing(Model& model, int k, const Selection& P, const std::vector<ForcingRequest>& forcing) {
+void add_forcing(Model& model, int k, const std::vector<ForcingRequest>& forcing) {
   const Model::BodyBlock& block = model.bodies[k];
   const Kernel& kernel = *block.kernel;
   const auto B = model.B.middleCols(block.first_mode, block.modes);
@@ -74,10 +74,11 @@ void add_forcing(Model& model, int k, const Selection& P, const std::vector<Forc
                        .history = request.history,
                        .force = Vector::Zero(block.modes),
                        .lift = Vector::Zero(block.modes),
-                       .displacement = Vector::Zero(P.rows()),
+                       .displacement = Vector::Zero(B.rows()),
                        .displacement_a = {}};
     const std::vector<double>& residual =
         request.support ? kernel.motions[entry].residual : kernel.applied[entry].residual;
+    const Selection& P = request.support ? block.selection : block.static_selection;
     if (!residual.empty()) out.displacement = P * (matrix(residual, P.cols(), 3) * along).eval();
     if (request.support) {
       refuse_jump(request);
@@ -96,8 +97,9 @@ void add_forcing(Model& model, int k, const Selection& P, const std::vector<Forc
   }
 }
 
-void add_receivers(Model& model, int k, const Selection& P) {
+void add_receivers(Model& model, int k) {
   const Model::BodyBlock& block = model.bodies[k];
+  const Selection& P = block.static_selection;
   for (const kernels::Receiver& receiver : block.kernel->receivers) {
     for (const Model::Receiver& other : model.receivers)
       if (other.name == receiver.name)
@@ -138,6 +140,28 @@ void refuse_overlap(const Model& model) {
                      "before they start. Begin "
                      "the history with 0, or start farther apart (contact.gap, bodies.*.translate).",
                      depth));
+}
+
+void refuse_sag(const Model& model) {
+  const Vector u = model.initial_displacement();
+  Eigen::Index i = 0;
+  const double depth = u.size() > 0 ? (u - model.gap).maxCoeff(&i) : 0;
+  // 1e-9: of the displacement: above the round-off of the sum over modes
+  if (depth <= 1e-9 * (u.size() > 0 ? u.cwiseAbs().maxCoeff() : 0)) return;
+  for (const Model::PairBlock& pair : model.pairs)
+    if (i >= pair.first_point && i < pair.first_point + pair.points)
+      throw InputError(base::format(
+          "loads: gravity and constant loads press \"{}\" {:.6g} m into \"{}\" before they start, as "
+          "supported "
+          "bodies start in their static equilibrium. Start farther apart by more than that (contact.gap, "
+          "bodies.*.translate).",
+          model.bodies[pair.a].name, depth, pair.b < 0 ? pair.obstacle : model.bodies[pair.b].name));
+}
+
+Vector Model::initial_displacement() const {
+  Vector out = B * q0 + static_displacement;
+  for (const Forcing& one : forcing) out += one.history.at(0) * one.displacement;
+  return out;
 }
 
 Vector Model::initial_rates() const {

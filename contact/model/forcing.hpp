@@ -9,12 +9,12 @@ namespace ricochet::contact {
 
 /// Adds the forcing of body k; the model must already contain the block of this body and its columns of B.
 /// Throws InputError if the kernel has no such load or motion, or if a support would jump.
-void add_forcing(Model& model, int k, const Selection& P, const std::vector<ForcingRequest>& forcing);
+void add_forcing(Model& model, int k, const std::vector<ForcingRequest>& forcing);
 
 /// Throws InputError if supports that are displaced at t = 0 make bodies overlap.
 void refuse_overlap(const Model& model);
 
 /// Adds the receivers of body k. The model must already contain the forcing of all bodies up to k.
-void add_receivers(Model& model, int k, const Selection& P);
+void add_receivers(Model& model, int k);
 
 }  // namespace ricochet::contact

@@ -9,6 +9,12 @@ std::size_t History::passed(double t) const noexcept {
   return static_cast<std::size_t>(std::upper_bound(time.begin(), time.end(), t) - time.begin());
 }
 
+bool History::dead() const noexcept {
+  if (!(time.front() < 0)) return false;
+  const auto last = value.begin() + static_cast<std::ptrdiff_t>(passed(0)) - 1;
+  return std::all_of(last, value.end(), [&](double v) { return v == *last; });
+}
+
 double History::slope_after(std::size_t knot) const noexcept {
   return knot + 1 < time.size() ? (value[knot + 1] - value[knot]) / (time[knot + 1] - time[knot]) : 0;
 }

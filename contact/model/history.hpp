@@ -18,6 +18,9 @@ struct History {
   /// ∫ h dt
   double integral(double from, double to) const noexcept;
 
+  /// Whether h began before t = 0 and is constant from then on, as that of a dead load.
+  bool dead() const noexcept;
+
   /// Number of knots at or before t, which is the index of the first knot after t.
   std::size_t passed(double t) const noexcept;
   /// Changes of h and of its slope at a knot.

@@ -2,6 +2,7 @@
 #include "contact/model/model.hpp"
 
 #include <cmath>
+#include <numbers>
 
 #include "base/format.hpp"
 #include "contact/model/forcing.hpp"
@@ -47,21 +48,44 @@ Model::BodyBlock block_of(const PlacedBody& body, int first_mode, const Vector3d
 
 /// v_n = φ_nᵀ M v for the modes with ω_n = 0. This is exact, because these modes span the rigid motions that
 /// the supports leave free.
-Vector rigid_velocity(const PlacedBody& body, const Model::BodyBlock& block) {
+/// @param momentum  (3,modes) of each mode along and about the axes; @param velocity  along or about them
+/// @param energy  twice the kinetic energy of the rigid motion
+Vector rigid_rates(const PlacedBody& body, const Model::BodyBlock& block,
+                   const Eigen::Matrix<double, 3, Eigen::Dynamic>& momentum, const Vector3d& velocity,
+                   double energy, const char* key) {
   Vector out = Vector::Zero(block.modes);
-  if (body.velocity.isZero(0)) return out;
+  if (velocity.isZero(0)) return out;
   for (int n = 0; n < block.modes; ++n)
-    if (body.kernel->modes.angular_frequency[n] == 0) out(n) = block.momentum.col(n).dot(body.velocity);
-  const double energy = block.mass * body.velocity.squaredNorm();
-  if (std::abs(out.squaredNorm() - energy) > rigid_slack * energy)
+    if (body.kernel->modes.angular_frequency[n] == 0) out(n) = momentum.col(n).dot(velocity);
+  if (!(energy > 0) || std::abs(out.squaredNorm() - energy) > rigid_slack * energy)
     throw InputError(base::format(
-        "bodies.{}.velocity: {} cannot move rigidly that way ({:.3g} of the kinetic energy is in its rigid "
+        "bodies.{}.{}: {} cannot move rigidly that way ({:.3g} of the kinetic energy is in its rigid "
         "modes). {}",
-        body.name, block.supported ? "a supported body" : "this body", out.squaredNorm() / energy,
+        body.name, key, block.supported ? "a supported body" : "this body",
+        energy > 0 ? out.squaredNorm() / energy : 0,
         block.supported
-            ? "Set velocity = [0, 0, 0], or take its support out."
+            ? base::format("Set {} = [0, 0, 0], or take its support out.", key)
             : "A rod moves along its axis alone; otherwise compute its kernel again with ricochet-kernel."));
   return out;
+}
+
+/// The modal rates of the initial velocity V of the centre and the angular velocity ω about it:
+/// v(x) = V + ω × (x − c), φ_nᵀ M v = V·p_n + ω·(L_n − c × p_n)
+Vector rigid_velocity(const PlacedBody& body, const Model::BodyBlock& block) {
+  const Vector3d &V = body.velocity, &w = body.angular_velocity;
+  Eigen::Matrix<double, 3, Eigen::Dynamic> about = block.angular_momentum;
+  for (int n = 0; n < block.modes; ++n) about.col(n) -= block.centre.cross(Vector3d(block.momentum.col(n)));
+  return rigid_rates(body, block, block.momentum, V, block.mass * V.squaredNorm(), "velocity") +
+         rigid_rates(body, block, about, w, w.dot(block.inertia * w), "angular_velocity");
+}
+
+/// q0_n = f_n/ω_n²
+Vector settled(const Model& model) {
+  Vector force = model.load;
+  for (const Model::Forcing& one : model.forcing)
+    if (!one.support && one.history.dead())
+      force.segment(one.first_mode, one.force.size()) += one.history.at(0) * one.force;
+  return (model.omega.array() > 0).select(force.array() / model.omega.array().square(), 0.0);
 }
 
 /// Index in the kernel of each candidate of the whole surface, or −1. Empty if the kernel contains all
@@ -77,16 +101,27 @@ std::vector<int> held_candidates(const kernels::Surface& surface) {
 [[noreturn]] void refuse_missing(const PlacedBody& body, const PairRequest& request, int candidate) {
   throw InputError(base::format(
       "contact between \"{}\" and \"{}\": the kernel of \"{}\" holds too few candidates: candidate {} of "
-      "{}, which faces \"{}\", is missing. Run ricochet-kernel for this scene, or lower contact.reach.",
+      "{}, which faces \"{}\", is missing. Run ricochet-kernel for this scene, or lower contact.reach or "
+      "contact.zone.",
       request.a, request.b, body.name, candidate, body.kernel->surface.whole->area.size(),
       body.name == request.a ? request.b : request.a));
 }
 
+[[noreturn]] void refuse_tilt(const PlacedBody& body, const PairRequest& request, double cosine) {
+  throw InputError(base::format(
+      "contact between \"{}\" and \"{}\": the kernel of \"{}\" holds the residual flexibility along its own "
+      "normals alone, but a pair is tilted by {:.2g} degrees. Run ricochet-kernel for this scene, or set "
+      "modes.residual_components = \"all\".",
+      request.a, request.b, body.name, std::acos(cosine) * 180 / std::numbers::pi));
+}
+
 /// Returns P (m, cM) with u = Σ_bodies P · (displacement of the candidates of the body in its own frame).
 /// Rows contain n for body a and −n W for body b.
-Selection selection(const PlacedBody& body, int index, const std::vector<ContactPair>& pairs, int points) {
+/// @param c  3, or 1 for displacements along the direction of the kernel or along the normals
+Selection selection(const PlacedBody& body, int index, const std::vector<ContactPair>& pairs, int points,
+                    int c) {
   const kernels::Surface& surface = body.kernel->surface;
-  const int c = surface.components;
+  const bool along_normals = c == 1 && !surface.direction;
   Selection out(points, c * static_cast<int>(surface.size()));
   std::vector<Eigen::Triplet<double>> entries;
   int row = 0;
@@ -97,7 +132,11 @@ Selection selection(const PlacedBody& body, int index, const std::vector<Contact
       const auto add = [&](int number, double weight) {
         const int candidate = held.empty() ? number : held[number];
         if (candidate < 0) refuse_missing(body, pair.request, number);
-        if (c == 1)  // check_component ensures that n is ± the stored direction
+        if (along_normals) {
+          const double cosine = n.dot(Eigen::Map<const Vector3d>(&surface.normal[3 * candidate]));
+          if (std::abs(cosine) < std::cos(most_tilt)) refuse_tilt(body, pair.request, std::abs(cosine));
+          entries.emplace_back(row, candidate, std::copysign(weight, weight * cosine));
+        } else if (c == 1)  // check_component ensures that n is ± the stored direction
           entries.emplace_back(
               row, candidate,
               std::copysign(weight, weight * n.dot(Eigen::Map<const Vector3d>(surface.direction->data()))));
@@ -128,7 +167,9 @@ Model build_model(const Placement& placement, const Vector3d& gravity,
   for (const ContactPair& pair : pairs) {
     const int count = static_cast<int>(pair.pairing.points.size());
     model.pairs.push_back({points, count, pair.pairing.unpaired, pair.a, pair.b, {}});
-    if (pair.pairing.beyond_reach > 0) model.pairs.back().reach = pair.request.reach;
+    if (pair.pairing.beyond_reach > 0) model.pairs.back().reach = pair.pairing.reach;
+    if (pair.b < 0)
+      model.pairs.back().obstacle = pair.request.a == bodies[pair.a].name ? pair.request.b : pair.request.a;
     points += count;
   }
   for (const PlacedBody& body : bodies) {
@@ -162,9 +203,13 @@ Model build_model(const Placement& placement, const Vector3d& gravity,
     model.load.segment(first, n) = block.momentum.transpose() * gravity;
     model.v0.segment(first, n) = rigid_velocity(bodies[k], block);
 
-    const Selection& P = model.bodies[k].selection = selection(bodies[k], static_cast<int>(k), pairs, points);
+    const auto select = [&](int c) { return selection(bodies[k], static_cast<int>(k), pairs, points, c); };
+    const Selection& whole = model.bodies[k].selection = select(kernel.surface.components);
+    model.B.middleCols(first, n) =
+        whole * Eigen::Map<const Matrix>(kernel.surface.shape.data(), whole.cols(), n);
+    const Selection& P = model.bodies[k].static_selection =
+        kernel.surface.normal_residual ? select(1) : whole;
     const Eigen::Index rows = P.cols();
-    model.B.middleCols(first, n) = P * Eigen::Map<const Matrix>(kernel.surface.shape.data(), rows, n);
 
     const auto& flexibility = kernel.surface.residual_flexibility;
     const auto& settling = kernel.loads.body_force_residual;
@@ -186,11 +231,11 @@ Model build_model(const Placement& placement, const Vector3d& gravity,
         model.R_a.middleRows(pair.first_point, pair.points) = R.middleRows(pair.first_point, pair.points);
         model.static_a.segment(pair.first_point, pair.points) = s.segment(pair.first_point, pair.points);
       }
-    add_forcing(model, static_cast<int>(k), P, forcing);
+    add_forcing(model, static_cast<int>(k), forcing);
   }
   refuse_overlap(model);
-  for (std::size_t k = 0; k < bodies.size(); ++k)
-    add_receivers(model, static_cast<int>(k), model.bodies[k].selection);
+  model.q0 = settled(model);
+  for (std::size_t k = 0; k < bodies.size(); ++k) add_receivers(model, static_cast<int>(k));
   return model;
 }
 

@@ -36,7 +36,8 @@ struct Model {
   // modes (N)
   Vector omega, decay;  ///< [rad/s], [1/s]
   Vector load;          ///< constant modal force, of gravity, f_n [kg^1/2 m/s²]
-  Vector q0, v0;        ///< initial modal displacement (0) and velocity (rigid), [kg^1/2 m], [kg^1/2 m/s]
+  Vector q0;            ///< initial modal displacement, at rest under dead loads [kg^1/2 m]
+  Vector v0;            ///< initial modal velocity, of the rigid modes [kg^1/2 m/s]
   // contact points (m)
   Matrix B;  ///< (m,N) [kg^-1/2]
   Matrix R;  ///< (m,m) [m/N]; zero if the kernels contain none
@@ -62,6 +63,8 @@ struct Model {
     Eigen::Matrix3d rotation;
     Eigen::Vector3d translation;
     Selection selection;
+    /// (m, rM) the same for static corrections, whose components are those of Surface::residual_components
+    Selection static_selection;
   };
   std::vector<BodyBlock> bodies;
 
@@ -69,6 +72,7 @@ struct Model {
     int first_point = 0, points = 0, unpaired = 0;
     int a = 0, b = -1;            ///< indices of the bodies; b = −1 for a half-space
     std::optional<double> reach;  ///< [m] set if points beyond it were dropped
+    std::string obstacle{};       ///< name of the half-space, if b = −1
   };
   std::vector<PairBlock> pairs;
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
@@ -103,6 +107,8 @@ struct Model {
   };
   std::vector<Receiver> receivers;
 
+  /// (m) u at t = 0: of the modes, of the static correction and of supports [m].
+  Vector initial_displacement() const;
   /// (N) q̇ at t = 0, relative to the lift of moving supports.
   Vector initial_rates() const;
   /// Momentum of a body at t [kg m/s]. @param v  (N) modal rates relative to the supports
@@ -111,10 +117,18 @@ struct Model {
   Eigen::Vector3d angular_momentum(int body, const Vector& v, double t) const;
 };
 
-/// Stacks placed bodies and their pairs, in their order. Throws InputError if a kernel omits a paired
-/// candidate or lacks a load or motion, or if a support would jump or makes bodies overlap at the start.
+/// Stacks placed bodies and their pairs, in their order.
+///
+/// Elastic modes start at rest under gravity and dead loads, q0_n = f_n/ω_n². With the static correction, a
+/// supported body so starts in its static equilibrium. Elastic modes carry no momentum, so for a body that
+/// can move rigidly this is the equilibrium with the inertia of its rigid acceleration (inertia relief): a
+/// free body falls without strain. Throws InputError if a kernel omits a paired candidate or lacks a load or
+/// motion, or if a support would jump or makes bodies overlap at the start.
 Model build_model(const Placement& placement, const Eigen::Vector3d& gravity,
                   const std::vector<ForcingRequest>& forcing = {});
+
+/// Throws InputError if bodies overlap at t = 0 because dead loads deform them.
+void refuse_sag(const Model& model);
 
 /// Places the bodies first. Also throws InputError as `place` does.
 inline Model build_model(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& obstacles,

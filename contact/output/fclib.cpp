@@ -81,21 +81,22 @@ void ProblemFiles::observe(const Stepper& stepper) {
 }
 
 void ProblemFiles::write(const Stepper& stepper) const {
-  const Vector& force = stepper.force();
+  const Vector& force = stepper.end_force();
+  const Eigen::MatrixXd& S = stepper.weights() == backward_euler ? system_->S : system_->S_mean;
   const Vector gap = model_.gap - stepper.displacement();
-  const Vector q = gap - system_->S * force;
+  const Vector q = gap - S * force;
   const Eigen::Index m = force.size();
   Writer file(options_.folder / fmt::format("{}-i{:08}-{}.hdf5", options_.name, stepper.steps(), m));
   write_integer(file, "/fclib_local/spacedim", rows_each);
-  write_matrix(file, system_->S);
+  write_matrix(file, S);
   write_normal(file, "/fclib_local/vectors/q", q, "m");
   file.write("/fclib_local/vectors/mu", std::vector<double>(m, 0.0), {static_cast<std::size_t>(m)}, "1");
   write_text(file, "/fclib_local/info/title", options_.title);
   write_text(
       file, "/fclib_local/info/description",
       fmt::format("Frictionless impact of elastic bodies, step {} (t = {:.9g} s) of {} contact points. "
-                  "W: normal displacement by forces held over the step [m/N]; r: forces [N]; u: gaps "
-                  "[m] at its end.",
+                  "W: normal displacement by the forces at the end of the step [m/N]; r: these forces "
+                  "[N]; u: gaps [m] at its end.",
                   stepper.steps(), stepper.time(), m));
   write_text(file, "/fclib_local/info/math_info",
              "Normal rows: a linear complementarity problem whose matrix is symmetric positive semidefinite, "

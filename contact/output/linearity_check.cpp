@@ -84,12 +84,13 @@ void LinearityCheck::observe(const Stepper& stepper, const Vector& before, bool 
   for (std::size_t k = 0; k < model_.bodies.size(); ++k) {
     moved.push_back(rigid_motion(model_.bodies[k], inverse_inertia_[k], stepper.modal()->q));
     speed.push_back(rigid_motion(model_.bodies[k], inverse_inertia_[k], before));
-    const double angle = moved.back().rotation.norm();
-    if (angle > tilt_) {
-      tilt_ = angle;
-      tilted_ = model_.bodies[k].name;
-    }
   }
+  const auto turned = [&](int k) {
+    const double angle = moved[k].rotation.norm();
+    if (angle <= tilt_) return;
+    tilt_ = angle;
+    tilted_ = model_.bodies[k].name;
+  };
   const auto relative = [&](const std::vector<RigidMotion>& motion, const Model::PairBlock& pair, int i) {
     Vector3d out = motion[pair.a].at(model_.point_a.row(i).transpose());
     if (pair.b >= 0) out -= motion[pair.b].at(model_.point_b.row(i).transpose());
@@ -97,6 +98,10 @@ void LinearityCheck::observe(const Stepper& stepper, const Vector& before, bool 
   };
   for (std::size_t p = 0; p < model_.pairs.size(); ++p) {
     const Model::PairBlock& pair = model_.pairs[p];
+    if ((stepper.force().segment(pair.first_point, pair.points).array() > 0).any()) {
+      turned(pair.a);
+      if (pair.b >= 0) turned(pair.b);
+    }
     for (int i = pair.first_point; i < pair.first_point + pair.points; ++i) {
       const bool pressed = stepper.force()(i) > 0;
       if (!pressed && !pair.reach) continue;

@@ -24,7 +24,7 @@ struct MotionOptions {
   std::filesystem::path stem;  ///< path of both files without .h5 and .xdmf
   std::string title{}, created_by{};
   std::vector<std::string> pairs{};  ///< one name per pair of the model
-  std::int64_t every = 1;            ///< number of steps between frames
+  std::int64_t every = 1;            ///< number of output samples between frames
 };
 
 class MotionFile {
@@ -59,7 +59,8 @@ class MotionFile {
   MotionFile(const Model& model, const StepOptions& step, const MotionOptions& options);
   Patch patch_of(const Model::PairBlock& pair, const std::string& name) const;
   void write_setting(const MotionOptions& options);
-  void frame(double t, const Vector& q, const Vector& v, const Vector& u, const Vector& force);
+  void frame(double t, const Vector& q, const Vector& v, const Vector& u, const Vector& force,
+             const Vector& end_force);
   void contact_frame(std::size_t pair, const std::string& number, const Vector& u, const Vector& force,
                      const SurfaceMotion& surface);
   void write_xdmf() const;

@@ -28,7 +28,7 @@ Receivers::Receivers(const Model& model, const StepOptions& options)
 }
 
 void Receivers::observe(const Stepper& stepper) noexcept {
-  update(stepper.time(), stepper.modal()->q, stepper.modal()->v, stepper.force());
+  update(stepper.time(), stepper.modal()->q, stepper.modal()->v, stepper.end_force());
 }
 
 /// q̈ = f + F h − Bᵀ λ − 2δ q̇ − ω² q; impulses have already acted.

@@ -23,20 +23,15 @@ constexpr std::array<std::pair<const char*, double Energy::*>, 6> energy_terms{
      {"/energy/damping", &Energy::damping},
      {"/energy/contact", &Energy::contact}}};
 
-/// Energy of q0, v0.
-Energy initial_energy(const Model& model) {
-  return {.kinetic = 0.5 * model.v0.squaredNorm(),
-          .strain = 0.5 * (model.omega.array() * model.q0.array()).square().sum()};
-}
-
 }  // namespace
 
-double least_bytes(const Model& model, const RecorderOptions& options, std::int64_t steps) {
-  const double rows = steps / options.every, bodies = model.bodies.size(), receivers = model.receivers.size();
+double least_bytes(const Model& model, const RecorderOptions& options, std::int64_t samples) {
+  const double rows = samples / options.every, bodies = model.bodies.size(),
+               receivers = model.receivers.size();
   double numbers = rows * (1 + 8 + 12 * bodies);
-  if (receivers > 0) numbers += static_cast<double>(steps) * (1 + 9 * receivers);
+  if (receivers > 0) numbers += static_cast<double>(samples) * (1 + 9 * receivers);
   if (options.snapshot_every > 0)
-    numbers += static_cast<double>(steps / options.snapshot_every) * (1.0 + model.omega.size());
+    numbers += static_cast<double>(samples / options.snapshot_every) * (1.0 + model.omega.size());
   return sizeof(double) * numbers;
 }
 
@@ -55,6 +50,7 @@ Recorder::Recorder(const Model* model, const Vector& gap, const Vector& area, do
   file_.attribute("/", "created_by", options.created_by);
   const std::size_t m = gap.size();
   file_.write<double>("/contact/initial_gap", flat(gap), {m}, "m");
+  file_.attribute("/contact", "step", step * static_cast<double>(options.every));
   if (model || area.size() > 0) file_.write<double>("/contact/area", flat(area), {m}, "m^2");
   time_ = &file_.rows("/time", {}, "s");
   contact_ = {&file_.rows("/contact/time", {}, "s"), &file_.rows("/contact/force", {m}, "N"),
@@ -96,7 +92,7 @@ Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOp
             driven_a_.col(d) += B_a_.col(n) * (model.forcing[d].force(i) / stiffness);
       }
   bodies_row(model.initial_rates(), 0, 0);
-  energy_row(initial_energy(model));
+  energy_row(initial_energy(model, step));
   persistency_->append(0);
   if (snapshot_every_ > 0) snapshot_row(0, model.q0);
   receivers_row(0);
@@ -191,23 +187,27 @@ void Recorder::record(const Stepper& stepper) {
   const std::int64_t k = stepper.steps();
   const double t = stepper.time();
   const ModalState* modal = stepper.modal();
-  const bool touching = stepper.active() > 0;
+  const bool touching = (stepper.force().array() > 0).any();
   if (modal && touching) push(stepper.force(), step_);
-  if (k % every_ == 0) {
+  if (touching && k % every_ == 0) {
+    contact_row(t, stepper.displacement(), stepper.force());
+    if (modal) sides_row(t, modal->q, modal->v, stepper.displacement(), stepper.end_force());
+  }
+  if (!stepper.at_sample()) return;
+  const std::int64_t sample = k / stepper.options().steps_per_sample;
+  if (sample % every_ == 0) {
     time_->append(t);
     if (persistency_) persistency_->append(stepper.persistency());
-    if (touching) contact_row(t, stepper.displacement(), stepper.force());
     if (modal) {
       bodies_row(modal->v, static_cast<double>(last_row_) * step_, t);
       energy_row(modal->energy());
-      if (touching) sides_row(t, modal->q, modal->v, stepper.displacement(), stepper.force());
     } else {
       bodies_row(*stepper.body_velocities());
     }
     last_row_ = k;
   }
   if (!modal) return;
-  if (snapshot_every_ > 0 && k % snapshot_every_ == 0) snapshot_row(t, modal->q);
+  if (snapshot_every_ > 0 && sample % snapshot_every_ == 0) snapshot_row(t, modal->q);
   receivers_->observe(stepper);
   receivers_row(t);
 }

@@ -27,13 +27,12 @@ struct RecorderOptions {
   std::string title{}, scene{};             ///< scene: resolved TOML
   std::string created_by{};                 ///< program and version
   std::vector<std::string> kernel_files{};  ///< by body of the model
-  std::int64_t every = 1;                   ///< writes a row every n-th step
-  std::int64_t snapshot_every = 0;          ///< writes modal coordinates every n-th step; 0 for never
+  std::int64_t every = 1;           ///< writes a row every n-th output sample, and in contact every n-th step
+  std::int64_t snapshot_every = 0;  ///< writes modal coordinates every n-th output sample; 0 for never
 };
 
-/// Lower bound on the size of a result of `steps` steps [bytes]; rows that are written during contact are not
-/// counted.
-double least_bytes(const Model& model, const RecorderOptions& options, std::int64_t steps);
+/// Lower bound on the size of a result [bytes]; rows that are written during contact are not counted.
+double least_bytes(const Model& model, const RecorderOptions& options, std::int64_t samples);
 
 class Recorder {
  public:

@@ -7,6 +7,7 @@
 
 #include "base/atomic_file.hpp"
 #include "contact/output/linearity_check.hpp"
+#include "contact/output/obstacle_check.hpp"
 
 namespace ricochet::contact {
 namespace {
@@ -18,8 +19,14 @@ Json number(const std::optional<double>& value) { return value ? Json(*value) : 
 
 Json shares(const std::optional<ErrorEstimate>& estimate) {
   if (!estimate) return nullptr;
-  Json out{{"total", estimate->total()}};
-  for (const auto& cause : estimate->causes()) out[cause.name] = number(cause.share);
+  Json out{{"quantity", name_of(estimate->worst())}, {"total", estimate->total()}}, all = Json::object();
+  for (const auto& [cause, errors] : estimate->by_cause) out[name_of(cause)] = number(estimate->share(cause));
+  for (const Quantity quantity : estimate->quantities()) {
+    Json& of_quantity = all[std::string(name_of(quantity))] = {{"total", estimate->total(quantity)}};
+    for (const auto& [cause, errors] : estimate->by_cause)
+      of_quantity[name_of(cause)] = errors ? Json(errors->at(quantity)) : Json(nullptr);
+  }
+  out["quantities"] = std::move(all);
   return out;
 }
 
@@ -92,21 +99,6 @@ Json json_of(const EquilibriumSummary& summary) {
 
 }  // namespace
 
-std::array<ErrorEstimate::Cause, 6> ErrorEstimate::causes() const {
-  return {{{"mesh", mesh, "a finer mesh or a higher bodies.*.order"},
-           {"modes", modes, "a higher modes.up_to_hz or modes.count"},
-           {"step", step, "a higher time.rate_hz"},
-           {"eigensolver", eigensolver, "a lower modes.relative_residual or modes.low_rank"},
-           {"precision", precision, "time.precision = \"double\""},
-           {"spacing", spacing, "a smaller contact.spacing, or a finer mesh where bodies touch"}}};
-}
-
-double ErrorEstimate::total() const {
-  double sum = 0;
-  for (const Cause& cause : causes()) sum += cause.share.value_or(0);
-  return sum;
-}
-
 std::string json_text(const Summary& summary) { return json_of(summary).dump(); }
 void write_json(const Summary& summary, const std::filesystem::path& path) { write(json_of(summary), path); }
 
@@ -129,6 +121,9 @@ EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium)
     if (auto warning = rotation_warning(body.name, angle); warning && equilibrium.active > 0)
       out.warnings.push_back(*warning);
   }
+  ObstacleCheck obstacles(model);
+  obstacles.observe(equilibrium.q, 0);
+  for (std::string& warning : obstacles.warnings()) out.warnings.push_back(std::move(warning));
   const auto moved = [&](int k) -> Vector3d {
     const Model::BodyBlock& body = model.bodies[k];
     return body.momentum * equilibrium.q.segment(body.first_mode, body.modes) / body.mass;

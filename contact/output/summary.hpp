@@ -5,7 +5,6 @@
 // the end of the last one. An episode is an uninterrupted sequence of steps with a force.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -14,6 +13,7 @@
 #include <vector>
 
 #include "contact/model/model.hpp"
+#include "contact/output/error_estimate.hpp"
 #include "contact/static/equilibrium.hpp"
 
 namespace ricochet::contact {
@@ -23,18 +23,6 @@ struct Episode {
   std::optional<double> end_s;  ///< no value if bodies touch in the last step of the run
   double impulse_ns = 0;        ///< Σ λ_i Δ
   double peak_force_n = 0;      ///< largest Σ_i λ_i of a step
-};
-
-/// Contributions to the relative error of the quantities of interest (quantities.hpp); no value if unknown.
-struct ErrorEstimate {
-  std::optional<double> mesh, modes, step, eigensolver, precision, spacing;
-  struct Cause {
-    const char* name;
-    std::optional<double> share;
-    const char* advice;  ///< how to reduce it
-  };
-  std::array<Cause, 6> causes() const;
-  double total() const;  ///< sum of the known shares
 };
 
 /// A WAV file of a receiver's velocity.
@@ -60,7 +48,8 @@ struct Summary {
   /// Largest deviation of the ledger, relative to the largest of kinetic + strain + residual energy, work of
   /// loads, and energy lost in contact. No value with table kernels.
   std::optional<double> energy_drift;
-  /// Energy lost in contact, relative to kinetic + strain energy when contact started. No value with table
+  /// Energy lost in contact, relative to kinetic + strain energy when contact started, above the strain under
+  /// dead loads at t = 0. No value with table
   /// kernels, or if bodies at rest lost energy that loads supplied later.
   std::optional<double> energy_lost_contact;
   double max_penetration_m = 0;    ///< largest u − g at the end of a step

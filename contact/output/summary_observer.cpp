@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/output/summary_observer.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -10,17 +12,31 @@ namespace ricochet::contact {
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
+namespace {
+
+/// A touch has more steps than this, and the rigid motion hardly changes in between.
+constexpr std::int64_t steps_between_obstacle_checks = 8;
+
+}  // namespace
+
 SummaryObserver::SummaryObserver(const Model& model, double step, double wave_speed)
     : model_(&model),
       gap_(model.gap),
       step_(step),
       before_(model.initial_rates()),
       impulse_(Matrix3Xd::Zero(3, model.pairs.size())),
-      check_(std::in_place, model, wave_speed) {
+      linearity_(std::in_place, model, wave_speed),
+      resolution_(std::in_place, model),
+      obstacles_(std::in_place, model),
+      closest_(gap_.size() > 0 ? gap_.minCoeff() : 0) {
   add_model(model);
-  energy_before_ =
-      0.5 * model.v0.squaredNorm() + 0.5 * (model.omega.array() * model.q0.array()).square().sum();
-  initial_ledger_ = largest_energy_ = energy_before_;
+}
+
+void SummaryObserver::begin(const StepOptions& options) {
+  const Energy start = initial_energy(*model_, options);
+  initial_strain_ = start.strain;
+  energy_before_ = start.kinetic;
+  initial_ledger_ = largest_energy_ = start.ledger();
 }
 
 SummaryObserver::SummaryObserver(const Table& table, const Model* source, const StepOptions& options)
@@ -28,7 +44,8 @@ SummaryObserver::SummaryObserver(const Table& table, const Model* source, const 
       gap_(table.gap),
       step_(options.step),
       before_(3 * std::ssize(bodies_)),
-      impulse_(Matrix3Xd::Zero(3, std::ssize(bodies_))) {
+      impulse_(Matrix3Xd::Zero(3, std::ssize(bodies_))),
+      closest_(gap_.size() > 0 ? gap_.minCoeff() : 0) {
   for (std::size_t b = 0; b < bodies_.size(); ++b) before_.segment<3>(3 * b) = bodies_[b].velocity;
   out_.candidates = table.points();
   if (!source) return;
@@ -46,14 +63,17 @@ void SummaryObserver::add_model(const Model& model) {
   out_.candidates = static_cast<int>(model.gap.size());
 }
 
-/// Adds a step that ends at `time` to the results that follow from the forces (m) alone.
-void SummaryObserver::count_forces(const Vector& force, double time) {
-  const int active = static_cast<int>((force.array() > 0).count());
-  const bool touched = std::exchange(touching_, active > 0);
+/// Adds a step to the results that follow from the forces alone. After the last point has opened, the mean
+/// force still acts for up to two steps.
+void SummaryObserver::count_forces(const Stepper& stepper) {
+  const Vector& force = stepper.force();
+  const double time = stepper.time();
+  const bool touched = std::exchange(touching_, (force.array() > 0).any());
   if (!touching_) {
-    if (touched) out_.contact_end_s = out_.episodes.back().end_s = time - step_;
+    if (touched) out_.contact_end_s = out_.episodes.back().end_s = last_touch_;
     return;
   }
+  if (stepper.active() > 0) last_touch_ = time;
   if (!touched) out_.episodes.push_back({.start_s = time - step_, .end_s = {}});
   if (!out_.contact_start_s) out_.contact_start_s = time - step_;
   out_.contact_end_s.reset();
@@ -63,30 +83,36 @@ void SummaryObserver::count_forces(const Vector& force, double time) {
   episode.peak_force_n = std::max(episode.peak_force_n, sum);
   out_.impulse_ns += sum * step_;
   out_.peak_force_n = std::max(out_.peak_force_n, sum);
-  out_.max_active = std::max(out_.max_active, active);
+  out_.max_active = std::max(out_.max_active, stepper.active());
   ++out_.contact_steps;
 }
 
 void SummaryObserver::observe(const Stepper& stepper) {
+  if (observed_++ == 0 && model_) begin(stepper.options());
   const ModalState* modal = stepper.modal();
-  if (gap_.size() > 0)
-    out_.max_penetration_m = std::max(out_.max_penetration_m, (stepper.displacement() - gap_).maxCoeff());
+  if (gap_.size() > 0) {
+    const double deepest = (stepper.displacement() - gap_).maxCoeff();
+    out_.max_penetration_m = std::max(out_.max_penetration_m, deepest);
+    closest_ = std::min(closest_, -deepest);
+  }
   out_.limited_steps = stepper.solver().limited;
   if (const SolveResidual& left = stepper.residual(); left.scale > 0)
     out_.limited_residual = std::max(out_.limited_residual, left.violation / left.scale);
   const bool untouched = !out_.contact_start_s, touched = touching_;
-  count_forces(stepper.force(), stepper.time());
+  count_forces(stepper);
   if (touching_ && untouched) {
     at_start_ = mean_velocities(stepper.time() - step_);
     energy_at_start_ = energy_before_;
   }
   if (touching_) {
     push(stepper.force());
-    if (modal) check_->observe(stepper, before_, out_.contact_steps == 1);
+    if (modal) linearity_->observe(stepper, before_, out_.contact_steps == 1);
   } else if (touched) {
     at_end_ = mean_velocities(stepper.time() - step_);
   }
   if (modal) {
+    resolution_->observe(stepper, before_);
+    if (observed_ % steps_between_obstacle_checks == 1) obstacles_->observe(modal->q, stepper.time());
     out_.modes_in_residual = modal->modes_in_residual();
     out_.precision = stepper.options().precision;
     observe_energy(modal->energy());
@@ -101,7 +127,7 @@ void SummaryObserver::observe_energy(const Energy& energy) {
   largest_energy_ = std::max({largest_energy_, energy.kinetic + energy.strain + energy.residual,
                               std::abs(energy.loads), std::abs(energy.contact)});
   energy_lost_ = energy.contact;
-  energy_before_ = energy.kinetic + energy.strain;
+  energy_before_ = energy.kinetic + energy.strain - initial_strain_;
 }
 
 /// Velocity of each body at the end of the previous step, at `time`.
@@ -155,8 +181,15 @@ Summary SummaryObserver::summary() const {
       out.energy_lost_contact = energy_lost_ / energy_at_start_;
     else if (energy_lost_ == 0)
       out.energy_lost_contact = 0;
-    out.warnings = check_->warnings();
+    out.warnings = linearity_->warnings();
+    for (std::string& warning : resolution_->warnings(out_)) out.warnings.push_back(std::move(warning));
+    for (std::string& warning : obstacles_->warnings()) out.warnings.push_back(std::move(warning));
   }
+  if (!out.contact_start_s)
+    out.warnings.push_back(fmt::format(
+        "nothing touched: the smallest distance of a pair of points was {:.4g} m. Check velocity, gap, "
+        "gravity and duration, and whether contact names the surfaces that meet",
+        closest_));
   if (!out.contact_end_s) return out;
   for (Eigen::Index k = 0; k < at_end_.cols(); ++k) {
     const auto body = static_cast<std::size_t>(k);

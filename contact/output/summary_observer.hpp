@@ -5,6 +5,8 @@
 #include <optional>
 
 #include "contact/output/linearity_check.hpp"
+#include "contact/output/obstacle_check.hpp"
+#include "contact/output/resolution_check.hpp"
 #include "contact/output/summary.hpp"
 #include "contact/stepping/stepper.hpp"
 #include "contact/table/table.hpp"
@@ -31,7 +33,8 @@ class SummaryObserver {
 
  private:
   void add_model(const Model& model);
-  void count_forces(const Vector& force, double time);
+  void begin(const StepOptions& options);
+  void count_forces(const Stepper& stepper);
   void observe_energy(const Energy& energy);
   Eigen::Matrix3Xd mean_velocities(double time) const;
   void push(const Vector& force);
@@ -42,13 +45,20 @@ class SummaryObserver {
   Vector gap_;                    ///< (m)
   double step_;
   Summary out_;
-  bool touching_ = false;
+  bool touching_ = false;  ///< whether the last step had a force
+  double last_touch_ = 0;  ///< last instant at which a point was in contact [s]
   Vector before_;  ///< at the end of the previous step: (N) q̇, or (3·bodies) velocities with a table
   Eigen::Matrix3Xd at_start_, at_end_;  ///< by body, mass-mean velocity when contact began and last ended
   Eigen::Matrix3Xd impulse_;            ///< Σ λ n Δ by pair; with a table by body [N s]
-  std::optional<LinearityCheck> check_;
+  std::optional<LinearityCheck> linearity_;
+  std::optional<ResolutionCheck> resolution_;
+  std::optional<ObstacleCheck> obstacles_;
+  std::int64_t observed_ = 0;  ///< number of steps
+  double closest_;             ///< smallest distance of a pair of points at the end of a step [m]
   double initial_ledger_ = 0, worst_ledger_ = 0, largest_energy_ = 0;
-  double energy_before_ = 0;  ///< kinetic + strain at the end of the previous step
+  /// kinetic + strain at the end of the previous step, above the strain of the start at rest
+  double energy_before_ = 0;
+  double initial_strain_ = 0;
   double energy_at_start_ = 0, energy_lost_ = 0;
 };
 

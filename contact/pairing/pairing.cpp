@@ -165,14 +165,19 @@ Pairing arrange(PlacedBody a, const PairRequest& request, double round_off, Find
         base::format("{}: they overlap by {:.6g} m at {}. Move one with translate, or set contact.gap.",
                      title(request), -nearest.gap, text(nearest.a)));
   for (auto& point : out.points) point.gap = std::max(point.gap, 0.0);
-  if (request.reach) {
+  out.reach = request.reach;
+  if (request.zone) {
+    const double within = std::max(nearest.gap, 0.0) + *request.zone;
+    out.reach = std::min(within, out.reach.value_or(within));
+  }
+  if (out.reach) {
     out.beyond_reach = static_cast<int>(
-        std::erase_if(out.points, [&](const auto& point) { return !(point.gap < *request.reach); }));
+        std::erase_if(out.points, [&](const auto& point) { return !(point.gap < *out.reach); }));
     out.unpaired += out.beyond_reach;
     if (out.points.empty())
       throw InputError(base::format(
           "{}: reach = {} m: the closest pair is {:.6g} m apart. Raise it above that, or set contact.gap.",
-          title(request), *request.reach, nearest.gap));
+          title(request), *out.reach, nearest.gap));
   }
   return out;
 }

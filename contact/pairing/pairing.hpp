@@ -18,8 +18,9 @@ struct PlacedBody {
   std::string name;
   const kernels::Kernel* kernel = nullptr;  ///< must outlive the model
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d translation = Eigen::Vector3d::Zero();  ///< [m]
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();     ///< initial, rigid [m/s]
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();       ///< [m]
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();          ///< initial, of the centre of mass [m/s]
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< initial, about that centre, world [rad/s]
 };
 
 /// Rigid half-space {x : (x − point)·normal ≤ 0}.
@@ -36,6 +37,8 @@ struct PairRequest {
   std::optional<Eigen::Vector3d> direction;  ///< unit, out of a; world frame
   std::optional<double> gap;    ///< [m] moves body a along the direction until the closest pair has this gap
   std::optional<double> reach;  ///< [m] drops pairs whose initial gap is not below it
+  /// [m] drops pairs whose initial gap exceeds that of the closest pair by this distance or more
+  std::optional<double> zone{};
   bool operator==(const PairRequest&) const = default;
 };
 
@@ -51,8 +54,9 @@ struct Pairing {
         weights;  ///< W: candidates of b around y_i; weights ≥ 0, sum 1; empty for a half-space
   };
   std::vector<Point> points;
-  int unpaired = 0;      ///< number of candidates of a that face nothing or lie beyond reach
-  int beyond_reach = 0;  ///< number of these that lie beyond reach
+  int unpaired = 0;               ///< number of candidates of a that face nothing or lie beyond reach
+  int beyond_reach = 0;           ///< number of these that lie beyond reach
+  std::optional<double> reach{};  ///< [m] the initial gap at which pairs were dropped, by reach or zone
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  ///< translation of a due to `gap`
 };
 

@@ -79,6 +79,25 @@ Placement place(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& ob
   return out;
 }
 
+std::vector<double> largest_tilts(const Placement& placement) {
+  std::vector<double> cosine(placement.bodies.size(), 1);
+  for (const ContactPair& pair : placement.pairs)
+    for (const Pairing::Point& point : pair.pairing.points) {
+      const auto compare = [&](int k, int candidate) {
+        const PlacedBody& body = placement.bodies[k];
+        const kernels::Surface& surface = body.kernel->surface;
+        const std::vector<double>& normal = surface.whole ? surface.whole->normal : surface.normal;
+        const Eigen::Vector3d own = body.rotation * Eigen::Map<const Eigen::Vector3d>(&normal[3 * candidate]);
+        cosine[k] = std::min(cosine[k], std::abs(own.dot(point.normal)));
+      };
+      compare(pair.a, point.candidate);
+      for (const auto& [candidate, weight] : point.weights) compare(pair.b, candidate);
+    }
+  std::vector<double> out;
+  for (const double c : cosine) out.push_back(std::acos(std::clamp(c, 0.0, 1.0)));
+  return out;
+}
+
 std::vector<std::vector<std::int64_t>> paired_candidates(const Placement& placement) {
   std::vector<std::set<std::int64_t>> paired(placement.bodies.size());
   for (const ContactPair& pair : placement.pairs)

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,13 @@ struct Placement {
 /// contradict each other.
 Placement place(std::vector<PlacedBody> bodies, const std::vector<HalfSpace>& obstacles,
                 const std::vector<PairRequest>& requests);
+
+/// Largest angle between the mutual normal of a pair and a candidate's own normal at which displacements
+/// along one may replace those along the other [rad].
+inline constexpr double most_tilt = 3 * std::numbers::pi / 180;
+
+/// The largest such angle among the pairs of each body [rad]; 0 if it has none.
+std::vector<double> largest_tilts(const Placement& placement);
 
 /// The candidates of each body that its pairs use, ascending, numbered as on whole surfaces.
 std::vector<std::vector<std::int64_t>> paired_candidates(const Placement& placement);

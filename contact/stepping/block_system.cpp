@@ -79,14 +79,14 @@ BlockSystem<T>::BlockSystem(std::shared_ptr<const StepSystem> shared, int steps,
   for (std::size_t d = 0; d < L; ++d) {
     for (Eigen::Index n = 0; n < N; ++n)
       more(n) = mode_response(system.omega(n), system.decay(n), static_cast<double>(d + 1) * step).c;
-    Eigen::MatrixXd now = system.B * (more - held).asDiagonal() * system.B.transpose();
-    if (d == 0) now += system.R;
+    const Eigen::MatrixXd now = system.B * (more - held).asDiagonal() * system.B.transpose();
     held = more;
     for (std::size_t j = 0; j < m; ++j)
       for (std::size_t i = 0; i < m; ++i) {
         lag[(j * L + d) * width + i] = static_cast<T>(now(i, j));
         T& bound = influence[j * width + i];
-        bound = std::max(bound, rounded_up<T>(std::abs(now(i, j))));
+        const double most = std::abs(now(i, j)) + (d == 0 ? std::abs(system.R(i, j)) : 0);
+        bound = std::max(bound, rounded_up<T>(most));
       }
   }
 }

@@ -86,12 +86,12 @@ void CandidateScreening<T>::bound_by_energy(const BlockSystem<T>& of, const Moti
 
 template <class T>
 bool CandidateScreening<T>::raise_budgets(const BlockSystem<T>& system, std::span<const int> points,
-                                          const Vector& force, const Vector& held_force) noexcept {
+                                          const Vector& change) noexcept {
   raised_.clear();
   factor_.clear();
   for (std::size_t k = 0; k < points.size(); ++k) {
     const int i = points[k];
-    const double spent = spent_(i) + std::abs(force(k) - held_force(i));
+    const double spent = spent_(i) + change(k);
     if (spent <= budget_(i)) continue;
     raised_.push_back(i);
     factor_.push_back(static_cast<T>(growth * spent - budget_(i)));

@@ -2,11 +2,11 @@
 // Candidate screening: finds the points that could close in a look-ahead block. All other points provably
 // stay open and are skipped.
 //
-// The margin of a point is a lower bound on its gap if forces stay at λ̄. It follows from the energy of the
+// The margin of a point is a lower bound on its gap if forces stay at λ̂. It follows from the energy of the
 // modes or from the prediction of the point. Changes of the forces reduce it by at most Σ_j (max_d |S_d,ij|)
-// Σ_k |λ_kj − λ̄_j|. Each point j gets a budget for Σ_k |λ_kj − λ̄_j|, derived from its changes in the
-// previous block. If the point exceeds its budget, the budget is raised, and points whose margin no longer
-// suffices must be kept.
+// Σ_k δ_kj, where δ_kj is the change of the force at point j in step k, and S_0 includes R. Each point gets a
+// budget for Σ_k δ_kj, derived from its changes in the previous block. If the point exceeds its budget, the
+// budget is raised, and points whose margin no longer suffices must be kept.
 #pragma once
 
 #include <Eigen/Dense>
@@ -29,10 +29,10 @@ class CandidateScreening {
 
   /// Modes at the start of a block, (modes) each.
   struct Motion {
-    const double *q, *v, *load;  ///< load: constant force minus Bᵀλ̄
+    const double *q, *v, *load;  ///< load: constant force minus Bᵀλ̂
   };
-  /// Sets the margins of all points from the energy of the modes, which move under λ̄.
-  /// @param pressed  points with λ̄ > 0   @param rigid_motion  (L, rigid)
+  /// Sets the margins of all points from the energy of the modes, which move under λ̂.
+  /// @param pressed  points with λ̂ > 0   @param rigid_motion  (L, rigid)
   void bound_by_energy(const BlockSystem<T>& system, const Motion& free, const Vector& held_force,
                        std::span<const int> pressed, const Matrix& rigid_motion) noexcept;
   void set_margin(int point, double margin) noexcept { margin_(point) = margin; }
@@ -44,17 +44,18 @@ class CandidateScreening {
     return !(margin_(point) > times * could_(point));
   }
 
-  /// Adds a change of a point's force, λ − λ̄ in one step.
-  void spend(int point, double change) noexcept { spent_(point) += std::abs(change); }
-  /// Raises the budgets that `force` (by position in `points`) exceeds. Returns whether there are any.
-  bool raise_budgets(const BlockSystem<T>& system, std::span<const int> points, const Vector& force,
-                     const Vector& held_force) noexcept;
+  /// Adds the change δ of a point's force in one step.
+  void spend(int point, double change) noexcept { spent_(point) += change; }
+  /// Raises the budgets that the changes δ of a step (by position in `points`) exceed. Returns whether there
+  /// are any.
+  bool raise_budgets(const BlockSystem<T>& system, std::span<const int> points,
+                     const Vector& change) noexcept;
 
  private:
   void combine(const BlockSystem<T>& system, const std::vector<T>& rows, std::span<const int> of) noexcept;
 
-  Vector margin_, could_;  ///< (points) bound on g − u under λ̄; bound on u due to budgeted changes
-  Vector spent_, budget_;  ///< (points) Σ |λ − λ̄| in this block; its bound, on which could_ is based
+  Vector margin_, could_;  ///< (points) bound on g − u under λ̂; bound on u due to budgeted changes
+  Vector spent_, budget_;  ///< (points) Σ δ in this block; its bound, on which could_ is based
   Vector rigid_at_;        ///< (L) u of a point by rigid motion
   std::vector<int> raised_, every_band_;
   std::vector<T> factor_, sum_;  ///< scratch

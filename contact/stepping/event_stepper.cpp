@@ -4,7 +4,7 @@
 namespace ricochet::contact {
 
 EventStepper::EventStepper(const Model& model, const StepOptions& options)
-    : Stepper(options, model.gap.size(), {.max_pivots = options.max_pivots}),
+    : Stepper(options, model.gap.size(), {.max_pivots = options.max_pivots}, false),
       state_(model, options),
       problem_(state_, options),
       events_(*state_.system) {

@@ -8,6 +8,8 @@ namespace ricochet::contact {
 template <class T>
 GatheredSystem<T>::GatheredSystem(const BlockSystem<T>& system)
     : S(system.points, system.points),
+      S_mean(system.plain->S_mean.rows(), system.plain->S_mean.cols()),
+      M(system.points, system.points),
       R(system.points, system.points),
       room_(system.points * system.length * system.width) {
   lag = std::make_unique_for_overwrite<T[]>(room_);
@@ -18,6 +20,8 @@ GatheredSystem<T>::GatheredSystem(const BlockSystem<T>& system)
 template <class T>
 GatheredSystem<T>::GatheredSystem(const GatheredSystem& other)
     : S(other.S.rows(), other.S.cols()),
+      S_mean(other.S_mean.rows(), other.S_mean.cols()),
+      M(other.M.rows(), other.M.cols()),
       R(other.R.rows(), other.R.cols()),
       lag(std::make_unique_for_overwrite<T[]>(other.room_)),
       room_(other.room_) {
@@ -40,6 +44,8 @@ void GatheredSystem<T>::take(const BlockSystem<T>& system, std::span<const int> 
   width = simd::padded(points.size(), simd::point_pad);
   const auto n = static_cast<Eigen::Index>(points.size());
   S.topLeftCorner(n, n) = system.plain->S(points, points);
+  M.topLeftCorner(n, n) = system.plain->M(points, points);
+  if (S_mean.size() > 0) S_mean.topLeftCorner(n, n) = system.plain->S_mean(points, points);
   if (system.yields) R.topLeftCorner(n, n) = system.plain->R(points, points);
 }
 

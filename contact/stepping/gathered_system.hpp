@@ -27,9 +27,9 @@ class GatheredSystem {
   /// Gathers the lags of a point with a force unless they are present.
   void need(const BlockSystem<T>& system, int position) noexcept;
 
-  std::size_t width = 0;     ///< padded number of points
-  Eigen::MatrixXd S, R;      ///< (points, points) S_0, R
-  std::unique_ptr<T[]> lag;  ///< (points, L, width) S_d
+  std::size_t width = 0;            ///< padded number of points
+  Eigen::MatrixXd S, S_mean, M, R;  ///< (points, points) as in StepSystem
+  std::unique_ptr<T[]> lag;         ///< (points, L, width) S_d
 
  private:
   std::size_t room_;  ///< capacity of `lag`

@@ -30,9 +30,10 @@ LookAheadBlock<T>::LookAheadBlock(std::shared_ptr<const BlockSystem<T>> system, 
   predicted_u_.assign(L * width, 0.0);
   u_.assign(L * width, 0.0);
   changes_.assign(m * L, T(0));
-  for (Vector* x : {&held_force_, &held_rest_, &held_push_, &rhs_, &solution_, &ended_})
+  for (Vector* x : {&held_force_, &held_rest_, &held_push_, &rhs_, &solution_, &mean_, &step_change_, &start_,
+                    &rest_, &ended_})
     x->setZero(system_->points);
-  for (std::vector<char>* x : {&was_kept_, &is_predicted_, &has_changed_}) x->assign(m, 0);
+  for (std::vector<char>* x : {&was_kept_, &is_predicted_, &has_changed_, &has_force_}) x->assign(m, 0);
   position_.assign(m, -1);
   for (std::vector<int>* x : {&pressed_, &predicted_, &kept_, &gathered_, &have_changed_, &changed_})
     x->reserve(m);
@@ -58,7 +59,7 @@ void LookAheadBlock<T>::set_forcing(int l, const Vector& q, const Vector& v, con
   std::copy(v.begin(), v.end(), to + system_->modes);
 }
 
-/// Makes `force` the held force λ̄ and includes it in the load.
+/// Makes `force` the held force λ̂ and includes it in the load.
 template <class T>
 void LookAheadBlock<T>::hold(const Vector& force) noexcept {
   held_force_ = force;
@@ -87,7 +88,8 @@ void LookAheadBlock<T>::hold(const Vector& force) noexcept {
 }
 
 template <class T>
-void LookAheadBlock<T>::start(const Vector& q, const Vector& v, const Vector& force) noexcept {
+void LookAheadBlock<T>::start(const Vector& q, const Vector& v, const Vector& force,
+                              const MeanForce& mean) noexcept {
   std::fill(was_kept_.begin(), was_kept_.end(), 0);
   for (std::size_t k = 0; k < kept_.size(); ++k) {
     was_kept_[kept_[k]] = 1;
@@ -107,14 +109,16 @@ void LookAheadBlock<T>::start(const Vector& q, const Vector& v, const Vector& fo
   }
   have_changed_.clear();
   hold(force);
+  for (int i = 0; i < system_->points; ++i)
+    has_force_[i] = force(i) > 0 || mean.end()(i) > 0 || mean.before()(i) > 0 ? 1 : 0;
   std::fill(is_predicted_.begin(), is_predicted_.end(), 0);
   system_->loops->free_motion(modes(), length(), q_.data(), v_.data(), forced_ ? forcing_.data() : nullptr,
                               x_.data());
   predict_rigid();
-  choose_kept();
+  choose_kept(mean);
 }
 
-/// Computes the motion of the rigid modes under λ̄.
+/// Computes the motion of the rigid modes under λ̂.
 template <class T>
 void LookAheadBlock<T>::predict_rigid() noexcept {
   const StepSystem& plain = *system_->plain;
@@ -137,66 +141,122 @@ void LookAheadBlock<T>::predict_rigid() noexcept {
 
 /// u at the start of the block.
 template <class T>
-double LookAheadBlock<T>::at_start(int point) const noexcept {
+double LookAheadBlock<T>::at_start(int point, const MeanForce& mean) const noexcept {
   if (was_kept_[point] != 0) return ended_(point);
   const StepSystem& plain = *system_->plain;
-  double u = s_(0, point);
-  for (int j : pressed_) u -= plain.R(j, point) * held_force_(j);
+  double u = s_(0, point) - plain.R.col(point).dot(mean.end());
   for (Eigen::Index n = 0; n < plain.B.cols(); ++n) u += plain.B(point, n) * q_[n];
   return u;
 }
 
+/// Solves the next step with a mean. Keeps further points until no other point could close.
 template <class T>
-SolveStatus LookAheadBlock<T>::step(ComplementaritySolver& solver, Vector& force) noexcept {
-  const bool deep = solver.statistics().limited > 0;
+MeanForce::Trial LookAheadBlock<T>::attempt(Solvers solvers, const MeanForce& mean,
+                                            const MeanWeights& weights) noexcept {
+  const bool backward = weights == backward_euler, deep = solvers.limited();
+  ComplementaritySolver& solver = backward ? solvers.backward_euler : solvers.mean;
+  bool& is_new = backward ? is_new_ : is_new_mean_;
   const int l = taken_ + 1;
-  SolveStatus status = SolveStatus::solved;
+  MeanForce::Trial out;
   if (!kept_.empty() && !near_.holds()) near_.take(*system_, gathered_);
   do {
     const auto n = static_cast<Eigen::Index>(kept_.size());
+    for (Eigen::Index k = 0; k < n; ++k)
+      mean_(k) = weights.start * mean.end()(kept_[k]) + weights.before * mean.before()(kept_[k]);
+    rest_.head(n).setZero();  // here M h
+    for (Eigen::Index k = 0; k < n; ++k)
+      if (mean_(k) != 0) rest_.head(n) += mean_(k) * near_.M.col(k).head(n);
     bool closed = false;
     for (Eigen::Index k = 0; k < n; ++k) {
       const double gap = system_->plain->gap(kept_[k]);
-      rhs_(k) = u(k, l) + held_push_(k) - gap;
-      if (deep) rhs_(k) -= std::max(0.0, (taken_ > 0 ? u(k, taken_) : at_start(kept_[k])) - gap);
+      rhs_(k) = u(k, l) + held_push_(k) - rest_(k) - gap;
+      if (deep) rhs_(k) -= std::max(0.0, (taken_ > 0 ? u(k, taken_) : at_start(kept_[k], mean)) - gap);
       closed = closed || !(rhs_(k) < 0);  // NaN included
     }
+    residual_ = {};
     if (closed) {
-      if (is_new_problem_) solver.reset();
-      is_new_problem_ = false;
-      status = solver.solve(near_.S.topLeftCorner(n, n), rhs_.head(n), solution_.head(n));
-      if (status != SolveStatus::solved && status != SolveStatus::limited) return status;
+      if (is_new) solver.reset();
+      is_new = false;
+      const Eigen::MatrixXd& S = backward ? near_.S : near_.S_mean;
+      out.status = solver.solve(S.topLeftCorner(n, n), rhs_.head(n), solution_.head(n));
+      if (out.status != SolveStatus::solved && out.status != SolveStatus::limited) return out;
+      residual_ = solver.residual();
     } else {
       solution_.head(n).setZero();
     }
-  } while (screening_.raise_budgets(*system_, kept_, solution_, held_force_) && keep_more());
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const double held = held_force_(kept_[k]);
+      mean_(k) += weights.end * solution_(k);
+      step_change_(k) = std::max(std::abs(mean_(k) - held), std::abs(solution_(k) - held));
+    }
+  } while (screening_.raise_budgets(*system_, kept_, step_change_) && keep_more(mean));
+  if (mean.is_conserving()) set_energies(mean, out);
+  return out;
+}
 
-  force.setZero();
+/// Computes the energies of a trial. At points with a mean force,
+/// u⁺ − u = u_l + S λ̂ − M λ̄ − R λ⁺ − u, where u_l is still that under λ̂.
+template <class T>
+void LookAheadBlock<T>::set_energies(const MeanForce& mean, MeanForce::Trial& trial) noexcept {
+  const auto n = static_cast<Eigen::Index>(kept_.size());
+  for (Eigen::Index k = 0; k < n; ++k) start_(k) = mean.end()(kept_[k]);
+  const auto product = [&](const Eigen::MatrixXd& A, const Vector& x, Eigen::Index row) {
+    return A.col(row).head(n).dot(x.head(n));
+  };
+  trial.opens = (solution_.head(n).array() == 0).all();
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const double now = solution_(k), then = start_(k);
+    if (mean_(k) == 0 && then == 0) continue;
+    const double rest = product(near_.R, solution_, k), rest_then = product(near_.R, start_, k);
+    trial.in_residual += now * rest;
+    trial.removed += mean_(k) * (rest - rest_then) - 0.5 * (now * rest - then * rest_then);
+    if (mean_(k) == 0) continue;
+    const double in_modes = product(near_.M, mean_, k);
+    trial.in_modes += mean_(k) * in_modes;
+    const double before = taken_ > 0 ? u(k, taken_) : at_start(kept_[k], mean);
+    trial.removed += mean_(k) * (u(k, taken_ + 1) + held_push_(k) - in_modes - rest - before);
+  }
+}
+
+template <class T>
+SolveStatus LookAheadBlock<T>::step(Solvers solvers, MeanForce& mean, Vector& force, Vector& end) noexcept {
+  const SolveStatus status =
+      mean.solve([&](const MeanWeights& weights) { return attempt(solvers, mean, weights); });
+  if (status != SolveStatus::solved && status != SolveStatus::limited) return status;
+  const int l = taken_ + 1;
+  const auto n = static_cast<Eigen::Index>(kept_.size());
   changed_.clear();
   change_.clear();
-  for (std::size_t k = 0; k < kept_.size(); ++k) {
+  rest_.head(n).setZero();  // here R (λ⁺ − λ̂)
+  for (Eigen::Index k = 0; k < n; ++k) {
     const int i = kept_[k];
-    force(i) = solution_(k);
-    const auto change = static_cast<T>(force(i) - held_force_(i));
+    screening_.spend(i, step_change_(k));
+    if (const double more = solution_(k) - held_force_(i); system_->yields && more != 0)
+      rest_.head(n) += more * near_.R.col(k).head(n);
+    const auto change = static_cast<T>(mean_(k) - held_force_(i));
     if (change == 0) continue;
     near_.need(*system_, static_cast<int>(k));
     changed_.push_back(static_cast<int>(k));
     change_.push_back(change);
     changes_[i * length() + taken_] = change;
-    screening_.spend(i, force(i) - held_force_(i));
     if (has_changed_[i] == 0) have_changed_.push_back(i);
     has_changed_[i] = 1;
   }
   if (!changed_.empty())
     system_->loops->near(near_.width, near_.lag.get(), length(), changed_.data(), changed_.size(),
                          change_.data(), length() - taken_, &u(0, l), system_->width);
-  pushing_ = 0;
+  touching_ = 0;
   work_ = 0;
-  for (std::size_t k = 0; k < kept_.size(); ++k) {
-    const double lambda = solution_(k);
-    if (!(lambda > 0)) continue;
-    ++pushing_;
-    work_ += lambda * (u(k, l) - (taken_ > 0 ? u(k, taken_) : at_start(kept_[k])));
+  for (Eigen::Index k = 0; k < n; ++k) {
+    u(k, l) -= rest_(k);
+    touching_ += solution_(k) > 0 ? 1 : 0;
+    if (mean_(k) > 0) work_ += mean_(k) * (u(k, l) - (taken_ > 0 ? u(k, taken_) : at_start(kept_[k], mean)));
+  }
+  force.setZero();
+  end.setZero();
+  for (Eigen::Index k = 0; k < n; ++k) {
+    force(kept_[k]) = mean_(k);
+    end(kept_[k]) = solution_(k);
   }
   taken_ = l;
   return status;
@@ -204,7 +264,7 @@ SolveStatus LookAheadBlock<T>::step(ComplementaritySolver& solver, Vector& force
 
 template <class T>
 double LookAheadBlock<T>::energy_in_residual() const noexcept {
-  if (!system_->yields || pushing_ == 0) return 0;
+  if (!system_->yields || touching_ == 0) return 0;
   const auto n = static_cast<Eigen::Index>(kept_.size());
   double twice = 0;
   for (Eigen::Index k = 0; k < n; ++k)
@@ -262,7 +322,7 @@ void LookAheadBlock<T>::copy_state(Vector& q, Vector& v) const noexcept {
   std::copy_n(v_.begin(), v.size(), v.begin());
 }
 
-/// Sets predicted_u_ of the points `rows` and their margins under λ̄.
+/// Sets predicted_u_ of the points `rows` and their margins under λ̂.
 template <class T>
 void LookAheadBlock<T>::predict(std::span<const int> rows) noexcept {
   const std::size_t width = system_->width;
@@ -294,7 +354,7 @@ void LookAheadBlock<T>::predict_kept(double times) noexcept {
 }
 
 template <class T>
-void LookAheadBlock<T>::choose_kept() noexcept {
+void LookAheadBlock<T>::choose_kept(const MeanForce& mean) noexcept {
   if (forced_)
     screening_.drop_margins();
   else
@@ -313,18 +373,18 @@ void LookAheadBlock<T>::choose_kept() noexcept {
     for (int i : gathered_)
       if (is_predicted_[i] == 0) predicted_.push_back(i);
     predict(predicted_);
-    for (int i : gathered_) keep(i);
+    for (int i : gathered_) keep(i, mean);
   } else if (needed > 0) {
     predict_kept(provision);
     for (int i = 0; i < system_->points; ++i)
-      if (must_keep(i, provision)) keep(i);
+      if (must_keep(i, provision)) keep(i, mean);
   }
   if (!kept_.empty()) gather();
 }
 
 /// Adds a predicted point to the kept points. Its u includes all changes of force so far in this block.
 template <class T>
-void LookAheadBlock<T>::keep(int point) noexcept {
+void LookAheadBlock<T>::keep(int point, const MeanForce& mean) noexcept {
   const std::size_t k = kept_.size(), width = system_->width;
   const auto i = static_cast<std::size_t>(point);
   position_[i] = static_cast<int>(k);
@@ -338,6 +398,10 @@ void LookAheadBlock<T>::keep(int point) noexcept {
       for (int l = from; l <= length(); ++l) u(k, l) -= change * static_cast<double>(lag[(l - from) * width]);
     }
   }
+  if (taken_ == 0) return;
+  for (std::size_t other = 0; other < k; ++other)
+    u(k, taken_) -=
+        system_->plain->R(point, kept_[other]) * (mean.end()(kept_[other]) - held_force_(kept_[other]));
 }
 
 template <class T>
@@ -345,7 +409,7 @@ void LookAheadBlock<T>::gather() noexcept {
   const bool same = gathered_ == kept_;
   if (!same) {
     gathered_ = kept_;
-    is_new_problem_ = true;
+    is_new_ = is_new_mean_ = true;
   }
   if (!same || !near_.holds()) near_.take(*system_, gathered_);
   const auto n = static_cast<Eigen::Index>(kept_.size());
@@ -357,12 +421,12 @@ void LookAheadBlock<T>::gather() noexcept {
 
 /// Keeps further points that could now close. Returns whether there are any.
 template <class T>
-bool LookAheadBlock<T>::keep_more() noexcept {
+bool LookAheadBlock<T>::keep_more(const MeanForce& mean) noexcept {
   predict_kept(1);
   bool more = false;
   for (int i = 0; i < system_->points; ++i)
     if (position_[i] < 0 && must_keep(i, 1)) {
-      keep(i);
+      keep(i, mean);
       more = true;
     }
   if (more) gather();

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Look-ahead blocks: steps of the compliant scheme by matrix products.
 //
-// The motion over a block of L steps under the last known force λ̄, kept constant, is known beforehand from
-// one product of B with L columns. A force that departs from λ̄ in step k adds a term of the step-integrated
+// The motion over a block of L steps under the last mean force λ̂, kept constant, is known beforehand from one
+// product of B with L columns. A mean force that departs from λ̂ in step k adds a term of the step-integrated
 // kernel from then on:
 //
-//   u_l = ū_l − Σ_{k ≤ l} S_{l−k} (λ_k − λ̄),   S_d = B (c((d+1)Δ) − c(dΔ)) Bᵀ, c(0) = 0,   and R in S_0,
+//   u_l = ū_l − Σ_{k ≤ l} M_{l−k} (λ̄_k − λ̂) − R (λ_l − λ̂),   M_d = B (c((d+1)Δ) − c(dΔ)) Bᵀ, c(0) = 0
 //
 // The far history thus comes from the modes, and the near history from a convolution. Nothing is
 // approximated. Points that provably stay open are skipped (candidate_screening.hpp).
@@ -20,6 +20,7 @@
 #include "contact/stepping/block_system.hpp"
 #include "contact/stepping/candidate_screening.hpp"
 #include "contact/stepping/gathered_system.hpp"
+#include "contact/stepping/mean_force.hpp"
 
 namespace ricochet::contact {
 
@@ -35,12 +36,18 @@ class LookAheadBlock {
   /// `start`.
   void set_forcing(int l, const Vector& q, const Vector& v, const Vector& s) noexcept;
 
-  /// Starts a block from q, q̇ (N) under the force λ (m) of the previous step.
-  void start(const Vector& q, const Vector& v, const Vector& force) noexcept;
+  /// Starts a block from q, q̇ (N) under the mean force λ̂ (m) of the previous step.
+  /// @param mean  the forces at the last instants
+  void start(const Vector& q, const Vector& v, const Vector& force, const MeanForce& mean) noexcept;
 
-  /// Solves the next step and sets `force` (m). A step that fails changes nothing. Once the solver has cut a
-  /// step short, points beyond their gap cannot go deeper and are not pushed back.
-  SolveStatus step(ComplementaritySolver& solver, Vector& force) noexcept;
+  /// Solvers of S and S_mean.
+  struct Solvers {
+    ComplementaritySolver &backward_euler, &mean;
+    bool limited() const { return backward_euler.statistics().limited + mean.statistics().limited > 0; }
+  };
+  /// Solves the next step and sets `force` to λ̄ and `end` to λ⁺, (m) each. A step that fails changes nothing.
+  /// Once a solver has cut a step short, points beyond their gap cannot go deeper and are not pushed back.
+  SolveStatus step(Solvers solvers, MeanForce& mean, Vector& force, Vector& end) noexcept;
 
   /// Discards the block: the next one starts from the state before the step that failed.
   void take_back() noexcept;
@@ -55,27 +62,30 @@ class LookAheadBlock {
   int length() const { return system_->length; }
   int advanced() const { return advanced_; }
   bool over() const { return taken_ == system_->length; }
-  int pushing() const { return pushing_; }     ///< number of points with λ > 0 in the last step
-  double work() const { return work_; }        ///< λᵀ (u_l − u_{l−1}) of the last step [J]
-  double energy_in_residual() const noexcept;  ///< ½ λᵀ R λ of the last step
+  int touching() const { return touching_; }  ///< number of points with λ > 0 at the end of the last step
+  double work() const { return work_; }       ///< λ̄ᵀ (u_l − u_{l−1}) of the last step [J]
+  const SolveResidual& residual() const { return residual_; }  ///< of the last step
+  double energy_in_residual() const noexcept;                  ///< ½ λᵀ R λ of the last step
   /// Number of points that screening kept in the last step.
   int kept() const { return static_cast<int>(kept_.size()); }
 
  private:
   /// u of a kept point after step l = 1…L.
   double& u(std::size_t position, int l) { return u_[(l - 1) * system_->width + position]; }
-  double at_start(int point) const noexcept;
+  double at_start(int point, const MeanForce& mean) const noexcept;
+  MeanForce::Trial attempt(Solvers solvers, const MeanForce& mean, const MeanWeights& weights) noexcept;
+  void set_energies(const MeanForce& mean, MeanForce::Trial& trial) noexcept;
   void hold(const Vector& force) noexcept;
   void predict_rigid() noexcept;
   void predict(std::span<const int> rows) noexcept;
   void predict_kept(double times) noexcept;
-  void choose_kept() noexcept;
-  void keep(int point) noexcept;
+  void choose_kept(const MeanForce& mean) noexcept;
+  void keep(int point, const MeanForce& mean) noexcept;
   void gather() noexcept;
-  bool keep_more() noexcept;
+  bool keep_more(const MeanForce& mean) noexcept;
   void advance_rigid(bool keep_rates, simd::Sums& sums) noexcept;
-  /// Whether a point has a force λ̄ > 0, or could close if forces change by `times` their budgets.
-  bool must_keep(int i, double times) const { return held_force_(i) > 0 || screening_.could_close(i, times); }
+  /// Whether a point has a force, or could close if forces change by `times` their budgets.
+  bool must_keep(int i, double times) const { return has_force_[i] != 0 || screening_.could_close(i, times); }
   simd::Modes modes() const;
 
   std::shared_ptr<const BlockSystem<T>> system_;
@@ -84,30 +94,33 @@ class LookAheadBlock {
   bool forced_;
   int taken_, advanced_;
   // State of this block
-  std::vector<double> q_, v_, load_, held_;  ///< (modes) held_: Bᵀλ̄; load_: constant load minus held_
+  std::vector<double> q_, v_, load_, held_;  ///< (modes) held_: Bᵀλ̂; load_: constant load minus held_
   std::vector<double> rigid_q_, rigid_v_, rigid_held_;
-  std::vector<double> forcing_;        ///< (L, 2, modes) response of q and q̇ to the forcing
-  Matrix s_;                           ///< (1, m); with forcing (L + 1, m)
-  std::vector<T> x_;                   ///< (L, modes)
-  std::vector<double> rates_;          ///< (L, modes)
-  Matrix rigid_motion_;                ///< (L, rigid)
-  Vector rigid_at_;                    ///< (L) u of a point by rigid motion
-  std::vector<double> predicted_u_;    ///< (L, width) ū of predicted points
-  std::vector<double> u_;              ///< (L, width) u of kept points, by position
-  std::vector<T> changes_;             ///< (points, L) λ − λ̄
-  Vector held_force_;                  ///< (points) λ̄
-  Vector held_rest_;                   ///< (points) R λ̄
-  Vector held_push_, rhs_, solution_;  ///< (points) by position: S_0 λ̄; right side and solution of the step
-  Vector ended_;                       ///< (points) u at the end of the previous block
-  std::vector<char> was_kept_, is_predicted_, has_changed_;     ///< (points)
-  std::vector<int> position_;                                   ///< (points) position in kept_, or −1
-  std::vector<int> gathered_;                                   ///< the points of near_
-  std::vector<int> pressed_, predicted_, kept_, have_changed_;  ///< λ̄ > 0; …; λ ≠ λ̄ in this block
-  std::vector<int> changed_;                                    ///< positions with λ ≠ λ̄ in this step
-  std::vector<T> change_, factor_, sum_;  ///< λ − λ̄ of changed_; scratch, (points) and (padded)
-  bool is_new_problem_ = true;            ///< near_.S changed: the solver's active set does not apply
-  int pushing_ = 0;
+  std::vector<double> forcing_;      ///< (L, 2, modes) response of q and q̇ to the forcing
+  Matrix s_;                         ///< (1, m); with forcing (L + 1, m)
+  std::vector<T> x_;                 ///< (L, modes)
+  std::vector<double> rates_;        ///< (L, modes)
+  Matrix rigid_motion_;              ///< (L, rigid)
+  Vector rigid_at_;                  ///< (L) u of a point by rigid motion
+  std::vector<double> predicted_u_;  ///< (L, width) ū of predicted points
+  std::vector<double> u_;            ///< (L, width) u of kept points, by position
+  std::vector<T> changes_;           ///< (points, L) λ̄ − λ̂
+  Vector held_force_;                ///< (points) λ̂
+  Vector held_rest_;                 ///< (points) R λ̂
+  // By position, (points): S λ̂; right side and solution λ⁺; λ̄; change of the step; λ, R (λ⁺ − λ)
+  Vector held_push_, rhs_, solution_, mean_, step_change_, start_, rest_;
+  Vector ended_;                                             ///< (points) u at the end of the previous block
+  std::vector<char> was_kept_, is_predicted_, has_changed_;  ///< (points)
+  std::vector<char> has_force_;  ///< (points) at the start of the block, in λ̂ or at the last two instants
+  std::vector<int> position_;    ///< (points) position in kept_, or −1
+  std::vector<int> gathered_;    ///< the points of near_
+  std::vector<int> pressed_, predicted_, kept_, have_changed_;  ///< λ̂ > 0; …; λ̄ ≠ λ̂ in this block
+  std::vector<int> changed_;                                    ///< positions with λ̄ ≠ λ̂ in this step
+  std::vector<T> change_, factor_, sum_;     ///< λ̄ − λ̂ of changed_; scratch, (points) and (padded)
+  bool is_new_ = true, is_new_mean_ = true;  ///< the matrix changed: the solver's active set does not apply
+  int touching_ = 0;
   double work_ = 0;
+  SolveResidual residual_;
 };
 
 }  // namespace ricochet::contact

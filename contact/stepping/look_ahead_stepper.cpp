@@ -17,24 +17,37 @@ int length_of(const StepOptions& options, Eigen::Index points) {
 
 template <class T>
 LookAheadStepper<T>::LookAheadStepper(const Model& model, const StepOptions& options)
-    : Stepper(options, model.gap.size(), {.same_matrix = true, .max_pivots = options.max_pivots}),
+    : Stepper(options, model.gap.size(), {.same_matrix = true, .max_pivots = options.max_pivots},
+              conserves(model, options)),
       state_(model, options),
       block_(std::make_shared<const BlockSystem<T>>(state_.system, length_of(options, model.gap.size()),
                                                     options.step),
-             state_.forcing.any()) {
-  state_.displacement(contact_.force, u_);
-  known_ = contact_;
+             state_.forcing.any()),
+      flight_(*state_.system, options),
+      known_(contact_) {
+  state_.displacement(contact_.mean.end(), u_);
 }
 
 template <class T>
 StepStatus LookAheadStepper<T>::step() noexcept {
-  if (block_.over()) start_block();
-  const SolveStatus solved = block_.step(solver_, next_force_);
+  if (block_.over()) {
+    const int crossed = contact_.mean.begins() ? flight_.cross(state_, steps_) : 0;
+    flew_ = crossed > 0;
+    if (flew_) {
+      block_.take_back();  // u at its end is no longer that of the state
+      land(crossed);
+      known_ = contact_;
+      u_is_current_ = false;
+      return StepStatus::ok;
+    }
+    start_block();
+  }
+  const SolveStatus solved = block_.step({solver_, mean_solver_}, contact_.mean, next_force_, next_end_);
   if (!has_forces(solved)) return failure(solved);
   u_is_current_ = false;
   if (state_.forcing.any()) {
     state_.begin(steps_ + 1);
-    if (!state_.step_under(next_force_)) {
+    if (!state_.step_under(next_force_, next_end_)) {
       block_.take_back();
       return StepStatus::not_finite;
     }
@@ -43,10 +56,11 @@ StepStatus LookAheadStepper<T>::step() noexcept {
     if (options_.every_state || block_.over())
       if (const StepStatus status = move_state(); status != StepStatus::ok) return status;
   }
+  contact_.mean.advance(next_end_);
   contact_.force.swap(next_force_);
-  contact_.active = block_.pushing();
+  contact_.active = block_.touching();
   contact_.persistency = -block_.work() / options_.step;
-  contact_.residual = solved == SolveStatus::limited ? solver_.residual() : SolveResidual{};
+  contact_.residual = block_.residual();
   ++steps_;
   if (!options_.every_state && pending_ == 0) known_ = contact_;
   return StepStatus::ok;
@@ -62,7 +76,7 @@ void LookAheadStepper<T>::start_block() noexcept {
       block_.set_forcing(l, now.q, now.v, now.s);
     }
   }
-  block_.start(state_.q, state_.v, contact_.force);
+  block_.start(state_.q, state_.v, contact_.force, contact_.mean);
 }
 
 /// Advances q, q̇ and the ledger through the pending steps; steps_ does not yet include the last of them. If
@@ -108,12 +122,12 @@ void LookAheadStepper<T>::keep(bool every_state, bool rates) noexcept {
 
 template <class T>
 const double* LookAheadStepper<T>::rate(int back) const noexcept {
-  return state_.forcing.any() ? state_.v.data() : block_.rate(block_.advanced() - back);
+  return state_.forcing.any() || flew_ ? state_.v.data() : block_.rate(block_.advanced() - back);
 }
 
 template <class T>
 const Vector& LookAheadStepper<T>::displacement() const noexcept {
-  if (!u_is_current_) state_.displacement(pending_ > 0 ? known_.force : contact_.force, u_);
+  if (!u_is_current_) state_.displacement((pending_ > 0 ? known_ : contact_).mean.end(), u_);
   u_is_current_ = true;
   return u_;
 }

@@ -3,6 +3,7 @@
 // their cost depends only on the points that could close.
 #pragma once
 
+#include "contact/stepping/free_flight.hpp"
 #include "contact/stepping/look_ahead_block.hpp"
 #include "contact/stepping/stepper.hpp"
 
@@ -31,6 +32,8 @@ class LookAheadStepper final : public Stepper {
 
   ModalState state_;
   LookAheadBlock<T> block_;
+  FreeFlight flight_;
+  bool flew_ = false;  ///< the last step was a free flight
   bool keeps_rates_ = false;
   mutable bool u_is_current_ = true;
   int pending_ = 0;  ///< steps of the block that state_ does not include

@@ -74,10 +74,10 @@ double ModalState::residual_energy(const Vector& force) const noexcept {
   return energy;
 }
 
-bool ModalState::step_under(const Vector& force) noexcept {
-  const double against_s = force.dot(now.s - s);
+bool ModalState::step_under(const Vector& mean, const Vector& end) noexcept {
+  const double against_s = mean.dot(now.s - s);
   double contact = against_s;
-  if (push(force) > 0) {
+  if (push(mean) > 0) {
     dq_.array() -= system->c.array() * push_.array();
     g_ -= push_;
     contact += push_.dot(dq_);
@@ -86,7 +86,7 @@ bool ModalState::step_under(const Vector& force) noexcept {
   Work spent = free_step();
   spent.forcing += against_s;
   spent.contact = contact;
-  return commit(spent, residual_energy(force));
+  return commit(spent, residual_energy(end));
 }
 
 int ModalState::strike(const Vector& impulse, Work& work) noexcept {

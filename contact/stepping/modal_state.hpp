@@ -26,8 +26,8 @@ struct ModalState {
   Vector& free_motion(const Vector& q, const Vector& v, const ForcedResponse::Interval& over) noexcept;
   /// After `begin`: completes the step without contact.
   Work free_step() noexcept;
-  /// After `begin`: completes the step under a constant λ (m) and commits it.
-  bool step_under(const Vector& force) noexcept;
+  /// After `begin`: completes the step under a constant λ̄ (m) and commits it. @param end  (m) λ at its end
+  bool step_under(const Vector& mean, const Vector& end) noexcept;
   /// Applies impulses at the end of the step: q̇⁺ = q̇⁻ − Bᵀ P. Adds their work to `work` and returns the
   /// number of points with P > 0.
   int strike(const Vector& impulse, Work& work) noexcept;

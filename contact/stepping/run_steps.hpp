@@ -17,14 +17,16 @@ struct StepsMade {
   StepStatus status = StepStatus::ok;
 };
 
-/// Advances `stepper` by up to `steps` steps and stops at the first that fails. Each observer is called with
-/// the number of steps made, after every step that succeeds; it may throw to end the run.
+/// Advances `stepper` by `steps` contact steps, a whole number of output samples, and stops at the first step
+/// that fails. Each observer is called with the number of contact steps made, after every step that succeeds;
+/// it may throw to end the run.
 template <class Stepper, class... Observers>
 StepsMade run_steps(Stepper& stepper, std::int64_t steps, Observers&&... observers) {
   StepsMade made;
+  const std::int64_t first = stepper.steps();
   while (made.steps < steps) {
     if ((made.status = stepper.step()) != StepStatus::ok) break;
-    ++made.steps;
+    made.steps = stepper.steps() - first;
     (observers(made.steps), ...);
   }
   return made;

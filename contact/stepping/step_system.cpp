@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/stepping/step_system.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <numbers>
 
 #include "base/format.hpp"
 #include "contact/stepping/forced_response.hpp"
+#include "contact/stepping/mean_force.hpp"
 #include "ricochet/error.hpp"
 
 namespace ricochet::contact {
@@ -22,6 +24,10 @@ void check(const Model& model, const StepOptions& o) {
         base::format("time step = {} s: must be positive and finite. Set time.rate_hz above 0.", o.step));
   if (o.max_pivots < 1)
     throw InputError(base::format("contact.max_pivots = {}: must be at least 1.", o.max_pivots));
+  if (o.steps_per_sample < 1 || (o.steps_per_sample > 1 && o.scheme != Scheme::compliant))
+    throw InputError(base::format(
+        "contact steps per sample = {}: must be at least 1, and 1 with contact.scheme = \"impulse\".",
+        o.steps_per_sample));
   if (o.scheme == Scheme::at_rest)
     throw InputError("contact.scheme = \"static\": has no steps. Choose \"compliant\" or \"impulse\".");
   if (o.scheme != Scheme::impulse) return;
@@ -38,6 +44,12 @@ void check(const Model& model, const StepOptions& o) {
 }
 
 }  // namespace
+
+bool conserves(const Model& model, const StepOptions& options) {
+  return options.scheme == Scheme::compliant && options.contact_step == ContactStep::conserving &&
+         (!model.R.isZero(0) ||
+          std::ranges::any_of(model.omega, [&](double omega) { return !sampled(omega, options.step); }));
+}
 
 std::shared_ptr<const StepSystem> make_step_system(const Model& model, const StepOptions& options) {
   check(model, options);
@@ -76,18 +88,29 @@ std::shared_ptr<const StepSystem> make_step_system(const Model& model, const Ste
     out.damp_rr(n) = 2 * delta * k.rr;
     out.damped = out.damped || delta > 0;
   }
-  if (compliant)
-    out.S = out.B * out.c.asDiagonal() * out.B.transpose() + out.R;
-  else if (options.admittance == Admittance::jump)
+  if (compliant) {
+    out.M = out.B * out.c.asDiagonal() * out.B.transpose();
+    out.S = out.M + out.R;
+    if (conserves(model, options)) out.S_mean = conserving_mean.end * out.M + out.R;
+  } else if (options.admittance == Admittance::jump) {
     out.S = out.B * out.B.transpose();
-  else
+  } else {
     out.S = out.B * (out.b / options.step).asDiagonal() * out.B.transpose();
+  }
   if (!compliant && m > 0) {
     out.S.diagonal().array() += least_norm * out.S.diagonal().mean();
     out.norm = out.B.rowwise().norm();
   }
   out.s = ForcedResponse(model, options.step, compliant).start().s;
   return std::make_shared<const StepSystem>(std::move(out));
+}
+
+Energy initial_energy(const Model& model, const StepOptions& options) {
+  Energy out{.kinetic = 0.5 * model.v0.squaredNorm()};
+  for (Eigen::Index n = 0; n < model.omega.size(); ++n)
+    if (options.scheme != Scheme::compliant || sampled(model.omega(n), options.step))
+      out.strain += 0.5 * model.omega(n) * model.omega(n) * model.q0(n) * model.q0(n);
+  return out;
 }
 
 }  // namespace ricochet::contact

@@ -24,18 +24,26 @@ struct ModeConstants {
 
 /// Constants of a modal system for a step Δ. Modes moved into R have constants and a B of 0.
 struct StepSystem : ModeConstants {
-  Vector omega, decay;  ///< (N)
-  Vector v0;            ///< (N) q̇ at t = 0
-  Matrix B;             ///< (m,N)
-  Vector s, gap;        ///< (m) s of constant loads; g
-  Eigen::MatrixXd R;    ///< (m,m) residual flexibility, including modes moved into it
-  Eigen::MatrixXd S;    ///< (m,m) compliant: S; impulse: A
-  Vector norm;          ///< (m) |B_i|, of the impulse scheme
+  Vector omega, decay;     ///< (N)
+  Vector v0;               ///< (N) q̇ at t = 0
+  Matrix B;                ///< (m,N)
+  Vector s, gap;           ///< (m) s of constant loads; g
+  Eigen::MatrixXd R;       ///< (m,m) residual flexibility, including modes moved into it
+  Eigen::MatrixXd M;       ///< (m,m) compliant: B c Bᵀ
+  Eigen::MatrixXd S;       ///< (m,m) compliant: M + R; impulse: A
+  Eigen::MatrixXd S_mean;  ///< (m,m) a M + R of conserving steps; empty if steps are not conserving
+  Vector norm;             ///< (m) |B_i|, of the impulse scheme
   bool damped = false;
   int dropped = 0;  ///< modes moved into R
 };
 
+/// Whether steps are conserving. Without R, changes of force cost nothing, and backward Euler is used.
+bool conserves(const Model& model, const StepOptions& options);
+
 /// Throws InputError if `model` cannot be stepped with these options.
 std::shared_ptr<const StepSystem> make_step_system(const Model& model, const StepOptions& options);
+
+/// Kinetic and strain energy at t = 0 of the modes that the steps sample.
+Energy initial_energy(const Model& model, const StepOptions& options);
 
 }  // namespace ricochet::contact

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "contact/stepping/stepper.hpp"
 
+#include <algorithm>
+
 #include "contact/stepping/compliant_stepper.hpp"
 #include "contact/stepping/event_stepper.hpp"
 #include "contact/stepping/impulse_stepper.hpp"
@@ -8,15 +10,38 @@
 
 namespace ricochet::contact {
 
-Stepper::Stepper(const StepOptions& options, Eigen::Index points, const SolveOptions& solver)
-    : options_(options), solver_(static_cast<int>(points), solver) {
-  for (Vector* x : {&contact_.force, &u_, &next_force_, &next_u_}) x->setZero(points);
+Stepper::Stepper(const StepOptions& options, Eigen::Index points, const SolveOptions& solver, bool conserving)
+    : options_(options),
+      solver_(static_cast<int>(points), solver),
+      mean_solver_(conserving ? static_cast<int>(points) : 0, solver),
+      contact_{.mean = {points, conserving}} {
+  for (Vector* x : {&contact_.force, &u_, &next_force_, &next_end_, &next_u_}) x->setZero(points);
+}
+
+SolveStatistics Stepper::solver() const noexcept {
+  SolveStatistics sum = solver_.statistics();
+  const SolveStatistics& more = mean_solver_.statistics();
+  for (std::int64_t SolveStatistics::*count :
+       {&SolveStatistics::problems, &SolveStatistics::warm_hits, &SolveStatistics::pivots,
+        &SolveStatistics::fallbacks, &SolveStatistics::renewals, &SolveStatistics::limited})
+    sum.*count += more.*count;
+  sum.max_active = std::max(sum.max_active, more.max_active);
+  return sum;
+}
+
+void Stepper::land(int steps) noexcept {
+  contact_.force.setZero();
+  contact_.active = 0;
+  contact_.persistency = 0;
+  contact_.residual = {};
+  steps_ += steps;
 }
 
 StepStatus Stepper::complete(int active, double persistency, const SolveResidual& residual) noexcept {
   contact_.active = active;
   contact_.persistency = persistency;
   contact_.residual = residual;
+  contact_.mean.advance(next_end_);
   contact_.force.swap(next_force_);
   u_.swap(next_u_);
   ++steps_;

@@ -7,6 +7,7 @@
 
 #include "contact/complementarity/complementarity.hpp"
 #include "contact/model/model.hpp"
+#include "contact/stepping/mean_force.hpp"
 #include "contact/stepping/modal_state.hpp"
 #include "ricochet/step_options.hpp"
 
@@ -16,8 +17,8 @@ class Stepper {
  public:
   virtual ~Stepper() = default;
 
-  /// Advances from t_{k−1} to t_k. A step that fails changes nothing; if the state of a look-ahead block
-  /// turns out not to be finite, all pending steps fail together.
+  /// Advances from t_{k−1} to t_k, or in free flight to the next output sample. A step that fails changes
+  /// nothing; if the state of a look-ahead block turns out not to be finite, all pending steps fail together.
   virtual StepStatus step() noexcept = 0;
 
   virtual std::unique_ptr<Stepper> clone() const = 0;
@@ -25,19 +26,24 @@ class Stepper {
   virtual void assign(const Stepper& clone) noexcept = 0;
 
   const StepOptions& options() const { return options_; }
-  std::int64_t steps() const { return steps_; }
+  std::int64_t steps() const { return steps_; }  ///< contact steps Δ since t = 0
+  /// Whether the last step ended at an output sample.
+  bool at_sample() const { return steps_ % options_.steps_per_sample == 0; }
   double time() const { return static_cast<double>(steps_) * options_.step; }
 
-  /// (m) λ_k [N] over (t_{k−1}, t_k]; impulses as P/Δ
+  /// (m) λ̄_k [N], the mean over (t_{k−1}, t_k] that drives the modes; impulses as P/Δ
   const Vector& force() const { return contact_.force; }
+  /// (m) λ_k [N] at t_k, to which the residual responds; 0 for impulses
+  const Vector& end_force() const { return contact_.mean.end(); }
+  const MeanWeights& weights() const { return contact_.mean.weights(); }  ///< of the mean λ̄_k
   /// (m) u at t_k, including the residual [m]; while steps are pending, u at the last known state.
   virtual const Vector& displacement() const noexcept { return u_; }
-  int active() const { return contact_.active; }  ///< points with λ > 0 in this step
+  int active() const { return contact_.active; }  ///< points in contact at t_k
   /// Power through the contact, σ_n u̇_n of equation (16) in the source paper, as the mean over the step [W]:
-  /// compliant −λᵀ(u_k − u_{k−1})/Δ; impulse −Pᵀ(u̇⁻ + u̇⁺)/(2Δ), the velocities just before and after the
+  /// compliant −λ̄ᵀ(u_k − u_{k−1})/Δ; impulse −Pᵀ(u̇⁻ + u̇⁺)/(2Δ), the velocities just before and after the
   /// impulses.
   double persistency() const { return contact_.persistency; }
-  const SolveStatistics& solver() const { return solver_.statistics(); }
+  SolveStatistics solver() const noexcept;
   /// Violation of complementarity by the forces of the last step; 0 unless max_pivots cut the step short.
   /// compliant: u beyond its bound [m]; impulse: remaining approach (1 + e) v̂ − A P [m/s].
   const SolveResidual& residual() const { return contact_.residual; }
@@ -60,16 +66,21 @@ class Stepper {
  protected:
   /// Contact in one step.
   struct Contact {
-    Vector force;
+    MeanForce mean;
+    Vector force{};
     int active = 0;
     double persistency = 0;
-    SolveResidual residual;
+    SolveResidual residual{};
   };
 
-  Stepper(const StepOptions& options, Eigen::Index points, const SolveOptions& solver);
+  /// @param conserving  whether steps are conserving
+  Stepper(const StepOptions& options, Eigen::Index points, const SolveOptions& solver, bool conserving);
   Stepper(const Stepper&) = default;
   Stepper& operator=(const Stepper&) = default;
 
+  ComplementaritySolver& solver_of(const MeanWeights& weights) noexcept {
+    return weights == backward_euler ? solver_ : mean_solver_;
+  }
   static bool has_forces(SolveStatus status) noexcept {
     return status == SolveStatus::solved || status == SolveStatus::limited;
   }
@@ -77,15 +88,17 @@ class Stepper {
     return status == SolveStatus::not_finite ? StepStatus::not_finite : StepStatus::no_solution;
   }
 
-  /// Ends the current step with next_force_ and next_u_.
+  /// Ends a free flight over `steps` contact steps.
+  void land(int steps) noexcept;
+  /// Ends the current step with next_force_, next_end_ and next_u_.
   StepStatus complete(int active, double persistency, const SolveResidual& residual) noexcept;
 
   StepOptions options_;
-  ComplementaritySolver solver_;
+  ComplementaritySolver solver_, mean_solver_;  ///< of S or A; of S_mean
   std::int64_t steps_ = 0;
   Contact contact_;
-  mutable Vector u_;            ///< (m); a scheme may compute it on demand
-  Vector next_force_, next_u_;  ///< (m) of the current step
+  mutable Vector u_;                       ///< (m); a scheme may compute it on demand
+  Vector next_force_, next_end_, next_u_;  ///< (m) of the current step: λ̄, λ⁺ and u⁺
 };
 
 /// Returns the stepper of the scheme in `options`. With `compliant`, steps do not sample modes with ωΔ > π:

@@ -74,6 +74,7 @@ Table table_from_modes(const Model& model, const StepOptions& options, std::int6
   for (std::vector<double>* kernel :
        compliant ? std::vector{&table.flexibility} : std::vector{&table.displacement, &table.velocity})
     kernel->reserve(size);
+  if (compliant && !at_once.isZero(0)) table.residual.assign(at_once.data(), at_once.data() + m * m);
   for (std::int64_t l = 0; l < L; ++l) {
     if (compliant) {
       append(table.flexibility, [](const Series& s) { return s.q; });

@@ -57,6 +57,9 @@ void validate(const Table& table, const std::string& origin) {
       fail(base::format("the kernels are not all of shape ({}, {}, {}).", L, m, m));
     check_finite(name, *kernel);
   }
+  if (!table.residual.empty() && (table.flexibility.empty() || std::ssize(table.residual) != m * m))
+    fail(base::format("/table/residual must be of shape ({0}, {0}), beside /table/flexibility.", m));
+  check_finite("residual", table.residual);
   check_finite("free", table.free);
   check_finite("free_velocity", table.free_velocity);
   check_finite("gap", {table.gap.data(), static_cast<std::size_t>(m)});

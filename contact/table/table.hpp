@@ -36,6 +36,8 @@ struct Table {
   /// (L,m,m) S_l = ∫ N dt from lΔ to (l+1)Δ [m/N], with the instantaneous flexibility added to S_0. If empty,
   /// Δ (N_l + N_{l+1})/2 is used, a quadrature of second order.
   std::vector<double> flexibility;
+  /// (m,m) R, the instantaneous part of S_0 [m/N]; empty if S_0 has none. Conserving steps need it.
+  std::vector<double> residual;
   Tail tail = Tail::none;             ///< continuation of N, Ṅ and S beyond the table
   std::vector<double> free;           ///< (K,m) ũ_k [m]; if empty, the rigid motion of `bodies`
   std::vector<double> free_velocity;  ///< (K,m) [m/s]; if empty, (ũ_{k+1} − ũ_k)/Δ

@@ -110,7 +110,9 @@ const StepOptions& checked(const StepOptions& options, const Table& table) {
 }  // namespace
 
 TableStepper::TableStepper(const Table& table, const StepOptions& options)
-    : Stepper(checked(options, table), table.points(), {}),
+    : Stepper(checked(options, table), table.points(), {},
+              options.scheme == Scheme::compliant && options.contact_step == ContactStep::conserving &&
+                  !table.residual.empty()),
       free_(table.free),
       free_velocity_(table.free_velocity),
       gap_(table.gap),
@@ -140,7 +142,11 @@ TableStepper::TableStepper(const Table& table, const StepOptions& options)
     rigid_acceleration_ -= bodies_[b].push * bodies_[b].gravity;
     velocity_.col(b) = bodies_[b].velocity;
   }
-  for (Vector* x : {&rhs_, &solution_, &rate_}) x->setZero(m);
+  for (Vector* x : {&rhs_, &solution_, &rate_, &free_u_, &rest_, &rest_end_}) x->setZero(m);
+  if (contact_.mean.is_conserving()) {
+    R_ = Eigen::Map<const Matrix>(table.residual.data(), m, m);
+    S_mean_ = conserving_mean.end * (S_ - R_) + R_;
+  }
   sub_.setZero(m, m);
   touching_.reserve(width);
   free_motion(0, u_);
@@ -171,29 +177,52 @@ StepStatus TableStepper::step() noexcept {
   if (k > available_) return StepStatus::table_ended;
   free_motion(k, next_u_);
   next_force_.setZero();
-  const SolveStatus status = options_.scheme == Scheme::compliant ? compliant() : impulses();
+  SolveStatus status = SolveStatus::solved;
+  if (options_.scheme == Scheme::compliant) {
+    free_u_ = next_u_ - convolution_.history();
+    status = contact_.mean.solve([this](const MeanWeights& weights) { return attempt(weights); });
+  } else {
+    status = impulses();
+  }
   if (!has_forces(status)) return failure(status);
   if (!next_u_.allFinite() || !next_force_.allFinite()) return StepStatus::not_finite;
 
   convolution_.push(next_force_);
-  const int active = static_cast<int>((next_force_.array() > 0).count());
-  double persistency = 0;
-  if (options_.scheme == Scheme::impulse)
-    next_force_ /= options_.step;
-  else if (active > 0)
-    persistency = -next_force_.dot(next_u_ - u_) / options_.step;
+  const bool impulse = options_.scheme == Scheme::impulse;
+  const int active = static_cast<int>(((impulse ? next_force_ : next_end_).array() > 0).count());
+  if (impulse) next_force_ /= options_.step;
+  const double persistency = impulse ? 0 : -next_force_.dot(next_u_ - u_) / options_.step;
+  rest_.swap(rest_end_);
   complete(active, persistency, {});
   push_bodies();
   return StepStatus::ok;
 }
 
-SolveStatus TableStepper::compliant() noexcept {
-  next_u_ -= convolution_.history();
+MeanForce::Trial TableStepper::attempt(const MeanWeights& weights) noexcept {
+  const MeanForce& mean = contact_.mean;
+  const Eigen::MatrixXd& S = weights == backward_euler ? S_ : S_mean_;
+  next_force_ = weights.start * mean.end() + weights.before * mean.before();
+  next_u_ = free_u_;
+  if (weights != backward_euler) {
+    next_u_.noalias() -= S_ * next_force_;
+    next_u_.noalias() += R_ * next_force_;
+  }
   rhs_ = next_u_ - gap_;
-  if ((rhs_.array() < 0).all()) return SolveStatus::solved;
-  const SolveStatus status = solver_.solve(S_, rhs_, next_force_);
-  next_u_.noalias() -= S_ * next_force_;
-  return status;
+  next_end_.setZero();
+  MeanForce::Trial out;
+  if (!(rhs_.array() < 0).all()) out.status = solver_of(weights).solve(S, rhs_, next_end_);
+  next_u_.noalias() -= S * next_end_;
+  next_force_ += weights.end * next_end_;
+  if (!mean.is_conserving()) return out;
+  rest_end_.noalias() = R_ * next_end_;
+  out.in_residual = next_end_.dot(rest_end_);
+  out.opens = (next_end_.array() == 0).all();
+  if (mean.begins() || out.opens)
+    for (Eigen::Index j = 0; j < next_force_.size(); ++j)
+      out.in_modes += next_force_(j) * (S_.col(j) - R_.col(j)).dot(next_force_);
+  out.removed =
+      next_force_.dot(next_u_ - u_ + rest_end_ - rest_) + 0.5 * (mean.end().dot(rest_) - out.in_residual);
+  return out;
 }
 
 SolveStatus TableStepper::impulses() noexcept {
@@ -223,8 +252,7 @@ void TableStepper::push_bodies() noexcept {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     auto v = velocity_.col(b);
     v += options_.step * bodies_[b].gravity;
-    if (contact_.active > 0)
-      v.noalias() += (options_.step / bodies_[b].mass) * (bodies_[b].push.transpose() * contact_.force);
+    v.noalias() += (options_.step / bodies_[b].mass) * (bodies_[b].push.transpose() * contact_.force);
   }
 }
 

@@ -8,7 +8,8 @@
 //   "difference":  the same with (N_{l+1} − N_l)/Δ for Ṅ_l and (ũ_{k+1} − ũ_k)/Δ for ũ̇_k
 // The first instant is t_1, as in the source paper. displacement() is u before the impulses.
 //
-// compliant, step k: 0 ≤ λ ⟂ S_0 λ − (û − g) ≥ 0,  û = ũ_k − Σ_{l≥1} S_l λ_{k−l},  over all points.
+// compliant, step k: 0 ≤ λ⁺ ⟂ S λ⁺ − (û − M h − g) ≥ 0,  û = ũ_k − Σ_{l≥1} S_l λ̄_{k−l},  over all points,
+// with M = S_0 − R and the means of mean_force.hpp. Without R, steps are by backward Euler.
 //
 // With kernels sampled from modes, both equal the modal schemes to round-off. The energy of the bodies is
 // unknown here, and whether a step can gain energy depends on the table. persistency() is known only for
@@ -48,7 +49,7 @@ class TableStepper final : public Stepper {
  private:
   void free_motion(std::int64_t k, Vector& u) const noexcept;
   void free_rate(std::int64_t k, Vector& v) const noexcept;
-  SolveStatus compliant() noexcept;
+  MeanForce::Trial attempt(const MeanWeights& weights) noexcept;
   SolveStatus impulses() noexcept;
   void push_bodies() noexcept;
 
@@ -56,13 +57,15 @@ class TableStepper final : public Stepper {
   std::vector<double> free_, free_velocity_;    ///< (K,m), (·,m)
   Vector rigid_velocity_, rigid_acceleration_;  ///< (m) of ũ, if `free_` is empty
   Vector gap_;
-  Eigen::MatrixXd S_;  ///< (m,m) S_0 or A
+  Eigen::MatrixXd S_;           ///< (m,m) S_0 or A
+  Eigen::MatrixXd R_, S_mean_;  ///< (m,m) R; a M + R; empty unless steps are conserving
   std::vector<FreeBody> bodies_;
   Convolution convolution_;  ///< compliant: S (m rows); impulse: N and Ṅ (2m rows)
   Eigen::Matrix3Xd velocity_;
 
   // The current step
-  Vector rhs_, solution_, rate_;  ///< (m)
+  Vector rhs_, solution_, rate_;     ///< (m)
+  Vector free_u_, rest_, rest_end_;  ///< (m) û, R λ, R λ⁺
   Eigen::MatrixXd sub_;
   std::vector<int> touching_;
 };

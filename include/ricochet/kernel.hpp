@@ -3,6 +3,7 @@
 //
 // Every array is row-major, with its shape beside it:
 //   N modes, M candidate points, c components (3, or 1 if the scene fixes a contact direction),
+//   r components of the static correction (c, or 1 if it is held along the normals of the candidates),
 //   T surface elements of k corners, V nodes and E elements of the visualisation surface.
 // SI units. Geometry is in the body's own frame: the mesh after `scale`, before rotation and translation.
 #pragma once
@@ -75,9 +76,11 @@ struct Surface {
   std::vector<std::int64_t> element;  ///< (T,k) by candidate index
   std::vector<double> shape;          ///< (M,c,N) φ_i = (1/A_i) ∫ w_i φ ds [kg^-1/2]
   std::vector<double>
-      residual_flexibility;           ///< (cM,cM) R [m/N], index c·i + component; empty if not requested
+      residual_flexibility;      ///< (rM,rM) R [m/N], index r·i + component; empty if not requested
+  bool normal_residual = false;  ///< r = 1: R acts along the normal of each candidate alone; otherwise r = c
   std::optional<WholeSurface> whole;  ///< set only if candidates out of reach are missing
   std::size_t size() const { return area.size(); }
+  int residual_components() const { return normal_residual ? 1 : components; }  ///< r
   bool operator==(const Surface&) const = default;
 };
 
@@ -88,7 +91,7 @@ struct Loads {
   std::vector<double> body_force;  ///< (3,N) φᵀ M e_i [kg^1/2]: uniform acceleration fields, momentum
   std::vector<double>
       rotation;  ///< (3,N) φᵀ M (e_i × x) [kg^1/2 m]: angular momentum about the frame's origin
-  std::vector<double> body_force_residual;  ///< (cM,3) static correction [s²]: m per m/s²; empty without R
+  std::vector<double> body_force_residual;  ///< (rM,3) static correction [s²]: m per m/s²; empty without R
   bool operator==(const Loads&) const = default;
 };
 
@@ -100,7 +103,7 @@ struct Load {
   std::vector<double> participation;  ///< (3,N) ∫ φ_n ds of the surface [kg^-1/2 m²]; φ_n(x) [kg^-1/2]
   std::vector<double> total;          ///< (3,3) resultant force [N per unit], row: its component
   std::vector<double> moment;         ///< (3,3) resultant moment about the frame's origin [N m per unit]
-  std::vector<double> residual;       ///< (cM,3) static correction [m per unit]; empty without R
+  std::vector<double> residual;       ///< (rM,3) static correction [m per unit]; empty without R
   bool operator==(const Load&) const = default;
 };
 
@@ -122,7 +125,7 @@ struct Receiver {
   Vector3 point{};            ///< [m]
   std::vector<double> shape;  ///< (3,N) φ_n(x) [kg^-1/2]
   std::vector<double>
-      residual_flexibility;  ///< (3,cM) under unit forces on the candidates [m/N]; empty without R
+      residual_flexibility;  ///< (3,rM) under unit forces on the candidates [m/N]; empty without R
   std::vector<double> body_force_residual;  ///< (3,3) [s²]; empty without R
   std::vector<double>
       load_residual;  ///< (3,3L) under the L loads, in their order [m per unit]; empty without R
@@ -137,7 +140,7 @@ struct View {
   std::vector<std::int64_t> element;  ///< (E,k)
   std::vector<float> shape;           ///< (V,3,N) [kg^-1/2]
   // Static correction, as for receivers; empty without R.
-  std::vector<float> residual_flexibility;  ///< (V,3,cM) under unit forces on the candidates [m/N]
+  std::vector<float> residual_flexibility;  ///< (V,3,rM) under unit forces on the candidates [m/N]
   std::vector<float> body_force_residual;   ///< (V,3,3) [s²]
   std::vector<float> load_residual;         ///< (V,3,3L) [m per unit]
   std::vector<float> motion_residual;       ///< (V,3,3S) Ψ − ΦΓ [1]; never empty if S > 0
@@ -157,6 +160,10 @@ struct Kernel {
   Vector3 centre{};                 ///< centre of mass [m]
   std::array<double, 9> inertia{};  ///< (3,3) about the centre of mass [kg m²]
   bool supported = false;           ///< a support holds some displacement
+  std::int64_t parts = 0;           ///< connected parts of the mesh; 0: not known
+  std::int64_t held_on_lines = 0;   ///< bit c: supports hold component c on lines or points only
+  /// (H,3) nodes that lie farthest out in several hundred directions [m]; empty if not known
+  std::vector<double> outline;
 
   Modes modes;
   Surface surface;

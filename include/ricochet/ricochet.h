@@ -64,6 +64,8 @@ ricochet_scene* ricochet_scene_new(double rate_hz);
 void ricochet_scene_free(ricochet_scene* scene);
 int ricochet_scene_body(ricochet_scene* scene, const char* name, const ricochet_kernel* kernel,
                         const double* rotate_deg, const double* translate, const double* velocity);
+/* Initial angular velocity about the centre of mass, world axes [rad/s]; of a body that the scene has. */
+int ricochet_scene_angular_velocity(ricochet_scene* scene, const char* body, const double* angular_velocity);
 int ricochet_scene_half_space(ricochet_scene* scene, const char* name, const double* point,
                               const double* normal);
 /* direction: a vector; gap, reach: one number [m]. */

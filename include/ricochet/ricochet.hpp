@@ -46,9 +46,10 @@ void save_kernel(const kernels::Kernel& kernel, const std::filesystem::path& pat
 struct Body {
   std::string name;
   SharedKernel kernel{};
-  Vector3 rotate_deg{};  ///< about the fixed axes x, then y, then z
-  Vector3 translate{};   ///< [m]
-  Vector3 velocity{};    ///< initial, rigid [m/s]
+  Vector3 rotate_deg{};        ///< about the fixed axes x, then y, then z
+  Vector3 translate{};         ///< [m]
+  Vector3 velocity{};          ///< initial, of the centre of mass [m/s]
+  Vector3 angular_velocity{};  ///< initial, about the centre of mass, world axes [rad/s]
 };
 
 /// Rigid half-space {x : (x − point)·normal ≤ 0}.
@@ -85,8 +86,12 @@ struct Scene {
   Vector3 gravity{};  ///< [m/s²]
   Scheme scheme = Scheme::compliant;
   Admittance admittance = Admittance::jump;
-  double restitution = 0;         ///< of the impulse scheme, in [0, 1]
-  double rate_hz = 44100;         ///< steps per second
+  double restitution = 0;                             ///< of the impulse scheme, in [0, 1]
+  ContactStep integration = ContactStep::conserving;  ///< of the compliant scheme
+  double rate_hz = 44100;                             ///< steps of the simulation per second
+  /// Contact steps per second of the compliant scheme, made while a point could close; rounded up to a
+  /// multiple of rate_hz, and 0 for rate_hz.
+  double contact_rate_hz = 0;
   bool single_precision = false;  ///< of the products of the compliant scheme: faster, less exact
 };
 
@@ -124,7 +129,7 @@ class Simulation {
   Simulation(Simulation&&) noexcept;
   Simulation& operator=(Simulation&&) noexcept;
 
-  /// Makes one step. If the status is not ok, nothing has changed.
+  /// Makes one step. If the status is not ok, the state is that after the last contact step that succeeded.
   StepStatus step() noexcept;
 
   /// Makes `steps` steps, bitwise equal to those of step(), and faster unless displacements are requested.
@@ -135,9 +140,9 @@ class Simulation {
   double time() const noexcept;         ///< [s]
 
   std::span<const ContactPoint> points() const noexcept;  ///< (m)
-  std::span<const double> force() const noexcept;         ///< (m) λ_i ≥ 0 [N] over the last step
+  std::span<const double> force() const noexcept;         ///< (m) λ_i ≥ 0 [N], the mean over the last step
   std::span<const double> displacement() const noexcept;  ///< (m) u_i [m]; the gap is now g_i − u_i
-  int active() const noexcept;                            ///< points with a force in the last step
+  int active() const noexcept;                            ///< points in contact at the end of the last step
 
   std::size_t pickups() const noexcept;  ///< p
   /// Motion of the modes at the end of the last step, without the static correction.

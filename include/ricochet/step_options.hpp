@@ -26,12 +26,23 @@ enum class Instant {
 
 enum class Precision { float64, float32 };
 
+/// The force that drives the modes over a step of the compliant scheme.
+enum class ContactStep {
+  conserving,      ///< a mean of the forces at the last three instants: second order, and contact in place
+                   ///< conserves energy
+  backward_euler,  ///< the force at the end of the step: first order, and every change of force costs energy
+};
+
 struct StepOptions {
   Scheme scheme = Scheme::compliant;
   Admittance admittance = Admittance::jump;
-  Instant instant = Instant::step;  ///< of the impulse scheme
-  double restitution = 0;           ///< e of the impulse scheme, in [0, 1]
-  double step = 0;                  ///< Δ [s]
+  Instant instant = Instant::step;                     ///< of the impulse scheme
+  double restitution = 0;                              ///< e of the impulse scheme, in [0, 1]
+  ContactStep contact_step = ContactStep::conserving;  ///< of the compliant scheme
+  double step = 0;                                     ///< Δ [s]
+  /// Number of contact steps Δ per output sample. In free flight, the compliant scheme jumps from sample to
+  /// sample; it makes contact steps only where a point could close.
+  int steps_per_sample = 1;
   /// Bound on the work of a step: the number of changes of the active set in its solve.
   int max_pivots = std::numeric_limits<int>::max();
   /// Length of a look-ahead block: the number of steps of the compliant scheme computed by one matrix
@@ -61,7 +72,7 @@ struct Energy {
   double residual = 0;  ///< ½ λᵀ R λ
   double loads = 0;  ///< work so far of gravity, fᵀ (q − q0), of loads and of supports, including ∫ λᵀ ds
   double damping = 0;  ///< ∫ 2 δ q̇², so far
-  double contact = 0;  ///< removed by contact so far; compliant: λᵀ(B(q⁺ − q) + s⁺ − s) minus the growth of
+  double contact = 0;  ///< removed by contact so far; compliant: λ̄ᵀ(B(q⁺ − q) + s⁺ − s) minus the growth of
                        ///< ½ λᵀRλ; impulse: Pᵀ (B q̇ + ṡ) − ½ |BᵀP|²
   double total() const { return kinetic + strain + residual - loads; }
   double ledger() const { return total() + damping + contact; }

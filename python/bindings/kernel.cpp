@@ -16,12 +16,12 @@ namespace {
 
 using kernels::Kernel;
 
-/// (cM,cM); None if the scene excludes it.
+/// (rM,rM); None if the scene excludes it.
 py::object residual_flexibility(const py::object& self) {
   const Kernel& kernel = self.cast<const Kernel&>();
   const kernels::Surface& surface = kernel.surface;
   if (surface.residual_flexibility.empty()) return py::none();
-  const py::ssize_t rows = length(surface.size()) * surface.components;
+  const py::ssize_t rows = length(surface.size()) * surface.residual_components();
   return view(surface.residual_flexibility, {rows, rows}, self);
 }
 

@@ -4,6 +4,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include "src/programs/accuracy.hpp"
 #include "src/programs/stored_kernels.hpp"
 #include "src/scene/read.hpp"
 #include "src/scene/scene.hpp"
@@ -20,8 +21,13 @@ namespace {
 std::vector<std::tuple<std::string, fs::path, bool>> kernel_files(const scene::Scene& scene,
                                                                   const fs::path& folder) {
   programs::KernelStore store;
-  const std::vector<programs::StoredKernel> stored = programs::find_kernels(scene, folder, store);
   std::vector<std::tuple<std::string, fs::path, bool>> out;
+  if (scene.modes.open() && programs::missing_settings(scene, folder, store)) {
+    for (const scene::Body& body : scene.bodies) out.emplace_back(body.name, "", false);
+    return out;
+  }
+  const std::vector<programs::StoredKernel> stored =
+      programs::find_kernels(programs::closed(scene, folder, store).scene, folder, store);
   for (std::size_t k = 0; k < stored.size(); ++k)
     out.emplace_back(scene.bodies[k].name, stored[k].path, stored[k].enough);
   return out;
@@ -48,7 +54,7 @@ void bind_scene(py::module_& module) {
                              })
       .def_property_readonly("needs_other_orders",
                              [](const scene::Scene& scene) { return scene.accuracy.has_value(); })
-      .def("toml", &scene::to_toml)
+      .def("toml", [](const scene::Scene& scene) { return scene::to_toml(scene); })
       .def("kernel_files", &kernel_files);
   module.def("overridden", &scene::overridden);
 }

@@ -46,7 +46,8 @@ Scene scene_of(const scene::Scene& scene, const std::vector<Kernel>& kernels,
   Scene out;
   for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
     const scene::Body& body = scene.bodies[k];
-    out.bodies.push_back({body.name, kernels.at(k), body.rotate_deg, body.translate, body.velocity});
+    out.bodies.push_back(
+        {body.name, kernels.at(k), body.rotate_deg, body.translate, body.velocity, body.angular_velocity});
   }
   for (const scene::Obstacle& obstacle : scene.obstacles)
     out.obstacles.push_back({obstacle.name, obstacle.point, obstacle.normal});
@@ -57,7 +58,9 @@ Scene scene_of(const scene::Scene& scene, const std::vector<Kernel>& kernels,
   out.scheme = scene.contact.scheme;
   out.admittance = scene.contact.admittance;
   out.restitution = scene.contact.restitution;
+  out.integration = scene.contact.integration;
   out.rate_hz = scene.time.rate.value;
+  if (scene.time.contact_rate) out.contact_rate_hz = scene.time.contact_rate->value;
   out.single_precision = scene.time.precision == Precision::float32;
   return out;
 }

@@ -143,9 +143,11 @@ def contact_shares(file: File, omega: Floats) -> tuple[Floats, float]:
     own = np.divide((shape**2).sum(axis=0), omega**2, out=np.zeros(count), where=elastic)
     rest = 0.0
     if file.has("/surface/residual_flexibility"):
-        size = points if direction is not None else 3 * points
+        normal_only = file.attribute("/surface/residual_flexibility", "components") is not None
+        three = direction is None and not normal_only
+        size = 3 * points if three else points
         flexibility = file.array("/surface/residual_flexibility", size, size)
-        if direction is None:
+        if three:
             blocks = flexibility.reshape(points, 3, points, 3)
             rest = float(np.einsum("ma,mamb,mb->", normal, blocks, normal))
         else:

@@ -152,7 +152,7 @@ class Result(_Data):
 
     @cached_property
     def time(self) -> Floats:
-        """(K) t [s]: 0 and each `output.every`-th step"""
+        """(K) t [s]: 0 and each `output.every`-th output sample"""
         return self._read("time", None)
 
     @cached_property
@@ -161,15 +161,24 @@ class Result(_Data):
         return self._read("contact/time", None)
 
     @cached_property
+    def contact_step(self) -> float:
+        """Time between the rows of the contact [s]; infinite for bodies at rest"""
+        every_row = np.min(np.diff(self.time), initial=np.inf)  # of files without the attribute
+        return float(self._file.attribute("/contact", "step") or every_row)
+
+    @cached_property
     def force(self) -> Floats:
         """(k,m) compressive force λ ≥ 0 [N], constant over the step that ends at the time of the row"""
         return self._read("contact/force", len(self.contact_time), len(self.initial_gap))
 
     @cached_property
     def total_force(self) -> Floats:
-        """(K) Σ λ [N], 0 where nothing touches"""
+        """(K) Σ λ [N], the mean over the time since the previous row; 0 where nothing touches"""
         out = np.zeros(len(self.time))
-        out[np.searchsorted(self.time, self.contact_time)] = self.force.sum(axis=1)
+        rows = np.searchsorted(self.time, self.contact_time - 1e-6 * min(self.contact_step, 1))
+        spacing = float(np.min(np.diff(self.time), initial=np.inf))
+        per_row = max(1, round(spacing / self.contact_step)) if np.isfinite(spacing) else 1
+        np.add.at(out, rows, self.force.sum(axis=1) / per_row)
         return out
 
     @cached_property

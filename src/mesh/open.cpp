@@ -243,6 +243,11 @@ bool open_model(const scene::Body& body) {
   open_file(body);
   if (body.mesh.extension() == ".msh" || (body.mesh.extension() != ".geo" && holds_elements())) return true;
   refuse_points_for_lines(body.mesh.filename().string());
+  if (body.size_factor != 1) {
+    double own = 1;  // of the file
+    gmsh::option::getNumber("Mesh.MeshSizeFactor", own);
+    gmsh::option::setNumber("Mesh.MeshSizeFactor", own * body.size_factor);
+  }
   gmsh::model::mesh::generate(gmsh::model::getDimension());
   gmsh::model::mesh::setOrder(body.order);
   return false;

@@ -4,17 +4,20 @@
 
 #include <Eigen/Dense>
 #include <memory>
+#include <span>
 
+#include "src/modes/entries.hpp"
 #include "src/parallel/teams.hpp"
 
 namespace ricochet::modes {
+
+class Mumps;
 
 /// Factorisation L D Lᵀ of K − σM at one shift after another. The inertia of full-rank factors is exact.
 /// Block low-rank factors need less time and memory for large bodies, but their solutions are approximate.
 ///
 /// MUMPS is called directly, not through PETSc, so that METIS orders the elimination by nested dissection of
-/// the nodes, once for all shifts. The MUMPS of Debian offers only PORD, whose factors have up to twice as
-/// many entries.
+/// the nodes, once for all shifts.
 class Factorisation {
  public:
   /// Copies the matrices and runs the analysis. Collective on the ranks of the matrices.
@@ -32,6 +35,11 @@ class Factorisation {
   /// @param sigma  [rad²/s²]
   void factor(double sigma);
 
+  /// Factors K with a spring as stiff as its diagonal at each of the given rows, like static_flexibility.
+  /// Collective. Throws SolverError like `factor`.
+  /// @param held  global rows, the same on every rank
+  void factor_on_springs(std::span<const std::int64_t> held);
+
   double sigma() const { return sigma_; }  ///< shift of the factors
 
   /// Number of eigenvalues below σ (Sylvester's law of inertia). Valid for full-rank factors only.
@@ -42,24 +50,26 @@ class Factorisation {
   /// @return X (local rows, n)
   Eigen::MatrixXd solve(const Eigen::Ref<const Eigen::MatrixXd>& right);
 
+  /// Frees the factors. Collective.
+  void release();
+
   /// Returns the memory that a factorisation needs on this rank, as estimated by MUMPS [MiB].
   double expected_mib() const;
 
+  const Entries& entries() const { return entries_; }
+  /// On the first rank, the place of each row in the order of elimination, from 1.
+  const std::vector<int>& order() const { return order_; }
+
  private:
-  struct Mumps;
-  void order_by_metis(Mat stiffness);
-  void collect_entries(Mat stiffness, Mat mass);
-  void take_users_options();
-  void run(int job, const char* task);
-  void succeed(const char* task) const;
+  void analyse();
 
   MPI_Comm comm_ = MPI_COMM_NULL;
   std::unique_ptr<Mumps> mumps_;
-  std::vector<int> row_, column_, order_;
-  std::vector<double> stiffness_, mass_, shifted_;
+  Entries entries_;
+  std::vector<int> order_;
+  std::vector<double> shifted_;
   /// Of each rank: number of rows, and first row.
   std::vector<int> rows_of_rank_, first_of_rank_;
-  std::int64_t local_rows_ = 0, rows_ = 0;
   double low_rank_ = 0;
   double sigma_ = 0;
   bool factored_ = false;

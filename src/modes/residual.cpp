@@ -3,89 +3,134 @@
 
 #include <algorithm>
 
+#include "src/elasticity/rigid.hpp"
+
 namespace ricochet::modes {
 
 namespace {
 
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+/// Modes below this share of the cut in λ are projected out. The flexibility of the others is at most 100
+/// times that at the cut, and is subtracted with its round-off.
+constexpr double low = 0.01;
+
 /// Number of columns that a team solves together: several right-hand-side blocks of MUMPS.
-constexpr Eigen::Index columns_at_once = 256;
+constexpr Index columns_at_once = 256;
+
+/// The modes of all teams, by how they are removed from the static response. Each team holds some of them.
+struct Retained {
+  MatrixXd trace;             ///< (b, N) Fᵀφ
+  std::vector<Index> low;     ///< rigid modes, and elastic ones far below the cut
+  std::vector<Index> others;  ///< the other elastic modes
+  Eigen::VectorXd inverse;    ///< (N) 1/ω², 0 for rigid modes
+  /// (local rows, low) The part of a load along W acts on φ alone: W = Mφ, which equals Kφ/λ for exact modes.
+  /// For Ritz vectors, Kφ/λ makes the rest of the load orthogonal to them.
+  MatrixXd load;
+};
+
+Retained retained(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
+                  const ModeSet& modes, const Loads& loads) {
+  Retained out;
+  out.trace = modes.gather(teams, inner(mesh.comm, loads, modes.shape));
+  const auto all = static_cast<Index>(modes.angular_frequency.size());
+  out.inverse.resize(all);
+  for (Index n = 0; n < all; ++n) {
+    const double omega = modes.angular_frequency[static_cast<std::size_t>(n)];
+    out.inverse[n] = omega > 0 ? 1 / (omega * omega) : 0;
+    (omega * omega < low * modes.cut ? out.low : out.others).push_back(n);
+  }
+  std::vector<Index> own, to;
+  for (std::size_t j = 0; j < modes.index.size(); ++j) {
+    const auto found = std::ranges::lower_bound(out.low, modes.index[j]);
+    if (found == out.low.end() || *found != modes.index[j]) continue;
+    own.push_back(static_cast<Index>(j));
+    to.push_back(found - out.low.begin());
+  }
+  const MatrixXd shape = modes.shape(Eigen::all, own);
+  MatrixXd load = BlockProduct(body.mass)(shape);
+  if (!modes.exact) {
+    const MatrixXd force = BlockProduct(body.stiffness)(shape);
+    for (std::size_t j = 0; j < own.size(); ++j) {
+      const double inverse = out.inverse[out.low[static_cast<std::size_t>(to[j])]];
+      if (inverse > 0) load.col(static_cast<Index>(j)) = inverse * force.col(static_cast<Index>(j));
+    }
+  }
+  out.load = MatrixXd::Zero(body.local_rows, std::ssize(out.low));
+  for (std::size_t j = 0; j < to.size(); ++j) out.load.col(to[j]) = load.col(static_cast<Index>(j));
+  parallel::sum(teams.peers(), out.load);
+  return out;
+}
+
+/// Responses of selected rows, by solves with K on springs. See residual_response for T and Z.
+void respond(const parallel::Teams& teams, Factorisation& factor, const std::vector<std::int64_t>& held,
+             const ModeSet& modes, const Retained& kept, const Loads& loads, const MatrixXd& t,
+             const MatrixXd& z, Rows& field) {
+  factor.factor_on_springs(held);
+  const auto rows = std::ssize(field.row);
+  const auto solved = [&](Index columns, const auto& block) {
+    MatrixXd value(rows, columns);
+    const Index width = columns_at_once * teams.count();
+    for (Index from = 0; from < columns; from += width) {
+      const Index n = std::min(width, columns - from);
+      value.middleCols(from, n) = shared_solve(teams, factor, block(from, n))(field.row, Eigen::all);
+    }
+    return value;
+  };
+  MatrixXd shape = MatrixXd::Zero(rows, kept.inverse.size());
+  for (std::size_t j = 0; j < modes.index.size(); ++j)
+    shape.col(modes.index[j]) = modes.shape(field.row, static_cast<Index>(j));
+  parallel::sum(teams.peers(), shape);
+  const MatrixXd by_low = solved(
+      kept.load.cols(), [&](Index from, Index n) -> MatrixXd { return kept.load.middleCols(from, n); });
+  const MatrixXd trace = kept.trace(Eigen::all, kept.low);
+  field.value =
+      solved(loads.cols(), [&](Index from, Index n) { return MatrixXd(loads.middleCols(from, n)); });
+  field.value.noalias() -= by_low * trace.transpose();
+  field.value.noalias() -= shape(Eigen::all, kept.low) * (t.transpose() - z * trace.transpose());
+  field.value.noalias() -= shape(Eigen::all, kept.others) * (kept.inverse(kept.others).asDiagonal() *
+                                                             kept.trace(Eigen::all, kept.others).transpose());
+}
 
 }  // namespace
 
-Eigen::MatrixXd residual_response(const parallel::Teams& teams, const mesh::Mesh& mesh,
-                                  const elasticity::Body& body, Factorisation& factor, const ModeSet& modes,
-                                  const Eigen::MatrixXd& loads, Eigen::Index seen, Rows* field) {
-  // No mode outside the set lies below the cut, so each term of the series is smaller than the previous one
-  // by the factor |σ|/(λ_cut + |σ|).
-  constexpr double tolerance = 1e-12;
-  const double sigma = modes.static_shift, ratio = -sigma / modes.cut;
-  factor.factor(sigma);
-  const BlockProduct mass(body.mass);
-  // Kept modes φ respond to the part of a load along M φ, which for exact modes equals K φ/λ. For Ritz
-  // vectors, K φ/λ makes the rest of the load orthogonal to them, and R the static flexibility minus theirs.
-  Eigen::MatrixXd inertia = mass(modes.shape);
-  // Scale of the response. Without it, the tolerance would refer to the little that remains if the vectors
-  // contain the static responses.
-  double flexibility = 0;
-  if (!modes.exact) {
-    const Eigen::MatrixXd force = BlockProduct(body.stiffness)(modes.shape);
-    Eigen::VectorXd inverse = Eigen::VectorXd::Zero(force.cols());
-    for (Eigen::Index j = 0; j < force.cols(); ++j) {
-      const double omega =
-          modes.angular_frequency[static_cast<std::size_t>(modes.index[static_cast<std::size_t>(j)])];
-      if (omega == 0) continue;
-      inverse[j] = 1 / (omega * omega);
-      inertia.col(j) = force.col(j) * inverse[j];
-    }
-    const Eigen::MatrixXd trace = inner(mesh.comm, loads.leftCols(seen), modes.shape);
-    flexibility = (trace.cwiseAbs2() * inverse).maxCoeff();
-    parallel::sum(teams.peers(), &flexibility, 1);
+MatrixXd inner(MPI_Comm comm, const Loads& loads, const MatrixXd& x) {
+  MatrixXd product = loads.transpose() * x;
+  parallel::sum(comm, product);
+  return product;
+}
+
+MatrixXd residual_response(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
+                           Factorisation& factor, const ModeSet& modes, const Loads& loads, Rows* field) {
+  const Retained kept = retained(teams, mesh, body, modes, loads);
+  const std::vector<std::int64_t> held =
+      determinate_rows(mesh.comm, elasticity::rigid_modes(mesh, body), factor.entries().first);
+  const Index b = loads.cols(), l = kept.load.cols();
+  factor.release();
+  // With G = K⁻¹ on springs and P = I − W Φᵀ over the low modes, the response is
+  //   Fᵀ Pᵀ G P F = S − T Bᵀ − B Tᵀ + B Z Bᵀ,   S = FᵀGF, T = FᵀGW, Z = WᵀGW, B = FᵀΦ,
+  // less B Λ⁻¹ Bᵀ over the other modes. P also removes rigid modes, so that loads are in equilibrium.
+  MatrixXd response =
+      BorderedStiffness(teams, factor, held, beside({loads, kept.load.sparseView()})).flexibility();
+  MatrixXd t, z;
+  if (parallel::rank_of(teams.world()) == 0) {
+    t = response.topRightCorner(b, l);
+    z = response.bottomRightCorner(l, l);
+    response.conservativeResize(b, b);
+    const MatrixXd trace = kept.trace(Eigen::all, kept.low), other = kept.trace(Eigen::all, kept.others);
+    const MatrixXd half = t - 0.5 * trace * z;
+    response.noalias() -= half * trace.transpose();
+    response.noalias() -= trace * half.transpose();
+    response.noalias() -= other * kept.inverse(kept.others).asDiagonal() * other.transpose();
+    response.triangularView<Eigen::StrictlyUpper>() = response.transpose();
   }
-  const auto over_teams = [&](Eigen::MatrixXd part) {
-    parallel::sum(teams.peers(), part);
-    return part;
-  };
-  // P f = f − M Φ Φᵀ f removes the kept modes from a load, and Pᵀ u = u − Φ (MΦ)ᵀ u removes them from a
-  // displacement. Each team holds some of the modes.
-  const auto respond_to = [&](const Eigen::Ref<const Eigen::MatrixXd>& force) -> Eigen::MatrixXd {
-    const Eigen::MatrixXd rest = force - over_teams(inertia * inner(mesh.comm, modes.shape, force));
-    const Eigen::MatrixXd u = shared_solve(teams, factor, rest);
-    return u - over_teams(modes.shape * inner(mesh.comm, inertia, u));
-  };
-  // Solves for some columns at a time, because the intermediate fields of all columns would be several times
-  // as large as the loads.
-  const Eigen::Index width = columns_at_once * teams.count();
-  const auto respond = [&](const Eigen::MatrixXd& force) {
-    Eigen::MatrixXd out(force.rows(), force.cols());
-    for (Eigen::Index from = 0; from < force.cols(); from += width) {
-      const Eigen::Index columns = std::min(width, force.cols() - from);
-      out.middleCols(from, columns) = respond_to(force.middleCols(from, columns));
-    }
-    return out;
-  };
-  // Term k is (−σ)^k Cᵀ X_k with X_k = ((K − σM)⁻¹ M)^k (K − σM)⁻¹ P L. The operator is symmetric and L
-  // begins with C; therefore Cᵀ X_{i+j+1} = X_iᵀ M X_j over the leading columns, and two solves give four
-  // terms. The field Σ (−σ)^k X_k has half as many terms, so its tolerance is the square root.
-  Eigen::MatrixXd x = respond(loads);
-  double weight_of_x = 1;
-  if (field != nullptr) field->value = x(field->row, Eigen::all);
-  Eigen::MatrixXd response = inner(mesh.comm, loads.leftCols(seen), x);
-  double weight = 1;
-  const auto add = [&](const Eigen::MatrixXd& momentum, const Eigen::MatrixXd& shape) {
-    weight *= -sigma;
-    const Eigen::MatrixXd term = weight * inner(mesh.comm, momentum.leftCols(seen), shape);
-    response += term;
-    return ratio * term.cwiseAbs().maxCoeff() <=
-           tolerance * std::max(response.cwiseAbs().maxCoeff(), flexibility);
-  };
-  for (int k = 0; k < 10; ++k) {
-    const Eigen::MatrixXd momentum = mass(x);
-    if (add(momentum, x)) break;
-    x = respond(momentum);
-    weight_of_x *= -sigma;
-    if (field != nullptr) field->value += weight_of_x * x(field->row, Eigen::all);
-    if (add(momentum, x)) break;
+  for (MatrixXd* matrix : {&response, &t, &z}) {
+    matrix->resize(matrix == &z ? l : b, matrix == &response ? b : l);
+    for (auto column : matrix->colwise())  // in parts, because MPI counts with 32 bits
+      MPI_Bcast(column.data(), static_cast<int>(column.size()), MPI_DOUBLE, 0, teams.world());
   }
+  if (field != nullptr) respond(teams, factor, held, modes, kept, loads, t, z, *field);
   return response;
 }
 

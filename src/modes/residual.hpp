@@ -3,6 +3,7 @@
 #pragma once
 
 #include "src/modes/modes.hpp"
+#include "src/modes/static_flexibility.hpp"
 
 namespace ricochet::modes {
 
@@ -12,17 +13,23 @@ struct Rows {
   Eigen::MatrixXd value;  ///< (rows, columns of the field)
 };
 
-/// Computes the quasi-static response to loads of the modes outside the set, Cᵀ Pᵀ (K − σM)⁻¹ P L, corrected
-/// to σ = 0. C are the first `seen` columns of L, the loads at the output points.
+/// Returns Fᵀ K⁺ F − Σ (Fᵀφ)(φᵀF)/ω² of all modes φ in the set: the quasi-static response of the modes
+/// outside the set at the loads themselves. K⁺ is the static flexibility without rigid motion and without the
+/// rigid part of loads. Nothing is approximated: there is no shift, and no series.
 ///
-/// @param loads  L (local rows, b) [N], held components 0, the same in every team
-/// @param field  if given, receives its rows of the response Pᵀ (K − σM)⁻¹ P L, corrected to σ = 0 with an
-/// error of 1e-6, which is enough for pictures
-/// @return (seen, b) [m/N for unit loads], the same on every rank. Collective on all ranks of `teams`.
-/// Source: MacNeal 1971, Rubin 1975. The series Σ (−σ)^k Cᵀ X_k, up to relative terms of 1e-12, removes the
-/// shift.
+/// Modes far below the cut dominate Fᵀ K⁺ F, so subtracting them would leave their round-off. They are
+/// projected out of the loads and responses instead, with the same factorisation as that of the response, so
+/// that its errors cancel.
+///
+/// @param loads  F (local rows, b), the same in every team
+/// @param field  if given, receives its rows of the responses on the mesh (rows, b)
+/// @return (b, b) symmetric [m/N for unit loads], the same on every rank. Collective on all ranks of `teams`.
+/// Source: MacNeal 1971, Rubin 1975.
 Eigen::MatrixXd residual_response(const parallel::Teams& teams, const mesh::Mesh& mesh,
                                   const elasticity::Body& body, Factorisation& factor, const ModeSet& modes,
-                                  const Eigen::MatrixXd& loads, Eigen::Index seen, Rows* field = nullptr);
+                                  const Loads& loads, Rows* field = nullptr);
+
+/// Returns Fᵀ X, summed over the ranks and the same on each. Collective.
+Eigen::MatrixXd inner(MPI_Comm comm, const Loads& loads, const Eigen::MatrixXd& x);
 
 }  // namespace ricochet::modes

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "src/programs/accuracy.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 #include <utility>
 
+#include "kernels/band.hpp"
 #include "kernels/read.hpp"
-#include "src/scene/request.hpp"
 
 namespace ricochet::programs {
 namespace {
@@ -15,34 +17,6 @@ KernelPointers pointers(const std::vector<kernels::Kernel>& kernels) {
   KernelPointers out;
   for (const kernels::Kernel& kernel : kernels) out.push_back(&kernel);
   return out;
-}
-
-/// Kernels of another element order for all bodies; empty if any of them is missing.
-std::vector<kernels::Kernel> of_other_order(const scene::Scene& scene, const std::filesystem::path& folder) {
-  std::vector<kernels::Kernel> out;
-  for (const scene::Body& body : scene.bodies) {
-    const auto request = scene::other_order(scene::kernel_request(scene, body));
-    if (!request) return {};
-    const std::filesystem::path path = scene::kernel_path(folder, *request);
-    if (kernels::read_hash(path) != request->hash) return {};
-    out.push_back(kernels::read(path, false));
-  }
-  return out;
-}
-
-/// Highest frequency that the kernels represent: the end of the band of a contact-adapted basis, or the last
-/// mode.
-Hertz band(const Kernels& kernels) {
-  Hertz highest{0};
-  for (const auto& kernel : kernels.kernel) {
-    const kernels::Modes& modes = kernel->modes;
-    const Hertz end = modes.contact_adapted() ? Hertz{modes.certificate.upto_hz}
-                      : modes.angular_frequency.empty()
-                          ? Hertz{0}
-                          : to_hertz(RadPerSecond{modes.angular_frequency.back()});
-    highest.value = std::max(highest.value, end.value);
-  }
-  return highest;
 }
 
 std::vector<kernels::Kernel> without_skins(const Kernels& kernels) {
@@ -67,33 +41,76 @@ StepOptions step_options(const scene::Scene& scene) {
           .admittance = scene.contact.admittance,
           .instant = scene.contact.instant,
           .restitution = scene.contact.restitution,
-          .step = 1 / scene.time.rate.value,
+          .contact_step = scene.contact.integration,
+          .step = scene.time.step(),
+          .steps_per_sample = scene.time.steps_per_sample(),
           .max_pivots = scene.contact.max_pivots.value_or(std::numeric_limits<int>::max()),
           .precision = scene.time.precision.value_or(Precision::float64)};
 }
 
-contact::Dialled dial_of(const scene::Scene& scene, const Kernels& kernels,
-                         const contact::Placement& placement,
-                         const std::vector<contact::ForcingRequest>& forcing, contact::Model model,
-                         const std::filesystem::path& folder, std::function<void()> poll) {
+ClosedScene closed(scene::Scene scene, const std::filesystem::path& folder, KernelStore& store) {
+  if (!scene.accuracy) return {std::move(scene)};
+  const std::filesystem::path path = scene::settings_path(folder, scene, &store.meshes);
+  auto settings = scene::read_settings(path);
+  if (!settings && scene.modes.open())
+    throw InputError(fmt::format(
+        "{}: no settings for accuracy = {:g} at {}. Run ricochet-kernel {} first, with the same --set and "
+        "--out.",
+        scene.file.string(), *scene.accuracy, path.string(), scene.file.string()));
+  return {settings ? with_settings(std::move(scene), settings->found) : std::move(scene),
+          std::move(settings)};
+}
+
+std::optional<std::filesystem::path> missing_settings(const scene::Scene& scene,
+                                                      const std::filesystem::path& folder,
+                                                      KernelStore& store) {
+  if (!scene.accuracy) return std::nullopt;
+  std::filesystem::path path = scene::settings_path(folder, scene, &store.meshes);
+  if (scene::read_settings(path)) return std::nullopt;
+  return path;
+}
+
+std::optional<CoarserMesh> read_coarser(const scene::Scene& scene, const scene::Settings& settings,
+                                        const std::filesystem::path& folder) {
+  if (!settings.coarser) return std::nullopt;
+  CoarserMesh out{.kernels = {}, .band = settings.coarser->up_to, .change = {}};
+  if (!settings.coarser_change.empty()) out.change = settings.coarser_change;
+  KernelStore store;
+  for (const StoredKernel& stored : find_kernels(with_settings(scene, *settings.coarser), folder, store)) {
+    if (!stored.enough) return std::nullopt;
+    out.kernels.push_back(std::make_shared<const kernels::Kernel>(kernels::read(stored.path, false)));
+  }
+  return out;
+}
+
+contact::Dialled dial_of(const scene::Scene& scene, const Kernels& kernels, const Prepared& prepared,
+                         contact::Model model, const std::optional<CoarserMesh>& coarser, Hertz rate,
+                         std::function<void()> poll) {
   contact::Subject subject{.rebuild =
                                [&](const std::vector<kernels::Kernel>& others) {
-                                 return model_of(scene, with_kernels(placement, pointers(others)), forcing);
+                                 return model_of(scene, with_kernels(prepared.placement, pointers(others)),
+                                                 prepared.forcing);
                                },
                            .kernels = without_skins(kernels),
                            .low_rank = scene.modes.low_rank,
                            .at_rest = scene.contact.scheme == Scheme::at_rest,
                            .duration = scene.time.duration,
                            .poll = std::move(poll)};
-  const std::vector<kernels::Kernel> other_order = of_other_order(scene, folder);
-  if (!other_order.empty())
-    subject.other_order = [&] {
-      const KernelPointers others = pointers(other_order);
-      return model_of(scene, place(scene, others), forcing);
+  subject.requested = subject.at_rest ? std::vector{Quantity::force, Quantity::approach} : scene.accuracy_of;
+  std::vector<kernels::Kernel> coarse;
+  if (coarser) {
+    for (const auto& kernel : coarser->kernels) {
+      coarse.push_back(*kernel);
+      if (scene.modes.up_to && kernel->modes.contact_adapted())
+        coarse.back() = kernels::truncated_above(std::move(coarse.back()), RadPerSecond(*scene.modes.up_to));
+    }
+    subject.coarser_mesh = [&] {
+      const KernelPointers others = pointers(coarse);
+      return model_of(scene, place(scene, others), prepared.forcing);
     };
-  subject.left_of_other = 0;
-  for (const scene::Body& body : scene.bodies)
-    subject.left_of_other = std::max(subject.left_of_other, contact::left_by_order(body.order));
+    subject.coarser_band = coarser->band;
+    subject.coarser_change = coarser->change;
+  }
   return in_scene(scene, [&] {
     return contact::dial(subject, std::move(model),
                          {.accuracy = *scene.accuracy,
@@ -101,13 +118,13 @@ contact::Dialled dial_of(const scene::Scene& scene, const Kernels& kernels,
                           .choose_rate = scene.time.rate_by_accuracy,
                           .choose_precision = !scene.time.precision,
                           .choose_points = leaves_points_open(scene),
-                          .band = band(kernels)});
+                          .rate = rate});
   });
 }
 
 scene::Scene resolved(scene::Scene scene, const contact::Settings& settings) {
   if (settings.rate) {
-    scene.time.rate = *settings.rate;
+    (scene.contact.has_contact_rate() ? scene.time.contact_rate.emplace() : scene.time.rate) = *settings.rate;
     scene.time.rate_by_accuracy = false;
   }
   if (settings.precision) scene.time.precision = settings.precision;

@@ -1,28 +1,64 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Applies the accuracy dial (contact/accuracy/dial.hpp) to a scene.
+// Applies the accuracy dial (contact/accuracy/dial.hpp) to a scene, with the settings that ricochet-kernel
+// has chosen for it (src/scene/settings.hpp).
 #pragma once
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "contact/accuracy/dial.hpp"
 #include "src/programs/stored_kernels.hpp"
+#include "src/scene/settings.hpp"
 
 namespace ricochet::programs {
 
 /// Options of the scene's steps. If the scene leaves the precision open, it is double.
 StepOptions step_options(const scene::Scene& scene);
 
-/// Chooses the settings that a scene with an accuracy leaves open.
-/// @param model  built from these kernels, placement and forcing
-/// @param folder  contains the kernels of another element order, beside those of the scene
+/// A scene with the settings that its kernels need.
+struct ClosedScene {
+  scene::Scene scene;
+  std::optional<scene::Settings>
+      settings{};  ///< no value if the scene has no accuracy, or no such file exists
+};
+
+/// Closes a scene with the settings stored in `folder`. Throws InputError if there are none although the
+/// scene leaves its modes open.
+ClosedScene closed(scene::Scene scene, const std::filesystem::path& folder, KernelStore& store);
+
+/// The path of the settings of a scene with an accuracy if there is no such file.
+std::optional<std::filesystem::path> missing_settings(const scene::Scene& scene,
+                                                      const std::filesystem::path& folder,
+                                                      KernelStore& store);
+
+/// Kernels of the next coarser mesh.
+struct CoarserMesh {
+  std::vector<std::shared_ptr<const kernels::Kernel>> kernels;  ///< of the scene's bodies, in their order
+  Hertz band{0};
+  std::optional<contact::Errors> change;  ///< from there to an even coarser mesh
+};
+
+/// @param scene  as read, before it was closed
+/// @return no value if a kernel is missing
+std::optional<CoarserMesh> read_coarser(const scene::Scene& scene, const scene::Settings& settings,
+                                        const std::filesystem::path& folder);
+
+/// The parts from which a model is built, and its variants for error estimates.
+struct Prepared {
+  contact::Placement placement;
+  std::vector<contact::ForcingRequest> forcing;
+};
+
+/// Chooses the settings of steps that a closed scene leaves open.
+/// @param model  built from these kernels and parts
+/// @param rate  rate at which the search starts; 0: unknown
 /// @param poll  called after each step; may throw to end the run
 /// Throws InputError in the same cases as building the model and running it.
-contact::Dialled dial_of(const scene::Scene& scene, const Kernels& kernels,
-                         const contact::Placement& placement,
-                         const std::vector<contact::ForcingRequest>& forcing, contact::Model model,
-                         const std::filesystem::path& folder, std::function<void()> poll);
+contact::Dialled dial_of(const scene::Scene& scene, const Kernels& kernels, const Prepared& prepared,
+                         contact::Model model, const std::optional<CoarserMesh>& coarser, Hertz rate,
+                         std::function<void()> poll);
 
 /// Returns the scene with the chosen settings, as results store it.
 scene::Scene resolved(scene::Scene scene, const contact::Settings& settings);

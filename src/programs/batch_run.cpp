@@ -14,6 +14,7 @@
 #include "kernels/read.hpp"
 #include "kernels/write.hpp"
 #include "ricochet/error.hpp"
+#include "src/programs/accuracy.hpp"
 #include "src/programs/impact_runner.hpp"
 #include "src/scene/derive.hpp"
 #include "src/scene/read.hpp"
@@ -69,19 +70,29 @@ class Batch {
 
  private:
   /// Writes the missing kernels of the scene that can be derived from `file`.
-  void derive(const scene::Scene& scene, const fs::path& file) {
-    if (scene.accuracy) return;  // such a scene also needs kernels of another element order
+  void derive(scene::Scene scene, const fs::path& file) {
+    if (missing_settings(scene, options_.out, store_)) return;
+    scene = closed(std::move(scene), options_.out, store_).scene;
     const std::vector<StoredKernel> stored = find_kernels(scene, options_.out, store_);
     for (std::size_t k = 0; k < stored.size(); ++k) {
       if (stored[k].enough || is_limited(scene, scene.bodies[k])) continue;
-      const auto request = scene::kernel_request(scene, scene.bodies[k], &store_.meshes);
-      if (const auto kernel = scene::derive_from(file, request)) kernels::write(*kernel, stored[k].whole);
+      auto request = scene::kernel_request(scene, scene.bodies[k], &store_.meshes);
+      const auto header = kernels::read_header(file);
+      request.normal_residual = header && header->normal_residual && scene::may_be_normal(request);
+      scene::seal(request);
+      if (const auto kernel = scene::derive_from(file, request))
+        kernels::write(*kernel, scene::kernel_path(options_.out, request));
     }
   }
 
-  Json needed(const scene::Scene& scene) {
+  Json needed(scene::Scene scene) {
     forcing_of(scene);  // throws if a history cannot be read
     Json out = Json::array();
+    if (const auto settings = missing_settings(scene, options_.out, store_)) {
+      out.push_back({{"file", settings->filename().string()}, {"there", false}});
+      return out;
+    }
+    scene = closed(std::move(scene), options_.out, store_).scene;
     for (const StoredKernel& kernel : find_kernels(scene, options_.out, store_)) {
       const fs::path& path = kernel.enough ? kernel.path : kernel.whole;
       if (!kernel.enough && kernels::has_newer_format(path)) kernels::read(path);  // throws

@@ -32,6 +32,27 @@ double expected_mib(const scene::Modes& wanted, const Discretised& made, std::in
   return modes::expected_mib(*made.factor, rows, count, per_shift, teams);
 }
 
+/// Whether the kernel contains a residual flexibility.
+bool has_residual(const scene::KernelRequest& request, const Discretised& made) {
+  return request.modes.residual_flexibility && made.patches.geometry.size() > 0;
+}
+
+/// Memory that the residual flexibility needs on this rank [MiB], besides that of the factorisation, which is
+/// freed before. Modes that are projected out add a little.
+double residual_mib(const scene::KernelRequest& request, const Discretised& made) {
+  if (!has_residual(request, made)) return 0;
+  const modes::Loads border =
+      modes::beside({made.pressed, made.sources.receiver.sparseView(), made.matrices.rigid_load.sparseView(),
+                     made.sources.load.sparseView()});
+  // The matrix itself exists three times while it is stored in the kernel.
+  const double size = 8.0 * static_cast<double>(border.cols() * border.cols()) / (1 << 20);
+  const double shapes = 8.0 *
+                        static_cast<double>(made.matrices.local_rows * request.modes.count.value_or(0)) /
+                        (1 << 20) / made.teams->count();
+  return shapes +
+         std::max(modes::BorderedStiffness(*made.teams, *made.factor, {}, border).expected_mib(), 3 * size);
+}
+
 /// Reads the mesh of a body on `count` teams of ranks and assembles the matrices. Collective; throws
 /// InputError on every rank.
 /// @param last  whether the source may be consumed
@@ -43,7 +64,8 @@ Discretised assembled(const scene::KernelRequest& request, Source& source, int c
   const mesh::RequestedGroups asked = surface::requested_groups(request);
   std::vector<std::string> moved;
   for (const std::string& support : asked.moved) moved.push_back(body.support.at(support));
-  Discretised made{std::make_unique<parallel::Teams>(comm, count), {}, {}, {}, {}};
+  Discretised made;
+  made.teams = std::make_unique<parallel::Teams>(comm, count);
   if (source.in_parts)  // reading a file may fail on one team only
     parallel::on_all_ranks(comm, [&] { made.mesh = mesh::read_parts(body, made.teams->team(), bar, asked); });
   else
@@ -65,6 +87,12 @@ Discretised assembled(const scene::KernelRequest& request, Source& source, int c
                            [&] { made.matrices = elasticity::read_matrices(made.mesh, body.mesh, moved); });
   else
     made.matrices = elasticity::assemble(made.mesh, body.materials, file, bar, moved);
+  made.patches = patches_of(request, made.mesh);
+  made.candidates = made.patches.geometry.size();
+  if (request.points) surface::restrict_to(made.patches, *request.points);
+  made.loads = surface::patch_loads(made.mesh, made.patches);
+  made.pressed =
+      request.normal_residual ? surface::along_normals(made.loads, made.patches.geometry) : made.loads;
   return made;
 }
 
@@ -97,9 +125,17 @@ Discretised discretise(const scene::KernelRequest& request, MPI_Comm comm, conso
       need = parallel::largest(comm, expected_mib(request.modes, made, per_shift, count));
       if (need <= usable * room || (per_shift == 130 && count > 1)) break;
     }
-    console.end(
-        fmt::format("{} unknowns; {:.0f} MiB needed of {:.0f} a rank", made.matrices.total_rows, need, room));
-    if (need <= usable * room) return made;
+    const double residual = parallel::largest(comm, residual_mib(request, made)),
+                 most_needed = std::max(need, residual);
+    console.end(fmt::format("{} unknowns; {:.0f} MiB needed of {:.0f} a rank", made.matrices.total_rows,
+                            most_needed, room));
+    if (most_needed <= usable * room) return made;
+    if (count == 1 && residual > need)
+      throw InputError(
+          fmt::format("{}: the residual flexibility between {} candidates would need {:.0f} MiB a rank, "
+                      "{:.0f} are free: name "
+                      "a smaller contact surface, set contact.reach or contact.spacing, or use more machines",
+                      file, made.patches.geometry.size(), residual, room));
     if (count == 1)
       throw InputError(
           fmt::format("{}: its factorisation would need {:.0f} MiB a rank, {:.0f} are free: use more "
@@ -119,7 +155,6 @@ void check_body(const scene::KernelRequest& request, MPI_Comm comm, console::Con
   console.begin(request.body.name + ": mesh, to check it");
   Source source = open(request, comm, console);
   const Discretised made = assembled(request, source, 1, true, comm, console);
-  patches_of(request, made.mesh);
   modes::refuse_more_than_there_are(request.modes.count, made.matrices);
   console.end(fmt::format("{} unknowns", made.matrices.total_rows));
 }

@@ -4,9 +4,10 @@
 
 #include <memory>
 
-#include "src/modes/factorisation.hpp"
+#include "src/modes/static_flexibility.hpp"
 #include "src/programs/kernel_candidates.hpp"
 #include "src/scene/request.hpp"
+#include "src/surface/patches.hpp"
 #include "src/surface/sources.hpp"
 
 namespace ricochet {
@@ -18,6 +19,10 @@ struct Discretised {
   elasticity::Body matrices;
   std::unique_ptr<modes::Factorisation> factor;
   surface::Sources sources;          ///< loads with histories, moving supports, receivers
+  surface::Patches patches;          ///< the candidates that the request keeps
+  std::size_t candidates = 0;        ///< of the whole surface
+  modes::Loads loads;                ///< of the patches, in all components
+  modes::Loads pressed;              ///< those between which the residual flexibility is kept
   std::int64_t modes_per_shift = 0;  ///< modes searched from one shift
 };
 

@@ -47,11 +47,11 @@ void ImpactFiles::started(const Impact& impact, const contact::Stepper& stepper)
     return;
   }
   const contact::Model& model = *impact.model;
-  base::check_place(result(), contact::least_bytes(model, options, impact.steps));
+  base::check_place(result(), contact::least_bytes(model, options, impact.samples()));
   recorder_.emplace(model, impact.options, options);
-  if (options_.motion) motion_.emplace(stepper, model, motion_options(impact.scene, impact.steps, stem_));
+  if (options_.motion) motion_.emplace(stepper, model, motion_options(impact.scene, impact.samples(), stem_));
   in_scene(impact.scene,
-           [&] { sounds_.emplace(model.receivers, impact.steps, impact.scene.time.rate.value); });
+           [&] { sounds_.emplace(model.receivers, impact.samples(), impact.scene.time.rate.value); });
   sounds_->record(recorder_->receivers());
   if (!options_.problems.empty())
     problems_.emplace(model, impact.options,
@@ -64,14 +64,14 @@ void ImpactFiles::started(const Impact& impact, const contact::Stepper& stepper)
 void ImpactFiles::stepped(const contact::Stepper& stepper) {
   if (problems_) problems_->observe(stepper);
   recorder_->record(stepper);
-  if (sounds_) sounds_->record(recorder_->receivers());
+  if (sounds_ && stepper.at_sample()) sounds_->record(recorder_->receivers());
   if (motion_) motion_->record(stepper);
 }
 
 void ImpactFiles::at_rest(const Impact& impact, const contact::Equilibrium& equilibrium) {
   recorder_.emplace(*impact.model, equilibrium, recorder_options(impact));
   if (options_.motion)
-    motion_.emplace(equilibrium, *impact.model, motion_options(impact.scene, impact.steps, stem_));
+    motion_.emplace(equilibrium, *impact.model, motion_options(impact.scene, impact.samples(), stem_));
 }
 
 void ImpactFiles::commit(ImpactSummary& figures) {

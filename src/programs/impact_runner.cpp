@@ -15,6 +15,7 @@
 #include "contact/stepping/run_steps.hpp"
 #include "ricochet/error.hpp"
 #include "src/programs/accuracy.hpp"
+#include "src/programs/impact_warnings.hpp"
 #include "src/programs/motion.hpp"
 #include "src/programs/table_kernels.hpp"
 
@@ -26,12 +27,6 @@ using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
-
-/// The parts from which a model is built, and its variants for error estimates.
-struct Prepared {
-  contact::Placement placement;
-  std::vector<contact::ForcingRequest> forcing;
-};
 
 Prepared prepare(Impact& impact, const ImpactRequest& request, KernelStore& store,
                  console::Console& console) {
@@ -46,6 +41,7 @@ Prepared prepare(Impact& impact, const ImpactRequest& request, KernelStore& stor
   out.forcing = in_scene(scene, [&] { return forcing_of(scene); });
   out.placement = store.placements.place(scene, impact.kernels.pointers());
   impact.model = in_scene(scene, [&] { return model_of(scene, out.placement, out.forcing); });
+  if (scene.contact.scheme != Scheme::at_rest) in_scene(scene, [&] { contact::refuse_sag(*impact.model); });
   console.end(
       fmt::format("{} contact points, {} modes", impact.model->gap.size(), impact.model->omega.size()));
   return out;
@@ -56,8 +52,11 @@ struct ErrorReport {
   std::vector<std::string> warnings;
 };
 
-/// Chooses the settings that a scene with an accuracy leaves open.
-ErrorReport choose(Impact& impact, const Prepared& prepared, const ImpactRequest& request,
+/// Chooses the settings of steps that a scene with an accuracy leaves open.
+/// @param open  the scene as read
+/// @param settings  chosen by ricochet-kernel; no value if unknown
+ErrorReport choose(Impact& impact, const Prepared& prepared, const scene::Scene& open,
+                   const std::optional<scene::Settings>& settings, const std::filesystem::path& folder,
                    console::Console& console) {
   ErrorReport out{{}, impact.kernels.warnings};
   if (!impact.scene.accuracy) return out;
@@ -66,8 +65,9 @@ ErrorReport choose(Impact& impact, const Prepared& prepared, const ImpactRequest
   const auto poll = [&] {
     if ((++steps & 63) == 0) console.advance(steps);
   };
-  contact::Dialled dialled = dial_of(impact.scene, impact.kernels, prepared.placement, prepared.forcing,
-                                     std::move(*impact.model), request.folder, poll);
+  const auto coarser = settings ? read_coarser(open, *settings, folder) : std::nullopt;
+  contact::Dialled dialled = dial_of(impact.scene, impact.kernels, prepared, std::move(*impact.model),
+                                     coarser, settings ? settings->rate : Hertz{0}, poll);
   impact.model = std::move(dialled.model);
   impact.scene = resolved(std::move(impact.scene), dialled.settings);
   out.estimate = dialled.estimate;
@@ -102,26 +102,6 @@ double slowest_wave(const scene::Scene& scene) {
   return std::isfinite(slowest) ? slowest : 0;
 }
 
-/// Number of steps below which an episode is too coarse. The bell of meshes/bell rebounds too slowly by 12 %
-/// with 16 steps and by 5 % with 32.
-constexpr double few_steps = 20;
-
-/// Adds a warning if all episodes of a "compliant" run have so few steps that peak force and rebound depend
-/// on the step. If the scene has an accuracy, the error estimate covers this.
-void warn_of_few_steps(const scene::Scene& scene, contact::Summary& summary) {
-  if (scene.accuracy || scene.contact.scheme != Scheme::compliant) return;
-  double longest = 0;
-  for (const contact::Episode& episode : summary.episodes) {
-    if (!episode.end_s) return;
-    longest = std::max(longest, (*episode.end_s - episode.start_s) * scene.time.rate.value);
-  }
-  if (longest > 0 && longest < few_steps - 0.5)
-    summary.warnings.push_back(fmt::format(
-        "the longest touch has {:.0f} steps: peak force, rebound and the energy that contact takes depend on "
-        "the time step. Raise time.rate_hz, or set accuracy",
-        longest));
-}
-
 contact::Summary steps(const Impact& impact, console::Console& console, ImpactObserver& observer) {
   const double step = impact.options.step;
   console.begin("steps", impact.steps);
@@ -153,20 +133,23 @@ contact::Summary steps(const Impact& impact, console::Console& console, ImpactOb
 ImpactResult run_impact(ImpactRequest request, KernelStore& store, console::Console& console,
                         ImpactObserver& observer) {
   const Clock::time_point started = Clock::now();
-  auto data = std::make_unique<Impact>(Impact{.scene = std::move(request.scene)});
+  ClosedScene closed = programs::closed(request.scene, request.folder, store);
+  auto data = std::make_unique<Impact>(Impact{.scene = std::move(closed.scene)});
   Impact& impact = *data;
   const bool by_table = impact.scene.contact.kernel == scene::ContactKernel::table;
   Prepared prepared;
   if (impact.scene.contact.table.empty()) prepared = prepare(impact, request, store, console);
   observer.prepared(impact);
-  const ErrorReport report = choose(impact, prepared, request, console);
+  const ErrorReport report =
+      choose(impact, prepared, request.scene, closed.settings, request.folder, console);
   impact.options = step_options(impact.scene);
 
   ImpactSummary summary;
   if (impact.scene.contact.scheme == Scheme::at_rest) {
     summary = rest(impact, console, observer);
   } else {
-    impact.steps = contact::step_count(impact.scene.time.duration, impact.scene.time.rate.value);
+    impact.steps = contact::step_count(impact.scene.time.duration, impact.scene.time.rate.value) *
+                   impact.options.steps_per_sample;
     if (by_table) add_table(impact, console);
     summary = steps(impact, console, observer);
   }
@@ -178,8 +161,7 @@ ImpactResult run_impact(ImpactRequest request, KernelStore& store, console::Cons
         figures.warnings.insert(figures.warnings.end(), report.warnings.begin(), report.warnings.end());
       },
       summary);
-  if (auto* const figures = std::get_if<contact::Summary>(&summary); figures && !by_table)
-    warn_of_few_steps(impact.scene, *figures);
+  if (auto* const figures = std::get_if<contact::Summary>(&summary)) add_warnings(impact.scene, *figures);
   return {std::move(data), std::move(summary)};
 }
 

@@ -33,7 +33,8 @@ struct Impact {
   std::optional<contact::Model> model{};  ///< no value if the table comes from a file
   std::optional<contact::Table> table{};  ///< with table kernels only
   StepOptions options{};
-  std::int64_t steps = 0;  ///< 0 at rest
+  std::int64_t steps = 0;  ///< contact steps; 0 at rest
+  std::int64_t samples() const { return steps / options.steps_per_sample; }
 };
 
 /// Observes an impact. The run ends if a function throws.

@@ -8,6 +8,7 @@
 
 #include "kernels/algebra.hpp"
 #include "src/mesh/body_file.hpp"
+#include "src/mesh/extent.hpp"
 #include "src/mesh/partition.hpp"
 #include "src/modes/residual.hpp"
 #include "src/programs/kernel_candidates.hpp"
@@ -228,6 +229,7 @@ kernels::Kernel kernel_on_one_rank(const scene::KernelRequest& request) {
   Eigen::Map<Eigen::Vector3d>(kernel.centre.data()) = body.centre;
   Eigen::Map<Eigen::Matrix3d>(kernel.inertia.data()) = body.inertia;
   kernel.supported = body.supported;
+  kernel.outline = mesh::outline_of(mesh);
   kernel.modes.basis = "imported";
   kernel.modes.angular_frequency.assign(body.omega.begin(), body.omega.end());
   kernel.modes.residual.assign(body.residual.begin(), body.residual.end());
@@ -242,9 +244,15 @@ kernels::Kernel kernel_on_one_rank(const scene::KernelRequest& request) {
                         sources.load.transpose() * body.shape, sources.receiver.transpose() * body.shape},
                        sources, kernel);
   if (request.modes.residual_flexibility) {
-    Eigen::MatrixXd seen(loads.rows(), loads.cols() + sources.receiver.cols());
-    seen << loads, sources.receiver;
-    surface::take_residuals(residual_response(file, body, seen, sources.load), loads.cols(), sources, kernel);
+    kernel.surface.normal_residual = request.normal_residual;
+    const Eigen::MatrixXd pressed =
+        request.normal_residual
+            ? Eigen::MatrixXd(surface::along_normals(loads.sparseView(), patches.geometry))
+            : loads;
+    Eigen::MatrixXd seen(loads.rows(), pressed.cols() + sources.receiver.cols());
+    seen << pressed, sources.receiver;
+    surface::take_residuals(residual_response(file, body, seen, sources.load), pressed.cols(), sources,
+                            kernel);
   }
   if (request.view) add_view(mesh, body, kernel);
   return kernel;

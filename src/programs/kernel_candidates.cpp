@@ -87,13 +87,13 @@ std::optional<kernels::Surface> surface_of_kernel(const std::vector<programs::Ke
 
 }  // namespace
 
-std::vector<Points> needed_points(const scene::Scene& scene,
-                                  const std::vector<scene::KernelRequest>& requests,
-                                  const std::filesystem::path& folder, MPI_Comm comm,
-                                  console::Console& console) {
-  std::vector<Points> points(requests.size());
-  if (std::ranges::none_of(scene.bodies, [&](const auto& body) { return programs::is_limited(scene, body); }))
-    return points;
+std::vector<Need> needs_of(const scene::Scene& scene, const std::vector<scene::KernelRequest>& requests,
+                           const std::filesystem::path& folder, MPI_Comm comm, console::Console& console) {
+  std::vector<Need> needs(requests.size());
+  if (std::ranges::none_of(scene.bodies,
+                           [&](const auto& body) { return programs::is_limited(scene, body); }) &&
+      std::ranges::none_of(requests, scene::may_be_normal))
+    return needs;
   std::vector<kernels::Kernel> surfaces;  // only with the data that pairing needs
   for (const scene::KernelRequest& request : requests) {
     const auto alike = static_cast<std::size_t>(
@@ -108,36 +108,48 @@ std::vector<Points> needed_points(const scene::Scene& scene,
                                           ? known.value_or(kernels::Surface{})
                                           : surface_of_mesh(request, comm, console);
   }
+  std::vector<Points> points(requests.size());
+  std::vector<std::int64_t> normals(requests.size());
   parallel::on_first_rank(comm, [&] {
     programs::KernelPointers pointers;
     for (const kernels::Kernel& kernel : surfaces) pointers.push_back(&kernel);
-    points = programs::points_within_reach(
-        scene, programs::in_scene(scene, [&] { return programs::place(scene, pointers); }));
+    const contact::Placement placement =
+        programs::in_scene(scene, [&] { return programs::place(scene, pointers); });
+    points = programs::points_within_reach(scene, placement);
+    std::ranges::copy(programs::normals_suffice(placement), normals.begin());
   });
-  for (Points& of_body : points) {
-    if (!parallel::of_rank(comm, 0, of_body.has_value())) continue;
-    if (!of_body) of_body.emplace();
-    parallel::broadcast(comm, *of_body);
+  parallel::broadcast(comm, normals);
+  for (std::size_t k = 0; k < needs.size(); ++k) {
+    needs[k].normals = normals[k] != 0 && scene::may_be_normal(requests[k]);
+    if (!parallel::of_rank(comm, 0, points[k].has_value())) continue;
+    if (!points[k]) points[k].emplace();
+    parallel::broadcast(comm, *points[k]);
+    needs[k].points = std::move(points[k]);
   }
-  return points;
+  return needs;
 }
 
-scene::KernelRequest with_points(scene::KernelRequest request, const Points& points) {
-  request.points = points;
-  request.within_reach = points.has_value();
+scene::KernelRequest limited_to(scene::KernelRequest request, const Need& need) {
+  request.points = need.points;
+  request.within_reach = need.points.has_value();
+  request.normal_residual = need.normals;
   scene::seal(request);
   return request;
 }
 
-Points worth_computing(const std::vector<scene::KernelRequest>& requests, const std::vector<Points>& points,
-                       std::size_t k) {
-  Points out = points[k];
-  for (std::size_t later = k + 1; later < requests.size() && out; ++later) {
+Need worth_computing(const std::vector<scene::KernelRequest>& requests, const std::vector<Need>& needs,
+                     std::size_t k) {
+  Need out = needs[k];
+  for (std::size_t later = k + 1; later < requests.size(); ++later) {
     if (!scene::similarity(requests[k], requests[later])) continue;
-    if (!points[later]) return std::nullopt;
+    out.normals = out.normals && needs[later].normals;
+    if (!out.points || !needs[later].points) {
+      out.points.reset();
+      continue;
+    }
     std::vector<std::int64_t> both;
-    std::ranges::set_union(*out, *points[later], std::back_inserter(both));
-    out = std::move(both);
+    std::ranges::set_union(*out.points, *needs[later].points, std::back_inserter(both));
+    out.points = std::move(both);
   }
   return out;
 }

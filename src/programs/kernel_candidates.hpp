@@ -29,21 +29,25 @@ Source open_source(const scene::Body& body, const mesh::RequestedGroups& asked, 
 /// All candidates of the body. Needs a GmshSession.
 surface::Patches patches_of(const scene::KernelRequest& request, const mesh::Mesh& mesh);
 
-/// Candidates that each kernel must contain: all of them if a pair of its body has no reach. Surfaces are
-/// read from kernels in the folder or from meshes, one mesh at a time; only the surfaces stay in memory. The
-/// result is the same on every rank. Collective. Throws InputError in the same cases as read_mesh and
+/// What the kernel of a body must contain for its scene.
+struct Need {
+  Points points;         ///< candidates
+  bool normals = false;  ///< whether the static correction along the normals suffices
+};
+
+/// What each kernel must contain: all candidates if a pair of its body has neither reach nor zone. Surfaces
+/// are read from kernels in the folder or from meshes, one mesh at a time; only the surfaces stay in memory.
+/// The result is the same on every rank. Collective. Throws InputError in the same cases as read_mesh and
 /// contact::place.
-std::vector<Points> needed_points(const scene::Scene& scene,
-                                  const std::vector<scene::KernelRequest>& requests,
-                                  const std::filesystem::path& folder, MPI_Comm comm,
-                                  console::Console& console);
+std::vector<Need> needs_of(const scene::Scene& scene, const std::vector<scene::KernelRequest>& requests,
+                           const std::filesystem::path& folder, MPI_Comm comm, console::Console& console);
 
-/// Candidates to compute for body k. They include those of later bodies whose kernels can be derived from its
+/// What to compute for body k. It includes the needs of later bodies whose kernels can be derived from its
 /// kernel.
-Points worth_computing(const std::vector<scene::KernelRequest>& requests, const std::vector<Points>& points,
-                       std::size_t k);
+Need worth_computing(const std::vector<scene::KernelRequest>& requests, const std::vector<Need>& needs,
+                     std::size_t k);
 
-/// Limits a request for all candidates to the given points.
-scene::KernelRequest with_points(scene::KernelRequest request, const Points& points);
+/// Limits a request for all candidates and components to what is needed.
+scene::KernelRequest limited_to(scene::KernelRequest request, const Need& need);
 
 }  // namespace ricochet

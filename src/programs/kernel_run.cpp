@@ -10,12 +10,14 @@
 #include "base/atomic_file.hpp"
 #include "kernels/band.hpp"
 #include "kernels/write.hpp"
+#include "src/mesh/extent.hpp"
 #include "src/mesh/gmsh_session.hpp"
 #include "src/modes/approximate.hpp"
 #include "src/modes/contact_basis.hpp"
 #include "src/modes/search.hpp"
 #include "src/modes/validate.hpp"
-#include "src/programs/choose_modes.hpp"
+#include "src/programs/accuracy_loop.hpp"
+#include "src/programs/body_warnings.hpp"
 #include "src/programs/discretise.hpp"
 #include "src/programs/imported_modes.hpp"
 #include "src/programs/kernel_candidates.hpp"
@@ -34,8 +36,7 @@ constexpr double beyond_search = 0.5, left_out = 0.5;
 
 /// Computes modes or Ritz vectors, and the lifts of moving supports.
 modes::ModeSet find_modes(const scene::KernelRequest& request, Discretised& made,
-                          const Eigen::MatrixXd& loads, const std::filesystem::path& checkpoint,
-                          console::Console& console) {
+                          const std::filesystem::path& checkpoint, console::Console& console) {
   const scene::Modes& wanted = request.modes;
   const auto lift = [&](double sigma) {
     made.sources.lift = modes::static_lift(*made.teams, made.mesh, made.matrices, *made.factor, sigma);
@@ -45,6 +46,7 @@ modes::ModeSet find_modes(const scene::KernelRequest& request, Discretised& made
   const modes::Progress progress{
       .begin = [&](const std::string& phase) { console.begin(request.body.name + ": " + phase); },
       .at = [&](std::int64_t done, std::int64_t total) { console.advance(done, total); }};
+  const Eigen::MatrixXd loads = fitted ? Eigen::MatrixXd(made.pressed) : Eigen::MatrixXd();
   const auto contact_basis = [&](double error, std::optional<std::int64_t> count) {
     // Gravity also moves the surface of a supported body. A moving support acts through the inertia of its
     // lift.
@@ -106,6 +108,14 @@ void leave_to_residual(const scene::KernelRequest& request, kernels::Kernel& ker
   kernel.modes.certificate.flexibility_error = made + beyond_search * error;
 }
 
+/// Moves the vectors of a contact-adapted basis above its band to the residual flexibility. They carry static
+/// flexibility, not motion, and chatter in flat contact if a time step is short enough to resolve them.
+void move_above_band(Hertz band, kernels::Kernel& kernel) {
+  const std::size_t found = kernel.modes.size();
+  kernel = kernels::truncated_above(std::move(kernel), RadPerSecond(band));
+  kernel.modes.certificate.left_out = static_cast<std::int64_t>(found - kernel.modes.size());
+}
+
 /// Computes the kernel of one body from its mesh, on all ranks. Rank 0 returns the whole kernel; other ranks
 /// return it without the visualisation surface. Collective.
 /// @param checkpoint  folder of finished slices, read and extended
@@ -127,14 +137,11 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::f
   }
 
   console.begin(body.name + ": candidates");
-  surface::Patches patches = patches_of(request, mesh);
-  const std::size_t all = patches.geometry.size();
-  if (request.points) surface::restrict_to(patches, *request.points);
-  console.end(request.points ? fmt::format("{} of {} within reach", patches.geometry.size(), all)
-                             : fmt::format("{} on the contact surface", all));
+  const surface::Patches& patches = made.patches;
+  console.end(request.points ? fmt::format("{} of {} within reach", patches.geometry.size(), made.candidates)
+                             : fmt::format("{} on the contact surface", made.candidates));
 
-  Eigen::MatrixXd loads = surface::patch_loads(mesh, patches);
-  const modes::ModeSet modes = find_modes(request, made, loads, checkpoint, console);
+  const modes::ModeSet modes = find_modes(request, made, checkpoint, console);
   console.end(summary_of(request, modes));
 
   console.begin(body.name + ": trace");
@@ -151,6 +158,9 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::f
   kernel.centre = matrices.centre;
   kernel.inertia = matrices.inertia;
   kernel.supported = matrices.free_rows < matrices.total_rows;
+  kernel.outline = mesh::outline_of(mesh);
+  kernel.held_on_lines = mesh::held_on_lines(mesh);
+  if (mesh.total_elements > 0) kernel.parts = mesh.parts;
   const bool fitted = request.modes.basis == scene::Basis::contact;
   kernel.modes.basis = fitted ? "contact" : "modes";
   kernel.modes.angular_frequency = modes.angular_frequency;
@@ -159,23 +169,34 @@ kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::f
   for (double omega : modes.angular_frequency)
     kernel.modes.decay_rate.push_back(kernels::decay_rate(body.damping, RadPerSecond{omega}));
   const bool residual = request.modes.residual_flexibility && patches.geometry.size() > 0;
-  surface::trace(teams, mesh, matrices, *made.factor, modes, patches, std::move(loads), residual,
-                 request.view, kernel, made.sources);
+  const surface::Residual form = !residual                 ? surface::Residual::none
+                                 : request.normal_residual ? surface::Residual::normal
+                                                           : surface::Residual::all;
+  surface::trace(teams, mesh, matrices, *made.factor, modes, patches, made.loads, form, request.view, kernel,
+                 made.sources);
   if (request.modes.basis == scene::Basis::modes && request.modes.flexibility_error)
     leave_to_residual(request, kernel);
+  if (fitted && residual) move_above_band(*request.modes.up_to, kernel);
   console.end(fmt::format("{} {} kept", kernel.modes.size(), fitted ? "vectors" : "modes"));
   return kernel;
+}
+
+/// Prints mass, size and wave speed of a body, and warnings about them.
+void report_body(const scene::Body& body, const kernels::Kernel& kernel, console::Console& console) {
+  console.say(fmt::format("{}: {}", body.name, programs::figures_of(body, kernel)));
+  for (const std::string& warning : programs::warnings_of(body, kernel)) console.warn(warning);
 }
 
 /// Derives the kernel from another one in the folder, if one is suitable, and writes it. Collective. @return
 /// a note for the user; empty if the kernel must be computed
 std::string derive_if_possible(const scene::KernelRequest& request, const std::filesystem::path& folder,
-                               const std::filesystem::path& path, MPI_Comm comm) {
+                               const std::filesystem::path& path, MPI_Comm comm, console::Console& console) {
   std::string from;
   parallel::on_first_rank(comm, [&] {
     const auto derived = scene::derive_from_any(folder, request);
     if (!derived) return;
     kernels::write(derived->kernel, path);
+    report_body(request.body, derived->kernel, console);
     from = fmt::format("derived from {}: ", derived->from.filename().string());
   });
   parallel::broadcast(comm, from);
@@ -193,41 +214,23 @@ void forget(const std::filesystem::path& checkpoint) {
   std::filesystem::remove_all(checkpoint, ignored);
 }
 
-}  // namespace
-
-int run_kernel(const console::Options& options, MPI_Comm comm) {
+/// Computes the kernels of a closed scene that are not there yet. Collective.
+/// @param check  whether to check all bodies before the first one is computed
+/// @return the files written
+std::vector<std::filesystem::path> compute_kernels(const scene::Scene& scene, bool check,
+                                                   const console::Options& options, MPI_Comm comm,
+                                                   console::Console& console) {
   const bool first = parallel::rank_of(comm) == 0;
-  scene::Scene scene;
   std::vector<scene::KernelRequest> requests;
-  parallel::on_all_ranks(comm, [&] {  // the scene file is small, so each rank reads it
-    scene = scene::read(options.scene, options.overrides, scene::Purpose::kernels);
-    if (!options.dry_run)
-      for (const scene::Body& body : scene.bodies) requests.push_back(scene::kernel_request(scene, body));
+  parallel::on_all_ranks(comm, [&] {
+    for (const scene::Body& body : scene.bodies) requests.push_back(scene::kernel_request(scene, body));
   });
-  if (options.dry_run) {
-    if (first) std::cout << scene::to_toml(scene);
-    return 0;
-  }
-  // Refuses invalid histories before the computation starts.
-  parallel::on_first_rank(comm, [&] { programs::forcing_of(scene); });
-
-  console::Console console(options.quiet || !first,
-                           [comm] { return parallel::largest(comm, console::peak_memory_mib()); });
-  if (requests.empty()) console.say("the scene takes its kernels from contact.table: nothing to compute");
-  std::vector<Points> points = needed_points(scene, requests, options.out, comm, console);
-  // Kernels of another order, with all candidates, give the error due to the mesh. Their computation may
-  // fail.
-  if (scene.accuracy)
-    for (std::size_t k = 0; k < scene.bodies.size(); ++k)
-      if (const auto other = scene::other_order(requests[k])) {
-        requests.push_back(*other);
-        points.push_back({});
-      }
+  const std::vector<Need> needs = needs_of(scene, requests, options.out, comm, console);
   const auto stored = [&](std::size_t k) {
     std::string found;
     if (first)
       for (const programs::KernelFile& file : programs::kernel_files(options.out, requests[k]))
-        if (found.empty() && file.holds(points[k])) found = file.path.string();
+        if (found.empty() && file.holds(needs[k].points, needs[k].normals)) found = file.path.string();
     parallel::broadcast(comm, found);
     return found;
   };
@@ -241,17 +244,17 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
         check_body(requests[k], comm, console);
     }
   };
+  std::vector<std::filesystem::path> written;
   if (options.check) {
     check_missing(0);
-    return 0;
+    return written;
   }
-  // Checks all later bodies before the first body is computed, so that their errors are reported early.
-  auto check_later = [&, checked = false](std::size_t k) mutable {
+  // Errors of later bodies are reported early.
+  auto check_later = [&, checked = !check](std::size_t k) mutable {
     if (!std::exchange(checked, true)) check_missing(k + 1);
   };
-  std::optional<scene::Modes> chosen;
   for (std::size_t k = 0; k < requests.size(); ++k) {
-    scene::KernelRequest request = with_points(requests[k], points[k]);
+    scene::KernelRequest request = limited_to(requests[k], needs[k]);
     const std::string there = stored(k);
     if (!there.empty()) {
       if (first) forget(checkpoint_of(there));
@@ -260,33 +263,52 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
     }
     std::filesystem::path path = scene::kernel_path(options.out, request);
     parallel::on_first_rank(comm, [&] { base::check_place(path); });
-    const std::string from = derive_if_possible(request, options.out, path, comm);
+    const std::string from = derive_if_possible(request, options.out, path, comm, console);
     if (from.empty()) {
-      request = with_points(requests[k], worth_computing(requests, points, k));
+      request = limited_to(requests[k], worth_computing(requests, needs, k));
       path = scene::kernel_path(options.out, request);
     }
     const std::filesystem::path checkpoint = checkpoint_of(path);
     if (from.empty()) {
       check_later(k);
-      if (request.modes.accuracy) {
-        if (!chosen) chosen = chosen_modes(scene, comm);
-        request.modes = *chosen;
-      }
-      try {
-        const kernels::Kernel kernel = compute_kernel(request, checkpoint, comm, console);
-        parallel::on_first_rank(comm, [&] { kernels::write(kernel, path); });
-      } catch (const InputError& error) {  // the error is the same on every rank
-        if (k < scene.bodies.size()) throw;
-        if (first)
-          console.warn(
-              fmt::format("in elements of order {}, from which the error of the mesh is estimated: {}",
-                          request.body.order, error.what()));
-        continue;
-      }
+      const kernels::Kernel kernel = compute_kernel(request, checkpoint, comm, console);
+      parallel::on_first_rank(comm, [&] { kernels::write(kernel, path); });
+      if (first && check) report_body(request.body, kernel, console);
     }
+    written.push_back(path);
     if (first) forget(checkpoint);
     console.say(fmt::format("{}: {}{}", request.body.name, from, path.string()));
   }
+  return written;
+}
+
+}  // namespace
+
+int run_kernel(const console::Options& options, MPI_Comm comm) {
+  const bool first = parallel::rank_of(comm) == 0;
+  scene::Scene scene;
+  parallel::on_all_ranks(comm, [&] {  // the scene file is small, so each rank reads it
+    scene = scene::read(options.scene, options.overrides, scene::Purpose::kernels);
+  });
+  if (options.dry_run) {
+    if (first) std::cout << scene::to_toml(scene);
+    return 0;
+  }
+  // Refuses invalid histories before the computation starts.
+  parallel::on_first_rank(comm, [&] { programs::forcing_of(scene); });
+
+  console::Console console(options.quiet || !first,
+                           [comm] { return parallel::largest(comm, console::peak_memory_mib()); });
+  if (scene.bodies.empty()) console.say("the scene takes its kernels from contact.table: nothing to compute");
+  const auto compute = [&](const scene::Scene& closed, bool check) {
+    return compute_kernels(closed, check, options, comm, console);
+  };
+  if (!scene.accuracy)
+    compute(scene, true);
+  else if (options.check)
+    compute(programs::closed_for_check(scene, comm), true);
+  else
+    programs::close_by_accuracy(scene, options.out, comm, console, compute);
   // The peak memory of each phase is the maximum over the ranks.
   if (!console.phases().empty()) console.say(console::Console::table(console.phases()));
   return 0;

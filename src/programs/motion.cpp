@@ -35,14 +35,14 @@ void check_skins(const Kernels& kernels) {
           kernels.file[k]));
 }
 
-contact::MotionOptions motion_options(const scene::Scene& scene, std::int64_t steps,
+contact::MotionOptions motion_options(const scene::Scene& scene, std::int64_t samples,
                                       const std::filesystem::path& stem) {
   contact::MotionOptions out{.stem = stem,
                              .title = scene.title,
                              .created_by = std::string("ricochet-contact ") + RICOCHET_VERSION,
                              .every = scene.output.vtk_every > 0
                                           ? scene.output.vtk_every
-                                          : std::max<std::int64_t>(1, steps / usual_frames)};
+                                          : std::max<std::int64_t>(1, samples / usual_frames)};
   out.stem += ".motion";
   for (const scene::Pair& pair : scene.contact.pairs) out.pairs.push_back(pair.a + " on " + pair.b);
   return out;

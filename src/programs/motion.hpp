@@ -18,9 +18,9 @@ void check_motion(const scene::Scene& scene);
 /// Throws InputError if a kernel has no visualisation surface.
 void check_skins(const Kernels& kernels);
 
-/// Options of `<stem>.motion.xdmf` and `.motion.h5`: a frame every output.vtk_every steps, or about 200
+/// Options of `<stem>.motion.xdmf` and `.motion.h5`: a frame every output.vtk_every samples, or about 200
 /// frames.
-contact::MotionOptions motion_options(const scene::Scene& scene, std::int64_t steps,
+contact::MotionOptions motion_options(const scene::Scene& scene, std::int64_t samples,
                                       const std::filesystem::path& stem);
 
 }  // namespace ricochet::programs

@@ -27,7 +27,8 @@ std::vector<contact::PlacedBody> placed_bodies(const scene::Scene& scene, const 
          .kernel = kernels[k],
          .rotation = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rotation.data()),
          .translation = vector(body.translate),
-         .velocity = vector(body.velocity)});
+         .velocity = vector(body.velocity),
+         .angular_velocity = vector(body.angular_velocity)});
   }
   return bodies;
 }
@@ -42,7 +43,7 @@ std::vector<contact::HalfSpace> half_spaces(const scene::Scene& scene) {
 std::vector<contact::PairRequest> pair_requests(const scene::Scene& scene) {
   std::vector<contact::PairRequest> pairs;
   for (const scene::Pair& pair : scene.contact.pairs) {
-    contact::PairRequest request{pair.a, pair.b, {}, pair.gap, pair.reach};
+    contact::PairRequest request{pair.a, pair.b, {}, pair.gap, pair.reach, pair.zone};
     if (pair.direction) request.direction = vector(*pair.direction);
     pairs.push_back(request);
   }
@@ -64,7 +65,9 @@ std::vector<contact::ForcingRequest> forcing_of(const scene::Scene& scene) {
     for (const scene::Forcing& driven : all) {
       contact::ForcingRequest request{
           driven.body, support ? driven.group : driven.name, support, vector(driven.vector), {}};
-      if (!driven.history.empty()) request.history = contact::read_history(driven.history);
+      // Without a file, the load has always acted.
+      request.history =
+          driven.history.empty() ? contact::History{{-1.0}, {1.0}} : contact::read_history(driven.history);
       out.push_back(std::move(request));
     }
   };
@@ -82,8 +85,9 @@ contact::Model model_of(const scene::Scene& scene, const contact::Placement& pla
 bool is_limited(const scene::Scene& scene, const scene::Body& body) {
   const auto names = [&](const scene::Pair& pair) { return pair.names(body.name); };
   return std::ranges::any_of(scene.contact.pairs, names) &&
-         std::ranges::all_of(scene.contact.pairs,
-                             [&](const scene::Pair& pair) { return pair.reach || !names(pair); });
+         std::ranges::all_of(scene.contact.pairs, [&](const scene::Pair& pair) {
+           return pair.reach || pair.zone || !names(pair);
+         });
 }
 
 std::vector<Points> points_within_reach(const scene::Scene& scene, const contact::Placement& placement) {
@@ -97,8 +101,14 @@ std::vector<Points> points_within_reach(const scene::Scene& scene, const contact
   return out;
 }
 
-bool KernelFile::holds(const Points& points) const {
-  return !held || (points && std::ranges::includes(*held, *points));
+std::vector<bool> normals_suffice(const contact::Placement& placement) {
+  std::vector<bool> out;
+  for (const double tilt : contact::largest_tilts(placement)) out.push_back(tilt <= contact::most_tilt);
+  return out;
+}
+
+bool KernelFile::holds(const Points& points, bool normals) const {
+  return (normals || !normal_residual) && (!held || (points && std::ranges::includes(*held, *points)));
 }
 
 std::vector<KernelFile> kernel_files(const fs::path& folder, const scene::KernelRequest& whole) {
@@ -112,15 +122,18 @@ std::vector<KernelFile> kernel_files(const fs::path& folder, const scene::Kernel
     scene::KernelRequest request = whole;
     request.points = header->held;
     request.within_reach = header->held.has_value();
+    request.normal_residual = header->normal_residual;
+    if (request.normal_residual && !scene::may_be_normal(request)) continue;
     scene::seal(request);
     if (request.hash == header->hash && entry.path() == scene::kernel_path(folder, request))
-      out.push_back({entry.path(), header->held});
+      out.push_back({entry.path(), header->held, header->normal_residual});
   }
   const auto candidates = [](const KernelFile& file) {
     return file.held ? file.held->size() : std::numeric_limits<std::size_t>::max();
   };
   std::ranges::sort(out, [&](const KernelFile& a, const KernelFile& b) {
-    return std::pair(candidates(a), a.path) < std::pair(candidates(b), b.path);
+    return std::tuple(candidates(a), !a.normal_residual, a.path) <
+           std::tuple(candidates(b), !b.normal_residual, b.path);
   });
   return out;
 }

@@ -47,11 +47,15 @@ std::vector<contact::ForcingRequest> forcing_of(const scene::Scene& scene);
 contact::Model model_of(const scene::Scene& scene, const contact::Placement& placement,
                         const std::vector<contact::ForcingRequest>& forcing);
 
-/// Whether every pair of the body has a reach, so that its kernel may omit candidates.
+/// Whether every pair of the body has a reach or a zone, so that its kernel may omit candidates.
 bool is_limited(const scene::Scene& scene, const scene::Body& body);
 
 /// Numbers of candidates on the whole surface, ascending; no value: all.
 using Points = std::optional<std::vector<std::int64_t>>;
+
+/// Whether displacements along the normals of its candidates suffice for each body, because no pair is tilted
+/// against them by more than contact::most_tilt.
+std::vector<bool> normals_suffice(const contact::Placement& placement);
 
 /// Candidates that the kernels of the scene's bodies must contain. A body that is not limited needs all of
 /// its candidates.
@@ -60,11 +64,13 @@ std::vector<Points> points_within_reach(const scene::Scene& scene, const contact
 struct KernelFile {
   std::filesystem::path path;
   Points held;
-  bool holds(const Points& points) const;
+  bool normal_residual = false;
+  /// Whether the kernel serves a scene that needs these points, and for which normals suffice or not.
+  bool holds(const Points& points, bool normals_suffice) const;
 };
 
 /// Kernel files in `folder` that answer `whole`, a request for all candidates, or the same request limited by
-/// a reach. Files with the fewest candidates come first.
+/// a reach, or with its static correction along the normals alone. The smallest files come first.
 std::vector<KernelFile> kernel_files(const std::filesystem::path& folder, const scene::KernelRequest& whole);
 
 }  // namespace ricochet::programs

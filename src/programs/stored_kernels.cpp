@@ -7,6 +7,7 @@
 
 #include "kernels/read.hpp"
 #include "ricochet/error.hpp"
+#include "src/programs/body_warnings.hpp"
 
 namespace ricochet::programs {
 
@@ -14,11 +15,17 @@ namespace fs = std::filesystem;
 
 namespace {
 
+/// Whether the scene's placement decides which of several files serves the body.
+bool depends_on_placement(const scene::Scene& scene, const scene::Body& body,
+                          const scene::KernelRequest& request) {
+  return is_limited(scene, body) || scene::may_be_normal(request);
+}
+
 /// Files that contain all or some candidates of a body.
 std::vector<KernelFile> files_of(const scene::Scene& scene, const scene::Body& body,
                                  const scene::KernelRequest& request, const fs::path& folder,
                                  KernelStore& store) {
-  if (is_limited(scene, body)) return kernel_files(folder, request);
+  if (depends_on_placement(scene, body, request)) return kernel_files(folder, request);
   const fs::path path = scene::kernel_path(folder, request);
   if (!fs::exists(path)) return {};
   if (!store.seen.contains(path)) {
@@ -53,7 +60,10 @@ contact::Placement PlacementStore::place(const scene::Scene& scene, const Kernel
     return known_.back().second;
   }
   contact::Placement out = with_kernels(same->second, kernels);
-  for (std::size_t k = 0; k < bodies.size(); ++k) out.bodies[k].velocity = bodies[k].velocity;
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    out.bodies[k].velocity = bodies[k].velocity;
+    out.bodies[k].angular_velocity = bodies[k].angular_velocity;
+  }
   return out;
 }
 
@@ -72,42 +82,30 @@ std::vector<StoredKernel> find_kernels(const scene::Scene& scene, const fs::path
     const fs::path whole = scene::kernel_path(folder, request);
     files.push_back(files_of(scene, body, request, folder, store));
     const bool none = files.back().empty();
-    out.push_back({none ? whole : files.back().front().path, !none, whole, request.hash});
+    out.push_back({none ? whole : files.back().front().path, !none, whole, request.hash,
+                   depends_on_placement(scene, body, request)});
   }
-  const auto whole = [](const auto& of_body) { return of_body.size() == 1 && !of_body.front().held; };
+  const auto whole = [](const auto& of_body) {
+    return of_body.size() == 1 && !of_body.front().held && !of_body.front().normal_residual;
+  };
   const auto none = [](const auto& of_body) { return of_body.empty(); };
   if (std::ranges::all_of(files, whole) || std::ranges::any_of(files, none)) return out;
 
   KernelPointers kernels;
   for (const StoredKernel& stored : out) kernels.push_back(read(stored.path, store).get());
-  const std::vector<Points> points = points_within_reach(scene, store.placements.place(scene, kernels));
+  const contact::Placement placement = store.placements.place(scene, kernels);
+  const std::vector<Points> points = points_within_reach(scene, placement);
+  const std::vector<bool> normals = normals_suffice(placement);
   for (std::size_t k = 0; k < files.size(); ++k) {
-    const auto enough =
-        std::ranges::find_if(files[k], [&](const KernelFile& file) { return file.holds(points[k]); });
+    const auto enough = std::ranges::find_if(
+        files[k], [&](const KernelFile& file) { return file.holds(points[k], normals[k]); });
     out[k].enough = enough != files[k].end();
     if (out[k].enough) out[k].path = enough->path;
   }
   return out;
 }
 
-namespace {
-
-/// Poisson's ratio above which linear elements lock. They can hardly deform at constant volume, and peak
-/// forces become at least twice as large.
-constexpr double locking_poisson = 0.45;
-
-std::vector<std::string> locking(const scene::Body& body, const kernels::Kernel& kernel) {
-  std::vector<std::string> out;
-  for (const scene::Material& material : body.materials)
-    if (kernel.order == 1 && material.area == 0 && material.poisson > locking_poisson)  // a rod has an area
-      out.push_back(fmt::format(
-          "{}: elements of order 1 lock at poisson = {:g} (above {:g}), forces are far too large: "
-          "use order 2 or more",
-          body.name, material.poisson, locking_poisson));
-  return out;
-}
-
-}  // namespace
+namespace {}  // namespace
 
 Kernels read_kernels(const scene::Scene& scene, const fs::path& folder, KernelStore& store, bool view) {
   const std::vector<StoredKernel> stored = find_kernels(scene, folder, store);
@@ -116,20 +114,20 @@ Kernels read_kernels(const scene::Scene& scene, const fs::path& folder, KernelSt
   for (std::size_t k = 0; k < stored.size(); ++k) {
     const scene::Body& body = scene.bodies[k];
     const fs::path& path = stored[k].path;
-    const bool limited = is_limited(scene, body);
+    const bool several = stored[k].depends_on_placement;
     if (!stored[k].enough && !fs::exists(path))
       throw InputError(fmt::format(
           "{}: no kernel for body \"{}\" {}. Run ricochet-kernel {} first, with the same --set and --out.",
-          scene.file.string(), body.name, limited ? "in " + folder.string() : "at " + path.string(),
+          scene.file.string(), body.name, several ? "in " + folder.string() : "at " + path.string(),
           scene.file.string()));
     const auto kernel = read(path, store, view);
-    if (!limited && kernel->hash != stored[k].hash)
+    if (!several && kernel->hash != stored[k].hash)
       throw InputError(
           fmt::format("{}: is a kernel of another scene, not of body \"{}\". Run ricochet-kernel {} again.",
                       path.string(), body.name, scene.file.string()));
     out.kernel.push_back(kernel);
     out.file.push_back(path.filename().string());
-    for (const std::string& warning : locking(body, *kernel)) out.warnings.push_back(warning);
+    for (const std::string& warning : warnings_of(body, *kernel)) out.warnings.push_back(warning);
     kept[path] = kernel;
   }
   store.kernels = std::move(kept);

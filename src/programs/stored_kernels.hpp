@@ -25,7 +25,7 @@ namespace ricochet::programs {
 struct Kernels {
   std::vector<std::shared_ptr<const kernels::Kernel>> kernel;
   std::vector<std::string> file;
-  std::vector<std::string> warnings;  ///< about element orders that do not suit the material
+  std::vector<std::string> warnings;  ///< those of body_warnings.hpp
   KernelPointers pointers() const;
 };
 
@@ -63,14 +63,15 @@ struct KernelStore {
   PlacementStore placements;
 };
 
-/// The file of a body's kernel. Files may differ in the candidates that they contain. The smallest sufficient
-/// file is chosen, or the smallest one if none suffices. If there is no file, `path` is that of a kernel with
-/// all candidates.
+/// The file of a body's kernel. Files may differ in the candidates that they contain, and in the components
+/// of their static correction. The smallest sufficient file is chosen, or the smallest one if none suffices.
+/// If there is no file, `path` is that of a kernel with all candidates.
 struct StoredKernel {
   std::filesystem::path path;
   bool enough = false;
-  std::filesystem::path whole;  ///< path of a kernel with all candidates
-  std::string hash;             ///< hash of a kernel with all candidates
+  std::filesystem::path whole;        ///< path of a kernel with all candidates
+  std::string hash;                   ///< hash of a kernel with all candidates
+  bool depends_on_placement = false;  ///< whether files of several hashes may serve the body
 };
 
 /// The files of the scene's bodies, in their order. A file that is damaged or belongs to another scene counts

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "src/scene/body.hpp"
 
+#include <algorithm>
+
+#include "src/scene/near_miss.hpp"
 #include "src/scene/table.hpp"
 
 namespace ricochet::scene {
@@ -14,19 +17,21 @@ Material read_material(Table& table, const std::string& group) {
   material.young = table.required_number("young");
   material.poisson = table.number("poisson").value_or(material.poisson);
   material.area = table.number("area").value_or(material.area);
-  table.refuse_unknown();
+  table.refuse_unread();
   return material;
 }
 
 /// Returns an empty list if the table is missing, as for an imported body.
 std::vector<Material> read_materials(Table& body) {
-  auto table = body.table("material", material_keys);
-  if (!table || table->raw().empty()) return {};
-  bool nested = true;
-  for (auto&& [key, node] : table->raw()) nested = nested && node.is_table();
-  if (!nested) return {read_material(*table, "")};
+  const toml::table* given = body.raw()["material"].as_table();
+  const bool nested = given != nullptr &&
+                      std::ranges::all_of(*given, [](const auto& entry) { return entry.second.is_table(); });
   std::vector<Material> materials;
-  for (auto& [group, inner] : table->tables(material_keys)) materials.push_back(read_material(inner, group));
+  if (nested)
+    for (auto& [group, inner] : body.named("material", material_keys))
+      materials.push_back(read_material(inner, group));
+  else if (auto table = body.table("material", material_keys))
+    materials.push_back(read_material(*table, ""));
   return materials;
 }
 
@@ -44,7 +49,7 @@ Damping read_damping(Table& body) {
     damping = {Damping::Law::rayleigh, (*value)[0], (*value)[1]};
     ++given;
   }
-  table->refuse_unknown();
+  table->refuse_unread();
   if (given > 1) body.complain("damping", "give one law only: ratio, loss_factor, rayleigh or viscosity");
   return damping;
 }
@@ -67,7 +72,10 @@ std::map<std::string, std::string> read_support(Table& body) {
 
 void read_body_matter(Table& table, Body& body) {
   body.geometry = table.numbers("geometry");
-  if (const auto order = table.integer("order")) body.order = static_cast<int>(*order);
+  const auto order = table.integer("order");
+  body.order_open = !order;
+  body.order = static_cast<int>(order.value_or(body.order));
+  body.size_factor = table.number("size_factor").value_or(body.size_factor);
   body.scale = table.number("scale").value_or(body.scale);
   body.materials = read_materials(table);
   body.damping = read_damping(table);
@@ -93,22 +101,30 @@ void check_matter(Table& table, const Body& body) {
 
 }  // namespace
 
-Body read_body(const std::string& name, Table& table, const std::filesystem::path& folder) {
+Body read_body(const std::string& name, Table& table, const std::vector<std::string>& names,
+               const std::filesystem::path& folder) {
   Body body;
   body.name = name;
   if (name.empty() ||
       name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") !=
           std::string::npos)
     table.complain("", "the name of a body must consist of letters, digits, - and _");
-  const std::string mesh = table.required("mesh", table.text("mesh"),
-                                          "name a .geo, .step, .brep or .msh file, or a body file (.h5)");
-  body.mesh = (folder / mesh).lexically_normal();
+  const auto mesh = table.text("mesh");
+  if (!mesh) {
+    std::vector<std::string> others = names;
+    std::erase(others, name);
+    const std::string similar = most_similar(name, others);
+    table.complain("mesh", "is missing: name a .geo, .step, .brep or .msh file, or a body file (.h5)" +
+                               (similar.empty() ? "" : "; or did you mean bodies." + similar + "?"));
+  }
+  body.mesh = (folder / *mesh).lexically_normal();
   read_body_matter(table, body);
   check_matter(table, body);
   body.translate = table.vector("translate").value_or(Vector3{});
   body.rotate_deg = table.vector("rotate_deg").value_or(Vector3{});
   body.velocity = table.vector("velocity").value_or(Vector3{});
-  table.refuse_unknown();
+  body.angular_velocity = table.vector("angular_velocity").value_or(Vector3{});
+  table.refuse_unread();
   return body;
 }
 

@@ -56,7 +56,8 @@ const Section& request_contact_keys() {
        {"along", Type::vector, "", "", {}, ""},
        *pair_keys.find("spacing"),
        {"points", Type::integers, "", "", {}, ""},
-       {"within_reach", Type::text, "", "", {}, ""}}};
+       {"within_reach", Type::text, "", "", {}, ""},
+       {"residual", Type::text, "", "", {}, ""}}};
   return section;
 }
 
@@ -116,17 +117,16 @@ KernelRequest request_of(const kernels::Header& header, const std::string& origi
                              origin, error.description())));
   }
   Table root(parsed, request_keys(), origin, "");
-  if (parsed.contains("accuracy"))
-    root.complain("accuracy", "its modes were chosen for one scene only: compute another kernel");
   for (const char* sources : {"loads", "output.receiver"})
     if (parsed.at_path(sources))
       root.complain(
           sources,
           "kernels with loads, moving supports or receivers are for one scene only: compute another kernel");
+  root.refuse_unknown();
   auto body = root.table("body", body_keys);
   if (!body) root.complain("body", "is missing. Compute it again with ricochet-kernel.");
   read_body_matter(*body, request.body);
-  body->refuse_unknown();
+  body->refuse_unread();
   request.modes = read_modes(root);
   if (auto contact = root.table("contact", request_contact_keys())) {
     request.direction = contact->vector("direction");
@@ -137,13 +137,14 @@ KernelRequest request_of(const kernels::Header& header, const std::string& origi
       request.within_reach = true;
       request.points = header.held;
     }
-    contact->refuse_unknown();
+    request.normal_residual = contact->text("residual").has_value();
+    contact->refuse_unread();
   }
   if (auto output = root.table("output", output_keys)) {
     request.view = output->boolean("view").value_or(false);
-    output->refuse_unknown();
+    output->refuse_unread();
   }
-  root.refuse_unknown();
+  root.refuse_unread();
   seal(request);
   if (request.hash != header.hash)
     throw InputError(
@@ -152,12 +153,13 @@ KernelRequest request_of(const kernels::Header& header, const std::string& origi
 }
 
 std::optional<kernels::Similarity> similarity(const KernelRequest& had, const KernelRequest& wanted) {
-  if (!toml_sources(wanted).empty() || wanted.modes.accuracy) return std::nullopt;
+  if (!toml_sources(wanted).empty() || wanted.modes.open()) return std::nullopt;
   const Body &a = had.body, &b = wanted.body;
   if (had.mesh_sha256 != wanted.mesh_sha256 || a.geometry != b.geometry || a.order != b.order ||
-      a.contact != b.contact || a.support != b.support || a.materials.size() != b.materials.size() ||
-      (had.direction && had.direction != wanted.direction) || had.along != wanted.along ||
-      !both_or_neither(had.spacing, wanted.spacing))
+      a.size_factor != b.size_factor || a.contact != b.contact || a.support != b.support ||
+      a.materials.size() != b.materials.size() || (had.direction && had.direction != wanted.direction) ||
+      (had.normal_residual && wanted.modes.residual_flexibility && !wanted.normal_residual) ||
+      had.along != wanted.along || !both_or_neither(had.spacing, wanted.spacing))
     return std::nullopt;
   kernels::Similarity by{.scale = b.scale / a.scale};
   if (!a.materials.empty()) {
@@ -191,10 +193,13 @@ kernels::Kernel derived(kernels::Kernel kernel, const KernelRequest& had, const 
       kernel.surface.whole = std::move(whole);
     }
   }
-  kernel =
-      with_modes(std::move(kernel), had.modes, wanted.modes, kernels::frequency_factor(*factors), !turned);
+  const bool projected = wanted.normal_residual && !had.normal_residual;
+  if (projected) kernel = kernels::restricted_to_normals(std::move(kernel));
+  kernel = with_modes(std::move(kernel), had.modes, wanted.modes, kernels::frequency_factor(*factors),
+                      !turned && !projected);
   if (!wanted.modes.residual_flexibility) {
     kernel.surface.residual_flexibility.clear();
+    kernel.surface.normal_residual = false;
     kernel.loads.body_force_residual.clear();
     if (kernel.view) {
       kernel.view->residual_flexibility.clear();

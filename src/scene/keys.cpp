@@ -48,13 +48,14 @@ Key vector_of_source(const char* unit, const char* meaning) {
 }
 
 Key history_of_source() {
-  return {"history",
-          Type::text,
-          "",
-          none,
-          any(),
-          "CSV file of times [s] and factors that multiply `vector`. Without a file, the factor is 1 from t "
-          "= 0 on"};
+  return {
+      "history",
+      Type::text,
+      "",
+      none,
+      any(),
+      "CSV file of times [s] and factors that multiply `vector`. Without a file, the factor is always 1: a "
+      "dead load, under which bodies start at rest"};
 }
 
 Key name_of_source(const char* fallback) {
@@ -86,22 +87,38 @@ const Section scene_keys{
     "",
     {{"title", Type::text, "", "the file's name without `.toml`", any(),
       "title of the pictures; the names of the result files are made from it"},
-     {"accuracy", Type::number, "1", none,
-      from_to("1e-6", "0.5", ", the relative error that results may have"),
-      "relative error allowed in the main results; the programs choose the settings that the scene leaves "
-      "open"},
+     {"accuracy", Type::number, "1",
+      toml_number(default_accuracy) + " if `modes` are left open, otherwise none",
+      Range{.low = "1e-6",
+            .high = "0.5",
+            .choices = {"off"},
+            .remark = ": the relative error that results may have"},
+      "relative error allowed in the quantities of `accuracy_of`; `ricochet-kernel` and `ricochet-contact` "
+      "choose the settings that the scene leaves open. `\"off\"`: nothing is chosen, and no error is "
+      "estimated"},
+     {"accuracy_of", Type::texts, "", "`[\"impulse\", \"rebound\"]`", any(),
+      "quantities to which `accuracy` applies: some of `\"impulse\"`, `\"rebound\"`, `\"spin\"`, "
+      "`\"peak_force\"`, `\"duration\"`, `\"energy\"` and `\"receivers\"`, or their only name. At rest: "
+      "`\"force\"` and `\"approach\"`, always both"},
      {"bodies", Type::table, "", required, any(),
       "`[bodies.NAME]`, one table for each elastic body. NAME consists of letters, digits, `-` and `_`. A "
-      "scene with a `contact.table` has no bodies"},
-     {"obstacles", Type::table, "", none, any(), "`[obstacles.NAME]`, rigid half-spaces"},
+      "scene with a `contact.table` has no bodies",
+      "[bodies.NAME], one table for each body"},
+     {"obstacles", Type::table, "", none, any(), "`[obstacles.NAME]`, rigid half-spaces",
+      "[obstacles.NAME], with normal = [0, 0, 1]"},
      {"modes", Type::table, "", required, any(),
-      "basis of every body: which modes, or which Ritz vectors. Optional with `accuracy`"},
+      "basis of every body: which modes, or which Ritz vectors. Optional unless `accuracy = \"off\"`",
+      "[modes], with up_to_hz or count"},
      {"contact", Type::table, "", required, any(),
-      "contact pairs and contact law. Optional for kernels and modes"},
+      "contact pairs and contact law. Optional for kernels and modes",
+      "[contact], with between; several pairs are [[contact.pair]]"},
      {"time", Type::table, "", required, any(),
-      "time step and duration. Optional for kernels and modes, and with `scheme = \"static\"`"},
-     {"loads", Type::table, "", none, any(), "gravity, tractions, point forces, moving supports"},
-     {"output", Type::table, "", none, any(), "what is written, and receivers"}}};
+      "time step and duration. Optional for kernels and modes, and with `scheme = \"static\"`",
+      "[time], with duration"},
+     {"loads", Type::table, "", none, any(), "gravity, tractions, point forces, moving supports",
+      "[loads], with gravity = [0, 0, -9.81]"},
+     {"output", Type::table, "", none, any(), "what is written, and receivers",
+      "[output], with its keys below"}}};
 
 const Section body_keys{
     "[bodies.NAME]",
@@ -112,9 +129,14 @@ const Section body_keys{
       "program"},
      {"geometry", Type::numbers, "", "`{}`", any(),
       "values for the `DefineConstant` names of a `.geo`. Names that the `.geo` does not define are "
-      "refused, and so is `geometry` for other files"},
-     {"order", Type::integer, "", shown(Body{}.order), from_to("1", "10"),
+      "refused, and so is `geometry` for other files",
+      "{ size = 4e-3 }"},
+     {"order", Type::integer, "", shown(Body{}.order) + ", or chosen by `accuracy`", from_to("1", "10"),
       "element order for meshes that gmsh makes; a `.msh` keeps its own"},
+     {"size_factor", Type::number, "1", shown(Body{}.size_factor) + ", or chosen by `accuracy` with `order`",
+      above("0"),
+      "factor on the element sizes of a `.geo`, `.step` or `.brep` (gmsh's `Mesh.MeshSizeFactor`). Curves "
+      "with a given number of elements keep it"},
      {"scale", Type::number, "1", shown(Body{}.scale), above("0"),
       "factor on all coordinates of the mesh (0.001 for a drawing in millimetres)"},
      {"rotate_deg", Type::vector, "degrees", shown(Body{}.rotate_deg), any(),
@@ -123,18 +145,27 @@ const Section body_keys{
       "translation, after `scale` and `rotate_deg`"},
      {"material", Type::table, "", required, any(),
       "one table for the whole body, or one table for each physical volume (for a rod: physical line), "
-      "named after it. A body file has no material"},
-     {"damping", Type::table, "", "`{}`", any(), "one damping law; no damping if empty"},
+      "named after it. A body file has no material",
+      "{ density = 7800, young = 2.1e11, poisson = 0.3 }"},
+     {"damping", Type::table, "", "`{}`", any(), "one damping law; no damping if empty", "{ ratio = 0.01 }"},
      {"velocity", Type::vector, "m/s", shown(Body{}.velocity), any(),
-      "initial velocity of the whole body, in world axes. A supported body cannot have a velocity that its "
+      "initial velocity of the centre of mass, in world axes. A supported body cannot have a velocity that "
+      "its "
       "supports prevent; a rod moves along its axis only"},
+     {"angular_velocity", Type::vector, "rad/s", shown(Body{}.angular_velocity), any(),
+      "initial angular velocity about the centre of mass, in world axes, for bodies that supports do not "
+      "hold. "
+      "Rotations are linear: points move along their initial tangents, and the body starts without the "
+      "strain "
+      "of centrifugal forces"},
      {"contact", Type::texts, "", required, any(),
       "physical surface (for a rod: physical point) that may touch, or a list of them. Optional in a scene "
       "without `[contact]`"},
      {"support", Type::strings, "", "`{}`", any(),
       "physical group (surface, curve, point or volume) = held components, some of `\"xyz\"`, in the axes "
       "of the mesh (before `rotate_deg`). A rod is held unless all named components are normal to its "
-      "axis"}}};
+      "axis",
+      "{ GROUP = \"xyz\" }"}}};
 
 const Section material_keys{
     "[bodies.NAME.material]",
@@ -185,6 +216,10 @@ const Section modes_keys{
       "relative error allowed in the flexibility of the contact surface over the band"},
      {"residual_flexibility", Type::boolean, "", shown(Modes{}.residual_flexibility), any(),
       "keep the static flexibility of the modes that are left out"},
+     {"residual_components", Type::text, "", shown("all"), one_of({"auto", "all"}),
+      "components of the residual flexibility. `\"auto\"`: only the normal of each candidate if no pair is "
+      "tilted "
+      "against it by more than 3 degrees, otherwise all three. `\"all\"`: always all three"},
      {"relative_residual", Type::number, "1", shown(Modes{}.relative_residual), from_to("1e-14", "1e-2"),
       "bound on ‖Kφ − ω²Mφ‖ / ‖Kφ‖ of each mode. A mode above it is an error, unless round-off explains "
       "it. Ritz vectors are not checked"},
@@ -218,7 +253,11 @@ const Section pair_keys{
       "distance, measured between the means of the patches"},
      {"reach", Type::number, "m", none, above("0"),
       "drops the pairs of points whose initial gap, after `gap`, is not below this distance. Kernels leave "
-      "out the candidates that no pair needs"}}};
+      "out the candidates that no pair needs"},
+     {"zone", Type::number, "m", std::string(none) + ", or chosen by `accuracy`", above("0"),
+      "drops the pairs of points whose initial gap exceeds that of the closest pair by this distance or "
+      "more, "
+      "as `reach` does, wherever the bodies start"}}};
 
 const Section contact_keys =
     joined({"[contact]",
@@ -227,6 +266,10 @@ const Section contact_keys =
               "contact law. `\"compliant\"`: forces with which no point penetrates at the end of a step. "
               "`\"impulse\"`: impulses on the points that touch. `\"static\"`: equilibrium under gravity, "
               "without time"},
+             {"integration", Type::text, "", shown("conserving"), one_of({"conserving", "backward-euler"}),
+              "`compliant` only. `\"conserving\"`: the modes are driven by a mean of the forces at the last "
+              "instants, with an error of second order. `\"backward-euler\"`: by the force at the end of the "
+              "step; each change of force costs energy"},
              {"admittance", Type::text, "", shown("jump"), one_of({"jump", "difference"}),
               "`impulse` only: velocity jump, or difference quotient over a step. `difference` needs ω_max "
               "· step < π"},
@@ -251,10 +294,15 @@ const Section contact_keys =
 const Section time_keys{
     "[time]",
     "",
-    {{"rate_hz", Type::number, "Hz", shown(Time{}.rate.value) + ", or chosen by `accuracy`", above("0"),
-      "steps per second"},
+    {{"rate_hz", Type::number, "Hz", shown(Time{}.rate.value), above("0"),
+      "output samples per second. In free flight, steps go from sample to sample. With scheme = `impulse` "
+      "and "
+      "with table kernels, also the steps per second; `impulse` with `accuracy` chooses it"},
+     {"contact_rate_hz", Type::number, "Hz", "rate_hz, or chosen by `accuracy`", above("0"),
+      "steps per second while a point could close, rounded up to a multiple of rate_hz. Needs `scheme = "
+      "\"compliant\"` and `kernel = \"modes\"`"},
      {"duration", Type::number, "s", required, above("0"),
-      "simulated time. duration · rate_hz is rounded to a whole number of steps, from 1 to 1e9"},
+      "simulated time. duration · rate_hz is rounded to a whole number of samples, from 1 to 1e9"},
      {"precision", Type::text, "", shown("double") + ", or chosen by `accuracy`",
       one_of({"double", "single"}),
       "`\"single\"`: matrix products of the steps in single precision, which is faster with many points. "
@@ -264,7 +312,7 @@ const Section loads_keys{
     "[loads]",
     "",
     {{"gravity", Type::vector, "m/s²", shown(Loads{}.gravity), any(),
-      "acceleration of gravity, in world axes"},
+      "acceleration of gravity, in world axes", "[0, 0, -9.81]"},
      {"traction", Type::tables, "", none, any(), "`[[loads.traction]]`, forces distributed over surfaces"},
      {"point", Type::tables, "", none, any(), "`[[loads.point]]`, point forces"},
      {"motion", Type::tables, "", none, any(), "`[[loads.motion]]`, moving supports"}}};
@@ -297,15 +345,16 @@ const Section motion_keys{
 const Section output_keys{
     "[output]",
     "",
-    {{"every", Type::integer, "steps", shown(Output{}.every), from_to("1", "1e9"),
-      "interval between rows of the result"},
+    {{"every", Type::integer, "samples", shown(Output{}.every), from_to("1", "1e9"),
+      "interval between rows of the result, in output samples; between rows of the contact, in contact "
+      "steps"},
      {"view", Type::boolean, "", shown(Output{}.view), any(),
       "keep each body's visualisation surface in its kernel, for pictures: the modes and, with "
       "`residual_flexibility`, the static response to each candidate. Each of them takes 12 bytes "
       "for each node"},
-     {"snapshot_every", Type::integer, "steps", shown(Output{}.snapshot_every), at_least("0"),
+     {"snapshot_every", Type::integer, "samples", shown(Output{}.snapshot_every), at_least("0"),
       "interval between snapshots of the modal coordinates; 0: none"},
-     {"vtk_every", Type::integer, "steps", shown(Output{}.vtk_every), at_least("0"),
+     {"vtk_every", Type::integer, "samples", shown(Output{}.vtk_every), at_least("0"),
       "interval between frames of the [motion for ParaView](results.md#motion-in-paraview); 0: none. Sets "
       "`view`; not with `kernel = \"table\"`"},
      {"receiver", Type::tables, "", none, any(), "`[[output.receiver]]`, points whose motion is recorded"}}};

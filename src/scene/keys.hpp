@@ -34,6 +34,9 @@ struct Key {
   std::string fallback;  ///< as in the reference: a value in backticks, "none", or "–" for a required key
   Range range;
   std::string meaning;
+  /// A table or a vector as a scene would give it; errors show it. Sections of the file: their title and
+  /// keys.
+  std::string example = {};
 };
 
 /// A table of the scene.

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "ricochet/kernel.hpp"
+#include "src/scene/near_miss.hpp"
 #include "src/scene/table.hpp"
 #include "src/scene/write.hpp"
 
@@ -14,7 +15,11 @@ namespace {
 
 std::string read_body(Table& table, const Scene& scene) {
   const std::string name = table.required("body", table.text("body"), "name the body");
-  if (scene.find_body(name) == nullptr) table.complain("body", "there is no body \"" + name + "\"");
+  if (scene.find_body(name) == nullptr) {
+    std::vector<std::string> names;
+    for (const Body& body : scene.bodies) names.push_back(body.name);
+    table.complain("body", "there is no body \"" + name + '"' + existing_names(name, names));
+  }
   return name;
 }
 
@@ -74,7 +79,7 @@ Forcing read_driven(Table& table, Kind kind, std::size_t number, const Scene& sc
     if (!std::filesystem::is_regular_file(driven.history))
       table.complain("history", "no such file: give a CSV of times [s] and factors, or leave it out");
   }
-  table.refuse_unknown();
+  table.refuse_unread();
   return driven;
 }
 
@@ -110,7 +115,7 @@ void read_loads(Table& root, Scene& scene) {
       refuse_second(entry, all, target->back());
       all.push_back(target->back());
     }
-  table->refuse_unknown();
+  table->refuse_unread();
 }
 
 std::vector<Receiver> read_receivers(Table& output, const Scene& scene) {
@@ -121,7 +126,7 @@ std::vector<Receiver> read_receivers(Table& output, const Scene& scene) {
     check_name(entry, "name", receiver.name);
     receiver.body = read_body(entry, scene);
     receiver.at = entry.required("at", entry.vector("at"), "the point of the body, [x, y, z] in world axes");
-    entry.refuse_unknown();
+    entry.refuse_unread();
     if (std::ranges::count(receivers, receiver.name, &Receiver::name) > 0)
       entry.complain("name", "another receiver has this name: give each its own");
     receivers.push_back(receiver);

@@ -5,22 +5,22 @@
 
 namespace ricochet::scene {
 
-Modes read_modes(Table& root, const std::optional<double>& accuracy) {
+Modes read_modes(Table& root, bool may_stay_open) {
   Modes modes;
   auto table = root.table("modes", modes_keys);
-  if (!table && accuracy) {
+  if (!table && may_stay_open) {
     modes.basis = Basis::contact;
-    modes.accuracy = accuracy;
     return modes;
   }
-  if (!table) root.complain("modes", "is missing: give up_to_hz or count, or accuracy in the scene");
+  if (!table) root.complain("modes", "is missing: give up_to_hz or count");
   if (const auto band = table->number("up_to_hz")) modes.up_to = Hertz{*band};
   modes.count = table->integer("count");
   modes.flexibility_error = table->number("flexibility_error");
   modes.residual_flexibility = table->boolean("residual_flexibility").value_or(modes.residual_flexibility);
+  if (const auto components = table->text("residual_components")) modes.all_components = *components == "all";
   if (const auto basis = table->text("basis")) {
     if (*basis == "contact") modes.basis = Basis::contact;
-  } else if (accuracy && !modes.up_to && !modes.count) {
+  } else if (may_stay_open && modes.open()) {
     modes.basis = Basis::contact;
   }
   if (const auto threshold = table->number("low_rank")) {
@@ -36,8 +36,7 @@ Modes read_modes(Table& root, const std::optional<double>& accuracy) {
       table->complain("approximate", "needs up_to_hz or count, without flexibility_error");
     modes.approximate = static_cast<int>(*iterations);
   }
-  if (accuracy && !modes.up_to && !modes.count) {
-    modes.accuracy = accuracy;
+  if (may_stay_open && modes.open()) {
     if (modes.basis == Basis::modes && !modes.residual_flexibility)
       root.complain("modes", "accuracy needs residual_flexibility = true, to represent truncated modes");
   } else if (modes.basis == Basis::contact) {
@@ -56,7 +55,7 @@ Modes read_modes(Table& root, const std::optional<double>& accuracy) {
                     "flexibility_error needs residual_flexibility = true, to represent truncated modes");
   }
   modes.relative_residual = table->number("relative_residual").value_or(modes.relative_residual);
-  table->refuse_unknown();
+  table->refuse_unread();
   return modes;
 }
 

@@ -8,8 +8,9 @@ namespace ricochet::scene {
 
 class Table;
 
-/// Reads [modes] of `root`. If `accuracy` is given, keys that the table does not set may remain open. Throws
-/// InputError.
-Modes read_modes(Table& root, const std::optional<double>& accuracy = {});
+/// Reads [modes] of `root`.
+/// @param may_stay_open  whether the band or the number of modes may be missing
+/// Throws InputError.
+Modes read_modes(Table& root, bool may_stay_open = false);
 
 }  // namespace ricochet::scene

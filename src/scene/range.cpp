@@ -28,10 +28,12 @@ bool Range::holds(double value) const {
 }
 
 std::string Range::text() const {
-  if (!choices.empty()) return either(choices);
+  if (!choices.empty() && low.empty()) return either(choices);
   std::string text = or_zero ? "0 or " : "";
   if (low_open && high_open) return text + fmt::format("above {} and below {}", low, high);
-  if (!low.empty() && !high.empty()) return text + fmt::format("from {} to {}", low, high);
+  if (!low.empty() && !high.empty())
+    return text + fmt::format("from {} to {}", low, high) +
+           (choices.empty() ? "" : ", or " + either(choices));
   if (!low.empty()) return text + (low_open ? "above " : "at least ") + low;
   return "";
 }

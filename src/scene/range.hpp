@@ -12,7 +12,7 @@ struct Range {
   std::string low{}, high{};                 ///< empty: no bound
   bool low_open = false, high_open = false;  ///< whether the bound itself is refused
   bool or_zero = false;
-  std::vector<std::string> choices{};  ///< the accepted strings; empty: any
+  std::vector<std::string> choices{};  ///< the accepted strings, instead of or besides numbers; empty: any
   std::string remark{};                ///< appended to the error message
 
   bool holds(double value) const;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "src/scene/read.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <fstream>
 #include <iterator>
@@ -19,39 +21,50 @@ namespace {
 
 /// Reads bodies and obstacles.
 void read_bodies(Table& root, Scene& scene) {
-  auto bodies = root.table("bodies", body_keys);
-  if (!bodies || bodies->raw().empty())
-    root.complain("bodies", "is missing: a scene needs a body, [bodies.NAME]");
-  for (auto& [body_name, table] : bodies->tables(body_keys))
-    scene.bodies.push_back(read_body(body_name, table, scene.file.parent_path()));
-  if (auto obstacles = root.table("obstacles", obstacle_keys))
-    for (auto& [obstacle_name, table] : obstacles->tables(obstacle_keys)) {
-      Obstacle obstacle{obstacle_name, table.vector("point").value_or(Vector3{}), {}};
-      obstacle.normal = table.required("normal", table.direction("normal"), "it points out of the obstacle");
-      table.refuse_unknown();
-      if (scene.find_body(obstacle_name) != nullptr) table.complain("", "a body has this name already");
-      scene.obstacles.push_back(obstacle);
-    }
+  auto bodies = root.named("bodies", body_keys);
+  if (bodies.empty()) root.complain("bodies", "is missing: a scene needs a body, [bodies.NAME]");
+  std::vector<std::string> names;
+  for (const auto& [name, table] : bodies) names.push_back(name);
+  for (auto& [name, table] : bodies)
+    scene.bodies.push_back(read_body(name, table, names, scene.file.parent_path()));
+  for (auto& [name, table] : root.named("obstacles", obstacle_keys)) {
+    Obstacle obstacle{name, table.vector("point").value_or(Vector3{}), {}};
+    obstacle.normal = table.required("normal", table.direction("normal"),
+                                     "the direction out of the obstacle, for example [0, 0, 1]");
+    table.refuse_unread();
+    if (scene.find_body(name) != nullptr) table.complain("", "a body has this name already");
+    scene.obstacles.push_back(obstacle);
+  }
 }
 
 void read_time(Table& root, const Contact& contact, const std::optional<double>& accuracy, Time& time) {
   auto table = root.table("time", time_keys);
   if (!table && contact.scheme == Scheme::at_rest) return;
   if (!table) root.complain("time", "is missing: give duration [s]");
-  const auto rate = table->number("rate_hz");
-  time.rate_by_accuracy = accuracy && !rate;
+  const auto rate = table->number("rate_hz"), contact_rate = table->number("contact_rate_hz");
   if (rate) time.rate = Hertz{*rate};
+  if (contact_rate) {
+    if (!contact.has_contact_rate())
+      table->complain("contact_rate_hz",
+                      "belongs to scheme = \"compliant\" and kernel = \"modes\": give rate_hz alone");
+    if (*contact_rate > most_steps_per_sample * time.rate.value)
+      table->complain("contact_rate_hz", fmt::format("is above {:g} times rate_hz = {:g}: raise rate_hz",
+                                                     most_steps_per_sample, time.rate.value));
+    time.contact_rate = Hertz{*contact_rate};
+  }
+  time.rate_by_accuracy = accuracy && !(contact.has_contact_rate() ? contact_rate : rate);
   time.duration = table->required_number("duration");
-  const double steps = time.rate_by_accuracy ? 1 : time.duration * time.rate.value;
-  if (steps < 1 || steps > 1e9)
-    table->complain("duration", fmt::format("makes {:.3g} steps: must be from 1 to 1e9", steps));
-  const bool steps_by_modes = contact.scheme == Scheme::compliant && contact.kernel == ContactKernel::modes;
+  const bool is_open = time.rate_by_accuracy && !contact.has_contact_rate();
+  const double samples = is_open ? 1 : time.duration * time.rate.value;
+  if (samples < 1 || samples > 1e9)
+    table->complain("duration", fmt::format("makes {:.3g} samples: must be from 1 to 1e9", samples));
+  const bool steps_by_modes = contact.has_contact_rate();
   const auto precision = table->text("precision");
   if (precision == "single" && !steps_by_modes)
-    table->complain("precision", "belongs to scheme = \"compliant\" and kernel = \"modes\"");
+    table->complain("precision", "belongs to scheme = \"compliant\" and kernel = \"modes\": leave it out");
   if (precision == "single") time.precision = Precision::float32;
   if (!precision && accuracy && steps_by_modes) time.precision.reset();
-  table->refuse_unknown();
+  table->refuse_unread();
 }
 
 void read_output(Table& root, Scene& scene) {
@@ -66,7 +79,29 @@ void read_output(Table& root, Scene& scene) {
   output.view = view.value_or(output.vtk_every > 0);
   output.snapshot_every = table->integer("snapshot_every").value_or(output.snapshot_every);
   output.receivers = read_receivers(*table, scene);
-  table->refuse_unknown();
+  table->refuse_unread();
+}
+
+void read_accuracy_of(Table& root, Scene& scene) {
+  const std::vector<std::string> names = root.texts("accuracy_of");
+  if (names.empty()) return;
+  scene.accuracy_of.clear();
+  for (const std::string& name : names) {
+    const auto found = std::ranges::find(quantity_names, name);
+    if (found == quantity_names.end())
+      root.complain("accuracy_of", fmt::format("there is no quantity \"{}\": the quantities are {}", name,
+                                               fmt::join(quantity_names, ", ")));
+    scene.accuracy_of.push_back(static_cast<Quantity>(found - quantity_names.begin()));
+  }
+}
+
+/// Decides which settings of meshes are chosen for the accuracy: the order if a scene does not give it, and
+/// with it the size of elements if the scene says nothing about it either.
+void find_open(Scene& scene) {
+  for (Body& body : scene.bodies) {
+    body.order_open = body.order_open && scene.accuracy && body.meshable();
+    body.size_open = body.order_open && body.size_factor == 1 && body.geometry.empty();
+  }
 }
 
 /// Refuses settings of modes that need elements or a wave speed: an imported body has neither.
@@ -77,10 +112,11 @@ void refuse_what_needs_elements(Table& root, const Scene& scene) {
                                            : nullptr;
   for (const Body& body : scene.bodies) {
     if (!body.imported()) continue;
-    if (modes.accuracy)
-      root.complain("accuracy", fmt::format("cannot choose modes for bodies.{}, a body file: give "
-                                            "modes.up_to_hz or modes.count",
-                                            body.name));
+    if (modes.open())
+      root.complain("modes",
+                    fmt::format("is missing: accuracy cannot choose modes for bodies.{}, a body file: "
+                                "give up_to_hz or count",
+                                body.name));
     if (what != nullptr)
       root.complain(what,
                     fmt::format("is not possible with bodies.{}, a body file: leave it out", body.name));
@@ -170,18 +206,23 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   Scene scene;
   scene.file = file;
   Table root(parsed, scene_keys, name, "");
+  root.refuse_unknown();
   scene.title = root.text("title").value_or(file.stem().string());
   scene.accuracy = root.number("accuracy");
+  const bool off = parsed["accuracy"].is_string();
+  read_accuracy_of(root, scene);
   const bool by_table = static_cast<bool>(parsed["contact"]["table"]);
+  const bool meets = purpose == Purpose::impact || parsed.contains("contact");
   if (by_table) {
     for (const char* key : {"bodies", "obstacles", "modes", "loads"})
       if (parsed.contains(key)) root.complain(key, "is replaced by contact.table: leave one of them out");
   } else {
     read_bodies(root, scene);
-    scene.modes = read_modes(root, scene.accuracy);
+    scene.modes = read_modes(root, meets && !off);
     refuse_what_needs_elements(root, scene);
+    if (scene.modes.open() && !scene.accuracy) scene.accuracy = default_accuracy;
+    find_open(scene);
   }
-  const bool meets = purpose == Purpose::impact || parsed.contains("contact");
   if (meets) scene.contact = read_contact(root, scene);
   if (!meets && scene.accuracy) root.complain("accuracy", "needs [contact]: leave it out, or add [contact]");
   if (purpose == Purpose::impact || by_table || parsed.contains("time"))
@@ -190,7 +231,7 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   read_output(root, scene);
   refuse_what_does_not_go(root, scene);
   refuse_long_names(scene);
-  root.refuse_unknown();
+  root.refuse_unread();
   if (!meets) {
     for (const Body& body : scene.bodies)
       if (body.contact.empty() && (scene.modes.basis == Basis::contact || scene.modes.flexibility_error))

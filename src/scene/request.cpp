@@ -21,7 +21,7 @@ namespace ricochet::scene {
 namespace {
 
 /// Must be increased whenever the meaning of a kernel changes, so that old kernels are computed again.
-constexpr int kernel_generation = 4;
+constexpr int kernel_generation = 5;
 
 std::string bytes_of(const std::filesystem::path& path, const std::string& key) {
   // Reading a device or a pipe might not end.
@@ -71,11 +71,6 @@ Vector3 own_axis(const Body& body, const Vector3& world) {
   return own;
 }
 
-std::vector<std::string> quoted(std::vector<std::string> texts) {
-  for (std::string& text : texts) text = toml_string(text);
-  return texts;
-}
-
 }  // namespace
 
 std::string sha256(const std::string& bytes) {
@@ -90,7 +85,8 @@ KernelRequest kernel_request(const Scene& scene, const Body& body, MeshHashes* k
   const std::string file = scene.file.filename().string();
   KernelRequest request;
   request.body = body;
-  request.body.translate = request.body.rotate_deg = request.body.velocity = {};
+  request.body.translate = request.body.rotate_deg = request.body.velocity =
+      request.body.angular_velocity = {};
   request.modes = scene.modes;
   request.view = scene.output.view;
 
@@ -114,29 +110,21 @@ KernelRequest kernel_request(const Scene& scene, const Body& body, MeshHashes* k
                       file, body.name));
     if (direction != request.direction) request.direction.reset();
   }
-  const auto hash_of = [&](const Body& any) {
-    if (known != nullptr && known->contains(any.mesh)) return known->at(any.mesh);
+  if (known != nullptr && known->contains(body.mesh)) {
+    request.mesh_sha256 = known->at(body.mesh);
+  } else {
     std::set<std::filesystem::path> seen;
-    const std::string hash = mesh_hash(any.mesh, fmt::format("{}: bodies.{}.mesh", file, any.name), seen);
-    if (known != nullptr) known->emplace(any.mesh, hash);
-    return hash;
-  };
-  request.mesh_sha256 = hash_of(body);
-  // The band that a body needs depends on the bodies that it touches.
-  for (const Body& other : scene.bodies)
-    if (request.modes.accuracy && other.name != body.name)
-      request.beside.push_back(sha256(hash_of(other) + toml_body_matter(other)));
+    request.mesh_sha256 = mesh_hash(body.mesh, fmt::format("{}: bodies.{}.mesh", file, body.name), seen);
+    if (known != nullptr) known->emplace(body.mesh, request.mesh_sha256);
+  }
   take_sources(scene, body, request);
   seal(request);
   return request;
 }
 
-std::optional<KernelRequest> other_order(const KernelRequest& request) {
-  if (request.body.mesh.extension() == ".msh" || request.body.imported()) return std::nullopt;
-  KernelRequest other = request;
-  other.body.order = request.body.order > 1 ? request.body.order - 1 : 2;
-  seal(other);
-  return other;
+bool may_be_normal(const KernelRequest& request) {
+  return request.modes.residual_flexibility && !request.modes.all_components && !request.direction &&
+         !request.body.contact.empty();
 }
 
 void seal(KernelRequest& request) {
@@ -150,11 +138,8 @@ void seal(KernelRequest& request) {
     request.toml += request.within_reach ? fmt::format("within_reach = \"{}\"\n", sha256(points))
                                          : fmt::format("points = [{}]\n", points);
   }
+  if (request.normal_residual) request.toml += "residual = \"normal\"\n";
   request.toml += fmt::format("[output]\nview = {}\n", request.view);
-  if (request.modes.accuracy)
-    request.toml +=
-        fmt::format("[accuracy]\nwanted = {}\nbeside = [{}]\n", toml_number(*request.modes.accuracy),
-                    fmt::join(quoted(request.beside), ", "));
   request.toml += toml_sources(request);
   request.hash = sha256(fmt::format("{}\n{}\n{}", kernel_generation, request.mesh_sha256, request.toml));
 }

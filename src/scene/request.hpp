@@ -19,11 +19,13 @@ struct KernelRequest {
   /// the whole surface. False if they are an explicit choice, which no scene makes; the rest of the surface
   /// is then dropped.
   bool within_reach = false;
+  /// True if the static correction is held along the normals of the candidates alone. A scene decides this
+  /// with its placement, like `points`.
+  bool normal_residual = false;
   bool view = false;
   std::vector<Forcing> tractions, point_forces,
       motions;                      ///< of this body; vector and history empty, `at` in its frame
   std::vector<Receiver> receivers;  ///< of this body; `at` in its frame
-  std::vector<std::string> beside;  ///< with modes.accuracy: SHA-256 of mesh and material of the other bodies
   std::string mesh_sha256;
   std::string toml;  ///< the request as TOML, part of the hash
   std::string hash;  ///< SHA-256, hexadecimal
@@ -40,10 +42,8 @@ using MeshHashes = std::map<std::filesystem::path, std::string>;
 /// Throws InputError if two pairs require different patches of one body, or if a mesh file cannot be read.
 KernelRequest kernel_request(const Scene& scene, const Body& body, MeshHashes* known = nullptr);
 
-/// Returns the same request with elements of the next lower order, or of order 2 in place of 1. The
-/// difference of the results estimates the error due to the mesh. Returns no value for a .msh or a body file,
-/// because their order is fixed.
-std::optional<KernelRequest> other_order(const KernelRequest& request);
+/// Whether the kernel may hold its static correction along the normals alone.
+bool may_be_normal(const KernelRequest& request);
 
 /// Sets `toml` and `hash` from all other members.
 void seal(KernelRequest& request);

@@ -2,10 +2,17 @@
 #include "src/scene/scene.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/rotation.hpp"
 
 namespace ricochet::scene {
+
+int Time::steps_per_sample() const {
+  // A multiple that division rounds up stays that multiple.
+  const double ratio = contact_rate ? std::ceil(contact_rate->value / rate.value * (1 - 1e-12)) : 1;
+  return static_cast<int>(std::clamp(ratio, 1.0, most_steps_per_sample));
+}
 
 const Body* Scene::find_body(const std::string& name) const {
   const auto found = std::ranges::find(bodies, name, &Body::name);

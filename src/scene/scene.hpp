@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "kernels/damping.hpp"
+#include "ricochet/quantity.hpp"
 #include "ricochet/step_options.hpp"
 
 namespace ricochet::scene {
@@ -31,18 +32,23 @@ struct Body {
   std::filesystem::path mesh;              ///< resolved against the scene's folder
   std::map<std::string, double> geometry;  ///< DefineConstant overrides of a .geo
   int order = 3;
+  double size_factor = 1;  ///< factor on the element sizes of a geometry (gmsh's Mesh.MeshSizeFactor)
+  bool order_open = false, size_open = false;  ///< whether ricochet-kernel chooses them for the accuracy
   double scale = 1;
   Vector3 translate{};              ///< [m], after rotation
   Vector3 rotate_deg{};             ///< about x, then y, then z, through the origin of the mesh
   std::vector<Material> materials;  ///< empty for an imported body
   Damping damping;
-  Vector3 velocity{};                ///< initial velocity of the rigid body [m/s]
+  Vector3 velocity{};                ///< initial velocity of the centre of mass [m/s]
+  Vector3 angular_velocity{};        ///< initial, about the centre of mass, world axes [rad/s]
   std::vector<std::string> contact;  ///< physical groups that may touch
   /// Fixed components by physical group: a subset of "xyz", in that order.
   std::map<std::string, std::string> support;
 
   /// Whether `mesh` is a body file: matrices or modes from another program, without elements or materials.
   bool imported() const { return mesh.extension() == ".h5"; }
+  /// Whether gmsh meshes the body, so that it may have elements of any order.
+  bool meshable() const { return !imported() && mesh.extension() != ".msh"; }
   bool operator==(const Body&) const = default;
 };
 
@@ -59,19 +65,21 @@ enum class Basis { modes, contact };
 struct Modes {
   Basis basis = Basis::modes;
   /// With basis `modes`, exactly one of up_to and count is set. With basis `contact`, up_to is set together
-  /// with one of count and flexibility_error.
+  /// with one of count and flexibility_error. If neither up_to nor count is set, ricochet-kernel chooses them
+  /// for the accuracy of the scene.
   std::optional<Hertz> up_to;
   std::optional<std::int64_t> count;  ///< including rigid modes
   /// Allowed error of the flexibility of the contact surface over [0, up_to]. With basis `modes`, modes that
   /// contact does not need are truncated.
   std::optional<double> flexibility_error;
-  /// If set, up_to and count are not set, and ricochet-kernel chooses a basis for this accuracy of the
-  /// results.
-  std::optional<double> accuracy;
   bool residual_flexibility = true;
+  /// Whether the residual flexibility is always held in all components, and not along the normals alone where
+  /// these suffice.
+  bool all_components = true;
   double relative_residual = 1e-8;  ///< bound on each mode's residual
   int approximate = 0;  ///< basis `modes`: block iterations from the next lower order; 0: certified modes
   double low_rank = 0;  ///< basis `contact`: threshold of block low-rank factors; 0: full rank
+  bool open() const { return !up_to && !count; }
   bool operator==(const Modes&) const = default;
 };
 
@@ -83,6 +91,7 @@ struct Pair {
   std::optional<double> spacing;     ///< [m]
   std::optional<double> gap;         ///< [m]
   std::optional<double> reach;       ///< [m]
+  std::optional<double> zone;        ///< [m]
   bool names(const std::string& body) const { return a == body || b == body; }
   bool operator==(const Pair&) const = default;
 };
@@ -97,18 +106,30 @@ struct Contact {
   ContactKernel kernel = ContactKernel::modes;
   std::filesystem::path table;  ///< kernel = table: file that replaces the bodies; empty: sampled modes
   Scheme scheme = Scheme::compliant;
-  Admittance admittance = Admittance::jump;  ///< impulse scheme only
-  Instant instant = Instant::step;           ///< impulse scheme only
-  double restitution = 0;                    ///< impulse scheme only, in [0, 1]
-  Solver solver = Solver::exact;             ///< scheme "static" only
-  std::optional<int> max_pivots;             ///< bound on the work of a step, at least 1; no value: unbounded
-  std::vector<Pair> pairs;                   ///< [contact] itself, or each [[contact.pair]]
+  ContactStep integration = ContactStep::conserving;  ///< compliant scheme only
+  Admittance admittance = Admittance::jump;           ///< impulse scheme only
+  Instant instant = Instant::step;                    ///< impulse scheme only
+  double restitution = 0;                             ///< impulse scheme only, in [0, 1]
+  Solver solver = Solver::exact;                      ///< scheme "static" only
+  std::optional<int> max_pivots;  ///< bound on the work of a step, at least 1; no value: unbounded
+  std::vector<Pair> pairs;        ///< [contact] itself, or each [[contact.pair]]
   bool operator==(const Contact&) const = default;
+  /// Whether contact steps have a rate of their own, beside that of the output.
+  bool has_contact_rate() const { return scheme == Scheme::compliant && kernel == ContactKernel::modes; }
 };
 
+/// Largest number of contact steps per output sample.
+inline constexpr double most_steps_per_sample = 1e6;
+
 struct Time {
-  Hertz rate{44100};
-  bool rate_by_accuracy = false;  ///< the rate is not given and follows from the accuracy of the scene
+  Hertz rate{44100};  ///< of the output samples
+  std::optional<Hertz>
+      contact_rate{};  ///< of contact steps, rounded up to a multiple of `rate`; no value: `rate`
+  /// The rate of contact steps is not given and follows from the accuracy of the scene: contact_rate where
+  /// contact steps have a rate of their own, otherwise `rate`.
+  bool rate_by_accuracy = false;
+  int steps_per_sample() const;
+  double step() const { return 1 / (rate.value * steps_per_sample()); }  ///< of contact, Δ [s]
   /// Precision of the matrix products of the steps (scheme "compliant"); no value: chosen by the accuracy of
   /// the scene.
   std::optional<Precision> precision = Precision::float64;
@@ -118,7 +139,7 @@ struct Time {
 
 /// A force on a surface or at a point, or the displacement of a support: `vector` times a piecewise linear
 /// history. The history is a CSV of t [s] and a factor, which is 0 before the first row and keeps its last
-/// value after the last row. Without a history, the factor is 1 from t = 0 on.
+/// value after the last row. Without a history, the factor is always 1: a dead load.
 struct Forcing {
   std::string name;  ///< unique within a body; default: the group, or "point <number in the scene>"
   std::string body;
@@ -157,9 +178,10 @@ struct Output {
 struct Scene {
   std::string title;
   std::filesystem::path file;  ///< as the user named it; errors begin with it
-  /// Allowed relative error of the main results. If set, it chooses the settings that the scene leaves open
-  /// and requests error estimates.
+  /// Allowed relative error of the quantities in `accuracy_of`. If set, it chooses the settings that the
+  /// scene leaves open and requests error estimates.
   std::optional<double> accuracy;
+  std::vector<Quantity> accuracy_of{Quantity::impulse, Quantity::rebound};
   std::vector<Body> bodies;  ///< sorted by name; empty with contact.table
   std::vector<Obstacle> obstacles;
   Modes modes;
@@ -172,6 +194,9 @@ struct Scene {
   const Obstacle* find_obstacle(const std::string& name) const;
   bool operator==(const Scene&) const = default;
 };
+
+/// Accuracy of a scene that leaves its modes open and gives none.
+inline constexpr double default_accuracy = 1e-2;
 
 /// The text of one option `--set KEY=VALUE`.
 using Override = std::string;

@@ -4,46 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 #include <stdexcept>
 
-#include "src/scene/write.hpp"
+#include "src/scene/expected.hpp"
+#include "src/scene/near_miss.hpp"
 
 namespace ricochet::scene {
 
 namespace {
-
-/// Levenshtein distance.
-std::size_t distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t corner = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t above = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, corner + (a[i - 1] == b[j - 1] ? 0 : 1)});
-      corner = above;
-    }
-  }
-  return row[b.size()];
-}
-
-/// A value as the user may have written it: 0.3, not 0.29999999999999999.
-std::string printed(const toml::node& node) {
-  if (const auto* text = node.as_string()) return toml_string(text->get());
-  if (const auto* number = node.as_floating_point()) return toml_number(number->get());
-  if (node.is_table()) return "{…}";
-  std::ostringstream text;
-  if (const auto* list = node.as_array()) {
-    for (const toml::node& entry : *list) text << (text.tellp() > 0 ? ", " : "") << printed(entry);
-    return fmt::format("[{}]", text.str());
-  }
-  node.visit([&](const auto& value) {
-    if constexpr (toml::is_value<decltype(value)>) text << value;
-  });
-  return text.str();
-}
 
 double number_of(const toml::node& node) {
   return node.is_integer() ? static_cast<double>(node.as_integer()->get()) : node.as_floating_point()->get();
@@ -118,7 +86,10 @@ void Table::check_range(const std::string& key, double value) const {
 std::optional<double> Table::number(const std::string& key) {
   const toml::node* node = value(key, Type::number);
   if (node == nullptr) return std::nullopt;
-  if (!node->is_number()) complain(key, "must be a number");
+  if (const auto word = node->value<std::string>();
+      word && keys_ != nullptr && std::ranges::count(keys_->find(key)->range.choices, *word) > 0)
+    return std::nullopt;
+  if (!node->is_number()) refuse_type(key, *node);
   const double number = number_of(*node);
   if (!std::isfinite(number)) complain(key, "must be finite");
   if (std::abs(number) > largest_number) complain(key, "must be from -1e30 to 1e30");
@@ -128,14 +99,17 @@ std::optional<double> Table::number(const std::string& key) {
 
 double Table::required_number(const std::string& key) {
   const auto found = number(key);
-  if (!found) complain(key, "is missing");
+  if (!found) {
+    const std::string unit = keys_ == nullptr ? "" : keys_->find(key)->unit;
+    complain(key, "is missing: give a number" + (unit.empty() || unit == "1" ? "" : " in " + unit));
+  }
   return *found;
 }
 
 std::optional<std::int64_t> Table::integer(const std::string& key) {
   const toml::node* node = value(key, Type::integer);
   if (node == nullptr) return std::nullopt;
-  if (!node->is_integer()) complain(key, "must be a whole number");
+  if (!node->is_integer()) refuse_type(key, *node);
   const std::int64_t number = node->as_integer()->get();
   check_range(key, static_cast<double>(number));
   return number;
@@ -145,10 +119,10 @@ std::optional<std::vector<std::int64_t>> Table::integers(const std::string& key)
   const toml::node* node = value(key, Type::integers);
   if (node == nullptr) return std::nullopt;
   const auto* list = node->as_array();
-  if (list == nullptr) complain(key, "must be a list of whole numbers");
+  if (list == nullptr) refuse_type(key, *node);
   std::vector<std::int64_t> values;
   for (const toml::node& entry : *list) {
-    if (!entry.is_integer()) complain(key, "must be a list of whole numbers");
+    if (!entry.is_integer()) refuse_type(key, *node);
     values.push_back(entry.as_integer()->get());
   }
   return values;
@@ -157,14 +131,14 @@ std::optional<std::vector<std::int64_t>> Table::integers(const std::string& key)
 std::optional<bool> Table::boolean(const std::string& key) {
   const toml::node* node = value(key, Type::boolean);
   if (node == nullptr) return std::nullopt;
-  if (!node->is_boolean()) complain(key, "must be true or false");
+  if (!node->is_boolean()) refuse_type(key, *node);
   return node->as_boolean()->get();
 }
 
 std::optional<std::string> Table::text(const std::string& key) {
   const toml::node* node = value(key, Type::text);
   if (node == nullptr) return std::nullopt;
-  if (!node->is_string()) complain(key, "must be a string");
+  if (!node->is_string()) refuse_type(key, *node);
   const std::string text = node->as_string()->get();
   const auto& choices = keys_->find(key)->range.choices;
   if (!choices.empty() && std::find(choices.begin(), choices.end(), text) == choices.end())
@@ -174,11 +148,11 @@ std::optional<std::string> Table::text(const std::string& key) {
 
 Vector3 Table::vector_at(const std::string& key, const toml::node& node, double largest) const {
   const auto* list = node.as_array();
-  if (list == nullptr || list->size() != 3) complain(key, "must be three numbers, [x, y, z]");
+  if (list == nullptr || list->size() != 3) refuse_type(key, node);
   Vector3 vector{};
   for (std::size_t k = 0; k < 3; ++k) {
     const toml::node& entry = *list->get(k);
-    if (!entry.is_number()) complain(key, "must be three numbers, [x, y, z]");
+    if (!entry.is_number()) refuse_type(key, node);
     vector[k] = number_of(entry);
     if (!std::isfinite(vector[k])) complain(key, "must be finite");
     if (std::abs(vector[k]) > largest) complain(key, "must consist of numbers from -1e30 to 1e30");
@@ -224,9 +198,9 @@ std::vector<std::string> Table::texts(const std::string& key) {
   if (node == nullptr) return {};
   if (node->is_string()) return {node->as_string()->get()};
   std::vector<std::string> texts;
-  if (!node->is_array()) complain(key, "must be a string or a list of strings");
+  if (!node->is_array()) refuse_type(key, *node);
   for (const toml::node& entry : *node->as_array()) {
-    if (!entry.is_string()) complain(key, "must be a string or a list of strings");
+    if (!entry.is_string()) refuse_type(key, *node);
     texts.push_back(entry.as_string()->get());
   }
   return texts;
@@ -235,22 +209,28 @@ std::vector<std::string> Table::texts(const std::string& key) {
 std::optional<Table> Table::free_table(const std::string& key, Type type) {
   const toml::node* node = value(key, type);
   if (node == nullptr) return std::nullopt;
-  if (!node->is_table()) complain(key, "must be a table");
+  if (!node->is_table()) refuse_type(key, *node);
   return Table(*node->as_table(), nullptr, file_, dotted(key));
 }
 
 std::optional<Table> Table::table(const std::string& key, const Section& keys) {
   auto found = free_table(key, Type::table);
-  if (found) found->keys_ = &keys;
+  if (found) {
+    found->keys_ = &keys;
+    found->refuse_unknown();
+  }
   return found;
 }
 
-std::vector<std::pair<std::string, Table>> Table::tables(const Section& keys) const {
+std::vector<std::pair<std::string, Table>> Table::named(const std::string& key, const Section& keys) {
   std::vector<std::pair<std::string, Table>> result;
-  for (auto&& [key, node] : table_) {
-    const std::string name(key.str());
-    if (!node.is_table()) complain(name, "must be a table");
-    result.emplace_back(name, Table(*node.as_table(), keys, file_, dotted(name)));
+  const auto all = free_table(key, Type::table);
+  if (!all) return result;
+  for (auto&& [inner, node] : all->table_) {
+    const std::string name(inner.str());
+    if (!node.is_table()) all->complain(name, expected_table(keys, name, all->dotted(name)));
+    result.emplace_back(name, Table(*node.as_table(), keys, file_, all->dotted(name)));
+    result.back().second.refuse_unknown();
   }
   return result;
 }
@@ -260,11 +240,12 @@ std::vector<Table> Table::array(const std::string& key, const Section& keys) {
   const toml::node* node = value(key, Type::tables);
   if (node == nullptr) return result;
   const auto* list = node->as_array();
-  if (list == nullptr) complain(key, "must be an array of tables, [[" + dotted(key) + "]]");
+  if (list == nullptr) refuse_type(key, *node);
   for (std::size_t k = 0; k < list->size(); ++k) {
     const auto* entry = list->get(k)->as_table();
-    if (entry == nullptr) complain(key, "must be an array of tables, [[" + dotted(key) + "]]");
+    if (entry == nullptr) refuse_type(key, *node);
     result.emplace_back(*entry, keys, file_, fmt::format("{}[{}]", dotted(key), k));
+    result.back().refuse_unknown();
   }
   return result;
 }
@@ -273,7 +254,7 @@ std::map<std::string, std::string> Table::strings(const std::string& key) {
   std::map<std::string, std::string> result;
   if (auto inner = free_table(key, Type::strings))
     for (auto&& [name, node] : inner->raw()) {
-      if (!node.is_string()) inner->complain(std::string(name.str()), "must be a string");
+      if (!node.is_string()) inner->complain(std::string(name.str()), "must be a string, in quotes");
       result[std::string(name.str())] = node.as_string()->get();
     }
   return result;
@@ -287,24 +268,20 @@ std::map<std::string, double> Table::numbers(const std::string& key) {
   return result;
 }
 
+void Table::refuse_type(const std::string& key, const toml::node& given) const {
+  complain(key, keys_ == nullptr ? "must be a number" : expected(*keys_->find(key), dotted(key), given));
+}
+
 void Table::refuse_unknown() const {
-  for (auto&& [name, node] : table_) {
-    const std::string key(name.str());
-    if (known_.count(key) > 0) continue;
-    std::string nearest;
-    std::size_t best = std::max<std::size_t>(2, key.size() / 3) + 1;
-    std::string all;
-    for (const std::string& known : known_) {
-      all += (all.empty() ? "" : ", ") + known;
-      if (nearest.empty() && key.size() > 2 && known.starts_with(key)) nearest = known;
-      if (distance(key, known) < best) {
-        best = distance(key, known);
-        nearest = known;
-      }
-    }
-    complain(key, nearest.empty() ? "unknown key. The keys here are " + all + "."
-                                  : "unknown key. Did you mean \"" + nearest + "\"?");
-  }
+  for (auto&& [name, node] : table_)
+    if (const std::string key(name.str()); keys_->find(key) == nullptr)
+      complain(key, unknown_key(*keys_, key, node.is_table()));
+}
+
+void Table::refuse_unread() const {
+  for (auto&& [name, node] : table_)
+    if (const std::string key(name.str()); known_.count(key) == 0)
+      complain(key, "has no effect with the other keys of this table: leave it out");
 }
 
 }  // namespace ricochet::scene

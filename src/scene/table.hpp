@@ -31,13 +31,15 @@ constexpr double largest_number = 1e30;
 
 /// Reads the keys of one table, enforces the ranges of its section and records which keys were read. Errors
 /// are one line: "FILE: dotted.key = value: what. fix." Throws std::logic_error if a key is read that the
-/// section does not describe.
+/// section does not describe. A table is opened only after all its names are known to its section, so a
+/// misspelt key is reported before any key that is missing because of it.
 class Table {
  public:
   /// `keys` must outlive the table.
   Table(const toml::table& table, const Section& keys, std::string file, std::string where)
       : Table(table, &keys, std::move(file), std::move(where)) {}
 
+  /// No value if the key is absent or has one of the texts that it accepts in place of a number.
   std::optional<double> number(const std::string& key);
   std::optional<std::int64_t> integer(const std::string& key);
   std::optional<std::vector<std::int64_t>> integers(const std::string& key);
@@ -51,16 +53,19 @@ class Table {
   /// A string or a list of strings.
   std::vector<std::string> texts(const std::string& key);
   std::optional<Table> table(const std::string& key, const Section& keys);
-  /// All entries as tables, sorted by name.
-  std::vector<std::pair<std::string, Table>> tables(const Section& keys) const;
+  /// The entries of a table of tables, [bodies], sorted by name. Empty if it is absent.
+  std::vector<std::pair<std::string, Table>> named(const std::string& key, const Section& keys);
   /// The entries of an array of tables.
   std::vector<Table> array(const std::string& key, const Section& keys);
   /// A table whose entries must all be strings.
   std::map<std::string, std::string> strings(const std::string& key);
   std::map<std::string, double> numbers(const std::string& key);
 
-  /// Throws InputError if the table has a key that was not read, and suggests the most similar known key.
+  /// Throws InputError if the table has a key that its section does not describe, with what to write. The
+  /// functions above call this for each table that they open.
   void refuse_unknown() const;
+  /// Throws InputError if the table has a key that was not read, because other keys make it meaningless.
+  void refuse_unread() const;
 
   /// @param key  a key of this table or the dotted name of a nested key; empty: the table itself
   [[noreturn]] void complain(const std::string& key, const std::string& what) const;
@@ -80,6 +85,7 @@ class Table {
       : table_(table), keys_(keys), file_(std::move(file)), where_(std::move(where)) {}
   /// Returns the value of the key, or null if it is absent. Records that the key was read.
   const toml::node* value(const std::string& key, Type type);
+  [[noreturn]] void refuse_type(const std::string& key, const toml::node& given) const;
   std::optional<Table> free_table(const std::string& key, Type type);
   Vector3 vector_at(const std::string& key, const toml::node& node, double largest) const;
   void check_range(const std::string& key, double value) const;

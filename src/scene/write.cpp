@@ -33,6 +33,13 @@ std::string toml_vector(const Vector3& v) {
 
 namespace {
 
+std::string toml_quantities(const std::vector<Quantity>& quantities) {
+  std::string text = "[";
+  for (const Quantity quantity : quantities)
+    text += fmt::format("{}\"{}\"", text.back() == '[' ? "" : ", ", name_of(quantity));
+  return text + "]";
+}
+
 std::string material_of(const Material& m) {
   std::string text = fmt::format("{{ density = {}, young = {}, poisson = {}", toml_number(m.density),
                                  toml_number(m.young), toml_number(m.poisson));
@@ -54,7 +61,10 @@ std::string toml_body_matter(const Body& body) {
   std::string text = "geometry = {";
   for (const auto& [name, value] : body.geometry)
     text += fmt::format("{} {} = {}", text.back() == '{' ? "" : ",", toml_string(name), toml_number(value));
-  text += fmt::format(" }}\norder = {}\nscale = {}\n", body.order, toml_number(body.scale));
+  text += " }\n";
+  if (!body.order_open) text += fmt::format("order = {}\n", body.order);
+  if (body.size_factor != 1) text += fmt::format("size_factor = {}\n", toml_number(body.size_factor));
+  text += fmt::format("scale = {}\n", toml_number(body.scale));
   if (body.materials.empty()) {
     text += "material = {}\n";
   } else if (body.materials.size() == 1 && body.materials[0].group.empty()) {
@@ -83,6 +93,7 @@ std::string toml_modes(const Modes& modes) {
     text += fmt::format("flexibility_error = {}\n", toml_number(*modes.flexibility_error));
   if (modes.approximate > 0) text += fmt::format("approximate = {}\n", modes.approximate);
   if (modes.low_rank > 0) text += fmt::format("low_rank = {}\n", toml_number(modes.low_rank));
+  if (!modes.all_components) text += "residual_components = \"auto\"\n";
   return text + fmt::format("residual_flexibility = {}\nrelative_residual = {}\n", modes.residual_flexibility,
                             toml_number(modes.relative_residual));
 }
@@ -103,6 +114,9 @@ std::string scheme_of(const Contact& contact) {
                                                                                   : "compliant");
   if (scheme == Scheme::at_rest)
     text += fmt::format("solver = \"{}\"\n", contact.solver == Solver::uzawa ? "uzawa" : "exact");
+  if (scheme == Scheme::compliant)
+    text += fmt::format("integration = \"{}\"\n",
+                        contact.integration == ContactStep::conserving ? "conserving" : "backward-euler");
   if (scheme == Scheme::impulse)
     text +=
         fmt::format("admittance = \"{}\"\ninstant = \"{}\"\nrestitution = {}\n",
@@ -114,11 +128,14 @@ std::string scheme_of(const Contact& contact) {
 
 std::string time_of(const Scene& scene) {
   std::string text;
-  if (scene.time.duration > 0)
-    text += fmt::format(
-        "\n[time]\n{}duration = {}\n",
-        scene.time.rate_by_accuracy ? "" : fmt::format("rate_hz = {}\n", toml_number(scene.time.rate.value)),
-        toml_number(scene.time.duration));
+  if (scene.time.duration > 0) {
+    text += "\n[time]\n";
+    if (!scene.time.rate_by_accuracy || scene.contact.has_contact_rate())
+      text += fmt::format("rate_hz = {}\n", toml_number(scene.time.rate.value));
+    if (scene.time.contact_rate)
+      text += fmt::format("contact_rate_hz = {}\n", toml_number(scene.time.contact_rate->value));
+    text += fmt::format("duration = {}\n", toml_number(scene.time.duration));
+  }
   const auto& precision = scene.time.precision;
   if (precision == Precision::float32 || (precision && scene.accuracy && scene.time.duration > 0))
     text += fmt::format("precision = \"{}\"\n", precision == Precision::float32 ? "single" : "double");
@@ -154,7 +171,9 @@ std::string output_of(const Output& output) {
 
 std::string to_toml(const Scene& scene) {
   std::string text = fmt::format("title = {}\n", toml_string(scene.title));
-  if (scene.accuracy) text += fmt::format("accuracy = {}\n", toml_number(*scene.accuracy));
+  if (scene.accuracy)
+    text += fmt::format("accuracy = {}\naccuracy_of = {}\n", toml_number(*scene.accuracy),
+                        toml_quantities(scene.accuracy_of));
   if (!scene.contact.table.empty())
     return text + fmt::format(
                       "\n[contact]\nkernel = \"table\"\ntable = {}\n{}\n[time]\nrate_hz = {}\nduration = "
@@ -163,10 +182,10 @@ std::string to_toml(const Scene& scene) {
                       toml_number(scene.time.rate.value), toml_number(scene.time.duration),
                       scene.output.every, scene.output.view);
   for (const Body& body : scene.bodies)
-    text +=
-        fmt::format("\n[bodies.{}]\nmesh = {}\n{}translate = {}\nrotate_deg = {}\nvelocity = {}\n", body.name,
-                    path_of(scene, body.mesh), toml_body_matter(body), toml_vector(body.translate),
-                    toml_vector(body.rotate_deg), toml_vector(body.velocity));
+    text += fmt::format(
+        "\n[bodies.{}]\nmesh = {}\n{}translate = {}\nrotate_deg = {}\nvelocity = {}\nangular_velocity = {}\n",
+        body.name, path_of(scene, body.mesh), toml_body_matter(body), toml_vector(body.translate),
+        toml_vector(body.rotate_deg), toml_vector(body.velocity), toml_vector(body.angular_velocity));
   for (const Obstacle& o : scene.obstacles)
     text += fmt::format("\n[obstacles.{}]\npoint = {}\nnormal = {}\n", toml_string(o.name),
                         toml_vector(o.point), toml_vector(o.normal));
@@ -182,6 +201,7 @@ std::string to_toml(const Scene& scene) {
     if (pair.spacing) text += "spacing = " + toml_number(*pair.spacing) + "\n";
     if (pair.gap) text += "gap = " + toml_number(*pair.gap) + "\n";
     if (pair.reach) text += "reach = " + toml_number(*pair.reach) + "\n";
+    if (pair.zone) text += "zone = " + toml_number(*pair.zone) + "\n";
   }
   return text + time_of(scene) + loads_of(scene) + output_of(scene.output);
 }

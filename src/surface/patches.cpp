@@ -376,8 +376,16 @@ Patches make_patches(const mesh::Mesh& mesh, const std::vector<std::string>& gro
   return patches;
 }
 
-Eigen::MatrixXd patch_loads(const mesh::Mesh& mesh, const Patches& patches) {
+modes::Loads patch_loads(const mesh::Mesh& mesh, const Patches& patches) {
   return spread(mesh, patches.weights, patches.geometry.size(), patches.geometry.direction, HeldRows::zero);
+}
+
+modes::Loads along_normals(const modes::Loads& loads, const kernels::Surface& surface) {
+  modes::Loads normal(loads.cols(), loads.cols() / 3);
+  normal.reserve(Eigen::VectorXi::Constant(normal.cols(), 3));
+  for (Eigen::Index row = 0; row < normal.rows(); ++row)
+    normal.insert(row, row / 3) = surface.normal[static_cast<std::size_t>(row)];
+  return loads * normal;
 }
 
 void restrict_to(Patches& patches, const std::vector<std::int64_t>& points) {

@@ -17,11 +17,11 @@ double component(const mesh::Mesh& mesh, const std::optional<Vector3>& direction
 
 }  // namespace
 
-Eigen::MatrixXd spread(const mesh::Mesh& mesh, const std::vector<Weight>& weights, std::size_t places,
-                       const std::optional<Vector3>& direction, HeldRows held) {
+Eigen::SparseMatrix<double> spread(const mesh::Mesh& mesh, const std::vector<Weight>& weights,
+                                   std::size_t places, const std::optional<Vector3>& direction,
+                                   HeldRows held) {
   const int c = mesh.components(), out = direction ? 1 : 3;
-  Eigen::MatrixXd loads =
-      Eigen::MatrixXd::Zero(mesh.owned_nodes * c, static_cast<Eigen::Index>(places) * out);
+  std::vector<Eigen::Triplet<double>> entries;
   for (const Weight& weight : weights) {
     const std::int64_t row = mesh.owned(weight.node);
     if (row < 0) continue;
@@ -30,9 +30,13 @@ Eigen::MatrixXd spread(const mesh::Mesh& mesh, const std::vector<Weight>& weight
     for (int d = 0; d < c; ++d) {
       if (held == HeldRows::zero && mesh.is_fixed(local, d)) continue;
       for (int k = 0; k < out; ++k)
-        loads(row * c + d, weight.candidate * out + k) += weight.value * component(mesh, direction, d, k);
+        if (const double share = component(mesh, direction, d, k); share != 0)
+          entries.emplace_back(static_cast<int>(row) * c + d, weight.candidate * out + k,
+                               weight.value * share);
     }
   }
+  Eigen::SparseMatrix<double> loads(mesh.owned_nodes * c, static_cast<Eigen::Index>(places) * out);
+  loads.setFromTriplets(entries.begin(), entries.end());
   return loads;
 }
 

@@ -2,7 +2,7 @@
 // Unit forces distributed over the nodes of a mesh by weights.
 #pragma once
 
-#include <Eigen/Dense>
+#include <Eigen/SparseCore>
 #include <optional>
 #include <vector>
 
@@ -24,7 +24,8 @@ enum class HeldRows { zero, filled };
 /// `direction`, column i is the component along it. If held rows are filled, the transpose gives the
 /// displacement of the places from the displacement of all nodes.
 /// @return (local rows, columns) [N]
-Eigen::MatrixXd spread(const mesh::Mesh& mesh, const std::vector<Weight>& weights, std::size_t places,
-                       const std::optional<Vector3>& direction, HeldRows held);
+Eigen::SparseMatrix<double> spread(const mesh::Mesh& mesh, const std::vector<Weight>& weights,
+                                   std::size_t places, const std::optional<Vector3>& direction,
+                                   HeldRows held);
 
 }  // namespace ricochet::surface

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "src/elasticity/rigid.hpp"
 #include "src/modes/residual.hpp"
 
 namespace ricochet::surface {
@@ -11,7 +12,8 @@ namespace {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-std::vector<double> flat(const Eigen::MatrixXd& matrix) {
+template <class Derived>
+std::vector<double> flat(const Eigen::MatrixBase<Derived>& matrix) {
   std::vector<double> values(static_cast<std::size_t>(matrix.size()));
   Eigen::Map<RowMajor>(values.data(), matrix.rows(), matrix.cols()) = matrix;
   return values;
@@ -88,10 +90,10 @@ void gather_view(const parallel::Teams& teams, const mesh::Mesh& mesh, const mod
 
 }  // namespace
 
-void take_residuals(const Eigen::MatrixXd& response, Eigen::Index candidates, const Sources& sources,
-                    kernels::Kernel& kernel) {
+void take_residuals(const Eigen::Ref<const Eigen::MatrixXd>& response, Eigen::Index candidates,
+                    const Sources& sources, kernels::Kernel& kernel) {
   const Eigen::Index seen = response.rows(), loads = sources.load.cols();
-  const Eigen::MatrixXd square = response.topLeftCorner(candidates, candidates);
+  const auto square = response.topLeftCorner(candidates, candidates);
   kernel.surface.residual_flexibility = flat((square + square.transpose()) / 2);
   kernel.loads.body_force_residual = flat(response.block(0, seen, candidates, 3));
   for (std::size_t l = 0; l < kernel.applied.size(); ++l)
@@ -184,10 +186,22 @@ void trace_motions(const parallel::Teams& teams, const mesh::Mesh& mesh, const e
 
 }  // namespace
 
+namespace {
+
+/// Gravity along each axis without the rigid motion that it causes. Removing it from the load, and not only
+/// from the response, keeps the round-off of a falling body out of its deformation. (local rows, 3)
+Eigen::MatrixXd gravity_without_fall(const mesh::Mesh& mesh, const elasticity::Body& body) {
+  const Eigen::MatrixXd gravity = body.rigid_load.leftCols(3), rigid = elasticity::rigid_modes(mesh, body);
+  return gravity - modes::BlockProduct(body.mass)(rigid) * modes::inner(mesh.comm, rigid, gravity);
+}
+
+}  // namespace
+
 void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,
            modes::Factorisation& factor, const modes::ModeSet& modes, const Patches& patches,
-           Eigen::MatrixXd loads, bool residual, bool view, kernels::Kernel& kernel, const Sources& sources) {
-  const auto seen_by_modes = [&](const Eigen::MatrixXd& load) {
+           const modes::Loads& loads, Residual residual, bool view, kernels::Kernel& kernel,
+           const Sources& sources) {
+  const auto seen_by_modes = [&](const auto& load) {
     return modes.gather(teams, modes::inner(mesh.comm, load, modes.shape));
   };
   const Traces traces{seen_by_modes(loads), seen_by_modes(body.rigid_load), seen_by_modes(sources.load),
@@ -196,15 +210,19 @@ void trace(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticit
   trace_motions(teams, mesh, body, modes, patches, traces, sources, kernel);
   if (view) gather_view(teams, mesh, modes, kernel);
   if (view && !sources.motions.empty()) trace_motions(mesh, sources.lift, kernel);
-  if (residual) {
-    const Eigen::Index candidates = loads.cols(), seen = candidates + sources.receiver.cols();
-    Eigen::MatrixXd all(loads.rows(), seen + 3 + sources.load.cols());
-    all << loads, sources.receiver, body.rigid_load.leftCols(3), sources.load;
-    loads.resize(0, 0);
+  if (residual != Residual::none) {
+    kernel.surface.normal_residual = residual == Residual::normal;
+    const modes::Loads pressed =
+        kernel.surface.normal_residual ? along_normals(loads, patches.geometry) : loads;
+    const Eigen::Index candidates = pressed.cols(), seen = candidates + sources.receiver.cols();
+    const modes::Loads all =
+        modes::beside({pressed, sources.receiver.sparseView(), gravity_without_fall(mesh, body).sparseView(),
+                       sources.load.sparseView()});
     std::optional<VisualisationField> field;
     if (view) field.emplace(mesh);
     take_residuals(
-        modes::residual_response(teams, mesh, body, factor, modes, all, seen, field ? &field->rows : nullptr),
+        modes::residual_response(teams, mesh, body, factor, modes, all, field ? &field->rows : nullptr)
+            .topRows(seen),
         candidates, sources, kernel);
     if (field) take_residuals(*field, candidates, seen, kernel);
   }

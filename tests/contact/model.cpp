@@ -5,6 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "kernels/algebra.hpp"
 #include "tests/contact/bodies.hpp"
 
 namespace {
@@ -65,6 +68,26 @@ double residual_zz(const Kernel& kernel, int i, int j) {
   const int c = kernel.surface.components, rows = 2 * c;
   return kernel.surface
       .residual_flexibility[static_cast<std::size_t>((c * i + c - 1) * rows + c * j + c - 1)];
+}
+
+TEST(Normals, suffice_for_pairs_that_are_not_tilted_against_them) {
+  const Kernel all = ball(1), normal = ricochet::kernels::restricted_to_normals(all);
+  const auto built = [](const Kernel& kernel, double tilt) {
+    PlacedBody body{.name = "ball", .kernel = &kernel};
+    body.rotation = Eigen::AngleAxisd(tilt, Vector3d::UnitX()).toRotationMatrix();
+    return build_model({body}, {{"ceiling", Vector3d(0, 0, 2), -up}}, {{"ball", "ceiling", {}, {}, {}}},
+                       Vector3d(0, 0, -9.81));
+  };
+  const Model expected = built(all, 0), found = built(normal, 0);
+  EXPECT_EQ(found.B, expected.B);
+  EXPECT_LT((found.R - expected.R).norm(), round_off * expected.R.norm());
+  EXPECT_LT((found.static_displacement - expected.static_displacement).norm(),
+            round_off * expected.static_displacement.norm());
+  EXPECT_NO_THROW(built(normal, 0.9 * most_tilt));
+  EXPECT_NO_THROW(built(all, 1.1 * most_tilt));
+  const std::string line = complaint_of([&] { built(normal, 1.1 * most_tilt); });
+  EXPECT_THAT(line, HasSubstr("holds the residual flexibility along its own normals alone"));
+  EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 0);
 }
 
 TEST(Rows, hold_a_outward_and_b_weighted_and_opposite) {

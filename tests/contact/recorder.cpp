@@ -119,14 +119,15 @@ TEST(Result, holds_every_dataset_with_its_shape_and_unit) {
   EXPECT_NEAR(right[3 * steps], impulse, 1e-11);
 
   // Gaps and displacements along n are consistent. Touching points have no gap, because the compliant scheme
-  // closes it at the end of each step.
+  // closes it at the end of each step. In the last two steps, the mean force acts on open points.
   const auto gap = read(file, "/contact/gap", {k, 1}, "m");
   const auto u_a = read(file, "/contact/displacement_a", {k, 1}, "m");
   const auto u_b = read(file, "/contact/displacement_b", {k, 1}, "m");
   read(file, "/contact/velocity_a", {k, 1}, "m/s");
   read(file, "/contact/velocity_b", {k, 1}, "m/s");
   for (std::size_t row = 0; row < k; ++row) {
-    EXPECT_NEAR(gap[row], 0, 1e-12);
+    EXPECT_GT(gap[row], -1e-12);
+    EXPECT_TRUE(gap[row] < 1e-12 || row + 2 >= k) << row;
     EXPECT_NEAR(u_a[row] - u_b[row], 0.25 - gap[row], 1e-12);
   }
 

@@ -62,6 +62,33 @@ TEST(Simulation, of_a_rod_that_meets_a_wall_is_the_wave_solution) {
   EXPECT_NEAR(simulation.pickup_displacement(0), -10 + 20, 0.1);
 }
 
+// Two hundred contact steps per sample: the force of a sample is their mean, so its impulse is that of the
+// bodies. Blocks equal steps. 1e-12: round-off of the sums.
+TEST(Simulation, makes_contact_steps_at_a_rate_of_their_own) {
+  Scene scene = rod_at_wall();
+  scene.pairs[0].gap = 0.3;
+  scene.rate_hz = 10;
+  scene.contact_rate_hz = 1999;
+  Simulation by_block(scene), by_step(scene);
+  std::vector<double> far_end(300), force(300);
+  const BlockResult done =
+      by_block.step_block(300, {.velocity = far_end.data(), .total_force = force.data()});
+  EXPECT_EQ(done.steps, 300);
+  EXPECT_NEAR(by_block.time(), 30, 1e-12);
+  double impulse = 0;
+  for (std::size_t k = 0; k < 300; ++k) {
+    ASSERT_EQ(by_step.step(), StepStatus::ok);
+    EXPECT_EQ(by_step.steps(), static_cast<std::int64_t>(k + 1));
+    EXPECT_EQ(by_step.force()[0], force[k]) << k;
+    EXPECT_EQ(by_step.pickup_velocity(0), far_end[k]) << k;
+    impulse += force[k] / 10;
+  }
+  EXPECT_NEAR(impulse, 10 * (1 + by_step.mean_velocity(0)[0]), 1e-12);
+  EXPECT_NEAR(by_step.mean_velocity(0)[0], 1, 2e-3);
+  EXPECT_EQ(force[1], 0);  // the gap of 0.3 closes at 0.3 s
+  EXPECT_GT(force[3], 0.5);
+}
+
 // 1e-10: round-off of a thousand steps in contact.
 TEST(Simulation, is_the_same_for_bodies_turned_with_their_surroundings) {
   Simulation along_x(rod_at_wall());

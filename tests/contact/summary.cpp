@@ -11,11 +11,13 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/contact/bodies.hpp"
+#include "tests/contact/rigid_plate.hpp"
 #include "tests/support.hpp"
 
 namespace {
 
 using namespace ricochet::contact;
+using ricochet::Quantity;
 using ricochet::Scheme;
 using ricochet::StepOptions;
 using ricochet::StepStatus;
@@ -77,7 +79,7 @@ TEST(Summary, of_two_rods_is_what_waves_give) {
   EXPECT_EQ(s.unpaired, 1);
   EXPECT_EQ(s.max_active, 1);
   EXPECT_FALSE(s.error_estimate);
-  EXPECT_THAT(s.warnings, IsEmpty());
+  EXPECT_THAT(s.warnings, ElementsAre(HasSubstr("stands at a wave front")));
   double impulse = 0;
   for (const Episode& episode : s.episodes) impulse += episode.impulse_ns;
   EXPECT_NEAR(impulse, s.impulse_ns, 1e-12);
@@ -146,36 +148,8 @@ TEST(Warnings, name_a_speed_above_two_per_cent_of_the_waves) {
               ElementsAre(HasSubstr("approach speed 1 m/s is 2.5 % of the wave speed 40 m/s")));
 }
 
-/// A free rigid plate with its six rigid modes (uniform density, mass 1,
-/// inertia 1). Its candidates are 0.5 m apart.
-Kernel plate() {
-  Kernel kernel = square(2, 2);
-  for (double& z : kernel.surface.normal) z = -z;
-  kernel.centre = {0.5, 0.5, 0};
-  kernel.inertia = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  kernel.modes.angular_frequency.assign(6, 0);
-  kernel.modes.decay_rate.assign(6, 0);
-  const auto field = [](int n, const Vector3d& x) -> Vector3d {
-    const Vector3d arm = x - Vector3d(0.5, 0.5, 0);
-    return n < 3 ? Vector3d::Unit(n) : Vector3d(Vector3d::Unit(n - 3).cross(arm));
-  };
-  for (std::size_t i = 0; i < kernel.surface.size(); ++i)
-    for (int k = 0; k < 3; ++k)
-      for (int n = 0; n < 6; ++n)
-        kernel.surface.shape.push_back(field(n, Eigen::Map<const Vector3d>(&kernel.surface.node[3 * i]))(k));
-  for (int k = 0; k < 3; ++k)
-    for (int n = 0; n < 6; ++n) {
-      kernel.loads.body_force.push_back(n == k ? 1 : 0);
-      // Angular momentum about the origin: centre × p for translations, the inertia for rotations.
-      const Vector3d about =
-          n < 3 ? Vector3d(0.5, 0.5, 0).cross(Vector3d::Unit(n)) : Vector3d(Vector3d::Unit(n - 3));
-      kernel.loads.rotation.push_back(about(k));
-    }
-  return kernel;
-}
-
 std::vector<std::string> warnings_of_plate(const Vector3d& velocity, const Vector3d& spin) {
-  const Kernel kernel = plate();
+  const Kernel kernel = rigid_plate();
   Model model = build_model({{"plate", &kernel, Matrix3d::Identity(), {3, 0, 0.5}, velocity}},
                             {{"floor", Vector3d::Zero(), Vector3d(0, 0, 1)}},
                             {{"plate", "floor", {}, {}, {}}}, Vector3d::Zero());
@@ -197,6 +171,25 @@ TEST(Warnings, name_rotation_beyond_five_degrees) {
   EXPECT_THAT(warnings, ElementsAre(::testing::ContainsRegex("plate turned by 5.[78][0-9]* degrees")));
 }
 
+/// Two plates: one falls, and the other turns far from its own floor.
+std::vector<std::string> warnings_of_two(double spin_of_falling, double spin_of_other) {
+  const Kernel kernel = rigid_plate();
+  const Vector3d up(0, 0, 1);
+  Model model =
+      build_model({{"plate", &kernel, Matrix3d::Identity(), {3, 0, 0.5}, {0, 0, -1}},
+                   {"other", &kernel, Matrix3d::Identity(), {9, 0, 50}}},
+                  {{"floor", Vector3d::Zero(), up}, {"deep", {0, 0, -9}, up}},
+                  {{"plate", "floor", {}, {}, {}}, {"other", "deep", {}, {}, {}}}, Vector3d::Zero());
+  model.v0(5) = spin_of_falling;
+  model.v0(11) = spin_of_other;
+  return run(model, 1, 0, 0.5).warnings;
+}
+
+TEST(Warnings, name_no_rotation_of_a_body_that_does_not_touch) {
+  EXPECT_THAT(warnings_of_two(0, 0.2), IsEmpty());
+  EXPECT_THAT(warnings_of_two(0.2, 0.3), ElementsAre(HasSubstr("plate turned by 5.")));
+}
+
 TEST(Json, holds_what_the_summary_holds_and_null_for_what_is_not_known) {
   const ricochet::test::Folder folder;
   Summary s;
@@ -216,17 +209,19 @@ TEST(Json, holds_what_the_summary_holds_and_null_for_what_is_not_known) {
        {"contact_end_s", "restitution", "energy_drift", "energy_lost_contact", "error_estimate"})
     EXPECT_TRUE(json.at(key).is_null()) << key;
   s.error_estimate =
-      ErrorEstimate{.mesh = {}, .modes = 1, .step = 2, .eigensolver = 3, .precision = 4, .spacing = 5};
+      ErrorEstimate{.requested = {Quantity::impulse},
+                    .by_cause = {{Cause::mesh, std::nullopt},
+                                 {Cause::modes, Errors{{Quantity::impulse, 1}, {Quantity::spin, 2}}},
+                                 {Cause::step, Errors{{Quantity::impulse, 4}, {Quantity::spin, 8}}}}};
   write_json(s, folder / "x.summary.json");
   std::ifstream again(folder / "x.summary.json");
   const auto estimate = nlohmann::json::parse(again)["error_estimate"];
-  EXPECT_EQ(estimate, (nlohmann::json{{"total", 15.0},
-                                      {"mesh", nullptr},
-                                      {"modes", 1.0},
-                                      {"step", 2.0},
-                                      {"eigensolver", 3.0},
-                                      {"precision", 4.0},
-                                      {"spacing", 5.0}}));
+  const nlohmann::json impulse{{"total", 5.0}, {"mesh", nullptr}, {"modes", 1.0}, {"step", 4.0}},
+      spin{{"total", 10.0}, {"mesh", nullptr}, {"modes", 2.0}, {"step", 8.0}};
+  nlohmann::json expected = impulse;
+  expected["quantity"] = "impulse";
+  expected["quantities"] = {{"impulse", impulse}, {"spin", spin}};
+  EXPECT_EQ(estimate, expected);
   EXPECT_EQ(json["episodes"].size(), 2U);
   EXPECT_EQ(json["episodes"][0]["end_s"], 0.5);
   EXPECT_TRUE(json["episodes"][1]["end_s"].is_null());

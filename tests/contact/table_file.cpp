@@ -17,8 +17,8 @@ namespace {
 
 using namespace ricochet::contact;
 using namespace ricochet::contact::test;
-using ricochet::test::Folder;
 using ricochet::test::complaint_of;
+using ricochet::test::Folder;
 using ::testing::HasSubstr;
 
 TEST(TableFile, comes_back_as_it_was) {

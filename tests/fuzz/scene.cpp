@@ -22,7 +22,7 @@ void check_requests(const scene::Scene& scene) {
   for (const scene::Body& body : scene.bodies) {
     scene::KernelRequest request;
     if (!accepts([&] { request = scene::kernel_request(scene, body); })) continue;
-    if (request.modes.accuracy || !request.tractions.empty() || !request.point_forces.empty() ||
+    if (request.modes.open() || !request.tractions.empty() || !request.point_forces.empty() ||
         !request.motions.empty() || !request.receivers.empty())
       continue;  // kernels of such requests belong to one scene only
     const kernels::Header header{request.hash, request.toml, request.mesh_sha256};

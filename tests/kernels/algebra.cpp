@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 
+#include "kernels/band.hpp"
 #include "tests/kernels/bar.hpp"
 #include "tests/kernels/sample.hpp"
 
@@ -46,6 +47,7 @@ void expect_same(const Kernel& found, const Kernel& expected, double whole = 1) 
   expect_close(found.centre, expected.centre, "centre", round_off);
   expect_close(found.inertia, expected.inertia, "inertia", round_off);
   EXPECT_EQ(found.supported, expected.supported);
+  expect_close(found.outline, expected.outline, "outline", round_off);
   expect_close(found.surface.node, expected.surface.node, "node", round_off);
   expect_close(found.surface.area, expected.surface.area, "area", round_off);
   expect_close(found.surface.shape, expected.surface.shape, "shape", round_off);
@@ -304,6 +306,45 @@ TEST(Restriction, is_refused_for_kernels_with_loads_or_receivers) {
           restricted_to_direction(sample_kernel(3), {1, 0, 0});
         })})
     EXPECT_NE(line.find("has loads, moving supports or receivers"), std::string::npos) << line;
+}
+
+TEST(Restriction, to_normals_that_are_all_alike_is_that_to_their_direction) {
+  Kernel whole = plain_kernel(3);
+  const Vector3 d{0.6, 0, -0.8};
+  for (std::size_t row = 0; row < whole.surface.normal.size(); ++row) whole.surface.normal[row] = d[row % 3];
+  const Kernel normal = restricted_to_normals(whole), directed = restricted_to_direction(whole, d);
+  EXPECT_NO_THROW(validate(normal, "origin"));
+  EXPECT_EQ(normal.surface.shape, whole.surface.shape);
+  EXPECT_EQ(normal.surface.residual_components(), 1);
+  EXPECT_EQ(normal.surface.residual_flexibility, directed.surface.residual_flexibility);
+  EXPECT_EQ(normal.loads.body_force_residual, directed.loads.body_force_residual);
+  EXPECT_EQ(normal.view->residual_flexibility, directed.view->residual_flexibility);
+  EXPECT_THROW(restricted_to_normals(normal), InputError);
+  EXPECT_THROW(restricted_to_direction(normal, d), InputError);
+}
+
+TEST(Restriction, to_normals_and_truncation_commute) {
+  const Kernel whole = sample_kernel(3);
+  const RadPerSecond end{whole.modes.angular_frequency[whole.modes.size() - 2]};
+  const Kernel one = restricted_to_normals(truncated_above(whole, end)),
+               other = truncated_above(restricted_to_normals(whole), end);
+  EXPECT_LT(other.modes.size(), whole.modes.size());
+  const auto expect_equal = [](const auto& a, const auto& b, double tolerance) {
+    ASSERT_EQ(a.size(), b.size());
+    double largest = 0;
+    for (const auto value : a) largest = std::max<double>(largest, std::abs(value));
+    for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], tolerance * largest);
+  };
+  constexpr double round_off = 1e-14, single = 1e-6;
+  expect_equal(one.surface.residual_flexibility, other.surface.residual_flexibility, round_off);
+  expect_equal(one.loads.body_force_residual, other.loads.body_force_residual, round_off);
+  for (std::size_t l = 0; l < one.applied.size(); ++l)
+    expect_equal(one.applied[l].residual, other.applied[l].residual, round_off);
+  for (std::size_t r = 0; r < one.receivers.size(); ++r)
+    expect_equal(one.receivers[r].residual_flexibility, other.receivers[r].residual_flexibility, round_off);
+  for (std::size_t s = 0; s < one.motions.size(); ++s)
+    expect_equal(one.motions[s].residual, other.motions[s].residual, round_off);
+  expect_equal(one.view->residual_flexibility, other.view->residual_flexibility, single);
 }
 
 TEST(Restriction, to_a_direction_keeps_the_component_along_it) {

@@ -186,6 +186,7 @@ TEST_F(Damage, a_value_that_is_not_a_number_is_refused_wherever_it_stands) {
   const std::string whole = bytes_of(path_);
   for (const std::string name : {"/body/centre",
                                  "/body/inertia",
+                                 "/body/outline",
                                  "/modes/angular_frequency",
                                  "/modes/decay_rate",
                                  "/modes/residual",
@@ -303,10 +304,11 @@ TEST_F(Damage, a_group_in_the_place_of_a_dataset_is_refused) {
 
 // Units are informative, and only those of loads are read. Older files have no attribute "approximate".
 TEST_F(Damage, whatever_stands_in_the_place_of_an_object_is_refused_in_one_line) {
-  ricochet::test::for_each_hostile_change(path_, {"unit", "approximate"}, [&](const std::string& what) {
-    SCOPED_TRACE(what);
-    expect_refused({});
-  });
+  ricochet::test::for_each_hostile_change(path_, {"unit", "approximate", "parts", "held_on_lines"},
+                                          [&](const std::string& what) {
+                                            SCOPED_TRACE(what);
+                                            expect_refused({});
+                                          });
 }
 
 TEST_F(Damage, a_certificate_of_negative_counts_is_refused) {

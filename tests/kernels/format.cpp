@@ -11,6 +11,7 @@
 
 #include "base/hdf5_reader.hpp"
 #include "base/hdf5_writer.hpp"
+#include "kernels/algebra.hpp"
 #include "kernels/read.hpp"
 #include "kernels/write.hpp"
 #include "tests/kernels/sample.hpp"
@@ -44,6 +45,9 @@ void expect_same(const Kernel& a, const Kernel& b) {
   EXPECT_EQ(a.centre, b.centre);
   EXPECT_EQ(a.inertia, b.inertia);
   EXPECT_EQ(a.supported, b.supported);
+  EXPECT_EQ(a.parts, b.parts);
+  EXPECT_EQ(a.held_on_lines, b.held_on_lines);
+  EXPECT_TRUE(same_bits(a.outline, b.outline));
   EXPECT_EQ(a.modes.basis, b.modes.basis);
   EXPECT_TRUE(same_bits(a.modes.angular_frequency, b.modes.angular_frequency));
   EXPECT_TRUE(same_bits(a.modes.decay_rate, b.modes.decay_rate));
@@ -122,6 +126,18 @@ TEST_P(Components, a_kernel_comes_back_bit_for_bit) {
   EXPECT_FALSE(read(folder / "body.kernel.h5", false).view);
 }
 
+TEST(KernelFile, with_static_corrections_along_the_normals_comes_back_bit_for_bit) {
+  const Folder folder;
+  const std::filesystem::path path = folder / "body.kernel.h5";
+  const Kernel kernel = restricted_to_normals(sample_kernel(3));
+  write(kernel, path);
+  const Kernel found = read(path);
+  EXPECT_TRUE(found == kernel);
+  EXPECT_TRUE(found.surface.normal_residual);
+  EXPECT_TRUE(read_header(path)->normal_residual);
+  EXPECT_FALSE(read_header(path)->held.has_value());
+}
+
 TEST_P(Components, a_kernel_without_residual_flexibility_and_view_comes_back_without_them) {
   const Folder folder;
   Kernel kernel = sample_kernel(GetParam());
@@ -198,9 +214,9 @@ TEST(KernelFile, every_dataset_of_numbers_has_a_unit_and_no_object_a_time) {
   int seen = 0;
   H5Ovisit(file, H5_INDEX_NAME, H5_ITER_NATIVE, check_object, &seen);
   H5Fclose(file);
-  // The datasets of FORMAT.md without names: 22, plus 4 for each load,
+  // The datasets of FORMAT.md without names: 23, plus 4 for each load,
   // 3 for a motion and 6 for each receiver.
-  EXPECT_EQ(seen, 22 + 2 * 4 + 3 + 2 * 6);
+  EXPECT_EQ(seen, 23 + 2 * 4 + 3 + 2 * 6);
 }
 
 TEST(KernelFile, another_program_finds_the_shape_as_points_by_components_by_modes) {

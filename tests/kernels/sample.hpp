@@ -52,6 +52,9 @@ inline Kernel sample_kernel(int components, std::size_t n = 5, std::size_t m = 4
   kernel.centre = {0.1, -0.2, 1.0 / 3};
   kernel.inertia = {1, 0.1, 0.2, 0.1, 2, 0.3, 0.2, 0.3, 3};
   kernel.supported = true;
+  kernel.parts = 2;
+  kernel.held_on_lines = 5;
+  fill(kernel.outline, 3 * 4);
 
   Modes& modes = kernel.modes;
   for (std::size_t i = 0; i < n; ++i) {

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
 add_mpi_test(mesh distribute)
+add_mpi_test(mesh extent)
 add_mpi_test(mesh order_reduction)
 add_mpi_test(mesh parts)
 add_mpi_test(mesh read)

@@ -69,10 +69,18 @@ class Accuracy(ProgramTest):
                 self.assertNotIn("accuracy =", self.warned)
 
     def test_the_shares_add_up_to_the_total(self):
+        causes = {"mesh", "modes", "basis", "step", "eigensolver", "precision", "spacing", "zone"}
         estimate = self.collide()["error_estimate"]
-        total = estimate.pop("total")
-        self.assertEqual(set(estimate), {"mesh", "modes", "step", "eigensolver", "precision", "spacing"})
-        self.assertAlmostEqual(sum(estimate.values()), total, delta=1e-15)
+        quantities, worst = estimate.pop("quantities"), estimate.pop("quantity")
+        self.assertEqual(estimate, quantities[worst])
+        self.assertIn(worst, ("impulse", "rebound"))
+        self.assertEqual(set(quantities), {"impulse", "rebound", "peak_force", "duration", "energy"})
+        for name, errors in quantities.items():
+            total = errors.pop("total")
+            self.assertEqual(set(errors), causes)
+            self.assertAlmostEqual(sum(errors.values()), total, delta=1e-14 * total)
+            if name in ("impulse", "rebound"):
+                self.assertLessEqual(total, estimate["total"])
 
     def test_what_is_given_stays_and_the_worst_cause_is_named(self):
         summary = self.collide("modes.count=4", "time.rate_hz=100", accuracy=1e-3)
@@ -108,7 +116,7 @@ class Accuracy(ProgramTest):
         self.assertAlmostEqual(lasted[1] / lasted[0], 1, delta=0.1)
         self.assertAlmostEqual(fewer["impulse_ns"] / all_points["impulse_ns"], 1, delta=0.01)
 
-    def test_without_kernels_of_another_order_the_mesh_is_unknown(self):
+    def test_without_kernels_of_another_mesh_its_error_is_unknown(self):
         given = ["modes.count=20", "time.rate_hz=100"]
         summary = self.collide(*given, "accuracy=1e-1", accuracy=None, computed=given)
         self.assertIsNone(summary["error_estimate"]["mesh"])
@@ -123,6 +131,82 @@ class Accuracy(ProgramTest):
         self.assertIsNone(self.collide(*given, accuracy=None)["error_estimate"])
         self.assertIsNone(self.collide(*given, "bodies.moving.velocity=[-1,0,0]")["error_estimate"])
         self.assertIn("nothing touches", self.warned)
+
+
+class ClosedLoop(ProgramTest):
+    """A rod in three-dimensional elements, of which only material, speed and wall are given. It leaves a rigid wall at
+    its arrival speed; its impulse is twice its momentum."""
+
+    def setUp(self):
+        super().setUp()
+        self.write(
+            "bar.geo",
+            'SetFactory("OpenCASCADE");\nBox(1) = {0, 0, 0, 0.1, 0.02, 0.02};\n'
+            'Mesh.MeshSizeMax = 0.02;\nPhysical Volume("bar") = {1};\nPhysical Surface("end") = {2};\n',
+        )
+        self.scene = self.write(
+            "bar.toml",
+            """
+[bodies.bar]
+mesh = "bar.geo"
+translate = [-0.1001, 0, 0]
+material = { density = 7800, young = 2.1e11, poisson = 0.3 }
+velocity = [1, 0, 0]
+contact = "end"
+[obstacles.wall]
+normal = [-1, 0, 0]
+[contact]
+between = ["bar", "wall"]
+[time]
+duration = 3e-4
+""",
+        )
+        self.out = self.folder / "out"
+
+    def rounds(self, *sets):
+        output = self.succeed(kernel(self.scene, self.out, *sets, quiet=False)).out
+        return [line for line in output.splitlines() if line.startswith("accuracy, round")]
+
+    def run_impact(self, *sets):
+        self.succeed(contact(self.scene, self.out, *sets))
+        return self.summary(self.out)
+
+    def test_an_open_scene_reaches_its_accuracy_and_its_neighbours_pay_once(self):
+        rounds = self.rounds("accuracy=5e-2")
+        self.assertGreaterEqual(len(rounds), 2)
+        self.assertIn("refines mesh", rounds[0])
+        summary = self.run_impact("accuracy=5e-2")
+        self.assertLess(summary["error_estimate"]["total"], 5e-2)
+        mass = 7800 * 0.1 * 0.02**2
+        kept = summary["impulse_ns"] / mass - 1
+        self.assertLess(kept, 1 + 3e-2)  # no more than elastic; vibration takes some per cent
+        self.assertGreater(kept, 0.9)
+        (settings,) = self.out.glob("bar-*.settings.toml")
+        self.assertEqual(len(list(self.out.glob("*.kernel.h5"))), 2)  # the mesh, and the next coarser one
+        before = settings.stat().st_mtime_ns
+
+        # The rebound of a linear system does not depend on its speed.
+        faster = self.run_impact(
+            "accuracy=5e-2", "bodies.bar.velocity=[2,0,0]", "bodies.bar.translate=[-0.1002,0,0]"
+        )
+        self.assertAlmostEqual(faster["impulse_ns"] / summary["impulse_ns"] / 2, 1, delta=1e-2)
+        self.assertIsNotNone(faster["error_estimate"]["mesh"])
+        self.assertEqual(settings.stat().st_mtime_ns, before)
+        self.assertEqual(len(self.rounds("accuracy=5e-2", "bodies.bar.velocity=[2,0,0]")), 1)
+
+    def test_what_prevents_the_accuracy_is_named(self):
+        rounds = self.rounds("accuracy=1e-4", "bodies.bar.order=2", "modes.up_to_hz=3e4")
+        self.assertRegex(
+            rounds[-1], r"stops: \w+ contributes .*: (modes.up_to_hz = 30000|bodies.\*.order) is given"
+        )
+
+    def test_an_open_scene_without_settings_is_refused(self):
+        refused = contact(self.scene, self.out)
+        self.assertEqual(refused.status, 2)
+        self.assertRegex(
+            refused.err, r"no settings for accuracy = 0.01 at .*Run ricochet-kernel"
+        )  # the default
+        self.assertEqual(refused.err.count("\n"), 1)
 
 
 if __name__ == "__main__":

@@ -53,6 +53,13 @@ def flexibility(file):
     return (shape**2 / omega[omega > 0] ** 2).sum(axis=1).max()
 
 
+def static_flexibility(file):
+    """Static displacements of the candidates under unit forces on them, from the elastic modes and R."""
+    omega = file["modes/angular_frequency"][:]
+    shape = file["surface/shape"][:].reshape(-1, omega.size)[:, omega > 0] / omega[omega > 0]
+    return shape @ shape.T + file["surface/residual_flexibility"][:]
+
+
 class Algebra(ProgramTest):
     def setUp(self):
         super().setUp()
@@ -161,6 +168,24 @@ class Algebra(ProgramTest):
     def test_vectors_fitted_to_contact_in_the_same_band(self):
         modes = 'modes={{basis="contact",up_to_hz={}}}'
         self.check([modes.format(0.5)], [*OTHER, modes.format(0.5 * FASTER)])
+
+    def test_vectors_above_the_band_are_in_the_residual_flexibility(self):
+        bases = ["modes={up_to_hz=0.5}"] + [
+            f'modes={{basis="contact",up_to_hz=0.5,residual_flexibility={kept}}}'
+            for kept in ("true", "false")
+        ]
+        files = [h5py.File(self.path(self.out, words)[0]) for words in bases]
+        highest = [file["modes/angular_frequency"][-1] / (2 * np.pi) for file in files]
+        self.assertLessEqual(highest[1], 0.5)
+        self.assertGreater(highest[2], 1)
+        certificate = files[1]["modes/certificate"].attrs
+        self.assertGreater(certificate["left_out"], 0)
+        self.assertEqual(
+            certificate["count_found"] - certificate["left_out"], len(files[1]["modes/residual"])
+        )
+        # Without rigid motion, both have the static flexibility of the body.
+        exact, found = (static_flexibility(file) for file in files[:2])
+        np.testing.assert_allclose(found, exact, rtol=0, atol=1e-9 * np.abs(exact).max())
 
     def test_rods_with_a_cross_section(self):
         self.write("rod.geo", scenes.rod())

@@ -18,8 +18,14 @@ scene::Scene scene_of(double height) {
   out.bodies[1].name = "b";
   out.bodies[1].rotate_deg = {180, 0, 0};
   out.bodies[1].translate = {0, 0, height};
-  out.contact.pairs = {
-      {.a = "a", .b = "b", .direction = {}, .along = {}, .spacing = {}, .gap = 0.01, .reach = 0.2}};
+  out.contact.pairs = {{.a = "a",
+                        .b = "b",
+                        .direction = {},
+                        .along = {},
+                        .spacing = {},
+                        .gap = 0.01,
+                        .reach = 0.2,
+                        .zone = {}}};
   return out;
 }
 

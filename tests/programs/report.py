@@ -184,8 +184,8 @@ class Rods(ReportTest):
         time, force = unpacked(drawn["x"]).astype(float), unpacked(drawn["y"]).astype(float)
         area = np.nansum(force[1:] * np.diff(time))  # steps end at these times
         self.assertAlmostEqual(
-            area, summary["impulse_ns"], delta=1e-4 * summary["impulse_ns"]
-        )  # times have 32 bits
+            area, summary["impulse_ns"], delta=1e-3 * summary["impulse_ns"]
+        )  # times have 32 bits, and lines are thinned to the peaks
         self.assertAlmostEqual(run["episodes"][0][0], summary["contact_start_s"], delta=1e-9)
         self.assertEqual(np.nanmax(force), np.float32(summary["peak_force_n"]))
 

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// `accuracy` chooses only settings that a scene leaves open. Kernels chosen for it belong to this scene only.
+// `accuracy` chooses only settings that a scene leaves open. Scenes with the same bodies share them.
 #include <gmock/gmock.h>
 
-#include "src/scene/derive.hpp"
 #include "src/scene/read.hpp"
-#include "src/scene/request.hpp"
+#include "src/scene/settings.hpp"
 #include "src/scene/write.hpp"
 #include "tests/scene/scenes.hpp"
 
@@ -28,29 +27,47 @@ std::vector<Override> with_accuracy(std::vector<Override> more = {}) {
   return more;
 }
 
-/// Request of the body with this index: 0 is the block, 1 the ball.
-KernelRequest request_of(const std::vector<Override>& overrides, std::size_t body = 1,
-                         const std::string& ball = "a ball") {
+/// Name of the file with the settings of the scene.
+std::string settings_of(const std::vector<Override>& overrides, const std::string& ball = "a ball") {
   const Folder folder;
   folder.write("ball.msh", ball);
   folder.write("block.geo", "a block");
-  const Scene scene = read(folder.write("scene.toml", open_scene), overrides);
-  return kernel_request(scene, scene.bodies[body]);
+  return settings_path("out", read(folder.write("scene.toml", open_scene), overrides)).string();
 }
+
+const Body& block_of(const Scene& scene) { return *scene.find_body("block"); }
 
 TEST(Accuracy, leaves_nothing_open_if_it_is_not_requested) {
   const Scene scene = scene_of(smallest);
   EXPECT_FALSE(scene.accuracy);
-  EXPECT_FALSE(scene.modes.accuracy);
+  EXPECT_FALSE(scene.modes.open());
   EXPECT_FALSE(scene.time.rate_by_accuracy);
   EXPECT_EQ(scene.time.precision, Precision::float64);
+}
+
+TEST(Accuracy, is_the_default_if_the_modes_are_open) {
+  const Scene scene = scene_of(open_scene);
+  EXPECT_EQ(scene.accuracy, 1e-2);
+  EXPECT_EQ(scene.accuracy_of, (std::vector{Quantity::impulse, Quantity::rebound}));
+  EXPECT_THAT(complaint_about(open_scene, {"accuracy=off"}), HasSubstr("modes: is missing"));
+  EXPECT_FALSE(scene_of(open_scene, {"accuracy=off", "modes.count=10"}).accuracy);
+}
+
+TEST(Accuracy, is_that_of_the_named_quantities) {
+  const Scene scene = scene_of(open_scene, {"accuracy_of=[\"spin\", \"peak_force\"]"});
+  EXPECT_EQ(scene.accuracy_of, (std::vector{Quantity::spin, Quantity::peak_force}));
+  EXPECT_THAT(complaint_about(open_scene, {"accuracy_of=rebond"}),
+              HasSubstr("there is no quantity \"rebond\""));
 }
 
 TEST(Accuracy, chooses_what_is_not_given) {
   for (const char* modes : {"title=x", "modes={}", "modes.residual_flexibility=true"}) {
     const Scene scene = scene_of(open_scene, with_accuracy({modes}));
     EXPECT_EQ(scene.accuracy, 1e-2);
-    EXPECT_EQ(scene.modes.accuracy, 1e-2);
+    EXPECT_TRUE(scene.modes.open());
+    EXPECT_TRUE(block_of(scene).order_open);
+    EXPECT_TRUE(block_of(scene).size_open);
+    EXPECT_FALSE(scene.find_body("ball")->order_open);  // a mesh file
     EXPECT_EQ(scene.modes.basis, Basis::contact);
     EXPECT_FALSE(scene.modes.up_to);
     EXPECT_TRUE(scene.time.rate_by_accuracy);
@@ -59,26 +76,32 @@ TEST(Accuracy, chooses_what_is_not_given) {
 }
 
 TEST(Accuracy, leaves_what_is_given) {
-  const Scene scene =
-      scene_of(smallest, with_accuracy({"time.rate_hz=1e3", "time.precision=single", "time.duration=1"}));
-  EXPECT_FALSE(scene.modes.accuracy);
+  const Scene scene = scene_of(smallest, with_accuracy({"time.rate_hz=1e3", "time.contact_rate_hz=2500",
+                                                        "time.precision=single", "time.duration=1"}));
+  EXPECT_FALSE(scene.modes.open());
   EXPECT_EQ(scene.modes.count, 10);
   EXPECT_EQ(scene.modes.basis, Basis::modes);
   EXPECT_FALSE(scene.time.rate_by_accuracy);
   EXPECT_EQ(scene.time.rate.value, 1e3);
+  EXPECT_EQ(scene.time.steps_per_sample(), 3);  // rounded up
+  EXPECT_EQ(scene.time.step(), 1 / 3e3);
   EXPECT_EQ(scene.time.precision, Precision::float32);
 }
 
 TEST(Accuracy, is_preserved_by_the_resolved_scene) {
-  for (const char* set : {"title=x", "time.rate_hz=1e3", "time.precision=double", "modes.count=3"}) {
+  for (const char* set :
+       {"title=x", "time.rate_hz=1e3", "time.contact_rate_hz=2e5", "time.precision=double", "modes.count=3",
+        "bodies.block.order=2", "bodies.block.size_factor=0.5", "accuracy_of=energy"}) {
     const Folder folder;
     const Scene scene = read(folder.write("scene.toml", open_scene), with_accuracy({set}));
     const Scene back = read(folder.write("resolved.toml", to_toml(scene)));
     EXPECT_EQ(back.accuracy, scene.accuracy);
-    EXPECT_EQ(back.modes.accuracy, scene.modes.accuracy);
+    EXPECT_EQ(back.accuracy_of, scene.accuracy_of);
+    EXPECT_EQ(back.modes.open(), scene.modes.open());
+    EXPECT_EQ(back.bodies, scene.bodies);
     EXPECT_EQ(back.modes.count, scene.modes.count);
     EXPECT_EQ(back.time.rate_by_accuracy, scene.time.rate_by_accuracy);
-    EXPECT_EQ(back.time.rate.value, scene.time.rate.value);
+    EXPECT_EQ(back.time, scene.time);
     EXPECT_EQ(back.time.precision, scene.time.precision);
   }
 }
@@ -88,48 +111,71 @@ TEST(Accuracy, is_refused_in_one_line_if_it_has_no_meaning) {
     EXPECT_THAT(complaint_about(smallest, {std::string("accuracy=") + value}),
                 HasSubstr("must be from 1e-6 to 0.5"));
   EXPECT_THAT(complaint_about(tabular, {"accuracy=1e-2"}), HasSubstr("accuracy"));
-  EXPECT_THAT(complaint_about(open_scene), HasSubstr("accuracy"));  // without it, [modes] is missing
   EXPECT_THAT(
       complaint_about(open_scene, with_accuracy({"modes={basis=\"modes\",residual_flexibility=false}"})),
       HasSubstr("residual_flexibility"));
 }
 
-TEST(KernelOfAccuracy, moves_with_accuracy_and_with_the_body_beside_it) {
-  const std::string hash = request_of(with_accuracy()).hash;
-  EXPECT_EQ(request_of(with_accuracy({"bodies.ball.velocity=[0,0,-1]"})).hash, hash);
-  EXPECT_EQ(request_of(with_accuracy({"time.rate_hz=1e3"})).hash, hash);
-  EXPECT_NE(request_of({"accuracy=1e-3"}).hash, hash);
-  EXPECT_NE(request_of(with_accuracy({"bodies.ball.material.young=2e9"})).hash, hash);
-  EXPECT_NE(request_of(with_accuracy(), 1, "another ball").hash, hash);
+TEST(BodyOfGivenElements, leaves_no_mesh_open) {
+  const Scene order = scene_of(open_scene, {"bodies.block.order=2"}),
+              size = scene_of(open_scene, {"bodies.block.geometry={h=0.1}"});
+  EXPECT_FALSE(block_of(order).order_open);
+  EXPECT_FALSE(block_of(order).size_open);
+  EXPECT_TRUE(block_of(size).order_open);
+  EXPECT_FALSE(block_of(size).size_open);
 }
 
-TEST(KernelOfAccuracy, is_an_ordinary_one_if_modes_are_given) {
-  const std::string hash = request_of({"modes.count=10"}).hash;
-  EXPECT_EQ(request_of(with_accuracy({"modes.count=10"})).hash, hash);
-  EXPECT_EQ(request_of(with_accuracy({"modes.count=10", "bodies.ball.material.young=2e9"})).hash, hash);
+TEST(Settings, are_shared_by_scenes_with_the_same_bodies_and_accuracy) {
+  const std::string path = settings_of(with_accuracy());
+  EXPECT_THAT(path, HasSubstr("out/ball-block-"));
+  for (const char* same :
+       {"bodies.ball.velocity=[0,0,-1]", "contact.gap=1e-3", "title=x", "time.rate_hz=1e3"})
+    EXPECT_EQ(settings_of(with_accuracy({same})), path) << same;
+  for (const char* other : {"bodies.ball.material.young=2e9", "bodies.block.order=3", "modes.count=10",
+                            "accuracy_of=spin", "contact.reach=1e-3", "accuracy=1e-3"})
+    EXPECT_NE(settings_of(with_accuracy({other})), path) << other;
+  EXPECT_NE(settings_of(with_accuracy(), "another ball"), path);
 }
 
-TEST(KernelOfAccuracy, is_not_derived_from_another) {
-  const KernelRequest wanted = request_of(with_accuracy());
-  EXPECT_FALSE(similarity(request_of({"modes.count=10"}), wanted));
-  EXPECT_THAT(complaint_of([&] {
-                scene::request_of({wanted.hash, wanted.toml, wanted.mesh_sha256}, "x.kernel.h5");
-              }),
-              HasSubstr("accuracy"));
+Settings some_settings() {
+  const KernelSettings found{.mesh = {{"block", {4, 0.5}}},
+                             .basis = Basis::contact,
+                             .up_to = Hertz{3e3},
+                             .flexibility_error = 0.1,
+                             .zone = 1e-3};
+  KernelSettings coarser = found;
+  coarser.mesh["block"] = {3, 2};
+  coarser.zone.reset();
+  return {.found = found,
+          .coarser = coarser,
+          .coarser_change = {{Quantity::impulse, 1e-3}, {Quantity::peak_force, 0.1}},
+          .rate = Hertz{1e5}};
 }
 
-TEST(OtherOrder, is_the_next_lower_one_or_2_for_1) {
-  for (const auto& [order, other] : {std::pair{"1", 2}, std::pair{"2", 1}, std::pair{"3", 2}}) {
-    const KernelRequest request = request_of({"modes.count=10", std::string("bodies.block.order=") + order});
-    const auto found = other_order(request);
-    ASSERT_TRUE(found);
-    EXPECT_EQ(found->body.order, other);
-    EXPECT_NE(found->hash, request.hash);
-  }
+TEST(Settings, are_read_as_written) {
+  const Settings settings = some_settings();
+  EXPECT_EQ(parse_settings(to_toml(settings)), settings);
+  const Folder folder;
+  const Scene scene = scene_of(open_scene);
+  write_settings(settings, scene, folder.path() / "x.settings.toml");
+  EXPECT_EQ(read_settings(folder.path() / "x.settings.toml"), settings);
+  EXPECT_FALSE(read_settings(folder.path() / "none.settings.toml"));
+  for (const char* damaged : {"", "[found]", "[found]\nbasis = \"contact\"\nup_to_hz = -1.0", "= ="})
+    EXPECT_FALSE(parse_settings(damaged)) << damaged;
 }
 
-TEST(OtherOrder, does_not_exist_for_a_mesh_file) {
-  EXPECT_FALSE(other_order(request_of(with_accuracy(), 0)));
+TEST(Settings, replace_only_what_is_open) {
+  const Scene open = with_settings(scene_of(open_scene), some_settings().found);
+  EXPECT_EQ(block_of(open).order, 4);
+  EXPECT_EQ(block_of(open).size_factor, 0.5);
+  EXPECT_FALSE(block_of(open).order_open);
+  EXPECT_EQ(open.modes.up_to, Hertz{3e3});
+  EXPECT_EQ(open.modes.flexibility_error, 0.1);
+  EXPECT_EQ(open.contact.pairs[0].zone, 1e-3);
+  const Scene given =
+      with_settings(scene_of(open_scene, {"modes.count=10", "contact.reach=1"}), some_settings().found);
+  EXPECT_FALSE(given.modes.up_to);
+  EXPECT_FALSE(given.contact.pairs[0].zone);
 }
 
 }  // namespace

@@ -97,7 +97,6 @@ TEST(KernelFiles, of_imported_bodies_state_their_request_and_serve_others_of_the
   KernelRequest other = wanted;
   other.mesh_sha256 = "of another file";
   EXPECT_FALSE(similarity(answered, other));
-  EXPECT_FALSE(other_order(had));
 }
 
 TEST(KernelFiles, of_other_versions_are_refused) {

@@ -97,12 +97,13 @@ TEST(Sources, are_read_and_named_after_their_group_or_number) {
 
 TEST(Sources, are_refused_in_one_line) {
   const std::tuple<const char*, const char*> refusals[] = {
-      {"loads.traction[0].body=cube", "loads.traction[0].body = \"cube\": there is no body \"cube\""},
+      {"loads.traction[0].body=cube",
+       "loads.traction[0].body = \"cube\": there is no body \"cube\": there is only \"ball\""},
       {"loads.traction[0].vector=[1,2]",
        "loads.traction[0].vector = [1, 2]: must be three numbers, [x, y, z]"},
       {"loads.traction[0].at=[1,2,3]",
-       "loads.traction[0].at = [1, 2, 3]: unknown key. The keys here are body, group, history, name, "
-       "vector."},
+       "loads.traction[0].at = [1, 2, 3]: unknown key here: it belongs to [[loads.point]] or "
+       "[[output.receiver]]"},
       {"loads.traction[1].name=cap",
        "loads.traction[1].name = \"cap\": bodies.ball has a load or motion \"cap\" already: give each its "
        "own "
@@ -123,7 +124,8 @@ TEST(Sources, are_refused_in_one_line) {
        "loads.motion[0].history = \"gone.csv\": no such file: give a CSV of times [s] and factors, or leave "
        "it "
        "out"},
-      {"output.receiver[0].body=cube", "output.receiver[0].body = \"cube\": there is no body \"cube\""},
+      {"output.receiver[0].body=cube",
+       "output.receiver[0].body = \"cube\": there is no body \"cube\": there is only \"ball\""},
       {"output.receiver[0].gain=2",
        "output.receiver[0].gain = 2: unknown key. The keys here are at, body, name."}};
   for (const auto& [set, line] : refusals)

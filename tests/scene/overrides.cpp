@@ -79,7 +79,8 @@ TEST(Set, is_checked_like_the_file) {
        "0.49."},
       {"bodies.ball.velocity=fast", "bodies.ball.velocity = \"fast\": must be three numbers, [x, y, z]"},
       {"bodies.bal.velocity=[0,0,1]",
-       "bodies.bal.mesh: is missing: name a .geo, .step, .brep or .msh file, or a body file (.h5)"},
+       "bodies.bal.mesh: is missing: name a .geo, .step, .brep or .msh file, or a body file (.h5); or did "
+       "you mean bodies.ball?"},
       {"times.duration=1", "times = {…}: unknown key. Did you mean \"time\"?"},
       {"modes.up_to_hz=100", "modes = {…}: give one of up_to_hz and count"}};
   for (const auto& [set, line] : refusals)

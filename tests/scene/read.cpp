@@ -22,7 +22,7 @@ TEST(SceneDefaults, of_a_body_are_those_documented) {
   EXPECT_THAT(body.geometry, IsEmpty());
   EXPECT_EQ(body.order, 3);
   EXPECT_EQ(body.scale, 1);
-  for (const Vector3& vector : {body.translate, body.rotate_deg, body.velocity})
+  for (const Vector3& vector : {body.translate, body.rotate_deg, body.velocity, body.angular_velocity})
     EXPECT_THAT(vector, ElementsAre(0, 0, 0));
   ASSERT_EQ(body.materials.size(), 1U);
   EXPECT_EQ(body.materials[0].group, "");
@@ -94,6 +94,7 @@ TEST(SceneValues, of_a_body_are_read) {
   EXPECT_THAT(ball.translate, ElementsAre(0, 0.11, -2));
   EXPECT_THAT(ball.rotate_deg, ElementsAre(90, 0.5, -45));
   EXPECT_THAT(ball.velocity, ElementsAre(0, -1.5, 3));
+  EXPECT_THAT(ball.angular_velocity, ElementsAre(1, 0, -20.5));
   ASSERT_EQ(ball.materials.size(), 1U);
   EXPECT_EQ(ball.materials[0].density, 11300);
   EXPECT_EQ(ball.materials[0].young, 10400000);

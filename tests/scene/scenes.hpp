@@ -64,6 +64,7 @@ rotate_deg = [90, 0.5, -45]
 material = { density = 11.3e3, young = 10.4e6, poisson = 0.37 }
 damping = { rayleigh = [3, 1e-7] }
 velocity = [0.0, -1.5, 3]
+angular_velocity = [1, 0, -20.5]
 contact = ["rim", "cap"]
 support = { clamp = "zyx", "symmetry plane" = "x" }
 

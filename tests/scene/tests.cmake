@@ -2,6 +2,7 @@
 add_serial_test(scene loads ricochet_scene)
 add_serial_test(scene read ricochet_scene)
 add_serial_test(scene refusals ricochet_scene)
+add_serial_test(scene near_misses ricochet_scene)
 add_serial_test(scene overrides ricochet_scene)
 add_serial_test(scene request ricochet_scene)
 add_serial_test(scene write ricochet_scene)

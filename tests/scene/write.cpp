@@ -36,6 +36,7 @@ void expect_same(const Body& a, const Body& b) {
   EXPECT_EQ(a.damping.first, b.damping.first);
   EXPECT_EQ(a.damping.second, b.damping.second);
   EXPECT_EQ(a.velocity, b.velocity);
+  EXPECT_EQ(a.angular_velocity, b.angular_velocity);
   EXPECT_EQ(a.contact, b.contact);
   EXPECT_EQ(a.support, b.support);
 }
@@ -180,7 +181,8 @@ TEST(Resolved, scene_holds_every_default) {
                            "support = { }\n",
                            "translate = [0.0, 0.0, 0.0]\n",
                            "rotate_deg = [0.0, 0.0, 0.0]\n",
-                           "velocity = [0.0, 0.0, 0.0]\n",
+                           "\nvelocity = [0.0, 0.0, 0.0]\n",
+                           "angular_velocity = [0.0, 0.0, 0.0]\n",
                            "point = [0.0, 0.0, 0.0]\n",
                            "basis = \"modes\"\n",
                            "residual_flexibility = true\n",

@@ -52,7 +52,8 @@ struct Body {
   kernels::Kernel trace(const modes::ModeSet& set, bool residual, bool view) const {
     kernels::Kernel kernel;
     surface::trace(test::one_team(), mesh, matrices, *factor, set, patches,
-                   surface::patch_loads(mesh, patches), residual, view, kernel,
+                   surface::patch_loads(mesh, patches),
+                   residual ? surface::Residual::all : surface::Residual::none, view, kernel,
                    surface::make_sources(mesh, {}));
     return kernel;
   }

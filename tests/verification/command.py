@@ -10,6 +10,7 @@ from ricochet import errors
 OTHERS = {
     "--extremes": "extremes_table",
     "--estimates": "true_errors",
+    "--random": "random_scenes",
     "--readings": "readings",
     "--kills": "kills",
     "--tutorials": "walk",

@@ -46,7 +46,7 @@ class History(Result):
                 self.sides[name] = self._read(f"contact/{name}", *shape)
             self.point_a, self.normal  # reading checks the arrays and raises InputError for damaged ones
         self.force, self.gap
-        self.spacing = float(np.min(np.diff(self.time), initial=np.inf))  # time between rows
+        self.spacing = self.contact_step
         self.episodes = self._episodes()
 
     def _episodes(self) -> list[tuple[int, int]]:
@@ -59,10 +59,10 @@ class History(Result):
         return [(int(first), int(behind)) for first, behind in zip(edges[:-1], edges[1:])]
 
     def spans(self) -> list[tuple[float, float]]:
-        """Start and end of each episode [s]. An episode starts at the row before its first force."""
-        before = np.maximum(np.searchsorted(self.time, self.contact_time - 0.5 * self.spacing) - 1, 0)
+        """Start and end of each episode [s]. An episode starts one step before its first row."""
+        t = self.contact_time
         return [
-            (float(self.time[before[first]]), float(self.contact_time[behind - 1]))
+            (max(float(t[first]) - self.spacing, float(self.time[0])), float(t[behind - 1]))
             for first, behind in self.episodes
         ]
 

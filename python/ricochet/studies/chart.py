@@ -61,7 +61,10 @@ def label(name: str, units: dict[str, str]) -> str:
     if path[0] == "pairs" and path[-1] in WORDS:
         return f"{WORDS[path[-1]]}, pair {int(path[1]) + 1}"
     if path[0] == "error_estimate":
-        return "estimated error, " + ("relative" if path[-1] == "total" else f"{path[-1]} alone, relative")
+        of = f" of the {path[2].replace('_', ' ')}" if path[1] == "quantities" else ""
+        return f"estimated error{of}, " + (
+            "relative" if path[-1] == "total" else f"{path[-1]} alone, relative"
+        )
     found = unit(name, units)
     return f"{name} ({found})" if found else name
 

@@ -40,6 +40,7 @@ duration = 1.6e-3
 body = "bar"
 group = "left"
 vector = [{FORCE / AREA}, 0, 0]
+history = "step.csv"
 [[output.receiver]]
 name = "middle"
 body = "bar"
@@ -64,6 +65,7 @@ def waves(x, time, clamped):
 
 def run(bench):
     bench.write("bar.geo", GEO)
+    bench.write("step.csv", "0, 1\n")  # without a history, the force would have acted before
     scene = bench.write("bar.toml", SCENE)
     figure, axes = bench.figure(2)
     for ax, (name, support) in zip(axes, SUPPORTS.items()):

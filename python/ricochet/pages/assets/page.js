@@ -95,7 +95,7 @@ function highlights() {
     card("Energy to contact", told("energy_lost_contact", s.energy_lost_contact, percent(s.energy_lost_contact)),
          "of that at first touch");
   plain("Energy drift", "energy_drift", "", "round-off: 10⁻¹² or less");
-  if (s.error_estimate) card("Estimated error", percent(s.error_estimate.total), "of impulse and rebound");
+  if (s.error_estimate) card("Estimated error", percent(s.error_estimate.total), `of the ${spaced(s.error_estimate.quantity)}`);
   plain("Contact points", "candidates", "", run.static ? "" : `at most ${s.max_active} touch`);
   if (s.real_time_factor > 0 && run.steps.duration_s) {
     const {duration_s: duration} = run.steps, faster = s.real_time_factor >= 1;
@@ -177,23 +177,32 @@ function energySection() {
   if (!run.static) at.append(note("The first three rows together stay the same."));
 }
 
+/** The name of a quantity as words. */
+function spaced(name) {
+  return name.replaceAll("_", " ");
+}
+
 function errorsSection() {
   const at = section("errors"), estimate = summary.error_estimate;
   if (run.by_table) return at.append(note("Table kernels have no error estimate."));
   if (!estimate && run.static) return at.remove();
   if (!estimate)
     return at.append(note("Not estimated. With accuracy = 1e-2 in the scene, or --accuracy 1e-2 for both programs, the run says " +
-                          "how far impulse and rebound may be off, by cause."));
-  const causes = {total: "all together", mesh: "mesh", modes: "modes left out", step: "step of time", eigensolver: "eigensolver",
-                  precision: "precision", spacing: "spacing of contact points"};
-  const largest = Math.max(...Object.values(estimate), 1e-300);
+                          "how far its main results may be off, by cause."));
+  const causes = {total: "all together", mesh: "mesh", modes: "modes above the band", basis: "vectors in the band",
+                  step: "step of time", eigensolver: "eigensolver", precision: "precision",
+                  spacing: "spacing of contact points", zone: "points beyond the reach"};
+  const largest = Math.max(estimate.total, 1e-300), quantities = Object.entries(estimate.quantities);
+  const shown = (share) => share === null || share === undefined ? "not known" : digits(share, 2);
   const rows = Object.entries(causes).map(([key, label]) => {
     const bar = make("i", {class: "bar"}), share = estimate[key];
     bar.style.width = `${12 * (share ?? 0) / largest}rem`;
-    return row(label, told(`error_estimate.${key}`, share, share === null ? "not known" : digits(share, 2)), bar);
+    return row(label, told(`error_estimate.${key}`, share, shown(share)), bar,
+               ...quantities.map(([, errors]) => shown(errors[key])));
   });
   const asked = run.asked.accuracy ? `; ${digits(run.asked.accuracy)} was asked for` : "";
-  at.append(table(["cause", "relative error", ""], rows), note(`Of impulse and rebound, estimated${asked}.`));
+  at.append(table(["cause", `relative error of ${spaced(estimate.quantity)}`, "", ...quantities.map(([name]) => spaced(name))], rows),
+            note(`Estimated${asked}. The first column is the requested quantity with the largest error.`));
 }
 
 function askedSection() {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "src/programs/choose_modes.hpp"
+#include "src/programs/start_band.hpp"
 
 #include <fmt/format.h>
 
@@ -9,19 +9,13 @@
 #include "src/mesh/gmsh_session.hpp"
 #include "src/mesh/open.hpp"
 #include "src/parallel/parallel.hpp"
-#include "src/programs/kernel_candidates.hpp"
 #include "src/scene/parts.hpp"
 
 namespace ricochet {
 namespace {
 
-/// Number of times that a wave crosses the body within the shortest period of the band, at an accuracy of
-/// 1e-2. For rods, whose ends meet with a shock that excites all modes, it is inversely proportional to the
-/// accuracy. For solids, it is inversely proportional to the square root of the accuracy.
-constexpr double crossings = 2, crossings_of_rods = 15, reference = 1e-2;
-
-/// Largest error allowed for the flexibility. Its effect on impacts is a few times smaller.
-constexpr double most_flexibility_error = 0.1;
+/// Crossings of the body in the shortest period of the band.
+constexpr double crossings = 2, crossings_of_rods = 8;
 
 struct Waves {
   double rate;  ///< crossings of the body per second
@@ -53,7 +47,7 @@ double rounded(double value) {
 
 }  // namespace
 
-scene::Modes chosen_modes(const scene::Scene& scene, MPI_Comm comm) {
+StartBand start_band(const scene::Scene& scene, MPI_Comm comm) {
   Waves all{0, true};
   parallel::on_first_rank(comm, [&] {
     for (const scene::Body& body : scene.bodies) {
@@ -62,16 +56,8 @@ scene::Modes chosen_modes(const scene::Scene& scene, MPI_Comm comm) {
     }
   });
   all = parallel::of_rank(comm, 0, all);
-  scene::Modes modes = scene.modes;
-  const double finer = std::max(1.0, reference / *modes.accuracy);
-  if (all.rod) {
-    modes.basis = scene::Basis::modes;
-    modes.up_to = Hertz{rounded(crossings_of_rods * finer * all.rate)};
-    return modes;
-  }
-  modes.up_to = Hertz{rounded(crossings * std::sqrt(finer) * all.rate)};
-  if (!modes.flexibility_error) modes.flexibility_error = std::min(*modes.accuracy, most_flexibility_error);
-  return modes;
+  if (all.rod) return {scene::Basis::modes, Hertz{rounded(crossings_of_rods * all.rate)}};
+  return {scene::Basis::contact, Hertz{rounded(crossings * all.rate)}};
 }
 
 }  // namespace ricochet

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/mesh/extent.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <set>
+
+namespace ricochet::mesh {
+
+namespace {
+
+/// The axes in both senses, and a Fibonacci lattice on the sphere, whose neighbours are 0.2 apart.
+std::vector<std::array<double, 3>> directions() {
+  constexpr int lattice = 314;
+  std::vector<std::array<double, 3>> out;
+  for (std::size_t c = 0; c < 3; ++c)
+    for (const double sign : {1.0, -1.0}) {
+      out.push_back({});
+      out.back()[c] = sign;
+    }
+  for (int k = 0; k < lattice; ++k) {
+    const double z = 1 - (2 * k + 1.0) / lattice, radius = std::sqrt(1 - z * z);
+    const double angle = 2 * std::numbers::pi * std::numbers::phi * k;
+    out.push_back({radius * std::cos(angle), radius * std::sin(angle), z});
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<double> outline_of(const Mesh& mesh) {
+  const auto towards = directions();
+  const auto count = static_cast<int>(towards.size());
+  constexpr std::int64_t none = std::numeric_limits<std::int64_t>::max();
+  std::vector<double> farthest(towards.size(), -std::numeric_limits<double>::infinity());
+  std::vector<std::int64_t> node(towards.size(), none), local(towards.size(), -1);
+  const auto reach = [&](std::size_t k, std::size_t i) {
+    const double* x = &mesh.position[3 * i];
+    return towards[k][0] * x[0] + towards[k][1] * x[1] + towards[k][2] * x[2];
+  };
+  mesh.for_each_owned([&](std::size_t i, std::int64_t) {
+    for (std::size_t k = 0; k < towards.size(); ++k) farthest[k] = std::max(farthest[k], reach(k, i));
+  });
+  MPI_Allreduce(MPI_IN_PLACE, farthest.data(), count, MPI_DOUBLE, MPI_MAX, mesh.comm);
+  // Of equally far nodes, the first one, whatever the number of ranks.
+  mesh.for_each_owned([&](std::size_t i, std::int64_t) {
+    for (std::size_t k = 0; k < towards.size(); ++k)
+      if (reach(k, i) == farthest[k] && mesh.canonical[i] < node[k]) {
+        node[k] = mesh.canonical[i];
+        local[k] = static_cast<std::int64_t>(i);
+      }
+  });
+  std::vector<std::int64_t> first = node;
+  MPI_Allreduce(MPI_IN_PLACE, first.data(), count, MPI_INT64_T, MPI_MIN, mesh.comm);
+  std::vector<double> position(3 * towards.size(), 0);
+  std::set<std::int64_t> seen;
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < towards.size(); ++k) {
+    if (first[k] == none || !seen.insert(first[k]).second) continue;
+    if (node[k] == first[k])
+      for (std::size_t c = 0; c < 3; ++c)
+        position[3 * kept + c] = mesh.position[3 * static_cast<std::size_t>(local[k]) + c];
+    ++kept;
+  }
+  position.resize(3 * kept);
+  parallel::sum(mesh.comm, position);
+  return position;
+}
+
+std::int64_t held_on_lines(const Mesh& mesh) {
+  if (mesh.dim != 3 || mesh.total_elements == 0) return 0;
+  // Per component: number of nodes that supports hold, and number of faces with all corners held.
+  std::array<double, 6> found{};
+  mesh.for_each_owned([&](std::size_t i, std::int64_t) {
+    for (int c = 0; c < 3; ++c) found[c] += mesh.is_fixed(i, c) ? 1 : 0;
+  });
+  for (const Block& block : mesh.blocks) {
+    const ReferenceElement element = reference_element(block.gmsh_type);
+    const auto faces = outward_faces(element.family);
+    for (std::size_t at = 0; at < block.node.size(); at += block.nodes_per_element)
+      for (int c = 0; c < 3; ++c) {
+        const auto held = [&](int corner) {
+          return mesh.is_fixed(static_cast<std::size_t>(block.node[at + corner]), c);
+        };
+        for (const auto& face : faces) found[3 + c] += std::ranges::all_of(face, held) ? 1 : 0;
+      }
+  }
+  parallel::sum(mesh.comm, found.data(), found.size());
+  std::int64_t bits = 0;
+  for (int c = 0; c < 3; ++c)
+    if (found[c] > 0 && found[3 + c] == 0) bits |= std::int64_t{1} << c;
+  return bits;
+}
+
+}  // namespace ricochet::mesh

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/programs/accuracy_loop.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <iterator>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "contact/accuracy/error_report.hpp"
+#include "src/parallel/parallel.hpp"
+#include "src/programs/accuracy.hpp"
+#include "src/programs/refinement.hpp"
+#include "src/programs/start_band.hpp"
+#include "src/scene/settings.hpp"
+
+namespace ricochet::programs {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+/// Flexibility error of the first round's Ritz vectors.
+constexpr double first_flexibility_error = 0.1;
+
+constexpr int most_rounds = 12;
+
+scene::Settings first_settings(const scene::Scene& scene, MPI_Comm comm) {
+  scene::Settings out;
+  out.found.mesh = meshes_at(scene, 0);
+  out.found.flexibility_error = first_flexibility_error;
+  if (scene.modes.open()) {
+    const StartBand start = start_band(scene, comm);
+    out.found.basis = start.basis;
+    out.found.up_to = start.up_to;
+  } else {
+    out.found.basis = scene.modes.basis;
+    out.found.up_to = scene.modes.up_to.value_or(Hertz{1});
+  }
+  return out;
+}
+
+std::string text_of(const scene::KernelSettings& settings, const scene::Scene& scene) {
+  std::string text;
+  std::set<std::pair<int, double>> seen;
+  for (const auto& [body, mesh] : settings.mesh)
+    if (seen.insert({mesh.order, mesh.size_factor}).second)
+      text += fmt::format(
+          "order {}{}, ", mesh.order,
+          mesh.size_factor == 1 ? "" : fmt::format(" at {:.2g} times the size", mesh.size_factor));
+  if (settings.zone) text += fmt::format("zone of {:.2g} m, ", *settings.zone);
+  if (scene.modes.open())
+    text += fmt::format("up to {:.3g} Hz{}", settings.up_to.value,
+                        settings.basis == scene::Basis::contact
+                            ? fmt::format(" within {:.2g}", settings.flexibility_error)
+                            : "");
+  else
+    text += "modes as given";
+  return text;
+}
+
+/// Runs the impact with the kernels of one round, on one rank.
+contact::Dialled judge(const scene::Scene& scene, const scene::Settings& settings, const fs::path& folder) {
+  const scene::Scene closed = with_settings(scene, settings.found);
+  KernelStore store;
+  const Kernels kernels = read_kernels(closed, folder, store);
+  Prepared prepared;
+  prepared.forcing = in_scene(closed, [&] { return forcing_of(closed); });
+  prepared.placement = store.placements.place(closed, kernels.pointers());
+  contact::Model model =
+      in_scene(closed, [&] { return model_of(closed, prepared.placement, prepared.forcing); });
+  return dial_of(closed, kernels, prepared, std::move(model), read_coarser(scene, settings, folder),
+                 settings.rate, {});
+}
+
+/// The outcome of a round, the same on all ranks.
+struct Outcome {
+  scene::Settings settings;             ///< of the round, with the rate
+  std::optional<scene::Settings> next;  ///< no value: the search ends
+  std::string line;                     ///< for the user
+};
+
+Outcome outcome_of_round(const scene::Scene& scene, scene::Settings settings, const fs::path& folder,
+                         MPI_Comm comm) {
+  std::string found, next, line;
+  parallel::on_first_rank(comm, [&] {
+    const contact::Dialled dialled = judge(scene, settings, folder);
+    settings.rate = dialled.settings.rate.value_or(Hertz{1 / scene.time.step()});
+    const Decision decision = decide(scene, settings, dialled);
+    if (dialled.estimate) line = "error " + contact::formatted(*dialled.estimate);
+    if (!decision.reason.empty())
+      line += fmt::format("{}{}{}", line.empty() ? "" : "; ",
+                          decision.next ? "refines " : "stops: ", decision.reason);
+    found = to_toml(settings);
+    if (decision.next) next = to_toml(*decision.next);
+  });
+  for (std::string* text : {&found, &next, &line}) parallel::broadcast(comm, *text);
+  Outcome out{*scene::parse_settings(found), {}, line};
+  if (!next.empty()) out.next = scene::parse_settings(next);
+  return out;
+}
+
+}  // namespace
+
+scene::Scene closed_for_check(const scene::Scene& scene, MPI_Comm comm) {
+  return with_settings(scene, first_settings(scene, comm).found);
+}
+
+scene::Scene close_by_accuracy(const scene::Scene& scene, const fs::path& folder, MPI_Comm comm,
+                               console::Console& console, const ComputeKernels& compute) {
+  const fs::path path = scene::settings_path(folder, scene);
+  std::string stored;
+  parallel::on_first_rank(comm, [&] {
+    if (const auto known = scene::read_settings(path)) stored = to_toml(*known);
+  });
+  parallel::broadcast(comm, stored);
+  const auto known = scene::parse_settings(stored);
+  scene::Settings settings = known ? *known : first_settings(scene, comm);
+  std::optional<scene::Settings> last;  // of a round that succeeded
+  std::vector<fs::path> written;
+  std::string first_error;
+  for (int round = 1; round <= most_rounds; ++round) {
+    const Clock::time_point start = Clock::now();
+    std::optional<Outcome> outcome;
+    try {
+      if (settings.coarser && round == 1)
+        std::ranges::copy(compute(with_settings(scene, *settings.coarser), true),
+                          std::back_inserter(written));
+      std::ranges::copy(compute(with_settings(scene, settings.found), round == 1),
+                        std::back_inserter(written));
+      console.begin(fmt::format("round {}", round));
+      outcome = outcome_of_round(scene, settings, folder, comm);
+      console.end();
+    } catch (const InputError& error) {  // the same on every rank
+      if (!last) {
+        // Elements of the first level may be too coarse for the geometry or the modes.
+        if (first_error.empty()) first_error = error.what();
+        const int level = level_of(scene, settings.found);
+        if (known || !has_finer(scene, level)) throw InputError(first_error);
+        settings.found.mesh = meshes_at(scene, level + 1);
+        continue;
+      }
+      console.say(fmt::format("accuracy, round {}: {}; stops: {}", round, text_of(settings.found, scene),
+                              error.what()));
+      break;
+    }
+    last = outcome->settings;
+    console.say(fmt::format("accuracy, round {}: {}: {} ({:.1f} s)", round, text_of(settings.found, scene),
+                            outcome->line, std::chrono::duration<double>(Clock::now() - start).count()));
+    if (!outcome->next) break;
+    settings = *outcome->next;
+  }
+  parallel::on_first_rank(comm, [&] {
+    write_settings(*last, scene, path);
+    // Kernels of earlier rounds would only take space.
+    std::set<fs::path> needed;
+    KernelStore store;
+    for (const auto* one : {&last->found, last->coarser ? &*last->coarser : nullptr})
+      if (one != nullptr)
+        for (const StoredKernel& kernel : find_kernels(with_settings(scene, *one), folder, store))
+          needed.insert(kernel.path);
+    for (const fs::path& file : written)
+      if (!needed.contains(file)) fs::remove(file);
+  });
+  console.say(path.string());
+  return with_settings(scene, last->found);
+}
+
+}  // namespace ricochet::programs

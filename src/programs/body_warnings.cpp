@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/programs/body_warnings.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace ricochet::programs {
+namespace {
+
+// A body of 20 m, or one of 2 m from a CAD file, which usually is in millimetres; a body of 10 um.
+constexpr double longest = 20, longest_in_cad = 2, shortest = 1e-5;
+// A grain of 10 um of quartz weighs 1e-12 kg; 1e6 kg is a cube of steel of 5 m.
+constexpr double lightest = 1e-12, heaviest = 1e6;
+// √(E/ρ) is 1 m/s in the softest gels and 18 km/s in diamond. No solid of the density of stone or metal is as
+// soft as 10 m/s; lead has 1200 m/s.
+constexpr double slowest = 1, slowest_of_dense = 10, dense = 2500, fastest = 3e4;
+/// Poisson's ratio above which linear elements lock. They can hardly deform at constant volume, and peak
+/// forces become at least twice as large.
+constexpr double locking_poisson = 0.45;
+
+double wave_speed(const scene::Material& material) { return std::sqrt(material.young / material.density); }
+
+bool is_cad(const scene::Body& body) {
+  return body.mesh.extension() == ".step" || body.mesh.extension() == ".brep";
+}
+
+void add_implausible(const scene::Body& body, const kernels::Kernel& kernel, std::vector<std::string>& out) {
+  const Vector3 size = size_of(kernel);
+  const double length = std::max({size[0], size[1], size[2]});
+  const bool unscaled = is_cad(body) && body.scale == 1;
+  if (length > (unscaled ? longest_in_cad : longest) || (length > 0 && length < shortest))
+    out.push_back(fmt::format("{} is {:.4g} m long: check bodies.{}.scale{}", body.name, length, body.name,
+                              length > 1 ? " (0.001 for a mesh in millimetres)" : ""));
+  if (kernel.mass > heaviest || kernel.mass < lightest)
+    out.push_back(fmt::format("{} has a mass of {:.4g} kg: check its density, in kg/m³, and its scale",
+                              body.name, kernel.mass));
+  for (const scene::Material& material : body.materials) {
+    const double speed = wave_speed(material);
+    const bool slow = speed < (material.density >= dense ? slowest_of_dense : slowest);
+    if (slow || speed > fastest)
+      out.push_back(fmt::format(
+          "waves in {} run at {:.4g} m/s (young = {:.4g} Pa, density = {:.4g} kg/m³), {} than in any usual "
+          "solid: check the units of young (Pa) and density (kg/m³)",
+          body.name, speed, material.young, material.density, slow ? "slower" : "faster"));
+  }
+}
+
+void add_locking(const scene::Body& body, const kernels::Kernel& kernel, std::vector<std::string>& out) {
+  for (const scene::Material& material : body.materials)
+    if (kernel.order == 1 && material.area == 0 && material.poisson > locking_poisson)  // a rod has an area
+      out.push_back(fmt::format(
+          "{}: elements of order 1 lock at poisson = {:g} (above {:g}), forces are far too large: "
+          "use order 2 or more",
+          body.name, material.poisson, locking_poisson));
+}
+
+}  // namespace
+
+Vector3 size_of(const kernels::Kernel& kernel) {
+  Vector3 low{}, high{};
+  for (std::size_t i = 0; i < kernel.outline.size(); ++i) {
+    const double x = kernel.outline[i];
+    low[i % 3] = i < 3 ? x : std::min(low[i % 3], x);
+    high[i % 3] = i < 3 ? x : std::max(high[i % 3], x);
+  }
+  return {high[0] - low[0], high[1] - low[1], high[2] - low[2]};
+}
+
+std::string figures_of(const scene::Body& body, const kernels::Kernel& kernel) {
+  const Vector3 size = size_of(kernel);
+  std::string text =
+      fmt::format("mass {:.4g} kg, size {:.4g} x {:.4g} x {:.4g} m", kernel.mass, size[0], size[1], size[2]);
+  double low = std::numeric_limits<double>::infinity(), high = 0;
+  for (const scene::Material& material : body.materials) {
+    low = std::min(low, wave_speed(material));
+    high = std::max(high, wave_speed(material));
+  }
+  if (high > low) return text + fmt::format(", wave speed {:.4g} to {:.4g} m/s", low, high);
+  return high > 0 ? text + fmt::format(", wave speed {:.4g} m/s", high) : text;
+}
+
+std::vector<std::string> warnings_of(const scene::Body& body, const kernels::Kernel& kernel) {
+  std::vector<std::string> out;
+  add_implausible(body, kernel, out);
+  // A connected body has six rigid modes, a rod one. Kernels of other programs do not state their parts.
+  const auto rigid = std::ranges::count(kernel.modes.angular_frequency, 0.0);
+  const int most = kernel.surface.element_corners == 1 ? 1 : 6;
+  if (kernel.parts > 1 || rigid > most)
+    out.push_back(
+        fmt::format("{} consists of {} that are not joined, with {} rigid modes in all: they move through "
+                    "each other. Give "
+                    "them common nodes (gmsh: Coherence, BooleanFragments)",
+                    body.name, kernel.parts > 1 ? fmt::format("{} parts", kernel.parts) : "parts", rigid));
+  if (kernel.held_on_lines != 0) {
+    std::string components;
+    for (int c = 0; c < 3; ++c)
+      if ((kernel.held_on_lines >> c & 1) != 0) components += "xyz"[c];
+    out.push_back(fmt::format(
+        "the supports of {} hold {} on lines or points only: the displacement under them has no limit as the "
+        "mesh is refined. Hold a surface",
+        body.name, fmt::join(components, ", ")));
+  }
+  add_locking(body, kernel, out);
+  return out;
+}
+
+}  // namespace ricochet::programs

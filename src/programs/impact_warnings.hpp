@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Warnings on the figures of a finished run, with the settings that would remove their cause.
+#pragma once
+
+#include "contact/output/summary.hpp"
+#include "src/scene/scene.hpp"
+
+namespace ricochet::programs {
+
+/// Adds warnings about too few steps for a touch, energy that contact removes, and a restitution below 0 or
+/// above 1. With an accuracy in the scene, its error estimate covers the steps.
+void add_warnings(const scene::Scene& scene, contact::Summary& summary);
+
+}  // namespace ricochet::programs

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/programs/refinement.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <vector>
+
+#include "contact/accuracy/error_report.hpp"
+#include "contact/accuracy/spectrum.hpp"
+
+namespace ricochet::programs {
+
+using contact::Cause;
+
+namespace {
+
+/// Factor by which a refinement is expected to reduce its share. The next round measures it.
+constexpr double expected = 1.0 / 3;
+
+/// Cost of refining a cause, relative to that of the kernels of the last round. Another mesh is a new
+/// problem with two to three times as many unknowns; the others add vectors on the same mesh.
+constexpr double cost_of_mesh = 3, cost_of_vectors = 1.3;
+
+/// A cause is also refined if its share exceeds this part of the accuracy while kernels are computed anyway.
+constexpr double worth_while = 0.25;
+
+std::vector<scene::MeshSettings> levels_of(const scene::Body& body) {
+  if (!body.meshable()) return {};
+  if (!body.order_open)
+    return {{body.order > 1 ? body.order - 1 : 2, body.size_factor}, {body.order, body.size_factor}};
+  const double own = body.size_factor;
+  if (!body.size_open) return {{2, own}, {3, own}, {4, own}, {5, own}};
+  const double root = std::sqrt(2.0);
+  return {{2, 2}, {3, 2}, {4, 2}, {4, root}, {4, 1}, {4, 1 / root}, {4, 0.5}};
+}
+
+bool is_open(const scene::Scene& scene) { return scene.modes.open(); }
+
+bool gives_spacing(const scene::Scene& scene) {
+  return std::ranges::all_of(scene.contact.pairs,
+                             [](const scene::Pair& pair) { return pair.spacing.has_value(); });
+}
+
+/// Ritz vectors cost a few solves for each candidate, whatever the band; modes cost a solve or two for each
+/// mode in it. With few modes and many candidates, as in flat contact, modes are therefore cheaper.
+scene::Basis basis_after_pilot(const scene::Settings& settings, const contact::Model& pilot) {
+  constexpr Eigen::Index blocks = 3;
+  return pilot.omega.size() < blocks * pilot.gap.size() ? scene::Basis::modes : settings.found.basis;
+}
+
+/// Number of times that the band is doubled after the pilot.
+constexpr int most_doublings = 2;
+
+/// Distance beyond the closest pair within which candidates are kept: four times that of the points that were
+/// pressed, as the indentation is twice that distance in smooth contact, and at least `ring` points more. No
+/// value if that hardly reduces their number.
+std::optional<double> zone_of(const contact::Model& model, const std::vector<bool>& pressed) {
+  constexpr std::size_t ring = 6;
+  double zone = 0;
+  for (const contact::Model::PairBlock& pair : model.pairs) {
+    const auto gap = model.gap.segment(pair.first_point, pair.points);
+    std::vector<double> beyond(gap.begin(), gap.end());
+    std::ranges::sort(beyond);
+    const double closest = beyond.front();
+    double farthest = closest;
+    for (int i = 0; i < pair.points; ++i)
+      if (pressed[static_cast<std::size_t>(pair.first_point + i)]) farthest = std::max(farthest, gap[i]);
+    const auto next =
+        static_cast<std::size_t>(std::ranges::upper_bound(beyond, farthest) - beyond.begin()) + ring;
+    zone = std::max({zone, 4 * (farthest - closest), beyond[std::min(next, beyond.size() - 1)] - closest});
+  }
+  zone *= 1 + 1e-6;  // so that round-off drops none of them
+  Eigen::Index kept = 0;
+  for (const contact::Model::PairBlock& pair : model.pairs) {
+    const auto gap = model.gap.segment(pair.first_point, pair.points).array();
+    kept += (gap < gap.minCoeff() + zone).count();
+  }
+  if (!(zone > 0) || 2 * kept > model.gap.size()) return std::nullopt;
+  return zone;
+}
+
+/// The band after the pilot: it is doubled as often as its share of the error suggests, but not beyond the
+/// band that the force fills, below which all but ε² of the energy of the force lies.
+Hertz band_after_pilot(const scene::Settings& settings, const contact::Dialled& pilot, double accuracy) {
+  Hertz band = settings.found.up_to;
+  const double share = pilot.estimate->share(Cause::modes).value_or(0);
+  if (share <= worth_while * accuracy || pilot.quantities->force.empty()) return band;
+  const double filled =
+      contact::band_filled(pilot.quantities->force, 1 / settings.rate.value, accuracy * accuracy).value;
+  double left = share;
+  for (int k = 0; k < most_doublings && left > worth_while * accuracy && band.value < filled; ++k) {
+    band.value *= 2;
+    left *= expected;
+  }
+  return band;
+}
+
+struct Option {
+  Cause cause;
+  double share, cost;
+};
+
+/// Shares that the cause's refinement reduces: finer elements also have more candidates, unless the scene
+/// gives their spacing.
+double reducible(const scene::Scene& scene, const contact::ErrorEstimate& estimate, Cause cause) {
+  double share = estimate.share(cause).value_or(0);
+  if (cause == Cause::mesh && !gives_spacing(scene)) share += estimate.share(Cause::spacing).value_or(0);
+  return share;
+}
+
+std::vector<Option> options_of(const scene::Scene& scene, int level, const scene::KernelSettings& settings,
+                               const contact::ErrorEstimate& estimate) {
+  std::vector<Option> out;
+  const auto add = [&](Cause cause, double cost) {
+    out.push_back({cause, reducible(scene, estimate, cause), cost});
+  };
+  if (has_finer(scene, level)) add(Cause::mesh, cost_of_mesh);
+  if (is_open(scene)) add(Cause::modes, cost_of_vectors);
+  if (is_open(scene) && !scene.modes.flexibility_error) add(Cause::basis, cost_of_vectors);
+  if (settings.zone) add(Cause::zone, cost_of_vectors);
+  std::ranges::sort(out, std::greater{}, [](const Option& option) { return option.share / option.cost; });
+  return out;
+}
+
+/// Why the largest cause cannot be refined.
+std::string obstacle(const scene::Scene& scene, Cause cause) {
+  const auto given = [](const std::string& key) { return key + " is given"; };
+  switch (cause) {
+    case Cause::mesh:
+      return std::ranges::any_of(scene.bodies, &scene::Body::order_open)
+                 ? "its elements are the finest that accuracy chooses"
+             : std::ranges::any_of(scene.bodies, &scene::Body::meshable) ? given("bodies.*.order")
+                                                                         : "the mesh is read as it is";
+    case Cause::modes:
+      return given(scene.modes.count ? fmt::format("modes.count = {}", *scene.modes.count)
+                                     : fmt::format("modes.up_to_hz = {:g}", scene.modes.up_to->value));
+    case Cause::basis:
+      return given("modes.flexibility_error");
+    case Cause::step:
+      return scene.time.rate_by_accuracy
+                 ? "the shortest step is reached"
+                 : given(fmt::format("time.{}rate_hz = {:g}", scene.time.contact_rate ? "contact_" : "",
+                                     1 / scene.time.step()));
+    case Cause::eigensolver:
+      return "of modes.relative_residual and modes.low_rank";
+    case Cause::precision:
+      return given("time.precision");
+    case Cause::spacing:
+      return gives_spacing(scene) ? given("contact.spacing")
+                                  : "its elements are the finest that are possible";
+    case Cause::zone:
+      return given("contact.reach");
+  }
+  return "";
+}
+
+}  // namespace
+
+std::map<std::string, scene::MeshSettings> meshes_at(const scene::Scene& scene, int level) {
+  std::map<std::string, scene::MeshSettings> out;
+  for (const scene::Body& body : scene.bodies)
+    if (const auto levels = levels_of(body); !levels.empty())
+      out[body.name] = levels[std::min(static_cast<std::size_t>(level), levels.size() - 1)];
+  return out;
+}
+
+bool has_finer(const scene::Scene& scene, int level) {
+  return meshes_at(scene, level) != meshes_at(scene, level + 1);
+}
+
+int level_of(const scene::Scene& scene, const scene::KernelSettings& settings) {
+  for (int level = 0;; ++level) {
+    if (meshes_at(scene, level) == settings.mesh) return level;
+    if (!has_finer(scene, level)) return 0;
+  }
+}
+
+Decision decide(const scene::Scene& scene, const scene::Settings& settings, const contact::Dialled& round) {
+  const int level = level_of(scene, settings.found);
+  scene::Settings next = settings;
+  const auto finer_mesh = [&] {
+    next.found.mesh = meshes_at(scene, level + 1);
+    next.coarser = settings.found;
+    next.coarser_change.clear();
+    if (round.mesh_change) next.coarser_change = *round.mesh_change;
+  };
+  if (!round.estimate) {
+    if (!settings.coarser && has_finer(scene, level)) {
+      finer_mesh();
+      return {next, "nothing touches; the mesh"};
+    }
+    return {{}, "nothing touches, so the settings are those of the start"};
+  }
+  const contact::ErrorEstimate& estimate = *round.estimate;
+  const double accuracy = *scene.accuracy;
+  if (!settings.coarser && has_finer(scene, level)) {
+    if (scene.contact.scheme != Scheme::at_rest)
+      next.found.zone = zone_of(round.model, round.quantities->pressed);
+    if (is_open(scene)) {
+      next.found.basis = basis_after_pilot(settings, round.model);
+      next.found.up_to = band_after_pilot(settings, round, accuracy);
+    }
+    finer_mesh();
+    return {next, "mesh"};
+  }
+  double total = estimate.total();
+  if (total <= accuracy) return {{}, ""};
+
+  const std::vector<Option> options = options_of(scene, level, settings.found, estimate);
+  std::set<Cause> chosen;
+  for (const Option& option : options) {
+    if (total <= accuracy || option.share <= worth_while * (total - accuracy)) continue;
+    chosen.insert(option.cause);
+    total -= (1 - expected) * option.share;
+  }
+  if (chosen.contains(Cause::mesh))  // new kernels anyway
+    for (const Option& option : options)
+      if (option.share > worth_while * accuracy) chosen.insert(option.cause);
+  std::string refined;
+  for (const Cause cause : chosen) {
+    refined += (refined.empty() ? "" : ", ") + std::string(name_of(cause));
+    if (cause == Cause::mesh) finer_mesh();
+    if (cause == Cause::modes) next.found.up_to.value *= 2;
+    if (cause == Cause::zone) *next.found.zone *= 4;
+    if (cause == Cause::basis) next.found.flexibility_error /= 4;
+  }
+  if (!refined.empty()) return {next, refined};
+  const auto largest = largest_cause(estimate);
+  return {{},
+          fmt::format("{} contributes {:.2g}: {}", name_of(*largest), *estimate.share(*largest),
+                      obstacle(scene, *largest))};
+}
+
+}  // namespace ricochet::programs

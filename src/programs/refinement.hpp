@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Decides which settings of kernels the accuracy loop refines next. Independent of MPI.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "contact/accuracy/dial.hpp"
+#include "src/scene/settings.hpp"
+
+namespace ricochet::programs {
+
+/// Elements of the bodies at a level of refinement, from 0 on. A body whose order is open rises from order 2
+/// to 4; if its size is open too, it does so on elements of twice their size, which then shrink. A body of a
+/// given order has the next lower order at level 0. Bodies without further levels keep their last one.
+std::map<std::string, scene::MeshSettings> meshes_at(const scene::Scene& scene, int level);
+
+/// Whether some body has finer elements at the next level.
+bool has_finer(const scene::Scene& scene, int level);
+
+/// The level at which a scene has these elements; 0 if there is none.
+int level_of(const scene::Scene& scene, const scene::KernelSettings& settings);
+
+struct Decision {
+  std::optional<scene::Settings> next;  ///< no value: the search ends
+  std::string reason;                   ///< what is refined, or why nothing is; empty if the accuracy is met
+};
+
+/// The decision after a round. Of the causes that can be refined, those that gain most for their cost are
+/// chosen, until the expected error is small enough.
+/// @param scene  as read, with its open settings
+/// @param settings  of the round, with the rate that was found
+Decision decide(const scene::Scene& scene, const scene::Settings& settings, const contact::Dialled& round);
+
+}  // namespace ricochet::programs

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/scene/near_miss.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <set>
+#include <string_view>
+#include <utility>
+
+namespace ricochet::scene {
+
+namespace {
+
+/// Levenshtein distance.
+std::size_t distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t corner = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t above = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, corner + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      corner = above;
+    }
+  }
+  return row[b.size()];
+}
+
+/// In lower case, without hyphens, underscores and spaces.
+std::string plain(const std::string& word) {
+  std::string text;
+  for (const char c : word)
+    if (c != '-' && c != '_' && c != ' ')
+      text += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+/// The word without its trailing units, "velocity" for "velocity_m_per_s".
+std::string without_unit(std::string word) {
+  static const std::set<std::string, std::less<>> units = {
+      "hz",  "khz", "mhz", "ghz",  "s",   "ms",  "us",  "ns",  "sec", "seconds", "m",  "mm",
+      "cm",  "um",  "km",  "kg",   "g",   "pa",  "kpa", "mpa", "gpa", "n",       "kn", "degrees",
+      "deg", "rad", "in",  "kgm3", "ms2", "mps", "per", "m2",  "m3",  "si"};
+  for (std::size_t bar; (bar = word.rfind('_')) != std::string::npos && bar > 0; word.resize(bar))
+    if (!units.contains(plain(word.substr(bar)))) break;
+  return word;
+}
+
+/// The singular of a plural, in plain letters.
+std::string singular(std::string word) {
+  if (word.ends_with("ies")) return word.replace(word.size() - 3, 3, "y");
+  if (word.ends_with('s')) word.pop_back();
+  return word;
+}
+
+/// Words of the field, of formulas and of other programs, each with the key that has its meaning here.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 40> synonyms{
+    {{"e", "young"},
+     {"elasticity", "young"},
+     {"elasticmodulus", "young"},
+     {"modulus", "young"},
+     {"rho", "density"},
+     {"nu", "poisson"},
+     {"zeta", "ratio"},
+     {"eta", "loss_factor"},
+     {"file", "mesh"},
+     {"position", "translate"},
+     {"offset", "translate"},
+     {"rotation", "rotate_deg"},
+     {"orientation", "rotate_deg"},
+     {"speed", "velocity"},
+     {"v0", "velocity"},
+     {"spin", "angular_velocity"},
+     {"omega", "angular_velocity"},
+     {"fixed", "support"},
+     {"clamp", "support"},
+     {"clamped", "support"},
+     {"constraints", "support"},
+     {"surface", "contact"},
+     {"surfaces", "contact"},
+     {"nmodes", "count"},
+     {"number", "count"},
+     {"fmax", "up_to_hz"},
+     {"band", "up_to_hz"},
+     {"frequency", "up_to_hz"},
+     {"cutoff", "up_to_hz"},
+     {"dt", "rate_hz"},
+     {"step", "rate_hz"},
+     {"timestep", "rate_hz"},
+     {"samplerate", "rate_hz"},
+     {"fs", "rate_hz"},
+     {"end", "duration"},
+     {"tend", "duration"},
+     {"distance", "gap"},
+     {"g", "gravity"},
+     {"force", "vector"},
+     {"pressure", "vector"}}};
+
+/// The key that `word` stands for, or null: the same letters, another number or unit, or a synonym.
+const Key* same_meaning(const Section& section, const std::string& word) {
+  for (const Key& key : section.keys)
+    if (singular(plain(key.name)) == singular(plain(word)) ||
+        plain(without_unit(key.name)) == plain(without_unit(word)))
+      return &key;
+  for (const auto& [synonym, name] : synonyms)
+    if (synonym == plain(word) || synonym == plain(without_unit(word)))
+      if (const Key* key = section.find(name)) return key;
+  return nullptr;
+}
+
+/// The titles of the sections that have this key, "[time]" or "[[loads.point]] or [[loads.motion]]".
+std::string sections_with(const std::string& name, bool is_table) {
+  std::vector<std::string> titles;
+  for (const Section* section : all_sections()) {
+    const Key* key = section->find(name);
+    if (key == nullptr || (is_table && key->type != Type::table && key->type != Type::strings)) continue;
+    const bool top = section->title.front() != '[';
+    if (key->type == Type::table && top)
+      titles.push_back(fmt::format("[{}]", name));
+    else if (key->type == Type::tables)
+      titles.push_back(fmt::format("[[{}.{}]]", section->title.substr(1, section->title.size() - 2), name));
+    else
+      titles.push_back(top ? "the top of the file, before all tables" : section->title);
+  }
+  return fmt::format("{}", fmt::join(titles, " or "));
+}
+
+}  // namespace
+
+std::string most_similar(const std::string& word, const std::vector<std::string>& known) {
+  const std::string own = plain(word);
+  std::string nearest;
+  std::size_t best = std::max<std::size_t>(2, own.size() / 3) + 1;
+  for (const std::string& name : known) {
+    const std::string other = plain(name);
+    const bool part = (own.size() > 2 && other.starts_with(own)) ||
+                      (other.size() > 4 && own.find(other) != std::string::npos);
+    // Half of the letters at least must agree: "gap" is not similar to "mesh".
+    const std::size_t edits = own == other ? 0 : part ? 1 : distance(own, other);
+    if (edits < best && 2 * edits <= std::max(own.size(), other.size())) {
+      best = edits;
+      nearest = name;
+    }
+  }
+  return nearest;
+}
+
+std::string unknown_key(const Section& section, const std::string& key, bool is_table) {
+  const auto meant = [&](const Key& similar) {
+    const bool names_unit = without_unit(key) != key && !similar.unit.empty() && similar.unit != "1";
+    return fmt::format("unknown key. Did you mean \"{}\"{}?", similar.name,
+                       names_unit ? ", in " + similar.unit : "");
+  };
+  if (const Key* same = same_meaning(section, key)) return meant(*same);
+  const std::string elsewhere = sections_with(key, is_table);
+  if (!elsewhere.empty()) return "unknown key here: it belongs to " + elsewhere;
+  std::vector<std::string> names;
+  for (const Key& known : section.keys) names.push_back(known.name);
+  std::ranges::sort(names);
+  const std::string similar = most_similar(without_unit(key), names);
+  if (!similar.empty()) return meant(*section.find(similar));
+  return fmt::format("unknown key. The keys here are {}.", fmt::join(names, ", "));
+}
+
+std::string existing_names(const std::string& name, const std::vector<std::string>& existing) {
+  if (const std::string similar = most_similar(name, existing); !similar.empty())
+    return ". Did you mean \"" + similar + "\"?";
+  if (existing.empty()) return "";
+  return fmt::format(": {} \"{}\"", existing.size() == 1 ? "there is only" : "there are",
+                     fmt::join(existing, "\", \""));
+}
+
+}  // namespace ricochet::scene

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Suggestions for words that a scene misspells: names of keys, bodies, obstacles and supports.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "src/scene/keys.hpp"
+
+namespace ricochet::scene {
+
+/// The word of `known` that is most similar to `word`: equal but for case, hyphens and underscores; a part of
+/// it or its beginning; or within two edits, or a third of its length. Empty if none is similar.
+std::string most_similar(const std::string& word, const std::vector<std::string>& known);
+
+/// The complaint about a key that `section` does not have, with what to write: the similar key of this
+/// section and, if the unknown key states a unit, its unit; otherwise the section that has such a key;
+/// otherwise all keys of this section.
+/// @param is_table  whether the value of the key is a table: then only tables of other sections are meant
+std::string unknown_key(const Section& section, const std::string& key, bool is_table);
+
+/// Ends a sentence on a name that does not exist: `. Did you mean "floor"?`, or the names that exist.
+std::string existing_names(const std::string& name, const std::vector<std::string>& existing);
+
+}  // namespace ricochet::scene

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/scene/settings.hpp"
+
+#include <fmt/format.h>
+
+#include <toml++/toml.h>
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+
+#include "base/atomic_file.hpp"
+#include "src/scene/write.hpp"
+
+namespace ricochet::scene {
+namespace {
+
+/// Bytes of the names of bodies in a file name.
+constexpr std::size_t longest_names = 100;
+
+}  // namespace
+
+Scene with_settings(Scene scene, const KernelSettings& settings) {
+  for (Body& body : scene.bodies) {
+    const auto mesh = settings.mesh.find(body.name);
+    if (mesh != settings.mesh.end()) {
+      body.order = mesh->second.order;
+      body.size_factor = mesh->second.size_factor;
+    }
+    body.order_open = body.size_open = false;
+  }
+  if (scene.modes.open()) {
+    scene.modes.basis = settings.basis;
+    scene.modes.up_to = settings.up_to;
+    if (settings.basis == Basis::contact && !scene.modes.flexibility_error)
+      scene.modes.flexibility_error = settings.flexibility_error;
+  }
+  for (Pair& pair : scene.contact.pairs)
+    if (!pair.zone && !pair.reach) pair.zone = settings.zone;
+  return scene;
+}
+
+std::filesystem::path settings_path(const std::filesystem::path& folder, const Scene& scene,
+                                    MeshHashes* known) {
+  std::string names,
+      data = fmt::format("{}\n{}\n", toml_number(*scene.accuracy), static_cast<int>(scene.contact.scheme));
+  for (const Quantity quantity : scene.accuracy_of) data += std::string(name_of(quantity)) + '\n';
+  for (const Body& body : scene.bodies) {
+    const KernelRequest request = kernel_request(scene, body, known);
+    names += body.name + '-';
+    data += fmt::format("{} {} {}\n", request.hash, body.order_open, body.size_open);
+  }
+  for (const Pair& pair : scene.contact.pairs)
+    data += fmt::format("{} {} {} {}\n", pair.a, pair.b, pair.reach.value_or(0), pair.zone.value_or(0));
+  return folder /
+         fmt::format("{}{}.settings.toml", names.substr(0, longest_names), sha256(data).substr(0, 12));
+}
+
+namespace {
+
+std::string toml_of(const KernelSettings& settings, const std::string& table) {
+  std::string text =
+      fmt::format("\n[{}]\nbasis = \"{}\"\nup_to_hz = {}\n", table,
+                  settings.basis == Basis::contact ? "contact" : "modes", toml_number(settings.up_to.value));
+  if (settings.basis == Basis::contact)
+    text += fmt::format("flexibility_error = {}\n", toml_number(settings.flexibility_error));
+  if (settings.zone) text += fmt::format("zone = {}\n", toml_number(*settings.zone));
+  for (const auto& [body, mesh] : settings.mesh)
+    text += fmt::format("bodies.{} = {{ order = {}, size_factor = {} }}\n", body, mesh.order,
+                        toml_number(mesh.size_factor));
+  return text;
+}
+
+/// @return no value if an entry is missing or has another type
+std::optional<KernelSettings> kernel_settings_of(const toml::table& root, const char* name) {
+  const toml::table* const table = root[name].as_table();
+  if (table == nullptr) return std::nullopt;
+  const auto basis = (*table)["basis"].value<std::string>();
+  const auto up_to = (*table)["up_to_hz"].value<double>();
+  if (!basis || !up_to || !(*up_to > 0)) return std::nullopt;
+  KernelSettings out{.mesh = {},
+                     .basis = *basis == "contact" ? Basis::contact : Basis::modes,
+                     .up_to = Hertz{*up_to},
+                     .flexibility_error = (*table)["flexibility_error"].value_or(0.0),
+                     .zone = (*table)["zone"].value<double>()};
+  if (out.zone && !(*out.zone > 0)) return std::nullopt;
+  if (out.basis == Basis::contact && !(out.flexibility_error > 0)) return std::nullopt;
+  if (const toml::table* const bodies = (*table)["bodies"].as_table())
+    for (auto&& [body, node] : *bodies) {
+      const toml::table* const mesh = node.as_table();
+      const auto order = mesh ? (*mesh)["order"].value<std::int64_t>() : std::nullopt;
+      const auto factor = mesh ? (*mesh)["size_factor"].value<double>() : std::nullopt;
+      if (!order || *order < 1 || *order > 10 || !factor || !(*factor > 0)) return std::nullopt;
+      out.mesh[std::string(body.str())] = {static_cast<int>(*order), *factor};
+    }
+  return out;
+}
+
+}  // namespace
+
+std::string to_toml(const Settings& settings) {
+  std::string text = fmt::format("rate_hz = {}\n", toml_number(settings.rate.value));
+  text += toml_of(settings.found, "found");
+  if (settings.coarser)
+    text += "\n# The next coarser mesh, from which the error of the mesh is estimated." +
+            toml_of(*settings.coarser, "coarser");
+  if (!settings.coarser_change.empty())
+    text += "\n# Relative change from there to an even coarser mesh.\n[coarser_change]\n";
+  for (const auto& [quantity, change] : settings.coarser_change)
+    text += fmt::format("{} = {}\n", name_of(quantity), toml_number(change));
+  return text;
+}
+
+std::optional<Settings> parse_settings(const std::string& text) {
+  toml::table root;
+  try {
+    root = toml::parse(text);
+  } catch (const toml::parse_error&) {
+    return std::nullopt;
+  }
+  auto found = kernel_settings_of(root, "found");
+  if (!found) return std::nullopt;
+  Settings out{.found = *found,
+               .coarser = kernel_settings_of(root, "coarser"),
+               .coarser_change = {},
+               .rate = Hertz{root["rate_hz"].value_or(0.0)}};
+  if (const toml::table* const changes = root["coarser_change"].as_table())
+    for (auto&& [name, node] : *changes) {
+      const auto quantity = std::ranges::find(quantity_names, name.str());
+      if (quantity != quantity_names.end())
+        out.coarser_change[static_cast<Quantity>(quantity - quantity_names.begin())] = node.value_or(0.0);
+    }
+  return out;
+}
+
+void write_settings(const Settings& settings, const Scene& scene, const std::filesystem::path& path) {
+  base::AtomicFile temporary(path);
+  std::ofstream file(temporary.path());
+  file << fmt::format(
+              "# Chosen by ricochet-kernel for accuracy = {:g}. Without this file, it chooses again.\n",
+              *scene.accuracy)
+       << to_toml(settings);
+  file.close();
+  if (!file) temporary.fail();
+  temporary.commit();
+}
+
+std::optional<Settings> read_settings(const std::filesystem::path& path) {
+  std::error_code ignored;
+  constexpr std::uintmax_t most = 1 << 20;
+  if (!std::filesystem::is_regular_file(path, ignored) || std::filesystem::file_size(path, ignored) > most)
+    return std::nullopt;
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return parse_settings(text.str());
+}
+
+}  // namespace ricochet::scene

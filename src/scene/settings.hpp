@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The settings that ricochet-kernel chooses for the accuracy of a scene, and the file that stores them beside
+// the kernels, so that all scenes with these bodies use them.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "src/scene/request.hpp"
+#include "src/scene/scene.hpp"
+
+namespace ricochet::scene {
+
+/// Elements of a body.
+struct MeshSettings {
+  int order = 3;
+  double size_factor = 1;
+  bool operator==(const MeshSettings&) const = default;
+};
+
+/// Settings on which kernels depend.
+struct KernelSettings {
+  std::map<std::string, MeshSettings> mesh;  ///< by body; bodies that are read as they are have none
+  Basis basis = Basis::contact;
+  Hertz up_to{0};
+  double flexibility_error = 0;  ///< basis `contact` only
+  std::optional<double> zone;    ///< [m]; no value: all candidates
+  bool operator==(const KernelSettings&) const = default;
+};
+
+struct Settings {
+  KernelSettings found;
+  /// The next coarser mesh, from which the error of the mesh is estimated, and the relative change of each
+  /// quantity from there to an even coarser one. No value if the mesh cannot be coarser.
+  std::optional<KernelSettings> coarser;
+  std::map<Quantity, double> coarser_change;  ///< empty if unknown
+  Hertz rate{0};                              ///< rate of contact steps; 0 at rest
+  bool operator==(const Settings&) const = default;
+};
+
+/// The scene with these settings in place of those that it leaves open, and with these meshes.
+Scene with_settings(Scene scene, const KernelSettings& settings);
+
+/// The file of the settings of a scene, `<bodies>-<first 12 digits of a hash>.settings.toml`. The hash covers
+/// the accuracy and the data of all kernels, but not velocities, gaps or times. Throws as kernel_request
+/// does.
+std::filesystem::path settings_path(const std::filesystem::path& folder, const Scene& scene,
+                                    MeshHashes* known = nullptr);
+
+std::string to_toml(const Settings& settings);
+/// @return no value if an entry is missing or has no meaning
+std::optional<Settings> parse_settings(const std::string& text);
+
+/// Throws InputError if the file cannot be written.
+void write_settings(const Settings& settings, const Scene& scene, const std::filesystem::path& path);
+/// @return no value if the file does not exist or is damaged
+std::optional<Settings> read_settings(const std::filesystem::path& path);
+
+}  // namespace ricochet::scene

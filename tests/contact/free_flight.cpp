@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Free flight from output sample to output sample, compared with contact steps all the way.
+#include "contact/stepping/free_flight.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "contact/stepping/stepper.hpp"
+#include "tests/contact/falling_body.hpp"
+#include "tests/contact/heap_counter.hpp"
+
+namespace {
+
+using namespace ricochet::contact;
+using namespace ricochet::contact::test;
+using ricochet::Energy;
+using ricochet::StepOptions;
+using ricochet::StepStatus;
+
+constexpr double sample = 1 / 44100.0;
+
+struct Course {
+  std::int64_t calls = 0, touches = 0;
+  Vector q, v;
+  double impulse = 0;
+  Energy energy;
+};
+
+Course run(const Model& model, const StepOptions& options, std::int64_t samples) {
+  const auto stepper = make_stepper(model, options);
+  Course out;
+  while (stepper->steps() < samples * options.steps_per_sample) {
+    EXPECT_EQ(stepper->step(), StepStatus::ok);
+    ++out.calls;
+    out.touches += stepper->active() > 0 ? 1 : 0;
+    out.impulse += stepper->force().sum() * options.step;
+  }
+  EXPECT_EQ(stepper->steps(), samples * options.steps_per_sample);
+  EXPECT_TRUE(stepper->at_sample());
+  EXPECT_EQ(stepper->catch_up(), StepStatus::ok);
+  out.q = stepper->modal()->q;
+  out.v = stepper->modal()->v;
+  out.energy = stepper->modal()->energy();
+  return out;
+}
+
+/// A body that falls, touches and flies, with damping.
+Model thrown() {
+  Model model = dropped(12, 3, 2e-4);
+  model.decay = 0.01 * model.omega;
+  model.decay(0) = 3;
+  return model;
+}
+
+// Both runs make the same contact steps. 1e-9: one contact amplifies the round-off of the flight before it.
+TEST(FreeFlight, gives_the_motion_of_contact_steps_in_fewer_steps) {
+  const Model model = thrown();
+  const int per_sample = 50;
+  const std::int64_t samples = 1500;
+  for (const int block : {1, 8})
+    for (const bool every_state : {true, false}) {
+      StepOptions options{.step = sample / per_sample, .block = block, .every_state = every_state};
+      const Course plain = run(model, options, samples * per_sample);
+      options.steps_per_sample = per_sample;
+      const Course jumped = run(model, options, samples);
+      EXPECT_GT(plain.touches, 10);
+      EXPECT_EQ(jumped.touches, plain.touches);
+      EXPECT_LT(jumped.calls - jumped.touches, (plain.calls - plain.touches) / 5);
+      EXPECT_GT(jumped.calls, samples);
+      EXPECT_LT((jumped.q - plain.q).norm(), 1e-9 * plain.q.norm());
+      EXPECT_LT((jumped.v - plain.v).norm(), 1e-9 * plain.v.norm());
+      EXPECT_NEAR(jumped.impulse, plain.impulse, 1e-9 * plain.impulse);
+      EXPECT_NEAR(jumped.energy.damping, plain.energy.damping, 1e-9 * plain.energy.kinetic);
+      EXPECT_NEAR(jumped.energy.ledger(), plain.energy.ledger(),
+                  1e-11 * plain.energy.kinetic);  // round-off of 75 000 steps
+    }
+}
+
+// A mode turns the point into the floor and back again between two samples. The ends of the jump show
+// nothing of this.
+TEST(FreeFlight, does_not_pass_through_a_floor_between_samples) {
+  Model model = dropped(2, 1, 0);
+  model.load.setZero();
+  model.omega << 0, 2 * std::numbers::pi / sample;  // a whole period in a sample
+  model.decay.setZero();
+  model.B << 0, 1;
+  model.v0 << 0, 1;
+  model.q0.setZero();
+  const double amplitude = 1 / model.omega(1);
+  for (const double share : {0.999, 1.001}) {
+    model.gap << share * amplitude;
+    const StepOptions options{.step = sample / 1000, .steps_per_sample = 1000};
+    const Course found = run(model, options, 1);
+    EXPECT_EQ(found.touches > 0, share < 1) << share;
+    EXPECT_EQ(found.calls == 1, share > 1) << share;
+  }
+}
+
+TEST(FreeFlight, takes_no_memory) {
+  for (const int block : {1, 8}) {
+    const Model model = thrown();
+    const auto stepper = make_stepper(
+        model, {.step = sample / 50, .steps_per_sample = 50, .block = block, .every_state = false});
+    const auto before = heap_counter::calls.load();
+    for (int k = 0; k < 3000; ++k) ASSERT_EQ(stepper->step(), StepStatus::ok);
+    EXPECT_EQ(heap_counter::calls.load(), before);
+  }
+}
+
+}  // namespace

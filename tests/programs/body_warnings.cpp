@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Bodies that are probably not those that are meant, on both sides of each bound.
+#include "src/programs/body_warnings.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace {
+
+using namespace ricochet;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// A steel bracket of 60 mm.
+struct Bracket {
+  scene::Body body;
+  kernels::Kernel kernel;
+  Bracket() {
+    body.name = "bracket";
+    body.mesh = "bracket.step";
+    body.scale = 0.001;
+    body.materials = {{.group = "", .density = 7850, .young = 210e9, .poisson = 0.3}};
+    kernel.mass = 0.23;
+    kernel.order = 2;
+    kernel.modes.angular_frequency.assign(6, 0);
+    kernel.parts = 1;
+    kernel.outline = {0, 0, 0, 0.06, 0.02, 0, 0.03, 0, 0.04};
+  }
+  std::vector<std::string> warnings() const { return programs::warnings_of(body, kernel); }
+};
+
+TEST(Body, is_described_by_mass_size_and_wave_speed) {
+  Bracket bracket;
+  // √(210e9/7850) = 5172
+  EXPECT_EQ(programs::figures_of(bracket.body, bracket.kernel),
+            "mass 0.23 kg, size 0.06 x 0.02 x 0.04 m, wave speed 5172 m/s");
+  bracket.body.materials.push_back({.group = "pad", .density = 1000, .young = 1e6, .poisson = 0.4});
+  EXPECT_THAT(programs::figures_of(bracket.body, bracket.kernel), HasSubstr("wave speed 31.62 to 5172 m/s"));
+  EXPECT_THAT(bracket.warnings(), IsEmpty());
+}
+
+TEST(Warnings, name_a_body_in_millimetres_that_is_read_in_metres) {
+  Bracket bracket;
+  for (double& x : bracket.kernel.outline) x *= 1000;
+  EXPECT_THAT(bracket.warnings(), ElementsAre(HasSubstr("bracket is 60 m long: check bodies.bracket.scale "
+                                                        "(0.001 for a mesh in millimetres)")));
+  for (double& x : bracket.kernel.outline) x *= 0.1;
+  EXPECT_THAT(bracket.warnings(), IsEmpty());  // 6 m, with a scale
+  bracket.body.scale = 1;
+  EXPECT_THAT(bracket.warnings(), ElementsAre(HasSubstr("bracket is 6 m long")));
+  bracket.body.mesh = "bracket.geo";
+  EXPECT_THAT(bracket.warnings(), IsEmpty());
+  for (double& x : bracket.kernel.outline) x *= 1e-6;
+  EXPECT_THAT(bracket.warnings(), ElementsAre(HasSubstr("bracket is 6e-06 m long")));
+}
+
+TEST(Warnings, name_a_mass_that_no_body_has) {
+  Bracket bracket;
+  bracket.kernel.mass = 2e6;
+  EXPECT_THAT(bracket.warnings(), ElementsAre(HasSubstr("bracket has a mass of 2e+06 kg")));
+  bracket.kernel.mass = 1e-13;
+  EXPECT_THAT(bracket.warnings(), ElementsAre(HasSubstr("bracket has a mass of 1e-13 kg")));
+}
+
+TEST(Warnings, name_a_wave_speed_that_no_solid_has) {
+  const auto warnings = [](double young, double density) {
+    Bracket bracket;
+    bracket.body.materials[0].young = young;
+    bracket.body.materials[0].density = density;
+    return bracket.warnings();
+  };
+  EXPECT_THAT(warnings(210, 7850), ElementsAre(HasSubstr("waves in bracket run at 0.1636 m/s")));
+  EXPECT_THAT(warnings(210e3, 7850), ElementsAre(HasSubstr("slower than in any usual solid")));  // in MPa
+  EXPECT_THAT(warnings(210e9, 7.85), ElementsAre(HasSubstr("faster than in any usual solid")));  // in g/cm³
+  EXPECT_THAT(warnings(1e12, 3500), IsEmpty());                                                  // diamond
+  EXPECT_THAT(warnings(10.4e6, 11.3e3), IsEmpty());  // the disks of the paper
+  EXPECT_THAT(warnings(1e4, 1000), IsEmpty());       // a soft gel
+  EXPECT_THAT(warnings(1, 1), IsEmpty());            // the rods of the paper
+}
+
+TEST(Warnings, name_parts_that_are_not_joined) {
+  Bracket bracket;
+  bracket.kernel.parts = 2;
+  bracket.kernel.modes.angular_frequency.assign(12, 0);
+  EXPECT_THAT(bracket.warnings(),
+              ElementsAre(HasSubstr("bracket consists of 2 parts that are not joined, with 12 rigid modes")));
+  bracket.kernel.parts = 0;  // a kernel that does not state its parts
+  EXPECT_THAT(bracket.warnings(), ElementsAre(HasSubstr("parts that are not joined, with 12 rigid modes")));
+  bracket.kernel.parts = 2;  // held by supports
+  bracket.kernel.modes.angular_frequency.assign(6, 1);
+  EXPECT_THAT(bracket.warnings(), ElementsAre(HasSubstr("2 parts that are not joined, with 0 rigid modes")));
+}
+
+TEST(Warnings, name_supports_on_lines_and_points) {
+  Bracket bracket;
+  bracket.kernel.held_on_lines = 5;
+  EXPECT_THAT(bracket.warnings(),
+              ElementsAre(HasSubstr("the supports of bracket hold x, z on lines or points only")));
+}
+
+}  // namespace

@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Accuracy of impacts of bodies drawn at random, of which only shape, material, motion and contact are given.
+
+    scripts/verify --random [--count N] [--seed S] [--accuracy X] [--only K …] [--out DIR] [--ranks N]
+
+Each scene has one or two boxes, cylinders, balls or angle brackets that hit a floor or each other, flat or tilted;
+their materials cover six decades of Young's modulus, and one body of a pair may be clamped. Ricochet chooses the
+settings. The reference has elements of the next order, four times the band and the rate, and a flexibility error of
+1e-3. Scenes and results are kept in DIR (default out/random) and are not computed again. The status is 1 unless
+the true error is at most 3 estimates in 95 % of the scenes, at most the accuracy in 95 % of those that report it,
+and at least a tenth of the estimate in 80 %. Prints Markdown.
+"""
+import json
+import math
+import time
+import tomllib
+from pathlib import Path
+
+import numpy as np
+
+from ricochet import programs
+from ricochet.errors import RicochetError
+from ricochet.programs import ROOT
+
+SHAPES = {
+    "box": "Box(1) = {{-{x}/2, -{y}/2, 0, {x}, {y}, {z}}};",
+    "cylinder": "Cylinder(1) = {{0, 0, 0, 0, 0, {z}, {x}/2}};",
+    "ball": "Sphere(1) = {{0, 0, {x}/2, {x}/2}};",
+    "bracket": "Box(1) = {{-{x}/2, -{y}/2, 0, {x}, {y}, {z}/4}}; Box(2) = {{-{x}/2, -{y}/2, 0, {x}/4, {y}, {z}}};"
+    " BooleanUnion(3) = {{ Volume{{1}}; Delete; }}{{ Volume{{2}}; Delete; }};",
+}
+GEO = """SetFactory("OpenCASCADE");
+{shape}
+Mesh.MeshSizeMax = {size};
+Physical Volume("body") = Volume{{:}};
+Physical Surface("skin") = Surface{{:}};
+"""
+BODY = """
+[bodies.{name}]
+mesh = "{name}.geo"
+material = {{ density = {density:.4g}, young = {young:.4g}, poisson = {poisson:.2f} }}
+rotate_deg = [{tilt:.3f}, 0, 0]
+translate = [0, 0, {height:.6g}]
+velocity = [0, 0, {velocity:.6g}]
+contact = "skin"
+"""
+
+
+def draw_body(random):
+    """Shape with its sizes [m] and material of a body."""
+    scale = 10 ** random.uniform(-3, 0)
+    body = {
+        "kind": str(random.choice(list(SHAPES))),
+        "x": scale,
+        "y": scale * random.uniform(0.3, 1),
+        "z": scale * random.uniform(0.3, 2),
+        "density": 10 ** random.uniform(2.7, 4.3),
+        "young": 10 ** random.uniform(6, 12),
+        "poisson": random.uniform(0, 0.45),
+        "tilt": float(random.choice([0.0, random.uniform(1, 15)])),
+    }
+    if body["kind"] == "ball":
+        body["y"] = body["z"] = body["x"]
+    return body
+
+
+def size_of(body):
+    return math.hypot(body["x"], body["y"], body["z"])
+
+
+def wave_speed(body):
+    return math.sqrt(body["young"] / body["density"])
+
+
+def write_scene(folder, number, random):
+    """Writes a scene with its geometries. Returns its path and the speed of approach."""
+    bodies = [draw_body(random)]
+    pair = random.random() < 0.4
+    if pair:
+        # A partner of similar size and material, so that one contact is not infinitely longer than the other.
+        other = draw_body(random) | {"tilt": 0.0}
+        ratio = bodies[0]["x"] / other["x"] * random.uniform(0.5, 2)
+        for axis in "xyz":
+            other[axis] *= ratio
+        other["young"] = bodies[0]["young"] * 10 ** random.uniform(-1, 1)
+        other["density"] = bodies[0]["density"] * 10 ** random.uniform(-0.5, 0.5)
+        bodies.append(other)
+    slowest = min(map(wave_speed, bodies))
+    speed = slowest * 10 ** random.uniform(-5, -2.5)
+    # Hertz's law for a body of this size, and the waves within it; the flat and the tilted last no longer.
+    hertz = 3 * max(size_of(b) / wave_speed(b) for b in bodies) * (slowest / speed) ** 0.2
+    text = f'title = "Random {number}"\n'
+    for k, body in enumerate(bodies):
+        name = "ab"[k]
+        sizes = {axis: f"{body[axis]:.6g}" for axis in "xyz"}
+        shape = SHAPES[body["kind"]].format(**sizes)
+        (folder / f"{name}.geo").write_text(GEO.format(shape=shape, size=f"{size_of(body) / 8:.4g}"))
+        height = 2 * size_of(bodies[0]) if k == 0 else -body["z"]
+        text += BODY.format(name=name, height=height, velocity=-speed if k == 0 else 0, **body)
+    if not pair:
+        text += "\n[obstacles.b]\nnormal = [0, 0, 1]\n"
+    text += f'\n[contact]\nbetween = ["a", "b"]\ndirection = [0, 0, -1]\ngap = {1e-3 * speed * hertz:.4g}\n'
+    text += f"\n[time]\nduration = {3 * hertz:.4g}\n"
+    path = folder / f"random-{number}.toml"
+    path.write_text(text)
+    return path, speed
+
+
+def reference_sets(settings):
+    """Settings that are finer in every respect than those that were found."""
+    found = settings["found"]
+    sets = [f"bodies.{name}.order={mesh['order'] + 1}" for name, mesh in found.get("bodies", {}).items()]
+    sets += [
+        f"bodies.{name}.size_factor={mesh['size_factor']}" for name, mesh in found.get("bodies", {}).items()
+    ]
+    sets += ["accuracy=off", "modes.basis=contact", "modes.flexibility_error=1e-3", "title=reference"]
+    sets += [f"modes.up_to_hz={4 * found['up_to_hz']}"]
+    if "zone" in found:
+        sets.append(f"contact.zone={2 * found['zone']}")
+    return sets
+
+
+def run_programs(scene, sets, out, ranks):
+    arguments = ["--out", out, "--quiet"] + [word for setting in sets for word in ("--set", setting)]
+    start = time.monotonic()
+    programs.kernel(scene, arguments, ranks)
+    programs.contact(scene, arguments)
+    return time.monotonic() - start
+
+
+def true_error(found, truth, speed):
+    """Largest error of impulse and rebound, as docs/theory.md defines them."""
+    errors = [abs(found["impulse_ns"] / truth["impulse_ns"] - 1)]
+    moved = [
+        np.subtract(found["exit_velocity"][b], truth["exit_velocity"][b]) for b in truth["exit_velocity"]
+    ]
+    return max(*errors, float(np.linalg.norm(np.concatenate(moved))) / speed)
+
+
+def judged(number, given):
+    """(seconds, error, estimate, warnings) of a scene; no value if nothing touches or contact does not end."""
+    folder = given.out / str(number)
+    folder.mkdir(parents=True, exist_ok=True)
+    scene, speed = write_scene(folder, number, np.random.default_rng([given.seed, number]))
+    result = folder / "judged.json"
+    if not result.exists():
+        out = folder / "out"
+        sets = [f"accuracy={given.accuracy}"]
+        seconds = run_programs(scene, sets, out, given.ranks)
+        found = json.loads((out / f"random-{number}.summary.json").read_text())
+        if not found["exit_velocity"] or not found["error_estimate"]:
+            result.write_text("null")
+            return None
+        (settings,) = out.glob("*.settings.toml")
+        chosen = tomllib.loads(settings.read_text())
+        rate = f"time.rate_hz={4 * chosen['rate_hz']}"
+        run_programs(scene, [*reference_sets(chosen), rate], out, given.ranks)
+        truth = json.loads((out / "reference.summary.json").read_text())
+        result.write_text(
+            json.dumps(
+                [
+                    seconds,
+                    true_error(found, truth, speed),
+                    found["error_estimate"]["total"],
+                    found["warnings"],
+                ]
+            )
+        )
+    return json.loads(result.read_text())
+
+
+def add_arguments(parser):
+    parser.add_argument("--count", type=int, default=40, help="number of scenes (default: 40)")
+    parser.add_argument("--seed", type=int, default=1, help="seed of the generator (default: 1)")
+    parser.add_argument("--accuracy", type=float, default=1e-2, help="accuracy of the scenes (default: 1e-2)")
+    parser.add_argument("--only", nargs="+", type=int, metavar="K", help="these scenes alone, by number")
+    parser.add_argument("--out", type=Path, default=ROOT / "out" / "random", help="(default: out/random)")
+    parser.add_argument("--ranks", type=int, default=2, help="ranks of ricochet-kernel (default: 2)")
+
+
+def run(given):
+    print("| scene | seconds | true error | estimate | true / estimate | warnings |")
+    print("|---|---|---|---|---|---|")
+    held, close, met, reported, silent, judgements = 0, 0, 0, 0, 0, 0
+    for number in given.only or range(given.count):
+        try:
+            row = judged(number, given)
+        except RicochetError as failure:
+            print(f"| {number} | – | – | – | – | {failure} |", flush=True)
+            continue
+        if row is None:
+            print(f"| {number} | – | – | – | – | contact does not end |", flush=True)
+            continue
+        seconds, error, estimate, warnings = row
+        judgements += 1
+        held += error <= 3 * estimate
+        close += estimate <= 10 * error
+        reported += estimate <= given.accuracy
+        met += estimate <= given.accuracy and error <= given.accuracy
+        silent += error > max(3 * estimate, given.accuracy) and not warnings
+        ratio = error / estimate if estimate else math.inf
+        print(
+            f"| {number} | {seconds:.1f} | {error:.1e} | {estimate:.1e} | {ratio:.2f} | {len(warnings)} |",
+            flush=True,
+        )
+    print(
+        f"\nTrue error at most 3 estimates: {held} of {judgements}; at most the accuracy where this is reported: ",
+        end="",
+    )
+    print(
+        f"{met} of {reported}; estimate at most 10 true errors: {close} of {judgements}; silently wrong: {silent}."
+    )
+    return not (
+        held >= 0.95 * judgements and met >= 0.95 * reported and close >= 0.8 * judgements and not silent
+    )
