@@ -80,7 +80,7 @@ Vector rigid_velocity(const PlacedBody& body, const Model::BodyBlock& block) {
 }
 
 /// q0_n = f_n/ω_n²
-Vector settled(const Model& model) {
+Vector static_coordinates(const Model& model) {
   Vector force = model.load;
   for (const Model::Forcing& one : model.forcing)
     if (!one.support && one.history.dead())
@@ -234,7 +234,7 @@ Model build_model(const Placement& placement, const Vector3d& gravity,
     add_forcing(model, static_cast<int>(k), forcing);
   }
   refuse_overlap(model);
-  model.q0 = settled(model);
+  model.q0 = static_coordinates(model);
   for (std::size_t k = 0; k < bodies.size(); ++k) add_receivers(model, static_cast<int>(k));
   return model;
 }

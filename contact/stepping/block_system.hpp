@@ -10,10 +10,6 @@
 
 namespace ricochet::contact {
 
-/// Number of frequency bands whose energies bound the motion of the points. More bands give tighter bounds
-/// and cost more.
-constexpr int bands = 16;
-
 template <class T>
 struct BlockSystem {
   /// @param steps  L ≥ 1 @param step  Δ [s]

@@ -9,11 +9,8 @@
 namespace ricochet::contact {
 namespace {
 
-/// More bands give tighter bounds and cost more.
-constexpr int bands = 16;
-
 /// Relative round-off of a bound with up to thousands of terms.
-constexpr double round_off = 1e-12;
+constexpr double round_off_of_bounds = 1e-12;
 
 }  // namespace
 
@@ -104,7 +101,7 @@ bool FreeFlight::stays_open(const ModalState& state, double time) noexcept {
                                2 * system.decay(n) * std::abs(state.v(n)));
     }
     bow *= time * time / 8;
-    const double room = system.gap(i) - round_off * terms - bow;
+    const double room = system.gap(i) - round_off_of_bounds * terms - bow;
     if (bound_(i) + std::max(from, to) < room) continue;
     from = B.dot(state.q);
     to = B.dot(state.next_q);

@@ -11,6 +11,10 @@
 
 namespace ricochet::contact {
 
+/// Number of frequency bands whose energies bound the motion of the points. More bands give tighter bounds
+/// and cost more.
+inline constexpr int bands = 16;
+
 /// Constants of modes, (N) each.
 struct ModeConstants {
   Vector stiffness, load, q0;        ///< ω²; constant modal force; q at t = 0

@@ -11,7 +11,7 @@ import numpy as np
 
 from box_test import BoxTest
 from boxes import dense
-from programs import BIN, Run
+from programs import BIN, Run, settings
 
 try:
     import siconos.numerics as siconos
@@ -20,7 +20,7 @@ except ImportError:
 
 
 class Exports(BoxTest):
-    def problems(self):
+    def problems(self, *sets, every=4):
         """Returns the files that --fclib wrote for a box that falls flat on the floor, and the forces of the run."""
         self.succeed(
             Run(
@@ -33,7 +33,8 @@ class Exports(BoxTest):
                     "--fclib",
                     self.folder / "fclib",
                     "--fclib-every",
-                    4,
+                    every,
+                    *settings(sets),
                 ]
             )
         )
@@ -41,9 +42,26 @@ class Exports(BoxTest):
             forces = dict(zip(np.rint(file["contact/time"][:] * 40).astype(int), file["contact/force"][:]))
         return sorted((self.folder / "fclib").glob("*.hdf5")), forces
 
+    def steps(self, files):
+        return [int(re.fullmatch(r"box-i(\d{8})-12\.hdf5", path.name).group(1)) for path in files]
+
+    def test_problems_of_conserving_steps_hold_the_forces_at_their_ends(self):
+        files, forces = self.problems(every=1)
+        ends = {}
+        for path, step in zip(files, self.steps(files)):
+            with h5py.File(path) as file:
+                ends[step] = file["solution/r"][::3]
+        # The first steps may be a shock, and the last ones may be reduced.
+        inside = sorted(ends)[4:-4]
+        self.assertGreater(len(inside), 10)
+        for k in inside:
+            mean = 0.625 * ends[k] + 0.25 * ends[k - 1] + 0.125 * ends[k - 2]
+            np.testing.assert_allclose(forces[k], mean, rtol=1e-9, atol=1e-12 * max(mean))
+
     def test_problems_of_steps_have_the_layout_of_fclib(self):
-        files, forces = self.problems()
-        steps = [int(re.fullmatch(r"box-i(\d{8})-12\.hdf5", path.name).group(1)) for path in files]
+        # Steps of backward Euler, so that forces of the run are those at the ends of steps.
+        files, forces = self.problems("contact.integration=backward-euler")
+        steps = self.steps(files)
         self.assertEqual(steps, sorted(forces)[::4])
         for path, step in zip(files, steps):
             with h5py.File(path) as file:

@@ -154,8 +154,11 @@ class Imports(BoxTest):
         own, imported = found["own"], found["imported"]
         self.assertEqual((own["basis"], imported["basis"]), ({"box": "modes"}, {"box": "imported"}))
         self.assertGreater(own["contact_steps"], 10)
-        for key in ("impulse_ns", "peak_force_n", "contact_end_s", "energy_lost_contact"):
+        for key in ("impulse_ns", "peak_force_n", "contact_end_s"):
             self.assertAlmostEqual(imported[key] / own[key], 1, delta=100 * SHAPES, msg=key)
+        # A share of the energy at the start, of which it is the small difference of large terms.
+        lost = "energy_lost_contact"
+        self.assertAlmostEqual(imported[lost], own[lost], delta=100 * SHAPES)
         # The imported file has no residuals.
         self.assertIsNotNone(own["error_estimate"]["eigensolver"])
         self.assertIsNone(imported["error_estimate"]["eigensolver"])

@@ -56,7 +56,8 @@ class Rods(ProgramTest):
         self.assertLess(summary["energy_lost_contact"], 0.005)
         energy = result["energy"]
         mechanical = energy["kinetic"] + energy["strain"] + energy["residual"]
-        self.assertLess(np.diff(mechanical).max(), 1e-12 * mechanical[0])
+        # A point that opens may take back what contact has removed before, but never more.
+        self.assertLess(mechanical.max(), (1 + 1e-12) * mechanical[0])
         self.assertLess(summary["energy_drift"], 1e-12)
 
     def test_single_precision_gives_the_same_impact(self):
