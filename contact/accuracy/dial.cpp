@@ -15,8 +15,9 @@ double largest(const Errors& errors, const std::vector<Quantity>& requested) {
   return out;
 }
 
-/// Shares of the accuracy allowed for the step, for fewer contact points and for single precision.
-constexpr double of_step = 0.2, of_spacing = 0.1, of_precision = 0.05;
+/// Shares of the accuracy allowed for the step, for fewer contact points and for single precision. With fewer
+/// points, the estimate of the spacing rises further than the results change, to at most `of_estimate`.
+constexpr double of_step = 0.2, of_spacing = 0.1, of_estimate = 0.3, of_precision = 0.05;
 
 /// The search for the step starts with `first_steps` steps of the run, and with `first_of_contact` steps of
 /// the longest contact once that is known. The step is halved until its share of the error is small enough or
@@ -96,6 +97,8 @@ Dialled dial(const Subject& subject, Model model, DialRequest request) {
     std::unique_ptr<Estimator>& coarser = estimator->coarser();
     const auto fewer = coarser ? coarser->quantities(options) : std::nullopt;
     if (!fewer || !alike(*all, *fewer, subject, request.accuracy)) break;
+    const auto left = coarser->spacing(options);
+    if (!left || largest(*left, subject.requested) > of_estimate * request.accuracy) break;
     by_coarsening = distances(*all, *fewer);
     estimator = std::exchange(coarser, nullptr);
   }

@@ -201,9 +201,11 @@ std::optional<Errors> Estimator::basis(const StepOptions& options, const Quantit
   return scaled(*last, left < made ? left / made : 1);
 }
 
-std::optional<Errors> Estimator::spacing(const StepOptions& options, const Quantities& base) {
+std::optional<Errors> Estimator::spacing(const StepOptions& options) {
+  const auto base = quantities(options);
+  if (!base) return std::nullopt;
   Estimator* const wide = coarser().get();
-  if (!wide) return none(base);
+  if (!wide) return none(*base);
   const auto once = wide->quantities(options);
   const auto last = change(base, once);
   if (!last) return std::nullopt;
@@ -269,7 +271,7 @@ ErrorEstimate Estimator::estimate(const StepOptions& options) {
                   {Cause::step, step(options)},
                   {Cause::eigensolver, eigensolver(options, *base)},
                   {Cause::precision, precision(options)},
-                  {Cause::spacing, spacing(options, *base)},
+                  {Cause::spacing, spacing(options)},
                   {Cause::zone, zone(*base)}};
   return out;
 }

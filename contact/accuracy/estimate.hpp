@@ -76,6 +76,7 @@ class Estimator {
 
   std::optional<Errors> step(const StepOptions& options);
   std::optional<Errors> precision(const StepOptions& options);
+  std::optional<Errors> spacing(const StepOptions& options);
   /// Change from the next coarser mesh to that of the subject; no value if unknown.
   const std::optional<Errors>& mesh_change() const { return mesh_change_; }
   /// The errors of all causes. The subject must touch (`Quantities::touched`).
@@ -89,7 +90,6 @@ class Estimator {
   const std::optional<Quantities>& up_to(double share, const StepOptions& options);
   std::optional<Errors> modes(const StepOptions& options, const Quantities& base);
   std::optional<Errors> basis(const StepOptions& options, const Quantities& base);
-  std::optional<Errors> spacing(const StepOptions& options, const Quantities& base);
   std::optional<Errors> mesh(const StepOptions& options, const Quantities& base);
   std::optional<Errors> eigensolver(const StepOptions& options, const Quantities& base) const;
   Errors zone(const Quantities& base) const;

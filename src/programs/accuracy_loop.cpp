@@ -63,8 +63,13 @@ std::string text_of(const scene::KernelSettings& settings, const scene::Scene& s
   return text;
 }
 
+struct Judged {
+  contact::Dialled dialled;
+  std::vector<BodySize> sizes;
+};
+
 /// Runs the impact with the kernels of one round, on one rank.
-contact::Dialled judge(const scene::Scene& scene, const scene::Settings& settings, const fs::path& folder) {
+Judged judge(const scene::Scene& scene, const scene::Settings& settings, const fs::path& folder) {
   const scene::Scene closed = with_settings(scene, settings.found);
   KernelStore store;
   const Kernels kernels = read_kernels(closed, folder, store);
@@ -73,8 +78,14 @@ contact::Dialled judge(const scene::Scene& scene, const scene::Settings& setting
   prepared.placement = store.placements.place(closed, kernels.pointers());
   contact::Model model =
       in_scene(closed, [&] { return model_of(closed, prepared.placement, prepared.forcing); });
-  return dial_of(closed, kernels, prepared, std::move(model), read_coarser(scene, settings, folder),
-                 settings.rate, {});
+  const auto coarser = read_coarser(scene, settings, folder);
+  std::vector<BodySize> sizes;
+  for (std::size_t k = 0; k < closed.bodies.size(); ++k)
+    sizes.push_back({.body = closed.bodies[k].name,
+                     .modes = static_cast<double>(kernels.kernel[k]->modes.size()),
+                     .unknowns = static_cast<double>(kernels.kernel[k]->dofs),
+                     .coarser_unknowns = coarser ? static_cast<double>(coarser->kernels[k]->dofs) : 0});
+  return {dial_of(closed, kernels, prepared, std::move(model), coarser, settings.rate, {}), std::move(sizes)};
 }
 
 /// The outcome of a round, the same on all ranks.
@@ -88,9 +99,9 @@ Outcome outcome_of_round(const scene::Scene& scene, scene::Settings settings, co
                          MPI_Comm comm) {
   std::string found, next, line;
   parallel::on_first_rank(comm, [&] {
-    const contact::Dialled dialled = judge(scene, settings, folder);
+    const auto [dialled, sizes] = judge(scene, settings, folder);
     settings.rate = dialled.settings.rate.value_or(Hertz{1 / scene.time.step()});
-    const Decision decision = decide(scene, settings, dialled);
+    const Decision decision = decide(scene, settings, dialled, sizes);
     if (dialled.estimate) line = "error " + contact::formatted(*dialled.estimate);
     if (!decision.reason.empty())
       line += fmt::format("{}{}{}", line.empty() ? "" : "; ",

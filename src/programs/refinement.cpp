@@ -44,11 +44,23 @@ bool gives_spacing(const scene::Scene& scene) {
                              [](const scene::Pair& pair) { return pair.spacing.has_value(); });
 }
 
+/// Number of candidates of a model within a distance of the closest one of their pair.
+Eigen::Index candidates_within(const contact::Model& model, double zone) {
+  Eigen::Index count = 0;
+  for (const contact::Model::PairBlock& pair : model.pairs) {
+    const auto gap = model.gap.segment(pair.first_point, pair.points).array();
+    count += (gap < gap.minCoeff() + zone).count();
+  }
+  return count;
+}
+
 /// Ritz vectors cost a few solves for each candidate, whatever the band; modes cost a solve or two for each
 /// mode in it. With few modes and many candidates, as in flat contact, modes are therefore cheaper.
-scene::Basis basis_after_pilot(const scene::Settings& settings, const contact::Model& pilot) {
+scene::Basis basis_after_pilot(const scene::Settings& settings, const contact::Model& pilot,
+                               const std::optional<double>& zone) {
   constexpr Eigen::Index blocks = 3;
-  return pilot.omega.size() < blocks * pilot.gap.size() ? scene::Basis::modes : settings.found.basis;
+  const Eigen::Index candidates = zone ? candidates_within(pilot, *zone) : pilot.gap.size();
+  return pilot.omega.size() < blocks * candidates ? scene::Basis::modes : settings.found.basis;
 }
 
 /// Number of times that the band is doubled after the pilot.
@@ -73,12 +85,7 @@ std::optional<double> zone_of(const contact::Model& model, const std::vector<boo
     zone = std::max({zone, 4 * (farthest - closest), beyond[std::min(next, beyond.size() - 1)] - closest});
   }
   zone *= 1 + 1e-6;  // so that round-off drops none of them
-  Eigen::Index kept = 0;
-  for (const contact::Model::PairBlock& pair : model.pairs) {
-    const auto gap = model.gap.segment(pair.first_point, pair.points).array();
-    kept += (gap < gap.minCoeff() + zone).count();
-  }
-  if (!(zone > 0) || 2 * kept > model.gap.size()) return std::nullopt;
+  if (!(zone > 0) || 2 * candidates_within(model, zone) > model.gap.size()) return std::nullopt;
   return zone;
 }
 
@@ -98,6 +105,48 @@ Hertz band_after_pilot(const scene::Settings& settings, const contact::Dialled& 
   return band;
 }
 
+/// The sizes that settings lead to, from those of the round with `before`. Unknowns of a solid grow with the
+/// cube of order / size, and its modes with that of the band.
+std::vector<BodySize> predicted(std::vector<BodySize> sizes, const scene::KernelSettings& before,
+                                const scene::KernelSettings& after) {
+  const double wider = after.up_to.value / before.up_to.value;
+  const bool vectors = after.basis == scene::Basis::contact;
+  for (BodySize& size : sizes) {
+    if (const auto was = before.mesh.find(size.body), is = after.mesh.find(size.body);
+        was != before.mesh.end() && is != after.mesh.end())
+      size.unknowns *= std::pow(is->second.order * was->second.size_factor /
+                                    (was->second.order * is->second.size_factor),
+                                3);
+    size.modes = std::min(size.modes * (vectors ? wider : wider * wider * wider), size.unknowns);
+  }
+  return sizes;
+}
+
+bool is_affordable(const std::vector<BodySize>& sizes) {
+  double work = 0;
+  for (const BodySize& size : sizes) work += size.modes * size.unknowns;
+  return work <= most_work;
+}
+
+std::string too_much(const std::vector<BodySize>& sizes) {
+  const BodySize& largest = *std::ranges::max_element(
+      sizes, {}, [](const BodySize& size) { return size.modes * size.unknowns; });
+  return fmt::format(
+      "the next round would compute about {:.1g} modes of {:.1g} unknowns of \"{}\", which is more than "
+      "accuracy chooses: give modes.up_to_hz and bodies.*.order to go on",
+      largest.modes, largest.unknowns, largest.body);
+}
+
+/// Whether smaller elements were asked for but not made, as for a geometry that fixes their number.
+bool size_is_fixed(const scene::Settings& settings, const std::vector<BodySize>& sizes) {
+  if (!settings.coarser) return false;
+  return std::ranges::all_of(sizes, [&](const BodySize& size) {
+    const auto was = settings.coarser->mesh.find(size.body), is = settings.found.mesh.find(size.body);
+    return was != settings.coarser->mesh.end() && is != settings.found.mesh.end() &&
+           was->second.order == is->second.order && size.unknowns == size.coarser_unknowns;
+  });
+}
+
 struct Option {
   Cause cause;
   double share, cost;
@@ -111,13 +160,13 @@ double reducible(const scene::Scene& scene, const contact::ErrorEstimate& estima
   return share;
 }
 
-std::vector<Option> options_of(const scene::Scene& scene, int level, const scene::KernelSettings& settings,
+std::vector<Option> options_of(const scene::Scene& scene, bool finer, const scene::KernelSettings& settings,
                                const contact::ErrorEstimate& estimate) {
   std::vector<Option> out;
   const auto add = [&](Cause cause, double cost) {
     out.push_back({cause, reducible(scene, estimate, cause), cost});
   };
-  if (has_finer(scene, level)) add(Cause::mesh, cost_of_mesh);
+  if (finer) add(Cause::mesh, cost_of_mesh);
   if (is_open(scene)) add(Cause::modes, cost_of_vectors);
   if (is_open(scene) && !scene.modes.flexibility_error) add(Cause::basis, cost_of_vectors);
   if (settings.zone) add(Cause::zone, cost_of_vectors);
@@ -178,19 +227,19 @@ int level_of(const scene::Scene& scene, const scene::KernelSettings& settings) {
   }
 }
 
-Decision decide(const scene::Scene& scene, const scene::Settings& settings, const contact::Dialled& round) {
+Decision decide(const scene::Scene& scene, const scene::Settings& settings, const contact::Dialled& round,
+                const std::vector<BodySize>& sizes) {
   const int level = level_of(scene, settings.found);
   scene::Settings next = settings;
-  const auto finer_mesh = [&] {
-    next.found.mesh = meshes_at(scene, level + 1);
-    next.coarser = settings.found;
-    next.coarser_change.clear();
-    if (round.mesh_change) next.coarser_change = *round.mesh_change;
+  const auto with_finer_mesh = [&](scene::Settings finer) {
+    finer.found.mesh = meshes_at(scene, level + 1);
+    finer.coarser = settings.found;
+    finer.coarser_change = round.mesh_change.value_or(contact::Errors{});
+    return finer;
   };
   if (!round.estimate) {
     if (!settings.coarser && has_finer(scene, level)) {
-      finer_mesh();
-      return {next, "nothing touches; the mesh"};
+      return {with_finer_mesh(next), "nothing touches; the mesh"};
     }
     return {{}, "nothing touches, so the settings are those of the start"};
   }
@@ -200,38 +249,57 @@ Decision decide(const scene::Scene& scene, const scene::Settings& settings, cons
     if (scene.contact.scheme != Scheme::at_rest)
       next.found.zone = zone_of(round.model, round.quantities->pressed);
     if (is_open(scene)) {
-      next.found.basis = basis_after_pilot(settings, round.model);
+      next.found.basis = basis_after_pilot(settings, round.model, next.found.zone);
       next.found.up_to = band_after_pilot(settings, round, accuracy);
     }
-    finer_mesh();
-    return {next, "mesh"};
+    return {with_finer_mesh(next), "mesh"};
   }
   double total = estimate.total();
   if (total <= accuracy) return {{}, ""};
 
-  const std::vector<Option> options = options_of(scene, level, settings.found, estimate);
+  const bool finer = has_finer(scene, level) && !size_is_fixed(settings, sizes);
+  const std::vector<Option> options = options_of(scene, finer, settings.found, estimate);
+  double refinable = 0;
+  for (const Option& option : options) refinable += option.share;
+  // What cannot be reduced may exceed the accuracy. The rest is then refined only until it matters less.
+  const double fixed = total - refinable, wanted = std::max(accuracy, 2 * fixed);
   std::set<Cause> chosen;
+  std::map<Cause, std::string> excess;
+  const auto choose = [&](Cause cause) {
+    scene::Settings refined = next;
+    if (cause == Cause::mesh) refined = with_finer_mesh(refined);
+    if (cause == Cause::modes) refined.found.up_to.value *= 2;
+    if (cause == Cause::zone) *refined.found.zone *= 4;
+    if (cause == Cause::basis) refined.found.flexibility_error /= 4;
+    const auto sizes_then = predicted(sizes, settings.found, refined.found);
+    if (!is_affordable(sizes_then)) {
+      excess[cause] = too_much(sizes_then);
+      return false;
+    }
+    next = refined;
+    chosen.insert(cause);
+    return true;
+  };
   for (const Option& option : options) {
-    if (total <= accuracy || option.share <= worth_while * (total - accuracy)) continue;
-    chosen.insert(option.cause);
-    total -= (1 - expected) * option.share;
+    if (total <= wanted || option.share <= worth_while * (total - wanted)) continue;
+    if (choose(option.cause)) total -= (1 - expected) * option.share;
   }
   if (chosen.contains(Cause::mesh))  // new kernels anyway
     for (const Option& option : options)
-      if (option.share > worth_while * accuracy) chosen.insert(option.cause);
+      if (!chosen.contains(option.cause) && option.share > worth_while * accuracy) choose(option.cause);
   std::string refined;
-  for (const Cause cause : chosen) {
-    refined += (refined.empty() ? "" : ", ") + std::string(name_of(cause));
-    if (cause == Cause::mesh) finer_mesh();
-    if (cause == Cause::modes) next.found.up_to.value *= 2;
-    if (cause == Cause::zone) *next.found.zone *= 4;
-    if (cause == Cause::basis) next.found.flexibility_error /= 4;
-  }
+  for (const Cause cause : chosen) refined += (refined.empty() ? "" : ", ") + std::string(name_of(cause));
   if (!refined.empty()) return {next, refined};
-  const auto largest = largest_cause(estimate);
+  contact::ErrorEstimate hindered = estimate;  // without the causes that were left because others matter more
+  for (const Option& option : options)
+    if (!excess.contains(option.cause)) {
+      hindered.by_cause.erase(option.cause);
+      if (option.cause == Cause::mesh && !gives_spacing(scene)) hindered.by_cause.erase(Cause::spacing);
+    }
+  const auto largest = largest_cause(hindered);
   return {{},
           fmt::format("{} contributes {:.2g}: {}", name_of(*largest), *estimate.share(*largest),
-                      obstacle(scene, *largest))};
+                      excess.contains(*largest) ? excess[*largest] : obstacle(scene, *largest))};
 }
 
 }  // namespace ricochet::programs

@@ -2,8 +2,10 @@
 // Decides which settings of kernels the accuracy loop refines next. Independent of MPI.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "contact/accuracy/dial.hpp"
 #include "src/scene/settings.hpp"
@@ -21,15 +23,29 @@ bool has_finer(const scene::Scene& scene, int level);
 /// The level at which a scene has these elements; 0 if there is none.
 int level_of(const scene::Scene& scene, const scene::KernelSettings& settings);
 
+/// Size of the eigenproblem of a body in a round.
+struct BodySize {
+  std::string body;
+  double modes = 0, unknowns = 0;
+  double coarser_unknowns = 0;  ///< on the next coarser mesh; 0: unknown
+};
+
 struct Decision {
   std::optional<scene::Settings> next;  ///< no value: the search ends
   std::string reason;                   ///< what is refined, or why nothing is; empty if the accuracy is met
 };
 
 /// The decision after a round. Of the causes that can be refined, those that gain most for their cost are
-/// chosen, until the expected error is small enough.
+/// chosen, until the expected error is small enough. A refinement is not chosen if the next round would
+/// exceed `most_work`.
 /// @param scene  as read, with its open settings
 /// @param settings  of the round, with the rate that was found
-Decision decide(const scene::Scene& scene, const scene::Settings& settings, const contact::Dialled& round);
+/// @param sizes  of the round, for each body
+Decision decide(const scene::Scene& scene, const scene::Settings& settings, const contact::Dialled& round,
+                const std::vector<BodySize>& sizes);
+
+/// Largest sum of modes × unknowns over the bodies that a refinement may lead to. On two cores, kernels of
+/// this size take one to two minutes.
+inline constexpr double most_work = 1e8;
 
 }  // namespace ricochet::programs

@@ -216,7 +216,7 @@ const Section modes_keys{
       "relative error allowed in the flexibility of the contact surface over the band"},
      {"residual_flexibility", Type::boolean, "", shown(Modes{}.residual_flexibility), any(),
       "keep the static flexibility of the modes that are left out"},
-     {"residual_components", Type::text, "", shown("all"), one_of({"auto", "all"}),
+     {"residual_components", Type::text, "", shown("auto"), one_of({"auto", "all"}),
       "components of the residual flexibility. `\"auto\"`: only the normal of each candidate if no pair is "
       "tilted "
       "against it by more than 3 degrees, otherwise all three. `\"all\"`: always all three"},

@@ -75,7 +75,7 @@ struct Modes {
   bool residual_flexibility = true;
   /// Whether the residual flexibility is always held in all components, and not along the normals alone where
   /// these suffice.
-  bool all_components = true;
+  bool all_components = false;
   double relative_residual = 1e-8;  ///< bound on each mode's residual
   int approximate = 0;  ///< basis `modes`: block iterations from the next lower order; 0: certified modes
   double low_rank = 0;  ///< basis `contact`: threshold of block low-rank factors; 0: full rank

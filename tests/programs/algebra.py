@@ -155,9 +155,11 @@ class Algebra(ProgramTest):
         self.check([down, modes.format(0.5)], [down, *OTHER, modes.format(0.5 * FASTER)])
 
     def test_one_direction_of_a_turned_body_out_of_all(self):
+        every = "modes.residual_components=all"
         self.check(
-            [],
+            [every],
             [
+                every,
                 *OTHER,
                 "bodies.block.rotate_deg=[0,0,30]",
                 "contact.direction=[0,0.6,-0.8]",
@@ -170,8 +172,8 @@ class Algebra(ProgramTest):
         self.check([modes.format(0.5)], [*OTHER, modes.format(0.5 * FASTER)])
 
     def test_vectors_above_the_band_are_in_the_residual_flexibility(self):
-        bases = ["modes={up_to_hz=0.5}"] + [
-            f'modes={{basis="contact",up_to_hz=0.5,residual_flexibility={kept}}}'
+        bases = ['modes={up_to_hz=0.5,residual_components="all"}'] + [
+            f'modes={{basis="contact",up_to_hz=0.5,residual_components="all",residual_flexibility={kept}}}'
             for kept in ("true", "false")
         ]
         files = [h5py.File(self.path(self.out, words)[0]) for words in bases]

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Decisions of the accuracy loop after a round with given shares of the error.
+#include "src/programs/refinement.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace {
+
+using namespace ricochet;
+using contact::Cause;
+using programs::BodySize;
+using programs::decide;
+using programs::Decision;
+using ::testing::HasSubstr;
+
+/// A scene with one body of a geometry, of which everything is open.
+scene::Scene open_scene() {
+  scene::Scene scene;
+  scene.accuracy = 1e-2;
+  scene.bodies.emplace_back();
+  scene.bodies[0].name = "part";
+  scene.bodies[0].mesh = "part.step";
+  scene.bodies[0].order_open = scene.bodies[0].size_open = true;
+  scene.contact.pairs.emplace_back();
+  return scene;
+}
+
+/// Settings of the second round: the mesh of level 1 and, beneath it, that of level 0.
+scene::Settings second_round(const scene::Scene& scene) {
+  scene::Settings settings;
+  settings.found.mesh = programs::meshes_at(scene, 1);
+  settings.found.up_to = Hertz{1e4};
+  settings.found.flexibility_error = 0.1;
+  settings.rate = Hertz{1e6};
+  settings.coarser = settings.found;
+  settings.coarser->mesh = programs::meshes_at(scene, 0);
+  return settings;
+}
+
+contact::Dialled round_with(const std::map<Cause, double>& shares) {
+  contact::Dialled round;
+  round.estimate.emplace();
+  round.estimate->requested = {Quantity::impulse};
+  for (const auto& [cause, share] : shares)
+    round.estimate->by_cause[cause] = contact::Errors{{Quantity::impulse, share}};
+  return round;
+}
+
+const std::vector<BodySize> small{{"part", 100, 1e4, 5e3}};
+
+TEST(Decision, ends_if_the_accuracy_is_met) {
+  const scene::Scene scene = open_scene();
+  const Decision found =
+      decide(scene, second_round(scene), round_with({{Cause::mesh, 4e-3}, {Cause::modes, 5e-3}}), small);
+  EXPECT_FALSE(found.next);
+  EXPECT_EQ(found.reason, "");
+}
+
+TEST(Decision, refines_the_cause_with_the_largest_share) {
+  const scene::Scene scene = open_scene();
+  const scene::Settings settings = second_round(scene);
+  const Decision band = decide(scene, settings, round_with({{Cause::mesh, 1e-3}, {Cause::modes, 0.1}}), small);
+  ASSERT_TRUE(band.next);
+  EXPECT_EQ(band.reason, "modes");
+  EXPECT_EQ(band.next->found.up_to.value, 2e4);
+  EXPECT_EQ(band.next->found.mesh, settings.found.mesh);
+  const Decision mesh = decide(scene, settings, round_with({{Cause::mesh, 0.1}, {Cause::modes, 1e-3}}), small);
+  ASSERT_TRUE(mesh.next);
+  EXPECT_EQ(mesh.reason, "mesh");
+  EXPECT_EQ(mesh.next->found.mesh, programs::meshes_at(scene, 2));
+  EXPECT_EQ(mesh.next->coarser, settings.found);
+}
+
+TEST(Decision, keeps_a_given_band_and_says_that_it_prevents_the_accuracy) {
+  scene::Scene scene = open_scene();
+  scene.modes.up_to = Hertz{1e4};
+  const Decision found =
+      decide(scene, second_round(scene), round_with({{Cause::mesh, 1e-3}, {Cause::modes, 0.1}}), small);
+  EXPECT_FALSE(found.next);
+  EXPECT_EQ(found.reason, "modes contributes 0.1: modes.up_to_hz = 10000 is given");
+}
+
+// A given spacing contributes 0.014 of 0.02: a finer mesh could not reach 0.01, and hardly helps.
+TEST(Decision, refines_nothing_that_matters_less_than_what_is_given) {
+  scene::Scene scene = open_scene();
+  scene.contact.pairs[0].spacing = 1e-3;
+  const scene::Settings settings = second_round(scene);
+  const Decision found =
+      decide(scene, settings, round_with({{Cause::mesh, 6e-3}, {Cause::spacing, 0.014}}), small);
+  EXPECT_FALSE(found.next);
+  EXPECT_EQ(found.reason, "spacing contributes 0.014: contact.spacing is given");
+  const Decision coarse =
+      decide(scene, settings, round_with({{Cause::mesh, 6e-2}, {Cause::spacing, 0.014}}), small);
+  EXPECT_TRUE(coarse.next);
+}
+
+// Twice the band of a solid has eight times the modes: 8 · 1000 modes of 12 000 unknowns are affordable, and
+// 8 · 1600 are not, although there are no more modes than unknowns.
+TEST(Decision, starts_no_round_that_is_too_much_work) {
+  const scene::Scene scene = open_scene();
+  const auto round = round_with({{Cause::mesh, 1e-4}, {Cause::modes, 0.1}});
+  const auto modes_of = [&](double modes) {
+    scene::Settings settings = second_round(scene);
+    settings.found.basis = scene::Basis::modes;
+    return decide(scene, settings, round, {{"part", modes, 12000, 5e3}});
+  };
+  EXPECT_TRUE(modes_of(1000).next);
+  const Decision found = modes_of(1600);
+  EXPECT_FALSE(found.next);
+  EXPECT_THAT(found.reason, HasSubstr("modes contributes 0.1: the next round would compute about 1e+04 modes "
+                                      "of 1e+04 unknowns of \"part\""));
+}
+
+// A transfinite geometry has the same elements whatever the size.
+TEST(Decision, does_not_ask_again_for_smaller_elements_that_were_not_made) {
+  const scene::Scene scene = open_scene();
+  scene::Settings settings = second_round(scene);
+  settings.found.mesh = programs::meshes_at(scene, 3);
+  settings.coarser->mesh = programs::meshes_at(scene, 2);
+  const auto round = round_with({{Cause::mesh, 0.1}});
+  EXPECT_TRUE(decide(scene, settings, round, {{"part", 100, 1e4, 5e3}}).next);
+  EXPECT_FALSE(decide(scene, settings, round, {{"part", 100, 1e4, 1e4}}).next);
+}
+
+}  // namespace
