@@ -121,8 +121,9 @@ scene::Scene closed_for_check(const scene::Scene& scene, MPI_Comm comm) {
   return with_settings(scene, first_settings(scene, comm).found);
 }
 
-scene::Scene close_by_accuracy(const scene::Scene& scene, const fs::path& folder, MPI_Comm comm,
+scene::Scene close_by_accuracy(const scene::Scene& given, const fs::path& folder, MPI_Comm comm,
                                console::Console& console, const ComputeKernels& compute) {
+  scene::Scene scene = given;
   const fs::path path = scene::settings_path(folder, scene);
   std::string stored;
   parallel::on_first_rank(comm, [&] {
@@ -131,6 +132,7 @@ scene::Scene close_by_accuracy(const scene::Scene& scene, const fs::path& folder
   parallel::broadcast(comm, stored);
   const auto known = scene::parse_settings(stored);
   scene::Settings settings = known ? *known : first_settings(scene, comm);
+  if (!level_of(scene, settings.found)) scene = with_own_sizes(std::move(scene));
   std::optional<scene::Settings> last;  // of a round that succeeded
   std::vector<fs::path> written;
   std::string first_error;
@@ -148,11 +150,15 @@ scene::Scene close_by_accuracy(const scene::Scene& scene, const fs::path& folder
       console.end();
     } catch (const InputError& error) {  // the same on every rank
       if (!last) {
-        // Elements of the first level may be too coarse for the geometry or the modes.
-        if (first_error.empty()) first_error = error.what();
-        const int level = level_of(scene, settings.found);
-        if (known || !has_finer(scene, level)) throw InputError(first_error);
-        settings.found.mesh = meshes_at(scene, level + 1);
+        // Elements of the first level may be too coarse for the geometry, and then for the modes.
+        const bool first = first_error.empty();
+        if (first) first_error = error.what();
+        const int level = level_of(scene, settings.found).value_or(0);
+        scene::Scene own = with_own_sizes(scene);
+        const int next = first && own != scene ? 0 : level + 1;
+        if (known || (next > 0 && !has_finer(scene, level))) throw InputError(first_error);
+        scene = std::move(own);
+        settings.found.mesh = meshes_at(scene, next);
         continue;
       }
       console.say(fmt::format("accuracy, round {}: {}; stops: {}", round, text_of(settings.found, scene),

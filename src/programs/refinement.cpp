@@ -106,20 +106,27 @@ Hertz band_after_pilot(const scene::Settings& settings, const contact::Dialled& 
 }
 
 /// The sizes that settings lead to, from those of the round with `before`. Unknowns of a solid grow with the
-/// cube of order / size, and its modes with that of the band.
+/// cube of order / size, and its modes with that of the band. Ritz vectors grow with the band and with the
+/// candidates, which are nodes of a surface.
 std::vector<BodySize> predicted(std::vector<BodySize> sizes, const scene::KernelSettings& before,
                                 const scene::KernelSettings& after) {
   const double wider = after.up_to.value / before.up_to.value;
   const bool vectors = after.basis == scene::Basis::contact;
   for (BodySize& size : sizes) {
+    double finer = 1;  // along each axis
     if (const auto was = before.mesh.find(size.body), is = after.mesh.find(size.body);
         was != before.mesh.end() && is != after.mesh.end())
-      size.unknowns *= std::pow(is->second.order * was->second.size_factor /
-                                    (was->second.order * is->second.size_factor),
-                                3);
-    size.modes = std::min(size.modes * (vectors ? wider : wider * wider * wider), size.unknowns);
+      finer = is->second.order * was->second.size_factor / (was->second.order * is->second.size_factor);
+    size.unknowns *= finer * finer * finer;
+    size.modes *= vectors ? wider * finer * finer : wider * wider * wider;
+    size.modes = std::min(size.modes, size.unknowns);
   }
   return sizes;
+}
+
+/// Whether the elements have more unknowns than the band has modes.
+bool is_resolved(const std::vector<BodySize>& sizes) {
+  return std::ranges::all_of(sizes, [](const BodySize& size) { return size.modes < size.unknowns; });
 }
 
 bool is_affordable(const std::vector<BodySize>& sizes) {
@@ -220,16 +227,21 @@ bool has_finer(const scene::Scene& scene, int level) {
   return meshes_at(scene, level) != meshes_at(scene, level + 1);
 }
 
-int level_of(const scene::Scene& scene, const scene::KernelSettings& settings) {
+std::optional<int> level_of(const scene::Scene& scene, const scene::KernelSettings& settings) {
   for (int level = 0;; ++level) {
     if (meshes_at(scene, level) == settings.mesh) return level;
-    if (!has_finer(scene, level)) return 0;
+    if (!has_finer(scene, level)) return std::nullopt;
   }
+}
+
+scene::Scene with_own_sizes(scene::Scene scene) {
+  for (scene::Body& body : scene.bodies) body.size_open = false;
+  return scene;
 }
 
 Decision decide(const scene::Scene& scene, const scene::Settings& settings, const contact::Dialled& round,
                 const std::vector<BodySize>& sizes) {
-  const int level = level_of(scene, settings.found);
+  const int level = level_of(scene, settings.found).value_or(0);
   scene::Settings next = settings;
   const auto with_finer_mesh = [&](scene::Settings finer) {
     finer.found.mesh = meshes_at(scene, level + 1);
@@ -271,11 +283,20 @@ Decision decide(const scene::Scene& scene, const scene::Settings& settings, cons
     if (cause == Cause::modes) refined.found.up_to.value *= 2;
     if (cause == Cause::zone) *refined.found.zone *= 4;
     if (cause == Cause::basis) refined.found.flexibility_error /= 4;
+    if (cause == Cause::modes && !is_resolved(predicted(sizes, settings.found, refined.found))) {
+      if (!finer) {
+        excess[cause] = "its elements have no modes in a wider band, and they are the finest that accuracy chooses";
+        return false;
+      }
+      refined = with_finer_mesh(refined);
+    }
     const auto sizes_then = predicted(sizes, settings.found, refined.found);
     if (!is_affordable(sizes_then)) {
       excess[cause] = too_much(sizes_then);
+      if (cause == Cause::mesh && !gives_spacing(scene)) excess[Cause::spacing] = excess[cause];
       return false;
     }
+    if (refined.found.mesh != next.found.mesh) chosen.insert(Cause::mesh);
     next = refined;
     chosen.insert(cause);
     return true;

@@ -17,11 +17,14 @@ namespace ricochet::programs {
 /// given order has the next lower order at level 0. Bodies without further levels keep their last one.
 std::map<std::string, scene::MeshSettings> meshes_at(const scene::Scene& scene, int level);
 
+/// The scene with the sizes of its geometries, which remain as they are at all levels.
+scene::Scene with_own_sizes(scene::Scene scene);
+
 /// Whether some body has finer elements at the next level.
 bool has_finer(const scene::Scene& scene, int level);
 
-/// The level at which a scene has these elements; 0 if there is none.
-int level_of(const scene::Scene& scene, const scene::KernelSettings& settings);
+/// The level at which a scene has these elements; no value if there is none.
+std::optional<int> level_of(const scene::Scene& scene, const scene::KernelSettings& settings);
 
 /// Size of the eigenproblem of a body in a round.
 struct BodySize {
@@ -45,7 +48,7 @@ Decision decide(const scene::Scene& scene, const scene::Settings& settings, cons
                 const std::vector<BodySize>& sizes);
 
 /// Largest sum of modes × unknowns over the bodies that a refinement may lead to. On two cores, kernels of
-/// this size take one to two minutes.
-inline constexpr double most_work = 1e8;
+/// this size take about half a minute.
+inline constexpr double most_work = 3e7;
 
 }  // namespace ricochet::programs

@@ -95,8 +95,8 @@ TEST(Decision, refines_nothing_that_matters_less_than_what_is_given) {
   EXPECT_TRUE(coarse.next);
 }
 
-// Twice the band of a solid has eight times the modes: 8 · 1000 modes of 12 000 unknowns are affordable, and
-// 8 · 1600 are not, although there are no more modes than unknowns.
+// Twice the band of a solid has eight times the modes: 8 · 300 modes of 12 000 unknowns are affordable, and
+// 8 · 320 are not.
 TEST(Decision, starts_no_round_that_is_too_much_work) {
   const scene::Scene scene = open_scene();
   const auto round = round_with({{Cause::mesh, 1e-4}, {Cause::modes, 0.1}});
@@ -105,11 +105,32 @@ TEST(Decision, starts_no_round_that_is_too_much_work) {
     settings.found.basis = scene::Basis::modes;
     return decide(scene, settings, round, {{"part", modes, 12000, 5e3}});
   };
-  EXPECT_TRUE(modes_of(1000).next);
-  const Decision found = modes_of(1600);
+  EXPECT_TRUE(modes_of(300).next);
+  const Decision found = modes_of(320);
   EXPECT_FALSE(found.next);
-  EXPECT_THAT(found.reason, HasSubstr("modes contributes 0.1: the next round would compute about 1e+04 modes "
+  EXPECT_THAT(found.reason, HasSubstr("modes contributes 0.1: the next round would compute about 3e+03 modes "
                                       "of 1e+04 unknowns of \"part\""));
+}
+
+// 8 · 500 modes are more than 3000 unknowns.
+TEST(Decision, refines_the_mesh_with_a_band_that_its_elements_do_not_have) {
+  const scene::Scene scene = open_scene();
+  scene::Settings settings = second_round(scene);
+  settings.found.basis = scene::Basis::modes;
+  const auto round = round_with({{Cause::mesh, 1e-4}, {Cause::modes, 0.1}});
+  const Decision found = decide(scene, settings, round, {{"part", 500, 3000, 1500}});
+  ASSERT_TRUE(found.next);
+  EXPECT_EQ(found.reason, "mesh, modes");
+  EXPECT_EQ(found.next->found.mesh, programs::meshes_at(scene, 2));
+  EXPECT_EQ(decide(scene, settings, round, {{"part", 300, 3000, 1500}}).reason, "modes");
+}
+
+TEST(Levels, of_own_sizes_are_not_those_of_open_sizes) {
+  const scene::Scene scene = open_scene(), own = programs::with_own_sizes(scene);
+  scene::KernelSettings settings;
+  settings.mesh = programs::meshes_at(own, 1);
+  EXPECT_FALSE(programs::level_of(scene, settings));
+  EXPECT_EQ(programs::level_of(own, settings), 1);
 }
 
 // A transfinite geometry has the same elements whatever the size.
