@@ -136,8 +136,8 @@ bool is_affordable(const std::vector<BodySize>& sizes) {
 }
 
 std::string too_much(const std::vector<BodySize>& sizes) {
-  const BodySize& largest = *std::ranges::max_element(
-      sizes, {}, [](const BodySize& size) { return size.modes * size.unknowns; });
+  const BodySize& largest =
+      *std::ranges::max_element(sizes, {}, [](const BodySize& size) { return size.modes * size.unknowns; });
   return fmt::format(
       "the next round would compute about {:.1g} modes of {:.1g} unknowns of \"{}\", which is more than "
       "accuracy chooses: give modes.up_to_hz and bodies.*.order to go on",
@@ -285,7 +285,8 @@ Decision decide(const scene::Scene& scene, const scene::Settings& settings, cons
     if (cause == Cause::basis) refined.found.flexibility_error /= 4;
     if (cause == Cause::modes && !is_resolved(predicted(sizes, settings.found, refined.found))) {
       if (!finer) {
-        excess[cause] = "its elements have no modes in a wider band, and they are the finest that accuracy chooses";
+        excess[cause] =
+            "its elements have no modes in a wider band, and they are the finest that accuracy chooses";
         return false;
       }
       refined = with_finer_mesh(refined);

@@ -60,12 +60,14 @@ TEST(Decision, ends_if_the_accuracy_is_met) {
 TEST(Decision, refines_the_cause_with_the_largest_share) {
   const scene::Scene scene = open_scene();
   const scene::Settings settings = second_round(scene);
-  const Decision band = decide(scene, settings, round_with({{Cause::mesh, 1e-3}, {Cause::modes, 0.1}}), small);
+  const Decision band =
+      decide(scene, settings, round_with({{Cause::mesh, 1e-3}, {Cause::modes, 0.1}}), small);
   ASSERT_TRUE(band.next);
   EXPECT_EQ(band.reason, "modes");
   EXPECT_EQ(band.next->found.up_to.value, 2e4);
   EXPECT_EQ(band.next->found.mesh, settings.found.mesh);
-  const Decision mesh = decide(scene, settings, round_with({{Cause::mesh, 0.1}, {Cause::modes, 1e-3}}), small);
+  const Decision mesh =
+      decide(scene, settings, round_with({{Cause::mesh, 0.1}, {Cause::modes, 1e-3}}), small);
   ASSERT_TRUE(mesh.next);
   EXPECT_EQ(mesh.reason, "mesh");
   EXPECT_EQ(mesh.next->found.mesh, programs::meshes_at(scene, 2));
