@@ -90,6 +90,7 @@ std::optional<kernels::Surface> surface_of_kernel(const std::vector<programs::Ke
 std::vector<Need> needs_of(const scene::Scene& scene, const std::vector<scene::KernelRequest>& requests,
                            const std::filesystem::path& folder, MPI_Comm comm, console::Console& console) {
   std::vector<Need> needs(requests.size());
+  if (scene.contact.pairs.empty()) return needs;  // kernels alone
   if (std::ranges::none_of(scene.bodies,
                            [&](const auto& body) { return programs::is_limited(scene, body); }) &&
       std::ranges::none_of(requests, scene::may_be_normal))
