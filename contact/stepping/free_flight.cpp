@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "contact/stepping/propagator.hpp"
-
 namespace ricochet::contact {
 namespace {
 
@@ -49,16 +47,7 @@ void FreeFlight::set_constants(const StepSystem& system, int steps) noexcept {
   if (steps == constants_of_) return;
   constants_of_ = steps;
   for (const std::vector<int>* modes : {&elastic_, &rigid_})
-    for (const int n : *modes) {
-      const double decay = system.decay(n);
-      const ModeStep k = mode_step(system.omega(n), decay, steps * step_);
-      over_.b(n) = over_.h(n) = k.S;
-      over_.c(n) = k.c;
-      over_.e(n) = k.rate;
-      over_.damp_ss(n) = 2 * decay * k.ss;
-      over_.damp_sr(n) = 4 * decay * k.sr;
-      over_.damp_rr(n) = 2 * decay * k.rr;
-    }
+    for (const int n : *modes) over_.set_step(n, system.omega(n), system.decay(n), steps * step_);
 }
 
 /// Computes the state at the end of the jump. Returns the work of damping.

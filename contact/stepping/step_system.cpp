@@ -9,6 +9,7 @@
 #include "base/format.hpp"
 #include "contact/stepping/forced_response.hpp"
 #include "contact/stepping/mean_force.hpp"
+#include "contact/stepping/propagator.hpp"
 #include "ricochet/error.hpp"
 
 namespace ricochet::contact {
@@ -45,6 +46,16 @@ void check(const Model& model, const StepOptions& o) {
 
 }  // namespace
 
+void ModeConstants::set_step(Eigen::Index n, double omega, double decay, double step) noexcept {
+  const ModeStep k = mode_step(omega, decay, step);
+  b(n) = h(n) = k.S;
+  c(n) = k.c;
+  e(n) = k.rate;
+  damp_ss(n) = 2 * decay * k.ss;
+  damp_sr(n) = 4 * decay * k.sr;
+  damp_rr(n) = 2 * decay * k.rr;
+}
+
 bool conserves(const Model& model, const StepOptions& options) {
   return options.scheme == Scheme::compliant && options.contact_step == ContactStep::conserving &&
          (!model.R.isZero(0) ||
@@ -79,13 +90,7 @@ std::shared_ptr<const StepSystem> make_step_system(const Model& model, const Ste
       ++out.dropped;
       continue;
     }
-    const ModeStep k = mode_step(omega, delta, options.step);
-    out.b(n) = out.h(n) = k.S;
-    out.c(n) = k.c;
-    out.e(n) = k.rate;
-    out.damp_ss(n) = 2 * delta * k.ss;
-    out.damp_sr(n) = 4 * delta * k.sr;
-    out.damp_rr(n) = 2 * delta * k.rr;
+    out.set_step(n, omega, delta, options.step);
     out.damped = out.damped || delta > 0;
   }
   if (compliant) {

@@ -21,6 +21,9 @@ struct ModeConstants {
   Vector b, c, e, h;                 ///< S, c, S' and S of a step, as in propagator.hpp
   Vector damp_ss, damp_sr, damp_rr;  ///< 2δ∫S², 4δ∫SS', 2δ∫S'²
 
+  /// Sets b to h and the damping of mode n for a step [s].
+  void set_step(Eigen::Index n, double omega, double decay, double step) noexcept;
+
   std::array<Vector*, 10> all() {
     return {&stiffness, &load, &q0, &b, &c, &e, &h, &damp_ss, &damp_sr, &damp_rr};
   }
