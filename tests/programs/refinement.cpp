@@ -114,6 +114,17 @@ TEST(Decision, starts_no_round_that_is_too_much_work) {
                                       "of 1e+04 unknowns of \"part\""));
 }
 
+// From order 3 to 4, a solid has (4/3)³ times the unknowns, and its surface (4/3)² times the candidates: 1156
+// Ritz vectors of 23 704 unknowns are affordable, and 1333 are not.
+TEST(Decision, counts_the_vectors_of_new_candidates_as_work) {
+  const scene::Scene scene = open_scene();
+  scene::Settings settings = second_round(scene);
+  settings.found.basis = scene::Basis::contact;
+  const auto round = round_with({{Cause::mesh, 0.1}});
+  EXPECT_TRUE(decide(scene, settings, round, {{"part", 650, 1e4, 5e3}}).next);
+  EXPECT_FALSE(decide(scene, settings, round, {{"part", 750, 1e4, 5e3}}).next);
+}
+
 // 8 · 500 modes are more than 3000 unknowns.
 TEST(Decision, refines_the_mesh_with_a_band_that_its_elements_do_not_have) {
   const scene::Scene scene = open_scene();
