@@ -19,35 +19,39 @@ double largest(const Errors& errors, const std::vector<Quantity>& requested) {
 /// points, the estimate of the spacing rises further than the results change, to at most `of_estimate`.
 constexpr double of_step = 0.2, of_spacing = 0.1, of_estimate = 0.3, of_precision = 0.05;
 
-/// The search for the step starts with `first_steps` steps of the run, and with `first_of_contact` steps of
-/// the longest contact once that is known. The step is halved until its share of the error is small enough or
-/// a run takes `most_steps`.
-constexpr double first_steps = 100, first_of_contact = 8, most_steps = 2e6;
+/// The search for the step starts with at least `first_steps` steps of the run. Once the longest contact has
+/// `enough_to_see` of them, its duration is known, and the search goes on with `first_of_contact` in it. The
+/// step is halved until its share of the error is small enough or a run takes `most_steps`.
+constexpr double first_steps = 100, enough_to_see = 8, first_of_contact = 48, most_steps = 2e6;
 
-/// Number of steps of a run so short that bodies can meet and part in it, and their contact is resolved.
-double steps_of_contact(Estimator& estimator, StepOptions options, double duration) {
-  double steps = first_steps;
-  // Some of the impulse schemes are unstable if a step misses a quarter of a period.
-  if (options.scheme == Scheme::impulse)
-    steps = std::max(
-        steps, std::ceil(to_hertz(RadPerSecond{estimator.model().omega.maxCoeff()}).value * 4 * duration));
-  for (; steps < most_steps; steps *= 2) {
+/// Steps of a quarter of the shortest period, at which the impulse schemes are stable.
+double stable_steps(const Model& model, double duration) {
+  return std::ceil(to_hertz(RadPerSecond{model.omega.maxCoeff()}).value * 4 * duration);
+}
+
+/// Number of steps of a run with `first_of_contact` steps in the longest contact.
+double steps_of_contact(Estimator& estimator, StepOptions options, double duration, double first) {
+  for (double steps = first; steps < most_steps; steps *= 2) {
     options = with_step(options, duration / steps);
     const auto& found = estimator.quantities(options);
-    if (!found || !found->touched()) continue;
-    const double enough = first_of_contact * duration / found->longest_touch;
-    if (enough <= steps) return steps;
     // An unresolved contact lasts one step at least, so its duration is only known to be shorter.
-    if (found->longest_touch > 1.5 * options.step)
-      return std::exp2(std::ceil(std::log2(enough / steps))) * steps;
+    if (found && found->touched() && found->longest_touch >= enough_to_see * options.step)
+      return std::ceil(first_of_contact * duration / found->longest_touch);
   }
   return most_steps;
 }
 
 Hertz chosen_rate(Estimator& estimator, const DialRequest& request, double duration,
                   const std::vector<Quantity>& requested) {
-  double steps = request.rate.value > 0 ? std::max(1.0, std::round(request.rate.value * duration))
-                                        : 4 * steps_of_contact(estimator, request.options, duration);
+  const double known = std::round(request.rate.value * duration);
+  double first = std::max(first_steps, std::round(known / 8)), steps = 0;
+  if (request.options.scheme == Scheme::impulse) {
+    first = std::max(first, stable_steps(estimator.model(), duration));
+    steps = std::max(known, 4 * first);
+  } else {
+    steps = std::round(known / 4);  // it may be that of a shorter contact
+  }
+  steps = std::max(steps, steps_of_contact(estimator, request.options, duration, first));
   StepOptions options = request.options;
   for (;; steps *= 2) {
     options = with_step(options, duration / std::min(steps, most_steps));

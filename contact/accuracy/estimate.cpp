@@ -216,7 +216,8 @@ std::optional<Errors> Estimator::spacing(const StepOptions& options) {
 std::optional<Errors> Estimator::mesh(const StepOptions& options, const Quantities& base) {
   if (!subject_.coarser_mesh) return std::nullopt;
   try {
-    const auto coarse = run(coarsened(subject_.coarser_mesh(), coarsenings_), options);
+    // Its candidates are farther apart already, so they are not coarsened like those of the subject.
+    const auto coarse = run(subject_.coarser_mesh(), options);
     double share = 0;  // of the band, so that both meshes have the same
     for (const kernels::Kernel& kernel : subject_.kernels)
       share = std::max(share, RadPerSecond(subject_.coarser_band).value / end_of(kernel, 1).value);

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "contact/accuracy/spectrum.hpp"
+#include "contact/output/linearity_check.hpp"
 #include "contact/output/receivers.hpp"
 #include "contact/output/summary.hpp"
 #include "contact/static/equilibrium.hpp"
@@ -79,7 +80,8 @@ class Follower {
         moving_(movers(model)),
         start_(motions(model, moving_, model.initial_rates())),
         end_(start_),
-        pressed_(model.gap.size(), false) {
+        pressed_(model.gap.size(), false),
+        linearity_(model, 0) {
     if (receivers && !model.receivers.empty()) receivers_.emplace(model, options);
     heard_.resize(3 * model.receivers.size());
     before_.kinetic = model.initial_rates().squaredNorm() / 2;
@@ -100,6 +102,7 @@ class Follower {
       if (!touched_) energy_ = before_;
       touched_ = true;
       longest_ = std::max(longest_, static_cast<double>(++touch_) * step_);
+      linearity_.observe(stepper, stepper.modal()->v, false);
       end_ = motions(model_, moving_, stepper.modal()->v);
       end_energy_ = stepper.modal()->energy();
       for (Eigen::Index i = 0; i < stepper.force().size(); ++i)
@@ -130,6 +133,7 @@ class Follower {
     out.longest_touch = longest_;
     out.force = force_;
     out.pressed = pressed_;
+    out.nearer = linearity_.nearer();
     return out;
   }
 
@@ -192,6 +196,7 @@ class Follower {
   std::vector<RigidMotion> start_, end_;  ///< when contact began, when it last ended
   Energy before_{}, energy_{}, end_energy_{};
   std::vector<bool> pressed_;
+  LinearityCheck linearity_;
   std::vector<double> force_;
   std::int64_t without_force_ = 0;  ///< steps since the last force
   std::optional<Receivers> receivers_;

@@ -33,6 +33,7 @@ struct Quantities {
   double longest_touch = 0;     ///< longest uninterrupted sequence of steps with a force [s]; 0 at rest
   std::vector<bool> pressed{};  ///< (m) points with a force in some step; empty at rest
   std::vector<double> force{};  ///< Σ λ_i of each step [N]; empty at rest
+  double nearer = 0;            ///< farthest rigid approach of pressed points [m]; 0 at rest
   bool touched() const;
 };
 

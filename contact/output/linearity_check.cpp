@@ -119,6 +119,8 @@ void LinearityCheck::observe(const Stepper& stepper, const Vector& before, bool 
   }
 }
 
+double LinearityCheck::nearer() const { return std::ranges::max(nearer_); }
+
 std::vector<std::string> LinearityCheck::warnings() const {
   std::vector<std::string> out;
   if (wave_speed_ > 0 && approach_ > fastest_share * wave_speed_)

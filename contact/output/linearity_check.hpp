@@ -42,6 +42,8 @@ class LinearityCheck {
   /// @param first  whether this is the first such step of the run
   void observe(const Stepper& stepper, const Vector& before, bool first);
 
+  /// Farthest rigid approach of points [m], over all pairs.
+  double nearer() const;
   std::vector<std::string> warnings() const;
 
  private:

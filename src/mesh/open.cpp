@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <limits>
 #include <sstream>
 #include <vector>
 
@@ -229,6 +230,36 @@ void open_file(const scene::Body& body) {
     gmsh::open(Parameters(body).path());
 }
 
+/// Growth of element sizes per distance from a refined ball.
+constexpr double growth = 0.4;
+
+/// Asks gmsh for the small elements of a body while this object lives.
+class LocalSizes {
+ public:
+  /// @param factor  by which gmsh multiplies all sizes
+  LocalSizes(const scene::Body& body, double factor) : set_(!body.refine.empty()) {
+    if (!set_) return;
+    gmsh::model::mesh::setSizeCallback(
+        [balls = body.refine, scale = body.scale, factor](int, int, double x, double y, double z) {
+          double size = std::numeric_limits<double>::max();
+          for (const scene::FineBall& ball : balls) {
+            const double away =
+                std::hypot(scale * x - ball.at[0], scale * y - ball.at[1], scale * z - ball.at[2]);
+            size = std::min(size, ball.size + growth * std::max(0.0, away - ball.radius));
+          }
+          return size / (scale * factor);
+        });
+  }
+  LocalSizes(const LocalSizes&) = delete;
+  LocalSizes& operator=(const LocalSizes&) = delete;
+  ~LocalSizes() {
+    if (set_) gmsh::model::mesh::removeSizeCallback();
+  }
+
+ private:
+  bool set_;
+};
+
 }  // namespace
 
 Extent extent_of(const scene::Body& body) {
@@ -243,11 +274,10 @@ bool open_model(const scene::Body& body) {
   open_file(body);
   if (body.mesh.extension() == ".msh" || (body.mesh.extension() != ".geo" && holds_elements())) return true;
   refuse_points_for_lines(body.mesh.filename().string());
-  if (body.size_factor != 1) {
-    double own = 1;  // of the file
-    gmsh::option::getNumber("Mesh.MeshSizeFactor", own);
-    gmsh::option::setNumber("Mesh.MeshSizeFactor", own * body.size_factor);
-  }
+  double own = 1;  // of the file
+  gmsh::option::getNumber("Mesh.MeshSizeFactor", own);
+  if (body.size_factor != 1) gmsh::option::setNumber("Mesh.MeshSizeFactor", own * body.size_factor);
+  const LocalSizes sizes(body, own * body.size_factor);
   gmsh::model::mesh::generate(gmsh::model::getDimension());
   gmsh::model::mesh::setOrder(body.order);
   return false;

@@ -73,10 +73,13 @@ std::optional<std::filesystem::path> missing_settings(const scene::Scene& scene,
 std::optional<CoarserMesh> read_coarser(const scene::Scene& scene, const scene::Settings& settings,
                                         const std::filesystem::path& folder) {
   if (!settings.coarser) return std::nullopt;
-  CoarserMesh out{.kernels = {}, .band = settings.coarser->up_to, .change = {}};
+  CoarserMesh out{.scene = with_settings(scene, *settings.coarser),
+                  .kernels = {},
+                  .band = settings.coarser->up_to,
+                  .change = {}};
   if (!settings.coarser_change.empty()) out.change = settings.coarser_change;
   KernelStore store;
-  for (const StoredKernel& stored : find_kernels(with_settings(scene, *settings.coarser), folder, store)) {
+  for (const StoredKernel& stored : find_kernels(out.scene, folder, store)) {
     if (!stored.enough) return std::nullopt;
     out.kernels.push_back(std::make_shared<const kernels::Kernel>(kernels::read(stored.path, false)));
   }
@@ -106,7 +109,7 @@ contact::Dialled dial_of(const scene::Scene& scene, const Kernels& kernels, cons
     }
     subject.coarser_mesh = [&] {
       const KernelPointers others = pointers(coarse);
-      return model_of(scene, place(scene, others), prepared.forcing);
+      return model_of(scene, place(coarser->scene, others), prepared.forcing);
     };
     subject.coarser_band = coarser->band;
     subject.coarser_change = coarser->change;

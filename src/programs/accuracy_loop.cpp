@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <set>
 #include <string>
@@ -34,9 +36,9 @@ scene::Settings first_settings(const scene::Scene& scene, MPI_Comm comm) {
   out.found.mesh = meshes_at(scene, 0);
   out.found.flexibility_error = first_flexibility_error;
   if (scene.modes.open()) {
-    const StartBand start = start_band(scene, comm);
-    out.found.basis = start.basis;
-    out.found.up_to = start.up_to;
+    // The whole surface may be candidates, and then modes are cheaper than Ritz vectors.
+    out.found.basis = scene::Basis::modes;
+    out.found.up_to = start_band(scene, comm);
   } else {
     out.found.basis = scene.modes.basis;
     out.found.up_to = scene.modes.up_to.value_or(Hertz{1});
@@ -47,11 +49,15 @@ scene::Settings first_settings(const scene::Scene& scene, MPI_Comm comm) {
 std::string text_of(const scene::KernelSettings& settings, const scene::Scene& scene) {
   std::string text;
   std::set<std::pair<int, double>> seen;
+  double smallest = std::numeric_limits<double>::infinity();
   for (const auto& [body, mesh] : settings.mesh)
     if (seen.insert({mesh.order, mesh.size_factor}).second)
       text += fmt::format(
           "order {}{}, ", mesh.order,
           mesh.size_factor == 1 ? "" : fmt::format(" at {:.2g} times the size", mesh.size_factor));
+  for (const auto& [body, mesh] : settings.mesh)
+    for (const scene::FineBall& ball : mesh.refine) smallest = std::min(smallest, ball.size);
+  if (std::isfinite(smallest)) text += fmt::format("{:.2g} m near contact, ", smallest);
   if (settings.zone) text += fmt::format("zone of {:.2g} m, ", *settings.zone);
   if (scene.modes.open())
     text += fmt::format("up to {:.3g} Hz{}", settings.up_to.value,

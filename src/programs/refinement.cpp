@@ -10,6 +10,7 @@
 
 #include "contact/accuracy/error_report.hpp"
 #include "contact/accuracy/spectrum.hpp"
+#include "src/programs/local_refinement.hpp"
 
 namespace ricochet::programs {
 
@@ -56,22 +57,29 @@ Eigen::Index candidates_within(const contact::Model& model, double zone) {
 
 /// Ritz vectors cost a few solves for each candidate, whatever the band; modes cost a solve or two for each
 /// mode in it. With few modes and many candidates, as in flat contact, modes are therefore cheaper.
-scene::Basis basis_after_pilot(const scene::Settings& settings, const contact::Model& pilot,
-                               const std::optional<double>& zone) {
-  constexpr Eigen::Index blocks = 3;
-  const Eigen::Index candidates = zone ? candidates_within(pilot, *zone) : pilot.gap.size();
-  return pilot.omega.size() < blocks * candidates ? scene::Basis::modes : settings.found.basis;
+/// The ends of rods meet with a shock, whose resonances only modes have.
+/// @param denser  times as many candidates in the zone as those of the model
+scene::Basis cheaper_basis(const scene::KernelSettings& settings, const contact::Model& model,
+                           double denser = 1) {
+  constexpr double blocks = 3;
+  const Eigen::Index candidates = settings.zone ? candidates_within(model, *settings.zone) : model.gap.size();
+  const bool few =
+      static_cast<double>(model.omega.size()) < blocks * denser * static_cast<double>(candidates);
+  const bool rods = std::ranges::all_of(model.bodies, [](const contact::Model::BodyBlock& body) {
+    return body.kernel->surface.element_corners == 1;
+  });
+  return few || rods ? scene::Basis::modes : scene::Basis::contact;
 }
 
 /// Number of times that the band is doubled after the pilot.
 constexpr int most_doublings = 2;
 
-/// Distance beyond the closest pair within which candidates are kept: four times that of the points that were
-/// pressed, as the indentation is twice that distance in smooth contact, and at least `ring` points more. No
-/// value if that hardly reduces their number.
-std::optional<double> zone_of(const contact::Model& model, const std::vector<bool>& pressed) {
-  constexpr std::size_t ring = 6;
-  double zone = 0;
+/// Distance beyond the closest pair within which candidates are kept: twice that by which the bodies came
+/// nearer to each other, because points farther apart can hardly touch, and at least `ring` points more than
+/// were pressed. No value if that hardly reduces their number.
+std::optional<double> zone_of(const contact::Model& model, const contact::Quantities& run) {
+  constexpr std::size_t ring = 3;
+  double zone = 2 * run.nearer;
   for (const contact::Model::PairBlock& pair : model.pairs) {
     const auto gap = model.gap.segment(pair.first_point, pair.points);
     std::vector<double> beyond(gap.begin(), gap.end());
@@ -79,10 +87,10 @@ std::optional<double> zone_of(const contact::Model& model, const std::vector<boo
     const double closest = beyond.front();
     double farthest = closest;
     for (int i = 0; i < pair.points; ++i)
-      if (pressed[static_cast<std::size_t>(pair.first_point + i)]) farthest = std::max(farthest, gap[i]);
+      if (run.pressed[static_cast<std::size_t>(pair.first_point + i)]) farthest = std::max(farthest, gap[i]);
     const auto next =
         static_cast<std::size_t>(std::ranges::upper_bound(beyond, farthest) - beyond.begin()) + ring;
-    zone = std::max({zone, 4 * (farthest - closest), beyond[std::min(next, beyond.size() - 1)] - closest});
+    zone = std::max(zone, beyond[std::min(next, beyond.size() - 1)] - closest);
   }
   zone *= 1 + 1e-6;  // so that round-off drops none of them
   if (!(zone > 0) || 2 * candidates_within(model, zone) > model.gap.size()) return std::nullopt;
@@ -94,7 +102,10 @@ std::optional<double> zone_of(const contact::Model& model, const std::vector<boo
 Hertz band_after_pilot(const scene::Settings& settings, const contact::Dialled& pilot, double accuracy) {
   Hertz band = settings.found.up_to;
   const double share = pilot.estimate->share(Cause::modes).value_or(0);
-  if (share <= worth_while * accuracy || pilot.quantities->force.empty()) return band;
+  // Where other shares are far larger, that of the band is not yet known.
+  if (share <= worth_while * accuracy || share <= 0.1 * pilot.estimate->total() ||
+      pilot.quantities->force.empty())
+    return band;
   const double filled =
       contact::band_filled(pilot.quantities->force, 1 / settings.rate.value, accuracy * accuracy).value;
   double left = share;
@@ -114,10 +125,13 @@ std::vector<BodySize> predicted(std::vector<BodySize> sizes, const scene::Kernel
   const bool vectors = after.basis == scene::Basis::contact;
   for (BodySize& size : sizes) {
     double finer = 1;  // along each axis
+    double local = 0;
     if (const auto was = before.mesh.find(size.body), is = after.mesh.find(size.body);
-        was != before.mesh.end() && is != after.mesh.end())
+        was != before.mesh.end() && is != after.mesh.end()) {
       finer = is->second.order * was->second.size_factor / (was->second.order * is->second.size_factor);
-    size.unknowns *= finer * finer * finer;
+      if (is->second.refine != was->second.refine) local = unknowns_in(is->second.refine, is->second.order);
+    }
+    size.unknowns = size.unknowns * finer * finer * finer + local;
     size.modes *= vectors ? wider * finer * finer : wider * wider * wider;
     size.modes = std::min(size.modes, size.unknowns);
   }
@@ -144,6 +158,46 @@ std::string too_much(const std::vector<BodySize>& sizes) {
       largest.modes, largest.unknowns, largest.body);
 }
 
+/// The same elements, without those near contact.
+std::map<std::string, scene::MeshSettings> without_balls(std::map<std::string, scene::MeshSettings> meshes) {
+  for (auto& [body, mesh] : meshes) mesh.refine.clear();
+  return meshes;
+}
+
+/// Settings with the elements of a level and the same balls.
+scene::KernelSettings at_level(scene::KernelSettings settings, const scene::Scene& scene, int level) {
+  for (auto& [body, mesh] : meshes_at(scene, level)) {
+    mesh.refine = std::move(settings.mesh[body].refine);
+    settings.mesh[body] = std::move(mesh);
+  }
+  return settings;
+}
+
+/// Whether the last change of the mesh was one near contact.
+bool last_was_local(const scene::Settings& settings) {
+  return settings.coarser && settings.coarser->mesh != settings.found.mesh &&
+         without_balls(settings.coarser->mesh) == without_balls(settings.found.mesh);
+}
+
+/// The round's settings with smaller elements near contact; no value if there are none, or too many.
+std::optional<scene::KernelSettings> finer_near_contact(const scene::Scene& scene,
+                                                        const scene::Settings& settings,
+                                                        const contact::Dialled& round,
+                                                        const std::vector<BodySize>& sizes) {
+  const auto balls = balls_near_contact(scene, settings.found.mesh, round);
+  if (balls.empty()) return std::nullopt;
+  scene::KernelSettings out = settings.found;
+  for (const auto& [body, of_body] : balls) out.mesh[body].refine = of_body;
+  if (!is_affordable(predicted(sizes, settings.found, out))) return std::nullopt;
+  return out;
+}
+
+double unknowns_of(const std::vector<BodySize>& sizes) {
+  double sum = 0;
+  for (const BodySize& size : sizes) sum += size.unknowns;
+  return sum;
+}
+
 /// Whether smaller elements were asked for but not made, as for a geometry that fixes their number.
 bool size_is_fixed(const scene::Settings& settings, const std::vector<BodySize>& sizes) {
   if (!settings.coarser) return false;
@@ -159,24 +213,34 @@ struct Option {
   double share, cost;
 };
 
-/// Shares that the cause's refinement reduces: finer elements also have more candidates, unless the scene
-/// gives their spacing.
-double reducible(const scene::Scene& scene, const contact::ErrorEstimate& estimate, Cause cause) {
-  double share = estimate.share(cause).value_or(0);
-  if (cause == Cause::mesh && !gives_spacing(scene)) share += estimate.share(Cause::spacing).value_or(0);
-  return share;
-}
+/// What can be refined besides the basis.
+struct Possible {
+  bool finer = false;                          ///< elements everywhere
+  std::optional<scene::KernelSettings> local;  ///< elements near contact, which also have more candidates
+  double local_cost = 0;
+};
 
-std::vector<Option> options_of(const scene::Scene& scene, bool finer, const scene::KernelSettings& settings,
-                               const contact::ErrorEstimate& estimate) {
+/// The options of a round, those that gain most for their cost first. Elements near contact reduce the share
+/// of the spacing and, unless they were the last to be refined, most of that of the mesh. Where they cannot
+/// be refined alone, finer elements everywhere also have more candidates, unless the scene gives their
+/// spacing.
+std::vector<Option> options_of(const scene::Scene& scene, const Possible& possible,
+                               const scene::Settings& settings, const contact::ErrorEstimate& estimate) {
   std::vector<Option> out;
-  const auto add = [&](Cause cause, double cost) {
-    out.push_back({cause, reducible(scene, estimate, cause), cost});
-  };
-  if (finer) add(Cause::mesh, cost_of_mesh);
-  if (is_open(scene)) add(Cause::modes, cost_of_vectors);
-  if (is_open(scene) && !scene.modes.flexibility_error) add(Cause::basis, cost_of_vectors);
-  if (settings.zone) add(Cause::zone, cost_of_vectors);
+  const auto share = [&](Cause cause) { return estimate.share(cause).value_or(0); };
+  const double mesh = share(Cause::mesh), spacing = gives_spacing(scene) ? 0 : share(Cause::spacing);
+  if (possible.local && !last_was_local(settings)) {
+    out.push_back({Cause::spacing, spacing + mesh, possible.local_cost});
+  } else if (possible.local) {
+    out.push_back({Cause::spacing, spacing, possible.local_cost});
+    if (possible.finer) out.push_back({Cause::mesh, mesh, cost_of_mesh});
+  } else if (possible.finer) {
+    out.push_back({Cause::mesh, mesh + spacing, cost_of_mesh});
+  }
+  if (is_open(scene)) out.push_back({Cause::modes, share(Cause::modes), cost_of_vectors});
+  if (is_open(scene) && !scene.modes.flexibility_error)
+    out.push_back({Cause::basis, share(Cause::basis), cost_of_vectors});
+  if (settings.found.zone) out.push_back({Cause::zone, share(Cause::zone), cost_of_vectors});
   std::ranges::sort(out, std::greater{}, [](const Option& option) { return option.share / option.cost; });
   return out;
 }
@@ -229,7 +293,7 @@ bool has_finer(const scene::Scene& scene, int level) {
 
 std::optional<int> level_of(const scene::Scene& scene, const scene::KernelSettings& settings) {
   for (int level = 0;; ++level) {
-    if (meshes_at(scene, level) == settings.mesh) return level;
+    if (meshes_at(scene, level) == without_balls(settings.mesh)) return level;
     if (!has_finer(scene, level)) return std::nullopt;
   }
 }
@@ -243,11 +307,14 @@ Decision decide(const scene::Scene& scene, const scene::Settings& settings, cons
                 const std::vector<BodySize>& sizes) {
   const int level = level_of(scene, settings.found).value_or(0);
   scene::Settings next = settings;
-  const auto with_finer_mesh = [&](scene::Settings finer) {
-    finer.found.mesh = meshes_at(scene, level + 1);
+  const auto beneath = [&](scene::Settings finer) {
     finer.coarser = settings.found;
     finer.coarser_change = round.mesh_change.value_or(contact::Errors{});
     return finer;
+  };
+  const auto with_finer_mesh = [&](scene::Settings finer) {
+    finer.found = at_level(finer.found, scene, level + 1);
+    return beneath(std::move(finer));
   };
   if (!round.estimate) {
     if (!settings.coarser && has_finer(scene, level)) {
@@ -257,34 +324,52 @@ Decision decide(const scene::Scene& scene, const scene::Settings& settings, cons
   }
   const contact::ErrorEstimate& estimate = *round.estimate;
   const double accuracy = *scene.accuracy;
+  Possible possible;
+  const bool sizes_fixed = size_is_fixed(settings, sizes);
+  possible.finer = has_finer(scene, level) && !sizes_fixed;
+  const bool concentrated = settings.found.zone || (!round.quantities->pressed.empty() &&
+                                                    zone_of(round.model, *round.quantities).has_value());
+  if (concentrated && !sizes_fixed) possible.local = finer_near_contact(scene, settings, round, sizes);
+  if (possible.local)
+    possible.local_cost = std::max(
+        cost_of_vectors, unknowns_of(predicted(sizes, settings.found, *possible.local)) / unknowns_of(sizes));
+  const auto with_finer_elements_near_contact = [&](scene::Settings finer) {
+    for (auto& [body, mesh] : finer.found.mesh) mesh.refine = possible.local->mesh.at(body).refine;
+    if (finer.found.zone && round.quantities->nearer > 0) finer.found.zone = 2 * round.quantities->nearer;
+    if (is_open(scene))
+      finer.found.basis = cheaper_basis(finer.found, round.model, times_as_many_candidates(finer.found));
+    return beneath(std::move(finer));
+  };
   if (!settings.coarser && has_finer(scene, level)) {
-    if (scene.contact.scheme != Scheme::at_rest)
-      next.found.zone = zone_of(round.model, round.quantities->pressed);
+    if (scene.contact.scheme != Scheme::at_rest) next.found.zone = zone_of(round.model, *round.quantities);
     if (is_open(scene)) {
-      next.found.basis = basis_after_pilot(settings, round.model, next.found.zone);
+      next.found.basis = cheaper_basis(next.found, round.model);
       next.found.up_to = band_after_pilot(settings, round, accuracy);
     }
-    return {with_finer_mesh(next), "mesh"};
+    if (!possible.local || estimate.share(Cause::spacing).value_or(0) <= worth_while * accuracy)
+      return {with_finer_mesh(next), "mesh"};
+    return {with_finer_mesh(with_finer_elements_near_contact(next)), "mesh, spacing"};
   }
   double total = estimate.total();
   if (total <= accuracy) return {{}, ""};
 
-  const bool finer = has_finer(scene, level) && !size_is_fixed(settings, sizes);
-  const std::vector<Option> options = options_of(scene, finer, settings.found, estimate);
+  const std::vector<Option> options = options_of(scene, possible, settings, estimate);
   double refinable = 0;
   for (const Option& option : options) refinable += option.share;
   // What cannot be reduced may exceed the accuracy. The rest is then refined only until it matters less.
-  const double fixed = total - refinable, wanted = std::max(accuracy, 2 * fixed);
+  double fixed = total - refinable;
+  const auto wanted = [&] { return std::max(accuracy, 2 * fixed); };
   std::set<Cause> chosen;
   std::map<Cause, std::string> excess;
   const auto choose = [&](Cause cause) {
     scene::Settings refined = next;
     if (cause == Cause::mesh) refined = with_finer_mesh(refined);
+    if (cause == Cause::spacing) refined = with_finer_elements_near_contact(refined);
     if (cause == Cause::modes) refined.found.up_to.value *= 2;
     if (cause == Cause::zone) *refined.found.zone *= 4;
     if (cause == Cause::basis) refined.found.flexibility_error /= 4;
     if (cause == Cause::modes && !is_resolved(predicted(sizes, settings.found, refined.found))) {
-      if (!finer) {
+      if (!possible.finer) {
         excess[cause] =
             "its elements have no modes in a wider band, and they are the finest that accuracy chooses";
         return false;
@@ -294,19 +379,23 @@ Decision decide(const scene::Scene& scene, const scene::Settings& settings, cons
     const auto sizes_then = predicted(sizes, settings.found, refined.found);
     if (!is_affordable(sizes_then)) {
       excess[cause] = too_much(sizes_then);
-      if (cause == Cause::mesh && !gives_spacing(scene)) excess[Cause::spacing] = excess[cause];
+      if (cause == Cause::mesh && !possible.local && !gives_spacing(scene))
+        excess[Cause::spacing] = excess[cause];
       return false;
     }
-    if (refined.found.mesh != next.found.mesh) chosen.insert(Cause::mesh);
+    if (without_balls(refined.found.mesh) != without_balls(next.found.mesh)) chosen.insert(Cause::mesh);
     next = refined;
     chosen.insert(cause);
     return true;
   };
   for (const Option& option : options) {
-    if (total <= wanted || option.share <= worth_while * (total - wanted)) continue;
-    if (choose(option.cause)) total -= (1 - expected) * option.share;
+    if (total <= wanted() || option.share <= worth_while * (total - wanted())) continue;
+    if (choose(option.cause))
+      total -= (1 - expected) * option.share;
+    else
+      fixed += option.share;
   }
-  if (chosen.contains(Cause::mesh))  // new kernels anyway
+  if (chosen.contains(Cause::mesh) || chosen.contains(Cause::spacing))  // new kernels anyway
     for (const Option& option : options)
       if (!chosen.contains(option.cause) && option.share > worth_while * accuracy) choose(option.cause);
   std::string refined;
@@ -316,7 +405,8 @@ Decision decide(const scene::Scene& scene, const scene::Settings& settings, cons
   for (const Option& option : options)
     if (!excess.contains(option.cause)) {
       hindered.by_cause.erase(option.cause);
-      if (option.cause == Cause::mesh && !gives_spacing(scene)) hindered.by_cause.erase(Cause::spacing);
+      if (option.cause == Cause::mesh && !possible.local && !gives_spacing(scene))
+        hindered.by_cause.erase(Cause::spacing);
     }
   const auto largest = largest_cause(hindered);
   return {{},

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "src/mesh/gmsh_session.hpp"
 #include "src/mesh/open.hpp"
@@ -47,17 +48,18 @@ double rounded(double value) {
 
 }  // namespace
 
-StartBand start_band(const scene::Scene& scene, MPI_Comm comm) {
-  Waves all{0, true};
+Hertz start_band(const scene::Scene& scene, MPI_Comm comm) {
+  double rate = std::numeric_limits<double>::infinity();
   parallel::on_first_rank(comm, [&] {
+    bool rods = true;
     for (const scene::Body& body : scene.bodies) {
       const Waves of_body = waves(scene, body);
-      all = {std::max(all.rate, of_body.rate), all.rod && of_body.rod};
+      rate = std::min(rate, of_body.rate);
+      rods = rods && of_body.rod;
     }
+    rate = rounded((rods ? crossings_of_rods : crossings) * rate);
   });
-  all = parallel::of_rank(comm, 0, all);
-  if (all.rod) return {scene::Basis::modes, Hertz{rounded(crossings_of_rods * all.rate)}};
-  return {scene::Basis::contact, Hertz{rounded(crossings * all.rate)}};
+  return Hertz{parallel::of_rank(comm, 0, rate)};
 }
 
 }  // namespace ricochet

@@ -8,15 +8,9 @@
 
 namespace ricochet {
 
-struct StartBand {
-  scene::Basis basis = scene::Basis::contact;
-  Hertz up_to{0};
-};
-
-/// The band up to two crossings of a wave, √(E/ρ), through the body that it crosses in the shortest time:
-/// contact between compact bodies lasts about as long or longer. If all bodies are rods, whose ends meet with
-/// a shock, the band is wider and the basis consists of modes, because resonances then matter. Collective;
-/// throws InputError on every rank.
-StartBand start_band(const scene::Scene& scene, MPI_Comm comm);
+/// The band up to two crossings of a wave, √(E/ρ), through the body that it crosses in the longest time. The
+/// static correction stands for what happens faster. If all bodies are rods, whose ends meet with a shock, the
+/// band is wider, because resonances then matter. Collective; throws InputError on every rank.
+Hertz start_band(const scene::Scene& scene, MPI_Comm comm);
 
 }  // namespace ricochet

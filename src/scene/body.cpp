@@ -68,6 +68,19 @@ std::map<std::string, std::string> read_support(Table& body) {
   return support;
 }
 
+std::vector<FineBall> read_refine(Table& body) {
+  std::vector<FineBall> balls;
+  for (Table& entry : body.array("refine", refine_keys)) {
+    FineBall ball;
+    ball.at = entry.required("at", entry.vector("at"), "the centre, [x, y, z] in the axes of the mesh");
+    ball.radius = entry.required_number("radius");
+    ball.size = entry.required_number("size");
+    entry.refuse_unread();
+    balls.push_back(ball);
+  }
+  return balls;
+}
+
 }  // namespace
 
 void read_body_matter(Table& table, Body& body) {
@@ -76,6 +89,7 @@ void read_body_matter(Table& table, Body& body) {
   body.order_open = !order;
   body.order = static_cast<int>(order.value_or(body.order));
   body.size_factor = table.number("size_factor").value_or(body.size_factor);
+  body.refine = read_refine(table);
   body.scale = table.number("scale").value_or(body.scale);
   body.materials = read_materials(table);
   body.damping = read_damping(table);
@@ -85,9 +99,14 @@ void read_body_matter(Table& table, Body& body) {
 
 namespace {
 
-/// Checks that a meshed body has a material, and that an imported body has none of the keys that its file
-/// fixes.
+/// Checks that only geometries have a refinement, that a meshed body has a material, and that an imported
+/// body has none of the keys that its file fixes.
 void check_matter(Table& table, const Body& body) {
+  if (!body.refine.empty() && !body.meshable())
+    table.complain("refine",
+                   fmt::format("has no effect on {}, which is read as it is: remove it, or give the "
+                               "geometry (.geo, .step or .brep)",
+                               body.mesh.filename().string()));
   if (!body.imported()) {
     if (body.materials.empty())
       table.complain("material", "is missing: give { density = …, young = …, poisson = … }");

@@ -156,8 +156,9 @@ std::optional<kernels::Similarity> similarity(const KernelRequest& had, const Ke
   if (!toml_sources(wanted).empty() || wanted.modes.open()) return std::nullopt;
   const Body &a = had.body, &b = wanted.body;
   if (had.mesh_sha256 != wanted.mesh_sha256 || a.geometry != b.geometry || a.order != b.order ||
-      a.size_factor != b.size_factor || a.contact != b.contact || a.support != b.support ||
-      a.materials.size() != b.materials.size() || (had.direction && had.direction != wanted.direction) ||
+      a.size_factor != b.size_factor || a.refine != b.refine || (!a.refine.empty() && a.scale != b.scale) ||
+      a.contact != b.contact || a.support != b.support || a.materials.size() != b.materials.size() ||
+      (had.direction && had.direction != wanted.direction) ||
       (had.normal_residual && wanted.modes.residual_flexibility && !wanted.normal_residual) ||
       had.along != wanted.along || !both_or_neither(had.spacing, wanted.spacing))
     return std::nullopt;

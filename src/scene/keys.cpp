@@ -137,6 +137,8 @@ const Section body_keys{
       above("0"),
       "factor on the element sizes of a `.geo`, `.step` or `.brep` (gmsh's `Mesh.MeshSizeFactor`). Curves "
       "with a given number of elements keep it"},
+     {"refine", Type::tables, "", "none, or chosen by `accuracy` with `size_factor`", any(),
+      "`[[bodies.NAME.refine]]`, balls in which a `.geo`, `.step` or `.brep` gets smaller elements"},
      {"scale", Type::number, "1", shown(Body{}.scale), above("0"),
       "factor on all coordinates of the mesh (0.001 for a drawing in millimetres)"},
      {"rotate_deg", Type::vector, "degrees", shown(Body{}.rotate_deg), any(),
@@ -166,6 +168,18 @@ const Section body_keys{
       "of the mesh (before `rotate_deg`). A rod is held unless all named components are normal to its "
       "axis",
       "{ GROUP = \"xyz\" }"}}};
+
+const Section refine_keys{
+    "[[bodies.NAME.refine]]",
+    "A ball with small elements, such as the surroundings of a point that is struck. Outside the ball, "
+    "elements "
+    "grow by 0.4 of the distance from it, up to the size that the geometry asks for. Curves and surfaces "
+    "with "
+    "a given number of elements keep it.",
+    {{"at", Type::vector, "m", required, any(),
+      "centre, in the axes of the mesh: after `scale`, before `rotate_deg` and `translate`"},
+     {"radius", Type::number, "m", required, above("0"), "radius of the ball"},
+     {"size", Type::number, "m", required, above("0"), "size of elements in the ball"}}};
 
 const Section material_keys{
     "[bodies.NAME.material]",
@@ -368,9 +382,9 @@ const Section receiver_keys{"[[output.receiver]]",
                              place_of_source("the point")}};
 
 std::vector<const Section*> all_sections() {
-  return {&scene_keys,    &body_keys,    &material_keys, &damping_keys, &obstacle_keys,
-          &modes_keys,    &contact_keys, &pair_keys,     &time_keys,    &loads_keys,
-          &traction_keys, &point_keys,   &motion_keys,   &output_keys,  &receiver_keys};
+  return {&scene_keys, &body_keys,    &refine_keys, &material_keys, &damping_keys, &obstacle_keys,
+          &modes_keys, &contact_keys, &pair_keys,   &time_keys,     &loads_keys,   &traction_keys,
+          &point_keys, &motion_keys,  &output_keys, &receiver_keys};
 }
 
 }  // namespace ricochet::scene

@@ -49,9 +49,9 @@ struct Section {
   const Key* find(std::string_view name) const;
 };
 
-extern const Section scene_keys, body_keys, material_keys, damping_keys, obstacle_keys, modes_keys,
-    contact_keys, pair_keys, time_keys, loads_keys, traction_keys, point_keys, motion_keys, output_keys,
-    receiver_keys;
+extern const Section scene_keys, body_keys, refine_keys, material_keys, damping_keys, obstacle_keys,
+    modes_keys, contact_keys, pair_keys, time_keys, loads_keys, traction_keys, point_keys, motion_keys,
+    output_keys, receiver_keys;
 
 /// All sections, in the order of the reference.
 std::vector<const Section*> all_sections();

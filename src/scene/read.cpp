@@ -100,7 +100,9 @@ void read_accuracy_of(Table& root, Scene& scene) {
 void find_open(Scene& scene) {
   for (Body& body : scene.bodies) {
     body.order_open = body.order_open && scene.accuracy && body.meshable();
-    body.size_open = body.order_open && body.size_factor == 1 && body.geometry.empty();
+    body.refine_open =
+        body.order_open && body.size_factor == 1 && body.geometry.empty() && body.refine.empty();
+    body.size_open = body.refine_open;
   }
 }
 

@@ -27,13 +27,23 @@ struct Material {
 
 using Damping = kernels::Damping;
 
+/// Small elements in a ball.
+struct FineBall {
+  Vector3 at{};       ///< [m], in the frame of the body
+  double radius = 0;  ///< [m]
+  double size = 0;    ///< longest edge of elements within the radius [m]
+  bool operator==(const FineBall&) const = default;
+};
+
 struct Body {
   std::string name;
   std::filesystem::path mesh;              ///< resolved against the scene's folder
   std::map<std::string, double> geometry;  ///< DefineConstant overrides of a .geo
   int order = 3;
-  double size_factor = 1;  ///< factor on the element sizes of a geometry (gmsh's Mesh.MeshSizeFactor)
-  bool order_open = false, size_open = false;  ///< whether ricochet-kernel chooses them for the accuracy
+  double size_factor = 1;        ///< factor on the element sizes of a geometry (gmsh's Mesh.MeshSizeFactor)
+  std::vector<FineBall> refine;  ///< of a geometry
+  /// Whether ricochet-kernel chooses order, size_factor and refine for the accuracy.
+  bool order_open = false, size_open = false, refine_open = false;
   double scale = 1;
   Vector3 translate{};              ///< [m], after rotation
   Vector3 rotate_deg{};             ///< about x, then y, then z, through the origin of the mesh

@@ -25,8 +25,9 @@ Scene with_settings(Scene scene, const KernelSettings& settings) {
     if (mesh != settings.mesh.end()) {
       body.order = mesh->second.order;
       body.size_factor = mesh->second.size_factor;
+      body.refine = mesh->second.refine;
     }
-    body.order_open = body.size_open = false;
+    body.order_open = body.size_open = body.refine_open = false;
   }
   if (scene.modes.open()) {
     scene.modes.basis = settings.basis;
@@ -65,9 +66,31 @@ std::string toml_of(const KernelSettings& settings, const std::string& table) {
     text += fmt::format("flexibility_error = {}\n", toml_number(settings.flexibility_error));
   if (settings.zone) text += fmt::format("zone = {}\n", toml_number(*settings.zone));
   for (const auto& [body, mesh] : settings.mesh)
-    text += fmt::format("bodies.{} = {{ order = {}, size_factor = {} }}\n", body, mesh.order,
-                        toml_number(mesh.size_factor));
+    text += fmt::format("bodies.{} = {{ order = {}, size_factor = {}{} }}\n", body, mesh.order,
+                        toml_number(mesh.size_factor),
+                        mesh.refine.empty() ? "" : ", refine = " + toml_refine(mesh.refine));
   return text;
+}
+
+/// @return no value if an entry is missing or has another type
+std::optional<std::vector<FineBall>> balls_of(const toml::table& mesh) {
+  std::vector<FineBall> out;
+  if (!mesh.contains("refine")) return out;
+  const toml::array* const balls = mesh["refine"].as_array();
+  if (balls == nullptr) return std::nullopt;
+  for (const toml::node& node : *balls) {
+    const toml::node_view<const toml::node> ball(node);
+    FineBall& one = out.emplace_back();
+    one.radius = ball["radius"].value_or(0.0);
+    one.size = ball["size"].value_or(0.0);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto x = ball["at"][k].value<double>();
+      if (!x) return std::nullopt;
+      one.at[k] = *x;
+    }
+    if (!(one.radius > 0) || !(one.size > 0)) return std::nullopt;
+  }
+  return out;
 }
 
 /// @return no value if an entry is missing or has another type
@@ -89,8 +112,9 @@ std::optional<KernelSettings> kernel_settings_of(const toml::table& root, const 
       const toml::table* const mesh = node.as_table();
       const auto order = mesh ? (*mesh)["order"].value<std::int64_t>() : std::nullopt;
       const auto factor = mesh ? (*mesh)["size_factor"].value<double>() : std::nullopt;
-      if (!order || *order < 1 || *order > 10 || !factor || !(*factor > 0)) return std::nullopt;
-      out.mesh[std::string(body.str())] = {static_cast<int>(*order), *factor};
+      auto balls = mesh ? balls_of(*mesh) : std::nullopt;
+      if (!order || *order < 1 || *order > 10 || !factor || !(*factor > 0) || !balls) return std::nullopt;
+      out.mesh[std::string(body.str())] = {static_cast<int>(*order), *factor, std::move(*balls)};
     }
   return out;
 }

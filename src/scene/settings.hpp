@@ -17,6 +17,7 @@ namespace ricochet::scene {
 struct MeshSettings {
   int order = 3;
   double size_factor = 1;
+  std::vector<FineBall> refine{};
   bool operator==(const MeshSettings&) const = default;
 };
 

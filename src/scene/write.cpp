@@ -40,6 +40,18 @@ std::string toml_quantities(const std::vector<Quantity>& quantities) {
   return text + "]";
 }
 
+}  // namespace
+
+std::string toml_refine(const std::vector<FineBall>& balls) {
+  std::string text = "[";
+  for (const FineBall& ball : balls)
+    text += fmt::format("{}{{ at = {}, radius = {}, size = {} }}", text.back() == '[' ? "" : ", ",
+                        toml_vector(ball.at), toml_number(ball.radius), toml_number(ball.size));
+  return text + "]";
+}
+
+namespace {
+
 std::string material_of(const Material& m) {
   std::string text = fmt::format("{{ density = {}, young = {}, poisson = {}", toml_number(m.density),
                                  toml_number(m.young), toml_number(m.poisson));
@@ -64,6 +76,7 @@ std::string toml_body_matter(const Body& body) {
   text += " }\n";
   if (!body.order_open) text += fmt::format("order = {}\n", body.order);
   if (body.size_factor != 1) text += fmt::format("size_factor = {}\n", toml_number(body.size_factor));
+  if (!body.refine.empty()) text += "refine = " + toml_refine(body.refine) + "\n";
   text += fmt::format("scale = {}\n", toml_number(body.scale));
   if (body.materials.empty()) {
     text += "material = {}\n";

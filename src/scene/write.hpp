@@ -14,6 +14,8 @@ std::string to_toml(const Scene& scene);
 std::string toml_number(double value);  ///< shortest text that gives the same number; always a float
 std::string toml_string(const std::string& text);
 std::string toml_vector(const Vector3& v);
+/// The value of `refine`, a list of inline tables.
+std::string toml_refine(const std::vector<FineBall>& balls);
 /// The keys of a body that its kernel depends on, except its mesh file: geometry, order, scale, material,
 /// damping, contact, support.
 std::string toml_body_matter(const Body& body);

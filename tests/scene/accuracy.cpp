@@ -67,6 +67,7 @@ TEST(Accuracy, chooses_what_is_not_given) {
     EXPECT_TRUE(scene.modes.open());
     EXPECT_TRUE(block_of(scene).order_open);
     EXPECT_TRUE(block_of(scene).size_open);
+    EXPECT_TRUE(block_of(scene).refine_open);
     EXPECT_FALSE(scene.find_body("ball")->order_open);  // a mesh file
     EXPECT_EQ(scene.modes.basis, Basis::contact);
     EXPECT_FALSE(scene.modes.up_to);
@@ -91,7 +92,8 @@ TEST(Accuracy, leaves_what_is_given) {
 TEST(Accuracy, is_preserved_by_the_resolved_scene) {
   for (const char* set :
        {"title=x", "time.rate_hz=1e3", "time.contact_rate_hz=2e5", "time.precision=double", "modes.count=3",
-        "bodies.block.order=2", "bodies.block.size_factor=0.5", "accuracy_of=energy"}) {
+        "bodies.block.order=2", "bodies.block.size_factor=0.5", "accuracy_of=energy",
+        "bodies.block.refine=[{at=[0,0,1],radius=0.1,size=0.02},{at=[1,0,1],radius=0.2,size=0.01}]"}) {
     const Folder folder;
     const Scene scene = read(folder.write("scene.toml", open_scene), with_accuracy({set}));
     const Scene back = read(folder.write("resolved.toml", to_toml(scene)));
@@ -118,11 +120,15 @@ TEST(Accuracy, is_refused_in_one_line_if_it_has_no_meaning) {
 
 TEST(BodyOfGivenElements, leaves_no_mesh_open) {
   const Scene order = scene_of(open_scene, {"bodies.block.order=2"}),
-              size = scene_of(open_scene, {"bodies.block.geometry={h=0.1}"});
+              size = scene_of(open_scene, {"bodies.block.geometry={h=0.1}"}),
+              local = scene_of(open_scene, {"bodies.block.refine=[{at=[0,0,1],radius=0.1,size=0.02}]"});
   EXPECT_FALSE(block_of(order).order_open);
   EXPECT_FALSE(block_of(order).size_open);
   EXPECT_TRUE(block_of(size).order_open);
   EXPECT_FALSE(block_of(size).size_open);
+  EXPECT_FALSE(block_of(size).refine_open);
+  EXPECT_TRUE(block_of(local).order_open);
+  EXPECT_FALSE(block_of(local).refine_open);
 }
 
 TEST(Settings, are_shared_by_scenes_with_the_same_bodies_and_accuracy) {
@@ -138,7 +144,7 @@ TEST(Settings, are_shared_by_scenes_with_the_same_bodies_and_accuracy) {
 }
 
 Settings some_settings() {
-  const KernelSettings found{.mesh = {{"block", {4, 0.5}}},
+  const KernelSettings found{.mesh = {{"block", {4, 0.5, {{{0, 0.1, -0.2}, 1e-3, 2e-4}}}}},
                              .basis = Basis::contact,
                              .up_to = Hertz{3e3},
                              .flexibility_error = 0.1,
@@ -160,7 +166,9 @@ TEST(Settings, are_read_as_written) {
   write_settings(settings, scene, folder.path() / "x.settings.toml");
   EXPECT_EQ(read_settings(folder.path() / "x.settings.toml"), settings);
   EXPECT_FALSE(read_settings(folder.path() / "none.settings.toml"));
-  for (const char* damaged : {"", "[found]", "[found]\nbasis = \"contact\"\nup_to_hz = -1.0", "= ="})
+  for (const char* damaged : {"", "[found]", "[found]\nbasis = \"contact\"\nup_to_hz = -1.0", "= =",
+                              "[found]\nbasis = \"modes\"\nup_to_hz = 1.0\nbodies.a = { order = 2, "
+                              "size_factor = 1.0, refine = [{}] }"})
     EXPECT_FALSE(parse_settings(damaged)) << damaged;
 }
 
@@ -168,6 +176,7 @@ TEST(Settings, replace_only_what_is_open) {
   const Scene open = with_settings(scene_of(open_scene), some_settings().found);
   EXPECT_EQ(block_of(open).order, 4);
   EXPECT_EQ(block_of(open).size_factor, 0.5);
+  EXPECT_EQ(block_of(open).refine, some_settings().found.mesh.at("block").refine);
   EXPECT_FALSE(block_of(open).order_open);
   EXPECT_EQ(open.modes.up_to, Hertz{3e3});
   EXPECT_EQ(open.modes.flexibility_error, 0.1);

@@ -136,6 +136,21 @@ TEST(Similar, bodies_may_not_differ_in_anything_else) {
     EXPECT_FALSE(similarity_with({set})) << set;
 }
 
+// Balls are in metres, so a mesh of another scale has them elsewhere.
+TEST(Similar, bodies_have_the_same_refinement_and_scale) {
+  KernelRequest had = request_of_ball({});
+  had.body.refine = {{.at = {0, 0.1, 1}, .radius = 0.2, .size = 0.05}};
+  seal(had);
+  EXPECT_EQ(request_of({had.hash, had.toml, had.mesh_sha256}, "FILE").body.refine, had.body.refine);
+  EXPECT_NE(had.hash, request_of_ball({}).hash);
+  EXPECT_FALSE(similarity(had, request_of_ball({})));
+  EXPECT_FALSE(similarity(request_of_ball({}), had));
+  KernelRequest wanted = had;
+  EXPECT_TRUE(similarity(had, wanted));
+  wanted.body.scale = 2;
+  EXPECT_FALSE(similarity(had, wanted));
+}
+
 TEST(Similar, bodies_of_several_materials_have_common_factors) {
   const auto with = [](const char* young) {
     return request_of_ball(

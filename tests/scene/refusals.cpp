@@ -108,6 +108,15 @@ TEST(Refused, is_a_key_that_a_body_file_contains_or_that_needs_elements) {
   }
 }
 
+TEST(Refused, is_a_refinement_of_a_mesh_file_or_without_its_size) {
+  EXPECT_THAT(complaint_about(smallest, {"bodies.ball.refine=[{at=[0,0,1],radius=0.1,size=0.02}]"}),
+              HasSubstr("bodies.ball.refine"));
+  EXPECT_THAT(complaint_about(smallest, {"bodies.ball.refine=[{at=[0,0,1],radius=0.1}]"}),
+              HasSubstr("size: is missing"));
+  EXPECT_THAT(complaint_about(smallest, {"bodies.ball.refine=[{at=[0,0,1],radius=0,size=1}]"}),
+              HasSubstr("must be above 0"));
+}
+
 TEST(Refused, is_a_value_of_another_type) {
   expect_lines({
       {"\"ball.msh\"", "3", "bodies.ball.mesh = 3: must be a string, in quotes"},

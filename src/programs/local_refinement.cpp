@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/programs/local_refinement.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace ricochet::programs {
+namespace {
+
+using contact::Model;
+
+/// With fewer pressed points than this, the extent of the contact is not resolved at all.
+constexpr int few = 3;
+
+/// Distance from a point to the nearest other one of its pair [m]; without another one, the side of a square
+/// of its area.
+double distance_to_next(const Model& model, const Model::PairBlock& pair, Eigen::Index i) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (Eigen::Index j = pair.first_point; j < pair.first_point + pair.points; ++j)
+    if (j != i) nearest = std::min(nearest, (model.point_a.row(i) - model.point_a.row(j)).norm());
+  return std::isfinite(nearest) ? nearest : std::sqrt(model.area[i]);
+}
+
+/// Rounded, so that round-off does not change the mesh.
+double rounded(double value, double unit) { return unit * std::round(value / unit); }
+
+double two_digits(double value) { return rounded(value, std::pow(10.0, std::floor(std::log10(value)) - 1)); }
+
+/// Adds a ball unless one lies there.
+void add(std::vector<scene::FineBall>& balls, const scene::FineBall& ball) {
+  const auto apart = [&](const scene::FineBall& other) {
+    return std::hypot(ball.at[0] - other.at[0], ball.at[1] - other.at[1], ball.at[2] - other.at[2]);
+  };
+  if (std::ranges::none_of(balls, [&](const scene::FineBall& other) {
+        return apart(other) < 0.1 * other.radius && other.size <= ball.size;
+      }))
+    balls.push_back(ball);
+}
+
+bool same_geometry(const scene::Body& a, const scene::Body& b) {
+  return a.mesh == b.mesh && a.geometry == b.geometry && a.scale == b.scale;
+}
+
+}  // namespace
+
+std::map<std::string, std::vector<scene::FineBall>> balls_near_contact(
+    const scene::Scene& scene, const std::map<std::string, scene::MeshSettings>& mesh,
+    const contact::Dialled& round) {
+  std::map<std::string, std::vector<scene::FineBall>> out;
+  if (!round.quantities || round.quantities->pressed.empty()) return out;
+  const Model& model = round.model;
+  const auto is_pressed = [&](Eigen::Index i) {
+    return round.quantities->pressed[static_cast<std::size_t>(i)];
+  };
+  for (std::size_t p = 0; p < model.pairs.size(); ++p) {
+    if (scene.contact.pairs[p].spacing) continue;
+    const Model::PairBlock& pair = model.pairs[p];
+    int pressed = 0;
+    for (int i = 0; i < pair.points; ++i) pressed += is_pressed(pair.first_point + i);
+    for (Eigen::Index i = pair.first_point; i < pair.first_point + pair.points; ++i) {
+      if (!is_pressed(i)) continue;
+      const double next = two_digits(distance_to_next(model, pair, i));
+      for (const auto& [block, points] :
+           {std::pair(pair.a, &model.point_a), std::pair(pair.b, &model.point_b)}) {
+        if (block < 0) continue;
+        const Model::BodyBlock& body = model.bodies[static_cast<std::size_t>(block)];
+        const Eigen::Vector3d at =
+            body.rotation.transpose() * (points->row(i).transpose() - body.translation);
+        const auto& placed = *std::ranges::find(scene.bodies, body.name, &scene::Body::name);
+        // An element of order p has p candidates along an edge.
+        const auto elements = mesh.find(placed.name);
+        const int order = elements != mesh.end() ? elements->second.order : placed.order;
+        scene::FineBall ball{.radius = next, .size = order * next / (pressed < few ? 4 : 2)};
+        for (int k = 0; k < 3; ++k) ball.at[static_cast<std::size_t>(k)] = rounded(at[k], next / 100);
+        for (const scene::Body& other : scene.bodies)
+          if (other.refine_open && same_geometry(other, placed)) add(out[other.name], ball);
+      }
+    }
+  }
+  return out;
+}
+
+double times_as_many_candidates(const scene::KernelSettings& settings) {
+  double most = 1;
+  for (const auto& [body, mesh] : settings.mesh)
+    for (const scene::FineBall& ball : mesh.refine)
+      most = std::max(most, std::pow(mesh.order * ball.radius / ball.size, 2));
+  return most;
+}
+
+double unknowns_in(const std::vector<scene::FineBall>& balls, int order) {
+  // A regular tetrahedron has the volume size³/8.5 and, as one of many, order³/6 nodes. Balls of neighbours
+  // overlap, half of each lies outside the body, and elements grow slowly around them: about three times
+  // radius³ remain for each.
+  double count = 0;
+  for (const scene::FineBall& ball : balls)
+    count += 3 * 8.5 * (order * order * order / 6.0) * 3 * std::pow(ball.radius / ball.size, 3);
+  return count;
+}
+
+}  // namespace ricochet::programs

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Smaller elements near the points that were pressed, and when the accuracy loop asks for them.
+#include "src/programs/local_refinement.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "src/programs/refinement.hpp"
+
+namespace {
+
+using namespace ricochet;
+using contact::Cause;
+using programs::balls_near_contact;
+using programs::BodySize;
+using programs::decide;
+using programs::Decision;
+
+/// Distance of the candidates of `round_of` [m].
+constexpr double next = 1e-3;
+
+/// A body of a geometry whose elements are open, and another one of the same drawing.
+scene::Scene scene_of_two() {
+  scene::Scene scene;
+  scene.accuracy = 1e-2;
+  for (const char* name : {"upper", "lower"}) {
+    scene::Body& body = scene.bodies.emplace_back();
+    body.name = name;
+    body.mesh = "part.step";
+    body.order_open = body.size_open = body.refine_open = true;
+  }
+  scene.contact.pairs.emplace_back();
+  return scene;
+}
+
+scene::Settings first_round(const scene::Scene& scene) {
+  scene::Settings settings;
+  settings.found.mesh = programs::meshes_at(scene, 0);
+  settings.found.basis = scene::Basis::modes;
+  settings.found.up_to = Hertz{1e4};
+  settings.found.flexibility_error = 0.1;
+  settings.rate = Hertz{1e6};
+  return settings;
+}
+
+const kernels::Kernel kernel_of_a_solid;
+
+/// A round in which `pressed` of 40 points on a line were pressed, of two bodies: the upper one was moved by
+/// 1 m along x and turned by 90° about z, the lower one was not moved. Gaps grow along the line.
+contact::Dialled round_of(int pressed, const std::map<Cause, double>& shares) {
+  constexpr int points = 40;
+  contact::Dialled round;
+  contact::Model& model = round.model;
+  model.omega = contact::Vector::Zero(10);
+  model.gap = contact::Vector::LinSpaced(points, 0, 1e-4);
+  model.area = contact::Vector::Constant(points, next * next);
+  model.point_a = contact::Matrix::Zero(points, 3);
+  for (int i = 0; i < points; ++i) model.point_a(i, 1) = i * next;
+  model.point_b = model.point_a;
+  for (const char* name : {"upper", "lower"}) {
+    contact::Model::BodyBlock& body = model.bodies.emplace_back();
+    body.name = name;
+    body.kernel = &kernel_of_a_solid;
+    body.rotation.setIdentity();
+    body.translation.setZero();
+  }
+  model.bodies[0].rotation << 0, -1, 0, 1, 0, 0, 0, 0, 1;
+  model.bodies[0].translation << 1, 0, 0;
+  model.pairs.push_back({.first_point = 0, .points = points, .a = 0, .b = 1, .reach = {}});
+  round.quantities.emplace();
+  round.quantities->pressed.assign(points, false);
+  for (int i = 0; i < pressed; ++i) round.quantities->pressed[static_cast<std::size_t>(i)] = true;
+  round.quantities->nearer = 1e-5;
+  round.estimate.emplace();
+  round.estimate->requested = {Quantity::impulse};
+  for (const auto& [cause, share] : shares)
+    round.estimate->by_cause[cause] = contact::Errors{{Quantity::impulse, share}};
+  return round;
+}
+
+const std::vector<BodySize> small{{"upper", 10, 1e3, 5e2}, {"lower", 10, 1e3, 5e2}};
+
+// The point 2 mm along y lies there in the lower body. The upper one was turned and moved: x = Rᵀ (y − 1, …).
+TEST(Balls, lie_at_the_pressed_points_in_the_axes_of_the_mesh) {
+  const scene::Scene scene = scene_of_two();
+  const auto balls = balls_near_contact(scene, programs::meshes_at(scene, 0), round_of(3, {}));
+  ASSERT_EQ(balls.size(), 2U);
+  // Three in each body, and those of the other body, because one mesh serves both.
+  ASSERT_EQ(balls.at("lower").size(), 6U);
+  EXPECT_EQ(balls.at("lower"), balls.at("upper"));
+  const auto holds = [&](double x, double y) {
+    return std::ranges::any_of(balls.at("lower"), [&](const scene::FineBall& ball) {
+      return std::hypot(ball.at[0] - x, ball.at[1] - y, ball.at[2]) < next / 100;
+    });
+  };
+  EXPECT_TRUE(holds(0, 2 * next));
+  EXPECT_TRUE(holds(2 * next, 1));
+  EXPECT_FALSE(holds(0, 3 * next));
+}
+
+// Elements of order 2 have two candidates along an edge.
+TEST(Balls, halve_the_distance_of_candidates_or_quarter_it_if_few_are_pressed) {
+  const scene::Scene scene = scene_of_two();
+  const auto ball = [&](int pressed) {
+    return balls_near_contact(scene, programs::meshes_at(scene, 0), round_of(pressed, {})).at("lower")[0];
+  };
+  EXPECT_NEAR(ball(2).size, 2 * next / 4, 1e-9);
+  EXPECT_NEAR(ball(3).size, 2 * next / 2, 1e-9);
+  EXPECT_NEAR(ball(3).radius, next, 1e-9);
+}
+
+TEST(Balls, are_not_for_bodies_or_candidates_that_a_scene_gives) {
+  scene::Scene scene = scene_of_two();
+  scene.bodies[1].refine_open = false;
+  const auto balls = balls_near_contact(scene, programs::meshes_at(scene, 0), round_of(3, {}));
+  EXPECT_EQ(balls.size(), 1U);
+  EXPECT_EQ(balls.count("upper"), 1U);
+  scene.contact.pairs[0].spacing = 1e-3;
+  EXPECT_TRUE(balls_near_contact(scene, programs::meshes_at(scene, 0), round_of(3, {})).empty());
+  EXPECT_TRUE(balls_near_contact(scene_of_two(), {}, round_of(0, {})).empty());
+}
+
+// A cube of side 1 that is filled with elements of size s has 6 s⁻³ to 12 s⁻³ tetrahedra (of gmsh: 1.1·10⁴ at
+// s = 0.1), so order³/6 nodes an element give 3·10³ to 6·10³ unknowns for order 1. One ball counts three
+// times its radius³.
+TEST(Unknowns, of_balls_are_those_of_tetrahedra) {
+  const double unknowns = programs::unknowns_in({{.at = {}, .radius = std::cbrt(1.0 / 3), .size = 0.1}}, 1);
+  EXPECT_GT(unknowns, 3e3);
+  EXPECT_LT(unknowns, 6e3);
+}
+
+TEST(Decision, makes_elements_smaller_where_a_small_part_is_pressed) {
+  const scene::Scene scene = scene_of_two();
+  const Decision local =
+      decide(scene, first_round(scene), round_of(3, {{Cause::modes, 1e-4}, {Cause::spacing, 0.1}}), small);
+  ASSERT_TRUE(local.next);
+  EXPECT_EQ(local.reason, "mesh, spacing");
+  EXPECT_EQ(local.next->found.mesh.at("upper").refine.size(), 6U);
+  EXPECT_EQ(local.next->found.mesh.at("upper").order, programs::meshes_at(scene, 1).at("upper").order);
+  EXPECT_DOUBLE_EQ(local.next->found.zone.value_or(0), 2e-5);  // twice as far as the bodies came nearer
+  const Decision flat =
+      decide(scene, first_round(scene), round_of(40, {{Cause::modes, 1e-4}, {Cause::spacing, 0.1}}), small);
+  ASSERT_TRUE(flat.next);
+  EXPECT_EQ(flat.reason, "mesh");
+  EXPECT_TRUE(flat.next->found.mesh.at("upper").refine.empty());
+}
+
+/// Settings of a round whose elements near contact were the last to become smaller.
+scene::Settings after_local(const scene::Scene& scene) {
+  scene::Settings settings = first_round(scene);
+  settings.found.zone = 2e-5;
+  settings.found.mesh = programs::meshes_at(scene, 1);
+  settings.coarser = settings.found;
+  for (auto& [body, mesh] : settings.found.mesh) mesh.refine = {{.at = {}, .radius = 1e-2, .size = 5e-3}};
+  return settings;
+}
+
+// Elsewhere, elements have the share of the mesh if those near contact were the last to be refined.
+TEST(Decision, alternates_between_elements_near_contact_and_all_others) {
+  const scene::Scene scene = scene_of_two();
+  const std::map<Cause, double> shares{{Cause::mesh, 0.1}, {Cause::spacing, 1e-3}};
+  const scene::Settings local = after_local(scene);
+  const Decision everywhere = decide(scene, local, round_of(3, shares), small);
+  ASSERT_TRUE(everywhere.next);
+  EXPECT_EQ(everywhere.reason, "mesh");
+  EXPECT_EQ(everywhere.next->found.mesh.at("upper").order, programs::meshes_at(scene, 2).at("upper").order);
+  EXPECT_EQ(everywhere.next->found.mesh.at("upper").refine, local.found.mesh.at("upper").refine);
+  scene::Settings global = local;
+  global.coarser->mesh = programs::meshes_at(scene, 0);
+  const Decision near = decide(scene, global, round_of(3, shares), small);
+  ASSERT_TRUE(near.next);
+  EXPECT_EQ(near.reason, "spacing");
+  EXPECT_EQ(near.next->found.mesh.at("upper").order, global.found.mesh.at("upper").order);
+  EXPECT_EQ(near.next->coarser, global.found);
+}
+
+// The balls of three points have 2·6·3·8.5·(order³/6)·3·(radius/size)³ unknowns: with 10⁵ modes, that is too
+// much.
+TEST(Decision, does_not_ask_for_more_elements_near_contact_than_are_affordable) {
+  const scene::Scene scene = scene_of_two();
+  const auto round = round_of(3, {{Cause::mesh, 1e-4}, {Cause::spacing, 0.1}});
+  EXPECT_TRUE(decide(scene, after_local(scene), round, small).next);
+  EXPECT_FALSE(
+      decide(scene, after_local(scene), round, {{"upper", 1e5, 2e5, 1e5}, {"lower", 1e5, 2e5, 1e5}}).next);
+}
+
+}  // namespace
