@@ -21,9 +21,13 @@ using ::testing::StartsWith;
 
 /// Every table, each with only its required keys.
 const std::string barest = R"([bodies.ball]
-mesh = "ball.msh"
+mesh = "ball.geo"
 contact = "skin"
 support = { foot = "xyz" }
+[[bodies.ball.refine]]
+at = [0, 0, 0]
+radius = 1
+size = 0.1
 [bodies.ball.material]
 density = 1000
 young = 1e9
@@ -128,7 +132,7 @@ TEST(ARequiredKey, is_reported_if_missing) {
     if (key.fallback != "–" || key.type == Type::table || &section == &contact_keys) return;
     std::string title = section.title;
     if (const auto at = title.find("NAME"); at != std::string::npos)
-      title.replace(at, 4, title[1] == 'b' ? "ball" : "floor");
+      title.replace(at, 4, title.find("bodies") != std::string::npos ? "ball" : "floor");
     const auto line = barest.find("\n" + key.name + " = ", barest.find(title));
     ASSERT_NE(line, std::string::npos);
     std::string without = barest;

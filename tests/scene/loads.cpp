@@ -102,7 +102,8 @@ TEST(Sources, are_refused_in_one_line) {
       {"loads.traction[0].vector=[1,2]",
        "loads.traction[0].vector = [1, 2]: must be three numbers, [x, y, z]"},
       {"loads.traction[0].at=[1,2,3]",
-       "loads.traction[0].at = [1, 2, 3]: unknown key here: it belongs to [[loads.point]] or "
+       "loads.traction[0].at = [1, 2, 3]: unknown key here: it belongs to "
+       "[[bodies.NAME.refine]] or [[loads.point]] or "
        "[[output.receiver]]"},
       {"loads.traction[1].name=cap",
        "loads.traction[1].name = \"cap\": bodies.ball has a load or motion \"cap\" already: give each its "
