@@ -27,6 +27,8 @@ AXES = [
     "double",
     "--tolerances",
     "1e-8",
+    "--accuracies",
+    "1e-1",
     "--repeats",
     "1",
     "--ranks",
@@ -50,7 +52,7 @@ class TradeOff(ProgramTest):
         done = Run(self.command())
         self.succeed(done)
         points = self.points()
-        self.assertEqual(len(points), 2 * 2 * 2 * 2)  # modes × R × steps × schemes
+        self.assertEqual(len(points), 2 * 2 * 2 * 2 + 1)  # modes × R × steps × schemes, and the accuracy
         self.assertTrue((self.folder / "tradeoff.png").is_file())
         self.assertIn("Cheapest for an error of 0.01", done.out)
         floor = float(done.out.split("reference itself is about ")[1].split()[0])
@@ -62,6 +64,9 @@ class TradeOff(ProgramTest):
         def error(point):
             return max(float(point["error"]), floor)
 
+        (chosen,) = [point for point in points if point["basis"] == "accuracy"]
+        self.assertLess(float(chosen["error"]), 0.1)
+        self.assertEqual(chosen["rate_hz"], "")  # no step was given
         self.assertTrue(front)
         for point in front:
             better = [p for p in points if cost(p) < cost(point) and error(p) < error(point)]

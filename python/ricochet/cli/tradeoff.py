@@ -7,7 +7,8 @@
 Kernels vary in their basis (modes, with and without residual flexibility, or a contact-adapted basis), its size, element order,
 tolerance of the eigensolver and spacing of candidates. Impacts vary in scheme, time step and precision. All combinations of basis,
 scheme, step and precision are run. Unless --full is given, orders and spacings vary only with two bases, the largest number of
-modes and the first of --fitted, and tolerances only with the former.
+modes and the first of --fitted, and tolerances only with the former. Beside them, the scene is run without its settings of modes
+and steps, which `accuracy` then chooses; its time includes the pilot, all rounds and the estimates.
 
 The error is the largest relative error of the exit velocities and the impulse. The reference is computed too, with elements of the
 next higher order, half the spacing, twice the highest rate, and a contact-adapted basis for twice the band (without a band: the
@@ -32,6 +33,7 @@ NUMBERS: list[tuple[str, Callable[[str], float], list[float] | str, str]] = [
     ("--fitted", float, [0.3, 0.1, 0.03, 0.01, 0.001], "flexibility errors of contact-adapted bases"),
     ("--orders", count, "that of the scene ± 1", "element orders"),
     ("--tolerances", float, [1e-8, 1e-4], "bounds of the eigensolver's residuals"),
+    ("--accuracies", float, [1e-1, 1e-2, 1e-3], "values of accuracy, which then chooses what is open"),
     ("--spacings", float, [1.0, 0.5, 2.0], "factors of contact.spacing, if the scene has one"),
     ("--rates", float, [1 / 16, 1 / 8, 1 / 4, 1 / 2, 1, 2, 4, 8], "factors of time.rate_hz"),
 ]
@@ -68,7 +70,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for option, kind, default, text in NUMBERS:
         values = None if isinstance(default, str) else default
         shown = default if values is None else " ".join(map(str, values))
-        many, metavar = "*" if option == "--fitted" else "+", "N" if kind is count else "X"
+        many, metavar = "*" if option in ("--fitted", "--accuracies") else "+", "N" if kind is count else "X"
         text = f"{text} (default: {shown})"
         axes.add_argument(option, type=kind, nargs=many, default=values, metavar=metavar, help=text)
     for option, names, text in NAMES:

@@ -76,6 +76,8 @@ class Point:
         return self.row["kernel_s"] + impacts * self.row["impact_s"]
 
     def name(self) -> str:
+        if self.impact.rate_hz is None:
+            return self.kernel.name()
         return f"{self.kernel.name()}, {self.impact.scheme} at {self.impact.rate_hz:g} Hz" + (
             ", single" if self.impact.precision == "single" else ""
         )

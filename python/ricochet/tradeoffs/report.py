@@ -66,6 +66,7 @@ def draw(points: Sequence[Point], floor: float, error: float, impacts: int, titl
         "modes and R": lambda p: p.kernel.basis == "modes" and p.kernel.residual_flexibility,
         "modes alone": lambda p: p.kernel.basis == "modes" and not p.kernel.residual_flexibility,
         "contact-adapted": lambda p: p.kernel.basis == "contact",
+        "chosen for an accuracy": lambda p: p.kernel.basis == "accuracy",
     }
     colours = {"compliant": "C0", "jump": "C3", "difference": "C1"}
     panels: list[tuple[Any, str, Cost]] = [
@@ -73,7 +74,7 @@ def draw(points: Sequence[Point], floor: float, error: float, impacts: int, titl
         (axes[1], "time of all steps of an impact (s)", lambda p: p.row["impact_s"]),
     ]
     for ax, label, cost in panels:
-        for (family, belongs), marker in zip(families.items(), "os^"):
+        for (family, belongs), marker in zip(families.items(), "os^D"):
             for scheme, colour in colours.items():
                 own = [p for p in shown if belongs(p) and p.impact.scheme == scheme]
                 if own:
@@ -82,9 +83,10 @@ def draw(points: Sequence[Point], floor: float, error: float, impacts: int, titl
                         [p.error for p in own],
                         marker,
                         color=colour,
-                        ms=4,
-                        alpha=0.6,
-                        mew=0,
+                        ms=7 if marker == "D" else 4,
+                        alpha=1 if marker == "D" else 0.6,
+                        mec="k",
+                        mew=1 if marker == "D" else 0,
                         label=f"{scheme}, {family}",
                     )
         front = pareto(points, cost, floor)

@@ -29,7 +29,7 @@ class Scene:
             if not str(body["mesh"]).endswith(".msh") and "area" not in body["material"]
         ]
         self.count = table["modes"].get("count") or 400
-        self.order = max((table["bodies"][name]["order"] for name in self.meshed), default=None)
+        self.order = max((table["bodies"][name].get("order", 3) for name in self.meshed), default=None)
         self.spacing = table["contact"].get("spacing")
         self.rate_hz = table["time"].get("rate_hz", 44100.0)
         self.duration_s = table["time"]["duration"]
@@ -40,8 +40,8 @@ class Scene:
 class Kernel:
     """The settings of a kernel, with the names of their columns."""
 
-    basis: str
-    size: float  # number of modes, or flexibility error of a contact-adapted basis
+    basis: str  # modes, contact, or accuracy: chosen for it
+    size: float  # number of modes, flexibility error of a contact-adapted basis, or accuracy
     residual_flexibility: bool
     order: int | None
     relative_residual: float
@@ -49,6 +49,11 @@ class Kernel:
     band_hz: float | None
 
     def changes(self, scene: Scene) -> dict[str, Any]:
+        found: dict[str, Any] = {"output.view": False, "output.snapshot_every": 0, "output.every": 1000}
+        modes: dict[str, Any]
+        if self.basis == "accuracy":
+            # Without these tables, modes, steps and precision are open.
+            return found | {"accuracy": self.size, "modes": {}, "time": {"duration": scene.duration_s}}
         if self.basis == "modes":
             modes = {
                 "basis": "modes",
@@ -58,7 +63,7 @@ class Kernel:
             }
         else:
             modes = {"basis": "contact", "up_to_hz": self.band_hz, "flexibility_error": self.size}
-        found = {"modes": modes, "output.view": False, "output.snapshot_every": 0, "output.every": 1000}
+        found |= {"accuracy": "off", "modes": modes}
         if self.order is not None:
             found |= {f"bodies.{body}.order": self.order for body in scene.meshed}
         if self.spacing_m is not None:
@@ -66,6 +71,8 @@ class Kernel:
         return found
 
     def name(self) -> str:
+        if self.basis == "accuracy":
+            return f"chosen for accuracy {self.size:g}"
         if self.basis == "modes":
             size = f"{self.size:g} modes{'' if self.residual_flexibility else ' without R'}"
         else:
@@ -78,10 +85,12 @@ class Impact:
     """The settings of an impact."""
 
     scheme: str
-    rate_hz: float
+    rate_hz: float | None  # None: step and precision are chosen for the accuracy
     precision: str = "double"
 
     def changes(self) -> dict[str, Any]:
+        if self.rate_hz is None:
+            return {}
         found: dict[str, Any] = SCHEMES[self.scheme] | {"time.rate_hz": self.rate_hz}
         return found | ({"time.precision": self.precision} if self.precision != "double" else {})
 
@@ -89,7 +98,8 @@ class Impact:
 def settings(options: argparse.Namespace, scene: Scene) -> list[tuple[Kernel, list[Impact]]]:
     """All combinations of basis, R, scheme, step and precision. Unless `options.full` is set, order and
     spacing vary only with two bases: the largest number of modes and the first contact-adapted basis. The
-    tolerance varies only with the former. `options`: those of ricochet tradeoff."""
+    tolerance varies only with the former. Settings that `accuracy` chooses come last. `options`: those of ricochet tradeoff.
+    """
     counts = options.counts or [max(1, scene.count // part) for part in (16, 8, 4, 2, 1)]
     bases: list[tuple[str, float, bool]]
     bases = [("modes", count, word == "with") for count in counts for word in options.residual]
@@ -116,4 +126,8 @@ def settings(options: argparse.Namespace, scene: Scene) -> list[tuple[Kernel, li
         for factor in options.rates
         for precision in (options.precisions if scheme == "compliant" else ["double"])
     ]
-    return [(kernel, impacts) for kernel in dict.fromkeys(kernels)]
+    chosen = [
+        (Kernel("accuracy", accuracy, True, None, tolerance, None, None), [Impact("compliant", None)])
+        for accuracy in options.accuracies
+    ]
+    return [(kernel, impacts) for kernel in dict.fromkeys(kernels)] + chosen
