@@ -114,7 +114,7 @@ std::string ResolutionCheck::few_candidates() const {
   for (std::size_t p = 0; p < model_.pairs.size(); ++p) {
     const Model::PairBlock& pair = model_.pairs[p];
     const kernels::Surface& surface = model_.bodies[pair.a].kernel->surface;
-    const int corners = surface.whole ? surface.whole->element_corners : surface.element_corners;
+    const int corners = surface.corners();
     const int fewest = corners == 1 ? 0 : corners == 2 ? fewest_on_line : fewest_on_surface;
     const int active = most_active_[p];
     if (active == 0 || active >= fewest || active == pair.points) continue;

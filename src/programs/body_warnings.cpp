@@ -88,7 +88,7 @@ std::vector<std::string> warnings_of(const scene::Body& body, const kernels::Ker
   add_implausible(body, kernel, out);
   // A connected body has six rigid modes, a rod one. Kernels of other programs do not state their parts.
   const auto rigid = std::ranges::count(kernel.modes.angular_frequency, 0.0);
-  const int most = kernel.surface.element_corners == 1 ? 1 : 6;
+  const int most = kernel.surface.corners() == 1 ? 1 : 6;
   if (kernel.parts > 1 || rigid > most)
     out.push_back(
         fmt::format("{} consists of {} that are not joined, with {} rigid modes in all: they move through "

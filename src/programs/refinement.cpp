@@ -66,7 +66,7 @@ scene::Basis cheaper_basis(const scene::KernelSettings& settings, const contact:
   const bool few =
       static_cast<double>(model.omega.size()) < blocks * denser * static_cast<double>(candidates);
   const bool rods = std::ranges::all_of(model.bodies, [](const contact::Model::BodyBlock& body) {
-    return body.kernel->surface.element_corners == 1;
+    return body.kernel->surface.corners() == 1;
   });
   return few || rods ? scene::Basis::modes : scene::Basis::contact;
 }

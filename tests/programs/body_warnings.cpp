@@ -55,6 +55,15 @@ TEST(Warnings, name_a_body_in_millimetres_that_is_read_in_metres) {
   EXPECT_THAT(bracket.warnings(), ElementsAre(HasSubstr("bracket is 6e-06 m long")));
 }
 
+// Candidates within a zone may leave no whole element, like the ends of a rod.
+TEST(Warnings, do_not_take_a_solid_with_few_candidates_for_a_rod) {
+  Bracket bracket;
+  bracket.kernel.surface.element_corners = 1;
+  EXPECT_THAT(bracket.warnings(), ElementsAre(HasSubstr("with 6 rigid modes in all")));  // a rod has one
+  bracket.kernel.surface.whole.emplace();
+  EXPECT_THAT(bracket.warnings(), IsEmpty());
+}
+
 TEST(Warnings, name_a_mass_that_no_body_has) {
   Bracket bracket;
   bracket.kernel.mass = 2e6;
