@@ -74,12 +74,15 @@ scene::Basis cheaper_basis(const scene::KernelSettings& settings, const contact:
 /// Number of times that the band is doubled after the pilot.
 constexpr int most_doublings = 2;
 
-/// Distance beyond the closest pair within which candidates are kept: twice that by which the bodies came
-/// nearer to each other, because points farther apart can hardly touch, and at least `ring` points more than
-/// were pressed. No value if that hardly reduces their number.
+/// Distance beyond the closest pair within which candidates may touch: twice that by which the bodies came
+/// nearer to each other.
+double zone_near_contact(const contact::Quantities& run) { return 2 * run.nearer; }
+
+/// The zone with which a mesh that remains as it is goes on: with at least `ring` points more than were
+/// pressed. No value if that hardly reduces their number.
 std::optional<double> zone_of(const contact::Model& model, const contact::Quantities& run) {
   constexpr std::size_t ring = 3;
-  double zone = 2 * run.nearer;
+  double zone = zone_near_contact(run);
   for (const contact::Model::PairBlock& pair : model.pairs) {
     const auto gap = model.gap.segment(pair.first_point, pair.points);
     std::vector<double> beyond(gap.begin(), gap.end());
@@ -188,6 +191,9 @@ std::optional<scene::KernelSettings> finer_near_contact(const scene::Scene& scen
   if (balls.empty()) return std::nullopt;
   scene::KernelSettings out = settings.found;
   for (const auto& [body, of_body] : balls) out.mesh[body].refine = of_body;
+  const auto candidates =
+      static_cast<double>(candidates_within(round.model, zone_near_contact(*round.quantities)));
+  if (candidates * times_as_many_candidates(out) > most_candidates) return std::nullopt;
   if (!is_affordable(predicted(sizes, settings.found, out))) return std::nullopt;
   return out;
 }
@@ -270,7 +276,7 @@ std::string obstacle(const scene::Scene& scene, Cause cause) {
       return given("time.precision");
     case Cause::spacing:
       return gives_spacing(scene) ? given("contact.spacing")
-                                  : "its elements are the finest that are possible";
+                                  : "its elements are the finest that accuracy chooses";
     case Cause::zone:
       return given("contact.reach");
   }
@@ -335,7 +341,8 @@ Decision decide(const scene::Scene& scene, const scene::Settings& settings, cons
         cost_of_vectors, unknowns_of(predicted(sizes, settings.found, *possible.local)) / unknowns_of(sizes));
   const auto with_finer_elements_near_contact = [&](scene::Settings finer) {
     for (auto& [body, mesh] : finer.found.mesh) mesh.refine = possible.local->mesh.at(body).refine;
-    if (finer.found.zone && round.quantities->nearer > 0) finer.found.zone = 2 * round.quantities->nearer;
+    if (finer.found.zone && round.quantities->nearer > 0)
+      finer.found.zone = zone_near_contact(*round.quantities);
     if (is_open(scene))
       finer.found.basis = cheaper_basis(finer.found, round.model, times_as_many_candidates(finer.found));
     return beneath(std::move(finer));

@@ -51,4 +51,8 @@ Decision decide(const scene::Scene& scene, const scene::Settings& settings, cons
 /// this size take about half a minute.
 inline constexpr double most_work = 3e7;
 
+/// Largest expected number of candidates in the zone to which smaller elements near contact may lead. The
+/// static correction of as many candidates takes seconds, and so do the steps of the impact.
+inline constexpr double most_candidates = 2000;
+
 }  // namespace ricochet::programs

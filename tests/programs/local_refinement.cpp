@@ -186,4 +186,23 @@ TEST(Decision, does_not_ask_for_more_elements_near_contact_than_are_affordable) 
       decide(scene, after_local(scene), round, {{"upper", 1e5, 2e5, 1e5}, {"lower", 1e5, 2e5, 1e5}}).next);
 }
 
+// Of 40 candidates in the zone, elements of half the size make 160. Of 600, they make 2400.
+TEST(Decision, does_not_ask_for_more_candidates_than_are_affordable) {
+  const scene::Scene scene = scene_of_two();
+  scene::Settings settings = after_local(scene);
+  auto round = round_of(3, {{Cause::mesh, 1e-4}, {Cause::spacing, 0.1}});
+  round.quantities->nearer = 1;
+  EXPECT_EQ(decide(scene, settings, round, small).reason, "spacing");
+  contact::Model& model = round.model;
+  model.gap.conservativeResizeLike(contact::Vector::Zero(600));
+  model.area.conservativeResizeLike(contact::Vector::Constant(600, next * next));
+  for (contact::Matrix* points : {&model.point_a, &model.point_b}) {
+    points->conservativeResizeLike(contact::Matrix::Zero(600, 3));
+    for (int i = 0; i < 600; ++i) (*points)(i, 1) = i * next;
+  }
+  model.pairs[0].points = 600;
+  round.quantities->pressed.resize(600, false);
+  EXPECT_EQ(decide(scene, settings, round, small).reason, "mesh");
+}
+
 }  // namespace
