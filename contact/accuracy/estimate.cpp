@@ -225,7 +225,10 @@ std::optional<Errors> Estimator::mesh(const StepOptions& options, const Quantiti
   } catch (const InputError&) {  // the candidates of that mesh may not face each other
   }
   if (!mesh_change_) return std::nullopt;
-  return remaining(*mesh_change_, subject_.coarser_change);
+  Errors out = remaining(*mesh_change_, subject_.coarser_change);
+  for (const auto& [quantity, error] : remaining(subject_.change_near_contact, std::nullopt))
+    out[quantity] += error;
+  return out;
 }
 
 std::optional<Errors> Estimator::eigensolver(const StepOptions& options, const Quantities& base) const {

@@ -13,7 +13,8 @@
 //   error
 //                ε₂ of those up to half of the band (kernels/band.hpp)
 //   spacing      e(d₂, d₄) with points twice and four times as far apart
-//   mesh         e(d₁, d₂) with the next coarser mesh, and the one before it
+//   mesh         e(d₁, d₂) with the next coarser mesh, and the one before it; e(d) of the elements near contact
+//                besides, if both meshes have the same ones
 //   eigensolver  |r − r with frequencies changed by A times their errors| / A,  A · largest error = 1e-3
 //   precision    |r − r in single precision|; in double precision 2⁻²⁹ of it, the ratio of the round-offs
 //   zone         1 if a point whose initial gap is near the reach was pressed, as points beyond may touch too
@@ -50,6 +51,8 @@ struct Subject {
   std::function<Model()> coarser_mesh{};
   Hertz coarser_band{std::numeric_limits<double>::infinity()};  ///< band of coarser_mesh
   std::optional<Errors> coarser_change{};  ///< change from coarser_mesh to an even coarser one
+  /// The last change by a refinement near contact, if coarser_mesh has the same elements there.
+  Errors change_near_contact{};
   double low_rank = 0;  ///< threshold of the low-rank factors with which a contact-adapted basis was solved
   bool at_rest = false;
   double duration = 0;  ///< [s]; unused at rest

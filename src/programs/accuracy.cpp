@@ -76,8 +76,10 @@ std::optional<CoarserMesh> read_coarser(const scene::Scene& scene, const scene::
   CoarserMesh out{.scene = with_settings(scene, *settings.coarser),
                   .kernels = {},
                   .band = settings.coarser->up_to,
-                  .change = {}};
+                  .change = {},
+                  .change_near_contact = {}};
   if (!settings.coarser_change.empty()) out.change = settings.coarser_change;
+  out.change_near_contact = settings.change_near_contact;
   KernelStore store;
   for (const StoredKernel& stored : find_kernels(out.scene, folder, store)) {
     if (!stored.enough) return std::nullopt;
@@ -113,6 +115,7 @@ contact::Dialled dial_of(const scene::Scene& scene, const Kernels& kernels, cons
     };
     subject.coarser_band = coarser->band;
     subject.coarser_change = coarser->change;
+    subject.change_near_contact = coarser->change_near_contact;
   }
   return in_scene(scene, [&] {
     return contact::dial(subject, std::move(model),

@@ -35,10 +35,11 @@ std::optional<std::filesystem::path> missing_settings(const scene::Scene& scene,
 
 /// Kernels of the next coarser mesh.
 struct CoarserMesh {
-  scene::Scene scene;  ///< with its settings
+  scene::Scene scene;                                           ///< with its settings
   std::vector<std::shared_ptr<const kernels::Kernel>> kernels;  ///< of the scene's bodies, in their order
   Hertz band{0};
   std::optional<contact::Errors> change;  ///< from there to an even coarser mesh
+  contact::Errors change_near_contact;    ///< as in scene::Settings
 };
 
 /// @param scene  as read, before it was closed

@@ -16,6 +16,7 @@
 #include "contact/accuracy/error_report.hpp"
 #include "src/parallel/parallel.hpp"
 #include "src/programs/accuracy.hpp"
+#include "src/programs/mesh_levels.hpp"
 #include "src/programs/refinement.hpp"
 #include "src/programs/start_band.hpp"
 #include "src/scene/settings.hpp"

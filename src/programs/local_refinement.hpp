@@ -11,8 +11,8 @@
 
 namespace ricochet::programs {
 
-/// Balls of smaller elements around the points that were pressed in a run, by body, for the bodies whose `refine`
-/// is open. A ball reaches to the next candidates; its elements are so small that the distance of
+/// Balls of smaller elements around the points that were pressed in a run, by body, for the bodies whose
+/// `refine` is open. A ball reaches to the next candidates; its elements are so small that the distance of
 /// candidates is halved, or quartered if only few points were pressed. Bodies with the same geometry have the
 /// same balls, so that one kernel serves them all. Empty if the scene gives the spacing of its candidates, or
 /// if nothing was pressed.

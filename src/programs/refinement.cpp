@@ -6,11 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "contact/accuracy/error_report.hpp"
 #include "contact/accuracy/spectrum.hpp"
 #include "src/programs/local_refinement.hpp"
+#include "src/programs/mesh_levels.hpp"
 
 namespace ricochet::programs {
 
@@ -27,16 +29,6 @@ constexpr double cost_of_mesh = 3, cost_of_vectors = 1.3;
 
 /// A cause is also refined if its share exceeds this part of the accuracy while kernels are computed anyway.
 constexpr double worth_while = 0.25;
-
-std::vector<scene::MeshSettings> levels_of(const scene::Body& body) {
-  if (!body.meshable()) return {};
-  if (!body.order_open)
-    return {{body.order > 1 ? body.order - 1 : 2, body.size_factor}, {body.order, body.size_factor}};
-  const double own = body.size_factor;
-  if (!body.size_open) return {{2, own}, {3, own}, {4, own}, {5, own}};
-  const double root = std::sqrt(2.0);
-  return {{2, 2}, {3, 2}, {4, 2}, {4, root}, {4, 1}, {4, 1 / root}, {4, 0.5}};
-}
 
 bool is_open(const scene::Scene& scene) { return scene.modes.open(); }
 
@@ -161,25 +153,19 @@ std::string too_much(const std::vector<BodySize>& sizes) {
       largest.modes, largest.unknowns, largest.body);
 }
 
-/// The same elements, without those near contact.
-std::map<std::string, scene::MeshSettings> without_balls(std::map<std::string, scene::MeshSettings> meshes) {
-  for (auto& [body, mesh] : meshes) mesh.refine.clear();
-  return meshes;
-}
-
-/// Settings with the elements of a level and the same balls.
-scene::KernelSettings at_level(scene::KernelSettings settings, const scene::Scene& scene, int level) {
-  for (auto& [body, mesh] : meshes_at(scene, level)) {
-    mesh.refine = std::move(settings.mesh[body].refine);
-    settings.mesh[body] = std::move(mesh);
-  }
-  return settings;
-}
-
-/// Whether the last change of the mesh was one near contact.
-bool last_was_local(const scene::Settings& settings) {
-  return settings.coarser && settings.coarser->mesh != settings.found.mesh &&
-         without_balls(settings.coarser->mesh) == without_balls(settings.found.mesh);
+/// Settings of the next round, with what the estimate of its mesh needs to know of the last ones. Changes
+/// that follow each other show a pace only if they are of the same elements.
+scene::Settings following(const scene::Settings& last, scene::Settings next, const contact::Dialled& round) {
+  const MeshChange now = change_between(last.found, next.found);
+  if (now == MeshChange{}) return next;
+  next.coarser = last.found;
+  const contact::Errors change = round.mesh_change.value_or(contact::Errors{});
+  if (now.near_contact)
+    next.change_near_contact.clear();
+  else if (last_change(last) == only_near_contact)
+    next.change_near_contact = change;
+  next.coarser_change = now == last_change(last) ? change : contact::Errors{};
+  return next;
 }
 
 /// The round's settings with smaller elements near contact; no value if there are none, or too many.
@@ -193,7 +179,8 @@ std::optional<scene::KernelSettings> finer_near_contact(const scene::Scene& scen
   for (const auto& [body, of_body] : balls) out.mesh[body].refine = of_body;
   const auto candidates =
       static_cast<double>(candidates_within(round.model, zone_near_contact(*round.quantities)));
-  if (candidates * times_as_many_candidates(out) > most_candidates) return std::nullopt;
+  if (out == settings.found || candidates * times_as_many_candidates(out) > most_candidates)
+    return std::nullopt;
   if (!is_affordable(predicted(sizes, settings.found, out))) return std::nullopt;
   return out;
 }
@@ -235,7 +222,7 @@ std::vector<Option> options_of(const scene::Scene& scene, const Possible& possib
   std::vector<Option> out;
   const auto share = [&](Cause cause) { return estimate.share(cause).value_or(0); };
   const double mesh = share(Cause::mesh), spacing = gives_spacing(scene) ? 0 : share(Cause::spacing);
-  if (possible.local && !last_was_local(settings)) {
+  if (possible.local && last_change(settings) != only_near_contact) {
     out.push_back({Cause::spacing, spacing + mesh, possible.local_cost});
   } else if (possible.local) {
     out.push_back({Cause::spacing, spacing, possible.local_cost});
@@ -285,46 +272,20 @@ std::string obstacle(const scene::Scene& scene, Cause cause) {
 
 }  // namespace
 
-std::map<std::string, scene::MeshSettings> meshes_at(const scene::Scene& scene, int level) {
-  std::map<std::string, scene::MeshSettings> out;
-  for (const scene::Body& body : scene.bodies)
-    if (const auto levels = levels_of(body); !levels.empty())
-      out[body.name] = levels[std::min(static_cast<std::size_t>(level), levels.size() - 1)];
-  return out;
-}
-
-bool has_finer(const scene::Scene& scene, int level) {
-  return meshes_at(scene, level) != meshes_at(scene, level + 1);
-}
-
-std::optional<int> level_of(const scene::Scene& scene, const scene::KernelSettings& settings) {
-  for (int level = 0;; ++level) {
-    if (meshes_at(scene, level) == without_balls(settings.mesh)) return level;
-    if (!has_finer(scene, level)) return std::nullopt;
-  }
-}
-
-scene::Scene with_own_sizes(scene::Scene scene) {
-  for (scene::Body& body : scene.bodies) body.size_open = false;
-  return scene;
-}
-
 Decision decide(const scene::Scene& scene, const scene::Settings& settings, const contact::Dialled& round,
                 const std::vector<BodySize>& sizes) {
   const int level = level_of(scene, settings.found).value_or(0);
   scene::Settings next = settings;
-  const auto beneath = [&](scene::Settings finer) {
-    finer.coarser = settings.found;
-    finer.coarser_change = round.mesh_change.value_or(contact::Errors{});
-    return finer;
-  };
   const auto with_finer_mesh = [&](scene::Settings finer) {
     finer.found = at_level(finer.found, scene, level + 1);
-    return beneath(std::move(finer));
+    return finer;
+  };
+  const auto decided = [&](scene::Settings chosen, std::string reason) {
+    return Decision{following(settings, std::move(chosen), round), std::move(reason)};
   };
   if (!round.estimate) {
     if (!settings.coarser && has_finer(scene, level)) {
-      return {with_finer_mesh(next), "nothing touches; the mesh"};
+      return decided(with_finer_mesh(next), "nothing touches; the mesh");
     }
     return {{}, "nothing touches, so the settings are those of the start"};
   }
@@ -345,7 +306,7 @@ Decision decide(const scene::Scene& scene, const scene::Settings& settings, cons
       finer.found.zone = zone_near_contact(*round.quantities);
     if (is_open(scene))
       finer.found.basis = cheaper_basis(finer.found, round.model, times_as_many_candidates(finer.found));
-    return beneath(std::move(finer));
+    return finer;
   };
   if (!settings.coarser && has_finer(scene, level)) {
     if (scene.contact.scheme != Scheme::at_rest) next.found.zone = zone_of(round.model, *round.quantities);
@@ -354,8 +315,8 @@ Decision decide(const scene::Scene& scene, const scene::Settings& settings, cons
       next.found.up_to = band_after_pilot(settings, round, accuracy);
     }
     if (!possible.local || estimate.share(Cause::spacing).value_or(0) <= worth_while * accuracy)
-      return {with_finer_mesh(next), "mesh"};
-    return {with_finer_mesh(with_finer_elements_near_contact(next)), "mesh, spacing"};
+      return decided(with_finer_mesh(next), "mesh");
+    return decided(with_finer_mesh(with_finer_elements_near_contact(next)), "mesh, spacing");
   }
   double total = estimate.total();
   if (total <= accuracy) return {{}, ""};
@@ -390,7 +351,7 @@ Decision decide(const scene::Scene& scene, const scene::Settings& settings, cons
         excess[Cause::spacing] = excess[cause];
       return false;
     }
-    if (without_balls(refined.found.mesh) != without_balls(next.found.mesh)) chosen.insert(Cause::mesh);
+    if (change_between(next.found, refined.found).elsewhere) chosen.insert(Cause::mesh);
     next = refined;
     chosen.insert(cause);
     return true;
@@ -407,7 +368,7 @@ Decision decide(const scene::Scene& scene, const scene::Settings& settings, cons
       if (!chosen.contains(option.cause) && option.share > worth_while * accuracy) choose(option.cause);
   std::string refined;
   for (const Cause cause : chosen) refined += (refined.empty() ? "" : ", ") + std::string(name_of(cause));
-  if (!refined.empty()) return {next, refined};
+  if (!refined.empty()) return decided(next, refined);
   contact::ErrorEstimate hindered = estimate;  // without the causes that were left because others matter more
   for (const Option& option : options)
     if (!excess.contains(option.cause)) {

@@ -127,12 +127,32 @@ std::string to_toml(const Settings& settings) {
   if (settings.coarser)
     text += "\n# The next coarser mesh, from which the error of the mesh is estimated." +
             toml_of(*settings.coarser, "coarser");
-  if (!settings.coarser_change.empty())
-    text += "\n# Relative change from there to an even coarser mesh.\n[coarser_change]\n";
-  for (const auto& [quantity, change] : settings.coarser_change)
-    text += fmt::format("{} = {}\n", name_of(quantity), toml_number(change));
+  const auto add_changes = [&](const char* title, const std::map<Quantity, double>& changes) {
+    if (!changes.empty()) text += title;
+    for (const auto& [quantity, change] : changes)
+      text += fmt::format("{} = {}\n", name_of(quantity), toml_number(change));
+  };
+  add_changes("\n# Relative change from there to an even coarser mesh.\n[coarser_change]\n",
+              settings.coarser_change);
+  add_changes("\n# Relative change from the last refinement near contact.\n[change_near_contact]\n",
+              settings.change_near_contact);
   return text;
 }
+
+namespace {
+
+std::map<Quantity, double> changes_of(const toml::table& root, const char* name) {
+  std::map<Quantity, double> out;
+  if (const toml::table* const changes = root[name].as_table())
+    for (auto&& [quantity, node] : *changes) {
+      const auto known = std::ranges::find(quantity_names, quantity.str());
+      if (known != quantity_names.end())
+        out[static_cast<Quantity>(known - quantity_names.begin())] = node.value_or(0.0);
+    }
+  return out;
+}
+
+}  // namespace
 
 std::optional<Settings> parse_settings(const std::string& text) {
   toml::table root;
@@ -143,17 +163,11 @@ std::optional<Settings> parse_settings(const std::string& text) {
   }
   auto found = kernel_settings_of(root, "found");
   if (!found) return std::nullopt;
-  Settings out{.found = *found,
-               .coarser = kernel_settings_of(root, "coarser"),
-               .coarser_change = {},
-               .rate = Hertz{root["rate_hz"].value_or(0.0)}};
-  if (const toml::table* const changes = root["coarser_change"].as_table())
-    for (auto&& [name, node] : *changes) {
-      const auto quantity = std::ranges::find(quantity_names, name.str());
-      if (quantity != quantity_names.end())
-        out.coarser_change[static_cast<Quantity>(quantity - quantity_names.begin())] = node.value_or(0.0);
-    }
-  return out;
+  return Settings{.found = *found,
+                  .coarser = kernel_settings_of(root, "coarser"),
+                  .coarser_change = changes_of(root, "coarser_change"),
+                  .change_near_contact = changes_of(root, "change_near_contact"),
+                  .rate = Hertz{root["rate_hz"].value_or(0.0)}};
 }
 
 void write_settings(const Settings& settings, const Scene& scene, const std::filesystem::path& path) {

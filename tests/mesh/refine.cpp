@@ -49,7 +49,8 @@ Edges edges_of(const scene::Body& body, const std::array<double, 3>& at, double 
   return out;
 }
 
-// Edges of gmsh are up to about 2.2 times as long, and down to a third as long, as the size that it is asked for.
+// Edges of gmsh are up to about 2.2 times as long, and down to a third as long, as the size that it is asked
+// for.
 TEST(Refine, makes_elements_small_within_the_ball_and_leaves_those_far_away) {
   const test::SharedFile file(".geo", cube);
   scene::Body body = test::body_of(file.path(), 1);

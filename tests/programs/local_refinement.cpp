@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "src/programs/mesh_levels.hpp"
 #include "src/programs/refinement.hpp"
 
 namespace {
@@ -174,6 +175,39 @@ TEST(Decision, alternates_between_elements_near_contact_and_all_others) {
   EXPECT_EQ(near.reason, "spacing");
   EXPECT_EQ(near.next->found.mesh.at("upper").order, global.found.mesh.at("upper").order);
   EXPECT_EQ(near.next->coarser, global.found);
+}
+
+// The next change of the mesh tells nothing about the elements near contact, so their last change is kept.
+TEST(Decision, keeps_the_change_near_contact_until_elements_there_become_smaller) {
+  const scene::Scene scene = scene_of_two();
+  auto round = round_of(3, {{Cause::mesh, 0.1}, {Cause::spacing, 1e-3}});
+  round.mesh_change = contact::Errors{{Quantity::impulse, 0.03}};
+  const Decision everywhere = decide(scene, after_local(scene), round, small);
+  ASSERT_EQ(everywhere.reason, "mesh");
+  EXPECT_EQ(everywhere.next->change_near_contact, *round.mesh_change);
+  EXPECT_TRUE(everywhere.next->coarser_change.empty());
+  round.mesh_change = contact::Errors{{Quantity::impulse, 0.01}};
+  const Decision near = decide(scene, *everywhere.next, round, small);
+  ASSERT_EQ(near.reason, "spacing");
+  EXPECT_TRUE(near.next->change_near_contact.empty());
+  EXPECT_TRUE(near.next->coarser_change.empty());
+  // Two refinements of the same elements show a pace.
+  scene::Settings local = *near.next;
+  for (auto& [body, mesh] : local.found.mesh) mesh.refine.pop_back();
+  round.estimate->by_cause = {{Cause::mesh, contact::Errors{{Quantity::impulse, 1e-4}}},
+                              {Cause::spacing, contact::Errors{{Quantity::impulse, 0.1}}}};
+  const Decision again = decide(scene, local, round, small);
+  ASSERT_EQ(again.reason, "spacing");
+  EXPECT_EQ(again.next->coarser_change, *round.mesh_change);
+}
+
+TEST(Decision, does_not_ask_for_the_same_elements_again) {
+  const scene::Scene scene = scene_of_two();
+  const auto round = round_of(3, {{Cause::mesh, 1e-4}, {Cause::spacing, 0.1}});
+  scene::Settings settings = after_local(scene);
+  for (auto& [body, balls] : balls_near_contact(scene, settings.found.mesh, round))
+    settings.found.mesh[body].refine = balls;
+  EXPECT_EQ(decide(scene, settings, round, small).reason, "mesh");
 }
 
 // The balls of three points have 2·6·3·8.5·(order³/6)·3·(radius/size)³ unknowns: with 10⁵ modes, that is too

@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "src/programs/mesh_levels.hpp"
+
 namespace {
 
 using namespace ricochet;

@@ -155,6 +155,7 @@ Settings some_settings() {
   return {.found = found,
           .coarser = coarser,
           .coarser_change = {{Quantity::impulse, 1e-3}, {Quantity::peak_force, 0.1}},
+          .change_near_contact = {{Quantity::rebound, 2e-3}},
           .rate = Hertz{1e5}};
 }
 
