@@ -38,11 +38,7 @@ scene::Settings first_settings(const scene::Scene& scene, MPI_Comm comm) {
   out.found.flexibility_error = first_flexibility_error;
   if (scene.modes.open()) {
     // Without a spacing, whole surfaces are candidates, and then modes are cheaper than Ritz vectors.
-    const bool few_candidates =
-        !scene.contact.pairs.empty() && std::ranges::all_of(scene.contact.pairs, [](const scene::Pair& pair) {
-          return pair.spacing.has_value();
-        });
-    out.found.basis = few_candidates ? scene::Basis::contact : scene::Basis::modes;
+    out.found.basis = gives_spacing(scene) ? scene::Basis::contact : scene::Basis::modes;
     out.found.up_to = start_band(scene, comm);
   } else {
     out.found.basis = scene.modes.basis;

@@ -32,11 +32,6 @@ constexpr double worth_while = 0.25;
 
 bool is_open(const scene::Scene& scene) { return scene.modes.open(); }
 
-bool gives_spacing(const scene::Scene& scene) {
-  return std::ranges::all_of(scene.contact.pairs,
-                             [](const scene::Pair& pair) { return pair.spacing.has_value(); });
-}
-
 /// Number of candidates of a model within a distance of the closest one of their pair.
 Eigen::Index candidates_within(const contact::Model& model, double zone) {
   Eigen::Index count = 0;
@@ -271,6 +266,12 @@ std::string obstacle(const scene::Scene& scene, Cause cause) {
 }
 
 }  // namespace
+
+bool gives_spacing(const scene::Scene& scene) {
+  return !scene.contact.pairs.empty() &&
+         std::ranges::all_of(scene.contact.pairs,
+                             [](const scene::Pair& pair) { return pair.spacing.has_value(); });
+}
 
 Decision decide(const scene::Scene& scene, const scene::Settings& settings, const contact::Dialled& round,
                 const std::vector<BodySize>& sizes) {

@@ -11,6 +11,9 @@
 
 namespace ricochet::programs {
 
+/// Whether the scene gives the spacing of all its candidates.
+bool gives_spacing(const scene::Scene& scene);
+
 /// Size of the eigenproblem of a body in a round.
 struct BodySize {
   std::string body;

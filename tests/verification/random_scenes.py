@@ -6,7 +6,8 @@
 Each scene has one or two boxes, cylinders, balls or angle brackets that hit a floor or each other, flat or tilted;
 their materials cover six decades of Young's modulus, and one body of a pair may be clamped. Ricochet chooses the
 settings. The reference has elements of the next order, of half the size near contact, twice the band, twice the zone,
-four times the rate and, where a zone limits the candidates, Ritz vectors with a flexibility error of 1e-2. Scenes and results are kept in DIR (default out/random) and are not computed again. The status is 1 unless
+four times the rate and, where a zone limits the candidates, Ritz vectors with a flexibility error of 1e-2. Scenes and
+results are kept in DIR (default out/random) and are not computed again. The status is 1 unless
 the true error is at most 3 estimates in 95 % of the scenes, at most the accuracy in 95 % of those that report it,
 and at least a tenth of the estimate in 80 %. Prints Markdown.
 """

@@ -98,8 +98,8 @@ class Impact:
 def settings(options: argparse.Namespace, scene: Scene) -> list[tuple[Kernel, list[Impact]]]:
     """All combinations of basis, R, scheme, step and precision. Unless `options.full` is set, order and
     spacing vary only with two bases: the largest number of modes and the first contact-adapted basis. The
-    tolerance varies only with the former. Settings that `accuracy` chooses come last. `options`: those of ricochet tradeoff.
-    """
+    tolerance varies only with the former. Settings that `accuracy` chooses come last. `options`: those of
+    ricochet tradeoff."""
     counts = options.counts or [max(1, scene.count // part) for part in (16, 8, 4, 2, 1)]
     bases: list[tuple[str, float, bool]]
     bases = [("modes", count, word == "with") for count in counts for word in options.residual]
