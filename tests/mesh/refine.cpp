@@ -77,6 +77,18 @@ TEST(Refine, is_in_metres_whatever_the_scale_and_the_size_factor) {
   EXPECT_GT(fine.longest_near, 0.02e-3 / 3);
 }
 
+TEST(Refine, of_one_body_is_not_that_of_the_next_in_the_same_session) {
+  const test::SharedFile file(".geo", cube);
+  scene::Body body = test::body_of(file.path(), 1);
+  const mesh::GmshSession gmsh;
+  const auto nodes = [&] { return mesh::read_mesh(body).fixed.size(); };
+  const std::size_t plain = nodes();
+  body.refine = {{.at = {0, 0, 1}, .radius = 0.1, .size = 0.02}};
+  EXPECT_GT(nodes(), 3 * plain / 2);
+  body.refine.clear();
+  EXPECT_EQ(nodes(), plain);
+}
+
 TEST(Refine, of_two_balls_takes_the_smaller_size) {
   const test::SharedFile file(".geo", cube);
   scene::Body body = test::body_of(file.path(), 1);
