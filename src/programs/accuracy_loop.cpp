@@ -17,8 +17,8 @@
 #include "src/parallel/parallel.hpp"
 #include "src/programs/accuracy.hpp"
 #include "src/programs/mesh_levels.hpp"
+#include "src/programs/pilot.hpp"
 #include "src/programs/refinement.hpp"
-#include "src/programs/start_band.hpp"
 #include "src/scene/settings.hpp"
 
 namespace ricochet::programs {
@@ -27,25 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-/// Flexibility error of the first round's Ritz vectors.
-constexpr double first_flexibility_error = 0.1;
-
 constexpr int most_rounds = 12;
-
-scene::Settings first_settings(const scene::Scene& scene, MPI_Comm comm) {
-  scene::Settings out;
-  out.found.mesh = meshes_at(scene, 0);
-  out.found.flexibility_error = first_flexibility_error;
-  if (scene.modes.open()) {
-    // Without a spacing, whole surfaces are candidates, and then modes are cheaper than Ritz vectors.
-    out.found.basis = gives_spacing(scene) ? scene::Basis::contact : scene::Basis::modes;
-    out.found.up_to = start_band(scene, comm);
-  } else {
-    out.found.basis = scene.modes.basis;
-    out.found.up_to = scene.modes.up_to.value_or(Hertz{1});
-  }
-  return out;
-}
 
 std::string text_of(const scene::KernelSettings& settings, const scene::Scene& scene) {
   std::string text;
@@ -71,6 +53,7 @@ std::string text_of(const scene::KernelSettings& settings, const scene::Scene& s
 }
 
 struct Judged {
+  Kernels kernels;  ///< to which the model of `dialled` refers
   contact::Dialled dialled;
   std::vector<BodySize> sizes;
 };
@@ -79,7 +62,7 @@ struct Judged {
 Judged judge(const scene::Scene& scene, const scene::Settings& settings, const fs::path& folder) {
   const scene::Scene closed = with_settings(scene, settings.found);
   KernelStore store;
-  const Kernels kernels = read_kernels(closed, folder, store);
+  Kernels kernels = read_kernels(closed, folder, store);
   Prepared prepared;
   prepared.forcing = in_scene(closed, [&] { return forcing_of(closed); });
   prepared.placement = store.placements.place(closed, kernels.pointers());
@@ -92,7 +75,8 @@ Judged judge(const scene::Scene& scene, const scene::Settings& settings, const f
                      .modes = static_cast<double>(kernels.kernel[k]->modes.size()),
                      .unknowns = static_cast<double>(kernels.kernel[k]->dofs),
                      .coarser_unknowns = coarser ? static_cast<double>(coarser->kernels[k]->dofs) : 0});
-  return {dial_of(closed, kernels, prepared, std::move(model), coarser, settings.rate, {}), std::move(sizes)};
+  contact::Dialled dialled = dial_of(closed, kernels, prepared, std::move(model), coarser, settings.rate, {});
+  return {std::move(kernels), std::move(dialled), std::move(sizes)};
 }
 
 /// The outcome of a round, the same on all ranks.
@@ -106,7 +90,7 @@ Outcome outcome_of_round(const scene::Scene& scene, scene::Settings settings, co
                          MPI_Comm comm) {
   std::string found, next, line;
   parallel::on_first_rank(comm, [&] {
-    const auto [dialled, sizes] = judge(scene, settings, folder);
+    const auto [kernels, dialled, sizes] = judge(scene, settings, folder);
     settings.rate = dialled.settings.rate.value_or(Hertz{1 / scene.time.step()});
     const Decision decision = decide(scene, settings, dialled, sizes);
     if (dialled.estimate) line = "error " + contact::formatted(*dialled.estimate);
@@ -125,7 +109,7 @@ Outcome outcome_of_round(const scene::Scene& scene, scene::Settings settings, co
 }  // namespace
 
 scene::Scene closed_for_check(const scene::Scene& scene, MPI_Comm comm) {
-  return with_settings(scene, first_settings(scene, comm).found);
+  return with_settings(scene, pilot_settings(scene, comm).found);
 }
 
 scene::Scene close_by_accuracy(const scene::Scene& given, const fs::path& folder, MPI_Comm comm,
@@ -138,7 +122,7 @@ scene::Scene close_by_accuracy(const scene::Scene& given, const fs::path& folder
   });
   parallel::broadcast(comm, stored);
   const auto known = scene::parse_settings(stored);
-  scene::Settings settings = known ? *known : first_settings(scene, comm);
+  scene::Settings settings = known ? *known : pilot_settings(scene, comm);
   if (!level_of(scene, settings.found)) scene = with_own_sizes(std::move(scene));
   std::optional<scene::Settings> last;  // of a round that succeeded
   std::vector<fs::path> written;

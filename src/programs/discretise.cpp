@@ -96,18 +96,14 @@ Discretised assembled(const scene::KernelRequest& request, Source& source, int c
   return made;
 }
 
-Source open(const scene::KernelRequest& request, MPI_Comm comm, console::Console& console) {
-  return open_source(request.body, surface::requested_groups(request), comm,
-                     [&](std::int64_t done, std::int64_t total) { console.advance(done, total); });
-}
-
 }  // namespace
 
-Discretised discretise(const scene::KernelRequest& request, MPI_Comm comm, console::Console& console) {
+Discretised discretise(const scene::KernelRequest& request, OpenedMeshes& meshes, MPI_Comm comm,
+                       console::Console& console) {
   const std::string& name = request.body.name;
   const std::string file = request.body.mesh.filename().string();
   console.begin(name + ": mesh");
-  Source source = open(request, comm, console);
+  Source source = meshes.take(request);
   const int ranks = parallel::size_of(comm);
   const int most = request.modes.basis == scene::Basis::contact ? 1 : ranks;
   for (int count = most;; --count) {
@@ -146,14 +142,15 @@ Discretised discretise(const scene::KernelRequest& request, MPI_Comm comm, conso
   }
 }
 
-void check_body(const scene::KernelRequest& request, MPI_Comm comm, console::Console& console) {
+void check_body(const scene::KernelRequest& request, OpenedMeshes& meshes, MPI_Comm comm,
+                console::Console& console) {
   const mesh::GmshSession gmsh;
   if (request.body.imported() && holds_modes(request.body, comm)) {
     kernel_of_modes(request, comm, console);
     return;
   }
   console.begin(request.body.name + ": mesh, to check it");
-  Source source = open(request, comm, console);
+  Source source = meshes.look(request);
   const Discretised made = assembled(request, source, 1, true, comm, console);
   modes::refuse_more_than_there_are(request.modes.count, made.matrices);
   console.end(fmt::format("{} unknowns", made.matrices.total_rows));

@@ -30,10 +30,12 @@ struct Discretised {
 /// each hold the whole body and process their own slices are faster than ranks that share one. If memory is
 /// short, the slices become smaller. A contact-adapted basis needs few factorisations, so all ranks form one
 /// team. Throws InputError if memory does not suffice for one team. Needs a GmshSession. Collective.
-Discretised discretise(const scene::KernelRequest& request, MPI_Comm comm, console::Console& console);
+Discretised discretise(const scene::KernelRequest& request, OpenedMeshes& meshes, MPI_Comm comm,
+                       console::Console& console);
 
 /// Checks on the mesh of a body whether its kernel can be computed. Collective; throws InputError on every
 /// rank if it cannot.
-void check_body(const scene::KernelRequest& request, MPI_Comm comm, console::Console& console);
+void check_body(const scene::KernelRequest& request, OpenedMeshes& meshes, MPI_Comm comm,
+                console::Console& console);
 
 }  // namespace ricochet

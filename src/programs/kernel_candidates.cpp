@@ -14,23 +14,57 @@
 #include "src/mesh/read.hpp"
 #include "src/scene/derive.hpp"
 #include "src/scene/parts.hpp"
+#include "src/surface/sources.hpp"
 
 namespace ricochet {
 
-Source open_source(const scene::Body& body, const mesh::RequestedGroups& asked, MPI_Comm comm,
-                   const parallel::Progress& progress) {
+namespace {
+
+/// Meshes with more nodes than this are read again where they are needed: their modes take far longer.
+constexpr std::size_t most_nodes_kept = 200'000;
+
+std::string key_of(const scene::KernelRequest& request) { return limited_to(request, {}).hash; }
+
+}  // namespace
+
+Source OpenedMeshes::open(const scene::KernelRequest& request) {
+  const scene::Body& body = request.body;
+  const mesh::RequestedGroups asked = surface::requested_groups(request);
   Source source;
-  parallel::on_first_rank(comm, [&] {
+  parallel::on_first_rank(comm_, [&] {
     source.in_parts = !scene::part_files(body.mesh).empty();
     if (source.in_parts) return;
     if (body.imported()) {
       source.whole = mesh::read_body_file(body, asked);
       return;
     }
-    source.whole = mesh::read_mesh(body, progress, asked);
+    source.whole = mesh::read_mesh(
+        body, [&](std::int64_t done, std::int64_t total) { console_.advance(done, total); }, asked);
     mesh::forget_meshes();
   });
-  source.in_parts = parallel::of_rank(comm, 0, source.in_parts);
+  source.in_parts = parallel::of_rank(comm_, 0, source.in_parts);
+  return source;
+}
+
+void OpenedMeshes::forget_large_ones(const std::string& but) {
+  std::erase_if(kept_, [&](const auto& one) {
+    return one.first != but && one.second.whole.position.size() > 3 * most_nodes_kept;
+  });
+}
+
+const Source& OpenedMeshes::look(const scene::KernelRequest& request) {
+  const std::string key = key_of(request);
+  forget_large_ones(key);
+  if (!parallel::of_rank(comm_, 0, kept_.contains(key))) kept_.insert_or_assign(key, open(request));
+  return kept_.at(key);
+}
+
+Source OpenedMeshes::take(const scene::KernelRequest& request) {
+  const std::string key = key_of(request);
+  forget_large_ones(key);
+  if (!parallel::of_rank(comm_, 0, kept_.contains(key))) return open(request);
+  Source source = std::move(kept_.at(key));
+  kept_.erase(key);
   return source;
 }
 
@@ -55,22 +89,21 @@ kernels::Surface surface_alone(kernels::WholeSurface from) {
   return to;
 }
 
-/// The candidates of a body from its mesh, on rank 0. The mesh is freed afterwards. Collective.
-kernels::Surface surface_of_mesh(const scene::KernelRequest& request, MPI_Comm comm,
+/// The candidates of a body from its mesh, on rank 0. Collective.
+kernels::Surface surface_of_mesh(const scene::KernelRequest& request, OpenedMeshes& meshes, MPI_Comm comm,
                                  console::Console& console) {
-  const scene::Body& body = request.body;
   const mesh::GmshSession gmsh;
-  console.begin(body.name + ": surface");
-  Source source = open_source(body, {}, comm, {});
+  console.begin(request.body.name + ": surface");
   const auto surface_of = [&](const mesh::Mesh& mesh) {
     return surface_alone(kernels::whole_surface(patches_of(request, mesh).geometry));
   };
+  const Source& source = meshes.look(request);
   kernels::Surface surface;
   if (source.in_parts)
-    surface = surface_of(mesh::read_parts(body, comm));
+    surface = surface_of(mesh::read_parts(request.body, comm));
   else
     parallel::on_first_rank(
-        comm, [&] { surface = surface_of(mesh::distribute(std::move(source.whole), MPI_COMM_SELF)); });
+        comm, [&] { surface = surface_of(mesh::distribute(mesh::GlobalMesh(source.whole), MPI_COMM_SELF)); });
   console.end(fmt::format("{} candidates", surface.area.size()));
   return surface;
 }
@@ -88,7 +121,8 @@ std::optional<kernels::Surface> surface_of_kernel(const std::vector<programs::Ke
 }  // namespace
 
 std::vector<Need> needs_of(const scene::Scene& scene, const std::vector<scene::KernelRequest>& requests,
-                           const std::filesystem::path& folder, MPI_Comm comm, console::Console& console) {
+                           const std::filesystem::path& folder, OpenedMeshes& meshes, MPI_Comm comm,
+                           console::Console& console) {
   std::vector<Need> needs(requests.size());
   if (scene.contact.pairs.empty()) return needs;  // kernels alone
   if (std::ranges::none_of(scene.bodies,
@@ -107,7 +141,7 @@ std::vector<Need> needs_of(const scene::Scene& scene, const std::vector<scene::K
     if (parallel::rank_of(comm) == 0) known = surface_of_kernel(programs::kernel_files(folder, request));
     surfaces.emplace_back().surface = parallel::of_rank(comm, 0, known.has_value())
                                           ? known.value_or(kernels::Surface{})
-                                          : surface_of_mesh(request, comm, console);
+                                          : surface_of_mesh(request, meshes, comm, console);
   }
   std::vector<Points> points(requests.size());
   std::vector<std::int64_t> normals(requests.size());

@@ -5,6 +5,8 @@
 #include <mpi.h>
 
 #include <filesystem>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "src/console/console.hpp"
@@ -17,14 +19,30 @@ namespace ricochet {
 
 using programs::Points;
 
-/// A mesh in one file, read on rank 0, or in parts, which are read later.
+/// A mesh in one file, on rank 0, or in parts, which are read later.
 struct Source {
   bool in_parts = false;
   mesh::GlobalMesh whole;
 };
 
-Source open_source(const scene::Body& body, const mesh::RequestedGroups& asked, MPI_Comm comm,
-                   const parallel::Progress& progress);
+/// The meshes of a run. gmsh takes seconds to mesh a geometry, so small meshes are kept until they are taken.
+/// Needs a GmshSession. Collective; throws InputError as read_mesh does, on every rank.
+class OpenedMeshes {
+ public:
+  OpenedMeshes(MPI_Comm comm, console::Console& console) : comm_(comm), console_(console) {}
+  /// Returns the mesh of a body, which may be needed again.
+  const Source& look(const scene::KernelRequest& request);
+  /// Returns the mesh of a body and forgets it.
+  Source take(const scene::KernelRequest& request);
+
+ private:
+  Source open(const scene::KernelRequest& request);
+  void forget_large_ones(const std::string& but);
+
+  MPI_Comm comm_;
+  console::Console& console_;
+  std::map<std::string, Source> kept_;  ///< by the hash of the request for all candidates
+};
 
 /// All candidates of the body. Needs a GmshSession.
 surface::Patches patches_of(const scene::KernelRequest& request, const mesh::Mesh& mesh);
@@ -40,7 +58,8 @@ struct Need {
 /// The result is the same on every rank. Collective. Throws InputError in the same cases as read_mesh and
 /// contact::place.
 std::vector<Need> needs_of(const scene::Scene& scene, const std::vector<scene::KernelRequest>& requests,
-                           const std::filesystem::path& folder, MPI_Comm comm, console::Console& console);
+                           const std::filesystem::path& folder, OpenedMeshes& meshes, MPI_Comm comm,
+                           console::Console& console);
 
 /// What to compute for body k. It includes the needs of later bodies whose kernels can be derived from its
 /// kernel.

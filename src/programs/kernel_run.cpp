@@ -121,11 +121,11 @@ void move_above_band(Hertz band, kernels::Kernel& kernel) {
 /// @param checkpoint  folder of finished slices, read and extended
 /// Throws InputError on every rank, or SolverError.
 kernels::Kernel compute_kernel(const scene::KernelRequest& request, const std::filesystem::path& checkpoint,
-                               MPI_Comm comm, console::Console& console) {
+                               OpenedMeshes& meshes, MPI_Comm comm, console::Console& console) {
   const scene::Body& body = request.body;
   const mesh::GmshSession gmsh;
   if (body.imported() && holds_modes(body, comm)) return kernel_of_modes(request, comm, console);
-  Discretised made = discretise(request, comm, console);
+  Discretised made = discretise(request, meshes, comm, console);
   const parallel::Teams& teams = *made.teams;
   const mesh::Mesh& mesh = made.mesh;
   const elasticity::Body& matrices = made.matrices;
@@ -225,7 +225,8 @@ std::vector<std::filesystem::path> compute_kernels(const scene::Scene& scene, bo
   parallel::on_all_ranks(comm, [&] {
     for (const scene::Body& body : scene.bodies) requests.push_back(scene::kernel_request(scene, body));
   });
-  const std::vector<Need> needs = needs_of(scene, requests, options.out, comm, console);
+  OpenedMeshes meshes(comm, console);
+  const std::vector<Need> needs = needs_of(scene, requests, options.out, meshes, comm, console);
   const auto stored = [&](std::size_t k) {
     std::string found;
     if (first)
@@ -241,7 +242,7 @@ std::vector<std::filesystem::path> compute_kernels(const scene::Scene& scene, bo
       };
       const auto earlier = requests.begin() + static_cast<std::ptrdiff_t>(k);
       if (std::none_of(requests.begin(), earlier, alike) && stored(k).empty())
-        check_body(requests[k], comm, console);
+        check_body(requests[k], meshes, comm, console);
     }
   };
   std::vector<std::filesystem::path> written;
@@ -271,7 +272,7 @@ std::vector<std::filesystem::path> compute_kernels(const scene::Scene& scene, bo
     const std::filesystem::path checkpoint = checkpoint_of(path);
     if (from.empty()) {
       check_later(k);
-      const kernels::Kernel kernel = compute_kernel(request, checkpoint, comm, console);
+      const kernels::Kernel kernel = compute_kernel(request, checkpoint, meshes, comm, console);
       parallel::on_first_rank(comm, [&] { kernels::write(kernel, path); });
       if (first && check) report_body(request.body, kernel, console);
     }

@@ -27,15 +27,8 @@ double rounded(double value, double unit) { return unit * std::round(value / uni
 
 double two_digits(double value) { return rounded(value, std::pow(10.0, std::floor(std::log10(value)) - 1)); }
 
-/// Adds a ball unless one lies there.
-void add(std::vector<scene::FineBall>& balls, const scene::FineBall& ball) {
-  const auto apart = [&](const scene::FineBall& other) {
-    return std::hypot(ball.at[0] - other.at[0], ball.at[1] - other.at[1], ball.at[2] - other.at[2]);
-  };
-  if (std::ranges::none_of(balls, [&](const scene::FineBall& other) {
-        return apart(other) < 0.1 * other.radius && other.size <= ball.size;
-      }))
-    balls.push_back(ball);
+double distance(const std::array<double, 3>& a, const std::array<double, 3>& b) {
+  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
 
 bool same_geometry(const scene::Body& a, const scene::Body& b) {
@@ -58,6 +51,7 @@ std::map<std::string, std::vector<scene::FineBall>> balls_near_contact(
     const Model::PairBlock& pair = model.pairs[p];
     int pressed = 0;
     for (int i = 0; i < pair.points; ++i) pressed += is_pressed(pair.first_point + i);
+    const double denser = pressed < few ? 4 : 2, spread = pressed < few ? 1 : 2;
     for (Eigen::Index i = pair.first_point; i < pair.first_point + pair.points; ++i) {
       if (!is_pressed(i)) continue;
       const double next = two_digits(distance_to_next(model, pair, i));
@@ -71,28 +65,26 @@ std::map<std::string, std::vector<scene::FineBall>> balls_near_contact(
         // An element of order p has p candidates along an edge.
         const auto elements = mesh.find(placed.name);
         const int order = elements != mesh.end() ? elements->second.order : placed.order;
-        scene::FineBall ball{.radius = next, .size = order * next / (pressed < few ? 4 : 2)};
+        scene::FineBall ball{.radius = spread * next, .size = order * next / denser};
         for (int k = 0; k < 3; ++k) ball.at[static_cast<std::size_t>(k)] = rounded(at[k], next / 100);
-        for (const scene::Body& other : scene.bodies)
-          if (other.refine_open && same_geometry(other, placed)) add(out[other.name], ball);
+        const auto contains = [&](const scene::FineBall& other) {
+          return distance(ball.at, other.at) + next <= 1.1 * other.radius && other.size <= 1.1 * ball.size;
+        };
+        for (const scene::Body& other : scene.bodies) {
+          if (!other.refine_open || !same_geometry(other, placed)) continue;
+          std::vector<scene::FineBall>& balls = out[other.name];
+          if (std::ranges::none_of(balls, contains)) balls.push_back(ball);
+        }
       }
     }
   }
   return out;
 }
 
-double times_as_many_candidates(const scene::KernelSettings& settings) {
-  double most = 1;
-  for (const auto& [body, mesh] : settings.mesh)
-    for (const scene::FineBall& ball : mesh.refine)
-      most = std::max(most, std::pow(mesh.order * ball.radius / ball.size, 2));
-  return most;
-}
-
 double unknowns_in(const std::vector<scene::FineBall>& balls, int order) {
-  // A regular tetrahedron has the volume size³/8.5 and, as one of many, order³/6 nodes. Balls of neighbours
-  // overlap, half of each lies outside the body, and elements grow slowly around them: about three times
-  // radius³ remain for each.
+  // A regular tetrahedron has the volume size³/8.5 and, as one of many, order³/6 nodes. Half of a ball lies
+  // outside the body, balls overlap, and elements grow slowly around them: about three times radius³ remain
+  // for each.
   double count = 0;
   for (const scene::FineBall& ball : balls)
     count += 3 * 8.5 * (order * order * order / 6.0) * 3 * std::pow(ball.radius / ball.size, 3);

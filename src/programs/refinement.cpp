@@ -11,6 +11,7 @@
 
 #include "contact/accuracy/error_report.hpp"
 #include "contact/accuracy/spectrum.hpp"
+#include "src/programs/contact_zone.hpp"
 #include "src/programs/local_refinement.hpp"
 #include "src/programs/mesh_levels.hpp"
 
@@ -32,26 +33,14 @@ constexpr double worth_while = 0.25;
 
 bool is_open(const scene::Scene& scene) { return scene.modes.open(); }
 
-/// Number of candidates of a model within a distance of the closest one of their pair.
-Eigen::Index candidates_within(const contact::Model& model, double zone) {
-  Eigen::Index count = 0;
-  for (const contact::Model::PairBlock& pair : model.pairs) {
-    const auto gap = model.gap.segment(pair.first_point, pair.points).array();
-    count += (gap < gap.minCoeff() + zone).count();
-  }
-  return count;
-}
-
 /// Ritz vectors cost a few solves for each candidate, whatever the band; modes cost a solve or two for each
 /// mode in it. With few modes and many candidates, as in flat contact, modes are therefore cheaper.
 /// The ends of rods meet with a shock, whose resonances only modes have.
-/// @param denser  times as many candidates in the zone as those of the model
-scene::Basis cheaper_basis(const scene::KernelSettings& settings, const contact::Model& model,
-                           double denser = 1) {
+scene::Basis cheaper_basis(const scene::KernelSettings& settings, const contact::Model& model) {
   constexpr double blocks = 3;
-  const Eigen::Index candidates = settings.zone ? candidates_within(model, *settings.zone) : model.gap.size();
-  const bool few =
-      static_cast<double>(model.omega.size()) < blocks * denser * static_cast<double>(candidates);
+  const double candidates = settings.zone ? expected_candidates(model, settings, *settings.zone)
+                                          : static_cast<double>(model.gap.size());
+  const bool few = static_cast<double>(model.omega.size()) < blocks * candidates;
   const bool rods = std::ranges::all_of(model.bodies, [](const contact::Model::BodyBlock& body) {
     return body.kernel->surface.corners() == 1;
   });
@@ -60,32 +49,6 @@ scene::Basis cheaper_basis(const scene::KernelSettings& settings, const contact:
 
 /// Number of times that the band is doubled after the pilot.
 constexpr int most_doublings = 2;
-
-/// Distance beyond the closest pair within which candidates may touch: twice that by which the bodies came
-/// nearer to each other.
-double zone_near_contact(const contact::Quantities& run) { return 2 * run.nearer; }
-
-/// The zone with which a mesh that remains as it is goes on: with at least `ring` points more than were
-/// pressed. No value if that hardly reduces their number.
-std::optional<double> zone_of(const contact::Model& model, const contact::Quantities& run) {
-  constexpr std::size_t ring = 3;
-  double zone = zone_near_contact(run);
-  for (const contact::Model::PairBlock& pair : model.pairs) {
-    const auto gap = model.gap.segment(pair.first_point, pair.points);
-    std::vector<double> beyond(gap.begin(), gap.end());
-    std::ranges::sort(beyond);
-    const double closest = beyond.front();
-    double farthest = closest;
-    for (int i = 0; i < pair.points; ++i)
-      if (run.pressed[static_cast<std::size_t>(pair.first_point + i)]) farthest = std::max(farthest, gap[i]);
-    const auto next =
-        static_cast<std::size_t>(std::ranges::upper_bound(beyond, farthest) - beyond.begin()) + ring;
-    zone = std::max(zone, beyond[std::min(next, beyond.size() - 1)] - closest);
-  }
-  zone *= 1 + 1e-6;  // so that round-off drops none of them
-  if (!(zone > 0) || 2 * candidates_within(model, zone) > model.gap.size()) return std::nullopt;
-  return zone;
-}
 
 /// The band after the pilot: it is doubled as often as its share of the error suggests, but not beyond the
 /// band that the force fills, below which all but ε² of the energy of the force lies.
@@ -163,27 +126,37 @@ scene::Settings following(const scene::Settings& last, scene::Settings next, con
   return next;
 }
 
-/// The round's settings with smaller elements near contact; no value if there are none, or too many.
-std::optional<scene::KernelSettings> finer_near_contact(const scene::Scene& scene,
-                                                        const scene::Settings& settings,
-                                                        const contact::Dialled& round,
-                                                        const std::vector<BodySize>& sizes) {
-  const auto balls = balls_near_contact(scene, settings.found.mesh, round);
-  if (balls.empty()) return std::nullopt;
-  scene::KernelSettings out = settings.found;
-  for (const auto& [body, of_body] : balls) out.mesh[body].refine = of_body;
-  const auto candidates =
-      static_cast<double>(candidates_within(round.model, zone_near_contact(*round.quantities)));
-  if (out == settings.found || candidates * times_as_many_candidates(out) > most_candidates)
-    return std::nullopt;
-  if (!is_affordable(predicted(sizes, settings.found, out))) return std::nullopt;
-  return out;
+/// Smaller elements near contact, and what follows from them.
+struct FinerNearContact {
+  std::map<std::string, std::vector<scene::FineBall>> balls;
+  double cost;  ///< relative to that of the kernels of the last round
+};
+
+scene::KernelSettings with_balls(scene::KernelSettings settings,
+                                 const std::map<std::string, std::vector<scene::FineBall>>& balls) {
+  for (const auto& [body, of_body] : balls) settings.mesh[body].refine = of_body;
+  return settings;
 }
 
 double unknowns_of(const std::vector<BodySize>& sizes) {
   double sum = 0;
   for (const BodySize& size : sizes) sum += size.unknowns;
   return sum;
+}
+
+/// @return no value if there are none, or too many
+std::optional<FinerNearContact> finer_near_contact(const scene::Scene& scene, const scene::Settings& settings,
+                                                   const contact::Dialled& round,
+                                                   const std::vector<BodySize>& sizes) {
+  auto balls = balls_near_contact(scene, settings.found.mesh, round);
+  const scene::KernelSettings finer = with_balls(settings.found, balls);
+  if (finer == settings.found ||
+      expected_candidates(round.model, finer, zone_near_contact(*round.quantities)) > most_candidates)
+    return std::nullopt;
+  const std::vector<BodySize> then = predicted(sizes, settings.found, finer);
+  if (!is_affordable(then)) return std::nullopt;
+  return FinerNearContact{std::move(balls),
+                          std::max(cost_of_vectors, unknowns_of(then) / unknowns_of(sizes))};
 }
 
 /// Whether smaller elements were asked for but not made, as for a geometry that fixes their number.
@@ -203,9 +176,8 @@ struct Option {
 
 /// What can be refined besides the basis.
 struct Possible {
-  bool finer = false;                          ///< elements everywhere
-  std::optional<scene::KernelSettings> local;  ///< elements near contact, which also have more candidates
-  double local_cost = 0;
+  bool finer = false;                     ///< elements everywhere
+  std::optional<FinerNearContact> local;  ///< elements near contact, which also have more candidates
 };
 
 /// The options of a round, those that gain most for their cost first. Elements near contact reduce the share
@@ -218,9 +190,9 @@ std::vector<Option> options_of(const scene::Scene& scene, const Possible& possib
   const auto share = [&](Cause cause) { return estimate.share(cause).value_or(0); };
   const double mesh = share(Cause::mesh), spacing = gives_spacing(scene) ? 0 : share(Cause::spacing);
   if (possible.local && last_change(settings) != only_near_contact) {
-    out.push_back({Cause::spacing, spacing + mesh, possible.local_cost});
+    out.push_back({Cause::spacing, spacing + mesh, possible.local->cost});
   } else if (possible.local) {
-    out.push_back({Cause::spacing, spacing, possible.local_cost});
+    out.push_back({Cause::spacing, spacing, possible.local->cost});
     if (possible.finer) out.push_back({Cause::mesh, mesh, cost_of_mesh});
   } else if (possible.finer) {
     out.push_back({Cause::mesh, mesh + spacing, cost_of_mesh});
@@ -295,18 +267,16 @@ Decision decide(const scene::Scene& scene, const scene::Settings& settings, cons
   Possible possible;
   const bool sizes_fixed = size_is_fixed(settings, sizes);
   possible.finer = has_finer(scene, level) && !sizes_fixed;
-  const bool concentrated = settings.found.zone || (!round.quantities->pressed.empty() &&
-                                                    zone_of(round.model, *round.quantities).has_value());
+  // The zone of the pilot contains all that might touch, not only what did.
+  const bool concentrated =
+      (settings.coarser && settings.found.zone) ||
+      (!round.quantities->pressed.empty() && zone_of(round.model, *round.quantities).has_value());
   if (concentrated && !sizes_fixed) possible.local = finer_near_contact(scene, settings, round, sizes);
-  if (possible.local)
-    possible.local_cost = std::max(
-        cost_of_vectors, unknowns_of(predicted(sizes, settings.found, *possible.local)) / unknowns_of(sizes));
   const auto with_finer_elements_near_contact = [&](scene::Settings finer) {
-    for (auto& [body, mesh] : finer.found.mesh) mesh.refine = possible.local->mesh.at(body).refine;
+    finer.found = with_balls(std::move(finer.found), possible.local->balls);
     if (finer.found.zone && round.quantities->nearer > 0)
       finer.found.zone = zone_near_contact(*round.quantities);
-    if (is_open(scene))
-      finer.found.basis = cheaper_basis(finer.found, round.model, times_as_many_candidates(finer.found));
+    if (is_open(scene)) finer.found.basis = cheaper_basis(finer.found, round.model);
     return finer;
   };
   if (!settings.coarser && has_finer(scene, level)) {

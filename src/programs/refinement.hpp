@@ -37,7 +37,7 @@ Decision decide(const scene::Scene& scene, const scene::Settings& settings, cons
 
 /// Largest sum of modes × unknowns over the bodies that a refinement may lead to. On two cores, kernels of
 /// this size take about half a minute.
-inline constexpr double most_work = 3e7;
+inline constexpr double most_work = 6e7;
 
 /// Largest expected number of candidates in the zone to which smaller elements near contact may lead. The
 /// static correction of as many candidates takes seconds, and so do the steps of the impact.

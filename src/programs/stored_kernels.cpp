@@ -106,8 +106,6 @@ std::vector<StoredKernel> find_kernels(const scene::Scene& scene, const fs::path
   return out;
 }
 
-namespace {}  // namespace
-
 Kernels read_kernels(const scene::Scene& scene, const fs::path& folder, KernelStore& store, bool view) {
   const std::vector<StoredKernel> stored = find_kernels(scene, folder, store);
   Kernels out;

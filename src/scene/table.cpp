@@ -35,14 +35,13 @@ std::string one_line(std::string text) {
 
 toml::table parse_toml(const std::string& text, const std::string& origin) {
   // Each dot of a key creates a table, and tables are destroyed recursively, so tens of thousands would
-  // exhaust the stack. The parser limits all other nesting. Consecutive dots do not occur in keys.
+  // exhaust the stack. The parser limits all other nesting. Consecutive dots do not occur in keys, and the
+  // numbers of a list are not a key.
   constexpr int most = 100;
   int line = 1, dots = 0;
   for (std::size_t at = 0; at < text.size(); ++at) {
-    if (text[at] == '\n') {
-      ++line;
-      dots = 0;
-    }
+    if (text[at] == '\n') ++line;
+    if (std::string_view("\n=,[]{}").find(text[at]) != std::string_view::npos) dots = 0;  // a key ends
     if (text[at] == '.' && (at == 0 || text[at - 1] != '.') && ++dots > most)
       throw InputError(fmt::format("{}:{}: more than {} dots: no key is nested so deeply; break the line",
                                    origin, line, most));

@@ -46,7 +46,12 @@ scene::Settings first_round(const scene::Scene& scene) {
   return settings;
 }
 
-const kernels::Kernel kernel_of_a_solid;
+/// The surface of `round_of`, of 40 points.
+const kernels::Kernel kernel_of_a_solid = [] {
+  kernels::Kernel kernel;
+  kernel.surface.area.assign(40, next * next);
+  return kernel;
+}();
 
 /// A round in which `pressed` of 40 points on a line were pressed, of two bodies: the upper one was moved by
 /// 1 m along x and turned by 90° about z, the lower one was not moved. Gaps grow along the line.
@@ -88,8 +93,8 @@ TEST(Balls, lie_at_the_pressed_points_in_the_axes_of_the_mesh) {
   const scene::Scene scene = scene_of_two();
   const auto balls = balls_near_contact(scene, programs::meshes_at(scene, 0), round_of(3, {}));
   ASSERT_EQ(balls.size(), 2U);
-  // Three in each body, and those of the other body, because one mesh serves both.
-  ASSERT_EQ(balls.at("lower").size(), 6U);
+  // Two in each body, and those of the other body, because one mesh serves both.
+  ASSERT_EQ(balls.at("lower").size(), 4U);
   EXPECT_EQ(balls.at("lower"), balls.at("upper"));
   const auto holds = [&](double x, double y) {
     return std::ranges::any_of(balls.at("lower"), [&](const scene::FineBall& ball) {
@@ -108,8 +113,23 @@ TEST(Balls, halve_the_distance_of_candidates_or_quarter_it_if_few_are_pressed) {
     return balls_near_contact(scene, programs::meshes_at(scene, 0), round_of(pressed, {})).at("lower")[0];
   };
   EXPECT_NEAR(ball(2).size, 2 * next / 4, 1e-9);
+  EXPECT_NEAR(ball(2).radius, next, 1e-9);
   EXPECT_NEAR(ball(3).size, 2 * next / 2, 1e-9);
-  EXPECT_NEAR(ball(3).radius, next, 1e-9);
+  EXPECT_NEAR(ball(3).radius, 2 * next, 1e-9);
+}
+
+// A ball reaches one distance beyond the points that it serves: two of a line, then the next two.
+TEST(Balls, are_as_few_as_reach_one_distance_beyond_every_pressed_point) {
+  scene::Scene scene = scene_of_two();
+  scene.bodies[1].mesh = "other.step";
+  const int pressed = 9;
+  const auto balls =
+      balls_near_contact(scene, programs::meshes_at(scene, 0), round_of(pressed, {})).at("lower");
+  EXPECT_EQ(balls.size(), 5U);
+  for (int i = 0; i < pressed; ++i)
+    EXPECT_TRUE(std::ranges::any_of(balls, [&](const scene::FineBall& ball) {
+      return std::abs(ball.at[1] - i * next) + next <= 1.2 * ball.radius;
+    })) << i;
 }
 
 TEST(Balls, are_not_for_bodies_or_candidates_that_a_scene_gives) {
@@ -138,7 +158,7 @@ TEST(Decision, makes_elements_smaller_where_a_small_part_is_pressed) {
       decide(scene, first_round(scene), round_of(3, {{Cause::modes, 1e-4}, {Cause::spacing, 0.1}}), small);
   ASSERT_TRUE(local.next);
   EXPECT_EQ(local.reason, "mesh, spacing");
-  EXPECT_EQ(local.next->found.mesh.at("upper").refine.size(), 6U);
+  EXPECT_EQ(local.next->found.mesh.at("upper").refine.size(), 4U);
   EXPECT_EQ(local.next->found.mesh.at("upper").order, programs::meshes_at(scene, 1).at("upper").order);
   EXPECT_DOUBLE_EQ(local.next->found.zone.value_or(0), 2e-5);  // twice as far as the bodies came nearer
   const Decision flat =

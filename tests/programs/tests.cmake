@@ -2,6 +2,7 @@
 add_serial_test(programs placement_store ricochet_impact)
 add_serial_test(programs impact_warnings ricochet_impact)
 add_serial_test(programs body_warnings ricochet_impact)
+add_serial_test(programs contact_zone ricochet_scene_kernels)
 add_serial_test(programs local_refinement ricochet_scene_kernels)
 add_serial_test(programs refinement ricochet_scene_kernels)
 add_program_test(programs accuracy)

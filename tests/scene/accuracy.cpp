@@ -131,6 +131,14 @@ TEST(BodyOfGivenElements, leaves_no_mesh_open) {
   EXPECT_FALSE(block_of(local).refine_open);
 }
 
+// The guard against deeply nested keys counts the dots of a key, not those of its value.
+TEST(Refine, takes_many_balls_in_one_line) {
+  std::string balls;
+  for (int ball = 0; ball < 40; ++ball)
+    balls += std::string(ball ? "," : "") + "{at=[0.5,0.5,1.5],radius=0.1,size=0.02}";
+  EXPECT_EQ(block_of(scene_of(open_scene, {"bodies.block.refine=[" + balls + "]"})).refine.size(), 40U);
+}
+
 TEST(Settings, are_shared_by_scenes_with_the_same_bodies_and_accuracy) {
   const std::string path = settings_of(with_accuracy());
   EXPECT_THAT(path, HasSubstr("out/ball-block-"));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "src/programs/start_band.hpp"
+#include "src/programs/pilot.hpp"
 
 #include <fmt/format.h>
 
@@ -10,10 +10,16 @@
 #include "src/mesh/gmsh_session.hpp"
 #include "src/mesh/open.hpp"
 #include "src/parallel/parallel.hpp"
+#include "src/programs/contact_zone.hpp"
+#include "src/programs/mesh_levels.hpp"
+#include "src/programs/refinement.hpp"
 #include "src/scene/parts.hpp"
 
-namespace ricochet {
+namespace ricochet::programs {
 namespace {
+
+/// Flexibility error of Ritz vectors.
+constexpr double coarse_flexibility_error = 0.1;
 
 /// Crossings of the body in the shortest period of the band.
 constexpr double crossings = 2, crossings_of_rods = 8;
@@ -46,9 +52,7 @@ double rounded(double value) {
   return std::ceil(value / unit - 1e-9) * unit;
 }
 
-}  // namespace
-
-Hertz start_band(const scene::Scene& scene, MPI_Comm comm) {
+Hertz coarse_band(const scene::Scene& scene, MPI_Comm comm) {
   double rate = std::numeric_limits<double>::infinity();
   parallel::on_first_rank(comm, [&] {
     bool rods = true;
@@ -62,4 +66,22 @@ Hertz start_band(const scene::Scene& scene, MPI_Comm comm) {
   return Hertz{parallel::of_rank(comm, 0, rate)};
 }
 
-}  // namespace ricochet
+}  // namespace
+
+scene::Settings pilot_settings(const scene::Scene& scene, MPI_Comm comm) {
+  scene::Settings out;
+  out.found.mesh = meshes_at(scene, 0);
+  out.found.flexibility_error = coarse_flexibility_error;
+  out.found.zone = within_flight(scene);
+  if (scene.modes.open()) {
+    // Without a spacing, whole surfaces are candidates, and then modes are cheaper than Ritz vectors.
+    out.found.basis = gives_spacing(scene) ? scene::Basis::contact : scene::Basis::modes;
+    out.found.up_to = coarse_band(scene, comm);
+  } else {
+    out.found.basis = scene.modes.basis;
+    out.found.up_to = scene.modes.up_to.value_or(Hertz{1});
+  }
+  return out;
+}
+
+}  // namespace ricochet::programs

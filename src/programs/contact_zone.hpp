@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// How far from the closest pair candidates may touch, and how many candidates lie there. Independent of MPI.
+#pragma once
+
+#include <optional>
+
+#include "contact/accuracy/dial.hpp"
+#include "src/scene/settings.hpp"
+
+namespace ricochet::programs {
+
+/// Twice the distance by which bodies can approach each other rigidly in the duration of the scene [m]. The
+/// factor allows for a body that turns after its first impact: the free end of a rod that falls on its other
+/// end becomes twice as fast. No value if nothing bounds the approach: at rest, if a body turns from the
+/// beginning, or if forces or supports move it.
+std::optional<double> within_flight(const scene::Scene& scene);
+
+/// Twice the distance by which bodies came nearer to each other in a run [m].
+double zone_near_contact(const contact::Quantities& run);
+
+/// The zone with which a mesh that remains as it is goes on [m]: `zone_near_contact`, with three points more
+/// than were pressed. No value if it would contain more than half of the surface that may touch.
+std::optional<double> zone_of(const contact::Model& model, const contact::Quantities& run);
+
+/// Expected number of candidates within a distance [m] of the closest pair, on meshes with the elements of
+/// these settings. Where the model has few points there, their area follows from those farther apart.
+double expected_candidates(const contact::Model& model, const scene::KernelSettings& settings,
+                           double distance);
+
+}  // namespace ricochet::programs
