@@ -118,9 +118,10 @@ Kernel rescaled(Kernel kernel, const Similarity& factors, const Damping& damping
     auto& [basis, omega, decay, residual, certificate] = modes;
     multiply(omega, frequency);
     for (std::size_t n = 0; n < omega.size(); ++n) decay[n] = decay_rate(damping, RadPerSecond{omega[n]});
-    auto& [below, upto_hz, by_inertia, found, left_out, complete, orthonormality, error, approximate] =
-        certificate;
+    auto& [below, upto_hz, by_inertia, shift, modes_below, found, left_out, complete, orthonormality, error,
+           approximate] = certificate;
     upto_hz *= frequency;
+    multiply(shift, frequency * frequency);
   }
   {
     auto& [components, direction, node, centroid, group, normal, area, corners, element, shape, flexibility,
@@ -189,6 +190,10 @@ Kernel truncated_to_band(Kernel kernel, Hertz band) {
   certificate.upto_hz = std::min(band.value, certificate.upto_hz);
   certificate.count_found = static_cast<std::int64_t>(kernel.modes.size());
   if (certificate.complete) certificate.count_by_inertia = certificate.count_found;
+  const double end = std::pow(RadPerSecond(band).value, 2);
+  const auto behind = std::ranges::lower_bound(certificate.shift, end) - certificate.shift.begin();
+  certificate.shift.resize(static_cast<std::size_t>(behind));
+  certificate.modes_below.resize(certificate.shift.size());
   certificate.flexibility_error = 0;
   return kernel;
 }

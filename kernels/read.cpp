@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <concepts>
 #include <limits>
+#include <numbers>
 
 #include "base/hdf5_reader.hpp"
 #include "kernels/format.hpp"
@@ -121,6 +123,16 @@ void check_certificate(const hdf5::Reader& file, const Modes& modes) {
   if (kept < 0 || static_cast<std::uint64_t>(kept) != modes.size())
     file.fail(fmt::format("its certificate is for {} modes, but \"/modes/angular_frequency\" has {}.", kept,
                           modes.size()));
+  if (certificate.shift.size() != certificate.modes_below.size())
+    file.fail("\"/modes/certificate/shift\" and \"/modes/certificate/modes_below\" differ in length.");
+  for (std::size_t s = 0; certificate.left_out == 0 && s < certificate.shift.size(); ++s) {
+    const auto below = std::ranges::count_if(
+        modes.angular_frequency, [&](double omega) { return omega * omega < certificate.shift[s]; });
+    if (static_cast<double>(below) != certificate.modes_below[s])
+      file.fail(fmt::format("has {} modes below {:.6g} Hz, but its certificate counted {}.", below,
+                            std::sqrt(std::max(certificate.shift[s], 0.0)) / (2 * std::numbers::pi),
+                            certificate.modes_below[s]));
+  }
 }
 
 }  // namespace

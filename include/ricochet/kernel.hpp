@@ -23,6 +23,8 @@ struct Certificate {
   std::int64_t below = 0;             ///< modes below the interval (0: it starts below all modes)
   double upto_hz = 0;                 ///< upper end of the proved interval [Hz]
   std::int64_t count_by_inertia = 0;  ///< modes in it, by Sylvester's law; basis "contact": number of vectors
+  std::vector<double> shift;          ///< (S) shifts at which modes were counted [rad²/s²], ascending
+  std::vector<double> modes_below;    ///< (S) modes below each shift, by Sylvester's law
   std::int64_t count_found = 0;       ///< modes found
   std::int64_t left_out = 0;  ///< modes found but truncated, because contact hardly excites them in the band
   /// The counts agree, and residuals, M-orthonormality and flexibility are within their bounds. False for the

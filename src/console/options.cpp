@@ -78,10 +78,15 @@ Parsed parse(const Program& program, int argc, const char* const* argv, bool spe
         ->type_name("N")
         ->check(above_zero());
   }
-  if (!program.impacts)
-    app.add_flag(
+  if (!program.impacts) {
+    CLI::Option* check = app.add_flag(
         "--check", options.check,
         "Check scene, meshes, groups, loads and receivers of the kernels that are missing, and stop");
+    app.add_flag(
+           "--verify", options.verify,
+           "Count the modes of the stored kernels again with K and M, and stop: status 1 if a count differs")
+        ->excludes(check);
+  }
   app.footer("Examples:\n" + program.examples);
   if (const auto status = status_of_parsing(app, argc, argv, speak)) return {std::nullopt, *status};
   if (!accuracy.empty()) options.overrides.push_back("accuracy=" + accuracy);

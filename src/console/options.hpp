@@ -21,6 +21,7 @@ struct Options {
   bool dry_run = false;                ///< print the resolved scene and stop
   bool quiet = false;
   bool check = false;           ///< ricochet-kernel: check the request, compute nothing
+  bool verify = false;          ///< ricochet-kernel: count the modes of stored kernels again
   bool vtk = false;             ///< ricochet-contact: write the motion for ParaView
   bool batch = false;           ///< ricochet-contact: requests on stdin, answers on stdout
   std::filesystem::path fclib;  ///< ricochet-contact: folder of complementarity problems; empty: none

@@ -310,10 +310,19 @@ ModeSet approximate_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, 
   const VectorXd lambda = iteration.lambda();
   Index kept = request.up_to ? cut->modes : wanted;
   while (kept > 0 && kept < cut->modes && lambda[kept] < (1 + apart) * lambda[kept - 1]) ++kept;
-  set.cut = kept == cut->modes ? cut->sigma : ((kept > 0 ? lambda[kept - 1] : 0) + lambda[kept]) / 2;
+  Probe counted{cut->sigma, r + cut->modes};
+  if (kept < cut->modes) {
+    // Frequencies are slightly high, so that a mode may lie below the middle of a narrow gap.
+    const Probe middle = count_below(teams, factor, ((kept > 0 ? lambda[kept - 1] : 0) + lambda[kept]) / 2);
+    if (middle.below == r + kept)
+      counted = middle;
+    else
+      kept = cut->modes;
+  }
+  set.cut = counted.sigma;
   for (Index n = 0; n < r + kept; ++n) set.angular_frequency.push_back(n < r ? 0 : std::sqrt(lambda[n - r]));
   set.store(teams, operators, teams.share(kept).first, iteration.vectors(kept));
-  certify(teams, operators, r + kept, std::nullopt, set);
+  refuse_incomplete(set, certify(teams, operators, {counted}, std::nullopt, set));
   return set;
 }
 

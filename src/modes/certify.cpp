@@ -11,25 +11,29 @@ namespace ricochet::modes {
 
 namespace {
 
-/// Returns the bound on max |ΦᵀMΦ − I|. Two modes from different shifts, with residuals up to r, are
-/// orthogonal to within 2rλ/Δλ, and neighbours are rarely closer than 2 %; the bound is therefore 100 r. A
-/// mode that was found twice would give 1. Ritz vectors of one space are orthogonal whatever their residuals.
-double orthonormality_bound(std::optional<double> tolerance) {
-  return tolerance ? std::clamp(100 * *tolerance, 1e-8, 0.1) : 1e-8;
-}
+/// Bound on max |ΦᵀMΦ − I|. Two modes from different shifts, with residuals up to r, are orthogonal to within
+/// 2rλ/Δλ; for r = 1e-8 and neighbours 2 % apart, this is the bound. A mode that was found twice would
+/// give 1. Ritz vectors of one space are orthogonal whatever their residuals.
+constexpr double orthonormality_of_modes = 1e-6, orthonormality_of_ritz_vectors = 1e-8;
 
-/// Residuals of this team's elastic modes, and max |ΦᵀMΦ − I| over all pairs of modes.
+/// What K and M say about a set, the same on every rank.
 struct Measured {
-  Eigen::VectorXd residual;
-  double orthonormality = 0;
+  Eigen::RowVectorXd residual;  ///< (N)
+  Eigen::RowVectorXd overlap;   ///< (N) largest |ΦᵀMΦ − I| of a column
+  Eigen::RowVectorXd excess;    ///< (N) residual if it exceeds both `tolerance` and round-off, otherwise 0
 };
 
 /// Computes residuals and orthonormality in panels, because K Φ and M Φ are as large as Φ. Each team
 /// multiplies its own columns. The M Φ of each team is then compared with the columns of the others.
-Measured measure(const parallel::Teams& teams, const Operators& operators, const Eigen::VectorXd& lambda,
-                 const Eigen::MatrixXd& shape) {
+Measured measure(const parallel::Teams& teams, const Operators& operators, std::optional<double> tolerance,
+                 const ModeSet& set) {
   constexpr Eigen::Index panel = 64;
-  Measured measured{Eigen::VectorXd(shape.cols()), 0};
+  const Eigen::MatrixXd& shape = set.shape;
+  const auto number = [&](Eigen::Index j) { return set.index[static_cast<std::size_t>(j)]; };
+  const auto all = static_cast<Eigen::Index>(set.angular_frequency.size());
+  Eigen::RowVectorXd residual = Eigen::RowVectorXd::Zero(all), excess = residual, overlap = residual;
+  const double stiffest =
+      parallel::largest(operators.comm, operators.diagonal.size() > 0 ? operators.diagonal.maxCoeff() : 0);
   const auto most =
       static_cast<Eigen::Index>(parallel::largest(teams.peers(), static_cast<double>(shape.cols())));
   for (Eigen::Index j = 0; j < most; j += panel) {
@@ -39,53 +43,55 @@ Measured measure(const parallel::Teams& teams, const Operators& operators, const
       const auto mine = shape.middleCols(j, own);
       momentum = operators.mass(mine);
       const Eigen::MatrixXd force = operators.stiffness(mine);
-      measured.residual.segment(j, own) =
-          operators.norms(force - momentum * lambda.segment(j, own).asDiagonal())
-              .cwiseQuotient(operators.norms(force));
+      Eigen::VectorXd lambda(own), scale = operators.norms(force);
+      for (Eigen::Index k = 0; k < own; ++k) {
+        lambda[k] = std::pow(set.angular_frequency[static_cast<std::size_t>(number(j + k))], 2);
+        // For rigid modes, ‖Kφ‖ vanishes, so it cannot serve as the scale.
+        if (lambda[k] == 0) scale[k] = stiffest * operators.norms(mine.col(k))[0];
+      }
+      const Eigen::VectorXd relative =
+          operators.norms(force - momentum * lambda.asDiagonal()).cwiseQuotient(scale);
+      for (Eigen::Index k = 0; k < own; ++k) {
+        residual[number(j + k)] = relative[k];
+        if (tolerance && !(relative[k] <= *tolerance) &&
+            !(relative[k] <= operators.round_off(mine.col(k))[0]))
+          excess[number(j + k)] = std::isfinite(relative[k]) ? relative[k] : 1;
+      }
     }
     for (int t = 0; t < teams.count(); ++t) {
       std::int64_t n = own;
       MPI_Bcast(&n, 1, MPI_INT64_T, t, teams.peers());
+      if (n == 0) continue;
+      std::vector<Eigen::Index> columns;
+      for (Eigen::Index k = 0; teams.mine() == t && k < n; ++k) columns.push_back(number(j + k));
+      parallel::broadcast(teams.peers(), columns, t);
       Eigen::MatrixXd theirs;
       if (teams.mine() != t) theirs.resize(shape.rows(), n);
       MPI_Bcast(teams.mine() == t ? momentum.data() : theirs.data(), static_cast<int>(shape.rows() * n),
                 MPI_DOUBLE, t, teams.peers());
       // Of two teams, the one with the higher number computes their products.
-      if (teams.mine() < t || n == 0) continue;
+      if (teams.mine() < t) continue;
       const Eigen::Index rows = teams.mine() == t ? j + n : shape.cols();
       Eigen::MatrixXd gram =
           inner(operators.comm, shape.leftCols(rows), teams.mine() == t ? momentum : theirs);
       if (teams.mine() == t) gram.bottomRows(n) -= Eigen::MatrixXd::Identity(n, n);
-      if (gram.size() > 0)
-        measured.orthonormality = std::max(measured.orthonormality, gram.cwiseAbs().maxCoeff());
+      // A comparison with NaN is false.
+      gram = gram.cwiseAbs().unaryExpr([](double value) { return value < 1 ? value : 1; });
+      for (Eigen::Index i = 0; i < rows; ++i)
+        for (Eigen::Index k = 0; k < n; ++k) {
+          double &one = overlap[number(i)], &other = overlap[columns[static_cast<std::size_t>(k)]];
+          one = std::max(one, gram(i, k));
+          other = std::max(other, gram(i, k));
+        }
     }
   }
-  measured.orthonormality = parallel::largest(teams.world(), measured.orthonormality);
-  return measured;
+  parallel::sum(teams.peers(), residual);
+  parallel::sum(teams.peers(), excess);
+  MPI_Allreduce(MPI_IN_PLACE, overlap.data(), static_cast<int>(all), MPI_DOUBLE, MPI_MAX, teams.peers());
+  return {std::move(residual), std::move(overlap), std::move(excess)};
 }
 
-/// Stores the residuals of all modes in `set`, and those of this team's modes as a row in `residual`. Returns
-/// max |ΦᵀMΦ − I|.
-double take_residuals(const parallel::Teams& teams, const Operators& operators, ModeSet& set,
-                      Eigen::MatrixXd& residual) {
-  const Eigen::Index r = operators.rigid.cols();
-  Eigen::VectorXd lambda(set.shape.cols());
-  for (Eigen::Index j = 0; j < lambda.size(); ++j)
-    lambda[j] =
-        std::pow(set.angular_frequency[static_cast<std::size_t>(set.index[static_cast<std::size_t>(j)])], 2);
-  const Measured measured = measure(teams, operators, lambda, set.shape);
-  residual = measured.residual.transpose();
-  const double stiffest =
-      parallel::largest(operators.comm, operators.diagonal.size() > 0 ? operators.diagonal.maxCoeff() : 0);
-  // For rigid modes, ‖Kφ‖ vanishes, so it cannot serve as the scale.
-  if (residual.size() > 0 && set.index.front() < r)
-    residual.leftCols(r) = (operators.norms(operators.stiffness(set.shape.leftCols(r))).array() /
-                            (stiffest * operators.norms(set.shape.leftCols(r)).array()))
-                               .transpose();
-  const Eigen::MatrixXd all = set.gather(teams, residual);
-  set.residual.assign(all.data(), all.data() + all.cols());
-  return measured.orthonormality;
-}
+double largest(const Eigen::RowVectorXd& values) { return values.size() > 0 ? values.maxCoeff() : 0; }
 
 }  // namespace
 
@@ -110,49 +116,74 @@ void fix_signs(const Operators& operators, Eigen::MatrixXd& shape) {
   }
 }
 
-void certify(const parallel::Teams& teams, const Operators& operators, std::int64_t counted,
-             std::optional<double> tolerance, ModeSet& set) {
-  Eigen::MatrixXd residual;
-  const double orthonormality = take_residuals(teams, operators, set, residual);
-  // Residuals above the tolerance that round-off does not explain.
-  Eigen::MatrixXd excess = Eigen::MatrixXd::Zero(1, set.shape.cols());
-  for (Eigen::Index j = 0; tolerance && j < excess.cols(); ++j)
-    if (!(residual(0, j) <= *tolerance) && !(residual(0, j) <= operators.round_off(set.shape.col(j))[0]))
-      excess(0, j) = residual(0, j);
-  Eigen::Index worst = 0;
-  const Eigen::MatrixXd bad = set.gather(teams, excess);
-  if (bad.size() > 0 && bad.row(0).maxCoeff(&worst) > 0)
-    throw SolverError(fmt::format(
-        "modes: mode {} at {:.6g} Hz has a residual of {:.2g}, above {:.2g}: loosen modes.relative_residual",
-        worst + 1, to_hertz(RadPerSecond{set.angular_frequency[static_cast<std::size_t>(worst)]}).value,
-        bad(0, worst), *tolerance));
+std::vector<Eigen::Index> certify(const parallel::Teams& teams, const Operators& operators,
+                                  const std::vector<Probe>& counts, std::optional<double> tolerance,
+                                  ModeSet& set) {
+  const Measured measured = measure(teams, operators, tolerance, set);
+  set.residual.assign(measured.residual.begin(), measured.residual.end());
+  const double bound = tolerance ? orthonormality_of_modes : orthonormality_of_ritz_vectors;
+  std::vector<Eigen::Index> doubtful;
+  for (Eigen::Index n = 0; n < measured.overlap.size(); ++n)
+    if (measured.excess[n] > 0 || !(measured.overlap[n] < bound)) doubtful.push_back(n);
+
   kernels::Certificate& certificate = set.certificate;
+  certificate = {};
   certificate.upto_hz = std::sqrt(set.cut) / (2 * std::numbers::pi);
-  certificate.count_by_inertia = counted;
   certificate.count_found = static_cast<std::int64_t>(set.angular_frequency.size());
-  certificate.orthonormality = orthonormality;
-  certificate.complete = certificate.count_by_inertia == certificate.count_found &&
-                         certificate.orthonormality < orthonormality_bound(tolerance);
-  if (!certificate.complete)
-    throw SolverError(
-        fmt::format("modes: {} found but inertia proves {} below {:.6g} Hz, M-orthonormal to {:.2g}",
-                    certificate.count_found, certificate.count_by_inertia, certificate.upto_hz,
-                    certificate.orthonormality));
+  certificate.orthonormality = largest(measured.overlap);
+  bool agree = !counts.empty();
+  for (const Probe& at : counts) {
+    const auto found =
+        std::ranges::count_if(set.angular_frequency, [&](double omega) { return omega * omega < at.sigma; });
+    agree = agree && found == at.below;
+    certificate.shift.push_back(at.sigma);
+    certificate.modes_below.push_back(static_cast<double>(at.below));
+    certificate.count_by_inertia = at.below;
+  }
+  certificate.complete = doubtful.empty() && agree && certificate.count_by_inertia == certificate.count_found;
+  return doubtful;
+}
+
+void refuse_incomplete(const ModeSet& set, const std::vector<Eigen::Index>& doubtful) {
+  const kernels::Certificate& certificate = set.certificate;
+  if (certificate.complete) return;
+  if (!doubtful.empty()) {
+    const auto n = static_cast<std::size_t>(doubtful.front());
+    throw SolverError(fmt::format(
+        "modes: {} modes are not accurate enough, the first of them mode {} at {:.6g} Hz with a residual of "
+        "{:.2g}; the M-orthonormality of all is {:.2g}",
+        doubtful.size(), n + 1, to_hertz(RadPerSecond{set.angular_frequency[n]}).value, set.residual[n],
+        certificate.orthonormality));
+  }
+  throw SolverError(fmt::format("modes: {} found but inertia proves {} below {:.6g} Hz",
+                                certificate.count_found, certificate.count_by_inertia, certificate.upto_hz));
 }
 
 void certify_basis(const parallel::Teams& teams, const Operators& operators, Hertz band, double error,
                    ModeSet& set) {
-  Eigen::MatrixXd residual;
+  const Measured measured = measure(teams, operators, {}, set);
+  set.residual.assign(measured.residual.begin(), measured.residual.end());
   kernels::Certificate& certificate = set.certificate;
-  certificate.orthonormality = take_residuals(teams, operators, set, residual);
+  certificate.orthonormality = largest(measured.overlap);
   certificate.upto_hz = band.value;
   certificate.flexibility_error = error;
   certificate.count_by_inertia = certificate.count_found =
       static_cast<std::int64_t>(set.angular_frequency.size());
-  certificate.complete = certificate.orthonormality < 1e-8;
+  certificate.complete = certificate.orthonormality < orthonormality_of_ritz_vectors;
   if (!certificate.complete)
     throw SolverError(fmt::format("modes: the contact-adapted basis is M-orthonormal only to {:.2g}",
                                   certificate.orthonormality));
+}
+
+Probe count_below(const parallel::Teams& teams, Factorisation& factor, double sigma) {
+  Probe probe;
+  if (teams.mine() == 0) {
+    factor.factor(sigma);
+    probe = {factor.sigma(), factor.below()};
+  }
+  MPI_Bcast(&probe.sigma, 1, MPI_DOUBLE, 0, teams.peers());
+  MPI_Bcast(&probe.below, 1, MPI_INT64_T, 0, teams.peers());
+  return probe;
 }
 
 }  // namespace ricochet::modes

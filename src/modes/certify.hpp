@@ -3,6 +3,7 @@
 #pragma once
 
 #include "src/modes/modes.hpp"
+#include "src/modes/slicing.hpp"
 
 namespace ricochet::modes {
 
@@ -10,14 +11,25 @@ namespace ricochet::modes {
 /// largest, the first in reading order becomes positive. Collective on the team.
 void fix_signs(const Operators& operators, Eigen::MatrixXd& shape);
 
-/// Computes residuals and M-orthonormality and stores them in `set`. Throws SolverError if a bound is
-/// exceeded or the number of modes is wrong. Collective on all ranks.
-/// @param counted    number of modes below the cut, proved by inertia
-/// @param tolerance  bound on the residuals; without it, they are only recorded
-void certify(const parallel::Teams& teams, const Operators& operators, std::int64_t counted,
-             std::optional<double> tolerance, ModeSet& set);
+/// Fills the certificate of a set and its residuals, both from the set itself: residuals and M-orthonormality
+/// from K and M, and the number of its modes below each shift, for comparison with the inertia there.
+/// @param counts     shifts with their inertia, ascending; the last one at the end of the set
+/// @param tolerance  bound on the residuals, unless round-off explains them; without it, they are only
+/// recorded
+/// @return the modes whose residual or M-orthonormality exceeds its bound. Collective on all ranks.
+std::vector<Eigen::Index> certify(const parallel::Teams& teams, const Operators& operators,
+                                  const std::vector<Probe>& counts, std::optional<double> tolerance,
+                                  ModeSet& set);
 
-/// Does the same for a contact-adapted basis. `error` is its estimated flexibility error over `band`. Throws
+/// Throws SolverError unless the certificate is complete.
+/// @param doubtful  from `certify`
+void refuse_incomplete(const ModeSet& set, const std::vector<Eigen::Index>& doubtful);
+
+/// Counts the eigenvalues below a shift by a factorisation in the first team, which raises a shift that
+/// equals an eigenvalue. Collective on all ranks.
+Probe count_below(const parallel::Teams& teams, Factorisation& factor, double sigma);
+
+/// Certifies a contact-adapted basis. `error` is its estimated flexibility error over `band`. Throws
 /// SolverError if M-orthonormality is worse than 1e-8. Collective on all ranks.
 void certify_basis(const parallel::Teams& teams, const Operators& operators, Hertz band, double error,
                    ModeSet& set);

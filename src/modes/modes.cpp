@@ -8,6 +8,7 @@
 
 #include "kernels/algebra.hpp"
 #include "src/modes/certify.hpp"
+#include "src/modes/repair.hpp"
 #include "src/modes/search.hpp"
 
 namespace ricochet::modes {
@@ -38,43 +39,6 @@ std::size_t kept_of(const std::vector<Place>& places, std::int64_t wanted) {
          places[kept].lambda < (1 + multiple_mode) * places[kept - 1].lambda)
     ++kept;
   return std::min(kept, places.size());
-}
-
-/// Reduces the residuals of the leading columns of a slice by subspace iteration about σ < 0, with a
-/// Rayleigh–Ritz projection in each step. Stops when the residuals meet the tolerance, or after three steps.
-///
-/// The lowest modes of a thin body lie thousands of times their own λ below the shift of the slice, so that
-/// the round-off of its solves matters. About a shift near zero, components outside the span decay, and the
-/// projected problem separates the components inside.
-void polish(const Operators& operators, Factorisation& factor, double tolerance, Eigen::VectorXd& lambda,
-            Eigen::MatrixXd& shape) {
-  const auto too_large = [&](Eigen::Index first, Eigen::Index n) -> Eigen::Array<bool, Eigen::Dynamic, 1> {
-    const auto x = shape.middleCols(first, n);
-    const Eigen::VectorXd bound = operators.round_off(x).cwiseMax(tolerance);
-    return operators.residuals(x, lambda.segment(first, n)).array() > bound.array();
-  };
-  // Round-off affects the lowest modes first, so the search ends at the first eight modes without a bad one.
-  Eigen::Index bad = 0;
-  for (Eigen::Index first = 0; first < shape.cols(); first += 8) {
-    const auto found = too_large(first, std::min<Eigen::Index>(8, shape.cols() - first));
-    if (!found.any()) break;
-    for (Eigen::Index k = 0; k < found.size(); ++k)
-      if (found[k]) bad = first + k + 1;
-  }
-  if (bad == 0) return;
-  // A multiple mode is kept whole.
-  while (bad < lambda.size() && lambda[bad] < (1 + multiple_mode) * lambda[bad - 1]) ++bad;
-  factor.factor(-0.01 * lambda[bad - 1]);
-  for (int step = 0; step < 3; ++step) {
-    Eigen::MatrixXd x = factor.solve(operators.mass(shape.leftCols(bad)));
-    x -= operators.rigid * inner(operators.comm, operators.rigid_momentum, x);
-    x *= operators.norms(x).cwiseInverse().asDiagonal();
-    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> projected(
-        inner(operators.comm, x, operators.stiffness(x)), inner(operators.comm, x, operators.mass(x)));
-    shape.leftCols(bad) = x * projected.eigenvectors();
-    lambda.head(bad) = projected.eigenvalues();
-    if (!too_large(0, bad).any()) return;
-  }
 }
 
 }  // namespace
@@ -118,15 +82,16 @@ ModeSet compute_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
   std::vector<Place> places = places_of(found);
   const std::size_t kept = request.count ? kept_of(places, *request.count - r) : places.size();
   ModeSet set;
-  // The count between the shifts of two slices is proved, and each mode is known to within its residual. The
-  // cut therefore needs no inertia count of its own.
   const double last = kept > 0 ? places[kept - 1].lambda : 0;
   set.cut = kept < places.size() ? (last + places[kept].lambda) / 2 : end;
   // This shift is far enough from zero for rigid motions to be harmless, and close enough for the series in
   // σ/λ_cut to converge fast.
   set.static_shift = -1e-3 * set.cut;
   places.resize(kept);
-  const std::int64_t counted = r + static_cast<std::int64_t>(kept);
+  std::vector<Probe> counts;
+  for (const Slice& slice : found.slices)
+    if (slice.probe.sigma < set.cut) counts.push_back(slice.probe);
+  counts.push_back(set.cut < end ? count_below(teams, factor, set.cut) : found.end);
 
   // Moves the modes of one slice after another; the shapes of a slice are released as soon as they are moved.
   const bool holds_rigid = teams.mine() == 0;
@@ -143,27 +108,26 @@ ModeSet compute_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
   }
   // Slices, and therefore their shares, are in ascending order.
   Eigen::Index at = static_cast<Eigen::Index>(set.index.size()), number = r;
-  Eigen::MatrixXd corrected = Eigen::MatrixXd::Zero(1, r + static_cast<Eigen::Index>(kept));
   for (std::size_t s = 0; s < found.slices.size(); ++s) {
     const Eigen::Index n = columns_of[s];
     if (found.team[s] == teams.mine() && n > 0) {
       const auto first = static_cast<Eigen::Index>(found.share[s].first);
-      Eigen::MatrixXd shape = found.shape[s].middleCols(first, n);
+      set.shape.middleCols(at, n) = found.shape[s].middleCols(first, n);
       found.shape[s].resize(0, 0);
-      Eigen::VectorXd lambda = Eigen::Map<const Eigen::VectorXd>(found.slices[s].lambda.data() + first, n);
-      polish(operators, factor, request.relative_residual, lambda, shape);
-      set.shape.middleCols(at, n) = shape;
-      corrected.row(0).segment(number, n) = lambda.transpose();
       for (Eigen::Index j = 0; j < n; ++j) set.index.push_back(number + j);
       at += n;
     }
     number += n;
   }
-  parallel::sum(teams.peers(), corrected);
-  for (Eigen::Index j = 0; j < corrected.cols(); ++j)
-    set.angular_frequency.push_back(std::sqrt(corrected(0, j)));
+  set.angular_frequency.assign(static_cast<std::size_t>(r), 0);
+  for (const Place& place : places) set.angular_frequency.push_back(std::sqrt(place.lambda));
   fix_signs(operators, set.shape);
-  certify(teams, operators, counted, request.relative_residual, set);
+  std::vector<Eigen::Index> doubtful = certify(teams, operators, counts, request.relative_residual, set);
+  for (int attempt = 0; attempt < 3 && !doubtful.empty(); ++attempt) {
+    repair(teams, operators, factor, doubtful, set);
+    doubtful = certify(teams, operators, counts, request.relative_residual, set);
+  }
+  refuse_incomplete(set, doubtful);
   return set;
 }
 

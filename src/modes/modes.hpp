@@ -11,6 +11,9 @@
 
 namespace ricochet::modes {
 
+/// How modes are found: by LAPACK or slicing, whichever is faster, or by one of them.
+enum class Solver { fastest, slicing, dense };
+
 /// Either `up_to` or `count` must be set.
 struct Request {
   std::optional<Hertz> up_to{};  ///< all modes up to this frequency
@@ -21,6 +24,7 @@ struct Request {
   /// factorisation; with fewer, it needs less memory.
   std::int64_t modes_per_shift = 260;
   std::filesystem::path checkpoint{};  ///< folder for finished slices; if empty, none are stored
+  Solver solver = Solver::fastest;
 };
 
 /// All modes of a body, or a contact-adapted basis. Each team of ranks holds some of the shapes.
@@ -63,8 +67,8 @@ void refuse_more_than_there_are(std::optional<std::int64_t> count, const elastic
 /// the team. Collective on all ranks of `teams`.
 ///
 /// Throws InputError if the body has fewer modes than requested; SolverError if a mode is missing, a residual
-/// exceeds its bound, or the error of M-orthonormality exceeds 100 times that bound (at least 1e-8). No
-/// uncertified mode is returned.
+/// exceeds its bound, or the error of M-orthonormality exceeds 1e-6, and neither further slices, nor subspace
+/// iteration about shifts near these modes, nor a dense solver changes that. No uncertified mode is returned.
 /// Source: shifts, inertia counts and block Lanczos iteration as in Grimes, Lewis & Simon 1994. The shifts
 /// are distributed among the teams.
 ModeSet compute_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, const elasticity::Body& body,

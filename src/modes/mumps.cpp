@@ -38,7 +38,18 @@ Mumps::~Mumps() {
 }
 
 void Mumps::take_users_options() {
-  for (int k : {4, 6, 8, 10, 12, 14, 22, 23, 24, 31, 58}) {
+  const auto refuse = [](const std::string& option) {
+    PetscBool given = PETSC_FALSE;
+    check(PetscOptionsHasName(nullptr, nullptr, option.c_str(), &given));
+    if (given)
+      throw InputError(fmt::format(
+          "PETSC_OPTIONS: {}: would change the inertia counts that prove the modes: leave it out", option));
+  };
+  // A root in ScaLAPACK, Schur complements, null pivots, discarded factors and low rank; then the thresholds
+  // of null and static pivots, and of low rank.
+  for (int k : {13, 19, 24, 25, 31, 35, 36}) refuse(fmt::format("-mat_mumps_icntl_{}", k));
+  for (int k : {3, 4, 5, 7}) refuse(fmt::format("-mat_mumps_cntl_{}", k));
+  for (int k : {4, 6, 8, 10, 12, 14, 22, 23, 58}) {
     PetscInt value = 0;
     PetscBool given = PETSC_FALSE;
     check(
@@ -47,13 +58,10 @@ void Mumps::take_users_options() {
   }
   if (icntl(4) > 0)
     for (int k : {1, 2, 3}) icntl(k) = 6;
-  for (int k : {1, 3, 4}) {
-    PetscReal value = 0;
-    PetscBool given = PETSC_FALSE;
-    check(
-        PetscOptionsGetReal(nullptr, nullptr, fmt::format("-mat_mumps_cntl_{}", k).c_str(), &value, &given));
-    if (given) cntl(k) = value;
-  }
+  PetscReal threshold = 0;
+  PetscBool given = PETSC_FALSE;
+  check(PetscOptionsGetReal(nullptr, nullptr, "-mat_mumps_cntl_1", &threshold, &given));
+  if (given) cntl(1) = threshold;
 }
 
 void Mumps::run(Job job, const char* task) {

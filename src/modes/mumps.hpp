@@ -26,8 +26,8 @@ class Mumps {
   MUMPS_INT infog(int k) const { return id_.infog[k - 1]; }
   MUMPS_INT info(int k) const { return id_.info[k - 1]; }
 
-  /// Takes options from the database of PETSc, under the names that PETSc gives them. Options on which
-  /// inertia counts rely (13, 35), and those for data input, cannot be set.
+  /// Takes options from the database of PETSc, under the names that PETSc gives them. Throws InputError
+  /// if one of them would change an inertia count. Those for data input have no effect.
   void take_users_options();
 
   /// Runs a job. `task` completes the message "MUMPS could not …". Collective. Throws SolverError.

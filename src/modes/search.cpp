@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "src/modes/checkpoint.hpp"
+#include "src/modes/dense.hpp"
 
 namespace ricochet::modes {
 
@@ -16,6 +17,9 @@ namespace {
 
 /// Relative distance to an eigenvalue below which round-off decides the count at a shift.
 constexpr double too_close = 1e-7;
+
+/// Largest number of columns of a Lanczos block.
+constexpr Eigen::Index widest_block = 256;
 
 double hertz(double lambda) { return std::sqrt(std::max(lambda, 0.0)) / (2 * std::numbers::pi); }
 
@@ -43,21 +47,30 @@ class Searcher {
       progress_.begin("inertia counts");
       request_.up_to ? probe_up_to(std::pow(static_cast<RadPerSecond>(*request_.up_to).value, 2))
                      : probe_for(*request_.count);
-      tasks = plan_shifts(CountModel(rigid_, probes_), end_.sigma, request_.modes_per_shift, teams_.count());
+      dense_ = request_.solver == Solver::dense ||
+               (request_.solver == Solver::fastest && dense_is_faster(rows(), end_.below - rigid_));
+      tasks = dense_ ? dense_task()
+                     : plan_shifts(CountModel(rigid_, probes_), end_.sigma, request_.modes_per_shift,
+                                   teams_.count());
       checkpoint_.save({end_, tasks});
     }
     work(tasks);
     move_end_off_modes();
+    if (is_complete()) return std::move(found_);
+    dense_ = false;
     for (int round = 0; round < 8; ++round) {
-      const Stitched stitched = stitch(rigid_, found_.slices, end_);
-      found_.share = stitched.share;
-      if (stitched.missing.empty()) {
-        found_.end = end_;
-        return std::move(found_);
-      }
-      // Uses other start vectors, in case the previous ones had no component of the missing mode.
+      // Uses other start vectors, in case the previous ones had no component of the missing mode, and wider
+      // blocks, because a block finds no more copies of a multiple mode than it has columns.
       ++options_.seed;
-      work(stitched.missing);
+      options_.block = std::min<Eigen::Index>(2 * options_.block, widest_block);
+      work(stitch(rigid_, found_.slices, end_).missing);
+      if (is_complete()) return std::move(found_);
+    }
+    if (rows() <= most_dense_rows) {
+      dense_ = true;
+      found_ = {};
+      work(dense_task());
+      if (is_complete()) return std::move(found_);
     }
     const Interval gap = stitch(rigid_, found_.slices, end_).missing.front().wanted;
     throw SolverError(
@@ -66,6 +79,21 @@ class Searcher {
   }
 
  private:
+  std::int64_t rows() const { return operators_.body.total_rows; }
+
+  /// The task of all modes, about a shift in their middle.
+  std::vector<Task> dense_task() const {
+    return plan_shifts(CountModel(rigid_, probes_), end_.sigma, end_.below + 1, 1);
+  }
+
+  /// Divides the spectrum among the slices. Returns whether every inertia count agrees.
+  bool is_complete() {
+    Stitched stitched = stitch(rigid_, found_.slices, end_);
+    found_.share = std::move(stitched.share);
+    found_.end = end_;
+    return stitched.missing.empty();
+  }
+
   /// Takes over the stored slices and returns the remaining tasks.
   std::vector<Task> resume(std::vector<Task> tasks) {
     progress_.begin("slices from disk");
@@ -232,7 +260,8 @@ class Searcher {
     };
     for (int attempt = 0; attempt < 6; ++attempt) {
       factor_.factor(sigma);
-      Converged converged = lanczos(operators_, factor_, task.wanted, options_, bar);
+      Converged converged = dense_ ? dense_modes(operators_, factor_.entries(), task.wanted)
+                                   : lanczos(operators_, factor_, task.wanted, options_, bar);
       const Eigen::ArrayXd distance = (converged.lambda.array() / factor_.sigma() - 1).abs();
       if (distance.size() == 0 || distance.minCoeff() > too_close) return converged;
       sigma = (1 + 10 * too_close) * factor_.sigma();
@@ -256,6 +285,7 @@ class Searcher {
   const Request& request_;
   std::int64_t rigid_;
   LanczosOptions options_;
+  bool dense_ = false;  ///< whether slices are computed by the dense solver
   Factorisation& factor_;
   Checkpoint checkpoint_;
   Probe end_;

@@ -11,4 +11,9 @@ namespace ricochet::modes {
 /// overwrites the matrix with the eigenvectors. Throws SolverError if the solver does not converge.
 Eigen::VectorXd eigen_decomposition(Eigen::MatrixXd& matrix);
 
+/// Returns the eigenvalues θ of A x = θ B x in ascending order, with B positive definite. Reads only the
+/// lower triangles, overwrites A with the eigenvectors, which are B-orthonormal, and destroys B. Throws
+/// SolverError if B is not positive definite or the solver does not converge.
+Eigen::VectorXd eigen_decomposition(Eigen::MatrixXd& a, Eigen::MatrixXd& b);
+
 }  // namespace ricochet::modes

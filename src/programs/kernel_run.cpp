@@ -21,6 +21,7 @@
 #include "src/programs/discretise.hpp"
 #include "src/programs/imported_modes.hpp"
 #include "src/programs/kernel_candidates.hpp"
+#include "src/programs/verify_run.hpp"
 #include "src/scene/derive.hpp"
 #include "src/scene/read.hpp"
 #include "src/scene/write.hpp"
@@ -294,6 +295,10 @@ int run_kernel(const console::Options& options, MPI_Comm comm) {
   if (options.dry_run) {
     if (first) std::cout << scene::to_toml(scene);
     return 0;
+  }
+  if (options.verify) {
+    console::Console console(options.quiet || !first);
+    return verify_kernels(scene, options, comm, console);
   }
   // Refuses invalid histories before the computation starts.
   parallel::on_first_rank(comm, [&] { programs::forcing_of(scene); });

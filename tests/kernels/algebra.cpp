@@ -40,6 +40,8 @@ void expect_same(const Kernel& found, const Kernel& expected, double whole = 1) 
   EXPECT_NEAR(c.upto_hz, e.upto_hz, round_off * e.upto_hz);
   EXPECT_EQ(c.count_by_inertia, e.count_by_inertia);
   EXPECT_EQ(c.count_found, e.count_found);
+  expect_close(c.shift, e.shift, "shift", round_off);
+  EXPECT_EQ(c.modes_below, e.modes_below);
   EXPECT_EQ(c.left_out, e.left_out);
   EXPECT_EQ(c.complete, e.complete);
   EXPECT_EQ(c.flexibility_error, e.flexibility_error);
@@ -192,6 +194,15 @@ TEST(Truncation, keeps_rigid_modes) {
     EXPECT_EQ(kernel.modes.certificate.count_by_inertia, 1);
     EXPECT_NO_THROW(validate(kernel, "origin"));
   }
+}
+
+// A count above the new end says nothing about the modes that remain.
+TEST(Truncation, keeps_the_inertia_counts_below_its_end) {
+  const Kernel whole = Bar{}.kernel();
+  ASSERT_EQ(whole.modes.certificate.shift.size(), 2U);
+  const Kernel cut = truncated_to_count(whole, 4);
+  EXPECT_EQ(cut.modes.certificate.shift, std::vector{whole.modes.certificate.shift[0]});
+  EXPECT_EQ(cut.modes.certificate.modes_below, std::vector{whole.modes.certificate.modes_below[0]});
 }
 
 TEST(Truncation, to_a_number_keeps_multiple_modes_whole) {

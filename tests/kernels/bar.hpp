@@ -77,6 +77,9 @@ inline Kernel Bar::kernel() const {
   }
   out.modes.certificate = {.upto_hz = end().value,
                            .count_by_inertia = static_cast<std::int64_t>(n),
+                           // Between the second elastic mode and the third, and at the end.
+                           .shift = {omega(2) * omega(3), std::pow(RadPerSecond(end()).value, 2)},
+                           .modes_below = {static_cast<double>(rigid) + 2, static_cast<double>(n)},
                            .count_found = static_cast<std::int64_t>(n),
                            .complete = true,
                            .orthonormality = 1e-13};

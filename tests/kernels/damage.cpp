@@ -140,6 +140,14 @@ TEST_F(Damage, a_certificate_for_another_number_of_modes_is_refused) {
   expect_refused({"certificate is for 4 modes", "has 5"});
 }
 
+// The sample has five modes, and two were truncated. Without this note, two modes are missing.
+TEST_F(Damage, modes_that_differ_from_the_inertia_counts_are_refused) {
+  const std::int64_t five = 5, none = 0;
+  replace_attribute("/modes/certificate", "count_found", H5T_NATIVE_INT64, &five);
+  replace_attribute("/modes/certificate", "left_out", H5T_NATIVE_INT64, &none);
+  expect_refused({"has 5 modes below 1591.55 Hz, but its certificate counted 7"});
+}
+
 // The name is quoted in messages, which must fit on one line.
 TEST_F(Damage, a_body_with_a_line_break_in_its_name_is_refused) {
   const hid_t type = H5Tcopy(H5T_C_S1);

@@ -55,6 +55,8 @@ void expect_same(const Kernel& a, const Kernel& b) {
   EXPECT_EQ(a.modes.certificate.below, b.modes.certificate.below);
   EXPECT_EQ(a.modes.certificate.upto_hz, b.modes.certificate.upto_hz);
   EXPECT_EQ(a.modes.certificate.count_by_inertia, b.modes.certificate.count_by_inertia);
+  EXPECT_TRUE(same_bits(a.modes.certificate.shift, b.modes.certificate.shift));
+  EXPECT_TRUE(same_bits(a.modes.certificate.modes_below, b.modes.certificate.modes_below));
   EXPECT_EQ(a.modes.certificate.count_found, b.modes.certificate.count_found);
   EXPECT_EQ(a.modes.certificate.left_out, b.modes.certificate.left_out);
   EXPECT_EQ(a.modes.certificate.approximate, b.modes.certificate.approximate);
@@ -214,9 +216,9 @@ TEST(KernelFile, every_dataset_of_numbers_has_a_unit_and_no_object_a_time) {
   int seen = 0;
   H5Ovisit(file, H5_INDEX_NAME, H5_ITER_NATIVE, check_object, &seen);
   H5Fclose(file);
-  // The datasets of FORMAT.md without names: 23, plus 4 for each load,
+  // The datasets of FORMAT.md without names: 25, plus 4 for each load,
   // 3 for a motion and 6 for each receiver.
-  EXPECT_EQ(seen, 23 + 2 * 4 + 3 + 2 * 6);
+  EXPECT_EQ(seen, 25 + 2 * 4 + 3 + 2 * 6);
 }
 
 TEST(KernelFile, another_program_finds_the_shape_as_points_by_components_by_modes) {

@@ -65,6 +65,8 @@ inline Kernel sample_kernel(int components, std::size_t n = 5, std::size_t m = 4
   modes.certificate = {.below = 1,
                        .upto_hz = 1500.5,
                        .count_by_inertia = static_cast<std::int64_t>(n),
+                       .shift = {0.5e4, 1e8},
+                       .modes_below = {1, static_cast<double>(n) + 2},
                        .count_found = static_cast<std::int64_t>(n) + 2,
                        .left_out = 2,
                        .complete = true,

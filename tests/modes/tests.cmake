@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
 add_mpi_test(modes approximate)
+add_mpi_test(modes certificate)
 add_mpi_test(modes contact_basis)
 add_mpi_test(modes factorisation)
 add_mpi_test(modes modes)

@@ -93,7 +93,9 @@ class Algebra(ProgramTest):
             names = {"": [], "/": []}
             for file, key in ((a, ""), (b, "/")):
                 file.visit(names[key].append)
-            self.assertEqual(sorted(names[""]), sorted(names["/"]))
+            # A truncated kernel may have no inertia count below its end.
+            counts = {"modes/certificate/shift", "modes/certificate/modes_below"}
+            self.assertEqual(set(names[""]) - counts, set(names["/"]) - counts)
             for name in (
                 "body/centre",
                 "body/inertia",

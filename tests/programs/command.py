@@ -5,6 +5,7 @@ import csv
 import math
 import os
 import unittest
+import unittest.mock
 
 import h5py
 import numpy as np
@@ -139,6 +140,39 @@ class Modes(ProgramTest):
         self.assertEqual(len(list((self.folder / "out").glob("*.kernel.h5"))), 1)  # the kernel is reused
         refused = ricochet("impact", scene)
         self.assertEqual((refused.status, refused.err.count("\n")), (2, 1), refused.err)
+
+    def modes_of_rods(self, *words):
+        scene = MESHES / "two-rods/two-rods.toml"
+        return ricochet("modes", scene, "-n", "1", "--out", self.folder, "--set", "modes.count=40", *words)
+
+    def test_stored_modes_are_counted_again(self):
+        refused = self.modes_of_rods("--verify")
+        self.assertEqual((refused.status, refused.err.count("\n")), (2, 1), refused.err)
+        self.succeed(self.modes_of_rods())
+        self.assertIn("moving: 10 counts agree", self.succeed(self.modes_of_rods("--verify")).out)
+        # A wrong frequency, and a mode that the file lost, though its certificate agrees with what is left.
+        (kernel,) = self.folder.glob("moving-*.kernel.h5")
+        with h5py.File(kernel, "r+") as file:
+            file["modes/angular_frequency"][1:] *= 1.05
+            file["modes/certificate/shift"][:] *= 1.05**2
+        done = self.modes_of_rods("--verify")
+        self.assertEqual(done.status, 1)
+        self.assertRegex(
+            done.err, r"warning: moving: \d+ modes lie below \d\.\d+ Hz, but the kernel has \d+\n"
+        )
+
+    def test_options_of_mumps_that_would_change_a_count_are_refused(self):
+        for option in ("-mat_mumps_icntl_24 1", "-mat_mumps_cntl_4 1e-6", "-mat_mumps_icntl_35 2"):
+            with unittest.mock.patch.dict(os.environ, {"PETSC_OPTIONS": option}):
+                done = self.modes_of_rods()
+            self.assertEqual(
+                (done.status, done.err.strip().splitlines()[-1]),
+                (
+                    2,
+                    f"ricochet-kernel: PETSC_OPTIONS: {option.split()[0]}: would change the inertia counts "
+                    "that prove the modes: leave it out",
+                ),
+            )
 
     def test_shares_at_the_contact_are_those_of_the_static_flexibility(self):
         scene = MESHES / "two-rods/two-rods.toml"

@@ -3,6 +3,7 @@
 
     ricochet modes meshes/two-disks/two-disks.toml
     ricochet modes bell.toml --set modes.up_to_hz=5000 --csv bell.csv --plot
+    ricochet modes bell.toml --verify
 
 Columns: frequency, damping ratio, effective mass along each axis as a share of the mass of the body, and the share of the mode in
 the static flexibility of the contact. Effective masses of all modes of a free body add up to its mass. The CSV file also
@@ -27,6 +28,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--plot",
         action="store_true",
         help=f"draw the first {DRAWN_MODES} elastic modes as <body>-modes.png; sets output.view = true",
+    )
+    parser.add_argument(
+        "--verify",
+        action="store_true",
+        help="count the modes of the stored kernels again, with matrices assembled from the mesh, and stop",
+    )
+
+
+def verify(options: argparse.Namespace) -> None:
+    """Counts the modes of the stored kernels again. Raises SolverError if a count differs."""
+    launcher = programs.mpirun(options.ranks) if options.ranks > 1 else []
+    words = words_for_programs(options)
+    print(
+        programs.call(
+            [*launcher, programs.BIN / "ricochet-kernel", options.scene, "--verify", *words], capture=True
+        ),
+        end="",
     )
 
 
@@ -54,6 +72,9 @@ def kernels(options: argparse.Namespace) -> list[Path]:
 
 
 def run(options: argparse.Namespace) -> None:
+    if options.verify:
+        verify(options)
+        return
     found = kernels(options)
     tables = [ModalTable.read(kernel) for kernel in found]
     print("\n\n".join(table.text(options.first) for table in tables))

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/modes/repair.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernels/algebra.hpp"
+#include "src/modes/certify.hpp"
+
+namespace ricochet::modes {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Consecutive columns [first, behind) of a team.
+struct Cluster {
+  Index first, behind;
+};
+
+/// Divides columns into clusters of neighbours. A cluster extends by a margin to both sides, and to the ends
+/// of multiple modes, but not beyond [begin, end), nor over modes of other teams.
+std::vector<Cluster> clusters_of(const std::vector<Index>& columns, Index begin, const VectorXd& lambda,
+                                 const std::vector<Index>& number) {
+  constexpr Index margin = 4, most = 32;
+  const Index end = lambda.size();
+  const auto neighbours = [&](Index a, Index b) {
+    return number[static_cast<std::size_t>(b)] == number[static_cast<std::size_t>(a)] + 1;
+  };
+  const auto same = [&](Index a, Index b) {
+    return neighbours(a, b) && lambda[b] < (1 + kernels::multiple_mode) * lambda[a];
+  };
+  std::vector<Cluster> clusters;
+  for (const Index column : columns) {
+    Cluster here{column, column + 1};
+    for (Index k = 0; k < margin || (here.first > begin && same(here.first - 1, here.first)); ++k)
+      if (here.first > begin && neighbours(here.first - 1, here.first)) --here.first;
+    for (Index k = 0; k < margin || (here.behind < end && same(here.behind - 1, here.behind)); ++k)
+      if (here.behind < end && neighbours(here.behind - 1, here.behind)) ++here.behind;
+    if (!clusters.empty() && here.first < clusters.back().behind &&
+        here.behind - clusters.back().first <= most)
+      clusters.back().behind = here.behind;
+    else
+      clusters.push_back(here);
+  }
+  return clusters;
+}
+
+/// The middle of the widest relative gap between the eigenvalues in the inner half of a cluster.
+double shift_within(const VectorXd& lambda) {
+  const Index n = lambda.size(), from = n / 4, to = std::max(from + 1, n - 1 - n / 4);
+  double shift = lambda[n / 2] * (1 + 1e-4), widest = 0;
+  for (Index k = from; k < to && k + 1 < n; ++k) {
+    const double gap = lambda[k + 1] / lambda[k] - 1;
+    if (gap <= widest) continue;
+    widest = gap;
+    shift = (lambda[k] + lambda[k + 1]) / 2;
+  }
+  return shift;
+}
+
+}  // namespace
+
+void repair(const parallel::Teams& teams, const Operators& operators, Factorisation& factor,
+            const std::vector<Index>& modes, ModeSet& set) {
+  constexpr int most_steps = 20;
+  const Index rigid = operators.rigid.cols();
+  const Index begin = !set.index.empty() && set.index.front() < rigid ? rigid : 0;
+  VectorXd lambda(set.shape.cols());
+  std::vector<Index> columns;
+  for (Index j = 0; j < lambda.size(); ++j) {
+    const Index number = set.index[static_cast<std::size_t>(j)];
+    lambda[j] = std::pow(set.angular_frequency[static_cast<std::size_t>(number)], 2);
+    if (j >= begin && std::ranges::binary_search(modes, number)) columns.push_back(j);
+  }
+  for (const Cluster& cluster : clusters_of(columns, begin, lambda, set.index)) {
+    const Index n = cluster.behind - cluster.first;
+    const bool lowest = set.index[static_cast<std::size_t>(cluster.first)] == rigid;
+    auto shape = set.shape.middleCols(cluster.first, n);
+    auto values = lambda.segment(cluster.first, n);
+    factor.factor(lowest ? -0.01 * values[n - 1] : shift_within(values));
+    // Each step reduces an error by the ratio of distances from the shift, down to round-off.
+    double before = 1;
+    for (int step = 0; step < most_steps; ++step) {
+      MatrixXd x = factor.solve(operators.mass(shape));
+      x -= operators.rigid * inner(operators.comm, operators.rigid_momentum, x);
+      x *= operators.norms(x).cwiseInverse().asDiagonal();
+      const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> projected(
+          inner(operators.comm, x, operators.stiffness(x)), inner(operators.comm, x, operators.mass(x)));
+      shape = x * projected.eigenvectors();
+      values = projected.eigenvalues();
+      const double worst = operators.residuals(shape, values).maxCoeff();
+      if (!(worst < 0.7 * before)) break;
+      before = worst;
+    }
+  }
+  MatrixXd mine = lambda.transpose();
+  const MatrixXd all = set.gather(teams, mine);
+  for (Index j = rigid; j < all.cols(); ++j)
+    set.angular_frequency[static_cast<std::size_t>(j)] = std::sqrt(all(0, j));
+  fix_signs(operators, set.shape);
+}
+
+}  // namespace ricochet::modes
