@@ -63,6 +63,8 @@ Eigen::MatrixXd ModeSet::gather(const parallel::Teams& teams, const Eigen::Matri
 }
 
 void refuse_more_than_there_are(std::optional<std::int64_t> count, const elasticity::Body& body) {
+  if (body.free_rows == 0)
+    throw InputError("the supports hold every node of the mesh: hold fewer, or refine the mesh");
   if (count && *count > body.free_rows)
     throw InputError(
         fmt::format("modes.count = {}: the body has {} free displacements: request fewer, or refine the mesh",

@@ -60,7 +60,7 @@ struct Progress {
   parallel::Progress at = [](std::int64_t, std::int64_t) {};
 };
 
-/// Throws InputError if a body has fewer modes than `count`.
+/// Throws InputError if a body has fewer modes than `count`, or none.
 void refuse_more_than_there_are(std::optional<std::int64_t> count, const elasticity::Body& body);
 
 /// Computes all requested modes. `mesh`, `body` and `factor`, the factorisation of its matrices, are those of

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <limits>
+#include <thread>
 
 static_assert(!PetscDefined(USE_COMPLEX), "ricochet needs a real build of PETSc");
 
@@ -46,13 +48,28 @@ Session::Session() {
   char** none = nullptr;
   check(SlepcInitialize(&count, &none, nullptr, nullptr));
   check(PetscPushErrorHandler(keep_message, nullptr));
+  MPI_Comm_dup(PETSC_COMM_WORLD, &failed_);
   // Options that are intended for another program of the batch job must not cause output.
   check(PetscOptionsSetValue(nullptr, "-options_left", "no"));
 }
 
 Session::~Session() {
+  MPI_Comm_free(&failed_);
   PetscPopErrorHandler();
   SlepcFinalize();
+}
+
+bool Session::is_called_on_all_ranks() const {
+  constexpr std::chrono::milliseconds patience{3000}, pause{10};
+  const auto end = std::chrono::steady_clock::now() + patience;
+  MPI_Request all = MPI_REQUEST_NULL;
+  MPI_Ibarrier(failed_, &all);
+  for (int done = 0;;) {
+    MPI_Test(&all, &done, MPI_STATUS_IGNORE);
+    if (done != 0) return true;
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(pause);
+  }
 }
 
 int rank_of(MPI_Comm comm) {

@@ -26,6 +26,12 @@ class Session {
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
+  /// Whether all ranks call this within a few seconds. A rank that has failed calls it to find out whether the
+  /// others may still wait for it in a collective call.
+  bool is_called_on_all_ranks() const;
+
+ private:
+  MPI_Comm failed_ = MPI_COMM_NULL;
 };
 
 /// Receives the progress of a long task: `done` of `total` parts. May be called on one rank or on all.

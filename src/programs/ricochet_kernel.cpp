@@ -6,9 +6,9 @@
 //   mesh ──► METIS parts ──► K, M (PETSc) ──► modes (SLEPc, MUMPS) ──► trace on the contact surface ──►
 //   <out>/<body>-<hash>.kernel.h5
 
-#include <chrono>
+#include <fmt/format.h>
+
 #include <iostream>
-#include <thread>
 
 #include "src/console/ending.hpp"
 #include "src/parallel/blas.hpp"
@@ -40,12 +40,12 @@ int main(int argc, char** argv) {
     // The error is the same on every rank.
     return first ? console::status_of(error, "ricochet-kernel") : 2;
   } catch (const std::exception& error) {
-    // Other ranks may wait in a collective call, so all ranks are ended. If all of them failed, the first one
-    // reports the error, because the others wait before they print.
-    if (!first) std::this_thread::sleep_for(std::chrono::milliseconds(300));
-    std::cerr << "ricochet-kernel: rank " << parallel::rank_of(PETSC_COMM_WORLD) << ": "
+    const bool all = session.is_called_on_all_ranks();
+    if (all && !first) return 1;
+    std::cerr << "ricochet-kernel: "
+              << (all ? "" : fmt::format("rank {}: ", parallel::rank_of(PETSC_COMM_WORLD)))
               << console::message_of(error) << std::endl;
-    MPI_Abort(PETSC_COMM_WORLD, 1);
+    if (!all) MPI_Abort(PETSC_COMM_WORLD, 1);  // the others may wait in a collective call
     return 1;
   }
 }

@@ -174,6 +174,21 @@ class Modes(ProgramTest):
                 ),
             )
 
+    def test_a_breakdown_on_all_ranks_is_reported_in_one_line(self):
+        self.write("bar.geo", GEO)
+        scene = self.write("bar.toml", BAR)
+        with unittest.mock.patch.dict(os.environ, {"PETSC_OPTIONS": "-mat_mumps_icntl_23 1"}):  # 1 MB
+            done = ricochet("kernel", scene, "-n", "2", "--quiet")
+        self.assertEqual((done.status, done.err.count("\n")), (1, 1), done.err)
+        self.assertRegex(done.err, "^ricochet-kernel: MUMPS could not factor .*: not enough memory")
+
+    def test_a_body_without_a_free_node_is_refused(self):
+        self.write("bar.geo", GEO + 'Physical Surface("skin") = Surface{:};\n')
+        scene = self.write("bar.toml", BAR.replace("[modes]", 'support = { skin = "xyz" }\n[modes]'))
+        done = ricochet("kernel", scene, "-n", "2", "--quiet", "--set", "bodies.bar.order=1")
+        self.assertEqual((done.status, done.err.count("\n")), (2, 1), done.err)
+        self.assertIn("the supports hold every node of the mesh", done.err)
+
     def test_shares_at_the_contact_are_those_of_the_static_flexibility(self):
         scene = MESHES / "two-rods/two-rods.toml"
         table = self.folder / "rods.csv"
