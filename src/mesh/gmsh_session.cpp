@@ -5,7 +5,18 @@
 
 namespace ricochet::mesh {
 
+namespace {
+
+bool has_broken_model = false;
+
+}  // namespace
+
 GmshSession::GmshSession() {
+  if (has_broken_model) {
+    gmsh::model::add("");
+    gmsh::option::setNumber("Mesh.MeshSizeFactor", 1);  // the only option of open_model
+    return;
+  }
   std::string name = "gmsh", verbosity = "-v", none = "0";
   char* words[] = {name.data(), verbosity.data(), none.data()};
   gmsh::initialize(3, words, /*readConfigFiles=*/false);
@@ -15,9 +26,11 @@ GmshSession::GmshSession() {
 
 GmshSession::~GmshSession() {
   gmsh::onelab::clear();  // definitions of a .geo would override the defaults of the next one
-  gmsh::finalize();
+  if (!has_broken_model) gmsh::finalize();
 }
 
-void forget_meshes() { gmsh::clear(); }
+void GmshSession::keep_broken_model() { has_broken_model = true; }
+
+void forget_meshes() { has_broken_model ? gmsh::model::remove() : gmsh::clear(); }
 
 }  // namespace ricochet::mesh

@@ -12,12 +12,16 @@
 namespace ricochet::mesh {
 
 /// Initialises gmsh until the end of the scope. A process may have only one session at a time.
+///
+/// gmsh 4.8 crashes when it deletes a model of which it could not make the mesh. After `keep_broken_model`,
+/// gmsh therefore stays initialised until the process ends; later sessions use further models.
 class GmshSession {
  public:
   GmshSession();
   ~GmshSession();
   GmshSession(const GmshSession&) = delete;
   GmshSession& operator=(const GmshSession&) = delete;
+  static void keep_broken_model();
 };
 
 /// Frees the meshes that gmsh has read so far. Shape functions do not need them. Needs a GmshSession.

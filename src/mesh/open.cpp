@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "ricochet/error.hpp"
+#include "src/mesh/gmsh_session.hpp"
 #include "src/mesh/msh_check.hpp"
 
 namespace ricochet::mesh {
@@ -278,8 +279,13 @@ bool open_model(const scene::Body& body) {
   gmsh::option::getNumber("Mesh.MeshSizeFactor", own);
   if (body.size_factor != 1) gmsh::option::setNumber("Mesh.MeshSizeFactor", own * body.size_factor);
   const LocalSizes sizes(body, own * body.size_factor);
-  gmsh::model::mesh::generate(gmsh::model::getDimension());
-  gmsh::model::mesh::setOrder(body.order);
+  try {
+    gmsh::model::mesh::generate(gmsh::model::getDimension());
+    gmsh::model::mesh::setOrder(body.order);
+  } catch (...) {
+    GmshSession::keep_broken_model();
+    throw;
+  }
   return false;
 }
 

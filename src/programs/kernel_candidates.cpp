@@ -41,6 +41,7 @@ Source OpenedMeshes::open(const scene::KernelRequest& request) {
     source.whole = mesh::read_mesh(
         body, [&](std::int64_t done, std::int64_t total) { console_.advance(done, total); }, asked);
     mesh::forget_meshes();
+    if (!source.whole.warning.empty()) console_.warn(source.whole.warning);
   });
   source.in_parts = parallel::of_rank(comm_, 0, source.in_parts);
   return source;

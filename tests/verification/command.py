@@ -9,7 +9,9 @@ from ricochet import errors
 
 OTHERS = {
     "--extremes": "extremes_table",
+    "--bodies": "random_bodies",
     "--estimates": "true_errors",
+    "--geometries": "gmsh_demos",
     "--random": "random_scenes",
     "--readings": "readings",
     "--kills": "kills",

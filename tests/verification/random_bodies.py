@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Computes the modes of bodies drawn at random, and counts them again.
+
+    scripts/verify --bodies [--count N] [--seed S] [--only K …] [--limit SECONDS]
+
+Bodies are rods, boxes, cylinders, balls and angle brackets with elements of order 1 to 4, in materials over twelve
+decades of Young's modulus, free or held, for a number of modes or a band, on one to three ranks. A body passes if
+`ricochet modes` certifies its modes within the limit (default 300 s) and `ricochet modes --verify` finds the same counts
+with matrices assembled anew. Requests beyond what the mesh has, which are refused, are drawn again. Prints Markdown. The
+status is 1 if a body fails.
+"""
+import math
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+from ricochet import programs
+
+SOLIDS = {
+    "box": "Box(1) = {{0, 0, 0, {x}, {y}, {z}}};",
+    "cylinder": "Cylinder(1) = {{0, 0, 0, 0, 0, {z}, {x}/2}};",
+    "ball": "Sphere(1) = {{0, 0, 0, {x}/2}};",
+    "bracket": "Box(1) = {{0, 0, 0, {x}, {y}, {z}/4}}; Box(2) = {{0, 0, 0, {x}/4, {y}, {z}}};"
+    " BooleanUnion(3) = {{ Volume{{1}}; Delete; }}{{ Volume{{2}}; Delete; }};",
+}
+SOLID = """SetFactory("OpenCASCADE");
+{shape}
+Mesh.MeshSizeMax = {size};
+Mesh.MeshSizeMin = {size} / 3;
+Physical Volume("body") = Volume{{:}};
+Physical Surface("foot") = {{1}};
+"""
+ROD = """Point(1) = {{0, 0, 0}};
+Point(2) = {{{length}, 0, 0}};
+Line(1) = {{1, 2}};
+Transfinite Curve{{1}} = {elements} + 1;
+Physical Curve("body") = {{1}};
+Physical Point("foot") = {{1}};
+"""
+SCENE = """[bodies.body]
+mesh = "body.geo"
+order = {order}
+material = {{ density = {density:.4g}, young = {young:.4g}, poisson = {poisson:.3f}{area} }}
+contact = "foot"
+{support}
+[modes]
+{request}
+"""
+REFUSED = ("free displacements", "hold every node", "the mesh has no modes", "is too near 0")
+
+
+def write_body(folder, random):
+    """Writes a scene with one body. Returns its kind, order and request."""
+    kind = str(random.choice(["rod", *SOLIDS]))
+    order = int(random.integers(1, 5))
+    young, density = 10 ** random.uniform(0, 12), 10 ** random.uniform(-1, 4.5)
+    length = 10 ** random.uniform(-3, 1)
+    area, poisson = "", random.uniform(0, 0.47)
+    if kind == "rod":
+        text = ROD.format(length=length, elements=int(10 ** random.uniform(0.5, 2.8)))
+        area, poisson = f", area = {1e-4 * length**2:.4g}", 0
+    else:
+        x, y, z = length, length * 10 ** random.uniform(-1.7, 0), length * 10 ** random.uniform(-0.7, 0.5)
+        size = math.cbrt(x * y * z) / random.uniform(1, 5 if order < 3 else 2.5)
+        text = SOLID.format(shape=SOLIDS[kind].format(x=x, y=y, z=z), size=size)
+    (folder / "body.geo").write_text(text)
+    support = f'support = {{ foot = "{"x" if kind == "rod" else "xyz"}" }}' if random.random() < 0.2 else ""
+    if random.random() < 0.6:
+        request = f"count = {int(10 ** random.uniform(0.3, 2.9))}"
+    else:
+        request = f"up_to_hz = {math.sqrt(young / density) / length * 10 ** random.uniform(-0.3, 1.2):.5g}"
+    (folder / "body.toml").write_text(
+        SCENE.format(
+            order=order,
+            density=density,
+            young=young,
+            poisson=poisson,
+            area=area,
+            support=support,
+            request=request,
+        )
+    )
+    return f"{kind}, order {order}, {request}"
+
+
+def answer(scene, ranks, limit, *words):
+    """(status, last line of errors) of `ricochet modes`"""
+    command = [programs.BIN / "ricochet", "modes", scene, "-n", str(ranks), *words]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=limit)
+    except subprocess.TimeoutExpired:
+        return None, f"takes longer than {limit} s"
+    return done.returncode, (done.stderr.strip().splitlines() or [""])[-1]
+
+
+def judged(number, given):
+    """(description, ranks, seconds, complaint)"""
+    random = np.random.default_rng([given.seed, number])
+    ranks = int(random.integers(1, 4))
+    while True:
+        with tempfile.TemporaryDirectory() as name:
+            body, scene = write_body(Path(name), random), Path(name) / "body.toml"
+            start = time.monotonic()
+            status, said = answer(scene, ranks, given.limit)
+            if status == 2 and any(reason in said for reason in REFUSED):
+                continue
+            if status == 0:
+                status, said = answer(scene, ranks, given.limit, "--verify")
+            return body, ranks, time.monotonic() - start, "" if status == 0 else said or f"status {status}"
+
+
+def add_arguments(parser):
+    parser.add_argument("--count", type=int, default=500, help="number of bodies (default: 500)")
+    parser.add_argument("--seed", type=int, default=1, help="seed of the generator (default: 1)")
+    parser.add_argument("--only", nargs="+", type=int, metavar="K", help="these bodies alone, by number")
+    parser.add_argument("--limit", type=float, default=300, help="time for one body [s] (default: 300)")
+
+
+def run(given):
+    failed, slowest = 0, 0.0
+    print("| body | drawn | ranks | seconds | complaint |\n|---|---|---|---|---|")
+    numbers = given.only or range(given.count)
+    for number in numbers:
+        body, ranks, seconds, complaint = judged(number, given)
+        failed += bool(complaint)
+        slowest = max(slowest, seconds)
+        print(f"| {number} | {body} | {ranks} | {seconds:.1f} | {complaint} |", flush=True)
+    print(f"\nFailed: {failed} of {len(numbers)}; the slowest took {slowest:.1f} s.")
+    return failed > 0
