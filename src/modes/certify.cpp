@@ -127,7 +127,8 @@ std::vector<Eigen::Index> certify(const parallel::Teams& teams, const Operators&
     if (measured.excess[n] > 0 || !(measured.overlap[n] < bound)) doubtful.push_back(n);
 
   kernels::Certificate& certificate = set.certificate;
-  certificate = {};
+  certificate.shift.clear();
+  certificate.modes_below.clear();
   certificate.upto_hz = std::sqrt(set.cut) / (2 * std::numbers::pi);
   certificate.count_found = static_cast<std::int64_t>(set.angular_frequency.size());
   certificate.orthonormality = largest(measured.overlap);

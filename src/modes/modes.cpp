@@ -79,13 +79,21 @@ ModeSet compute_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
   const Eigen::Index r = operators.rigid.cols();
   Search found = search(teams, operators, factor, request, progress);
   progress.begin("certificate");
-  const double end = found.end.sigma;
 
   std::vector<Place> places = places_of(found);
-  const std::size_t kept = request.count ? kept_of(places, *request.count - r) : places.size();
+  std::size_t kept = request.count ? kept_of(places, *request.count - r) : places.size();
+  const auto middle = [&](std::size_t k) {
+    return ((k > 0 ? places[k - 1].lambda : 0) + places[k].lambda) / 2;
+  };
+  // If residuals may be large, a double mode can look like two, with a gap that does not exist.
+  Probe at_cut = found.end;
+  for (; kept < places.size(); ++kept)
+    if (at_cut = count_below(teams, factor, middle(kept));
+        at_cut.below == r + static_cast<std::int64_t>(kept))
+      break;
+  if (kept == places.size()) at_cut = found.end;
   ModeSet set;
-  const double last = kept > 0 ? places[kept - 1].lambda : 0;
-  set.cut = kept < places.size() ? (last + places[kept].lambda) / 2 : end;
+  set.cut = at_cut.sigma;
   // This shift is far enough from zero for rigid motions to be harmless, and close enough for the series in
   // σ/λ_cut to converge fast.
   set.static_shift = -1e-3 * set.cut;
@@ -93,7 +101,7 @@ ModeSet compute_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
   std::vector<Probe> counts;
   for (const Slice& slice : found.slices)
     if (slice.probe.sigma < set.cut) counts.push_back(slice.probe);
-  counts.push_back(set.cut < end ? count_below(teams, factor, set.cut) : found.end);
+  counts.push_back(at_cut);
 
   // Moves the modes of one slice after another; the shapes of a slice are released as soon as they are moved.
   const bool holds_rigid = teams.mine() == 0;
@@ -103,7 +111,6 @@ ModeSet compute_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
   for (std::size_t s = 0; s < found.slices.size(); ++s)
     if (found.team[s] == teams.mine()) own += columns_of[s];
   set.shape.resize(body.local_rows, own);
-  std::vector<double> own_lambda;
   if (holds_rigid) {
     set.shape.leftCols(r) = operators.rigid;
     for (Eigen::Index j = 0; j < r; ++j) set.index.push_back(j);
