@@ -10,12 +10,12 @@
 #include <unordered_map>
 
 #include "src/mesh/complaints.hpp"
+#include "src/mesh/curved.hpp"
 #include "src/mesh/faces.hpp"
 #include "src/mesh/gmsh_session.hpp"
 #include "src/mesh/groups.hpp"
 #include "src/mesh/open.hpp"
 #include "src/mesh/rod.hpp"
-#include "src/mesh/straighten.hpp"
 
 namespace ricochet::mesh {
 
@@ -39,7 +39,7 @@ class Reader {
       mesh_.dim = dimension();
       collect_nodes();
       collect_elements();
-      repair_curved();
+      if (!meshed_before_) repair_curved(mesh_, file_, index_, body_.scale);
       reached(2);
       if (mesh_.dim == 1)
         find_axis(mesh_, file_);
@@ -138,44 +138,6 @@ class Reader {
     tag_.assign(tags.begin(), tags.end());
     for (std::size_t i = 0; i < tags.size(); ++i) index_[tags[i]] = static_cast<std::int64_t>(i);
     mesh_.fixed.assign(tags.size(), 0);
-  }
-
-  /// gmsh curves the elements of a geometry along its surface, which inverts some where the surface bends
-  /// sharply. Its optimiser, which bends the mesh like an elastic body, repairs most of them; the rest is
-  /// straightened. The other optimiser of gmsh takes minutes for some meshes of a few thousand elements.
-  void repair_curved() {
-    constexpr std::size_t most_elements = 200'000;
-    if (meshed_before_ || mesh_.order == 1) return;
-    const std::int64_t inverted = count_inverted(mesh_);
-    if (inverted == 0) return;
-    std::size_t elements = 0;
-    for (const Block& block : mesh_.blocks) elements += block.size();
-    if (elements <= most_elements) bend(inverted);
-    if (const Straightened done = straighten_inverted(mesh_); done.elements > 0)
-      mesh_.warning = fmt::format(
-          "{}: {} curved elements were inverted, and {} were straightened to repair them: nodes are up to "
-          "{:.2g} "
-          "m from the surface; a smaller size_factor brings them closer",
-          file_, inverted, done.elements, done.distance);
-  }
-
-  /// Takes the positions of gmsh's optimiser if fewer elements are then inverted.
-  void bend(std::int64_t inverted) {
-    const std::vector<double> before = mesh_.position;
-    try {
-      gmsh::model::mesh::optimize("HighOrderElastic");
-    } catch (...) {
-      GmshSession::keep_broken_model();
-      return;
-    }
-    Tags tags;
-    std::vector<double> position, parametric;
-    gmsh::model::mesh::getNodes(tags, position, parametric);
-    for (std::size_t i = 0; i < tags.size(); ++i)
-      for (std::size_t k = 0; k < 3; ++k)
-        mesh_.position[3 * static_cast<std::size_t>(index_.at(tags[i])) + k] =
-            position[3 * i + k] * body_.scale;
-    if (count_inverted(mesh_) >= inverted) mesh_.position = before;
   }
 
   /// Appends the elements of one entity (−1: all) to `blocks`.

@@ -17,22 +17,9 @@ from pathlib import Path
 
 import numpy as np
 
+from random_solids import SHAPES, geometry
 from ricochet import programs
 
-SOLIDS = {
-    "box": "Box(1) = {{0, 0, 0, {x}, {y}, {z}}};",
-    "cylinder": "Cylinder(1) = {{0, 0, 0, 0, 0, {z}, {x}/2}};",
-    "ball": "Sphere(1) = {{0, 0, 0, {x}/2}};",
-    "bracket": "Box(1) = {{0, 0, 0, {x}, {y}, {z}/4}}; Box(2) = {{0, 0, 0, {x}/4, {y}, {z}}};"
-    " BooleanUnion(3) = {{ Volume{{1}}; Delete; }}{{ Volume{{2}}; Delete; }};",
-}
-SOLID = """SetFactory("OpenCASCADE");
-{shape}
-Mesh.MeshSizeMax = {size};
-Mesh.MeshSizeMin = {size} / 3;
-Physical Volume("body") = Volume{{:}};
-Physical Surface("foot") = {{1}};
-"""
 ROD = """Point(1) = {{0, 0, 0}};
 Point(2) = {{{length}, 0, 0}};
 Line(1) = {{1, 2}};
@@ -54,7 +41,7 @@ REFUSED = ("free displacements", "hold every node", "the mesh has no modes", "is
 
 def write_body(folder, random):
     """Writes a scene with one body. Returns its kind, order and request."""
-    kind = str(random.choice(["rod", *SOLIDS]))
+    kind = str(random.choice(["rod", *SHAPES]))
     order = int(random.integers(1, 5))
     young, density = 10 ** random.uniform(0, 12), 10 ** random.uniform(-1, 4.5)
     length = 10 ** random.uniform(-3, 1)
@@ -65,7 +52,7 @@ def write_body(folder, random):
     else:
         x, y, z = length, length * 10 ** random.uniform(-1.7, 0), length * 10 ** random.uniform(-0.7, 0.5)
         size = math.cbrt(x * y * z) / random.uniform(1, 5 if order < 3 else 2.5)
-        text = SOLID.format(shape=SOLIDS[kind].format(x=x, y=y, z=z), size=size)
+        text = geometry(kind, x, y, z, size, size / 3)
     (folder / "body.geo").write_text(text)
     support = f'support = {{ foot = "{"x" if kind == "rod" else "xyz"}" }}' if random.random() < 0.2 else ""
     if random.random() < 0.6:

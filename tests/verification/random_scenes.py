@@ -19,23 +19,11 @@ from pathlib import Path
 
 import numpy as np
 
+from random_solids import SHAPES, geometry
 from ricochet import programs
 from ricochet.errors import RicochetError
 from ricochet.programs import ROOT
 
-SHAPES = {
-    "box": "Box(1) = {{-{x}/2, -{y}/2, 0, {x}, {y}, {z}}};",
-    "cylinder": "Cylinder(1) = {{0, 0, 0, 0, 0, {z}, {x}/2}};",
-    "ball": "Sphere(1) = {{0, 0, {x}/2, {x}/2}};",
-    "bracket": "Box(1) = {{-{x}/2, -{y}/2, 0, {x}, {y}, {z}/4}}; Box(2) = {{-{x}/2, -{y}/2, 0, {x}/4, {y}, {z}}};"
-    " BooleanUnion(3) = {{ Volume{{1}}; Delete; }}{{ Volume{{2}}; Delete; }};",
-}
-GEO = """SetFactory("OpenCASCADE");
-{shape}
-Mesh.MeshSizeMax = {size};
-Physical Volume("body") = Volume{{:}};
-Physical Surface("skin") = Surface{{:}};
-"""
 BODY = """
 [bodies.{name}]
 mesh = "{name}.geo"
@@ -94,8 +82,8 @@ def write_scene(folder, number, random):
     for k, body in enumerate(bodies):
         name = "ab"[k]
         sizes = {axis: f"{body[axis]:.6g}" for axis in "xyz"}
-        shape = SHAPES[body["kind"]].format(**sizes)
-        (folder / f"{name}.geo").write_text(GEO.format(shape=shape, size=f"{size_of(body) / 8:.4g}"))
+        size = f"{size_of(body) / 8:.4g}"
+        (folder / f"{name}.geo").write_text(geometry(body["kind"], **sizes, size=size))
         height = 2 * size_of(bodies[0]) if k == 0 else -body["z"]
         text += BODY.format(name=name, height=height, velocity=-speed if k == 0 else 0, **body)
     if not pair:
