@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "src/modes/mumps.hpp"
+#include "src/modes/tall.hpp"
 
 namespace ricochet::modes {
 
@@ -154,8 +155,7 @@ Eigen::MatrixXd shared_solve(const parallel::Teams& teams, Factorisation& factor
 
 Eigen::MatrixXd inner(MPI_Comm comm, const Eigen::Ref<const Eigen::MatrixXd>& x,
                       const Eigen::Ref<const Eigen::MatrixXd>& y) {
-  Eigen::MatrixXd product(x.cols(), y.cols());
-  product.noalias() = x.transpose() * y;
+  Eigen::MatrixXd product = tall_inner(x, y);
   parallel::sum(comm, product);
   return product;
 }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "src/modes/symmetric.hpp"
+#include "src/modes/tall.hpp"
 
 namespace ricochet::modes {
 
@@ -57,21 +58,21 @@ class Basis {
   /// basis.
   void append(MatrixXd& next) {
     const Index width = next.cols();
-    next.noalias() -= operators_.rigid * inner(operators_.comm, operators_.rigid_momentum, next);
+    tall_subtract(operators_.rigid, inner(operators_.comm, operators_.rigid_momentum, next), next);
     MatrixXd momentum = operators_.mass(next);
     const double scale = inner(operators_.comm, next, momentum).diagonal().cwiseAbs().maxCoeff();
     if (inner_ > 0) {
       // The components along the two blocks of the recurrence form T.
       const auto near = q_.middleCols(previous_, size_ - previous_);
       const MatrixXd share = inner(operators_.comm, near, momentum);
-      next.noalias() -= near * share;
-      momentum.noalias() -= momentum_ * share;
+      tall_subtract(near, share, next);
+      tall_subtract(momentum_, share, momentum);
       t_.block(last_, last_, width, width) = share.bottomRows(width);
       if (previous_ > 0) {
         // Components along the other blocks are only round-off, but the iteration would amplify them. Single
         // precision does not suffice here: its noise would limit residuals to 1e-6.
         const auto far = q_.leftCols(previous_);
-        next.noalias() -= far * inner(operators_.comm, far, momentum);
+        tall_subtract(far, inner(operators_.comm, far, momentum), next);
       }
       momentum = operators_.mass(next);
       if (inner(operators_.comm, next, momentum).diagonal().minCoeff() < 1e-6 * scale) again(next, momentum);
@@ -114,7 +115,7 @@ class Basis {
   /// Orthogonalises once more against all vectors; needed if little of the columns remains.
   void again(MatrixXd& next, MatrixXd& momentum) const {
     const auto q = q_.leftCols(size_);
-    next.noalias() -= q * inner(operators_.comm, q, momentum);
+    tall_subtract(q, inner(operators_.comm, q, momentum), next);
     momentum = operators_.mass(next);
   }
 

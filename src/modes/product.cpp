@@ -2,6 +2,8 @@
 #include "src/modes/product.hpp"
 
 #include <algorithm>
+#include <numeric>
+#include <utility>
 
 namespace ricochet::modes {
 
@@ -61,6 +63,38 @@ RICOCHET_PRODUCT(diagonal_blocks, 3, true)
 RICOCHET_PRODUCT(scalars, 1, true)
 #undef RICOCHET_PRODUCT
 
+/// A graph with each edge at both ends.
+struct Graph {
+  std::vector<std::size_t> start, neighbour;
+};
+
+/// Returns the nodes in the order of a breadth-first search that begins far from the middle.
+std::vector<std::size_t> breadth_first(const Graph& graph) {
+  const std::size_t nodes = graph.start.size() - 1;
+  std::vector<std::size_t> order;
+  std::vector<std::size_t> reached(nodes, 0);  // number of the last search that reached a node
+  const auto search = [&](std::size_t from, std::size_t number) {
+    std::size_t at = order.size();
+    order.push_back(from);
+    reached[from] = number;
+    for (; at < order.size(); ++at)
+      for (std::size_t k = graph.start[order[at]]; k < graph.start[order[at] + 1]; ++k)
+        if (const std::size_t node = graph.neighbour[k]; reached[node] != number) {
+          reached[node] = number;
+          order.push_back(node);
+        }
+  };
+  for (std::size_t seed = 0; seed < nodes; ++seed) {
+    if (reached[seed] != 0) continue;
+    const std::size_t before = order.size();
+    search(seed, 1);
+    const std::size_t farthest = order.back();
+    order.resize(before);
+    search(farthest, 2);
+  }
+  return order;
+}
+
 }  // namespace
 
 BlockProduct::BlockProduct(Mat matrix) {
@@ -69,7 +103,12 @@ BlockProduct::BlockProduct(Mat matrix) {
   check(MatGetBlockSize(matrix, &block_));
   if (block_ != 1 && block_ != 3) throw SolverError("internal: products are for blocks of 1 and 3");
   take_blocks(matrix);
-  number_ghosts(comm, matrix);
+  const PetscInt* range = nullptr;
+  check(MatGetOwnershipRanges(matrix, &range));
+  const std::vector<PetscInt> ghost = number_ghosts(range, parallel::rank_of(comm));
+  reorder();
+  several_ = parallel::size_of(comm) > 1;
+  if (several_) connect(comm, range, ghost);
   const auto entries = static_cast<std::size_t>(block_ * block_);
   diagonal_ = true;
   for (std::size_t k = 0; k < value_.size() && diagonal_; ++k)
@@ -111,10 +150,7 @@ void BlockProduct::take_blocks(Mat matrix) {
   check(MatRestoreRowUpperTriangular(matrix));
 }
 
-void BlockProduct::number_ghosts(MPI_Comm comm, Mat matrix) {
-  const PetscInt* range = nullptr;
-  check(MatGetOwnershipRanges(matrix, &range));
-  const int ranks = parallel::size_of(comm), rank = parallel::rank_of(comm);
+std::vector<PetscInt> BlockProduct::number_ghosts(const PetscInt* range, int rank) {
   const PetscInt first = range[rank] / block_, behind = range[rank + 1] / block_;
   std::vector<PetscInt> ghost;
   for (const PetscInt column : column_)
@@ -129,8 +165,61 @@ void BlockProduct::number_ghosts(MPI_Comm comm, Mat matrix) {
             : static_cast<PetscInt>(rows_) +
                   static_cast<PetscInt>(std::lower_bound(ghost.begin(), ghost.end(), column) - ghost.begin());
   }
-  several_ = ranks > 1;
-  if (!several_) return;
+  return ghost;
+}
+
+void BlockProduct::reorder() {
+  const auto entries = static_cast<std::size_t>(block_ * block_);
+  const auto each = [&](const auto& visit) {
+    for (std::size_t i = 0; i < rows_; ++i)
+      for (PetscInt k = start_[i]; k < start_[i + 1]; ++k)
+        visit(i, static_cast<std::size_t>(column_[static_cast<std::size_t>(k)]), static_cast<std::size_t>(k));
+  };
+  Graph graph{std::vector<std::size_t>(rows_ + 1), {}};
+  each([&](std::size_t i, std::size_t j, std::size_t) {
+    if (j == i || j >= rows_) return;
+    ++graph.start[i + 1];
+    ++graph.start[j + 1];
+  });
+  std::partial_sum(graph.start.begin(), graph.start.end(), graph.start.begin());
+  graph.neighbour.resize(graph.start.back());
+  std::vector<std::size_t> next(graph.start.begin(), graph.start.end() - 1);
+  each([&](std::size_t i, std::size_t j, std::size_t) {
+    if (j == i || j >= rows_) return;
+    graph.neighbour[next[i]++] = j;
+    graph.neighbour[next[j]++] = i;
+  });
+  place_.resize(rows_);
+  PetscInt place = 0;
+  for (const std::size_t row : breadth_first(graph)) place_[row] = place++;
+
+  // Moves the blocks. One that would come below the diagonal is transposed.
+  const auto moved = [&](std::size_t i, std::size_t j) {
+    const PetscInt to = place_[i], column = j < rows_ ? place_[j] : static_cast<PetscInt>(j);
+    return column < to ? std::pair(column, to) : std::pair(to, column);
+  };
+  std::vector<PetscInt> start(rows_ + 1), column(column_.size());
+  std::vector<double> value(value_.size());
+  each([&](std::size_t i, std::size_t j, std::size_t) {
+    ++start[static_cast<std::size_t>(moved(i, j).first) + 1];
+  });
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  std::vector<PetscInt> free(start.begin(), start.end() - 1);
+  each([&](std::size_t i, std::size_t j, std::size_t k) {
+    const auto [row, col] = moved(i, j);
+    const auto at = static_cast<std::size_t>(free[static_cast<std::size_t>(row)]++);
+    column[at] = col;
+    using Block = Eigen::Map<Eigen::MatrixXd>;
+    Block to(value.data() + at * entries, block_, block_);
+    to = Block(value_.data() + k * entries, block_, block_);
+    if (row != place_[i]) to.transposeInPlace();
+  });
+  start_ = std::move(start);
+  column_ = std::move(column);
+  value_ = std::move(value);
+}
+
+void BlockProduct::connect(MPI_Comm comm, const PetscInt* range, const std::vector<PetscInt>& ghost) {
   row_ = parallel::RowType(static_cast<int>(block_) * width);
   std::vector<PetscSFNode> owner;
   int at = 0;
@@ -138,10 +227,20 @@ void BlockProduct::number_ghosts(MPI_Comm comm, Mat matrix) {
     while (g >= range[at + 1] / block_) ++at;
     owner.push_back({at, g - range[at] / block_});
   }
+  const auto set_graph = [&] {
+    check(PetscSFSetGraph(exchange_, static_cast<PetscInt>(rows_), static_cast<PetscInt>(ghosts_), nullptr,
+                          PETSC_COPY_VALUES, owner.data(), PETSC_COPY_VALUES));
+    check(PetscSFSetUp(exchange_));
+  };
   check(PetscSFCreate(comm, exchange_.out()));
-  check(PetscSFSetGraph(exchange_, static_cast<PetscInt>(rows_), static_cast<PetscInt>(ghosts_), nullptr,
-                        PETSC_COPY_VALUES, owner.data(), PETSC_COPY_VALUES));
-  check(PetscSFSetUp(exchange_));
+  set_graph();
+  // The owners know the places of their rows.
+  std::vector<PetscInt> place(ghosts_);
+  check(PetscSFBcastBegin(exchange_, MPIU_INT, place_.data(), place.data(), MPI_REPLACE));
+  check(PetscSFBcastEnd(exchange_, MPIU_INT, place_.data(), place.data(), MPI_REPLACE));
+  for (std::size_t g = 0; g < ghosts_; ++g) owner[g].index = place[g];
+  check(PetscSFReset(exchange_));
+  set_graph();
 }
 
 void BlockProduct::take_diagonals() {
@@ -177,18 +276,27 @@ Eigen::MatrixXd BlockProduct::operator()(const Eigen::Ref<const Eigen::MatrixXd>
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, width, Eigen::RowMajor>;
   const Eigen::Index own = columns.rows(), ghosts = static_cast<Eigen::Index>(ghosts_) * block_;
   Rows x(own + ghosts, width), y(own + ghosts, width);
+  const auto each_row = [&](const auto& visit) {
+    for (std::size_t i = 0; i < rows_; ++i)
+      for (Eigen::Index c = 0; c < block_; ++c)
+        visit(static_cast<Eigen::Index>(i) * block_ + c, place_[i] * block_ + c);
+  };
   const auto kernel = block_ == 1 ? scalars : diagonal_ ? diagonal_blocks : full_blocks;
   for (Eigen::Index j = 0; j < columns.cols(); j += width) {
     const Eigen::Index n = std::min<Eigen::Index>(width, columns.cols() - j);
     if (n < width) x.setZero();
-    x.topLeftCorner(own, n) = columns.middleCols(j, n);
+    each_row([&](Eigen::Index from, Eigen::Index to) {
+      for (Eigen::Index w = 0; w < n; ++w) x(to, w) = columns(from, j + w);
+    });
     y.setZero();
     if (several_) check(PetscSFBcastBegin(exchange_, row_, x.data(), x.data() + own * width, MPI_REPLACE));
     if (several_) check(PetscSFBcastEnd(exchange_, row_, x.data(), x.data() + own * width, MPI_REPLACE));
     kernel(rows_, start_.data(), column_.data(), value_.data(), x.data(), y.data());
     if (several_) check(PetscSFReduceBegin(exchange_, row_, y.data() + own * width, y.data(), MPI_SUM));
     if (several_) check(PetscSFReduceEnd(exchange_, row_, y.data() + own * width, y.data(), MPI_SUM));
-    product.middleCols(j, n) = y.topLeftCorner(own, n);
+    each_row([&](Eigen::Index from, Eigen::Index to) {
+      for (Eigen::Index w = 0; w < n; ++w) product(from, j + w) = y(to, w);
+    });
   }
   return product;
 }

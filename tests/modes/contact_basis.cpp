@@ -255,18 +255,5 @@ TEST_P(ContactBasis, without_residual_flexibility_meets_its_estimate_too) {
 INSTANTIATE_TEST_SUITE_P(Bodies, ContactBasis, testing::Bool(),
                          [](const auto& body) { return body.param ? "held" : "free"; });
 
-TEST(BlockProduct, is_that_of_petsc) {
-  const mesh::GmshSession gmsh;
-  Struck struck(true, test::one_team());
-  // 11 columns: one complete pass of 8 and a partial one.
-  const modes::Operators operators(struck.mesh, struck.body);
-  const MatrixXd columns = operators.noise(11, 3);
-  for (Mat matrix : {Mat(struck.body.stiffness), Mat(struck.body.mass)}) {
-    const MatrixXd exact = test::product(matrix, columns);
-    EXPECT_LT(test::largest_entry(modes::BlockProduct(matrix)(columns) - exact),
-              1e-13 * parallel::largest(struck.mesh.comm, test::largest_entry(exact)));
-  }
-}
-
 }  // namespace
 }  // namespace ricochet

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "src/modes/tall.hpp"
+
+#include <algorithm>
+#include <vector>
+
+namespace ricochet::modes {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using ConstMatrix = Eigen::Ref<const MatrixXd>;
+
+/// Rows of Y that are packed at a time; they fit into the cache of the second level.
+constexpr Index chunk = 512;
+/// Columns of Q per pass over a chunk in a subtraction. More would be more streams than processors prefetch.
+constexpr Index streams = 16;
+
+/// Columns of Y side by side: two vectors of a loops.
+template <int Bytes>
+struct Vector {
+  // NOLINTNEXTLINE: the attribute needs a typedef
+  typedef double Type __attribute__((vector_size(Bytes), aligned(8), may_alias));
+};
+template <int Bytes>
+constexpr int width = 2 * Bytes / 8;
+
+/// Computes c += qᵀ y for some columns of Q.
+/// @tparam K  number of columns of Q
+/// @param y, c  rows of `width` numbers
+template <int Bytes, int K>
+[[gnu::always_inline]] inline void accumulate(Index rows, const double* q, Index stride, const double* y,
+                                              double* c) {
+  using V = typename Vector<Bytes>::Type;
+  V sum[K][2];
+  V* to = reinterpret_cast<V*>(c);
+#pragma GCC unroll 16
+  for (int k = 0; k < K; ++k) {
+    sum[k][0] = to[2 * k];
+    sum[k][1] = to[2 * k + 1];
+  }
+  const V* from = reinterpret_cast<const V*>(y);
+  for (Index i = 0; i < rows; ++i) {
+#pragma GCC unroll 16
+    for (int k = 0; k < K; ++k) {
+      sum[k][0] += q[k * stride + i] * from[2 * i];
+      sum[k][1] += q[k * stride + i] * from[2 * i + 1];
+    }
+  }
+#pragma GCC unroll 16
+  for (int k = 0; k < K; ++k) {
+    to[2 * k] = sum[k][0];
+    to[2 * k + 1] = sum[k][1];
+  }
+}
+
+/// Computes y −= q c for some rows of Q.
+/// @tparam N  number of rows of Q
+/// @param c, y  rows of `width` numbers
+template <int Bytes, int N>
+[[gnu::always_inline]] inline void reduce(Index columns, const double* q, Index stride, const double* c,
+                                          double* y) {
+  using V = typename Vector<Bytes>::Type;
+  V rest[N][2];
+  V* to = reinterpret_cast<V*>(y);
+#pragma GCC unroll 16
+  for (int i = 0; i < N; ++i) {
+    rest[i][0] = to[2 * i];
+    rest[i][1] = to[2 * i + 1];
+  }
+  const V* from = reinterpret_cast<const V*>(c);
+  for (Index k = 0; k < columns; ++k) {
+#pragma GCC unroll 16
+    for (int i = 0; i < N; ++i) {
+      rest[i][0] -= q[k * stride + i] * from[2 * k];
+      rest[i][1] -= q[k * stride + i] * from[2 * k + 1];
+    }
+  }
+#pragma GCC unroll 16
+  for (int i = 0; i < N; ++i) {
+    to[2 * i] = rest[i][0];
+    to[2 * i + 1] = rest[i][1];
+  }
+}
+
+/// Computes c += Qᵀ y for one chunk of rows, K columns of Q at a time.
+template <int Bytes, int K>
+[[gnu::always_inline]] inline void inner_of_chunk(Index rows, Index columns, const double* q, Index stride,
+                                                  const double* y, double* c) {
+  Index k = 0;
+  for (; k + K <= columns; k += K)
+    accumulate<Bytes, K>(rows, q + k * stride, stride, y, c + k * width<Bytes>);
+  for (; k < columns; ++k) accumulate<Bytes, 1>(rows, q + k * stride, stride, y, c + k * width<Bytes>);
+}
+
+/// Computes y −= Q c for one chunk of rows, N rows at a time.
+template <int Bytes, int N>
+[[gnu::always_inline]] inline void subtract_in_chunk(Index rows, Index columns, const double* q, Index stride,
+                                                     const double* c, double* y) {
+  for (Index k = 0; k < columns; k += streams) {
+    const Index n = std::min(streams, columns - k);
+    const double *from = q + k * stride, *times = c + k * width<Bytes>;
+    Index i = 0;
+    for (; i + N <= rows; i += N) reduce<Bytes, N>(n, from + i, stride, times, y + i * width<Bytes>);
+    for (; i < rows; ++i) reduce<Bytes, 1>(n, from + i, stride, times, y + i * width<Bytes>);
+  }
+}
+
+#ifdef __x86_64__
+// The number of columns or rows at a time is such that their sums fill at most three quarters of the
+// registers.
+#define RICOCHET_TALL(name, function, bytes, count, level)                                       \
+  __attribute__((target("arch=" level ",prefer-vector-width=512"))) void name(                   \
+      Index rows, Index columns, const double* q, Index stride, const double* in, double* out) { \
+    function<bytes, count>(rows, columns, q, stride, in, out);                                   \
+  }
+RICOCHET_TALL(inner_512, inner_of_chunk, 64, 12, "x86-64-v4")
+RICOCHET_TALL(subtract_512, subtract_in_chunk, 64, 8, "x86-64-v4")
+RICOCHET_TALL(inner_256, inner_of_chunk, 32, 6, "x86-64-v3")
+RICOCHET_TALL(subtract_256, subtract_in_chunk, 32, 6, "x86-64-v3")
+#undef RICOCHET_TALL
+#endif
+
+/// Calls visit(first column, columns) for groups of columns that are treated at once.
+template <class Visit>
+void in_groups(Index columns, Index width_of_group, const Visit& visit) {
+  for (Index j = 0; j < columns; j += width_of_group) visit(j, std::min(width_of_group, columns - j));
+}
+
+/// Largest number of columns for which a subtraction is faster than with BLAS.
+constexpr Index narrow = 32;
+
+using Packed = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+}  // namespace
+
+std::span<const TallLoops> tall_loops() {
+#ifdef __x86_64__
+  static constexpr TallLoops all[] = {
+      {}, {width<32>, inner_256, subtract_256}, {width<64>, inner_512, subtract_512}};
+  __builtin_cpu_init();
+  const std::span<const TallLoops> loops(all);
+  return loops.first(__builtin_cpu_supports("x86-64-v4") ? 3 : __builtin_cpu_supports("x86-64-v3") ? 2 : 1);
+#else
+  static constexpr TallLoops all[] = {{}};
+  return all;
+#endif
+}
+
+MatrixXd tall_inner(const ConstMatrix& q, const ConstMatrix& y, const TallLoops& loops) {
+  MatrixXd product(q.cols(), y.cols());
+  if (loops.width == 0) {
+    product.noalias() = q.transpose() * y;
+    return product;
+  }
+  const Index groups = (y.cols() + loops.width - 1) / loops.width;
+  std::vector<Packed> sum(static_cast<std::size_t>(groups), Packed::Zero(q.cols(), loops.width));
+  Packed rows = Packed::Zero(std::min(chunk, q.rows()), loops.width);
+  for (Index i = 0; i < q.rows(); i += chunk) {
+    const Index n = std::min(chunk, q.rows() - i);
+    in_groups(y.cols(), loops.width, [&](Index j, Index columns) {
+      rows.topLeftCorner(n, columns) = y.block(i, j, n, columns);
+      loops.inner(n, q.cols(), q.data() + i, q.outerStride(), rows.data(),
+                  sum[static_cast<std::size_t>(j / loops.width)].data());
+    });
+  }
+  in_groups(y.cols(), loops.width, [&](Index j, Index columns) {
+    product.middleCols(j, columns) = sum[static_cast<std::size_t>(j / loops.width)].leftCols(columns);
+  });
+  return product;
+}
+
+void tall_subtract(const ConstMatrix& q, const ConstMatrix& c, Eigen::Ref<MatrixXd> y,
+                   const TallLoops& loops) {
+  if (loops.width == 0 || y.cols() > narrow) {
+    y.noalias() -= q * c;
+    return;
+  }
+  Packed factor = Packed::Zero(c.rows(), loops.width);
+  Packed rows = Packed::Zero(std::min(chunk, q.rows()), loops.width);
+  in_groups(y.cols(), loops.width, [&](Index j, Index columns) {
+    factor.leftCols(columns) = c.middleCols(j, columns);
+    for (Index i = 0; i < q.rows(); i += chunk) {
+      const Index n = std::min(chunk, q.rows() - i);
+      rows.topLeftCorner(n, columns) = y.block(i, j, n, columns);
+      loops.subtract(n, q.cols(), q.data() + i, q.outerStride(), factor.data(), rows.data());
+      y.block(i, j, n, columns) = rows.topLeftCorner(n, columns);
+    }
+  });
+}
+
+}  // namespace ricochet::modes
