@@ -87,7 +87,7 @@ Checkpoint::Checkpoint(const parallel::Teams& teams, const Operators& operators,
 
 void Checkpoint::save(const Plan& plan) const {
   if (folder_.empty()) return;
-  const std::int64_t rows = parallel::sum(teams_.team(), operators_.body.local_rows);
+  const std::int64_t rows = parallel::sum(teams_.team(), operators_.local_rows);
   parallel::on_first_rank(teams_.world(), [&] {
     // Slices overlap slightly, so this size is a lower bound.
     base::check_place(folder_ / "plan.h5",
@@ -201,7 +201,7 @@ std::vector<Checkpoint::Found> Checkpoint::slices() const {
                   {header[2], header[3]},
                   {header.begin() + 4, header.end()}};
     if (holds) {
-      next.shape.resize(operators_.body.local_rows, std::ssize(header) - 4);
+      next.shape.resize(operators_.local_rows, std::ssize(header) - 4);
       for (Eigen::Index j = 0; j < next.shape.cols(); ++j)
         rows.scatter(values.data() + static_cast<std::size_t>(j) * rows.size(), next.shape.col(j).data());
     }

@@ -28,7 +28,7 @@ constexpr double compression = 0.05, compression_left = 1 - compression;
 class RitzSpace {
  public:
   RitzSpace(const parallel::Teams& teams, const Operators& operators, const MatrixXd& loads, Index seen)
-      : teams_(teams), operators_(operators), loads_(loads), seen_(seen), q_(operators.body.local_rows, 0) {}
+      : teams_(teams), operators_(operators), loads_(loads), seen_(seen), q_(operators.local_rows, 0) {}
 
   Index size() const { return size_; }
 

@@ -25,8 +25,8 @@ class Basis {
  public:
   Basis(const Operators& operators, Factorisation& factor, const LanczosOptions& options)
       : operators_(operators), factor_(factor) {
-    const Index most = std::min<Index>(options.basis, operators.body.free_rows) + options.block;
-    q_.resize(operators.body.local_rows, most);
+    const Index most = std::min<Index>(options.basis, operators.free_rows) + options.block;
+    q_.resize(operators.local_rows, most);
     t_ = MatrixXd::Zero(most, most);
     MatrixXd start = factor_.solve(operators_.mass(operators_.noise(options.block, options.seed)));
     append(start);
@@ -222,7 +222,7 @@ Converged lanczos(const Operators& operators, Factorisation& factor, const Inter
     if (!last && basis.inner_size() < next_look) continue;
     ritz = ritz_of(basis, sigma);
     reach =
-        reach_of(ritz, sigma, wanted, factor.below() - operators.rigid.cols(), options, basis.exhausted());
+        reach_of(ritz, sigma, wanted, factor.below() - operators.below_zero, options, basis.exhausted());
     if (progress) progress(reach.behind - reach.first, 0);
     if (reach.complete || last) break;
     const double before = std::exchange(worst, worst_inside(ritz, wanted));

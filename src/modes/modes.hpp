@@ -19,12 +19,14 @@ struct Request {
   std::optional<Hertz> up_to{};  ///< all modes up to this frequency
   /// Number of lowest modes, rigid modes included. A multiple mode at the end is kept whole.
   std::optional<std::int64_t> count{};
+  double first_end = 0;  ///< λ with about `count` modes below it, where the search begins; 0: unknown
   double relative_residual = 1e-8;
   /// Number of modes sought from one factorisation. With more, the Lanczos basis costs more than another
   /// factorisation; with fewer, it needs less memory.
   std::int64_t modes_per_shift = 260;
   std::filesystem::path checkpoint{};  ///< folder for finished slices; if empty, none are stored
   Solver solver = Solver::fastest;
+  std::string eps_type = "ricochet";  ///< type of SLEPc's EPS that finds the modes
 };
 
 /// All modes of a body, or a contact-adapted basis. Each team of ranks holds some of the shapes.
@@ -65,6 +67,9 @@ void refuse_more_than_there_are(std::optional<std::int64_t> count, const elastic
 
 /// Computes all requested modes. `mesh`, `body` and `factor`, the factorisation of its matrices, are those of
 /// the team. Collective on all ranks of `teams`.
+///
+/// The modes are found by SLEPc's EPS, of the type `eps_type`, or that of -eps_type in PETSC_OPTIONS. The
+/// engine of Ricochet is one of its types, and the only one for several teams.
 ///
 /// Throws InputError if the body has fewer modes than requested; SolverError if a mode is missing, a residual
 /// exceeds its bound, or the error of M-orthonormality exceeds 1e-6, and neither further slices, nor subspace

@@ -7,13 +7,31 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 
 #include "ricochet/error.hpp"
-#include "src/elasticity/rigid.hpp"
 
 namespace ricochet::modes {
 
 namespace {
+
+MPI_Comm comm_of(Mat matrix) {
+  MPI_Comm comm = MPI_COMM_NULL;
+  parallel::check(PetscObjectGetComm(reinterpret_cast<PetscObject>(matrix), &comm));
+  return comm;
+}
+
+std::int64_t local_rows_of(Mat matrix) {
+  PetscInt rows = 0;
+  parallel::check(MatGetLocalSize(matrix, &rows, nullptr));
+  return rows;
+}
+
+std::int64_t total_rows_of(Mat matrix) {
+  PetscInt rows = 0;
+  parallel::check(MatGetSize(matrix, &rows, nullptr));
+  return rows;
+}
 
 Eigen::VectorXd diagonal_of(MPI_Comm comm, Mat matrix, std::int64_t local_rows) {
   Eigen::VectorXd diagonal(local_rows);
@@ -26,19 +44,20 @@ Eigen::VectorXd diagonal_of(MPI_Comm comm, Mat matrix, std::int64_t local_rows) 
 
 }  // namespace
 
-Operators::Operators(const mesh::Mesh& mesh, const elasticity::Body& given)
-    : comm(mesh.comm),
-      body(given),
-      stiffness(given.stiffness),
-      mass(given.mass),
-      rigid(elasticity::rigid_modes(mesh, given)),
+Operators::Operators(Mat given_stiffness, Mat given_mass, const Eigen::MatrixXd& known)
+    : comm(comm_of(given_stiffness)),
+      local_rows(local_rows_of(given_stiffness)),
+      total_rows(total_rows_of(given_stiffness)),
+      stiffness(given_stiffness),
+      mass(given_mass),
+      rigid(known),
       rigid_momentum(mass(rigid)),
-      diagonal(diagonal_of(comm, given.stiffness, given.local_rows)),
-      key(static_cast<std::size_t>(given.local_rows)) {
-  const int c = mesh.components();
-  mesh.for_each_owned([&](std::size_t i, std::int64_t row) {
-    for (int k = 0; k < c; ++k) key[static_cast<std::size_t>(row * c + k)] = mesh.canonical[i] * c + k;
-  });
+      below_zero(known.cols()),
+      diagonal(diagonal_of(comm, given_stiffness, local_rows)),
+      mass_diagonal(diagonal_of(comm, given_mass, local_rows)),
+      free_rows(parallel::sum(comm, static_cast<std::int64_t>((mass_diagonal.array() > 0).count()))),
+      key(static_cast<std::size_t>(local_rows)) {
+  std::iota(key.begin(), key.end(), parallel::sum_before(comm, local_rows));
 }
 
 Eigen::MatrixXd Operators::noise(Eigen::Index n, std::uint64_t seed) const {
@@ -49,7 +68,7 @@ Eigen::MatrixXd Operators::noise(Eigen::Index n, std::uint64_t seed) const {
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
     return z ^ (z >> 31);
   };
-  Eigen::MatrixXd columns(body.local_rows, n);
+  Eigen::MatrixXd columns(local_rows, n);
   for (Eigen::Index j = 0; j < n; ++j)
     for (Eigen::Index i = 0; i < columns.rows(); ++i) {
       const std::uint64_t bits = mixed(mixed(static_cast<std::uint64_t>(key[static_cast<std::size_t>(i)])) +
@@ -85,10 +104,9 @@ Eigen::VectorXd Operators::residuals(const Eigen::Ref<const Eigen::MatrixXd>& sh
 }
 
 double Operators::stiffest() const {
-  const Eigen::VectorXd inertia = diagonal_of(comm, body.mass, body.local_rows);
   double most = 0;
-  for (Eigen::Index i = 0; i < inertia.size(); ++i)
-    if (inertia[i] > 0) most = std::max(most, diagonal[i] / inertia[i]);  // held rows have no mass
+  for (Eigen::Index i = 0; i < local_rows; ++i)
+    if (mass_diagonal[i] > 0) most = std::max(most, diagonal[i] / mass_diagonal[i]);
   return parallel::largest(comm, most);
 }
 

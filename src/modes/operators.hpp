@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// K and M of a body, prepared for the eigensolver.
+// K and M, prepared for the eigensolver.
 #pragma once
 
 #include <cstdint>
@@ -10,17 +10,26 @@
 
 namespace ricochet::modes {
 
-/// K and M of a body on one team of ranks, with its rigid modes.
+/// K and M on one team of ranks, with known modes at zero.
 struct Operators {
-  /// Collective on the team.
+  /// K and M of a body, with its rigid modes. Collective on the team.
   Operators(const mesh::Mesh& mesh, const elasticity::Body& body);
 
+  /// Any symmetric K and M. Collective on the ranks of the matrices, which must outlive this object.
+  /// @param stiffness, mass  SBAIJ with the same pattern, in blocks of 1 or 3; M positive semidefinite
+  /// @param known  (local rows, r) eigenvectors that are not sought, M-orthonormal
+  Operators(Mat stiffness, Mat mass, const Eigen::MatrixXd& known);
+
   MPI_Comm comm;
-  const elasticity::Body& body;
+  std::int64_t local_rows, total_rows;
   BlockProduct stiffness, mass;
   Eigen::MatrixXd rigid;           ///< (local rows, r), M-orthonormal
   Eigen::MatrixXd rigid_momentum;  ///< M times `rigid`
-  Eigen::VectorXd diagonal;        ///< (local rows) of K
+  /// Number of eigenvalues below zero, or at it, that are not sought: r for a body.
+  std::int64_t below_zero;
+  Eigen::VectorXd diagonal;       ///< (local rows) of K
+  Eigen::VectorXd mass_diagonal;  ///< (local rows) of M; 0 in held rows
+  std::int64_t free_rows;         ///< number of rows with mass, and so of finite eigenvalues
   /// (local rows) number of the row in reading order, independent of the number of ranks
   std::vector<std::int64_t> key;
 

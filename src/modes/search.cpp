@@ -32,10 +32,17 @@ class Searcher {
         operators_(operators),
         progress_(progress),
         request_(request),
-        rigid_(operators.rigid.cols()),
+        rigid_(operators.below_zero),
         factor_(factor),
         checkpoint_(teams, operators, request.checkpoint) {
     options_.tolerance = request.relative_residual;
+  }
+
+  /// Finds the end of the search. Collective.
+  Probe find_end() {
+    request_.up_to ? probe_up_to(std::pow(static_cast<RadPerSecond>(*request_.up_to).value, 2))
+                   : probe_for(*request_.count);
+    return end_;
   }
 
   Search run() {
@@ -45,10 +52,9 @@ class Searcher {
       tasks = resume(plan->tasks);
     } else {
       progress_.begin("inertia counts");
-      request_.up_to ? probe_up_to(std::pow(static_cast<RadPerSecond>(*request_.up_to).value, 2))
-                     : probe_for(*request_.count);
-      dense_ = request_.solver == Solver::dense ||
-               (request_.solver == Solver::fastest && dense_is_faster(rows(), end_.below - rigid_));
+      find_end();
+      dense_ = request_.solver == Solver::dense || (request_.solver == Solver::fastest && can_be_dense() &&
+                                                    dense_is_faster(rows(), end_.below - rigid_));
       tasks = dense_ ? dense_task()
                      : plan_shifts(CountModel(rigid_, probes_), end_.sigma, request_.modes_per_shift,
                                    teams_.count());
@@ -66,7 +72,7 @@ class Searcher {
       work(stitch(rigid_, found_.slices, end_).missing);
       if (is_complete()) return std::move(found_);
     }
-    if (rows() <= most_dense_rows) {
+    if (can_be_dense() && rows() <= most_dense_rows) {
       dense_ = true;
       found_ = {};
       work(dense_task());
@@ -79,7 +85,10 @@ class Searcher {
   }
 
  private:
-  std::int64_t rows() const { return operators_.body.total_rows; }
+  std::int64_t rows() const { return operators_.total_rows; }
+
+  /// Whether no eigenvalue below zero is left out; the dense solver needs a definite K − σM at some σ < 0.
+  bool can_be_dense() const { return operators_.below_zero == operators_.rigid.cols(); }
 
   /// The task of all modes, about a shift in their middle.
   std::vector<Task> dense_task() const {
@@ -137,7 +146,7 @@ class Searcher {
   void probe_for(std::int64_t count) {
     const std::int64_t most = count + count / 8 + 8;
     const auto wanted = static_cast<double>(count);
-    double guess = first_guess(wanted);
+    const double guess = request_.first_end > 0 ? request_.first_end : expected_end(wanted);
     std::vector<double> sigma;
     for (int t = 0; t < teams_.count(); ++t) sigma.push_back(guess * std::pow(2.0, t + 1 - teams_.count()));
     probe(sigma);
@@ -168,32 +177,9 @@ class Searcher {
       throw SolverError(fmt::format("modes: no frequency with {} modes below it is found", count));
   }
 
-  /// Estimates the λ below which about `count` modes lie, for a box with the mass, inertia and wave speed of
-  /// the body. By Weyl's law, the box has in-plane and bending waves over its two longest sides, and waves
-  /// through all three.
-  double first_guess(double count) const {
-    const elasticity::Body& body = operators_.body;
-    const Eigen::Vector3d principal =
-        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(Eigen::Map<const Eigen::Matrix3d>(body.inertia.data()))
-            .eigenvalues();
-    Eigen::Vector3d side;
-    for (int k = 0; k < 3; ++k)
-      side[k] = std::sqrt(std::max(6 / body.total_mass * (principal.sum() - 2 * principal[k]), 1e-300));
-    std::sort(side.begin(), side.end());
-    const double c = 0.6 * body.wave_speed, pi = std::numbers::pi;
-    if (side[1] < 1e-6 * side[2]) return std::pow(pi * body.wave_speed * count / side[2], 2);
-    double low = 0, high = std::pow(c * pi * count / side[0], 2);
-    const auto modes = [&](double lambda) {
-      const double k = std::sqrt(lambda) / c;
-      const double bending = std::sqrt(2 * k / side[0]);
-      return side[1] * side[2] / (4 * pi) * (2 * k * k + std::min(bending * bending, 4 * k * k)) +
-             side.prod() * k * k * k / (2 * pi * pi);
-    };
-    for (int k = 0; k < 100; ++k) {
-      const double middle = (low + high) / 2;
-      (modes(middle) < count ? low : high) = middle;
-    }
-    return high;
+  /// The λ below which about `count` modes lie by Weyl's law for a solid, N ~ λ^(3/2).
+  double expected_end(double count) const {
+    return operators_.stiffest() * std::pow(count / static_cast<double>(operators_.free_rows), 2.0 / 3);
   }
 
   /// Processes all tasks in rounds, one task per team. Collective.
@@ -281,7 +267,7 @@ class Searcher {
 
   const parallel::Teams& teams_;
   const Operators& operators_;
-  const Progress& progress_;
+  const Progress progress_;
   const Request& request_;
   std::int64_t rigid_;
   LanczosOptions options_;
@@ -304,6 +290,11 @@ double expected_mib(const Factorisation& factor, std::int64_t local_rows, std::i
   const auto column = static_cast<double>(local_rows) * sizeof(double) / (1 << 20);
   const double basis = 3.2 * static_cast<double>(std::min(modes, modes_per_shift)) * column;
   return factor.expected_mib() + basis + 2 * static_cast<double>(modes) / teams * column;
+}
+
+Probe end_of_search(const parallel::Teams& teams, const Operators& operators, Factorisation& factor,
+                    const Request& request) {
+  return Searcher(teams, operators, factor, request, {}).find_end();
 }
 
 Search search(const parallel::Teams& teams, const Operators& operators, Factorisation& factor,

@@ -22,6 +22,11 @@ struct Search {
 double expected_mib(const Factorisation& factor, std::int64_t local_rows, std::int64_t modes,
                     std::int64_t modes_per_shift, int teams);
 
+/// Counts the eigenvalues below `request.up_to`, or below a shift with `request.count` eigenvalues and a few
+/// more below it. Throws SolverError if there is no such shift. Collective on all ranks.
+Probe end_of_search(const parallel::Teams& teams, const Operators& operators, Factorisation& factor,
+                    const Request& request);
+
 /// Finds the elastic modes up to `request.up_to`, or at least `request.count` modes in total. The number of
 /// modes between neighbouring shifts equals the inertia count. Throws SolverError if this cannot be achieved.
 /// Collective on all ranks.

@@ -11,6 +11,7 @@
 #include "src/mesh/partition.hpp"
 #include "src/mesh/parts.hpp"
 #include "src/modes/approximate.hpp"
+#include "src/modes/eps_solve.hpp"
 #include "src/modes/modes.hpp"
 #include "src/modes/search.hpp"
 #include "src/parallel/memory.hpp"
@@ -105,7 +106,12 @@ Discretised discretise(const scene::KernelRequest& request, OpenedMeshes& meshes
   console.begin(name + ": mesh");
   Source source = meshes.take(request);
   const int ranks = parallel::size_of(comm);
-  const int most = request.modes.basis == scene::Basis::contact ? 1 : ranks;
+  bool in_teams = request.modes.basis == scene::Basis::modes;
+  parallel::on_all_ranks(comm, [&] {
+    const std::string solver = modes::chosen_eps_type(request.modes.solver);
+    in_teams = in_teams && (request.modes.approximate > 0 || modes::works_in_teams(solver));
+  });
+  const int most = in_teams ? ranks : 1;
   for (int count = most;; --count) {
     if (ranks % count != 0) continue;
     // The source is needed again if memory allows only fewer teams.

@@ -84,7 +84,8 @@ modes::ModeSet find_modes(const scene::KernelRequest& request, Discretised& made
                                                .count = wanted.count,
                                                .relative_residual = wanted.relative_residual,
                                                .modes_per_shift = made.modes_per_shift,
-                                               .checkpoint = checkpoint},
+                                               .checkpoint = checkpoint,
+                                               .eps_type = wanted.solver},
                                               progress);
   if (!fitted) lift(modes.static_shift);
   return modes;

@@ -237,6 +237,10 @@ const Section modes_keys{
      {"relative_residual", Type::number, "1", shown(Modes{}.relative_residual), from_to("1e-14", "1e-2"),
       "bound on ‖Kφ − ω²Mφ‖ / ‖Kφ‖ of each mode. A mode above it is an error, unless round-off explains "
       "it. Ritz vectors are not checked"},
+     {"solver", Type::text, "", shown(Modes{}.solver),
+      one_of({"ricochet", "krylovschur", "subspace", "arnoldi"}),
+      "solver that finds the modes, as a type of SLEPc's EPS. Whichever it is, the same certificate proves "
+      "that no mode is missing. For `basis = \"modes\"`, without `approximate`"},
      {"approximate", Type::integer, "", shown(Modes{}.approximate),
       from_to("0", "5", " block iterations (0: certified modes)"),
       "number of block iterations that improve the modes of the next lower element order, in place of the "

@@ -36,6 +36,12 @@ Modes read_modes(Table& root, bool may_stay_open) {
       table->complain("approximate", "needs up_to_hz or count, without flexibility_error");
     modes.approximate = static_cast<int>(*iterations);
   }
+  if (const auto solver = table->text("solver")) {
+    if (*solver != modes.solver && (modes.basis == Basis::contact || modes.approximate > 0))
+      table->complain("solver",
+                      "finds certified modes: leave it out with basis = \"contact\" or approximate");
+    modes.solver = *solver;
+  }
   if (may_stay_open && modes.open()) {
     if (modes.basis == Basis::modes && !modes.residual_flexibility)
       root.complain("modes", "accuracy needs residual_flexibility = true, to represent truncated modes");

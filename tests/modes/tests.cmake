@@ -2,6 +2,7 @@
 add_mpi_test(modes approximate)
 add_mpi_test(modes certificate)
 add_mpi_test(modes contact_basis)
+add_mpi_test(modes eps)
 add_mpi_test(modes factorisation)
 add_mpi_test(modes modes)
 add_mpi_test(modes products)
