@@ -120,7 +120,7 @@ Found by_ricochet(const Problem& problem) {
   }
   const modes::ModeSet set = modes::compute_modes(
       problem.teams, problem.mesh, problem.body, factor,
-      {.up_to = wanted.up_to, .count = wanted.count, .relative_residual = wanted.relative_residual});
+      {.up_to = wanted.up_to, .count = wanted.count, .relative_residual = wanted.relative_residual, .eps_type = wanted.solver});
   return found_by_us(set, watch.seconds());
 }
 

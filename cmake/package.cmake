@@ -11,6 +11,9 @@ set(CPACK_PACKAGE_CONTACT ${packager})
 set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_COMPONENTS_ALL programs python library)
+if(RICOCHET_PREPROCESSOR)
+  list(APPEND CPACK_COMPONENTS_ALL eps)
+endif()
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
@@ -57,6 +60,17 @@ impacts from kernels.
 .
 Distributed under the BSD licence of two clauses; nothing in it needs MPI,
 PETSc or gmsh.")
+set(CPACK_DEBIAN_EPS_PACKAGE_NAME libricochet-eps-dev)
+set(CPACK_DEBIAN_EPS_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_EPS_PACKAGE_DEPENDS "libslepc-real-dev, libpetsc-real-dev")
+set(CPACK_DEBIAN_EPS_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/package/triggers)
+set(CPACK_DEBIAN_EPS_DESCRIPTION "certified eigenpairs by spectrum slicing, for SLEPc
+The eigensolver of Ricochet as a type of SLEPc's EPS: all eigenpairs of
+symmetric K x = lambda M x in an interval, or the lowest ones, with a proof
+that none is missing.
+.
+Distributed under the BSD licence of two clauses; nothing in it needs
+gmsh.")
 include(CPack)
 
 # The files that Debian requires in the documentation folder of a package.
@@ -79,12 +93,20 @@ add_documents(programs ricochet "The sources are under BSD-2-Clause. The program
  /usr/share/common-licenses/GPL-3. The packages libricochet-dev and python3-ricochet do not contain gmsh and stay under BSD-2-Clause.")
 add_documents(python python3-ricochet "Nothing in this package is linked with what is under the GNU General Public License.")
 add_documents(library libricochet-dev "Nothing in this package is linked with what is under the GNU General Public License.")
-file(WRITE ${PROJECT_BINARY_DIR}/package/libricochet-dev.lintian
-"# The shared library is for programs in other languages that load it: it has no package of its own.
-libricochet-dev: package-name-doesnt-match-sonames
-libricochet-dev: link-to-shared-library-in-wrong-package
+# What lintian reports of a package whose shared library has no package of its own.
+function(add_overrides component package)
+  set(file ${PROJECT_BINARY_DIR}/package/${package}.lintian)
+  file(WRITE ${file}
+"# The shared library is for programs that load it: it has no package of its own.
+${package}: package-name-doesnt-match-sonames
+${package}: link-to-shared-library-in-wrong-package
 # CPack generates these scripts.
-libricochet-dev: maintscript-calls-ldconfig
+${package}: maintscript-calls-ldconfig
 ")
-install(FILES ${PROJECT_BINARY_DIR}/package/libricochet-dev.lintian DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides
-  COMPONENT library RENAME libricochet-dev)
+  install(FILES ${file} DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides COMPONENT ${component} RENAME ${package})
+endfunction()
+add_overrides(library libricochet-dev)
+if(RICOCHET_PREPROCESSOR)
+  add_documents(eps libricochet-eps-dev "Nothing in this package is linked with what is under the GNU General Public License.")
+  add_overrides(eps libricochet-eps-dev)
+endif()

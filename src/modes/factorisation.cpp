@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "src/modes/mumps.hpp"
 #include "src/modes/tall.hpp"
@@ -29,11 +30,11 @@ MPI_Comm comm_of(Mat matrix) {
 Factorisation::Factorisation(Mat stiffness, Mat mass, double low_rank)
     : entries_(stiffness, mass), shifted_(entries_.stiffness.size()), low_rank_(low_rank) {
   MPI_Comm_dup(comm_of(stiffness), &comm_);
-  const int mine = static_cast<int>(entries_.local_rows), start = static_cast<int>(entries_.first);
-  rows_of_rank_.resize(static_cast<std::size_t>(parallel::size_of(comm_)));
-  first_of_rank_.resize(rows_of_rank_.size());
-  MPI_Allgather(&mine, 1, MPI_INT, rows_of_rank_.data(), 1, MPI_INT, comm_);
+  const int start = static_cast<int>(entries_.first);
+  first_of_rank_.resize(static_cast<std::size_t>(parallel::size_of(comm_)));
   MPI_Allgather(&start, 1, MPI_INT, first_of_rank_.data(), 1, MPI_INT, comm_);
+  own_row_.resize(static_cast<std::size_t>(entries_.local_rows));
+  std::iota(own_row_.begin(), own_row_.end(), start + 1);
 
   order_ = order_of_elimination(comm_, entries_);
   analyse();
@@ -52,7 +53,9 @@ void Factorisation::analyse() {
     id.irn = entries_.row.data();
     id.jcn = entries_.column.data();
   } else {
-    mumps_->icntl(18) = 3;
+    mumps_->icntl(18) = 3;  // entries, right-hand sides and solutions are distributed
+    mumps_->icntl(20) = 10;
+    mumps_->icntl(21) = 1;
     id.nnz_loc = count;
     id.irn_loc = entries_.row.data();
     id.jcn_loc = entries_.column.data();
@@ -117,19 +120,43 @@ Eigen::MatrixXd Factorisation::solve(const Eigen::Ref<const Eigen::MatrixXd>& ri
     mumps_->run(Mumps::Job::solve, solve_task);
     return solution;
   }
-  // MUMPS takes right-hand sides and returns solutions on the first rank.
-  const bool first = parallel::rank_of(comm_) == 0;
-  Eigen::MatrixXd whole(first ? entries_.rows : 0, n);
-  for (Eigen::Index j = 0; j < n; ++j)
-    MPI_Gatherv(right.col(j).data(), static_cast<int>(right.rows()), MPI_DOUBLE,
-                first ? whole.col(j).data() : nullptr, rows_of_rank_.data(), first_of_rank_.data(),
-                MPI_DOUBLE, 0, comm_);
-  id.rhs = whole.data();
+  // MUMPS takes the rows of each rank, and returns those of the pivots that the rank has eliminated.
+  id.nloc_rhs = id.lrhs_loc = static_cast<MUMPS_INT>(right.rows());
+  id.irhs_loc = own_row_.data();
+  id.rhs_loc = solution.data();
+  id.lsol_loc = mumps_->info(23);
+  eliminated_row_.resize(static_cast<std::size_t>(id.lsol_loc));
+  id.isol_loc = eliminated_row_.data();
+  Eigen::MatrixXd eliminated(id.lsol_loc, n);
+  id.sol_loc = eliminated.data();
   mumps_->run(Mumps::Job::solve, solve_task);
-  for (Eigen::Index j = 0; j < n; ++j)
-    MPI_Scatterv(first ? whole.col(j).data() : nullptr, rows_of_rank_.data(), first_of_rank_.data(),
-                 MPI_DOUBLE, solution.col(j).data(), static_cast<int>(right.rows()), MPI_DOUBLE, 0, comm_);
+  return_rows(eliminated, solution);
   return solution;
+}
+
+void Factorisation::return_rows(const Eigen::MatrixXd& eliminated, Eigen::MatrixXd& solution) const {
+  // Sends each owner the numbers of its rows, and then their values column by column.
+  std::vector<std::vector<Eigen::Index>> from(static_cast<std::size_t>(parallel::size_of(comm_)));
+  std::vector<std::vector<double>> to(from.size());
+  for (std::size_t i = 0; i < eliminated_row_.size(); ++i) {
+    const int row = eliminated_row_[i] - 1;
+    const auto owner =
+        static_cast<std::size_t>(std::ranges::upper_bound(first_of_rank_, row) - first_of_rank_.begin()) - 1;
+    from[owner].push_back(static_cast<Eigen::Index>(i));
+    to[owner].push_back(row - first_of_rank_[owner]);
+  }
+  for (std::size_t rank = 0; rank < to.size(); ++rank) {
+    to[rank].reserve(from[rank].size() * static_cast<std::size_t>(solution.cols() + 1));
+    for (Eigen::Index j = 0; j < solution.cols(); ++j)
+      for (const Eigen::Index i : from[rank]) to[rank].push_back(eliminated(i, j));
+  }
+  for (const std::vector<double>& got : parallel::exchange(comm_, to)) {
+    const std::size_t rows = got.size() / static_cast<std::size_t>(solution.cols() + 1);
+    for (Eigen::Index j = 0; j < solution.cols(); ++j) {
+      const double* column = got.data() + (static_cast<std::size_t>(j) + 1) * rows;
+      for (std::size_t i = 0; i < rows; ++i) solution(static_cast<Eigen::Index>(got[i]), j) = column[i];
+    }
+  }
 }
 
 void Factorisation::release() {

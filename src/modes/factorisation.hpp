@@ -62,14 +62,16 @@ class Factorisation {
 
  private:
   void analyse();
+  void return_rows(const Eigen::MatrixXd& eliminated, Eigen::MatrixXd& solution) const;
 
   MPI_Comm comm_ = MPI_COMM_NULL;
   std::unique_ptr<Mumps> mumps_;
   Entries entries_;
   std::vector<int> order_;
   std::vector<double> shifted_;
-  /// Of each rank: number of rows, and first row.
-  std::vector<int> rows_of_rank_, first_of_rank_;
+  std::vector<int> first_of_rank_;  ///< first row of each rank
+  /// Numbers from 1 of the rows of this rank, and of those whose pivots it has eliminated.
+  std::vector<int> own_row_, eliminated_row_;
   double low_rank_ = 0;
   double sigma_ = 0;
   bool factored_ = false;

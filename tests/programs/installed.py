@@ -11,6 +11,7 @@ from pathlib import Path
 
 import h5py
 
+import eps_matrices
 from programs import BIN, MESHES, SOURCE, ProgramTest
 
 BUILD = BIN.parent
@@ -44,7 +45,7 @@ class Installed(ProgramTest):
         scope = tempfile.TemporaryDirectory(prefix="ricochet-installed-")
         cls.addClassCleanup(scope.cleanup)
         cls.prefix = Path(scope.name)
-        for component in ("programs", "python", "library"):
+        for component in ("programs", "python", "library", "eps"):
             subprocess.run(
                 ["cmake", "--install", BUILD, "--component", component, "--prefix", cls.prefix],
                 check=True,
@@ -99,6 +100,25 @@ class Installed(ProgramTest):
         self.assertIn(f'set(PACKAGE_VERSION "{VERSION}")', config.read_text())
         self.assertIn(f'set(CPACK_PACKAGE_VERSION "{VERSION}")', (BUILD / "CPackConfig.cmake").read_text())
         self.assertEqual(re.search(r"^## \[(\S+)\]", (SOURCE / "CHANGELOG.md").read_text(), re.M)[1], VERSION)
+
+    def test_a_program_of_slepc_is_compiled_with_the_eigensolver(self):
+        eps_matrices.write(self.folder)
+        found = {"PKG_CONFIG_PATH": str(self.prefix / "share/pkgconfig")}
+        flags = self.succeed_in(
+            self.call("pkg-config", "--cflags", "--libs", "ricochet-eps", **found)
+        ).split()
+        example = SOURCE / "examples/eps/eigenpairs.c"
+        self.succeed_in(self.call("cc", example, *flags, "-o", "eigenpairs"))
+        (library,) = self.prefix.glob("lib/**/libricochet-eps.so")
+        printed = self.succeed_in(
+            self.call(
+                *("./eigenpairs", "-k", "K.petsc", "-m", "M.petsc", "-eps_nev", "3", "-eps_view"),
+                LD_LIBRARY_PATH=str(library.parent),
+            )
+        )
+        self.assertIn(f"{eps_matrices.exact(2):.5f}", printed)
+        self.assertIn("type: ricochet", printed)
+        self.assertIn("inertia: ", printed)
 
     def test_a_scene_goes_from_mesh_to_pictures_and_a_study_to_its_table(self):
         for path in (MESHES / "two-rods").glob("*.*"):

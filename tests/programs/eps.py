@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""The solver for the K and M of other programs: the example with files of PETSc, and options in place of calls."""
+import ctypes
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+import eps_matrices
+from eps_matrices import exact
+from ricochet import programs
+
+
+class Example(unittest.TestCase):
+    def eigenvalues(self, ranks, *options):
+        """Eigenvalues that the example prints"""
+        with tempfile.TemporaryDirectory() as folder:
+            eps_matrices.write(Path(folder))
+            files = ("-k", f"{folder}/K.petsc", "-m", f"{folder}/M.petsc")
+            command = [*programs.mpirun(ranks), programs.BIN / "eigenpairs", *files, *options]
+            done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=True)
+        return [float(line) for line in done.stdout.splitlines() if line.strip().replace(".", "").isdigit()]
+
+    def check(self, found, numbers):
+        self.assertEqual(len(found), len(numbers))
+        for value, number in zip(found, numbers):
+            self.assertAlmostEqual(value, exact(number), delta=1e-5)  # five decimals are printed
+
+    def test_prints_the_lowest(self):
+        for ranks in (1, 2):
+            self.check(self.eigenvalues(ranks, "-eps_nev", "12"), range(1, 13))
+
+    def test_prints_those_in_an_interval(self):
+        ends = f"{(exact(30) + exact(31)) / 2},{(exact(75) + exact(76)) / 2}"
+        self.check(self.eigenvalues(2, "-eps_interval", ends, "-eps_all"), range(31, 76))
+
+    def test_is_an_option_of_programs_that_are_linked_with_slepc_alone(self):
+        # PETSc loads a library by this option and calls the function named after it.
+        library = ctypes.CDLL(str(programs.BIN.parent / "src" / "libricochet-eps.so"))
+        self.assertTrue(hasattr(library, "PetscDLLibraryRegister_ricochet-eps"))
+
+
+if __name__ == "__main__":
+    unittest.main()
