@@ -63,10 +63,10 @@ void hold_to_bounds(const parallel::Teams& teams, const Operators& operators, Fa
 }
 
 ModeSet certified_modes(const parallel::Teams& teams, const Operators& operators, Factorisation& factor,
-                        const Request& request, const Progress& progress) {
+                        const Request& request, const Checkpoint& checkpoint, const Progress& progress) {
   const Eigen::Index r = operators.rigid.cols();
   const std::int64_t below = operators.below_zero;
-  Search found = search(teams, operators, factor, request, progress);
+  Search found = search(teams, operators, factor, request, checkpoint, progress);
   progress.begin("certificate");
 
   std::vector<Place> places = places_of(found);

@@ -2,8 +2,8 @@
 // Search, certificate and repair: the engine behind compute_modes and the solver "ricochet" of SLEPc.
 #pragma once
 
+#include "src/modes/checkpoint.hpp"
 #include "src/modes/modes.hpp"
-#include "src/modes/slicing.hpp"
 
 namespace ricochet::modes {
 
@@ -11,7 +11,7 @@ namespace ricochet::modes {
 /// both. Collective on all ranks of `teams`. Throws SolverError like compute_modes. No uncertified mode is
 /// returned.
 ModeSet certified_modes(const parallel::Teams& teams, const Operators& operators, Factorisation& factor,
-                        const Request& request, const Progress& progress);
+                        const Request& request, const Checkpoint& checkpoint, const Progress& progress);
 
 /// The end of a set: the number of modes to keep, and the inertia there.
 struct Cut {

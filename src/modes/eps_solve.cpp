@@ -107,7 +107,8 @@ std::string chosen_eps_type(const std::string& given) {
 bool works_in_teams(const std::string& eps_type) { return eps_type == EPSRICOCHET; }
 
 ModeSet modes_by_eps(const parallel::Teams& teams, const Operators& operators, Mat stiffness, Mat mass,
-                     Factorisation& factor, const Request& request, const Progress& progress) {
+                     Factorisation& factor, const Request& request, const Checkpoint& checkpoint,
+                     const Progress& progress) {
   const std::string type = chosen_eps_type(request.eps_type);
   parallel::Handle<EPS, EPSDestroy> eps;
   check(EPSCreate(operators.comm, eps.out()));
@@ -115,7 +116,7 @@ ModeSet modes_by_eps(const parallel::Teams& teams, const Operators& operators, M
   check(EPSSetProblemType(eps, EPS_GHEP));
   check(EPSSetType(eps, type.c_str()));
   if (type == EPSRICOCHET) {
-    Engine engine{teams, operators, factor, request, progress};
+    Engine engine{teams, operators, factor, request, checkpoint, progress};
     use_engine(eps, engine);
     if (const PetscErrorCode code = EPSSolve(eps); engine.error)
       std::rethrow_exception(engine.error);

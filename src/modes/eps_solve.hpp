@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "src/modes/checkpoint.hpp"
 #include "src/modes/modes.hpp"
 
 namespace ricochet::modes {
@@ -18,7 +19,9 @@ bool works_in_teams(const std::string& eps_type);
 /// Computes the modes of K and M with the EPS that `request` names. Collective on all ranks of `teams`.
 /// Throws like compute_modes.
 /// @param stiffness, mass  those of `operators`
+/// @param checkpoint  for the engine of Ricochet; other types begin anew
 ModeSet modes_by_eps(const parallel::Teams& teams, const Operators& operators, Mat stiffness, Mat mass,
-                     Factorisation& factor, const Request& request, const Progress& progress);
+                     Factorisation& factor, const Request& request, const Checkpoint& checkpoint,
+                     const Progress& progress);
 
 }  // namespace ricochet::modes

@@ -103,7 +103,7 @@ void solve_own(EPS eps) {
         count_below(teams, factor, known.cols() > 0 && data.origin == 0 ? 1e-10 * (eps->intb - eps->inta) : 0)
             .below;
   const Progress progress;
-  data.set = certified_modes(teams, operators, factor, request, progress);
+  data.set = certified_modes(teams, operators, factor, request, Checkpoint(), progress);
 }
 
 /// Passes a set to the EPS without its first modes, which are known. Their shapes move to its BV.
@@ -139,7 +139,7 @@ PetscErrorCode solve(EPS eps) {
     if (Engine* engine = std::exchange(data.engine, nullptr)) {
       try {
         engine->found = certified_modes(engine->teams, engine->operators, engine->factor, engine->request,
-                                        engine->progress);
+                                        engine->checkpoint, engine->progress);
       } catch (...) {
         engine->error = std::current_exception();
         throw;
@@ -176,6 +176,7 @@ PetscErrorCode set_up(EPS eps) {
              "The solver '%s' needs an interval with two finite ends (EPSSetInterval)", EPSRICOCHET);
   eps->ncv = 1;
   eps->mpd = 1;
+  eps->max_it = 1;
   if (eps->tol == PETSC_DEFAULT) eps->tol = SLEPC_DEFAULT_TOL;
   PetscCall(EPSAllocateSolution(eps, 0));
   PetscCall(EPS_SetInnerProduct(eps));  // in which SLEPc orthonormalises the deflation space
@@ -259,6 +260,13 @@ void use_engine(EPS eps, Engine& engine) { data_of(eps).engine = &engine; }
 PetscErrorCode EPSRicochetRegister() {
   PetscFunctionBegin;
   PetscCall(EPSRegister(EPSRICOCHET, ricochet::modes::create));
+  PetscFunctionReturn(0);
+}
+
+/// PETSc calls the function of this name in a library that it loads by -dll_append.
+PETSC_EXTERN PetscErrorCode PetscDLLibraryRegister_ricochet_eps() {
+  PetscFunctionBegin;
+  PetscCall(EPSRicochetRegister());
   PetscFunctionReturn(0);
 }
 

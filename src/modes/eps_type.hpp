@@ -3,6 +3,7 @@
 #pragma once
 
 #include "ricochet/eps.h"
+#include "src/modes/checkpoint.hpp"
 #include "src/modes/modes.hpp"
 
 namespace ricochet::modes {
@@ -13,6 +14,7 @@ struct Engine {
   const Operators& operators;
   Factorisation& factor;
   const Request& request;
+  const Checkpoint& checkpoint;
   const Progress& progress;
   ModeSet found{};             ///< result; the EPS itself keeps nothing, because each team has other modes
   std::exception_ptr error{};  ///< what stopped the solve

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "src/modes/checkpoint_folder.hpp"
 #include "src/modes/eps_solve.hpp"
 
 namespace ricochet::modes {
@@ -58,7 +59,8 @@ ModeSet compute_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
   if (request.up_to) operators.refuse_band(*request.up_to, true);
   Request closer = request;
   if (request.count) closer.first_end = expected_end(body, static_cast<double>(*request.count));
-  return modes_by_eps(teams, operators, body.stiffness, body.mass, factor, closer, progress);
+  return modes_by_eps(teams, operators, body.stiffness, body.mass, factor, closer,
+                      CheckpointFolder(teams, operators, request.checkpoint), progress);
 }
 
 }  // namespace ricochet::modes

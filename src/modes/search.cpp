@@ -8,7 +8,6 @@
 #include <limits>
 #include <numbers>
 
-#include "src/modes/checkpoint.hpp"
 #include "src/modes/dense.hpp"
 
 namespace ricochet::modes {
@@ -27,14 +26,14 @@ double hertz(double lambda) { return std::sqrt(std::max(lambda, 0.0)) / (2 * std
 class Searcher {
  public:
   Searcher(const parallel::Teams& teams, const Operators& operators, Factorisation& factor,
-           const Request& request, const Progress& progress)
+           const Request& request, const Checkpoint& checkpoint, const Progress& progress)
       : teams_(teams),
         operators_(operators),
         progress_(progress),
         request_(request),
         rigid_(operators.below_zero),
         factor_(factor),
-        checkpoint_(teams, operators, request.checkpoint) {
+        checkpoint_(checkpoint) {
     options_.tolerance = request.relative_residual;
   }
 
@@ -273,7 +272,7 @@ class Searcher {
   LanczosOptions options_;
   bool dense_ = false;  ///< whether slices are computed by the dense solver
   Factorisation& factor_;
-  Checkpoint checkpoint_;
+  const Checkpoint& checkpoint_;
   Probe end_;
   std::vector<Probe> probes_;
   Search found_;
@@ -294,12 +293,12 @@ double expected_mib(const Factorisation& factor, std::int64_t local_rows, std::i
 
 Probe end_of_search(const parallel::Teams& teams, const Operators& operators, Factorisation& factor,
                     const Request& request) {
-  return Searcher(teams, operators, factor, request, {}).find_end();
+  return Searcher(teams, operators, factor, request, Checkpoint(), {}).find_end();
 }
 
 Search search(const parallel::Teams& teams, const Operators& operators, Factorisation& factor,
-              const Request& request, const Progress& progress) {
-  return Searcher(teams, operators, factor, request, progress).run();
+              const Request& request, const Checkpoint& checkpoint, const Progress& progress) {
+  return Searcher(teams, operators, factor, request, checkpoint, progress).run();
 }
 
 }  // namespace ricochet::modes

@@ -2,6 +2,7 @@
 // Search for all modes up to an end: inertia counts, slices in rounds over the teams, and repair of gaps.
 #pragma once
 
+#include "src/modes/checkpoint.hpp"
 #include "src/modes/modes.hpp"
 #include "src/modes/slicing.hpp"
 
@@ -31,6 +32,6 @@ Probe end_of_search(const parallel::Teams& teams, const Operators& operators, Fa
 /// modes between neighbouring shifts equals the inertia count. Throws SolverError if this cannot be achieved.
 /// Collective on all ranks.
 Search search(const parallel::Teams& teams, const Operators& operators, Factorisation& factor,
-              const Request& request, const Progress& progress);
+              const Request& request, const Checkpoint& checkpoint, const Progress& progress);
 
 }  // namespace ricochet::modes

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """The solver for the K and M of other programs: the example with files of PETSc, and options in place of calls."""
-import ctypes
 import subprocess
 import tempfile
 import unittest
@@ -12,12 +11,12 @@ from ricochet import programs
 
 
 class Example(unittest.TestCase):
-    def eigenvalues(self, ranks, *options):
-        """Eigenvalues that the example prints"""
+    def eigenvalues(self, ranks, *options, program=programs.BIN / "eigenpairs"):
+        """Eigenvalues that the example, or another program, prints"""
         with tempfile.TemporaryDirectory() as folder:
             eps_matrices.write(Path(folder))
             files = ("-k", f"{folder}/K.petsc", "-m", f"{folder}/M.petsc")
-            command = [*programs.mpirun(ranks), programs.BIN / "eigenpairs", *files, *options]
+            command = [*programs.mpirun(ranks), program, *files, *options]
             done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=True)
         return [float(line) for line in done.stdout.splitlines() if line.strip().replace(".", "").isdigit()]
 
@@ -35,9 +34,23 @@ class Example(unittest.TestCase):
         self.check(self.eigenvalues(2, "-eps_interval", ends, "-eps_all"), range(31, 76))
 
     def test_is_an_option_of_programs_that_are_linked_with_slepc_alone(self):
-        # PETSc loads a library by this option and calls the function named after it.
-        library = ctypes.CDLL(str(programs.BIN.parent / "src" / "libricochet-eps.so"))
-        self.assertTrue(hasattr(library, "PetscDLLibraryRegister_ricochet-eps"))
+        source = (programs.ROOT / "examples/eps/eigenpairs.c").read_text()
+        alone = "\n".join(
+            line for line in source.splitlines() if "EPSRicochet" not in line and "EPSSetType" not in line
+        )
+        flags = subprocess.run(
+            ["pkg-config", "--cflags", "--libs", "slepc", "petsc", "mpi-c"],
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout.split()
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "alone.c"
+            path.write_text(alone.replace("<ricochet/eps.h>", "<slepceps.h>"))
+            subprocess.run(["cc", path, *flags, "-o", f"{folder}/alone"], check=True)
+            library = programs.BIN.parent / "src/libricochet-eps.so"
+            options = ("-dll_append", library, "-eps_type", "ricochet", "-eps_nev", "5")
+            self.check(self.eigenvalues(2, *options, program=f"{folder}/alone"), range(1, 6))
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "src/modes/checkpoint.hpp"
+#include "src/modes/checkpoint_folder.hpp"
 
 #include <fmt/format.h>
 
@@ -82,10 +82,11 @@ class Rows {
 
 }  // namespace
 
-Checkpoint::Checkpoint(const parallel::Teams& teams, const Operators& operators, std::filesystem::path folder)
+CheckpointFolder::CheckpointFolder(const parallel::Teams& teams, const Operators& operators,
+                                   std::filesystem::path folder)
     : teams_(teams), operators_(operators), folder_(std::move(folder)) {}
 
-void Checkpoint::save(const Plan& plan) const {
+void CheckpointFolder::save(const Plan& plan) const {
   if (folder_.empty()) return;
   const std::int64_t rows = parallel::sum(teams_.team(), operators_.local_rows);
   parallel::on_first_rank(teams_.world(), [&] {
@@ -103,7 +104,7 @@ void Checkpoint::save(const Plan& plan) const {
   });
 }
 
-std::optional<Checkpoint::Plan> Checkpoint::plan() const {
+std::optional<Checkpoint::Plan> CheckpointFolder::plan() const {
   std::vector<double> values;
   if (!folder_.empty() && parallel::rank_of(teams_.world()) == 0) {
     try {
@@ -124,7 +125,7 @@ std::optional<Checkpoint::Plan> Checkpoint::plan() const {
   return plan;
 }
 
-void Checkpoint::save(const Slice& slice, const Eigen::MatrixXd& shape) const {
+void CheckpointFolder::save(const Slice& slice, const Eigen::MatrixXd& shape) const {
   if (folder_.empty()) return;
   Rows rows(operators_);
   std::optional<hdf5::Writer> file;
@@ -160,7 +161,7 @@ void Checkpoint::save(const Slice& slice, const Eigen::MatrixXd& shape) const {
   parallel::agree(teams_.team(), complaint);
 }
 
-std::vector<Checkpoint::Found> Checkpoint::slices() const {
+std::vector<Checkpoint::Found> CheckpointFolder::slices() const {
   std::vector<std::filesystem::path> paths;
   if (!folder_.empty() && std::filesystem::is_directory(folder_))
     for (const auto& entry : std::filesystem::directory_iterator(folder_))
