@@ -27,6 +27,11 @@ PETSC_EXTERN PetscErrorCode EPSRicochetRegister(void);
    less memory. */
 PETSC_EXTERN PetscErrorCode EPSRicochetSetPerShift(EPS eps, PetscInt pairs);
 
+/* Divides the ranks into this number of parts, which must divide the number of ranks (default 1; option
+   -eps_ricochet_partitions). Each part holds K and M and works on slices of its own, which is faster than sharing a
+   factorisation as long as the memory suffices. */
+PETSC_EXTERN PetscErrorCode EPSRicochetSetPartitions(EPS eps, PetscInt partitions);
+
 /* Returns the certificate of the last solve. */
 PETSC_EXTERN PetscErrorCode EPSRicochetGetCertificate(EPS eps, EPSRicochetCertificate *certificate);
 

@@ -11,14 +11,19 @@ namespace {
 
 using parallel::check;
 
-/// The rows of a matrix, converted to AIJ.
+/// The rows of a matrix, converted to AIJ and copied to each team.
 class Rows {
  public:
-  explicit Rows(Mat matrix) {
+  Rows(const parallel::Teams& teams, Mat matrix) {
     if (matrix == nullptr) return;
     check(MatConvert(matrix, MATAIJ, MAT_INITIAL_MATRIX, matrix_.out()));
     given_ = true;
+    if (teams.count() == 1) return;
+    parallel::Matrix copy;
+    check(MatCreateRedundantMatrix(matrix_, teams.count(), teams.team(), MAT_INITIAL_MATRIX, copy.out()));
+    matrix_ = std::move(copy);
   }
+  Mat matrix() const { return matrix_; }
   /// Calls visit(column, value) for the entries of a row; those of the identity if no matrix was given.
   template <class Visit>
   void each(PetscInt row, const Visit& visit) const {
@@ -44,15 +49,13 @@ PetscInt block_of(Mat matrix) {
 
 }  // namespace
 
-Pair paired(Mat given_stiffness, Mat given_mass, double origin) {
-  const Rows stiffness(given_stiffness), mass(given_mass);
+Pair paired(const parallel::Teams& teams, Mat given_stiffness, Mat given_mass, double origin) {
+  const Rows stiffness(teams, given_stiffness), mass(teams, given_mass);
   const bool blocked = block_of(given_stiffness) == 3 && (given_mass == nullptr || block_of(given_mass) == 3);
   const PetscInt block = blocked ? 3 : 1;
   PetscInt first = 0, behind = 0, total = 0;
-  check(MatGetOwnershipRange(given_stiffness, &first, &behind));
-  check(MatGetSize(given_stiffness, &total, nullptr));
-  MPI_Comm comm = MPI_COMM_NULL;
-  check(PetscObjectGetComm(reinterpret_cast<PetscObject>(given_stiffness), &comm));
+  check(MatGetOwnershipRange(stiffness.matrix(), &first, &behind));
+  check(MatGetSize(stiffness.matrix(), &total, nullptr));
 
   // Block columns of each block row, from the diagonal on.
   std::vector<std::vector<PetscInt>> columns(static_cast<std::size_t>((behind - first) / block));
@@ -73,7 +76,7 @@ Pair paired(Mat given_stiffness, Mat given_mass, double origin) {
 
   Pair pair;
   for (parallel::Matrix* made : {&pair.stiffness, &pair.mass}) {
-    check(MatCreateSBAIJ(comm, block, behind - first, behind - first, total, total, 0, own.data(), 0,
+    check(MatCreateSBAIJ(teams.team(), block, behind - first, behind - first, total, total, 0, own.data(), 0,
                          of_others.data(), made->out()));
     check(MatSetOption(*made, MAT_IGNORE_LOWER_TRIANGULAR, PETSC_TRUE));
   }
@@ -110,6 +113,69 @@ Pair paired(Mat given_stiffness, Mat given_mass, double origin) {
     check(MatAssemblyEnd(made, MAT_FINAL_ASSEMBLY));
   }
   return pair;
+}
+
+Eigen::Index Pair::rows() const {
+  PetscInt rows = 0;
+  check(MatGetLocalSize(stiffness, &rows, nullptr));
+  return rows;
+}
+
+TeamRows::TeamRows(const parallel::Teams& teams, Mat given, Mat of_team) : teams_(teams) {
+  const auto ranges = [](MPI_Comm comm, Mat matrix) {
+    const PetscInt* range = nullptr;
+    check(MatGetOwnershipRanges(matrix, &range));
+    return std::vector<PetscInt>(range, range + parallel::size_of(comm) + 1);
+  };
+  given_ = ranges(teams.world(), given);
+  of_team_ = ranges(teams.team(), of_team);
+}
+
+Eigen::MatrixXd TeamRows::to_team(const Eigen::MatrixXd& columns) const {
+  const auto rank = static_cast<std::size_t>(parallel::rank_of(teams_.world())),
+             in_team = static_cast<std::size_t>(parallel::rank_of(teams_.team()));
+  Eigen::MatrixXd whole = Eigen::MatrixXd::Zero(given_.back(), columns.cols());
+  whole.middleRows(given_[rank], columns.rows()) = columns;
+  parallel::sum(teams_.world(), whole);
+  return whole.middleRows(of_team_[in_team], of_team_[in_team + 1] - of_team_[in_team]);
+}
+
+Eigen::MatrixXd TeamRows::to_all(const Eigen::MatrixXd& mine, const std::vector<Eigen::Index>& index,
+                                 Eigen::Index all) const {
+  constexpr Eigen::Index panel = 64;
+  const auto ranks = static_cast<std::size_t>(parallel::size_of(teams_.world())),
+             rank = static_cast<std::size_t>(parallel::rank_of(teams_.world())),
+             team_size = of_team_.size() - 1;
+  // The rows that a rank has in its team, and another one among all.
+  const auto common = [&](std::size_t in_team, std::size_t among_all) {
+    const PetscInt first = std::max(of_team_[in_team], given_[among_all]),
+                   behind = std::min(of_team_[in_team + 1], given_[among_all + 1]);
+    return std::pair<Eigen::Index, Eigen::Index>(first, std::max<Eigen::Index>(behind - first, 0));
+  };
+  Eigen::MatrixXd columns(given_[rank + 1] - given_[rank], all);
+  const auto most =
+      static_cast<Eigen::Index>(parallel::largest(teams_.world(), static_cast<double>(mine.cols())));
+  for (Eigen::Index from = 0; from < most; from += panel) {
+    // A message has the number of each column and then its rows.
+    std::vector<std::vector<double>> to(ranks);
+    for (std::size_t r = 0; r < ranks; ++r) {
+      const auto [first, n] = common(rank % team_size, r);
+      const Eigen::Index at = first - of_team_[rank % team_size];
+      for (Eigen::Index j = from; n > 0 && j < std::min(from + panel, mine.cols()); ++j) {
+        to[r].push_back(static_cast<double>(index[static_cast<std::size_t>(j)]));
+        to[r].insert(to[r].end(), mine.col(j).data() + at, mine.col(j).data() + at + n);
+      }
+    }
+    const auto got = parallel::exchange(teams_.world(), to);
+    for (std::size_t r = 0; r < ranks; ++r) {
+      const auto [first, n] = common(r % team_size, rank);
+      const auto step = static_cast<std::size_t>(n) + 1;
+      for (std::size_t at = 0; at + step <= got[r].size(); at += step)
+        columns.col(static_cast<Eigen::Index>(got[r][at])).segment(first - given_[rank], n) =
+            Eigen::Map<const Eigen::VectorXd>(got[r].data() + at + 1, n);
+    }
+  }
+  return columns;
 }
 
 }  // namespace ricochet::modes

@@ -19,7 +19,7 @@ using parallel::check;
 
 /// What one EPS of this type holds.
 struct Data {
-  PetscInt per_shift = 260;
+  PetscInt per_shift = 260, partitions = 1;
   Engine* engine = nullptr;
   ModeSet set;
   double origin = 0;
@@ -67,47 +67,46 @@ double below_all(const parallel::Teams& teams, const Operators& operators, Facto
   throw SolverError("no lower bound of the spectrum is found: M may not be positive semidefinite");
 }
 
-/// λ below which about `count` eigenvalues of a solid lie, by Weyl's law.
-double expected_end(const Operators& operators, double count) {
-  return operators.stiffest() * std::pow(count / static_cast<double>(operators.free_rows), 2.0 / 3);
-}
-
-/// Solves with the matrices of the EPS, on all of its ranks.
-void solve_own(EPS eps) {
+/// Solves with the matrices of the EPS. Its ranks are divided into teams, each with a copy of them.
+/// @return the shapes of the set (rows of this rank, all), known ones first
+Eigen::MatrixXd solve_own(EPS eps) {
   Data& data = data_of(eps);
   Mat stiffness = nullptr, mass = nullptr;
   check(EPSGetOperators(eps, &stiffness, eps->isgeneralized ? &mass : nullptr));
-  const parallel::Teams teams(PetscObjectComm(reinterpret_cast<PetscObject>(eps)), 1);
-  const Eigen::MatrixXd known = deflation_of(eps);
+  const parallel::Teams teams(PetscObjectComm(reinterpret_cast<PetscObject>(eps)), data.partitions);
+  const Eigen::MatrixXd deflation = deflation_of(eps);
+  const Eigen::Index known = deflation.cols();
   Request request{.relative_residual = eps->tol, .modes_per_shift = data.per_shift};
   data.origin = 0;
   if (eps->which == EPS_ALL) {
     data.origin = eps->inta;
     request.up_to = to_hertz(RadPerSecond{std::sqrt(eps->intb - eps->inta)});
   } else {
-    request.count = eps->nev + known.cols();
-    if (known.cols() == 0) {
-      const Pair pair = paired(stiffness, mass, 0);
-      const Operators operators(pair.stiffness, pair.mass, known);
+    request.count = eps->nev + known;
+    if (known == 0) {
+      const Pair pair = paired(teams, stiffness, mass, 0);
+      const Operators operators(pair.stiffness, pair.mass, Eigen::MatrixXd(pair.rows(), 0));
       Factorisation factor(pair.stiffness, pair.mass);
       data.origin =
-          below_all(teams, operators, factor, expected_end(operators, static_cast<double>(eps->nev)));
+          below_all(teams, operators, factor, operators.expected_end(static_cast<double>(eps->nev)));
     }
   }
-  const Pair pair = paired(stiffness, mass, data.origin);
-  Operators operators(pair.stiffness, pair.mass, known);
-  if (request.count && *request.count > operators.free_rows) request.count = operators.free_rows;
+  const Pair pair = paired(teams, stiffness, mass, data.origin);
+  const TeamRows rows(teams, stiffness, pair.stiffness);
+  Operators operators(pair.stiffness, pair.mass, rows.to_team(deflation));
+  if (request.count) request.count = std::min(*request.count, operators.free_rows);
   Factorisation factor(pair.stiffness, pair.mass);
-  if (eps->which == EPS_ALL)
-    operators.below_zero =
-        count_below(teams, factor, known.cols() > 0 && data.origin == 0 ? 1e-10 * (eps->intb - eps->inta) : 0)
-            .below;
-  const Progress progress;
-  data.set = certified_modes(teams, operators, factor, request, Checkpoint(), progress);
+  // An interval that begins at zero begins above the known modes, as for a free body.
+  if (eps->which == EPS_ALL && !(known > 0 && data.origin == 0))
+    operators.below_zero = count_below(teams, factor, 0).below;
+  data.set = certified_modes(teams, operators, factor, request, Checkpoint(), Progress());
+  return rows.to_all(data.set.shape, data.set.index, std::ssize(data.set.angular_frequency));
 }
 
-/// Passes a set to the EPS without its first modes, which are known. Their shapes move to its BV.
-void hand_over(EPS eps, ModeSet& set, Eigen::Index known, double origin) {
+/// Passes a set to the EPS without its first modes, which are known.
+void hand_over(EPS eps, const Eigen::MatrixXd& shape, Eigen::Index known) {
+  Data& data = data_of(eps);
+  const ModeSet& set = data.set;
   const auto n = static_cast<PetscInt>(std::ssize(set.angular_frequency) - known);
   check(PetscFree4(eps->eigr, eps->eigi, eps->errest, eps->perm));
   check(PetscMalloc4(n, &eps->eigr, n, &eps->eigi, n, &eps->errest, n, &eps->perm));
@@ -115,7 +114,7 @@ void hand_over(EPS eps, ModeSet& set, Eigen::Index known, double origin) {
   check(BVResize(eps->V, std::max<PetscInt>(n, 1), PETSC_FALSE));
   for (PetscInt k = 0; k < n; ++k) {
     const auto from = static_cast<std::size_t>(k + known);
-    eps->eigr[k] = origin + std::pow(set.angular_frequency[from], 2);
+    eps->eigr[k] = data.origin + std::pow(set.angular_frequency[from], 2);
     eps->eigi[k] = 0;
     eps->errest[k] = set.residual[from];
     eps->perm[k] = k;
@@ -123,11 +122,10 @@ void hand_over(EPS eps, ModeSet& set, Eigen::Index known, double origin) {
     PetscScalar* values = nullptr;
     check(BVGetColumn(eps->V, k, &column));
     check(VecGetArray(column, &values));
-    Eigen::Map<Eigen::VectorXd>(values, eps->nloc) = set.shape.col(known + k);
+    Eigen::Map<Eigen::VectorXd>(values, eps->nloc) = shape.col(known + k);
     check(VecRestoreArray(column, &values));
     check(BVRestoreColumn(eps->V, k, &column));
   }
-  set.shape.resize(0, 0);
   eps->nconv = n;
   eps->ncv = std::max<PetscInt>(n, 1);
   eps->its = static_cast<PetscInt>(set.certificate.shift.size());
@@ -149,8 +147,9 @@ PetscErrorCode solve(EPS eps) {
     }
     PetscInt known = 0;
     check(BVGetNumConstraints(eps->V, &known));
-    solve_own(eps);
-    hand_over(eps, data.set, known, data.origin);
+    const Eigen::MatrixXd shape = solve_own(eps);
+    data.set.shape.resize(0, 0);
+    hand_over(eps, shape, known);
     eps->reason = EPS_CONVERGED_TOL;
     data.counts.assign(data.set.certificate.modes_below.begin(), data.set.certificate.modes_below.end());
     for (PetscInt& count : data.counts) count -= known;
@@ -213,6 +212,11 @@ PetscErrorCode set_from_options(EPS eps, PetscOptionItems* PetscOptionsObject) {
   PetscCall(PetscOptionsInt("-eps_ricochet_per_shift", "Eigenpairs sought from one factorisation",
                             "EPSRicochetSetPerShift", pairs, &pairs, &given));
   if (given) PetscCall(EPSRicochetSetPerShift(eps, pairs));
+  PetscInt partitions = data_of(eps).partitions;
+  PetscCall(PetscOptionsInt("-eps_ricochet_partitions",
+                            "Parts of the communicator that work on slices of their own",
+                            "EPSRicochetSetPartitions", partitions, &partitions, &given));
+  if (given) PetscCall(EPSRicochetSetPartitions(eps, partitions));
   PetscOptionsHeadEnd();
   PetscFunctionReturn(0);
 }
@@ -223,7 +227,8 @@ PetscErrorCode view(EPS eps, PetscViewer viewer) {
   PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(viewer), PETSCVIEWERASCII, &text));
   if (!text) PetscFunctionReturn(0);
   const Data& data = data_of(eps);
-  PetscCall(PetscViewerASCIIPrintf(viewer, "  eigenpairs per shift: %d\n", static_cast<int>(data.per_shift)));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "  eigenpairs per shift: %d, partitions: %d\n",
+                                   static_cast<int>(data.per_shift), static_cast<int>(data.partitions)));
   for (std::size_t s = 0; s < data.counts.size(); ++s)
     PetscCall(PetscViewerASCIIPrintf(viewer, "  inertia: %d eigenvalues of the set below %g\n",
                                      static_cast<int>(data.counts[s]), data.shifts[s]));
@@ -278,6 +283,20 @@ PetscErrorCode EPSRicochetSetPerShift(EPS eps, PetscInt pairs) {
              "The number of eigenpairs per shift is %d: it must be positive", static_cast<int>(pairs));
   PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(eps), EPSRICOCHET, &ours));
   if (ours) ricochet::modes::data_of(eps).per_shift = pairs;
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode EPSRicochetSetPartitions(EPS eps, PetscInt partitions) {
+  PetscBool ours = PETSC_FALSE;
+  PetscFunctionBegin;
+  PetscValidHeaderSpecific(eps, EPS_CLASSID, 1);
+  MPI_Comm comm = PetscObjectComm(reinterpret_cast<PetscObject>(eps));
+  PetscCheck(partitions > 0 && ricochet::parallel::size_of(comm) % partitions == 0, comm,
+             PETSC_ERR_ARG_OUTOFRANGE,
+             "The number of partitions is %d: it must divide the number of ranks, %d",
+             static_cast<int>(partitions), ricochet::parallel::size_of(comm));
+  PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(eps), EPSRICOCHET, &ours));
+  if (ours) ricochet::modes::data_of(eps).partitions = partitions;
   PetscFunctionReturn(0);
 }
 

@@ -110,6 +110,10 @@ double Operators::stiffest() const {
   return parallel::largest(comm, most);
 }
 
+double Operators::expected_end(double count) const {
+  return stiffest() * std::pow(count / static_cast<double>(free_rows), 2.0 / 3);
+}
+
 void Operators::refuse_band(Hertz up_to, bool from_zero) const {
   const double end = std::pow(RadPerSecond(up_to).value, 2), most = stiffest();
   const auto hertz = [](double lambda) { return std::sqrt(lambda) / (2 * std::numbers::pi); };

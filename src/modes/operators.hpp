@@ -50,6 +50,10 @@ struct Operators {
   /// Collective.
   double stiffest() const;
 
+  /// Returns the λ below which about `count` eigenvalues lie by Weyl's law for a solid, N ~ λ^(3/2).
+  /// Collective.
+  double expected_end(double count) const;
+
   /// Throws InputError on every rank if a band ends where the mesh carries no information. One such range
   /// begins a thousand times above the highest frequency of the mesh, where K is negligible compared with σM.
   /// With `from_zero`, another such range is near zero, where round-off gives rigid motions a frequency.

@@ -145,7 +145,7 @@ class Searcher {
   void probe_for(std::int64_t count) {
     const std::int64_t most = count + count / 8 + 8;
     const auto wanted = static_cast<double>(count);
-    const double guess = request_.first_end > 0 ? request_.first_end : expected_end(wanted);
+    const double guess = request_.first_end > 0 ? request_.first_end : operators_.expected_end(wanted);
     std::vector<double> sigma;
     for (int t = 0; t < teams_.count(); ++t) sigma.push_back(guess * std::pow(2.0, t + 1 - teams_.count()));
     probe(sigma);
@@ -174,11 +174,6 @@ class Searcher {
       if (probe.below >= count && probe.sigma < end_.sigma) end_ = probe;
     if (std::isinf(end_.sigma))
       throw SolverError(fmt::format("modes: no frequency with {} modes below it is found", count));
-  }
-
-  /// The λ below which about `count` modes lie by Weyl's law for a solid, N ~ λ^(3/2).
-  double expected_end(double count) const {
-    return operators_.stiffest() * std::pow(count / static_cast<double>(operators_.free_rows), 2.0 / 3);
   }
 
   /// Processes all tasks in rounds, one task per team. Collective.

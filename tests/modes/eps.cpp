@@ -155,6 +155,7 @@ TEST(Eps, finds_all_in_an_interval_and_proves_it) {
   check(EPSSetInterval(eps, low, high));
   check(EPSSetWhichEigenpairs(eps, EPS_ALL));
   check(EPSRicochetSetPerShift(eps, 20));
+  check(EPSRicochetSetPartitions(eps, parallel::size_of(PETSC_COMM_WORLD)));
   check(EPSSolve(eps));
   expect_values(eps, expected);
   expect_pairs(eps, membrane.stiffness, membrane.mass);
@@ -189,10 +190,38 @@ TEST(Eps, finds_the_zero_of_a_free_body_unless_it_is_deflated) {
   Vec vectors[] = {constant};
   check(EPSSetDeflationSpace(without, 1, vectors));
   check(EPSSetDimensions(without, 9, PETSC_DEFAULT, PETSC_DEFAULT));
+  check(EPSRicochetSetPartitions(without, parallel::size_of(PETSC_COMM_WORLD)));
   check(EPSSolve(without));
   found = values_of(without);
   ASSERT_GE(found.size(), 9u);
   for (std::size_t i = 0; i < 9; ++i) EXPECT_NEAR(found[i], expected[i + 1], 1e-9 * expected[9]) << i;
+}
+
+TEST(Eps, finds_nothing_in_an_empty_interval) {
+  const Membrane membrane(side, true);
+  const std::vector<double> all = membrane.eigenvalues();
+  const Solver eps = solver_of(membrane.stiffness, membrane.mass);
+  check(EPSSetInterval(eps, 1.01 * all[0], 0.99 * all[1]));
+  check(EPSSetWhichEigenpairs(eps, EPS_ALL));
+  check(EPSSolve(eps));
+  EXPECT_EQ(values_of(eps).size(), 0u);
+}
+
+TEST(Eps, finds_all_of_blocks_of_three) {
+  // A free body, with six eigenvalues at zero.
+  const test::SharedFile file(".geo", test::block_geo("tet", 2, 0.4));
+  const mesh::GmshSession gmsh;
+  const scene::Body given = test::body_of(file.path(), 2);
+  const mesh::Mesh mesh = test::mesh_of(given);
+  const elasticity::Body body = elasticity::assemble(mesh, given.materials, "test");
+  const Eigen::VectorXd expected = test::dense_eigenvalues(mesh, body);
+  const Solver eps = solver_of(body.stiffness, body.mass);
+  check(EPSSetDimensions(eps, 20, PETSC_DEFAULT, PETSC_DEFAULT));
+  check(EPSRicochetSetPartitions(eps, parallel::size_of(PETSC_COMM_WORLD)));
+  check(EPSSolve(eps));
+  const std::vector<double> found = values_of(eps);
+  ASSERT_GE(found.size(), 20u);
+  for (std::size_t i = 0; i < 20; ++i) EXPECT_NEAR(found[i], expected[i], 1e-8 * expected[19]) << i;
 }
 
 TEST(Eps, solves_a_problem_without_mass) {
@@ -221,6 +250,7 @@ TEST(Eps, refuses_what_it_cannot_prove) {
   EPSRicochetCertificate certificate{};
   EXPECT_NE(EPSRicochetGetCertificate(half_open, &certificate), 0);
   EXPECT_NE(EPSRicochetSetPerShift(half_open, 0), 0);
+  EXPECT_NE(EPSRicochetSetPartitions(half_open, 4), 0);  // of up to three ranks
 }
 
 TEST(Eps, of_other_types_gives_the_same_certified_modes) {
