@@ -20,6 +20,7 @@
 
 #include "benchmarks/calculix.hpp"
 #include "benchmarks/solvers.hpp"
+#include "src/modes/eps_solve.hpp"
 #include "src/console/console.hpp"
 #include "src/mesh/gmsh_session.hpp"
 #include "src/mesh/partition.hpp"
@@ -105,7 +106,8 @@ void run(const Options& options) {
 
   // In our own search, each rank is a team and searches on its own. All other solvers share the work of all
   // ranks.
-  const parallel::Teams teams(world, options.solver == "ricochet" ? parallel::size_of(world) : 1);
+  const bool in_teams = options.solver == "ricochet" && modes::works_in_teams(request.modes.solver);
+  const parallel::Teams teams(world, in_teams ? parallel::size_of(world) : 1);
   if (parallel::rank_of(teams.team()) == 0) mesh::broadcast(global, teams.peers());
   const mesh::Mesh mesh = mesh::distribute(std::move(global), teams.team());
   const double started = MPI_Wtime();
