@@ -19,7 +19,7 @@ namespace {
 using parallel::check;
 
 /// Shift below all modes, relative to the end of the search; K − σM is definite there.
-constexpr double below_zero = -1e-3;
+constexpr double definite_shift = -1e-3;
 
 /// Lets MUMPS factor K − σM, for the ST or for spectrum slicing.
 void set_factors(KSP ksp) {
@@ -37,13 +37,13 @@ void ask(EPS eps, const std::string& type, const Probe& end) {
   check(EPSGetST(eps, &st));
   if (type == EPSKRYLOVSCHUR) {  // spectrum slicing
     check(EPSSetWhichEigenpairs(eps, EPS_ALL));
-    check(EPSSetInterval(eps, below_zero * end.sigma, end.sigma));
+    check(EPSSetInterval(eps, definite_shift * end.sigma, end.sigma));
     check(STSetType(st, STSINVERT));
     check(EPSKrylovSchurGetKSP(eps, &ksp));
     // ScaLAPACK at the root would hide a part of the inertia.
     check(PetscOptionsInsertString(nullptr, "-st_mat_mumps_icntl_13 1"));
   } else {
-    check(EPSSetTarget(eps, below_zero * end.sigma));
+    check(EPSSetTarget(eps, definite_shift * end.sigma));
     check(EPSSetDimensions(eps, parallel::petsc_int(end.below), PETSC_DEFAULT, PETSC_DEFAULT));
     check(EPSSetWhichEigenpairs(eps, EPS_TARGET_MAGNITUDE));
     check(STSetType(st, STSINVERT));
@@ -141,7 +141,7 @@ ModeSet modes_by_eps(const parallel::Teams& teams, const Operators& operators, M
   ModeSet set;
   const auto [kept, at_cut] = cut_of(teams, factor, found.lambda, request, r, end);
   set.cut = at_cut.sigma;
-  set.static_shift = below_zero * set.cut;
+  set.static_shift = definite_shift * set.cut;
   set.angular_frequency.assign(static_cast<std::size_t>(r), 0);
   for (std::size_t k = 0; k < kept; ++k)
     set.angular_frequency.push_back(std::sqrt(std::max(found.lambda[k], 0.0)));

@@ -108,8 +108,7 @@ Discretised discretise(const scene::KernelRequest& request, OpenedMeshes& meshes
   const int ranks = parallel::size_of(comm);
   bool in_teams = request.modes.basis == scene::Basis::modes;
   parallel::on_all_ranks(comm, [&] {
-    const std::string solver = modes::chosen_eps_type(request.modes.solver);
-    in_teams = in_teams && (request.modes.approximate > 0 || modes::works_in_teams(solver));
+    in_teams = in_teams && modes::works_in_teams(modes::chosen_eps_type(request.modes.solver));
   });
   const int most = in_teams ? ranks : 1;
   for (int count = most;; --count) {
