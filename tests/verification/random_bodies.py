@@ -10,6 +10,8 @@ with matrices assembled anew. Requests beyond what the mesh has, which are refus
 status is 1 if a body fails.
 """
 import math
+import os
+import signal
 import subprocess
 import tempfile
 import time
@@ -76,11 +78,21 @@ def write_body(folder, random):
 def answer(scene, ranks, limit, *words):
     """(status, last line of errors) of `ricochet modes`"""
     command = [programs.BIN / "ricochet", "modes", scene, "-n", str(ranks), *words]
+    process = subprocess.Popen(
+        command,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        errors="replace",
+        start_new_session=True,
+    )
     try:
-        done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=limit)
+        _, said = process.communicate(timeout=limit)
     except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGTERM)  # mpirun then ends its ranks
+        process.communicate()
         return None, f"takes longer than {limit} s"
-    return done.returncode, (done.stderr.strip().splitlines() or [""])[-1]
+    return process.returncode, (said.strip().splitlines() or [""])[-1]
 
 
 def judged(number, given):
