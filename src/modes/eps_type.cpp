@@ -4,8 +4,6 @@
 #include <slepc/private/epsimpl.h>
 
 #include <cmath>
-#include <memory>
-#include <numbers>
 
 #include "src/modes/certified.hpp"
 #include "src/modes/certify.hpp"

@@ -2,6 +2,8 @@
 // The engine as a type of SLEPc's EPS. Its public interface is include/ricochet/eps.h.
 #pragma once
 
+#include <exception>
+
 #include "ricochet/eps.h"
 #include "src/modes/checkpoint.hpp"
 #include "src/modes/modes.hpp"
