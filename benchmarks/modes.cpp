@@ -20,11 +20,11 @@
 
 #include "benchmarks/calculix.hpp"
 #include "benchmarks/solvers.hpp"
-#include "src/modes/eps_solve.hpp"
 #include "src/console/console.hpp"
 #include "src/mesh/gmsh_session.hpp"
 #include "src/mesh/partition.hpp"
 #include "src/mesh/read.hpp"
+#include "src/modes/eps_solve.hpp"
 #include "src/parallel/blas.hpp"
 #include "src/scene/read.hpp"
 #include "src/scene/request.hpp"

@@ -118,9 +118,11 @@ Found by_ricochet(const Problem& problem) {
         {.up_to = wanted.up_to, .count = wanted.count, .iterations = wanted.approximate});
     return found_by_us(set, watch.seconds());
   }
-  const modes::ModeSet set = modes::compute_modes(
-      problem.teams, problem.mesh, problem.body, factor,
-      {.up_to = wanted.up_to, .count = wanted.count, .relative_residual = wanted.relative_residual, .eps_type = wanted.solver});
+  const modes::ModeSet set = modes::compute_modes(problem.teams, problem.mesh, problem.body, factor,
+                                                  {.up_to = wanted.up_to,
+                                                   .count = wanted.count,
+                                                   .relative_residual = wanted.relative_residual,
+                                                   .eps_type = wanted.solver});
   return found_by_us(set, watch.seconds());
 }
 

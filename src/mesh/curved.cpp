@@ -47,8 +47,7 @@ void repair_curved(GlobalMesh& mesh, const std::string& file,
   if (const Straightened done = straighten_inverted(mesh); done.elements > 0)
     mesh.warning = fmt::format(
         "{}: {} curved elements were inverted, and {} were straightened to repair them: nodes are up to "
-        "{:.2g} m "
-        "from the surface; a smaller size_factor brings them closer",
+        "{:.2g} m from the surface; a smaller size_factor brings them closer",
         file, inverted, done.elements, done.distance);
 }
 

@@ -15,17 +15,17 @@ namespace {
 
 using kernels::multiple_mode;
 
-/// An eigenvalue with its slice and column.
+/// An eigenvalue with its slice.
 struct Place {
   double lambda;
-  std::size_t slice, column;
+  std::size_t slice;
 };
 
 std::vector<Place> places_of(const Search& found) {
   std::vector<Place> places;
   for (std::size_t s = 0; s < found.slices.size(); ++s)
     for (std::size_t k = found.share[s].first; k < found.share[s].behind; ++k)
-      places.push_back({found.slices[s].lambda[k], s, k});
+      places.push_back({found.slices[s].lambda[k], s});
   std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) { return a.lambda < b.lambda; });
   return places;
 }

@@ -26,6 +26,14 @@ struct Vector {
 template <int Bytes>
 constexpr int width = 2 * Bytes / 8;
 
+/// Copies vectors between memory and registers.
+template <int Bytes, int Count>
+[[gnu::always_inline]] inline void copy(const typename Vector<Bytes>::Type* from,
+                                        typename Vector<Bytes>::Type* to) {
+#pragma GCC unroll 32
+  for (int k = 0; k < Count; ++k) to[k] = from[k];
+}
+
 /// Computes c += qᵀ y for some columns of Q.
 /// @tparam K  number of columns of Q
 /// @param y, c  rows of `width` numbers
@@ -33,26 +41,18 @@ template <int Bytes, int K>
 [[gnu::always_inline]] inline void accumulate(Index rows, const double* q, Index stride, const double* y,
                                               double* c) {
   using V = typename Vector<Bytes>::Type;
-  V sum[K][2];
+  V sum[2 * K];
   V* to = reinterpret_cast<V*>(c);
-#pragma GCC unroll 16
-  for (int k = 0; k < K; ++k) {
-    sum[k][0] = to[2 * k];
-    sum[k][1] = to[2 * k + 1];
-  }
+  copy<Bytes, 2 * K>(to, sum);
   const V* from = reinterpret_cast<const V*>(y);
   for (Index i = 0; i < rows; ++i) {
 #pragma GCC unroll 16
     for (int k = 0; k < K; ++k) {
-      sum[k][0] += q[k * stride + i] * from[2 * i];
-      sum[k][1] += q[k * stride + i] * from[2 * i + 1];
+      sum[2 * k] += q[k * stride + i] * from[2 * i];
+      sum[2 * k + 1] += q[k * stride + i] * from[2 * i + 1];
     }
   }
-#pragma GCC unroll 16
-  for (int k = 0; k < K; ++k) {
-    to[2 * k] = sum[k][0];
-    to[2 * k + 1] = sum[k][1];
-  }
+  copy<Bytes, 2 * K>(sum, to);
 }
 
 /// Computes y −= q c for some rows of Q.
@@ -62,26 +62,18 @@ template <int Bytes, int N>
 [[gnu::always_inline]] inline void reduce(Index columns, const double* q, Index stride, const double* c,
                                           double* y) {
   using V = typename Vector<Bytes>::Type;
-  V rest[N][2];
+  V rest[2 * N];
   V* to = reinterpret_cast<V*>(y);
-#pragma GCC unroll 16
-  for (int i = 0; i < N; ++i) {
-    rest[i][0] = to[2 * i];
-    rest[i][1] = to[2 * i + 1];
-  }
+  copy<Bytes, 2 * N>(to, rest);
   const V* from = reinterpret_cast<const V*>(c);
   for (Index k = 0; k < columns; ++k) {
 #pragma GCC unroll 16
     for (int i = 0; i < N; ++i) {
-      rest[i][0] -= q[k * stride + i] * from[2 * k];
-      rest[i][1] -= q[k * stride + i] * from[2 * k + 1];
+      rest[2 * i] -= q[k * stride + i] * from[2 * k];
+      rest[2 * i + 1] -= q[k * stride + i] * from[2 * k + 1];
     }
   }
-#pragma GCC unroll 16
-  for (int i = 0; i < N; ++i) {
-    to[2 * i] = rest[i][0];
-    to[2 * i + 1] = rest[i][1];
-  }
+  copy<Bytes, 2 * N>(rest, to);
 }
 
 /// Computes c += Qᵀ y for one chunk of rows, K columns of Q at a time.

@@ -72,6 +72,15 @@ class Membrane {
   bool held_;
 };
 
+/// A free elastic block, whose matrices have blocks of three.
+struct FreeBlock {
+  test::SharedFile file{".geo", test::block_geo("tet", 2, 0.4)};
+  mesh::GmshSession gmsh;
+  scene::Body given = test::body_of(file.path(), 2);
+  mesh::Mesh mesh = test::mesh_of(given);
+  elasticity::Body body = elasticity::assemble(mesh, given.materials, "test");
+};
+
 using Solver = parallel::Handle<EPS, EPSDestroy>;
 
 Solver solver_of(Mat stiffness, Mat mass) {
@@ -197,6 +206,39 @@ TEST(Eps, finds_the_zero_of_a_free_body_unless_it_is_deflated) {
   for (std::size_t i = 0; i < 9; ++i) EXPECT_NEAR(found[i], expected[i + 1], 1e-9 * expected[9]) << i;
 }
 
+TEST(Eps, finds_all_above_deflated_zeros_from_zero_on) {
+  const Membrane membrane(side, false);
+  std::vector<double> expected = membrane.eigenvalues();
+  const double end = 1.01 * expected[40];
+  std::erase_if(expected, [&](double x) { return x < 1e-9 || x > end; });
+  const Solver eps = solver_of(membrane.stiffness, membrane.mass);
+  parallel::Vector constant;
+  check(MatCreateVecs(membrane.stiffness, constant.out(), nullptr));
+  check(VecSet(constant, 3));
+  Vec vectors[] = {constant};
+  check(EPSSetDeflationSpace(eps, 1, vectors));
+  check(EPSSetInterval(eps, 0, end));
+  check(EPSSetWhichEigenpairs(eps, EPS_ALL));
+  check(EPSSolve(eps));
+  expect_values(eps, expected);
+}
+
+TEST(Eps, finds_negative_eigenvalues_too) {
+  const Membrane membrane(side, true);
+  constexpr double shift = 200;
+  check(MatAXPY(membrane.stiffness, -shift, membrane.mass, SAME_NONZERO_PATTERN));
+  std::vector<double> expected = membrane.eigenvalues();
+  std::size_t count = 20;
+  while (expected[count] < (1 + 1e-12) * expected[count - 1]) ++count;
+  expected.resize(count);
+  for (double& value : expected) value -= shift;
+  ASSERT_LT(expected[3], 0);
+  const Solver eps = solver_of(membrane.stiffness, membrane.mass);
+  check(EPSSetDimensions(eps, static_cast<PetscInt>(count), PETSC_DEFAULT, PETSC_DEFAULT));
+  check(EPSSolve(eps));
+  expect_values(eps, expected);
+}
+
 TEST(Eps, finds_nothing_in_an_empty_interval) {
   const Membrane membrane(side, true);
   const std::vector<double> all = membrane.eigenvalues();
@@ -209,13 +251,9 @@ TEST(Eps, finds_nothing_in_an_empty_interval) {
 
 TEST(Eps, finds_all_of_blocks_of_three) {
   // A free body, with six eigenvalues at zero.
-  const test::SharedFile file(".geo", test::block_geo("tet", 2, 0.4));
-  const mesh::GmshSession gmsh;
-  const scene::Body given = test::body_of(file.path(), 2);
-  const mesh::Mesh mesh = test::mesh_of(given);
-  const elasticity::Body body = elasticity::assemble(mesh, given.materials, "test");
-  const Eigen::VectorXd expected = test::dense_eigenvalues(mesh, body);
-  const Solver eps = solver_of(body.stiffness, body.mass);
+  const FreeBlock block;
+  const Eigen::VectorXd expected = test::dense_eigenvalues(block.mesh, block.body);
+  const Solver eps = solver_of(block.body.stiffness, block.body.mass);
   check(EPSSetDimensions(eps, 20, PETSC_DEFAULT, PETSC_DEFAULT));
   check(EPSRicochetSetPartitions(eps, parallel::size_of(PETSC_COMM_WORLD)));
   check(EPSSolve(eps));
@@ -254,14 +292,11 @@ TEST(Eps, refuses_what_it_cannot_prove) {
 }
 
 TEST(Eps, of_other_types_gives_the_same_certified_modes) {
-  const test::SharedFile file(".geo", test::block_geo("tet", 2, 0.4));
-  const mesh::GmshSession gmsh;
-  const scene::Body given = test::body_of(file.path(), 2);
-  const mesh::Mesh mesh = test::mesh_of(given);
-  const elasticity::Body body = elasticity::assemble(mesh, given.materials, "test");
-  modes::Factorisation factor(body.stiffness, body.mass);
+  const FreeBlock block;
+  modes::Factorisation factor(block.body.stiffness, block.body.mass);
   const auto by = [&](const std::string& type) {
-    return modes::compute_modes(test::one_team(), mesh, body, factor, {.count = 25, .eps_type = type});
+    return modes::compute_modes(test::one_team(), block.mesh, block.body, factor,
+                                {.count = 25, .eps_type = type});
   };
   const modes::ModeSet ours = by("ricochet");
   for (const char* type : {"krylovschur", "subspace", "arnoldi"}) {
