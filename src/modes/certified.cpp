@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/algebra.hpp"
 #include "src/modes/certify.hpp"
 #include "src/modes/repair.hpp"
 #include "src/modes/search.hpp"
@@ -12,8 +11,6 @@
 namespace ricochet::modes {
 
 namespace {
-
-using kernels::multiple_mode;
 
 /// An eigenvalue with its slice.
 struct Place {
@@ -30,34 +27,14 @@ std::vector<Place> places_of(const Search& found) {
   return places;
 }
 
-/// Returns the number of elastic modes to keep if `wanted` are requested. Multiple modes are kept whole.
-std::size_t kept_of(const std::vector<double>& lambda, std::int64_t wanted) {
-  auto kept = static_cast<std::size_t>(std::max<std::int64_t>(wanted, 0));
-  while (kept > 0 && kept < lambda.size() && lambda[kept] < (1 + multiple_mode) * lambda[kept - 1]) ++kept;
-  return std::min(kept, lambda.size());
-}
-
 }  // namespace
-
-Cut cut_of(const parallel::Teams& teams, Factorisation& factor, const std::vector<double>& lambda,
-           const Request& request, std::int64_t below_zero, const Probe& end) {
-  if (!request.count) return {lambda.size(), end};
-  std::size_t kept = kept_of(lambda, *request.count - below_zero);
-  // If residuals may be large, a double mode can look like two, with a gap that does not exist.
-  for (; kept < lambda.size(); ++kept) {
-    const double middle = ((kept > 0 ? lambda[kept - 1] : 0) + lambda[kept]) / 2;
-    const Probe at = count_below(teams, factor, middle);
-    if (at.below == below_zero + static_cast<std::int64_t>(kept)) return {kept, at};
-  }
-  return {kept, end};
-}
 
 void hold_to_bounds(const parallel::Teams& teams, const Operators& operators, Factorisation& factor,
                     const std::vector<Probe>& counts, double relative_residual, ModeSet& set) {
   std::vector<Eigen::Index> doubtful = certify(teams, operators, counts, relative_residual, set);
   for (int attempt = 0; attempt < 3 && !doubtful.empty(); ++attempt) {
-    repair(teams, operators, factor, doubtful, set);
-    doubtful = certify(teams, operators, counts, relative_residual, set);
+    const std::vector<Eigen::Index> changed = repair(teams, operators, factor, doubtful, set);
+    doubtful = certify(teams, operators, counts, relative_residual, set, changed);
   }
   refuse_incomplete(set, doubtful);
 }
@@ -69,16 +46,12 @@ ModeSet certified_modes(const parallel::Teams& teams, const Operators& operators
   Search found = search(teams, operators, factor, request, checkpoint, progress);
   progress.begin("certificate");
 
-  std::vector<Place> places = places_of(found);
-  std::vector<double> lambda;
-  for (const Place& place : places) lambda.push_back(place.lambda);
-  const auto [kept, at_cut] = cut_of(teams, factor, lambda, request, below, found.end);
+  const std::vector<Place> places = places_of(found);
   ModeSet set;
-  set.cut = at_cut.sigma;
+  set.cut = found.end.sigma;
   // This shift is far enough from zero for rigid motions to be harmless, and close enough for the series in
   // σ/λ_cut to converge fast.
   set.static_shift = -1e-3 * set.cut;
-  places.resize(kept);
   // Counts of the set: the inertia less the eigenvalues below zero that are not in it.
   std::vector<Probe> counts;
   const auto count_of_set = [&](const Probe& probe) {
@@ -86,7 +59,7 @@ ModeSet certified_modes(const parallel::Teams& teams, const Operators& operators
   };
   for (const Slice& slice : found.slices)
     if (slice.probe.sigma < set.cut) count_of_set(slice.probe);
-  count_of_set(at_cut);
+  count_of_set(found.end);
 
   // Moves the modes of one slice after another; the shapes of a slice are released as soon as they are moved.
   const bool holds_rigid = teams.mine() == 0;

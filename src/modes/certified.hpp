@@ -13,19 +13,6 @@ namespace ricochet::modes {
 ModeSet certified_modes(const parallel::Teams& teams, const Operators& operators, Factorisation& factor,
                         const Request& request, const Checkpoint& checkpoint, const Progress& progress);
 
-/// The end of a set: the number of modes to keep, and the inertia there.
-struct Cut {
-  std::size_t kept = 0;
-  Probe at;
-};
-
-/// Cuts a list of eigenvalues at the number requested, or at the end of the search. Multiple modes are kept
-/// whole, and the inertia at the cut equals the number below it. Collective on all ranks of `teams`.
-/// @param lambda  all eigenvalues sought, ascending
-/// @param below_zero  number of eigenvalues that are not sought
-Cut cut_of(const parallel::Teams& teams, Factorisation& factor, const std::vector<double>& lambda,
-           const Request& request, std::int64_t below_zero, const Probe& end);
-
 /// Fills the certificate of a set, and repairs modes that exceed a bound. Collective on all ranks of `teams`.
 /// Throws SolverError if that does not help, or if a count disagrees.
 /// @param counts  shifts with the eigenvalues of the set below them, ascending; the last one at the end of

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 namespace ricochet::modes {
 
@@ -16,70 +17,77 @@ namespace {
 /// give 1. Ritz vectors of one space are orthogonal whatever their residuals.
 constexpr double orthonormality_of_modes = 1e-6, orthonormality_of_ritz_vectors = 1e-8;
 
-/// What K and M say about a set, the same on every rank.
-struct Measured {
-  Eigen::RowVectorXd residual;  ///< (N)
-  Eigen::RowVectorXd overlap;   ///< (N) largest |ΦᵀMΦ − I| of a column
-  Eigen::RowVectorXd excess;    ///< (N) residual if it exceeds both `tolerance` and round-off, otherwise 0
-};
-
-/// Computes residuals and orthonormality in panels, because K Φ and M Φ are as large as Φ. Each team
-/// multiplies its own columns. The M Φ of each team is then compared with the columns of the others.
-Measured measure(const parallel::Teams& teams, const Operators& operators, std::optional<double> tolerance,
-                 const ModeSet& set) {
+/// Computes residuals and overlaps of the modes in `changed`. Each team multiplies its own columns, in
+/// panels, because K Φ and M Φ are as large as Φ. The M Φ of each team is then compared with the columns of
+/// the others.
+/// @param changed  numbers of modes, ascending
+/// @return the modes whose residuals exceed both `tolerance` and round-off, or whose overlap exceeds `bound`
+std::vector<Eigen::Index> measure(const parallel::Teams& teams, const Operators& operators,
+                                  std::optional<double> tolerance, double bound,
+                                  const std::vector<Eigen::Index>& changed, ModeSet& set) {
   constexpr Eigen::Index panel = 64;
   const Eigen::MatrixXd& shape = set.shape;
   const auto number = [&](Eigen::Index j) { return set.index[static_cast<std::size_t>(j)]; };
   const auto all = static_cast<Eigen::Index>(set.angular_frequency.size());
+  const bool whole = std::ssize(changed) == all;
   Eigen::RowVectorXd residual = Eigen::RowVectorXd::Zero(all), excess = residual, overlap = residual;
   const double stiffest =
       parallel::largest(operators.comm, operators.diagonal.size() > 0 ? operators.diagonal.maxCoeff() : 0);
+  std::vector<Eigen::Index> mine;
+  for (Eigen::Index j = 0; j < shape.cols(); ++j)
+    if (std::ranges::binary_search(changed, number(j))) mine.push_back(j);
   const auto most =
-      static_cast<Eigen::Index>(parallel::largest(teams.peers(), static_cast<double>(shape.cols())));
-  for (Eigen::Index j = 0; j < most; j += panel) {
-    const Eigen::Index own = std::clamp<Eigen::Index>(shape.cols() - j, 0, panel);
+      static_cast<Eigen::Index>(parallel::largest(teams.peers(), static_cast<double>(mine.size())));
+  for (Eigen::Index from = 0; from < most; from += panel) {
+    const auto own = std::clamp<Eigen::Index>(std::ssize(mine) - from, 0, panel);
+    std::vector<Eigen::Index> place(mine.begin() + std::min(from, std::ssize(mine)),
+                                    mine.begin() + std::min(from + own, std::ssize(mine)));
+    std::vector<Eigen::Index> columns;
+    for (const Eigen::Index j : place) columns.push_back(number(j));
     Eigen::MatrixXd momentum(shape.rows(), own);
     if (own > 0) {
-      const auto mine = shape.middleCols(j, own);
-      momentum = operators.mass(mine);
-      const Eigen::MatrixXd force = operators.stiffness(mine);
+      const Eigen::MatrixXd vectors = shape(Eigen::all, place);
+      momentum = operators.mass(vectors);
+      const Eigen::MatrixXd force = operators.stiffness(vectors);
       Eigen::VectorXd lambda(own), scale = operators.norms(force);
       for (Eigen::Index k = 0; k < own; ++k) {
-        lambda[k] = std::pow(set.angular_frequency[static_cast<std::size_t>(number(j + k))], 2);
+        const auto n = static_cast<std::size_t>(columns[static_cast<std::size_t>(k)]);
+        lambda[k] = std::pow(set.angular_frequency[n], 2);
         // For rigid modes, ‖Kφ‖ vanishes, so it cannot serve as the scale.
-        if (lambda[k] == 0) scale[k] = stiffest * operators.norms(mine.col(k))[0];
+        if (lambda[k] == 0) scale[k] = stiffest * operators.norms(vectors.col(k))[0];
       }
       const Eigen::VectorXd relative =
           operators.norms(force - momentum * lambda.asDiagonal()).cwiseQuotient(scale);
       for (Eigen::Index k = 0; k < own; ++k) {
-        residual[number(j + k)] = relative[k];
+        const Eigen::Index n = columns[static_cast<std::size_t>(k)];
+        residual[n] = relative[k];
         if (tolerance && !(relative[k] <= *tolerance) &&
-            !(relative[k] <= operators.round_off(mine.col(k))[0]))
-          excess[number(j + k)] = std::isfinite(relative[k]) ? relative[k] : 1;
+            !(relative[k] <= operators.round_off(vectors.col(k))[0]))
+          excess[n] = std::isfinite(relative[k]) ? relative[k] : 1;
       }
     }
     for (int t = 0; t < teams.count(); ++t) {
       std::int64_t n = own;
       MPI_Bcast(&n, 1, MPI_INT64_T, t, teams.peers());
       if (n == 0) continue;
-      std::vector<Eigen::Index> columns;
-      for (Eigen::Index k = 0; teams.mine() == t && k < n; ++k) columns.push_back(number(j + k));
-      parallel::broadcast(teams.peers(), columns, t);
-      Eigen::MatrixXd theirs;
-      if (teams.mine() != t) theirs.resize(shape.rows(), n);
-      MPI_Bcast(teams.mine() == t ? momentum.data() : theirs.data(), static_cast<int>(shape.rows() * n),
+      std::vector<Eigen::Index> theirs = columns;
+      parallel::broadcast(teams.peers(), theirs, t);
+      Eigen::MatrixXd product;
+      if (teams.mine() != t) product.resize(shape.rows(), n);
+      MPI_Bcast(teams.mine() == t ? momentum.data() : product.data(), static_cast<int>(shape.rows() * n),
                 MPI_DOUBLE, t, teams.peers());
-      // Of two teams, the one with the higher number computes their products.
-      if (teams.mine() < t) continue;
-      const Eigen::Index rows = teams.mine() == t ? j + n : shape.cols();
+      // Of two modes that are both measured, one product suffices.
+      if (whole && teams.mine() < t) continue;
+      const Eigen::Index rows = whole && teams.mine() == t ? from + n : shape.cols();
       Eigen::MatrixXd gram =
-          inner(operators.comm, shape.leftCols(rows), teams.mine() == t ? momentum : theirs);
-      if (teams.mine() == t) gram.bottomRows(n) -= Eigen::MatrixXd::Identity(n, n);
+          inner(operators.comm, shape.leftCols(rows), teams.mine() == t ? momentum : product);
+      for (Eigen::Index k = 0; teams.mine() == t && k < n; ++k)
+        gram(place[static_cast<std::size_t>(k)], k) -= 1;
       // A comparison with NaN is false.
       gram = gram.cwiseAbs().unaryExpr([](double value) { return value < 1 ? value : 1; });
       for (Eigen::Index i = 0; i < rows; ++i)
         for (Eigen::Index k = 0; k < n; ++k) {
-          double &one = overlap[number(i)], &other = overlap[columns[static_cast<std::size_t>(k)]];
+          double &one = overlap[number(i)], &other = overlap[theirs[static_cast<std::size_t>(k)]];
           one = std::max(one, gram(i, k));
           other = std::max(other, gram(i, k));
         }
@@ -88,10 +96,30 @@ Measured measure(const parallel::Teams& teams, const Operators& operators, std::
   parallel::sum(teams.peers(), residual);
   parallel::sum(teams.peers(), excess);
   MPI_Allreduce(MPI_IN_PLACE, overlap.data(), static_cast<int>(all), MPI_DOUBLE, MPI_MAX, teams.peers());
-  return {std::move(residual), std::move(overlap), std::move(excess)};
+  set.residual.resize(static_cast<std::size_t>(all));
+  set.overlap.resize(static_cast<std::size_t>(all));
+  for (const Eigen::Index n : changed) {
+    set.residual[static_cast<std::size_t>(n)] = residual[n];
+    set.overlap[static_cast<std::size_t>(n)] = 0;
+  }
+  std::vector<Eigen::Index> doubtful;
+  for (Eigen::Index n = 0; n < all; ++n) {
+    double& largest = set.overlap[static_cast<std::size_t>(n)];
+    largest = std::max(largest, overlap[n]);
+    if (excess[n] > 0 || !(largest < bound)) doubtful.push_back(n);
+  }
+  return doubtful;
 }
 
-double largest(const Eigen::RowVectorXd& values) { return values.size() > 0 ? values.maxCoeff() : 0; }
+double largest(const std::vector<double>& values) {
+  return values.empty() ? 0 : *std::ranges::max_element(values);
+}
+
+std::vector<Eigen::Index> all_modes(const ModeSet& set) {
+  std::vector<Eigen::Index> all(set.angular_frequency.size());
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
 
 }  // namespace
 
@@ -118,20 +146,17 @@ void fix_signs(const Operators& operators, Eigen::MatrixXd& shape) {
 
 std::vector<Eigen::Index> certify(const parallel::Teams& teams, const Operators& operators,
                                   const std::vector<Probe>& counts, std::optional<double> tolerance,
-                                  ModeSet& set) {
-  const Measured measured = measure(teams, operators, tolerance, set);
-  set.residual.assign(measured.residual.begin(), measured.residual.end());
+                                  ModeSet& set, const std::optional<std::vector<Eigen::Index>>& changed) {
   const double bound = tolerance ? orthonormality_of_modes : orthonormality_of_ritz_vectors;
-  std::vector<Eigen::Index> doubtful;
-  for (Eigen::Index n = 0; n < measured.overlap.size(); ++n)
-    if (measured.excess[n] > 0 || !(measured.overlap[n] < bound)) doubtful.push_back(n);
+  const std::vector<Eigen::Index> doubtful =
+      measure(teams, operators, tolerance, bound, changed ? *changed : all_modes(set), set);
 
   kernels::Certificate& certificate = set.certificate;
   certificate.shift.clear();
   certificate.modes_below.clear();
   certificate.upto_hz = std::sqrt(set.cut) / (2 * std::numbers::pi);
   certificate.count_found = static_cast<std::int64_t>(set.angular_frequency.size());
-  certificate.orthonormality = largest(measured.overlap);
+  certificate.orthonormality = largest(set.overlap);
   bool agree = !counts.empty();
   for (const Probe& at : counts) {
     const auto found =
@@ -162,10 +187,9 @@ void refuse_incomplete(const ModeSet& set, const std::vector<Eigen::Index>& doub
 
 void certify_basis(const parallel::Teams& teams, const Operators& operators, Hertz band, double error,
                    ModeSet& set) {
-  const Measured measured = measure(teams, operators, {}, set);
-  set.residual.assign(measured.residual.begin(), measured.residual.end());
+  measure(teams, operators, {}, orthonormality_of_ritz_vectors, all_modes(set), set);
   kernels::Certificate& certificate = set.certificate;
-  certificate.orthonormality = largest(measured.overlap);
+  certificate.orthonormality = largest(set.overlap);
   certificate.upto_hz = band.value;
   certificate.flexibility_error = error;
   certificate.count_by_inertia = certificate.count_found =

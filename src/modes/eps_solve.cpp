@@ -139,7 +139,9 @@ ModeSet modes_by_eps(const parallel::Teams& teams, const Operators& operators, M
   progress.begin("certificate");
   const Eigen::Index r = operators.rigid.cols();
   ModeSet set;
-  const auto [kept, at_cut] = cut_of(teams, factor, found.lambda, request, r, end);
+  Cut all{found.lambda.size(), end};
+  const auto [kept, at_cut] =
+      request.count ? cut_of(teams, factor, found.lambda, *request.count - r, r).value_or(all) : all;
   set.cut = at_cut.sigma;
   set.static_shift = definite_shift * set.cut;
   set.angular_frequency.assign(static_cast<std::size_t>(r), 0);

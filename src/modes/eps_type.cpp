@@ -85,8 +85,8 @@ Eigen::MatrixXd solve_own(EPS eps) {
       const Pair pair = paired(teams, stiffness, mass, 0);
       const Operators operators(pair.stiffness, pair.mass, Eigen::MatrixXd(pair.rows(), 0));
       Factorisation factor(pair.stiffness, pair.mass);
-      data.origin =
-          below_all(teams, operators, factor, operators.expected_end(static_cast<double>(eps->nev)));
+      const CountModel model(0, {}, operators.expected_count());
+      data.origin = below_all(teams, operators, factor, model.lambda_at(static_cast<double>(eps->nev)));
     }
   }
   const Pair pair = paired(teams, stiffness, mass, data.origin);

@@ -14,10 +14,10 @@ namespace ricochet::modes {
 
 namespace {
 
-/// Estimates the λ below which about `count` modes lie, for a box with the mass, inertia and wave speed of
-/// the body. By Weyl's law, the box has in-plane and bending waves over its two longest sides, and waves
-/// through all three.
-double expected_end(const elasticity::Body& body, double count) {
+/// Estimates the number of modes below λ for a box with the mass, inertia and wave speed of the body. By
+/// Weyl's law, the box has in-plane and bending waves over its two longest sides, and waves through all
+/// three.
+ExpectedCount expected_count(const elasticity::Body& body) {
   const Eigen::Vector3d principal =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(Eigen::Map<const Eigen::Matrix3d>(body.inertia.data()))
           .eigenvalues();
@@ -25,20 +25,15 @@ double expected_end(const elasticity::Body& body, double count) {
   for (int k = 0; k < 3; ++k)
     side[k] = std::sqrt(std::max(6 / body.total_mass * (principal.sum() - 2 * principal[k]), 1e-300));
   std::sort(side.begin(), side.end());
-  const double c = 0.6 * body.wave_speed, pi = std::numbers::pi;
-  if (side[1] < 1e-6 * side[2]) return std::pow(pi * body.wave_speed * count / side[2], 2);
-  double low = 0, high = std::pow(c * pi * count / side[0], 2);
-  const auto modes = [&](double lambda) {
-    const double k = std::sqrt(lambda) / c;
-    const double bending = std::sqrt(2 * k / side[0]);
-    return side[1] * side[2] / (4 * pi) * (2 * k * k + std::min(bending * bending, 4 * k * k)) +
+  constexpr double pi = std::numbers::pi;
+  if (side[1] < 1e-6 * side[2])
+    return
+        [slowness = side[2] / (pi * body.wave_speed)](double lambda) { return slowness * std::sqrt(lambda); };
+  return [side, c = 0.6 * body.wave_speed](double lambda) {
+    const double k = std::sqrt(lambda) / c, bending = 2 * k / side[0];
+    return side[1] * side[2] / (4 * pi) * (2 * k * k + std::min(bending, 4 * k * k)) +
            side.prod() * k * k * k / (2 * pi * pi);
   };
-  for (int k = 0; k < 100; ++k) {
-    const double middle = (low + high) / 2;
-    (modes(middle) < count ? low : high) = middle;
-  }
-  return high;
 }
 
 }  // namespace
@@ -58,7 +53,7 @@ ModeSet compute_modes(const parallel::Teams& teams, const mesh::Mesh& mesh, cons
   const Operators operators(mesh, body);
   if (request.up_to) operators.refuse_band(*request.up_to, true);
   Request closer = request;
-  if (request.count) closer.first_end = expected_end(body, static_cast<double>(*request.count));
+  closer.expected = expected_count(body);
   return modes_by_eps(teams, operators, body.stiffness, body.mass, factor, closer,
                       CheckpointFolder(teams, operators, request.checkpoint), progress);
 }

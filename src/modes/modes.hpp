@@ -19,7 +19,7 @@ struct Request {
   std::optional<Hertz> up_to{};  ///< all modes up to this frequency
   /// Number of lowest modes, rigid modes included. A multiple mode at the end is kept whole.
   std::optional<std::int64_t> count{};
-  double first_end = 0;  ///< λ with about `count` modes below it, where the search begins; 0: unknown
+  ExpectedCount expected{};  ///< from which shifts are planned; if empty, that of the operators
   double relative_residual = 1e-8;
   /// Number of modes sought from one factorisation. With more, the Lanczos basis costs more than another
   /// factorisation; with fewer, it needs less memory.
@@ -33,6 +33,7 @@ struct Request {
 struct ModeSet {
   std::vector<double> angular_frequency;  ///< (N) [rad/s], ascending; rigid modes first, exactly 0
   std::vector<double> residual;  ///< (N) ‖Kφ − ω²Mφ‖₂ / ‖Kφ‖₂; rigid: ‖Kφ‖₂ / (max |diag K| ‖φ‖₂)
+  std::vector<double> overlap;      ///< (N) largest |φᵀMψ − δ| of each mode φ with any mode ψ
   std::vector<Eigen::Index> index;  ///< (n) indices of this team's modes among all modes, ascending
   /// (local rows, n) shapes of this team's modes, M-orthonormal. The largest entry of each is positive.
   Eigen::MatrixXd shape;

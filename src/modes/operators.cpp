@@ -110,8 +110,10 @@ double Operators::stiffest() const {
   return parallel::largest(comm, most);
 }
 
-double Operators::expected_end(double count) const {
-  return stiffest() * std::pow(count / static_cast<double>(free_rows), 2.0 / 3);
+ExpectedCount Operators::expected_count() const {
+  return [most = stiffest(), rows = static_cast<double>(free_rows)](double lambda) {
+    return rows * std::pow(lambda / most, 1.5);
+  };
 }
 
 void Operators::refuse_band(Hertz up_to, bool from_zero) const {

@@ -3,12 +3,17 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 
 #include "src/elasticity/assemble.hpp"
 #include "src/modes/factorisation.hpp"
 #include "src/modes/product.hpp"
 
 namespace ricochet::modes {
+
+/// An estimate of the number of eigenvalues in (0, λ), such as Weyl's law. It increases without bound, and is
+/// the same on every rank.
+using ExpectedCount = std::function<double(double)>;
 
 /// K and M on one team of ranks, with known modes at zero.
 struct Operators {
@@ -50,9 +55,8 @@ struct Operators {
   /// Collective.
   double stiffest() const;
 
-  /// Returns the λ below which about `count` eigenvalues lie by Weyl's law for a solid, N ~ λ^(3/2).
-  /// Collective.
-  double expected_end(double count) const;
+  /// Returns Weyl's law for a solid, N ~ λ^(3/2). Collective.
+  ExpectedCount expected_count() const;
 
   /// Throws InputError on every rank if a band ends where the mesh carries no information. One such range
   /// begins a thousand times above the highest frequency of the mesh, where K is negligible compared with σM.

@@ -63,8 +63,8 @@ double shift_within(const VectorXd& lambda) {
 
 }  // namespace
 
-void repair(const parallel::Teams& teams, const Operators& operators, Factorisation& factor,
-            const std::vector<Index>& modes, ModeSet& set) {
+std::vector<Index> repair(const parallel::Teams& teams, const Operators& operators, Factorisation& factor,
+                          const std::vector<Index>& modes, ModeSet& set) {
   constexpr int most_steps = 20;
   const Index rigid = operators.rigid.cols();
   const Index begin = !set.index.empty() && set.index.front() < rigid ? rigid : 0;
@@ -75,11 +75,13 @@ void repair(const parallel::Teams& teams, const Operators& operators, Factorisat
     lambda[j] = std::pow(set.angular_frequency[static_cast<std::size_t>(number)], 2);
     if (j >= begin && std::ranges::binary_search(modes, number)) columns.push_back(j);
   }
+  MatrixXd mine = MatrixXd::Zero(2, lambda.size());  // eigenvalues, and 1 for each that is changed
   for (const Cluster& cluster : clusters_of(columns, begin, lambda, set.index)) {
     const Index n = cluster.behind - cluster.first;
     const bool lowest = set.index[static_cast<std::size_t>(cluster.first)] == rigid;
     auto shape = set.shape.middleCols(cluster.first, n);
     auto values = lambda.segment(cluster.first, n);
+    mine.row(1).segment(cluster.first, n).setOnes();
     factor.factor(lowest ? -0.01 * values[n - 1] : shift_within(values));
     // Each step reduces an error by the ratio of distances from the shift, down to round-off.
     double before = 1;
@@ -96,11 +98,15 @@ void repair(const parallel::Teams& teams, const Operators& operators, Factorisat
       before = worst;
     }
   }
-  MatrixXd mine = lambda.transpose();
+  mine.row(0) = lambda.transpose();
   const MatrixXd all = set.gather(teams, mine);
-  for (Index j = rigid; j < all.cols(); ++j)
-    set.angular_frequency[static_cast<std::size_t>(j)] = std::sqrt(all(0, j));
+  std::vector<Index> changed;
+  for (Index j = 0; j < all.cols(); ++j) {
+    if (j >= rigid) set.angular_frequency[static_cast<std::size_t>(j)] = std::sqrt(all(0, j));
+    if (all(1, j) > 0 || std::ranges::binary_search(modes, j)) changed.push_back(j);
+  }
   fix_signs(operators, set.shape);
+  return changed;
 }
 
 }  // namespace ricochet::modes

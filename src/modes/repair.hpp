@@ -12,7 +12,8 @@ namespace ricochet::modes {
 ///
 /// The lowest modes of a thin body lie thousands of times their own λ below the shift of their slice, so that
 /// the round-off of its solves matters. About a shift σ < 0 near zero, it does not.
-void repair(const parallel::Teams& teams, const Operators& operators, Factorisation& factor,
-            const std::vector<Eigen::Index>& modes, ModeSet& set);
+/// @return the numbers of `modes` and of all others that were changed
+std::vector<Eigen::Index> repair(const parallel::Teams& teams, const Operators& operators,
+                                 Factorisation& factor, const std::vector<Eigen::Index>& modes, ModeSet& set);
 
 }  // namespace ricochet::modes

@@ -8,6 +8,8 @@
 #include <limits>
 #include <numbers>
 
+#include "kernels/algebra.hpp"
+#include "src/modes/certify.hpp"
 #include "src/modes/dense.hpp"
 
 namespace ricochet::modes {
@@ -22,6 +24,34 @@ constexpr Eigen::Index widest_block = 256;
 
 double hertz(double lambda) { return std::sqrt(std::max(lambda, 0.0)) / (2 * std::numbers::pi); }
 
+/// Moves to the front the last task of each of as many equal parts of the spectrum as there are teams, then
+/// the one before it, and so on. The first counts are then spread over the spectrum.
+std::vector<Task> in_order(const std::vector<Task>& ascending, std::size_t teams) {
+  if (ascending.size() % teams != 0) return ascending;
+  const std::size_t each = ascending.size() / teams;
+  std::vector<Task> tasks;
+  for (std::size_t round = 1; round <= each; ++round)
+    for (std::size_t t = 0; t < teams; ++t) tasks.push_back(ascending[(t + 1) * each - round]);
+  return tasks;
+}
+
+/// The eigenvalues that the slices keep, ascending.
+std::vector<double> lambda_of(const std::vector<Slice>& slices, const std::vector<Share>& share) {
+  std::vector<double> lambda;
+  for (std::size_t s = 0; s < slices.size(); ++s)
+    for (std::size_t k = share[s].first; k < share[s].behind; ++k) lambda.push_back(slices[s].lambda[k]);
+  std::ranges::sort(lambda);
+  return lambda;
+}
+
+/// Returns the number of eigenvalues to keep if `wanted` are requested. Multiple ones are kept whole.
+std::size_t kept_of(const std::vector<double>& lambda, std::int64_t wanted) {
+  auto kept = static_cast<std::size_t>(std::max<std::int64_t>(wanted, 0));
+  while (kept > 0 && kept < lambda.size() && lambda[kept] < (1 + kernels::multiple_mode) * lambda[kept - 1])
+    ++kept;
+  return kept;
+}
+
 /// Performs the search in rounds; in each round, every team factors and iterates about one shift.
 class Searcher {
  public:
@@ -33,7 +63,8 @@ class Searcher {
         request_(request),
         rigid_(operators.below_zero),
         factor_(factor),
-        checkpoint_(checkpoint) {
+        checkpoint_(checkpoint),
+        expected_(request.expected ? request.expected : operators.expected_count()) {
     options_.tolerance = request.relative_residual;
   }
 
@@ -51,31 +82,16 @@ class Searcher {
       tasks = resume(plan->tasks);
     } else {
       progress_.begin("inertia counts");
-      find_end();
-      dense_ = request_.solver == Solver::dense || (request_.solver == Solver::fastest && can_be_dense() &&
-                                                    dense_is_faster(rows(), end_.below - rigid_));
-      tasks = dense_ ? dense_task()
-                     : plan_shifts(CountModel(rigid_, probes_), end_.sigma, request_.modes_per_shift,
-                                   teams_.count());
+      tasks = choose_tasks();
       checkpoint_.save({end_, tasks});
     }
     work(tasks);
-    move_end_off_modes();
-    if (is_complete()) return std::move(found_);
-    dense_ = false;
-    for (int round = 0; round < 8; ++round) {
-      // Uses other start vectors, in case the previous ones had no component of the missing mode, and wider
-      // blocks, because a block finds no more copies of a multiple mode than it has columns.
-      ++options_.seed;
-      options_.block = std::min<Eigen::Index>(2 * options_.block, widest_block);
-      work(stitch(rigid_, found_.slices, end_).missing);
-      if (is_complete()) return std::move(found_);
-    }
+    if (finish(8)) return std::move(found_);
     if (can_be_dense() && rows() <= most_dense_rows) {
       dense_ = true;
       found_ = {};
       work(dense_task());
-      if (is_complete()) return std::move(found_);
+      if (finish(0)) return std::move(found_);
     }
     const Interval gap = stitch(rigid_, found_.slices, end_).missing.front().wanted;
     throw SolverError(
@@ -89,17 +105,112 @@ class Searcher {
   /// Whether no eigenvalue below zero is left out; the dense solver needs a definite K − σM at some σ < 0.
   bool can_be_dense() const { return operators_.below_zero == operators_.rigid.cols(); }
 
-  /// The task of all modes, about a shift in their middle.
-  std::vector<Task> dense_task() const {
-    return plan_shifts(CountModel(rigid_, probes_), end_.sigma, end_.below + 1, 1);
+  CountModel model() const { return CountModel(rigid_, probes_, expected_); }
+
+  /// The number of elastic modes requested; known once the end has been counted, or by request.
+  std::int64_t modes() const { return (request_.count ? *request_.count : end_.below) - rigid_; }
+
+  /// A few more eigenvalues than requested, so that a plan is unlikely to end too early.
+  double sought() const { return 1.04 * static_cast<double>(*request_.count) + 8; }
+
+  /// Chooses the solver and its tasks.
+  std::vector<Task> choose_tasks() {
+    const bool dense_is_possible = request_.solver == Solver::fastest && can_be_dense();
+    if (request_.up_to) find_end();
+    dense_ = request_.solver == Solver::dense || (dense_is_possible && dense_is_faster(rows(), modes()));
+    if (dense_) {
+      if (request_.count) find_end();
+      return dense_task();
+    }
+    return request_.up_to ? plan_shifts(model(), end_.sigma, request_.modes_per_shift, teams_.count())
+                          : plan_for_count();
   }
 
-  /// Divides the spectrum among the slices. Returns whether every inertia count agrees.
-  bool is_complete() {
-    Stitched stitched = stitch(rigid_, found_.slices, end_);
-    found_.share = std::move(stitched.share);
-    found_.end = end_;
-    return stitched.missing.empty();
+  /// The task of all modes, about a shift in their middle.
+  std::vector<Task> dense_task() const { return plan_shifts(model(), end_.sigma, end_.below + 1, 1); }
+
+  /// Plans shifts for a number of modes. The end of the search is only estimated. K is factored at the first
+  /// shifts of the plan. If their counts require other shifts, it is planned anew; otherwise, these factors
+  /// are the first ones to be used.
+  std::vector<Task> plan_for_count() {
+    const auto teams = static_cast<std::size_t>(teams_.count());
+    std::vector<Task> tasks;
+    std::vector<double> factored;
+    for (int round = 0; round < 8; ++round) {
+      end_ = {model().lambda_at(sought()), *request_.count};
+      tasks = in_order(plan_shifts(model(), end_.sigma, request_.modes_per_shift, teams_.count()), teams);
+      const std::size_t first = std::min(teams, tasks.size());
+      // A shift may be as far from the middle of its interval as this share of its half-width. That costs
+      // vectors, and another round costs a factorisation and gains little once the counts are known.
+      const double off_centre = round < 2 ? 0.15 : 0.3;
+      bool fits = factored.size() == first;
+      for (std::size_t t = 0; t < first && fits; ++t) {
+        const auto [sigma, wanted] = tasks[t];
+        fits = std::abs(factored[t] - sigma) < off_centre * (wanted.to - wanted.from) / 2;
+      }
+      if (fits) {
+        for (std::size_t t = 0; t < first; ++t) {
+          tasks[t].sigma = factored[t];
+          // An iteration covers as much above its shift as below.
+          tasks[t].wanted.to = std::max(tasks[t].wanted.to, 2 * factored[t] - tasks[t].wanted.from);
+        }
+        break;
+      }
+      factored.clear();
+      for (std::size_t t = 0; t < first; ++t) factored.push_back(tasks[t].sigma);
+      probe(factored);
+    }
+    return tasks;
+  }
+
+  /// Completes the search in up to `rounds` further rounds. Returns whether every inertia count agrees.
+  bool finish(int rounds) {
+    for (int round = 0;; ++round) {
+      settle_end();
+      Stitched stitched = stitch(rigid_, found_.slices, end_);
+      if (stitched.missing.empty()) {
+        found_.share = std::move(stitched.share);
+        found_.end = end_;
+        return true;
+      }
+      if (round == rounds) return false;
+      // Uses other start vectors, in case the previous ones had no component of the missing mode, and wider
+      // blocks, because a block finds no more copies of a multiple mode than it has columns.
+      dense_ = false;
+      ++options_.seed;
+      options_.block = std::min<Eigen::Index>(2 * options_.block, widest_block);
+      work(stitched.missing);
+    }
+  }
+
+  /// Places the end behind the modes requested, clear of modes, and counts there. If too few modes are found,
+  /// the search goes on above them.
+  void settle_end() {
+    if (request_.up_to) return move_end_off_modes();
+    for (int round = 0; round < 60; ++round) {
+      // The eigenvalues above the last shift are not counted yet.
+      const Slice& top = found_.slices.back();
+      end_ = {top.covered.to, top.probe.below};
+      for (const double lambda : top.lambda)
+        if (lambda >= top.probe.sigma && lambda < end_.sigma) ++end_.below;
+      const Stitched stitched = stitch(rigid_, found_.slices, end_);
+      if (!stitched.missing.empty()) return;
+      const std::vector<double> lambda = lambda_of(found_.slices, stitched.share);
+      if (end_.below >= operators_.free_rows) {
+        end_ = count_below(teams_, factor_, lambda.empty() ? end_.sigma : 1.001 * lambda.back());
+        return;
+      }
+      if (const auto cut = cut_of(teams_, factor_, lambda, *request_.count - rigid_, rigid_)) {
+        end_ = cut->at;
+        return;
+      }
+      probes_.push_back(end_);
+      const double to = std::max(model().lambda_at(sought()), 1.05 * end_.sigma);
+      const double overlap =
+          1.5 * (to - end_.sigma) / std::max(4.0, model().count_at(to) - model().count_at(end_.sigma));
+      work({{(end_.sigma + to) / 2, {end_.sigma - overlap, to}}});
+    }
+    throw SolverError(fmt::format("modes: no frequency with {} modes below it is found", *request_.count));
   }
 
   /// Takes over the stored slices and returns the remaining tasks.
@@ -145,7 +256,7 @@ class Searcher {
   void probe_for(std::int64_t count) {
     const std::int64_t most = count + count / 8 + 8;
     const auto wanted = static_cast<double>(count);
-    const double guess = request_.first_end > 0 ? request_.first_end : operators_.expected_end(wanted);
+    const double guess = model().lambda_at(wanted);
     std::vector<double> sigma;
     for (int t = 0; t < teams_.count(); ++t) sigma.push_back(guess * std::pow(2.0, t + 1 - teams_.count()));
     probe(sigma);
@@ -160,8 +271,7 @@ class Searcher {
         }
       }
       if (at_high >= count && (at_high <= most || high - low < 1e-3 * high)) break;
-      const CountModel model(rigid_, probes_);
-      double next = model.lambda_at(wanted + 0.04 * wanted + 3);
+      double next = model().lambda_at(wanted + 0.04 * wanted + 3);
       if (std::isinf(high)) {
         next = std::clamp(next, 1.1 * low, 8 * low);
       } else if (!(next > low + 0.05 * (high - low) && next < high - 0.05 * (high - low))) {
@@ -268,6 +378,7 @@ class Searcher {
   bool dense_ = false;  ///< whether slices are computed by the dense solver
   Factorisation& factor_;
   const Checkpoint& checkpoint_;
+  const ExpectedCount expected_;
   Probe end_;
   std::vector<Probe> probes_;
   Search found_;
@@ -289,6 +400,20 @@ double expected_mib(const Factorisation& factor, std::int64_t local_rows, std::i
 Probe end_of_search(const parallel::Teams& teams, const Operators& operators, Factorisation& factor,
                     const Request& request) {
   return Searcher(teams, operators, factor, request, Checkpoint(), {}).find_end();
+}
+
+std::optional<Cut> cut_of(const parallel::Teams& teams, Factorisation& factor,
+                          const std::vector<double>& lambda, std::int64_t wanted, std::int64_t below_zero) {
+  // If residuals may be large, a double mode can look like two, with a gap that does not exist.
+  constexpr std::size_t gaps = 3;
+  std::optional<Cut> cut;
+  const std::size_t first = kept_of(lambda, wanted);
+  for (std::size_t kept = first; kept < std::min(lambda.size(), first + gaps); ++kept) {
+    const double middle = ((kept > 0 ? lambda[kept - 1] : 0) + lambda[kept]) / 2;
+    cut = {kept, count_below(teams, factor, middle)};
+    if (cut->at.below == below_zero + static_cast<std::int64_t>(kept)) break;
+  }
+  return cut;
 }
 
 Search search(const parallel::Teams& teams, const Operators& operators, Factorisation& factor,

@@ -23,6 +23,20 @@ struct Search {
 double expected_mib(const Factorisation& factor, std::int64_t local_rows, std::int64_t modes,
                     std::int64_t modes_per_shift, int teams);
 
+/// The end of a set: the number of modes to keep, and the inertia there.
+struct Cut {
+  std::size_t kept = 0;
+  Probe at;
+};
+
+/// Cuts a list of eigenvalues behind the number wanted, and counts there. Multiple modes are kept whole. Takes
+/// a gap further up if the count disagrees with the list, which shows that a mode is missing unless one of
+/// three gaps agrees. Returns nothing if the list is too short. Collective on all ranks of `teams`.
+/// @param lambda  ascending
+/// @param below_zero  number of eigenvalues that are not in the list
+std::optional<Cut> cut_of(const parallel::Teams& teams, Factorisation& factor,
+                          const std::vector<double>& lambda, std::int64_t wanted, std::int64_t below_zero);
+
 /// Counts the eigenvalues below `request.up_to`, or below a shift with `request.count` eigenvalues and a few
 /// more below it. Throws SolverError if there is no such shift. Collective on all ranks.
 Probe end_of_search(const parallel::Teams& teams, const Operators& operators, Factorisation& factor,

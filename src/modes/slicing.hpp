@@ -16,17 +16,19 @@ struct Probe {
   std::int64_t below = 0;
 };
 
-/// Interpolates eigenvalue counts: N(λ) − r follows a power law through neighbouring probes.
+/// Interpolates eigenvalue counts. The ratio of N(λ) − r to its estimate follows a power law through
+/// neighbouring probes.
 class CountModel {
  public:
   /// @param rigid  number r of zero eigenvalues
-  CountModel(std::int64_t rigid, std::vector<Probe> probes);
+  CountModel(std::int64_t rigid, std::vector<Probe> probes, ExpectedCount expected);
   double count_at(double lambda) const;
   double lambda_at(double count) const;
 
  private:
   double rigid_;
   std::vector<Probe> probes_;  ///< sorted by shift
+  ExpectedCount expected_;
 };
 
 /// A shift, and the eigenvalues sought from it.
@@ -42,9 +44,10 @@ struct Slice {
   std::vector<double> lambda;  ///< all eigenvalues in `covered`, ascending
 };
 
-/// Divides the eigenvalues up to the highest probe into intervals of about equal count, with a shift in the
-/// middle of each. Unless there are few eigenvalues, the number of intervals is a multiple of `teams`. No
-/// interval has many more eigenvalues than `modes_per_shift`. Neighbouring intervals overlap by a few modes.
+/// Divides the eigenvalues up to `end` into intervals that take about the same time, with a shift in the
+/// middle of each. Unless there are few eigenvalues, the number of intervals is a multiple of `teams`. On
+/// average, an interval has at most about `modes_per_shift` eigenvalues. Neighbouring intervals overlap by a
+/// few modes.
 std::vector<Task> plan_shifts(const CountModel& model, double end, std::int64_t modes_per_shift, int teams);
 
 /// Modes that a slice keeps: [first, behind) of Slice::lambda.
@@ -62,7 +65,7 @@ struct Stitched {
 /// both have all eigenvalues. The inertia at both shifts gives the number of eigenvalues between them
 /// (Sturm-sequence count). If the number found agrees, none is missing.
 /// @param slices  by shift, ascending
-/// @param end     end of the search, with its count
+/// @param end     end of the search, with its count; slices may have shifts above it
 Stitched stitch(std::int64_t rigid, const std::vector<Slice>& slices, const Probe& end);
 
 }  // namespace ricochet::modes

@@ -22,6 +22,9 @@ std::vector<double> spectrum() {
 }
 constexpr std::int64_t rigid = 6;
 
+/// An estimate that knows nothing of the body.
+double proportional(double lambda) { return lambda; }
+
 Probe probe_at(const std::vector<double>& lambda, double sigma) {
   return {sigma, rigid + (std::lower_bound(lambda.begin(), lambda.end(), sigma) - lambda.begin())};
 }
@@ -40,7 +43,7 @@ struct Case {
   std::vector<Slice> slices;
 
   explicit Case(int teams = 2, std::int64_t modes_per_shift = 60) {
-    const CountModel model(rigid, {probe_at(lambda, 600.5), end});
+    const CountModel model(rigid, {probe_at(lambda, 600.5), end}, proportional);
     for (const Task& task : plan_shifts(model, end.sigma, modes_per_shift, teams))
       slices.push_back(slice_of(lambda, task));
   }
@@ -73,7 +76,7 @@ TEST(Plan, covers_the_spectrum_with_a_multiple_of_the_teams_and_about_the_reques
 TEST(CountModel, goes_through_its_probes_and_inverts_itself) {
   const auto lambda = spectrum();
   const std::vector<Probe> probes{probe_at(lambda, 40.5), probe_at(lambda, 300.5), probe_at(lambda, 1500.5)};
-  const CountModel model(rigid, probes);
+  const CountModel model(rigid, probes, proportional);
   for (const Probe& probe : probes)
     EXPECT_NEAR(model.count_at(probe.sigma), static_cast<double>(probe.below), 1e-9);
   for (double count : {10.0, 50.0, 200.0, 250.0})

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The search for modes against dense eigenvalues: with estimates that mislead it, and with slices that have
+// lost a mode.
+#include "src/modes/search.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/meshes.hpp"
+#include "tests/modes/dense.hpp"
+
+namespace ricochet {
+namespace {
+
+using modes::Checkpoint;
+using modes::Slice;
+
+/// A free block on all ranks together.
+struct Block {
+  Block() {
+    const test::SharedFile file(".geo", test::block_geo("tet", 2, 0.3));
+    const scene::Body body_of_scene = test::body_of(file.path(), 2);
+    mesh = test::mesh_of(body_of_scene, test::one_team());
+    body = elasticity::assemble(mesh, body_of_scene.materials, "test");
+    exact = test::dense_eigenvalues(mesh, body);
+  }
+  modes::Search search(const modes::Request& request, const Checkpoint& checkpoint = Checkpoint()) const {
+    const modes::Operators operators(mesh, body);
+    modes::Factorisation factor(body.stiffness, body.mass);
+    return modes::search(test::one_team(), operators, factor, request, checkpoint, {});
+  }
+  mesh::GmshSession gmsh;
+  mesh::Mesh mesh;
+  elasticity::Body body;
+  Eigen::VectorXd exact;  ///< ascending, six rigid ones first
+};
+
+std::vector<double> eigenvalues(const modes::Search& found) {
+  std::vector<double> lambda;
+  for (std::size_t s = 0; s < found.slices.size(); ++s)
+    for (std::size_t k = found.share[s].first; k < found.share[s].behind; ++k)
+      lambda.push_back(found.slices[s].lambda[k]);
+  std::ranges::sort(lambda);
+  return lambda;
+}
+
+/// Expects the first elastic eigenvalues, as many as were requested, and the next one above the end.
+void expect_lowest(const Block& block, const modes::Search& found, std::int64_t count) {
+  const std::vector<double> lambda = eigenvalues(found);
+  ASSERT_EQ(std::ssize(lambda), count - 6);
+  EXPECT_EQ(found.end.below, count);
+  // The tolerance on residuals of 1e-8 bounds relative errors of eigenvalues.
+  for (Eigen::Index k = 6; k < count; ++k)
+    EXPECT_NEAR(lambda[static_cast<std::size_t>(k - 6)] / block.exact[k], 1, 1e-8) << k;
+  EXPECT_GT(found.end.sigma, block.exact[count - 1]);
+  EXPECT_LT(found.end.sigma, block.exact[count]);
+}
+
+TEST(Search, finds_the_number_requested_whatever_the_estimate) {
+  const Block block;
+  const double middle = block.exact[40];
+  const std::vector<modes::ExpectedCount> estimates{
+      {},
+      [&](double lambda) { return 40 * std::pow(lambda / middle, 1.5) * 1e4; },
+      [&](double lambda) { return 40 * std::pow(lambda / middle, 1.5) * 1e-4; },
+      [&](double lambda) { return 40 * std::pow(lambda / middle, 0.1); },
+      [&](double lambda) { return 40 * std::pow(lambda / middle, 8.0); },
+  };
+  for (const std::int64_t per_shift : {10, 260})
+    for (std::size_t k = 0; k < estimates.size(); ++k) {
+      SCOPED_TRACE(testing::Message() << "estimate " << k << ", " << per_shift << " per shift");
+      expect_lowest(block,
+                    block.search({.count = 60,
+                                  .expected = estimates[k],
+                                  .modes_per_shift = per_shift,
+                                  .solver = modes::Solver::slicing}),
+                    60);
+    }
+}
+
+/// Keeps slices in memory, and returns them without one eigenvalue.
+class Memory : public Checkpoint {
+ public:
+  using Checkpoint::plan;
+  using Checkpoint::save;
+  using Checkpoint::slices;
+  void save(const Plan& plan) const override {
+    if (!plan_) plan_ = plan;
+  }
+  void save(const Slice& slice, const Eigen::MatrixXd& shape) const override {
+    if (!complete) found_.push_back({slice, 0, shape});
+  }
+  std::optional<Plan> plan() const override { return plan_; }
+  std::vector<Found> slices() const override {
+    std::vector<Found> left = found_;
+    std::ranges::sort(left, {}, [](const Found& found) { return found.slice.probe.sigma; });
+    for (auto& [slice, team, shape] : left)
+      for (std::size_t k = 0; k < slice.lambda.size(); ++k)
+        if (std::abs(slice.lambda[k] / lost - 1) < 1e-7) {
+          slice.lambda.erase(slice.lambda.begin() + static_cast<std::ptrdiff_t>(k));
+          const auto behind = static_cast<Eigen::Index>(slice.lambda.size() - k);
+          shape.middleCols(static_cast<Eigen::Index>(k), behind) = shape.rightCols(behind).eval();
+          shape.conservativeResize(Eigen::NoChange, shape.cols() - 1);
+        }
+    return left;
+  }
+  bool complete = false;  ///< whether later slices are not kept
+  double lost = 0;        ///< the eigenvalue that is left out
+
+ private:
+  mutable std::optional<Plan> plan_;
+  mutable std::vector<Found> found_;
+};
+
+TEST(Search, finds_again_any_mode_that_its_slices_have_lost) {
+  const Block block;
+  const std::int64_t count = 60;
+  // With 260 modes per shift, the end is above the only shift; with 30, the last shift is above the end.
+  for (const std::int64_t per_shift : {260, 30}) {
+    const modes::Request request{
+        .count = count, .modes_per_shift = per_shift, .solver = modes::Solver::slicing};
+    Memory memory;
+    const modes::Search whole = block.search(request, memory);
+    expect_lowest(block, whole, count);
+    EXPECT_EQ(whole.slices.back().probe.sigma > whole.end.sigma, per_shift == 30);
+    memory.complete = true;
+    // The lowest mode, modes beside each shift, and the last one below the end.
+    std::vector<Eigen::Index> victims{6, count - 1};
+    for (const Slice& slice : whole.slices)
+      for (const std::int64_t n : {slice.probe.below - 1, slice.probe.below})
+        if (n < count) victims.push_back(n);
+    for (const Eigen::Index victim : victims) {
+      SCOPED_TRACE(testing::Message() << "mode " << victim << ", " << per_shift << " per shift");
+      memory.lost = block.exact[victim];
+      const modes::Search again = block.search(request, memory);
+      EXPECT_GT(again.slices.size(), whole.slices.size());
+      expect_lowest(block, again, count);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace ricochet
