@@ -117,15 +117,20 @@ void run(const Options& options) {
 
   const bench::Found found = solve(options, {teams, request, mesh, body});
   const double peak = parallel::largest(world, console::peak_memory_mib());
+  std::string phases;
+  for (const auto& [phase, begin] : found.phases)
+    phases += fmt::format(R"({}["{}", {:.3f}])", phases.empty() ? "" : ", ", phase, begin);
   parallel::on_first_rank(world, [&] {
     if (!options.frequencies.empty()) write_frequencies(found.frequency_hz, options.frequencies);
-    std::cout << fmt::format(
-                     R"({{"solver": "{}", "unknowns": {}, "assembly_seconds": {:.3f}, "seconds": {:.3f}, )"
-                     R"("peak_mib": {:.0f}, "elastic": {}, "worst_residual": {:.2e}, "upto_hz": {:.6f}, )"
-                     R"("flexibility_error": {:.3e}}})",
-                     options.solver, body.free_rows, assembly, found.seconds, peak, found.frequency_hz.size(),
-                     found.worst_residual, found.upto_hz, found.flexibility_error)
-              << std::endl;
+    std::cout
+        << fmt::format(
+               R"({{"solver": "{}", "unknowns": {}, "assembly_seconds": {:.3f}, "seconds": {:.3f}, )"
+               R"("peak_mib": {:.0f}, "elastic": {}, "worst_residual": {:.2e}, "upto_hz": {:.6f}, )"
+               R"("flexibility_error": {:.3e}, "factor_seconds": {:.3f}, "factor_mib": {:.0f}, "phases": [{}]}})",
+               options.solver, body.free_rows, assembly, found.seconds, peak, found.frequency_hz.size(),
+               found.worst_residual, found.upto_hz, found.flexibility_error, found.factor_seconds,
+               found.factor_mib, phases)
+        << std::endl;
   });
 }
 

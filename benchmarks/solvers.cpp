@@ -118,12 +118,22 @@ Found by_ricochet(const Problem& problem) {
         {.up_to = wanted.up_to, .count = wanted.count, .iterations = wanted.approximate});
     return found_by_us(set, watch.seconds());
   }
+  std::vector<std::pair<std::string, double>> phases;
+  modes::Progress progress;
+  progress.begin = [&](const std::string& phase) { phases.emplace_back(phase, watch.seconds()); };
   const modes::ModeSet set = modes::compute_modes(problem.teams, problem.mesh, problem.body, factor,
                                                   {.up_to = wanted.up_to,
                                                    .count = wanted.count,
                                                    .relative_residual = wanted.relative_residual,
-                                                   .eps_type = wanted.solver});
-  return found_by_us(set, watch.seconds());
+                                                   .eps_type = wanted.solver},
+                                                  progress);
+  Found found = found_by_us(set, watch.seconds());
+  found.phases = std::move(phases);
+  const Stopwatch again(problem.teams.world());
+  factor.factor(0.9 * set.cut);
+  found.factor_seconds = again.seconds();
+  found.factor_mib = factor.expected_mib();
+  return found;
 }
 
 Found by_contact_basis(const Problem& problem) {

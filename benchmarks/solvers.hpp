@@ -5,8 +5,12 @@
 #include <optional>
 #include <vector>
 
+#include <string>
+#include <utility>
+#include <vector>
 #include "src/elasticity/assemble.hpp"
 #include "src/mesh/mesh.hpp"
+
 #include "src/parallel/teams.hpp"
 #include "src/scene/request.hpp"
 
@@ -19,6 +23,9 @@ struct Found {
   double worst_residual = 0;           ///< of the elastic modes, ‖Kφ − ω²Mφ‖₂ / ‖Kφ‖₂
   double upto_hz = 0;                  ///< end of the search
   double flexibility_error = 0;        ///< contact-adapted basis: its error estimate
+  /// Our own search: its phases, with the time at which each begins [s]
+  std::vector<std::pair<std::string, double>> phases{};
+  double factor_seconds = 0, factor_mib = 0;  ///< our own search: one further factorisation
 };
 
 /// A body on every team of ranks, and the request for its kernel.

@@ -64,9 +64,7 @@ class Searcher {
         rigid_(operators.below_zero),
         factor_(factor),
         checkpoint_(checkpoint),
-        expected_(request.expected ? request.expected : operators.expected_count()) {
-    options_.tolerance = request.relative_residual;
-  }
+        expected_(request.expected ? request.expected : operators.expected_count()) {}
 
   /// Finds the end of the search. Collective.
   Probe find_end() {
@@ -294,6 +292,10 @@ class Searcher {
     std::size_t rounds = 0;
     for (const auto& list : queue) rounds = std::max(rounds, list.size());
     total_ += rounds;
+    // Modes of different slices are orthogonal only as far as they have converged.
+    options_.tolerance = tasks.size() == 1 && found_.slices.empty()
+                             ? request_.relative_residual
+                             : std::min(request_.relative_residual, 1e-8);
     for (std::size_t round = 0; round < rounds; ++round) {
       progress_.begin(teams > 1 ? fmt::format("slices, round {} of {} ({} at a time)", ++done_, total_, teams)
                                 : fmt::format("slice {} of {}", ++done_, total_));

@@ -52,18 +52,16 @@ double CountModel::lambda_at(double count) const {
   return high;
 }
 
-namespace {
+double expected_vectors(const CountModel& model, const Interval& interval) {
+  const double middle = (interval.from + interval.to) / 2, reach = 1.5 * (interval.to - interval.from) / 2;
+  return 1.9 * (model.count_at(middle + reach) - model.count_at(middle - reach));
+}
 
-/// A Lanczos iteration about the middle of an interval needs about 1.9 vectors for each eigenvalue within
-/// this multiple of its half-width: measured 1.8 to 1.95, about plates and solids, from zero and from above.
-constexpr double influence = 1.5;
+namespace {
 
 /// The ends of `number` intervals in [0, end] that take the same time.
 std::vector<double> bounds_of(const CountModel& model, double end, int number) {
-  const auto work = [&](double from, double to) {
-    const double middle = (from + to) / 2, reach = influence * (to - from) / 2;
-    return model.count_at(middle + reach) - model.count_at(middle - reach);
-  };
+  const auto work = [&](double from, double to) { return expected_vectors(model, {from, to}); };
   constexpr int bisections = 50;
   const auto filled = [&](double share) {
     std::vector<double> bound{0};

@@ -79,6 +79,26 @@ TEST(Search, finds_the_number_requested_whatever_the_estimate) {
     }
 }
 
+TEST(Search, has_orthogonal_slices_whatever_the_bound_on_residuals) {
+  const Block block;
+  const modes::Operators operators(block.mesh, block.body);
+  const modes::Search found = block.search(
+      {.count = 150, .relative_residual = 1e-2, .modes_per_shift = 30, .solver = modes::Solver::slicing});
+  ASSERT_GE(found.slices.size(), 4U);
+  Eigen::MatrixXd shape(operators.local_rows, 0);
+  for (std::size_t s = 0; s < found.slices.size(); ++s) {
+    const auto first = static_cast<Eigen::Index>(found.share[s].first);
+    const auto n = static_cast<Eigen::Index>(found.share[s].behind) - first;
+    shape.conservativeResize(Eigen::NoChange, shape.cols() + n);
+    shape.rightCols(n) = found.shape[s].middleCols(first, n);
+  }
+  Eigen::MatrixXd gram = shape.transpose() * test::product(block.body.mass, shape);
+  parallel::sum(block.mesh.comm, gram);
+  gram.diagonal().array() -= 1;
+  // The certificate demands this much, and round-off alone leaves 1e-12 or so.
+  EXPECT_LT(test::largest_entry(gram), 1e-6);
+}
+
 /// Keeps slices in memory, and returns them without one eigenvalue.
 class Memory : public Checkpoint {
  public:
