@@ -140,7 +140,7 @@ const Section body_keys{
      {"refine", Type::tables, "", "none, or chosen by `accuracy` with `size_factor`", any(),
       "`[[bodies.NAME.refine]]`, balls in which a `.geo`, `.step` or `.brep` gets smaller elements"},
      {"scale", Type::number, "1", shown(Body{}.scale), above("0"),
-      "factor on all coordinates of the mesh (0.001 for a drawing in millimetres)"},
+      "factor on all coordinates of the mesh (0.001 for a drawing in millimetres, and for any STEP file)"},
      {"rotate_deg", Type::vector, "degrees", shown(Body{}.rotate_deg), any(),
       "rotations about the fixed axes x, then y, then z, through the origin of the mesh"},
      {"translate", Type::vector, "m", shown(Body{}.translate), any(),
