@@ -7,43 +7,38 @@
 namespace ricochet::modes {
 
 CountModel::CountModel(std::int64_t rigid, std::vector<Probe> probes, ExpectedCount expected)
-    : rigid_(static_cast<double>(rigid)), probes_(std::move(probes)), expected_(std::move(expected)) {
-  std::sort(probes_.begin(), probes_.end(), [](const Probe& a, const Probe& b) { return a.sigma < b.sigma; });
+    : rigid_(static_cast<double>(rigid)), expected_(std::move(expected)) {
+  std::sort(probes.begin(), probes.end(), [](const Probe& a, const Probe& b) { return a.sigma < b.sigma; });
+  // A half is added to each count, so that none is 0.
+  for (const Probe& probe : probes)
+    known_.push_back(
+        {std::log(probe.sigma), std::log((std::max(0.0, static_cast<double>(probe.below) - rigid_) + 0.5) /
+                                         (expected_(probe.sigma) + 0.5))});
 }
 
-// Interpolates through (λ_1, n_1) and (λ_2, n_2) by n/e = (n_1/e_1) (λ/λ_1)^p, with the estimate e. Here n
-// does not include the rigid modes, and a half is added so that no count is 0. Below the first probe, p = 0.
 double CountModel::count_at(double lambda) const {
   if (lambda <= 0) return rigid_;
-  if (probes_.empty()) return rigid_ + expected_(lambda);
-  const auto n = [&](const Probe& probe) {
-    return std::max(0.0, static_cast<double>(probe.below) - rigid_) + 0.5;
-  };
-  std::size_t k = 0;
-  while (k + 1 < probes_.size() && probes_[k].sigma < lambda) ++k;
-  if (probes_[k].sigma >= lambda && k > 0) --k;
-  const Probe& at = probes_[k];
-  double growth = (expected_(lambda) + 0.5) / (expected_(at.sigma) + 0.5);
-  if (lambda > at.sigma && probes_.size() > 1) {
-    const bool inside = k + 1 < probes_.size();
-    // Above the last probe, one that is too close says nothing about the slope.
-    std::size_t before = k;
-    while (!inside && before > 0 && probes_[before].sigma > 0.7 * at.sigma) --before;
-    const Probe &a = probes_[before], &b = probes_[inside ? k + 1 : k];
-    const double step = std::log(b.sigma / a.sigma), power = std::log(n(b) / n(a)) / step;
-    // Equal counts say nothing about what follows.
-    if (before == k && !inside) return rigid_ + n(at) * growth - 0.5;
-    if (power > 0.2)
-      growth *= std::pow(lambda / at.sigma,
-                         power - std::log((expected_(b.sigma) + 0.5) / (expected_(a.sigma) + 0.5)) / step);
-    else
-      growth = std::pow(lambda / at.sigma, inside ? std::max(power, 1e-3) : 0.5);
+  if (known_.empty()) return rigid_ + expected_(lambda);
+  const double at = std::log(lambda);
+  const auto above = std::ranges::find_if(known_, [&](const Known& one) { return one.place >= at; });
+  const Known& below = above == known_.begin() ? *above : *std::prev(above);
+  double ratio = below.ratio;
+  if (above == known_.end()) {
+    // The ratio continues with half of its slope, as a compromise between none and all. A probe that is too
+    // close to the last one says nothing about the slope.
+    const auto before = std::find_if(known_.rbegin(), known_.rend(), [&](const Known& one) {
+      return one.place < below.place + std::log(0.7);
+    });
+    if (before != known_.rend())
+      ratio += 0.5 * (at - below.place) * (below.ratio - before->ratio) / (below.place - before->place);
+  } else if (above != known_.begin()) {
+    ratio += (at - below.place) * (above->ratio - below.ratio) / (above->place - below.place);
   }
-  return rigid_ + n(at) * growth - 0.5;
+  return rigid_ + std::exp(ratio) * (expected_(lambda) + 0.5) - 0.5;
 }
 
 double CountModel::lambda_at(double count) const {
-  double low = 0, high = probes_.empty() ? 1 : probes_.back().sigma;
+  double low = 0, high = known_.empty() ? 1 : std::exp(known_.back().place);
   while (count_at(high) < count) high *= 2;
   for (int k = 0; k < 100; ++k) {
     const double middle = (low + high) / 2;

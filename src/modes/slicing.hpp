@@ -16,8 +16,8 @@ struct Probe {
   std::int64_t below = 0;
 };
 
-/// Interpolates eigenvalue counts. The ratio of N(λ) − r to its estimate follows a power law through
-/// neighbouring probes.
+/// Interpolates eigenvalue counts. The ratio of N(λ) − r to its estimate follows power laws through the
+/// probes.
 class CountModel {
  public:
   /// @param rigid  number r of zero eigenvalues
@@ -26,8 +26,12 @@ class CountModel {
   double lambda_at(double count) const;
 
  private:
+  /// Logarithms of a shift, and of the ratio there.
+  struct Known {
+    double place, ratio;
+  };
   double rigid_;
-  std::vector<Probe> probes_;  ///< sorted by shift
+  std::vector<Known> known_;  ///< ascending
   ExpectedCount expected_;
 };
 
