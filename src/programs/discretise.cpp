@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "src/elasticity/assemble.hpp"
+#include "src/elasticity/expected_size.hpp"
 #include "src/elasticity/matrix_file.hpp"
 #include "src/mesh/gmsh_session.hpp"
 #include "src/mesh/partition.hpp"
@@ -111,15 +112,27 @@ Discretised discretise(const scene::KernelRequest& request, OpenedMeshes& meshes
     in_teams = in_teams && modes::works_in_teams(modes::chosen_eps_type(request.modes.solver));
   });
   const int most = in_teams ? ranks : 1;
+  // Delayed pivots and buffers need more memory than estimated.
+  constexpr double usable = 0.85;
+  double matrices = 0;  // of the whole body [MiB]; unknown for a mesh in parts
+  if (!source.in_parts && !request.body.imported())
+    parallel::on_first_rank(comm, [&] { matrices = elasticity::expected_mib(source.whole); });
+  MPI_Bcast(&matrices, 1, MPI_DOUBLE, 0, comm);
   for (int count = most;; --count) {
     if (ranks % count != 0) continue;
+    const double free_mib = parallel::available_mib(comm), assembled_mib = matrices * count / ranks;
+    if (assembled_mib > usable * free_mib) {
+      if (count > 1) continue;
+      throw InputError(fmt::format(
+          "{}: its matrices would need {:.0f} MiB a rank, {:.0f} are free: use more machines or a "
+          "coarser mesh",
+          file, assembled_mib, free_mib));
+    }
     // The source is needed again if memory allows only fewer teams.
     Discretised made = assembled(request, source, count, count == 1, comm, console);
     made.factor = std::make_unique<modes::Factorisation>(made.matrices.stiffness, made.matrices.mass,
                                                          request.modes.low_rank);
     const double room = parallel::available_mib(comm);
-    // Delayed pivots and buffers need more memory than estimated.
-    constexpr double usable = 0.85;
     double need = 0;
     for (const std::int64_t per_shift : {260, 130, 65}) {
       made.modes_per_shift = per_shift;

@@ -182,6 +182,34 @@ class Modes(ProgramTest):
         self.assertEqual((done.status, done.err.count("\n")), (1, 1), done.err)
         self.assertRegex(done.err, "^ricochet-kernel: MUMPS could not factor .*: not enough memory")
 
+    def test_memory_decides_before_matrices_are_assembled(self):
+        self.write("bar.geo", GEO)
+        scene = self.write("bar.toml", BAR)
+        preload = f"{os.environ['RICOCHET_SMALL_MEMORY']} {os.environ.get('LD_PRELOAD', '')}"
+
+        def run_with(mib):
+            """A run on two ranks of a machine with this memory."""
+            meminfo = self.write("meminfo", f"MemAvailable: {mib * 1024} kB\n")
+            variables = {"LD_PRELOAD": preload, "RICOCHET_TEST_MEMINFO": str(meminfo)}
+            with unittest.mock.patch.dict(os.environ, variables):
+                words = ["--out", self.folder / str(mib), "--set", "bodies.bar.size_factor=0.5"]
+                return ricochet("kernel", scene, "-n", "2", *words)
+
+        # 10 530 unknowns: 24 MiB of matrices; on one team of two ranks, 29 MiB a rank for factors and modes.
+        done = run_with(26)
+        self.assertEqual(done.status, 2, done.err)
+        self.assertRegex(
+            done.err, r"ricochet-kernel: bar.geo: its matrices would need \d+ MiB a rank, 13 are free"
+        )
+        self.assertNotIn("assembly", done.out + done.err)
+        done = run_with(50)
+        self.assertEqual(done.status, 2, done.err)
+        self.assertRegex(done.err, "its factorisation would need")
+        done = self.succeed(run_with(72))
+        self.assertNotIn("at a time", done.out + done.err)  # one team, because two would not fit
+        done = self.succeed(run_with(4000))
+        self.assertIn("2 at a time", done.out + done.err)
+
     def test_a_body_without_a_free_node_is_refused(self):
         self.write("bar.geo", GEO + 'Physical Surface("skin") = Surface{:};\n')
         scene = self.write("bar.toml", BAR.replace("[modes]", 'support = { skin = "xyz" }\n[modes]'))
