@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Lets a program read the file RICOCHET_TEST_MEMINFO in place of /proc/meminfo, as on a machine with less memory. */
+/* Lets a program read the file RICOCHET_TEST_MEMINFO in place of /proc/meminfo, as on a machine with less
+ * memory. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <stdio.h>

@@ -7,6 +7,7 @@
 
 #include "kernels/band.hpp"
 #include "src/modes/certify.hpp"
+#include "src/modes/symmetric.hpp"
 
 namespace ricochet::modes {
 
@@ -47,17 +48,16 @@ class RitzSpace {
       MatrixXd gram = inner(operators_.comm, block, momentum);
       gram = (gram + gram.transpose().eval()) / 2;
       // Every team must drop the same vectors.
-      MPI_Bcast(gram.data(), static_cast<int>(gram.size()), MPI_DOUBLE, 0, teams_.peers());
-      const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(gram);
-      const double floor = pass == 0 ? 1e-14 * eigen.eigenvalues()[gram.rows() - 1] : 0.5;
+      const VectorXd square = eigen_decomposition(teams_.world(), gram);
+      const double floor = pass == 0 ? 1e-14 * square[gram.rows() - 1] : 0.5;
       Index dropped = 0;
       for (double sum = 0; dropped < gram.rows(); ++dropped) {
-        sum += pass == 0 ? std::max(eigen.eigenvalues()[dropped], 0.0) : 0;
-        if (eigen.eigenvalues()[dropped] > floor && !(pass == 0 && sum <= bound)) break;
+        sum += pass == 0 ? std::max(square[dropped], 0.0) : 0;
+        if (square[dropped] > floor && !(pass == 0 && sum <= bound)) break;
       }
       const Index kept = std::min(gram.rows() - dropped, most);
-      const MatrixXd normal = eigen.eigenvectors().rightCols(kept) *
-                              eigen.eigenvalues().tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
+      const MatrixXd normal =
+          gram.rightCols(kept) * square.tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
       block = (block * normal).eval();
       momentum = (momentum * normal).eval();
     }
@@ -72,8 +72,9 @@ class RitzSpace {
   };
   Pairs ritz() const {
     if (size_ == 0) return {};
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(stiffness_);
-    return {eigen.eigenvalues(), eigen.eigenvectors()};
+    Pairs pairs{{}, stiffness_};
+    pairs.lambda = eigen_decomposition(teams_.world(), pairs.vectors);
+    return pairs;
   }
 
   /// Returns the traces of the Ritz vectors on the contact surface, (seen, n).
@@ -87,8 +88,7 @@ class RitzSpace {
     if (n + k > q_.cols()) q_.conservativeResize(block.rows(), n + std::max(k, n));
     q_.middleCols(n, k) = block;
     size_ = n + k;
-    MatrixXd share = inner(operators_.comm, vectors(), operators_.stiffness(block));
-    MPI_Bcast(share.data(), static_cast<int>(share.size()), MPI_DOUBLE, 0, teams_.peers());
+    const MatrixXd share = inner(operators_.comm, vectors(), operators_.stiffness(block));
     stiffness_.conservativeResize(size_, size_);
     stiffness_.rightCols(k) = share;
     stiffness_.bottomRows(k) = share.transpose();

@@ -83,13 +83,13 @@ class Basis {
     for (int pass = 0; pass < 2 && next.cols() > 0; ++pass) {
       MatrixXd gram = inner(operators_.comm, next, momentum);
       gram = (gram + gram.transpose().eval()) / 2;
-      const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(gram);
+      const VectorXd square = eigen_decomposition(operators_.comm, gram);
       const double bound = pass == 0 ? rank_tolerance * rank_tolerance * scale : 0.5;
       Index dropped = 0;
-      while (dropped < gram.rows() && eigen.eigenvalues()[dropped] <= bound) ++dropped;
+      while (dropped < gram.rows() && square[dropped] <= bound) ++dropped;
       const Index kept = gram.rows() - dropped;
-      const VectorXd size = eigen.eigenvalues().tail(kept).cwiseSqrt();
-      const MatrixXd turn = eigen.eigenvectors().rightCols(kept);
+      const VectorXd size = square.tail(kept).cwiseSqrt();
+      const MatrixXd turn = gram.rightCols(kept);
       coupling = (size.asDiagonal() * turn.transpose() * coupling).eval();
       const MatrixXd normal = turn * size.cwiseInverse().asDiagonal();
       next = (next * normal).eval();
@@ -134,10 +134,10 @@ struct Ritz {
   MatrixXd vector, behind;           ///< s, and B s / θ
 };
 
-Ritz ritz_of(const Basis& basis, double sigma) {
+Ritz ritz_of(MPI_Comm comm, const Basis& basis, double sigma) {
   const Index m = basis.inner_size();
   MatrixXd vectors = basis.projected();
-  const VectorXd theta = eigen_decomposition(vectors);
+  const VectorXd theta = eigen_decomposition(comm, vectors);
   std::vector<Index> order(static_cast<std::size_t>(m));
   std::iota(order.begin(), order.end(), 0);
   const auto lambda = [&](Index i) { return sigma + 1 / theta[i]; };
@@ -220,9 +220,8 @@ Converged lanczos(const Operators& operators, Factorisation& factor, const Inter
     basis.step();
     const bool last = basis.exhausted() || basis.size() + options.block > basis.vectors().cols();
     if (!last && basis.inner_size() < next_look) continue;
-    ritz = ritz_of(basis, sigma);
-    reach =
-        reach_of(ritz, sigma, wanted, factor.below() - operators.below_zero, options, basis.exhausted());
+    ritz = ritz_of(operators.comm, basis, sigma);
+    reach = reach_of(ritz, sigma, wanted, factor.below() - operators.below_zero, options, basis.exhausted());
     if (progress) progress(reach.behind - reach.first, 0);
     if (reach.complete || last) break;
     const double before = std::exchange(worst, worst_inside(ritz, wanted));

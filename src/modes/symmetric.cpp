@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "ricochet/error.hpp"
+#include "src/parallel/parallel.hpp"
 
 extern "C" {
 void dsyevd_(const char* job, const char* triangle, const int* n, double* a, const int* lda, double* w,
@@ -17,6 +18,8 @@ namespace ricochet::modes {
 
 namespace {
 
+constexpr const char* not_converged = "modes: a dense eigenproblem did not converge";
+
 /// Calls `solve` with the eigenvalues, the workspace of a divide-and-conquer solver, and its status.
 template <class Solve>
 Eigen::VectorXd decomposition(Eigen::Index rows, const Solve& solve) {
@@ -27,7 +30,7 @@ Eigen::VectorXd decomposition(Eigen::Index rows, const Solve& solve) {
   std::vector<double> work(static_cast<std::size_t>(work_size));
   std::vector<int> whole(static_cast<std::size_t>(whole_size));
   solve(n, values.data(), work.data(), work_size, whole.data(), whole_size, status);
-  if (status != 0) throw SolverError("modes: a dense eigenproblem did not converge");
+  if (status != 0) throw SolverError(not_converged);
   return values;
 }
 
@@ -38,6 +41,23 @@ Eigen::VectorXd eigen_decomposition(Eigen::MatrixXd& matrix) {
                                           int whole_size, int& status) {
     dsyevd_("V", "L", &n, matrix.data(), &n, values, work, &work_size, whole, &whole_size, &status);
   });
+}
+
+Eigen::VectorXd eigen_decomposition(MPI_Comm comm, Eigen::MatrixXd& matrix) {
+  if (parallel::size_of(comm) == 1) return eigen_decomposition(matrix);
+  Eigen::VectorXd values;
+  int converged = 1;
+  if (parallel::rank_of(comm) == 0) try {
+      values = eigen_decomposition(matrix);
+    } catch (const SolverError&) {
+      converged = 0;
+    }
+  MPI_Bcast(&converged, 1, MPI_INT, 0, comm);
+  if (converged == 0) throw SolverError(not_converged);
+  values.resize(matrix.rows());
+  MPI_Bcast(values.data(), static_cast<int>(values.size()), MPI_DOUBLE, 0, comm);
+  MPI_Bcast(matrix.data(), static_cast<int>(matrix.size()), MPI_DOUBLE, 0, comm);
+  return values;
 }
 
 Eigen::VectorXd eigen_decomposition(Eigen::MatrixXd& a, Eigen::MatrixXd& b) {
