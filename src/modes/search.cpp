@@ -194,12 +194,12 @@ class Searcher {
       const Stitched stitched = stitch(rigid_, found_.slices, end_);
       if (!stitched.missing.empty()) return;
       const std::vector<double> lambda = lambda_of(found_.slices, stitched.share);
-      if (end_.below >= operators_.free_rows) {
-        end_ = count_below(teams_, factor_, lambda.empty() ? end_.sigma : 1.001 * lambda.back());
-        return;
-      }
       if (const auto cut = cut_of(teams_, factor_, lambda, *request_.count - rigid_, rigid_)) {
         end_ = cut->at;
+        return;
+      }
+      if (end_.below >= operators_.free_rows) {
+        end_ = count_below(teams_, factor_, lambda.empty() ? end_.sigma : 1.001 * lambda.back());
         return;
       }
       probes_.push_back(end_);
@@ -254,7 +254,8 @@ class Searcher {
   void probe_for(std::int64_t count) {
     const std::int64_t most = count + count / 8 + 8;
     const auto wanted = static_cast<double>(count);
-    const double guess = model().lambda_at(wanted);
+    // Far above the rigid modes, even if no others are requested.
+    const double guess = model().lambda_at(static_cast<double>(rigid_) + wanted);
     std::vector<double> sigma;
     for (int t = 0; t < teams_.count(); ++t) sigma.push_back(guess * std::pow(2.0, t + 1 - teams_.count()));
     probe(sigma);

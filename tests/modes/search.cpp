@@ -79,6 +79,17 @@ TEST(Search, finds_the_number_requested_whatever_the_estimate) {
     }
 }
 
+TEST(Search, finds_no_elastic_mode_one_and_all_but_one) {
+  const Block block;
+  const std::int64_t all = block.exact.size();
+  for (const modes::Solver solver : {modes::Solver::slicing, modes::Solver::dense})
+    for (const std::int64_t count : {std::int64_t{6}, std::int64_t{7}, all - 1}) {
+      SCOPED_TRACE(testing::Message() << count << (solver == modes::Solver::dense ? " dense" : " by slices"));
+      // Slices of nearly all modes of a mesh may stall; the search must then go on by itself.
+      expect_lowest(block, block.search({.count = count, .solver = solver}), count);
+    }
+}
+
 TEST(Search, has_orthogonal_slices_whatever_the_bound_on_residuals) {
   const Block block;
   const modes::Operators operators(block.mesh, block.body);

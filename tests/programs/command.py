@@ -178,7 +178,8 @@ class Modes(ProgramTest):
         self.write("bar.geo", GEO)
         scene = self.write("bar.toml", BAR)
         with unittest.mock.patch.dict(os.environ, {"PETSC_OPTIONS": "-mat_mumps_icntl_23 1"}):  # 1 MB
-            done = ricochet("kernel", scene, "-n", "2", "--quiet")
+            # So many modes need a slice on each rank.
+            done = ricochet("kernel", scene, "-n", "2", "--quiet", "--set", "modes.count=120")
         self.assertEqual((done.status, done.err.count("\n")), (1, 1), done.err)
         self.assertRegex(done.err, "^ricochet-kernel: MUMPS could not factor .*: not enough memory")
 
