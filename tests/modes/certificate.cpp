@@ -22,15 +22,16 @@ using modes::Solver;
 
 constexpr double tolerance = 1e-8;
 
-/// A free block with 30 modes, on one team or on several.
+/// A free block with some modes, on one team or on several. From 60 on, each team has slices of its own.
 struct Block {
-  explicit Block(const parallel::Teams& given, Solver solver = Solver::slicing) : teams(given) {
+  explicit Block(const parallel::Teams& given, Solver solver = Solver::slicing, std::int64_t count = 30)
+      : teams(given) {
     const test::SharedFile file(".geo", test::block_geo("tet", 2, 0.3));
     const scene::Body body_of_scene = test::body_of(file.path(), 2);
     mesh = test::mesh_of(body_of_scene, teams);
     body = elasticity::assemble(mesh, body_of_scene.materials, "test");
     factor = std::make_unique<modes::Factorisation>(body.stiffness, body.mass);
-    set = modes::compute_modes(teams, mesh, body, *factor, {.count = 30, .solver = solver});
+    set = modes::compute_modes(teams, mesh, body, *factor, {.count = count, .solver = solver});
     operators = std::make_unique<modes::Operators>(mesh, body);
     for (std::size_t s = 0; s < set.certificate.shift.size(); ++s)
       counts.push_back({set.certificate.shift[s], static_cast<std::int64_t>(set.certificate.modes_below[s])});
@@ -153,6 +154,29 @@ TEST_P(Certificate, doubts_modes_that_are_one) {
   block.set.angular_frequency[14] = block.set.angular_frequency[13];
   EXPECT_EQ(block.certify(), (std::vector<Eigen::Index>{13, 14}));
   EXPECT_NEAR(block.set.certificate.orthonormality, 1, 1e-6);
+}
+
+// After a repair, only the modes that it has changed are measured.
+TEST_P(Certificate, states_the_same_if_only_the_changed_mode_is_measured) {
+  Block block(teams(), Solver::slicing, 80);
+  const auto from = block.column(13), to = block.column(70);
+  Eigen::MatrixXd shape = Eigen::MatrixXd::Zero(block.operators->local_rows, 1);
+  if (from) shape = block.set.shape.col(*from);
+  parallel::sum(block.teams.peers(), shape);
+  if (to) block.set.shape.col(*to) = shape;
+  const std::vector<Eigen::Index> doubtful = modes::certify(
+      block.teams, *block.operators, block.counts, tolerance, block.set, std::vector<Eigen::Index>{70});
+  EXPECT_EQ(doubtful, (std::vector<Eigen::Index>{13, 70}));
+  // K φ = λ₁₃ M φ, so the residual is λ₇₀/λ₁₃ − 1.
+  const double ratio = block.set.angular_frequency[70] / block.set.angular_frequency[13];
+  EXPECT_NEAR(block.set.residual[70], ratio * ratio - 1, 1e-6);
+  const ModeSet partial = block.set;
+  EXPECT_EQ(block.certify(), doubtful);
+  for (std::size_t n = 0; n < partial.residual.size(); ++n) {
+    // Round-off of products in another order; overlaps of accurate modes are round-off themselves.
+    EXPECT_NEAR(partial.residual[n], block.set.residual[n], 1e-6 * block.set.residual[n] + 1e-12) << n;
+    EXPECT_NEAR(partial.overlap[n], block.set.overlap[n], 1e-8) << n;
+  }
 }
 
 // Errors of 1e-3 in the lowest elastic mode and in two neighbours. The dense eigenvalues are the oracle.
