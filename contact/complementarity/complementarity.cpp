@@ -21,6 +21,16 @@ double largest_of(const std::vector<double>& x, int n) {
 
 }  // namespace
 
+SolveStatistics operator+(const SolveStatistics& a, const SolveStatistics& b) {
+  SolveStatistics sum = a;
+  for (std::int64_t SolveStatistics::*count :
+       {&SolveStatistics::problems, &SolveStatistics::warm_hits, &SolveStatistics::pivots,
+        &SolveStatistics::fallbacks, &SolveStatistics::renewals, &SolveStatistics::limited})
+    sum.*count += b.*count;
+  sum.max_active = std::max(a.max_active, b.max_active);
+  return sum;
+}
+
 ComplementaritySolver::ComplementaritySolver(int capacity, const SolveOptions& options)
     : options_(options), active_set_(capacity) {
   const auto n = static_cast<std::size_t>(std::max(capacity, 1));

@@ -47,6 +47,8 @@ struct SolveStatistics {
   int max_active = 0;
 };
 
+SolveStatistics operator+(const SolveStatistics& a, const SolveStatistics& b);
+
 /// Solves by block principal pivoting, which starts from the previous active set. If the pivoting cycles or
 /// meets a singular active set, a primal active-set method takes over. That method is finite, because the
 /// objective decreases strictly; it leaves singular active sets along their null direction. Only the

@@ -24,6 +24,21 @@ enum class Instant {
           ///< t_k if the point is beyond its gap
 };
 
+/// Coulomb friction of a contact pair. With the sliding speed v of a point,
+/// μ(v) = μ_d + (μ_s − μ_d) exp(−(v/v_s)²), Stribeck's transition from sticking to sliding.
+struct Friction {
+  double static_coefficient = 0;   ///< μ_s ≥ 0, of points that stick
+  double dynamic_coefficient = 0;  ///< μ_d ≥ 0, of points that slide fast
+  double stribeck_velocity = 0;    ///< v_s > 0 [m/s]; unused if the coefficients are equal
+  bool operator==(const Friction&) const = default;
+};
+
+/// The direction of the relative motion of a slipping point.
+enum class FrictionLaw {
+  coulomb,     ///< tangential: sliding does not separate the surfaces
+  associated,  ///< normal to the friction cone: sliding separates them by μ times the slip; for comparison
+};
+
 enum class Precision { float64, float32 };
 
 /// The force that drives the modes over a step of the compliant scheme.
@@ -39,6 +54,7 @@ struct StepOptions {
   Instant instant = Instant::step;                     ///< of the impulse scheme
   double restitution = 0;                              ///< e of the impulse scheme, in [0, 1]
   ContactStep contact_step = ContactStep::conserving;  ///< of the compliant scheme
+  FrictionLaw friction_law = FrictionLaw::coulomb;     ///< of pairs with friction
   double step = 0;                                     ///< Δ [s]
   /// Number of contact steps Δ per output sample. In free flight, the compliant scheme jumps from sample to
   /// sample; it makes contact steps only where a point could close.
@@ -64,18 +80,20 @@ enum class StepStatus {
   table_ended,  ///< table kernels: the step is beyond the end of the table
 };
 
-/// Running energy ledger [J]: kinetic + strain + residual − loads + damping + contact keeps its initial
-/// value. Each term has its own formula.
+/// Running energy ledger [J]: kinetic + strain + residual − loads + damping + contact + friction keeps its
+/// initial value. Each term has its own formula.
 struct Energy {
   double kinetic = 0;   ///< ½ |q̇|²; with moving supports ½ |q̇ + Γ dū/dt|²
   double strain = 0;    ///< ½ Σ ω² q²
-  double residual = 0;  ///< ½ λᵀ R λ
-  double loads = 0;  ///< work so far of gravity, fᵀ (q − q0), of loads and of supports, including ∫ λᵀ ds
+  double residual = 0;  ///< ½ pᵀ R p, with p the forces λ and τ at the end of the step
+  double loads = 0;  ///< work so far of gravity, fᵀ (q − q0), of loads and of supports, including ∫ λᵀ ds,
+                     ///< and of moving obstacles
   double damping = 0;  ///< ∫ 2 δ q̇², so far
   double contact = 0;  ///< removed by contact so far; compliant: λ̄ᵀ(B(q⁺ − q) + s⁺ − s) minus the growth of
-                       ///< ½ λᵀRλ; impulse: Pᵀ (B q̇ + ṡ) − ½ |BᵀP|²
+                       ///< ½ λᵀRλ; impulse: Pᵀ (B q̇ + ṡ) − ½ |BᵀP|²; with friction: energy_ledger.hpp
+  double friction = 0;  ///< heat of friction so far, Σ τ̄ᵀ d with the slip d of a step
   double total() const { return kinetic + strain + residual - loads; }
-  double ledger() const { return total() + damping + contact; }
+  double ledger() const { return total() + damping + contact + friction; }
 };
 
 }  // namespace ricochet

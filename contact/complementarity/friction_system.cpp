@@ -1,0 +1,487 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "contact/complementarity/friction_system.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace ricochet::contact {
+namespace {
+
+using Eigen::Map;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double precision = 3e-13;    // of w, relative to |r|_∞ + ‖A‖_∞ |p|_∞
+constexpr double negligible = 1e-14;   // share of |p|_∞ that changes w by less than its tolerance
+constexpr double proximal = 1e-13;     // share of max A_ii added to the diagonal against singular matrices
+constexpr int patience_of_newton = 8;  // steps allowed without halving the error
+constexpr int first_sweeps = 5;
+constexpr double first_factor = 0.1, fastest = 0.01, slowest = 0.95;  // from one ridge to the next
+constexpr double regular = 1e-11;  // smaller pivots, relative to max A_ii, leave the sign of det undecided
+constexpr double distinct = 1e-6;  // of solutions, relative to the largest force
+constexpr int steps_to_another = 12;
+
+double largest_of(const std::vector<double>& x, int n) {
+  double largest = 0;
+  for (int k = 0; k < n; ++k) largest = std::max(largest, std::abs(x[k]));
+  return largest;
+}
+
+Map<Vector2d> tangential(std::vector<double>& x, int row) { return Map<Vector2d>(x.data() + row + 1); }
+Map<const Vector2d> tangential(const std::vector<double>& x, int row) {
+  return Map<const Vector2d>(x.data() + row + 1);
+}
+
+Vector2d across(const Vector2d& t) { return {-t.y(), t.x()}; }
+
+}  // namespace
+
+FrictionSystem::FrictionSystem(int capacity, FrictionLaw law) : law_(law), factor_(capacity) {
+  const auto n = static_cast<std::size_t>(std::max(capacity, 1));
+  touch_.resize(n);
+  best_touch_.resize(n);
+  answer_touch_.resize(n);
+  factor_state_.resize(n);
+  A_.resize(n * n);
+  for (std::vector<double>* x :
+       {&p_, &w_, &r_, &x_, &column_, &best_p_, &answer_, &plain_A_, &plain_r_, &centre_})
+    x->resize(n);
+}
+
+void FrictionSystem::clear() noexcept { count_ = rows_ = factor_count_ = 0; }
+
+void FrictionSystem::add(double coefficient) noexcept {
+  touch_[count_] = {.row = rows_, .coefficient = coefficient};
+  rows_ += touch_[count_++].rows();
+}
+
+void FrictionSystem::set_matrix() noexcept {
+  norm_ = rows_ > 0 ? A().cwiseAbs().colwise().sum().maxCoeff() : 0;
+  diagonal_ = rows_ > 0 ? A().diagonal().maxCoeff() : 0;
+  factor_count_ = 0;
+}
+
+double FrictionSystem::scale() const { return largest_r_ + norm_ * largest_of(p_, rows_); }
+
+void FrictionSystem::evaluate() noexcept {
+  Map<Eigen::VectorXd> w(w_.data(), rows_);
+  const double* const A = A_.data();
+  for (int i = 0; i < rows_; ++i) w_[i] = -r_[i];
+  for (int k = 0; k < count_; ++k) {
+    const int row = touch_[k].row;
+    const double* const column = A + static_cast<std::ptrdiff_t>(row) * rows_;
+    const double a = p_[row];
+    if (touch_[k].rows() == 1) {
+      if (a == 0) continue;
+#pragma GCC ivdep
+      for (int i = 0; i < rows_; ++i) w_[i] += a * column[i];
+      continue;
+    }
+    const double b = p_[row + 1], c = p_[row + 2];
+    if (a == 0 && b == 0 && c == 0) continue;
+    const double *const second = column + rows_, *const third = second + rows_;
+    double* const out = w_.data();
+#pragma GCC ivdep
+    for (int i = 0; i < rows_; ++i) out[i] += a * column[i] + b * second[i] + c * third[i];
+  }
+  tolerance_ = precision * scale();
+}
+
+/// Moves the force of point k to the set of its state. Returns whether the state changes: a force outside the
+/// cone slips, a tensile one opens.
+bool FrictionSystem::project(int k) noexcept {
+  Touch& touch = touch_[k];
+  const ContactState before = touch.state;
+  double& normal = p_[touch.row];
+  if (before != ContactState::open && normal < 0) touch.state = ContactState::open;
+  if (touch.state == ContactState::open) {
+    std::fill_n(&normal, touch.rows(), 0.0);
+    return before != ContactState::open;
+  }
+  if (touch.rows() == 1) return false;
+  auto t = tangential(p_, touch.row);
+  const double size = t.norm(), most = touch.coefficient * normal;
+  if (touch.state == ContactState::stick && size > most) {
+    touch.state = ContactState::slip;
+    touch.direction = -t / size;
+  }
+  if (touch.state == ContactState::slip) t = -most * touch.direction;
+  return touch.state != before;
+}
+
+/// Updates the states and moves the forces to the sets of their states; w is that of the forces before.
+/// Returns whether anything has changed. An open point that closes sticks if the forces that would stop it
+/// alone, were its rows not coupled, are in the cone.
+bool FrictionSystem::classify() noexcept {
+  const double least = -negligible * largest_of(p_, rows_);
+  bool changed = false;
+  for (int k = 0; k < count_; ++k) {
+    Touch& touch = touch_[k];
+    const int row = touch.row;
+    const bool has_friction = touch.rows() == 3;
+    const double slip = has_friction ? tangential(w_, row).norm() : 0;
+    if (touch.state == ContactState::open) {
+      const double gap = w_[row] - share(touch) * slip;
+      if (gap >= -tolerance_) continue;
+      changed = true;
+      const bool sticks =
+          !has_friction || slip * A()(row, row) <= touch.coefficient * -w_[row] *
+                                                       std::max(A()(row + 1, row + 1), A()(row + 2, row + 2));
+      touch.state = sticks ? ContactState::stick : ContactState::slip;
+      if (!sticks) touch.direction = tangential(w_, row) / slip;
+      continue;
+    }
+    if (p_[row] < 0 && p_[row] >= least) {
+      p_[row] = 0;
+      changed = true;
+    }
+    if (touch.state == ContactState::slip && touch.direction.dot(tangential(w_, row)) < -tolerance_) {
+      touch.state = ContactState::stick;
+      changed = true;
+      if (p_[row] >= 0) continue;
+    }
+    if (project(k)) changed = true;
+  }
+  return changed;
+}
+
+/// Distance of w from the values that p and the states admit.
+double FrictionSystem::violation() const noexcept {
+  double worst = 0;
+  for (int k = 0; k < count_; ++k) {
+    const Touch& touch = touch_[k];
+    const double normal = w_[touch.row];
+    double error = std::abs(normal);
+    if (touch.state == ContactState::open) {
+      error = -normal + (share(touch) > 0 ? share(touch) * tangential(w_, touch.row).norm() : 0);
+    } else if (touch.rows() == 3) {
+      const auto w = tangential(w_, touch.row);
+      if (touch.state == ContactState::stick) {
+        error = std::max(error, w.norm());
+      } else {
+        const double along = touch.direction.dot(w);
+        error = std::max(
+            {std::abs(normal - share(touch) * along), std::abs(across(touch.direction).dot(w)), -along});
+      }
+    }
+    if (!(error <= worst)) worst = error;
+  }
+  return worst;
+}
+
+/// Returns whether the error has fallen to less than half of the smallest one so far.
+bool FrictionSystem::keep_best(double error) noexcept {
+  if (tolerance_ > 0) error /= tolerance_;
+  const bool halved = error < 0.5 * best_error_;
+  if (error < best_error_) {
+    best_error_ = error;
+    std::copy_n(p_.begin(), rows_, best_p_.begin());
+    std::copy_n(touch_.begin(), count_, best_touch_.begin());
+  }
+  return halved;
+}
+
+void FrictionSystem::restore_best() noexcept {
+  std::copy_n(best_p_.begin(), rows_, p_.begin());
+  std::copy_n(best_touch_.begin(), count_, touch_.begin());
+  evaluate();
+}
+
+bool FrictionSystem::has_factor() const noexcept {
+  if (factor_count_ != count_) return false;
+  for (int k = 0; k < count_; ++k)
+    if (factor_state_[k] != touch_[k].state) return false;
+  return true;
+}
+
+/// out = Eᵀ column.
+void FrictionSystem::compress(const double* column, double* out) const noexcept {
+  for (int k = 0; k < count_; ++k) {
+    const Touch& touch = touch_[k];
+    const double* const c = column + touch.row;
+    if (touch.state == ContactState::open) continue;
+    if (touch.rows() == 1) {
+      *out++ = c[0];
+    } else if (touch.state == ContactState::stick) {
+      *out++ = c[0];
+      *out++ = c[1];
+      *out++ = c[2];
+    } else {
+      const double x = touch.direction.x(), y = touch.direction.y();
+      *out++ = c[0] - share(touch) * (x * c[1] + y * c[2]);
+      *out++ = x * c[2] - y * c[1];
+    }
+  }
+}
+
+void FrictionSystem::renew_factor() noexcept {
+  int unknowns = 0;
+  for (int k = 0; k < count_; ++k)
+    unknowns += touch_[k].state == ContactState::open    ? 0
+                : touch_[k].rows() == 1                  ? 1
+                : touch_[k].state == ContactState::stick ? 3
+                                                         : 2;
+  auto J = factor_.begin(unknowns);
+  const double ridge = proximal * diagonal_;
+  int c = 0;
+  for (int k = 0; k < count_; ++k) {
+    const Touch& touch = touch_[k];
+    factor_state_[k] = touch.state;
+    if (touch.state == ContactState::open) continue;
+    const double* const first = A_.data() + static_cast<std::ptrdiff_t>(touch.row) * rows_;
+    const double *const second = first + rows_, *const third = second + rows_;
+    if (touch.rows() == 1 || touch.state == ContactState::stick) {
+      for (int d = 0; d < touch.rows(); ++d, ++c) {
+        compress(first + static_cast<std::ptrdiff_t>(d) * rows_,
+                 J.data() + static_cast<std::ptrdiff_t>(c) * unknowns);
+        J(c, c) += ridge;
+      }
+      continue;
+    }
+    const double x = touch.direction.x(), y = touch.direction.y(), mu = touch.coefficient;
+#pragma GCC ivdep
+    for (int i = 0; i < rows_; ++i) column_[i] = first[i] - mu * (x * second[i] + y * third[i]);
+    compress(column_.data(), J.data() + static_cast<std::ptrdiff_t>(c) * unknowns);
+    J(c, c) += ridge;
+    ++c;
+#pragma GCC ivdep
+    for (int i = 0; i < rows_; ++i) column_[i] = x * third[i] - y * second[i];
+    compress(column_.data(), J.data() + static_cast<std::ptrdiff_t>(c) * unknowns);
+    const double along = std::max(0.0, touch.direction.dot(tangential(w_, touch.row)));
+    const double alone = first[touch.row] > 0 ? (share(touch) * along - w_[touch.row]) / first[touch.row] : 0;
+    const double normal = std::max(p_[touch.row], alone);
+    J(c, c) += ridge + (normal > 0 ? std::min(along / (mu * normal), 1e12 * diagonal_) : 1e12 * diagonal_);
+    ++c;
+  }
+  factor_count_ = count_;
+  factor_.factor();
+}
+
+/// Returns false if the factor is singular to working precision.
+bool FrictionSystem::newton() noexcept {
+  compress(w_.data(), x_.data());
+  if (!factor_.solve(x_.data())) return false;
+  const double* x = x_.data();
+  for (int k = 0; k < count_; ++k) {
+    Touch& touch = touch_[k];
+    if (touch.state == ContactState::open) continue;
+    double* const p = &p_[touch.row];
+    if (touch.state == ContactState::stick) {
+      for (int d = 0; d < touch.rows(); ++d) p[d] -= *x++;
+    } else {
+      p[0] -= *x++;
+      const double most = touch.coefficient * std::max(p[0], 0.0);
+      touch.direction = (most * touch.direction + across(touch.direction) * *x++).stableNormalized();
+      tangential(p_, touch.row) = -most * touch.direction;
+    }
+  }
+  double sum = 0;
+  for (int i = 0; i < rows_; ++i) sum += p_[i];
+  return std::isfinite(sum);
+}
+
+/// The problem of point k alone, with the forces of all others.
+FrictionPoint FrictionSystem::local(int k) const noexcept {
+  const int row = touch_[k].row;
+  FrictionPoint point;
+  point.coefficient = touch_[k].coefficient;
+  point.law = law_;
+  Vector3d w;
+  for (int d = 0; d < 3; ++d) {
+    const double* const column = A_.data() + static_cast<std::ptrdiff_t>(row + d) * rows_;
+    w(d) = Map<const Eigen::VectorXd>(column, rows_).dot(Map<const Eigen::VectorXd>(p_.data(), rows_)) -
+           r_[row + d];
+    point.S.col(d) = Map<const Vector3d>(column + row);
+  }
+  point.S.diagonal().array() += proximal * diagonal_;
+  point.r = point.S * Map<const Vector3d>(&p_[row]) - w;
+  return point;
+}
+
+void FrictionSystem::set(int k, const FrictionPoint::Solution& solution) noexcept {
+  Touch& touch = touch_[k];
+  touch.state = solution.state;
+  touch.direction = solution.direction;
+  Vector3d::Map(&p_[touch.row]) = solution.p;
+}
+
+/// Solves each point in turn with the forces of the others.
+void FrictionSystem::sweep() noexcept {
+  for (int k = 0; k < count_; ++k) {
+    Touch& touch = touch_[k];
+    const int row = touch.row;
+    if (touch.rows() == 1) {
+      const double* const column = A_.data() + static_cast<std::ptrdiff_t>(row) * rows_;
+      const double w =
+          Map<const Eigen::VectorXd>(column, rows_).dot(Map<const Eigen::VectorXd>(p_.data(), rows_)) -
+          r_[row];
+      p_[row] = std::max(0.0, p_[row] - w / (column[row] + proximal * diagonal_));
+      touch.state = p_[row] > 0 ? ContactState::stick : ContactState::open;
+      continue;
+    }
+    const FrictionPoint point = local(k);
+    const bool ambiguous = point.may_be_ambiguous();
+    const FrictionPoint::Solutions found = point.solve(ambiguous);
+    int nearest = -1;
+    double least = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < found.count; ++i) {
+      const double distance = (found.at[i].p - Map<const Vector3d>(&p_[row])).squaredNorm();
+      if (distance < least) {
+        least = distance;
+        nearest = i;
+      }
+    }
+    if (nearest >= 0) set(k, found.at[nearest]);
+  }
+  evaluate();
+}
+
+void FrictionSystem::guess_state(int k, ContactState before) noexcept {
+  Touch& touch = touch_[k];
+  touch.state = p_[touch.row] > 0 ? ContactState::stick : ContactState::open;
+  if (touch.rows() == 3 && touch.state == ContactState::stick) {
+    const double size = tangential(p_, touch.row).norm();
+    if (size > 0 &&
+        (before == ContactState::slip || size >= touch.coefficient * p_[touch.row] * (1 - 1e-9))) {
+      touch.state = ContactState::slip;
+      touch.direction = -tangential(p_, touch.row) / size;
+    }
+  }
+  project(k);
+}
+
+/// Newton's method until the error has not halved in a number of steps. A factor serves for further steps
+/// while the states stay and each step reduces the error to a tenth.
+SolveStatus FrictionSystem::try_newton(int& left, SolveStatistics& statistics) noexcept {
+  best_error_ = std::numeric_limits<double>::infinity();
+  double before = std::numeric_limits<double>::infinity();
+  int patience = patience_of_newton;
+  evaluate();
+  while (true) {
+    if (classify()) {
+      evaluate();
+      ++statistics.pivots;
+    }
+    const double error = violation();
+    if (!std::isfinite(error + tolerance_)) return SolveStatus::not_finite;
+    if (keep_best(error)) patience = patience_of_newton;
+    if (error <= tolerance_) return SolveStatus::solved;
+    if (patience-- <= 0 || left-- <= 0) return SolveStatus::limited;
+    if (!has_factor() || error > 0.1 * before) {
+      renew_factor();
+      ++statistics.renewals;
+    }
+    before = error;
+    if (!newton()) return SolveStatus::limited;
+    evaluate();
+  }
+}
+
+/// Replaces A by A + ρ and r by r + ρ c.
+void FrictionSystem::set_ridge(double ridge) noexcept {
+  for (int i = 0; i < rows_; ++i) {
+    A()(i, i) = plain_A_[i] + ridge;
+    r_[i] = plain_r_[i] + ridge * centre_[i];
+  }
+  norm_ += ridge - ridge_;
+  ridge_ = ridge;
+  factor_count_ = 0;
+}
+
+/// Solves the problem with a ridge ρ (p − c) added to w, and lets ρ decrease to 0. With a large ρ, points
+/// hardly influence each other and the solution is unique. It changes continuously with ρ up to a turning
+/// point, so that few points change their state if ρ decreases little enough. At a turning point, the last
+/// solution becomes the centre c of a new path.
+SolveStatus FrictionSystem::follow_paths(int& left, SolveStatistics& statistics) noexcept {
+  for (int i = 0; i < rows_; ++i) plain_A_[i] = A()(i, i);
+  std::copy_n(r_.begin(), rows_, plain_r_.begin());
+  std::fill_n(centre_.begin(), rows_, 0.0);
+  std::fill_n(p_.begin(), rows_, 0.0);
+  for (int k = 0; k < count_; ++k) touch_[k].state = ContactState::open;
+  SolveStatus status = SolveStatus::limited;
+  double ridge = norm_, factor = first_factor, solved_at = 0;
+  while (left > 0 && status != SolveStatus::not_finite) {
+    set_ridge(ridge);
+    status = try_newton(left, statistics);
+    if (status == SolveStatus::solved) {
+      if (ridge == 0) break;
+      std::copy_n(p_.begin(), rows_, answer_.begin());
+      std::copy_n(touch_.begin(), count_, answer_touch_.begin());
+      solved_at = ridge;
+      factor = std::max(fastest, factor * std::sqrt(factor));
+    } else {
+      if (solved_at == 0) break;
+      std::copy_n(answer_.begin(), rows_, p_.begin());
+      std::copy_n(answer_touch_.begin(), count_, touch_.begin());
+      factor = std::sqrt(factor);
+      if (factor > slowest) {
+        std::copy_n(answer_.begin(), rows_, centre_.begin());
+        ridge = std::max(10 * solved_at, diagonal_);
+        solved_at = 0;
+        factor = first_factor;
+        continue;
+      }
+    }
+    ridge = solved_at * factor > 1e-11 * diagonal_ ? solved_at * factor : 0;
+  }
+  if (status == SolveStatus::solved && ridge_ > 0) status = SolveStatus::limited;
+  set_ridge(0);
+  return status;
+}
+
+SolveStatus FrictionSystem::solve(double largest_r, int& left, SolveStatistics& statistics) noexcept {
+  largest_r_ = largest_r;
+  SolveStatus status = try_newton(left, statistics);
+  if (status == SolveStatus::limited && left > 0) {
+    ++statistics.fallbacks;
+    restore_best();
+    for (int k = 0; k < first_sweeps && left > 0; ++k, --left) sweep();
+    status = try_newton(left, statistics);
+    if (status == SolveStatus::limited) status = follow_paths(left, statistics);
+  }
+  if (status == SolveStatus::limited) restore_best();
+  return status;
+}
+
+/// The signs of the determinants of all solutions add up to 1. If that of a regular solution is negative,
+/// there are others. The factor need not be of the last iterate: iterations with it converged, which they
+/// would not if the signs differed.
+bool FrictionSystem::has_negative_determinant() noexcept {
+  const bool slips = std::any_of(touch_.begin(), touch_.begin() + count_,
+                                 [](const Touch& touch) { return touch.state == ContactState::slip; });
+  if (!slips) return false;
+  if (!has_factor()) renew_factor();
+  return factor_.sign(regular * diagonal_) < 0;
+}
+
+/// Where p_n may reduce w_n, a point can have other forces while those of the rest stay. Newton's method from
+/// there shows whether they belong to another solution.
+bool FrictionSystem::find_another(SolveStatistics& statistics) noexcept {
+  std::copy_n(p_.begin(), rows_, answer_.begin());
+  std::copy_n(touch_.begin(), count_, answer_touch_.begin());
+  const auto restore = [this] {
+    std::copy_n(answer_.begin(), rows_, p_.begin());
+    std::copy_n(answer_touch_.begin(), count_, touch_.begin());
+  };
+  const auto differs = [this] {
+    double difference = 0;
+    for (int i = 0; i < rows_; ++i) difference = std::max(difference, std::abs(p_[i] - answer_[i]));
+    return difference > distinct * std::max(largest_of(answer_, rows_), largest_of(p_, rows_));
+  };
+  for (int k = 0; k < count_; ++k) {
+    const Touch& touch = touch_[k];
+    const double* const column = A_.data() + static_cast<std::ptrdiff_t>(touch.row) * (rows_ + 1);
+    if (touch.rows() == 1 || column[0] > touch.coefficient * std::hypot(column[1], column[2])) continue;
+    const FrictionPoint::Solutions found = local(k).solve(true);
+    for (int i = 0; i < found.count; ++i) {
+      set(k, found.at[i]);
+      int left = steps_to_another;
+      if (differs() && try_newton(left, statistics) == SolveStatus::solved && differs()) return true;
+      restore();
+    }
+  }
+  return false;
+}
+
+}  // namespace ricochet::contact

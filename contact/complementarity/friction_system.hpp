@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The problem of friction_solver.hpp for the points that touch, as a dense system of few rows. A point has
+// one row, or three with friction; its state is open, stick, or slip along a direction t.
+//
+// Newton's method solves for x, where D are the columns of the unknowns that the states leave, and
+// E the rows,
+//
+//   Eᵀ (A (p + D x) − r) + C x = 0
+//
+//   stick   D = E = 1
+//   slip    D = (n − μ t, t⊥),   E = (n − s t, t⊥),   C = (0, |w_t| / (μ p_n))
+//
+// Here t⊥ is normal to t, and s is 0, or μ for the associated law. C is due to w_t, which must turn with p_t.
+#pragma once
+
+#include <Eigen/Dense>
+#include <vector>
+
+#include "contact/complementarity/complementarity.hpp"
+#include "contact/complementarity/friction_point.hpp"
+#include "contact/complementarity/pivoted_factor.hpp"
+
+namespace ricochet::contact {
+
+/// Only the constructor allocates.
+class FrictionSystem {
+ public:
+  struct Touch {
+    int row = 0;             ///< first row
+    double coefficient = 0;  ///< μ; 0 for a point of one row
+    ContactState state = ContactState::open;
+    Eigen::Vector2d direction = Eigen::Vector2d::Zero();  ///< t of slip
+    int rows() const { return coefficient > 0 ? 3 : 1; }
+  };
+
+  FrictionSystem(int capacity, FrictionLaw law);
+
+  /// Removes all points and the factor.
+  void clear() noexcept;
+  /// Appends an open point. Its entries of A, r and p are undefined.
+  void add(double coefficient) noexcept;
+  int points() const { return count_; }
+  int rows() const { return rows_; }
+  Touch& operator[](int k) { return touch_[k]; }
+  const Touch& operator[](int k) const { return touch_[k]; }
+
+  Eigen::Map<Eigen::MatrixXd> A() { return {A_.data(), rows_, rows_}; }  ///< (m,m)
+  double* p() { return p_.data(); }                                      ///< (m)
+  double* r() { return r_.data(); }                                      ///< (m)
+  const double* p() const { return p_.data(); }
+  const double* w() const { return w_.data(); }  ///< (m) A p − r
+  /// To be called after A has changed.
+  void set_matrix() noexcept;
+
+  /// Sets the state of point k that its force and its w suggest without further knowledge.
+  void guess_state(int k, ContactState before) noexcept;
+
+  /// Solves the system from the given p and states. `limited`: p is the best iterate, in the cone.
+  /// @param largest_r  |r|_∞ of the whole problem   @param left  in and out: iterations left
+  SolveStatus solve(double largest_r, int& left, SolveStatistics& statistics) noexcept;
+  /// Whether the solution is regular and the determinant of Newton's matrix is negative there.
+  bool has_negative_determinant() noexcept;
+  /// Looks for another solution near the present one. If it returns true, p, w and the states are those of
+  /// the other one.
+  bool find_another(SolveStatistics& statistics) noexcept;
+
+  double tolerance() const { return tolerance_; }  ///< of w
+  double scale() const;                            ///< |r|_∞ + ‖A‖_∞ |p|_∞ of the last p
+
+ private:
+  void evaluate() noexcept;
+  bool classify() noexcept;
+  bool project(int k) noexcept;
+  double violation() const noexcept;
+  bool keep_best(double error) noexcept;
+  void restore_best() noexcept;
+  bool has_factor() const noexcept;
+  void compress(const double* column, double* out) const noexcept;
+  void renew_factor() noexcept;
+  bool newton() noexcept;
+  SolveStatus try_newton(int& left, SolveStatistics& statistics) noexcept;
+  void set_ridge(double ridge) noexcept;
+  SolveStatus follow_paths(int& left, SolveStatistics& statistics) noexcept;
+  void sweep() noexcept;
+  FrictionPoint local(int k) const noexcept;
+  void set(int k, const FrictionPoint::Solution& solution) noexcept;
+  double share(const Touch& touch) const {  ///< s
+    return law_ == FrictionLaw::associated ? touch.coefficient : 0;
+  }
+
+  FrictionLaw law_;
+  int count_ = 0, rows_ = 0;
+  std::vector<Touch> touch_, best_touch_, answer_touch_;
+  std::vector<ContactState> factor_state_;
+  int factor_count_ = 0;  ///< points of the factor; 0 if there is none
+  PivotedFactor factor_;
+  std::vector<double> A_, p_, w_, r_, x_, column_, best_p_, answer_, plain_A_, plain_r_, centre_;
+  double norm_ = 0, diagonal_ = 0, ridge_ = 0;  ///< ‖A‖_∞, max A_ii
+  double largest_r_ = 0, tolerance_ = 0, best_error_ = 0;
+};
+
+}  // namespace ricochet::contact

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// P A = L U of a square matrix with row exchanges, by blocks. Only the constructor allocates.
+#pragma once
+
+#include <Eigen/Dense>
+#include <vector>
+
+namespace ricochet::contact {
+
+class PivotedFactor {
+ public:
+  explicit PivotedFactor(int capacity);
+
+  /// The matrix to be factored, (n,n) with uninitialised entries.
+  Eigen::Map<Eigen::MatrixXd> begin(int n) noexcept {
+    size_ = n;
+    return {entries_.data(), n, n};
+  }
+  void factor() noexcept;
+  /// Replaces x (n) by A⁻¹ x. Returns false if a pivot is 0.
+  bool solve(double* x) const noexcept;
+  /// Of det A; 0 if a pivot is below `least`.
+  int sign(double least) const { return least_pivot_ < least ? 0 : sign_; }
+
+ private:
+  void factor_panel(int first, int last) noexcept;
+
+  std::vector<double> entries_;
+  std::vector<int> exchange_;
+  int size_ = 0, sign_ = 1;
+  double least_pivot_ = 0;
+};
+
+}  // namespace ricochet::contact
