@@ -28,11 +28,14 @@ struct Size {
 };
 constexpr Size sizes[] = {{8, 5, 200}, {15, 10, 500}, {40, 25, 500}};
 
-const contact::Model& model_of(const Size& size) {
-  static std::map<int, contact::Model> made;
-  const int points = size.nx * size.ny;
-  if (!made.contains(points)) made[points] = benchmarks::plates(size.nx, size.ny, size.modes);
-  return made[points];
+/// Coefficients of friction; 0 is the frictionless scheme.
+constexpr double frictions[] = {0, 0.3};
+
+const contact::Model& model_of(const Size& size, double friction) {
+  static std::map<std::pair<int, double>, contact::Model> made;
+  const std::pair key(size.nx * size.ny, friction);
+  if (!made.contains(key)) made[key] = benchmarks::plates(size.nx, size.ny, size.modes, 20, friction);
+  return made[key];
 }
 
 struct Variant {
@@ -48,26 +51,27 @@ constexpr Variant variants[] = {
     {"blocks, forces only, single", 0, Precision::float32, false},
 };
 
-std::string name_of(const Size& size, const Variant& variant) {
-  return fmt::format("{} points, 2x{} modes: {}", size.nx * size.ny, size.modes, variant.name);
+std::string name_of(const Size& size, double friction, const Variant& variant) {
+  return fmt::format("{} points, 2x{} modes{}: {}", size.nx * size.ny, size.modes,
+                     friction > 0 ? fmt::format(", friction {}", friction) : "", variant.name);
 }
 
 /// A stepper at t = 0.1 s, when the plates have met and stay in contact.
-std::unique_ptr<Stepper> settled(const Size& size, const Variant& variant) {
-  auto stepper = contact::make_stepper(model_of(size), {.scheme = ricochet::Scheme::compliant,
-                                                        .step = 1 / rate,
-                                                        .block = variant.block,
-                                                        .precision = variant.precision,
-                                                        .every_state = variant.every_state});
+std::unique_ptr<Stepper> settled(const Size& size, double friction, const Variant& variant) {
+  auto stepper = contact::make_stepper(model_of(size, friction), {.scheme = ricochet::Scheme::compliant,
+                                                                  .step = 1 / rate,
+                                                                  .block = variant.block,
+                                                                  .precision = variant.precision,
+                                                                  .every_state = variant.every_state});
   while (stepper->time() < 0.1)
     if (stepper->step() != ricochet::StepStatus::ok) std::abort();
   return stepper;
 }
 
-void stepping(benchmark::State& state, const Size& size, const Variant& variant) {
+void stepping(benchmark::State& state, const Size& size, double friction, const Variant& variant) {
   static std::map<std::string, std::unique_ptr<Stepper>> warm;
-  const std::string name = name_of(size, variant);
-  if (!warm.contains(name)) warm.emplace(name, settled(size, variant));
+  const std::string name = name_of(size, friction, variant);
+  if (!warm.contains(name)) warm.emplace(name, settled(size, friction, variant));
   Stepper& stepper = *warm.at(name);
   std::int64_t steps = 0, active = 0;
   constexpr int batch = 64;
@@ -90,35 +94,37 @@ void worst(std::int64_t steps) {
   fmt::print(
       "| scene | of | median (us) | p99 | p99.9 | largest | budget |\n|---|---|---|---|---|---|---|\n");
   for (const Size& size : sizes)
-    for (const Variant& variant : variants) {
-      const std::unique_ptr<Stepper> stepper = settled(size, variant);
-      std::vector<double> one, block;
-      constexpr int length = 64;
-      const std::int64_t count = size.nx * size.ny < 1000 ? steps : steps / 10;
-      for (std::int64_t k = 0; k < count; k += length) {
-        const auto start = Clock::now();
-        auto before = start;
-        for (int l = 0; l < length; ++l) {
-          if (stepper->step() != ricochet::StepStatus::ok) std::abort();
-          const auto now = Clock::now();
-          one.push_back(microseconds(before, now));
-          before = now;
+    for (const double friction : frictions)
+      for (const Variant& variant : variants) {
+        const std::unique_ptr<Stepper> stepper = settled(size, friction, variant);
+        std::vector<double> one, block;
+        constexpr int length = 64;
+        const std::int64_t count = size.nx * size.ny < 1000 ? steps : steps / 10;
+        for (std::int64_t k = 0; k < count; k += length) {
+          const auto start = Clock::now();
+          auto before = start;
+          for (int l = 0; l < length; ++l) {
+            if (stepper->step() != ricochet::StepStatus::ok) std::abort();
+            const auto now = Clock::now();
+            one.push_back(microseconds(before, now));
+            before = now;
+          }
+          block.push_back(microseconds(start, before));
         }
-        block.push_back(microseconds(start, before));
-      }
-      const auto row = [&](const char* of, std::vector<double>& times, double budget) {
-        std::sort(times.begin(), times.end());
-        const auto at = [&](double share) {
-          return times[std::min(times.size() - 1,
-                                static_cast<std::size_t>(share * static_cast<double>(times.size())))];
+        const auto row = [&](const char* of, std::vector<double>& times, double budget) {
+          std::sort(times.begin(), times.end());
+          const auto at = [&](double share) {
+            return times[std::min(times.size() - 1,
+                                  static_cast<std::size_t>(share * static_cast<double>(times.size())))];
+          };
+          fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.1f} | {:.1f} |\n",
+                     name_of(size, friction, variant), of, at(0.5), at(0.99), at(0.999), times.back(),
+                     budget);
         };
-        fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.1f} | {:.1f} |\n", name_of(size, variant), of,
-                   at(0.5), at(0.99), at(0.999), times.back(), budget);
-      };
-      row("step", one, 1e6 / rate);
-      row("64 steps", block, length * 1e6 / rate);
-      std::fflush(stdout);
-    }
+        row("step", one, 1e6 / rate);
+        row("64 steps", block, length * 1e6 / rate);
+        std::fflush(stdout);
+      }
 }
 
 }  // namespace
@@ -129,10 +135,12 @@ int main(int argc, char** argv) {
     return 0;
   }
   for (const Size& size : sizes)
-    for (const Variant& variant : variants)
-      benchmark::RegisterBenchmark(
-          name_of(size, variant).c_str(),
-          [&size, &variant](benchmark::State& state) { stepping(state, size, variant); });
+    for (const double friction : frictions)
+      for (const Variant& variant : variants)
+        benchmark::RegisterBenchmark(name_of(size, friction, variant).c_str(),
+                                     [&size, friction, &variant](benchmark::State& state) {
+                                       stepping(state, size, friction, variant);
+                                     });
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   benchmark::RunSpecifiedBenchmarks();

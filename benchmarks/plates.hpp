@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Two simply supported plates, one pressed on the other: persistent contact with modes in closed form, for
-// any number of points and modes.
+// any number of points and modes. With friction, their faces rub on each other as the plates bend.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,8 @@ namespace ricochet::benchmarks {
 /// would bend it alone by 1 mm.
 /// @param nx, ny  contact points along the sides, distributed evenly over the plate
 /// @param modes  modes of each plate; R contains the flexibility of 20 times as many further modes
-inline contact::Model plates(int nx, int ny, int modes, double decay = 20) {
+/// @param friction  coefficient; 0 for no tangential rows
+inline contact::Model plates(int nx, int ny, int modes, double decay = 20, double friction = 0) {
   constexpr double a = 0.4, b = 0.3, thickness = 2e-3, young = 2.1e11, poisson = 0.3, density = 7850;
   constexpr double gap = 2e-4, sag = 1e-3, pi = std::numbers::pi;
   const double stiffness = young * thickness * thickness * thickness / (12 * (1 - poisson * poisson));
@@ -36,24 +37,38 @@ inline contact::Model plates(int nx, int ny, int modes, double decay = 20) {
   all.resize(std::min<std::size_t>(all.size(), 21 * static_cast<std::size_t>(modes)));
 
   contact::Model model;
-  const Eigen::Index m = nx * ny, N = 2 * modes;
+  const Eigen::Index m = nx * ny, N = 2 * modes, rows = friction > 0 ? 3 * m : m;
   for (contact::Vector* x : {&model.omega, &model.decay, &model.load, &model.q0, &model.v0}) x->setZero(N);
-  model.B.setZero(m, N);
+  model.B.setZero(rows, N);
   model.has_residual = true;
   model.gap.setConstant(m, gap);
-  model.static_displacement.setZero(m);
+  model.static_displacement.setZero(rows);
   model.area.setConstant(m, a * b / static_cast<double>(m));
-  contact::Vector trace(m);
-  Eigen::MatrixXd others(m, static_cast<Eigen::Index>(all.size()) - modes);  // their traces over ω
+  if (friction > 0)
+    for (int i = 0; i < m; ++i)
+      model.friction.push_back({i, static_cast<int>(m) + 2 * i, {friction, friction, 0}});
+  contact::Vector trace(rows),
+      lower(rows);  // of the lower face of the upper plate; of the other plate, relative
+  Eigen::MatrixXd others(rows, 2 * static_cast<Eigen::Index>(all.size()) - modes);  // their traces over ω
   double pressure = 0;
   for (std::size_t n = 0; n < all.size(); ++n) {
     const auto& [omega, k, l] = all[n];
     const double scale = 2 / std::sqrt(area_mass * a * b);
     for (int i = 0; i < nx; ++i)
-      for (int j = 0; j < ny; ++j)
-        trace(i * ny + j) = scale * std::sin(k * pi * (i + 0.5) / nx) * std::sin(l * pi * (j + 0.5) / ny);
+      for (int j = 0; j < ny; ++j) {
+        const double x = k * pi * (i + 0.5) / nx, y = l * pi * (j + 0.5) / ny;
+        trace(i * ny + j) = scale * std::sin(x) * std::sin(y);
+        if (friction == 0) continue;
+        // The faces move by half the thickness times the slope.
+        trace(m + 2 * (i * ny + j)) = thickness / 2 * scale * (k * pi / a) * std::cos(x) * std::sin(y);
+        trace(m + 2 * (i * ny + j) + 1) = thickness / 2 * scale * (l * pi / b) * std::sin(x) * std::cos(y);
+      }
+    lower = trace;
+    lower.head(m) *= -1;
     if (n >= static_cast<std::size_t>(modes)) {
-      others.col(static_cast<Eigen::Index>(n) - modes) = trace / omega;
+      const Eigen::Index column = 2 * (static_cast<Eigen::Index>(n) - modes);
+      others.col(column) = trace / omega;
+      others.col(column + 1) = lower / omega;
       continue;
     }
     // ∫ φ ds. The pressure is chosen so that the lowest mode alone would sag by `sag` in the middle.
@@ -64,11 +79,11 @@ inline contact::Model plates(int nx, int ny, int modes, double decay = 20) {
       const Eigen::Index column = plate * modes + static_cast<Eigen::Index>(n);
       model.omega(column) = omega;
       model.decay(column) = decay;
-      model.B.col(column) = plate == 0 ? trace : -trace;
+      model.B.col(column) = plate == 0 ? trace : lower;
       if (plate == 0) model.load(column) = pressure * participation;
     }
   }
-  model.R = 2 * others * others.transpose();  // R of both plates
+  model.R = others * others.transpose();  // of both plates
   return model;
 }
 

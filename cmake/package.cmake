@@ -24,7 +24,7 @@ set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_NAME ricochet)
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_DEPENDS "openmpi-bin, python3-gmsh, python3-ricochet (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SUGGESTS "slurm-client")
-set(CPACK_DEBIAN_PROGRAMS_DESCRIPTION "frictionless impact of elastic bodies from modal kernels
+set(CPACK_DEBIAN_PROGRAMS_DESCRIPTION "impact of elastic bodies from modal kernels
 The command ricochet and programs that compute kernels of elastic bodies
 from gmsh meshes, and impacts from kernels.
 .
@@ -42,7 +42,7 @@ file(CHMOD ${PROJECT_BINARY_DIR}/package/python/postinst ${PROJECT_BINARY_DIR}/p
   OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/package/python/postinst
   ${PROJECT_BINARY_DIR}/package/python/prerm)
-set(CPACK_DEBIAN_PYTHON_DESCRIPTION "frictionless impact of elastic bodies, from Python
+set(CPACK_DEBIAN_PYTHON_DESCRIPTION "impact of elastic bodies, from Python
 The Python package ricochet: scenes, kernels, impacts, studies and
 pictures as objects and NumPy arrays. The package ricochet has the
 programs that compute kernels.
@@ -54,7 +54,7 @@ set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS "libhdf5-dev, libfmt-dev")
 file(WRITE ${PROJECT_BINARY_DIR}/package/triggers "activate-noawait ldconfig\n")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/package/triggers)
-set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "frictionless impact of elastic bodies, to embed
+set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "impact of elastic bodies, to embed
 Headers, libraries and the CMake package Ricochet for programs that run
 impacts from kernels.
 .

@@ -90,7 +90,7 @@ class Follower {
   void observe(const Stepper& stepper) {
     const std::int64_t passed = stepper.steps() - last_;
     last_ = stepper.steps();
-    const double force = stepper.force().sum();
+    const double force = stepper.force().head(stepper.points()).sum();
     without_force_ += passed;
     if (force > 0) {
       force_.resize(force_.size() + static_cast<std::size_t>(without_force_), 0.0);
@@ -105,7 +105,7 @@ class Follower {
       linearity_.observe(stepper, stepper.modal()->v, false);
       end_ = motions(model_, moving_, stepper.modal()->v);
       end_energy_ = stepper.modal()->energy();
-      for (Eigen::Index i = 0; i < stepper.force().size(); ++i)
+      for (Eigen::Index i = 0; i < stepper.points(); ++i)
         if (stepper.force()[i] > 0) pressed_[static_cast<std::size_t>(i)] = true;
       return;
     }

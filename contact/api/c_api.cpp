@@ -133,6 +133,29 @@ int ricochet_scene_pair(ricochet_scene* scene, const char* a, const char* b, con
   });
 }
 
+int ricochet_scene_friction(ricochet_scene* scene, double static_coefficient, double dynamic_coefficient,
+                            double stribeck_velocity) {
+  return checked([&] {
+    auto& pairs = given(scene, "scene").scene.pairs;
+    if (pairs.empty())
+      throw InputError("friction: the scene has no pair yet. Add one with ricochet_scene_pair first.");
+    pairs.back().friction = {static_coefficient, dynamic_coefficient, stribeck_velocity};
+  });
+}
+
+int ricochet_scene_half_space_velocity(ricochet_scene* scene, const char* half_space,
+                                       const double* velocity) {
+  return checked([&] {
+    auto& obstacles = given(scene, "scene").scene.obstacles;
+    const auto found =
+        std::ranges::find(obstacles, text(half_space, "half_space"), &ricochet::HalfSpace::name);
+    if (found == obstacles.end())
+      throw InputError(std::string("velocity: \"") + half_space +
+                       "\" is not a half-space of the scene. Add it with ricochet_scene_half_space first.");
+    found->velocity = vector_or_zero(velocity);
+  });
+}
+
 int ricochet_scene_pickup(ricochet_scene* scene, const char* body, const char* receiver, size_t candidate,
                           const double* direction) {
   return checked([&] {
@@ -161,6 +184,15 @@ int ricochet_scene_impulse(ricochet_scene* scene, int admittance, double restitu
   });
 }
 
+int ricochet_scene_friction_law(ricochet_scene* scene, int law) {
+  return checked([&] {
+    if (law != RICOCHET_COULOMB && law != RICOCHET_ASSOCIATED)
+      throw InputError("law = " + std::to_string(law) + ": must be RICOCHET_COULOMB or RICOCHET_ASSOCIATED.");
+    given(scene, "scene").scene.friction_law =
+        law == RICOCHET_COULOMB ? ricochet::FrictionLaw::coulomb : ricochet::FrictionLaw::associated;
+  });
+}
+
 ricochet_simulation* ricochet_simulation_new(const ricochet_scene* scene) {
   return guarded<ricochet_simulation*>(
       nullptr, [&] { return new ricochet_simulation{ricochet::Simulation(given(scene, "scene").scene)}; });
@@ -174,7 +206,8 @@ int ricochet_simulation_step(ricochet_simulation* simulation) {
 int ricochet_simulation_step_block(ricochet_simulation* simulation, int64_t steps,
                                    const ricochet_block* block) {
   ricochet::Block out;
-  if (block) out = {block->velocity, block->total_force, block->force, block->displacement};
+  if (block)
+    out = {block->velocity, block->total_force, block->force, block->displacement, block->tangential_force};
   return static_cast<int>(simulation->simulation.step_block(steps, out).status);
 }
 
@@ -198,6 +231,9 @@ const double* ricochet_simulation_force(const ricochet_simulation* simulation) {
 }
 const double* ricochet_simulation_displacement(const ricochet_simulation* simulation) {
   return simulation->simulation.displacement().data();
+}
+const double* ricochet_simulation_tangential_force(const ricochet_simulation* simulation) {
+  return simulation->simulation.tangential_force().data();
 }
 
 void ricochet_simulation_point(const ricochet_simulation* simulation, size_t point, ricochet_point* out) {
@@ -224,7 +260,7 @@ void ricochet_simulation_mean_velocity(const ricochet_simulation* simulation, si
 
 void ricochet_simulation_energy(const ricochet_simulation* simulation, ricochet_energy* out) {
   const ricochet::Energy e = simulation->simulation.energy();
-  *out = {e.kinetic, e.strain, e.residual, e.loads, e.damping, e.contact};
+  *out = {e.kinetic, e.strain, e.residual, e.loads, e.damping, e.contact, e.friction};
 }
 
 ricochet_state* ricochet_simulation_save(const ricochet_simulation* simulation) {

@@ -19,6 +19,9 @@ namespace {
 
 using Eigen::Vector3d;
 
+/// Largest coefficient of friction; most dry surfaces have 0.1 to 1.
+constexpr double most_friction = 10;
+
 Vector3d finite(const Vector3& v, const std::string& where) {
   if (!std::ranges::all_of(v, [](double x) { return std::isfinite(x); }))
     throw InputError(
@@ -59,6 +62,44 @@ contact::PlacedBody placed(const Body& body) {
           .angular_velocity = finite(body.angular_velocity, where + ".angular_velocity")};
 }
 
+/// No value if the pair is frictionless. @param where  the pair, for messages
+std::optional<Friction> friction_of(const Scene& scene, const Pair& pair, const std::string& where) {
+  if (!pair.friction) return std::nullopt;
+  const Friction& f = *pair.friction;
+  for (const auto& [name, value] : {std::pair{"static_coefficient", f.static_coefficient},
+                                    std::pair{"dynamic_coefficient", f.dynamic_coefficient}})
+    if (!(value >= 0 && value <= most_friction))
+      throw InputError(
+          fmt::format("{}: friction.{} = {}: must be from 0 to {}.", where, name, value, most_friction));
+  if (f.static_coefficient == 0 && f.dynamic_coefficient == 0) return std::nullopt;
+  if (f.static_coefficient != f.dynamic_coefficient &&
+      !(f.stribeck_velocity > 0 && std::isfinite(f.stribeck_velocity)))
+    throw InputError(fmt::format(
+        "{}: friction.stribeck_velocity = {}: must be above 0, as the coefficients at rest ({}) and in "
+        "sliding ({}) differ.",
+        where, f.stribeck_velocity, f.static_coefficient, f.dynamic_coefficient));
+  if (scene.scheme != Scheme::compliant)
+    throw InputError(
+        fmt::format("{}: friction needs the compliant scheme. Leave it out, or change the scheme.", where));
+  return f;
+}
+
+/// Sets the half-spaces in motion.
+void add_belts(const Scene& scene, contact::Model& model) {
+  constexpr double forever = 1e9;  // [s]
+  for (const HalfSpace& obstacle : scene.obstacles) {
+    const std::string where = "obstacles." + obstacle.name;
+    const Vector3d velocity = finite(obstacle.velocity, where + ".velocity"),
+                   normal = unit(obstacle.normal, where + ".normal");
+    if (std::abs(normal.dot(velocity)) > 1e-9 * velocity.norm())
+      throw InputError(fmt::format(
+          "{}.velocity = [{:.6g}, {:.6g}, {:.6g}]: has the component {:.6g} m/s along the normal. Leave it "
+          "out, because a half-space moves along its surface.",
+          where, velocity.x(), velocity.y(), velocity.z(), normal.dot(velocity)));
+    if (!velocity.isZero(0)) contact::add_belt(model, obstacle.name, velocity, {{0, forever}, {0, forever}});
+  }
+}
+
 contact::Model model_of(const Scene& scene) {
   check_names(scene);
   std::vector<contact::PlacedBody> bodies;
@@ -71,14 +112,15 @@ contact::Model model_of(const Scene& scene) {
   }
   std::vector<contact::PairRequest> pairs;
   for (const Pair& pair : scene.pairs) {
+    const std::string where = fmt::format("contact between \"{}\" and \"{}\"", pair.a, pair.b);
     contact::PairRequest request{pair.a, pair.b, {}, pair.gap, pair.reach};
-    if (pair.direction)
-      request.direction =
-          unit(*pair.direction, fmt::format("contact between \"{}\" and \"{}\": direction", pair.a, pair.b));
+    if (pair.direction) request.direction = unit(*pair.direction, where + ": direction");
+    request.friction = friction_of(scene, pair, where);
     pairs.push_back(request);
   }
   contact::Model model =
       contact::build_model(std::move(bodies), obstacles, pairs, finite(scene.gravity, "gravity"));
+  add_belts(scene, model);
   contact::refuse_sag(model);
   return model;
 }
@@ -96,6 +138,7 @@ StepOptions step_options(const Scene& scene) {
           .admittance = scene.admittance,
           .restitution = scene.restitution,
           .contact_step = scene.integration,
+          .friction_law = scene.friction_law,
           .step = 1 / (scene.rate_hz * ratio),
           .steps_per_sample = static_cast<int>(ratio),
           .precision = scene.single_precision ? Precision::float32 : Precision::float64};
@@ -186,7 +229,9 @@ struct Simulation::Impl {
   explicit Impl(const Scene& scene)
       : model(model_of(scene)),
         stepper(contact::make_stepper(model, step_options(scene))),
-        force(stepper->force()),
+        force(stepper->force().head(stepper->points())),
+        rubbing(stepper->force().tail(stepper->force().size() - force.size())),
+        tangential_force(contact::Matrix::Zero(force.size(), 3)),
         pickups(pickups_of(scene, model)),
         points(points_of(model)) {
     for (const Body& body : scene.bodies) kernels.push_back(body.kernel);
@@ -197,9 +242,22 @@ struct Simulation::Impl {
 
   /// Adds the force of the last contact step to the mean over the sample.
   void add_force() noexcept {
-    if (begins_sample) force.setZero();
-    force += stepper->force() / per_sample();
+    if (begins_sample) {
+      force.setZero();
+      rubbing.setZero();
+    }
+    force += stepper->force().head(force.size()) / per_sample();
+    rubbing += stepper->force().tail(rubbing.size()) / per_sample();
     begins_sample = stepper->at_sample();
+    if (begins_sample) turn_to_world();
+  }
+
+  /// Computes the tangential forces of the points from those along their tangents.
+  void turn_to_world() noexcept {
+    const Eigen::Index m = force.size();
+    for (const contact::Model::FrictionPoint& point : model.friction)
+      tangential_force.row(point.point).noalias() = rubbing.segment<2>(point.tangential - m).transpose() *
+                                                    model.tangent.middleRows<2>(point.tangential - m);
   }
 
   /// Writes row k from the last sample.
@@ -208,6 +266,7 @@ struct Simulation::Impl {
     if (out.total_force) out.total_force[k] = force.sum();
     if (out.force) std::copy_n(force.data(), m, out.force + k * m);
     if (out.displacement) std::copy_n(stepper->displacement().data(), m, out.displacement + k * m);
+    if (out.tangential_force) std::copy_n(tangential_force.data(), 3 * m, out.tangential_force + 3 * k * m);
   }
 
   /// Writes the rows of velocities of the samples between contact steps `from` and `to` of the block: the
@@ -223,7 +282,7 @@ struct Simulation::Impl {
   }
 
   void clear(const Block& out, std::int64_t from, std::int64_t to) const noexcept {
-    const Eigen::Index m = stepper->force().size(), p = pickups.rows();
+    const Eigen::Index m = force.size(), p = pickups.rows();
     const auto rows = [&](double* values, std::int64_t columns) {
       if (values) std::fill(values + from * columns, values + to * columns, 0.0);
     };
@@ -231,13 +290,16 @@ struct Simulation::Impl {
     rows(out.total_force, 1);
     rows(out.force, m);
     rows(out.displacement, m);
+    rows(out.tangential_force, 3 * m);
   }
 
   std::uint64_t identity = next_identity();
   std::vector<SharedKernel> kernels;  ///< the model contains pointers to them
   contact::Model model;
   std::unique_ptr<contact::Stepper> stepper;
-  contact::Vector force;  ///< (m) mean over the sample
+  contact::Vector force;             ///< (m) mean over the sample
+  contact::Vector rubbing;           ///< (n − m) mean of the forces along the tangents over the sample
+  contact::Matrix tangential_force;  ///< (m,3) of the last sample, world
   bool begins_sample = true;
   contact::Matrix pickups;  ///< (p,N)
   std::vector<ContactPoint> points;
@@ -246,7 +308,7 @@ struct Simulation::Impl {
 struct Simulation::State::Impl {
   std::uint64_t identity;
   std::unique_ptr<contact::Stepper> stepper;
-  contact::Vector force;
+  contact::Vector force, rubbing;
 };
 
 Simulation::Simulation(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {}
@@ -294,7 +356,10 @@ double Simulation::time() const noexcept { return impl_->stepper->time(); }
 std::span<const ContactPoint> Simulation::points() const noexcept { return impl_->points; }
 std::span<const double> Simulation::force() const noexcept { return span_of(impl_->force); }
 std::span<const double> Simulation::displacement() const noexcept {
-  return span_of(impl_->stepper->displacement());
+  return span_of(impl_->stepper->displacement()).first(static_cast<std::size_t>(impl_->force.size()));
+}
+std::span<const double> Simulation::tangential_force() const noexcept {
+  return {impl_->tangential_force.data(), static_cast<std::size_t>(impl_->tangential_force.size())};
 }
 int Simulation::active() const noexcept { return impl_->stepper->active(); }
 
@@ -321,7 +386,7 @@ int Simulation::quasi_static_modes() const noexcept { return impl_->stepper->mod
 
 Simulation::State Simulation::save() const {
   return State(std::make_unique<const State::Impl>(
-      State::Impl{impl_->identity, impl_->stepper->clone(), impl_->force}));
+      State::Impl{impl_->identity, impl_->stepper->clone(), impl_->force, impl_->rubbing}));
 }
 
 // Assigns to the stepper instead of replacing it, so that its arrays keep their memory and capacity.
@@ -329,6 +394,8 @@ bool Simulation::restore(const State& state) noexcept {
   if (!state.impl_ || state.impl_->identity != impl_->identity) return false;
   impl_->stepper->assign(*state.impl_->stepper);
   impl_->force = state.impl_->force;
+  impl_->rubbing = state.impl_->rubbing;
+  impl_->turn_to_world();
   impl_->begins_sample = true;
   return true;
 }

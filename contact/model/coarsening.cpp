@@ -30,7 +30,7 @@ double reach_of(const Matrix& at, Index i, Index first, Index count) {
 }
 
 struct Shares {
-  Matrix T;     ///< (fewer, m)
+  Matrix T;     ///< (fewer, m); in `rows_of` (fewer n, n)
   Vector area;  ///< (fewer) A_I [m²]
 };
 
@@ -68,28 +68,60 @@ Shares shares(const Model& model) {
   return out;
 }
 
+/// Sets the friction points and the tangents of `out`, whose pairs and normals are known, and returns the
+/// means of all rows: the mean of tangential displacements as vectors, along the new tangents.
+Matrix rows_of(const Model& model, const Matrix& T, Model& out) {
+  if (model.friction.empty()) return T;
+  const Index m = model.points(), fewer = T.rows();
+  out.friction.clear();
+  Index rows = fewer;
+  for (std::size_t k = 0; k < out.pairs.size(); ++k) {
+    Model::PairBlock& pair = out.pairs[k];
+    if (pair.first_tangential < 0) continue;
+    const auto of_pair = [&](const Model::FrictionPoint& p) { return p.point == model.pairs[k].first_point; };
+    const Friction law = std::ranges::find_if(model.friction, of_pair)->law;
+    pair.first_tangential = static_cast<int>(rows);
+    for (int i = 0; i < pair.points; ++i, rows += 2)
+      out.friction.push_back({pair.first_point + i, static_cast<int>(rows), law});
+  }
+  Matrix all = Matrix::Zero(rows, model.rows());
+  all.topLeftCorner(fewer, m) = T;
+  out.tangent.resize(rows - fewer, 3);
+  for (const Model::FrictionPoint& to : out.friction) {
+    out.tangent.middleRows(to.tangential - fewer, 2) =
+        tangents_of(out.normal.row(to.point).transpose().normalized());
+    for (const Model::FrictionPoint& from : model.friction)
+      all.block(to.tangential, from.tangential, 2, 2) =
+          T(to.point, from.point) * out.tangent.middleRows(to.tangential - fewer, 2) *
+          model.tangent.middleRows(from.tangential - m, 2).transpose();
+  }
+  return all;
+}
+
 }  // namespace
 
 Model coarsened(const Model& model) {
   Model out = model;
-  const auto [T, area] = shares(model);
+  const auto [means, area] = shares(model);
   Index first = 0;
   for (Model::PairBlock& pair : out.pairs) {
-    const auto columns = T.middleCols(pair.first_point, pair.points).array();
+    const auto columns = means.middleCols(pair.first_point, pair.points).array();
     const auto count = static_cast<int>((columns > 0).rowwise().any().count());
     pair.first_point = static_cast<int>(std::exchange(first, first + count));
     pair.points = count;
   }
+  out.gap = means * model.gap;
+  out.point_a = means * model.point_a;
+  out.point_b = means * model.point_b;
+  out.normal = means * model.normal;
+  out.area = area;
+  const Matrix T = rows_of(model, means, out);
   out.B = T * model.B;
   out.R = T * model.R * T.transpose();
   out.R_a = T * model.R_a * T.transpose();
-  out.gap = T * model.gap;
   out.static_displacement = T * model.static_displacement;
   out.static_a = T * model.static_a;
-  out.point_a = T * model.point_a;
-  out.point_b = T * model.point_b;
-  out.normal = T * model.normal;
-  out.area = area;
+  for (Model::Belt& belt : out.belts) belt.slide = T * belt.slide;
   for (Model::Forcing& one : out.forcing) {
     one.displacement = T * one.displacement;
     one.displacement_a = T * one.displacement_a;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Loads, moving supports and receivers, from the kernel of each body to the stacked model.
 #include <algorithm>
+#include <cmath>
 
 #include "base/format.hpp"
 #include "contact/model/forcing.hpp"
@@ -40,11 +41,11 @@ void refuse_jump(const ForcingRequest& request) {
       request.name, request.body, request.history.value.front(), request.history.time.front()));
 }
 
-/// The part of `u` (m) at points whose body a is body k.
+/// The part of `u` (n) in the rows of pairs whose body a is body k.
 Vector share_of_a(const Model& model, int k, const Vector& u) {
   Vector out = Vector::Zero(u.size());
   for (const Model::PairBlock& pair : model.pairs)
-    if (pair.a == k) out.segment(pair.first_point, pair.points) = u.segment(pair.first_point, pair.points);
+    if (pair.a == k) out += pair.part_of(u);
   return out;
 }
 
@@ -129,9 +130,9 @@ void add_receivers(Model& model, int k) {
 }
 
 void refuse_overlap(const Model& model) {
-  Vector lifted = Vector::Zero(model.gap.size());
+  Vector lifted = Vector::Zero(model.points());
   for (const Model::Forcing& one : model.forcing)
-    if (one.support) lifted += one.history.at(0) * one.displacement;
+    if (one.support) lifted += one.history.at(0) * one.displacement.head(model.points());
   const double depth = lifted.size() > 0 ? (lifted - model.gap).maxCoeff() : 0;
   // 1e-9: of the lift: above the round-off of the sum over modes
   if (depth > 1e-9 * lifted.cwiseAbs().maxCoeff())
@@ -143,11 +144,19 @@ void refuse_overlap(const Model& model) {
 }
 
 void refuse_sag(const Model& model) {
-  const Vector u = model.initial_displacement();
+  const Vector u = model.initial_displacement().head(model.points());
   Eigen::Index i = 0;
   const double depth = u.size() > 0 ? (u - model.gap).maxCoeff(&i) : 0;
-  // 1e-9: of the displacement: above the round-off of the sum over modes
-  if (depth <= 1e-9 * (u.size() > 0 ? u.cwiseAbs().maxCoeff() : 0)) return;
+  if (u.size() == 0) return;
+  // 1e-9: of the displacement: above the round-off of the sum over modes. A body that lies on another one and can
+  // move rigidly hardly deforms; its modal forces are then round-off of √m g.
+  double weight = 0;
+  for (Eigen::Index n = 0; n < model.omega.size(); ++n)
+    if (model.omega(n) > 0) weight += std::abs(model.B(i, n)) / (model.omega(n) * model.omega(n));
+  double mass = 0;
+  for (const Model::BodyBlock& body : model.bodies) mass = std::max(mass, body.mass);
+  weight *= std::sqrt(mass) * model.gravity.norm();
+  if (depth <= 1e-9 * u.cwiseAbs().maxCoeff() + 1e-12 * weight) return;
   for (const Model::PairBlock& pair : model.pairs)
     if (i >= pair.first_point && i < pair.first_point + pair.points)
       throw InputError(base::format(

@@ -115,16 +115,27 @@ std::vector<int> held_candidates(const kernels::Surface& surface) {
       request.a, request.b, body.name, std::acos(cosine) * 180 / std::numbers::pi));
 }
 
-/// Returns P (m, cM) with u = Σ_bodies P · (displacement of the candidates of the body in its own frame).
-/// Rows contain n for body a and −n W for body b.
+[[noreturn]] void refuse_normals(const PlacedBody& body, const PairRequest& request) {
+  throw InputError(
+      base::format("contact between \"{}\" and \"{}\": friction needs all components, but the kernel of "
+                   "\"{}\" holds {}. Run "
+                   "ricochet-kernel for this scene, or leave contact.friction out.",
+                   request.a, request.b, body.name,
+                   body.kernel->surface.direction ? "the motion along one direction alone"
+                                                  : "the residual flexibility along its normals alone"));
+}
+
+/// Returns P (n, cM) with u = Σ_bodies P · (displacement of the candidates of the body in its own frame).
+/// Normal rows contain n for body a and −n W for body b; tangential rows contain the tangents instead.
 /// @param c  3, or 1 for displacements along the direction of the kernel or along the normals
-Selection selection(const PlacedBody& body, int index, const std::vector<ContactPair>& pairs, int points,
-                    int c) {
+Selection selection(const PlacedBody& body, int index, const std::vector<ContactPair>& pairs,
+                    const Model& model, int c) {
   const kernels::Surface& surface = body.kernel->surface;
   const bool along_normals = c == 1 && !surface.direction;
-  Selection out(points, c * static_cast<int>(surface.size()));
+  Selection out(model.rows(), c * static_cast<int>(surface.size()));
   std::vector<Eigen::Triplet<double>> entries;
   int row = 0;
+  std::size_t next = 0;  // of model.friction
   const std::vector<int> held = held_candidates(surface);
   for (const ContactPair& pair : pairs)
     for (const Pairing::Point& point : pair.pairing.points) {
@@ -132,6 +143,14 @@ Selection selection(const PlacedBody& body, int index, const std::vector<Contact
       const auto add = [&](int number, double weight) {
         const int candidate = held.empty() ? number : held[number];
         if (candidate < 0) refuse_missing(body, pair.request, number);
+        if (pair.request.friction) {
+          if (c == 1) refuse_normals(body, pair.request);
+          const int first = model.friction[next].tangential;
+          const Eigen::Matrix<double, 2, 3> t = tangents_of(point.normal) * body.rotation;
+          for (int along = 0; along < 2; ++along)
+            for (int k = 0; k < 3; ++k)
+              entries.emplace_back(first + along, 3 * candidate + k, weight * t(along, k));
+        }
         if (along_normals) {
           const double cosine = n.dot(Eigen::Map<const Vector3d>(&surface.normal[3 * candidate]));
           if (std::abs(cosine) < std::cos(most_tilt)) refuse_tilt(body, pair.request, std::abs(cosine));
@@ -147,12 +166,65 @@ Selection selection(const PlacedBody& body, int index, const std::vector<Contact
       if (pair.b == index)
         for (const auto& [candidate, weight] : point.weights) add(candidate, -weight);
       ++row;
+      if (pair.request.friction) ++next;
     }
   out.setFromTriplets(entries.begin(), entries.end());
   return out;
 }
 
 }  // namespace
+
+/// The first tangent is perpendicular to the axis of the world that is closest to the tangent plane.
+Eigen::Matrix<double, 2, 3> tangents_of(const Vector3d& normal) {
+  Eigen::Index axis = 0;
+  normal.cwiseAbs().minCoeff(&axis);
+  Eigen::Matrix<double, 2, 3> out;
+  out.row(0) = normal.cross(Vector3d::Unit(axis)).normalized();
+  out.row(1) = normal.cross(Vector3d(out.row(0)));
+  return out;
+}
+
+Vector Model::PairBlock::part_of(const Vector& x) const {
+  Vector out = Vector::Zero(x.size());
+  out.segment(first_point, points) = x.segment(first_point, points);
+  if (first_tangential >= 0)
+    out.segment(first_tangential, 2 * points) = x.segment(first_tangential, 2 * points);
+  return out;
+}
+
+Vector3d Model::friction_resultant(const PairBlock& pair, const Vector& force) const {
+  if (pair.first_tangential < 0) return Vector3d::Zero();
+  return tangent.middleRows(pair.first_tangential - points(), 2 * pair.points).transpose() *
+         force.segment(pair.first_tangential, 2 * pair.points);
+}
+
+Vector3d Model::resultant(const PairBlock& pair, const Vector& force) const {
+  return normal.middleRows(pair.first_point, pair.points).transpose() *
+             force.segment(pair.first_point, pair.points) +
+         friction_resultant(pair, force);
+}
+
+void add_belt(Model& model, const std::string& obstacle, const Vector3d& vector, History history) {
+  Model::Belt belt{obstacle, Vector::Zero(model.rows()), std::move(history)};
+  for (const Model::PairBlock& pair : model.pairs) {
+    if (pair.obstacle != obstacle || pair.first_tangential < 0) continue;
+    const Vector3d normal = model.normal.row(pair.first_point);
+    if (std::abs(normal.dot(vector)) > 1e-9 * vector.norm())
+      throw InputError(base::format(
+          "obstacles.{}: it moves by [{:.6g}, {:.6g}, {:.6g}], which is not along its surface. Leave out the "
+          "part along its normal [{:.6g}, {:.6g}, {:.6g}].",
+          obstacle, vector.x(), vector.y(), vector.z(), -normal.x(), -normal.y(), -normal.z()));
+    belt.slide.segment(pair.first_tangential, 2 * pair.points) =
+        model.tangent.middleRows(pair.first_tangential - model.points(), 2 * pair.points) * vector;
+  }
+  if (belt.history.time.front() > 0 && belt.history.value.front() != 0)
+    throw InputError(
+        base::format("obstacles.{}: its history begins with the factor {} at t = {} s, so the obstacle would "
+                     "jump. Begin it "
+                     "with a factor of 0, or at t = 0.",
+                     obstacle, belt.history.value.front(), belt.history.time.front()));
+  if (!belt.slide.isZero(0)) model.belts.push_back(std::move(belt));
+}
 
 Model build_model(const Placement& placement, const Vector3d& gravity,
                   const std::vector<ForcingRequest>& forcing) {
@@ -172,12 +244,21 @@ Model build_model(const Placement& placement, const Vector3d& gravity,
       model.pairs.back().obstacle = pair.request.a == bodies[pair.a].name ? pair.request.b : pair.request.a;
     points += count;
   }
+  int rows = points;
+  for (std::size_t k = 0; k < pairs.size(); ++k)
+    if (const auto& law = pairs[k].request.friction) {
+      Model::PairBlock& block = model.pairs[k];
+      block.first_tangential = rows;
+      for (int i = 0; i < block.points; ++i, rows += 2)
+        model.friction.push_back({block.first_point + i, rows, *law});
+    }
   for (const PlacedBody& body : bodies) {
     model.bodies.push_back(block_of(body, modes, gravity));
     modes += model.bodies.back().modes;
   }
 
-  for (Vector* v : {&model.gap, &model.area, &model.static_displacement, &model.static_a}) v->setZero(points);
+  for (Vector* v : {&model.gap, &model.area}) v->setZero(points);
+  for (Vector* v : {&model.static_displacement, &model.static_a}) v->setZero(rows);
   for (Matrix* x : {&model.point_a, &model.point_b, &model.normal}) x->setZero(points, 3);
   int i = 0;
   for (const ContactPair& pair : pairs)
@@ -188,11 +269,15 @@ Model build_model(const Placement& placement, const Vector3d& gravity,
       model.point_b.row(i) = point.b;
       model.normal.row(i++) = point.normal;
     }
+  model.tangent.resize(rows - points, 3);
+  for (const Model::FrictionPoint& point : model.friction)
+    model.tangent.middleRows(point.tangential - points, 2) =
+        tangents_of(model.normal.row(point.point).transpose());
 
   for (Vector* v : {&model.omega, &model.decay, &model.load, &model.q0, &model.v0}) v->setZero(modes);
-  model.B.setZero(points, modes);
-  model.R.setZero(points, points);
-  model.R_a.setZero(points, points);
+  model.B.setZero(rows, modes);
+  model.R.setZero(rows, rows);
+  model.R_a.setZero(rows, rows);
   model.has_residual = true;
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     const kernels::Kernel& kernel = *bodies[k].kernel;
@@ -203,33 +288,33 @@ Model build_model(const Placement& placement, const Vector3d& gravity,
     model.load.segment(first, n) = block.momentum.transpose() * gravity;
     model.v0.segment(first, n) = rigid_velocity(bodies[k], block);
 
-    const auto select = [&](int c) { return selection(bodies[k], static_cast<int>(k), pairs, points, c); };
+    const auto select = [&](int c) { return selection(bodies[k], static_cast<int>(k), pairs, model, c); };
     const Selection& whole = model.bodies[k].selection = select(kernel.surface.components);
     model.B.middleCols(first, n) =
         whole * Eigen::Map<const Matrix>(kernel.surface.shape.data(), whole.cols(), n);
     const Selection& P = model.bodies[k].static_selection =
         kernel.surface.normal_residual ? select(1) : whole;
-    const Eigen::Index rows = P.cols();
+    const Eigen::Index held = P.cols();
 
     const auto& flexibility = kernel.surface.residual_flexibility;
     const auto& settling = kernel.loads.body_force_residual;
     model.has_residual = model.has_residual && !flexibility.empty();
-    Matrix R = Matrix::Zero(points, points);
-    Vector s = Vector::Zero(points);
+    Matrix R = Matrix::Zero(rows, rows);
+    Vector s = Vector::Zero(rows);
     if (!flexibility.empty()) {
-      const Matrix PR = P * Eigen::Map<const Matrix>(flexibility.data(), rows, rows);
+      const Matrix PR = P * Eigen::Map<const Matrix>(flexibility.data(), held, held);
       R = PR * P.transpose();
       R = (0.5 * (R + R.transpose())).eval();
     }
     if (!settling.empty())
-      s = P * (Eigen::Map<const Matrix>(settling.data(), rows, 3) * (block.rotation.transpose() * gravity))
+      s = P * (Eigen::Map<const Matrix>(settling.data(), held, 3) * (block.rotation.transpose() * gravity))
                   .eval();
     model.R += R;
     model.static_displacement += s;
     for (const Model::PairBlock& pair : model.pairs)
       if (pair.a == static_cast<int>(k)) {
-        model.R_a.middleRows(pair.first_point, pair.points) = R.middleRows(pair.first_point, pair.points);
-        model.static_a.segment(pair.first_point, pair.points) = s.segment(pair.first_point, pair.points);
+        model.R_a += pair.part_of(Vector::Ones(rows)).asDiagonal() * R;
+        model.static_a += pair.part_of(s);
       }
     add_forcing(model, static_cast<int>(k), forcing);
   }

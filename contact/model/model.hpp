@@ -2,9 +2,12 @@
 // Two or more bodies and the pairs of surfaces that may touch, as one constant modal system.
 //
 // Modes of all bodies are stacked in q (N); paired candidates of all pairs are stacked in i (m).
-//   u = B q + s − R λ     relative normal displacement, positive when a gap closes
+//   u = B q + s − R p     relative displacement, of a minus b
 //   s                     static correction of the loads, plus the static lift of moving supports
-//   u_i ≤ g_i             impenetrability,   λ_i ≥ 0 compressive force [N],   modal force of contact −Bᵀ λ
+//   p                     forces on b, and −p on a [N]; modal force of contact −Bᵀ p
+// Rows of u and p: first the m normal ones, along n_i. There u_i ≤ g_i (impenetrability), u grows when a gap
+// closes, and p_i = λ_i ≥ 0 is the compressive force. Each point with friction has two more rows, along its
+// tangents, of the tangential displacement w and force τ. Without friction, n = m.
 #pragma once
 
 #include <Eigen/Dense>
@@ -20,7 +23,7 @@
 
 namespace ricochet::contact {
 
-/// P (m, cM) of one body, with u = Σ_bodies P · (displacement of its candidates in its own frame).
+/// P (n, cM) of one body, with u = Σ_bodies P · (displacement of its candidates in its own frame).
 using Selection = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
 /// A load or a moving support of the scene: `vector` times a history.
@@ -38,16 +41,36 @@ struct Model {
   Vector load;          ///< constant modal force, of gravity, f_n [kg^1/2 m/s²]
   Vector q0;            ///< initial modal displacement, at rest under dead loads [kg^1/2 m]
   Vector v0;            ///< initial modal velocity, of the rigid modes [kg^1/2 m/s]
-  // contact points (m)
-  Matrix B;  ///< (m,N) [kg^-1/2]
-  Matrix R;  ///< (m,m) [m/N]; zero if the kernels contain none
+  // contact points (m) and their rows (n)
+  Matrix B;  ///< (n,N) [kg^-1/2]
+  Matrix R;  ///< (n,n) [m/N]; zero if the kernels contain none
   bool has_residual = false;
   Vector gap;                       ///< (m) g [m]
-  Vector static_displacement;       ///< (m) constant part of s, due to gravity [m]
-  Matrix R_a;                       ///< (m,m) share of body a of point i in R [m/N]
-  Vector static_a;                  ///< (m) share of body a in static_displacement [m]
+  Vector static_displacement;       ///< (n) constant part of s, due to gravity [m]
+  Matrix R_a;                       ///< (n,n) share of body a of each row in R [m/N]
+  Vector static_a;                  ///< (n) share of body a in static_displacement [m]
   Vector area;                      ///< (m) [m²]
   Matrix point_a, point_b, normal;  ///< (m,3) world
+
+  /// A point with friction.
+  struct FrictionPoint {
+    int point = 0;       ///< its normal row
+    int tangential = 0;  ///< the first of its two tangential rows
+    Friction law;
+  };
+  std::vector<FrictionPoint> friction{};  ///< (f) in the order of their points
+  Matrix tangent{};                       ///< (2f,3) of each tangential row, world
+
+  Eigen::Index points() const { return gap.size(); }  ///< m
+  Eigen::Index rows() const { return B.rows(); }      ///< n = m + 2 f
+
+  /// The tangential motion of a half-space.
+  struct Belt {
+    std::string obstacle;
+    Vector slide;     ///< (n) its displacement along the rows for a history of value 1 [m]; 0 in normal rows
+    History history;  ///< 0 at t = 0
+  };
+  std::vector<Belt> belts{};
 
   struct BodyBlock {
     std::string name;
@@ -62,8 +85,8 @@ struct Model {
     const kernels::Kernel* kernel = nullptr;
     Eigen::Matrix3d rotation;
     Eigen::Vector3d translation;
-    Selection selection;
-    /// (m, rM) the same for static corrections, whose components are those of Surface::residual_components
+    Selection selection;  ///< (n, cM)
+    /// (n, rM) the same for static corrections, whose components are those of Surface::residual_components
     Selection static_selection;
   };
   std::vector<BodyBlock> bodies;
@@ -73,6 +96,9 @@ struct Model {
     int a = 0, b = -1;            ///< indices of the bodies; b = −1 for a half-space
     std::optional<double> reach;  ///< [m] set if points beyond it were dropped
     std::string obstacle{};       ///< name of the half-space, if b = −1
+    int first_tangential = -1;    ///< with friction: the first of the 2 · points tangential rows
+    /// x (n) at the rows of this pair, and 0 elsewhere.
+    Vector part_of(const Vector& x) const;
   };
   std::vector<PairBlock> pairs;
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
@@ -88,8 +114,8 @@ struct Model {
     History history;
     Vector force;                    ///< (modes) modal force of a load [kg^1/2 m/s²]; 0 for a support
     Vector lift;                     ///< (modes) Γ of a support [kg^1/2 m]; 0 for a load
-    Vector displacement;             ///< (m) quasi-static u: residual of a load, Ψ of a support [m]
-    Vector displacement_a;           ///< (m) share of body a in displacement
+    Vector displacement;             ///< (n) quasi-static u: residual of a load, Ψ of a support [m]
+    Vector displacement_a;           ///< (n) share of body a in displacement
     Eigen::Vector3d total{0, 0, 0};  ///< resultant force of a load [N]; 0 for a support
     Eigen::Vector3d lift_momentum{0, 0, 0};  ///< ∫ρΨ of a support, of its elastic modes and beyond [kg m]
   };
@@ -101,13 +127,17 @@ struct Model {
     int body = 0;
     Eigen::Vector3d point{0, 0, 0};     ///< [m]
     Matrix shape;                       ///< (3,modes) [kg^-1/2]
-    Matrix flexibility;                 ///< (3,m) static correction for a unit force λ_i [m/N]
+    Matrix flexibility;                 ///< (3,n) static correction for unit forces p [m/N]
     Eigen::Vector3d constant{0, 0, 0};  ///< static correction for gravity [m]
     Matrix forcing;                     ///< (3,forcings) static correction of loads, Ψ of supports [m]
   };
   std::vector<Receiver> receivers;
 
-  /// (m) u at t = 0: of the modes, of the static correction and of supports [m].
+  /// Force of a pair on its body b [N]. @param force  (n)
+  Eigen::Vector3d resultant(const PairBlock& pair, const Vector& force) const;
+  /// The part of it due to friction [N].
+  Eigen::Vector3d friction_resultant(const PairBlock& pair, const Vector& force) const;
+  /// (n) u at t = 0: of the modes, of the static correction and of supports [m].
   Vector initial_displacement() const;
   /// (N) q̇ at t = 0, relative to the lift of moving supports.
   Vector initial_rates() const;
@@ -123,9 +153,18 @@ struct Model {
 /// supported body so starts in its static equilibrium. Elastic modes carry no momentum, so for a body that
 /// can move rigidly this is the equilibrium with the inertia of its rigid acceleration (inertia relief): a
 /// free body falls without strain. Throws InputError if a kernel omits a paired candidate or lacks a load or
-/// motion, or if a support would jump or makes bodies overlap at the start.
+/// motion, if a support would jump or makes bodies overlap at the start, or if a pair has friction and a
+/// kernel lacks the tangential components.
 Model build_model(const Placement& placement, const Eigen::Vector3d& gravity,
                   const std::vector<ForcingRequest>& forcing = {});
+
+/// Sets a half-space in tangential motion: its displacement is `vector` [m], world axes, times a history.
+/// Does nothing unless a pair with friction names the half-space. Throws InputError if the vector is not
+/// tangential to the half-space, or if the history jumps at its first knot.
+void add_belt(Model& model, const std::string& obstacle, const Eigen::Vector3d& vector, History history);
+
+/// Two unit tangents (2,3) of a unit normal, orthogonal to each other.
+Eigen::Matrix<double, 2, 3> tangents_of(const Eigen::Vector3d& normal);
 
 /// Throws InputError if bodies overlap at t = 0 because dead loads deform them.
 void refuse_sag(const Model& model);

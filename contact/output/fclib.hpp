@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Writes the complementarity problems of a run as files of FCLIB, a collection of contact problems in HDF5
-// that other nonsmooth solvers read (Acary et al. 2014; github.com/FrictionalContactLibrary/fclib, fclib.h).
+// Writes the contact problems of a run as files of FCLIB, a collection of contact problems in HDF5 that other
+// nonsmooth solvers read (Acary et al. 2014; github.com/FrictionalContactLibrary/fclib, fclib.h).
 //
-//   FCLIB, local problem:  u = W r + q,  K* ∋ u ⟂ r ∈ K,  a friction cone for each contact
-//   here:                  w = S λ − (û − g),  0 ≤ w ⟂ λ ≥ 0,  W = S and q = g − û in the normal rows, μ = 0
+//   FCLIB, local problem:  u = W r + q,  K* ∋ u + μ |u_T| n ⟂ r ∈ K,  a friction cone for each contact
+//   here:                  w = S p − (û − g)    in normal rows: the gap
+//                          w = S p − (û − u⁻ − belt)    in tangential rows: minus the slip of the step
 //
-// A contact has three rows in FCLIB, the normal one first. Without friction, the other two are not coupled to
-// any row. Their diagonal entry is the mean diagonal of S, so that W is as definite as S, and their solution
-// is 0.
+// A contact has three rows in FCLIB, the normal one first, so W is S in another order, r = p and u = w. At a
+// contact without friction, μ = 0, and the other two rows are not coupled to any row. Their diagonal entry is
+// the mean normal diagonal of S, so that W is as definite as S, and their solution is 0.
 #pragma once
 
 #include <filesystem>
@@ -25,10 +26,11 @@ struct ProblemOptions {
   int every = 1;  ///< writes every n-th step with contact, beginning with the first
 };
 
-/// Observes a run of the compliant scheme. Call `observe` after each step.
+/// Observes a run of the compliant scheme from t = 0 on. Call `observe` after each step.
 class ProblemFiles {
  public:
-  /// `model` must outlive this object. Throws InputError if the folder cannot be created.
+  /// `model` must outlive this object. Throws InputError if the folder cannot be created, or if friction does
+  /// not follow Coulomb's law, the only one that FCLIB knows.
   ProblemFiles(const Model& model, const StepOptions& step, ProblemOptions options);
 
   /// Writes the problem of the step and its solution if the step has a force and max_pivots did not cut the
@@ -38,11 +40,21 @@ class ProblemFiles {
   int written() const { return written_; }
 
  private:
+  /// A contact problem and its solution, in the rows of the model.
+  struct Problem {
+    const Eigen::MatrixXd& S;
+    Vector u, q, p;  ///< (n) [m], [m], [N]
+    Vector mu;       ///< (m)
+  };
+  Problem problem_of(const Stepper& stepper) const;
   void write(const Stepper& stepper) const;
 
   const Model& model_;
   ProblemOptions options_;
   std::shared_ptr<const StepSystem> system_;
+  // with friction: before the step
+  Slip slip_;
+  Vector displacement_, force_;  ///< (n) u, p
   int seen_ = 0, written_ = 0;
 };
 

@@ -109,6 +109,7 @@ void LinearityCheck::observe(const Stepper& stepper, const Vector& before, bool 
       nearer_[p] = std::max(nearer_[p], n.dot(relative(moved, pair, i)));
       if (!pressed) continue;
       if (first) approach_ = std::max(approach_, n.dot(relative(speed, pair, i)));
+      if (pair.b < 0) continue;  // a half-space looks the same everywhere
       const Vector3d shift = relative(moved, pair, i);
       const double slip = (shift - shift.dot(n) * n).norm();
       if (slip / spacing_[p] > slip_share_) {

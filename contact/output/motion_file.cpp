@@ -61,13 +61,15 @@ MotionFile::MotionFile(const Model& model, const StepOptions& step, const Motion
 
 MotionFile::MotionFile(const Stepper& start, const Model& model, const MotionOptions& options)
     : MotionFile(model, start.options(), options) {
-  frame(0, start.modal()->q, start.modal()->v, start.displacement(), start.force(), start.end_force());
+  frame(0, start.modal()->q, start.modal()->v, start.displacement(), start.force(), start.end_force(),
+        start.slip().states());
 }
 
 MotionFile::MotionFile(const Equilibrium& equilibrium, const Model& model, const MotionOptions& options)
     : MotionFile(model, StepOptions{}, options) {
   const Vector rest = Vector::Zero(model.omega.size());
-  frame(0, equilibrium.q, rest, equilibrium.displacement, equilibrium.force, equilibrium.force);
+  frame(equilibrium.time, equilibrium.q, rest, equilibrium.displacement, equilibrium.force, equilibrium.force,
+        equilibrium.states);
 }
 
 MotionFile::Patch MotionFile::patch_of(const Model::PairBlock& pair, const std::string& name) const {
@@ -122,11 +124,11 @@ void MotionFile::write_setting(const MotionOptions& options) {
 void MotionFile::record(const Stepper& stepper) {
   if (!stepper.at_sample() || stepper.steps() / stepper.options().steps_per_sample % every_ != 0) return;
   frame(stepper.time(), stepper.modal()->q, stepper.modal()->v, stepper.displacement(), stepper.force(),
-        stepper.end_force());
+        stepper.end_force(), stepper.slip().states());
 }
 
 void MotionFile::frame(double t, const Vector& q, const Vector& v, const Vector& u, const Vector& force,
-                       const Vector& end_force) {
+                       const Vector& end_force, std::span<const ContactState> states) {
   const std::string number = number_of(time_.size());
   for (std::size_t k = 0; k < surfaces_.size(); ++k) {
     const std::string group = group_of(model_.bodies[k].name);
@@ -135,13 +137,14 @@ void MotionFile::frame(double t, const Vector& q, const Vector& v, const Vector&
     write(file_, group + "/deformation" + number, surface.deformation, "m");
     write(file_, group + "/velocity" + number, surface.velocity, "m/s");
     for (std::size_t p = 0; p < patches_.size(); ++p)
-      if (patches_[p].pair->a == static_cast<int>(k)) contact_frame(p, number, u, force, surface);
+      if (patches_[p].pair->a == static_cast<int>(k)) contact_frame(p, number, u, force, states, surface);
   }
   time_.push_back(t);
 }
 
 void MotionFile::contact_frame(std::size_t pair, const std::string& number, const Vector& u,
-                               const Vector& force, const SurfaceMotion& surface) {
+                               const Vector& force, std::span<const ContactState> states,
+                               const SurfaceMotion& surface) {
   const Patch& patch = patches_[pair];
   const Model::PairBlock& points = *patch.pair;
   const auto own = [&](const Vector& x) -> Vector { return x.segment(points.first_point, points.points); };
@@ -157,8 +160,20 @@ void MotionFile::contact_frame(std::size_t pair, const std::string& number, cons
   write(file_, group + "/force" + number, lambda, "N");
   write(file_, group + "/pressure" + number, Vector(lambda.cwiseQuotient(own(model_.area))), "Pa");
   write(file_, group + "/gap" + number, Vector(own(model_.gap) - own(u)), "m");
-  write(file_, group + "/push" + number,
-        Matrix(lambda.asDiagonal() * -model_.normal.middleRows(points.first_point, points.points)), "N");
+  Matrix push = lambda.asDiagonal() * -model_.normal.middleRows(points.first_point, points.points);
+  if (points.first_tangential >= 0) {
+    Vector state(points.points);
+    for (std::size_t f = 0; f < states.size(); ++f) {
+      const Model::FrictionPoint& point = model_.friction[f];
+      const int i = point.point - points.first_point;
+      if (i < 0 || i >= points.points) continue;
+      state(i) = static_cast<double>(states[f]);
+      push.row(i) -= force.segment<2>(point.tangential).transpose() *
+                     model_.tangent.middleRows(point.tangential - model_.points(), 2);
+    }
+    write(file_, group + "/state" + number, state, "1");
+  }
+  write(file_, group + "/push" + number, push, "N");
 }
 
 std::filesystem::path MotionFile::xdmf() const { return with(stem_, ".xdmf"); }
@@ -202,18 +217,19 @@ void MotionFile::write_xdmf() const {
   }
   for (std::size_t p = 0; p < patches_.size(); ++p) {
     const Patch& patch = patches_[p];
+    std::vector<xdmf::Field> fields{{"position", "", true, 8},
+                                    {"force", "", false, 8},
+                                    {"pressure", "", false, 8},
+                                    {"gap", "", false, 8},
+                                    {"push", "", true, 8}};
+    if (patch.pair->first_tangential >= 0) fields.push_back({"state", "", false, 8});
     film({.name = patch.name,
           .corners = patch.corners,
           .elements = patch.element.size() / static_cast<std::size_t>(patch.corners),
           .nodes = static_cast<std::size_t>(patch.pair->points),
           .element = group_of(p) + "/element",
           .fields = {{"area", group_of(p) + "/area", false, 8}}},
-         group_of(p),
-         {{"position", "", true, 8},
-          {"force", "", false, 8},
-          {"pressure", "", false, 8},
-          {"gap", "", false, 8},
-          {"push", "", true, 8}});
+         group_of(p), fields);
   }
   text.commit();
 }

@@ -24,7 +24,7 @@ Receivers::Receivers(const Model& model, const StepOptions& options)
         receiver.shape.col(i).setZero();
       }
     }
-  update(0, model.q0, model.initial_rates(), Vector::Zero(model.gap.size()));
+  update(0, model.q0, model.initial_rates(), Vector::Zero(model.rows()));
 }
 
 void Receivers::observe(const Stepper& stepper) noexcept {
@@ -40,7 +40,7 @@ void Receivers::update(double t, const Vector& q, const Vector& v, const Vector&
     acceleration_.segment(one.first_mode, one.force.size()) += one.history.at(t) * one.force;
   if (compliant_)
     for (Eigen::Index i = 0; i < force.size(); ++i)
-      if (force(i) > 0) acceleration_ -= force(i) * model_.B.row(i).transpose();
+      if (force(i) != 0) acceleration_ -= force(i) * model_.B.row(i).transpose();
 
   for (std::size_t k = 0; k < receivers_.size(); ++k) {
     const Model::Receiver& receiver = receivers_[k];

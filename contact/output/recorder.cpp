@@ -15,20 +15,21 @@ void append(base::hdf5::Rows* rows, const Eigen::Ref<const Vector>& row) {
   rows->append(std::span<const double>(row.data(), row.size()));
 }
 
-constexpr std::array<std::pair<const char*, double Energy::*>, 6> energy_terms{
+constexpr std::array<std::pair<const char*, double Energy::*>, 7> energy_terms{
     {{"/energy/kinetic", &Energy::kinetic},
      {"/energy/strain", &Energy::strain},
      {"/energy/residual", &Energy::residual},
      {"/energy/loads", &Energy::loads},
      {"/energy/damping", &Energy::damping},
-     {"/energy/contact", &Energy::contact}}};
+     {"/energy/contact", &Energy::contact},
+     {"/energy/friction", &Energy::friction}}};
 
 }  // namespace
 
 double least_bytes(const Model& model, const RecorderOptions& options, std::int64_t samples) {
   const double rows = samples / options.every, bodies = model.bodies.size(),
                receivers = model.receivers.size();
-  double numbers = rows * (1 + 8 + 12 * bodies);
+  double numbers = rows * (1 + 9 + 12 * bodies);
   if (receivers > 0) numbers += static_cast<double>(samples) * (1 + 9 * receivers);
   if (options.snapshot_every > 0)
     numbers += static_cast<double>(samples / options.snapshot_every) * (1.0 + model.omega.size());
@@ -68,8 +69,8 @@ Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOp
   receivers_.emplace(model, step);
   for (const Model::PairBlock& pair : model.pairs) {
     const Model::BodyBlock& a = model.bodies[pair.a];
-    B_a_.block(pair.first_point, a.first_mode, pair.points, a.modes) =
-        model.B.block(pair.first_point, a.first_mode, pair.points, a.modes);
+    B_a_.middleCols(a.first_mode, a.modes) +=
+        pair.part_of(Vector::Ones(model.rows())).asDiagonal() * model.B.middleCols(a.first_mode, a.modes);
   }
   for (std::size_t d = 0; d < model.forcing.size(); ++d) driven_a_.col(d) = model.forcing[d].displacement_a;
   write_points(model);
@@ -106,10 +107,11 @@ Recorder::Recorder(const Model& model, const Equilibrium& equilibrium, const Rec
   energy_row(equilibrium.energy);
   persistency_->append(0);
   if (equilibrium.active > 0) {
-    contact_row(0, equilibrium.displacement, equilibrium.force);
-    sides_row(0, equilibrium.q, rest, equilibrium.displacement, equilibrium.force);
+    contact_row(equilibrium.time, equilibrium.displacement, equilibrium.force);
+    sides_row(equilibrium.time, equilibrium.q, rest, equilibrium.displacement, equilibrium.force);
+    friction_row(equilibrium.displacement, equilibrium.force, equilibrium.states);
   }
-  if (snapshot_every_ > 0) snapshot_row(0, equilibrium.q);
+  if (snapshot_every_ > 0) snapshot_row(equilibrium.time, equilibrium.q);
 }
 
 Recorder::Recorder(const Table& table, const Model* source, const StepOptions& step,
@@ -159,6 +161,11 @@ void Recorder::make_model_rows() {
   contact_.displacement_b = &file_.rows("/contact/displacement_b", {m}, "m");
   contact_.velocity_a = &file_.rows("/contact/velocity_a", {m}, "m/s");
   contact_.velocity_b = &file_.rows("/contact/velocity_b", {m}, "m/s");
+  if (!model_->friction.empty()) {
+    contact_.tangential_force = &file_.rows("/contact/tangential_force", {m, 3}, "N");
+    contact_.tangential_displacement = &file_.rows("/contact/tangential_displacement", {m, 3}, "m");
+    contact_.state = &file_.rows("/contact/state", {m}, "1");
+  }
   energy_ = {&file_.rows("/energy/total", {}, "J")};
   for (const auto& [name, term] : energy_terms) energy_.push_back(&file_.rows(name, {}, "J"));
   persistency_ = &file_.rows("/contact/persistency", {}, "W");
@@ -191,7 +198,10 @@ void Recorder::record(const Stepper& stepper) {
   if (modal && touching) push(stepper.force(), step_);
   if (touching && k % every_ == 0) {
     contact_row(t, stepper.displacement(), stepper.force());
-    if (modal) sides_row(t, modal->q, modal->v, stepper.displacement(), stepper.end_force());
+    if (modal) {
+      sides_row(t, modal->q, modal->v, stepper.displacement(), stepper.end_force());
+      friction_row(stepper.displacement(), stepper.force(), stepper.slip().states());
+    }
   }
   if (!stepper.at_sample()) return;
   const std::int64_t sample = k / stepper.options().steps_per_sample;
@@ -212,11 +222,10 @@ void Recorder::record(const Stepper& stepper) {
   receivers_row(t);
 }
 
-/// Adds the impulses that `force` (m) exerts on the bodies in `duration` [s].
+/// Adds the impulses that `force` (n) exerts on the bodies in `duration` [s].
 void Recorder::push(const Vector& force, double duration) {
   for (const Model::PairBlock& pair : model_->pairs) {
-    const Vector3d impulse = duration * model_->normal.middleRows(pair.first_point, pair.points).transpose() *
-                             force.segment(pair.first_point, pair.points);
+    const Vector3d impulse = duration * model_->resultant(pair, force);
     bodies_[pair.a].contact_impulse -= impulse;
     if (pair.b >= 0) bodies_[pair.b].contact_impulse += impulse;
   }
@@ -269,8 +278,26 @@ void Recorder::energy_row(const Energy& energy) {
 
 void Recorder::contact_row(double time, const Vector& u, const Vector& force) {
   contact_.time->append(time);
-  append(contact_.force, force);
-  append(contact_.gap, gap_ - u);
+  append(contact_.force, force.head(gap_.size()));
+  append(contact_.gap, gap_ - u.head(gap_.size()));
+}
+
+/// Forces τ on b, displacements of a relative to b, and states of all points; 0 for points without friction.
+void Recorder::friction_row(const Vector& w, const Vector& force, std::span<const ContactState> states) {
+  if (contact_.state == nullptr) return;
+  const Eigen::Index m = gap_.size();
+  Matrix pushed = Matrix::Zero(m, 3), moved = pushed;
+  Vector state = Vector::Zero(m);
+  for (std::size_t f = 0; f < states.size(); ++f) {
+    const auto& [point, row, law] = model_->friction[f];
+    const auto tangents = model_->tangent.middleRows(row - m, 2);
+    pushed.row(point) = force.segment<2>(row).transpose() * tangents;
+    moved.row(point) = w.segment<2>(row).transpose() * tangents;
+    state(point) = static_cast<double>(states[f]);
+  }
+  contact_.tangential_force->append(std::span<const double>(pushed.data(), pushed.size()));
+  contact_.tangential_displacement->append(std::span<const double>(moved.data(), moved.size()));
+  append(contact_.state, state);
 }
 
 /// u = n·u_a − n·u_b, and n·u_a = B_a q + s_a − R_a λ where s_a and its rate include the share of the
@@ -293,10 +320,11 @@ void Recorder::sides_row(double time, const Vector& q, const Vector& v, const Ve
       u_b.segment(pair.first_point, pair.points).setZero();
       v_b.segment(pair.first_point, pair.points).setZero();
     }
-  append(contact_.displacement_a, u_a);
-  append(contact_.displacement_b, u_b);
-  append(contact_.velocity_a, v_a);
-  append(contact_.velocity_b, v_b);
+  const Eigen::Index m = gap_.size();
+  append(contact_.displacement_a, u_a.head(m));
+  append(contact_.displacement_b, u_b.head(m));
+  append(contact_.velocity_a, v_a.head(m));
+  append(contact_.velocity_b, v_b.head(m));
 }
 
 /// Writes the coordinates of the whole motion, Φᵀ M u: those relative to the lift plus those of the lift, Γ

@@ -69,6 +69,8 @@ class Recorder {
   struct ContactRows {
     Rows *time, *force, *gap;
     Rows *displacement_a = nullptr, *displacement_b = nullptr, *velocity_a = nullptr, *velocity_b = nullptr;
+    // with friction
+    Rows *tangential_force = nullptr, *tangential_displacement = nullptr, *state = nullptr;
   };
   struct ReceiverRows {
     Rows *displacement, *velocity, *acceleration;
@@ -86,6 +88,7 @@ class Recorder {
   void energy_row(const Energy& energy);
   void contact_row(double time, const Vector& u, const Vector& force);
   void sides_row(double time, const Vector& q, const Vector& v, const Vector& u, const Vector& force);
+  void friction_row(const Vector& w, const Vector& force, std::span<const ContactState> states);
   void snapshot_row(double time, const Vector& q);
   void receivers_row(double time);
 
@@ -94,9 +97,9 @@ class Recorder {
   double step_;
   std::int64_t every_, snapshot_every_, last_row_ = 0;
   base::hdf5::Writer file_;
-  Matrix B_a_, R_a_;  ///< (m,N), (m,m) share of body a of each point; R_a_ zero under `impulse`
-  Vector s_a_;        ///< (m), constant
-  Matrix driven_a_;   ///< (m,forcings) displacement for a history of value 1
+  Matrix B_a_, R_a_;  ///< (n,N), (n,n) share of body a of each row; R_a_ zero under `impulse`
+  Vector s_a_;        ///< (n), constant
+  Matrix driven_a_;   ///< (n,forcings) displacement for a history of value 1
   std::optional<Receivers> receivers_;
   Rows* time_;
   Rows* persistency_ = nullptr;

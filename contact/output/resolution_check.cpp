@@ -45,7 +45,7 @@ void ResolutionCheck::observe(const Stepper& stepper, const Vector& before) {
     if (highest > 0) shortest_period_ = 2 * std::numbers::pi / highest;
   }
   const Vector& force = stepper.force();
-  peak_.observe(stepper.time(), force.sum());
+  peak_.observe(stepper.time(), force.head(stepper.points()).sum());
   const bool touched = std::exchange(touching_, stepper.active() > 0);
   if (!touching_) return;
   for (std::size_t p = 0; p < model_.pairs.size(); ++p) {

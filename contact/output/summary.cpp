@@ -60,6 +60,10 @@ Json json_of(const Summary& summary) {
           {"restitution", number(summary.restitution)},
           {"energy_drift", number(summary.energy_drift)},
           {"energy_lost_contact", number(summary.energy_lost_contact)},
+          {"energy_lost_friction", number(summary.energy_lost_friction)},
+          {"friction_impulse_ns", number(summary.friction_impulse_ns)},
+          {"max_slip_m", number(summary.max_slip_m)},
+          {"ambiguous_steps", summary.ambiguous_steps ? Json(*summary.ambiguous_steps) : Json()},
           {"max_penetration_m", summary.max_penetration_m},
           {"limited_steps", summary.limited_steps},
           {"limited_residual", summary.limited_residual},
@@ -84,7 +88,10 @@ Json json_of(const EquilibriumSummary& summary) {
                      {"approach_m", pair.approach_m},
                      {"contact_points", pair.contact_points},
                      {"contact_area_m2", pair.contact_area_m2},
-                     {"peak_pressure_pa", pair.peak_pressure_pa}});
+                     {"peak_pressure_pa", pair.peak_pressure_pa},
+                     {"friction_n", number(pair.friction_n)},
+                     {"sticking_points", pair.sticking_points ? Json(*pair.sticking_points) : Json()},
+                     {"slipping_points", pair.slipping_points ? Json(*pair.slipping_points) : Json()}});
   return {{"pairs", pairs},
           {"imbalance", summary.imbalance},
           {"max_penetration_m", summary.max_penetration_m},
@@ -113,7 +120,8 @@ EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium)
   out.iterations = equilibrium.iterations;
   out.candidates = static_cast<int>(model.gap.size());
   if (out.candidates > 0)
-    out.max_penetration_m = std::max(0.0, (equilibrium.displacement - model.gap).maxCoeff());
+    out.max_penetration_m =
+        std::max(0.0, (equilibrium.displacement.head(model.points()) - model.gap).maxCoeff());
   for (const Model::BodyBlock& body : model.bodies) {
     out.modes[body.name] = body.modes;
     out.basis[body.name] = body.kernel->modes.kind();
@@ -122,7 +130,7 @@ EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium)
       out.warnings.push_back(*warning);
   }
   ObstacleCheck obstacles(model);
-  obstacles.observe(equilibrium.q, 0);
+  obstacles.observe(equilibrium.q, equilibrium.time);
   for (std::string& warning : obstacles.warnings()) out.warnings.push_back(std::move(warning));
   const auto moved = [&](int k) -> Vector3d {
     const Model::BodyBlock& body = model.bodies[k];
@@ -142,6 +150,16 @@ EquilibriumSummary summarise(const Model& model, const Equilibrium& equilibrium)
       const Vector3d nearer = moved(pair.a) - (pair.b < 0 ? Vector3d::Zero() : moved(pair.b));
       figures.approach_m = nearer.dot(sum.normalized());
       if (auto warning = reach_warning(model, pair, figures.approach_m)) out.warnings.push_back(*warning);
+    }
+    if (pair.first_tangential >= 0) {
+      figures.friction_n = model.friction_resultant(pair, equilibrium.force).norm();
+      figures.sticking_points = figures.slipping_points = 0;
+      for (std::size_t f = 0; f < model.friction.size(); ++f) {
+        const int i = model.friction[f].point - pair.first_point;
+        if (i < 0 || i >= pair.points) continue;
+        *figures.sticking_points += equilibrium.states[f] == ContactState::stick;
+        *figures.slipping_points += equilibrium.states[f] == ContactState::slip;
+      }
     }
     out.pairs.push_back(figures);
   }

@@ -52,9 +52,14 @@ struct Summary {
   /// dead loads at t = 0. No value with table
   /// kernels, or if bodies at rest lost energy that loads supplied later.
   std::optional<double> energy_lost_contact;
-  double max_penetration_m = 0;    ///< largest u − g at the end of a step
-  std::int64_t limited_steps = 0;  ///< steps that max_pivots cut short
-  double limited_residual = 0;     ///< largest ratio of SolveResidual::violation to scale in these steps
+  // With friction; no values without it.
+  std::optional<double> energy_lost_friction;  ///< heat of friction, relative as energy_lost_contact
+  std::optional<double> friction_impulse_ns;  ///< |Σ τ_i Δ| of each pair as a vector, summed over the pairs
+  std::optional<double> max_slip_m;           ///< longest path that a pressed point slipped
+  std::optional<std::int64_t> ambiguous_steps;  ///< steps whose forces are known not to be the only solution
+  double max_penetration_m = 0;                 ///< largest u − g at the end of a step
+  std::int64_t limited_steps = 0;               ///< steps that max_pivots cut short
+  double limited_residual = 0;  ///< largest ratio of SolveResidual::violation to scale in these steps
   std::map<std::string, int> modes;
   std::map<std::string, std::string> basis;  ///< by body, from kernels::Modes::kind
   int modes_in_residual = 0;  ///< modes above half the rate, which are quasi-static in this run
@@ -77,6 +82,9 @@ struct EquilibriumSummary {
     int contact_points = 0;      ///< number of points with λ > 0
     double contact_area_m2 = 0;  ///< total area of their patches
     double peak_pressure_pa = 0;
+    // With friction; no values without it.
+    std::optional<double> friction_n;  ///< |Σ τ_i|
+    std::optional<int> sticking_points, slipping_points;
   };
   std::vector<Pair> pairs;
   double imbalance = 0;

@@ -25,6 +25,8 @@ SummaryObserver::SummaryObserver(const Model& model, double step, double wave_sp
       step_(step),
       before_(model.initial_rates()),
       impulse_(Matrix3Xd::Zero(3, model.pairs.size())),
+      friction_impulse_(impulse_),
+      slipped_(Vector::Zero(std::ssize(model.friction))),
       linearity_(std::in_place, model, wave_speed),
       resolution_(std::in_place, model),
       obstacles_(std::in_place, model),
@@ -61,12 +63,13 @@ void SummaryObserver::add_model(const Model& model) {
   }
   for (const Model::PairBlock& pair : model.pairs) out_.unpaired += pair.unpaired;
   out_.candidates = static_cast<int>(model.gap.size());
+  if (!model.friction.empty()) out_.ambiguous_steps = 0;
 }
 
 /// Adds a step to the results that follow from the forces alone. After the last point has opened, the mean
 /// force still acts for up to two steps.
 void SummaryObserver::count_forces(const Stepper& stepper) {
-  const Vector& force = stepper.force();
+  const auto force = stepper.force().head(stepper.points());
   const double time = stepper.time();
   const bool touched = std::exchange(touching_, (force.array() > 0).any());
   if (!touching_) {
@@ -91,7 +94,7 @@ void SummaryObserver::observe(const Stepper& stepper) {
   if (observed_++ == 0 && model_) begin(stepper.options());
   const ModalState* modal = stepper.modal();
   if (gap_.size() > 0) {
-    const double deepest = (stepper.displacement() - gap_).maxCoeff();
+    const double deepest = (stepper.displacement().head(gap_.size()) - gap_).maxCoeff();
     out_.max_penetration_m = std::max(out_.max_penetration_m, deepest);
     closest_ = std::min(closest_, -deepest);
   }
@@ -106,6 +109,8 @@ void SummaryObserver::observe(const Stepper& stepper) {
   }
   if (touching_) {
     push(stepper.force());
+    for (Eigen::Index f = 0; f < slipped_.size(); ++f) slipped_(f) += stepper.slip().speed(f) * step_;
+    if (slipped_.size() > 0) out_.ambiguous_steps = stepper.ambiguous_steps();
     if (modal) linearity_->observe(stepper, before_, out_.contact_steps == 1);
   } else if (touched) {
     at_end_ = mean_velocities(stepper.time() - step_);
@@ -125,8 +130,9 @@ void SummaryObserver::observe(const Stepper& stepper) {
 void SummaryObserver::observe_energy(const Energy& energy) {
   worst_ledger_ = std::max(worst_ledger_, std::abs(energy.ledger() - initial_ledger_));
   largest_energy_ = std::max({largest_energy_, energy.kinetic + energy.strain + energy.residual,
-                              std::abs(energy.loads), std::abs(energy.contact)});
+                              std::abs(energy.loads), std::abs(energy.contact), std::abs(energy.friction)});
   energy_lost_ = energy.contact;
+  heat_ = energy.friction;
   energy_before_ = energy.kinetic + energy.strain - initial_strain_;
 }
 
@@ -145,6 +151,7 @@ void SummaryObserver::push(const Vector& force) {
       const Model::PairBlock& pair = model_->pairs[k];
       impulse_.col(k) += step_ * model_->normal.middleRows(pair.first_point, pair.points).transpose() *
                          force.segment(pair.first_point, pair.points);
+      friction_impulse_.col(k) += step_ * model_->friction_resultant(pair, force);
     } else {
       impulse_.col(k) += step_ * bodies_[k].push.transpose() * force;
     }
@@ -177,6 +184,12 @@ Summary SummaryObserver::summary() const {
   Summary out = out_;
   if (model_) {
     out.energy_drift = largest_energy_ > 0 ? worst_ledger_ / largest_energy_ : 0;
+    if (slipped_.size() > 0) {
+      if (energy_at_start_ > 0 || heat_ == 0)
+        out.energy_lost_friction = heat_ == 0 ? 0 : heat_ / energy_at_start_;
+      out.friction_impulse_ns = friction_impulse_.colwise().norm().sum();
+      out.max_slip_m = slipped_.maxCoeff();
+    }
     if (energy_at_start_ > 0)
       out.energy_lost_contact = energy_lost_ / energy_at_start_;
     else if (energy_lost_ == 0)

@@ -50,6 +50,8 @@ class SummaryObserver {
   Vector before_;  ///< at the end of the previous step: (N) q̇, or (3·bodies) velocities with a table
   Eigen::Matrix3Xd at_start_, at_end_;  ///< by body, mass-mean velocity when contact began and last ended
   Eigen::Matrix3Xd impulse_;            ///< Σ λ n Δ by pair; with a table by body [N s]
+  Eigen::Matrix3Xd friction_impulse_;   ///< Σ τ Δ by pair [N s]
+  Vector slipped_;                      ///< (f) path of each point with friction [m]
   std::optional<LinearityCheck> linearity_;
   std::optional<ResolutionCheck> resolution_;
   std::optional<ObstacleCheck> obstacles_;
@@ -59,7 +61,7 @@ class SummaryObserver {
   /// kinetic + strain at the end of the previous step, above the strain of the start at rest
   double energy_before_ = 0;
   double initial_strain_ = 0;
-  double energy_at_start_ = 0, energy_lost_ = 0;
+  double energy_at_start_ = 0, energy_lost_ = 0, heat_ = 0;
 };
 
 }  // namespace ricochet::contact

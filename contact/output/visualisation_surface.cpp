@@ -55,7 +55,7 @@ void VisualisationSurface::add_dropped(const StepOptions& options) {
     const Index n = body_.first_mode + i;
     if (sampled(model_.omega(n), options.step)) continue;
     const VectorXf flexible = shape_.col(i) / static_cast<float>(model_.omega(n) * model_.omega(n));
-    if (flexibility_.cols() == 0) flexibility_.setZero(shape_.rows(), model_.gap.size());
+    if (flexibility_.cols() == 0) flexibility_.setZero(shape_.rows(), model_.rows());
     flexibility_ -= flexible * model_.B.col(n).transpose().cast<float>();
     constant_ += flexible * static_cast<float>(model_.load(n));
     for (std::size_t d = 0; d < of_body_.size(); ++d)

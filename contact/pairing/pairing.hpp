@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "ricochet/kernel.hpp"
+#include "ricochet/step_options.hpp"
 
 namespace ricochet::contact {
 
@@ -39,6 +40,7 @@ struct PairRequest {
   std::optional<double> reach;  ///< [m] drops pairs whose initial gap is not below it
   /// [m] drops pairs whose initial gap exceeds that of the closest pair by this distance or more
   std::optional<double> zone{};
+  std::optional<Friction> friction{};  ///< no value: frictionless
   bool operator==(const PairRequest&) const = default;
 };
 

@@ -4,63 +4,66 @@
 #include <cmath>
 
 #include "base/format.hpp"
-#include "contact/complementarity/complementarity.hpp"
+#include "contact/complementarity/contact_solver.hpp"
+#include "contact/static/held.hpp"
+#include "contact/static/load_path.hpp"
 #include "ricochet/error.hpp"
 
 namespace ricochet::contact {
 namespace {
 
 using Eigen::MatrixXd;
-using Eigen::Vector3d;
 
 constexpr double balanced = 1e-11;  // imbalance of the exact solver: round-off of sums over many points
-constexpr double held = 1e-8;       // share of a body's load that may remain unbalanced because of round-off
-constexpr double unfelt = 1e-12;    // a rigid mode moves no point if it moves all by less than this share
+constexpr double balanced_by_friction = 1e-9;  // the same, where softer springs would cost more digits
+constexpr double inexact = 1e-9;  // violation of Coulomb's law, relative, that an answer may have
+constexpr double unfelt = 1e-12;  // a rigid mode moves no point if it moves all by less than this share
 constexpr double first_spring = 10, softest_spring = 1e7;  // times S₀'s norm; the first keeps most digits
 constexpr int most_rounds = 100;  // each reduces the imbalance by a factor of four, or softens the springs
 
-struct Parts {
-  MatrixXd S;                       ///< (m,m) S₀
-  Vector closing;                   ///< (m) û − g
-  std::vector<Eigen::Index> rigid;  ///< (r) modes with ω = 0
-  MatrixXd B;                       ///< (m,r) B_r
-  Vector f;                         ///< (r) f_r
+/// The model without its loads.
+struct Statics {
+  RigidModes rigid;
+  Vector flexibility;  ///< (N) 1/ω²; 0 for rigid modes
+  MatrixXd S;          ///< (n,n) S₀
+
+  explicit Statics(const Model& model) : rigid(model), flexibility(Vector::Zero(model.omega.size())) {
+    for (Eigen::Index n = 0; n < model.omega.size(); ++n)
+      if (model.omega(n) > 0) flexibility(n) = 1 / (model.omega(n) * model.omega(n));
+    S = model.B * flexibility.asDiagonal() * model.B.transpose() + model.R;
+  }
 };
 
-Parts parts_of(const Model& model) {
-  Parts out;
-  Vector flexibility = Vector::Zero(model.omega.size());
-  for (Eigen::Index n = 0; n < model.omega.size(); ++n)
-    if (model.omega(n) == 0)
-      out.rigid.push_back(n);
-    else
-      flexibility(n) = 1 / (model.omega(n) * model.omega(n));
-  out.S = model.B * flexibility.asDiagonal() * model.B.transpose() + model.R;
-  out.closing = model.static_displacement - model.gap;
-  out.closing += model.B * flexibility.cwiseProduct(model.load);
-  out.B = model.B(Eigen::all, out.rigid);
-  out.f = model.load(out.rigid);
-  return out;
-}
-
-/// Minimises ½ λᵀ S λ − rᵀ λ over λ ≥ 0, repeatedly.
-class Minimiser {
+/// Minimises ½ λᵀ S λ − rᵀ λ over λ ≥ 0, or solves Coulomb's law, repeatedly.
+class ForceSolver {
  public:
-  Minimiser(const Model& model, const EquilibriumOptions& options)
-      : options_(options), area_(model.area), exact_(static_cast<int>(model.gap.size())) {}
+  ForceSolver(const Model& model, const EquilibriumOptions& options)
+      : options_(options),
+        area_(model.area),
+        exact_(static_cast<int>(model.rows()), {}, !model.friction.empty(), options.friction_law) {
+    for (const Model::FrictionPoint& point : model.friction)
+      contacts_.push_back({point.point, point.tangential, point.law.static_coefficient});
+  }
 
   void solve(const MatrixXd& S, const Vector& r, Vector& lambda) {
     if (options_.solver == EquilibriumOptions::Solver::uzawa) return uzawa(S, r, lambda);
     ++iterations_;
-    const SolveStatus status = exact_.solve(S, r, lambda);
+    const SolveStatus status = exact_.solve(S, r, contacts_, lambda);
     if (status == SolveStatus::no_solution)
       throw InputError(
           "contact: no contact forces keep the bodies apart, as there are more contact points than their "
           "modes can move. Set modes.residual_flexibility = true, or fewer candidates (contact.spacing).");
     if (status == SolveStatus::not_finite) throw SolverError("contact: the static problem is not finite");
+    const SolveResidual& residual = exact_.residual();
+    if (status == SolveStatus::limited && residual.violation > inexact * residual.scale)
+      throw SolverError(base::format(
+          "contact: no friction forces found: the best ones violate Coulomb's law by {:.2g}. Lower "
+          "contact.friction, or choose other contact points (contact.spacing).",
+          residual.violation / residual.scale));
   }
 
   std::int64_t iterations() const { return iterations_; }
+  std::span<const ContactState> states() const { return exact_.friction().states(); }
 
  private:
   /// p ← max(0, p̄ + τ (r − S λ̄)), λ = A p, starting from the given λ, with τ = 1/‖A S‖_∞. p̄ extrapolates p
@@ -96,104 +99,182 @@ class Minimiser {
 
   EquilibriumOptions options_;
   Vector area_;
-  ComplementaritySolver exact_;
+  ContactSolver exact_;
+  std::vector<FrictionContact> contacts_;
   std::int64_t iterations_ = 0;
 };
 
-/// Throws InputError unless the minimum of |f_r − B_rᵀ λ|² over λ ≥ 0 is 0.
-void check_held(const Model& model, const Parts& parts) {
-  if (parts.f.isZero(0)) return;
-  ComplementaritySolver solver(static_cast<int>(parts.B.rows()));
-  Vector lambda(parts.B.rows());
-  if (solver.solve(parts.B * parts.B.transpose(), parts.B * parts.f, lambda) == SolveStatus::not_finite)
-    throw SolverError("contact: the static problem is not finite");
-  const Vector left = parts.f - parts.B.transpose() * lambda;
-  const Vector sum = parts.f.cwiseAbs() + parts.B.cwiseAbs().transpose() * lambda;
-  for (const Model::BodyBlock& body : model.bodies) {
-    Vector rest = Vector::Zero(body.modes), magnitude = rest;
-    for (std::size_t k = 0; k < parts.rigid.size(); ++k) {
-      const Eigen::Index n = parts.rigid[k] - body.first_mode;
-      if (n < 0 || n >= body.modes) continue;
-      rest(n) = left(k);
-      magnitude(n) = sum(k);
-    }
-    if (rest.norm() <= held * magnitude.norm()) continue;
-    const Vector3d force = body.momentum * rest;
-    const Vector3d moment = body.angular_momentum * rest - body.centre.cross(force);
-    throw InputError(base::format(
-        "bodies.{}: no contact forces hold it at rest: a force of [{:.4g}, {:.4g}, {:.4g}] N and a moment of "
-        "[{:.4g}, {:.4g}, {:.4g}] N m about its centre stay unbalanced. Place it so that what it touches "
-        "carries it (without friction), turn loads.gravity, or give it a support.",
-        body.name, force.x(), force.y(), force.z(), moment.x(), moment.y(), moment.z()));
+/// The springs that hold the rigid coordinates, and the balance of forces with them.
+class Balance {
+ public:
+  /// @param stalled  imbalance that is accepted if another round does not halve it
+  Balance(const Statics& statics, ForceSolver& solver, double tolerance, double stalled)
+      : statics_(statics),
+        B_(statics.rigid.B),
+        solver_(solver),
+        tolerance_(tolerance),
+        stalled_(stalled),
+        S_(statics.S) {
+    if (B_.cols() == 0) return;
+    D_ = springs(first_spring);
+    S_ += B_ * D_.asDiagonal() * B_.transpose();
   }
-}
 
-/// Flexibility D_n of a spring on each rigid coordinate, such that B_n D_n B_nᵀ has `share` times the norm of
-/// S₀.
-Vector springs(const Parts& parts, double share) {
-  Vector out = Vector::Zero(parts.B.cols());
-  if (parts.B.size() == 0) return out;
-  const double norm = parts.S.cwiseAbs().rowwise().sum().maxCoeff();
-  const double strongest = parts.B.cwiseAbs().maxCoeff();
-  for (Eigen::Index n = 0; n < out.size(); ++n) {
-    const double largest = parts.B.col(n).cwiseAbs().maxCoeff();
-    if (largest > unfelt * strongest) out(n) = share * norm / (largest * parts.B.col(n).cwiseAbs().sum());
-  }
-  return out;
-}
-
-/// Computes λ and the rigid coordinates ρ. Returns the remaining imbalance.
-double balance(const Parts& parts, Minimiser& minimiser, double tolerance, Vector& lambda, Vector& rho) {
-  if (parts.rigid.empty()) {
-    minimiser.solve(parts.S, parts.closing, lambda);
-    return 0;
-  }
-  double share = first_spring, before = 1;
-  Vector D = springs(parts, share);
-  MatrixXd S = parts.S + parts.B * D.asDiagonal() * parts.B.transpose();
-  for (int round = 0; round < most_rounds; ++round) {
-    minimiser.solve(S, parts.closing + parts.B * (rho + D.cwiseProduct(parts.f)), lambda);
-    const Vector left = parts.f - parts.B.transpose() * lambda;
-    const double sum = (parts.f.cwiseAbs() + parts.B.cwiseAbs().transpose() * lambda).maxCoeff();
-    rho += D.cwiseProduct(left);
-    const double imbalance = sum > 0 ? left.cwiseAbs().maxCoeff() / sum : 0;
-    if (imbalance <= tolerance) return imbalance;
-    if (imbalance > before / 4 && share < softest_spring) {
-      S += parts.B * (9 * D).asDiagonal() * parts.B.transpose();
-      D *= 10;
-      share *= 10;
+  /// Computes p and the rigid coordinates ρ, beginning from those given. Returns the remaining imbalance.
+  /// @param r  (n) û − g, and û − w − belt in tangential rows   @param f  (r) f_r
+  double solve(const Vector& r, const Vector& f, Vector& p, Vector& rho) {
+    if (B_.cols() == 0) {
+      solver_.solve(S_, r, p);
+      return 0;
     }
-    before = imbalance;
+    double before = 1;
+    for (int round = 0; round < most_rounds; ++round) {
+      solver_.solve(S_, r + B_ * (rho + D_.cwiseProduct(f)), p);
+      const Vector left = f - B_.transpose() * p;
+      const double sum = (f.cwiseAbs() + B_.cwiseAbs().transpose() * p.cwiseAbs()).maxCoeff();
+      rho += D_.cwiseProduct(left);
+      const double imbalance = sum > 0 ? left.cwiseAbs().maxCoeff() / sum : 0;
+      if (imbalance <= tolerance_ || (imbalance <= stalled_ && imbalance > before / 2)) return imbalance;
+      if (imbalance > before / 4 && share_ < softest_spring) {
+        S_ += B_ * (9 * D_).asDiagonal() * B_.transpose();
+        D_ *= 10;
+        share_ *= 10;
+      }
+      before = imbalance;
+    }
+    throw SolverError(base::format("contact: the bodies' weights stay unbalanced by {:.2g} after {} rounds",
+                                   before, most_rounds));
   }
-  throw SolverError(base::format("contact: the bodies' weights stay unbalanced by {:.2g} after {} rounds",
-                                 before, most_rounds));
+
+ private:
+  /// Flexibility D_n of a spring on each rigid coordinate, such that B_n D_n B_nᵀ has `share` times the norm
+  /// of S₀.
+  Vector springs(double share) const {
+    Vector out = Vector::Zero(B_.cols());
+    if (B_.size() == 0) return out;
+    const double norm = statics_.S.cwiseAbs().rowwise().sum().maxCoeff();
+    const double strongest = B_.cwiseAbs().maxCoeff();
+    for (Eigen::Index n = 0; n < out.size(); ++n) {
+      const double largest = B_.col(n).cwiseAbs().maxCoeff();
+      if (largest > unfelt * strongest) out(n) = share * norm / (largest * B_.col(n).cwiseAbs().sum());
+    }
+    return out;
+  }
+
+  const Statics& statics_;
+  const MatrixXd& B_;
+  ForceSolver& solver_;
+  double tolerance_, stalled_;
+  double share_ = first_spring;
+  Vector D_;
+  MatrixXd S_;  ///< (n,n) S₀ + B_r D B_rᵀ
+};
+
+/// Bodies at rest along the path of their loads.
+class Rest {
+ public:
+  Rest(const Model& model, const EquilibriumOptions& options)
+      : model_(model),
+        statics_(model),
+        solver_(model, options),
+        // λ of Uzawa's iteration is accurate to its tolerance, and a sum over points has no more digits.
+        balance_(
+            statics_, solver_,
+            options.solver == EquilibriumOptions::Solver::exact ? balanced : 100 * options.uzawa_tolerance,
+            model.friction.empty() ? 0 : balanced_by_friction),
+        rho_(Vector::Zero(std::ssize(statics_.rigid.mode))) {
+    now_.q.setZero(model.omega.size());
+    now_.force.setZero(model.rows());
+  }
+
+  void check(const LoadCase& loads) const {
+    check_held(model_, statics_.rigid, loads.load(statics_.rigid.mode));
+  }
+
+  void begin(const LoadCase& loads) { now_.displacement = loads.s; }
+
+  /// Finds the equilibrium under `loads`. @param slip  (n) tangential displacement from which slip counts
+  void settle(const LoadCase& loads, const Vector& slip) {
+    const Eigen::Index m = model_.points();
+    const std::vector<Eigen::Index>& rigid = statics_.rigid.mode;
+    Vector r = loads.s;
+    r.head(m) -= model_.gap;
+    r.tail(r.size() - m) -= slip.tail(r.size() - m);
+    r += model_.B * statics_.flexibility.cwiseProduct(loads.load);
+    now_.time = loads.time;
+    now_.imbalance = balance_.solve(r, loads.load(rigid), now_.force, rho_);
+
+    const Vector f = loads.load - model_.B.transpose() * now_.force;
+    now_.q = (model_.omega.array() > 0).select(f.array() / model_.omega.array().square(), 0.0);
+    now_.q(rigid) = rho_;
+    now_.displacement = model_.B * now_.q + loads.s - model_.R * now_.force;
+  }
+
+  /// An increment from `from` to `to` with slip, and its work.
+  void slide(const LoadCase& from, const LoadCase& to) {
+    const Vector q = now_.q, p = now_.force, u = now_.displacement, belt = to.belt - from.belt;
+    settle(to, u + belt);
+    const Eigen::Index m = model_.points(), t = model_.rows() - m;
+    const Vector mean = 0.5 * (now_.force + p), moved = now_.displacement - u;
+    const auto slip = (moved - belt).tail(t);
+    Energy& energy = now_.energy;
+    energy.loads += 0.5 * (from.load + to.load).dot(now_.q - q) + mean.dot(to.s - from.s) - mean.dot(belt);
+    energy.friction += now_.force.tail(t).dot(slip);
+    energy.contact += mean.head(m).dot(moved.head(m)) - 0.5 * (now_.force - p).tail(t).dot(slip);
+  }
+
+  Equilibrium result() {
+    Equilibrium out = now_;
+    out.iterations = solver_.iterations();
+    out.active = static_cast<int>((out.force.head(model_.points()).array() > 0).count());
+    out.states.assign(solver_.states().begin(), solver_.states().end());
+    out.energy.strain = 0.5 * (model_.omega.array() * out.q.array()).square().sum();
+    out.energy.residual = 0.5 * out.force.dot(model_.R * out.force);
+    return out;
+  }
+
+ private:
+  const Model& model_;
+  Statics statics_;
+  ForceSolver solver_;
+  Balance balance_;
+  Vector rho_;  ///< (r)
+  Equilibrium now_;
+};
+
+void refuse(const Model& model, const EquilibriumOptions& options) {
+  if (!model.friction.empty() && options.solver == EquilibriumOptions::Solver::uzawa)
+    throw InputError(
+        "contact.solver = \"uzawa\": has no friction. Use solver = \"exact\", or leave contact.friction "
+        "out.");
+  if (options.increments < 1)
+    throw InputError(base::format("contact.increments = {}: must be at least 1.", options.increments));
 }
 
 }  // namespace
 
 Equilibrium find_equilibrium(const Model& model, const EquilibriumOptions& options) {
-  const Parts parts = parts_of(model);
-  check_held(model, parts);
-  Minimiser minimiser(model, options);
-  // λ of Uzawa's iteration is accurate to its tolerance, and a sum over points has no more digits.
-  const double tolerance =
-      options.solver == EquilibriumOptions::Solver::exact ? balanced : 100 * options.uzawa_tolerance;
-
-  Equilibrium out;
-  out.force.setZero(model.gap.size());
-  Vector rho = Vector::Zero(parts.f.size());
-  out.imbalance = balance(parts, minimiser, tolerance, out.force, rho);
-  out.iterations = minimiser.iterations();
-  out.active = static_cast<int>((out.force.array() > 0).count());
-
-  const Vector f = model.load - model.B.transpose() * out.force;
-  out.q = (model.omega.array() > 0).select(f.array() / model.omega.array().square(), 0.0);
-  out.q(parts.rigid) = rho;
-  out.displacement = model.B * out.q + model.static_displacement - model.R * out.force;
-  out.energy.strain = 0.5 * (model.omega.array() * out.q.array()).square().sum();
-  out.energy.residual = 0.5 * out.force.dot(model.R * out.force);
-  out.energy.loads = model.load.dot(out.q);
-  return out;
+  refuse(model, options);
+  const std::vector<LoadCase> path = load_path(model);
+  Rest rest(model, options);
+  if (model.friction.empty()) {
+    rest.check(path.back());
+    rest.settle(path.back(), Vector::Zero(model.rows()));
+    Equilibrium out = rest.result();
+    out.energy.loads = path.back().load.dot(out.q);
+    return out;
+  }
+  for (std::size_t k = 1; k < path.size(); ++k) rest.check(path[k]);
+  rest.begin(path.front());
+  for (std::size_t k = 1; k < path.size(); ++k) {
+    LoadCase from = path[k - 1];
+    for (int part = 1; part <= options.increments; ++part) {
+      LoadCase to = between(path[k - 1], path[k], static_cast<double>(part) / options.increments);
+      rest.slide(from, to);
+      from = std::move(to);
+    }
+  }
+  return rest.result();
 }
 
 }  // namespace ricochet::contact

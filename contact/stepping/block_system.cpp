@@ -23,15 +23,24 @@ BlockSystem<T>::BlockSystem(std::shared_ptr<const StepSystem> shared, int steps,
     : plain(std::move(shared)),
       loops(&simd::loops_of<T>(*simd::available().back())),
       length(steps),
-      points(static_cast<int>(plain->gap.size())),
+      points(static_cast<int>(plain->B.rows())),
+      contacts(static_cast<int>(plain->gap.size())),
       modes(simd::padded(plain->omega.size())),
       width(simd::padded(points, simd::point_pad)),
+      gap(Vector::Constant(points, std::numeric_limits<double>::infinity())),
+      tangential(static_cast<std::size_t>(contacts), -1),
+      law(tangential),
       elastic(*plain),
       softness(Vector::Zero(modes)),
       rest(plain->s),
       band(bands),
       yields(!plain->R.isZero(0)) {
   const StepSystem& system = *plain;
+  gap.head(contacts) = system.gap;
+  for (std::size_t f = 0; f < system.friction.size(); ++f) {
+    tangential[system.friction[f].point] = system.friction[f].tangential;
+    law[system.friction[f].point] = static_cast<int>(f);
+  }
   const auto m = static_cast<std::size_t>(points), L = static_cast<std::size_t>(steps);
   const Eigen::Index N = system.omega.size();
   std::vector<int> ascending;  // elastic modes, by frequency

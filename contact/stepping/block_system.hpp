@@ -17,17 +17,22 @@ struct BlockSystem {
 
   std::shared_ptr<const StepSystem> plain;
   const simd::Loops<T>* loops;
-  int length, points;
-  std::size_t modes, width;    ///< padded numbers of modes and of points
-  ModeConstants elastic;       ///< (modes) each; 0 for rigid modes, which are stepped separately
-  std::vector<T> B;            ///< (points, modes); 0 for rigid modes
-  std::vector<T> lag;          ///< (points, L, width) M_d
-  std::vector<T> influence;    ///< (points, width) largest |M_d,ij| over all lags, |R_ij| added to lag 0
-  std::vector<T> flexibility;  ///< (points, width) R + Σ B Bᵀ/ω² of elastic modes
-  std::vector<T> residual;     ///< (points, width) R; empty if R is 0
-  std::vector<T> reach;        ///< (bands, width) (Σ B²/ω²)^½ over the modes of a band
-  Vector softness;             ///< (modes) 1/ω² of elastic modes; 0 for others
-  Vector rest, largest;        ///< (points) s + Σ B f/ω² of elastic modes; largest |flexibility|
+  int length;
+  int points;                   ///< n: a row of a tangent counts as a point that never closes
+  int contacts;                 ///< m: the first rows
+  std::size_t modes, width;     ///< padded numbers of modes and of points
+  Vector gap;                   ///< (points) g; infinite in tangential rows
+  std::vector<int> tangential;  ///< (contacts) first tangential row, or −1
+  std::vector<int> law;         ///< (contacts) entry in the friction of StepSystem, or −1
+  ModeConstants elastic;        ///< (modes) each; 0 for rigid modes, which are stepped separately
+  std::vector<T> B;             ///< (points, modes); 0 for rigid modes
+  std::vector<T> lag;           ///< (points, L, width) M_d
+  std::vector<T> influence;     ///< (points, width) largest |M_d,ij| over all lags, |R_ij| added to lag 0
+  std::vector<T> flexibility;   ///< (points, width) R + Σ B Bᵀ/ω² of elastic modes
+  std::vector<T> residual;      ///< (points, width) R; empty if R is 0
+  std::vector<T> reach;         ///< (bands, width) (Σ B²/ω²)^½ over the modes of a band
+  Vector softness;              ///< (modes) 1/ω² of elastic modes; 0 for others
+  Vector rest, largest;         ///< (points) s + Σ B f/ω² of elastic modes; largest |flexibility|
   std::vector<std::vector<int>> band;  ///< elastic modes of a band
   std::vector<int> rigid;              ///< modes with ω = 0
   Matrix rigid_B;                      ///< (points, rigid)

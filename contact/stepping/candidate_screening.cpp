@@ -23,7 +23,8 @@ double at_least(T sum, std::size_t terms) {
 
 template <class T>
 CandidateScreening<T>::CandidateScreening(const BlockSystem<T>& system) : every_band_(bands) {
-  for (Vector* x : {&margin_, &could_, &spent_, &budget_}) x->setZero(system.points);
+  for (Vector* x : {&margin_, &could_}) x->setZero(system.contacts);
+  for (Vector* x : {&spent_, &budget_}) x->setZero(system.points);
   rigid_at_.setZero(system.length);
   std::iota(every_band_.begin(), every_band_.end(), 0);
   raised_.reserve(system.points);
@@ -40,16 +41,16 @@ void CandidateScreening<T>::start(const BlockSystem<T>& system, std::span<const 
     factor_.push_back(static_cast<T>(budget_(i)));
   }
   combine(system, system.influence, changed);
-  for (int i = 0; i < system.points; ++i) could_(i) = at_least(sum_[i], changed.size());
+  for (int i = 0; i < system.contacts; ++i) could_(i) = at_least(sum_[i], changed.size());
   spent_.setZero();
 }
 
-/// sum_ = Σ_k factor_k row_k of a matrix (·, width)
+/// sum_ = Σ_k factor_k row_k of a matrix (·, width), for the contacts
 template <class T>
 void CandidateScreening<T>::combine(const BlockSystem<T>& system, const std::vector<T>& rows,
                                     std::span<const int> of) noexcept {
-  system.loops->combine(system.width, rows.data(), system.width, of.data(), of.size(), factor_.data(),
-                        sum_.data());
+  system.loops->combine(simd::padded(system.contacts, simd::point_pad), rows.data(), system.width, of.data(),
+                        of.size(), factor_.data(), sum_.data());
 }
 
 /// Under a constant force, the energy of an elastic mode about its rest position never grows, and
@@ -61,10 +62,10 @@ void CandidateScreening<T>::bound_by_energy(const BlockSystem<T>& of, const Moti
   factor_.clear();
   for (int j : pressed) factor_.push_back(static_cast<T>(held_force(j)));
   combine(of, of.flexibility, pressed);
-  const double slack = 2 * held_force.sum() * static_cast<double>(pressed.size() + 2) *
+  const double slack = 2 * held_force.cwiseAbs().sum() * static_cast<double>(pressed.size() + 2) *
                        static_cast<double>(std::numeric_limits<T>::epsilon());
-  for (int i = 0; i < of.points; ++i)
-    margin_(i) = of.plain->gap(i) - of.rest(i) + static_cast<double>(sum_[i]) - slack * of.largest(i);
+  for (int i = 0; i < of.contacts; ++i)
+    margin_(i) = of.gap(i) - of.rest(i) + static_cast<double>(sum_[i]) - slack * of.largest(i);
 
   factor_.clear();
   for (const std::vector<int>& band : of.band) {
@@ -76,7 +77,7 @@ void CandidateScreening<T>::bound_by_energy(const BlockSystem<T>& of, const Moti
     factor_.push_back(static_cast<T>(std::sqrt(energy)));
   }
   combine(of, of.reach, every_band_);
-  for (int i = 0; i < of.points; ++i) {
+  for (int i = 0; i < of.contacts; ++i) {
     margin_(i) -= at_least(sum_[i], bands);
     if (of.rigid.empty()) continue;
     rigid_at_.noalias() = rigid_motion * of.rigid_B.row(i).transpose();
@@ -99,7 +100,7 @@ bool CandidateScreening<T>::raise_budgets(const BlockSystem<T>& system, std::spa
   }
   if (raised_.empty()) return false;
   combine(system, system.influence, raised_);
-  for (int i = 0; i < system.points; ++i) could_(i) += at_least(sum_[i], raised_.size());
+  for (int i = 0; i < system.contacts; ++i) could_(i) += at_least(sum_[i], raised_.size());
   return true;
 }
 

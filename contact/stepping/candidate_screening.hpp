@@ -7,6 +7,9 @@
 // Σ_k δ_kj, where δ_kj is the change of the force at point j in step k, and S_0 includes R. Each point gets a
 // budget for Σ_k δ_kj, derived from its changes in the previous block. If the point exceeds its budget, the
 // budget is raised, and points whose margin no longer suffices must be kept.
+//
+// Forces act on all rows of the system, tangential ones included. Only contacts, the normal rows, have
+// margins.
 #pragma once
 
 #include <Eigen/Dense>
@@ -54,7 +57,7 @@ class CandidateScreening {
  private:
   void combine(const BlockSystem<T>& system, const std::vector<T>& rows, std::span<const int> of) noexcept;
 
-  Vector margin_, could_;  ///< (points) bound on g − u under λ̂; bound on u due to budgeted changes
+  Vector margin_, could_;  ///< (contacts) bound on g − u under λ̂; bound on u due to budgeted changes
   Vector spent_, budget_;  ///< (points) Σ δ in this block; its bound, on which could_ is based
   Vector rigid_at_;        ///< (L) u of a point by rigid motion
   std::vector<int> raised_, every_band_;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The compliant scheme, one step at a time: λ⁺ solves, at the end of the step,
+// The compliant scheme, one step at a time: p⁺, that is λ⁺ and τ⁺, solves at the end of the step
 //
-//   0 ≤ λ⁺ ⟂ S λ⁺ − (û − M h − g) ≥ 0,   û = B q̂ + s with q̂ the motion without contact,   S = a M + R
+//   0 ≤ λ⁺ ⟂ S p⁺ − (û − M h − g) ≥ 0,   û = B q̂ + s with q̂ the motion without contact,   S = a M + R
+//   Coulomb's law for τ⁺ and the slip d = û − M h − S p⁺ − u − belt of the tangential rows
 //
 // and drives the modes by its mean with earlier forces (mean_force.hpp).
 //
@@ -32,8 +33,11 @@ class CompliantStepper final : public Stepper {
   ModalState state_;
   FreeFlight flight_;
   mutable bool u_is_current_ = true;
-  Vector free_u_, rhs_;     ///< (m) û; right side of the problem
-  Vector rest_, rest_end_;  ///< (m) R λ, R λ⁺
+  void record_slip(const FrictionSolver* solver, MeanForce::Trial& trial) noexcept;
+
+  Vector free_u_, rhs_;     ///< (n) û; right side of the problem
+  Vector rest_, rest_end_;  ///< (n) R p, R p⁺
+  std::vector<FrictionContact> contacts_;
   SolveResidual residual_;
 };
 

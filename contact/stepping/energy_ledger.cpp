@@ -12,17 +12,21 @@ void EnergyLedger::Sum::add(double x) noexcept {
 }
 
 bool EnergyLedger::close(const Energy& end, const Work& work) noexcept {
-  if (!std::isfinite(end.kinetic + end.strain + work.contact + end.residual + work.damping + work.forcing))
+  if (!std::isfinite(end.kinetic + end.strain + work.contact + end.residual + work.damping + work.forcing +
+                     work.friction + work.belts))
     return false;
   damping_.add(work.damping);
   forcing_.add(work.forcing);
-  contact_.add(work.contact - (end.residual - energy_.residual));
+  forcing_.add(-work.belts);
+  friction_.add(work.friction);
+  contact_.add(work.contact - work.friction - work.belts - (end.residual - energy_.residual));
   energy_ = {.kinetic = end.kinetic,
              .strain = end.strain,
              .residual = end.residual,
              .loads = end.loads + forcing_.total(),
              .damping = damping_.total(),
-             .contact = contact_.total()};
+             .contact = contact_.total(),
+             .friction = friction_.total()};
   return true;
 }
 

@@ -10,7 +10,11 @@ namespace ricochet::contact {
 struct Work {
   double damping = 0;  ///< ∫ 2δ q̇²
   double forcing = 0;  ///< ∫ f·q̇ of the loads with histories, ∫ Γ (dū/dt) q̈ of the supports
-  double contact = 0;  ///< taken from the bodies by contact
+  double contact = 0;  ///< taken from the bodies by all contact forces
+  // With friction. The ledger then closes only if the forces that drive the modes are those that move the
+  // points.
+  double friction = 0;  ///< τ̄ᵀ d, the heat: part of `contact`
+  double belts = 0;     ///< τ̄ᵀ × displacement of moving half-spaces: part of `contact`, done by them
 };
 
 class EnergyLedger {
@@ -33,7 +37,7 @@ class EnergyLedger {
   };
 
   Energy energy_;
-  Sum damping_, contact_, forcing_;
+  Sum damping_, contact_, friction_, forcing_;
 };
 
 }  // namespace ricochet::contact

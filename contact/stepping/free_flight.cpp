@@ -24,16 +24,17 @@ FreeFlight::FreeFlight(const StepSystem& system, const StepOptions& options)
   std::ranges::sort(elastic_, {}, [&](int n) { return system.omega(n); });
   reach_.setZero(system.gap.size(), bands);
   bow_ = reach_;
-  rest_ = system.s;
+  const Eigen::Index m = system.gap.size();
+  rest_ = system.s.head(m);
   for (int of = 0, k = 0; of < bands; ++of) {
     last_.push_back(static_cast<int>((of + 1) * elastic_.size() / bands));
     for (; k < last_.back(); ++k) {
       const int n = elastic_[k];
-      const Vector square = system.B.col(n).cwiseAbs2();
+      const Vector square = system.B.col(n).head(m).cwiseAbs2();
       const double rate = system.omega(n) + 2 * system.decay(n);
       reach_.col(of) += square / system.stiffness(n);
       bow_.col(of) += square * (rate * rate);
-      rest_ += system.B.col(n) * (system.load(n) / system.stiffness(n));
+      rest_ += system.B.col(n).head(m) * (system.load(n) / system.stiffness(n));
     }
   }
   const double longest = per_sample_ * step_;

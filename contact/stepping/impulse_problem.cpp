@@ -18,7 +18,7 @@ ImpulseProblem::ImpulseProblem(const ModalState& state, const StepOptions& optio
   touching_.reserve(m);
 }
 
-SolveStatus ImpulseProblem::solve(ModalState& state, const Vector& u, ComplementaritySolver& solver,
+SolveStatus ImpulseProblem::solve(ModalState& state, const Vector& u, ContactSolver& solver,
                                   Vector& impulse) noexcept {
   const StepSystem& system = *state.system;
   const ForcedResponse::Interval& now = state.now;

@@ -9,7 +9,7 @@
 
 #include <vector>
 
-#include "contact/complementarity/complementarity.hpp"
+#include "contact/complementarity/contact_solver.hpp"
 #include "contact/stepping/modal_state.hpp"
 
 namespace ricochet::contact {
@@ -23,8 +23,7 @@ class ImpulseProblem {
   ImpulseProblem(const ModalState& state, const StepOptions& options);
 
   /// Solves for P (m) [N s] at the end of the interval state.now, where the displacement is u (m).
-  SolveStatus solve(ModalState& state, const Vector& u, ComplementaritySolver& solver,
-                    Vector& impulse) noexcept;
+  SolveStatus solve(ModalState& state, const Vector& u, ContactSolver& solver, Vector& impulse) noexcept;
 
   /// Points that touched in the last problem, ascending.
   const std::vector<int>& touching() const { return touching_; }

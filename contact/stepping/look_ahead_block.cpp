@@ -31,9 +31,12 @@ LookAheadBlock<T>::LookAheadBlock(std::shared_ptr<const BlockSystem<T>> system, 
   u_.assign(L * width, 0.0);
   changes_.assign(m * L, T(0));
   for (Vector* x : {&held_force_, &held_rest_, &held_push_, &rhs_, &solution_, &mean_, &step_change_, &start_,
-                    &rest_, &ended_})
+                    &rest_, &start_rest_, &in_modes_, &slip_, &ended_})
     x->setZero(system_->points);
-  for (std::vector<char>* x : {&was_kept_, &is_predicted_, &has_changed_, &has_force_}) x->assign(m, 0);
+  for (std::vector<char>* x : {&was_kept_, &is_predicted_, &has_changed_}) x->assign(m, 0);
+  has_force_.assign(static_cast<std::size_t>(system_->contacts), 0);
+  with_friction_.reserve(system_->plain->friction.size());
+  law_.reserve(system_->plain->friction.size());
   position_.assign(m, -1);
   for (std::vector<int>* x : {&pressed_, &predicted_, &kept_, &gathered_, &have_changed_, &changed_})
     x->reserve(m);
@@ -109,7 +112,7 @@ void LookAheadBlock<T>::start(const Vector& q, const Vector& v, const Vector& fo
   }
   have_changed_.clear();
   hold(force);
-  for (int i = 0; i < system_->points; ++i)
+  for (int i = 0; i < system_->contacts; ++i)
     has_force_[i] = force(i) > 0 || mean.end()(i) > 0 || mean.before()(i) > 0 ? 1 : 0;
   std::fill(is_predicted_.begin(), is_predicted_.end(), 0);
   system_->loops->free_motion(modes(), length(), q_.data(), v_.data(), forced_ ? forcing_.data() : nullptr,
@@ -153,10 +156,9 @@ double LookAheadBlock<T>::at_start(int point, const MeanForce& mean) const noexc
 template <class T>
 MeanForce::Trial LookAheadBlock<T>::attempt(Solvers solvers, const MeanForce& mean,
                                             const MeanWeights& weights) noexcept {
-  const bool backward = weights == backward_euler, deep = solvers.limited();
-  ComplementaritySolver& solver = backward ? solvers.backward_euler : solvers.mean;
-  bool& is_new = backward ? is_new_ : is_new_mean_;
+  const bool deep = solvers.limited();
   const int l = taken_ + 1;
+  const FrictionSolver* friction = nullptr;
   MeanForce::Trial out;
   if (!kept_.empty() && !near_.holds()) near_.take(*system_, gathered_);
   do {
@@ -168,19 +170,25 @@ MeanForce::Trial LookAheadBlock<T>::attempt(Solvers solvers, const MeanForce& me
       if (mean_(k) != 0) rest_.head(n) += mean_(k) * near_.M.col(k).head(n);
     bool closed = false;
     for (Eigen::Index k = 0; k < n; ++k) {
-      const double gap = system_->plain->gap(kept_[k]);
-      rhs_(k) = u(k, l) + held_push_(k) - rest_(k) - gap;
-      if (deep) rhs_(k) -= std::max(0.0, (taken_ > 0 ? u(k, taken_) : at_start(kept_[k], mean)) - gap);
+      rhs_(k) = u(k, l) + held_push_(k) - rest_(k);
+      if (kept_[k] >= system_->contacts) {
+        rhs_(k) -= before(k, mean) + solvers.slip->belt()(kept_[k]);
+        continue;
+      }
+      const double gap = system_->gap(kept_[k]);
+      rhs_(k) -= gap;
+      if (deep) rhs_(k) -= std::max(0.0, before(k, mean) - gap);
       closed = closed || !(rhs_(k) < 0);  // NaN included
     }
     residual_ = {};
+    friction = nullptr;
     if (closed) {
-      if (is_new) solver.reset();
-      is_new = false;
-      const Eigen::MatrixXd& S = backward ? near_.S : near_.S_mean;
-      out.status = solver.solve(S.topLeftCorner(n, n), rhs_.head(n), solution_.head(n));
+      const bool backward = weights == backward_euler;
+      out.status = solve(solvers, mean, backward);
       if (out.status != SolveStatus::solved && out.status != SolveStatus::limited) return out;
+      const ContactSolver& solver = backward ? solvers.backward_euler : solvers.mean;
       residual_ = solver.residual();
+      if (!with_friction_.empty()) friction = &solver.friction();
     } else {
       solution_.head(n).setZero();
     }
@@ -190,38 +198,81 @@ MeanForce::Trial LookAheadBlock<T>::attempt(Solvers solvers, const MeanForce& me
       step_change_(k) = std::max(std::abs(mean_(k) - held), std::abs(solution_(k) - held));
     }
   } while (screening_.raise_budgets(*system_, kept_, step_change_) && keep_more(mean));
-  if (mean.is_conserving()) set_energies(mean, out);
+  if (mean.is_conserving() || solvers.slip != nullptr) set_energies(mean, solvers.slip, out);
+  if (solvers.slip != nullptr) record_slip(friction, *solvers.slip, out);
   return out;
 }
 
-/// Computes the energies of a trial. At points with a mean force,
+/// Solves for λ⁺ and τ⁺ of the kept points, with the right side rhs_.
+template <class T>
+SolveStatus LookAheadBlock<T>::solve(const Solvers& solvers, const MeanForce& mean, bool backward) noexcept {
+  const auto n = static_cast<Eigen::Index>(kept_.size());
+  ContactSolver& solver = backward ? solvers.backward_euler : solvers.mean;
+  bool& is_new = backward ? is_new_ : is_new_mean_;
+  if (is_new) solver.reset();
+  is_new = false;
+  for (std::size_t f = 0; f < with_friction_.size(); ++f) {
+    FrictionContact& contact = with_friction_[f];
+    contact.coefficient = solvers.slip->coefficient(system_->plain->friction[law_[f]].law, law_[f],
+                                                    mean.end()(kept_[contact.normal]) > 0,
+                                                    rhs_.segment<2>(contact.tangential).norm());
+  }
+  for (Eigen::Index k = 0; k < n; ++k) solution_(k) = mean.end()(kept_[k]);
+  const Eigen::MatrixXd& S = backward ? near_.S : near_.S_mean;
+  return solver.solve(S.topLeftCorner(n, n), rhs_.head(n), with_friction_, solution_.head(n));
+}
+
+/// Computes the energies of a trial and the slip of all kept tangential rows. At kept points,
 /// u⁺ − u = u_l + S λ̂ − M λ̄ − R λ⁺ − u, where u_l is still that under λ̂.
 template <class T>
-void LookAheadBlock<T>::set_energies(const MeanForce& mean, MeanForce::Trial& trial) noexcept {
+void LookAheadBlock<T>::set_energies(const MeanForce& mean, const Slip* slip,
+                                     MeanForce::Trial& trial) noexcept {
   const auto n = static_cast<Eigen::Index>(kept_.size());
-  for (Eigen::Index k = 0; k < n; ++k) start_(k) = mean.end()(kept_[k]);
-  const auto product = [&](const Eigen::MatrixXd& A, const Vector& x, Eigen::Index row) {
-    return A.col(row).head(n).dot(x.head(n));
-  };
-  trial.opens = (solution_.head(n).array() == 0).all();
+  rest_.head(n).setZero();        // R λ⁺
+  start_rest_.head(n).setZero();  // R λ
+  in_modes_.head(n).setZero();    // M λ̄
   for (Eigen::Index k = 0; k < n; ++k) {
-    const double now = solution_(k), then = start_(k);
-    if (mean_(k) == 0 && then == 0) continue;
-    const double rest = product(near_.R, solution_, k), rest_then = product(near_.R, start_, k);
-    trial.in_residual += now * rest;
-    trial.removed += mean_(k) * (rest - rest_then) - 0.5 * (now * rest - then * rest_then);
-    if (mean_(k) == 0) continue;
-    const double in_modes = product(near_.M, mean_, k);
-    trial.in_modes += mean_(k) * in_modes;
-    const double before = taken_ > 0 ? u(k, taken_) : at_start(kept_[k], mean);
-    trial.removed += mean_(k) * (u(k, taken_ + 1) + held_push_(k) - in_modes - rest - before);
+    start_(k) = mean.end()(kept_[k]);
+    if (system_->yields && solution_(k) != 0) rest_.head(n) += solution_(k) * near_.R.col(k).head(n);
+    if (system_->yields && start_(k) != 0) start_rest_.head(n) += start_(k) * near_.R.col(k).head(n);
+    if (mean_(k) != 0) in_modes_.head(n) += mean_(k) * near_.M.col(k).head(n);
   }
+  trial.opens = (solution_.head(n).array() == 0).all();
+  trial.in_residual = solution_.head(n).dot(rest_.head(n));
+  trial.in_modes = mean_.head(n).dot(in_modes_.head(n));
+  trial.removed = mean_.head(n).dot(rest_.head(n) - start_rest_.head(n)) -
+                  0.5 * (trial.in_residual - start_.head(n).dot(start_rest_.head(n)));
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const bool tangential = kept_[k] >= system_->contacts;
+    if (mean_(k) == 0 && !tangential) continue;
+    double moved = u(k, taken_ + 1) + held_push_(k) - in_modes_(k) - rest_(k) - before(k, mean);
+    if (tangential) {
+      const double belt = slip->belt()(kept_[k]);
+      trial.belts += mean_(k) * belt;
+      slip_(k) = moved -= belt;
+    }
+    trial.removed += mean_(k) * moved;
+  }
+}
+
+/// Records the slip of a trial. @param solver  its solver; null if no contact with friction closed
+template <class T>
+void LookAheadBlock<T>::record_slip(const FrictionSolver* solver, Slip& slip,
+                                    MeanForce::Trial& trial) noexcept {
+  slip.begin_trial();
+  for (std::size_t f = 0; f < with_friction_.size(); ++f) {
+    const FrictionContact& contact = with_friction_[f];
+    trial.heat += slip.record(law_[f], solver != nullptr ? solver->states()[f] : ContactState::open,
+                              &mean_(contact.tangential), &slip_(contact.tangential));
+  }
+  trial.cools = slip.cools();
+  trial.several = solver != nullptr && solver->several();
 }
 
 template <class T>
 SolveStatus LookAheadBlock<T>::step(Solvers solvers, MeanForce& mean, Vector& force, Vector& end) noexcept {
-  const SolveStatus status =
-      mean.solve([&](const MeanWeights& weights) { return attempt(solvers, mean, weights); });
+  trial_ = mean.solve([&](const MeanWeights& weights) { return attempt(solvers, mean, weights); });
+  const SolveStatus status = trial_.status;
   if (status != SolveStatus::solved && status != SolveStatus::limited) return status;
   const int l = taken_ + 1;
   const auto n = static_cast<Eigen::Index>(kept_.size());
@@ -249,8 +300,9 @@ SolveStatus LookAheadBlock<T>::step(Solvers solvers, MeanForce& mean, Vector& fo
   work_ = 0;
   for (Eigen::Index k = 0; k < n; ++k) {
     u(k, l) -= rest_(k);
+    if (kept_[k] >= system_->contacts) continue;
     touching_ += solution_(k) > 0 ? 1 : 0;
-    if (mean_(k) > 0) work_ += mean_(k) * (u(k, l) - (taken_ > 0 ? u(k, taken_) : at_start(kept_[k], mean)));
+    if (mean_(k) > 0) work_ += mean_(k) * (u(k, l) - before(k, mean));
   }
   force.setZero();
   end.setZero();
@@ -335,20 +387,21 @@ void LookAheadBlock<T>::predict(std::span<const int> rows) noexcept {
   system_->loops->displacement(system_->modes, system_->B.data(), rows.data(), rows.size(), x_.data(),
                                length(), predicted_u_.data(), width);
   for (int i : rows) {
+    if (i >= system_->contacts) continue;
     double farthest = predicted_u_[i];
     for (int l = 1; l < length(); ++l) {
       const double u = predicted_u_[l * width + i];
       farthest = u > farthest || u != u ? u : farthest;
     }
-    screening_.set_margin(i, system_->plain->gap(i) - farthest);
+    screening_.set_margin(i, system_->gap(i) - farthest);
   }
 }
 
-/// Predicts the points that must be kept if forces change by `times` their budgets.
+/// Predicts the contacts that must be kept if forces change by `times` their budgets.
 template <class T>
 void LookAheadBlock<T>::predict_kept(double times) noexcept {
   predicted_.clear();
-  for (int i = 0; i < system_->points; ++i)
+  for (int i = 0; i < system_->contacts; ++i)
     if (is_predicted_[i] == 0 && must_keep(i, times)) predicted_.push_back(i);
   predict(predicted_);
 }
@@ -361,11 +414,15 @@ void LookAheadBlock<T>::choose_kept(const MeanForce& mean) noexcept {
     screening_.bound_by_energy(*system_, {q_.data(), v_.data(), load_.data()}, held_force_, pressed_,
                                rigid_motion_);
   predict_kept(1);
-  std::size_t needed = 0, covered = 0;
-  for (int i = 0; i < system_->points; ++i) needed += must_keep(i, 1) ? 1 : 0;
-  for (int i : gathered_) covered += must_keep(i, 1) ? 1 : 0;
+  std::size_t needed = 0, covered = 0, contacts = 0;
+  for (int i = 0; i < system_->contacts; ++i) needed += must_keep(i, 1) ? 1 : 0;
+  for (int i : gathered_) {
+    if (i >= system_->contacts) continue;
+    ++contacts;
+    covered += must_keep(i, 1) ? 1 : 0;
+  }
   // A few surplus points cost less than a new matrix.
-  const bool reuse = needed > 0 && covered == needed && gathered_.size() <= 2 * needed + 8;
+  const bool reuse = needed > 0 && covered == needed && contacts <= 2 * needed + 8;
   for (int i : kept_) position_[i] = -1;
   kept_.clear();
   if (reuse) {
@@ -376,10 +433,27 @@ void LookAheadBlock<T>::choose_kept(const MeanForce& mean) noexcept {
     for (int i : gathered_) keep(i, mean);
   } else if (needed > 0) {
     predict_kept(provision);
-    for (int i = 0; i < system_->points; ++i)
-      if (must_keep(i, provision)) keep(i, mean);
+    keep_contacts(provision, mean);
   }
   if (!kept_.empty()) gather();
+}
+
+/// Keeps the predicted contacts that must be kept if forces change by `times` their budgets, each with its
+/// tangential rows.
+template <class T>
+void LookAheadBlock<T>::keep_contacts(double times, const MeanForce& mean) noexcept {
+  predicted_.clear();
+  for (int i = 0; i < system_->contacts; ++i)
+    if (const int t = system_->tangential[i]; t >= 0 && position_[i] < 0 && must_keep(i, times))
+      for (int row : {t, t + 1})
+        if (is_predicted_[row] == 0) predicted_.push_back(row);
+  if (!predicted_.empty()) predict(predicted_);
+  for (int i = 0; i < system_->contacts; ++i) {
+    if (position_[i] >= 0 || !must_keep(i, times)) continue;
+    keep(i, mean);
+    if (const int t = system_->tangential[i]; t >= 0)
+      for (int row : {t, t + 1}) keep(row, mean);
+  }
 }
 
 /// Adds a predicted point to the kept points. Its u includes all changes of force so far in this block.
@@ -412,6 +486,13 @@ void LookAheadBlock<T>::gather() noexcept {
     is_new_ = is_new_mean_ = true;
   }
   if (!same || !near_.holds()) near_.take(*system_, gathered_);
+  with_friction_.clear();
+  law_.clear();
+  for (std::size_t k = 0; k < kept_.size(); ++k)
+    if (kept_[k] < system_->contacts && system_->law[kept_[k]] >= 0) {
+      with_friction_.push_back({static_cast<int>(k), position_[system_->tangential[kept_[k]]], 0});
+      law_.push_back(system_->law[kept_[k]]);
+    }
   const auto n = static_cast<Eigen::Index>(kept_.size());
   held_push_.head(n).setZero();
   for (Eigen::Index k = 0; k < n; ++k)
@@ -423,14 +504,11 @@ void LookAheadBlock<T>::gather() noexcept {
 template <class T>
 bool LookAheadBlock<T>::keep_more(const MeanForce& mean) noexcept {
   predict_kept(1);
-  bool more = false;
-  for (int i = 0; i < system_->points; ++i)
-    if (position_[i] < 0 && must_keep(i, 1)) {
-      keep(i, mean);
-      more = true;
-    }
-  if (more) gather();
-  return more;
+  const std::size_t before = kept_.size();
+  keep_contacts(1, mean);
+  if (kept_.size() == before) return false;
+  gather();
+  return true;
 }
 
 template class LookAheadBlock<double>;

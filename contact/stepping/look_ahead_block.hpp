@@ -9,6 +9,9 @@
 //
 // The far history thus comes from the modes, and the near history from a convolution. Nothing is
 // approximated. Points that provably stay open are skipped (candidate_screening.hpp).
+//
+// Here a point is a row of the system: a contact, that is, a normal row, or a row along a tangent of a
+// contact with friction. Tangential rows have no gap to close; they are kept with their contact.
 #pragma once
 
 #include <Eigen/Dense>
@@ -16,11 +19,12 @@
 #include <span>
 #include <vector>
 
-#include "contact/complementarity/complementarity.hpp"
+#include "contact/complementarity/contact_solver.hpp"
 #include "contact/stepping/block_system.hpp"
 #include "contact/stepping/candidate_screening.hpp"
 #include "contact/stepping/gathered_system.hpp"
 #include "contact/stepping/mean_force.hpp"
+#include "contact/stepping/slip.hpp"
 
 namespace ricochet::contact {
 
@@ -40,9 +44,10 @@ class LookAheadBlock {
   /// @param mean  the forces at the last instants
   void start(const Vector& q, const Vector& v, const Vector& force, const MeanForce& mean) noexcept;
 
-  /// Solvers of S and S_mean.
+  /// Solvers of S and S_mean; the slip of points with friction, null if there are none.
   struct Solvers {
-    ComplementaritySolver &backward_euler, &mean;
+    ContactSolver &backward_euler, &mean;
+    Slip* slip = nullptr;
     bool limited() const { return backward_euler.statistics().limited + mean.statistics().limited > 0; }
   };
   /// Solves the next step and sets `force` to λ̄ and `end` to λ⁺, (m) each. A step that fails changes nothing.
@@ -64,6 +69,7 @@ class LookAheadBlock {
   bool over() const { return taken_ == system_->length; }
   int touching() const { return touching_; }  ///< number of points with λ > 0 at the end of the last step
   double work() const { return work_; }       ///< λ̄ᵀ (u_l − u_{l−1}) of the last step [J]
+  const MeanForce::Trial& trial() const { return trial_; }     ///< the last step
   const SolveResidual& residual() const { return residual_; }  ///< of the last step
   double energy_in_residual() const noexcept;                  ///< ½ λᵀ R λ of the last step
   /// Number of points that screening kept in the last step.
@@ -73,18 +79,25 @@ class LookAheadBlock {
   /// u of a kept point after step l = 1…L.
   double& u(std::size_t position, int l) { return u_[(l - 1) * system_->width + position]; }
   double at_start(int point, const MeanForce& mean) const noexcept;
+  /// u of a kept point before the current step.
+  double before(Eigen::Index position, const MeanForce& mean) noexcept {
+    return taken_ > 0 ? u(static_cast<std::size_t>(position), taken_) : at_start(kept_[position], mean);
+  }
+  SolveStatus solve(const Solvers& solvers, const MeanForce& mean, bool backward) noexcept;
   MeanForce::Trial attempt(Solvers solvers, const MeanForce& mean, const MeanWeights& weights) noexcept;
-  void set_energies(const MeanForce& mean, MeanForce::Trial& trial) noexcept;
+  void set_energies(const MeanForce& mean, const Slip* slip, MeanForce::Trial& trial) noexcept;
+  void record_slip(const FrictionSolver* solver, Slip& slip, MeanForce::Trial& trial) noexcept;
   void hold(const Vector& force) noexcept;
   void predict_rigid() noexcept;
   void predict(std::span<const int> rows) noexcept;
   void predict_kept(double times) noexcept;
+  void keep_contacts(double times, const MeanForce& mean) noexcept;
   void choose_kept(const MeanForce& mean) noexcept;
   void keep(int point, const MeanForce& mean) noexcept;
   void gather() noexcept;
   bool keep_more(const MeanForce& mean) noexcept;
   void advance_rigid(bool keep_rates, simd::Sums& sums) noexcept;
-  /// Whether a point has a force, or could close if forces change by `times` their budgets.
+  /// Whether a contact has a force, or could close if forces change by `times` their budgets.
   bool must_keep(int i, double times) const { return has_force_[i] != 0 || screening_.could_close(i, times); }
   simd::Modes modes() const;
 
@@ -107,11 +120,14 @@ class LookAheadBlock {
   std::vector<T> changes_;           ///< (points, L) λ̄ − λ̂
   Vector held_force_;                ///< (points) λ̂
   Vector held_rest_;                 ///< (points) R λ̂
-  // By position, (points): S λ̂; right side and solution λ⁺; λ̄; change of the step; λ, R (λ⁺ − λ)
-  Vector held_push_, rhs_, solution_, mean_, step_change_, start_, rest_;
-  Vector ended_;                                             ///< (points) u at the end of the previous block
+  // By position, (points): S λ̂; right side and solution λ⁺; λ̄; change of the step; λ; R λ⁺, R λ, M λ̄
+  Vector held_push_, rhs_, solution_, mean_, step_change_, start_, rest_, start_rest_, in_modes_;
+  Vector slip_;                                 ///< by position: d of tangential rows
+  std::vector<FrictionContact> with_friction_;  ///< kept contacts with friction, by position
+  std::vector<int> law_;                        ///< of these, index in the friction of StepSystem
+  Vector ended_;                                ///< (points) u at the end of the previous block
   std::vector<char> was_kept_, is_predicted_, has_changed_;  ///< (points)
-  std::vector<char> has_force_;  ///< (points) at the start of the block, in λ̂ or at the last two instants
+  std::vector<char> has_force_;  ///< (contacts) at the start of the block, in λ̂ or at the last two instants
   std::vector<int> position_;    ///< (points) position in kept_, or −1
   std::vector<int> gathered_;    ///< the points of near_
   std::vector<int> pressed_, predicted_, kept_, have_changed_;  ///< λ̂ > 0; …; λ̄ ≠ λ̂ in this block
@@ -121,6 +137,7 @@ class LookAheadBlock {
   int touching_ = 0;
   double work_ = 0;
   SolveResidual residual_;
+  MeanForce::Trial trial_;
 };
 
 }  // namespace ricochet::contact

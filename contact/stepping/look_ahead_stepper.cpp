@@ -17,10 +17,9 @@ int length_of(const StepOptions& options, Eigen::Index points) {
 
 template <class T>
 LookAheadStepper<T>::LookAheadStepper(const Model& model, const StepOptions& options)
-    : Stepper(options, model.gap.size(), {.same_matrix = true, .max_pivots = options.max_pivots},
-              conserves(model, options)),
+    : Stepper(options, model),
       state_(model, options),
-      block_(std::make_shared<const BlockSystem<T>>(state_.system, length_of(options, model.gap.size()),
+      block_(std::make_shared<const BlockSystem<T>>(state_.system, length_of(options, model.points()),
                                                     options.step),
              state_.forcing.any()),
       flight_(*state_.system, options),
@@ -42,25 +41,33 @@ StepStatus LookAheadStepper<T>::step() noexcept {
     }
     start_block();
   }
-  const SolveStatus solved = block_.step({solver_, mean_solver_}, contact_.mean, next_force_, next_end_);
+  Slip* const slip = contact_.slip.any() ? &contact_.slip : nullptr;
+  if (slip != nullptr) slip->begin(*state_.system, steps_ + 1);
+  const SolveStatus solved =
+      block_.step({solver_, mean_solver_, slip}, contact_.mean, next_force_, next_end_);
   if (!has_forces(solved)) return failure(solved);
   u_is_current_ = false;
+  const MeanForce::Trial& trial = block_.trial();
+  if (trial.several) ++contact_.ambiguous;
   if (state_.forcing.any()) {
     state_.begin(steps_ + 1);
-    if (!state_.step_under(next_force_, next_end_)) {
+    const Work at_points{
+        .contact = trial.removed + trial.belts + 0.5 * trial.in_residual - state_.energy().residual,
+        .friction = trial.heat,
+        .belts = trial.belts};
+    if (!state_.step_under(next_force_, next_end_, slip != nullptr ? &at_points : nullptr)) {
       block_.take_back();
       return StepStatus::not_finite;
     }
   } else {
     ++pending_;
+    at_points_.contact += trial.removed + trial.belts;
+    at_points_.friction += trial.heat;
+    at_points_.belts += trial.belts;
     if (options_.every_state || block_.over())
       if (const StepStatus status = move_state(); status != StepStatus::ok) return status;
   }
-  contact_.mean.advance(next_end_);
-  contact_.force.swap(next_force_);
-  contact_.active = block_.touching();
-  contact_.persistency = -block_.work() / options_.step;
-  contact_.residual = block_.residual();
+  end_contact(block_.touching(), -block_.work() / options_.step, block_.residual());
   ++steps_;
   if (!options_.every_state && pending_ == 0) known_ = contact_;
   return StepStatus::ok;
@@ -84,11 +91,16 @@ void LookAheadStepper<T>::start_block() noexcept {
 template <class T>
 StepStatus LookAheadStepper<T>::move_state() noexcept {
   const simd::Sums sums = block_.advance(keeps_rates_);
-  const bool finite = state_.ledger.close({.kinetic = sums.kinetic,
-                                           .strain = sums.strain,
-                                           .residual = block_.energy_in_residual(),
-                                           .loads = sums.loads},
-                                          {.damping = sums.damping, .contact = sums.contact});
+  const double residual = block_.energy_in_residual();
+  Work work{.damping = sums.damping, .contact = sums.contact};
+  if (contact_.slip.any()) {
+    work.contact = at_points_.contact + residual - state_.energy().residual;
+    work.friction = at_points_.friction;
+    work.belts = at_points_.belts;
+  }
+  at_points_ = {};
+  const bool finite = state_.ledger.close(
+      {.kinetic = sums.kinetic, .strain = sums.strain, .residual = residual, .loads = sums.loads}, work);
   if (finite) {
     block_.copy_state(state_.q, state_.v);
   } else {

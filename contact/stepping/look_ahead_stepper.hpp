@@ -36,6 +36,7 @@ class LookAheadStepper final : public Stepper {
   bool flew_ = false;  ///< the last step was a free flight
   bool keeps_rates_ = false;
   mutable bool u_is_current_ = true;
+  Work at_points_;   ///< with friction: of the pending steps
   int pending_ = 0;  ///< steps of the block that state_ does not include
   Contact known_;    ///< contact in the last step that state_ includes, for pending steps that fail
 };

@@ -22,6 +22,10 @@
 // Any other step that would overdraw the bank is repeated by backward Euler (λ̄ = λ⁺), in which contact cannot
 // gain energy. Contact has therefore never put energy into the bodies, for any Δ, N, m and masses.
 //
+// With friction, λ stands for all forces p (λ and τ), and u at the tangential rows for the slip. Energy that
+// friction turns into heat enters the bank too, and a step in which the heat of a slip would fall below 0 is
+// made by backward Euler (slip.hpp).
+//
 // When contact begins with a shock that the modes carry, so that R yields little, the mean overshoots. The
 // first two steps are then made by backward Euler, and the history restarts.
 #pragma once
@@ -46,7 +50,11 @@ class MeanForce {
   struct Trial {
     SolveStatus status = SolveStatus::solved;
     bool opens = false;      ///< whether λ⁺ is 0
-    double removed = 0;      ///< energy that contact removes [J]
+    bool cools = false;      ///< whether the heat of a slip falls below 0
+    bool several = false;    ///< whether the forces are known not to be the only solution
+    double removed = 0;      ///< energy that contact and friction remove [J]
+    double heat = 0;         ///< of friction: part of `removed` [J]
+    double belts = 0;        ///< τ̄ᵀ × displacement of moving half-spaces [J]
     double in_residual = 0;  ///< λ⁺ᵀRλ⁺ [J]
     double in_modes = 0;     ///< λ̄ᵀMλ̄ [J]; needed only if contact begins or opens
   };
@@ -59,18 +67,18 @@ class MeanForce {
 
   /// Solves a step. `attempt(weights)` solves it with a mean and returns a Trial; the last attempt counts.
   template <class Attempt>
-  SolveStatus solve(Attempt&& attempt) noexcept {
+  Trial solve(Attempt&& attempt) noexcept {
     const bool mean = conserving_ && !now_.shock;
     next_ = {.weights = mean ? conserving_mean : backward_euler, .restarts = now_.shock, .bank = now_.bank};
     Trial trial = attempt(next_.weights);
     if (mean && usable(trial.status)) {
       next_.shock = next_.restarts = begins() && is_shock(trial);
       if (trial.opens && overdraws(trial)) trial = attempt(next_.weights = reduced(trial));
-      if (next_.shock || overdraws(trial)) trial = attempt(next_.weights = backward_euler);
+      if (next_.shock || trial.cools || overdraws(trial)) trial = attempt(next_.weights = backward_euler);
     }
     next_.bank += trial.removed;
     next_.in_residual = trial.in_residual;
-    return trial.status;
+    return trial;
   }
 
   /// Completes the step that was solved: λ⁺ (m) becomes the force at the last instant.

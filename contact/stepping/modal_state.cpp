@@ -30,13 +30,13 @@ Vector& ModalState::free_motion(const Vector& from_q, const Vector& from_v,
   return dq_;
 }
 
-/// Sets push_ = Bᵀ λ and returns the number of points with λ > 0.
-int ModalState::push(const Vector& lambda) noexcept {
+/// Sets push_ = Bᵀ p and returns the number of rows with a force.
+int ModalState::push(const Vector& force) noexcept {
   int active = 0;
   push_.setZero();
-  for (Eigen::Index i = 0; i < lambda.size(); ++i)
-    if (lambda(i) > 0) {
-      push_ += lambda(i) * system->B.row(i).transpose();
+  for (Eigen::Index i = 0; i < force.size(); ++i)
+    if (force(i) != 0) {
+      push_ += force(i) * system->B.row(i).transpose();
       ++active;
     }
   return active;
@@ -63,7 +63,7 @@ Work ModalState::free_step() noexcept {
   return work();
 }
 
-/// ½ λᵀ R λ
+/// ½ pᵀ R p
 double ModalState::residual_energy(const Vector& force) const noexcept {
   double energy = 0;
   for (Eigen::Index j = 0; j < force.size(); ++j) {
@@ -74,7 +74,7 @@ double ModalState::residual_energy(const Vector& force) const noexcept {
   return energy;
 }
 
-bool ModalState::step_under(const Vector& mean, const Vector& end) noexcept {
+bool ModalState::step_under(const Vector& mean, const Vector& end, const Work* at_points) noexcept {
   const double against_s = mean.dot(now.s - s);
   double contact = against_s;
   if (push(mean) > 0) {
@@ -86,6 +86,11 @@ bool ModalState::step_under(const Vector& mean, const Vector& end) noexcept {
   Work spent = free_step();
   spent.forcing += against_s;
   spent.contact = contact;
+  if (at_points != nullptr) {
+    spent.contact = at_points->contact;
+    spent.friction = at_points->friction;
+    spent.belts = at_points->belts;
+  }
   return commit(spent, residual_energy(end));
 }
 

@@ -26,30 +26,32 @@ struct ModalState {
   Vector& free_motion(const Vector& q, const Vector& v, const ForcedResponse::Interval& over) noexcept;
   /// After `begin`: completes the step without contact.
   Work free_step() noexcept;
-  /// After `begin`: completes the step under a constant λ̄ (m) and commits it. @param end  (m) λ at its end
-  bool step_under(const Vector& mean, const Vector& end) noexcept;
+  /// After `begin`: completes the step under constant forces p̄ (n) and commits it. @param end  (n) p at its
+  /// end
+  /// @param at_points  with friction: work by the motion of the points, instead of that of the modes
+  bool step_under(const Vector& mean, const Vector& end, const Work* at_points = nullptr) noexcept;
   /// Applies impulses at the end of the step: q̇⁺ = q̇⁻ − Bᵀ P. Adds their work to `work` and returns the
   /// number of points with P > 0.
   int strike(const Vector& impulse, Work& work) noexcept;
   /// Makes next_q, next_v the state. Returns false and changes nothing if they are not finite.
   bool commit(const Work& work, double residual) noexcept;
-  /// Computes u = B q + s − R λ (m).
+  /// Computes u = B q + s − R p (n).
   void displacement(const Vector& force, Vector& u) const noexcept;
 
   std::shared_ptr<const StepSystem> system;
   ForcedResponse forcing;
   Vector q, v;  ///< (N) q relative to the lift of moving supports, and q̇
-  Vector s;     ///< (m) s at t_k
+  Vector s;     ///< (n) s at t_k
   EnergyLedger ledger;
   ForcedResponse::Interval now;  ///< the current step, or its last interval
   Vector next_q, next_v;         ///< (N)
 
  private:
-  int push(const Vector& lambda) noexcept;
+  int push(const Vector& force) noexcept;
   Work work() noexcept;
   double residual_energy(const Vector& force) const noexcept;
 
-  Vector g_, dq_, push_;    ///< (N) f − ω²q, q⁺ − q, Bᵀλ
+  Vector g_, dq_, push_;    ///< (N) f − ω²q, q⁺ − q, Bᵀp
   Vector work_q_, work_v_;  ///< (N) scratch of the work of forcing
 };
 

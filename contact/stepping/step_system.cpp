@@ -32,6 +32,10 @@ void check(const Model& model, const StepOptions& o) {
   if (o.scheme == Scheme::at_rest)
     throw InputError("contact.scheme = \"static\": has no steps. Choose \"compliant\" or \"impulse\".");
   if (o.scheme != Scheme::impulse) return;
+  if (!model.friction.empty())
+    throw InputError(
+        "contact.friction: needs contact.scheme = \"compliant\" or \"static\". Choose one, or leave friction "
+        "out.");
   if (!(o.restitution >= 0 && o.restitution <= 1))
     throw InputError(base::format("contact.restitution = {}: must be between 0 and 1.", o.restitution));
   const double highest = model.omega.size() > 0 ? model.omega.maxCoeff() : 0;
@@ -77,7 +81,10 @@ std::shared_ptr<const StepSystem> make_step_system(const Model& model, const Ste
   out.B = model.B;
   out.gap = model.gap;
   out.R = model.R;
-  assert(out.B.rows() == m && out.B.cols() == N && out.R.rows() == m && out.R.cols() == m);
+  out.friction = model.friction;
+  out.belts = model.belts;
+  assert(out.B.rows() == m + 2 * std::ssize(out.friction) && out.B.cols() == N);
+  assert(out.R.rows() == out.B.rows() && out.R.cols() == out.B.rows());
   assert(out.load.size() == N && out.q0.size() == N && model.v0.size() == N && out.decay.size() == N);
   for (Eigen::Index n = 0; n < N; ++n) {
     const double omega = model.omega(n), delta = model.decay(n);

@@ -31,15 +31,19 @@ struct ModeConstants {
 
 /// Constants of a modal system for a step Δ. Modes moved into R have constants and a B of 0.
 struct StepSystem : ModeConstants {
-  Vector omega, decay;     ///< (N)
-  Vector v0;               ///< (N) q̇ at t = 0
-  Matrix B;                ///< (m,N)
-  Vector s, gap;           ///< (m) s of constant loads; g
-  Eigen::MatrixXd R;       ///< (m,m) residual flexibility, including modes moved into it
-  Eigen::MatrixXd M;       ///< (m,m) compliant: B c Bᵀ
-  Eigen::MatrixXd S;       ///< (m,m) compliant: M + R; impulse: A
-  Eigen::MatrixXd S_mean;  ///< (m,m) a M + R of conserving steps; empty if steps are not conserving
-  Vector norm;             ///< (m) |B_i|, of the impulse scheme
+  Vector omega, decay;  ///< (N)
+  Vector v0;            ///< (N) q̇ at t = 0
+  // Rows (n) as in Model: m normal ones, then the tangential ones of points with friction.
+  Matrix B;                ///< (n,N)
+  Vector s;                ///< (n) s of constant loads
+  Vector gap;              ///< (m) g
+  Eigen::MatrixXd R;       ///< (n,n) residual flexibility, including modes moved into it
+  Eigen::MatrixXd M;       ///< (n,n) compliant: B c Bᵀ
+  Eigen::MatrixXd S;       ///< (n,n) compliant: M + R; impulse: A
+  Eigen::MatrixXd S_mean;  ///< (n,n) a M + R of conserving steps; empty if steps are not conserving
+  std::vector<Model::FrictionPoint> friction;
+  std::vector<Model::Belt> belts;
+  Vector norm;  ///< (m) |B_i|, of the impulse scheme
   bool damped = false;
   int dropped = 0;  ///< modes moved into R
 };

@@ -12,40 +12,50 @@ namespace ricochet::contact {
 
 Stepper::Stepper(const StepOptions& options, Eigen::Index points, const SolveOptions& solver, bool conserving)
     : options_(options),
+      points_(points),
       solver_(static_cast<int>(points), solver),
       mean_solver_(conserving ? static_cast<int>(points) : 0, solver),
       contact_{.mean = {points, conserving}} {
   for (Vector* x : {&contact_.force, &u_, &next_force_, &next_end_, &next_u_}) x->setZero(points);
 }
 
-SolveStatistics Stepper::solver() const noexcept {
-  SolveStatistics sum = solver_.statistics();
-  const SolveStatistics& more = mean_solver_.statistics();
-  for (std::int64_t SolveStatistics::*count :
-       {&SolveStatistics::problems, &SolveStatistics::warm_hits, &SolveStatistics::pivots,
-        &SolveStatistics::fallbacks, &SolveStatistics::renewals, &SolveStatistics::limited})
-    sum.*count += more.*count;
-  sum.max_active = std::max(sum.max_active, more.max_active);
-  return sum;
+Stepper::Stepper(const StepOptions& options, const Model& model)
+    : options_(options),
+      points_(model.points()),
+      solver_(static_cast<int>(model.rows()), {.same_matrix = true, .max_pivots = options.max_pivots},
+              !model.friction.empty(), options.friction_law),
+      mean_solver_(static_cast<int>(model.rows()), {.same_matrix = true, .max_pivots = options.max_pivots},
+                   !model.friction.empty(), options.friction_law),
+      contact_{.mean = {model.rows(), conserves(model, options)},
+               .slip = {std::ssize(model.friction), model.rows(), options.step}} {
+  for (Vector* x : {&contact_.force, &u_, &next_force_, &next_end_, &next_u_}) x->setZero(model.rows());
 }
+
+SolveStatistics Stepper::solver() const noexcept { return solver_.statistics() + mean_solver_.statistics(); }
 
 void Stepper::land(int steps) noexcept {
   contact_.force.setZero();
   contact_.active = 0;
   contact_.persistency = 0;
   contact_.residual = {};
+  contact_.slip.clear();
   steps_ += steps;
 }
 
 StepStatus Stepper::complete(int active, double persistency, const SolveResidual& residual) noexcept {
+  end_contact(active, persistency, residual);
+  u_.swap(next_u_);
+  ++steps_;
+  return StepStatus::ok;
+}
+
+void Stepper::end_contact(int active, double persistency, const SolveResidual& residual) noexcept {
   contact_.active = active;
   contact_.persistency = persistency;
   contact_.residual = residual;
   contact_.mean.advance(next_end_);
+  contact_.slip.accept();
   contact_.force.swap(next_force_);
-  u_.swap(next_u_);
-  ++steps_;
-  return StepStatus::ok;
 }
 
 std::unique_ptr<Stepper> make_stepper(const Model& model, const StepOptions& options) {

@@ -5,10 +5,11 @@
 #include <cstdint>
 #include <memory>
 
-#include "contact/complementarity/complementarity.hpp"
+#include "contact/complementarity/contact_solver.hpp"
 #include "contact/model/model.hpp"
 #include "contact/stepping/mean_force.hpp"
 #include "contact/stepping/modal_state.hpp"
+#include "contact/stepping/slip.hpp"
 #include "ricochet/step_options.hpp"
 
 namespace ricochet::contact {
@@ -31,18 +32,22 @@ class Stepper {
   bool at_sample() const { return steps_ % options_.steps_per_sample == 0; }
   double time() const { return static_cast<double>(steps_) * options_.step; }
 
-  /// (m) λ̄_k [N], the mean over (t_{k−1}, t_k] that drives the modes; impulses as P/Δ
+  Eigen::Index points() const { return points_; }  ///< m: the first rows, which are the normal ones
+  /// (n) λ̄_k and τ̄_k [N], the mean over (t_{k−1}, t_k] that drives the modes; impulses as P/Δ
   const Vector& force() const { return contact_.force; }
-  /// (m) λ_k [N] at t_k, to which the residual responds; 0 for impulses
+  /// (n) λ_k and τ_k [N] at t_k, to which the residual responds; 0 for impulses
   const Vector& end_force() const { return contact_.mean.end(); }
   const MeanWeights& weights() const { return contact_.mean.weights(); }  ///< of the mean λ̄_k
-  /// (m) u at t_k, including the residual [m]; while steps are pending, u at the last known state.
+  /// (n) u at t_k, including the residual [m]; while steps are pending, u at the last known state.
   virtual const Vector& displacement() const noexcept { return u_; }
   int active() const { return contact_.active; }  ///< points in contact at t_k
   /// Power through the contact, σ_n u̇_n of equation (16) in the source paper, as the mean over the step [W]:
   /// compliant −λ̄ᵀ(u_k − u_{k−1})/Δ; impulse −Pᵀ(u̇⁻ + u̇⁺)/(2Δ), the velocities just before and after the
   /// impulses.
   double persistency() const { return contact_.persistency; }
+  const Slip& slip() const { return contact_.slip; }  ///< of the points with friction, in the last step
+  /// Steps whose forces are known not to be the only solution (Painlevé).
+  std::int64_t ambiguous_steps() const { return contact_.ambiguous; }
   SolveStatistics solver() const noexcept;
   /// Violation of complementarity by the forces of the last step; 0 unless max_pivots cut the step short.
   /// compliant: u beyond its bound [m]; impulse: remaining approach (1 + e) v̂ − A P [m/s].
@@ -71,14 +76,18 @@ class Stepper {
     int active = 0;
     double persistency = 0;
     SolveResidual residual{};
+    Slip slip{};
+    std::int64_t ambiguous = 0;
   };
 
-  /// @param conserving  whether steps are conserving
+  /// For points without friction. @param conserving  whether steps are conserving
   Stepper(const StepOptions& options, Eigen::Index points, const SolveOptions& solver, bool conserving);
+  /// For compliant steps of a model.
+  Stepper(const StepOptions& options, const Model& model);
   Stepper(const Stepper&) = default;
   Stepper& operator=(const Stepper&) = default;
 
-  ComplementaritySolver& solver_of(const MeanWeights& weights) noexcept {
+  ContactSolver& solver_of(const MeanWeights& weights) noexcept {
     return weights == backward_euler ? solver_ : mean_solver_;
   }
   static bool has_forces(SolveStatus status) noexcept {
@@ -92,13 +101,16 @@ class Stepper {
   void land(int steps) noexcept;
   /// Ends the current step with next_force_, next_end_ and next_u_.
   StepStatus complete(int active, double persistency, const SolveResidual& residual) noexcept;
+  /// Ends the contact of a step with next_force_ and next_end_.
+  void end_contact(int active, double persistency, const SolveResidual& residual) noexcept;
 
   StepOptions options_;
-  ComplementaritySolver solver_, mean_solver_;  ///< of S or A; of S_mean
+  Eigen::Index points_;                 ///< m
+  ContactSolver solver_, mean_solver_;  ///< of S or A; of S_mean
   std::int64_t steps_ = 0;
   Contact contact_;
-  mutable Vector u_;                       ///< (m); a scheme may compute it on demand
-  Vector next_force_, next_end_, next_u_;  ///< (m) of the current step: λ̄, λ⁺ and u⁺
+  mutable Vector u_;                       ///< (n); a scheme may compute it on demand
+  Vector next_force_, next_end_, next_u_;  ///< (n) of the current step: p̄, p⁺ and u⁺
 };
 
 /// Returns the stepper of the scheme in `options`. With `compliant`, steps do not sample modes with ωΔ > π:

@@ -180,7 +180,7 @@ StepStatus TableStepper::step() noexcept {
   SolveStatus status = SolveStatus::solved;
   if (options_.scheme == Scheme::compliant) {
     free_u_ = next_u_ - convolution_.history();
-    status = contact_.mean.solve([this](const MeanWeights& weights) { return attempt(weights); });
+    status = contact_.mean.solve([this](const MeanWeights& weights) { return attempt(weights); }).status;
   } else {
     status = impulses();
   }

@@ -38,7 +38,8 @@ enum {
   RICOCHET_NOT_FINITE = 2,  /* the motion is no longer finite */
   RICOCHET_REFUSED = 3      /* see ricochet_error() */
 };
-enum { RICOCHET_JUMP = 0, RICOCHET_DIFFERENCE = 1 }; /* admittance of the impulse scheme */
+enum { RICOCHET_JUMP = 0, RICOCHET_DIFFERENCE = 1 };    /* admittance of the impulse scheme */
+enum { RICOCHET_COULOMB = 0, RICOCHET_ASSOCIATED = 1 }; /* law of friction */
 
 typedef struct ricochet_kernel ricochet_kernel;
 typedef struct ricochet_scene ricochet_scene;
@@ -71,11 +72,18 @@ int ricochet_scene_half_space(ricochet_scene* scene, const char* name, const dou
 /* direction: a vector; gap, reach: one number [m]. */
 int ricochet_scene_pair(ricochet_scene* scene, const char* a, const char* b, const double* direction,
                         const double* gap, const double* reach);
+/* Coulomb friction of the pair that was added last: its coefficients at rest and in fast sliding, and the
+ * sliding speed of the transition [m/s], which equal coefficients do not need. For scheme "compliant" only. */
+int ricochet_scene_friction(ricochet_scene* scene, double static_coefficient, double dynamic_coefficient,
+                            double stribeck_velocity);
+/* Sets a half-space of the scene in motion along its surface [m/s]. */
+int ricochet_scene_half_space_velocity(ricochet_scene* scene, const char* half_space, const double* velocity);
 /* A receiver of the kernel by name, or, if that is NULL, a candidate by its number. */
 int ricochet_scene_pickup(ricochet_scene* scene, const char* body, const char* receiver, size_t candidate,
                           const double* direction);
 int ricochet_scene_gravity(ricochet_scene* scene, const double* gravity);
 int ricochet_scene_impulse(ricochet_scene* scene, int admittance, double restitution);
+int ricochet_scene_friction_law(ricochet_scene* scene, int law); /* RICOCHET_COULOMB unless set otherwise */
 
 /* Simulations: use each from one thread at a time. Below, only ricochet_simulation_new and _save allocate. */
 typedef struct ricochet_block { /* each may be NULL */
@@ -83,10 +91,11 @@ typedef struct ricochet_block { /* each may be NULL */
   double* total_force;          /* (n) [N] */
   double* force;                /* (n,m) [N] */
   double* displacement;         /* (n,m) [m] */
+  double* tangential_force;     /* (n,m,3) of friction on body b [N] */
 } ricochet_block;
 
 typedef struct ricochet_energy { /* [J] */
-  double kinetic, strain, residual, loads, damping, contact;
+  double kinetic, strain, residual, loads, damping, contact, friction;
 } ricochet_energy;
 
 typedef struct ricochet_point {
@@ -112,6 +121,8 @@ int ricochet_simulation_active(const ricochet_simulation* simulation);     /* po
 /* (m), of the last step; valid until the next step. */
 const double* ricochet_simulation_force(const ricochet_simulation* simulation);        /* [N] */
 const double* ricochet_simulation_displacement(const ricochet_simulation* simulation); /* [m] */
+/* (m,3) of friction on body b [N]; 0 for points without friction. */
+const double* ricochet_simulation_tangential_force(const ricochet_simulation* simulation);
 /* point < m, pickup < p, body in the order of the calls of ricochet_scene_body; not checked. */
 void ricochet_simulation_point(const ricochet_simulation* simulation, size_t point, ricochet_point* out);
 double ricochet_simulation_pickup_velocity(const ricochet_simulation* simulation, size_t pickup);

@@ -55,8 +55,9 @@ struct Body {
 /// Rigid half-space {x : (x − point)·normal ≤ 0}.
 struct HalfSpace {
   std::string name;
-  Vector3 point{};   ///< [m]
-  Vector3 normal{};  ///< outward, of any nonzero length
+  Vector3 point{};     ///< [m]
+  Vector3 normal{};    ///< outward, of any nonzero length
+  Vector3 velocity{};  ///< along its surface [m/s], as of a conveyor belt; felt by pairs with friction only
 };
 
 /// Two surfaces that may touch, by name.
@@ -67,6 +68,10 @@ struct Pair {
   /// Moves body a along the direction until the closest points have this gap [m].
   std::optional<double> gap{};
   std::optional<double> reach{};  ///< drops points whose initial gap is not below this [m]
+  /// Coulomb friction, of the compliant scheme. Kernels must then hold all three components, also of the
+  /// static correction, as those of a scene with contact.friction do. No value, or coefficients of 0:
+  /// frictionless.
+  std::optional<Friction> friction{};
 };
 
 /// An audio channel: the motion of a point of a body along a direction. Unlike a receiver, it has one
@@ -93,6 +98,7 @@ struct Scene {
   /// multiple of rate_hz, and 0 for rate_hz.
   double contact_rate_hz = 0;
   bool single_precision = false;  ///< of the products of the compliant scheme: faster, less exact
+  FrictionLaw friction_law = FrictionLaw::coulomb;  ///< of pairs with friction
 };
 
 struct ContactPoint {
@@ -104,10 +110,11 @@ struct ContactPoint {
 
 /// Output arrays of step_block, with one row per step; null if not requested.
 struct Block {
-  double* velocity = nullptr;      ///< (n,p) of the pickups [m/s]
-  double* total_force = nullptr;   ///< (n) Σ λ_i [N]
-  double* force = nullptr;         ///< (n,m) λ_i [N]
-  double* displacement = nullptr;  ///< (n,m) u_i [m]
+  double* velocity = nullptr;          ///< (n,p) of the pickups [m/s]
+  double* total_force = nullptr;       ///< (n) Σ λ_i [N]
+  double* force = nullptr;             ///< (n,m) λ_i [N]
+  double* displacement = nullptr;      ///< (n,m) u_i [m]
+  double* tangential_force = nullptr;  ///< (n,m,3) of friction on body b or, negated, on a [N]
 };
 
 struct BlockResult {
@@ -142,7 +149,10 @@ class Simulation {
   std::span<const ContactPoint> points() const noexcept;  ///< (m)
   std::span<const double> force() const noexcept;         ///< (m) λ_i ≥ 0 [N], the mean over the last step
   std::span<const double> displacement() const noexcept;  ///< (m) u_i [m]; the gap is now g_i − u_i
-  int active() const noexcept;                            ///< points in contact at the end of the last step
+  /// (m,3) force of friction on body b, and negated on a [N]: the mean over the last step, perpendicular to
+  /// the normal. 0 for points without friction.
+  std::span<const double> tangential_force() const noexcept;
+  int active() const noexcept;  ///< points in contact at the end of the last step
 
   std::size_t pickups() const noexcept;  ///< p
   /// Motion of the modes at the end of the last step, without the static correction.

@@ -38,7 +38,8 @@ void check_steppable(const scene::Scene& scene) {
   if (scene.accuracy) refuse("accuracy", "with settings that error estimates choose");
   if (!scene.loads.tractions.empty()) refuse("loads.traction", "under loads other than gravity");
   if (!scene.loads.points.empty()) refuse("loads.point", "under loads other than gravity");
-  if (!scene.loads.motions.empty()) refuse("loads.motion", "with supports that move");
+  if (!scene.loads.motions.empty())
+    refuse("loads.motion", "with supports that move, or obstacles that follow a history");
 }
 
 Scene scene_of(const scene::Scene& scene, const std::vector<Kernel>& kernels,
@@ -48,11 +49,13 @@ Scene scene_of(const scene::Scene& scene, const std::vector<Kernel>& kernels,
     const scene::Body& body = scene.bodies[k];
     out.bodies.push_back(
         {body.name, kernels.at(k), body.rotate_deg, body.translate, body.velocity, body.angular_velocity});
+    if (kernels[k]->surface.corners() == 1 && scene.contact.rubs(body.name))
+      throw InputError(programs::friction_on_rod(body.name));
   }
   for (const scene::Obstacle& obstacle : scene.obstacles)
-    out.obstacles.push_back({obstacle.name, obstacle.point, obstacle.normal});
+    out.obstacles.push_back({obstacle.name, obstacle.point, obstacle.normal, obstacle.velocity});
   for (const scene::Pair& pair : scene.contact.pairs)
-    out.pairs.push_back({pair.a, pair.b, pair.direction, pair.gap, pair.reach});
+    out.pairs.push_back({pair.a, pair.b, pair.direction, pair.gap, pair.reach, pair.friction});
   out.pickups = pickups;
   out.gravity = scene.loads.gravity;
   out.scheme = scene.contact.scheme;
@@ -62,6 +65,7 @@ Scene scene_of(const scene::Scene& scene, const std::vector<Kernel>& kernels,
   out.rate_hz = scene.time.rate.value;
   if (scene.time.contact_rate) out.contact_rate_hz = scene.time.contact_rate->value;
   out.single_precision = scene.time.precision == Precision::float32;
+  out.friction_law = scene.contact.friction_law;
   return out;
 }
 
@@ -77,9 +81,10 @@ class Stepper {
   /// Makes the steps and writes a row for each into the requested arrays. Throws the error of a step that
   /// fails.
   void step_block(std::int64_t steps, std::optional<Rows>& velocity, std::optional<Rows>& total_force,
-                  std::optional<Rows>& force, std::optional<Rows>& displacement) {
+                  std::optional<Rows>& force, std::optional<Rows>& displacement,
+                  std::optional<Rows>& tangential_force) {
     const auto data = [](std::optional<Rows>& rows) { return rows ? rows->mutable_data() : nullptr; };
-    Block out{data(velocity), data(total_force), data(force), data(displacement)};
+    Block out{data(velocity), data(total_force), data(force), data(displacement), data(tangential_force)};
     const auto points = static_cast<std::int64_t>(simulation_.points().size()),
                pickups = static_cast<std::int64_t>(simulation_.pickups());
     for (std::int64_t made = 0; made < steps; made += longest_block) {
@@ -98,6 +103,7 @@ class Stepper {
       advance(out.total_force, 1);
       advance(out.force, points);
       advance(out.displacement, points);
+      advance(out.tangential_force, 3 * points);
     }
   }
 
@@ -135,6 +141,7 @@ py::dict energy(const Simulation& simulation) {
   out["loads"] = e.loads;
   out["damping"] = e.damping;
   out["contact"] = e.contact;
+  out["friction"] = e.friction;
   out["total"] = e.total();
   return out;
 }
@@ -170,6 +177,11 @@ void bind_simulation(py::module_& module) {
   property("active", [](const Simulation& s) { return s.active(); });
   property("force", [](const Simulation& s) { return copy(s.force()); });
   property("displacement", [](const Simulation& s) { return copy(s.displacement()); });
+  property("tangential_force", [](const Simulation& s) {
+    py::array_t<double> out({length(s.points().size()), length(3)});
+    std::ranges::copy(s.tangential_force(), out.mutable_data());
+    return out;
+  });
   property("point_a", [](const Simulation& s) { return vectors(s, &ContactPoint::a); });
   property("point_b", [](const Simulation& s) { return vectors(s, &ContactPoint::b); });
   property("normal", [](const Simulation& s) { return vectors(s, &ContactPoint::normal); });

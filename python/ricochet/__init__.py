@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Frictionless impact of elastic bodies, from Python: scenes, kernels, impacts, studies and pictures.
+"""Impact of elastic bodies, from Python: scenes, kernels, impacts, studies and pictures.
 
     import ricochet
 

@@ -85,6 +85,7 @@ class Simulation:
         total_force: _Array | None,
         force: _Array | None,
         displacement: _Array | None,
+        tangential_force: _Array | None,
     ) -> None: ...
     def save(self) -> State: ...
     def restore(self, state: State) -> bool: ...
@@ -94,6 +95,7 @@ class Simulation:
     active: int
     force: _Array
     displacement: _Array
+    tangential_force: _Array
     point_a: _Array
     point_b: _Array
     normal: _Array

@@ -8,6 +8,7 @@ import json
 import os
 import tomllib
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -100,6 +101,24 @@ class ReceiverMotion(_Data):
         return self._vector("point")
 
 
+#: values of `Result.state`
+OPEN, STICK, SLIP = 0, 1, 2
+
+
+@dataclass(frozen=True)
+class FrictionFigures:
+    """The figures of friction in the summary of a run."""
+
+    #: heat of friction, relative to the energy when contact started; None if bodies at rest had no energy
+    energy_lost: float | None
+    #: impulse of friction: for each pair the magnitude of its vector, summed over the pairs [N s]
+    impulse: float
+    #: longest path that a pressed point slipped [m]
+    max_slip: float
+    #: number of steps whose forces are known not to be the only solution
+    ambiguous_steps: int
+
+
 class Result(_Data):
     """The result of an impact. Each array is read on first use.
 
@@ -174,12 +193,75 @@ class Result(_Data):
     @cached_property
     def total_force(self) -> Floats:
         """(K) Σ λ [N], the mean over the time since the previous row; 0 where nothing touches"""
-        out = np.zeros(len(self.time))
+        return self._over_time(self.force.sum(axis=1))
+
+    def _over_time(self, values: Floats) -> Floats:
+        """Converts contact rows (k,…) to rows of state (K,…): the mean since the previous row."""
+        out = np.zeros((len(self.time), *values.shape[1:]))
         rows = np.searchsorted(self.time, self.contact_time - 1e-6 * min(self.contact_step, 1))
         spacing = float(np.min(np.diff(self.time), initial=np.inf))
         per_row = max(1, round(spacing / self.contact_step)) if np.isfinite(spacing) else 1
-        np.add.at(out, rows, self.force.sum(axis=1) / per_row)
+        np.add.at(out, rows, values / per_row)
         return out
+
+    @cached_property
+    def has_friction(self) -> bool:
+        """Whether a pair has friction, so that `tangential_force`, `tangential_displacement` and `state`
+        exist."""
+        return self._file.has("/contact/state")
+
+    def _of_friction(self, name: str, *more: int) -> Floats:
+        """Reads a dataset with a row for each contact row and point."""
+        if not self.has_friction:
+            raise InputError(
+                f"{self.path}: this run has no friction, and hence no {name}. Set contact.friction in the scene."
+            )
+        return self._read(f"contact/{name}", len(self.contact_time), len(self.initial_gap), *more)
+
+    @cached_property
+    def tangential_force(self) -> Floats:
+        """(k,m,3) force of friction on the second body of the pair [N], constant over the step that ends at
+        the time of the row. The first body feels the opposite. 0 at points without friction. Raises
+        InputError if no pair has friction."""
+        return self._of_friction("tangential_force", 3)
+
+    @cached_property
+    def tangential_displacement(self) -> Floats:
+        """(k,m,3) displacement of the first body relative to the second one along the contact [m], at the
+        time of the row and without the motion of moving obstacles. 0 at points without friction. Raises
+        InputError if no pair has friction."""
+        return self._of_friction("tangential_displacement", 3)
+
+    @cached_property
+    def state(self) -> NDArray[np.int8]:
+        """(k,m) `OPEN` (0), `STICK` (1) or `SLIP` (2), at the time of the row; 0 at points without friction.
+        Raises InputError if no pair has friction."""
+        found = self._of_friction("state")
+        if not np.isin(found, (OPEN, STICK, SLIP)).all():
+            raise InputError(
+                f'{self.path}: dataset "contact/state" holds values other than 0, 1 and 2. Compute it again.'
+            )
+        return found.astype(np.int8)
+
+    @cached_property
+    def total_tangential_force(self) -> Floats:
+        """(K,3) Σ τ, the force of friction on the second bodies [N], the mean over the time since the
+        previous row; 0 where nothing touches. Raises InputError if no pair has friction."""
+        return self._over_time(self.tangential_force.sum(axis=1))
+
+    @property
+    def friction(self) -> FrictionFigures | None:
+        """The figures of friction in the summary; None without friction and for bodies at rest."""
+        impulse, slip = (self.summary.get(key) for key in ("friction_impulse_ns", "max_slip_m"))
+        if impulse is None or slip is None:
+            return None
+        lost = self.summary.get("energy_lost_friction")
+        return FrictionFigures(
+            energy_lost=None if lost is None else float(lost),
+            impulse=float(impulse),
+            max_slip=float(slip),
+            ambiguous_steps=int(self.summary.get("ambiguous_steps") or 0),  # null if nothing touched
+        )
 
     @cached_property
     def gap(self) -> Floats:
@@ -235,13 +317,26 @@ class Result(_Data):
 
     @cached_property
     def energy(self) -> dict[str, Floats]:
-        """(K) each [J]: `kinetic`, `strain`, `residual` (of the static response), `loads` (their work so
-        far), `damping` and `contact` (lost so far), and `total` = kinetic + strain + residual − loads. Empty
-        for table kernels.
+        """(K) each [J]: `kinetic`, `strain`, `residual` (of the static response), `loads` (work so far of
+        loads, supports and moving obstacles), `damping` and `contact` (lost so far), `friction` (its heat so
+        far), and `total` = kinetic + strain + residual − loads. Empty for table kernels.
         """
         if not self._file.has("/energy/total"):
             return {}
-        return {name: self._read(f"energy/{name}", len(self.time)) for name in _TERMS}
+        out = {name: self._read(f"energy/{name}", len(self.time)) for name in _TERMS if name != "friction"}
+        written = self.has_friction or self._file.has("/energy/friction")  # not in files of older versions
+        out["friction"] = (
+            self._read("energy/friction", len(self.time)) if written else np.zeros(len(self.time))
+        )
+        return out
+
+    @cached_property
+    def ledger(self) -> Floats:
+        """(K) total + damping + contact + friction [J], which stays constant to round-off in a run; for
+        bodies at rest no ledger is kept. Raises InputError for table kernels."""
+        if not self.energy:
+            raise InputError(f"{self.path}: runs with table kernels keep no energy ledger.")
+        return np.asarray(sum(self.energy[name] for name in ("total", "damping", "contact", "friction")))
 
     @cached_property
     def snapshots(self) -> dict[str, Floats]:
@@ -354,7 +449,7 @@ class SweepResult:
 
 
 #: datasets of the energy ledger
-_TERMS = ("kinetic", "strain", "residual", "loads", "damping", "contact", "total")
+_TERMS = ("kinetic", "strain", "residual", "loads", "damping", "contact", "friction", "total")
 
 #: main figures: key in the summary, name and unit
 _FIGURES = (
@@ -364,6 +459,10 @@ _FIGURES = (
     ("impulse_ns", "impulse", " N s"),
     ("restitution", "restitution", ""),
     ("energy_lost_contact", "energy lost to contact", " of the energy before"),
+    ("energy_lost_friction", "heat of friction", " of the energy before"),
+    ("friction_impulse_ns", "impulse of friction", " N s"),
+    ("max_slip_m", "longest slip", " m"),
+    ("ambiguous_steps", "steps with several solutions", ""),
     ("energy_drift", "energy drift", ""),
     ("max_penetration_m", "deepest penetration", " m"),
     ("candidates", "contact points", ""),

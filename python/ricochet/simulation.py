@@ -39,11 +39,12 @@ class Block:
     total_force: Floats  #: (n) Σ λ over each step [N]
     force: Floats | None  #: (n,m) λ [N], if requested
     displacement: Floats | None  #: (n,m) u [m], if requested; the gap is initial_gap − u
+    tangential_force: Floats | None = None  #: (n,m,3) of friction on the second body [N], if requested
 
 
 @dataclass(frozen=True)
 class Energy:
-    """Energy ledger [J]: total + damping + contact stays constant to round-off."""
+    """Energy ledger [J]: total + damping + contact + friction stays constant to round-off."""
 
     kinetic: float
     strain: float
@@ -52,6 +53,7 @@ class Energy:
     damping: float  #: lost so far
     contact: float  #: lost so far
     total: float  #: kinetic + strain + residual − loads
+    friction: float = 0.0  #: heat of friction so far
 
 
 class State:
@@ -111,12 +113,15 @@ class Simulation:
         the motion becomes infinite or undefined. A step that fails changes nothing."""
         self._core.step()
 
-    def step_block(self, steps: int, *, force: bool = False, displacement: bool = False) -> Block:
+    def step_block(
+        self, steps: int, *, force: bool = False, displacement: bool = False, tangential_force: bool = False
+    ) -> Block:
         """Makes many steps. They equal, to the last bit, those of `step` in a loop, but are much faster.
         Other threads can run meanwhile, and Ctrl-C ends the block. If a step fails, raises the same errors as
         `step`.
 
-        force, displacement: whether to return those of each point as well. Displacements slow the steps down.
+        force, displacement, tangential_force: whether to return those of each point as well. Displacements slow
+        the steps down.
         """
         if steps < 0:
             raise ValueError(f"steps = {steps}: must not be negative")
@@ -126,8 +131,16 @@ class Simulation:
             np.empty(steps),
             np.empty((steps, points)) if force else None,
             np.empty((steps, points)) if displacement else None,
+            np.empty((steps, points, 3)) if tangential_force else None,
         )
-        self._core.step_block(steps, block.velocity, block.total_force, block.force, block.displacement)
+        self._core.step_block(
+            steps,
+            block.velocity,
+            block.total_force,
+            block.force,
+            block.displacement,
+            block.tangential_force,
+        )
         return block
 
     def save(self) -> State:
@@ -146,6 +159,11 @@ class Simulation:
     time: float = of_core("time", "[s]")
     force: Floats = of_core("force", "(m) λ ≥ 0 over the last step [N]")
     displacement: Floats = of_core("displacement", "(m) u [m]")
+    tangential_force: Floats = of_core(
+        "tangential_force",
+        "(m,3) force of friction on the second body of the pair, the mean over the last step [N]; 0 for points"
+        " without friction",
+    )
 
     @property
     def gap(self) -> Floats:

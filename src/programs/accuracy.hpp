@@ -50,7 +50,7 @@ std::optional<CoarserMesh> read_coarser(const scene::Scene& scene, const scene::
 /// The parts from which a model is built, and its variants for error estimates.
 struct Prepared {
   contact::Placement placement;
-  std::vector<contact::ForcingRequest> forcing;
+  Driven forcing;
 };
 
 /// Chooses the settings of steps that a closed scene leaves open.

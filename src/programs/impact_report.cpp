@@ -47,6 +47,10 @@ std::string report(const contact::Summary& s) {
     if (s.restitution) line("restitution", fmt::format("{:.6g}", *s.restitution));
     if (s.energy_lost_contact)
       line("energy to contact", fmt::format("{:.3g} %", 100 * *s.energy_lost_contact));
+    if (s.energy_lost_friction)
+      line("energy to friction", fmt::format("{:.3g} %", 100 * *s.energy_lost_friction));
+    if (s.friction_impulse_ns) line("friction impulse", fmt::format("{:.6g} N s", *s.friction_impulse_ns));
+    if (s.max_slip_m) line("longest slip", fmt::format("{:.6g} m", *s.max_slip_m));
   }
   if (s.error_estimate) line("error estimate", contact::formatted(*s.error_estimate));
   if (s.energy_drift) line("energy drift", fmt::format("{:.2g}", *s.energy_drift));
@@ -70,6 +74,9 @@ std::string report(const contact::EquilibriumSummary& s, const scene::Scene& sce
                 : fmt::format("{:.6g} N on {} points, {:.4g} m^2, at most {:.4g} Pa; approach {:.6g} m\n",
                               pair.force_n, pair.contact_points, pair.contact_area_m2, pair.peak_pressure_pa,
                               pair.approach_m);
+    if (pair.friction_n)
+      text += fmt::format("  friction {:.6g} N, {} points stick, {} slip\n", *pair.friction_n,
+                          *pair.sticking_points, *pair.slipping_points);
   }
   if (s.error_estimate)
     text += fmt::format("error estimate      {}\n", contact::formatted(*s.error_estimate));

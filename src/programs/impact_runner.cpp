@@ -86,8 +86,10 @@ contact::EquilibriumSummary rest(const Impact& impact, console::Console& console
   using Solver = contact::EquilibriumOptions::Solver;
   const Solver solver = impact.scene.contact.solver == scene::Solver::uzawa ? Solver::uzawa : Solver::exact;
   console.begin("equilibrium");
-  const contact::Equilibrium equilibrium =
-      in_scene(impact.scene, [&] { return contact::find_equilibrium(*impact.model, {.solver = solver}); });
+  const contact::Equilibrium equilibrium = in_scene(impact.scene, [&] {
+    return contact::find_equilibrium(*impact.model,
+                                     {.solver = solver, .friction_law = impact.scene.contact.friction_law});
+  });
   console.end(fmt::format("{} iterations", equilibrium.iterations));
   observer.at_rest(impact, equilibrium);
   return contact::summarise(*impact.model, equilibrium);
@@ -162,6 +164,12 @@ ImpactResult run_impact(ImpactRequest request, KernelStore& store, console::Cons
       },
       summary);
   if (auto* const figures = std::get_if<contact::Summary>(&summary)) add_warnings(impact.scene, *figures);
+  std::visit(
+      [&](auto& figures) {
+        for (std::string& warning : motions_without_friction(impact.scene))
+          figures.warnings.push_back(std::move(warning));
+      },
+      summary);
   return {std::move(data), std::move(summary)};
 }
 

@@ -38,9 +38,10 @@ std::string lost_energy(const scene::Scene& scene, const contact::Summary& summa
   const double most = std::max(lost_share, scene.accuracy.value_or(0));
   if (!(summary.energy_lost_contact.value_or(0) > most)) return "";
   return fmt::format(
-      "contact removed {:.3g} % of the energy (above {:g} %), which elastic bodies without friction keep: "
+      "contact removed {:.3g} % of the energy (above {:g} %), which elastic bodies {}: "
       "rebound and vibration are too weak. {}",
       100 * *summary.energy_lost_contact, 100 * most,
+      summary.energy_lost_friction ? "keep but for the heat of friction" : "without friction keep",
       scene.modes.residual_flexibility
           ? scene.accuracy ? "Raise time.rate_hz, or leave it out" : "Raise time.rate_hz, or set accuracy"
           : "Set modes.residual_flexibility = true, or raise the number of modes and time.rate_hz");
@@ -58,7 +59,31 @@ std::string impossible_restitution(const contact::Summary& summary) {
               "property of the impact");
 }
 
+std::string several_solutions(const contact::Summary& summary) {
+  const std::int64_t steps = summary.ambiguous_steps.value_or(0);
+  if (steps == 0) return "";
+  return fmt::format(
+      "{} of {} contact steps had more than one solution (friction too large for this contact, Painlevé): "
+      "their forces are one of several. Lower contact.friction, or compare with contact.friction_law = "
+      "\"associated\", which has one solution",
+      steps, summary.contact_steps);
+}
+
 }  // namespace
+
+std::vector<std::string> motions_without_friction(const scene::Scene& scene) {
+  std::vector<std::string> out;
+  for (const scene::Obstacle& obstacle : scene.obstacles) {
+    const bool driven = std::ranges::count(scene.loads.motions, obstacle.name, &scene::Forcing::obstacle) > 0;
+    if ((obstacle.velocity == Vector3{} && !driven) || scene.contact.rubs(obstacle.name)) continue;
+    out.push_back(
+        fmt::format("obstacles.{} moves along its surface, which has no effect without friction: give "
+                    "contact.friction, or "
+                    "leave {} out",
+                    obstacle.name, driven ? "its motion" : "velocity"));
+  }
+  return out;
+}
 
 void add_warnings(const scene::Scene& scene, contact::Summary& summary) {
   const auto add = [&](std::string warning) {
@@ -68,6 +93,7 @@ void add_warnings(const scene::Scene& scene, contact::Summary& summary) {
   if (scene.contact.scheme == Scheme::compliant && scene.contact.kernel == scene::ContactKernel::modes) {
     add(too_few_steps(scene, summary));
     add(lost_energy(scene, summary));
+    add(several_solutions(summary));
   }
   add(impossible_restitution(summary));
 }

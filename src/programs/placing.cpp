@@ -43,7 +43,7 @@ std::vector<contact::HalfSpace> half_spaces(const scene::Scene& scene) {
 std::vector<contact::PairRequest> pair_requests(const scene::Scene& scene) {
   std::vector<contact::PairRequest> pairs;
   for (const scene::Pair& pair : scene.contact.pairs) {
-    contact::PairRequest request{pair.a, pair.b, {}, pair.gap, pair.reach, pair.zone};
+    contact::PairRequest request{pair.a, pair.b, {}, pair.gap, pair.reach, pair.zone, pair.friction};
     if (pair.direction) request.direction = vector(*pair.direction);
     pairs.push_back(request);
   }
@@ -59,27 +59,58 @@ contact::Placement with_kernels(contact::Placement placement, const KernelPointe
   return placement;
 }
 
-std::vector<contact::ForcingRequest> forcing_of(const scene::Scene& scene) {
-  std::vector<contact::ForcingRequest> out;
+namespace {
+
+/// Time up to which obstacles keep their velocity [s]: longer than any run.
+constexpr double forever = 1e9;
+
+void refuse_rods(const scene::Scene& scene, const contact::Placement& placement) {
+  for (const contact::PlacedBody& body : placement.bodies)
+    if (body.kernel->surface.corners() == 1 && scene.contact.rubs(body.name))
+      throw InputError(friction_on_rod(body.name));
+}
+
+}  // namespace
+
+std::string friction_on_rod(const std::string& body) {
+  return fmt::format(
+      "contact.friction: bodies.{} is a rod, which moves along its axis alone, so that nothing rubs: leave "
+      "friction out of its pairs, or give a solid mesh",
+      body);
+}
+
+Driven forcing_of(const scene::Scene& scene) {
+  Driven out;
   const auto add = [&](const std::vector<scene::Forcing>& all, bool support) {
     for (const scene::Forcing& driven : all) {
+      if (!driven.obstacle.empty()) continue;
       contact::ForcingRequest request{
           driven.body, support ? driven.group : driven.name, support, vector(driven.vector), {}};
       // Without a file, the load has always acted.
       request.history =
           driven.history.empty() ? contact::History{{-1.0}, {1.0}} : contact::read_history(driven.history);
-      out.push_back(std::move(request));
+      out.forcing.push_back(std::move(request));
     }
   };
   add(scene.loads.tractions, false);
   add(scene.loads.points, false);
   add(scene.loads.motions, true);
+  for (const scene::Obstacle& obstacle : scene.obstacles)
+    if (obstacle.velocity != Vector3{} && scene.contact.scheme != Scheme::at_rest)
+      out.belts.push_back({obstacle.name, vector(obstacle.velocity), {{0, forever}, {0, forever}}});
+  for (const scene::Forcing& driven : scene.loads.motions)
+    if (!driven.obstacle.empty())
+      out.belts.push_back({driven.obstacle, vector(driven.vector), contact::read_history(driven.history)});
   return out;
 }
 
 contact::Model model_of(const scene::Scene& scene, const contact::Placement& placement,
-                        const std::vector<contact::ForcingRequest>& forcing) {
-  return contact::build_model(placement, vector(scene.loads.gravity), forcing);
+                        const Driven& driven) {
+  refuse_rods(scene, placement);
+  contact::Model model = contact::build_model(placement, vector(scene.loads.gravity), driven.forcing);
+  for (const BeltRequest& belt : driven.belts)
+    contact::add_belt(model, belt.obstacle, belt.vector, belt.history);
+  return model;
 }
 
 bool is_limited(const scene::Scene& scene, const scene::Body& body) {

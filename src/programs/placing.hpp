@@ -39,13 +39,29 @@ contact::Placement place(const scene::Scene& scene, const KernelPointers& kernel
 /// Returns the placement with other kernels of the same surfaces.
 contact::Placement with_kernels(contact::Placement placement, const KernelPointers& kernels);
 
-/// Loads and moving supports with their histories. Throws InputError if a history cannot be read.
-std::vector<contact::ForcingRequest> forcing_of(const scene::Scene& scene);
+/// An obstacle that moves along its surface: `vector` times a history.
+struct BeltRequest {
+  std::string obstacle;
+  Eigen::Vector3d vector;  ///< [m]
+  contact::History history;
+};
+
+/// Everything in a scene that follows a history.
+struct Driven {
+  std::vector<contact::ForcingRequest> forcing;  ///< loads and moving supports
+  std::vector<BeltRequest> belts;
+};
+
+/// Loads, moving supports and moving obstacles with their histories. At rest, obstacles have no velocity.
+/// Throws InputError if a history cannot be read.
+Driven forcing_of(const scene::Scene& scene);
 
 /// Builds the model of placed bodies under the scene's loads. Throws InputError in the same cases as
-/// contact::build_model.
-contact::Model model_of(const scene::Scene& scene, const contact::Placement& placement,
-                        const std::vector<contact::ForcingRequest>& forcing);
+/// contact::build_model and contact::add_belt, and if a rod has friction.
+contact::Model model_of(const scene::Scene& scene, const contact::Placement& placement, const Driven& driven);
+
+/// The complaint about friction on a rod.
+std::string friction_on_rod(const std::string& body);
 
 /// Whether every pair of the body has a reach or a zone, so that its kernel may omit candidates.
 bool is_limited(const scene::Scene& scene, const scene::Body& body);

@@ -48,7 +48,9 @@ constexpr std::size_t most_placements = 4;
 }  // namespace
 
 contact::Placement PlacementStore::place(const scene::Scene& scene, const KernelPointers& kernels) {
-  Key key{{}, half_spaces(scene), pair_requests(scene)};
+  const std::vector<contact::PairRequest> pairs = pair_requests(scene);
+  Key key{{}, half_spaces(scene), pairs};
+  for (contact::PairRequest& pair : key.pairs) pair.friction.reset();  // pairing does not depend on it
   const std::vector<contact::PlacedBody> bodies = placed_bodies(scene, kernels);
   for (const contact::PlacedBody& body : bodies)
     key.bodies.push_back({body.name, body.kernel->surface.components, body.kernel->surface.direction,
@@ -64,6 +66,7 @@ contact::Placement PlacementStore::place(const scene::Scene& scene, const Kernel
     out.bodies[k].velocity = bodies[k].velocity;
     out.bodies[k].angular_velocity = bodies[k].angular_velocity;
   }
+  for (std::size_t k = 0; k < pairs.size(); ++k) out.pairs[k].request.friction = pairs[k].friction;
   return out;
 }
 

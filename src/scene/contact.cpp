@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "src/scene/contact.hpp"
 
+#include <algorithm>
+
 #include "src/scene/near_miss.hpp"
 #include "src/scene/table.hpp"
 
@@ -15,8 +17,50 @@ std::vector<std::string> names_of(const Scene& scene) {
   return names;
 }
 
+/// Reads [contact.friction] or [contact.pair.friction].
+Friction read_coefficients(Table& table) {
+  Friction friction;
+  friction.static_coefficient = table.required_number("static");
+  const auto dynamic = table.number("dynamic"), stribeck = table.number("stribeck_velocity");
+  friction.dynamic_coefficient = dynamic.value_or(friction.static_coefficient);
+  if (stribeck && !dynamic)
+    table.complain("dynamic",
+                   "is missing: stribeck_velocity leads from static to dynamic: give it, or leave both out");
+  if (!stribeck && friction.dynamic_coefficient != friction.static_coefficient)
+    table.complain("stribeck_velocity",
+                   fmt::format("is missing: give the sliding speed in m/s at which friction passes from "
+                               "static = {:g} to dynamic = {:g}",
+                               friction.static_coefficient, friction.dynamic_coefficient));
+  friction.stribeck_velocity = stribeck.value_or(0);
+  table.refuse_unread();
+  return friction;
+}
+
+/// Reads `friction` of one pair; if it is missing, `pair` keeps its own.
+/// @param contact  with scheme, solver and kernel
+void read_friction(Table& table, const Contact& contact, Pair& pair) {
+  const toml::node* given = table.raw().get("friction");
+  if (given == nullptr) return;
+  if (given->is_table()) {
+    auto inner = table.table("friction", friction_keys);
+    pair.friction = read_coefficients(*inner);
+  } else if (const auto both = table.number("friction")) {
+    pair.friction = {*both, *both, 0};
+  }
+  if (pair.friction->static_coefficient == 0 && pair.friction->dynamic_coefficient == 0)
+    pair.friction.reset();
+  if (!pair.friction) return;
+  const auto refuse = [&](const char* with, const char* instead) {
+    table.complain("friction",
+                   fmt::format("is not possible with {}: set {}, or leave friction out", with, instead));
+  };
+  if (contact.scheme == Scheme::impulse) refuse("scheme = \"impulse\"", "scheme = \"compliant\"");
+  if (contact.kernel == ContactKernel::table) refuse("kernel = \"table\"", "kernel = \"modes\"");
+  if (contact.solver == Solver::uzawa) refuse("solver = \"uzawa\"", "solver = \"exact\"");
+}
+
 /// Reads the keys of one pair; missing keys keep their values in `pair`.
-void read_pair(Table& table, const Scene& scene, Pair& pair) {
+void read_pair(Table& table, const Scene& scene, const Contact& contact, Pair& pair) {
   const auto names = table.texts("between");
   if (!names.empty()) {
     if (names.size() != 2)
@@ -30,6 +74,7 @@ void read_pair(Table& table, const Scene& scene, Pair& pair) {
   for (const auto& [key, target] : {std::pair{"spacing", &pair.spacing}, std::pair{"reach", &pair.reach},
                                     std::pair{"zone", &pair.zone}, std::pair{"gap", &pair.gap}})
     if (const auto given = table.number(key)) *target = given;
+  read_friction(table, contact, pair);
   if (names.empty()) return;
   if (pair.a == pair.b) table.complain("between", "must name two different bodies");
   for (const std::string& name : names)
@@ -88,6 +133,17 @@ void read_scheme(Table& table, Contact& contact) {
   contact.solver = solver.value_or("exact") == "exact" ? Solver::exact : Solver::uzawa;
 }
 
+/// @param has_friction  whether a pair gives its friction
+void read_law(Table& table, bool has_friction, Contact& contact) {
+  const auto law = table.text("friction_law");
+  if (law && !has_friction)
+    table.complain("friction_law", "needs friction: add it, as in friction = 0.3, or leave this key out");
+  // Without friction, no law applies.
+  if (law == "associated" &&
+      std::ranges::any_of(contact.pairs, [](const Pair& pair) { return pair.friction.has_value(); }))
+    contact.friction_law = FrictionLaw::associated;
+}
+
 }  // namespace
 
 Contact read_contact(Table& root, const Scene& scene) {
@@ -100,23 +156,27 @@ Contact read_contact(Table& root, const Scene& scene) {
     for (const Key& key : pair_keys.keys)
       if (table.raw().contains(key.name))
         table.complain(key.name, "is replaced by contact.table: leave one of them out");
+    read_law(table, false, contact);
     table.refuse_unread();
     return contact;
   }
   Pair shared;
-  read_pair(table, scene, shared);
+  read_pair(table, scene, contact, shared);
+  bool has_friction = table.raw().contains("friction");
   for (Table& entry : table.array("pair", pair_keys)) {
     Pair pair = shared;
-    read_pair(entry, scene, pair);
+    read_pair(entry, scene, contact, pair);
+    has_friction = has_friction || entry.raw().contains("friction");
     entry.refuse_unread();
     if (pair.a.empty()) entry.complain("between", "is missing: name the two that may touch");
     contact.pairs.push_back(body_first(scene, pair));
   }
-  table.refuse_unread();
   if (contact.pairs.empty()) {
     if (shared.a.empty()) table.complain("between", "is missing: name the two that may touch");
     contact.pairs.push_back(body_first(scene, shared));
   }
+  read_law(table, has_friction, contact);
+  table.refuse_unread();
   return contact;
 }
 

@@ -125,6 +125,12 @@ std::string table(const Key& key, const std::string& dotted, const toml::node& g
   return fmt::format("must be a table: write {} = {}", dotted.substr(dotted.rfind('.') + 1), inside);
 }
 
+std::string number_or_table(const Key& key, const std::string& dotted, const toml::node& given) {
+  const std::string must = number(key, given);
+  if (must != "must be a number") return must;
+  return fmt::format("{} or a table: write {} = {}", must, dotted.substr(dotted.rfind('.') + 1), key.example);
+}
+
 }  // namespace
 
 std::string expected(const Key& key, const std::string& dotted, const toml::node& given) {
@@ -150,6 +156,8 @@ std::string expected(const Key& key, const std::string& dotted, const toml::node
     case Type::numbers:
     case Type::strings:
       return table(key, dotted, given);
+    case Type::number_or_table:
+      return number_or_table(key, dotted, given);
     case Type::tables:
       return fmt::format("must be an array of tables, [[{}]]{}", dotted,
                          given.is_table() ? ", with two brackets" : "");

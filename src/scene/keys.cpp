@@ -211,7 +211,10 @@ const Section obstacle_keys{
     "[obstacles.NAME]",
     "A rigid half-space, which can replace one of the two bodies of a pair.",
     {{"point", Type::vector, "m", shown(Obstacle{}.point), any(), "a point of its surface"},
-     {"normal", Type::direction, "", required, any(), "outward normal of the obstacle"}}};
+     {"normal", Type::direction, "", required, any(), "outward normal of the obstacle"},
+     {"velocity", Type::vector, "m/s", shown(Obstacle{}.velocity), any(),
+      "velocity along its surface, in world axes, like that of a conveyor belt; a component along the normal "
+      "is refused. It acts through `friction` only, and not with `scheme = \"static\"`"}}};
 
 const Section modes_keys{
     "[modes]",
@@ -275,7 +278,25 @@ const Section pair_keys{
      {"zone", Type::number, "m", std::string(none) + ", or chosen by `accuracy`", above("0"),
       "drops the pairs of points whose initial gap exceeds that of the closest pair by this distance or "
       "more, "
-      "as `reach` does, wherever the bodies start"}}};
+      "as `reach` does, wherever the bodies start"},
+     {"friction", Type::number_or_table, "1", none, from_to("0", "10", ": most dry surfaces have 0.1 to 1"),
+      "Coulomb friction: its coefficient, or `[contact.friction]` with its parts. 0: frictionless. Needs "
+      "`scheme = \"compliant\"` or `\"static\"` and `kernel = \"modes\"`. Not on rods, which move along "
+      "their "
+      "axis alone",
+      "{ static = 0.4, dynamic = 0.3, stribeck_velocity = 0.01 }"}}};
+
+const Section friction_keys{
+    "[contact.friction]",
+    "Friction that changes with the sliding speed v of a point: dynamic + (static − dynamic) · exp(−(v / "
+    "stribeck_velocity)²). In a `[[contact.pair]]`: `friction = { static = …, dynamic = …, "
+    "stribeck_velocity = … }`.",
+    {{"static", Type::number, "1", required, from_to("0", "10", ": most dry surfaces have 0.1 to 1"),
+      "coefficient of points that stick"},
+     {"dynamic", Type::number, "1", "that of `static`",
+      from_to("0", "10", ": most dry surfaces have 0.1 to 1"), "coefficient of points that slide fast"},
+     {"stribeck_velocity", Type::number, "m/s", none, above("0"),
+      "sliding speed of the transition; required if `dynamic` differs from `static`, otherwise unused"}}};
 
 const Section contact_keys =
     joined({"[contact]",
@@ -305,7 +326,11 @@ const Section contact_keys =
               "file of sampled kernels, for `kernel = \"table\"` only. It replaces bodies, modes, pairs "
               "and loads, which must not be given"},
              {"solver", Type::text, "", shown("exact"), one_of({"exact", "uzawa"}),
-              "`static` only. `uzawa`: iteration on the pressures, for comparison"},
+              "`static` only. `uzawa`: iteration on the pressures, for comparison; without friction"},
+             {"friction_law", Type::text, "", shown("coulomb"), one_of({"coulomb", "associated"}),
+              "with `friction` only. `\"coulomb\"`: points slide along the surface. `\"associated\"`: points "
+              "that slide also separate, by the coefficient times the slip, as in older methods; for "
+              "comparison"},
              {"pair", Type::tables, "", none, any(), "`[[contact.pair]]`, several pairs"}}},
            pair_keys);
 
@@ -353,12 +378,19 @@ const Section point_keys{
 
 const Section motion_keys{
     "[[loads.motion]]",
-    "The displacement of a support.",
-    {body_of_source(),
-     {"group", Type::text, "", required, any(), "one of the body's supports"},
-     vector_of_source("m", "displacement, in world axes, along components that the support holds"),
+    "The displacement of a support, or of an obstacle along its surface. Motions of an obstacle and its "
+    "`velocity` add up.",
+    {{"body", Type::text, "", "– without `obstacle`", any(), "name of a body"},
+     {"group", Type::text, "", "– without `obstacle`", any(), "one of the body's supports"},
+     {"obstacle", Type::text, "", none, any(),
+      "name of an obstacle, in place of `body` and `group`. Its motion acts through `friction` only, and "
+      "needs "
+      "a `history`"},
+     vector_of_source("m",
+                      "displacement, in world axes, along components that the support holds, or along the "
+                      "surface of the obstacle"),
      history_of_source(),
-     name_of_source("the group")}};
+     name_of_source("the group, or the obstacle")}};
 
 const Section output_keys{
     "[output]",
@@ -386,9 +418,9 @@ const Section receiver_keys{"[[output.receiver]]",
                              place_of_source("the point")}};
 
 std::vector<const Section*> all_sections() {
-  return {&scene_keys, &body_keys,    &refine_keys, &material_keys, &damping_keys, &obstacle_keys,
-          &modes_keys, &contact_keys, &pair_keys,   &time_keys,     &loads_keys,   &traction_keys,
-          &point_keys, &motion_keys,  &output_keys, &receiver_keys};
+  return {&scene_keys,    &body_keys,    &refine_keys, &material_keys, &damping_keys, &obstacle_keys,
+          &modes_keys,    &contact_keys, &pair_keys,   &friction_keys, &time_keys,    &loads_keys,
+          &traction_keys, &point_keys,   &motion_keys, &output_keys,   &receiver_keys};
 }
 
 }  // namespace ricochet::scene

@@ -22,6 +22,7 @@ enum class Type {
   vector,     ///< three numbers
   direction,  ///< three numbers, not all 0
   table,
+  number_or_table,
   tables,   ///< an array of tables
   numbers,  ///< numbers under names that the user chooses
   strings,  ///< strings under names that the user chooses
@@ -50,8 +51,8 @@ struct Section {
 };
 
 extern const Section scene_keys, body_keys, refine_keys, material_keys, damping_keys, obstacle_keys,
-    modes_keys, contact_keys, pair_keys, time_keys, loads_keys, traction_keys, point_keys, motion_keys,
-    output_keys, receiver_keys;
+    modes_keys, contact_keys, pair_keys, friction_keys, time_keys, loads_keys, traction_keys, point_keys,
+    motion_keys, output_keys, receiver_keys;
 
 /// All sections, in the order of the reference.
 std::vector<const Section*> all_sections();

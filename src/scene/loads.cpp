@@ -56,10 +56,35 @@ void check_motion(Table& table, const Body& body, const Forcing& motion) {
   }
 }
 
+/// Reads the names of `motion`, the motion of an obstacle, and checks that it is along its surface.
+void read_obstacle(Table& table, const Scene& scene, Forcing& motion) {
+  const Obstacle* obstacle = scene.find_obstacle(motion.obstacle);
+  if (obstacle == nullptr) {
+    std::vector<std::string> names;
+    for (const Obstacle& one : scene.obstacles) names.push_back(one.name);
+    table.complain("obstacle", "there is no obstacle \"" + motion.obstacle + '"' +
+                                   existing_names(motion.obstacle, names));
+  }
+  for (const char* key : {"body", "group"})
+    if (table.raw().contains(key))
+      table.complain(key, "belongs to the motion of a support: leave it out, or leave obstacle out");
+  motion.name = table.text("name").value_or(motion.obstacle);
+  motion.vector = table.required("vector", table.vector("vector"), "[x, y, z] in m, world axes");
+  if (const double along = along_normal(*obstacle, motion.vector); along != 0)
+    table.complain("vector", fmt::format("has the component {:.6g} m along the normal of obstacles.{}: an "
+                                         "obstacle moves along its surface; leave this component out",
+                                         along, motion.obstacle));
+  if (!table.raw().contains("history"))
+    table.complain("history",
+                   "is missing: without it the obstacle does not move: give a CSV of times [s] "
+                   "and factors, or obstacles." +
+                       motion.obstacle + ".velocity");
+}
+
 enum class Kind { traction, point, motion };
 
-Forcing read_driven(Table& table, Kind kind, std::size_t number, const Scene& scene) {
-  Forcing driven;
+/// Reads body, place, name and vector of a load or of the motion of a support.
+void read_source(Table& table, Kind kind, std::size_t number, const Scene& scene, Forcing& driven) {
   driven.body = read_body(table, scene);
   if (kind == Kind::point)
     driven.at = table.required("at", table.vector("at"), "where the force acts, [x, y, z] in world axes");
@@ -74,6 +99,15 @@ Forcing read_driven(Table& table, Kind kind, std::size_t number, const Scene& sc
                                  : kind == Kind::point  ? "[x, y, z] in N, world axes"
                                                         : "[x, y, z] in m, world axes");
   if (kind == Kind::motion) check_motion(table, *scene.find_body(driven.body), driven);
+}
+
+Forcing read_driven(Table& table, Kind kind, std::size_t number, const Scene& scene) {
+  Forcing driven;
+  if (kind == Kind::motion) driven.obstacle = table.text("obstacle").value_or("");
+  if (kind == Kind::motion && table.raw().contains("obstacle"))
+    read_obstacle(table, scene, driven);
+  else
+    read_source(table, kind, number, scene, driven);
   if (const auto history = table.text("history")) {
     driven.history = (scene.file.parent_path() / *history).lexically_normal();
     if (!std::filesystem::is_regular_file(driven.history))
@@ -85,10 +119,11 @@ Forcing read_driven(Table& table, Kind kind, std::size_t number, const Scene& sc
 
 void refuse_second(const Table& table, const std::vector<Forcing>& before, const Forcing& driven) {
   for (const Forcing& other : before)
-    if (other.body == driven.body && other.name == driven.name)
-      table.complain("name",
-                     fmt::format("bodies.{} has a load or motion \"{}\" already: give each its own name",
-                                 driven.body, driven.name));
+    if (other.body == driven.body && other.obstacle == driven.obstacle && other.name == driven.name)
+      table.complain("name", fmt::format("{} has a load or motion \"{}\" already: give each its own name",
+                                         driven.obstacle.empty() ? "bodies." + driven.body
+                                                                 : "obstacles." + driven.obstacle,
+                                         driven.name));
 }
 
 void move_to_frame(const Body& body, Vector3& at) {

@@ -59,7 +59,7 @@ std::string singular(std::string word) {
 }
 
 /// Words of the field, of formulas and of other programs, each with the key that has its meaning here.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 40> synonyms{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 47> synonyms{
     {{"e", "young"},
      {"elasticity", "young"},
      {"elasticmodulus", "young"},
@@ -99,7 +99,14 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 40> synonyms
      {"distance", "gap"},
      {"g", "gravity"},
      {"force", "vector"},
-     {"pressure", "vector"}}};
+     {"pressure", "vector"},
+     {"mu", "friction"},
+     {"mu", "static"},
+     {"mus", "static"},
+     {"muk", "dynamic"},
+     {"mud", "dynamic"},
+     {"kinetic", "dynamic"},
+     {"sliding", "dynamic"}}};
 
 /// The key that `word` stands for, or null: the same letters, another number or unit, or a synonym.
 const Key* same_meaning(const Section& section, const std::string& word) {
@@ -118,7 +125,9 @@ std::string sections_with(const std::string& name, bool is_table) {
   std::vector<std::string> titles;
   for (const Section* section : all_sections()) {
     const Key* key = section->find(name);
-    if (key == nullptr || (is_table && key->type != Type::table && key->type != Type::strings)) continue;
+    const bool takes_table = key != nullptr && (key->type == Type::table || key->type == Type::strings ||
+                                                key->type == Type::number_or_table);
+    if (key == nullptr || (is_table && !takes_table)) continue;
     const bool top = section->title.front() != '[';
     if (key->type == Type::table && top)
       titles.push_back(fmt::format("[{}]", name));

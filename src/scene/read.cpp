@@ -28,9 +28,14 @@ void read_bodies(Table& root, Scene& scene) {
   for (auto& [name, table] : bodies)
     scene.bodies.push_back(read_body(name, table, names, scene.file.parent_path()));
   for (auto& [name, table] : root.named("obstacles", obstacle_keys)) {
-    Obstacle obstacle{name, table.vector("point").value_or(Vector3{}), {}};
+    Obstacle obstacle{name, table.vector("point").value_or(Vector3{}), {}, {}};
     obstacle.normal = table.required("normal", table.direction("normal"),
                                      "the direction out of the obstacle, for example [0, 0, 1]");
+    obstacle.velocity = table.vector("velocity").value_or(Vector3{});
+    if (const double along = along_normal(obstacle, obstacle.velocity); along != 0)
+      table.complain("velocity", fmt::format("has the component {:.6g} m/s along the normal: an obstacle "
+                                             "moves along its surface; leave this component out",
+                                             along));
     table.refuse_unread();
     if (scene.find_body(name) != nullptr) table.complain("", "a body has this name already");
     scene.obstacles.push_back(obstacle);
@@ -154,7 +159,7 @@ void refuse_what_does_not_go(Table& root, const Scene& scene) {
   if (!table && scene.contact.scheme != Scheme::at_rest) return;
   const char* with = table ? "contact.kernel = \"table\"" : "contact.scheme = \"static\"";
   const Loads& loads = scene.loads;
-  if (!loads.tractions.empty() || !loads.points.empty() || !loads.motions.empty())
+  if (table && (!loads.tractions.empty() || !loads.points.empty() || !loads.motions.empty()))
     root.complain("loads", fmt::format("{} allows gravity only: leave the other loads out", with));
   if (!scene.output.receivers.empty())
     root.complain("output.receiver", fmt::format("{} allows none: leave it out", with));

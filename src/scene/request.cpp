@@ -101,8 +101,10 @@ KernelRequest kernel_request(const Scene& scene, const Body& body, MeshHashes* k
       request.direction = direction;
       request.along = along;
       request.spacing = pair.spacing;
+      request.friction = pair.friction.has_value();
       continue;
     }
+    request.friction = request.friction || pair.friction;
     if (along != request.along || pair.spacing != request.spacing)
       throw InputError(
           fmt::format("{}: contact: two pairs require different patches (along, spacing) of bodies.{}: a "
@@ -110,6 +112,7 @@ KernelRequest kernel_request(const Scene& scene, const Body& body, MeshHashes* k
                       file, body.name));
     if (direction != request.direction) request.direction.reset();
   }
+  if (request.friction) request.direction.reset();  // friction acts along the other two components
   if (known != nullptr && known->contains(body.mesh)) {
     request.mesh_sha256 = known->at(body.mesh);
   } else {
@@ -124,7 +127,7 @@ KernelRequest kernel_request(const Scene& scene, const Body& body, MeshHashes* k
 
 bool may_be_normal(const KernelRequest& request) {
   return request.modes.residual_flexibility && !request.modes.all_components && !request.direction &&
-         !request.body.contact.empty();
+         !request.friction && !request.body.contact.empty();
 }
 
 void seal(KernelRequest& request) {

@@ -10,7 +10,8 @@ namespace ricochet::scene {
 struct KernelRequest {
   Body body;  ///< without placement and velocity
   Modes modes;
-  std::optional<Vector3> direction;  ///< set only if every pair of the body gives the same one
+  /// Set only if every pair of the body gives the same one, and none has friction.
+  std::optional<Vector3> direction;
   std::optional<Vector3> along;
   std::optional<double> spacing;
   /// Candidates that the kernel keeps, as indices into those of the whole surface; no value: all.
@@ -22,6 +23,9 @@ struct KernelRequest {
   /// True if the static correction is held along the normals of the candidates alone. A scene decides this
   /// with its placement, like `points`.
   bool normal_residual = false;
+  /// Whether a pair of the body has friction. The kernel then holds all components. Not part of the hash: it
+  /// is the same kernel as that of a frictionless scene that needs all components.
+  bool friction = false;
   bool view = false;
   std::vector<Forcing> tractions, point_forces,
       motions;                      ///< of this body; vector and history empty, `at` in its frame

@@ -24,6 +24,10 @@ const Obstacle* Scene::find_obstacle(const std::string& name) const {
   return found == obstacles.end() ? nullptr : &*found;
 }
 
+bool Contact::rubs(const std::string& name) const {
+  return std::ranges::any_of(pairs, [&](const Pair& pair) { return pair.friction && pair.names(name); });
+}
+
 std::string slug(const std::string& title) {
   std::string result;
   for (char c : title) {
@@ -46,6 +50,13 @@ Vector3 in_body(const Body& body, const Vector3& world) {
   for (std::size_t k = 0; k < 3; ++k)
     for (std::size_t j = 0; j < 3; ++j) own[k] += rotation[3 * j + k] * world[j];
   return own;
+}
+
+double along_normal(const Obstacle& obstacle, const Vector3& vector) {
+  double along = 0;
+  for (std::size_t k = 0; k < 3; ++k) along += obstacle.normal[k] * vector[k];
+  // 1e-9: above the round-off of directions that a scene gives with ten digits
+  return std::abs(along) > 1e-9 * std::hypot(vector[0], vector[1], vector[2]) ? along : 0;
 }
 
 }  // namespace ricochet::scene

@@ -66,7 +66,8 @@ struct Body {
 struct Obstacle {
   std::string name;
   Vector3 point{};
-  Vector3 normal{};  ///< unit vector, pointing out of the obstacle
+  Vector3 normal{};    ///< unit vector, pointing out of the obstacle
+  Vector3 velocity{};  ///< along its surface [m/s]; felt only with friction
   bool operator==(const Obstacle&) const = default;
 };
 
@@ -97,12 +98,13 @@ struct Modes {
 /// A contact pair. `a` is a body; `b` is a body or an obstacle.
 struct Pair {
   std::string a, b;
-  std::optional<Vector3> direction;  ///< unit vector, pointing out of a
-  std::optional<Vector3> along;      ///< unit vector
-  std::optional<double> spacing;     ///< [m]
-  std::optional<double> gap;         ///< [m]
-  std::optional<double> reach;       ///< [m]
-  std::optional<double> zone;        ///< [m]
+  std::optional<Vector3> direction;    ///< unit vector, pointing out of a
+  std::optional<Vector3> along;        ///< unit vector
+  std::optional<double> spacing;       ///< [m]
+  std::optional<double> gap;           ///< [m]
+  std::optional<double> reach;         ///< [m]
+  std::optional<double> zone;          ///< [m]
+  std::optional<Friction> friction{};  ///< no value: frictionless; never with both coefficients 0
   bool names(const std::string& body) const { return a == body || b == body; }
   bool operator==(const Pair&) const = default;
 };
@@ -122,11 +124,14 @@ struct Contact {
   Instant instant = Instant::step;                    ///< impulse scheme only
   double restitution = 0;                             ///< impulse scheme only, in [0, 1]
   Solver solver = Solver::exact;                      ///< scheme "static" only
+  FrictionLaw friction_law = FrictionLaw::coulomb;    ///< of pairs with friction
   std::optional<int> max_pivots;  ///< bound on the work of a step, at least 1; no value: unbounded
   std::vector<Pair> pairs;        ///< [contact] itself, or each [[contact.pair]]
   bool operator==(const Contact&) const = default;
   /// Whether contact steps have a rate of their own, beside that of the output.
   bool has_contact_rate() const { return scheme == Scheme::compliant && kernel == ContactKernel::modes; }
+  /// Whether a pair with friction names this body or obstacle.
+  bool rubs(const std::string& name) const;
 };
 
 /// Largest number of contact steps per output sample.
@@ -148,16 +153,18 @@ struct Time {
   bool operator==(const Time&) const = default;
 };
 
-/// A force on a surface or at a point, or the displacement of a support: `vector` times a piecewise linear
-/// history. The history is a CSV of t [s] and a factor, which is 0 before the first row and keeps its last
-/// value after the last row. Without a history, the factor is always 1: a dead load.
+/// A force on a surface or at a point, or the displacement of a support or obstacle: `vector` times a
+/// piecewise linear history. The history is a CSV of t [s] and a factor, which is 0 before the first row and
+/// keeps its last value after the last row. Without a history, the factor is always 1: a dead load.
 struct Forcing {
-  std::string name;  ///< unique within a body; default: the group, or "point <number in the scene>"
-  std::string body;
+  /// Unique within a body or obstacle; default: the group, "point <number in the scene>", or the obstacle.
+  std::string name;
+  std::string body;   ///< empty for the motion of an obstacle
   std::string group;  ///< traction: physical surface; motion: support of the body
   Vector3 at{};       ///< point force: point of application in world axes, bodies as placed by the scene [m]
   Vector3 vector{};   ///< in world axes: [Pa], [N] or [m]
   std::filesystem::path history{};  ///< resolved against the scene's folder; empty: constant
+  std::string obstacle{};           ///< motion: an obstacle that moves along its surface, in place of a body
   bool operator==(const Forcing&) const = default;
 };
 
@@ -221,5 +228,8 @@ std::array<double, 9> rotation_of(const Body& body);
 
 /// Components of a world vector along the axes of the body.
 Vector3 in_body(const Body& body, const Vector3& world);
+
+/// The component of a vector along the normal of the obstacle; exactly 0 if it is round-off.
+double along_normal(const Obstacle& obstacle, const Vector3& vector);
 
 }  // namespace ricochet::scene

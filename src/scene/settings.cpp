@@ -51,7 +51,8 @@ std::filesystem::path settings_path(const std::filesystem::path& folder, const S
     data += fmt::format("{} {} {}\n", request.hash, body.order_open, body.size_open);
   }
   for (const Pair& pair : scene.contact.pairs)
-    data += fmt::format("{} {} {} {}\n", pair.a, pair.b, pair.reach.value_or(0), pair.zone.value_or(0));
+    data += fmt::format("{} {} {} {}{}\n", pair.a, pair.b, pair.reach.value_or(0), pair.zone.value_or(0),
+                        pair.friction ? " friction" : "");
   return folder /
          fmt::format("{}{}.settings.toml", names.substr(0, longest_names), sha256(data).substr(0, 12));
 }

@@ -39,7 +39,7 @@ struct Settings {
   std::map<Quantity, double> coarser_change;  ///< empty if unknown
   /// The last relative change from elements near contact, if those everywhere were refined since; else empty.
   std::map<Quantity, double> change_near_contact{};
-  Hertz rate{0};                              ///< rate of contact steps; 0 at rest
+  Hertz rate{0};  ///< rate of contact steps; 0 at rest
   bool operator==(const Settings&) const = default;
 };
 
@@ -47,8 +47,8 @@ struct Settings {
 Scene with_settings(Scene scene, const KernelSettings& settings);
 
 /// The file of the settings of a scene, `<bodies>-<first 12 digits of a hash>.settings.toml`. The hash covers
-/// the accuracy and the data of all kernels, but not velocities, gaps or times. Throws as kernel_request
-/// does.
+/// the accuracy, the data of all kernels and which pairs have friction, but not velocities, gaps or times.
+/// Throws as kernel_request does.
 std::filesystem::path settings_path(const std::filesystem::path& folder, const Scene& scene,
                                     MeshHashes* known = nullptr);
 

@@ -62,7 +62,9 @@ void Table::complain(const std::string& key, const std::string& what) const {
 const toml::node* Table::value(const std::string& key, Type type) {
   if (keys_ != nullptr) {
     const Key* described = keys_->find(key);
-    if (described == nullptr || described->type != type)
+    const bool either = described != nullptr && described->type == Type::number_or_table &&
+                        (type == Type::number || type == Type::table);
+    if (described == nullptr || (described->type != type && !either))
       throw std::logic_error(fmt::format("{}: \"{}\" is read, but src/scene/keys.cpp does not describe it so",
                                          keys_->title, key));
   }

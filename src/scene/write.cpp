@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "src/scene/body.hpp"
 
 namespace ricochet::scene {
@@ -121,6 +123,16 @@ std::string path_of(const Scene& scene, const std::filesystem::path& path) {
   return toml_string((relative.empty() ? path : relative).string());
 }
 
+std::string toml_friction(const Friction& friction) {
+  if (friction.static_coefficient == friction.dynamic_coefficient && friction.stribeck_velocity == 0)
+    return toml_number(friction.static_coefficient);
+  std::string text = fmt::format("{{ static = {}, dynamic = {}", toml_number(friction.static_coefficient),
+                                 toml_number(friction.dynamic_coefficient));
+  if (friction.stribeck_velocity > 0)
+    text += ", stribeck_velocity = " + toml_number(friction.stribeck_velocity);
+  return text + " }";
+}
+
 std::string scheme_of(const Contact& contact) {
   const Scheme scheme = contact.scheme;
   std::string text = fmt::format("scheme = \"{}\"\n", scheme == Scheme::impulse   ? "impulse"
@@ -137,6 +149,9 @@ std::string scheme_of(const Contact& contact) {
                     contact.admittance == Admittance::jump ? "jump" : "difference",
                     contact.instant == Instant::step ? "step" : "exact", toml_number(contact.restitution));
   if (contact.max_pivots) text += fmt::format("max_pivots = {}\n", *contact.max_pivots);
+  if (std::ranges::any_of(contact.pairs, [](const Pair& pair) { return pair.friction.has_value(); }))
+    text += fmt::format("friction_law = \"{}\"\n",
+                        contact.friction_law == FrictionLaw::associated ? "associated" : "coulomb");
   return text;
 }
 
@@ -162,11 +177,14 @@ std::string loads_of(const Scene& scene) {
        {std::pair{"traction", &scene.loads.tractions}, std::pair{"point", &scene.loads.points},
         std::pair{"motion", &scene.loads.motions}})
     for (const Forcing& driven : *list) {
-      text += fmt::format("\n[[loads.{}]]\nname = {}\nbody = {}\n{}\nvector = {}\n", table,
-                          toml_string(driven.name), toml_string(driven.body),
-                          list == &scene.loads.points ? "at = " + toml_vector(driven.at)
-                                                      : "group = " + toml_string(driven.group),
-                          toml_vector(driven.vector));
+      text += fmt::format("\n[[loads.{}]]\nname = {}\n", table, toml_string(driven.name));
+      if (!driven.obstacle.empty())
+        text += "obstacle = " + toml_string(driven.obstacle) + "\n";
+      else
+        text += fmt::format("body = {}\n{}\n", toml_string(driven.body),
+                            list == &scene.loads.points ? "at = " + toml_vector(driven.at)
+                                                        : "group = " + toml_string(driven.group));
+      text += "vector = " + toml_vector(driven.vector) + "\n";
       if (!driven.history.empty()) text += "history = " + path_of(scene, driven.history) + "\n";
     }
   return text;
@@ -201,8 +219,8 @@ std::string to_toml(const Scene& scene) {
         body.name, path_of(scene, body.mesh), toml_body_matter(body), toml_vector(body.translate),
         toml_vector(body.rotate_deg), toml_vector(body.velocity), toml_vector(body.angular_velocity));
   for (const Obstacle& o : scene.obstacles)
-    text += fmt::format("\n[obstacles.{}]\npoint = {}\nnormal = {}\n", toml_string(o.name),
-                        toml_vector(o.point), toml_vector(o.normal));
+    text += fmt::format("\n[obstacles.{}]\npoint = {}\nnormal = {}\nvelocity = {}\n", toml_string(o.name),
+                        toml_vector(o.point), toml_vector(o.normal), toml_vector(o.velocity));
   text += fmt::format("\n{}", toml_modes(scene.modes));
   if (scene.contact.pairs.empty()) return text + time_of(scene) + loads_of(scene) + output_of(scene.output);
   text += fmt::format("\n[contact]\nkernel = \"{}\"\n",
@@ -216,6 +234,7 @@ std::string to_toml(const Scene& scene) {
     if (pair.gap) text += "gap = " + toml_number(*pair.gap) + "\n";
     if (pair.reach) text += "reach = " + toml_number(*pair.reach) + "\n";
     if (pair.zone) text += "zone = " + toml_number(*pair.zone) + "\n";
+    if (pair.friction) text += "friction = " + toml_friction(*pair.friction) + "\n";
   }
   return text + time_of(scene) + loads_of(scene) + output_of(scene.output);
 }

@@ -221,7 +221,7 @@ TEST(Blocks, leave_the_state_before_them_when_they_fail_and_fail_again) {
 
 /// Makes `steps` steps of a block from the state of a stepper. `force` is that of the last step.
 struct Solvers {
-  ComplementaritySolver backward_euler{12, {.same_matrix = true}}, mean = backward_euler;
+  ContactSolver backward_euler{12, {.same_matrix = true}}, mean = backward_euler;
 };
 
 template <class T>

@@ -10,6 +10,7 @@
 
 #include "tests/contact/heap_counter.hpp"
 #include "tests/contact/plate.hpp"
+#include "tests/contact/rigid_plate.hpp"
 
 namespace {
 
@@ -240,13 +241,163 @@ TEST(Simulation, goes_on_from_a_saved_state_to_the_last_bit_and_takes_no_memory_
 
 TEST(Simulation, fills_the_rest_of_a_block_with_silence_when_a_step_fails) {
   Simulation simulation(falling({}, 1, 1e200, 0));  // its energy exceeds the range of double precision
-  std::vector<double> velocity(5, 7), force(15, 7);
-  const BlockResult done = simulation.step_block(5, {.velocity = velocity.data(), .force = force.data()});
+  std::vector<double> velocity(5, 7), force(15, 7), tangential(45, 7);
+  const BlockResult done = simulation.step_block(
+      5, {.velocity = velocity.data(), .force = force.data(), .tangential_force = tangential.data()});
   EXPECT_EQ(done.status, StepStatus::not_finite);
   EXPECT_EQ(done.steps, 0);
   EXPECT_EQ(simulation.steps(), 0);
   EXPECT_EQ(velocity, std::vector<double>(5, 0));
   EXPECT_EQ(force, std::vector<double>(15, 0));
+  EXPECT_EQ(tangential, std::vector<double>(45, 0));
+}
+
+constexpr double gravity = 9.81, weight = gravity;  // of the rigid plate, whose mass is 1
+
+/// A rigid plate of 1 kg that lies on a floor and slides along it. Each of its 9 points is a spring.
+Scene sliding(const Vector3& velocity, const std::optional<Friction>& friction, const Vector3& belt = {}) {
+  constexpr double flexibility = 1e-6;  // [m/N]
+  kernels::Kernel kernel = contact::test::rigid_plate();
+  kernel.body = "plate";
+  const std::size_t rows = 3 * kernel.surface.size();
+  kernel.surface.residual_flexibility.assign(rows * rows, 0);
+  for (std::size_t k = 0; k < rows; ++k) kernel.surface.residual_flexibility[k * rows + k] = flexibility;
+  kernel.loads.body_force_residual.assign(3 * rows, 0);
+  Scene scene;
+  scene.bodies = {{.name = "plate", .kernel = shared(std::move(kernel)), .velocity = velocity}};
+  scene.obstacles = {{.name = "floor", .normal = {0, 0, 1}, .velocity = belt}};
+  scene.pairs = {{.a = "plate", .b = "floor", .gap = 0.0, .friction = friction}};
+  scene.pickups = {{.body = "plate", .direction = {1, 0, 0}}};
+  scene.gravity = {0, 0, -gravity};
+  return scene;
+}
+
+constexpr Friction rough{0.3, 0.3, 0};
+
+double mean_velocity_after(const Scene& scene, double time, std::size_t k) {
+  Simulation simulation(scene);
+  const auto steps = static_cast<std::int64_t>(time * scene.rate_hz);
+  EXPECT_EQ(simulation.step_block(steps).steps, steps);
+  return simulation.mean_velocity(0)[k];
+}
+
+// The nine springs bounce with ω = √(9/(1e-6 · 1)) = 3000 rad/s, as the plate is laid on them at once. The
+// force so oscillates by its mean, and the speed by μ g/ω = 1e-3 m/s; half a step and rounding are below
+// that.
+constexpr double bounce = 0.3 * gravity / 3000;
+
+// Coulomb: v = v₀ − μ g t, until it stops at t = v₀/(μ g) and stays.
+TEST(Friction, stops_a_plate_as_coulomb_has_it) {
+  const Scene scene = sliding({1, 0, 0}, rough);
+  const double stop = 1 / (0.3 * gravity);
+  for (const double share : {0.25, 0.5, 0.75})
+    EXPECT_NEAR(mean_velocity_after(scene, share * stop, 0), 1 - share, 2 * bounce) << share;
+  EXPECT_NEAR(mean_velocity_after(scene, 2 * stop, 0), 0, 2 * bounce);
+  EXPECT_EQ(mean_velocity_after(sliding({1, 0, 0}, Friction{}), stop, 0), 1);
+  EXPECT_EQ(mean_velocity_after(sliding({1, 0, 0}, std::nullopt), stop, 0), 1);
+}
+
+// Only the relative motion matters.
+TEST(Friction, of_a_belt_carries_a_plate_along) {
+  const double time = 0.6 / (0.3 * gravity);
+  const double slows = mean_velocity_after(sliding({0, 0.8, 0}, rough), time, 1);
+  EXPECT_NEAR(slows, 0.2, 2 * bounce);
+  EXPECT_NEAR(mean_velocity_after(sliding({}, rough, {0, -0.8, 0}), time, 1), slows - 0.8, 1e-9);
+  EXPECT_NEAR(mean_velocity_after(sliding({0, 0.8, 0}, rough, {0, 0.8, 0}), time, 1), 0.8, 1e-9);
+}
+
+// Stribeck: with v_s far above 1 m/s it is the static coefficient that acts, far below it the dynamic one.
+TEST(Friction, passes_from_static_to_dynamic_with_the_sliding_speed) {
+  const double time = 0.1;
+  EXPECT_NEAR(mean_velocity_after(sliding({1, 0, 0}, Friction{0.4, 0.2, 1e3}), time, 0),
+              1 - 0.4 * gravity * time, 2 * bounce);
+  EXPECT_NEAR(mean_velocity_after(sliding({1, 0, 0}, Friction{0.4, 0.2, 1e-3}), time, 0),
+              1 - 0.2 * gravity * time, 2 * bounce);
+}
+
+// Then the surfaces are apart by μ times the slip of a step; under Coulomb's law they touch. 15 %: the
+// springs give way as the plate is lifted by this distance.
+TEST(Friction, by_the_associated_law_separates_what_slides) {
+  Scene scene = sliding({1, 0, 0}, rough);
+  for (const auto& [law, share] :
+       {std::pair{FrictionLaw::coulomb, 0.0}, std::pair{FrictionLaw::associated, 1.0}}) {
+    scene.friction_law = law;
+    Simulation simulation(scene);
+    int pressed = 0;
+    for (int step = 0; step < 1000; ++step) {
+      ASSERT_EQ(simulation.step(), StepStatus::ok);
+      if (simulation.active() < 9) continue;
+      ++pressed;
+      const double slip = simulation.mean_velocity(0)[0] / scene.rate_hz;
+      for (const double u : simulation.displacement()) ASSERT_NEAR(-u, share * 0.3 * slip, 0.15 * 0.3 * slip);
+    }
+    EXPECT_GT(pressed, 100);
+  }
+}
+
+// A kernel along the normal alone is enough.
+TEST(Friction, of_zero_is_none) {
+  Scene scene = falling({}, 1e-4, 1, 9.81);
+  scene.pairs[0].friction = Friction{0, 0, 0};
+  EXPECT_NO_THROW(Simulation{scene});
+}
+
+TEST(TangentialForce, is_that_of_coulomb_on_the_floor) {
+  Simulation simulation(sliding({0.6, 0.8, 0}, rough));
+  ASSERT_EQ(simulation.tangential_force().size(), 3 * simulation.points().size());
+  double impulse = 0;
+  for (int step = 0; step < 5000; ++step) {
+    ASSERT_EQ(simulation.step(), StepStatus::ok);
+    for (std::size_t i = 0; i < simulation.points().size(); ++i) {
+      const double drag = 0.3 * simulation.force()[i];
+      const auto force = simulation.tangential_force().subspan(3 * i, 3);
+      // Vibration across the slip is far below it. 1e-3: the plate tilts as it slows down.
+      EXPECT_NEAR(force[0], 0.6 * drag, 1e-3 * weight);
+      EXPECT_NEAR(force[1], 0.8 * drag, 1e-3 * weight);
+      EXPECT_NEAR(force[2], 0, 1e-12 * weight);
+      EXPECT_LE(std::hypot(force[0], force[1]), drag + 1e-9 * weight);
+      impulse += force[0] / 44100;
+    }
+  }
+  EXPECT_NEAR(simulation.mean_velocity(0)[0], 0.6 - impulse, 1e-9);
+  EXPECT_GT(simulation.energy().friction, 0.1);
+  EXPECT_NEAR(simulation.energy().ledger(), 0.5, 1e-9);  // J
+}
+
+TEST(TangentialForce, of_blocks_and_saved_states_is_that_of_steps) {
+  for (const double contact_rate : {0.0, 4 * 44100.0}) {
+    Scene scene = sliding({1, 0.1, 0}, rough);
+    scene.contact_rate_hz = contact_rate;
+    Simulation whole(scene), single(scene);
+    constexpr std::size_t n = 500, m = 9;
+    std::vector<double> tangential(n * m * 3), force(n * m);
+    const Block out{.force = force.data(), .tangential_force = tangential.data()};
+    ASSERT_EQ(whole.step_block(n, out).steps, n);
+    for (std::size_t k = 0; k < n * m; ++k)
+      ASSERT_LE(std::hypot(tangential[3 * k], tangential[3 * k + 1]), 0.3 * force[k] + 1e-9 * weight) << k;
+    const long before = heap_counter::calls;
+    int differing = 0;
+    for (std::size_t k = 0; k < n; ++k) {
+      differing += single.step() != StepStatus::ok;
+      for (std::size_t i = 0; i < 3 * m; ++i)
+        differing += std::abs(tangential[k * m * 3 + i] - single.tangential_force()[i]) > 1e-9 * weight;
+    }
+    EXPECT_EQ(heap_counter::calls, before);
+    EXPECT_EQ(differing, 0);
+    const Simulation::State state = single.save();
+    const std::vector<double> then(single.tangential_force().begin(), single.tangential_force().end());
+    single.step_block(100);
+    ASSERT_TRUE(single.restore(state));
+    EXPECT_TRUE(std::ranges::equal(single.tangential_force(), then));
+  }
+}
+
+TEST(TangentialForce, without_friction_is_zero) {
+  Simulation simulation(falling({}, 1e-4, 1, 9.81));
+  std::vector<double> tangential(2000 * 3 * 3, 7);
+  ASSERT_EQ(simulation.step_block(2000, {.tangential_force = tangential.data()}).steps, 2000);
+  EXPECT_EQ(tangential, std::vector<double>(2000 * 3 * 3, 0));
+  EXPECT_EQ(simulation.tangential_force().size(), 9);
 }
 
 TEST(Simulation, keeps_its_kernels_alive) {
@@ -295,6 +446,26 @@ TEST(Simulation, refuses_in_one_line_what_it_cannot_run) {
         s.restitution = 2;
       },
       "restitution = 2");
+  const auto with = [](const Friction& friction) {
+    return [=](Scene& s) { s.pairs[0].friction = friction; };
+  };
+  says(with({-0.1, 0.3, 0}),
+       "contact between \"plate\" and \"floor\": friction.static_coefficient = -0.1: must be");
+  says(with({0.3, nan, 0}), "friction.dynamic_coefficient = nan: must be from 0 to 10");
+  says(with({0.3, 0.2, 0}), "friction.stribeck_velocity = 0: must be above 0");
+  says(with({0.3, 0.3, 0}), "the kernel of \"plate\" holds the motion along one direction alone");
+  says(
+      [](Scene& s) {
+        s.pairs[0].friction = {0.3, 0.3, 0};
+        s.scheme = Scheme::impulse;
+      },
+      "friction needs the compliant scheme");
+  says(
+      [](Scene& s) {
+        s.obstacles[0].velocity = {1, 0, 0.5};
+      },
+      "obstacles.floor.velocity = [1, 0, 0.5]: has the component 0.5 m/s along the normal");
+  says([&](Scene& s) { s.obstacles[0].velocity[0] = nan; }, "obstacles.floor.velocity = [nan");
   says(
       [](Scene& s) {
         kernels::Kernel damaged = *s.bodies[0].kernel;

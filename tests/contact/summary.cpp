@@ -157,11 +157,25 @@ std::vector<std::string> warnings_of_plate(const Vector3d& velocity, const Vecto
   return run(model, 1, 0, 0.5).warnings;
 }
 
-TEST(Warnings, name_tangential_motion_beyond_half_the_spacing) {
-  EXPECT_THAT(warnings_of_plate({0.3, 0.2, -1}, Vector3d::Zero()), IsEmpty());
-  // The plate touches after 0.5 s (or a step later), after a tangential motion of 0.5 · |(1, 0.2)| = 0.51 m.
-  EXPECT_THAT(warnings_of_plate({1, 0.2, -1}, Vector3d::Zero()),
+/// A plate that meets another one, which lies upside down.
+std::vector<std::string> warnings_of_pair(const Vector3d& velocity) {
+  const Kernel kernel = rigid_plate();
+  const Matrix3d turned = Vector3d(1, -1, -1).asDiagonal();
+  Model model = build_model({{"plate", &kernel, Matrix3d::Identity(), {3, 0, 0.5}, velocity},
+                             {"other", &kernel, turned, {3, 1, 0}}},
+                            {}, {{"plate", "other", Vector3d(0, 0, -1), {}, {}}}, Vector3d::Zero());
+  return run(model, 1, 0, 0.5).warnings;
+}
+
+TEST(Warnings, name_tangential_motion_of_two_bodies_beyond_half_the_spacing) {
+  EXPECT_THAT(warnings_of_pair({0.3, 0.2, -1}), IsEmpty());
+  // They touch after 0.5 s (or a step later), after a tangential motion of 0.5 · |(1, 0.2)| = 0.51 m.
+  EXPECT_THAT(warnings_of_pair({1, 0.2, -1}),
               ElementsAre(HasSubstr("times the candidate spacing (above 0.5)")));
+}
+
+TEST(Warnings, do_not_name_tangential_motion_along_a_half_space) {
+  EXPECT_THAT(warnings_of_plate({1, 0.2, -1}, Vector3d::Zero()), IsEmpty());
 }
 
 TEST(Warnings, name_rotation_beyond_five_degrees) {

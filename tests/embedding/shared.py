@@ -18,7 +18,7 @@ ricochet.ricochet_simulation_pickup_velocity.restype = ctypes.c_double
 class Block(ctypes.Structure):
     _fields_ = [
         (name, ctypes.POINTER(ctypes.c_double))
-        for name in ("velocity", "total_force", "force", "displacement")
+        for name in ("velocity", "total_force", "force", "displacement", "tangential_force")
     ]
 
 

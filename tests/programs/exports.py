@@ -11,7 +11,7 @@ import numpy as np
 
 from box_test import BoxTest
 from boxes import dense
-from programs import BIN, Run, settings
+from programs import BIN, Run, kernel, settings
 
 try:
     import siconos.numerics as siconos
@@ -20,15 +20,19 @@ except ImportError:
 
 
 class Exports(BoxTest):
-    def problems(self, *sets, every=4):
-        """Returns the files that --fclib wrote for a box that falls flat on the floor, and the forces of the run."""
+    def problems(self, *sets, every=4, out=None):
+        """Returns the files that --fclib wrote for a box that falls flat on the floor, and the forces of the run.
+
+        @param out  folder of the kernel; None: the one without friction
+        """
+        out = out or self.all / "imported"
         self.succeed(
             Run(
                 [
                     BIN / "ricochet-contact",
                     self.all / "imported.toml",
                     "--out",
-                    self.all / "imported",
+                    out,
                     "--quiet",
                     "--fclib",
                     self.folder / "fclib",
@@ -38,9 +42,21 @@ class Exports(BoxTest):
                 ]
             )
         )
-        with h5py.File(self.all / "imported" / "box.result.h5") as file:
+        with h5py.File(out / "box.result.h5") as file:
             forces = dict(zip(np.rint(file["contact/time"][:] * 40).astype(int), file["contact/force"][:]))
         return sorted((self.folder / "fclib").glob("*.hdf5")), forces
+
+    def rough_problems(self, *friction, more=()):
+        """The same for a box that also slides, with friction and in steps of backward Euler."""
+        sets = (
+            *friction,
+            "contact.integration=backward-euler",
+            "bodies.box.velocity=[0.05, 0.02, -0.1]",
+            *more,
+        )
+        out = self.folder / "rough"
+        self.succeed(kernel(self.all / "imported.toml", out, *sets))
+        return self.problems(*sets, every=1, out=out)
 
     def steps(self, files):
         return [int(re.fullmatch(r"box-i(\d{8})-12\.hdf5", path.name).group(1)) for path in files]
@@ -106,6 +122,79 @@ class Exports(BoxTest):
             options.dparam[0], options.iparam[0] = 1e-10, 100000
             self.assertEqual(siconos.fc3d_driver(cones, r, u, options), 0)
             self.assertLess(abs(r - ours).max(), 1e-5 * peak)
+
+    def test_problems_with_friction_hold_coulombs_law(self):
+        mu = 0.3
+        files, forces = self.rough_problems(f"contact.friction={mu}")
+        found = {"open": 0, "stick": 0, "slip": 0}
+        for path, step in zip(files, self.steps(files)):
+            with h5py.File(path) as file:
+                full = dense(file["fclib_local/W"])
+                r, u, q = file["solution/r"][:], file["solution/u"][:], file["fclib_local/vectors/q"][:]
+                np.testing.assert_array_equal(file["fclib_local/vectors/mu"][:], np.full(12, mu))
+                self.assertEqual(file["fclib_local/W/nzmax"][0], 36 * 36)
+            np.testing.assert_allclose(full, full.T, rtol=0, atol=1e-15 * abs(full).max())
+            self.assertGreater(np.linalg.eigvalsh(full)[0], 0)
+            np.testing.assert_allclose(r[::3], forces[step], rtol=0, atol=1e-15 * abs(r).max())
+            size = (
+                0.01  # m; gaps and slips are differences of displacements that are as large as the first gap
+            )
+            self.assertLess(abs(full @ r + q - u).max(), 1e-13 * size)
+            for push, way in zip(r.reshape(-1, 3), u.reshape(-1, 3)):
+                across, slip = np.hypot(*push[1:]), np.hypot(*way[1:])
+                self.assertLessEqual(across, mu * push[0] * (1 + 1e-12))
+                self.assertGreater(way[0], -1e-11 * size)
+                self.assertLess(push[0] * way[0], 1e-11 * size * r.max())
+                state = "open" if push[0] == 0 else "slip" if slip > 1e-9 * size else "stick"
+                found[state] += 1
+                if state == "slip":  # the force on the floor is along the slip −u of the box
+                    np.testing.assert_allclose(push[1:], -mu * push[0] * way[1:] / slip, atol=1e-6 * across)
+        self.assertGreater(min(found.values()), 5, found)
+
+    @unittest.skipUnless(siconos, "Siconos is not installed: scripts/setup --tests")
+    def test_siconos_finds_the_same_forces_of_friction(self):
+        for friction in (
+            ["contact.friction=0.2"],
+            # μ differs from point to point and from step to step, so the files must give that of the step.
+            ["contact.friction={static = 0.4, dynamic = 0.1, stribeck_velocity = 0.03}"],
+        ):
+            with self.subTest(friction):
+                shutil.rmtree(self.folder / "fclib", ignore_errors=True)
+                files, forces = self.rough_problems(*friction)
+                self.assertGreater(len(files), 20)
+                peak = np.max(list(forces.values()))
+                coefficients = set()
+                for path in files:
+                    with h5py.File(path) as file:
+                        matrix, q = dense(file["fclib_local/W"]), file["fclib_local/vectors/q"][:]
+                        mu, ours = file["fclib_local/vectors/mu"][:], file["solution/r"][:]
+                    coefficients.update(mu)
+                    # In units of the mean flexibility, so that r and u are of one size. μ is so small that there is
+                    # one solution.
+                    unit = np.diag(matrix).mean()
+                    cones = siconos.FrictionContactProblem(3, np.asfortranarray(matrix / unit), q / unit, mu)
+                    for method in (siconos.SICONOS_FRICTION_3D_NSGS, siconos.SICONOS_FRICTION_3D_NSN_AC):
+                        r, u = np.zeros(q.size), np.zeros(q.size)
+                        options = siconos.SolverOptions(method)
+                        options.dparam[0], options.iparam[0] = 1e-12, 100000
+                        self.assertEqual(siconos.fc3d_driver(cones, r, u, options), 0)
+                        self.assertLess(abs(r - ours).max(), 1e-6 * peak)
+                self.assertEqual(len(coefficients) > 10, len(friction[0]) > 20)
+
+    def test_only_coulombs_law_is_written(self):
+        run = Run(
+            [
+                BIN / "ricochet-contact",
+                self.all / "imported.toml",
+                "--out",
+                self.all / "imported",
+                *settings(["contact.friction=0.2", "contact.friction_law=associated"]),
+                "--fclib",
+                self.folder / "fclib",
+            ]
+        )
+        self.assertEqual(run.status, 2)
+        self.assertEqual(run.err.count("\n"), 1)
 
     def test_only_problems_of_one_step_and_all_points_are_written(self):
         run = Run(

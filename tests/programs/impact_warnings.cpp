@@ -55,4 +55,48 @@ TEST(Touches, of_fewer_than_twenty_steps_are_warned_of) {
   EXPECT_THAT(warnings({.duration = 20 / 44100.0}), IsEmpty());
 }
 
+// Elastic bodies keep their energy; with friction, all but its heat.
+TEST(Energy, lost_to_contact_is_told_from_the_heat_of_friction) {
+  contact::Summary summary;
+  summary.energy_lost_contact = 0.02;
+  summary.energy_lost_friction = 0.4;
+  programs::add_warnings({}, summary);
+  EXPECT_THAT(summary.warnings,
+              ElementsAre(HasSubstr("which elastic bodies keep but for the heat of friction: ")));
+  summary.warnings.clear();
+  summary.energy_lost_contact = 0.001;
+  programs::add_warnings({}, summary);
+  EXPECT_THAT(summary.warnings, IsEmpty());
+}
+
+TEST(Steps, with_several_solutions_are_counted) {
+  contact::Summary summary;
+  summary.contact_steps = 40;
+  summary.ambiguous_steps = 3;
+  programs::add_warnings({}, summary);
+  EXPECT_THAT(summary.warnings, ElementsAre(HasSubstr("3 of 40 contact steps had more than one solution")));
+  summary.warnings.clear();
+  summary.ambiguous_steps = 0;
+  programs::add_warnings({}, summary);
+  EXPECT_THAT(summary.warnings, IsEmpty());
+}
+
+TEST(ObstaclesThatMove, without_friction_are_warned_of) {
+  scene::Scene scene;
+  scene.obstacles = {{.name = "belt", .normal = {0, 0, 1}, .velocity = {1, 0, 0}},
+                     {.name = "floor", .normal = {0, 0, 1}},
+                     {.name = "table", .normal = {0, 0, 1}}};
+  scene.loads.motions = {{.name = "table", .body = "", .group = "", .obstacle = "table"}};
+  scene.contact.pairs.resize(2);
+  scene.contact.pairs[0].a = scene.contact.pairs[1].a = "box";
+  scene.contact.pairs[0].b = "belt";
+  scene.contact.pairs[1].b = "table";
+  EXPECT_THAT(programs::motions_without_friction(scene),
+              ElementsAre(HasSubstr("obstacles.belt moves along its surface, which has no effect without "
+                                    "friction: give contact.friction, or leave velocity out"),
+                          HasSubstr("obstacles.table moves along its surface")));
+  scene.contact.pairs[0].friction = Friction{0.3, 0.3, 0};
+  EXPECT_THAT(programs::motions_without_friction(scene), ElementsAre(HasSubstr("obstacles.table")));
+}
+
 }  // namespace

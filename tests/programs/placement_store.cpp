@@ -47,10 +47,17 @@ TEST(PlacementStore, serves_bodies_in_the_same_positions_and_no_others) {
     EXPECT_EQ(one.unpaired, other.unpaired);
     ASSERT_EQ(one.points.size(), other.points.size());
     for (std::size_t i = 0; i < one.points.size(); ++i) EXPECT_EQ(one.points[i].gap, other.points[i].gap);
+    EXPECT_EQ(found.pairs[0].request, expected.pairs[0].request);
   };
   store.place(scene, first);
   expect_as_new();
   scene.bodies[0].velocity = {0, 0, 1};
+  expect_as_new();
+  scene.contact.pairs[0].friction = Friction{0.3, 0.3, 0};
+  expect_as_new();
+  scene.contact.pairs[0].friction->static_coefficient = 0.4;
+  expect_as_new();
+  scene.contact.pairs[0].friction.reset();
   expect_as_new();
   scene.bodies[1].translate[2] = 4.3;
   expect_as_new();

@@ -145,10 +145,13 @@ TEST(Settings, are_shared_by_scenes_with_the_same_bodies_and_accuracy) {
   for (const char* same :
        {"bodies.ball.velocity=[0,0,-1]", "contact.gap=1e-3", "title=x", "time.rate_hz=1e3"})
     EXPECT_EQ(settings_of(with_accuracy({same})), path) << same;
-  for (const char* other : {"bodies.ball.material.young=2e9", "bodies.block.order=3", "modes.count=10",
-                            "accuracy_of=spin", "contact.reach=1e-3", "accuracy=1e-3"})
+  for (const char* other :
+       {"bodies.ball.material.young=2e9", "bodies.block.order=3", "modes.count=10", "accuracy_of=spin",
+        "contact.reach=1e-3", "accuracy=1e-3", "contact.friction=0.1"})
     EXPECT_NE(settings_of(with_accuracy({other})), path) << other;
   EXPECT_NE(settings_of(with_accuracy(), "another ball"), path);
+  EXPECT_EQ(settings_of(with_accuracy({"contact.friction=0.1"})),
+            settings_of(with_accuracy({"contact.friction={static=0.4,dynamic=0.2,stribeck_velocity=1}"})));
 }
 
 Settings some_settings() {

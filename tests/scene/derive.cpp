@@ -270,6 +270,22 @@ TEST(Derived, kernels_in_one_direction_serve_no_other_and_those_in_all_serve_eac
   }
 }
 
+// Without friction, one direction is enough; with it, kernels of one direction do not serve.
+TEST(Derived, kernels_with_friction_serve_scenes_without) {
+  const auto ask = [&](const char* friction) {
+    const Folder folder;
+    folder.write("ball.msh", "a mesh");
+    const Scene scene = read(folder.write("scene.toml", scene_text), {friction});
+    return kernel_request(scene, scene.bodies[0]);
+  };
+  const KernelRequest rough = ask("contact.friction=0.3"), smooth = ask("contact.friction=0");
+  ASSERT_TRUE(similarity(rough, smooth));
+  EXPECT_FALSE(similarity(smooth, rough));
+  KernelRequest along_normals = rough;
+  along_normals.normal_residual = true;
+  EXPECT_FALSE(similarity(along_normals, rough));
+}
+
 TEST(Derived, points_are_numbered_as_on_the_whole_surface) {
   KernelRequest whole = request_of_ball(), three = whole, one = whole;
   three.points = {3, 2, 1};

@@ -146,6 +146,56 @@ TEST(Sources, are_refused_in_one_line) {
       "… }");
 }
 
+const std::string belt =
+    "[[loads.motion]]\nobstacle = \"floor\"\nvector = [0, 0.5, 0]\nhistory = \"push.csv\"\n";
+
+TEST(MotionsOfObstacles, are_read_and_preserved_beside_those_of_supports) {
+  const Folder folder;
+  folder.write("push.csv", "0, 1\n");
+  const Scene scene = read(folder.write("scene.toml", held + sources + belt));
+  ASSERT_EQ(scene.loads.motions.size(), 2U);
+  const scene::Forcing& motion = scene.loads.motions[1];
+  EXPECT_EQ(motion.obstacle, "floor");
+  EXPECT_EQ(motion.name, "floor");
+  EXPECT_EQ(motion.body, "");
+  EXPECT_EQ(motion.group, "");
+  EXPECT_THAT(motion.vector, ElementsAre(0, 0.5, 0));
+  EXPECT_EQ(motion.history, folder.path() / "push.csv");
+  EXPECT_EQ(read(folder.write("resolved.toml", to_toml(scene))).loads, scene.loads);
+}
+
+TEST(MotionsOfObstacles, do_not_change_kernels) {
+  EXPECT_EQ(driven_request({}, held + sources + belt).hash, driven_request().hash);
+}
+
+TEST(MotionsOfObstacles, are_refused_in_one_line) {
+  const std::tuple<const char*, const char*> refusals[] = {
+      {"loads.motion[1].obstacle=flor",
+       "loads.motion[1].obstacle = \"flor\": there is no obstacle \"flor\". Did you mean \"floor\"?"},
+      {"loads.motion[1].vector=[0,1,-0.5]",
+       "loads.motion[1].vector = [0, 1, -0.5]: has the component -0.5 m along the normal of obstacles.floor: "
+       "an obstacle moves along its surface; leave this component out"},
+      {"loads.motion[1].body=ball",
+       "loads.motion[1].body = \"ball\": belongs to the motion of a support: leave it out, or leave obstacle "
+       "out"},
+      {"loads.motion[1].group=foot",
+       "loads.motion[1].group = \"foot\": belongs to the motion of a support: leave it out, or leave "
+       "obstacle "
+       "out"}};
+  for (const auto& [set, line] : refusals)
+    EXPECT_EQ(complaint_of([&, set = set] { driven_scene({set}, held + sources + belt); }),
+              std::string("scene.toml: ") + line);
+  EXPECT_EQ(
+      complaint_of([] { driven_scene({}, held + sources + belt + belt); }),
+      "scene.toml: loads.motion[2].name: obstacles.floor has a load or motion \"floor\" already: give each "
+      "its own name");
+  EXPECT_EQ(
+      complaint_of(
+          [] { driven_scene({}, held + "[[loads.motion]]\nobstacle = \"floor\"\nvector = [0, 1, 0]\n"); }),
+      "scene.toml: loads.motion[0].history: is missing: without it the obstacle does not move: give a CSV "
+      "of times [s] and factors, or obstacles.floor.velocity");
+}
+
 // A support holds components along the axes of the mesh and moves along those of the world.
 TEST(Motions, of_a_rotated_body_are_along_the_components_of_its_support) {
   const std::vector<Override> turned{"bodies.ball.rotate_deg=[0,0,90]"};  // x of the body is y of the world

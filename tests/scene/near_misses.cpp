@@ -82,6 +82,11 @@ TEST(MisspeltKey, may_be_the_word_of_another_program) {
        "unknown key. Did you mean \"velocity\"?"},
       {"contact = \"skin\"", "contact = \"skin\"\nfixed = { a = \"xyz\" }",
        "unknown key. Did you mean \"support\"?"},
+      {"[contact]", "[contact]\nmu = 0.3", "contact.mu = 0.3: unknown key. Did you mean \"friction\"?"},
+      {"[contact]", "[contact]\nfriction = { mu_s = 0.3 }",
+       "contact.friction.mu_s = 0.3: unknown key. Did you mean \"static\"?"},
+      {"[contact]", "[contact]\nfriction = { static = 0.3, kinetic = 0.2 }",
+       "unknown key. Did you mean \"dynamic\"?"},
   });
 }
 
@@ -166,6 +171,8 @@ TEST(Example, of_every_key_is_accepted) {
         << key.name;
   }
   EXPECT_EQ(examples, 3);
+  EXPECT_NO_THROW(scene_of(
+      changed(smallest, "[contact]", "[contact]\nfriction = " + pair_keys.find("friction")->example)));
   EXPECT_NO_THROW(
       scene_of(changed(smallest, "{ density = 1000, young = 1e9 }", body_keys.find("material")->example)));
   EXPECT_NO_THROW(scene_of(

@@ -247,6 +247,79 @@ TEST(Pairs, inherit_missing_keys_from_contact) {
   EXPECT_EQ(*contact.pairs[1].reach, 0.25);
 }
 
+TEST(Friction, is_one_coefficient_or_two_with_a_transition) {
+  const auto of = [](const std::string& value) {
+    return scene_of(changed(smallest, "[contact]", "[contact]\nfriction = " + value))
+        .contact.pairs[0]
+        .friction;
+  };
+  EXPECT_EQ(of("0.3"), (Friction{0.3, 0.3, 0}));
+  EXPECT_EQ(of("1"), (Friction{1, 1, 0}));
+  EXPECT_EQ(of("{ static = 0.3 }"), (Friction{0.3, 0.3, 0}));
+  EXPECT_EQ(of("{ static = 0.4, dynamic = 0.3, stribeck_velocity = 0.01 }"), (Friction{0.4, 0.3, 0.01}));
+  EXPECT_EQ(of("{ static = 0.2, dynamic = 0.5, stribeck_velocity = 2 }"), (Friction{0.2, 0.5, 2}));
+  EXPECT_EQ(of("{ static = 0.3, dynamic = 0.3 }"), (Friction{0.3, 0.3, 0}));
+  EXPECT_FALSE(of("0"));
+  EXPECT_FALSE(of("-0.0"));
+  EXPECT_FALSE(of("{ static = 0, dynamic = 0 }"));
+  EXPECT_FALSE(scene_of(smallest).contact.pairs[0].friction);
+}
+
+TEST(Friction, of_a_pair_replaces_that_of_contact) {
+  const std::string text = changed(smallest, "between = [\"ball\", \"floor\"]", R"(friction = 0.3
+[[contact.pair]]
+between = ["ball", "floor"]
+[[contact.pair]]
+between = ["ball", "floor"]
+friction = 0
+[[contact.pair]]
+between = ["ball", "floor"]
+friction = { static = 0.4, dynamic = 0.2, stribeck_velocity = 0.1 })");
+  const std::vector<Override> none;
+  const Contact contact = scene_of(text).contact;
+  EXPECT_EQ(contact.pairs[0].friction, (Friction{0.3, 0.3, 0}));
+  EXPECT_FALSE(contact.pairs[1].friction);
+  EXPECT_EQ(contact.pairs[2].friction, (Friction{0.4, 0.2, 0.1}));
+  EXPECT_TRUE(contact.rubs("ball"));
+  EXPECT_TRUE(contact.rubs("floor"));
+  EXPECT_FALSE(scene_of(smallest).contact.rubs("ball"));
+}
+
+TEST(Friction, is_varied_by_overrides) {
+  const auto of = [](const std::vector<Override>& set) {
+    return scene_of(smallest, set).contact.pairs[0].friction;
+  };
+  EXPECT_EQ(of({"contact.friction=0.2"}), (Friction{0.2, 0.2, 0}));
+  EXPECT_EQ(of({"contact.friction.static=0.2"}), (Friction{0.2, 0.2, 0}));
+  EXPECT_EQ(
+      of({"contact.friction={static=0.2,dynamic=0.1,stribeck_velocity=1}", "contact.friction.static=0.5"}),
+      (Friction{0.5, 0.1, 1}));
+}
+
+TEST(FrictionLaw, is_that_of_coulomb_or_the_associated_one_of_pairs_with_friction) {
+  EXPECT_EQ(scene_of(smallest).contact.friction_law, FrictionLaw::coulomb);
+  EXPECT_EQ(scene_of(smallest, {"contact.friction=0.2", "contact.friction_law=coulomb"}).contact.friction_law,
+            FrictionLaw::coulomb);
+  EXPECT_EQ(
+      scene_of(smallest, {"contact.friction=0.2", "contact.friction_law=associated"}).contact.friction_law,
+      FrictionLaw::associated);
+  // A sweep may begin without friction.
+  EXPECT_EQ(
+      scene_of(smallest, {"contact.friction=0", "contact.friction_law=associated"}).contact.friction_law,
+      FrictionLaw::coulomb);
+}
+
+TEST(Obstacles, move_along_their_surface) {
+  EXPECT_EQ(scene_of(smallest).obstacles[0].velocity, Vector3{});
+  EXPECT_THAT(scene_of(smallest, {"obstacles.floor.velocity=[1,-2,0]"}).obstacles[0].velocity,
+              ElementsAre(1, -2, 0));
+  // The normal of a tilted obstacle is rounded.
+  EXPECT_THAT(scene_of(smallest, {"obstacles.floor.normal=[1,1,3]", "obstacles.floor.velocity=[3,0,-1]"})
+                  .obstacles[0]
+                  .velocity,
+              ElementsAre(3, 0, -1));
+}
+
 // "direction" points out of the first member of "between", whichever of the two the pair itself gives.
 TEST(Pairs, are_swapped_once_for_any_inherited_keys) {
   const std::string two_balls = changed(smallest, "[obstacles.floor]", R"([bodies.cube]

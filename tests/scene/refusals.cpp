@@ -42,7 +42,8 @@ TEST(Refused, is_an_unknown_key_with_the_most_similar_one) {
       {{"velocty = [0, 0, 1]", "velocty = [0, 0, 1]: unknown key. Did you mean \"velocity\"?"}});
   expect_table_lines(
       "time", {{"rate = 44100", "rate = 44100: unknown key. Did you mean \"rate_hz\"?"},
-               {"pace = 1", "pace = 1: unknown key. The keys here are contact_rate_hz, duration, precision, rate_hz."}});
+               {"pace = 1",
+                "pace = 1: unknown key. The keys here are contact_rate_hz, duration, precision, rate_hz."}});
   expect_table_lines("contact", {{"spacin = 1", "spacin = 1: unknown key. Did you mean \"spacing\"?"}});
   expect_table_lines("modes", {{"counts = 1", "counts = 1: unknown key. Did you mean \"count\"?"}});
   expect_table_lines("obstacles.floor",
@@ -54,8 +55,8 @@ TEST(Refused, is_an_unknown_key_with_the_most_similar_one) {
       {"young = 1e9", "young = 1e9, nu = 0.3",
        "bodies.ball.material.nu = 0.3: unknown key. Did you mean \"poisson\"?"},
       {"[time]", "[[contact.pair]]\nwidth = 1\n[time]",
-       "contact.pair[0].width = 1: unknown key. The keys here are along, between, direction, gap, reach, "
-       "spacing, zone."},
+       "contact.pair[0].width = 1: unknown key. The keys here are along, between, direction, friction, gap, "
+       "reach, spacing, zone."},
   });
 }
 
@@ -346,6 +347,72 @@ TEST(Refused, is_an_unknown_scheme) {
   expect_lines({{"[time]", "scheme = \"impulse\"\n[time]\nprecision = \"single\"",
                  "time.precision = \"single\": belongs to scheme = \"compliant\" and kernel = \"modes\": "
                  "leave it out"}});
+}
+
+TEST(Refused, is_friction_out_of_range_or_without_its_transition) {
+  expect_table_lines(
+      "contact",
+      {{"friction = -0.1", "friction = -0.1: must be from 0 to 10: most dry surfaces have 0.1 to 1"},
+       {"friction = 11", "friction = 11: must be from 0 to 10: most dry surfaces have 0.1 to 1"},
+       {"friction = nan", "friction = nan: must be finite"},
+       {"friction = \"0.3\"", "friction = \"0.3\": must be a number, without quotes"},
+       {"friction = true",
+        "friction = true: must be a number or a table: write friction = { static = 0.4, dynamic = 0.3, "
+        "stribeck_velocity = 0.01 }"},
+       {"friction = {}", "friction.static: is missing: give a number"},
+       {"friction = { dynamic = 0.3 }", "friction.static: is missing: give a number"},
+       {"friction = { static = -1 }",
+        "friction.static = -1: must be from 0 to 10: most dry surfaces have 0.1 to 1"},
+       {"friction = { static = 0.4, dynamic = inf }", "friction.dynamic = inf: must be finite"},
+       {"friction = { static = 0.4, dynamic = 0.3 }",
+        "friction.stribeck_velocity: is missing: give the sliding speed in m/s at which friction passes from "
+        "static = 0.4 to dynamic = 0.3"},
+       {"friction = { static = 0.4, dynamic = 0.3, stribeck_velocity = 0 }",
+        "friction.stribeck_velocity = 0: must be above 0"},
+       {"friction = { static = 0.4, stribeck_velocity = 1 }",
+        "friction.dynamic: is missing: stribeck_velocity leads from static to dynamic: give it, or leave "
+        "both "
+        "out"},
+       {"friction = { static = 0.4, dynamical = 0.3 }",
+        "friction.dynamical = 0.3: unknown key. Did you mean \"dynamic\"?"},
+       {"friction = { static = 0.4, stiction = 0.3 }",
+        "friction.stiction = 0.3: unknown key. The keys here are dynamic, static, stribeck_velocity."}});
+}
+
+TEST(Refused, is_friction_where_no_method_has_it) {
+  expect_table_lines(
+      "contact",
+      {{"scheme = \"impulse\"\nfriction = 0.3",
+        "friction = 0.3: is not possible with scheme = \"impulse\": set scheme = \"compliant\", or leave "
+        "friction out"},
+       {"scheme = \"impulse\"\nfriction = { static = 0.3 }",
+        "friction = {…}: is not possible with scheme = \"impulse\": set scheme = \"compliant\", or leave "
+        "friction out"},
+       {"kernel = \"table\"\nfriction = 0.3",
+        "friction = 0.3: is not possible with kernel = \"table\": set kernel = \"modes\", or leave friction "
+        "out"},
+       {"scheme = \"static\"\nsolver = \"uzawa\"\nfriction = 0.3",
+        "friction = 0.3: is not possible with solver = \"uzawa\": set solver = \"exact\", or leave friction "
+        "out"},
+       {"friction_law = \"coulomb\"",
+        "friction_law = \"coulomb\": needs friction: add it, as in friction = 0.3, or leave this key out"},
+       {"friction = 0.3\nfriction_law = \"rough\"",
+        "friction_law = \"rough\": must be \"coulomb\" or \"associated\""}});
+  for (const char* without : {"contact.scheme=impulse", "contact.kernel=table"})
+    EXPECT_NO_THROW(scene_of(smallest, {without, "contact.friction=0"})) << without;
+  EXPECT_EQ(complaint_about(tabular, {"contact.friction=0.3"}),
+            "scene.toml: contact.friction = 0.3: is replaced by contact.table: leave one of them out");
+  EXPECT_EQ(
+      complaint_about(tabular, {"contact.friction_law=coulomb"}),
+      "scene.toml: contact.friction_law = \"coulomb\": needs friction: add it, as in friction = 0.3, or "
+      "leave this key out");
+}
+
+TEST(Refused, is_an_obstacle_that_leaves_its_surface) {
+  EXPECT_EQ(
+      complaint_about(smallest, {"obstacles.floor.velocity=[1,0,0.25]"}),
+      "scene.toml: obstacles.floor.velocity = [1, 0, 0.25]: has the component 0.25 m/s along the normal: "
+      "an obstacle moves along its surface; leave this component out");
 }
 
 TEST(Refused, is_a_name_that_is_invalid_or_taken) {

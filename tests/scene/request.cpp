@@ -204,6 +204,42 @@ between = ["ball", "floor"])");
             "set of candidates; give both pairs the same values");
 }
 
+// Friction acts along the surface, so its kernel is that of a scene in which contact may act in any
+// direction.
+TEST(KernelRequests, of_bodies_with_friction_hold_all_components) {
+  const std::string open = changed(scene_text, "direction = [0, 0, -1]\n", "");
+  const KernelRequest rough = request_of(scene_text, {"contact.friction=0.3"});
+  EXPECT_TRUE(rough.friction);
+  EXPECT_FALSE(rough.direction);
+  EXPECT_FALSE(may_be_normal(rough));
+  EXPECT_TRUE(may_be_normal(request_of(open)));
+  EXPECT_EQ(rough.hash, request_of(open).hash);
+  EXPECT_NE(rough.hash, request_of(scene_text).hash);
+  for (const char* same :
+       {"contact.friction=0.5", "contact.friction={static=0.4,dynamic=0.3,stribeck_velocity=1}"})
+    EXPECT_EQ(request_of(scene_text, {same}).hash, rough.hash) << same;
+}
+
+TEST(KernelRequests, of_bodies_without_friction_are_as_before) {
+  const std::string two = changed(smallest, "between = [\"ball\", \"floor\"]", R"(
+direction = [0, 0, 1]
+[[contact.pair]]
+between = ["ball", "floor"]
+[[contact.pair]]
+between = ["ball", "floor"])");
+  for (const char* set :
+       {"contact.friction=0", "contact.friction={static=0}", "obstacles.floor.velocity=[1,0,0]"}) {
+    const KernelRequest smooth = request_of(two, {set});
+    EXPECT_FALSE(smooth.friction) << set;
+    EXPECT_EQ(smooth.hash, request_of(two).hash) << set;
+  }
+  for (const char* one : {"contact.pair[0].friction=0.1", "contact.pair[1].friction=0.1"}) {
+    const KernelRequest rough = request_of(two, {one});
+    EXPECT_TRUE(rough.friction) << one;
+    EXPECT_FALSE(rough.direction) << one;
+  }
+}
+
 TEST(KernelPaths, are_the_name_of_the_body_and_twelve_digits) {
   KernelRequest request;
   request.body.name = "ball";

@@ -50,6 +50,7 @@ void expect_same(const Contact& a, const Contact& b) {
   EXPECT_EQ(a.restitution, b.restitution);
   EXPECT_EQ(a.max_pivots, b.max_pivots);
   EXPECT_EQ(a.solver, b.solver);
+  EXPECT_EQ(a.friction_law, b.friction_law);
   ASSERT_EQ(a.pairs.size(), b.pairs.size());
   for (std::size_t k = 0; k < a.pairs.size(); ++k) {
     EXPECT_EQ(a.pairs[k].a, b.pairs[k].a);
@@ -59,6 +60,7 @@ void expect_same(const Contact& a, const Contact& b) {
     EXPECT_EQ(a.pairs[k].spacing, b.pairs[k].spacing);
     EXPECT_EQ(a.pairs[k].gap, b.pairs[k].gap);
     EXPECT_EQ(a.pairs[k].reach, b.pairs[k].reach);
+    EXPECT_EQ(a.pairs[k].friction, b.pairs[k].friction);
   }
 }
 
@@ -71,6 +73,7 @@ void expect_same(const Scene& a, const Scene& b) {
     EXPECT_EQ(a.obstacles[k].name, b.obstacles[k].name);
     EXPECT_EQ(a.obstacles[k].point, b.obstacles[k].point);
     EXPECT_EQ(a.obstacles[k].normal, b.obstacles[k].normal);
+    EXPECT_EQ(a.obstacles[k].velocity, b.obstacles[k].velocity);
   }
   EXPECT_EQ(a.modes.basis, b.modes.basis);
   EXPECT_EQ(a.modes.up_to.has_value(), b.modes.up_to.has_value());
@@ -84,7 +87,7 @@ void expect_same(const Scene& a, const Scene& b) {
   EXPECT_EQ(a.time.rate.value, b.time.rate.value);
   EXPECT_EQ(a.time.duration, b.time.duration);
   EXPECT_EQ(a.time.precision, b.time.precision);
-  EXPECT_EQ(a.loads.gravity, b.loads.gravity);
+  EXPECT_EQ(a.loads, b.loads);
   EXPECT_EQ(a.output.every, b.output.every);
   EXPECT_EQ(a.output.view, b.output.view);
   EXPECT_EQ(a.output.snapshot_every, b.output.snapshot_every);
@@ -168,6 +171,19 @@ TEST(Resolved, pair_that_was_swapped_reads_back) {
   expect_to_come_back(smallest, {"contact.between=[\"floor\",\"ball\"]", "contact.direction=[1,2,3]"});
 }
 
+TEST(Resolved, scene_with_friction_reads_back) {
+  expect_to_come_back(smallest, {"contact.friction=0.3"});
+  expect_to_come_back(smallest, {"contact.friction=0", "contact.friction_law=associated"});
+  expect_to_come_back(smallest, {"contact.friction={static=0.3,dynamic=0.3,stribeck_velocity=0.1}"});
+  expect_to_come_back(smallest, {"contact.friction={static=0.4,dynamic=0.1,stribeck_velocity=0.01}",
+                                 "contact.friction_law=associated", "obstacles.floor.velocity=[0.5,-1,0]"});
+  expect_to_come_back(changed(changed(fullest,
+                                      "scheme = \"impulse\"\nadmittance = \"difference\"\ninstant = "
+                                      "\"exact\"\nrestitution = 0.25\n",
+                                      "friction = 0.7\n"),
+                              "reach = 0.02\n", "reach = 0.02\nfriction = 0\n"));
+}
+
 TEST(Resolved, scene_holds_every_default) {
   const std::string text = to_toml(scene_of(smallest));
   for (const char* line : {"title = \"scene\"\n",
@@ -184,6 +200,7 @@ TEST(Resolved, scene_holds_every_default) {
                            "\nvelocity = [0.0, 0.0, 0.0]\n",
                            "angular_velocity = [0.0, 0.0, 0.0]\n",
                            "point = [0.0, 0.0, 0.0]\n",
+                           "normal = [0.0, 0.0, 1.0]\nvelocity = [0.0, 0.0, 0.0]\n",
                            "basis = \"modes\"\n",
                            "residual_flexibility = true\n",
                            "relative_residual = 1e-08\n",

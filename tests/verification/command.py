@@ -11,6 +11,7 @@ OTHERS = {
     "--extremes": "extremes_table",
     "--bodies": "random_bodies",
     "--estimates": "true_errors",
+    "--friction": "friction_energy",
     "--geometries": "gmsh_demos",
     "--random": "random_scenes",
     "--readings": "readings",

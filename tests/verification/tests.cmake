@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 add_program_test(verification box LONG)
 add_program_test(verification estimates)
+add_program_test(verification oracle_test)
 add_program_test(verification extremes LONG)
 add_program_test(verification uzawa)
 add_program_test(verification verify)

@@ -28,7 +28,7 @@ VERBS = {
 MODULES = {"import": "import_"}  # a Python keyword cannot name a module
 RESUMED = {"run", "modes", "sweep", "tradeoff"}  # verbs that skip finished work
 
-DESCRIPTION = "Frictionless impact of elastic bodies from modal kernels."
+DESCRIPTION = "Impact of elastic bodies from modal kernels."
 EPILOG = "ricochet VERB --help describes a verb. A scene starts as a copy of one of the folders in meshes/."
 
 

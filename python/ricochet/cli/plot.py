@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Draws a result of ricochet-contact: the contact, snapshots of the bodies, and the energy ledger.
+"""Draws a result of ricochet-contact: the contact, friction, snapshots of the bodies, and the energy ledger.
 
     ricochet plot out/two-disks.result.h5
 
-Writes <slug>-contact.png, <slug>-energy.png and, if the scene requests snapshots and views,
-<slug>-snapshots.png, and prints their paths.
+Writes <slug>-contact.png, <slug>-energy.png, if a pair has friction <slug>-friction.png and, if the scene
+requests snapshots and views, <slug>-snapshots.png, and prints their paths.
 """
 import argparse
 import sys

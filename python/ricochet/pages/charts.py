@@ -6,7 +6,10 @@ import numpy as np
 
 from ricochet.arrays import Array
 from ricochet.pages.motion import packed
+from ricochet.pictures.friction import bounds, parts
+from ricochet.pictures.grid import Grid
 from ricochet.pictures.history import Curves, History
+from ricochet.result import OPEN, SLIP, STICK
 
 Axis = dict[str, Any]
 Chart = dict[str, Any]
@@ -44,6 +47,8 @@ def axis(label: str, unit: str, **more: Any) -> Axis:
     return {"label": label, "unit": unit} | more
 
 
+STATES = {OPEN: "open", STICK: "stick", SLIP: "slip"}  # colours
+TOLD = {OPEN: "open", STICK: "sticks", SLIP: "slips"}
 TIME, FREQUENCY = axis("time", "s"), axis("frequency", "Hz", log=True)
 
 
@@ -72,6 +77,36 @@ def force_chart(result: History, i: int) -> Chart:
     note = "" if result.episodes else "Nothing touched."
     force = axis("force", "N", zero=True)
     return chart("force", "Contact force", TIME, force, lines, note, cursor=True, window=result.window())
+
+
+def friction_charts(result: History) -> list[Chart]:
+    """Friction beside its bound over time, and friction against displacement at the point with most of it."""
+    normal, resultant, magnitudes = result.tangential_totals()
+    when, held = result.held(normal)
+    lines = [line("friction, sum as a vector", "friction", when, result.held(resultant)[1], "held filled")]
+    if magnitudes.max() > 1.02 * resultant.max():
+        lines.append(line("sum of magnitudes", "second", when, result.held(magnitudes)[1], "held"))
+    limits = bounds(result)
+    for coefficient, name in limits:
+        lines.append(line(name, "still", when, coefficient * held, "held dashed"))
+    lines.append(line("normal force, Σ λ", "force", when, held, "held"))
+    note = "Sums over the points with friction." if limits else "Pairs have different coefficients."
+    more: dict[str, Any] = {"cursor": True, "window": result.window()}
+    out = [chart("friction", "Friction", TIME, axis("force", "N", zero=True), lines, note, **more)]
+    i = result.roughest
+    moved, force = result.loop(i)
+    a, b = result.sides_names()
+    lines = []
+    for value, name in STATES.items():
+        here = result.state[:, i] == value
+        x, y = parts(result, moved, here), parts(result, force, here)
+        if not np.isnan(y).all():
+            lines.append(line(TOLD[value], name, x, y))
+    x_axis, y_axis = axis(f"displacement of {a} relative to {b}", "m", padded=True), axis(
+        f"friction on {b}", "N"
+    )
+    note = f"Point {i + 1}, along the direction in which friction acts most."
+    return [*out, chart("loop", "Friction against displacement", x_axis, y_axis, lines, note)]
 
 
 def along_normal_charts(result: History, i: int) -> list[Chart]:
@@ -148,39 +183,41 @@ def pressure_chart(result: History) -> Chart:
     note = f"{np.count_nonzero(pressing)} of {len(order)} points press" + (
         "." if len(result.time) == 1 else " when the force is largest."
     )
-    lines = [line("pressure", "force", where[near], pressure[near], "dots")]
+    kinds = [("pressure", "force", near)]
+    if result.has_friction:  # colours by state; points without friction keep the colour of forces
+        state, rubs = result.state[row][order], result.rubbing[order]
+        kinds = [(TOLD[value], name, near & rubs & (state == value)) for value, name in STATES.items()]
+        kinds.append(("without friction", "force", near & ~rubs & pressing))
+    lines = [line(name, colour, where[at], pressure[at], "dots") for name, colour, at in kinds if at.any()]
     size = axis("pressure", "Pa", zero=True)
     return chart("pressure", "Contact pressure", axis(what, "m"), size, lines, note)
 
 
 def force_map(result: History) -> dict[str, Any]:
     """The force by point and time: the maximum in each cell. Points that never touch are omitted."""
-    order, where, what = result.positions()
-    used = result.impulse()[order] > 0
-    order, where = order[used], where[used]
-    if len(order) > ROWS:
-        picked = np.sort(np.argsort(result.impulse()[order])[::-1][:ROWS])
-        order, where = order[picked], where[picked]
-    first, last = result.contact_time[0], result.contact_time[-1]
-    step = result.spacing
-    columns = min(COLUMNS, int(round((last - first) / step)) + 1)
-    column = ((result.contact_time - first + 0.5 * step) / (last - first + step) * columns).astype(int)
-    column = np.minimum(column, columns - 1)
-    cells = np.zeros((columns, len(order)))
-    np.maximum.at(cells, column, result.force[:, order])
+    grid = Grid(result, result.impulse() > 0, COLUMNS, ROWS, by_impulse=True)
+    return map_of(grid) | {"force": packed(grid.largest(result.force), "u2")}
+
+
+def state_map(result: History) -> dict[str, Any]:
+    """The state by point and time: slip if a point slips in any step of a cell, open if it is open in all."""
+    grid = Grid(result, result.rubbing, COLUMNS, ROWS)
+    return map_of(grid) | {"state": packed(grid.largest(result.state), "u1")}
+
+
+def map_of(grid: Grid) -> dict[str, Any]:
     return {
-        "from": result.spans()[0][0],
-        "to": last,
-        "what": what,
-        "where": packed(where),
-        "points": (order + 1).tolist(),
-        "force": packed(cells, "u2"),
-        "left_out": int(np.count_nonzero(used)) - len(order),
+        "from": grid.start,
+        "to": grid.end,
+        "what": grid.what,
+        "where": packed(grid.where),
+        "points": (grid.order + 1).tolist(),
+        "left_out": grid.left_out,
     }
 
 
 def energy_charts(result: History) -> list[Chart]:
-    terms, ledger = result.ledger
+    terms, ledger = result.terms, result.ledger
     lines = [
         line(result.LABELS[name], number, result.time, values)
         for number, (name, values) in enumerate(terms.items())

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ricochet.arrays import Array
 from ricochet.pictures.skins import skins_of
@@ -27,7 +28,7 @@ SIDES = 12  # sides of a rod's cross-section
 
 def packed(values: Any, kind: str = "f4") -> Packed:
     """Encodes an array as text. The types i2 and u2 contain fractions of the largest value, with 15 and 16
-    bits. The types f4 and u4 contain the values."""
+    bits. The types f4, u1 and u4 contain the values."""
     values = np.asarray(values)
     out: Packed = {"type": kind, "shape": list(values.shape)}
     if kind in ("i2", "u2"):
@@ -181,14 +182,28 @@ def nearest(points: Array, places: Sequence[Array]) -> tuple[Array, Array]:
     return found, offset
 
 
+def rows_at(result: History, times: Array) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """The contact row of each time, and whether there is one."""
+    if len(result.contact_time) == 0:
+        return np.zeros(len(times), int), np.zeros(len(times), bool)
+    half = 0.5 * result.spacing
+    row = np.minimum(np.searchsorted(result.contact_time, times - half), len(result.contact_time) - 1)
+    return row, np.abs(result.contact_time[row] - times) <= half
+
+
 def forces_at(result: History, times: Array, points: Array) -> Array:
     """(S,p) force at these points and times; 0 if the result has no contact row for a time."""
+    row, near = rows_at(result, times)
     out = np.zeros((len(times), len(points)))
-    if len(result.contact_time):
-        half = 0.5 * result.spacing
-        row = np.minimum(np.searchsorted(result.contact_time, times - half), len(result.contact_time) - 1)
-        near = np.abs(result.contact_time[row] - times) <= half
-        out[near] = result.force[row[near]][:, points]
+    out[near] = result.force[row[near]][:, points]
+    return out
+
+
+def states_at(result: History, times: Array, points: Array) -> Array:
+    """(S,p) states at these points and times; open if the result has no contact row for a time."""
+    row, near = rows_at(result, times)
+    out = np.zeros((len(times), len(points)), dtype=np.uint8)
+    out[near] = result.state[row[near]][:, points]
     return out
 
 
@@ -227,6 +242,7 @@ def motion_of(result: History, folder: Path, scene: dict[str, Any]) -> dict[str,
             "offset": packed(offset),
             "normal": packed(result.normal[points]),
             "force": packed(forces_at(result, time[chosen], points), "u2"),
+            "state": packed(states_at(result, time[chosen], points), "u1") if result.has_friction else None,
             "left_out": int(np.count_nonzero(result.impulse())) - len(points),
         },
     }

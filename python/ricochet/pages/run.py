@@ -98,8 +98,8 @@ def commands_of(
     return out
 
 
-def charts_of(result: History, by_table: bool) -> tuple[dict[str, Any], dict[str, Any] | None]:
-    """The charts by section of the page, and the force map."""
+def charts_of(result: History, by_table: bool) -> dict[str, list[dict[str, Any]]]:
+    """The charts by section of the page."""
     i = result.strongest
     still = len(result.time) == 1
     out: dict[str, list[dict[str, Any]]] = {"contact": [], "energy": []}
@@ -107,14 +107,25 @@ def charts_of(result: History, by_table: bool) -> tuple[dict[str, Any], dict[str
         out["contact"].append(charts.force_chart(result, i))
         motion = charts.table_charts if by_table else charts.along_normal_charts
         out["contact"] += motion(result, i)
-    several = not by_table and np.count_nonzero(result.impulse()) > 1
-    if several:
+        if rubs(result):
+            out["contact"][1:1] = charts.friction_charts(result)
+    if several(result, by_table):
         out["contact"].append(charts.pressure_chart(result))
     if not still and result.episodes:
         out["contact"].append(charts.spectrum_chart(result))
     if not still and not by_table:
         out["energy"] = charts.energy_charts(result)
-    return out, charts.force_map(result) if several and not still else None
+    return out
+
+
+def several(result: History, by_table: bool) -> bool:
+    """Whether forces are known by place and more than one point has one."""
+    return not by_table and np.count_nonzero(result.impulse()) > 1
+
+
+def rubs(result: History) -> bool:
+    """Whether a point with friction has touched."""
+    return result.has_friction and bool(result.rubbing.any())
 
 
 def digest(path: Path) -> str:
@@ -132,7 +143,7 @@ def run_of(path: Path, kernels: Path | None = None) -> dict[str, Any]:
         sounds = sounds_of(summary, path.parent)
     scene = result.scene
     by_table = not result.energy
-    drawn, force_map = charts_of(result, by_table)
+    still = len(result.time) == 1
     bodies = bodies_of(result, folder, scene)
     motion = (
         {"missing": "runs by table kernels know no bodies"} if by_table else motion_of(result, folder, scene)
@@ -156,8 +167,10 @@ def run_of(path: Path, kernels: Path | None = None) -> dict[str, Any]:
         "steps": steps,
         "labels": History.LABELS,
         "energy": ends,
-        "charts": drawn,
-        "map": force_map,
+        "charts": charts_of(result, by_table),
+        "map": charts.force_map(result) if several(result, by_table) and not still else None,
+        "states": charts.state_map(result) if rubs(result) and not still else None,
+        "friction": result.has_friction,
         "motion": motion,
         "episodes": result.spans()[:2000],
         "sounds": sounds,

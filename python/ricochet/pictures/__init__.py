@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Pictures of results (contact, snapshots, energy) and of modes, as matplotlib figures and as files."""
+"""Pictures of results (contact, friction, snapshots, energy) and of modes, as matplotlib figures and as files."""
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -10,6 +10,7 @@ from ricochet.errors import InputError
 from ricochet.files import save_picture, writing
 from ricochet.pictures.contact import contact_picture, table_picture
 from ricochet.pictures.energy import energy_picture
+from ricochet.pictures.friction import friction_picture
 from ricochet.pictures.modes import modes_picture
 from ricochet.pictures.snapshots import snapshots_picture
 from ricochet.pictures.style import DPI, STYLE
@@ -21,7 +22,8 @@ DRAWN_MODES = 6
 
 
 def figures(result: History, kernels: Path, note: Callable[[str], None]) -> Iterator[tuple[str, Figure]]:
-    """Yields the figures of a result with their names: "contact", "snapshots", "energy".
+    """Yields the figures of a result with their names: "contact", "friction", "snapshots",
+    "energy".
 
     @param kernels  folder of the kernels
     @param note     called with the reason for each figure that is omitted
@@ -33,6 +35,11 @@ def figures(result: History, kernels: Path, note: Callable[[str], None]) -> Iter
         note("no energies and no snapshots: runs with table kernels have neither")
         return
     yield "contact", contact_picture(result)
+    if result.has_friction:
+        if rubbed := friction_picture(result):
+            yield "friction", rubbed
+        else:
+            note("no picture of friction: no point with friction touched")
     found = skins_of(result, kernels)
     if isinstance(found, str):
         note(f"no picture of snapshots: {found}")

@@ -7,9 +7,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from ricochet.pictures.style import GREY, SHADE, WIDTH
+from ricochet.pictures.style import FRICTION, GREY, NORMAL, SHADE, STATE, WIDTH
 from ricochet.pictures.style import colour_of, largest_of, legend_below, prefixed, shade_contact
 from ricochet.pictures.history import History
+from ricochet.result import SLIP, STICK
 
 
 def panels(result: History, i: int, where: str) -> tuple[Figure, Any]:
@@ -42,9 +43,13 @@ def force_panel(result: History, ax: Axes, i: int) -> None:
     when, here = result.held(result.force[:, i])
     _, total = result.held(result.force.sum(axis=1))
     scale, unit = prefixed(largest_of(total), "N")
-    red = "#b03a48"
-    ax.fill_between(when * ms, here * scale, step="pre", color=red, alpha=0.25, linewidth=0)
-    ax.step(when * ms, here * scale, color=red, linewidth=1.4, label="force at the point")
+    ax.fill_between(when * ms, here * scale, step="pre", color=NORMAL, alpha=0.25, linewidth=0)
+    ax.step(when * ms, here * scale, color=NORMAL, linewidth=1.4, label="force at the point")
+    if result.has_friction:
+        _, rubs = result.held(np.linalg.norm(result.tangential_force[:, i], axis=1))
+        ax.step(when * ms, rubs * scale, color=FRICTION, linewidth=1.4, label="friction at the point")
+        state_strip(result, ax, i, ms)
+        ax.margins(y=0.12)  # the forces stay below the strip
     if len(result.initial_gap) > 1:
         label = f"sum over {len(result.initial_gap)} points"
         ax.step(when * ms, total * scale, ":", color=GREY, linewidth=1.5, label=label)
@@ -52,6 +57,23 @@ def force_panel(result: History, ax: Axes, i: int) -> None:
     ax.set(ylabel=f"contact force ({unit})", title="Contact force")
     if not result.episodes:
         ax.text(0.5, 0.5, "nothing touched", transform=ax.transAxes, ha="center", color=GREY)
+
+
+def state_strip(result: History, ax: Axes, i: int, ms: float) -> None:
+    """Draws at the upper edge when point i sticks and when it slips."""
+    state, half = result.state[:, i], 0.5 * result.spacing
+    for value, name in [(STICK, "the point sticks"), (SLIP, "the point slips")]:
+        padded = np.concatenate([[False], state == value, [False]])
+        breaks = np.diff(padded.astype(int))
+        pause = np.append(np.diff(result.contact_time) > 3 * half, False)  # an episode ends here
+        ranges = []
+        for first, behind in zip(np.flatnonzero(breaks == 1), np.flatnonzero(breaks == -1)):
+            inner = [first, *(first + 1 + np.flatnonzero(pause[first : behind - 1])), behind]
+            for a, b in zip(inner[:-1], inner[1:]):
+                begin = result.contact_time[a] - 2 * half
+                ranges.append((begin * ms, (result.contact_time[b - 1] - begin) * ms))
+        axes = {"transform": ax.get_xaxis_transform(), "zorder": 3}
+        ax.broken_barh(ranges, (0.955, 0.045), facecolors=STATE[value], label=name, linewidth=0, **axes)
 
 
 def table_picture(result: History) -> Figure:

@@ -11,7 +11,7 @@ from ricochet.pictures.history import History
 
 def energy_picture(result: History) -> Figure:
     """All terms of the energy ledger with their sum, and the deviation of the sum from its first value."""
-    terms, ledger = result.ledger
+    terms, ledger = result.terms, result.ledger
     scale_name, reference = "first value", abs(ledger[0])
     if reference <= 1e-12 * largest_of(*terms.values()):  # bodies at rest have no energy at first
         scale_name, reference = "largest term", largest_of(*terms.values())
@@ -21,7 +21,7 @@ def energy_picture(result: History) -> Figure:
 
     figure = Figure(figsize=(WIDTH, 6.2), layout="constrained")
     top, low = figure.subplots(2, 1, sharex=True, height_ratios=[2.2, 1])
-    colours = ["#2b6cb0", "#d2691e", "#3a8f5c", "#8a4fa3", "#8c6d1f", "#b03a48"]
+    colours = ["#2b6cb0", "#d2691e", "#3a8f5c", "#8a4fa3", "#8c6d1f", "#b03a48", "#12a3b4"]
     for (name, values), colour in zip(terms.items(), colours):
         width, note = (1.6, "") if np.any(values) else (1, " (0)")
         top.plot(t, values * mj, color=colour, linewidth=width, label=result.LABELS[name] + note)

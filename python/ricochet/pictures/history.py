@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """A result prepared for pictures: episodes of contact, the time around them, and motion along the normal of a
 point."""
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 
 from ricochet.arrays import Array
 from ricochet.errors import InputError
-from ricochet.result import Result
+from ricochet.result import SLIP, STICK, Result
 
 Curve = tuple[Array, Array]  # times [s] and values, NaN between episodes
 Curves = dict[str, Curve]  # by name of a side or a body
@@ -25,6 +26,7 @@ class History(Result):
         "loads": "− work of loads",
         "damping": "lost in damping",
         "contact": "lost in contact",
+        "friction": "heat of friction",
     }
 
     def __init__(self, path: Path) -> None:
@@ -46,6 +48,8 @@ class History(Result):
                 self.sides[name] = self._read(f"contact/{name}", *shape)
             self.point_a, self.normal  # reading checks the arrays and raises InputError for damaged ones
         self.force, self.gap
+        if self.has_friction:
+            self.tangential_force, self.tangential_displacement, self.state
         self.spacing = self.contact_step
         self.episodes = self._episodes()
 
@@ -82,11 +86,10 @@ class History(Result):
         return int(np.argmax(np.max(changes, axis=0))) if changes else 0
 
     @property
-    def ledger(self) -> tuple[dict[str, Array], Array]:
-        """The terms of the energy ledger by name, and their sum, which remains constant in spite of damping
-        and contact."""
-        terms = {name: self.energy[name] * (-1 if name == "loads" else 1) for name in self.LABELS}
-        return terms, self.energy["total"] + self.energy["damping"] + self.energy["contact"]
+    def terms(self) -> dict[str, Array]:
+        """The terms of the energy ledger by name. Their sum is `ledger`. Friction only if the run has it."""
+        names = [name for name in self.LABELS if name != "friction" or self.has_friction]
+        return {name: self.energy[name] * (-1 if name == "loads" else 1) for name in names}
 
     def positions(self) -> tuple[NDArray[np.int64], Array, str]:
         """Contact points sorted by place, their places [m], and a description of the place."""
@@ -113,6 +116,49 @@ class History(Result):
         margin = max(0.35 * (last - first), 4 * (t[1] - t[0]))
         start, end = max(float(t[0]), first - margin), min(float(t[-1]), last + margin)
         return start - 0.01 * (end - start), end  # so that the axis does not cover a force in the first step
+
+    @cached_property
+    def rubbing(self) -> NDArray[np.bool_]:
+        """(m) points that have stuck or slipped. Points without friction never do."""
+        return np.asarray((self.state > 0).any(axis=0))
+
+    @cached_property
+    def coefficients(self) -> tuple[float, float] | None:
+        """Static and dynamic coefficient of friction, if all pairs with friction have the same ones."""
+        contact = self.scene.get("contact", {})
+        found = set()
+        for pair in contact.get("pair", [contact]):
+            given = pair.get("friction", contact.get("friction", 0))
+            static = given.get("static", 0) if isinstance(given, dict) else given
+            found.add((static, given.get("dynamic", static) if isinstance(given, dict) else static))
+        found -= {(0, 0)}
+        return next(iter(found)) if len(found) == 1 else None
+
+    def tangential_totals(self) -> tuple[Array, Array, Array]:
+        """(k) each: Σ λ of the points with friction, |Σ τ|, and Σ |τ| [N]"""
+        normal = self.force[:, self.rubbing].sum(axis=1)
+        resultant = np.linalg.norm(self.tangential_force.sum(axis=1), axis=1)
+        return normal, resultant, np.linalg.norm(self.tangential_force, axis=2).sum(axis=1)
+
+    @property
+    def roughest(self) -> int:
+        """The contact point with the largest impulse of friction."""
+        return int(np.argmax(np.linalg.norm(self.tangential_force, axis=2).sum(axis=0)))
+
+    def loop(self, i: int) -> tuple[Array, Array]:
+        """(k) each: tangential displacement [m] and force of friction [N] at point i, along the direction in
+        which friction acts most."""
+        force = self.tangential_force[:, i]
+        _, axes = np.linalg.eigh(force.T @ force)
+        along = axes[:, 2] * np.sign(axes[np.argmax(np.abs(axes[:, 2])), 2])
+        return self.tangential_displacement[:, i] @ along, force @ along
+
+    def mixed_row(self) -> int:
+        """The contact row in which most points stick while others slip; among equal ones, that with the
+        largest friction."""
+        fewer = np.minimum((self.state == STICK).sum(axis=1), (self.state == SLIP).sum(axis=1))
+        _, resultant, _ = self.tangential_totals()
+        return int(np.argmax(np.where(fewer == fewer.max(), resultant, -1)))
 
     def broken(self, values: Array) -> Curve:
         """Contact rows with NaN between episodes, so that no line crosses a time without contact."""

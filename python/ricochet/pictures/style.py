@@ -15,6 +15,8 @@ DPI = 150
 WIDTH = 8.0  # inches; 1200 pixels, the width of a README
 BODY = ["#2b6cb0", "#d2691e", "#3a8f5c", "#8a4fa3"]
 GREY = "#555555"
+NORMAL, FRICTION = "#b03a48", "#17708a"  # forces
+STATE = ["#e8e8e8", "#39507f", "#efa500"]  # of a point: open, stick, slip; also distinct in shades of grey
 SHADE = {"color": "#f2e7c9", "zorder": 0, "linewidth": 0}
 
 # Settings of matplotlib.

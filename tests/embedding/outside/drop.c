@@ -34,6 +34,10 @@ static void refusals(const ricochet_kernel* kernel) {
   expect(ricochet_scene_angular_velocity(scene, "bob", zero) == RICOCHET_REFUSED,
          "the spin of an unknown body is refused");
   expect(ricochet_scene_impulse(scene, 7, 0) == RICOCHET_REFUSED, "an unknown admittance is refused");
+  expect(ricochet_scene_friction_law(scene, 7) == RICOCHET_REFUSED, "an unknown law of friction is refused");
+  expect(ricochet_scene_friction(scene, 0.3, 0.3, 0) == RICOCHET_REFUSED, "friction without a pair is refused");
+  expect(ricochet_scene_half_space_velocity(scene, "floor", zero) == RICOCHET_REFUSED,
+         "the velocity of an unknown half-space is refused");
   expect(ricochet_scene_half_space(scene, "floor", zero, zero) == RICOCHET_OK,
          "a scene is checked when it is run");
   expect(ricochet_simulation_new(scene) == NULL, "a normal of length 0 is refused");
@@ -43,13 +47,16 @@ static void refusals(const ricochet_kernel* kernel) {
 
 static ricochet_simulation* drop(const ricochet_kernel* kernel) {
   const double origin[3] = {0, 0, 0}, up[3] = {0, 0, 1}, down[3] = {0, 0, -1}, gravity[3] = {0, 0, -9.81};
-  const double gap = 1;
+  const double gap = 1, along[3] = {1, 0, 0};
   ricochet_simulation* simulation;
   ricochet_scene* scene = ricochet_scene_new(1000);
   expect(ricochet_scene_body(scene, "bob", kernel, NULL, NULL, NULL) == RICOCHET_OK, "body");
   expect(ricochet_scene_angular_velocity(scene, "bob", origin) == RICOCHET_OK, "angular velocity");
   expect(ricochet_scene_half_space(scene, "floor", origin, up) == RICOCHET_OK, "half-space");
   expect(ricochet_scene_pair(scene, "bob", "floor", NULL, &gap, NULL) == RICOCHET_OK, "pair");
+  expect(ricochet_scene_friction(scene, 0, 0, 0) == RICOCHET_OK, "no friction");
+  expect(ricochet_scene_friction_law(scene, RICOCHET_COULOMB) == RICOCHET_OK, "law of friction");
+  expect(ricochet_scene_half_space_velocity(scene, "floor", along) == RICOCHET_OK, "velocity of the floor");
   expect(ricochet_scene_pickup(scene, "bob", NULL, 0, down) == RICOCHET_OK, "pickup");
   expect(ricochet_scene_gravity(scene, gravity) == RICOCHET_OK, "gravity");
   simulation = ricochet_simulation_new(scene);
@@ -59,7 +66,7 @@ static ricochet_simulation* drop(const ricochet_kernel* kernel) {
 
 int main(int count, char** arguments) {
   double velocity[400], mean[3];
-  ricochet_block block = {velocity, NULL, NULL, NULL};
+  ricochet_block block = {velocity, NULL, NULL, NULL, NULL};
   ricochet_energy energy;
   ricochet_point point;
   ricochet_kernel* kernel = ricochet_kernel_load(count > 1 ? arguments[1] : NULL);
@@ -100,6 +107,7 @@ int main(int count, char** arguments) {
   ricochet_simulation_energy(simulation, &energy);
   expect(energy.contact >= 0, "the floor gives no energy");
   expect(ricochet_simulation_displacement(simulation)[0] < 1 + 1e-12, "and does not give way");
+  expect(ricochet_simulation_tangential_force(simulation)[0] == 0 && energy.friction == 0, "nothing rubs");
   expect(ricochet_simulation_restore(simulation, state) == RICOCHET_OK, "it returns");
   expect(ricochet_simulation_steps(simulation) == 400, "to where it was");
   expect(ricochet_simulation_step(simulation) == RICOCHET_OK, "and steps");

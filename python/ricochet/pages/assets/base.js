@@ -18,7 +18,7 @@ function fill(element, attributes, children) {
 const make = (tag, attributes = {}, ...children) => fill(document.createElement(tag), attributes, children);
 const draw = (tag, attributes = {}, ...children) => fill(document.createElementNS(svgNames, tag), attributes, children);
 
-const arrays = {f4: Float32Array, i2: Int16Array, u2: Uint16Array, u4: Uint32Array};
+const arrays = {f4: Float32Array, i2: Int16Array, u1: Uint8Array, u2: Uint16Array, u4: Uint32Array};
 
 /** Decodes numbers from base64. */
 function unpack({type, scale, data}) {

@@ -79,7 +79,7 @@ class Chart {
     this.lines = spec.lines.map(line => ({...line, x: unpack(line.x), y: unpack(line.y)}));
     this.x = new Axis(spec.x, spec.window ?? join(this.lines.map(line => extent(line.x, spec.x.log))));
     this.y = new Axis(spec.y, join(this.lines.map(line => extent(line.y, spec.y.log)))).pad(0.06);
-    if (spec.lines.some(line => line.style === "dots")) this.x.pad(0.03);
+    if (spec.x.padded || spec.lines.some(line => line.style === "dots")) this.x.pad(0.03);
     this.plot = make("div", {class: "plot"});
     this.tip = make("div", {class: "tip", role: "status"});
     const csv = make("button", {class: "csv", type: "button", title: "The values drawn here"}, "CSV");
@@ -217,34 +217,57 @@ class Chart {
   }
 }
 
-/** Draws the force by point and time as a picture, and shows values at the pointer. */
+/** Draws the force by point and time. */
 function forceMap(map) {
-  const [columns, rows] = map.force.shape, force = unpack(map.force), where = unpack(map.where);
-  const largest = extent(force)[1] || 1;
-  const label = `Force by time and ${map.what}; the largest is ${quantity(largest, "N")}`;
+  const force = unpack(map.force), largest = extent(force)[1] || 1;
+  const left = map.left_out ? ` The ${map.points.length} points of most impulse; ${map.left_out} that touch less are left out.` : "";
+  return mapOf(map, map.force.shape, {
+    title: "Force by point and time", note: `the points that touch, by ${map.what}`, rest: `Blank: no force.${left}`,
+    label: `Force by time and ${map.what}; the largest is ${quantity(largest, "N")}`,
+    colour: k => force[k] > 0 ? ramp(force[k] / largest) : null, text: k => quantity(force[k], "N"), key: rampKey(0, largest, "N"),
+  });
+}
+
+/** Draws by point and time whether points stick or slip. */
+function stateMap(map) {
+  const state = unpack(map.state), names = ["open", "sticks", "slips"], colours = ["open", "stick", "slip"].map(name => cssColour(`--${name}`));
+  const left = map.left_out ? ` ${map.points.length} points; ${map.left_out} between them are left out.` : "";
+  const share = name => digits(100 * state.filter(value => value === names.indexOf(name)).length / state.length, 2);
+  const key = make("div", {class: "key"}, swatch("cstick", "sticks"), swatch("cslip", "slips"), swatch("copen", "open"));
+  return mapOf(map, map.state.shape, {
+    title: "Stick and slip", note: map.points.length > 1 ? `the points with friction, by ${map.what}` : "the point that touches",
+    rest: `A cell of several steps slips if one of them does.${left}`,
+    label: `Stick and slip by time and ${map.what}: ${share("sticks")} % of the cells stick, ${share("slips")} % slip`,
+    colour: k => colours[state[k]], text: k => names[state[k]], key, name: "states",
+  });
+}
+
+/** Draws a quantity by point and time as a picture, and shows values at the pointer. `colour(k)` and `text(k)` are those of
+ *  cell k = column · rows + row; without a colour a cell is blank. */
+function mapOf(map, [columns, rows], {title, note, rest, label, colour, text, key, name}) {
+  const where = unpack(map.where);
   const canvas = make("canvas", {width: columns, height: rows, role: "img", "aria-label": label});
   const pixels = canvas.getContext("2d"), image = pixels.createImageData(columns, rows);
   for (let c = 0; c < columns; ++c)
     for (let r = 0; r < rows; ++r) {
-      const value = force[c * rows + r] / largest, at = 4 * ((rows - 1 - r) * columns + c);
-      image.data.set([...ramp(value).map(part => 255 * part), value > 0 ? 255 : 0], at);
+      const drawn = colour(c * rows + r), at = 4 * ((rows - 1 - r) * columns + c);
+      if (drawn) image.data.set([...drawn.map(part => 255 * part), 255], at);
     }
   pixels.putImageData(image, 0, 0);
-  const tip = make("div", {class: "tip"}), plot = make("div", {class: "plot map"}, canvas, tip);
+  const tip = make("div", {class: "tip"}), plot = make("div", {class: `plot map ${rows < 4 ? "low" : ""}`}, canvas, tip);
   canvas.addEventListener("pointerleave", () => { tip.style.visibility = "hidden"; });
   canvas.addEventListener("pointermove", event => {
     const box = canvas.getBoundingClientRect(), across = (event.clientX - box.left) / box.width;
     const c = Math.min(columns - 1, Math.max(0, Math.floor(across * columns)));
     const r = rows - 1 - Math.min(rows - 1, Math.max(0, Math.floor((event.clientY - box.top) / box.height * rows)));
     const time = quantity(map.from + (c + 0.5) / columns * (map.to - map.from), "s");
-    tip.replaceChildren(`${time}, point ${map.points[r]} at ${quantity(where[r], "m")}: ${quantity(force[c * rows + r], "N")}`);
+    tip.replaceChildren(`${time}, point ${map.points[r]} at ${quantity(where[r], "m")}: ${text(c * rows + r)}`);
     tip.style.visibility = "visible";
     tip.style.left = `${Math.max(0, Math.min(across * box.width + 12, box.width - tip.offsetWidth))}px`;
   });
-  const left = map.left_out ? ` The ${rows} points of most impulse; ${map.left_out} that touch less are left out.` : "";
   const [low, high] = [where[0], where[rows - 1]].map(value => quantity(value, "m"));
-  const note = `Upwards the points that touch, by ${map.what}: ${low} to ${high}. Blank: no force.${left}`;
+  const told = `Upwards ${note}${rows > 1 ? `: ${low} to ${high}` : ""}. ${rest}`;
   const [from, to] = [map.from, map.to].map(time => make("span", {}, quantity(time, "s")));
-  const ends = make("div", {class: "ends"}, from, rampKey(0, largest, "N"), to);
-  return make("figure", {class: "chart"}, make("figcaption", {}, "Force by point and time", make("small", {}, note)), plot, ends);
+  const ends = make("div", {class: "ends"}, from, key, to);
+  return make("figure", {class: "chart", id: name && `map-${name}`}, make("figcaption", {}, title, make("small", {}, told)), plot, ends);
 }

@@ -108,8 +108,8 @@ class Motion {
     moments = this.time.length;
     this.bodies = data.bodies.map((body, k) => new Skin(body, run.bodies.findIndex(other => other.name === body.name)));
     this.obstacles = data.obstacles.map(obstacle => new Skin(obstacle));
-    const {anchor, offset, normal, force} = data.points;
-    this.points = {anchor, offset: unpack(offset), normal: unpack(normal), force: unpack(force)};
+    const {anchor, offset, normal, force, state} = data.points;
+    this.points = {anchor, offset: unpack(offset), normal: unpack(normal), force: unpack(force), state: state && unpack(state)};
     this.forceMost = extent(this.points.force)[1];
     const touched = run.episodes.length > 0, whole = [this.time[0], this.time[moments - 1]];
     const window = touched ? [run.episodes[0][0], run.episodes.at(-1)[1]] : whole;
@@ -264,23 +264,24 @@ class Motion {
     return this.most[this.colour] ??= Math.max(...this.sampled(60).flatMap(k => this.bodies.map(body => inMost(body, this.time[k])))) || 1;
   }
 
-  /** Makes spikes into both bodies at each point. Their lengths are proportional to the force. */
-  makeSpikes(k) {
-    const {anchor, offset, normal, force} = this.points, count = anchor.length, place = [], element = [];
+  /** Makes spikes into both bodies at each point, or at each point in a state if one is given. Their lengths are proportional
+   *  to the force. A halo is a little larger. */
+  makeSpikes(k, wanted, halo = false) {
+    const {anchor, offset, normal, force, state} = this.points, count = anchor.length, place = [], element = [];
     const longest = 0.16 * Math.max(...this.spans.slice(0, 2));
     for (let p = 0; p < count; ++p) {
       const length = longest * force[k * count + p] / this.forceMost;
-      if (!(length > 0)) continue;
+      if (!(length > 0) || (wanted !== undefined && state[k * count + p] !== wanted)) continue;
       const [b, v] = anchor[p], n = normal.subarray(3 * p, 3 * p + 3);
       const from = this.bodies[b].place.slice(3 * v, 3 * v + 3).map((x, i) => x + offset[3 * p + i]);
       const seed = unit([0, 1, 2].reduce((a, i) => Math.abs(n[i]) < Math.abs(n[a]) ? i : a, 0));
       const one = seed.map((x, i) => x - dot(seed, n) * n[i]), two = cross(n, one);
-      const width = Math.min(0.07 * length, 0.006 * this.size);
+      const width = Math.min(0.07 * length, 0.006 * this.size) + (halo ? 0.0022 * this.size : 0);
       for (const way of [1, -1]) {
         const first = place.length / 3;
         const corner = (s, t, r) => place.push(...from.map((x, i) => x + width * (s * one[i] + t * two[i]) + r * n[i]));
         for (const [s, t] of [[1, 0], [0, 1], [-1, 0], [0, -1]]) corner(s, t, 0);
-        corner(0, 0, way * length);
+        corner(0, 0, way * (halo ? 1.06 : 1) * length);
         for (let s = 0; s < 4; ++s) element.push(first + s, first + (s + 1) % 4, first + 4);
       }
     }
@@ -333,9 +334,13 @@ class Motion {
     }
     for (const obstacle of this.obstacles.filter(obstacle => obstacle.visible)) this.send(obstacle, [0.5, 0.5, 0.5, 0.28], {lit: false});
     if (!this.arrows || this.forceMost <= 0) return;
-    this.makeSpikes(Math.min(moments - 1, Math.round(k + f)));
     gl.disable(gl.DEPTH_TEST);
-    this.send(this.spikes, [0.85, 0.12, 0.2, 0.85], {lit: false});
+    const red = [0.85, 0.12, 0.2, 0.85], white = [1, 1, 1, 0.9], tinted = name => [...cssColour(name), 1];
+    const states = [[0, red], [1, tinted("--stick")], [2, tinted("--slip")]];  // the halo makes them visible on any colour
+    for (const [state, ink, halo] of this.points.state ? [[undefined, white, true], ...states] : [[undefined, red]]) {
+      this.makeSpikes(Math.min(moments - 1, Math.round(k + f)), state, halo);
+      if (this.spikes.element.length) this.send(this.spikes, ink, {lit: false});
+    }
     gl.enable(gl.DEPTH_TEST);
   }
 

@@ -33,6 +33,10 @@ const glosses = {
   restitution: ["minus exit over approach velocity along the impulse"],
   energy_drift: ["what the energy ledger fails to account for, relative"],
   energy_lost_contact: ["taken by contact, over the energy when it started"],
+  energy_lost_friction: ["heat of friction, over the energy when contact started"],
+  friction_impulse_ns: ["friction summed over time, as a vector for each pair", "N s"],
+  max_slip_m: ["longest path that a pressed point slipped", "m"],
+  ambiguous_steps: ["steps in which other forces would also obey friction"],
   max_penetration_m: ["deepest penetration", "m"],
   limited_steps: ["steps that max_pivots cut short"],
   limited_residual: ["the worst of them"],
@@ -94,6 +98,11 @@ function highlights() {
   if (has("energy_lost_contact"))
     card("Energy to contact", told("energy_lost_contact", s.energy_lost_contact, percent(s.energy_lost_contact)),
          "of that at first touch");
+  if (has("energy_lost_friction"))
+    card("Heat of friction", told("energy_lost_friction", s.energy_lost_friction, percent(s.energy_lost_friction)),
+         "of the energy at first touch");
+  if (has("max_slip_m") && has("friction_impulse_ns"))
+    card("Longest slip", figure("max_slip_m", s.max_slip_m, "m"), `friction passes ${quantity(s.friction_impulse_ns, "N s", 3)}`);
   plain("Energy drift", "energy_drift", "", "round-off: 10⁻¹² or less");
   if (s.error_estimate) card("Estimated error", percent(s.error_estimate.total), `of the ${spaced(s.error_estimate.quantity)}`);
   plain("Contact points", "candidates", "", run.static ? "" : `at most ${s.max_active} touch`);
@@ -112,6 +121,7 @@ function contactSection() {
     at.append(listed(summary.pairs, "pairs", ["force_n", "approach_m", "contact_points", "contact_area_m2", "peak_pressure_pa"], "pair"));
   at.append(...run.charts.contact.map(spec => new Chart(spec).element));
   if (run.map) at.append(forceMap(run.map));
+  if (run.states) at.append(stateMap(run.states));
   if (run.steps.every > 1)
     at.append(note(`One in ${run.steps.every} steps is in the result; the rest is not drawn, and a spectrum of so few may be aliased.`));
   if (run.static) return;
@@ -167,14 +177,14 @@ function energySection() {
   const at = section("energy");
   if (run.by_table) return at.append(note("Table kernels keep no energy ledger."));
   at.append(...run.charts.energy.map(spec => new Chart(spec).element));
-  const {strain, residual, kinetic, damping, contact} = run.labels, stored = `strain + ${residual} − work of loads`;
+  const {strain, residual, kinetic, damping, contact, friction} = run.labels, stored = `strain + ${residual} − work of loads`;
   const labels = run.static ? {total: stored, strain, residual, loads: "work of loads"}
-    : {total: `kinetic + ${stored}`, damping, contact, kinetic, strain, residual, loads: "work of loads"};
+    : {total: `kinetic + ${stored}`, damping, contact, ...(run.friction ? {friction} : {}), kinetic, strain, residual, loads: "work of loads"};
   const columns = run.static ? ["at rest"] : ["at the start", "at the end"];
   const rows = Object.entries(labels).map(([name, label]) =>
     row(label, ...columns.map((_, k) => quantity(run.energy[name][k], "J", 6))));
   at.append(table(["", ...columns], rows));
-  if (!run.static) at.append(note("The first three rows together stay the same."));
+  if (!run.static) at.append(note(`The first ${run.friction ? "four" : "three"} rows together stay the same.`));
 }
 
 /** The name of a quantity as words. */

@@ -98,7 +98,8 @@ class Player {
     const {motion} = this, {label, unit} = measures[motion.colour];
     const most = motion.forceMost, force = most > 0 ? `contact force, at most ${quantity(most, "N")} at a point${moments > 1 ? ", in these moments" : ""}` : "no contact force";
     const names = motion.bodies.map(body => swatch(`c${Math.max(0, body.number) % 6}`, body.name));
-    this.legend.replaceChildren(...(unit ? [make("span", {}, label), rampKey(0, motion.top(), unit)] : names), swatch("cforce", force));
+    this.legend.replaceChildren(...(unit ? [make("span", {}, label), rampKey(0, motion.top(), unit)] : names), ...(motion.points.state && most > 0
+      ? [make("span", {}, `${force}:`), swatch("cstick", "sticks"), swatch("cslip", "slips")] : [swatch("cforce", force)]));
   }
 
   fit() {
@@ -148,7 +149,8 @@ function remarks(motion, data) {
   }
   if (motion.amplify > 1)
     parts.push(`Motion since the first touch is drawn ${digits(motion.amplify, 2)} times too large; amplified surfaces may cross.`);
-  if (motion.forceMost > 0) parts.push("Red spikes: contact force at each point, on both bodies.");
+  if (motion.forceMost > 0) parts.push(motion.points.state ? "Spikes: normal force at each point, on both bodies, in the colour of stick or slip; red without friction."
+    : "Red spikes: contact force at each point, on both bodies.");
   if (data.points.left_out > 0) parts.push(`${data.points.left_out} points of least impulse have no spike.`);
   return parts.join(" ");
 }

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Times of single contact problems with friction, solved cold by the library and by Siconos.
+
+    scripts/bench friction           # medians of 5 rounds; python3-siconos comes with scripts/setup --tests
+
+The problems are steps of two plates that rub on each other (benchmarks/plates.hpp), written by --fclib: for each
+size the one in which most points slip. Siconos' methods are nonsmooth Gauss-Seidel (NSGS) and the Newton method
+of Alart and Curnier (NSN_AC); each is given the largest tolerance, in powers of ten, at which its residual is
+not above the library's, or else the smallest one. The residual of all is that of the projection on the cones,
+in units of the mean flexibility, over |q|. Run scripts/build first.
+"""
+import json
+import pathlib
+import tempfile
+import time
+
+import h5py
+import numpy as np
+
+from benchmarks import launch, tables, timing
+from ricochet import errors, programs
+
+SIDES = (3, 6, 10, 17)
+MODES = 200  # of each plate
+METHODS = {"NSGS": 100000, "NSN_AC": 1000}  # most iterations
+COLUMNS = [
+    ("points", "points", ""),
+    ("sticking", "sticking", ""),
+    ("slipping", "slipping", ""),
+    ("method", "method", ""),
+    ("residual", "residual", ".1e"),
+    ("ms", lambda row: row["seconds"] and 1e3 * row["seconds"], ".3f"),
+    ("x ours", "ratio", ".2f"),
+]
+
+
+def add_arguments(parser):
+    parser.add_argument("--mu", type=float, default=0.3, help="coefficient of friction (default: 0.3)")
+    parser.add_argument("--rounds", type=int, default=5, help="runs of each, alternating (default: 5)")
+
+
+class Problem:
+    """A file of FCLIB, in units of the mean flexibility."""
+
+    def __init__(self, path):
+        self.path = path
+        with h5py.File(path) as file:
+            group = file["fclib_local/W"]
+            start, column, value = (group[name][:] for name in "pix")
+            size = group["m"][0]
+            self.q, self.mu = file["fclib_local/vectors/q"][:], file["fclib_local/vectors/mu"][:]
+            self.r, self.u = file["solution/r"][:], file["solution/u"][:]
+        row = np.repeat(np.arange(size), np.diff(start))
+        self.matrix = np.zeros((size, size), order="F")
+        self.matrix[row, column] = value
+        unit = np.diag(self.matrix).mean()
+        self.matrix /= unit
+        self.q /= unit
+
+    def counts(self):
+        """Numbers of points that stick and slip."""
+        push, across = self.r[::3], np.hypot(self.r[1::3], self.r[2::3])
+        slips = (push > 0) & (across >= self.mu * push * (1 - 1e-9))
+        return int(np.sum((push > 0) & ~slips)), int(np.sum(slips))
+
+    def residual(self, r):
+        """|r − P(r − u − μ |u_T| n)| / |q| with the projection P on the cones."""
+        move = (self.matrix @ r + self.q).reshape(-1, 3)
+        move[:, 0] += self.mu * np.hypot(move[:, 1], move[:, 2])
+        push = r.reshape(-1, 3) - move
+        across = np.hypot(push[:, 1], push[:, 2])
+        normal = (push[:, 0] + self.mu * across) / (1 + self.mu**2)
+        outside = (across > self.mu * push[:, 0]) | (push[:, 0] < 0)
+        share = self.mu * normal / np.where(across > 0, across, 1)
+        on_cone = np.column_stack([normal, share * push[:, 1], share * push[:, 2]])
+        found = np.where(outside[:, None], np.where(normal[:, None] > 0, on_cone, 0), push)
+        return np.linalg.norm(r - found.ravel()) / np.linalg.norm(self.q)
+
+
+def write(program, folder, side, mu):
+    """Returns the problem of most slipping points among those of 0.1 s, and of most closed ones if that ties."""
+    steps, every = 4410, 20
+    programs.call([program, "write", folder, side, side, MODES, mu, steps, every])
+    problems = [Problem(path) for path in sorted(folder.glob("*.hdf5"))]
+    if not problems:
+        raise errors.InputError(f"bench friction: no contact of {side * side} points")
+    return max(problems, key=lambda problem: problem.counts()[::-1])
+
+
+def ours(program, problem):
+    """Solves in rounds of one solve after one that is not counted."""
+
+    def run():
+        found = json.loads(programs.call([program, "solve", problem.path, 2], capture=True))
+        return {"seconds": found["seconds"][-1], "r": np.array(found["r"])}
+
+    return run
+
+
+def theirs(siconos, method, problem, tolerance):
+    cones = siconos.FrictionContactProblem(3, problem.matrix, problem.q, problem.mu)
+
+    def run():
+        r, u = np.zeros(problem.q.size), np.zeros(problem.q.size)
+        options = siconos.SolverOptions(getattr(siconos, f"SICONOS_FRICTION_3D_{method}"))
+        options.dparam[0], options.iparam[0] = tolerance, METHODS[method]
+        begin = time.perf_counter()
+        siconos.fc3d_driver(cones, r, u, options)
+        return {"seconds": time.perf_counter() - begin, "r": r}
+
+    return run
+
+
+def run(options):
+    try:
+        import siconos.numerics as siconos
+    except ImportError as missing:
+        raise errors.InputError("Siconos is not installed: run scripts/setup --tests") from missing
+    launch.build("bench_friction")
+    program = programs.BIN / "bench_friction"
+    table = tables.Table(COLUMNS)
+    for side in SIDES:
+        with tempfile.TemporaryDirectory() as scope:
+            problem = write(program, pathlib.Path(scope) / "files", side, options.mu)
+            compare(siconos, program, problem, options.rounds, table)
+
+
+def compare(siconos, program, problem, rounds, table):
+    candidates = {"ours": ours(program, problem)}
+    goal = problem.residual(candidates["ours"]()["r"])
+    for method in METHODS:
+        for power in range(6, 16):
+            candidate = theirs(siconos, method, problem, 10.0**-power)
+            if problem.residual(candidate()["r"]) <= max(goal, 1e-15):
+                break
+        candidates[method] = candidate
+    found = timing.alternate(rounds, candidates)
+    sticking, slipping = problem.counts()
+    best = timing.median(found["ours"])
+    for name, runs in found.items():
+        table.row(
+            {
+                "points": problem.mu.size,
+                "sticking": sticking,
+                "slipping": slipping,
+                "method": name,
+                "residual": problem.residual(runs[-1]["r"]),
+                "seconds": timing.median(runs),
+                "ratio": timing.median(runs) / best,
+            }
+        )

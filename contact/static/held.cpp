@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "contact/static/held.hpp"
+
+#include <cmath>
+
+#include "base/format.hpp"
+#include "contact/complementarity/complementarity.hpp"
+#include "ricochet/error.hpp"
+
+namespace ricochet::contact {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+
+constexpr double held = 1e-8;  // share of a body's load that may remain unbalanced because of round-off
+// The same with friction. A cone is round, so a load on its surface is approached in steps.
+constexpr double held_by_friction = 1e-7;
+constexpr double aligned = 1e-10;  // cosine below which a ray does not point along the rest
+constexpr int most_rays = 2000;    // a load within the cone needs a few times as many as rigid modes
+
+/// The sums of the forces that come closest to f.
+struct Closest {
+  Vector left;       ///< (r) f − B_rᵀ p
+  Vector magnitude;  ///< (r) sum of the magnitudes of its terms
+};
+
+/// Minimises |f − C x|² over x ≥ 0.
+Vector least_squares(const MatrixXd& C, const Vector& f) {
+  ComplementaritySolver solver(static_cast<int>(C.cols()));
+  Vector x(C.cols());
+  if (solver.solve(C.transpose() * C, C.transpose() * f, x) == SolveStatus::not_finite)
+    throw SolverError("contact: the static problem is not finite");
+  return x;
+}
+
+Closest closest_without_friction(const RigidModes& rigid, const Vector& f) {
+  const Vector lambda = least_squares(rigid.B.transpose(), f);
+  return {f - rigid.B.transpose() * lambda, f.cwiseAbs() + rigid.B.cwiseAbs().transpose() * lambda};
+}
+
+/// Of all forces with λ = 1 at one point, the sum B_rᵀ p (r) that points most along `rest`; empty if none
+/// does.
+Vector best_ray(const Model& model, const RigidModes& rigid, const Vector& rest) {
+  const Vector push = rigid.B * rest;
+  Vector best;
+  double largest = aligned * rest.norm();
+  const auto offer = [&](Eigen::Index i, const Model::FrictionPoint* friction) {
+    Vector ray = rigid.B.row(i).transpose();
+    if (friction != nullptr) {
+      const Eigen::Vector2d along = push.segment<2>(friction->tangential);
+      if (const double length = along.norm(); length > 0)
+        ray += (friction->law.static_coefficient / length) *
+               (rigid.B.middleRows(friction->tangential, 2).transpose() * along);
+    }
+    const double length = ray.norm(), gain = length > 0 ? ray.dot(rest) / length : 0;
+    if (gain <= largest) return;
+    largest = gain;
+    best = ray;
+  };
+  std::size_t next = 0;  // of model.friction
+  for (Eigen::Index i = 0; i < model.points(); ++i) {
+    const bool rubs = next < model.friction.size() && model.friction[next].point == i;
+    offer(i, rubs ? &model.friction[next++] : nullptr);
+  }
+  return best;
+}
+
+/// The cone of all sums is spanned by few of its rays, which are found one by one: each is the one that
+/// points most along what is left by those before.
+Closest closest_with_friction(const Model& model, const RigidModes& rigid, const Vector& f) {
+  Closest out{f, f.cwiseAbs()};
+  MatrixXd rays(f.size(), 0);
+  for (int count = 0; count < most_rays && out.left.norm() > 0.1 * held_by_friction * f.norm(); ++count) {
+    const Vector ray = best_ray(model, rigid, out.left);
+    if (ray.size() == 0) break;
+    MatrixXd more(f.size(), rays.cols() + 1);
+    more << rays, ray;
+    const Vector share = least_squares(more, f);
+    const Vector left = f - more * share;
+    if (left.norm() >= out.left.norm()) break;  // round-off
+    out = {left, f.cwiseAbs() + more.cwiseAbs() * share};
+    std::vector<Eigen::Index> used;
+    for (Eigen::Index k = 0; k < share.size(); ++k)
+      if (share(k) > 0) used.push_back(k);
+    rays = more(Eigen::all, used);
+  }
+  return out;
+}
+
+}  // namespace
+
+RigidModes::RigidModes(const Model& model) {
+  for (Eigen::Index n = 0; n < model.omega.size(); ++n)
+    if (model.omega(n) == 0) mode.push_back(n);
+  B = model.B(Eigen::all, mode);
+}
+
+void check_held(const Model& model, const RigidModes& rigid, const Vector& f) {
+  if (f.isZero(0)) return;
+  const bool rubs = !model.friction.empty();
+  const Closest sums = rubs ? closest_with_friction(model, rigid, f) : closest_without_friction(rigid, f);
+  for (const Model::BodyBlock& body : model.bodies) {
+    Vector rest = Vector::Zero(body.modes), magnitude = rest;
+    for (std::size_t k = 0; k < rigid.mode.size(); ++k) {
+      const Eigen::Index n = rigid.mode[k] - body.first_mode;
+      if (n < 0 || n >= body.modes) continue;
+      rest(n) = sums.left(k);
+      magnitude(n) = sums.magnitude(k);
+    }
+    if (rest.norm() <= (rubs ? held_by_friction : held) * magnitude.norm()) continue;
+    const Vector3d force = body.momentum * rest;
+    const Vector3d moment = body.angular_momentum * rest - body.centre.cross(force);
+    throw InputError(
+        base::format("bodies.{}: no contact forces hold it at rest: a force of [{:.4g}, {:.4g}, {:.4g}] N "
+                     "and a moment of "
+                     "[{:.4g}, {:.4g}, {:.4g}] N m about its centre stay unbalanced. Place it so that what "
+                     "it touches "
+                     "carries it{}, turn loads.gravity, or give it a support.",
+                     body.name, force.x(), force.y(), force.z(), moment.x(), moment.y(), moment.z(),
+                     rubs ? ", raise contact.friction" : " (without friction)"));
+  }
+}
+
+}  // namespace ricochet::contact

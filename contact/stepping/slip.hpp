@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The slip of points with friction, from step to step.
+//
+//   d = w⁺ − w − belt     slip of a step: tangential displacement of a relative to b [m]; belt is the motion
+//   of a
+//                         half-space along its surface
+//   τ̄ᵀ d                  heat of the step [J]
+//   μ(v)                  coefficient in the step, with v = |d|/Δ of the step before; for a point that was
+//   open,
+//                         d is the slip of this step if no force acted
+//
+// With the force at the end of the step, the heat of each step is ≥ 0. With a mean force, a point whose slip
+// turns may give some back. The heat of a slip, summed from its begin, may not fall below 0: a step in which
+// it would is repeated by backward Euler.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "contact/complementarity/friction_solver.hpp"
+#include "contact/stepping/step_system.hpp"
+
+namespace ricochet::contact {
+
+class Slip {
+ public:
+  Slip() = default;
+  /// @param points  f with friction   @param rows  n   @param step  Δ [s]
+  Slip(Eigen::Index points, Eigen::Index rows, double step);
+
+  bool any() const { return speed_.size() > 0; }  ///< whether there are points with friction
+
+  /// Starts step k: computes the motion of half-spaces from t_{k−1} to t_k, and takes all points as open
+  /// until they are recorded.
+  void begin(const StepSystem& system, std::int64_t k) noexcept;
+  /// (n) motion of half-spaces in this step along the rows [m]
+  const Vector& belt() const { return belt_; }
+
+  /// μ of friction point f. @param free_slip  |d| if no force acted [m]  @param closed  λ > 0 before the step
+  double coefficient(const Friction& law, Eigen::Index f, bool closed, double free_slip) const noexcept;
+
+  void begin_trial() noexcept;
+  /// Records the slip d (2) of point f under the mean force τ̄ (2). Returns its heat [J].
+  double record(Eigen::Index f, ContactState state, const double* mean, const double* slip) noexcept;
+  /// Whether the heat of any slip falls below 0 in this trial.
+  bool cools() const { return cools_; }
+  /// Completes the step as recorded last.
+  void accept() noexcept;
+  /// All points open.
+  void clear() noexcept;
+
+  double speed(Eigen::Index f) const { return speed_(f); }         ///< |d|/Δ of a closed point [m/s]
+  std::span<const ContactState> states() const { return state_; }  ///< (f) at the end of the last step
+
+ private:
+  double step_ = 0;
+  bool cools_ = false;
+  Vector belt_;                    ///< (n)
+  Vector speed_, heat_;            ///< (f) of the last step; of the slip so far [J]
+  Vector next_speed_, next_heat_;  ///< (f) of the trial
+  std::vector<ContactState> state_, next_state_;
+};
+
+}  // namespace ricochet::contact

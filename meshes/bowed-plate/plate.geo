@@ -1,0 +1,43 @@
+// A square plate in the x-y plane, its middle plane at z = 0, held on a disk in the middle (Chladni's plate). A bow
+// rubs along a strip in the middle of the edge at x = side/2.
+DefineConstant[
+  side = {0.12, Name "side"},
+  thickness = {2e-3, Name "thickness"},
+  held = {6e-3, Name "held radius"},
+  strip = {4e-3, Name "strip width"},
+  size = {8e-3, Name "size"}
+];
+SetFactory("Built-in");
+h = side / 2;
+z = -thickness / 2;
+Point(1) = {-h, -h, z, size};
+Point(2) = {h, -h, z, size};
+Point(3) = {h, -strip / 2, z, size};
+Point(4) = {h, strip / 2, z, size};
+Point(5) = {h, h, z, size};
+Point(6) = {-h, h, z, size};
+Line(1) = {1, 2};
+Line(2) = {2, 3};
+Line(3) = {3, 4};
+Line(4) = {4, 5};
+Line(5) = {5, 6};
+Line(6) = {6, 1};
+Transfinite Curve{3} = 3;
+Point(10) = {0, 0, z, size};
+Point(11) = {held, 0, z, size};
+Point(12) = {0, held, z, size};
+Point(13) = {-held, 0, z, size};
+Point(14) = {0, -held, z, size};
+Circle(11) = {11, 10, 12};
+Circle(12) = {12, 10, 13};
+Circle(13) = {13, 10, 14};
+Circle(14) = {14, 10, 11};
+Curve Loop(1) = {1, 2, 3, 4, 5, 6};
+Curve Loop(2) = {11, 12, 13, 14};
+Plane Surface(1) = {1, 2};
+Plane Surface(2) = {2};
+outer[] = Extrude {0, 0, thickness} { Surface{1}; Layers{1}; };
+inner[] = Extrude {0, 0, thickness} { Surface{2}; Layers{1}; };
+Physical Volume("plate") = {outer[1], inner[1]};
+Physical Surface("bowed edge") = {outer[4]};
+Physical Surface("middle") = {2, inner[0]};
