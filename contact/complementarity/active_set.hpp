@@ -4,12 +4,21 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 namespace ricochet::contact {
 
 /// S (n,n), symmetric positive semidefinite, both triangles.
 using Symmetric = Eigen::Ref<const Eigen::MatrixXd>;
+
+/// Largest |x_k| of the first n values.
+inline double largest_of(const std::vector<double>& x, int n) {
+  double largest = 0;
+  for (int k = 0; k < n; ++k) largest = std::max(largest, std::abs(x[k]));
+  return largest;
+}
 
 class ActiveSet {
  public:

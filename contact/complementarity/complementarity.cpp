@@ -13,12 +13,6 @@ constexpr double negative =
     1e-14;  // λ_i above −negative |λ|_∞ counts as 0; this changes w by less than its tolerance
 constexpr int patience_of_pivots = 10;  // p_max: block pivots allowed without progress
 
-double largest_of(const std::vector<double>& x, int n) {
-  double largest = 0;
-  for (int k = 0; k < n; ++k) largest = std::max(largest, std::abs(x[k]));
-  return largest;
-}
-
 }  // namespace
 
 SolveStatistics operator+(const SolveStatistics& a, const SolveStatistics& b) {

@@ -9,7 +9,7 @@ namespace ricochet::contact {
 namespace {
 
 /// If ‖S‖_∞ |p|_∞ exceeds this times |r|_∞, it is checked whether any forces close the gaps.
-constexpr double suspicious = 1e7;
+constexpr double ill_conditioned = 1e7;
 
 }  // namespace
 
@@ -260,7 +260,8 @@ SolveStatus FrictionSolver::solve(const Symmetric& S, const Right& r,
     reset();
     return status;
   }
-  if ((status == SolveStatus::limited || system_.scale() > suspicious * largest_r_) && is_unsolvable(S, r)) {
+  if ((status == SolveStatus::limited || system_.scale() > ill_conditioned * largest_r_) &&
+      is_unsolvable(S, r)) {
     reset();
     return SolveStatus::no_solution;
   }

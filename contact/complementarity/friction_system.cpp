@@ -22,12 +22,6 @@ constexpr double regular = 1e-11;  // smaller pivots, relative to max A_ii, leav
 constexpr double distinct = 1e-6;  // of solutions, relative to the largest force
 constexpr int steps_to_another = 12;
 
-double largest_of(const std::vector<double>& x, int n) {
-  double largest = 0;
-  for (int k = 0; k < n; ++k) largest = std::max(largest, std::abs(x[k]));
-  return largest;
-}
-
 Map<Vector2d> tangential(std::vector<double>& x, int row) { return Map<Vector2d>(x.data() + row + 1); }
 Map<const Vector2d> tangential(const std::vector<double>& x, int row) {
   return Map<const Vector2d>(x.data() + row + 1);

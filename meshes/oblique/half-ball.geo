@@ -2,8 +2,8 @@
 // Elements are `size` wide out to `reach` from the pole and grow from there. Lengths in metres.
 DefineConstant[
   radius = {0.01, Name "radius"},
-  reach = {1.6e-4, Name "reach"},
-  size = {3.2e-5, Name "size"},
+  reach = {6.4e-5, Name "reach"},
+  size = {1.28e-5, Name "size"},
   largest = {3e-3, Name "largest"}
 ];
 SetFactory("OpenCASCADE");

@@ -81,6 +81,32 @@ class Friction(ProgramTest):
         self.assertLess(figures["energy_drift"], 1e-9)
         self.assertEqual(figures["ambiguous_steps"], 0)
 
+    def test_holds_the_box_at_rest_up_to_its_limit(self):
+        """Weight first, then a push at the foot that grows with its history."""
+        weight = 2.0 * 0.35 * GRAVITY
+        self.write("push.csv", "t, factor\n0, 0\n1, 1\n")
+        for share in (0.9, 1.1):
+            push = share * FRICTION * weight
+            self.scene = self.write(
+                "push.toml",
+                SCENE.replace("gap = 1e-6", 'scheme = "static"\ngap = 1e-6').replace(
+                    "velocity = [1, 0, 0]\n", ""
+                )
+                + f'[[loads.point]]\nbody = "box"\nat = [0.5, 0.35, 0]\nvector = [{push}, 0, 0]\nhistory = "push.csv"\n',
+            )
+            self.succeed(kernel(self.scene, self.out))
+            if share > 1:
+                run = contact(self.scene, self.out)
+                self.assertEqual(run.status, 2, run.err)
+                self.assertIn("raise contact.friction", run.err)
+                continue
+            self.succeed(contact(self.scene, self.out))
+            (pair,) = self.summary(self.out)["pairs"]
+            # 1e-4: the displaced nodes of the box change its volume.
+            self.assertAlmostEqual(pair["force_n"], weight, delta=1e-4 * weight)
+            self.assertAlmostEqual(pair["friction_n"], push, delta=1e-6 * weight)
+            self.assertEqual(pair["sticking_points"] + pair["slipping_points"], pair["contact_points"])
+
     def test_prints_its_figures(self):
         self.succeed(kernel(self.scene, self.out))
         text = self.succeed(contact(self.scene, self.out, quiet=False)).out

@@ -42,6 +42,7 @@ ORDER = [
     "ball_at_rest",
     "ball_at_rest_fine",
     "two_balls",
+    "oblique",
     "bouncing_bar",
     "bouncing_bar_fine",
     "plate",
