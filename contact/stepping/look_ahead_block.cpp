@@ -31,7 +31,7 @@ LookAheadBlock<T>::LookAheadBlock(std::shared_ptr<const BlockSystem<T>> system, 
   u_.assign(L * width, 0.0);
   changes_.assign(m * L, T(0));
   for (Vector* x : {&held_force_, &held_rest_, &held_push_, &rhs_, &solution_, &mean_, &step_change_, &start_,
-                    &rest_, &start_rest_, &in_modes_, &slip_, &ended_})
+                    &rest_, &start_rest_, &end_rest_, &held_at_, &in_modes_, &slip_, &ended_})
     x->setZero(system_->points);
   for (std::vector<char>* x : {&was_kept_, &is_predicted_, &has_changed_}) x->assign(m, 0);
   has_force_.assign(static_cast<std::size_t>(system_->contacts), 0);
@@ -228,13 +228,17 @@ template <class T>
 void LookAheadBlock<T>::set_energies(const MeanForce& mean, const Slip* slip,
                                      MeanForce::Trial& trial) noexcept {
   const auto n = static_cast<Eigen::Index>(kept_.size());
-  rest_.head(n).setZero();        // R λ⁺
-  start_rest_.head(n).setZero();  // R λ
-  in_modes_.head(n).setZero();    // M λ̄
+  rest_.head(n).setZero();  // R λ⁺
+  if (knows_end_rest_)
+    start_rest_.head(n) = end_rest_.head(n);
+  else
+    start_rest_.head(n).setZero();  // R λ
+  in_modes_.head(n).setZero();      // M λ̄
   for (Eigen::Index k = 0; k < n; ++k) {
     start_(k) = mean.end()(kept_[k]);
     if (system_->yields && solution_(k) != 0) rest_.head(n) += solution_(k) * near_.R.col(k).head(n);
-    if (system_->yields && start_(k) != 0) start_rest_.head(n) += start_(k) * near_.R.col(k).head(n);
+    if (system_->yields && !knows_end_rest_ && start_(k) != 0)
+      start_rest_.head(n) += start_(k) * near_.R.col(k).head(n);
     if (mean_(k) != 0) in_modes_.head(n) += mean_(k) * near_.M.col(k).head(n);
   }
   trial.opens = (solution_.head(n).array() == 0).all();
@@ -278,11 +282,18 @@ SolveStatus LookAheadBlock<T>::step(Solvers solvers, MeanForce& mean, Vector& fo
   const auto n = static_cast<Eigen::Index>(kept_.size());
   changed_.clear();
   change_.clear();
-  rest_.head(n).setZero();  // here R (λ⁺ − λ̂)
+  const bool has_rest = mean.is_conserving() || solvers.slip != nullptr;  // R λ⁺, from set_energies
+  knows_end_rest_ = has_rest;
+  if (has_rest) end_rest_.head(n) = rest_.head(n);
+  // here R (λ⁺ − λ̂)
+  if (has_rest)
+    rest_.head(n) -= held_at_.head(n);
+  else
+    rest_.head(n).setZero();
   for (Eigen::Index k = 0; k < n; ++k) {
     const int i = kept_[k];
     screening_.spend(i, step_change_(k));
-    if (const double more = solution_(k) - held_force_(i); system_->yields && more != 0)
+    if (const double more = solution_(k) - held_force_(i); !has_rest && system_->yields && more != 0)
       rest_.head(n) += more * near_.R.col(k).head(n);
     const auto change = static_cast<T>(mean_(k) - held_force_(i));
     if (change == 0) continue;
@@ -494,10 +505,14 @@ void LookAheadBlock<T>::gather() noexcept {
       law_.push_back(system_->law[kept_[k]]);
     }
   const auto n = static_cast<Eigen::Index>(kept_.size());
+  knows_end_rest_ = false;
   held_push_.head(n).setZero();
+  held_at_.head(n).setZero();
   for (Eigen::Index k = 0; k < n; ++k)
-    if (const double force = held_force_(kept_[k]); force != 0)
+    if (const double force = held_force_(kept_[k]); force != 0) {
       held_push_.head(n) += force * near_.S.col(k).head(n);
+      if (system_->yields) held_at_.head(n) += force * near_.R.col(k).head(n);
+    }
 }
 
 /// Keeps further points that could now close. Returns whether there are any.

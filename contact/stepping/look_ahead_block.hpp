@@ -122,6 +122,8 @@ class LookAheadBlock {
   Vector held_rest_;                 ///< (points) R λ̂
   // By position, (points): S λ̂; right side and solution λ⁺; λ̄; change of the step; λ; R λ⁺, R λ, M λ̄
   Vector held_push_, rhs_, solution_, mean_, step_change_, start_, rest_, start_rest_, in_modes_;
+  Vector end_rest_, held_at_;  ///< by position: R λ after the last step, if known; R λ̂
+  bool knows_end_rest_ = false;
   Vector slip_;                                 ///< by position: d of tangential rows
   std::vector<FrictionContact> with_friction_;  ///< kept contacts with friction, by position
   std::vector<int> law_;                        ///< of these, index in the friction of StepSystem
