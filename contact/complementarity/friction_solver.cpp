@@ -21,6 +21,7 @@ FrictionSolver::FrictionSolver(int capacity, const FrictionOptions& options)
   points_.resize(n);
   touching_.resize(n);
   states_.resize(n);
+  slips_.resize(n);
   for (Eigen::VectorXd* x : {&root_, &work_, &forces_}) x->setZero(static_cast<Eigen::Index>(n));
   normal_.setZero(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
 }
@@ -33,6 +34,7 @@ void FrictionSolver::reset() noexcept {
   point_count_ = 0;
   gathered_ = false;
   std::fill_n(states_.begin(), contact_count_, ContactState::open);
+  std::fill_n(slips_.begin(), contact_count_, 0.0);
 }
 
 /// Lists the points, unless they are known, and takes over the coefficients. Returns false if a coefficient
@@ -176,7 +178,8 @@ SolveStatus FrictionSolver::iterate(const Symmetric& S, const Right& r, Forces p
   for (int k = 0; k < system_.points(); ++k) {
     const Point& point = points_[touching_[k]];
     for (int d = 0; d < system_[k].rows(); ++d) system_.p()[system_[k].row + d] = p(point.row(d));
-    system_.guess_state(k, point.contact < 0 ? ContactState::open : states_[point.contact]);
+    system_.guess_state(k, point.contact < 0 ? ContactState::open : states_[point.contact],
+                        point.contact < 0 ? 0 : slips_[point.contact]);
   }
   int left = options_.max_iterations;
   SolveStatus status;
@@ -214,7 +217,10 @@ void FrictionSolver::answer(Forces p) noexcept {
     } else if (point.contact >= 0) {
       state = ContactState::slip;
     }
-    if (point.contact >= 0) states_[point.contact] = state;
+    if (point.contact >= 0) {
+      states_[point.contact] = state;
+      slips_[point.contact] = touch.slip;
+    }
   }
   statistics_.max_active = std::max(statistics_.max_active, closed);
 }

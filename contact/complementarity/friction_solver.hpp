@@ -108,6 +108,7 @@ class FrictionSolver {
   std::vector<Point> points_;  ///< all normal rows, those of contacts first
   std::vector<int> touching_;  ///< points of the system
   std::vector<ContactState> states_;
+  std::vector<double> slips_;           ///< |w_t| of slip
   Eigen::VectorXd root_, work_, forces_;  ///< (n) √S_ii; scratch
   Eigen::MatrixXd normal_;                ///< (n,n) scratch
 };

@@ -17,10 +17,11 @@ constexpr double negligible = 1e-14;   // share of |p|_∞ that changes w by les
 constexpr double proximal = 1e-13;     // share of max A_ii added to the diagonal against singular matrices
 constexpr int patience_of_newton = 8;  // steps allowed without halving the error
 constexpr int first_sweeps = 5;
-constexpr double first_factor = 0.1, fastest = 0.01, slowest = 0.95;  // from one ridge to the next
 constexpr double regular = 1e-11;  // smaller pivots, relative to max A_ii, leave the sign of det undecided
 constexpr double distinct = 1e-6;  // of solutions, relative to the largest force
 constexpr int steps_to_another = 12;
+constexpr double part_of_largest = 0.5;  // contradictions above it change states
+constexpr double certain = 4;            // residuals by which a slip must be reversed
 
 Map<Vector2d> tangential(std::vector<double>& x, int row) { return Map<Vector2d>(x.data() + row + 1); }
 Map<const Vector2d> tangential(const std::vector<double>& x, int row) {
@@ -99,45 +100,84 @@ bool FrictionSystem::project(int k) noexcept {
   if (touch.state == ContactState::stick && size > most) {
     touch.state = ContactState::slip;
     touch.direction = -t / size;
+    touch.slip = 0;
   }
   if (touch.state == ContactState::slip) t = -most * touch.direction;
   return touch.state != before;
 }
 
-/// Updates the states and moves the forces to the sets of their states; w is that of the forces before.
-/// Returns whether anything has changed. An open point that closes sticks if the forces that would stop it
-/// alone, were its rows not coupled, are in the cone.
+/// By how much the force of point k contradicts its state, or would change if another state stopped it alone;
+/// 0 if the state stays. With caution, a reversed slip must exceed the residual of the rows that Newton's
+/// method solves, of which it can be an effect.
+double FrictionSystem::contradiction(int k) const noexcept {
+  const Touch& touch = touch_[k];
+  const int row = touch.row;
+  const double normal = w_[row];
+  if (touch.state == ContactState::open) {
+    const double gap = normal - (share(touch) > 0 ? share(touch) * tangential(w_, row).norm() : 0);
+    return gap < -tolerance_ ? -gap / entry(row) : 0;
+  }
+  double worst = std::max(0.0, -p_[row]);
+  if (touch.rows() == 1) return worst;
+  if (touch.state == ContactState::stick)
+    return std::max(worst, tangential(p_, row).norm() - touch.coefficient * std::max(p_[row], 0.0));
+  const auto w = tangential(w_, row);
+  const double along = touch.direction.dot(w);
+  const double residual =
+      std::max(std::abs(normal - share(touch) * along), std::abs(across(touch.direction).dot(w)));
+  if (along < -tolerance_ - (cautious_ ? certain * residual : 0))
+    worst = std::max(worst, -along / tangential_entry(row));
+  return worst;
+}
+
+/// Changes the state of point k, whose force contradicts it, and moves the force to the set of the new state.
+/// An open point that closes sticks if the forces that would stop it alone, were its rows not coupled, are in
+/// the cone.
+void FrictionSystem::change_state(int k) noexcept {
+  Touch& touch = touch_[k];
+  const int row = touch.row;
+  if (touch.state == ContactState::open) {
+    touch.state = ContactState::stick;
+    if (touch.rows() == 1) return;
+    touch.slip = tangential(w_, row).norm();
+    if (touch.slip * entry(row) <= touch.coefficient * -w_[row] * tangential_entry(row)) return;
+    touch.state = ContactState::slip;
+    touch.direction = tangential(w_, row) / touch.slip;
+  } else if (touch.state == ContactState::slip && p_[row] >= 0) {
+    touch.state = ContactState::stick;
+  } else {
+    project(k);
+  }
+}
+
+/// Measures the slip of all points and changes the states that the forces contradict, or with caution those
+/// that they contradict most: these are often the reason for the others. Returns whether anything has
+/// changed.
 bool FrictionSystem::classify() noexcept {
-  const double least = -negligible * largest_of(p_, rows_);
+  const double negligible_force = negligible * largest_of(p_, rows_);
   bool changed = false;
+  double largest = 0;
   for (int k = 0; k < count_; ++k) {
     Touch& touch = touch_[k];
-    const int row = touch.row;
-    const bool has_friction = touch.rows() == 3;
-    const double slip = has_friction ? tangential(w_, row).norm() : 0;
-    if (touch.state == ContactState::open) {
-      const double gap = w_[row] - share(touch) * slip;
-      if (gap >= -tolerance_) continue;
-      changed = true;
-      const bool sticks =
-          !has_friction || slip * A()(row, row) <= touch.coefficient * -w_[row] *
-                                                       std::max(A()(row + 1, row + 1), A()(row + 2, row + 2));
-      touch.state = sticks ? ContactState::stick : ContactState::slip;
-      if (!sticks) touch.direction = tangential(w_, row) / slip;
-      continue;
-    }
-    if (p_[row] < 0 && p_[row] >= least) {
-      p_[row] = 0;
+    double& normal = p_[touch.row];
+    if (touch.state == ContactState::slip)
+      touch.slip = std::max(0.0, touch.direction.dot(tangential(w_, touch.row)));
+    if (normal < 0 && normal >= -negligible_force) {
+      normal = 0;
       changed = true;
     }
-    if (touch.state == ContactState::slip && touch.direction.dot(tangential(w_, row)) < -tolerance_) {
-      touch.state = ContactState::stick;
-      changed = true;
-      if (p_[row] >= 0) continue;
-    }
-    if (project(k)) changed = true;
+    largest = std::max(largest, x_[k] = contradiction(k));
   }
-  return changed;
+  contradicted_ = false;
+  if (largest == 0) return changed;
+  for (int k = 0; k < count_; ++k) {
+    if (x_[k] == 0) continue;
+    if (!cautious_ || x_[k] >= part_of_largest * largest)
+      change_state(k);
+    else
+      contradicted_ = true;
+  }
+  return true;
 }
 
 /// Distance of w from the values that p and the states admit.
@@ -242,7 +282,7 @@ void FrictionSystem::renew_factor() noexcept {
 #pragma GCC ivdep
     for (int i = 0; i < rows_; ++i) column_[i] = x * third[i] - y * second[i];
     compress(column_.data(), J.data() + static_cast<std::ptrdiff_t>(c) * unknowns);
-    const double along = std::max(0.0, touch.direction.dot(tangential(w_, touch.row)));
+    const double along = touch.slip;
     const double alone = first[touch.row] > 0 ? (share(touch) * along - w_[touch.row]) / first[touch.row] : 0;
     const double normal = std::max(p_[touch.row], alone);
     J(c, c) += ridge + (normal > 0 ? std::min(along / (mu * normal), 1e12 * diagonal_) : 1e12 * diagonal_);
@@ -266,7 +306,9 @@ bool FrictionSystem::newton() noexcept {
     } else {
       p[0] -= *x++;
       const double most = touch.coefficient * std::max(p[0], 0.0);
-      touch.direction = (most * touch.direction + across(touch.direction) * *x++).stableNormalized();
+      const double turn = *x++;
+      if (most > 0)
+        touch.direction = (most * touch.direction + across(touch.direction) * turn).stableNormalized();
       tangential(p_, touch.row) = -most * touch.direction;
     }
   }
@@ -331,8 +373,9 @@ void FrictionSystem::sweep() noexcept {
   evaluate();
 }
 
-void FrictionSystem::guess_state(int k, ContactState before) noexcept {
+void FrictionSystem::guess_state(int k, ContactState before, double slip) noexcept {
   Touch& touch = touch_[k];
+  touch.slip = slip;
   touch.state = p_[touch.row] > 0 ? ContactState::stick : ContactState::open;
   if (touch.rows() == 3 && touch.state == ContactState::stick) {
     const double size = tangential(p_, touch.row).norm();
@@ -345,22 +388,25 @@ void FrictionSystem::guess_state(int k, ContactState before) noexcept {
   project(k);
 }
 
-/// Newton's method until the error has not halved in a number of steps. A factor serves for further steps
-/// while the states stay and each step reduces the error to a tenth.
-SolveStatus FrictionSystem::try_newton(int& left, SolveStatistics& statistics) noexcept {
+/// Newton's method until the error is below `target` and no state contradicts the forces, or until the error
+/// has not halved in a number of steps. The first step keeps the states: w belongs to forces of another r
+/// there, and would change many of them wrongly. A factor serves for further steps while the states stay and
+/// each step reduces the error to a tenth.
+SolveStatus FrictionSystem::try_newton(int& left, SolveStatistics& statistics, double target) noexcept {
   best_error_ = std::numeric_limits<double>::infinity();
   double before = std::numeric_limits<double>::infinity();
   int patience = patience_of_newton;
+  contradicted_ = false;
   evaluate();
-  while (true) {
-    if (classify()) {
+  for (bool first = true;; first = false) {
+    if (!first && classify()) {
       evaluate();
       ++statistics.pivots;
     }
     const double error = violation();
     if (!std::isfinite(error + tolerance_)) return SolveStatus::not_finite;
     if (keep_best(error)) patience = patience_of_newton;
-    if (error <= tolerance_) return SolveStatus::solved;
+    if (error <= std::max(target, tolerance_) && !contradicted_) return SolveStatus::solved;
     if (patience-- <= 0 || left-- <= 0) return SolveStatus::limited;
     if (!has_factor() || error > 0.1 * before) {
       renew_factor();
@@ -372,67 +418,31 @@ SolveStatus FrictionSystem::try_newton(int& left, SolveStatistics& statistics) n
   }
 }
 
-/// Replaces A by A + ρ and r by r + ρ c.
-void FrictionSystem::set_ridge(double ridge) noexcept {
-  for (int i = 0; i < rows_; ++i) {
-    A()(i, i) = plain_A_[i] + ridge;
-    r_[i] = plain_r_[i] + ridge * centre_[i];
-  }
-  norm_ += ridge - ridge_;
-  ridge_ = ridge;
-  factor_count_ = 0;
+void FrictionSystem::keep_answer() noexcept {
+  std::copy_n(p_.begin(), rows_, answer_.begin());
+  std::copy_n(touch_.begin(), count_, answer_touch_.begin());
 }
 
-/// Solves the problem with a ridge ρ (p − c) added to w, and lets ρ decrease to 0. With a large ρ, points
-/// hardly influence each other and the solution is unique. It changes continuously with ρ up to a turning
-/// point, so that few points change their state if ρ decreases little enough. At a turning point, the last
-/// solution becomes the centre c of a new path.
-SolveStatus FrictionSystem::follow_paths(int& left, SolveStatistics& statistics) noexcept {
-  for (int i = 0; i < rows_; ++i) plain_A_[i] = A()(i, i);
-  std::copy_n(r_.begin(), rows_, plain_r_.begin());
-  std::fill_n(centre_.begin(), rows_, 0.0);
-  std::fill_n(p_.begin(), rows_, 0.0);
-  for (int k = 0; k < count_; ++k) touch_[k].state = ContactState::open;
-  SolveStatus status = SolveStatus::limited;
-  double ridge = norm_, factor = first_factor, solved_at = 0;
-  while (left > 0 && status != SolveStatus::not_finite) {
-    set_ridge(ridge);
-    status = try_newton(left, statistics);
-    if (status == SolveStatus::solved) {
-      if (ridge == 0) break;
-      std::copy_n(p_.begin(), rows_, answer_.begin());
-      std::copy_n(touch_.begin(), count_, answer_touch_.begin());
-      solved_at = ridge;
-      factor = std::max(fastest, factor * std::sqrt(factor));
-    } else {
-      if (solved_at == 0) break;
-      std::copy_n(answer_.begin(), rows_, p_.begin());
-      std::copy_n(answer_touch_.begin(), count_, touch_.begin());
-      factor = std::sqrt(factor);
-      if (factor > slowest) {
-        std::copy_n(answer_.begin(), rows_, centre_.begin());
-        ridge = std::max(10 * solved_at, diagonal_);
-        solved_at = 0;
-        factor = first_factor;
-        continue;
-      }
-    }
-    ridge = solved_at * factor > 1e-11 * diagonal_ ? solved_at * factor : 0;
-  }
-  if (status == SolveStatus::solved && ridge_ > 0) status = SolveStatus::limited;
-  set_ridge(0);
-  return status;
+void FrictionSystem::restore_answer() noexcept {
+  std::copy_n(answer_.begin(), rows_, p_.begin());
+  std::copy_n(answer_touch_.begin(), count_, touch_.begin());
 }
 
 SolveStatus FrictionSystem::solve(double largest_r, int& left, SolveStatistics& statistics) noexcept {
   largest_r_ = largest_r;
+  keep_answer();
   SolveStatus status = try_newton(left, statistics);
   if (status == SolveStatus::limited && left > 0) {
     ++statistics.fallbacks;
+    status = follow_load(left, statistics);
+  }
+  if (status == SolveStatus::limited && left > 0) {
+    cautious_ = false;
     restore_best();
     for (int k = 0; k < first_sweeps && left > 0; ++k, --left) sweep();
     status = try_newton(left, statistics);
     if (status == SolveStatus::limited) status = follow_paths(left, statistics);
+    cautious_ = true;
   }
   if (status == SolveStatus::limited) restore_best();
   return status;
@@ -452,12 +462,7 @@ bool FrictionSystem::has_negative_determinant() noexcept {
 /// Where p_n may reduce w_n, a point can have other forces while those of the rest stay. Newton's method from
 /// there shows whether they belong to another solution.
 bool FrictionSystem::find_another(SolveStatistics& statistics) noexcept {
-  std::copy_n(p_.begin(), rows_, answer_.begin());
-  std::copy_n(touch_.begin(), count_, answer_touch_.begin());
-  const auto restore = [this] {
-    std::copy_n(answer_.begin(), rows_, p_.begin());
-    std::copy_n(answer_touch_.begin(), count_, touch_.begin());
-  };
+  keep_answer();
   const auto differs = [this] {
     double difference = 0;
     for (int i = 0; i < rows_; ++i) difference = std::max(difference, std::abs(p_[i] - answer_[i]));
@@ -472,7 +477,7 @@ bool FrictionSystem::find_another(SolveStatistics& statistics) noexcept {
       set(k, found.at[i]);
       int left = steps_to_another;
       if (differs() && try_newton(left, statistics) == SolveStatus::solved && differs()) return true;
-      restore();
+      restore_answer();
     }
   }
   return false;

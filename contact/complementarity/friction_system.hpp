@@ -14,6 +14,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <vector>
 
 #include "contact/complementarity/complementarity.hpp"
@@ -30,6 +31,7 @@ class FrictionSystem {
     double coefficient = 0;  ///< μ; 0 for a point of one row
     ContactState state = ContactState::open;
     Eigen::Vector2d direction = Eigen::Vector2d::Zero();  ///< t of slip
+    double slip = 0;                                      ///< |w_t| of slip
     int rows() const { return coefficient > 0 ? 3 : 1; }
   };
 
@@ -52,8 +54,8 @@ class FrictionSystem {
   /// To be called after A has changed.
   void set_matrix() noexcept;
 
-  /// Sets the state of point k that its force and its w suggest without further knowledge.
-  void guess_state(int k, ContactState before) noexcept;
+  /// Sets the state of point k from its force, and from the state and the slip |w_t| of the problem before.
+  void guess_state(int k, ContactState before, double slip) noexcept;
 
   /// Solves the system from the given p and states. `limited`: p is the best iterate, in the cone.
   /// @param largest_r  |r|_∞ of the whole problem   @param left  in and out: iterations left
@@ -69,6 +71,8 @@ class FrictionSystem {
 
  private:
   void evaluate() noexcept;
+  double contradiction(int k) const noexcept;
+  void change_state(int k) noexcept;
   bool classify() noexcept;
   bool project(int k) noexcept;
   double violation() const noexcept;
@@ -78,12 +82,18 @@ class FrictionSystem {
   void compress(const double* column, double* out) const noexcept;
   void renew_factor() noexcept;
   bool newton() noexcept;
-  SolveStatus try_newton(int& left, SolveStatistics& statistics) noexcept;
+  SolveStatus try_newton(int& left, SolveStatistics& statistics, double target = 0) noexcept;
+  void keep_answer() noexcept;
+  void restore_answer() noexcept;
+  double admitted(int k, int d) const noexcept;
+  SolveStatus follow_load(int& left, SolveStatistics& statistics) noexcept;
   void set_ridge(double ridge) noexcept;
   SolveStatus follow_paths(int& left, SolveStatistics& statistics) noexcept;
   void sweep() noexcept;
   FrictionPoint local(int k) const noexcept;
   void set(int k, const FrictionPoint::Solution& solution) noexcept;
+  double entry(int row) const { return A_[static_cast<std::size_t>(row) * (rows_ + 1)]; }
+  double tangential_entry(int row) const { return std::max(entry(row + 1), entry(row + 2)); }
   double share(const Touch& touch) const {  ///< s
     return law_ == FrictionLaw::associated ? touch.coefficient : 0;
   }
@@ -95,6 +105,8 @@ class FrictionSystem {
   int factor_count_ = 0;  ///< points of the factor; 0 if there is none
   PivotedFactor factor_;
   std::vector<double> A_, p_, w_, r_, x_, column_, best_p_, answer_, plain_A_, plain_r_, centre_;
+  bool cautious_ = true;                        ///< whether few states change at once
+  bool contradicted_ = false;                   ///< whether states were left that contradict the forces
   double norm_ = 0, diagonal_ = 0, ridge_ = 0;  ///< ‖A‖_∞, max A_ii
   double largest_r_ = 0, tolerance_ = 0, best_error_ = 0;
 };

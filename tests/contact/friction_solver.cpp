@@ -234,6 +234,54 @@ TEST(FrictionSolver, satisfies_Coulombs_law_if_there_are_more_rows_than_modes) {
   }
 }
 
+// A ball is pressed into a half-space, sheared, and lifted again: Boussinesq's and Cerruti's point forces,
+// with uniform patches where they act. Unlike between two equal bodies, normal forces also move the surface
+// sideways.
+TEST(FrictionSolver, finds_the_annulus_of_slip_where_normal_and_tangential_motion_are_coupled) {
+  constexpr int side = 11, points = side * side, steps = 40;
+  constexpr double poisson = 0.3, own = 3.525;  // ∫ 1/r over a unit square about its centre: 4 ln(1 + √2)
+  Problem problem{MatrixXd::Zero(3 * points, 3 * points), VectorXd::Zero(3 * points), {}};
+  const auto place = [](int k) { return Vector2d(k % side - side / 2, k / side - side / 2); };
+  for (int i = 0; i < points; ++i) {
+    problem.contacts.push_back({i, points + 2 * i, 0.3});
+    for (int j = 0; j < points; ++j) {
+      const Vector2d x = place(i) - place(j);
+      const double r = x.norm();
+      problem.S(i, j) = (1 - poisson) * (i == j ? own : 1 / r);
+      problem.S.block<2, 2>(points + 2 * i, points + 2 * j) =
+          i == j ? Eigen::Matrix2d((1 - poisson / 2) * own * Eigen::Matrix2d::Identity())
+                 : Eigen::Matrix2d((1 - poisson) / r * Eigen::Matrix2d::Identity() +
+                                   poisson / (r * r * r) * x * x.transpose());
+      if (i == j) continue;
+      const Vector2d coupling = (1 - 2 * poisson) / (2 * r * r) * x;
+      problem.S.block<1, 2>(i, points + 2 * j) = coupling.transpose();
+      problem.S.block<2, 1>(points + 2 * j, i) = coupling;
+    }
+  }
+  FrictionSolver solver(3 * points, {.same_matrix = true});
+  VectorXd p = VectorXd::Zero(3 * points), before = p;
+  int slipping = 0, sticking = 0;
+  for (int step = 1; step <= steps; ++step) {
+    const double depth = 15 * std::sin(step * M_PI / (steps + 1));
+    problem.r = problem.S * before;  // so that tangential rows of w are those of the increment
+    for (int i = 0; i < points; ++i) {
+      problem.r(i) = depth - 0.5 * place(i).squaredNorm();
+      problem.r(points + 2 * i) += 0.08;
+    }
+    ASSERT_EQ(solver.solve(problem.S, problem.r, problem.contacts, p), SolveStatus::solved) << step;
+    EXPECT_LE(violation(problem, p), 1e-12) << step;
+    before = p;
+    for (const ContactState state : solver.states()) {
+      slipping += state == ContactState::slip;
+      sticking += state == ContactState::stick;
+    }
+  }
+  EXPECT_GT(std::min(slipping, sticking), 10 * steps);
+  // Points change their state one after the other, about one in each step; 91 factors were needed.
+  EXPECT_EQ(solver.statistics().fallbacks, 0);
+  EXPECT_LE(solver.statistics().renewals, 4 * steps);
+}
+
 TEST(FrictionSolver, satisfies_the_associated_law) {
   Random random(4);
   FrictionSolver solver(60, {.law = FrictionLaw::associated});
