@@ -65,9 +65,11 @@ MotionFile::MotionFile(const Stepper& start, const Model& model, const MotionOpt
         start.slip().states());
 }
 
-MotionFile::MotionFile(const Equilibrium& equilibrium, const Model& model, const MotionOptions& options)
-    : MotionFile(model, StepOptions{}, options) {
-  const Vector rest = Vector::Zero(model.omega.size());
+MotionFile::MotionFile(const Model& model, const MotionOptions& options)
+    : MotionFile(model, StepOptions{}, options) {}
+
+void MotionFile::record(const Equilibrium& equilibrium) {
+  const Vector rest = Vector::Zero(model_.omega.size());
   frame(equilibrium.time, equilibrium.q, rest, equilibrium.displacement, equilibrium.force, equilibrium.force,
         equilibrium.states);
 }

@@ -34,11 +34,13 @@ class MotionFile {
   /// cannot be created.
   MotionFile(const Stepper& start, const Model& model, const MotionOptions& options);
 
-  /// Writes bodies at rest as one frame at t = 0. Throws as above.
-  MotionFile(const Equilibrium& equilibrium, const Model& model, const MotionOptions& options);
+  /// Creates the file for bodies at rest, without frames. Throws as above.
+  MotionFile(const Model& model, const MotionOptions& options);
 
   /// Call it after each step of `stepper`. Throws InputError if the disk is full.
   void record(const Stepper& stepper);
+  /// Writes a frame. Throws as above.
+  void record(const Equilibrium& equilibrium);
 
   /// Gives the files their final names. It must be the last call.
   void commit();

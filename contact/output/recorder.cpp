@@ -56,7 +56,6 @@ Recorder::Recorder(const Model* model, const Vector& gap, const Vector& area, do
   time_ = &file_.rows("/time", {}, "s");
   contact_ = {&file_.rows("/contact/time", {}, "s"), &file_.rows("/contact/force", {m}, "N"),
               &file_.rows("/contact/gap", {m}, "m")};
-  time_->append(0);
 }
 
 Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOptions& options)
@@ -92,6 +91,7 @@ Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOp
               i >= 0 && i < model.forcing[d].force.size())
             driven_a_.col(d) += B_a_.col(n) * (model.forcing[d].force(i) / stiffness);
       }
+  time_->append(0);
   bodies_row(model.initial_rates(), 0, 0);
   energy_row(initial_energy(model, step));
   persistency_->append(0);
@@ -99,16 +99,28 @@ Recorder::Recorder(const Model& model, const StepOptions& step, const RecorderOp
   receivers_row(0);
 }
 
-Recorder::Recorder(const Model& model, const Equilibrium& equilibrium, const RecorderOptions& options)
-    : Recorder(model, {.scheme = Scheme::at_rest}, options) {
-  const Vector rest = Vector::Zero(model.omega.size());
-  push(equilibrium.force, 1);  // for one second, in which momentum does not change
-  bodies_row(rest, 0, 1);
+Recorder::Recorder(const Model& model, const RecorderOptions& options)
+    : Recorder(model, {.scheme = Scheme::at_rest}, options) {}
+
+void Recorder::record(const Equilibrium& equilibrium) {
+  time_->append(equilibrium.time);
+  push(equilibrium.force, 1);  // for one second, so that impulses are forces
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    const Model::BodyBlock& body = model_->bodies[k];
+    Vector3d load = bodies_[k].contact_impulse + body.weight;
+    for (const Model::Forcing& one : model_->forcing)
+      if (one.body == static_cast<int>(k)) load += one.history.at(equilibrium.time) * one.total;
+    for (Rows* const rows : {bodies_[k].velocity, bodies_[k].momentum, bodies_[k].angular_momentum})
+      append(rows, Vector3d::Zero());
+    append(bodies_[k].reaction, body.supported ? Vector3d(-load) : Vector3d::Zero());
+    bodies_[k].contact_impulse.setZero();
+  }
   energy_row(equilibrium.energy);
   persistency_->append(0);
   if (equilibrium.active > 0) {
     contact_row(equilibrium.time, equilibrium.displacement, equilibrium.force);
-    sides_row(equilibrium.time, equilibrium.q, rest, equilibrium.displacement, equilibrium.force);
+    const Vector still = Vector::Zero(model_->omega.size());
+    sides_row(equilibrium.time, equilibrium.q, still, equilibrium.displacement, equilibrium.force);
     friction_row(equilibrium.displacement, equilibrium.force, equilibrium.states);
   }
   if (snapshot_every_ > 0) snapshot_row(equilibrium.time, equilibrium.q);
@@ -117,6 +129,7 @@ Recorder::Recorder(const Model& model, const Equilibrium& equilibrium, const Rec
 Recorder::Recorder(const Table& table, const Model* source, const StepOptions& step,
                    const RecorderOptions& options)
     : Recorder(nullptr, table.gap, table.area, step.step, options) {
+  time_->append(0);
   Eigen::Matrix3Xd velocity(3, std::ssize(table.bodies));
   for (std::size_t b = 0; b < table.bodies.size(); ++b) {
     add_body(table.bodies[b].name, table.bodies[b].mass);

@@ -40,8 +40,8 @@ class Recorder {
   /// Throws InputError if the file cannot be created.
   Recorder(const Model& model, const StepOptions& step, const RecorderOptions& options);
 
-  /// Creates the file and writes bodies at rest as one row at t = 0. Throws as above.
-  Recorder(const Model& model, const Equilibrium& equilibrium, const RecorderOptions& options);
+  /// Creates the file for bodies at rest, without rows. Throws as above.
+  Recorder(const Model& model, const RecorderOptions& options);
 
   /// Records a run by table kernels. Energies, the motion of the two sides and modal coordinates are not
   /// known; their datasets are absent. `snapshot_every` is not used.
@@ -50,6 +50,8 @@ class Recorder {
 
   /// Call it after each step of `stepper`; it applies `every`. Throws InputError if the disk is full.
   void record(const Stepper& stepper);
+  /// Writes a row. Throws as above.
+  void record(const Equilibrium& equilibrium);
 
   /// Motion of the receivers after the last step. Must not be called with a table.
   const Receivers& receivers() const { return *receivers_; }

@@ -247,13 +247,12 @@ void refuse(const Model& model, const EquilibriumOptions& options) {
     throw InputError(
         "contact.solver = \"uzawa\": has no friction. Use solver = \"exact\", or leave contact.friction "
         "out.");
-  if (options.increments < 1)
-    throw InputError(base::format("contact.increments = {}: must be at least 1.", options.increments));
 }
 
 }  // namespace
 
-Equilibrium find_equilibrium(const Model& model, const EquilibriumOptions& options) {
+Equilibrium find_equilibrium(const Model& model, const EquilibriumOptions& options,
+                             const std::function<void(const Equilibrium&)>& at_knot) {
   refuse(model, options);
   const std::vector<LoadCase> path = load_path(model);
   Rest rest(model, options);
@@ -262,6 +261,7 @@ Equilibrium find_equilibrium(const Model& model, const EquilibriumOptions& optio
     rest.settle(path.back(), Vector::Zero(model.rows()));
     Equilibrium out = rest.result();
     out.energy.loads = path.back().load.dot(out.q);
+    if (at_knot) at_knot(out);
     return out;
   }
   for (std::size_t k = 1; k < path.size(); ++k) rest.check(path[k]);
@@ -273,6 +273,8 @@ Equilibrium find_equilibrium(const Model& model, const EquilibriumOptions& optio
       rest.slide(from, to);
       from = std::move(to);
     }
+    const bool jumps = k + 1 < path.size() && path[k + 1].time == path[k].time;
+    if (at_knot && !jumps) at_knot(rest.result());
   }
   return rest.result();
 }

@@ -19,6 +19,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 
 #include "contact/complementarity/friction_solver.hpp"
 #include "contact/model/model.hpp"
@@ -42,7 +43,7 @@ struct EquilibriumOptions {
 };
 
 struct Equilibrium {
-  double time = 0;      ///< the last knot of the histories [s]
+  double time = 0;      ///< of the knot of the histories [s]
   Vector q;             ///< (N) modal displacement [kg^1/2 m]; rigid motion that no contact feels is 0
   Vector force;         ///< (n) λ and τ [N]
   Vector displacement;  ///< (n) u [m]
@@ -64,9 +65,12 @@ struct Equilibrium {
 /// is solved, followed by ρ ← ρ + D (f_r − B_rᵀ λ), until the springs carry no force. With friction, each
 /// problem is one of Coulomb's law with S₀ + B_r D B_rᵀ.
 /// Without friction, the path does not matter, and loads are those after the last knot of the histories.
+/// @param at_knot  receives the equilibrium that is returned; with friction, before it that of each knot at
+/// which a load has changed, in ascending order
 /// Throws InputError if no contact forces can hold the loads of a body or, without R, keep the bodies apart,
 /// or if Uzawa's iteration meets friction. Throws SolverError if a solver does not converge or the model is
 /// not finite.
-Equilibrium find_equilibrium(const Model& model, const EquilibriumOptions& options = {});
+Equilibrium find_equilibrium(const Model& model, const EquilibriumOptions& options = {},
+                             const std::function<void(const Equilibrium&)>& at_knot = {});
 
 }  // namespace ricochet::contact

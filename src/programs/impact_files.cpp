@@ -69,9 +69,13 @@ void ImpactFiles::stepped(const contact::Stepper& stepper) {
 }
 
 void ImpactFiles::at_rest(const Impact& impact, const contact::Equilibrium& equilibrium) {
-  recorder_.emplace(*impact.model, equilibrium, recorder_options(impact));
-  if (options_.motion)
-    motion_.emplace(equilibrium, *impact.model, motion_options(impact.scene, impact.samples(), stem_));
+  if (!recorder_) {
+    recorder_.emplace(*impact.model, recorder_options(impact));
+    if (options_.motion)
+      motion_.emplace(*impact.model, motion_options(impact.scene, impact.samples(), stem_));
+  }
+  recorder_->record(equilibrium);
+  if (motion_) motion_->record(equilibrium);
 }
 
 void ImpactFiles::commit(ImpactSummary& figures) {

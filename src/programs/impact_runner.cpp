@@ -87,11 +87,14 @@ contact::EquilibriumSummary rest(const Impact& impact, console::Console& console
   const Solver solver = impact.scene.contact.solver == scene::Solver::uzawa ? Solver::uzawa : Solver::exact;
   console.begin("equilibrium");
   const contact::Equilibrium equilibrium = in_scene(impact.scene, [&] {
-    return contact::find_equilibrium(*impact.model,
-                                     {.solver = solver, .friction_law = impact.scene.contact.friction_law});
+    return contact::find_equilibrium(
+        *impact.model,
+        {.solver = solver,
+         .friction_law = impact.scene.contact.friction_law,
+         .increments = impact.scene.contact.increments},
+        [&](const contact::Equilibrium& at_knot) { observer.at_rest(impact, at_knot); });
   });
   console.end(fmt::format("{} iterations", equilibrium.iterations));
-  observer.at_rest(impact, equilibrium);
   return contact::summarise(*impact.model, equilibrium);
 }
 

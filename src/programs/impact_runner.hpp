@@ -44,7 +44,7 @@ class ImpactObserver {
   virtual void prepared(const Impact&) {}  ///< the kernels are read, but no setting is chosen yet
   virtual void started(const Impact&, const contact::Stepper&) {}      ///< before the first step
   virtual void stepped(const contact::Stepper&) {}                     ///< after each step
-  virtual void at_rest(const Impact&, const contact::Equilibrium&) {}  ///< for bodies at rest
+  virtual void at_rest(const Impact&, const contact::Equilibrium&) {}  ///< at each knot
 };
 
 using ImpactSummary = std::variant<contact::Summary, contact::EquilibriumSummary>;

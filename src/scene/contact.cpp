@@ -142,6 +142,13 @@ void read_law(Table& table, bool has_friction, Contact& contact) {
   if (law == "associated" &&
       std::ranges::any_of(contact.pairs, [](const Pair& pair) { return pair.friction.has_value(); }))
     contact.friction_law = FrictionLaw::associated;
+  if (const auto increments = table.integer("increments")) {
+    if (contact.scheme != Scheme::at_rest)
+      table.complain("increments", "belongs to scheme = \"static\": add it, or leave this key out");
+    if (!has_friction)
+      table.complain("increments", "needs friction: add it, as in friction = 0.3, or leave this key out");
+    contact.increments = static_cast<int>(*increments);
+  }
 }
 
 }  // namespace

@@ -331,6 +331,9 @@ const Section contact_keys =
               "with `friction` only. `\"coulomb\"`: points slide along the surface. `\"associated\"`: points "
               "that slide also separate, by the coefficient times the slip, as in older methods; for "
               "comparison"},
+             {"increments", Type::integer, "", shown(Contact{}.increments), from_to("1", "1e6"),
+              "`static` with `friction` only: parts of the preload and of each stage from one time of a "
+              "history to the next. Slip depends on the path, so more parts are more accurate"},
              {"pair", Type::tables, "", none, any(), "`[[contact.pair]]`, several pairs"}}},
            pair_keys);
 

@@ -152,6 +152,8 @@ std::string scheme_of(const Contact& contact) {
   if (std::ranges::any_of(contact.pairs, [](const Pair& pair) { return pair.friction.has_value(); }))
     text += fmt::format("friction_law = \"{}\"\n",
                         contact.friction_law == FrictionLaw::associated ? "associated" : "coulomb");
+  if (contact.increments != Contact{}.increments)
+    text += fmt::format("increments = {}\n", contact.increments);
   return text;
 }
 

@@ -269,13 +269,42 @@ Kernel post(int modes) {
   return kernel;
 }
 
+TEST(EquilibriumResult, has_rows_in_which_supports_carry_the_loads_of_their_time) {
+  const Kernel low = post(6), top = rod(5, length);
+  Model model = build_model({{"low", &low}, {"top", &top, Matrix3d::Identity(), {length, 0, 0}}}, {},
+                            {{"top", "low", Vector3d(-1, 0, 0), {}, {}}}, {-weight, 0, 0});
+  Model::Forcing one;
+  one.body = 0;
+  one.first_mode = model.bodies[0].first_mode;
+  one.force = one.lift = Vector::Zero(model.bodies[0].modes);
+  one.displacement = one.displacement_a = Vector::Zero(model.rows());
+  one.total = {3, 0, 0};
+  one.history = {{0, 1, 2}, {0, 0.5, 2}};
+  model.forcing.push_back(one);
+  Equilibrium at_rest = find_equilibrium(model);
+  const ricochet::test::Folder folder;
+  Recorder recorder(model, {.path = folder / "r.h5", .title = "r"});
+  for (const double time : {0.0, 1.0, 2.0}) {
+    at_rest.time = time;
+    recorder.record(at_rest);
+  }
+  recorder.commit();
+  const ricochet::base::hdf5::Reader file(folder / "r.h5", "");
+  EXPECT_EQ(file.read<double>("/time", {3}), (std::vector<double>{0, 1, 2}));
+  const std::vector<double> reaction = file.read<double>("/bodies/low/reaction", {3, 3});
+  for (std::size_t k = 0; k < 3; ++k)
+    EXPECT_NEAR(reaction[3 * k], 2 * weight * length - 3 * one.history.value[k], 1e-9);
+}
+
 TEST(EquilibriumResult, holds_one_row_with_forces_displacements_and_what_supports_carry) {
   const Kernel low = post(6), top = rod(5, length);
   const Model model = build_model({{"low", &low}, {"top", &top, Matrix3d::Identity(), {length, 0, 0}}}, {},
                                   {{"top", "low", Vector3d(-1, 0, 0), {}, {}}}, {-weight, 0, 0});
   const Equilibrium at_rest = find_equilibrium(model);
   const ricochet::test::Folder folder;
-  Recorder(model, at_rest, {.path = folder / "r.h5", .title = "r", .snapshot_every = 1}).commit();
+  Recorder recorder(model, {.path = folder / "r.h5", .title = "r", .snapshot_every = 1});
+  recorder.record(at_rest);
+  recorder.commit();
   const ricochet::base::hdf5::Reader file(folder / "r.h5", "");
   const auto row = [&](const std::string& name, std::size_t n) { return file.read<double>(name, {1, n}); };
   EXPECT_EQ(file.read<double>("/time", {1}), std::vector<double>{0});

@@ -294,6 +294,23 @@ Equilibrium pulled(const std::vector<double>& forces, int increments, double* pl
   return out;
 }
 
+TEST(FrictionEquilibrium, is_reported_at_each_time_of_the_histories_at_which_a_load_has_changed) {
+  Model model = points_on(chain(blocks, stiffness), VectorXd::Constant(blocks, press), mu);
+  const double peak = 2.5 * limit;
+  pull(model, 0, 1, {{0, 1, 2, 3, 4}, {0, peak, peak, -peak, 0}});
+  std::vector<double> time, pull_of_friction;
+  const Equilibrium last = find_equilibrium(model, {.increments = 7}, [&](const Equilibrium& at_knot) {
+    time.push_back(at_knot.time);
+    pull_of_friction.push_back(at_knot.force.tail(2 * blocks).sum());
+  });
+  EXPECT_EQ(time, (std::vector<double>{0, 2, 3, 4}));  // nothing changes from 1 to 2
+  // 1e-8: forces balance to 1e-9
+  const std::vector<double> balance{0, peak, -peak, 0};
+  for (std::size_t k = 0; k < balance.size(); ++k)
+    EXPECT_NEAR(std::abs(pull_of_friction.at(k)), std::abs(balance[k]), 1e-8 * peak) << k;
+  EXPECT_EQ(last.time, 4);
+}
+
 TEST(FrictionEquilibrium, of_a_chain_follows_its_backbone_and_on_unloading_masings_rule) {
   // The chain can slide freely, so friction alone holds its rigid mode.
   const double peak = 4.6 * limit;

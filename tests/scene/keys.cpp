@@ -110,7 +110,7 @@ TEST(TheDefaultOfAKey, given_in_the_scene_changes_nothing) {
     bool taken = false;
     for (const std::string law : {"compliant", "impulse", "static"}) {
       const std::string scheme = "contact.scheme=" + law,
-                        scene = law == "static"    ? smallest
+                        scene = law == "static" ? changed(smallest, "[contact]", "[contact]\nfriction = 0.3")
                                 : law == "impulse" ? changed(barest, "static = 0.4", "static = 0")
                                                    : barest;
       if (!refusal(scene, {scheme, path(section, key) + "=" + value}).empty()) continue;

@@ -396,6 +396,10 @@ TEST(Refused, is_friction_where_no_method_has_it) {
         "out"},
        {"friction_law = \"coulomb\"",
         "friction_law = \"coulomb\": needs friction: add it, as in friction = 0.3, or leave this key out"},
+       {"friction = 0.3\nincrements = 5",
+        "increments = 5: belongs to scheme = \"static\": add it, or leave this key out"},
+       {"scheme = \"static\"\nincrements = 5",
+        "increments = 5: needs friction: add it, as in friction = 0.3, or leave this key out"},
        {"friction = 0.3\nfriction_law = \"rough\"",
         "friction_law = \"rough\": must be \"coulomb\" or \"associated\""}});
   for (const char* without : {"contact.scheme=impulse", "contact.kernel=table"})
