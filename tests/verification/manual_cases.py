@@ -43,6 +43,7 @@ ORDER = [
     "ball_at_rest_fine",
     "two_balls",
     "oblique",
+    "cattaneo",
     "bouncing_bar",
     "bouncing_bar_fine",
     "plate",

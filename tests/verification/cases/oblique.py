@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Two equal balls meet obliquely at 0.01 m/s, with friction (`meshes/oblique`). The reference is the problem of Maw, Barber and Fawcett,
 which `oblique_impact.py` solves anew, by independent Coulomb springs and again on annuli: half-spaces in Hertzian contact, of which an annulus sticks
-and the rest slips. Two like bodies have no coupling of normal and tangential motion, which the theory neglects. With ψ = κ v_t/(μ v_n) and
+and the rest slips. Two like bodies have no coupling of normal and tangential motion, which the theory neglects; a ball on a
+rigid plane has it (`plane.toml`), and the figure shows what it changes. With ψ = κ v_t/(μ v_n) and
 κ = 2(1 − ν)/(2 − ν), a ball that arrives at ψ₁ leaves at ψ₂; where ψ₂ < 0, the contact springs back against the slip. The figure also
 shows rigid balls with Coulomb friction, which cannot spring back."""
 import numpy as np
@@ -75,12 +76,15 @@ def run(bench):
         axes[0].plot(PSI, [psi2 for psi2, _ in ours], "o", color=colour, label=f"two balls, ν = {poisson:g}")
         axes[1].plot(fine, oblique_impact.impact(poisson, FRICTION, fine, cells=50).spin, color=colour)
         axes[1].plot(PSI, [rolling / NORMAL for _, rolling in ours], "o", color=colour)
+    alone = [after(bench, scene.with_name("plane.toml"), 0.3, psi, {"ball": (1, RADIUS)}) for psi in PSI]
+    for axis, values in zip(axes, ([psi2 for psi2, _ in alone], [rolling / NORMAL for _, rolling in alone])):
+        axis.plot(PSI, values, "x", color="black", label="ball on a rigid plane, ν = 0.3")
     rigid = oblique_impact.rigid_coulomb(fine, oblique_impact.chi(0.3))
     axes[0].plot(fine, rigid, color="black", linestyle="--", linewidth=1, label="rigid balls, ν = 0.3")
     axes[0].set(xlabel="ψ₁", ylabel="ψ₂")
-    axes[1].set(xlabel="ψ₁", ylabel="Rω / v_n, both balls")
+    axes[1].set(xlabel="ψ₁", ylabel="Rω / v_n, all balls")
     axes[0].legend(fontsize=7)
     bench.save(
         figure,
-        "Tangential velocity and spin after an oblique impact: lines of the theory, circles ours; dashed: rigid balls",
+        "Tangential velocity and spin after an oblique impact: lines of the theory, circles ours; crosses: ours on a rigid plane; dashed: rigid balls",
     )
