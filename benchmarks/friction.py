@@ -2,12 +2,17 @@
 """Times of single contact problems with friction, solved cold by the library and by Siconos.
 
     scripts/bench friction           # medians of 5 rounds; python3-siconos comes with scripts/setup --tests
+    scripts/bench friction --impact meshes/oblique/oblique.toml   # steps of an impact instead
 
 The problems are steps of two plates that rub on each other (benchmarks/plates.hpp), written by --fclib: for each
 size the one in which most points slip. Siconos' methods are nonsmooth Gauss-Seidel (NSGS) and the Newton method
 of Alart and Curnier (NSN_AC); each is given the largest tolerance, in powers of ten, at which its residual is
 not above the library's, or else the smallest one. The residual of all is that of the projection on the cones,
 in units of the mean flexibility, over |q|. Run scripts/build first.
+
+With --impact, every 8th contact step of the scene is solved in turn by both Newton methods, from no forces, NSN_AC with the
+largest tolerance that leaves forces within 1e-6 of ours. The table shows means over the steps and the largest
+difference of forces.
 """
 import json
 import pathlib
@@ -22,7 +27,8 @@ from ricochet import errors, programs
 
 SIDES = (3, 6, 10, 17)
 MODES = 200  # of each plate
-METHODS = {"NSGS": 100000, "NSN_AC": 1000}  # most iterations
+NEWTON = "NSN_AC"
+METHODS = {"NSGS": 100000, NEWTON: 1000}  # most iterations
 COLUMNS = [
     ("points", "points", ""),
     ("sticking", "sticking", ""),
@@ -32,9 +38,18 @@ COLUMNS = [
     ("ms", lambda row: row["seconds"] and 1e3 * row["seconds"], ".3f"),
     ("x ours", "ratio", ".2f"),
 ]
+IMPACT_COLUMNS = [
+    ("points", "points", ""),
+    ("steps", "steps", ""),
+    ("method", "method", ""),
+    ("forces differ, of the peak", "difference", ".1e"),
+    ("ms a step", lambda row: 1e3 * row["seconds"] / row["steps"], ".2f"),
+    ("x ours", "ratio", ".2f"),
+]
 
 
 def add_arguments(parser):
+    parser.add_argument("--impact", type=pathlib.Path, metavar="SCENE", help="steps of this scene")
     parser.add_argument("--mu", type=float, default=0.3, help="coefficient of friction (default: 0.3)")
     parser.add_argument("--rounds", type=int, default=5, help="runs of each, alternating (default: 5)")
 
@@ -118,11 +133,39 @@ def run(options):
         raise errors.InputError("Siconos is not installed: run scripts/setup --tests") from missing
     launch.build("bench_friction")
     program = programs.BIN / "bench_friction"
+    if options.impact:
+        return impact(siconos, program, options)
     table = tables.Table(COLUMNS)
     for side in SIDES:
         with tempfile.TemporaryDirectory() as scope:
             problem = write(program, pathlib.Path(scope) / "files", side, options.mu)
             compare(siconos, program, problem, options.rounds, table)
+
+
+def impact(siconos, program, options):
+    with tempfile.TemporaryDirectory() as scope:
+        folder = pathlib.Path(scope)
+        programs.call([programs.BIN / "ricochet-kernel", options.impact, "--out", folder])
+        files = ["--fclib", folder / "files", "--fclib-every", "8", "--quiet"]
+        programs.call([programs.BIN / "ricochet-contact", options.impact, "--out", folder, *files])
+        problems = [Problem(path) for path in sorted((folder / "files").glob("*.hdf5"))]
+        seconds, difference = {"ours": 0.0, NEWTON: 0.0}, {NEWTON: 0.0}
+        for problem in problems:
+            candidates = {"ours": ours(program, problem)}
+            exact = candidates["ours"]()["r"]
+            for power in range(4, 16, 2):
+                candidates[NEWTON] = theirs(siconos, NEWTON, problem, 10.0**-power)
+                apart = np.abs(candidates[NEWTON]()["r"] - exact).max() / np.abs(exact).max()
+                if apart <= 1e-6:
+                    break
+            difference[NEWTON] = max(difference[NEWTON], apart)
+            found = timing.alternate(options.rounds, candidates)
+            for method, runs in found.items():
+                seconds[method] += timing.median(runs)
+    table = tables.Table(IMPACT_COLUMNS)
+    for method, sum_of_method in seconds.items():
+        row = {"points": problem.mu.size, "steps": len(problems), "method": method, "seconds": sum_of_method}
+        table.row(row | {"difference": difference.get(method), "ratio": sum_of_method / seconds["ours"]})
 
 
 def compare(siconos, program, problem, rounds, table):
