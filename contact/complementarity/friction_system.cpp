@@ -13,6 +13,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double precision = 3e-13;    // of w, relative to |r|_∞ + ‖A‖_∞ |p|_∞
+constexpr double round_off = 0.01;     // of that precision
 constexpr double negligible = 1e-14;   // share of |p|_∞ that changes w by less than its tolerance
 constexpr double proximal = 1e-13;     // share of max A_ii added to the diagonal against singular matrices
 constexpr int patience_of_newton = 8;  // steps allowed without halving the error
@@ -391,12 +392,14 @@ void FrictionSystem::guess_state(int k, ContactState before, double slip) noexce
 /// Newton's method until the error is below `target` and no state contradicts the forces, or until the error
 /// has not halved in a number of steps. The first step keeps the states: w belongs to forces of another r
 /// there, and would change many of them wrongly. A factor serves for further steps while the states stay and
-/// each step reduces the error to a tenth.
+/// each step reduces the error to a tenth, and for a last one to round-off: the heat of a point that hardly
+/// slips errs by the residual.
 SolveStatus FrictionSystem::try_newton(int& left, SolveStatistics& statistics, double target) noexcept {
   best_error_ = std::numeric_limits<double>::infinity();
   double before = std::numeric_limits<double>::infinity();
   int patience = patience_of_newton;
   contradicted_ = false;
+  bool polished = false;
   evaluate();
   for (bool first = true;; first = false) {
     if (!first && classify()) {
@@ -406,7 +409,11 @@ SolveStatus FrictionSystem::try_newton(int& left, SolveStatistics& statistics, d
     const double error = violation();
     if (!std::isfinite(error + tolerance_)) return SolveStatus::not_finite;
     if (keep_best(error)) patience = patience_of_newton;
-    if (error <= std::max(target, tolerance_) && !contradicted_) return SolveStatus::solved;
+    if (error <= std::max(target, tolerance_) && !contradicted_) {
+      if (target > 0 || polished || error < round_off * tolerance_ || !has_factor())
+        return SolveStatus::solved;
+      polished = true;
+    }
     if (patience-- <= 0 || left-- <= 0) return SolveStatus::limited;
     if (!has_factor() || error > 0.1 * before) {
       renew_factor();
