@@ -13,7 +13,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double precision = 3e-13;    // of w, relative to |r|_∞ + ‖A‖_∞ |p|_∞
-constexpr double round_off = 0.01;     // of that precision
+constexpr double polished_to = 0.01;   // of that precision
 constexpr double negligible = 1e-14;   // share of |p|_∞ that changes w by less than its tolerance
 constexpr double proximal = 1e-13;     // share of max A_ii added to the diagonal against singular matrices
 constexpr int patience_of_newton = 8;  // steps allowed without halving the error
@@ -410,7 +410,7 @@ SolveStatus FrictionSystem::try_newton(int& left, SolveStatistics& statistics, d
     if (!std::isfinite(error + tolerance_)) return SolveStatus::not_finite;
     if (keep_best(error)) patience = patience_of_newton;
     if (error <= std::max(target, tolerance_) && !contradicted_) {
-      if (target > 0 || polished || error < round_off * tolerance_ || !has_factor())
+      if (target > 0 || polished || error < polished_to * tolerance_ || !has_factor())
         return SolveStatus::solved;
       polished = true;
     }
