@@ -442,14 +442,14 @@ SolveStatus FrictionSystem::solve(double largest_r, int& left, SolveStatistics& 
   if (status == SolveStatus::limited && left > 0) {
     ++statistics.fallbacks;
     status = follow_load(left, statistics);
-  }
-  if (status == SolveStatus::limited && left > 0) {
-    cautious_ = false;
-    restore_best();
-    for (int k = 0; k < first_sweeps && left > 0; ++k, --left) sweep();
-    status = try_newton(left, statistics);
-    if (status == SolveStatus::limited) status = follow_paths(left, statistics);
-    cautious_ = true;
+    if (status == SolveStatus::limited) {
+      cautious_ = false;
+      restore_answer();
+      for (int k = 0; k < first_sweeps && left > 0; ++k, --left) sweep();
+      status = try_newton(left, statistics);  // without iterations left, it measures the answer
+      if (status == SolveStatus::limited) status = follow_paths(left, statistics);
+      cautious_ = true;
+    }
   }
   if (status == SolveStatus::limited) restore_best();
   return status;

@@ -57,7 +57,7 @@ class FrictionSystem {
   /// Sets the state of point k from its force, and from the state and the slip |w_t| of the problem before.
   void guess_state(int k, ContactState before, double slip) noexcept;
 
-  /// Solves the system from the given p and states. `limited`: p is the best iterate, in the cone.
+  /// Solves the system from the given p and states. `limited`: p is an iterate, in the cone.
   /// @param largest_r  |r|_∞ of the whole problem   @param left  in and out: iterations left
   SolveStatus solve(double largest_r, int& left, SolveStatistics& statistics) noexcept;
   /// Whether the solution is regular and the determinant of Newton's matrix is negative there.

@@ -309,6 +309,18 @@ TEST(FrictionEquilibrium, is_reported_at_each_time_of_the_histories_at_which_a_l
   for (std::size_t k = 0; k < balance.size(); ++k)
     EXPECT_NEAR(std::abs(pull_of_friction.at(k)), std::abs(balance[k]), 1e-8 * peak) << k;
   EXPECT_EQ(last.time, 4);
+
+  // A load that jumps at t = 0 has two states there, before and after; the row is that after.
+  Model jumping = points_on(chain(blocks, stiffness), VectorXd::Constant(blocks, press), mu);
+  pull(jumping, 0, 1, {{0, 1}, {peak, 0}});
+  time.clear();
+  pull_of_friction.clear();
+  find_equilibrium(jumping, {.increments = 7}, [&](const Equilibrium& at_knot) {
+    time.push_back(at_knot.time);
+    pull_of_friction.push_back(at_knot.force.tail(2 * blocks).sum());
+  });
+  EXPECT_EQ(time, (std::vector<double>{0, 1}));
+  EXPECT_NEAR(std::abs(pull_of_friction.at(0)), peak, 1e-8 * peak);
 }
 
 TEST(FrictionEquilibrium, of_a_chain_follows_its_backbone_and_on_unloading_masings_rule) {

@@ -237,7 +237,7 @@ TEST(FrictionSolver, satisfies_Coulombs_law_if_there_are_more_rows_than_modes) {
 // A ball is pressed into a half-space, sheared, and lifted again: Boussinesq's and Cerruti's point forces,
 // with uniform patches where they act. Unlike between two equal bodies, normal forces also move the surface
 // sideways.
-TEST(FrictionSolver, finds_the_annulus_of_slip_where_normal_and_tangential_motion_are_coupled) {
+TEST(FrictionSolver, satisfies_Coulombs_law_where_normal_and_tangential_motion_are_coupled) {
   constexpr int side = 11, points = side * side, steps = 40;
   constexpr double poisson = 0.3, own = 3.525;  // ∫ 1/r over a unit square about its centre: 4 ln(1 + √2)
   Problem problem{MatrixXd::Zero(3 * points, 3 * points), VectorXd::Zero(3 * points), {}};

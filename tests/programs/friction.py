@@ -106,6 +106,14 @@ class Friction(ProgramTest):
             self.assertAlmostEqual(pair["force_n"], weight, delta=1e-4 * weight)
             self.assertAlmostEqual(pair["friction_n"], push, delta=1e-6 * weight)
             self.assertEqual(pair["sticking_points"] + pair["slipping_points"], pair["contact_points"])
+            result = next(self.out.glob("*.result.h5"))
+            with h5py.File(result) as file:
+                np.testing.assert_array_equal(file["time"][:], [0, 1])
+                pushed = file["contact/tangential_force"][:, :, 0].sum(axis=1)
+            np.testing.assert_allclose(np.abs(pushed), [0, push], atol=1e-6 * weight)
+            problems = self.summary(self.out)["iterations"]
+            self.succeed(contact(self.scene, self.out, "contact.increments=2"))
+            self.assertLess(self.summary(self.out)["iterations"], problems / 4)  # 2 parts of 20
 
     def test_prints_its_figures(self):
         self.succeed(kernel(self.scene, self.out))
