@@ -49,8 +49,12 @@ IMPACT_COLUMNS = [
 
 
 def add_arguments(parser):
-    parser.add_argument("--impact", type=pathlib.Path, metavar="SCENE", help="steps of this scene instead of plates")
-    parser.add_argument("--mu", type=float, default=0.3, help="coefficient of friction of the plates (default: 0.3)")
+    parser.add_argument(
+        "--impact", type=pathlib.Path, metavar="SCENE", help="steps of this scene instead of plates"
+    )
+    parser.add_argument(
+        "--mu", type=float, default=0.3, help="coefficient of friction of the plates (default: 0.3)"
+    )
     parser.add_argument("--rounds", type=int, default=5, help="runs of each, alternating (default: 5)")
 
 
@@ -167,7 +171,13 @@ def impact(siconos, program, options):
     table = tables.Table(IMPACT_COLUMNS)
     for method, sum_of_method in seconds.items():
         row = {"points": problem.mu.size, "steps": len(problems), "method": method, "seconds": sum_of_method}
-        table.row(row | {"difference": None if method == "ours" else difference, "ratio": sum_of_method / seconds["ours"]})
+        table.row(
+            row
+            | {
+                "difference": None if method == "ours" else difference,
+                "ratio": sum_of_method / seconds["ours"],
+            }
+        )
 
 
 def compare(siconos, program, problem, rounds, table):
