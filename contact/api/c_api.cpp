@@ -71,6 +71,16 @@ Vector3 vector_or_zero(const double* v) { return v ? Vector3{v[0], v[1], v[2]} :
 std::string text(const char* s, const char* what) { return &given(s, what); }
 std::optional<double> number(const double* x) { return x ? std::optional(*x) : std::nullopt; }
 
+/// @param setting  what is set, for the message
+ricochet::HalfSpace& half_space_of(ricochet_scene* scene, const char* name, const char* setting) {
+  auto& obstacles = given(scene, "scene").scene.obstacles;
+  const auto found = std::ranges::find(obstacles, text(name, "half_space"), &ricochet::HalfSpace::name);
+  if (found == obstacles.end())
+    throw InputError(std::string(setting) + ": \"" + name +
+                     "\" is not a half-space of the scene. Add it with ricochet_scene_half_space first.");
+  return *found;
+}
+
 }  // namespace
 
 int ricochet_version(void) { return RICOCHET_VERSION_NUMBER; }
@@ -145,14 +155,15 @@ int ricochet_scene_friction(ricochet_scene* scene, double static_coefficient, do
 
 int ricochet_scene_half_space_velocity(ricochet_scene* scene, const char* half_space,
                                        const double* velocity) {
+  return checked([&] { half_space_of(scene, half_space, "velocity").velocity = vector_or_zero(velocity); });
+}
+
+int ricochet_scene_half_space_slide(ricochet_scene* scene, const char* half_space, const double* along,
+                                    const double* time, const double* factor, size_t count) {
   return checked([&] {
-    auto& obstacles = given(scene, "scene").scene.obstacles;
-    const auto found =
-        std::ranges::find(obstacles, text(half_space, "half_space"), &ricochet::HalfSpace::name);
-    if (found == obstacles.end())
-      throw InputError(std::string("velocity: \"") + half_space +
-                       "\" is not a half-space of the scene. Add it with ricochet_scene_half_space first.");
-    found->velocity = vector_or_zero(velocity);
+    ricochet::HalfSpace& moved = half_space_of(scene, half_space, "slide");
+    if (count > 0 && (!time || !factor)) throw InputError("slide: time or factor is NULL. Give both.");
+    moved.slides.push_back({vector(along, "along"), {time, time + count}, {factor, factor + count}});
   });
 }
 

@@ -78,6 +78,9 @@ int ricochet_scene_friction(ricochet_scene* scene, double static_coefficient, do
                             double stribeck_velocity);
 /* Sets a half-space of the scene in motion along its surface [m/s]. */
 int ricochet_scene_half_space_velocity(ricochet_scene* scene, const char* half_space, const double* velocity);
+/* Adds a displacement along its surface: a vector [m] times a factor, linear between `count` times [s]. */
+int ricochet_scene_half_space_slide(ricochet_scene* scene, const char* half_space, const double* along,
+                                    const double* time, const double* factor, size_t count);
 /* A receiver of the kernel by name, or, if that is NULL, a candidate by its number. */
 int ricochet_scene_pickup(ricochet_scene* scene, const char* body, const char* receiver, size_t candidate,
                           const double* direction);

@@ -52,12 +52,21 @@ struct Body {
   Vector3 angular_velocity{};  ///< initial, about the centre of mass, world axes [rad/s]
 };
 
+/// A displacement along a surface: `vector` times a factor that is 0 before its first time, linear between
+/// its times and constant after the last one. It must not jump.
+struct Slide {
+  Vector3 vector{};              ///< [m]
+  std::vector<double> time{};    ///< ascending [s]
+  std::vector<double> factor{};  ///< one for each time
+};
+
 /// Rigid half-space {x : (x − point)·normal ≤ 0}.
 struct HalfSpace {
   std::string name;
   Vector3 point{};     ///< [m]
   Vector3 normal{};    ///< outward, of any nonzero length
   Vector3 velocity{};  ///< along its surface [m/s], as of a conveyor belt; felt by pairs with friction only
+  std::vector<Slide> slides{};  ///< further motions along its surface
 };
 
 /// Two surfaces that may touch, by name.

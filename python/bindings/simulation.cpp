@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "contact/input/history_file.hpp"
 #include "python/bindings/arrays.hpp"
 #include "ricochet/ricochet.hpp"
 #include "src/programs/impact_runner.hpp"
@@ -38,8 +39,8 @@ void check_steppable(const scene::Scene& scene) {
   if (scene.accuracy) refuse("accuracy", "with settings that error estimates choose");
   if (!scene.loads.tractions.empty()) refuse("loads.traction", "under loads other than gravity");
   if (!scene.loads.points.empty()) refuse("loads.point", "under loads other than gravity");
-  if (!scene.loads.motions.empty())
-    refuse("loads.motion", "with supports that move, or obstacles that follow a history");
+  for (const scene::Forcing& moved : scene.loads.motions)
+    if (moved.obstacle.empty()) refuse("loads.motion", "with supports that move");
 }
 
 Scene scene_of(const scene::Scene& scene, const std::vector<Kernel>& kernels,
@@ -53,7 +54,12 @@ Scene scene_of(const scene::Scene& scene, const std::vector<Kernel>& kernels,
       throw InputError(programs::friction_on_rod(body.name));
   }
   for (const scene::Obstacle& obstacle : scene.obstacles)
-    out.obstacles.push_back({obstacle.name, obstacle.point, obstacle.normal, obstacle.velocity});
+    out.obstacles.push_back({obstacle.name, obstacle.point, obstacle.normal, obstacle.velocity, {}});
+  for (const scene::Forcing& moved : scene.loads.motions) {
+    const contact::History history = contact::read_history(moved.history);
+    std::ranges::find(out.obstacles, moved.obstacle, &HalfSpace::name)
+        ->slides.push_back({moved.vector, history.time, history.value});
+  }
   for (const scene::Pair& pair : scene.contact.pairs)
     out.pairs.push_back({pair.a, pair.b, pair.direction, pair.gap, pair.reach, pair.friction});
   out.pickups = pickups;

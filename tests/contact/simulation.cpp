@@ -12,7 +12,7 @@
 #include "tests/contact/plate.hpp"
 #include "tests/contact/rigid_plate.hpp"
 
-namespace {
+namespace simulation_test {
 
 using namespace ricochet;
 using contact::test::falling;
@@ -306,6 +306,16 @@ TEST(Friction, of_a_belt_carries_a_plate_along) {
   EXPECT_NEAR(mean_velocity_after(sliding({0, 0.8, 0}, rough, {0, 0.8, 0}), time, 1), 0.8, 1e-9);
 }
 
+// A floor that moves at 0.8 m/s for a while and then rests: μ g speeds the plate up, and slows it down as
+// long.
+TEST(Friction, of_a_floor_that_starts_and_stops_does_the_same_to_a_plate) {
+  const double half = 0.6 / (0.3 * gravity);
+  Scene scene = sliding({}, rough);
+  scene.obstacles[0].slides = {{{0.8 * half, 0, 0}, {0, half}, {0, 1}}};
+  for (const auto& [time, speed] : {std::pair{0.5, 0.3}, {1.0, 0.6}, {1.5, 0.3}, {2.0, 0.0}, {2.5, 0.0}})
+    EXPECT_NEAR(mean_velocity_after(scene, time * half, 0), speed, 3 * bounce) << time;
+}
+
 // Stribeck: with v_s far above 1 m/s it is the static coefficient that acts, far below it the dynamic one.
 TEST(Friction, passes_from_static_to_dynamic_with_the_sliding_speed) {
   const double time = 0.1;
@@ -466,6 +476,13 @@ TEST(Simulation, refuses_in_one_line_what_it_cannot_run) {
       },
       "obstacles.floor.velocity = [1, 0, 0.5]: has the component 0.5 m/s along the normal");
   says([&](Scene& s) { s.obstacles[0].velocity[0] = nan; }, "obstacles.floor.velocity = [nan");
+  const auto slides = [](const Slide& slide) { return [=](Scene& s) { s.obstacles[0].slides = {slide}; }; };
+  says(slides({{1, 0, 0}, {}, {}}), "obstacles.floor.slides[0]: 0 times and 0 factors");
+  says(slides({{1, 0, 0}, {0, 1}, {0}}), "2 times and 1 factors");
+  says(slides({{1, 0, 0}, {0, nan}, {0, 1}}), "a time or a factor that is not finite");
+  says(slides({{1, 0, 0}, {0, 1}, {0, nan}}), "a time or a factor that is not finite");
+  says(slides({{1, 0, 0}, {0, 0}, {0, 1}}), "its times do not ascend");
+  says(slides({{nan, 0, 0}, {0, 1}, {0, 1}}), "obstacles.floor.slides[0].vector = [nan");
   says(
       [](Scene& s) {
         kernels::Kernel damaged = *s.bodies[0].kernel;
@@ -475,4 +492,4 @@ TEST(Simulation, refuses_in_one_line_what_it_cannot_run) {
       "bodies.plate.kernel: dataset \"/surface/shape\"");
 }
 
-}  // namespace
+}  // namespace simulation_test

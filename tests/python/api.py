@@ -423,6 +423,21 @@ class SlidingBox(ProgramTest):
         simulation.step_block(400)
         self.assertAlmostEqual(simulation.mean_velocity("box")[0], 0.3 * 9.81 * 0.1, delta=0.01)
 
+    def test_follows_the_history_of_an_obstacle(self):
+        (self.folder / "pull.csv").write_text("t, factor\n0, 0\n0.05, 1\n")
+        changes = {
+            "bodies.box.velocity": [0, 0, 0],
+            "loads.motion": [{"obstacle": "floor", "vector": [0.05, 0, 0], "history": "pull.csv"}],
+        }
+        scene = self.scene.changed(changes)
+        simulation = ricochet.Simulation(scene, pickups=[])
+        block = simulation.step_block(400)
+        # The floor pulls at 1 m/s for one half of the time and rests in the other.
+        self.assertAlmostEqual(simulation.mean_velocity("box")[0], 0, delta=0.01)
+        result = ricochet.impact(scene)
+        self.assertGreater(result.bodies["box"].velocity[:, 0].max(), 0.9 * 0.3 * 9.81 * 0.05)
+        np.testing.assert_allclose(block.total_force, result.total_force[1:], rtol=1e-14)
+
     def test_varies_in_a_sweep(self):
         study = ricochet.sweep(self.scene, {"contact.friction": [0.0, 0.2, 0.4]})
         self.assertEqual(len(list(self.scene.out.glob("*.kernel.h5"))), 1)

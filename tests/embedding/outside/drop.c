@@ -35,9 +35,12 @@ static void refusals(const ricochet_kernel* kernel) {
          "the spin of an unknown body is refused");
   expect(ricochet_scene_impulse(scene, 7, 0) == RICOCHET_REFUSED, "an unknown admittance is refused");
   expect(ricochet_scene_friction_law(scene, 7) == RICOCHET_REFUSED, "an unknown law of friction is refused");
-  expect(ricochet_scene_friction(scene, 0.3, 0.3, 0) == RICOCHET_REFUSED, "friction without a pair is refused");
+  expect(ricochet_scene_friction(scene, 0.3, 0.3, 0) == RICOCHET_REFUSED,
+         "friction without a pair is refused");
   expect(ricochet_scene_half_space_velocity(scene, "floor", zero) == RICOCHET_REFUSED,
          "the velocity of an unknown half-space is refused");
+  expect(ricochet_scene_half_space_slide(scene, "floor", zero, zero, zero, 1) == RICOCHET_REFUSED,
+         "the slide of an unknown half-space is refused");
   expect(ricochet_scene_half_space(scene, "floor", zero, zero) == RICOCHET_OK,
          "a scene is checked when it is run");
   expect(ricochet_simulation_new(scene) == NULL, "a normal of length 0 is refused");
@@ -47,7 +50,7 @@ static void refusals(const ricochet_kernel* kernel) {
 
 static ricochet_simulation* drop(const ricochet_kernel* kernel) {
   const double origin[3] = {0, 0, 0}, up[3] = {0, 0, 1}, down[3] = {0, 0, -1}, gravity[3] = {0, 0, -9.81};
-  const double gap = 1, along[3] = {1, 0, 0};
+  const double gap = 1, along[3] = {1, 0, 0}, second[2] = {0, 1};
   ricochet_simulation* simulation;
   ricochet_scene* scene = ricochet_scene_new(1000);
   expect(ricochet_scene_body(scene, "bob", kernel, NULL, NULL, NULL) == RICOCHET_OK, "body");
@@ -57,6 +60,9 @@ static ricochet_simulation* drop(const ricochet_kernel* kernel) {
   expect(ricochet_scene_friction(scene, 0, 0, 0) == RICOCHET_OK, "no friction");
   expect(ricochet_scene_friction_law(scene, RICOCHET_COULOMB) == RICOCHET_OK, "law of friction");
   expect(ricochet_scene_half_space_velocity(scene, "floor", along) == RICOCHET_OK, "velocity of the floor");
+  expect(ricochet_scene_half_space_slide(scene, "floor", along, NULL, NULL, 1) == RICOCHET_REFUSED,
+         "no times");
+  expect(ricochet_scene_half_space_slide(scene, "floor", along, second, second, 2) == RICOCHET_OK, "slide");
   expect(ricochet_scene_pickup(scene, "bob", NULL, 0, down) == RICOCHET_OK, "pickup");
   expect(ricochet_scene_gravity(scene, gravity) == RICOCHET_OK, "gravity");
   simulation = ricochet_simulation_new(scene);

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "contact/api/scene_model.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "base/rotation.hpp"
+
+namespace ricochet {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Largest coefficient of friction; most dry surfaces have 0.1 to 1.
+constexpr double most_friction = 10;
+
+Vector3d finite(const Vector3& v, const std::string& where) {
+  if (!std::ranges::all_of(v, [](double x) { return std::isfinite(x); }))
+    throw InputError(
+        fmt::format("{} = [{}, {}, {}]: contains a value that is not finite.", where, v[0], v[1], v[2]));
+  return {v[0], v[1], v[2]};
+}
+
+Vector3d unit(const Vector3& v, const std::string& where) {
+  const Vector3d out = finite(v, where);
+  if (!(out.norm() > 0))
+    throw InputError(where + " = [0, 0, 0]: has no direction. Give a vector of any length but 0.");
+  return out.normalized();
+}
+
+void check_names(const Scene& scene) {
+  std::set<std::string> names;
+  const auto add = [&](const std::string& name, const char* list) {
+    if (name.empty()) throw InputError(fmt::format("{}: one has no name. Name each.", list));
+    if (!names.insert(name).second)
+      throw InputError(
+          fmt::format("{}.{}: the name is taken. Bodies and obstacles need names of their own.", list, name));
+  };
+  for (const Body& body : scene.bodies) add(body.name, "bodies");
+  for (const HalfSpace& obstacle : scene.obstacles) add(obstacle.name, "obstacles");
+}
+
+contact::PlacedBody placed(const Body& body) {
+  const std::string where = "bodies." + body.name;
+  if (!body.kernel) throw InputError(where + ": has no kernel. Load one with load_kernel.");
+  kernels::validate(*body.kernel, where + ".kernel");
+  finite(body.rotate_deg, where + ".rotate_deg");
+  const auto rotation = rotation_of(body.rotate_deg);
+  return {.name = body.name,
+          .kernel = body.kernel.get(),
+          .rotation = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rotation.data()),
+          .translation = finite(body.translate, where + ".translate"),
+          .velocity = finite(body.velocity, where + ".velocity"),
+          .angular_velocity = finite(body.angular_velocity, where + ".angular_velocity")};
+}
+
+/// No value if the pair is frictionless. @param where  the pair, for messages
+std::optional<Friction> friction_of(const Scene& scene, const Pair& pair, const std::string& where) {
+  if (!pair.friction) return std::nullopt;
+  const Friction& f = *pair.friction;
+  for (const auto& [name, value] : {std::pair{"static_coefficient", f.static_coefficient},
+                                    std::pair{"dynamic_coefficient", f.dynamic_coefficient}})
+    if (!(value >= 0 && value <= most_friction))
+      throw InputError(
+          fmt::format("{}: friction.{} = {}: must be from 0 to {}.", where, name, value, most_friction));
+  if (f.static_coefficient == 0 && f.dynamic_coefficient == 0) return std::nullopt;
+  if (f.static_coefficient != f.dynamic_coefficient &&
+      !(f.stribeck_velocity > 0 && std::isfinite(f.stribeck_velocity)))
+    throw InputError(fmt::format(
+        "{}: friction.stribeck_velocity = {}: must be above 0, as the coefficients at rest ({}) and in "
+        "sliding ({}) differ.",
+        where, f.stribeck_velocity, f.static_coefficient, f.dynamic_coefficient));
+  if (scene.scheme != Scheme::compliant)
+    throw InputError(
+        fmt::format("{}: friction needs the compliant scheme. Leave it out, or change the scheme.", where));
+  return f;
+}
+
+contact::History history_of(const Slide& slide, const std::string& where) {
+  const auto finite_values = [](const std::vector<double>& values) {
+    return std::ranges::all_of(values, [](double x) { return std::isfinite(x); });
+  };
+  if (slide.time.empty() || slide.time.size() != slide.factor.size())
+    throw InputError(fmt::format("{}: {} times and {} factors: give one factor for each of its times.", where,
+                                 slide.time.size(), slide.factor.size()));
+  if (!finite_values(slide.time) || !finite_values(slide.factor))
+    throw InputError(where + ": contains a time or a factor that is not finite.");
+  if (std::ranges::adjacent_find(slide.time, std::ranges::greater_equal{}) != slide.time.end())
+    throw InputError(where + ": its times do not ascend. Sort them, and merge equal ones.");
+  return {slide.time, slide.factor};
+}
+
+/// Sets the half-spaces in motion.
+void add_belts(const Scene& scene, contact::Model& model) {
+  constexpr double forever = 1e9;  // [s]
+  for (const HalfSpace& obstacle : scene.obstacles) {
+    const std::string where = "obstacles." + obstacle.name;
+    const Vector3d velocity = finite(obstacle.velocity, where + ".velocity"),
+                   normal = unit(obstacle.normal, where + ".normal");
+    if (std::abs(normal.dot(velocity)) > 1e-9 * velocity.norm())
+      throw InputError(fmt::format(
+          "{}.velocity = [{:.6g}, {:.6g}, {:.6g}]: has the component {:.6g} m/s along the normal. Leave it "
+          "out, because a half-space moves along its surface.",
+          where, velocity.x(), velocity.y(), velocity.z(), normal.dot(velocity)));
+    if (!velocity.isZero(0)) contact::add_belt(model, obstacle.name, velocity, {{0, forever}, {0, forever}});
+    for (std::size_t k = 0; k < obstacle.slides.size(); ++k) {
+      const std::string slide = fmt::format("{}.slides[{}]", where, k);
+      contact::add_belt(model, obstacle.name, finite(obstacle.slides[k].vector, slide + ".vector"),
+                        history_of(obstacle.slides[k], slide));
+    }
+  }
+}
+
+/// Modes at the point of the pickup: (3,N) in the axes of the body, or (1,N) along the only direction of the
+/// kernel.
+Eigen::Map<const contact::Matrix> modes_at(const Pickup& pickup, const kernels::Kernel& kernel,
+                                           const std::string& where) {
+  const Eigen::Index modes = kernel.modes.size();
+  if (!pickup.receiver.empty()) {
+    const auto found = std::ranges::find(kernel.receivers, pickup.receiver, &kernels::Receiver::name);
+    if (found == kernel.receivers.end())
+      throw InputError(fmt::format("{}: no receiver \"{}\" in the kernel of \"{}\", which has {}.", where,
+                                   pickup.receiver, pickup.body, kernel.receivers.size()));
+    return {found->shape.data(), 3, modes};
+  }
+  const kernels::Surface& surface = kernel.surface;
+  if (pickup.candidate >= surface.size())
+    throw InputError(fmt::format("{}: candidate = {}: the kernel of \"{}\" has {}, counted from 0.", where,
+                                 pickup.candidate, pickup.body, surface.size()));
+  const Eigen::Index rows = surface.components;
+  return {surface.shape.data() + pickup.candidate * rows * modes, rows, modes};
+}
+
+}  // namespace
+
+contact::Model model_of(const Scene& scene) {
+  check_names(scene);
+  std::vector<contact::PlacedBody> bodies;
+  for (const Body& body : scene.bodies) bodies.push_back(placed(body));
+  std::vector<contact::HalfSpace> obstacles;
+  for (const HalfSpace& obstacle : scene.obstacles) {
+    const std::string where = "obstacles." + obstacle.name;
+    obstacles.push_back(
+        {obstacle.name, finite(obstacle.point, where + ".point"), unit(obstacle.normal, where + ".normal")});
+  }
+  std::vector<contact::PairRequest> pairs;
+  for (const Pair& pair : scene.pairs) {
+    const std::string where = fmt::format("contact between \"{}\" and \"{}\"", pair.a, pair.b);
+    contact::PairRequest request{pair.a, pair.b, {}, pair.gap, pair.reach};
+    if (pair.direction) request.direction = unit(*pair.direction, where + ": direction");
+    request.friction = friction_of(scene, pair, where);
+    pairs.push_back(request);
+  }
+  contact::Model model =
+      contact::build_model(std::move(bodies), obstacles, pairs, finite(scene.gravity, "gravity"));
+  add_belts(scene, model);
+  contact::refuse_sag(model);
+  return model;
+}
+
+StepOptions step_options(const Scene& scene) {
+  if (!(scene.rate_hz > 0 && std::isfinite(scene.rate_hz)))
+    throw InputError(fmt::format("rate_hz = {}: must be positive and finite.", scene.rate_hz));
+  const double ratio = std::max(1.0, std::ceil(scene.contact_rate_hz / scene.rate_hz * (1 - 1e-12)));
+  if (!(ratio <= 1e6) || (ratio > 1 && scene.scheme != Scheme::compliant))
+    throw InputError(
+        fmt::format("contact_rate_hz = {}: must be 0 with the impulse scheme, and at most 1e6 times rate_hz "
+                    "= {} otherwise.",
+                    scene.contact_rate_hz, scene.rate_hz));
+  return {.scheme = scene.scheme,
+          .admittance = scene.admittance,
+          .restitution = scene.restitution,
+          .contact_step = scene.integration,
+          .friction_law = scene.friction_law,
+          .step = 1 / (scene.rate_hz * ratio),
+          .steps_per_sample = static_cast<int>(ratio),
+          .precision = scene.single_precision ? Precision::float32 : Precision::float64};
+}
+
+contact::Matrix pickups_of(const Scene& scene, const contact::Model& model) {
+  contact::Matrix out = contact::Matrix::Zero(scene.pickups.size(), model.omega.size());
+  for (std::size_t k = 0; k < scene.pickups.size(); ++k) {
+    const Pickup& pickup = scene.pickups[k];
+    const std::string where = fmt::format("pickups[{}]", k);
+    const auto body = std::ranges::find(model.bodies, pickup.body, &contact::Model::BodyBlock::name);
+    if (body == model.bodies.end())
+      throw InputError(fmt::format("{}: \"{}\" is not a body. Name one of bodies.", where, pickup.body));
+    const kernels::Kernel& kernel = *body->kernel;
+    const Vector3d own = body->rotation.transpose() * unit(pickup.direction, where + ".direction");
+    const auto modes = modes_at(pickup, kernel, where);
+    auto row = out.row(k).segment(body->first_mode, body->modes);
+    if (modes.rows() == 3) {
+      row = own.transpose() * modes;
+      continue;
+    }
+    const Vector3& d = *kernel.surface.direction;
+    const double along = own.dot(Vector3d(d[0], d[1], d[2]));
+    if (std::abs(along) < 1 - 1e-9)
+      throw InputError(
+          fmt::format("{}.direction: the kernel of \"{}\" holds the motion along [{:.6g}, {:.6g}, "
+                      "{:.6g}] (its own axes) alone. Listen along it.",
+                      where, pickup.body, d[0], d[1], d[2]));
+    row = std::copysign(1.0, along) * modes;
+  }
+  return out;
+}
+
+}  // namespace ricochet
