@@ -137,6 +137,7 @@ Elastic elastic_of(const Kernel& kernel) {
 
 double flexibility_error(const BandModes& coarse, const BandModes& fine, RadPerSecond band,
                          bool quasi_static) {
+  if (fine.lambda.empty()) return 0;  // whose flexibility is zero
   // Gram matrices are not used here: their rounding would hide errors below 1e-8 (band/lowest mode)².
   const Matrix f = traces(fine);
   const Matrix b = coarse.lambda.empty() ? Matrix(f.rows(), 0) : traces(coarse);

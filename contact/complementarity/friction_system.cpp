@@ -8,6 +8,11 @@
 namespace ricochet::contact {
 namespace {
 
+/// The force that makes a displacement alone; the largest number if none does.
+double force_for(double displacement, double flexibility) {
+  return flexibility > 0 ? displacement / flexibility : std::numeric_limits<double>::max();
+}
+
 using Eigen::Map;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -116,7 +121,7 @@ double FrictionSystem::contradiction(int k) const noexcept {
   const double normal = w_[row];
   if (touch.state == ContactState::open) {
     const double gap = normal - (share(touch) > 0 ? share(touch) * tangential(w_, row).norm() : 0);
-    return gap < -tolerance_ ? -gap / entry(row) : 0;
+    return gap < -tolerance_ ? force_for(-gap, entry(row)) : 0;
   }
   double worst = std::max(0.0, -p_[row]);
   if (touch.rows() == 1) return worst;
@@ -127,7 +132,7 @@ double FrictionSystem::contradiction(int k) const noexcept {
   const double residual =
       std::max(std::abs(normal - share(touch) * along), std::abs(across(touch.direction).dot(w)));
   if (along < -tolerance_ - (cautious_ ? certain * residual : 0))
-    worst = std::max(worst, -along / tangential_entry(row));
+    worst = std::max(worst, force_for(-along, tangential_entry(row)));
   return worst;
 }
 
