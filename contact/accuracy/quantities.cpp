@@ -36,7 +36,7 @@ std::vector<Mover> movers(const Model& model) {
 }
 
 /// Mean velocity [m/s] and angular velocity [rad/s] of a body.
-struct RigidMotion {
+struct RigidVelocity {
   Vector3d velocity = Vector3d::Zero(), spin = Vector3d::Zero();
 };
 
@@ -45,12 +45,12 @@ bool turns(const Mover& mover) { return mover.rigid == 6; }
 
 /// Motion of each body; 0 if supports hold it. The rigid modes of a free body carry all of its momentum and
 /// no vibration.
-std::vector<RigidMotion> motions(const Model& model, const std::vector<Mover>& movers, const Vector& v) {
-  std::vector<RigidMotion> out(model.bodies.size());
+std::vector<RigidVelocity> motions(const Model& model, const std::vector<Mover>& movers, const Vector& v) {
+  std::vector<RigidVelocity> out(model.bodies.size());
   for (const Mover& mover : movers) {
     const Model::BodyBlock& body = model.bodies[mover.body];
     const auto rate = v.segment(body.first_mode, mover.rigid);
-    RigidMotion& motion = out[mover.body];
+    RigidVelocity& motion = out[mover.body];
     motion.velocity = body.momentum.leftCols(mover.rigid) * rate / body.mass;
     if (!turns(mover)) continue;
     const Vector3d about_centre =
@@ -60,7 +60,7 @@ std::vector<RigidMotion> motions(const Model& model, const std::vector<Mover>& m
   return out;
 }
 
-double approach(const Model& model, const std::vector<RigidMotion>& motion) {
+double approach(const Model& model, const std::vector<RigidVelocity>& motion) {
   double fastest = 0;
   for (const Model::PairBlock& pair : model.pairs) {
     Vector3d relative = motion[pair.a].velocity;
@@ -169,7 +169,7 @@ class Follower {
     double rigid = 0;
     for (const Mover& mover : moving_) {
       const Model::BodyBlock& body = model_.bodies[mover.body];
-      const RigidMotion& motion = end_[mover.body];
+      const RigidVelocity& motion = end_[mover.body];
       rigid += (body.mass * motion.velocity.squaredNorm() + motion.spin.dot(body.inertia * motion.spin)) / 2;
     }
     Figure energy{Vector(2), energy_.kinetic + energy_.strain};
@@ -193,7 +193,7 @@ class Follower {
   const Model& model_;
   double step_;
   std::vector<Mover> moving_;
-  std::vector<RigidMotion> start_, end_;  ///< when contact began, when it last ended
+  std::vector<RigidVelocity> start_, end_;  ///< when contact began, when it last ended
   Energy before_{}, energy_{}, end_energy_{};
   std::vector<bool> pressed_;
   LinearityCheck linearity_;

@@ -44,9 +44,9 @@ bool is_slice(const std::vector<double>& header, const std::vector<double>& shap
 
 /// Gathers the rows of a team in reading order on its first rank, so that files do not depend on the number
 /// of ranks.
-class Rows {
+class OrderedRows {
  public:
-  explicit Rows(const Operators& operators)
+  explicit OrderedRows(const Operators& operators)
       : comm_(operators.comm), local_(operators.key.size()), key_(parallel::gather(comm_, operators.key)) {
     const int mine = static_cast<int>(local_);
     count_.resize(static_cast<std::size_t>(parallel::size_of(comm_)));
@@ -127,7 +127,7 @@ std::optional<Checkpoint::Plan> CheckpointFolder::plan() const {
 
 void CheckpointFolder::save(const Slice& slice, const Eigen::MatrixXd& shape) const {
   if (folder_.empty()) return;
-  Rows rows(operators_);
+  OrderedRows rows(operators_);
   std::optional<hdf5::Writer> file;
   std::string complaint;
   const bool first = parallel::rank_of(teams_.team()) == 0;
@@ -173,7 +173,7 @@ std::vector<Checkpoint::Found> CheckpointFolder::slices() const {
   for (const auto& path : paths) names += path.filename().string() + "\n";
   parallel::broadcast(teams_.world(), names);
   std::vector<Found> found;
-  Rows rows(operators_);
+  OrderedRows rows(operators_);
   for (std::size_t at = 0; at < names.size();) {
     const std::size_t behind = names.find('\n', at);
     const std::filesystem::path path = folder_ / names.substr(at, behind - at);

@@ -12,9 +12,9 @@ namespace {
 using parallel::check;
 
 /// The rows of a matrix, converted to AIJ and copied to each team.
-class Rows {
+class RedundantRows {
  public:
-  Rows(const parallel::Teams& teams, Mat matrix) {
+  RedundantRows(const parallel::Teams& teams, Mat matrix) {
     if (matrix == nullptr) return;
     check(MatConvert(matrix, MATAIJ, MAT_INITIAL_MATRIX, matrix_.out()));
     given_ = true;
@@ -50,7 +50,7 @@ PetscInt block_of(Mat matrix) {
 }  // namespace
 
 Pair paired(const parallel::Teams& teams, Mat given_stiffness, Mat given_mass, double origin) {
-  const Rows stiffness(teams, given_stiffness), mass(teams, given_mass);
+  const RedundantRows stiffness(teams, given_stiffness), mass(teams, given_mass);
   const bool blocked = block_of(given_stiffness) == 3 && (given_mass == nullptr || block_of(given_mass) == 3);
   const PetscInt block = blocked ? 3 : 1;
   PetscInt first = 0, behind = 0, total = 0;
@@ -65,7 +65,7 @@ Pair paired(const parallel::Teams& teams, Mat given_stiffness, Mat given_mass, d
     std::vector<PetscInt>& here = columns[i];
     here.push_back(row);
     for (PetscInt r = row * block; r < (row + 1) * block; ++r)
-      for (const Rows* matrix : {&stiffness, &mass})
+      for (const RedundantRows* matrix : {&stiffness, &mass})
         matrix->each(r, [&](PetscInt column, double) {
           if (column / block > row) here.push_back(column / block);
         });

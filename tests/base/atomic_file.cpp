@@ -14,7 +14,7 @@
 #include "tests/kernels/sample.hpp"
 
 namespace ricochet::base {
-namespace {
+namespace atomic_file_test {
 
 using kernels::test::bytes_of;
 using kernels::test::put_bytes;
@@ -123,5 +123,5 @@ TEST(Writer, on_a_full_disk_throws_and_lets_the_program_end) {
   EXPECT_EQ(folder.entries(), 0U);
 }
 
-}  // namespace
+}  // namespace atomic_file_test
 }  // namespace ricochet::base

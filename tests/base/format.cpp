@@ -9,7 +9,7 @@
 #include <random>
 
 namespace ricochet::base {
-namespace {
+namespace format_test {
 
 // The fmt library, which the programs use, is the reference.
 TEST(Format, prints_numbers_as_fmt_does) {
@@ -34,5 +34,5 @@ TEST(Format, puts_arguments_in_their_order) {
   EXPECT_EQ(format("no argument"), "no argument");
 }
 
-}  // namespace
+}  // namespace format_test
 }  // namespace ricochet::base

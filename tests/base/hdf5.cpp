@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Tests of the HDF5 wrapper alone: growing datasets, suppressed error output, closed handles.
-#define H5_USE_110_API
 #include "base/hdf5_reader.hpp"
 #include "base/hdf5_writer.hpp"
 
@@ -13,7 +12,7 @@
 #include "tests/kernels/sample.hpp"
 
 namespace ricochet::base::hdf5 {
-namespace {
+namespace hdf5_test {
 
 using test::complaint_of;
 using test::Folder;
@@ -128,5 +127,5 @@ TEST(Reader, distinguishes_links_and_missing_objects_from_its_own) {
             (folder / "file.h5").string() + ": dataset \"/b/values\" is missing. Advice.");
 }
 
-}  // namespace
+}  // namespace hdf5_test
 }  // namespace ricochet::base::hdf5

@@ -1,4 +1,3 @@
 # SPDX-License-Identifier: BSD-2-Clause
-add_serial_test(base atomic_file ricochet_kernels)
-add_serial_test(base hdf5 ricochet_kernels PkgConfig::HDF5)
-add_serial_test(base format ricochet_core)
+add_serial_tests(base base LIBRARIES ricochet_kernels PkgConfig::HDF5 ricochet_core
+  FILES atomic_file hdf5 format)

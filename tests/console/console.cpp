@@ -13,7 +13,7 @@
 #include <cstdio>
 #include <thread>
 
-namespace {
+namespace console_test {
 
 using ricochet::console::Console;
 using ::testing::HasSubstr;
@@ -257,4 +257,4 @@ TEST(PhaseTable, gives_times_in_seconds_minutes_and_hours) {
     EXPECT_THAT(Console::table({{"modes", seconds, 1, ""}}), HasSubstr(text)) << seconds;
 }
 
-}  // namespace
+}  // namespace console_test

@@ -7,7 +7,7 @@
 
 #include <cstdio>
 
-namespace {
+namespace options_test {
 
 using namespace ricochet::console;
 using ::testing::ElementsAre;
@@ -148,4 +148,4 @@ TEST(OtherRanks, print_nothing) {
   }
 }
 
-}  // namespace
+}  // namespace options_test

@@ -7,7 +7,7 @@
 #include "tests/contact/rigid_plate.hpp"
 #include "tests/kernels/bar.hpp"
 
-namespace {
+namespace angular_momentum_test {
 
 using namespace ricochet::contact;
 using ricochet::Scheme;
@@ -136,4 +136,4 @@ TEST(AngularMomentum, of_two_spinning_bodies_is_conserved) {
   EXPECT_GT(exchanged, 0.1);  // off centre
 }
 
-}  // namespace
+}  // namespace angular_momentum_test

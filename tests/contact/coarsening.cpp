@@ -7,7 +7,7 @@
 
 #include "tests/contact/bodies.hpp"
 
-namespace {
+namespace coarsening_test {
 
 using namespace ricochet::contact;
 using namespace ricochet::contact::test;
@@ -92,4 +92,4 @@ TEST(Coarsened, point_that_stands_alone_stays) {
   EXPECT_EQ(same.R, model.R);
 }
 
-}  // namespace
+}  // namespace coarsening_test

@@ -13,7 +13,7 @@
 #include "tests/contact/heap_counter.hpp"
 #include "tests/contact/lcp.hpp"
 
-namespace {
+namespace complementarity_test {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -259,4 +259,4 @@ TEST(Complementarity, takes_no_memory_in_ten_thousand_problems) {
 }
 #endif
 
-}  // namespace
+}  // namespace complementarity_test

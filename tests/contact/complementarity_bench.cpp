@@ -6,7 +6,7 @@
 #include "contact/complementarity/complementarity.hpp"
 #include "tests/contact/lcp.hpp"
 
-namespace {
+namespace complementarity_bench_test {
 
 using namespace lcp;
 using ricochet::contact::ComplementaritySolver;
@@ -227,4 +227,4 @@ TEST(ComplementarityBench, keeps_its_factor_where_points_outnumber_modes) {
   EXPECT_GT(keeps.statistics().pivots, 1000);
 }
 
-}  // namespace
+}  // namespace complementarity_bench_test

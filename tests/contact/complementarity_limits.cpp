@@ -5,7 +5,7 @@
 #include "contact/complementarity/complementarity.hpp"
 #include "tests/contact/lcp.hpp"
 
-namespace {
+namespace complementarity_limits_test {
 
 using namespace lcp;
 using ricochet::contact::ComplementaritySolver;
@@ -152,4 +152,4 @@ TEST(LimitedSolve, is_never_met_without_a_limit) {
   EXPECT_EQ(solver.statistics().limited, 0);
 }
 
-}  // namespace
+}  // namespace complementarity_limits_test

@@ -8,7 +8,7 @@
 
 #include "tests/contact/heap_counter.hpp"
 
-namespace {
+namespace convolution_test {
 
 using namespace ricochet::contact;
 
@@ -142,4 +142,4 @@ TEST(Convolution, takes_no_memory_as_it_goes) {
 }
 #endif
 
-}  // namespace
+}  // namespace convolution_test

@@ -14,7 +14,7 @@
 #include "contact/stepping/stepper.hpp"
 #include "tests/contact/plate.hpp"
 
-namespace {
+namespace denormals_test {
 
 using namespace ricochet;
 using contact::test::Plate;
@@ -118,4 +118,4 @@ TEST(Simulation, of_a_dying_sound_is_the_same_with_and_without_denormals) {
 #endif
 }
 
-}  // namespace
+}  // namespace denormals_test

@@ -7,7 +7,7 @@
 
 #include "tests/contact/plate.hpp"
 
-namespace {
+namespace endurance_test {
 
 using namespace ricochet;
 using contact::test::falling;
@@ -64,4 +64,4 @@ TEST(Ledger, of_impulses_closes_over_a_million_steps_of_gravity_damping_and_impa
   }
 }
 
-}  // namespace
+}  // namespace endurance_test

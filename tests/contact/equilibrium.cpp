@@ -13,7 +13,7 @@
 #include "contact/output/summary.hpp"
 #include "tests/contact/bodies.hpp"
 
-namespace {
+namespace equilibrium_test {
 
 using namespace ricochet::contact;
 using namespace ricochet::contact::test;
@@ -328,4 +328,4 @@ TEST(EquilibriumResult, holds_one_row_with_forces_displacements_and_what_support
   EXPECT_EQ(row("/snapshots/top", 5).size(), 5U);
 }
 
-}  // namespace
+}  // namespace equilibrium_test

@@ -9,7 +9,7 @@
 
 #include "tests/contact/bodies.hpp"
 
-namespace {
+namespace estimate_test {
 
 using namespace ricochet::contact;
 using ricochet::ContactStep;
@@ -266,4 +266,4 @@ TEST(Total, is_that_of_the_requested_quantity_with_the_largest_sum_of_known_shar
   EXPECT_FALSE(estimate.share(Cause::mesh));
 }
 
-}  // namespace
+}  // namespace estimate_test

@@ -9,7 +9,7 @@
 #include "tests/contact/bodies.hpp"
 #include "tests/contact/heap_counter.hpp"
 
-namespace {
+namespace event_location_test {
 
 using namespace ricochet::contact;
 using ricochet::Admittance;
@@ -183,4 +183,4 @@ TEST(ExactInstant, takes_no_memory) {
 }
 #endif
 
-}  // namespace
+}  // namespace event_location_test

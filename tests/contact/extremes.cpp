@@ -12,7 +12,7 @@
 #include "contact/stepping/stepper.hpp"
 #include "tests/contact/bodies.hpp"
 
-namespace {
+namespace extremes_test {
 
 using namespace ricochet::contact;
 using ricochet::Precision;
@@ -95,7 +95,7 @@ void expect_balance(const Model& model, const StepOptions& options, int steps, R
   row.error(impact.gain, 0, 1);
 }
 
-TEST(Step, of_any_length_keeps_momentum_and_ledger_and_gains_no_energy) {
+TEST(ExtremeStep, of_any_length_keeps_momentum_and_ledger_and_gains_no_energy) {
   const Kernel kernel = rod(40, length);
   const Model model = against_wall(kernel);
   // 1e-10: round-off of 2000 steps, where R stores up to 1e5 times the kinetic energy
@@ -105,7 +105,7 @@ TEST(Step, of_any_length_keeps_momentum_and_ledger_and_gains_no_energy) {
 }
 
 // As long as waves are negligible, the modes do not move: λ = v t/R.
-TEST(Step, far_below_the_periods_loads_the_residual_spring) {
+TEST(ExtremeStep, far_below_the_periods_loads_the_residual_spring) {
   const Kernel kernel = rod(40, length);
   const Model model = against_wall(kernel);
   for (const double share : {1e-12, 1e-10, 1e-8}) {
@@ -121,7 +121,7 @@ TEST(Step, far_below_the_periods_loads_the_residual_spring) {
 
 // All modes are quasi-static: a mass m on the static flexibility F = L/(3EA), S = Δ²/2m + F,
 // λ = vΔ/S. The rod is free in the next step.
-TEST(Step, far_above_the_periods_turns_a_rigid_body_round) {
+TEST(ExtremeStep, far_above_the_periods_turns_a_rigid_body_round) {
   const Kernel kernel = rod(40, length);
   const Model model = against_wall(kernel);
   for (const double periods : {1e3, 1e4}) {
@@ -135,7 +135,7 @@ TEST(Step, far_above_the_periods_turns_a_rigid_body_round) {
   }
 }
 
-TEST(Damping, from_none_to_a_hundredfold_of_critical_keeps_momentum_and_ledger) {
+TEST(ExtremeDamping, from_none_to_a_hundredfold_of_critical_keeps_momentum_and_ledger) {
   for (const double ratio : {0.0, 1e-6, 0.999999, 1.0, 1.000001, 100.0}) {
     Kernel kernel = rod(40, length);
     for (std::size_t n = 0; n < kernel.modes.size(); ++n)
@@ -148,7 +148,7 @@ TEST(Damping, from_none_to_a_hundredfold_of_critical_keeps_momentum_and_ledger) 
 
 // A change of units is equivalent to bodies of another mass, stiffness and size. Single precision represents
 // numbers from 1e-38 to 1e38, and squares only of numbers up to 1e19.
-TEST(SinglePrecision, follows_double_in_any_units) {
+TEST(ExtremeSinglePrecision, follows_double_in_any_units) {
   const Kernel unit = rod(40, length);
   for (const auto& [mass, time] :
        {std::pair(1.0, 1.0), std::pair(1e-12, 1e-9), std::pair(1e12, 1e3), std::pair(1e-21, 1e-12)}) {
@@ -179,11 +179,11 @@ TEST(SinglePrecision, follows_double_in_any_units) {
 }
 
 // A mode that is released oscillates forever: q = (f/ω²)(1 − cos ωt).
-TEST(TenMillionSteps, of_free_motion_keep_phase_and_energy) {
+TEST(ExtremeTenMillionSteps, of_free_motion_keep_phase_and_energy) {
   Kernel kernel = clamped_bar(4, length);
   Model model = build_model({{"bar", &kernel}}, {{"wall", {2 * length, 0, 0}, {-1, 0, 0}}},
                             {{"bar", "wall", {}, {}, {}}}, {0.01, 0, 0});
-  model.q0.setZero();  // released from the shape without loads, so that it moves
+  model.q0.setZero();          // released from the shape without loads, so that it moves
   const double step = 0.0123;  // no fraction of a period, 4L/(2n + 1)
   const auto stepper = make_stepper(model, {.step = step});
   constexpr std::int64_t steps = 10'000'000;
@@ -201,7 +201,7 @@ TEST(TenMillionSteps, of_free_motion_keep_phase_and_energy) {
 }
 
 // The damped rod comes to rest in its static equilibrium.
-TEST(MillionSteps, at_rest_under_gravity_carry_the_weight_without_sinking) {
+TEST(ExtremeMillionSteps, at_rest_under_gravity_carry_the_weight_without_sinking) {
   Kernel kernel = rod(20, length);
   for (std::size_t n = 0; n < kernel.modes.size(); ++n) kernel.modes.decay_rate[n] = 0.05;
   const double weight = 0.01 * length;
@@ -217,4 +217,4 @@ TEST(MillionSteps, at_rest_under_gravity_carry_the_weight_without_sinking) {
   }
 }
 
-}  // namespace
+}  // namespace extremes_test

@@ -13,7 +13,7 @@
 #include "tests/contact/bodies.hpp"
 #include "tests/contact/heap_counter.hpp"
 
-namespace {
+namespace forced_response_test {
 
 using namespace ricochet::contact;
 using ricochet::Admittance;
@@ -395,4 +395,4 @@ TEST(Forcing, does_not_allocate) {
 }
 #endif
 
-}  // namespace
+}  // namespace forced_response_test

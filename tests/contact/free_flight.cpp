@@ -10,7 +10,7 @@
 #include "tests/contact/falling_body.hpp"
 #include "tests/contact/heap_counter.hpp"
 
-namespace {
+namespace free_flight_test {
 
 using namespace ricochet::contact;
 using namespace ricochet::contact::test;
@@ -108,4 +108,4 @@ TEST(FreeFlight, takes_no_memory) {
   }
 }
 
-}  // namespace
+}  // namespace free_flight_test

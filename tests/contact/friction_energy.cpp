@@ -10,7 +10,7 @@
 #include "contact/stepping/stepper.hpp"
 #include "tests/contact/sliding.hpp"
 
-namespace {
+namespace friction_energy_test {
 
 using namespace ricochet;
 using namespace ricochet::contact;
@@ -96,4 +96,4 @@ TEST(Energy, is_never_added_by_contact_and_friction) {
   EXPECT_GT(found.sticking, found.steps / 10);
 }
 
-}  // namespace
+}  // namespace friction_energy_test

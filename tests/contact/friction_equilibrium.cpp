@@ -12,7 +12,7 @@
 #include "contact/static/equilibrium.hpp"
 #include "tests/contact/bodies.hpp"
 
-namespace {
+namespace friction_equilibrium_test {
 
 using namespace ricochet::contact;
 using namespace ricochet::contact::test;
@@ -549,4 +549,4 @@ TEST(FrictionEquilibrium, by_uzawa_is_refused) {
               HasSubstr("contact.solver = \"uzawa\": has no friction"));
 }
 
-}  // namespace
+}  // namespace friction_equilibrium_test

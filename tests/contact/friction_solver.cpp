@@ -14,7 +14,7 @@
 #include "tests/contact/heap_counter.hpp"
 #include "tests/contact/lcp.hpp"
 
-namespace {
+namespace friction_solver_test {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -690,4 +690,4 @@ TEST(FrictionSolver, takes_no_memory) {
 }
 #endif
 
-}  // namespace
+}  // namespace friction_solver_test

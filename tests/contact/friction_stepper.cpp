@@ -11,7 +11,7 @@
 #include "ricochet/error.hpp"
 #include "tests/contact/sliding.hpp"
 
-namespace {
+namespace friction_stepper_test {
 
 using namespace ricochet;
 using namespace ricochet::contact;
@@ -319,4 +319,4 @@ TEST(Friction, continues_in_a_clone) {
   }
 }
 
-}  // namespace
+}  // namespace friction_stepper_test

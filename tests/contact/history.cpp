@@ -7,7 +7,7 @@
 
 #include "tests/support.hpp"
 
-namespace {
+namespace history_test {
 
 using ricochet::contact::History;
 using ricochet::contact::read_history;
@@ -74,4 +74,4 @@ TEST(HistoryFile, is_refused_in_one_line_that_names_the_place) {
   EXPECT_THAT(complaint_of([&] { read_history(folder.path()); }), HasSubstr("no such file"));
 }
 
-}  // namespace
+}  // namespace history_test

@@ -8,7 +8,7 @@
 
 #include "tests/contact/falling_body.hpp"
 
-namespace {
+namespace impulse_stepper_test {
 
 using namespace ricochet::contact;
 using namespace ricochet::contact::test;
@@ -81,4 +81,4 @@ TEST(Impulse, never_gains_energy_and_stops_every_touching_point_with_more_points
   }
 }
 
-}  // namespace
+}  // namespace impulse_stepper_test

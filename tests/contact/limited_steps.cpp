@@ -9,7 +9,7 @@
 #include "tests/contact/heap_counter.hpp"
 #include "tests/support.hpp"
 
-namespace {
+namespace limited_steps_test {
 
 using namespace ricochet::contact;
 using ricochet::Energy;
@@ -216,4 +216,4 @@ TEST(LimitedStep, takes_no_memory) {
 }
 #endif
 
-}  // namespace
+}  // namespace limited_steps_test

@@ -13,7 +13,7 @@
 #include "contact/stepping/stepper.hpp"
 #include "tests/contact/heap_counter.hpp"
 
-namespace {
+namespace look_ahead_block_test {
 
 namespace benchmarks = ricochet::benchmarks;
 using namespace ricochet::contact;
@@ -378,4 +378,4 @@ TEST(Loops, of_every_instruction_set_here_give_the_sums_they_stand_for) {
   }
 }
 
-}  // namespace
+}  // namespace look_ahead_block_test

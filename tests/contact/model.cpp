@@ -10,7 +10,7 @@
 #include "kernels/algebra.hpp"
 #include "tests/contact/bodies.hpp"
 
-namespace {
+namespace model_test {
 
 using namespace ricochet::contact;
 using namespace ricochet::contact::test;
@@ -317,4 +317,4 @@ TEST(Gaps, that_one_body_can_not_serve_together_are_refused) {
               HasSubstr("another pair's gap moves one of them to 0.6 m"));
 }
 
-}  // namespace
+}  // namespace model_test

@@ -8,7 +8,7 @@
 #include "contact/output/summary_observer.hpp"
 #include "tests/contact/plate.hpp"
 
-namespace {
+namespace obstacle_check_test {
 
 using namespace ricochet::contact;
 using ricochet::StepStatus;
@@ -95,4 +95,4 @@ TEST(Obstacle, that_the_mesh_of_the_contact_surface_enters_at_the_start_is_not_n
   EXPECT_THAT(warnings_of(kernel), Not(Contains(HasSubstr("passes"))));
 }
 
-}  // namespace
+}  // namespace obstacle_check_test

@@ -7,7 +7,7 @@
 
 #include "tests/contact/bodies.hpp"
 
-namespace {
+namespace pairing_test {
 
 using namespace ricochet::contact;
 using namespace ricochet::contact::test;
@@ -395,4 +395,4 @@ TEST(Gap, of_zero_is_reached_by_bodies_far_from_the_origin) {
   EXPECT_LT(nearest, 1e-8);
 }
 
-}  // namespace
+}  // namespace pairing_test

@@ -10,7 +10,7 @@
 #include <cstddef>
 #include <limits>
 
-namespace {
+namespace propagator_test {
 
 using ricochet::contact::mode_response;
 using ricochet::contact::mode_step;
@@ -173,4 +173,4 @@ TEST(ModeStep, stays_finite_for_huge_frequencies_and_decays) {
     }
 }
 
-}  // namespace
+}  // namespace propagator_test

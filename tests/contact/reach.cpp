@@ -9,7 +9,7 @@
 #include "kernels/algebra.hpp"
 #include "tests/contact/plate.hpp"
 
-namespace {
+namespace reach_test {
 
 using namespace ricochet::contact;
 using ricochet::StepStatus;
@@ -145,4 +145,4 @@ TEST(Reach, is_warned_of_when_bodies_come_nearer_than_it) {
   EXPECT_THAT(warnings(0.0, 0.0011), IsEmpty());  // no candidate was omitted
 }
 
-}  // namespace
+}  // namespace reach_test

@@ -12,7 +12,7 @@
 #include "contact/output/recorder.hpp"
 #include "tests/contact/bodies.hpp"
 
-namespace {
+namespace receivers_test {
 
 using namespace ricochet::contact;
 using ricochet::Scheme;
@@ -189,4 +189,4 @@ TEST(Reaction, of_a_foot_that_moves_gives_the_bar_its_momentum) {
   }
 }
 
-}  // namespace
+}  // namespace receivers_test

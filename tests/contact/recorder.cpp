@@ -9,7 +9,7 @@
 #include "tests/contact/bodies.hpp"
 #include "tests/support.hpp"
 
-namespace {
+namespace recorder_test {
 
 using namespace ricochet::contact;
 using ricochet::Energy;
@@ -254,4 +254,4 @@ TEST(Files, can_not_be_made_in_folders_that_are_not_there) {
   EXPECT_NE(text.find("/nowhere/at/all.result.h5"), std::string::npos) << text;
 }
 
-}  // namespace
+}  // namespace recorder_test

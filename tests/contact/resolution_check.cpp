@@ -10,7 +10,7 @@
 #include "contact/output/summary_observer.hpp"
 #include "tests/contact/plate.hpp"
 
-namespace {
+namespace resolution_check_test {
 
 using namespace ricochet::contact;
 using ricochet::StepStatus;
@@ -150,4 +150,4 @@ TEST(Warnings, name_the_distance_at_which_bodies_miss) {
   EXPECT_THAT(warnings_of(model, 12, 0.01), IsEmpty());
 }
 
-}  // namespace
+}  // namespace resolution_check_test

@@ -11,7 +11,7 @@
 
 #include "contact/stepping/stepper.hpp"
 
-namespace {
+namespace rods_test {
 
 using namespace ricochet::contact;
 using ricochet::Admittance;
@@ -146,4 +146,4 @@ TEST(RodsImpulse, meet_first_at_the_end_of_the_first_step) {
   }
 }
 
-}  // namespace
+}  // namespace rods_test

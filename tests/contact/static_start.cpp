@@ -9,7 +9,7 @@
 #include "tests/contact/plate.hpp"
 #include "tests/kernels/bar.hpp"
 
-namespace {
+namespace static_start_test {
 
 using namespace ricochet::contact;
 using ricochet::Precision;
@@ -146,4 +146,4 @@ TEST(Summary, relates_losses_to_the_energy_above_the_start_at_rest) {
   EXPECT_LT(arrived, 0.5 * 0.1 * 1.0);
 }
 
-}  // namespace
+}  // namespace static_start_test

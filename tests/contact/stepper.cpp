@@ -16,7 +16,7 @@
 #include "tests/contact/falling_body.hpp"
 #include "tests/contact/heap_counter.hpp"
 
-namespace {
+namespace stepper_test {
 
 using namespace ricochet::contact;
 using namespace ricochet::contact::test;
@@ -350,4 +350,4 @@ TEST(Stepper, takes_no_memory_in_ten_thousand_steps) {
 }
 #endif
 
-}  // namespace
+}  // namespace stepper_test

@@ -14,7 +14,7 @@
 #include "tests/contact/rigid_plate.hpp"
 #include "tests/support.hpp"
 
-namespace {
+namespace summary_test {
 
 using namespace ricochet::contact;
 using ricochet::Quantity;
@@ -253,4 +253,4 @@ TEST(Json, holds_what_the_summary_holds_and_null_for_what_is_not_known) {
   EXPECT_THAT(complaint_of([&] { write_json(s, folder / "not" / "there.json"); }), HasSubstr("--out"));
 }
 
-}  // namespace
+}  // namespace summary_test

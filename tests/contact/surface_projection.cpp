@@ -9,7 +9,7 @@
 
 #include "tests/contact/plate.hpp"
 
-namespace {
+namespace surface_projection_test {
 
 using namespace ricochet::contact;
 using namespace ricochet::contact::test;
@@ -128,4 +128,4 @@ TEST(SurfaceProjection, of_equal_points_is_the_one_on_the_first_element) {
   }
 }
 
-}  // namespace
+}  // namespace surface_projection_test

@@ -17,7 +17,7 @@
 #include "tests/contact/rod_tables.hpp"
 #include "tests/support.hpp"
 
-namespace {
+namespace table_test {
 
 using namespace ricochet::contact;
 using ricochet::Admittance;
@@ -307,4 +307,4 @@ TEST(TableStepper, takes_no_memory_in_its_steps) {
 }
 #endif
 
-}  // namespace
+}  // namespace table_test

@@ -13,7 +13,7 @@
 #include "tests/kernels/hostile.hpp"
 #include "tests/support.hpp"
 
-namespace {
+namespace table_file_test {
 
 using namespace ricochet::contact;
 using namespace ricochet::contact::test;
@@ -91,4 +91,4 @@ TEST(TableFile, is_refused_whatever_stands_in_the_place_of_an_object) {
   });
 }
 
-}  // namespace
+}  // namespace table_file_test

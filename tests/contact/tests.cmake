@@ -1,43 +1,13 @@
 # SPDX-License-Identifier: BSD-2-Clause
-add_serial_test(contact look_ahead_block ricochet_core)
-add_serial_test(contact complementarity ricochet_contact)
-add_serial_test(contact forced_response ricochet_contact)
-add_serial_test(contact free_flight ricochet_contact)
-add_serial_test(contact history ricochet_contact)
-add_serial_test(contact event_location ricochet_contact)
-add_serial_test(contact complementarity_bench ricochet_contact)
-add_serial_test(contact complementarity_limits ricochet_core)
-add_serial_test(contact convolution ricochet_contact)
-add_serial_test(contact stepper ricochet_contact)
-add_serial_test(contact friction_solver ricochet_core)
-add_serial_test(contact friction_stepper ricochet_core)
-add_serial_test(contact friction_energy ricochet_core)
-add_serial_test(contact impulse_stepper ricochet_contact)
-add_serial_test(contact limited_steps ricochet_contact)
-add_serial_test(contact propagator ricochet_contact)
-add_serial_test(contact rods ricochet_contact)
-add_serial_test(contact model ricochet_contact)
-add_serial_test(contact pairing ricochet_contact)
-add_serial_test(contact surface_projection ricochet_contact)
-add_serial_test(contact reach ricochet_contact)
-add_serial_test(contact receivers ricochet_contact)
-add_serial_test(contact recorder ricochet_contact)
-add_serial_test(contact resolution_check ricochet_contact)
-add_serial_test(contact obstacle_check ricochet_contact)
-add_serial_test(contact static_start ricochet_contact)
-add_serial_test(contact angular_momentum ricochet_contact)
-add_serial_test(contact summary ricochet_contact nlohmann_json::nlohmann_json)
-add_serial_test(contact simulation ricochet_contact)
-add_serial_test(contact denormals ricochet_contact)
-add_serial_test(contact endurance ricochet_contact)
-add_serial_test(contact realtime ricochet_contact)
-add_serial_test(contact table ricochet_contact)
-add_serial_test(contact table_file ricochet_contact PkgConfig::HDF5)
-add_serial_test(contact equilibrium ricochet_contact)
-add_serial_test(contact friction_equilibrium ricochet_contact)
-add_serial_test(contact coarsening ricochet_contact)
-add_serial_test(contact estimate ricochet_contact)
-add_serial_test(contact extremes ricochet_core)
+add_serial_tests(contact_core contact LIBRARIES ricochet_core
+  FILES look_ahead_block complementarity_limits friction_solver friction_stepper friction_energy extremes heap_counter)
+add_serial_tests(contact contact LIBRARIES ricochet_contact nlohmann_json::nlohmann_json PkgConfig::HDF5
+  FILES complementarity forced_response free_flight history event_location complementarity_bench convolution stepper
+    impulse_stepper limited_steps propagator rods model pairing surface_projection reach receivers recorder
+    resolution_check obstacle_check static_start angular_momentum summary simulation denormals endurance table
+    table_file equilibrium friction_equilibrium coarsening estimate heap_counter)
+add_serial_tests(contact_realtime contact LIBRARIES ricochet_contact FILES realtime heap_counter)
+set_source_files_properties(contact/heap_counter.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 
 # The core links and includes nothing from higher layers. This test has no precompiled
 # header, which would bring in other libraries.

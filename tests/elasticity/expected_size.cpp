@@ -11,7 +11,7 @@
 #include "tests/meshes.hpp"
 
 namespace ricochet {
-namespace {
+namespace expected_size_test {
 
 /// Number of entries of the blocks that PETSc stores.
 double entries_of(Mat matrix) {
@@ -70,5 +70,5 @@ TEST(ExpectedSize, counts_the_entries_of_a_rod) {
   for (int order = 1; order <= 4; ++order) expect_size(test::body_of(file.path(), order), 1);
 }
 
-}  // namespace
+}  // namespace expected_size_test
 }  // namespace ricochet

@@ -12,7 +12,7 @@
 #include "tests/modes/dense.hpp"
 
 namespace ricochet {
-namespace {
+namespace patch_test {
 
 struct Case {
   std::string kind;
@@ -130,5 +130,5 @@ TEST(RodPatch, linear_displacement_loads_the_ends_alone_in_every_order) {
   }
 }
 
-}  // namespace
+}  // namespace patch_test
 }  // namespace ricochet

@@ -1,3 +1,3 @@
 # SPDX-License-Identifier: BSD-2-Clause
-add_mpi_test(elasticity expected_size)
-add_mpi_test(elasticity patch)
+add_mpi_tests(elasticity elasticity
+  FILES expected_size patch)

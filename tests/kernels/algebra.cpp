@@ -9,7 +9,7 @@
 #include "tests/kernels/sample.hpp"
 
 namespace ricochet::kernels {
-namespace {
+namespace algebra_test {
 
 using test::Bar;
 using test::complaint_of;
@@ -426,5 +426,5 @@ TEST(Truncation, is_refused_if_the_kernel_lacks_the_data_for_it) {
   expect_refusal([&] { truncated_to_count(fitted, 3); }, "contact-adapted basis");
 }
 
-}  // namespace
+}  // namespace algebra_test
 }  // namespace ricochet::kernels

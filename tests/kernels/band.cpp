@@ -7,7 +7,7 @@
 #include "tests/kernels/dense_band.hpp"
 
 namespace ricochet::kernels {
-namespace {
+namespace band_test {
 
 using namespace test_band;
 
@@ -199,5 +199,5 @@ TEST(Contributions, of_no_modes_are_none) {
   EXPECT_EQ(worth.dispensable({}, 0.1), 0U);
 }
 
-}  // namespace
+}  // namespace band_test
 }  // namespace ricochet::kernels

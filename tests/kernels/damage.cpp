@@ -9,7 +9,7 @@
 #include "tests/kernels/sample.hpp"
 
 namespace ricochet::kernels {
-namespace {
+namespace damage_test {
 
 using test::bytes_of;
 using test::complaint_of;
@@ -337,5 +337,5 @@ TEST_F(Damage, compressed_copies_of_a_kernel_are_read) {
   EXPECT_EQ(read(path_).modes.decay_rate, values);
 }
 
-}  // namespace
+}  // namespace damage_test
 }  // namespace ricochet::kernels

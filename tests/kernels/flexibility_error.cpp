@@ -10,7 +10,7 @@
 #include "tests/kernels/sample.hpp"
 
 namespace ricochet::kernels {
-namespace {
+namespace flexibility_error_test {
 
 using test::Bar;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -77,5 +77,5 @@ TEST(TruncationToAFlexibilityError, includes_the_modes_above_the_end) {
   }
 }
 
-}  // namespace
+}  // namespace flexibility_error_test
 }  // namespace ricochet::kernels

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Kernel files: reading returns the written data, equal kernels give equal files, and
 // a file with its final name is complete.
-#define H5_USE_110_API
 #include <hdf5.h>
 #include <signal.h>
 #include <sys/resource.h>
@@ -19,7 +18,7 @@
 namespace ricochet::kernels {
 
 namespace hdf5 = base::hdf5;
-namespace {
+namespace format_test {
 
 using test::complaint_of;
 using test::Folder;
@@ -319,5 +318,5 @@ TEST(KernelFile, a_full_disk_is_an_input_error_and_leaves_nothing_behind) {
   EXPECT_EQ(folder.entries(), 0U);
 }
 
-}  // namespace
+}  // namespace format_test
 }  // namespace ricochet::kernels

@@ -2,7 +2,6 @@
 // Malicious replacements of the datasets and attributes of an HDF5 file.
 #pragma once
 
-#define H5_USE_110_API
 #include <hdf5.h>
 
 #include <filesystem>

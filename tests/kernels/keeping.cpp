@@ -6,7 +6,7 @@
 #include "tests/kernels/sample.hpp"
 
 namespace ricochet::kernels {
-namespace {
+namespace keeping_test {
 
 using namespace test_band;
 using test::sample_kernel;
@@ -268,5 +268,5 @@ TEST_P(Keeping, contributing_modes_of_a_rigid_body_keeps_all) {
   EXPECT_EQ(made_, 0);
 }
 
-}  // namespace
+}  // namespace keeping_test
 }  // namespace ricochet::kernels

@@ -5,7 +5,7 @@
 #include "tests/kernels/sample.hpp"
 
 namespace ricochet::kernels {
-namespace {
+namespace validate_test {
 
 using test::complaint_of;
 using test::sample_kernel;
@@ -131,5 +131,5 @@ TEST(Direction, is_a_unit_vector) {
   EXPECT_NE(complaint_of([&] { validate(kernel, "origin"); }).find("direction"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace validate_test
 }  // namespace ricochet::kernels

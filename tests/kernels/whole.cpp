@@ -8,7 +8,7 @@
 #include "tests/kernels/sample.hpp"
 
 namespace ricochet::kernels {
-namespace {
+namespace whole_test {
 
 using test::complaint_of;
 using test::Folder;
@@ -93,5 +93,5 @@ TEST(WholeSurface, must_fit_the_candidates) {
   }
 }
 
-}  // namespace
+}  // namespace whole_test
 }  // namespace ricochet::kernels

@@ -12,7 +12,7 @@
 #include "tests/meshes.hpp"
 
 namespace ricochet {
-namespace {
+namespace distribute_test {
 
 using mesh::Mesh;
 
@@ -188,5 +188,5 @@ INSTANTIATE_TEST_SUITE_P(Meshes, Distribute,
                                          Case{"two_tets", ".msh", test::two_tetrahedra_41("1 3 2 5"), 1}),
                          [](const auto& it) { return it.param.name; });
 
-}  // namespace
+}  // namespace distribute_test
 }  // namespace ricochet

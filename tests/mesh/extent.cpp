@@ -12,7 +12,7 @@
 #include "tests/meshes.hpp"
 
 namespace ricochet {
-namespace {
+namespace extent_test {
 
 std::set<std::array<long, 3>> rounded(const std::vector<double>& points) {
   std::set<std::array<long, 3>> out;
@@ -73,5 +73,5 @@ TEST(Supports, on_lines_and_points_of_solids_are_found_by_component) {
   EXPECT_EQ(held({{"bottom", "xyz"}, {"edge", "x"}}), 0);  // a surface holds x as well
 }
 
-}  // namespace
+}  // namespace extent_test
 }  // namespace ricochet

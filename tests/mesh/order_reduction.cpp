@@ -11,7 +11,7 @@
 #include "tests/modes/dense.hpp"
 
 namespace ricochet {
-namespace {
+namespace order_reduction_test {
 
 struct Case {
   const char* name;
@@ -91,5 +91,5 @@ INSTANTIATE_TEST_SUITE_P(Elements, OrderReduction,
                                          Case{"rod", test::rod_geo(7), 3}),
                          [](const auto& instance) { return std::string(instance.param.name); });
 
-}  // namespace
+}  // namespace order_reduction_test
 }  // namespace ricochet

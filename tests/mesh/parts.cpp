@@ -16,7 +16,7 @@
 #include "tests/modes/dense.hpp"
 
 namespace ricochet {
-namespace {
+namespace parts_test {
 
 using mesh::Mesh;
 using test::me;
@@ -240,5 +240,5 @@ INSTANTIATE_TEST_SUITE_P(Meshes, Parts, testing::ValuesIn(cases()), [](const aut
   return it.param.name + "_in_" + std::to_string(it.param.parts);
 });
 
-}  // namespace
+}  // namespace parts_test
 }  // namespace ricochet

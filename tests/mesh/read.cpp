@@ -16,7 +16,7 @@
 #include "tests/meshes.hpp"
 
 namespace ricochet {
-namespace {
+namespace read_test {
 
 using mesh::GlobalMesh;
 using Point = Eigen::Vector3d;
@@ -307,5 +307,5 @@ TEST(Read, rods_have_their_axis_ends_and_supports) {
   }
 }
 
-}  // namespace
+}  // namespace read_test
 }  // namespace ricochet

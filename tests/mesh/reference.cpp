@@ -14,7 +14,7 @@
 #include "tests/meshes.hpp"
 
 namespace ricochet {
-namespace {
+namespace reference_test {
 
 using mesh::Family;
 
@@ -193,5 +193,5 @@ TEST(Unsupported, elements_are_refused_by_name) {
             std::string::npos);
 }
 
-}  // namespace
+}  // namespace reference_test
 }  // namespace ricochet

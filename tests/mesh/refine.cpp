@@ -12,7 +12,7 @@
 #include "tests/meshes.hpp"
 
 namespace ricochet {
-namespace {
+namespace refine_test {
 
 /// A cube of side 1, meshed with tetrahedra of size 0.25.
 const std::string cube =
@@ -99,5 +99,5 @@ TEST(Refine, of_two_balls_takes_the_smaller_size) {
   EXPECT_LT(edges_of(body, {0, 0, 1}, 0.1, 0.9).longest_near, 2.5 * 0.02);
 }
 
-}  // namespace
+}  // namespace refine_test
 }  // namespace ricochet

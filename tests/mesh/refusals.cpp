@@ -11,7 +11,7 @@
 #include "tests/meshes.hpp"
 
 namespace ricochet {
-namespace {
+namespace refusals_test {
 
 using testing::AllOf;
 using testing::HasSubstr;
@@ -269,5 +269,5 @@ TEST(Refusal, a_geometry_that_gmsh_cannot_read_or_mesh_is_refused) {
   EXPECT_THAT(complaint(step), about(step));
 }
 
-}  // namespace
+}  // namespace refusals_test
 }  // namespace ricochet

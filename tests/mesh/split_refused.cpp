@@ -12,7 +12,7 @@
 #include "tests/meshes.hpp"
 
 namespace ricochet {
-namespace {
+namespace split_refused_test {
 
 using test::SharedFolder;
 using testing::AllOf;
@@ -164,5 +164,5 @@ TEST(PartFiles, all_count_in_the_hash_of_a_kernel) {
   }
 }
 
-}  // namespace
+}  // namespace split_refused_test
 }  // namespace ricochet

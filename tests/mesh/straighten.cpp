@@ -14,7 +14,7 @@
 #include "tests/meshes.hpp"
 
 namespace ricochet {
-namespace {
+namespace straighten_test {
 
 /// Two tetrahedra of order 2 that share the face z = 0, with straight edges of length 1 along the axes. Nodes
 /// 0 to 4 are the corners (0,0,0), (1,0,0), (0,1,0), (0,0,1) and (0,0,−1).
@@ -94,5 +94,5 @@ TEST(Geometry, whose_curved_elements_are_inverted_is_repaired_with_a_warning) {
   EXPECT_EQ(mesh::read_mesh(test::body_of(block.path(), 2)).warning, "");
 }
 
-}  // namespace
+}  // namespace straighten_test
 }  // namespace ricochet

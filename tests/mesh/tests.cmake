@@ -1,11 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-add_mpi_test(mesh distribute)
-add_mpi_test(mesh extent)
-add_mpi_test(mesh order_reduction)
-add_mpi_test(mesh parts)
-add_mpi_test(mesh read)
-add_mpi_test(mesh reference)
-add_mpi_test(mesh refine)
-add_mpi_test(mesh refusals)
-add_mpi_test(mesh split_refused)
-add_mpi_test(mesh straighten)
+add_mpi_tests(mesh mesh
+  FILES distribute extent order_reduction parts read reference refine split_refused straighten)
+# By itself, because gmsh does not read the file after one with a syntax error.
+add_mpi_tests(mesh_refusals mesh FILES refusals)

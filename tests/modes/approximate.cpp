@@ -12,7 +12,7 @@
 #include "tests/modes/dense.hpp"
 
 namespace ricochet {
-namespace {
+namespace approximate_test {
 
 using Support = std::map<std::string, std::string>;
 
@@ -199,5 +199,5 @@ TEST(ApproximateModes, that_the_lower_order_cannot_provide_are_refused_on_every_
   EXPECT_THROW(approximate(rod, {.up_to = Hertz{1e-3}}), InputError);
 }
 
-}  // namespace
+}  // namespace approximate_test
 }  // namespace ricochet

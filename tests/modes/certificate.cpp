@@ -14,7 +14,7 @@
 #include "tests/modes/dense.hpp"
 
 namespace ricochet {
-namespace {
+namespace certificate_test {
 
 using modes::ModeSet;
 using modes::Probe;
@@ -234,5 +234,5 @@ TEST_P(Certificate, is_complete_for_rods_of_which_most_modes_are_wanted) {
   }
 }
 
-}  // namespace
+}  // namespace certificate_test
 }  // namespace ricochet

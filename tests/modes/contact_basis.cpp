@@ -16,7 +16,7 @@
 #include "tests/modes/dense.hpp"
 
 namespace ricochet {
-namespace {
+namespace contact_basis_test {
 
 using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
@@ -255,5 +255,5 @@ TEST_P(ContactBasis, without_residual_flexibility_meets_its_estimate_too) {
 INSTANTIATE_TEST_SUITE_P(Bodies, ContactBasis, testing::Bool(),
                          [](const auto& body) { return body.param ? "held" : "free"; });
 
-}  // namespace
+}  // namespace contact_basis_test
 }  // namespace ricochet

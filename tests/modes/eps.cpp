@@ -14,7 +14,7 @@
 #include "tests/modes/dense.hpp"
 
 namespace ricochet {
-namespace {
+namespace eps_test {
 
 using parallel::check;
 
@@ -311,5 +311,5 @@ TEST(Eps, of_other_types_gives_the_same_certified_modes) {
   EXPECT_THROW(by("nonesuch"), InputError);
 }
 
-}  // namespace
+}  // namespace eps_test
 }  // namespace ricochet

@@ -12,7 +12,7 @@
 #include "tests/modes/dense.hpp"
 
 namespace ricochet {
-namespace {
+namespace factorisation_test {
 
 TEST(Factorisation, solves_the_shifted_problem) {
   const test::SharedFile file(".geo", test::block_geo("tet", 2, 0.4));
@@ -81,5 +81,5 @@ TEST(Factorisation, in_low_rank_solves_to_about_its_threshold) {
   EXPECT_LT(error[2], 1);
 }
 
-}  // namespace
+}  // namespace factorisation_test
 }  // namespace ricochet

@@ -13,7 +13,7 @@
 #include "tests/modes/dense.hpp"
 
 namespace ricochet {
-namespace {
+namespace modes_test {
 
 using std::numbers::pi;
 
@@ -239,5 +239,5 @@ TEST(ResidualFlexibility, is_the_static_response_of_the_truncated_modes) {
   }
 }
 
-}  // namespace
+}  // namespace modes_test
 }  // namespace ricochet

@@ -9,7 +9,7 @@
 #include "tests/modes/dense.hpp"
 
 namespace ricochet {
-namespace {
+namespace products_test {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -89,5 +89,5 @@ TEST(Product, of_many_columns_is_that_of_each) {
   }
 }
 
-}  // namespace
+}  // namespace products_test
 }  // namespace ricochet

@@ -11,7 +11,7 @@
 #include "tests/modes/dense.hpp"
 
 namespace ricochet {
-namespace {
+namespace search_test {
 
 using modes::Checkpoint;
 using modes::Slice;
@@ -171,5 +171,5 @@ TEST(Search, finds_again_any_mode_that_its_slices_have_lost) {
   }
 }
 
-}  // namespace
+}  // namespace search_test
 }  // namespace ricochet

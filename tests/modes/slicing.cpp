@@ -9,7 +9,7 @@
 #include <cmath>
 
 namespace ricochet::modes {
-namespace {
+namespace slicing_test {
 
 /// Spectrum of an invented body: six rigid modes, then λ_k = k^1.3, where every tenth is double.
 std::vector<double> spectrum() {
@@ -145,5 +145,5 @@ TEST(Stitch, requests_what_no_slice_covers_and_accepts_the_result) {
   }
 }
 
-}  // namespace
+}  // namespace slicing_test
 }  // namespace ricochet::modes

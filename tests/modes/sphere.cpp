@@ -11,7 +11,7 @@
 #include "tests/meshes.hpp"
 
 namespace ricochet {
-namespace {
+namespace sphere_test {
 
 /// ω of the lowest torsional mode of degree l of a free sphere of radius 1 with shear wave speed c: the first
 /// root of (l − 1) j_l(x) = x j_{l+1}(x) (Lamb 1882).
@@ -76,5 +76,5 @@ TEST(End, that_hits_a_mode_includes_it) {
   }
 }
 
-}  // namespace
+}  // namespace sphere_test
 }  // namespace ricochet

@@ -12,7 +12,7 @@
 #include "tests/modes/dense.hpp"
 
 namespace ricochet {
-namespace {
+namespace static_flexibility_test {
 
 using Eigen::MatrixXd;
 using Supports = std::map<std::string, std::string>;
@@ -149,5 +149,5 @@ TEST_P(StaticFlexibility, leaves_the_matrices_ready_for_other_shifts) {
   EXPECT_EQ(made.factor->below(), 0);
 }
 
-}  // namespace
+}  // namespace static_flexibility_test
 }  // namespace ricochet

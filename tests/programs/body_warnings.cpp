@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace {
+namespace body_warnings_test {
 
 using namespace ricochet;
 using ::testing::ElementsAre;
@@ -108,4 +108,4 @@ TEST(Warnings, name_supports_on_lines_and_points) {
               ElementsAre(HasSubstr("the supports of bracket hold x, z on lines or points only")));
 }
 
-}  // namespace
+}  // namespace body_warnings_test

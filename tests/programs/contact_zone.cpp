@@ -8,7 +8,7 @@
 #include <functional>
 #include <numbers>
 
-namespace {
+namespace contact_zone_test {
 
 using namespace ricochet;
 using programs::expected_candidates;
@@ -138,4 +138,4 @@ TEST(Zone, is_not_for_contact_that_covers_most_of_a_surface) {
   EXPECT_FALSE(zone_of(coarse.model, run));
 }
 
-}  // namespace
+}  // namespace contact_zone_test

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace {
+namespace impact_warnings_test {
 
 using namespace ricochet;
 using ::testing::ElementsAre;
@@ -99,4 +99,4 @@ TEST(ObstaclesThatMove, without_friction_are_warned_of) {
   EXPECT_THAT(programs::motions_without_friction(scene), ElementsAre(HasSubstr("obstacles.table")));
 }
 
-}  // namespace
+}  // namespace impact_warnings_test

@@ -10,7 +10,7 @@
 #include "src/programs/mesh_levels.hpp"
 #include "src/programs/refinement.hpp"
 
-namespace {
+namespace local_refinement_test {
 
 using namespace ricochet;
 using contact::Cause;
@@ -259,4 +259,4 @@ TEST(Decision, does_not_ask_for_more_candidates_than_are_affordable) {
   EXPECT_EQ(decide(scene, settings, round, small).reason, "mesh");
 }
 
-}  // namespace
+}  // namespace local_refinement_test

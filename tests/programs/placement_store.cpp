@@ -5,7 +5,7 @@
 #include "src/programs/stored_kernels.hpp"
 #include "tests/contact/plate.hpp"
 
-namespace {
+namespace placement_store_test {
 
 using namespace ricochet;
 using contact::test::cap;
@@ -69,4 +69,4 @@ TEST(PlacementStore, serves_bodies_in_the_same_positions_and_no_others) {
   expect_as_new();
 }
 
-}  // namespace
+}  // namespace placement_store_test

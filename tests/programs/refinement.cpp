@@ -7,7 +7,7 @@
 
 #include "src/programs/mesh_levels.hpp"
 
-namespace {
+namespace refinement_test {
 
 using namespace ricochet;
 using contact::Cause;
@@ -159,4 +159,4 @@ TEST(Decision, does_not_ask_again_for_smaller_elements_that_were_not_made) {
   EXPECT_FALSE(decide(scene, settings, round, {{"part", 100, 1e4, 1e4}}).next);
 }
 
-}  // namespace
+}  // namespace refinement_test

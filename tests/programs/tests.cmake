@@ -1,10 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-add_serial_test(programs placement_store ricochet_impact)
-add_serial_test(programs impact_warnings ricochet_impact)
-add_serial_test(programs body_warnings ricochet_impact)
-add_serial_test(programs contact_zone ricochet_scene_kernels)
-add_serial_test(programs local_refinement ricochet_scene_kernels)
-add_serial_test(programs refinement ricochet_scene_kernels)
+add_serial_tests(programs programs LIBRARIES ricochet_impact ricochet_scene_kernels
+  FILES placement_store impact_warnings body_warnings contact_zone local_refinement refinement)
 add_program_test(programs accuracy)
 add_program_test(programs ranks)
 add_program_test(programs parts)

@@ -7,7 +7,7 @@
 #include "src/scene/write.hpp"
 #include "tests/scene/scenes.hpp"
 
-namespace {
+namespace accuracy_test {
 
 using namespace ricochet;
 using namespace ricochet::scene;
@@ -199,4 +199,4 @@ TEST(Settings, replace_only_what_is_open) {
   EXPECT_FALSE(given.contact.pairs[0].zone);
 }
 
-}  // namespace
+}  // namespace accuracy_test

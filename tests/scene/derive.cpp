@@ -12,7 +12,7 @@
 #include "tests/kernels/sample.hpp"
 #include "tests/scene/scenes.hpp"
 
-namespace {
+namespace derive_test {
 
 using namespace ricochet;
 using namespace ricochet::scene;
@@ -342,4 +342,4 @@ TEST(Folders, hold_kernels_to_derive_from_among_other_files) {
   EXPECT_EQ(found->kernel.hash, wanted.hash);
 }
 
-}  // namespace
+}  // namespace derive_test

@@ -12,7 +12,7 @@
 
 #include "tests/scene/scenes.hpp"
 
-namespace {
+namespace keys_test {
 
 using namespace ricochet::scene;
 using namespace ricochet::scene::test;
@@ -175,4 +175,4 @@ TEST(DocsKeysMd, equals_the_output_of_the_programs) {
       << "it differs: build/bin/ricochet-contact --keys > docs/keys.md";
 }
 
-}  // namespace
+}  // namespace keys_test

@@ -7,7 +7,7 @@
 #include "src/scene/write.hpp"
 #include "tests/scene/scenes.hpp"
 
-namespace {
+namespace loads_test {
 
 using namespace ricochet;
 using namespace ricochet::scene;
@@ -291,4 +291,4 @@ TEST(KernelRequests, hold_positions_in_the_frame_of_the_body) {
               ElementsAre(DoubleNear(-1.5, 1e-12), DoubleNear(-3.6, 1e-12), DoubleNear(-0.6, 1e-12)));
 }
 
-}  // namespace
+}  // namespace loads_test

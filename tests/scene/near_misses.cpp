@@ -8,7 +8,7 @@
 
 #include "tests/scene/scenes.hpp"
 
-namespace {
+namespace near_misses_test {
 
 using namespace ricochet::scene;
 using namespace ricochet::scene::test;
@@ -191,4 +191,4 @@ TEST(MostSimilar, is_none_for_a_word_that_shares_few_letters) {
   EXPECT_EQ(most_similar("velo", words), "velocity");
 }
 
-}  // namespace
+}  // namespace near_misses_test

@@ -4,7 +4,7 @@
 
 #include "tests/scene/scenes.hpp"
 
-namespace {
+namespace overrides_test {
 
 using namespace ricochet;
 using namespace ricochet::scene;
@@ -134,4 +134,4 @@ TEST(Set, that_holds_two_lines_is_refused_in_one) {
   EXPECT_EQ(complaint_about(smallest, {"one\ntwo"}), "--set one two: has no \"=\": write KEY=VALUE");
 }
 
-}  // namespace
+}  // namespace overrides_test

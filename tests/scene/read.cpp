@@ -5,7 +5,7 @@
 #include "src/scene/read.hpp"
 #include "tests/scene/scenes.hpp"
 
-namespace {
+namespace read_test {
 
 using namespace ricochet;
 using namespace ricochet::scene;
@@ -395,4 +395,4 @@ TEST(Title, is_refused_if_it_makes_file_names_too_long) {
             "255: shorten it");
 }
 
-}  // namespace
+}  // namespace read_test

@@ -6,7 +6,7 @@
 
 #include "tests/scene/scenes.hpp"
 
-namespace {
+namespace refusals_test {
 
 using namespace ricochet::scene;
 using namespace ricochet::scene::test;
@@ -499,4 +499,4 @@ TEST(Refused, is_reported_in_one_line_for_any_value) {
   EXPECT_EQ(complaint_about(smallest + "[\"a\\nb\\u007f\"]\n").find_first_of("\n\x7f"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace refusals_test

@@ -11,7 +11,7 @@
 
 #include "tests/scene/scenes.hpp"
 
-namespace {
+namespace request_test {
 
 using namespace ricochet;
 using namespace ricochet::scene;
@@ -286,4 +286,4 @@ TEST(Rotation, by_any_angle_matches_the_closed_form) {
   EXPECT_NEAR(matrix[3], 0.5, 1e-15);
 }
 
-}  // namespace
+}  // namespace request_test

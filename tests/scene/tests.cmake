@@ -1,11 +1,3 @@
 # SPDX-License-Identifier: BSD-2-Clause
-add_serial_test(scene loads ricochet_scene)
-add_serial_test(scene read ricochet_scene)
-add_serial_test(scene refusals ricochet_scene)
-add_serial_test(scene near_misses ricochet_scene)
-add_serial_test(scene overrides ricochet_scene)
-add_serial_test(scene request ricochet_scene)
-add_serial_test(scene write ricochet_scene)
-add_serial_test(scene derive ricochet_scene)
-add_serial_test(scene accuracy ricochet_scene)
-add_serial_test(scene keys ricochet_scene)
+add_serial_tests(scene scene LIBRARIES ricochet_scene
+  FILES loads read refusals near_misses overrides request write derive accuracy keys)

@@ -8,7 +8,7 @@
 
 #include "tests/scene/scenes.hpp"
 
-namespace {
+namespace write_test {
 
 using namespace ricochet;
 using namespace ricochet::scene;
@@ -256,4 +256,4 @@ TEST(Slug, is_the_title_as_a_file_name) {
   EXPECT_EQ(slug(""), "scene");
 }
 
-}  // namespace
+}  // namespace write_test

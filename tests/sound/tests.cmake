@@ -1,2 +1,3 @@
 # SPDX-License-Identifier: BSD-2-Clause
-add_serial_test(sound wav ricochet_sound PkgConfig::SNDFILE)
+add_serial_tests(sound sound LIBRARIES ricochet_sound PkgConfig::SNDFILE
+  FILES wav)

@@ -11,7 +11,7 @@
 
 #include "tests/support.hpp"
 
-namespace {
+namespace wav_test {
 
 using namespace ricochet::sound;
 using ricochet::test::complaint_of;
@@ -123,4 +123,4 @@ TEST(Wav, with_the_name_of_a_folder_is_refused_and_leaves_nothing_behind) {
   EXPECT_EQ(folder.entries(), 1U);
 }
 
-}  // namespace
+}  // namespace wav_test

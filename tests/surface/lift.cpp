@@ -10,7 +10,7 @@
 #include "tests/surface/made.hpp"
 
 namespace ricochet {
-namespace {
+namespace lift_test {
 
 using namespace test;
 
@@ -210,5 +210,5 @@ TEST(Lift, of_a_hinge_does_not_excite_the_rotation_that_it_leaves_free) {
             1e-9);
 }
 
-}  // namespace
+}  // namespace lift_test
 }  // namespace ricochet

@@ -12,7 +12,7 @@
 #include "tests/meshes.hpp"
 
 namespace ricochet {
-namespace {
+namespace patches_test {
 
 using surface::Patches;
 using surface::PatchOptions;
@@ -288,5 +288,5 @@ TEST(Patches, of_a_body_without_contact_groups_are_refused) {
   EXPECT_THROW(surface::make_patches(mesh, {}, {}), InputError);
 }
 
-}  // namespace
+}  // namespace patches_test
 }  // namespace ricochet

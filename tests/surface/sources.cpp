@@ -11,7 +11,7 @@
 #include "tests/surface/made.hpp"
 
 namespace ricochet {
-namespace {
+namespace sources_test {
 
 using namespace test;
 using testing::AllOf;
@@ -179,5 +179,5 @@ TEST_P(Column, follows_its_only_moving_support_as_a_rigid_body) {
   EXPECT_LT((momentum - density * Matrix3d::Identity()).norm(), 1e-9);
 }
 
-}  // namespace
+}  // namespace sources_test
 }  // namespace ricochet

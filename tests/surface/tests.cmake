@@ -1,5 +1,3 @@
 # SPDX-License-Identifier: BSD-2-Clause
-add_mpi_test(surface patches)
-add_mpi_test(surface lift)
-add_mpi_test(surface sources)
-add_mpi_test(surface trace)
+add_mpi_tests(surface surface
+  FILES patches lift sources trace)

@@ -12,7 +12,7 @@
 #include "tests/meshes.hpp"
 
 namespace ricochet {
-namespace {
+namespace trace_test {
 
 using Point = Eigen::Vector3d;
 
@@ -212,5 +212,5 @@ TEST(ResidualFlexibility, is_symmetric_and_semidefinite_on_a_free_body) {
   EXPECT_GT(values[m - 1], 0);
 }
 
-}  // namespace
+}  // namespace trace_test
 }  // namespace ricochet
