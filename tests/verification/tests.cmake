@@ -2,6 +2,7 @@
 add_program_test(verification box LONG)
 add_program_test(verification estimates)
 add_program_test(verification oracle_test)
+add_program_test(verification peers_test)
 add_program_test(verification extremes LONG)
 add_program_test(verification uzawa)
 add_program_test(verification verify)

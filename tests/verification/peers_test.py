@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Comparisons with other codes: the input of CalculiX, its output, and differences of impacts."""
+
+import pathlib
+import shutil
+import sys
+import tempfile
+import unittest
+
+import numpy as np
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[2]))  # for benchmarks
+
+import calculix_contact
+import peer_impact
+from benchmarks.calculix import Cache
+
+GEO = """
+SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 1, 2, 3};
+Mesh.MeshSizeMin = 2;
+Mesh.MeshSizeMax = 2;
+Physical Volume("box") = {1};
+Physical Surface("side") = {3};
+Physical Surface("bottom") = {5};
+"""
+TABLE = {
+    "translate": [0, 0, 0.5],
+    "contact": ["bottom"],
+    "support": {"side": "y"},
+    "material": {"density": 2.0, "young": 1e3, "poisson": 0.2},
+    "velocity": [0.3, 0.0, -0.1],
+}
+PRINTED = """
+ statistics for slave set SBOX, master set SPLANE and time  0.1000000E+00
+
+   total surface force (fx,fy,fz) and moment about the origin (mx,my,mz)
+
+   -1.000000E+00  2.000000E+00  3.000000E+00  4.000000E+00  5.000000E+00  6.000000E+00
+
+   center of gravity and mean normal
+
+    1.000000E+00  0.000000E+00  0.000000E+00  0.000000E+00  0.000000E+00 -1.000000E+00
+
+ total kinetic energy for set EBOX and time  0.1000000E+00
+
+        1.250000E+00
+
+ total internal energy for set EBOX and time  0.1000000E+00
+
+        2.500000E-01
+"""
+
+
+def impact(code, time, force, velocity, spin=0.0, cpu=1.0):
+    parts = {"run": {"seconds": cpu, "cpu_seconds": cpu}}
+    return peer_impact.Impact(code, "", time, force, np.array(velocity), np.array([0, spin, 0]), 1.0, parts)
+
+
+FRAME = peer_impact.Frame(np.array([0.0, 0, 1]), np.array([1.0, 0, 0]), 2.0, 0.5)
+
+
+class CalculixContactTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.scope = tempfile.TemporaryDirectory()
+        cls.folder = pathlib.Path(cls.scope.name)
+        (cls.folder / "box.geo").write_text(GEO)
+        calculix_contact.mesh_file(cls.folder / "box.geo", {}, 2, cls.folder / "box.msh")
+        cls.body = calculix_contact.body_of(cls.folder / "box.msh", "box", TABLE)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.scope.cleanup()
+
+    def test_mass_and_motion_of_a_box(self):
+        body = self.body
+        self.assertAlmostEqual(body.mass, 12, 9)
+        np.testing.assert_allclose(body.centre, [0.5, 1, 2], atol=1e-9)
+        np.testing.assert_allclose(body.inertia, [13, 10, 5], rtol=1e-9)
+        spin, velocity = np.array([0.2, -0.3, 0.7]), np.array([1.0, 2, 3])
+        v = velocity + np.cross(spin, body.node - body.centre)
+        np.testing.assert_allclose(body.mean_velocity(v), velocity, rtol=1e-9)
+        np.testing.assert_allclose(body.spin(v), spin, rtol=1e-9)
+
+    def test_faces_and_supports(self):
+        corners = self.body.node[self.body.contact]
+        area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+        self.assertAlmostEqual(area.sum() / 2, 2, 12)
+        for (element, face), facet in zip(self.body.faces(), self.body.contact):
+            self.assertLess(set(facet), set(self.body.element[element][:4]))
+            self.assertRegex(face, "^S[1-4]$")
+        np.testing.assert_allclose(self.body.node[self.body.held[1]][:, 1], 0, atol=1e-12)
+
+    def test_middle_nodes_follow_calculix(self):
+        pairs = calculix_contact.TETRAHEDRON[1]
+        for nodes in self.body.node[self.body.element]:
+            for k, (a, b) in enumerate(pairs, 4):
+                np.testing.assert_allclose(nodes[k], (nodes[a] + nodes[b]) / 2, atol=1e-12)
+
+    def test_half_space(self):
+        nodes = calculix_contact.HalfSpace("plane", [1, 2, 3], [0, 2, 0], 5.0).nodes()
+        np.testing.assert_allclose(nodes[4:, 1], 2, atol=1e-12)
+        np.testing.assert_allclose(nodes[:4, 1], -3, atol=1e-12)
+        first, second, up = nodes[1] - nodes[0], nodes[3] - nodes[0], nodes[4] - nodes[0]
+        self.assertAlmostEqual(np.dot(np.cross(first, second), up), 500, 9)
+
+    def test_printed_blocks(self):
+        velocities = "".join(f"{n} 1.0E+00 0.0E+00 -2.0E+00\n" for n in range(1, len(self.body.node) + 1))
+        text = f"{PRINTED}\n velocities (vx,vy,vz) for set NBOX and time  0.1000000E+00\n\n{velocities}"
+        found = calculix_contact.read(text, [self.body])
+        self.assertEqual((found["time"], found["force"]), ([0.1], [[-1, 2, 3]]))
+        self.assertEqual(found["energy"], [1.5])
+        np.testing.assert_allclose(found["velocity"]["box"], [1, 0, -2], atol=1e-12)
+
+    @unittest.skipUnless(shutil.which("ccx"), "CalculiX is not installed: scripts/setup --tests")
+    def test_free_flight_and_its_cache(self):
+        obstacle = calculix_contact.HalfSpace("plane", [0, 0, 0], [0, 0, 1], 5.0)
+        contact = calculix_contact.Contact("box", "plane", 0.3, 1e6, 1e5)
+        steps = calculix_contact.Steps(0.1, 0.2)
+        cache = Cache(self.folder / "cache.json")
+        words = ([self.body], [obstacle], contact, steps)
+        found = calculix_contact.run(self.folder / "run", *words, cache)
+        self.assertTrue(found["complete"])
+        np.testing.assert_allclose(found["force"], np.zeros((2, 3)), atol=1e-12)
+        np.testing.assert_allclose(found["velocity"]["box"], TABLE["velocity"], atol=1e-6)
+        np.testing.assert_allclose(found["energy"], 0.6, rtol=1e-5)
+        again = calculix_contact.run(self.folder / "none", *words, Cache(self.folder / "cache.json"))
+        self.assertEqual(again, found)
+
+
+class ImpactTest(unittest.TestCase):
+    def test_differences(self):
+        time = np.linspace(0.01, 1, 100)
+        push = np.sin(np.pi * time)[:, None]
+        one = impact("Ricochet", time, push * [0.2, 0, 1], [1, 0, 2], spin=3)
+        other = impact("CalculiX", time, push * [0.1, 0, 1.1], [1.2, 0, 1.9], spin=2)
+        found = peer_impact.difference(one, other, FRAME)
+        expected = {
+            "normal": 1 / 11,
+            "tangential": 1,
+            "rebound": 0.05,
+            "slide": 0.1,
+            "spin": 0.25,
+            "largest": 1,
+        }
+        for kind, value in expected.items():
+            self.assertAlmostEqual(found[kind], value, 9, kind)
+        self.assertAlmostEqual(one.duration(FRAME.normal), 1, 1)
+
+    def test_only_runs_that_no_other_beats_count(self):
+        rows = [
+            {"code": "Ricochet", "own": {"largest": error}, "cpu_seconds": seconds}
+            for error, seconds in ((0.1, 1), (0.1, 2), (0.02, 5), (0.05, 7))
+        ]
+        self.assertEqual(peer_impact.front(rows, "Ricochet", "own"), [(0.1, 1), (0.02, 5)])
+
+
+if __name__ == "__main__":
+    unittest.main()
