@@ -16,6 +16,7 @@ OTHERS = {
     "--random": "random_scenes",
     "--readings": "readings",
     "--kills": "kills",
+    "--peers": "peers_table",
     "--tutorials": "walk",
 }
 

@@ -143,6 +143,19 @@ def calculix(setting, found, body):
     )
 
 
+def extrapolated(coarse, fine, ratio, setting):
+    """The limit of two impacts with the same steps whose error is proportional to a small quantity.
+
+    @param ratio  this quantity in `coarse` over that in `fine`
+    """
+    share = 1 / (ratio - 1)
+    kinds = ("force", "velocity", "spin", "energy")
+    values = {
+        kind: getattr(fine, kind) + share * (getattr(fine, kind) - getattr(coarse, kind)) for kind in kinds
+    }
+    return dataclasses.replace(fine, setting=setting, **values)
+
+
 # ---- Table and figure ----
 
 
@@ -167,7 +180,7 @@ def side_by_side(impacts, frame, before):
 def convergence(impacts, references, frame):
     """Prints the differences of impacts from both references, and their times. Returns the rows.
 
-    @param references  the finest run of each code, by code
+    @param references  the finest run or the limit of each code, by code
     """
     columns = [("code", "code", ""), ("setting", "setting", "")]
     columns += [(f"{text}, own / other", kind, ".1e") for kind, text in KINDS.items()]
@@ -176,8 +189,8 @@ def convergence(impacts, references, frame):
     table, rows = tables.Table(columns), []
     for one in impacts:
         by = {code: difference(one, reference, frame) for code, reference in references.items()}
-        own = by.pop(one.code) if one is not references[one.code] else None
-        other = next(iter(by.values())) if own else by[next(code for code in by if code != one.code)]
+        own, (other,) = by.pop(one.code), by.values()
+        own = None if one is references[one.code] else own
         row = {"code": one.code, "setting": one.setting, "own": own, "other": other}
         row |= {kind: Pair(own and own[kind], other[kind]) for kind in KINDS}
         row |= {kind: one.total(kind) for kind in ("seconds", "cpu_seconds")}
@@ -198,22 +211,33 @@ class Pair(tuple):
 
 
 def equal_accuracy(rows, which, targets):
-    """Prints the processor time that each code needs for a largest difference from a reference, on the line in log-log through
-    its runs that no other run beats in both error and time.
+    """Prints the processor time that each code needs for a largest difference from a reference: on the line in log-log through
+    its runs that no other run beats in both error and time, or that of its cheapest run if even this one is closer.
 
-    @param which  "own" or "other": the finest run of the same code or of the other one
+    @param which  "own" or "other": the finest result of the same code or of the other one
     """
-    print(f"\nProcessor time for a largest difference from the finest run of {NAMES[which]}:\n")
+    print(f"\nProcessor time for a largest difference from the finest result of {NAMES[which]}:\n")
     codes = list(dict.fromkeys(row["code"] for row in rows))
     columns = [("difference", "target", ".1%")] + [(f"{code} (s)", code, "") for code in codes]
     table = tables.Table([*columns, ("ratio", "ratio", "")])
     for target in targets:
-        needed = {code: time_at(front(rows, code, which), target) for code in codes}
-        row = {"target": target} | {
-            code: "not reached" if beyond else f"{seconds:.1f}" for code, (seconds, beyond) in needed.items()
-        }
-        (ours, no), (theirs, never) = needed.values()
-        table.row(row | {"ratio": "–" if no or never else f"{theirs / ours:.1f}"})
+        (ours, mark), (theirs, beyond) = (time_within(front(rows, code, which), target) for code in codes)
+        row = {"target": target, codes[0]: shown(mark, ours), codes[1]: shown(beyond, theirs)}
+        known = ours and theirs and not beyond
+        table.row(row | {"ratio": shown("≥ " if mark else "", theirs / ours) if known else "–"})
+
+
+def time_within(points, target):
+    """Time [s] at which the error is `target`, or None, and a mark: "≤ " if the error of all points is below."""
+    if not points or min(points)[0] > target:
+        return None, ""
+    if max(points)[0] <= target:
+        return min(seconds for _, seconds in points), "≤ "
+    return time_at(points, target)[0], ""
+
+
+def shown(mark, value):
+    return f"{mark}{value:.3g}" if value else "not reached"
 
 
 NAMES = {"own": "the same code", "other": "the other code"}
@@ -231,28 +255,29 @@ COLOURS = {"Ricochet": case.BLUE, "CalculiX": case.ORANGE}
 
 
 def draw(impacts, rows, frame, path):
-    """Draws the force histories of the finest runs, and the error against the time of all.
-
-    @param impacts  the finest run of each code
-    """
+    """Draws the force histories of some impacts, and the error of all rows against their time."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(9.5, 3.6), layout="constrained")
+    figure = Figure(figsize=(9.6, 3.6), layout="constrained")
     axes = figure.subplots(1, 3)
+    drawn = set()
     for one in impacts:
-        style = {"color": COLOURS[one.code], "linewidth": 1.2}
+        style = {"color": COLOURS[one.code], "linewidth": 1.2, "linestyle": ":" if one.code in drawn else "-"}
+        drawn.add(one.code)
         time = np.linspace(0, one.time[-1], 2001)
         for axis, direction, sign in ((axes[0], frame.normal, 1), (axes[1], frame.tangent, -1)):
-            axis.plot(1e3 * time, sign * one.component(direction, time), label=one.code, **style)
+            axis.plot(
+                1e3 * time, sign * one.component(direction, time), label=f"{one.code}, {one.setting}", **style
+            )
     axes[0].set(xlabel="time (ms)", ylabel="normal force (N)")
     axes[1].set(xlabel="time (ms)", ylabel="friction (N)")
+    axes[1].legend(frameon=False, fontsize=7, loc="lower left")
     for which, marker in (("own", "o"), ("other", "x")):
         for code, colour in COLOURS.items():
             points = [(r["cpu_seconds"], r[which]["largest"]) for r in rows if r["code"] == code and r[which]]
-            label = f"{code}, against {NAMES[which]}"
+            label = f"{code}, from {NAMES[which]}"
             axes[2].loglog(*zip(*points), marker, color=colour, markersize=4, label=label)
     axes[2].set(xlabel="processor time (s)", ylabel="largest difference")
     axes[2].grid(True, which="both", color="#e4e4e4")
-    for axis in axes:
-        axis.legend(frameon=False, fontsize=7)
+    axes[2].legend(frameon=False, fontsize=7)
     tables.save(figure, path)

@@ -148,12 +148,28 @@ class ImpactTest(unittest.TestCase):
             self.assertAlmostEqual(found[kind], value, 9, kind)
         self.assertAlmostEqual(one.duration(FRAME.normal), 1, 1)
 
+    def test_a_limit_is_extrapolated(self):
+        time = np.array([0.5, 1.0])
+        runs = [impact("CalculiX", time, np.full((2, 3), 1 + e), [e, 0, 2 - e], spin=e) for e in (0.3, 0.1)]
+        limit = peer_impact.extrapolated(*runs, 3.0, "limit")
+        np.testing.assert_allclose(limit.force, 1, rtol=1e-12)
+        np.testing.assert_allclose(limit.velocity, [0, 0, 2], atol=1e-12)
+        self.assertAlmostEqual(limit.spin[1], 0, 12)
+
     def test_only_runs_that_no_other_beats_count(self):
         rows = [
             {"code": "Ricochet", "own": {"largest": error}, "cpu_seconds": seconds}
             for error, seconds in ((0.1, 1), (0.1, 2), (0.02, 5), (0.05, 7))
         ]
         self.assertEqual(peer_impact.front(rows, "Ricochet", "own"), [(0.1, 1), (0.02, 5)])
+
+    def test_times_at_equal_accuracy(self):
+        points = [(0.1, 1.0), (0.025, 4.0)]
+        seconds, mark = peer_impact.time_within(points, 0.05)
+        self.assertAlmostEqual(seconds, 2, 12)
+        self.assertEqual(mark, "")
+        self.assertEqual(peer_impact.time_within(points, 0.2), (1.0, "≤ "))
+        self.assertEqual(peer_impact.time_within(points, 0.01), (None, ""))
 
 
 if __name__ == "__main__":

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""A soft ball meets a rigid plane obliquely, with friction (`meshes/oblique/soft.toml`), by Ricochet and by CalculiX on the same
+nodes."""
+import tomllib
+
+import numpy as np
+
+import calculix_contact
+import peer_impact
+from ricochet import errors, programs
+
+TITLE = "A soft ball on a rigid plane, obliquely"
+
+SCENE = programs.ROOT / "meshes" / "oblique" / "soft.toml"
+BODY, OBSTACLE = "ball", "plane"
+# Ricochet: band of the modes [kHz], and steps [µs]. The last run is the finest.
+OURS = {3: (50, 25), 6: (50, 25, 12.5), 12: (25, 12.5, 6.25), 30: (12.5, 6.25), 80: (1.5625,)}
+# CalculiX: step [µs], and penalties of pressure and of stick [N/m³]. The last two runs are extrapolated to rigid stick.
+THEIRS = (
+    (50, 1e12, 2e11),
+    (50, 1e12, 3e10),
+    (50, 1e13, 1e11),
+    (50, 1e12, 1e11),
+    (36, 1e12, 1e11),
+    (25, 1e12, 1e11),
+    (12.5, 1e12, 3e10),
+    (12.5, 1e12, 1e11),
+)
+TARGETS = (0.1, 0.05, 0.03, 0.02, 0.01, 0.005, 0.002)
+
+
+def model(folder):
+    """The .msh, the resolved scene, and the body and the obstacle for CalculiX."""
+    scene = tomllib.loads(programs.resolved(SCENE, []))
+    table = scene["bodies"][BODY]
+    mesh = folder / f"{BODY}.msh"
+    calculix_contact.mesh_file(SCENE.with_name(table["mesh"]), table["geometry"], table["order"], mesh)
+    body = calculix_contact.body_of(mesh, BODY, table)
+    plane = scene["obstacles"][OBSTACLE]
+    size = 2 * float(np.ptp(body.node, axis=0).max())
+    return mesh, scene, body, calculix_contact.HalfSpace(OBSTACLE, plane["point"], plane["normal"], size)
+
+
+def theirs(folder, scene, body, obstacle, cache):
+    """Yields setting and data of CalculiX's runs."""
+    friction = scene["contact"]["pair"][0]["friction"]
+    for step, penalty, stick in THEIRS:
+        contact = calculix_contact.Contact(BODY, OBSTACLE, friction, penalty, stick)
+        steps = calculix_contact.Steps(1e-6 * step, scene["time"]["duration"])
+        name = f"{step:g} µs, {penalty:.0e}, {stick:.0e}"
+        yield name, calculix_contact.run(folder / "calculix", [body], [obstacle], contact, steps, cache)
+
+
+def ours(folder, mesh, body):
+    """Yields our impacts. The first one of a band has the time of its kernel, as do all others."""
+    for band, steps in OURS.items():
+        words = [f"bodies.{BODY}.mesh={programs.toml(str(mesh))}", f"bodies.{BODY}.geometry={{}}"]
+        words.append(f"modes.up_to_hz={1e3 * band}")
+        impacts = {f"{band:g} kHz, {step:g} µs": [f"time.rate_hz={1e6 / step!r}"] for step in steps}
+        yield from peer_impact.ricochet(SCENE, words, impacts, folder / f"{band:g}-khz", BODY, body)
+
+
+def run(folder, cache, figure):
+    """Computes all impacts, and prints and draws the comparison."""
+    mesh, scene, body, obstacle = model(folder)
+    speed, normal = np.array(body.velocity), np.array(obstacle.normal)
+    across = speed - (speed @ normal) * normal
+    radius = float(np.ptp(body.node[:, 2])) / 2
+    frame = peer_impact.Frame(normal, across / np.linalg.norm(across), -float(speed @ normal), radius)
+    impacts = list(ours(folder, mesh, body))
+    finest = impacts[-1]
+    print(f"{len(body.node)} nodes, {len(body.element)} elements, mass {body.mass:.6g} kg\n")
+    peers = []
+    for name, found in theirs(folder, scene, body, obstacle, cache):
+        if found["complete"]:
+            peers.append(peer_impact.calculix(name, found, BODY))
+        else:
+            print(f"CalculiX, {name}: stops at {1e3 * found['time'][-1]:.3g} ms without convergence\n")
+    if len(peers) < 2:
+        raise errors.SolverError("ccx: fewer than two of its runs reach the end")
+    limit = peer_impact.extrapolated(*peers[-2:], THEIRS[-1][2] / THEIRS[-2][2], "limit of rigid stick")
+    best = [finest, peers[-1], limit]
+    peer_impact.side_by_side(best, frame, body.mass * float(speed @ speed) / 2)
+    for one in best[1:]:
+        apart = peer_impact.difference(finest, one, frame)
+        words = (f"{text} {apart[kind]:.2%}" for kind, text in peer_impact.KINDS.items())
+        print(f"\nOur finest run differs from CalculiX, {one.setting}, by: {', '.join(words)}.")
+    print()
+    rows = peer_impact.convergence(impacts + peers, {"Ricochet": finest, "CalculiX": limit}, frame)
+    for which in ("own", "other"):
+        peer_impact.equal_accuracy(rows, which, TARGETS)
+    if figure:
+        peer_impact.draw(best, rows, frame, figure)
