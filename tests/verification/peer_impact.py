@@ -271,6 +271,7 @@ def draw(impacts, rows, frame, path):
             )
     axes[0].set(xlabel="time (ms)", ylabel="normal force (N)")
     axes[1].set(xlabel="time (ms)", ylabel="friction (N)")
+    axes[1].set_ylim(bottom=-0.5 * axes[1].get_ylim()[1])
     axes[1].legend(frameon=False, fontsize=7, loc="lower left")
     for which, marker in (("own", "o"), ("other", "x")):
         for code, colour in COLOURS.items():
@@ -279,5 +280,6 @@ def draw(impacts, rows, frame, path):
             axes[2].loglog(*zip(*points), marker, color=colour, markersize=4, label=label)
     axes[2].set(xlabel="processor time (s)", ylabel="largest difference")
     axes[2].grid(True, which="both", color="#e4e4e4")
-    axes[2].legend(frameon=False, fontsize=7)
+    axes[2].set_ylim(top=1)
+    axes[2].legend(frameon=False, fontsize=7, loc="upper right")
     tables.save(figure, path)
