@@ -5,7 +5,7 @@
     scripts/verify --peers oblique --figures DIR    # this one; also draws it
 
 scripts/setup --peers installs CalculiX. Finished runs of CalculiX are kept in DIR (default out/peers) and are not repeated
-if their input and the machine are the same. Each code is compared with its own finest run and with the finest run of the other
+if their input and the machine are the same. Each code is compared with its own finest result and with that of the other
 code. Prints Markdown.
 """
 import importlib

@@ -53,7 +53,7 @@ def theirs(folder, scene, body, obstacle, cache):
 
 
 def ours(folder, mesh, body):
-    """Yields our impacts. The first one of a band has the time of its kernel, as do all others."""
+    """Yields our impacts. Each counts the whole time of its kernel."""
     for band, steps in OURS.items():
         words = [f"bodies.{BODY}.mesh={programs.toml(str(mesh))}", f"bodies.{BODY}.geometry={{}}"]
         words.append(f"modes.up_to_hz={1e3 * band}")
