@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
 add_program_test(python api)
 add_program_test(python friction)
-add_program_test(python notebooks)
+add_program_test(python notebooks LONG)
 add_program_test(python style)

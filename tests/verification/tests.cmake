@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: BSD-2-Clause
-add_program_test(verification box LONG)
+add_program_test(verification box FIRST)
 add_program_test(verification estimates)
 add_program_test(verification oracle_test)
 add_program_test(verification peers_test)
-add_program_test(verification extremes LONG)
+add_program_test(verification extremes FIRST LONG)
 add_program_test(verification uzawa)
 add_program_test(verification verify)
 
-# Each short case of the validation manual is a separate test, which computes the case again.
+# Each short case of the validation manual is a separate test, which computes the case again. Those that take more than a few
+# seconds run with scripts/test --long only.
+set(quick bars falling_mass rods rods_analytic sphere two_balls)
 file(GLOB cases CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/verification/cases/*.py)
 foreach(file ${cases})
   file(STRINGS ${file} short REGEX "^LONG = False")
@@ -15,7 +17,11 @@ foreach(file ${cases})
     get_filename_component(case ${file} NAME_WE)
     add_test(NAME verification/manual.${case} COMMAND ${PROJECT_SOURCE_DIR}/scripts/verify --again
       --cache ${CMAKE_CURRENT_BINARY_DIR}/manual ${case})
-    set_tests_properties(verification/manual.${case} PROPERTIES TIMEOUT 600 LABELS programs
+    set(labels programs)
+    if(NOT case IN_LIST quick)
+      list(APPEND labels long)
+    endif()
+    set_tests_properties(verification/manual.${case} PROPERTIES TIMEOUT 600 LABELS "${labels}"
       ENVIRONMENT "${one_thread};${waiting};RICOCHET_BIN=${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
   endif()
 endforeach()
