@@ -135,7 +135,8 @@ class Accuracy(ProgramTest):
 
     def test_holds_with_friction(self):
         """A soft ball meets a plane obliquely. CalculiX finds 0.2018 and 0.0834 m/s on the same mesh
-        (docs/performance.md); the coarser mesh that is chosen may change them by 5 % of the approach speed."""
+        (docs/performance.md); the coarser mesh that is chosen may change them by 5 % of the approach speed.
+        """
         text = (MESHES / "oblique" / "soft.toml").read_text()
         text = re.sub(r"^(\[modes\]|up_to_hz|rate_hz).*$", "", text, flags=re.MULTILINE)
         scene = self.write("soft.toml", text.replace('"half-ball', f'"{MESHES / "oblique" / "half-ball"}'))
