@@ -3,13 +3,10 @@
 
 import pathlib
 import shutil
-import sys
 import tempfile
 import unittest
 
 import numpy as np
-
-sys.path.append(str(pathlib.Path(__file__).resolve().parents[2]))  # for benchmarks
 
 import calculix_contact
 import peer_impact
