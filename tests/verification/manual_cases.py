@@ -25,7 +25,7 @@ from ricochet import errors, programs
 
 MANUAL = programs.ROOT / "tests" / "verification"
 
-# The order of the manual: examples of the paper, vibration, statics, impacts, and orders of convergence.
+# The order of the manual: examples of the paper, vibration, statics, impacts, measured impacts, and orders of convergence.
 ORDER = [
     "kernels",
     "rods_analytic",
@@ -47,6 +47,7 @@ ORDER = [
     "bouncing_bar",
     "bouncing_bar_fine",
     "plate",
+    "glass_balls",
     "orders",
 ]
 
