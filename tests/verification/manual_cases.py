@@ -47,6 +47,7 @@ ORDER = [
     "bouncing_bar",
     "bouncing_bar_fine",
     "plate",
+    "alumina_on_glass",
     "glass_balls",
     "orders",
 ]
