@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
 add_program_test(verification box FIRST)
-add_program_test(verification estimates)
+add_program_test(verification estimates FIRST LONG)
 add_program_test(verification oracle_test)
 add_program_test(verification peers_test)
 add_program_test(verification extremes FIRST LONG)
