@@ -8,11 +8,6 @@
 namespace ricochet::contact {
 namespace {
 
-/// The force that makes a displacement alone; the largest number if none does.
-double force_for(double displacement, double flexibility) {
-  return flexibility > 0 ? displacement / flexibility : std::numeric_limits<double>::max();
-}
-
 using Eigen::Map;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -35,6 +30,11 @@ Map<const Vector2d> tangential(const std::vector<double>& x, int row) {
 }
 
 Vector2d across(const Vector2d& t) { return {-t.y(), t.x()}; }
+
+/// The force that makes a displacement alone; the largest number if none does.
+double force_for(double displacement, double flexibility) {
+  return flexibility > 0 ? displacement / flexibility : std::numeric_limits<double>::max();
+}
 
 }  // namespace
 

@@ -9,6 +9,7 @@ import numpy as np
 
 import oblique_impact
 from case import BLUE, GREY, ORANGE
+from rebound import spin
 from ricochet.programs import ROOT
 
 TITLE = "Oblique impact: Maw, Barber and Fawcett"
@@ -18,14 +19,6 @@ RADIUS, FRICTION, NORMAL = 0.01, 0.3, 0.01
 PSI = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0)
 FINE_BELOW = 1.0  # ψ₁ below which most of the contact sticks, so that the patches need smaller elements:
 FINE = 8.8e-6  # m; with the 12.8 µm of the scene, the restitution is up to 0.027 off
-
-
-def spin_of(result, body, height):
-    """Angular velocity about y of half a ball whose centre starts at `height` [rad/s]."""
-    momentum = result[f"/bodies/{body}/momentum"][-1]
-    about_centre = result[f"/bodies/{body}/angular_momentum"][-1][1] - height * momentum[0]
-    mass = momentum[2] / result[f"/bodies/{body}/velocity"][-1][2]
-    return about_centre / (0.4 * mass * RADIUS**2)
 
 
 def after(bench, scene, poisson, psi, bodies, size=None):
@@ -41,7 +34,7 @@ def after(bench, scene, poisson, psi, bodies, size=None):
         sets.append(f"bodies.{body}.velocity=[{share * tangential!r},0,{-share * NORMAL!r}]")
     result = bench.impact(scene, *sets)
     velocity = sum(sign * result[f"/bodies/{body}/velocity"][-1][0] for body, (sign, _) in bodies.items())
-    rolling = sum(RADIUS * spin_of(result, body, height) for body, (_, height) in bodies.items())
+    rolling = sum(RADIUS * spin(result, body, height, RADIUS) for body, (_, height) in bodies.items())
     return kappa * (velocity - rolling) / (FRICTION * NORMAL), rolling
 
 
