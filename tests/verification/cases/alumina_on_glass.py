@@ -105,7 +105,8 @@ LIKE = "bodies.ball.material={density=4000.0,young=70e9,poisson=0.25}"
 COUPLING = (
     "below 10° the contact sticks, and ours loses too much tangential velocity, by the coupling of normal and tangential motion of "
     "unlike bodies: a ball with the elasticity of glass has none of it and rebounds closer to the measurements. Whether the real "
-    "contact is coupled as strongly is open: the measured spin at 6° and 11° implies more loss than the measured velocities do"
+    "contact is coupled as strongly is open: the measured spin at 6° and 11° implies more loss than the measured velocities do. The "
+    "mesh is not the reason: elements of 24 µm instead of 36 µm give 0.648 at 2°"
 )
 
 GEO = """// Half of a block, y ≥ 0, below z = 0; contact about the origin.
