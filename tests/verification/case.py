@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Tools for the cases of the validation manual: running the programs, comparing, fitting orders, drawing.
 
-A case is a module in cases/ with TITLE, SOURCE, a docstring for the manual, and run(bench: Bench)."""
+A case is a module in cases/ with TITLE, SOURCE, RESTS_ON, LONG, a docstring for the manual, and run(bench: Bench)."""
 import json
 import os
 import re
@@ -16,6 +16,17 @@ from ricochet import programs
 
 # A program that runs longer counts as a deadlock.
 DEADLOCK_S = 1800
+
+
+# What the reference of a line rests on. The first three do not depend on Ricochet.
+BASES = {
+    "experiment": "measured by others",
+    "published": "a number or a statement that others have published",
+    "theory": "a closed form, or a computation that shares no formula with Ricochet",
+    "ourselves": "other results of Ricochet: consistency, symmetry, convergence",
+    "construction": "holds whatever the forces are, or concerns the reference alone",
+}
+INDEPENDENT = ("experiment", "published", "theory")
 
 
 class Stopped(Exception):
@@ -48,10 +59,12 @@ class Result:
 
 
 class Bench:
-    """The workspace of a case. `found` contains the results for the manual."""
+    """The workspace of a case. `found` contains the results for the manual. `rests_on` (a key of BASES) holds for each line of the case
+    that does not give its own.
+    """
 
-    def __init__(self, name, folder):
-        self.name, self.folder = name, folder
+    def __init__(self, name, folder, rests_on="theory"):
+        self.name, self.folder, self.rests_on = name, folder, rests_on
         self.found = {"checks": [], "tables": [], "commands": [], "figures": []}
         self.runs = 0
 
@@ -121,18 +134,18 @@ class Bench:
 
     # ---- Comparing ----
 
-    def compare(self, what, ours, reference, bound, reason, absolute=False, known=None):
+    def compare(self, what, ours, reference, bound, reason, absolute=False, known=None, rests_on=None):
         """Adds a line to the manual: |ours − reference|, divided by |reference| unless `absolute`, is within `bound`. `known`
         states the established reason if it is not. The line is then listed as a failure, but the run does not fail.
         """
         error = abs(ours - reference) / (1 if absolute else abs(reference))
-        self.check(what, ours, reference, error, bound, reason, error <= bound, absolute, known)
+        self.check(what, ours, reference, error, bound, reason, error <= bound, absolute, known, rests_on)
 
-    def below(self, what, ours, bound, reason, known=None):
+    def below(self, what, ours, bound, reason, known=None, rests_on=None):
         """Adds a line to the manual: an error, or a value that should be 0, is at most `bound`."""
-        self.check(what, ours, 0.0, abs(ours), bound, reason, abs(ours) <= bound, True, known)
+        self.check(what, ours, 0.0, abs(ours), bound, reason, abs(ours) <= bound, True, known, rests_on)
 
-    def at_least(self, what, ours, reference, reason, known=None):
+    def at_least(self, what, ours, reference, reason, known=None, rests_on=None):
         """Adds a line to the manual: the value is at least `reference`."""
         self.check(
             what + ", at least",
@@ -144,18 +157,27 @@ class Bench:
             ours >= reference,
             False,
             known,
+            rests_on,
         )
 
-    def check(self, what, ours, reference, error, bound, reason, holds, absolute, known):
+    def check(self, what, ours, reference, error, bound, reason, holds, absolute, known, rests_on):
+        rests_on = rests_on or self.rests_on
+        if rests_on not in BASES:
+            raise ValueError(f"{what}: rests_on = {rests_on}: one of {', '.join(BASES)}")
         values = dict(ours=float(ours), reference=float(reference), error=float(error), bound=float(bound))
         self.found["checks"].append(
-            values | dict(what=what, reason=reason, absolute=absolute, holds=bool(holds), known=known)
+            values
+            | dict(
+                what=what, reason=reason, absolute=absolute, holds=bool(holds), known=known, rests_on=rests_on
+            )
         )
 
-    def order(self, what, sizes, errors, expected, bound, reason, known=None):
+    def order(self, what, sizes, errors, expected, bound, reason, known=None, rests_on=None):
         """Adds a line to the manual: the least-squares slope of log(error) over log(size) is `expected` within `bound`."""
         slope = float(np.polyfit(np.log(sizes), np.log(errors), 1)[0])
-        self.compare(f"order: {what}", slope, expected, bound, reason, absolute=True, known=known)
+        self.compare(
+            f"order: {what}", slope, expected, bound, reason, absolute=True, known=known, rests_on=rests_on
+        )
 
     def table(self, head, rows):
         """Adds a table of texts to the manual."""
@@ -224,7 +246,7 @@ def processor_seconds():
 def run(name, module, folder):
     """Results of one case with its processor seconds. If the case stopped, `stopped` contains the reason."""
     folder.mkdir(parents=True, exist_ok=True)
-    bench = Bench(name, folder)
+    bench = Bench(name, folder, module.RESTS_ON)
     started = processor_seconds()
     try:
         module.run(bench)

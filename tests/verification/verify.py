@@ -9,6 +9,7 @@ import tempfile
 import unittest
 
 import case
+import manual
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 MANUAL = SOURCE / "tests" / "verification"
@@ -43,6 +44,22 @@ class Verify(unittest.TestCase):
             "pass, known failures",
         )
         self.assertEqual(verdict_of(lambda bench: bench.below("x", 0.5, 1.0, "why", known="because")), "FAIL")
+
+    def test_a_line_that_holds_by_construction_is_not_counted(self):
+        bench = case.Bench("x", pathlib.Path("."), "experiment")
+        bench.below("measured", 0.5, 1.0, "why")
+        bench.below("wrong", 2.0, 1.0, "why", known="because")
+        bench.below("closed form", 0.5, 1.0, "why", rests_on="theory")
+        bench.below("own", 0.5, 1.0, "why", rests_on="ourselves")
+        bench.below("sure", 0.5, 1.0, "why", rests_on="construction")
+        text = manual.count_of(bench.found["checks"])
+        self.assertIn(
+            "**3 of 4 lines rest on something independent of Ricochet.** 3 pass, 1 fail, 1 of", text
+        )
+        self.assertIn("1 further lines hold by construction", text)
+        self.assertIn("| experiment | measured by others | 2 | 1 | 1 |", text)
+        with self.assertRaises(ValueError):
+            bench.below("x", 0.5, 1.0, "why", rests_on="hope")
 
     def test_an_order_is_fitted_to_logarithms(self):
         self.assertEqual(

@@ -4,6 +4,7 @@ from cases import ball_at_rest
 
 TITLE = "Hertz at rest, finer"
 SOURCE = ball_at_rest.SOURCE
+RESTS_ON = "theory"
 LONG = True
 
 

@@ -10,6 +10,7 @@ TITLE = "Free and clamped bars: frequencies and waves"
 SOURCE = (
     "Closed forms: Graff 1975, *Wave Motion in Elastic Solids*, section 2.3; images of d'Alembert's solution."
 )
+RESTS_ON = "theory"
 LONG = False
 DENSITY, YOUNG, AREA, LENGTH, FORCE = 7850.0, 210e9, 1e-4, 1.0, 1000.0
 SPEED = np.sqrt(YOUNG / DENSITY)

@@ -10,6 +10,7 @@ from cases import bouncing_bar as bar
 
 TITLE = "The bouncing bar over 22 touches: an unstable motion"
 SOURCE = bar.SOURCE + " Growth: the method of characteristics on 400 cells, in the case."
+RESTS_ON = "theory"
 LONG = True
 DURATION, MODES = 60.0, 400
 

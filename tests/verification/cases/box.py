@@ -13,6 +13,7 @@ SOURCE = (
     "Rayleigh–Ritz in products of Legendre polynomials, computed in the case: Demarest 1971, J. Acoust. Soc. Am. 49, 768; "
     "Visscher et al. 1991, 90, 2154."
 )
+RESTS_ON = "theory"
 LONG = False
 DENSITY, YOUNG, POISSON = 2700.0, 70e9, 0.33
 ELASTIC = 24
@@ -46,6 +47,7 @@ def run(bench):
             np.abs(coarse / fine - 1).max(),
             5e-4,
             "half the bound of the next line",
+            rests_on="construction",
         )
         bench.below(
             f"{name}: largest relative error of {ELASTIC} elastic frequencies",

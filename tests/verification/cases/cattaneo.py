@@ -14,6 +14,7 @@ from ricochet.programs import ROOT
 
 TITLE = "Cattaneo and Mindlin: sheared contact of spheres"
 SOURCE = "Cattaneo 1938; Mindlin 1949; Mindlin & Deresiewicz 1953; as in Johnson 1985, *Contact Mechanics*, sections 7.2 and 7.4."
+RESTS_ON = "theory"
 LONG = True
 MODULUS, CURVATURE, FRICTION = hertz.MODULUS / 2, hertz.RADIUS / 2, 0.3
 COMPLIANCE = mindlin.compliance(*2 * [(hertz.YOUNG, hertz.POISSON)])
@@ -104,6 +105,7 @@ def run(bench):
         1.0,
         0.02,
         "the trapezoidal rule over 24 knots",
+        rests_on="ourselves",
     )
 
     figure, axes = bench.figure(columns=2)

@@ -5,6 +5,7 @@ from cases import disks
 
 TITLE = "The paper's Figures 7 and 8 with all modes"
 SOURCE = disks.SOURCE
+RESTS_ON = "published"
 LONG = True
 
 

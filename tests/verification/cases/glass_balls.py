@@ -22,6 +22,7 @@ SOURCE = (
     "(grainflowresearch.mae.cornell.edu/impact/data), values as copied in svenviktorjonsson/rigid-body-collisions, "
     "`research/contact-gap-fix/glass-repeat-v1/summary.json`."
 )
+RESTS_ON = "experiment"
 LONG = True
 RADIUS, FRICTION = 1.59e-3, 0.092
 RESTITUTION, STICKING, STICKING_ERROR = 0.97, 0.44, 0.07  # e and β₀, the error of β₀

@@ -9,6 +9,7 @@ from case import BLUE, GREY, ORANGE, RED, slopes
 
 TITLE = "The paper's Figure 4: Poisson functions of a rod"
 SOURCE = "Bensoam, section 4.1 and Figure 4; Graff 1975, *Wave Motion in Elastic Solids*, chapter 2, for the closed form."
+RESTS_ON = "theory"
 LONG = False
 LENGTH, STEP = 10.0, 0.01
 

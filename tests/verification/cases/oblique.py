@@ -14,6 +14,7 @@ from ricochet.programs import ROOT
 
 TITLE = "Oblique impact: Maw, Barber and Fawcett"
 SOURCE = "Maw, Barber & Fawcett 1976, Wear 38, 101; Johnson 1985, *Contact Mechanics*, section 11.6."
+RESTS_ON = "theory"
 LONG = True
 RADIUS, FRICTION, NORMAL = 0.01, 0.3, 0.01
 PSI = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0)

@@ -18,6 +18,7 @@ SOURCE = (
     "Separation of variables for the box, d'Alembert's solution for the bar; h^2p: Strang & Fix 1973, *An Analysis of the "
     "Finite Element Method*."
 )
+RESTS_ON = "theory"
 LONG = True
 SIDES = (0.1, 0.13, 0.17)
 DENSITY, YOUNG, POISSON = 2700.0, 70e9, 0.33

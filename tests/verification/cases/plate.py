@@ -14,6 +14,7 @@ from ricochet.programs import ROOT
 
 TITLE = "Zener's inelastic collision: a ball on a thick plate"
 SOURCE = "Zener 1941, *The intrinsic inelasticity of large plates*, Phys. Rev. 59, 669; his equation integrated in the case."
+RESTS_ON = "theory"
 LONG = True
 SPEED, THICKNESSES = 0.3, (12e-3, 8e-3, 5e-3)
 
@@ -135,6 +136,7 @@ def run(bench):
             result.summary["energy_drift"],
             1e-9,
             "round-off of the steps",
+            rests_on="construction",
         )
         found.append((inelastic, restitution))
         left.plot(time * 1e6, force, color=colour, label=name)

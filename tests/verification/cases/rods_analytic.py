@@ -11,6 +11,7 @@ from ricochet.programs import ROOT
 
 TITLE = "The paper's Figure 5 (i, ii): rods by their closed form"
 SOURCE = "Bensoam, section 4.1.1 and Figure 5 (i, ii); Taylor & Papadopoulos 1993, Int. J. Numer. Methods Eng. 36, 2123: the rods."
+RESTS_ON = "theory"
 LONG = False
 ROUND_OFF = 1e-10  # sums of 3000 samples of size 1
 
@@ -59,6 +60,7 @@ def run(bench):
             result.summary["max_penetration_m"],
             ROUND_OFF,
             "round-off: equality in (2)",
+            rests_on="construction",
         )
 
     figure, axes = bench.figure(2, sharey="row")

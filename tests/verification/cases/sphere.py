@@ -10,6 +10,7 @@ from case import BLUE, GREEN, ORANGE
 
 TITLE = "Lamb's modes of the free sphere"
 SOURCE = "Lamb 1882, Proc. London Math. Soc. 13, 189; traction determinants as in Eringen & Suhubi 1975, *Elastodynamics* II, chapter 8."
+RESTS_ON = "theory"
 LONG = False
 POISSON = 0.3
 SHEAR_SPEED = np.sqrt(1 / (2 * (1 + POISSON)))
