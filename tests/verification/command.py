@@ -10,6 +10,7 @@ from ricochet import errors
 OTHERS = {
     "--extremes": "extremes_table",
     "--bodies": "random_bodies",
+    "--errors": "errors_caught",
     "--estimates": "true_errors",
     "--friction": "friction_energy",
     "--geometries": "gmsh_demos",

@@ -21,6 +21,7 @@ from pathlib import Path
 
 import case
 import manual
+import measurements
 from ricochet import errors, programs
 
 MANUAL = programs.ROOT / "tests" / "verification"
@@ -145,10 +146,13 @@ def publish(cases):
         for figure in found["figures"]:
             shutil.copyfile(folder / figure["file"], figures / figure["file"])
             wanted.add(figure["file"])
+    written = [entry[:3] for entry in cases]
+    measurements.draw(written, case.Bench("measurements", figures))
     for path in figures.glob("*.png"):
-        if path.name not in wanted:
+        if path.name not in wanted | {"measurements.png"}:
             path.unlink()
-    manual.write(MANUAL / "README.md", [entry[:3] for entry in cases], machine())
+    manual.write(MANUAL / "README.md", written, machine())
+    measurements.write(MANUAL / "measurements.md", written)
     print(MANUAL / "README.md")
 
 
