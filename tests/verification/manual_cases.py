@@ -26,7 +26,7 @@ from ricochet import errors, programs
 
 MANUAL = programs.ROOT / "tests" / "verification"
 
-# The order of the manual: examples of the paper, vibration, statics, impacts, measured impacts, and orders of convergence.
+# The order of the manual: examples of the paper, vibration, statics, impacts, measurements, and orders of convergence.
 ORDER = [
     "kernels",
     "rods_analytic",
@@ -50,6 +50,9 @@ ORDER = [
     "plate",
     "alumina_on_glass",
     "glass_balls",
+    "polycarbonate_bar",
+    "aluminium_block",
+    "steel_cylinder",
     "orders",
 ]
 

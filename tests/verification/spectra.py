@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Measured resonances of free isotropic bodies beside ours: resonant ultrasound spectroscopy. The authors of such a measurement fit the two
+elastic constants to all lines at once, so the lines test the computation, and not the constants."""
+import numpy as np
+
+from case import BLUE, GREY, ORANGE
+
+RIGID = 6
+
+
+def engineering(c11, c44):
+    """Young's modulus, in the unit of the constants, and Poisson's ratio of an isotropic material."""
+    lame = c11 - 2 * c44
+    return c44 * (3 * lame + 2 * c44) / (lame + c44), lame / (2 * (lame + c44))
+
+
+def frequencies(bench, scene, body, density, young, poisson, count):
+    """The lowest `count` elastic frequencies [kHz]."""
+    material = f"bodies.{body}.material={{density={density:.6g},young={young:.6g},poisson={poisson:.5g}}}"
+    with bench.kernel(scene, material, f"modes.count={RIGID + count}", body=body) as kernel:
+        return kernel["modes/angular_frequency"][RIGID:] / (2e3 * np.pi)
+
+
+def rms(values):
+    return np.sqrt(np.mean(values**2))
+
+
+def compare(bench, ours, handbook, resonances, computation, title):
+    """Lines, table and figure of a body. `ours` and `handbook` [kHz], from the fitted and from handbook constants, ascend and start with the
+    first elastic mode. `resonances` (n, 3): number of the mode, from 1, its measured frequency [kHz] and that of the authors' own
+    computation. `computation` is the bound for the difference of ours from the latter, with its reason."""
+    number = resonances[:, 0].astype(int)
+    measured, theirs = resonances[:, 1:].T
+    ours, handbook = ours[number - 1], handbook[number - 1]
+    deviation, residual = ours / measured - 1, theirs / measured - 1
+    scatter = rms(residual)
+    bench.below(
+        f"{len(number)} resonances: root mean square of ours / measured − 1",
+        rms(deviation),
+        1.1 * scatter,
+        f"the authors' own residual of {100 * scatter:.3f} %, and a tenth for the errors of two computations",
+    )
+    bench.below(
+        "the same, largest",
+        np.abs(deviation).max(),
+        3 * scatter,
+        "three times the residual; a missing or surplus mode would shift all later lines",
+    )
+    bench.below(
+        "root mean square of ours / the authors' computation − 1",
+        rms(ours / theirs - 1),
+        *computation,
+        rests_on="published",
+    )
+    ratio = handbook / measured
+    bench.compare(
+        "handbook constants: mean of ours / measured",
+        ratio.mean(),
+        1.0,
+        0.03,
+        "nothing is fitted; moduli of one alloy differ by a few per cent, which counts by half",
+    )
+    bench.below(
+        "handbook constants: scatter of ours / measured about its mean",
+        ratio.std() / ratio.mean(),
+        2 * scatter,
+        "ratios of frequencies depend on Poisson's ratio alone: twice the residual",
+    )
+    bench.table(
+        ["mode", "measured (kHz)", "ours", "deviation (%)", "authors' computation", "deviation (%)"],
+        [
+            [str(n), f"{m:.3f}", f"{o:.3f}", f"{100 * d:+.2f}", f"{t:.3f}", f"{100 * r:+.2f}"]
+            for n, m, o, d, t, r in zip(number, measured, ours, deviation, theirs, residual)
+        ],
+    )
+
+    figure, (left, right) = bench.figure(2)
+    left.plot(number, measured, "o", color=ORANGE, markersize=4, label="measured")
+    left.plot(number, ours, "_", color=BLUE, markersize=9, label="ours")
+    right.axhspan(
+        -100 * scatter, 100 * scatter, color=ORANGE, alpha=0.2, linewidth=0, label="residual of the authors"
+    )
+    right.plot(measured, 100 * residual, "x", color=GREY, markersize=5, label="authors' computation")
+    right.plot(measured, 100 * deviation, ".", color=BLUE, markersize=6, label="ours")
+    left.set(xlabel="elastic mode", ylabel="frequency (kHz)", title=title)
+    right.set(
+        xlabel="frequency (kHz)", ylabel="computed / measured − 1 (%)", title="Deviation from the measurement"
+    )
+    left.legend(loc="lower right")
+    right.legend(fontsize=7)
+    return figure
