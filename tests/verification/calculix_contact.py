@@ -2,8 +2,9 @@
 """Impacts with CalculiX (`ccx`): writes the input from the meshes of Ricochet's bodies, runs it, and reads the forces and the
 motion.
 
-Bodies are second-order tetrahedra (C3D10), half-spaces one fixed C3D8 each. Contact is that of *CONTACT PAIR,
-TYPE=SURFACE TO SURFACE, with linear penalties in both directions; steps are those of *DYNAMIC, DIRECT."""
+Bodies are second-order tetrahedra (C3D10), half-spaces one fixed C3D8 each. Contact of two bodies or of a body and a half-space is
+that of *CONTACT PAIR, TYPE=SURFACE TO SURFACE, with linear penalties of pressure and, with friction, of stick; steps are those
+of *DYNAMIC, DIRECT."""
 import dataclasses
 import hashlib
 import json
@@ -171,9 +172,16 @@ class Contact:
 
     dependent: str  # name of a body: its facets carry the points of contact
     independent: str  # name of a body or half-space
-    friction: float
     penalty: float  # N/m³: pressure over penetration
-    stick: float  # N/m³: shear over slip of points that stick
+    friction: float = 0.0
+    stick: float = 0.0  # N/m³: shear over slip of points that stick
+
+    def law(self):
+        friction = f"*FRICTION\n{number(self.friction)},{number(self.stick)}\n" if self.friction else ""
+        return (
+            "*SURFACE INTERACTION, NAME=LAW\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n"
+            f"{number(self.penalty)}\n{friction}"
+        )
 
 
 @dataclasses.dataclass
@@ -226,9 +234,7 @@ def deck(bodies, obstacles, contact, steps):
         nodes, elements = nodes + 8, elements + 1
     pair = f"S{contact.dependent},S{contact.independent}"
     text.append(
-        "*SURFACE INTERACTION, NAME=LAW\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n"
-        f"{number(contact.penalty)}\n*FRICTION\n{number(contact.friction)},{number(contact.stick)}\n"
-        f"*CONTACT PAIR, INTERACTION=LAW, TYPE=SURFACE TO SURFACE\n{pair}\n"
+        f"{contact.law()}*CONTACT PAIR, INTERACTION=LAW, TYPE=SURFACE TO SURFACE\n{pair}\n"
         f"*INITIAL CONDITIONS, TYPE=VELOCITY\n{''.join(ends)}"
         f"*STEP, INC=1000000\n*DYNAMIC, DIRECT, ALPHA={steps.alpha}\n"
         f"{number(steps.step)},{number(steps.duration)}\n"

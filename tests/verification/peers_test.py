@@ -20,6 +20,7 @@ Mesh.MeshSizeMax = 2;
 Physical Volume("box") = {1};
 Physical Surface("side") = {3};
 Physical Surface("bottom") = {5};
+Physical Surface("top") = {6};
 """
 TABLE = {
     "translate": [0, 0, 0.5],
@@ -113,7 +114,7 @@ class CalculixContactTest(unittest.TestCase):
     @unittest.skipUnless(shutil.which("ccx"), "CalculiX is not installed: scripts/setup --tests")
     def test_free_flight_and_its_cache(self):
         obstacle = calculix_contact.HalfSpace("plane", [0, 0, 0], [0, 0, 1], 5.0)
-        contact = calculix_contact.Contact("box", "plane", 0.3, 1e6, 1e5)
+        contact = calculix_contact.Contact("box", "plane", 1e6, 0.3, 1e5)
         steps = calculix_contact.Steps(0.1, 0.2)
         cache = Cache(self.folder / "cache.json")
         words = ([self.body], [obstacle], contact, steps)
@@ -124,6 +125,32 @@ class CalculixContactTest(unittest.TestCase):
         np.testing.assert_allclose(found["energy"], 0.6, rtol=1e-5)
         again = calculix_contact.run(self.folder / "none", *words, Cache(self.folder / "cache.json"))
         self.assertEqual(again, found)
+
+    @unittest.skipUnless(shutil.which("ccx"), "CalculiX is not installed: scripts/setup --tests")
+    def test_two_elastic_bodies_exchange_momentum(self):
+        table = TABLE | {"support": {}, "velocity": [0.0, 0.0, 0.0], "contact": ["top"]}
+        lower = calculix_contact.body_of(self.folder / "box.msh", "lower", table)
+        table |= {"translate": [0, 0, 3.501], "velocity": [0.0, 0.0, -0.5], "contact": ["bottom"]}
+        upper = calculix_contact.body_of(self.folder / "box.msh", "upper", table)
+        contact = calculix_contact.Contact("upper", "lower", 1e4)
+        steps = calculix_contact.Steps(4e-3, 0.32)
+        cache = Cache(self.folder / "pair.json")
+        found = calculix_contact.run(self.folder / "pair", [upper, lower], [], contact, steps, cache)
+        self.assertTrue(found["complete"])
+        force = np.array(found["force"])[:, 2]
+        self.assertGreater(force.max(), 0)
+        self.assertEqual(force[-1], 0)
+        change = {
+            body.name: body.mass * (np.array(found["velocity"][body.name]) - body.velocity)[2]
+            for body in (upper, lower)
+        }
+        # Newton's laws; the iterations end at residuals of half a per cent, and the steps cut the ends of the contact.
+        self.assertAlmostEqual(change["upper"] / change["lower"], -1, 2)
+        self.assertAlmostEqual(force.sum() * steps.step / change["upper"], 1, 2)
+
+    def test_friction_is_written_only_where_it_acts(self):
+        self.assertNotIn("FRICTION", calculix_contact.Contact("a", "b", 1e6).law())
+        self.assertIn("FRICTION\n3.0", calculix_contact.Contact("a", "b", 1e6, 0.3, 1e5).law())
 
 
 class ImpactTest(unittest.TestCase):

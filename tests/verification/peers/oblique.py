@@ -46,7 +46,7 @@ def theirs(folder, scene, body, obstacle, cache):
     """Yields setting and data of CalculiX's runs."""
     friction = scene["contact"]["pair"][0]["friction"]
     for step, penalty, stick in THEIRS:
-        contact = calculix_contact.Contact(BODY, OBSTACLE, friction, penalty, stick)
+        contact = calculix_contact.Contact(BODY, OBSTACLE, penalty, friction, stick)
         steps = calculix_contact.Steps(1e-6 * step, scene["time"]["duration"])
         name = f"{step:g} µs, {penalty:.0e}, {stick:.0e}"
         yield name, calculix_contact.run(folder / "calculix", [body], [obstacle], contact, steps, cache)
