@@ -7,7 +7,6 @@ that of *CONTACT PAIR, TYPE=SURFACE TO SURFACE, with linear penalties of pressur
 of *DYNAMIC, DIRECT."""
 import dataclasses
 import hashlib
-import json
 import shutil
 
 import numpy as np
@@ -78,9 +77,11 @@ def mesh_file(geo, parameters, order, path):
     try:
         gmsh.option.setNumber("General.Terminal", 0)
         gmsh.option.setNumber("General.NumThreads", 1)
-        for name, value in parameters.items():
-            gmsh.onelab.set(json.dumps([{"type": "number", "name": name, "values": [value]}]))
-        gmsh.open(str(geo))
+        # DefineConstant keeps a value that is already there.
+        text = "".join(f"{name} = {value!r};\n" for name, value in parameters.items())
+        wrapper = path.with_suffix(".geo")
+        wrapper.write_text(f'{text}Merge "{geo.resolve()}";\n')
+        gmsh.open(str(wrapper))
         gmsh.model.mesh.generate(3)
         gmsh.model.mesh.setOrder(order)
         gmsh.write(str(path))
