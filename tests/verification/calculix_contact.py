@@ -79,7 +79,7 @@ def mesh_file(geo, parameters, order, path):
         gmsh.option.setNumber("General.NumThreads", 1)
         # DefineConstant keeps a value that is already there.
         text = "".join(f"{name} = {value!r};\n" for name, value in parameters.items())
-        wrapper = path.with_suffix(".geo")
+        wrapper = path.with_name(f"{path.name}.geo")
         wrapper.write_text(f'{text}Merge "{geo.resolve()}";\n')
         gmsh.open(str(wrapper))
         gmsh.model.mesh.generate(3)

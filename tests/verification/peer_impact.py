@@ -1,15 +1,12 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """One impact by Ricochet or by a peer: the history of its force, its rebound, and the time that it took. Differences between
-two of them, and the table and the figure of a comparison."""
+two of them."""
 import dataclasses
 import shutil
 
 import h5py
 import numpy as np
 
-import case
-from benchmarks import tables
-from benchmarks.equal_accuracy import time_at
 from ricochet import errors, programs, timing
 
 SAMPLES = 20001  # of the histories that are compared
@@ -45,12 +42,14 @@ class Impact:
 
 @dataclasses.dataclass
 class Frame:
-    """Directions of a comparison (3) and its scales."""
+    """Directions of a comparison (3), its scales, and the keys of KINDS that it compares."""
 
     normal: np.ndarray
     tangent: np.ndarray
     speed: float  # m/s of approach, the unit of velocities
     radius: float  # m; times the spin it is a velocity
+    kinds: tuple = ("normal", "tangential", "rebound", "slide", "spin")
+    copies: int = 1  # of the model that make the whole, with its images in planes of symmetry: multiplies the forces that are shown
 
     @property
     def axis(self):
@@ -71,14 +70,20 @@ def difference(one, other, frame):
     """Differences by kind: forces as the L2 norm over time, relative to that of `other`; velocities relative to the approach.
     `largest` is the largest of them."""
     time = np.linspace(0, max(one.time[-1], other.time[-1]), SAMPLES)
-    found = {}
-    for kind, axis in (("normal", frame.normal), ("tangential", frame.tangent)):
+    velocity, spin = one.velocity - other.velocity, one.spin - other.spin
+
+    def of_force(axis):
         theirs = other.component(axis, time)
-        found[kind] = np.linalg.norm(one.component(axis, time) - theirs) / np.linalg.norm(theirs)
-    change = one.velocity - other.velocity
-    found["rebound"] = abs(change @ frame.normal) / frame.speed
-    found["slide"] = abs(change @ frame.tangent) / frame.speed
-    found["spin"] = abs((one.spin - other.spin) @ frame.axis) * frame.radius / frame.speed
+        return np.linalg.norm(one.component(axis, time) - theirs) / np.linalg.norm(theirs)
+
+    measures = {
+        "normal": lambda: of_force(frame.normal),
+        "tangential": lambda: of_force(frame.tangent),
+        "rebound": lambda: abs(velocity @ frame.normal) / frame.speed,
+        "slide": lambda: abs(velocity @ frame.tangent) / frame.speed,
+        "spin": lambda: abs(spin @ frame.axis) * frame.radius / frame.speed,
+    }
+    found = {kind: measures[kind]() for kind in frame.kinds}
     return found | {"largest": max(found.values())}
 
 
@@ -143,6 +148,22 @@ def calculix(setting, found, body):
     )
 
 
+def finished(runs, body):
+    """The impacts of a body in CalculiX's runs that reach the end. Names the others.
+
+    @param runs  setting and data of `calculix_contact.run`
+    """
+    found = []
+    for setting, data in runs:
+        if data["complete"]:
+            found.append(calculix(setting, data, body))
+        else:
+            print(f"CalculiX, {setting}: stops at {1e3 * data['time'][-1]:.3g} ms without convergence\n")
+    if len(found) < 2:
+        raise errors.SolverError("ccx: fewer than two of its runs reach the end")
+    return found
+
+
 def extrapolated(coarse, fine, ratio, setting):
     """The limit of two impacts with the same steps whose error is proportional to a small quantity.
 
@@ -154,132 +175,3 @@ def extrapolated(coarse, fine, ratio, setting):
         kind: getattr(fine, kind) + share * (getattr(fine, kind) - getattr(coarse, kind)) for kind in kinds
     }
     return dataclasses.replace(fine, setting=setting, **values)
-
-
-# ---- Table and figure ----
-
-
-def side_by_side(impacts, frame, before):
-    """Prints the results of some impacts. @param before  kinetic energy [J] before the impact"""
-    table = tables.Table(
-        [
-            ("", lambda one: f"{one.code}, {one.setting}", ""),
-            ("peak normal force (N)", lambda one: (one.force @ frame.normal).max(), ".4f"),
-            ("largest friction (N)", lambda one: np.abs(one.force @ frame.tangent).max(), ".4f"),
-            ("contact (ms)", lambda one: 1e3 * one.duration(frame.normal), ".3f"),
-            ("normal rebound (m/s)", lambda one: one.velocity @ frame.normal, ".4f"),
-            ("tangential (m/s)", lambda one: one.velocity @ frame.tangent, ".4f"),
-            ("spin (rad/s)", lambda one: one.spin @ frame.axis, ".3f"),
-            ("energy kept", lambda one: one.energy / before, ".4f"),
-        ]
-    )
-    for one in impacts:
-        table.row(one)
-
-
-def convergence(impacts, references, frame):
-    """Prints the differences of impacts from both references, and their times. Returns the rows.
-
-    @param references  the finest run or the limit of each code, by code
-    """
-    columns = [("code", "code", ""), ("setting", "setting", "")]
-    columns += [(f"{text}, own / other", kind, ".1e") for kind, text in KINDS.items()]
-    columns += [("wall (s)", "seconds", ".2f"), ("processor (s)", "cpu_seconds", ".2f")]
-    columns += [("parts (processor s)", "parts", "")]
-    table, rows = tables.Table(columns), []
-    for one in impacts:
-        by = {code: difference(one, reference, frame) for code, reference in references.items()}
-        own, (other,) = by.pop(one.code), by.values()
-        own = None if one is references[one.code] else own
-        row = {"code": one.code, "setting": one.setting, "own": own, "other": other}
-        row |= {kind: Pair(own and own[kind], other[kind]) for kind in KINDS}
-        row |= {kind: one.total(kind) for kind in ("seconds", "cpu_seconds")}
-        row |= {"parts": " + ".join(f"{name} {part['cpu_seconds']:.2f}" for name, part in one.parts.items())}
-        rows.append(row)
-        table.row(row)
-    return rows
-
-
-class Pair(tuple):
-    """Two numbers in one cell."""
-
-    def __new__(cls, *values):
-        return super().__new__(cls, values)
-
-    def __format__(self, form):
-        return " / ".join(tables.show(value, form) for value in self)
-
-
-def equal_accuracy(rows, which, targets):
-    """Prints the processor time that each code needs for a largest difference from a reference: on the line in log-log through
-    its runs that no other run beats in both error and time, or that of its cheapest run if even this one is closer.
-
-    @param which  "own" or "other": the finest result of the same code or of the other one
-    """
-    print(f"\nProcessor time for a largest difference from the finest result of {NAMES[which]}:\n")
-    codes = list(dict.fromkeys(row["code"] for row in rows))
-    columns = [("difference", "target", ".1%")] + [(f"{code} (s)", code, "") for code in codes]
-    table = tables.Table([*columns, ("ratio", "ratio", "")])
-    for target in targets:
-        (ours, mark), (theirs, beyond) = (time_within(front(rows, code, which), target) for code in codes)
-        row = {"target": target, codes[0]: shown(mark, ours), codes[1]: shown(beyond, theirs)}
-        known = ours and theirs and not beyond
-        table.row(row | {"ratio": shown("≥ " if mark else "", theirs / ours) if known else "–"})
-
-
-def time_within(points, target):
-    """Time [s] at which the error is `target`, or None, and a mark: "≤ " if the error of all points is below."""
-    if not points or min(points)[0] > target:
-        return None, ""
-    if max(points)[0] <= target:
-        return min(seconds for _, seconds in points), "≤ "
-    return time_at(points, target)[0], ""
-
-
-def shown(mark, value):
-    return f"{mark}{value:.3g}" if value else "not reached"
-
-
-NAMES = {"own": "the same code", "other": "the other code"}
-
-
-def front(rows, code, which):
-    """Points (error, time) of a code that no other one of it beats in both."""
-    points = [
-        (row[which]["largest"], row["cpu_seconds"]) for row in rows if row["code"] == code and row[which]
-    ]
-    return [p for p in points if not any(q[0] <= p[0] and q[1] < p[1] for q in points if q is not p)]
-
-
-COLOURS = {"Ricochet": case.BLUE, "CalculiX": case.ORANGE}
-
-
-def draw(impacts, rows, frame, path):
-    """Draws the force histories of some impacts, and the error of all rows against their time."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(9.6, 3.6), layout="constrained")
-    axes = figure.subplots(1, 3)
-    drawn = set()
-    for one in impacts:
-        style = {"color": COLOURS[one.code], "linewidth": 1.2, "linestyle": ":" if one.code in drawn else "-"}
-        drawn.add(one.code)
-        time = np.linspace(0, one.time[-1], 2001)
-        for axis, direction, sign in ((axes[0], frame.normal, 1), (axes[1], frame.tangent, -1)):
-            axis.plot(
-                1e3 * time, sign * one.component(direction, time), label=f"{one.code}, {one.setting}", **style
-            )
-    axes[0].set(xlabel="time (ms)", ylabel="normal force (N)")
-    axes[1].set(xlabel="time (ms)", ylabel="friction (N)")
-    axes[1].set_ylim(bottom=-0.5 * axes[1].get_ylim()[1])
-    axes[1].legend(frameon=False, fontsize=7, loc="lower left")
-    for which, marker in (("own", "o"), ("other", "x")):
-        for code, colour in COLOURS.items():
-            points = [(r["cpu_seconds"], r[which]["largest"]) for r in rows if r["code"] == code and r[which]]
-            label = f"{code}, from {NAMES[which]}"
-            axes[2].loglog(*zip(*points), marker, color=colour, markersize=4, label=label)
-    axes[2].set(xlabel="processor time (s)", ylabel="largest difference")
-    axes[2].grid(True, which="both", color="#e4e4e4")
-    axes[2].set_ylim(top=1)
-    axes[2].legend(frameon=False, fontsize=7, loc="upper right")
-    tables.save(figure, path)

@@ -10,6 +10,7 @@ import numpy as np
 
 import calculix_contact
 import peer_impact
+import peer_report
 from benchmarks.calculix import Cache
 
 GEO = """
@@ -185,15 +186,15 @@ class ImpactTest(unittest.TestCase):
             {"code": "Ricochet", "own": {"largest": error}, "cpu_seconds": seconds}
             for error, seconds in ((0.1, 1), (0.1, 2), (0.02, 5), (0.05, 7))
         ]
-        self.assertEqual(peer_impact.front(rows, "Ricochet", "own"), [(0.1, 1), (0.02, 5)])
+        self.assertEqual(peer_report.front(rows, "Ricochet", "own"), [(0.1, 1), (0.02, 5)])
 
     def test_times_at_equal_accuracy(self):
         points = [(0.1, 1.0), (0.025, 4.0)]
-        seconds, mark = peer_impact.time_within(points, 0.05)
+        seconds, mark = peer_report.time_within(points, 0.05)
         self.assertAlmostEqual(seconds, 2, 12)
         self.assertEqual(mark, "")
-        self.assertEqual(peer_impact.time_within(points, 0.2), (1.0, "≤ "))
-        self.assertEqual(peer_impact.time_within(points, 0.01), (None, ""))
+        self.assertEqual(peer_report.time_within(points, 0.2), (1.0, "≤ "))
+        self.assertEqual(peer_report.time_within(points, 0.01), (None, ""))
 
 
 if __name__ == "__main__":

@@ -7,7 +7,8 @@ import numpy as np
 
 import calculix_contact
 import peer_impact
-from ricochet import errors, programs
+import peer_report
+from ricochet import programs
 
 TITLE = "A soft ball on a rigid plane, obliquely"
 
@@ -27,7 +28,6 @@ THEIRS = (
     (12.5, 1e12, 1e11),
     (12.5, 1e12, 3e11),
 )
-TARGETS = (0.1, 0.05, 0.03, 0.02, 0.01, 0.005, 0.002)
 
 
 def model(folder):
@@ -68,27 +68,8 @@ def run(folder, cache, figure):
     across = speed - (speed @ normal) * normal
     radius = float(np.ptp(body.node[:, 2])) / 2
     frame = peer_impact.Frame(normal, across / np.linalg.norm(across), -float(speed @ normal), radius)
-    impacts = list(ours(folder, mesh, body))
-    finest = impacts[-1]
     print(f"{len(body.node)} nodes, {len(body.element)} elements, mass {body.mass:.6g} kg\n")
-    peers = []
-    for name, found in theirs(folder, scene, body, obstacle, cache):
-        if found["complete"]:
-            peers.append(peer_impact.calculix(name, found, BODY))
-        else:
-            print(f"CalculiX, {name}: stops at {1e3 * found['time'][-1]:.3g} ms without convergence\n")
-    if len(peers) < 2:
-        raise errors.SolverError("ccx: fewer than two of its runs reach the end")
+    found = list(ours(folder, mesh, body))
+    peers = peer_impact.finished(theirs(folder, scene, body, obstacle, cache), BODY)
     limit = peer_impact.extrapolated(*peers[-2:], THEIRS[-1][2] / THEIRS[-2][2], "limit of rigid stick")
-    best = [finest, peers[-1], limit]
-    peer_impact.side_by_side(best, frame, body.mass * float(speed @ speed) / 2)
-    for one in best[1:]:
-        apart = peer_impact.difference(finest, one, frame)
-        words = (f"{text} {apart[kind]:.2%}" for kind, text in peer_impact.KINDS.items())
-        print(f"\nOur finest run differs from CalculiX, {one.setting}, by: {', '.join(words)}.")
-    print()
-    rows = peer_impact.convergence(impacts + peers, {"Ricochet": finest, "CalculiX": limit}, frame)
-    for which in ("own", "other"):
-        peer_impact.equal_accuracy(rows, which, TARGETS)
-    if figure:
-        peer_impact.draw(best, rows, frame, figure)
+    peer_report.compare(found, peers, limit, frame, body.mass * float(speed @ speed) / 2, figure)
