@@ -43,7 +43,7 @@ class Body:
     weight: np.ndarray  # (n) kg: the mean velocity is weight @ v / mass
     moment: np.ndarray  # (n,3) kg m: weight times position relative to the centre
     centre: np.ndarray  # (3) m
-    inertia: np.ndarray  # (3) kg m², about the centre
+    inertia: np.ndarray  # (3,3) kg m², about the centre
 
     @property
     def mass(self):
@@ -62,11 +62,11 @@ class Body:
         return self.weight @ v / self.mass
 
     def spin(self, v):
-        """Angular velocity [rad/s] about each axis: angular momentum over inertia."""
+        """Angular velocity [rad/s]: the inverse of the inertia times the angular momentum."""
         momentum = np.array(
             [self.moment[:, k - 2] @ v[:, k - 1] - self.moment[:, k - 1] @ v[:, k - 2] for k in range(3)]
         )
-        return momentum / self.inertia
+        return np.linalg.solve(self.inertia, momentum)
 
 
 def mesh_file(geo, parameters, order, path):
@@ -89,10 +89,24 @@ def mesh_file(geo, parameters, order, path):
         gmsh.finalize()
 
 
+def rotation(degrees):
+    """Matrix (3,3) of rotations about the fixed axes x, then y, then z."""
+    found = np.eye(3)
+    for k, angle in enumerate(np.radians(degrees)):
+        turn, (i, j) = np.eye(3), ((k + 1) % 3, (k + 2) % 3)
+        turn[i, i] = turn[j, j] = np.cos(angle)
+        turn[j, i], turn[i, j] = np.sin(angle), -np.sin(angle)
+        found = turn @ found
+    return found
+
+
 def body_of(path, name, table):
-    """The body of a .msh. @param table  its table of the resolved scene; rotations are not supported"""
+    """The body of a .msh. @param table  its table of the resolved scene; a body that is turned may have no supports"""
     import gmsh
 
+    turn = rotation(table["rotate_deg"])
+    if table["support"] and not np.array_equal(turn, np.eye(3)):
+        raise InputError(f"{path}: CalculiX is given supports along the axes of the world only")
     gmsh.initialize(readConfigFiles=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
@@ -103,7 +117,7 @@ def body_of(path, name, table):
             raise InputError(f"{path}: CalculiX is given tetrahedra of order 2 only")
         row = np.full(int(tags.max()) + 1, -1)
         row[tags.astype(int)] = np.arange(len(tags))
-        node = positions.reshape(-1, 3) + table["translate"]
+        node = positions.reshape(-1, 3) @ turn.T + table["translate"]
         element = row[elements[0].astype(int)].reshape(-1, 10)
         groups = {gmsh.model.getPhysicalName(d, tag): (d, tag) for d, tag in gmsh.model.getPhysicalGroups(2)}
 
@@ -128,7 +142,7 @@ def body_of(path, name, table):
     place = np.einsum("ga,eax->egx", shape, node[element])
     centre = np.einsum("eg,egx->x", mass, place) / mass.sum()
     place -= centre
-    square = np.einsum("eg,egx->x", mass, place**2)
+    square = np.einsum("eg,egx,egy->xy", mass, place, place)
     weight, moment = np.zeros(len(node)), np.zeros((len(node), 3))
     np.add.at(weight, element, mass @ shape)
     np.add.at(moment, element, np.einsum("eg,egx,ga->eax", mass, place, shape))
@@ -143,7 +157,7 @@ def body_of(path, name, table):
         weight,
         moment,
         centre,
-        square.sum() - square,
+        np.trace(square) * np.eye(3) - square,
     )
 
 

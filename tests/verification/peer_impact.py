@@ -3,10 +3,12 @@
 two of them."""
 import dataclasses
 import shutil
+import tomllib
 
 import h5py
 import numpy as np
 
+import calculix_contact
 from ricochet import errors, programs, timing
 
 SAMPLES = 20001  # of the histories that are compared
@@ -87,6 +89,40 @@ def difference(one, other, frame):
     return found | {"largest": max(found.values())}
 
 
+def bodies(path, words, folder):
+    """Meshes the bodies of a scene for both codes.
+
+    @param words   settings of the scene, as KEY=VALUE
+    @return  the resolved scene, its bodies for CalculiX by name, and the settings with which Ricochet reads the same meshes
+    """
+    scene = tomllib.loads(programs.resolved(path, programs.with_set(words)))
+    found, words = {}, list(words)
+    for name, table in scene["bodies"].items():
+        mesh = folder / f"{name}.msh"
+        calculix_contact.mesh_file(path.parent / table["mesh"], table["geometry"], table["order"], mesh)
+        found[name] = calculix_contact.body_of(mesh, name, table)
+        words += [f"bodies.{name}.mesh={programs.toml(str(mesh))}", f"bodies.{name}.geometry={{}}"]
+    return scene, found, words
+
+
+def half_space(scene, name, body):
+    """An obstacle of a resolved scene for CalculiX, large enough for this body."""
+    table = scene["obstacles"][name]
+    size = 2 * float(np.ptp(body.node, axis=0).max())
+    return calculix_contact.HalfSpace(name, table["point"], table["normal"], size)
+
+
+def sweep(scene, settings, steps, folder, body, model):
+    """Yields impacts by Ricochet. Each counts the whole time of its kernel.
+
+    @param steps  steps [µs] by band of the modes [kHz]
+    """
+    for band, of_band in steps.items():
+        impacts = {f"{band:g} kHz, {step:g} µs": [f"time.rate_hz={1e6 / step!r}"] for step in of_band}
+        words = [*settings, f"modes.up_to_hz={1e3 * band}"]
+        yield from ricochet(scene, words, impacts, folder / f"{band:g}-khz", body, model)
+
+
 def ricochet(scene, settings, steps, folder, body, model):
     """Runs kernel and impact of a scene and measures both. A kernel of an earlier call is computed again.
 
@@ -106,7 +142,8 @@ def ricochet(scene, settings, steps, folder, body, model):
             momentum = data["momentum"][-1]
             about_centre = data["angular_momentum"][-1] - np.cross(model.centre, momentum)
             force = file["contact/force"][:] @ -file["contact/normal"][:]
-            force -= file["contact/tangential_force"][:].sum(axis=1)
+            if "contact/tangential_force" in file:
+                force -= file["contact/tangential_force"][:].sum(axis=1)
             energy = sum(file[f"energy/{kind}"][-1] for kind in ("kinetic", "strain", "residual"))
             # The row of t_k is the mean over the step before, which is the force in its middle to second order.
             middle = file["contact/time"][:] - file["contact"].attrs["step"] / 2
@@ -118,7 +155,7 @@ def ricochet(scene, settings, steps, folder, body, model):
                     np.append(middle, [middle[-1] + file["contact"].attrs["step"], end]),
                     np.concatenate([force, np.zeros((2, 3))]),
                     momentum / model.mass,
-                    about_centre / model.inertia,
+                    np.linalg.solve(model.inertia, about_centre),
                     float(energy),
                     {"kernel": kernel, "impact": contact},
                 )

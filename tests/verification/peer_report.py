@@ -14,11 +14,11 @@ def compare(ours, peers, limit, frame, before, path):
     """Prints and draws a comparison.
 
     @param ours, peers  impacts; the last ones are the finest
-    @param limit        of the peer's impacts: the reference of both codes
+    @param limit        reference of the peer: the limit of its impacts, or the last of them
     @param before       kinetic energy [J] before the impact
     @param path         of the figure, or None
     """
-    best = [ours[-1], peers[-1], limit]
+    best = [ours[-1], peers[-1]] + ([limit] if limit is not peers[-1] else [])
     side_by_side(best, frame, before)
     for one in best[1:]:
         apart = difference(best[0], one, frame)

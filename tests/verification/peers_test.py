@@ -12,6 +12,7 @@ import calculix_contact
 import peer_impact
 import peer_report
 from benchmarks.calculix import Cache
+from ricochet.errors import InputError
 
 GEO = """
 SetFactory("OpenCASCADE");
@@ -24,6 +25,7 @@ Physical Surface("bottom") = {5};
 Physical Surface("top") = {6};
 """
 TABLE = {
+    "rotate_deg": [0, 0, 0],
     "translate": [0, 0, 0.5],
     "contact": ["bottom"],
     "support": {"side": "y"},
@@ -76,11 +78,27 @@ class CalculixContactTest(unittest.TestCase):
         body = self.body
         self.assertAlmostEqual(body.mass, 12, 9)
         np.testing.assert_allclose(body.centre, [0.5, 1, 2], atol=1e-9)
-        np.testing.assert_allclose(body.inertia, [13, 10, 5], rtol=1e-9)
+        np.testing.assert_allclose(body.inertia, np.diag([13, 10, 5]), atol=1e-9)
         spin, velocity = np.array([0.2, -0.3, 0.7]), np.array([1.0, 2, 3])
         v = velocity + np.cross(spin, body.node - body.centre)
         np.testing.assert_allclose(body.mean_velocity(v), velocity, rtol=1e-9)
         np.testing.assert_allclose(body.spin(v), spin, rtol=1e-9)
+
+    def test_a_turned_box(self):
+        table = TABLE | {"support": {}, "rotate_deg": [90, 0, 90]}
+        body = calculix_contact.body_of(self.folder / "box.msh", "box", table)
+        # y becomes z and then stays; z becomes -y and then x; x stays and then becomes y.
+        np.testing.assert_allclose(body.centre, [1.5, 0.5, 1.5], atol=1e-9)
+        np.testing.assert_allclose(body.inertia, np.diag([5, 13, 10]), atol=1e-9)
+        oblique = calculix_contact.body_of(
+            self.folder / "box.msh", "box", table | {"rotate_deg": [20, 30, 40]}
+        )
+        np.testing.assert_allclose(np.linalg.eigvalsh(oblique.inertia), [5, 10, 13], rtol=1e-9)
+        spin = np.array([0.2, -0.3, 0.7])
+        v = np.cross(spin, oblique.node - oblique.centre)
+        np.testing.assert_allclose(oblique.spin(v), spin, rtol=1e-9)
+        with self.assertRaisesRegex(InputError, "supports along the axes"):
+            calculix_contact.body_of(self.folder / "box.msh", "box", TABLE | {"rotate_deg": [0, 0, 1]})
 
     def test_faces_and_supports(self):
         corners = self.body.node[self.body.contact]

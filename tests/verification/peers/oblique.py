@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """A soft ball meets a rigid plane obliquely, with friction (`meshes/oblique/soft.toml`), by Ricochet and by CalculiX on the same
 nodes."""
-import tomllib
-
 import numpy as np
 
 import calculix_contact
@@ -14,7 +12,7 @@ TITLE = "A soft ball on a rigid plane, obliquely"
 
 SCENE = programs.ROOT / "meshes" / "oblique" / "soft.toml"
 BODY, OBSTACLE = "ball", "plane"
-# Ricochet: band of the modes [kHz], and steps [µs]. The last run is the finest.
+# Ricochet: steps [µs] by band of the modes [kHz]. The last run is the finest.
 OURS = {3: (50, 25), 6: (50, 25, 12.5), 12: (25, 12.5, 6.25), 30: (12.5, 6.25), 80: (1.5625,)}
 # CalculiX: step [µs], and penalties of pressure and of stick [N/m³]. The last two runs are extrapolated to rigid stick.
 THEIRS = (
@@ -30,18 +28,6 @@ THEIRS = (
 )
 
 
-def model(folder):
-    """The .msh, the resolved scene, and the body and the obstacle for CalculiX."""
-    scene = tomllib.loads(programs.resolved(SCENE, []))
-    table = scene["bodies"][BODY]
-    mesh = folder / f"{BODY}.msh"
-    calculix_contact.mesh_file(SCENE.with_name(table["mesh"]), table["geometry"], table["order"], mesh)
-    body = calculix_contact.body_of(mesh, BODY, table)
-    plane = scene["obstacles"][OBSTACLE]
-    size = 2 * float(np.ptp(body.node, axis=0).max())
-    return mesh, scene, body, calculix_contact.HalfSpace(OBSTACLE, plane["point"], plane["normal"], size)
-
-
 def theirs(folder, scene, body, obstacle, cache):
     """Yields setting and data of CalculiX's runs."""
     friction = scene["contact"]["pair"][0]["friction"]
@@ -52,24 +38,17 @@ def theirs(folder, scene, body, obstacle, cache):
         yield name, calculix_contact.run(folder / "calculix", [body], [obstacle], contact, steps, cache)
 
 
-def ours(folder, mesh, body):
-    """Yields our impacts. Each counts the whole time of its kernel."""
-    for band, steps in OURS.items():
-        words = [f"bodies.{BODY}.mesh={programs.toml(str(mesh))}", f"bodies.{BODY}.geometry={{}}"]
-        words.append(f"modes.up_to_hz={1e3 * band}")
-        impacts = {f"{band:g} kHz, {step:g} µs": [f"time.rate_hz={1e6 / step!r}"] for step in steps}
-        yield from peer_impact.ricochet(SCENE, words, impacts, folder / f"{band:g}-khz", BODY, body)
-
-
 def run(folder, cache, figure):
     """Computes all impacts, and prints and draws the comparison."""
-    mesh, scene, body, obstacle = model(folder)
+    scene, bodies, words = peer_impact.bodies(SCENE, [], folder)
+    body = bodies[BODY]
+    obstacle = peer_impact.half_space(scene, OBSTACLE, body)
     speed, normal = np.array(body.velocity), np.array(obstacle.normal)
     across = speed - (speed @ normal) * normal
     radius = float(np.ptp(body.node[:, 2])) / 2
     frame = peer_impact.Frame(normal, across / np.linalg.norm(across), -float(speed @ normal), radius)
     print(f"{len(body.node)} nodes, {len(body.element)} elements, mass {body.mass:.6g} kg\n")
-    found = list(ours(folder, mesh, body))
+    ours = list(peer_impact.sweep(SCENE, words, OURS, folder, BODY, body))
     peers = peer_impact.finished(theirs(folder, scene, body, obstacle, cache), BODY)
     limit = peer_impact.extrapolated(*peers[-2:], THEIRS[-1][2] / THEIRS[-2][2], "limit of rigid stick")
-    peer_report.compare(found, peers, limit, frame, body.mass * float(speed @ speed) / 2, figure)
+    peer_report.compare(ours, peers, limit, frame, body.mass * float(speed @ speed) / 2, figure)
