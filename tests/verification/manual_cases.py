@@ -38,6 +38,7 @@ ORDER = [
     "bars",
     "sphere",
     "box",
+    "nafems",
     "table1",
     "flexibility",
     "ball_at_rest",
