@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: BSD-2-Clause
+add_program_test(mutants mutants_test)
