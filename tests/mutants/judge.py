@@ -13,7 +13,7 @@ from folders import FOLDERS, targets
 
 KILLED, SURVIVED, UNCOMPILED = "killed", "survived", "uncompiled"
 # A test of googletest fails. The run ends here, because ranks of a collective test may now wait for each other.
-FAILURE = re.compile(r"^(?:\d+: )?\S+:\d+: Failure$")
+FAILURE = re.compile(r"^(?:\d+: )?(?:\S+:\d+|unknown file): Failure$")
 COMPILER = re.compile(r": (?:fatal )?error: |undefined reference to|FAILED: \S+\.o$", re.MULTILINE)
 SLOWER, GRACE_S = 4, 30  # a test may take SLOWER times its usual duration, and GRACE_S more
 UNKNOWN_S = 150  # the usual duration of a test that has not yet been measured

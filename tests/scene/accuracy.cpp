@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // `accuracy` chooses only settings that a scene leaves open. Scenes with the same bodies share them.
 #include <gmock/gmock.h>
+#include <sys/resource.h>
+
+#include <csignal>
 
 #include "src/scene/read.hpp"
 #include "src/scene/settings.hpp"
@@ -182,6 +185,23 @@ TEST(Settings, are_read_as_written) {
                               "[found]\nbasis = \"modes\"\nup_to_hz = 1.0\nbodies.a = { order = 2, "
                               "size_factor = 1.0, refine = [{}] }"})
     EXPECT_FALSE(parse_settings(damaged)) << damaged;
+}
+
+TEST(Settings, on_a_full_disk_are_an_error_and_leave_the_earlier_file) {
+  const Folder folder;
+  const Scene scene = scene_of(open_scene);
+  const std::filesystem::path file = folder.write("x.settings.toml", "earlier");
+  const auto fill = [&] {  // the limit represents a full disk; only the child process is subject to it
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{20, 20};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    complaint_of([&] { write_settings(some_settings(), scene, file); });
+    std::exit(testing::Test::HasFailure() ? 1 : 0);
+  };
+  EXPECT_EXIT(fill(), testing::ExitedWithCode(0), "^$");
+  std::ifstream left(file);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(left), {}), "earlier");
+  EXPECT_EQ(folder.entries(), 1U);
 }
 
 TEST(Settings, replace_only_what_is_open) {

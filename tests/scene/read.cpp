@@ -203,6 +203,12 @@ TEST(SceneValues, of_contact_adapted_bases_are_read) {
   EXPECT_FALSE(counted.residual_flexibility);
 }
 
+TEST(SceneValues, of_certified_modes_may_name_another_solver) {
+  EXPECT_EQ(scene_of(smallest, {"modes.solver=krylovschur"}).modes.solver, "krylovschur");
+  // the default may be named where no other solver is possible
+  EXPECT_EQ(scene_of(smallest, {"modes.solver=ricochet", "modes.approximate=1"}).modes.solver, "ricochet");
+}
+
 TEST(SceneValues, of_truncated_modes_are_read) {
   for (const char* basis : {"", "basis = \"modes\", "}) {
     const Modes modes =

@@ -263,6 +263,12 @@ TEST(Refused, are_block_iterations_out_of_range_or_without_a_use) {
         "modes.approximate = 6: must be from 0 to 5 block iterations (0: certified modes)"},
        {"count = 10", "count = 10\napproximate = -1",
         "modes.approximate = -1: must be from 0 to 5 block iterations (0: certified modes)"},
+       {"count = 10", "basis = \"contact\"\nup_to_hz = 1e3\nsolver = \"krylovschur\"",
+        "modes.solver = \"krylovschur\": finds certified modes: leave it out with basis = \"contact\" or "
+        "approximate"},
+       {"count = 10", "count = 10\napproximate = 1\nsolver = \"krylovschur\"",
+        "modes.solver = \"krylovschur\": finds certified modes: leave it out with basis = \"contact\" or "
+        "approximate"},
        {"count = 10", "basis = \"contact\"\nup_to_hz = 1e3\napproximate = 1",
         "modes.approximate = 1: is for basis = \"modes\": a contact-adapted basis needs no initial modes"},
        {"count = 10", "up_to_hz = 1e3\nflexibility_error = 1e-2\napproximate = 1",
