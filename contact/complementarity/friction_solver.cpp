@@ -139,14 +139,17 @@ bool FrictionSolver::add_closing(const Symmetric& S, const Right& r) noexcept {
     }
     return w;
   };
-  const double tolerance = std::max(system_.tolerance(), 1e-15 * largest_r_);
   for (int k = 0; k < point_count_; ++k) {
     Point& point = points_[k];
     if (point.touches) continue;
     const double share = options_.law == FrictionLaw::associated ? point.coefficient : 0;
     if (share == 0 && r(point.normal) < -root_(point.normal) * reach) continue;
     double gap = w_of(point.normal);
-    if (share > 0) gap -= share * std::hypot(w_of(point.tangential), w_of(point.tangential + 1));
+    double tolerance = std::max(system_.normal_tolerance(), 1e-15 * largest_normal_r_);
+    if (share > 0) {
+      gap -= share * std::hypot(w_of(point.tangential), w_of(point.tangential + 1));
+      tolerance = std::max(system_.tolerance(), 1e-15 * largest_r_);
+    }
     if (gap >= -tolerance) continue;
     point.touches = true;
     touching_[system_.points()] = k;
@@ -185,7 +188,7 @@ SolveStatus FrictionSolver::iterate(const Symmetric& S, const Right& r, Forces p
   SolveStatus status;
   do {
     gather(S, r);
-    status = system_.solve(largest_r_, left, statistics_);
+    status = system_.solve(largest_r_, largest_normal_r_, left, statistics_);
   } while (status == SolveStatus::solved && add_closing(S, r));
   return status;
 }
@@ -258,6 +261,9 @@ SolveStatus FrictionSolver::solve(const Symmetric& S, const Right& r,
     return SolveStatus::not_finite;
   }
   largest_r_ = r.cwiseAbs().maxCoeff();
+  largest_normal_r_ = 0;
+  for (int k = 0; k < point_count_; ++k)
+    largest_normal_r_ = std::max(largest_normal_r_, std::abs(r(points_[k].normal)));
   if (!std::isfinite(p.sum())) p.setZero();
   const std::int64_t pivots = statistics_.pivots, fallbacks = statistics_.fallbacks;
   SolveStatus status = iterate(S, r, p);

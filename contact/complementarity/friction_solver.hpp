@@ -53,7 +53,8 @@ class FrictionSolver {
   /// rows without friction. Without contacts, the answer is that of ComplementaritySolver.
   /// @param p  (n) in: a guess, such as the forces of the step before; out: exactly 0 at open points,
   /// otherwise in the cone to round-off
-  /// Conditions on w hold to 1e-12 (|r|_∞ + ‖S‖_∞ |p|_∞). A point that slips by less than that sticks.
+  /// Conditions on w hold to 1e-12 (|r|_∞ + ‖S‖_∞ |p|_∞), with |r|_∞ over normal rows alone for the gaps of
+  /// Coulomb's law. A point that slips by less than that sticks.
   ///
   /// With the status `limited`, p is in the cone and pᵀ(r − S p) ≥ 0, so that contact gives no energy. If
   /// there is no solution or a value is not finite, p is 0.
@@ -103,12 +104,12 @@ class FrictionSolver {
   Eigen::Index known_ = 0;  ///< size of the matrix that is known
   int point_count_ = 0;
   std::size_t contact_count_ = 0;
-  bool gathered_ = false;      ///< whether the system has the matrix of its points
-  double largest_r_ = 0;       ///< |r|_∞
-  std::vector<Point> points_;  ///< all normal rows, those of contacts first
-  std::vector<int> touching_;  ///< points of the system
+  bool gathered_ = false;                        ///< whether the system has the matrix of its points
+  double largest_r_ = 0, largest_normal_r_ = 0;  ///< |r|_∞, and over normal rows
+  std::vector<Point> points_;                    ///< all normal rows, those of contacts first
+  std::vector<int> touching_;                    ///< points of the system
   std::vector<ContactState> states_;
-  std::vector<double> slips_;           ///< |w_t| of slip
+  std::vector<double> slips_;             ///< |w_t| of slip
   Eigen::VectorXd root_, work_, forces_;  ///< (n) √S_ii; scratch
   Eigen::MatrixXd normal_;                ///< (n,n) scratch
 };

@@ -12,7 +12,7 @@ using Eigen::Map;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double precision = 3e-13;    // of w, relative to |r|_∞ + ‖A‖_∞ |p|_∞
+constexpr double precision = 3e-13;  // of w, relative to |r|_∞ + ‖A‖_∞ |p|_∞, over normal rows or over all
 constexpr double polished_to = 0.01;   // of that precision
 constexpr double negligible = 1e-14;   // share of |p|_∞ that changes w by less than its tolerance
 constexpr double proximal = 1e-13;     // share of max A_ii added to the diagonal against singular matrices
@@ -86,7 +86,9 @@ void FrictionSystem::evaluate() noexcept {
 #pragma GCC ivdep
     for (int i = 0; i < rows_; ++i) out[i] += a * column[i] + b * second[i] + c * third[i];
   }
-  tolerance_ = precision * scale();
+  const double by_forces = norm_ * largest_of(p_, rows_);
+  tolerance_ = precision * (largest_r_ + by_forces);
+  normal_tolerance_ = precision * (largest_normal_r_ + by_forces);
 }
 
 /// Moves the force of point k to the set of its state. Returns whether the state changes: a force outside the
@@ -121,7 +123,7 @@ double FrictionSystem::contradiction(int k) const noexcept {
   const double normal = w_[row];
   if (touch.state == ContactState::open) {
     const double gap = normal - (share(touch) > 0 ? share(touch) * tangential(w_, row).norm() : 0);
-    return gap < -tolerance_ ? force_for(-gap, entry(row)) : 0;
+    return gap < -(share(touch) > 0 ? tolerance_ : normal_tolerance_) ? force_for(-gap, entry(row)) : 0;
   }
   double worst = std::max(0.0, -p_[row]);
   if (touch.rows() == 1) return worst;
@@ -186,12 +188,16 @@ bool FrictionSystem::classify() noexcept {
   return true;
 }
 
-/// Distance of w from the values that p and the states admit.
+/// Distance of w from the values that p and the states admit, in units in which all rows have the same
+/// tolerance.
 double FrictionSystem::violation() const noexcept {
+  // A fast belt makes large slips, but no large gaps.
+  const double weight =
+      law_ == FrictionLaw::coulomb && normal_tolerance_ > 0 ? tolerance_ / normal_tolerance_ : 1;
   double worst = 0;
   for (int k = 0; k < count_; ++k) {
     const Touch& touch = touch_[k];
-    const double normal = w_[touch.row];
+    const double normal = weight * w_[touch.row];
     double error = std::abs(normal);
     if (touch.state == ContactState::open) {
       error = -normal + (share(touch) > 0 ? share(touch) * tangential(w_, touch.row).norm() : 0);
@@ -291,7 +297,7 @@ void FrictionSystem::renew_factor() noexcept {
     const double along = touch.slip;
     const double alone = first[touch.row] > 0 ? (share(touch) * along - w_[touch.row]) / first[touch.row] : 0;
     const double normal = std::max(p_[touch.row], alone);
-    J(c, c) += ridge + (normal > 0 ? std::min(along / (mu * normal), 1e12 * diagonal_) : 1e12 * diagonal_);
+    J(c, c) += ridge + (normal > 0 ? along / (mu * normal) : 1e12 * diagonal_);
     ++c;
   }
   factor_count_ = count_;
@@ -395,10 +401,10 @@ void FrictionSystem::guess_state(int k, ContactState before, double slip) noexce
 }
 
 /// Newton's method until the error is below `target` and no state contradicts the forces, or until the error
-/// has not halved in a number of steps. The first step keeps the states: w belongs to forces of another r
-/// there, and would change many of them wrongly. A factor serves for further steps while the states stay and
-/// each step reduces the error to a tenth, and for a last one to round-off: the heat of a point that hardly
-/// slips errs by the residual.
+/// has not halved in a number of steps. The first step keeps the states, unless all points are open: w
+/// belongs to forces of another r there, and would change many of them wrongly. A factor serves for further
+/// steps while the states stay and each step reduces the error to a tenth, and for a last one to round-off:
+/// the heat of a point that hardly slips errs by the residual.
 SolveStatus FrictionSystem::try_newton(int& left, SolveStatistics& statistics, double target) noexcept {
   best_error_ = std::numeric_limits<double>::infinity();
   double before = std::numeric_limits<double>::infinity();
@@ -406,8 +412,10 @@ SolveStatus FrictionSystem::try_newton(int& left, SolveStatistics& statistics, d
   contradicted_ = false;
   bool polished = false;
   evaluate();
-  for (bool first = true;; first = false) {
-    if (!first && classify()) {
+  const bool is_open = std::all_of(touch_.begin(), touch_.begin() + count_,
+                                   [](const Touch& touch) { return touch.state == ContactState::open; });
+  for (bool keeps = !is_open;; keeps = false) {
+    if (!keeps && classify()) {
       evaluate();
       ++statistics.pivots;
     }
@@ -415,7 +423,7 @@ SolveStatus FrictionSystem::try_newton(int& left, SolveStatistics& statistics, d
     if (!std::isfinite(error + tolerance_)) return SolveStatus::not_finite;
     if (keep_best(error)) patience = patience_of_newton;
     if (error <= std::max(target, tolerance_) && !contradicted_) {
-      if (target > 0 || polished || error < polished_to * tolerance_ || !has_factor())
+      if (target > 0 || polished || error <= polished_to * tolerance_ || !has_factor())
         return SolveStatus::solved;
       polished = true;
     }
@@ -440,8 +448,10 @@ void FrictionSystem::restore_answer() noexcept {
   std::copy_n(answer_touch_.begin(), count_, touch_.begin());
 }
 
-SolveStatus FrictionSystem::solve(double largest_r, int& left, SolveStatistics& statistics) noexcept {
+SolveStatus FrictionSystem::solve(double largest_r, double largest_normal_r, int& left,
+                                  SolveStatistics& statistics) noexcept {
   largest_r_ = largest_r;
+  largest_normal_r_ = largest_normal_r;
   keep_answer();
   SolveStatus status = try_newton(left, statistics);
   if (status == SolveStatus::limited && left > 0) {

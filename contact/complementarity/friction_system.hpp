@@ -58,8 +58,10 @@ class FrictionSystem {
   void guess_state(int k, ContactState before, double slip) noexcept;
 
   /// Solves the system from the given p and states. `limited`: p is an iterate, in the cone.
-  /// @param largest_r  |r|_∞ of the whole problem   @param left  in and out: iterations left
-  SolveStatus solve(double largest_r, int& left, SolveStatistics& statistics) noexcept;
+  /// @param largest_r, largest_normal_r  |r|_∞ of the whole problem, over all rows and over normal rows
+  /// @param left  in and out: iterations left
+  SolveStatus solve(double largest_r, double largest_normal_r, int& left,
+                    SolveStatistics& statistics) noexcept;
   /// Whether the solution is regular and the determinant of Newton's matrix is negative there.
   bool has_negative_determinant() noexcept;
   /// Looks for another solution near the present one. If it returns true, p, w and the states are those of
@@ -67,7 +69,9 @@ class FrictionSystem {
   bool find_another(SolveStatistics& statistics) noexcept;
 
   double tolerance() const { return tolerance_; }  ///< of w
-  double scale() const;                            ///< |r|_∞ + ‖A‖_∞ |p|_∞ of the last p
+  /// Of w in normal rows. The associated law, where gaps follow from slips, does not use it.
+  double normal_tolerance() const { return normal_tolerance_; }
+  double scale() const;  ///< |r|_∞ + ‖A‖_∞ |p|_∞ of the last p
 
  private:
   void evaluate() noexcept;
@@ -108,7 +112,8 @@ class FrictionSystem {
   bool cautious_ = true;                        ///< whether few states change at once
   bool contradicted_ = false;                   ///< whether states were left that contradict the forces
   double norm_ = 0, diagonal_ = 0, ridge_ = 0;  ///< ‖A‖_∞, max A_ii
-  double largest_r_ = 0, tolerance_ = 0, best_error_ = 0;
+  double largest_r_ = 0, largest_normal_r_ = 0;
+  double tolerance_ = 0, normal_tolerance_ = 0, best_error_ = 0;
 };
 
 }  // namespace ricochet::contact

@@ -410,6 +410,59 @@ TEST(FrictionSolver, sticks_if_mu_is_large) {
   }
 }
 
+/// Points that are pressed together with a known sliding direction t each: w_t = slip · t, p_t = −μ p_n t.
+struct Sliding {
+  MatrixXd S;
+  VectorXd along, force;  ///< unit slips in tangential rows; p for any slip that is large enough
+  VectorXd push;          ///< S force
+  std::vector<FrictionContact> contacts;
+};
+
+Sliding sliding_points(Random& random, int points, double coefficient) {
+  Problem problem = random_problem(random, points, 0, coefficient, 0.1);
+  Sliding out{problem.S, VectorXd::Zero(3 * points), VectorXd::Zero(3 * points), {}, problem.contacts};
+  for (int k = 0; k < points; ++k) {
+    const double angle = uniform(random, 0, 6);
+    const Vector2d t(std::cos(angle), std::sin(angle));
+    out.along.segment<2>(points + 2 * k) = t;
+    out.force(k) = uniform(random, 0.1, 1);
+    out.force.segment<2>(points + 2 * k) = -coefficient * out.force(k) * t;
+  }
+  out.push = out.S * out.force;
+  return out;
+}
+
+// The forces are those for which the problem was made, whatever the slip and however small the coefficient.
+TEST(FrictionSolver, finds_the_forces_of_sliding_points_at_any_speed_and_for_any_small_mu) {
+  Random random(21);
+  FrictionSolver solver(60);
+  for (const double mu : {1e-30, 1e-12, 1e-6, 0.2})
+    for (const double slip : {1e-3, 1.0, 1e9, 1e18, 1e30}) {
+      const int points = 12;
+      const Sliding made = sliding_points(random, points, mu);
+      VectorXd p = VectorXd::Zero(3 * points);
+      solver.reset();
+      ASSERT_EQ(solver.solve(made.S, made.push - slip * made.along, made.contacts, p), SolveStatus::solved)
+          << mu << " " << slip;
+      // 1e-10: tolerance times condition number
+      EXPECT_LE((p - made.force).head(points).cwiseAbs().maxCoeff(), 1e-10) << mu << " " << slip;
+      if (slip >= 1) {
+        EXPECT_LE((p - made.force).tail(2 * points).cwiseAbs().maxCoeff(), 1e-10 * mu) << mu << " " << slip;
+      }
+    }
+}
+
+TEST(FrictionSolver, has_nothing_to_do_where_points_touch_at_rest) {
+  Random random(22);
+  const Problem problem = random_problem(random, 5, 0, 0.3, 0.1);
+  FrictionSolver solver(15);
+  VectorXd p = VectorXd::Zero(15);
+  ASSERT_EQ(solver.solve(problem.S, VectorXd::Zero(15), problem.contacts, p), SolveStatus::solved);
+  EXPECT_EQ(p, VectorXd::Zero(15));
+  EXPECT_EQ(solver.statistics().renewals, 0);
+  EXPECT_EQ(solver.statistics().limited, 0);
+}
+
 // A block on an inclined plane, r = weight along its rows: it sticks up to tan = μ and slips downhill beyond
 // it.
 TEST(FrictionSolver, holds_a_block_up_to_the_angle_of_friction) {
@@ -583,6 +636,20 @@ TEST(FrictionSolver, gives_no_energy_if_it_is_stopped_and_continues_from_there) 
     }
   }
   EXPECT_GT(stopped, 300);
+}
+
+// A single iteration for each step, as max_pivots = 1 asks for. All points are pressed and far from slipping.
+TEST(FrictionSolver, presses_points_that_close_in_a_single_iteration) {
+  Random random(23);
+  const Problem problem = random_problem(random, 6, 0, 1e3, 0.1);
+  VectorXd expected = VectorXd::Zero(18), p = expected;
+  expected.head(6).setConstant(1);
+  FrictionSolver solver(18, {.max_iterations = 1});
+  const VectorXd r = problem.S * expected;
+  int calls = 1;
+  while (solver.solve(problem.S, r, problem.contacts, p) == SolveStatus::limited && calls < 10) ++calls;
+  EXPECT_LT(calls, 10);
+  EXPECT_LE((p - expected).cwiseAbs().maxCoeff(), 1e-10) << "tolerance times condition number";
 }
 
 // ---- Warm start ----
