@@ -116,6 +116,7 @@ class Rods(ReportTest):
         self.scene_repeats_the_run(found.one(id="scene")[2], summary)
         self.motion_is_that_of_the_modes(run["motion"])
         self.area_below_the_force_is_the_impulse(run, summary)
+        self.charts_show_the_impact_of_equal_rods(run["charts"]["contact"])
 
     def test_the_controls_do_what_they_say(self):
         self.succeed(contact(self.scene, self.out, *RODS, "time.duration=0.11", "output.snapshot_every=9"))
@@ -188,6 +189,34 @@ class Rods(ReportTest):
         )  # times have 32 bits, and lines are thinned to the peaks
         self.assertAlmostEqual(run["episodes"][0][0], summary["contact_start_s"], delta=1e-9)
         self.assertEqual(np.nanmax(force), np.float32(summary["peak_force_n"]))
+
+    def charts_show_the_impact_of_equal_rods(self, charts):
+        """One rod arrives at 300 m/s over a gap of 0.1 m. While they touch, both ends move at half the speed, and then the
+        other rod leaves at the speed of the first."""
+        speed, gap = 300, 0.1
+        lines = {
+            (chart["key"], line["name"]): (
+                unpacked(line["x"]).astype(float),
+                unpacked(line["y"]).astype(float),
+            )
+            for chart in charts
+            for line in chart["lines"]
+        }
+        for name, before, after, start in (("moving", speed, 0, -gap), ("resting", 0, speed, 0)):
+            time, mean = lines["speed", f"{name}, mean of its mass"]
+            self.assertAlmostEqual(mean[0], before, delta=1e-3 * speed)
+            self.assertAlmostEqual(mean[-1], after, delta=0.05 * speed)
+            _, at_point = lines["speed", f"{name}, contact point"]
+            self.assertAlmostEqual(np.nanmean(at_point), speed / 2, delta=0.1 * speed)
+            # 1e-6: storage in 32 bits
+            when, place = lines["place", f"{name}, mean of its mass"]
+            self.assertAlmostEqual(place[0], start + before * when[0], delta=1e-6)
+        # The ends touch where their lines meet: at the place of the resting rod, which moves on.
+        (_, arriving), (_, struck) = (
+            lines["place", f"{name}, contact point"] for name in ("moving", "resting")
+        )
+        self.assertLess(np.nanmax(np.abs(arriving - struck)), 0.02 * np.nanmax(struck))
+        self.assertLess(np.abs(struck[0]), 0.02 * np.nanmax(struck))
 
     def motion_is_that_of_the_modes(self, motion):
         """Compares the motion, up to the error that the page states and to storage in 32 and 15 bits."""

@@ -96,6 +96,13 @@ class Results(FrictionTest):
         np.testing.assert_allclose(result.ledger, result.ledger[0], rtol=1e-12)
         self.assertGreater(np.ptp(result.ledger - result.energy["friction"]), 0.1 * result.ledger[0])
 
+    def test_has_terms_for_charts_whose_sum_is_the_ledger(self):
+        for friction in ({}, {"friction": None}):
+            history, _ = self.history(**friction)
+            self.assertGreater(np.ptp(history.terms["loads"]), 0)
+            self.assertEqual("friction" in history.terms, not friction)
+            np.testing.assert_allclose(sum(history.terms.values()), history.ledger, rtol=1e-12)
+
     def test_has_the_figures_of_friction_with_types(self):
         result, _ = self.made()
         found = result.friction
