@@ -51,6 +51,7 @@ ORDER = [
     "plate",
     "alumina_on_glass",
     "glass_balls",
+    "ball_materials",
     "polycarbonate_bar",
     "aluminium_block",
     "steel_cylinder",
