@@ -138,6 +138,7 @@ def front(rows, code, which):
 
 
 COLOURS = {"Ricochet": case.BLUE, "CalculiX": case.ORANGE}
+LINES = {"Ricochet": "-", "CalculiX": "--"}
 
 
 def draw(impacts, rows, frame, path):
@@ -151,7 +152,7 @@ def draw(impacts, rows, frame, path):
     for axes, (label, direction) in zip(of_force, forces):
         drawn = set()
         for one in impacts:
-            line = ":" if one.code in drawn else "-"
+            line = ":" if one.code in drawn else LINES[one.code]
             drawn.add(one.code)
             time = np.linspace(0, one.time[-1], 2001)
             force = frame.copies * one.component(direction, time)
@@ -160,7 +161,7 @@ def draw(impacts, rows, frame, path):
         axes.set(xlabel="time (ms)", ylabel=label)
     # The legend is below the curves.
     low, high = axes.get_ylim()
-    axes.set_ylim(min(low, -0.5 * high), high)
+    axes.set_ylim(min(low, -0.15 * len(impacts) * high), high)
     axes.legend(frameon=False, fontsize=7, loc="lower left")
     for which, marker in (("own", "o"), ("other", "x")):
         for code, colour in COLOURS.items():

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Comparisons with other codes: the input of CalculiX, its output, and differences of impacts."""
 
+import contextlib
+import dataclasses
+import io
 import pathlib
 import shutil
 import tempfile
@@ -12,6 +15,7 @@ import calculix_contact
 import peer_impact
 import peer_report
 from benchmarks.calculix import Cache
+from ricochet import programs
 from ricochet.errors import InputError
 
 GEO = """
@@ -99,6 +103,34 @@ class CalculixContactTest(unittest.TestCase):
         np.testing.assert_allclose(oblique.spin(v), spin, rtol=1e-9)
         with self.assertRaisesRegex(InputError, "supports along the axes"):
             calculix_contact.body_of(self.folder / "box.msh", "box", TABLE | {"rotate_deg": [0, 0, 1]})
+
+    def test_parameters_of_a_geometry(self):
+        geo = self.folder / "cube.geo"
+        geo.write_text(
+            'DefineConstant[a = 1];\nSetFactory("OpenCASCADE");\nBox(1) = {0, 0, 0, a, a, a};\n'
+            'Physical Volume("box") = {1};\nPhysical Surface("bottom") = {5};\n'
+        )
+        for parameters, volume in (({}, 1), ({"a": 3.0}, 27)):
+            calculix_contact.mesh_file(geo, parameters, 2, self.folder / "cube.msh")
+            body = calculix_contact.body_of(self.folder / "cube.msh", "box", TABLE | {"support": {}})
+            self.assertAlmostEqual(body.mass, 2 * volume, 9)
+
+    def test_the_bracket_stands_on_its_corner(self):
+        path = programs.ROOT / "meshes" / "bracket" / "bracket.toml"
+        scene, bodies, words = peer_impact.bodies(path, [], self.folder)
+        bracket = bodies["bracket"]
+        lowest = bracket.node[:, 2].argmin()
+        # 1 µm in the scene; the nearest node is within half an element of 0.1 mm on a sphere of 5.8 mm.
+        self.assertGreater(bracket.node[lowest, 2], 0.9e-6)
+        self.assertLess(bracket.node[lowest, 2], 1.5e-6)
+        self.assertLess(
+            np.linalg.norm(bracket.node[bracket.contact] - bracket.node[lowest], axis=2).min(), 1e-4
+        )
+        # Two plates, but for the worn corner.
+        self.assertAlmostEqual(bracket.mass / (7850 * (0.06 + 0.034) * 0.04 * 0.006), 1, 3)
+        floor = peer_impact.half_space(scene, "floor", bracket)
+        np.testing.assert_allclose(floor.nodes()[4:, 2], 0, atol=1e-12)
+        self.assertIn("bodies.bracket.geometry={}", words)
 
     def test_faces_and_supports(self):
         corners = self.body.node[self.body.contact]
@@ -190,6 +222,20 @@ class ImpactTest(unittest.TestCase):
         for kind, value in expected.items():
             self.assertAlmostEqual(found[kind], value, 9, kind)
         self.assertAlmostEqual(one.duration(FRAME.normal), 1, 1)
+
+    def test_only_the_kinds_of_a_frame_are_compared(self):
+        frame = dataclasses.replace(FRAME, kinds=("normal", "rebound"))
+        one, other = (
+            impact("Ricochet", np.array([1.0]), np.array([[0, 0, f]]), [0, 0, f]) for f in (1.0, 2.0)
+        )
+        self.assertEqual(
+            peer_impact.difference(one, other, frame), {"normal": 0.5, "rebound": 0.5, "largest": 0.5}
+        )
+        with contextlib.redirect_stdout(io.StringIO()) as printed:
+            peer_report.side_by_side([one], dataclasses.replace(frame, copies=4), 1.0)
+        head, _, row = printed.getvalue().splitlines()
+        self.assertEqual(head.count("friction") + head.count("spin"), 0)
+        self.assertEqual(row.split(" | ")[1], "4")
 
     def test_a_limit_is_extrapolated(self):
         time = np.array([0.5, 1.0])
