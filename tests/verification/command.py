@@ -10,7 +10,6 @@ from ricochet import errors
 OTHERS = {
     "--extremes": "extremes_table",
     "--bodies": "random_bodies",
-    "--errors": "errors_caught",
     "--estimates": "true_errors",
     "--friction": "friction_energy",
     "--geometries": "gmsh_demos",

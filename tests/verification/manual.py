@@ -18,7 +18,7 @@ The exit status is 0 if every line passes or is a known failure, one whose reaso
 that passes makes the run fail, so that this page is corrected. Scenes and results stay in `build/verify/<case>/`. Errors are
 relative to the reference, except where the reference is 0 or the error is marked "abs.". Times are processor seconds of one run, on {machine}.
 Further tests cover the [ends of the range of each setting](#extremes). [Measured impacts](measurements.md) is the page of the published
-experiments. [Deliberate errors](errors.md) lists, for each law and scheme, which lines fail if the program is wrong.
+experiments.
 
 {count}
 """
