@@ -115,9 +115,7 @@ class Verify(unittest.TestCase):
         self.assertIn(f"It has {extremes} lines: {extremes} pass, 0 fail.", text)
         drawn = {path.name for path in (MANUAL / "figures").glob("*.png")}
         wall = (MANUAL / "measurements.md").read_text()
-        self.assertEqual(
-            {part.split(")")[0] for part in (text + wall).split("](figures/")[1:]}, drawn
-        )
+        self.assertEqual({part.split(")")[0] for part in (text + wall).split("](figures/")[1:]}, drawn)
 
 
 if __name__ == "__main__":
