@@ -303,13 +303,16 @@ def read(text, bodies):
 
 def run(folder, bodies, obstacles, contact, steps, cache):
     """Runs ccx with one thread unless the cache has this input. Returns the data of `read` with wall and processor time [s]
-    and `complete`: False if ccx stopped before the end."""
+    and `complete`: False if ccx stopped before the end. A run that a signal ended is an error, and is not cached.
+    """
     text = deck(bodies, obstacles, contact, steps)
     entry = cache.entry({"input_sha256": hashlib.sha256(text.encode()).hexdigest(), "threads": 1})
     if not entry["runs"]:
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "impact.inp").write_text(text)
         done = timing.timed(["ccx", "-i", "impact"], folder)
+        if done.status < 0:
+            raise SolverError(f"ccx: ended by signal {-done.status}")
         printed = folder / "impact.dat"
         found = read(printed.read_text() if printed.is_file() else "", bodies)
         if not found["time"]:

@@ -4,10 +4,12 @@
 import contextlib
 import dataclasses
 import io
+import os
 import pathlib
 import shutil
 import tempfile
 import unittest
+import unittest.mock
 
 import numpy as np
 
@@ -16,7 +18,7 @@ import peer_impact
 import peer_report
 from benchmarks.calculix import Cache
 from ricochet import programs
-from ricochet.errors import InputError
+from ricochet.errors import InputError, SolverError
 
 GEO = """
 SetFactory("OpenCASCADE");
@@ -176,6 +178,20 @@ class CalculixContactTest(unittest.TestCase):
         np.testing.assert_allclose(found["energy"], 0.6, rtol=1e-5)
         again = calculix_contact.run(self.folder / "none", *words, Cache(self.folder / "cache.json"))
         self.assertEqual(again, found)
+
+    def test_a_run_that_was_killed_is_not_kept(self):
+        program = self.folder / "killed" / "ccx"
+        program.parent.mkdir()
+        program.write_text("#!/bin/sh\nkill -TERM $$\n")
+        program.chmod(0o755)
+        contact = calculix_contact.Contact("box", "plane", 1e6)
+        cache, steps = Cache(), calculix_contact.Steps(0.1, 0.2)
+        path = f"{program.parent}:{os.environ['PATH']}"
+        with unittest.mock.patch.dict(os.environ, PATH=path), self.assertRaisesRegex(
+            SolverError, "signal 15"
+        ):
+            calculix_contact.run(program.parent, [self.body], [], contact, steps, cache)
+        self.assertEqual(cache.entries[0]["runs"], [])
 
     @unittest.skipUnless(shutil.which("ccx"), "CalculiX is not installed: scripts/setup --tests")
     def test_two_elastic_bodies_exchange_momentum(self):
