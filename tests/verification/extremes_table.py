@@ -18,6 +18,8 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import extreme_accuracy
+import extreme_contact
 import extreme_impacts
 import extreme_models
 from extreme_bench import Bench, Row, Unexpected
@@ -36,8 +38,8 @@ Settings are those of the scenes in `tests/verification/extreme_bench.py`, a blo
 meets the floor and two rods with c = 1, both at a hundredth of the wave speed, with the change that the line
 states.
 
-The cases are in `extreme_models.py` and `extreme_impacts.py` of `tests/verification/` (programs, as a user runs
-them) and in `tests/contact/extremes.cpp` (the library).
+The cases are in `extreme_*.py` of `tests/verification/` (programs, as a user runs them) and in
+`tests/contact/extremes.cpp` (the library).
 
 | what | set | must be | bound | found | |
 |---|---|---|---|---|---|
@@ -71,7 +73,13 @@ def stepping(_):
     yield Row(f"{len(tests)} tests of stepping", "all pass", 0, len(failed))
 
 
-ALL = [*extreme_models.ALL, *extreme_impacts.ALL, stepping]
+ALL = [
+    *extreme_models.ALL,
+    *extreme_impacts.ALL,
+    *extreme_accuracy.ALL,
+    *extreme_contact.ALL,
+    stepping,
+]
 
 
 def rows_of(kind):
