@@ -52,6 +52,7 @@ ORDER = [
     "alumina_on_glass",
     "glass_balls",
     "ball_materials",
+    "balls_on_plates",
     "polycarbonate_bar",
     "aluminium_block",
     "steel_cylinder",

@@ -54,15 +54,6 @@ def draw(axes, names, colours, measured, incidents, after):
     left.legend(loc="upper right")
     for name, colour, pair, incident, velocity in zip(names, colours, measured, incidents, after):
         fine = np.linspace(0, 1.1 * pair.limit(), 200)
-        stuck = np.linspace(0, pair.limit(), 2) / pair.friction
-        right.fill_between(
-            stuck,
-            -(pair.sticking - pair.sticking_error) * stuck,
-            -(pair.sticking + pair.sticking_error) * stuck,
-            color=colour,
-            alpha=0.12,
-            linewidth=0,
-        )
         right.plot(
             fine / pair.friction, pair.described(fine) / pair.friction, "--", color=colour, linewidth=0.9
         )
@@ -74,7 +65,7 @@ def draw(axes, names, colours, measured, incidents, after):
             markersize=3.5,
             label=name,
         )
-    right.plot([], [], "--", color=GREY, linewidth=0.9, label="authors' fit, error shaded")
+    right.plot([], [], "--", color=GREY, linewidth=0.9, label="authors' fit")
     right.set(
         xlabel="before: v_t/(μ v_n)", ylabel="after: v_t/(μ v_n)", title="Tangential velocity of the contact"
     )
