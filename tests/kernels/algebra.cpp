@@ -225,6 +225,16 @@ TEST(Truncation, to_a_number_keeps_multiple_modes_whole) {
   EXPECT_EQ(truncated_to_count(kernel, 40).modes.certificate.upto_hz, kernel.modes.certificate.upto_hz);
 }
 
+// Even one mode that was truncated: the rest are not all modes below the end.
+TEST(Truncation, is_refused_after_a_truncation_that_left_gaps) {
+  Kernel kernel = Bar{}.kernel();
+  kernel.modes.certificate.left_out = 1;
+  for (const std::string& line : {complaint_of([&] { truncated_to_band(kernel, {0.9}); }),
+                                  complaint_of([&] { truncated_to_count(kernel, 3); }),
+                                  complaint_of([&] { truncated_to_flexibility_error(kernel, {1.0}, 0.05); })})
+    EXPECT_NE(line.find("1 of its modes were truncated"), std::string::npos) << line;
+}
+
 TEST(Truncation, needs_no_residual_flexibility_and_no_visualisation_surface) {
   Kernel kernel = Bar{}.kernel();
   kernel.surface.residual_flexibility.clear();
@@ -317,6 +327,63 @@ TEST(Rescaling, scales_the_response_to_sources_with_size_and_stiffness) {
     return sum;
   };
   EXPECT_NEAR(moved_by(made), moved_by(had), 1e-12 * std::abs(moved_by(had)));
+}
+
+/// A factor of kg^mass m^length s^time.
+struct Unit {
+  double mass = 0, length = 0, time = 0;
+};
+
+// A body with Young's modulus × 3, density × 5 and size × 2 is the same body in other units of mass, length
+// and time, so each datum gets the factor of its unit. Loads are per N or per Pa, which are not scaled.
+TEST(Rescaling, gives_each_datum_the_factor_of_its_unit) {
+  const Kernel had = sample_kernel(3), made = rescaled(had, {.young = 3, .density = 5, .scale = 2}, {});
+  const double length = 2, mass = 5 * length * length * length;
+  const double time = std::sqrt(mass / (3 * length));  // Pa = kg m⁻¹ s⁻²
+  const auto expect_unit = [&](const auto& to, const auto& from, Unit unit, const std::string& name) {
+    std::vector<double> expected;
+    for (const auto value : from)
+      expected.push_back(value * std::pow(mass, unit.mass) * std::pow(length, unit.length) *
+                         std::pow(time, unit.time));
+    expect_close(std::vector<double>(to.begin(), to.end()), expected, name,
+                 1e-6);  // views hold single precision
+  };
+  const Unit flexibility{-1, 0, 2};
+  expect_unit(made.centre, had.centre, {0, 1, 0}, "centre");
+  expect_unit(made.inertia, had.inertia, {1, 2, 0}, "inertia");
+  expect_unit(made.outline, had.outline, {0, 1, 0}, "outline");
+  expect_unit(made.modes.angular_frequency, had.modes.angular_frequency, {0, 0, -1}, "omega");
+  expect_unit(made.surface.centroid, had.surface.centroid, {0, 1, 0}, "centroid");
+  expect_unit(made.surface.area, had.surface.area, {0, 2, 0}, "area");
+  expect_unit(made.surface.shape, had.surface.shape, {-0.5, 0, 0}, "shape");
+  expect_unit(made.surface.residual_flexibility, had.surface.residual_flexibility, flexibility, "R");
+  expect_unit(made.loads.body_force, had.loads.body_force, {0.5, 0, 0}, "body force");
+  expect_unit(made.loads.rotation, had.loads.rotation, {0.5, 1, 0}, "rotation");
+  expect_unit(made.loads.body_force_residual, had.loads.body_force_residual, {0, 0, 2}, "sag");
+  for (std::size_t l = 0; l < had.applied.size(); ++l) {
+    const Load &to = made.applied[l], &from = had.applied[l];
+    const double square = from.unit == "Pa" ? 2 : 0;  // m² more than per N
+    expect_unit(to.participation, from.participation, {-0.5, square, 0}, "participation");
+    expect_unit(to.total, from.total, {0, square, 0}, "total");
+    expect_unit(to.moment, from.moment, {0, square + 1, 0}, "moment");
+    expect_unit(to.residual, from.residual, {-1, square, 2}, "residual of a load");
+  }
+  expect_unit(made.motions[0].participation, had.motions[0].participation, {0.5, 0, 0}, "lift");
+  expect_unit(made.motions[0].residual, had.motions[0].residual, {}, "residual of a support");
+  expect_unit(made.motions[0].momentum, had.motions[0].momentum, {1, 0, 0}, "momentum");
+  for (std::size_t r = 0; r < had.receivers.size(); ++r) {
+    const Receiver &to = made.receivers[r], &from = had.receivers[r];
+    expect_unit(to.point, from.point, {0, 1, 0}, "point");
+    expect_unit(to.shape, from.shape, {-0.5, 0, 0}, "shape of a receiver");
+    expect_unit(to.residual_flexibility, from.residual_flexibility, flexibility, "R of a receiver");
+    expect_unit(to.body_force_residual, from.body_force_residual, {0, 0, 2}, "sag of a receiver");
+    expect_unit(to.motion_residual, from.motion_residual, {}, "lift of a receiver");
+  }
+  expect_unit(made.view->node, had.view->node, {0, 1, 0}, "view");
+  expect_unit(made.view->shape, had.view->shape, {-0.5, 0, 0}, "shape of the view");
+  expect_unit(made.view->residual_flexibility, had.view->residual_flexibility, flexibility, "R of the view");
+  expect_unit(made.view->body_force_residual, had.view->body_force_residual, {0, 0, 2}, "sag of the view");
+  expect_unit(made.view->motion_residual, had.view->motion_residual, {}, "lift of the view");
 }
 
 TEST(Restriction, is_refused_for_kernels_with_loads_or_receivers) {

@@ -148,6 +148,17 @@ TEST_F(Damage, modes_that_differ_from_the_inertia_counts_are_refused) {
   expect_refused({"has 5 modes below 1591.55 Hz, but its certificate counted 7"});
 }
 
+// One truncated mode suffices for the counts to differ from the modes that are left.
+TEST_F(Damage, inertia_counts_apply_only_to_modes_of_which_none_is_truncated) {
+  Kernel kernel = sample_kernel(3, 5, 4);
+  for (const std::int64_t left_out : {1, 2}) {
+    kernel.modes.certificate.left_out = left_out;
+    kernel.modes.certificate.count_found = 5 + left_out;
+    write(kernel, path_);
+    EXPECT_EQ(read(path_).modes.certificate.left_out, left_out);
+  }
+}
+
 // The name is quoted in messages, which must fit on one line.
 TEST_F(Damage, a_body_with_a_line_break_in_its_name_is_refused) {
   const hid_t type = H5Tcopy(H5T_C_S1);
