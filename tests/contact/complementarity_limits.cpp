@@ -99,6 +99,55 @@ TEST(LimitedSolve, keeps_its_promises_from_a_solved_start_that_pulls) {
   EXPECT_GT(limited, 300);
 }
 
+// Every problem has more points than the bodies can move, so that active sets become singular and the solver
+// leaves them along null directions. Each round adds a push along the null space, after which there is no
+// solution.
+TEST(LimitedSolve, keeps_its_promises_on_singular_problems_solvable_or_not) {
+  Random random(6);
+  std::uniform_int_distribution<int> small(-2, 2);
+  int limited = 0, refused = 0;
+  for (int trial = 0; trial < 1000; ++trial) {
+    const Index n = 4 + trial % 12, rank = 1 + trial % 3;
+    const MatrixXd B = MatrixXd::NullaryExpr(n, rank, [&] { return small(random); }), S = B * B.transpose();
+    VectorXd r = B * VectorXd::NullaryExpr(rank, [&] { return small(random); });
+    const bool solvable = trial % 2 == 0;
+    if (!solvable)
+      for (Index i = 0; i < n; ++i) r(i) += small(random);
+    VectorXd exact(n), lambda(n);
+    ComplementaritySolver unlimited(static_cast<int>(n));
+    const SolveStatus end = unlimited.solve(S, r, exact);
+    if (solvable) {
+      ASSERT_EQ(end, SolveStatus::solved);
+    }
+    for (const int most : {1, 2, 3}) {
+      ComplementaritySolver solver(static_cast<int>(n), {.same_matrix = true, .max_pivots = most});
+      SolveStatus status = SolveStatus::limited;
+      Long before = 0;
+      for (int call = 0; status == SolveStatus::limited; ++call) {
+        ASSERT_LT(call, 50 * n) << trial;
+        const auto pivots = solver.statistics().pivots;
+        status = solver.solve(S, r, lambda);
+        ASSERT_LE(solver.statistics().pivots - pivots, most + 1) << trial;  // an exchange is one step
+        if (status != SolveStatus::limited) break;
+        expect_promises(solver, S, r, lambda, VectorXd::Zero(n));
+        if (HasFatalFailure()) return;
+        before = objective(S, r, lambda);
+        ++limited;
+      }
+      ASSERT_EQ(status, end) << trial << ' ' << most;
+      if (status == SolveStatus::solved) {
+        ASSERT_LE(violation(S, r, lambda), 1e-12) << trial;
+        ASSERT_LE(objective(S, r, lambda), before + 1e-12L * (1 + std::abs(before)));
+      } else {
+        ASSERT_EQ(lambda, VectorXd::Zero(n));
+        ++refused;
+      }
+    }
+  }
+  EXPECT_GT(limited, 1000);
+  EXPECT_GT(refused, 300);
+}
+
 TEST(LimitedSolve, goes_on_where_it_was_stopped_and_ends_at_the_solution) {
   Random random(3);
   for (int trial = 0; trial < 600; ++trial) {

@@ -269,6 +269,38 @@ Kernel post(int modes) {
   return kernel;
 }
 
+/// A mass on a spring of stiffness k, with a pad of flexibility c on the wall side, at a distance `gap` from
+/// a wall, and a force f towards the wall.
+Model on_spring(double k, double c, double gap, double f) {
+  Model model;
+  model.omega = Vector::Constant(1, std::sqrt(k));
+  model.load = Vector::Constant(1, f);
+  model.B = Matrix::Ones(1, 1);
+  model.R = Matrix::Constant(1, 1, c);
+  model.gap = Vector::Constant(1, gap);
+  model.area = Vector::Ones(1);
+  model.static_displacement = Vector::Zero(1);
+  return model;
+}
+
+// The mass moves by x and presses the wall with λ: k x = f − λ and x − c λ = gap.
+TEST(Equilibrium, has_the_energies_of_a_spring_and_a_pad_and_the_work_of_the_load) {
+  const double k = 40, c = 0.03, gap = 0.02;
+  for (const double f : {0.5, 5.0})  // too weak to reach the wall, and pressed against it
+    for (const auto solver : {EquilibriumOptions::Solver::exact, uzawa}) {
+      const Equilibrium at_rest = find_equilibrium(on_spring(k, c, gap, f), {.solver = solver});
+      const double lambda = std::max(0.0, (f - k * gap) / (1 + k * c)), x = (f - lambda) / k;
+      const double fine = solver == uzawa ? 1e-8 : 1e-14;
+      EXPECT_NEAR(at_rest.force(0), lambda, fine * f);
+      EXPECT_NEAR(at_rest.energy.strain, k * x * x / 2, fine);
+      EXPECT_NEAR(at_rest.energy.residual, c * lambda * lambda / 2, fine);
+      EXPECT_NEAR(at_rest.energy.loads, f * x, fine);
+      EXPECT_EQ(at_rest.energy.kinetic, 0);
+      EXPECT_EQ(at_rest.energy.contact, 0);
+      EXPECT_EQ(at_rest.energy.friction, 0);
+    }
+}
+
 TEST(EquilibriumResult, has_rows_in_which_supports_carry_the_loads_of_their_time) {
   const Kernel low = post(6), top = rod(5, length);
   Model model = build_model({{"low", &low}, {"top", &top, Matrix3d::Identity(), {length, 0, 0}}}, {},

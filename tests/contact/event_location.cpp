@@ -96,6 +96,36 @@ TEST(ExactInstant, is_found_under_a_load_that_grows_within_the_step) {
               growth * flight * left * left / 2 + growth * left * left * left / 6, 1e-10);
 }
 
+/// A support whose speed changes by `kick` at t = `knot`. The rigid mode gets that velocity, and the contact
+/// point does not move with the support itself.
+Model kicked(const Kernel& kernel, double gap, double knot, double kick) {
+  Model model = above_floor(kernel, gap, 0, 0);
+  Model::Forcing support;
+  support.support = true;
+  support.history = {{knot, knot + 1}, {0, kick}};
+  support.force = Vector::Zero(1);
+  support.lift = Vector::Constant(1, -1 / model.B(0, 0));
+  support.displacement = support.displacement_a = Vector::Zero(1);
+  model.forcing.push_back(support);
+  return model;
+}
+
+// At the speed V from the knot on, the gap g closes g/V later; the floor then stops the mass.
+TEST(ExactInstant, is_found_after_a_support_has_changed_its_speed) {
+  const Kernel kernel = mass();
+  const double gap = 0.002, speed = 0.1, step = 0.05;
+  for (const double knot : {0.013, step}) {  // within the first step, and at its end
+    const auto stepper = make_stepper(kicked(kernel, gap, knot, speed), exact(step));
+    const int steps = knot < step ? 1 : 2;
+    for (int k = 1; k <= steps; ++k) {
+      ASSERT_EQ(stepper->step(), StepStatus::ok);
+      EXPECT_EQ(stepper->active(), k == steps) << knot;
+    }
+    EXPECT_NEAR(stepper->force()(0) * step, speed, 1e-12) << knot;
+    EXPECT_NEAR(stepper->displacement()(0), gap, 1e-12) << knot;  // the margin for touching
+  }
+}
+
 /// Two rods of unit impedance. The left one approaches the other across a gap at unit speed.
 Model rods(const Kernel& kernel, double gap) {
   return build_model({{"left", &kernel, Matrix3d::Identity(), Vector3d::Zero(), {1, 0, 0}},

@@ -18,6 +18,7 @@ namespace forced_response_test {
 using namespace ricochet::contact;
 using ricochet::Admittance;
 using ricochet::Energy;
+using ricochet::Instant;
 using ricochet::Scheme;
 using ricochet::StepOptions;
 using ricochet::StepStatus;
@@ -92,38 +93,68 @@ Model loose(const History& history, bool support, double step) {
   return model;
 }
 
-// 1e-10: error of fourth-order Runge–Kutta with 1000 increments per step, with the highest mode
-// at ωΔ = 2.5, and round-off of 60 steps.
+/// Steps `model` and compares each mode with Runge–Kutta steps. 1e-10: their error with 1000 increments per
+/// step, with the highest mode at ωΔ = 2.5, and round-off of 60 steps.
+void expect_motion_of_modes(const Model& model, const StepOptions& options, int steps) {
+  const Model::Forcing& forcing = model.forcing[0];
+  const History& history = forcing.history;
+  const double step = options.step;
+  const auto stepper = make_stepper(model, options);
+  std::vector<Mode> modes;
+  for (Eigen::Index n = 0; n < model.omega.size(); ++n) {
+    modes.push_back({model.omega(n), model.decay(n), forcing.force(n), forcing.lift(n)});
+    modes.back().p = modes.back().lift * history.at(0);
+  }
+  for (int k = 1; k <= steps; ++k) {
+    ASSERT_EQ(stepper->step(), StepStatus::ok);
+    for (Eigen::Index n = 0; n < model.omega.size(); ++n) {
+      Mode& mode = modes[n];
+      mode.run(history, (k - 1) * step, k * step, step / 1000);
+      const double lift = forcing.lift(n), size = forcing.support ? 1 : 1e-2;
+      EXPECT_NEAR(stepper->modal()->q(n) + lift * history.at(k * step), static_cast<double>(mode.p),
+                  1e-9 * size)
+          << n << " " << k;
+      EXPECT_NEAR(stepper->modal()->v(n) + lift * history.slope(k * step), static_cast<double>(mode.rate),
+                  1e-7 * size)
+          << n << " " << k;
+    }
+  }
+}
+
+std::vector<StepOptions> all_schemes(double step) {
+  return {{.scheme = Scheme::compliant, .step = step},
+          {.scheme = Scheme::impulse, .step = step},
+          {.scheme = Scheme::impulse, .instant = Instant::exact, .step = step}};
+}
+
 TEST(Forcing, moves_modes_of_any_damping_exactly_for_any_knots) {
   const double step = 0.01;
   constexpr int steps = 60;
   for (const bool support : {false, true})
     for (const double start : {-0.0123, 0.0, 0.0437}) {
       if (support && start > 0) continue;  // supports do not jump
-      const History history = ragged(steps * step, 3, start);
+      SCOPED_TRACE(testing::Message() << (support ? "support" : "load") << " from " << start);
+      const Model model = loose(ragged(steps * step, 3, start), support, step);
+      for (const StepOptions& options : all_schemes(step)) expect_motion_of_modes(model, options, steps);
+    }
+}
+
+// A support that changes its speed at t_k gives the modes their velocity jump in step k, neither in the next
+// one nor in both.
+TEST(Forcing, moves_modes_exactly_for_knots_at_the_ends_of_steps) {
+  const double step = 0.01;
+  const History history{{0, 3 * step, 4 * step, 7 * step}, {0, 0.7, -0.4, 0.2}};
+  for (const bool support : {false, true})
+    for (const StepOptions& options : all_schemes(step)) {
+      SCOPED_TRACE(support ? "support" : "load");
       const Model model = loose(history, support, step);
-      for (const Scheme scheme : {Scheme::compliant, Scheme::impulse}) {
-        const auto stepper = make_stepper(model, {.scheme = scheme, .step = step});
-        std::vector<Mode> modes;
-        for (Eigen::Index n = 0; n < model.omega.size(); ++n) {
-          modes.push_back(
-              {model.omega(n), model.decay(n), model.forcing[0].force(n), model.forcing[0].lift(n)});
-          modes.back().p = modes.back().lift * history.at(0);
-        }
-        for (int k = 1; k <= steps; ++k) {
-          ASSERT_EQ(stepper->step(), StepStatus::ok);
-          for (Eigen::Index n = 0; n < model.omega.size(); ++n) {
-            Mode& mode = modes[n];
-            mode.run(history, (k - 1) * step, k * step, step / 1000);
-            const double lift = model.forcing[0].lift(n), size = support ? 1 : 1e-2;
-            EXPECT_NEAR(stepper->modal()->q(n) + lift * history.at(k * step), static_cast<double>(mode.p),
-                        1e-9 * size)
-                << n << " " << k << " " << support;
-            EXPECT_NEAR(stepper->modal()->v(n) + lift * history.slope(k * step),
-                        static_cast<double>(mode.rate), 1e-7 * size)
-                << n << " " << k << " " << support;
-          }
-        }
+      expect_motion_of_modes(model, options, 10);
+      const auto stepper = make_stepper(model, options);
+      for (int k = 0; k < 10; ++k) {
+        ASSERT_EQ(stepper->step(), StepStatus::ok);
+        const Energy& energy = stepper->modal()->energy();
+        // The body starts at rest, so that the ledger is 0 up to round-off.
+        EXPECT_NEAR(energy.ledger(), 0, 1e-12 * (std::abs(energy.loads) + energy.kinetic)) << k;
       }
     }
 }

@@ -110,6 +110,25 @@ TEST(FrictionEquilibrium, that_needs_more_friction_is_refused_with_the_force_tha
   EXPECT_EQ(std::count(complaint.begin(), complaint.end(), '\n'), 0);
 }
 
+// Round-off of sums over contact points must not refuse a body, and a load that nothing carries must not pass
+// as round-off: the limits are 1e-8 of the weight without friction and 1e-7 with it.
+TEST(FrictionEquilibrium, that_nothing_holds_is_told_from_round_off) {
+  const Kernel kernel = block();
+  const auto smooth = [&](double angle) {
+    return find_equilibrium(build_model({{"block", &kernel}}, {{"floor", {0, 0, -height}, Vector3d::UnitZ()}},
+                                        {{"block", "floor", {}, {}, {}}},
+                                        gravity * Vector3d(std::sin(angle), 0, -std::cos(angle))));
+  };
+  EXPECT_NO_THROW(smooth(1e-12));
+  EXPECT_THROW(smooth(1e-7), ricochet::InputError);
+  const double angle = 0.3;
+  const auto rough = [&](double more) {
+    return find_equilibrium(on_incline(kernel, angle + more, std::tan(angle)));
+  };
+  EXPECT_NO_THROW(rough(1e-10));
+  EXPECT_THROW(rough(1e-6), ricochet::InputError);
+}
+
 TEST(FrictionEquilibrium, of_a_block_that_would_tip_over_is_refused_however_rough_the_plane) {
   const Kernel kernel = block();
   const double tips = std::atan(half / height);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numbers>
 
 #include "tests/contact/bodies.hpp"
 
@@ -269,6 +270,63 @@ TEST(Gap, moves_a_until_the_closest_pair_has_it) {
     }
 }
 
+/// Two sheets as one surface.
+Kernel joined(Kernel one, const Kernel& other) {
+  ricochet::kernels::Surface& to = one.surface;
+  const ricochet::kernels::Surface& from = other.surface;
+  for (const std::int64_t corner : from.element)
+    to.element.push_back(corner + static_cast<std::int64_t>(to.size()));
+  to.node.insert(to.node.end(), from.node.begin(), from.node.end());
+  to.normal.insert(to.normal.end(), from.normal.begin(), from.normal.end());
+  to.group.insert(to.group.end(), from.group.begin(), from.group.end());
+  to.area.insert(to.area.end(), from.area.begin(), from.area.end());
+  return one;
+}
+
+/// A horizontal square, with x from `from` to `to`, and a vertical one at x = `wall`, with z from −1 to 0.
+/// Their normals are `sense` times the axes.
+Kernel corner_of(double from, double to, double z, double wall, double sense) {
+  return joined(sheet(8, 4,
+                      [=](double s, double t) {
+                        return std::pair(Vector3d(from + (to - from) * s, t, z), Vector3d(0, 0, sense));
+                      }),
+                sheet(8, 4, [=](double s, double t) {
+                  return std::pair(Vector3d(wall, t, s - 1), Vector3d(sense, 0, 0));
+                }));
+}
+
+// A block under a ceiling, close to a wall. It moves along the mean normal, mostly upwards, which changes the
+// gap to the wall by cos α of the way, α = 75°.
+TEST(Gap, that_opens_obliquely_to_the_way_is_reached) {
+  Kernel block = corner_of(-1, -0.5, 0, 0, 1);
+  for (std::size_t i = 0; i < block.surface.size(); ++i)
+    block.surface.area[i] = block.surface.normal[3 * i] > 0.5 ? std::cos(75 * std::numbers::pi / 180)
+                                                              : std::sin(75 * std::numbers::pi / 180);
+  const double gap = 0.02;
+  for (const double start : {0.05, 0.03, 0.02, 0.01}) {
+    const Kernel room = corner_of(-3, 0, 0.3, start, -1);
+    const Pairing pairing = pair({"a", &block}, {"b", &room}, {"a", "b", {}, gap, {}});
+    const double way = (start - gap) / std::cos(75 * std::numbers::pi / 180);
+    const Vector3d expected = Vector3d(start - gap, 0, way * std::sin(75 * std::numbers::pi / 180));
+    EXPECT_LT((pairing.shift - expected).norm(), 1e-10) << start;
+    double nearest = 1;
+    for (const auto& point : pairing.points) nearest = std::min(nearest, point.gap);
+    EXPECT_NEAR(nearest, gap, 1e-11) << start;
+  }
+}
+
+// Almost all of the surface faces the ceiling, and motion towards it does not change the gap to the wall.
+TEST(Gap, that_does_not_change_along_the_way_is_refused) {
+  Kernel block = corner_of(-1, -0.5, 0, 0, 1);
+  for (std::size_t i = 0; i < block.surface.size(); ++i)
+    if (block.surface.normal[3 * i] > 0.5) block.surface.area[i] *= 1e-5;
+  const Kernel room = corner_of(-3, 0, 0.3, 0.05, -1);
+  EXPECT_THAT(complaint_of([&] {
+                pair({"a", &block}, {"b", &room}, {"a", "b", {}, 0.02, {}});
+              }),
+              HasSubstr("gap = 0.02 m cannot be reached by moving \"a\" along [1e-05, 0, 1]"));
+}
+
 TEST(Gap, of_zero_touches) {
   const Kernel small = cap(6, 1, 0.3);
   const Pairing pairing = pair({"a", &small, upside_down(), 1.7 * up},
@@ -353,6 +411,18 @@ TEST(Overlap, is_refused_with_its_depth) {
   const std::string text = complaint_of([&] { pair({"a", &lower}, above(upper, -0.02), along(up)); });
   EXPECT_THAT(text, HasSubstr("overlap by 0.02 m"));
   EXPECT_THAT(text, HasSubstr("contact.gap"));
+}
+
+// 1e-12 of the bodies' size, here √2 m, is round-off.
+TEST(Overlap, is_refused_from_ten_times_round_off) {
+  const Kernel lower = square(2, 2), upper = square(2, 2);
+  for (const PairRequest& request : {along(up), freely}) {
+    EXPECT_THAT(complaint_of([&] {
+                  pair({"a", &lower}, above(upper, -3e-11), request);
+                }),
+                HasSubstr("overlap by 3e-11 m"));
+    EXPECT_NO_THROW(pair({"a", &lower}, above(upper, -3e-13), request));
+  }
 }
 
 TEST(Overlap, by_round_off_is_touching) {

@@ -23,6 +23,7 @@ using namespace ricochet::contact::test;
 using ricochet::Admittance;
 using ricochet::ContactStep;
 using ricochet::Energy;
+using ricochet::Instant;
 using ricochet::Scheme;
 using ricochet::StepOptions;
 using ricochet::StepStatus;
@@ -265,6 +266,34 @@ TEST(Stepper, reports_what_is_not_a_number) {
     const auto stepper = make_stepper(model, {.scheme = scheme, .step = 1e-4});
     EXPECT_EQ(stepper->step(), StepStatus::not_finite);
     EXPECT_EQ(stepper->steps(), 0);
+  }
+}
+
+// Contact problems do not contain a mode that moves no point; only its energy shows that it is not finite.
+TEST(Stepper, reports_what_is_not_a_number_in_a_mode_that_moves_no_point) {
+  const std::vector<StepOptions> schemes{
+      {.scheme = Scheme::compliant, .step = 1e-4, .block = 1},
+      {.scheme = Scheme::compliant, .step = 1e-4},
+      {.scheme = Scheme::impulse, .step = 1e-4},
+      {.scheme = Scheme::impulse, .instant = Instant::exact, .step = 1e-4}};
+  const auto status = [](const Model& model, const StepOptions& options) {
+    const auto stepper = make_stepper(model, options);
+    const StepStatus first = stepper->step();
+    EXPECT_EQ(stepper->steps(), first == StepStatus::ok ? 1 : 0);
+    return first;
+  };
+  for (const StepOptions& options : schemes) {
+    Model model = dropped(3, 1, 1);
+    model.B.col(2).setZero();
+    EXPECT_EQ(status(model, options), StepStatus::ok);
+    Model loaded = model, fast = model, bent = model;
+    loaded.load(2) = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_EQ(status(loaded, options), StepStatus::not_finite);
+    fast.v0(2) = 1e200;  // q̇² exceeds double precision
+    EXPECT_EQ(status(fast, options), StepStatus::not_finite);
+    bent.omega(2) = 1e-3;
+    bent.q0(2) = 1e160;  // so does ω² q², but not q̇², as the velocity becomes 1e-10 q in one step
+    EXPECT_EQ(status(bent, options), StepStatus::not_finite);
   }
 }
 
