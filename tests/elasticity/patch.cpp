@@ -101,6 +101,78 @@ std::vector<Case> all_cases() {
 INSTANTIATE_TEST_SUITE_P(Elements, Patch, testing::ValuesIn(all_cases()),
                          [](const auto& it) { return it.param.kind + std::to_string(it.param.order); });
 
+/// The unit cube of tetrahedra whose nodes are moved by x_k += a_k x_{k+1}^p with the order p of the
+/// elements, which curves elements exactly: their interpolation is the same map.
+class CurvedTetrahedra : public testing::TestWithParam<int> {
+ protected:
+  CurvedTetrahedra() {
+    const test::SharedFile file(".geo", test::block_geo("tet", 1, 0));
+    given_ = test::body_of(file.path(), order_);
+    mesh_ = test::mesh_of(given_);
+    for (std::size_t i = 0; i < mesh_.node.size(); ++i) {
+      const Eigen::Map<Eigen::Vector3d> x(&mesh_.position[3 * i]);
+      interior_.push_back((x.array() > 1e-9).all() && (x.array() < 1 - 1e-9).all());
+    }
+    for (std::size_t i = 0; i < mesh_.node.size(); ++i) {
+      Eigen::Map<Eigen::Vector3d> x(&mesh_.position[3 * i]);
+      const Eigen::Vector3d straight = x;
+      for (int k = 0; k < 3; ++k) x[k] += bend_[k] * std::pow(straight[(k + 1) % 3], order_);
+    }
+    body_ = elasticity::assemble(mesh_, given_.materials, "test");
+  }
+  const int order_ = GetParam();
+  const Eigen::Vector3d bend_{0.2, -0.15, 0.25};
+  const mesh::GmshSession gmsh_;
+  scene::Body given_;
+  mesh::Mesh mesh_;
+  std::vector<bool> interior_;
+  elasticity::Body body_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Orders, CurvedTetrahedra, testing::Range(2, 5));
+
+// det J = 1 + abc p³ (xyz)^{p−1}, so the volume is 1 + abc. For p = 2, ∫ x' det J has degree 5 on an element;
+// for higher orders it exceeds the degree of the rule.
+TEST_P(CurvedTetrahedra, have_the_exact_mass_and_with_order_2_the_exact_centre) {
+  const double abc = bend_.prod(), volume = 1 + abc, p = order_;
+  EXPECT_NEAR(body_.total_mass, given_.materials[0].density * volume, 1e-13);
+  if (order_ != 2) return;
+  for (int k = 0; k < 3; ++k) {
+    const double a = bend_[k];
+    const double moment = 0.5 + a / (p + 1) + abc * p / (p + 1) + a * abc / 2;
+    EXPECT_NEAR(body_.centre[k], moment / volume, 1e-13) << k;
+  }
+}
+
+TEST_P(CurvedTetrahedra, pass_the_patch_test_with_the_exact_energy) {
+  Eigen::Matrix3d gradient;
+  gradient << 0.3, -0.2, 0.5, 0.1, 0.7, -0.4, 0.25, 0.6, -0.1;
+  Eigen::MatrixXd u(body_.local_rows, 1);
+  for (std::size_t i = 0; i < mesh_.node.size(); ++i) {
+    const std::int64_t row = mesh_.owned(mesh_.node[i]);
+    if (row >= 0)
+      u.block<3, 1>(3 * row, 0) = gradient * Eigen::Map<const Eigen::Vector3d>(&mesh_.position[3 * i]);
+  }
+  const Eigen::MatrixXd force = test::product(body_.stiffness, u);
+  double left = 0;
+  std::int64_t inside = 0;
+  for (std::size_t i = 0; i < mesh_.node.size(); ++i) {
+    const std::int64_t row = mesh_.owned(mesh_.node[i]);
+    if (row < 0 || !interior_[i]) continue;
+    left = std::max(left, force.block<3, 1>(3 * row, 0).cwiseAbs().maxCoeff());
+    ++inside;
+  }
+  ASSERT_GT(parallel::sum(mesh_.comm, inside), 0);
+  EXPECT_LT(parallel::largest(mesh_.comm, left), 1e-12);  // forces on the surface are of order 1
+  const auto& m = given_.materials[0];
+  const double lambda = m.young * m.poisson / ((1 + m.poisson) * (1 - 2 * m.poisson)),
+               mu = m.young / (2 * (1 + m.poisson));
+  const Eigen::Matrix3d strain = (gradient + gradient.transpose()) / 2;
+  const double exact =
+      (0.5 * lambda * strain.trace() * strain.trace() + mu * strain.squaredNorm()) * (1 + bend_.prod());
+  EXPECT_NEAR(0.5 * modes::inner(mesh_.comm, u, force)(0, 0), exact, 1e-12 * exact);
+}
+
 TEST(RodPatch, linear_displacement_loads_the_ends_alone_in_every_order) {
   const test::SharedFile file(
       ".geo",
