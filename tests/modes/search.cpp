@@ -6,7 +6,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 
+#include "src/modes/checkpoint_folder.hpp"
 #include "tests/meshes.hpp"
 #include "tests/modes/dense.hpp"
 
@@ -16,21 +18,22 @@ namespace search_test {
 using modes::Checkpoint;
 using modes::Slice;
 
-/// A free block on all ranks together.
+/// A free block on all ranks together, or on each of several teams.
 struct Block {
-  Block() {
+  explicit Block(const parallel::Teams& given = test::one_team()) : teams(given) {
     const test::SharedFile file(".geo", test::block_geo("tet", 2, 0.3));
     const scene::Body body_of_scene = test::body_of(file.path(), 2);
-    mesh = test::mesh_of(body_of_scene, test::one_team());
+    mesh = test::mesh_of(body_of_scene, teams);
     body = elasticity::assemble(mesh, body_of_scene.materials, "test");
     exact = test::dense_eigenvalues(mesh, body);
   }
   modes::Search search(const modes::Request& request, const Checkpoint& checkpoint = Checkpoint()) const {
     const modes::Operators operators(mesh, body);
     modes::Factorisation factor(body.stiffness, body.mass);
-    return modes::search(test::one_team(), operators, factor, request, checkpoint, {});
+    return modes::search(teams, operators, factor, request, checkpoint, {});
   }
   mesh::GmshSession gmsh;
+  const parallel::Teams& teams;
   mesh::Mesh mesh;
   elasticity::Body body;
   Eigen::VectorXd exact;  ///< ascending, six rigid ones first
@@ -169,6 +172,74 @@ TEST(Search, finds_again_any_mode_that_its_slices_have_lost) {
       expect_lowest(block, again, count);
     }
   }
+}
+
+/// A folder of slices that counts those that the ranks of this team store.
+class Counted : public Checkpoint {
+ public:
+  Counted(const Block& block, const std::filesystem::path& folder)
+      : operators_(block.mesh, block.body), folder_(block.teams, operators_, folder) {}
+  void save(const Plan& plan) const override { folder_.save(plan); }
+  void save(const Slice& slice, const Eigen::MatrixXd& shape) const override {
+    folder_.save(slice, shape);
+    ++saved;
+  }
+  std::optional<Plan> plan() const override { return folder_.plan(); }
+  std::vector<Found> slices() const override { return folder_.slices(); }
+  mutable std::int64_t saved = 0;
+
+ private:
+  modes::Operators operators_;
+  modes::CheckpointFolder folder_;
+};
+
+/// Two teams if the number of ranks is even, otherwise a team for each rank.
+const parallel::Teams& two_teams() {
+  static const auto* teams = new parallel::Teams(
+      PETSC_COMM_WORLD,
+      parallel::size_of(PETSC_COMM_WORLD) % 2 == 0 ? 2 : parallel::size_of(PETSC_COMM_WORLD));
+  return *teams;
+}
+
+// Files of slices do not depend on the ranks and teams that have written them, nor on those that read them.
+TEST(Restart, computes_only_the_slices_that_are_missing_on_any_teams) {
+  const std::int64_t count = 60;
+  const modes::Request request{.count = count, .modes_per_shift = 20, .solver = modes::Solver::slicing};
+  for (const parallel::Teams* writers : {&test::one_team(), &two_teams()})
+    for (const parallel::Teams* readers : {&two_teams(), &test::one_team()}) {
+      SCOPED_TRACE(testing::Message() << writers->count() << " teams, then " << readers->count());
+      const test::SharedFile place(".slices", "");
+      const std::filesystem::path folder = place.path().string() + ".folder";
+      {
+        const Block first(*writers);
+        ASSERT_GE(first.search(request, Counted(first, folder)).slices.size(), 3U);
+      }
+      std::filesystem::path lost;
+      parallel::on_first_rank(PETSC_COMM_WORLD, [&] {
+        for (const auto& entry : std::filesystem::directory_iterator(folder))
+          if (entry.path().filename().string().starts_with("slice-")) lost = std::max(lost, entry.path());
+        std::filesystem::remove(lost);
+      });
+      const Block second(*readers);
+      const Counted counted(second, folder);
+      const modes::Search again = second.search(request, counted);
+      EXPECT_EQ(parallel::sum(second.teams.peers(), counted.saved), 1);
+      expect_lowest(second, again, count);
+      // The shapes on each team belong to the eigenvalues of its slices.
+      const modes::Operators operators(second.mesh, second.body);
+      std::int64_t held = 0;
+      for (std::size_t s = 0; s < again.slices.size(); ++s) {
+        if (again.team[s] != second.teams.mine()) continue;
+        const auto& lambda = again.slices[s].lambda;
+        ASSERT_EQ(again.shape[s].cols(), std::ssize(lambda));
+        const Eigen::Map<const Eigen::VectorXd> values(lambda.data(), std::ssize(lambda));
+        EXPECT_LT(operators.residuals(again.shape[s], values).maxCoeff(), 1e-7) << s;
+        held += std::ssize(lambda);
+      }
+      EXPECT_GT(held, 0);
+      MPI_Barrier(PETSC_COMM_WORLD);
+      parallel::on_first_rank(PETSC_COMM_WORLD, [&] { std::filesystem::remove_all(folder); });
+    }
 }
 
 }  // namespace search_test
