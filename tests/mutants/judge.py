@@ -147,6 +147,8 @@ def syntax_error(text):
 def last_words(output):
     """The line of an output that says what failed, or the last one."""
     for line in output.splitlines():
-        if FAILURE.search(line) or re.search(r"(^|: )(FAIL|ERROR): |: error: ", line):
+        if FAILURE.search(line) or re.search(
+            r"(^|: )(FAIL|ERROR): |: error: |\*\*\*(Exception|Failed|Timeout)|signal \d+", line
+        ):
             return line.strip()[:200]
     return next((line.strip()[:200] for line in reversed(output.splitlines()) if line.strip()), "no output")
