@@ -67,10 +67,12 @@ class Session:
         """Pairs of mutant and verdict for the first `count` mutants that compile."""
         found = []
         for mutant in mutants:
+            if len(found) == count:
+                break
             already = self.record.find(mutant) is not None
             verdict = self.verdict(mutant)
-            if verdict is None or len(found) == count:
-                break
+            if verdict is None:
+                continue
             if verdict.kind != UNCOMPILED:
                 found.append((mutant, verdict))
                 progress.advance(f"{mutant.name} {verdict.kind}", already=already)
