@@ -221,6 +221,11 @@ class Bench:
 BLUE, ORANGE, GREEN, PURPLE, RED, GREY = "#2b6cb0", "#d2691e", "#3a8f5c", "#8a4fa3", "#b03a48", "#555555"
 
 
+def rms(values):
+    """Root mean square."""
+    return np.sqrt(np.mean(np.square(values)))
+
+
 def plain_ticks(ax, sizes):
     """Labels only these sizes on a logarithmic x axis, as plain numbers."""
     from matplotlib.ticker import NullLocator

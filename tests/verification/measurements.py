@@ -6,13 +6,15 @@ from manual import number, short, table
 INTRODUCTION = """# Measured impacts
 
 Published experiments beside Ricochet: {cases} experiments, {lines} lines, of which {hold} lie within the measured scatter or the stated
-bound. No parameter is fitted: bodies and materials are those of the publication, or handbook values where it gives none. Each
-case states what was read from its source, and how. `scripts/verify --long --manual` writes this page with the
+bound. Nothing is fitted here: bodies and materials are those of the publication, or have the usual values where it gives none. Where
+the authors found constants from the record that is compared, the case says so. Each case states what was read from its source, and
+how. `scripts/verify --long --manual` writes this page with the
 [validation manual](README.md), which contains the same cases with their commands.
 
 ![Deviation of ours from each measured value, over its bound](figures/measurements.png)
 
-*Deviation of ours from each measured value, over its bound. Points in the band lie within the measured scatter or the stated bound.*
+*Deviation of ours from each measured value, over its bound. Points in the band lie within the measured scatter or the stated bound;
+those outside are hollow.*
 """
 FARTHEST = 3.2  # deviations beyond are drawn at the edge
 
@@ -32,7 +34,7 @@ def deviation(check):
 
 def draw(cases, bench):
     """Draws every line of every experiment with the tools of `bench`, and saves measurements.png in its folder."""
-    from case import BLUE, GREY, RED
+    from case import BLUE, GREY
 
     wall = list(experiments(cases))
     rows = sum(len(lines) + 1.6 for *_, lines in wall)
@@ -50,7 +52,8 @@ def draw(cases, bench):
                 min(max(x, -FARTHEST), FARTHEST),
                 y,
                 "o" if abs(x) <= FARTHEST else (">" if x > 0 else "<"),
-                color=BLUE if check["holds"] else RED,
+                color=BLUE,
+                markerfacecolor=BLUE if check["holds"] else "white",
                 markersize=4,
             )
             ticks.append(y)

@@ -3,7 +3,7 @@
 elastic constants to all lines at once, so the lines test the computation, and not the constants."""
 import numpy as np
 
-from case import BLUE, GREY, ORANGE
+from case import BLUE, GREY, ORANGE, rms
 
 RIGID = 6
 
@@ -21,17 +21,13 @@ def frequencies(bench, scene, body, density, young, poisson, count):
         return kernel["modes/angular_frequency"][RIGID:] / (2e3 * np.pi)
 
 
-def rms(values):
-    return np.sqrt(np.mean(values**2))
-
-
-def compare(bench, ours, handbook, resonances, computation, title):
-    """Lines, table and figure of a body. `ours` and `handbook` [kHz], from the fitted and from handbook constants, ascend and start with the
+def compare(bench, ours, usual, resonances, computation, title):
+    """Lines, table and figure of a body. `ours` and `usual` [kHz], from the fitted and from usual constants, ascend and start with the
     first elastic mode. `resonances` (n, 3): number of the mode, from 1, its measured frequency [kHz] and that of the authors' own
     computation. `computation` is the bound for the difference of ours from the latter, with its reason."""
     number = resonances[:, 0].astype(int)
     measured, theirs = resonances[:, 1:].T
-    ours, handbook = ours[number - 1], handbook[number - 1]
+    ours, usual = ours[number - 1], usual[number - 1]
     deviation, residual = ours / measured - 1, theirs / measured - 1
     scatter = rms(residual)
     bench.below(
@@ -52,16 +48,16 @@ def compare(bench, ours, handbook, resonances, computation, title):
         *computation,
         rests_on="published",
     )
-    ratio = handbook / measured
+    ratio = usual / measured
     bench.compare(
-        "handbook constants: mean of ours / measured",
+        "usual constants: mean of ours / measured",
         ratio.mean(),
         1.0,
         0.03,
         "nothing is fitted; moduli of one alloy differ by a few per cent, which counts by half",
     )
     bench.below(
-        "handbook constants: scatter of ours / measured about its mean",
+        "usual constants: scatter of ours / measured about its mean",
         ratio.std() / ratio.mean(),
         2 * scatter,
         "ratios of frequencies depend on Poisson's ratio alone: twice the residual",

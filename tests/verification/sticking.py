@@ -33,38 +33,63 @@ def slope(incident, after):
     return -(incident * after).sum() / (incident**2).sum()
 
 
-def draw(axes, names, colours, measured, incidents, after):
-    """Left, β₀ of each pair, measured and ours; right, tangential velocities before and after. `after` has one array for each pair."""
+def compare(bench, pairs, incidents, ours):
+    """Lines on β₀ and e of each pair. `pairs` have a name, `measured`, and the reasons `differs` and `loses` of known failures of
+    β₀ and e, or None; `incidents` (n) and `ours` (n, 2), of each: v_t before; e and v_t after."""
+    for pair, incident, velocities in zip(pairs, incidents, ours):
+        bench.compare(
+            f"{pair.name}: β₀",
+            slope(incident, velocities[:, 1]),
+            pair.measured.sticking,
+            pair.measured.sticking_error,
+            "the authors' error",
+            absolute=True,
+            known=pair.differs,
+        )
+    for pair, velocities in zip(pairs, ours):
+        bench.compare(
+            f"{pair.name}: restitution e",
+            velocities[:, 0].mean(),
+            pair.measured.restitution,
+            0.03,
+            "ours loses energy to vibrations only",
+            known=pair.loses,
+        )
+
+
+def draw(axes, pairs, incidents, ours):
+    """Left, β₀ of each pair, measured and ours; right, tangential velocities before and after. Arguments as in `compare`; pairs have
+    a `colour`."""
     left, right = axes
-    places = np.arange(len(names))
+    after = [velocities[:, 1] for velocities in ours]
+    places = np.arange(len(pairs))
     left.errorbar(
         places - 0.1,
-        [pair.sticking for pair in measured],
-        yerr=[pair.sticking_error for pair in measured],
+        [pair.measured.sticking for pair in pairs],
+        yerr=[pair.measured.sticking_error for pair in pairs],
         fmt="o",
         color=ORANGE,
         markersize=5,
         capsize=3,
         label="measured, with the authors' error",
     )
-    ours = [slope(*velocities) for velocities in zip(incidents, after)]
-    left.plot(places + 0.1, ours, "s", color=BLUE, markersize=5, label="ours, not fitted")
-    left.set_xticks(places, [name.replace(" ", "\n") for name in names])
+    left.plot(
+        places + 0.1,
+        list(map(slope, incidents, after)),
+        "s",
+        color=BLUE,
+        markersize=5,
+        label="ours, not fitted",
+    )
+    left.set_xticks(places, [pair.name.replace(" ", "\n") for pair in pairs])
     left.set(ylim=(0, 0.85), ylabel="β₀", title="Tangential restitution of impacts that stick")
     left.legend(loc="upper right")
-    for name, colour, pair, incident, velocity in zip(names, colours, measured, incidents, after):
-        fine = np.linspace(0, 1.1 * pair.limit(), 200)
-        right.plot(
-            fine / pair.friction, pair.described(fine) / pair.friction, "--", color=colour, linewidth=0.9
-        )
-        right.plot(
-            incident / pair.friction,
-            velocity / pair.friction,
-            "s-",
-            color=colour,
-            markersize=3.5,
-            label=name,
-        )
+    for pair, incident, velocity in zip(pairs, incidents, after):
+        measured, friction = pair.measured, pair.measured.friction
+        fine = np.linspace(0, 1.1 * measured.limit(), 200)
+        line, marks = {"color": pair.colour, "linewidth": 0.9}, {"color": pair.colour, "markersize": 3.5}
+        right.plot(fine / friction, measured.described(fine) / friction, "--", **line)
+        right.plot(incident / friction, velocity / friction, "s-", label=pair.name, **marks)
     right.plot([], [], "--", color=GREY, linewidth=0.9, label="authors' fit")
     right.set(
         xlabel="before: v_t/(μ v_n)", ylabel="after: v_t/(μ v_n)", title="Tangential velocity of the contact"

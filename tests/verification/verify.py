@@ -2,6 +2,7 @@
 """The program of the validation manual: failures, cached results, and a check that the manual contains
 every case."""
 
+import importlib
 import json
 import pathlib
 import subprocess
@@ -103,18 +104,19 @@ class Verify(unittest.TestCase):
         self.assertIn("nonsense: no such case", run.stderr)
 
     def test_the_manual_holds_every_case_and_its_figures(self):
-        text = (MANUAL / "README.md").read_text()
+        text, wall = ((MANUAL / page).read_text() for page in ("README.md", "measurements.md"))
         for line in verify("--list").stdout.splitlines():
             name = line.split()[0]
             self.assertIn(f"| `{name}` |", text)
             self.assertIn(f"    scripts/verify {name}\n", text)
+            module = importlib.import_module(f"cases.{name}")
+            self.assertEqual(f"## {module.TITLE}\n" in wall, module.RESTS_ON == "experiment", name)
         extremes = sum(
             line.endswith((" pass |", " **FAIL** |"))
             for line in (MANUAL / "extremes.md").read_text().splitlines()
         )
         self.assertIn(f"It has {extremes} lines: {extremes} pass, 0 fail.", text)
         drawn = {path.name for path in (MANUAL / "figures").glob("*.png")}
-        wall = (MANUAL / "measurements.md").read_text()
         self.assertEqual({part.split(")")[0] for part in (text + wall).split("](figures/")[1:]}, drawn)
 
 

@@ -12,9 +12,10 @@ The 24 photographs were read from a published copy of the worksheet with five di
 the root mean square deviation of the measurements from the authors' own description, whose three coefficients were fitted to them."""
 import numpy as np
 
-from case import BLUE, GREY, ORANGE
+from case import BLUE, GREY, ORANGE, rms
 from rebound import spin
 from ricochet.programs import ROOT
+from sticking import Measured, slope
 
 TITLE = "Measured: two glass balls, oblique"
 SOURCE = (
@@ -24,8 +25,8 @@ SOURCE = (
 )
 RESTS_ON = "experiment"
 LONG = True
-RADIUS, FRICTION = 1.59e-3, 0.092
-RESTITUTION, STICKING, STICKING_ERROR = 0.97, 0.44, 0.07  # e and β₀, the error of β₀
+RADIUS = 1.59e-3
+MEASURED = Measured(0.97, 0.01, 0.44, 0.07, 0.092)
 STICKS = 0.5  # v_t/v_n up to which the authors' impacts stick
 
 # v_n and v_t before the impact [m/s], e, and the tangential velocity of the contact after it [m/s], along v_t.
@@ -80,7 +81,7 @@ up_to_hz = 1.5e6
 [contact]
 between = ["upper", "lower"]
 direction = [0, 0, -1]
-friction = {FRICTION}
+friction = {MEASURED.friction}
 [time]
 rate_hz = 1.5e7
 duration = 1.4e-5
@@ -101,22 +102,13 @@ def rebound(bench, scene, normal, tangential):
     return after[2] / normal, after[0] - RADIUS * turning
 
 
-def described(incident):
-    """The authors' description of the contact's tangential velocity after the impact, both divided by v_n."""
-    return np.maximum(-STICKING * incident, incident - 3.5 * FRICTION * (1 + RESTITUTION))
-
-
-def rms(values):
-    return np.sqrt(np.mean(values**2))
-
-
 def run(bench):
     scene = bench.write("glass.toml", SCENE)
     bench.kernel(scene)
     normal, tangential, restitution, contact = PHOTOGRAPHS.T
     ours = np.array([rebound(bench, scene, float(n), float(t)) for n, t in zip(normal, tangential)])
     incident, measured, model = tangential / normal, contact / normal, ours[:, 1] / normal
-    scatter = rms(measured - described(incident))
+    scatter = rms(measured - MEASURED.described(incident))
     sticks = incident < STICKS
 
     bench.below(
@@ -133,9 +125,9 @@ def run(bench):
     )
     bench.compare(
         "β₀, slope through the impacts that stick",
-        -(incident * model)[sticks].sum() / (incident**2)[sticks].sum(),
-        STICKING,
-        STICKING_ERROR,
+        slope(incident[sticks], model[sticks]),
+        MEASURED.sticking,
+        MEASURED.sticking_error,
         "the authors' error",
         absolute=True,
     )
@@ -158,7 +150,12 @@ def run(bench):
     figure, ax = bench.figure(height=4)
     fine = np.linspace(0, 1.65, 300)
     ax.plot(
-        fine, described(fine), color=GREY, linestyle="--", linewidth=0.9, label="authors' fit of β₀, μ and e"
+        fine,
+        MEASURED.described(fine),
+        color=GREY,
+        linestyle="--",
+        linewidth=0.9,
+        label="authors' fit of β₀, μ and e",
     )
     ax.plot(incident[order], model[order], ".-", color=BLUE, markersize=4, label="ours, not fitted")
     ax.errorbar(

@@ -41,7 +41,6 @@ Transfinite Curve{1, 3} = along + 1; Transfinite Curve{2, 4} = across + 1; Trans
 plate[] = Extrude {0, 0, thickness} { Surface{1}; Layers{1}; Recombine; };
 Physical Volume("plate") = {plate[1]};
 Physical Surface("bottom") = {1};
-Physical Surface("top") = {plate[0]};
 Physical Surface("root") = {plate[5]};
 Physical Surface("x sides") = {plate[3], plate[5]};
 Physical Surface("y sides") = {plate[2], plate[4]};
@@ -50,18 +49,9 @@ Physical Curve("edges") = {1:4};
 SCENE = f"""[bodies.plate]
 mesh = "plate.geo"
 material = {{ density = {DENSITY}, young = {YOUNG}, poisson = {POISSON} }}
-contact = "top"
-[obstacles.ceiling]
-point = [0, 0, 2]
-normal = [0, 0, -1]
 [modes]
 count = 14
 residual_flexibility = false
-[contact]
-between = ["plate", "ceiling"]
-direction = [0, 0, 1]
-[time]
-duration = 1.0
 """
 
 

@@ -5,7 +5,7 @@ polycarbonate in 1460 µs. The aluminium has 7.8 times the impedance, so its fir
 tensile echo of the polycarbonate arrives.
 
 Bars as built: quarters of both, in contact with their whole faces, with modes up to 60 kHz. The speeds of waves are those that the authors
-found from the round trips in this record, 5115.6 and 1406.45 m/s. Density and Poisson's ratio are of handbooks: 2810 kg/m³ and 0.33, 1200
+found from the round trips in this record, 5115.6 and 1406.45 m/s. Density and Poisson's ratio are the usual ones: 2810 kg/m³ and 0.33, 1200
 kg/m³ and 0.37. The loss factor of polycarbonate, 0.041, follows from the attenuation 9.2·10⁻⁵ m⁻¹ Hz⁻¹ · f that the authors found from
 the spectra of the front at the two gauges; the front at the far gauge is thus not independent. The speed of the impact was not recorded.
 It does not matter, because all forces are divided by the plateau of the same gauge, the mean from 600 to 770 µs, nor does the calibration of
