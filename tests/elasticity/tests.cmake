@@ -1,3 +1,3 @@
 # SPDX-License-Identifier: BSD-2-Clause
 add_mpi_tests(elasticity elasticity
-  FILES expected_size patch)
+  FILES assemble expected_size matrix_file patch rigid)

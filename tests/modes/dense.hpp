@@ -35,13 +35,22 @@ inline Eigen::MatrixXd product(Mat matrix, const Eigen::MatrixXd& columns) {
   return result;
 }
 
-/// K or M, complete on every rank, by products with unit vectors.
+/// K or M, complete on every rank, from the entries of the upper triangle that PETSc stores.
 inline Eigen::MatrixXd dense(const mesh::Mesh& mesh, const elasticity::Body& body, Mat matrix) {
-  const Eigen::Index n = body.total_rows, first = mesh.first_node * mesh.components();
-  Eigen::MatrixXd identity = Eigen::MatrixXd::Zero(body.local_rows, n);
-  for (Eigen::Index i = 0; i < body.local_rows; ++i) identity(i, first + i) = 1;
+  const auto n = static_cast<Eigen::Index>(body.total_rows);
+  const auto first = static_cast<PetscInt>(mesh.first_node * mesh.components());
   Eigen::MatrixXd whole = Eigen::MatrixXd::Zero(n, n);
-  whole.middleRows(first, body.local_rows) = product(matrix, identity);
+  parallel::check(MatGetRowUpperTriangular(matrix));
+  for (PetscInt row = first; row < first + static_cast<PetscInt>(body.local_rows); ++row) {
+    PetscInt entries = 0;
+    const PetscInt* column = nullptr;
+    const double* value = nullptr;
+    parallel::check(MatGetRow(matrix, row, &entries, &column, &value));
+    for (PetscInt k = 0; k < entries; ++k)
+      if (column[k] >= row) whole(row, column[k]) = whole(column[k], row) = value[k];
+    parallel::check(MatRestoreRow(matrix, row, &entries, &column, &value));
+  }
+  parallel::check(MatRestoreRowUpperTriangular(matrix));
   parallel::sum(mesh.comm, whole);
   return whole;
 }
