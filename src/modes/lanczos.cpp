@@ -20,6 +20,9 @@ using Eigen::VectorXd;
 /// Norm below which a column of a block counts as linearly dependent, relative to the largest.
 constexpr double rank_tolerance = 1e-12;
 
+/// Largest number of columns of a block.
+constexpr Index widest_block = 256;
+
 /// Q and the block tridiagonal T of one iteration.
 class Basis {
  public:
@@ -205,6 +208,13 @@ Reach reach_of(const Ritz& ritz, double sigma, const Interval& wanted, Index mod
 }
 
 }  // namespace
+
+LanczosOptions other_start(const LanczosOptions& options) {
+  LanczosOptions other = options;
+  other.seed += static_cast<std::uint64_t>(options.block);
+  other.block = std::min<Index>(2 * options.block, widest_block);
+  return other;
+}
 
 Converged lanczos(const Operators& operators, Factorisation& factor, const Interval& wanted,
                   const LanczosOptions& options, const parallel::Progress& progress) {

@@ -15,8 +15,13 @@ struct LanczosOptions {
   double tolerance = 1e-8;    ///< on ‖Kφ − λMφ‖₂ / ‖Kφ‖₂
   Eigen::Index block = 16;    ///< columns of a block; bounds the multiplicity of modes found at once
   Eigen::Index basis = 1200;  ///< largest number of basis vectors
-  std::uint64_t seed = 1;
+  std::uint64_t seed = 1;     ///< of the first start vector; the others take the numbers behind it
 };
+
+/// Options of a search for modes that one with `options` has missed: start vectors none of which that search
+/// has used, in case they had no component of the missing modes, and wider blocks, because a block finds no
+/// more copies of a multiple mode than it has columns.
+LanczosOptions other_start(const LanczosOptions& options);
 
 /// The converged modes about a shift.
 struct Converged {

@@ -19,9 +19,6 @@ namespace {
 /// Relative distance to an eigenvalue below which round-off decides the count at a shift.
 constexpr double too_close = 1e-7;
 
-/// Largest number of columns of a Lanczos block.
-constexpr Eigen::Index widest_block = 256;
-
 double hertz(double lambda) { return std::sqrt(std::max(lambda, 0.0)) / (2 * std::numbers::pi); }
 
 /// Moves to the front the last task of each of as many equal parts of the spectrum as there are teams, then
@@ -172,11 +169,8 @@ class Searcher {
         return true;
       }
       if (round == rounds) return false;
-      // Uses other start vectors, in case the previous ones had no component of the missing mode, and wider
-      // blocks, because a block finds no more copies of a multiple mode than it has columns.
       dense_ = false;
-      ++options_.seed;
-      options_.block = std::min<Eigen::Index>(2 * options_.block, widest_block);
+      options_ = other_start(options_);
       work(stitched.missing);
     }
   }
