@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "src/mesh/lattice.hpp"
 #include "src/mesh/partition.hpp"
@@ -213,6 +214,41 @@ TEST(Spacing, coarsens_a_row_to_evenly_spaced_hats_that_keep_its_area) {
     const bool edge = at < 0.1 || at > 0.9;
     EXPECT_NEAR(geometry.area[i], edge ? 0.125 : 0.25, placed);
     EXPECT_NEAR(x[i], at < 0.1 ? 0.25 / 3 : at > 0.9 ? 1 - 0.25 / 3 : at, placed);
+  }
+}
+
+// The front starts at the lowest corner, and each next centre is the nearest one at least 1/4 away.
+TEST(Spacing, coarsens_a_grid_to_a_grid) {
+  const mesh::GmshSession gmsh;
+  for (const int divisions : {4, 8, 12}) {
+    SCOPED_TRACE(divisions);
+    const Made made = make(test::block_geo("hex", divisions, 0), 1, {"top"}, {.spacing = 0.25});
+    const auto& geometry = made.patches.geometry;
+    ASSERT_EQ(geometry.size(), 25U);
+    std::set<std::pair<long, long>> places;
+    for (std::size_t i = 0; i < 25; ++i) {
+      const Point x = row(geometry.node, i);
+      EXPECT_NEAR(std::remainder(x[0], 0.25), 0, placed);
+      EXPECT_NEAR(std::remainder(x[1], 0.25), 0, placed);
+      places.emplace(std::lround(4 * x[0]), std::lround(4 * x[1]));
+    }
+    EXPECT_EQ(places.size(), 25U);
+    EXPECT_NEAR(total(geometry.area), 1, 1e-13);
+    // Elements are triangles between three centres, each of them once.
+    ASSERT_EQ(geometry.element_corners, 3);
+    std::set<std::set<std::int64_t>> seen;
+    for (std::size_t k = 0; k < geometry.element.size(); k += 3)
+      seen.emplace(geometry.element.begin() + static_cast<std::ptrdiff_t>(k),
+                   geometry.element.begin() + static_cast<std::ptrdiff_t>(k) + 3);
+    EXPECT_EQ(3 * seen.size(), geometry.element.size());
+    for (const auto& corners : seen) {
+      EXPECT_EQ(corners.size(), 3U);
+      EXPECT_LT(*corners.rbegin(), 25);
+    }
+    // On the grid itself, they are the two triangles of each square.
+    if (divisions == 4) {
+      EXPECT_EQ(seen.size(), 32U);
+    }
   }
 }
 

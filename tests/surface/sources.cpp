@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "src/scene/request.hpp"
 #include "tests/support.hpp"
@@ -92,10 +93,67 @@ TEST(Receiver, off_the_body_is_refused_with_its_distance_and_the_nearest_point) 
   const std::string said = test::complaint_of([&] { Made(test::block_geo("hex", 2, 0), 2, request); });
   EXPECT_THAT(said, AllOf(HasSubstr("output.receiver \"mic\" lies 0.5 m off bodies.body"),
                           HasSubstr("nearest point, (0.25, 0.5, 1)")));
+  // Coordinates that are zero up to round-off are given as 0.
+  request.receivers = {receiver("mic", {-0.5, 0.5, -0.25})};
+  for (const char* kind : {"hex", "tet"})
+    EXPECT_THAT(
+        test::complaint_of([&] { Made(test::block_geo(kind, 2, 0), 2, request); }),
+        AllOf(HasSubstr("at (-0.5, 0.5, -0.25) m in its own axes"), HasSubstr("nearest point, (0, 0.5, 0)")));
+  // Within 1e-6 of the size of the body, √3, it is on the body.
+  request.receivers = {receiver("mic", {0.25, 0.5, 1 + 1.8e-6})};
+  EXPECT_THAT(test::complaint_of([&] { Made(test::block_geo("hex", 2, 0), 1, request); }),
+              HasSubstr("lies 1.8e-06 m off"));
+  request.receivers = {receiver("mic", {0.25, 0.5, 1 + 1.7e-6})};
+  EXPECT_NO_THROW(Made(test::block_geo("hex", 2, 0), 1, request));
   request.receivers.clear();
   request.point_forces = {load("tap", "", {1 + 1e-4, 0.5, 0.5})};
   EXPECT_THAT(test::complaint_of([&] { Made(test::block_geo("tet", 2, 0), 2, request); }),
               HasSubstr("loads.point \"tap\" lies 0.0001 m off"));
+}
+
+// Elements of order 3 approximate the area of the unit sphere to about 4e-4, and flat ones to a few per cent.
+TEST(Traction, of_a_curved_surface_has_its_area_and_no_moment_about_its_centre) {
+  scene::KernelRequest request = request_of({"skin"}, {});
+  request.tractions = {load("push", "skin")};
+  const Made made(
+      "SetFactory(\"OpenCASCADE\");\nSphere(1) = {0.3, -0.2, 0.5, 1};\nMeshSize{:} = 0.6;\n"
+      "Physical Volume(\"body\") = {1};\nPhysical Surface(\"skin\") = {1};\n",
+      3, request);
+  const double area = 4 * std::numbers::pi;
+  const kernels::Load& push = made.sources.loads[0];
+  EXPECT_LT((rows(push.total, 3) - area * Matrix3d::Identity()).norm(), 1e-3 * area);
+  for (int k = 0; k < 3; ++k)
+    EXPECT_LT((rows(push.moment, 3).col(k) - area * Point(0.3, -0.2, 0.5).cross(Point::Unit(k))).norm(),
+              1e-3 * area);
+}
+
+// A rod moves only along its axis, (1, 2, 2)/3, and so acts a load.
+TEST(Loads, of_an_inclined_rod_act_along_its_axis) {
+  scene::KernelRequest request = request_of({"right"}, {});
+  request.tractions = {load("pull", "right")};
+  request.point_forces = {load("tap", "", {1.5, 2, 2})};
+  request.receivers = {receiver("mic", {1.5, 2, 2})};
+  for (const int order : {1, 2}) {
+    const Made made(
+        "Point(1) = {1,1,1};\nPoint(2) = {2,3,3};\nLine(1) = {1,2};\nTransfinite Curve{1} = 4;\n"
+        "Physical Curve(\"rod\") = {1};\nPhysical Point(\"right\") = {2};\n",
+        order, request);
+    const Point axis = Point(1, 2, 2) / 3, end(2, 3, 3), tapped(1.5, 2, 2);
+    const Matrix3d along = axis * axis.transpose();
+    const auto& loads = made.sources.loads;
+    EXPECT_LT((rows(loads[0].total, 3) - 0.5 * along).norm(), placed);  // of its cross-section 0.5
+    EXPECT_LT((rows(loads[1].total, 3) - along).norm(), placed);
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_LT((rows(loads[0].moment, 3).col(k) - 0.5 * end.cross(Point(along.col(k)))).norm(), placed);
+      EXPECT_LT((rows(loads[1].moment, 3).col(k) - tapped.cross(Point(along.col(k)))).norm(), placed);
+    }
+    // Each unit vector acts with its part along the axis.
+    MatrixXd sum = made.sources.load.colwise().sum();
+    parallel::sum(PETSC_COMM_WORLD, sum);
+    EXPECT_LT((sum.leftCols(3) - 0.5 * axis.transpose()).norm(), placed);
+    EXPECT_LT((sum.rightCols(3) - axis.transpose()).norm(), placed);
+    EXPECT_LT((Point(made.sources.receivers[0].point.data()) - tapped).norm(), placed);
+  }
 }
 
 TEST(Traction, on_a_missing_surface_is_refused_with_the_available_ones) {

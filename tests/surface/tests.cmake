@@ -1,3 +1,3 @@
 # SPDX-License-Identifier: BSD-2-Clause
 add_mpi_tests(surface surface
-  FILES patches lift sources trace)
+  FILES lift locate patches sources trace)
