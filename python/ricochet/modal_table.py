@@ -110,7 +110,7 @@ class ModalTable:
         what = "modes" if self.basis == "modes" else "vectors of a contact-adapted basis"
         lines = [f"{self.body}: {len(self.frequency_hz)} {what}, mass {self.mass:.4g} kg"]
         lines.append("mode   frequency   damping  effective mass (% of the mass)   contact flexibility")
-        lines.append("                Hz         %         x         y         z                     %")
+        lines.append("              Hz         %         x         y         z                     %")
         share = 100 * self.effective_mass / self.mass
         for n, frequency in enumerate(self.frequency_hz[:first]):
             masses = "".join(f"{value:10.3f}" for value in share[n])

@@ -94,7 +94,7 @@ FOLDERS = {
     ),
     "python": Folder(
         "python/ricochet/**/*.py",
-        ("python/api", "python/friction")
+        ("python/commands", "python/geometry", "python/histories", "python/api", "python/friction")
         + _programs(
             "command", "sweep", "sweep_faults", "import_command", "imports", "table", "exports", "report"
         )
@@ -102,7 +102,11 @@ FOLDERS = {
         {
             "python/ricochet/interchange/": _programs("import_command", "exports", "imports"),
             "python/ricochet/pages/": _programs("report"),
-            "python/ricochet/pictures/": ("python/api", "python/friction", *_programs("command", "report")),
+            "python/ricochet/pictures/": (
+                "python/histories",
+                "python/friction",
+                *_programs("command", "report"),
+            ),
             "python/ricochet/studies/": _programs("sweep", "sweep_faults", "batch"),
             "python/ricochet/tradeoffs/": _programs("tradeoff"),
             "python/ricochet/cli/": _programs("command", "sweep", "import_command", "tradeoff"),

@@ -1,4 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
+add_program_test(python commands)
+add_program_test(python geometry)
+add_program_test(python histories)
 add_program_test(python api)
 add_program_test(python friction)
 add_program_test(python notebooks LONG)

@@ -1,0 +1,340 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""What commands print and with which status they end, and the tables of modes, without a run."""
+
+import argparse
+import contextlib
+import datetime
+import io
+import math
+import pathlib
+import signal
+import types
+import unittest
+from unittest import mock
+
+import h5py
+import numpy as np
+
+from programs import ProgramTest
+from ricochet import cli, errors
+from ricochet.cli import tradeoff
+from ricochet.modal_table import ModalTable, write_csv
+from ricochet.progress import Progress, duration
+from ricochet.studies.study import DEEPEST, unfit
+from ricochet.timing import Done
+from ricochet.tradeoffs import points, runs
+from ricochet.tradeoffs.settings import Impact, Kernel
+
+
+def printed(what, *arguments):
+    """The value of a call, and what it prints on both streams."""
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        value = what(*arguments)
+    return value, out.getvalue(), err.getvalue()
+
+
+class Errors(unittest.TestCase):
+    def test_have_the_status_of_their_kind(self):
+        self.assertEqual(errors.RicochetError("x").status, 1)
+        self.assertEqual(errors.SolverError("x").status, 1)
+        self.assertEqual(errors.InputError("x").status, 2)
+        for status, kind in ((1, errors.SolverError), (2, errors.InputError), (137, errors.SolverError)):
+            error = errors.failure(status, "why")
+            self.assertEqual((type(error), error.status, str(error)), (kind, status, "why"))
+
+    def test_are_reported_once_in_one_line(self):
+        self.assertEqual(
+            printed(errors.InputError("a\nb\tc").report, "ricochet x"), (2, "", "ricochet x: a b c\n")
+        )
+        self.assertEqual(printed(errors.failure(3).report, "ricochet x"), (3, "", ""))
+
+
+class Verbs(unittest.TestCase):
+    def setUp(self):
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            self.addCleanup(signal.signal, number, signal.getsignal(number))
+
+    def dispatched(self, verb, run, *words):
+        module = types.SimpleNamespace(__doc__="A verb.", add_arguments=lambda parser: None, run=run)
+        with mock.patch.object(cli, "module_of", lambda _: module):
+            return printed(cli.dispatch, [verb, *words])
+
+    def test_that_are_interrupted_say_so_and_end_with_the_status_of_the_signal(self):
+        resumes = "; the same command resumes the work"
+        for verb, more in {
+            "plot": "",
+            "impact": "",
+            "run": resumes,
+            "sweep": resumes,
+            "tradeoff": resumes,
+        }.items():
+            for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+                status, out, err = self.dispatched(verb, lambda _: signal.raise_signal(number))
+                self.assertEqual((status, out), (128 + number, ""))
+                self.assertEqual(err, f"ricochet {verb}: interrupted{more}\n")
+
+    def test_end_with_0_or_the_status_of_their_error(self):
+        self.assertEqual(self.dispatched("plot", lambda _: None), (0, "", ""))
+        refused = self.dispatched("plot", mock.Mock(side_effect=errors.InputError("no")))
+        self.assertEqual(refused, (2, "", "ricochet plot: no\n"))
+
+    def test_refuse_words_that_they_do_not_know(self):
+        with self.assertRaises(SystemExit) as ended, contextlib.redirect_stderr(io.StringIO()) as err:
+            self.dispatched("plot", self.fail, "extra")
+        self.assertEqual(ended.exception.code, 2)
+        self.assertEqual(err.getvalue(), "")  # printed within
+        status, _, err = printed(cli.dispatch, ["plut"])
+        self.assertEqual((status, err), (2, 'ricochet: there is no verb "plut": did you mean "plot"?\n'))
+
+
+class Tradeoffs(unittest.TestCase):
+    def row(self, speed, seconds, impulse=2.0, **more):
+        velocity = {"a": [speed, 0, 0], "b": [0, -1, 0]}
+        return {"exit_velocity": velocity, "impulse_ns": impulse, "peak_force_n": 5.0, "ended": True} | {
+            "impact_s": seconds,
+            "impact_mib": 9,
+            **more,
+        }
+
+    def point(self, row, kernel_s=3.0, measures=("rebound", "impulse")):
+        kernel = Kernel("modes", 50, True, 2, 1e-8, None, None)
+        return points.Point(
+            kernel,
+            Impact("compliant", 1e5),
+            {"kernel_s": kernel_s, "kernel_mib": 7},
+            row,
+            self.row(2, 0),
+            measures,
+        )
+
+    def test_without_a_reference_are_refused(self):
+        self.assertEqual(runs.needed({"kernel_s": 1}), {"kernel_s": 1})
+        with self.assertRaisesRegex(
+            errors.InputError, "^the reference is refused: ricochet-kernel: too large$"
+        ):
+            runs.needed({"refused": "ricochet-kernel: too large"})
+
+    def test_keep_the_reason_of_a_refused_setting_and_end_at_a_failure(self):
+        text = "[###]\nricochet-contact: no kernel\n"
+        self.assertEqual(runs.refusal(Done(2, text, 1, 1, 1)), {"refused": "ricochet-contact: no kernel"})
+        with self.assertRaisesRegex(errors.SolverError, "no reason given") as failed:
+            runs.refusal(Done(139, "", 1, 1, 1))
+        self.assertEqual(failed.exception.status, 139)
+
+    def test_measure_errors_relative_to_the_fastest_exit_of_the_reference(self):
+        found = points.errors(self.row(2.2, 1, impulse=1.9), self.row(2, 1))
+        self.assertAlmostEqual(found["rebound_error"], 0.1)
+        self.assertAlmostEqual(found["impulse_error"], 0.05)
+        self.assertEqual(found["peak_force_error"], 0)
+        self.assertEqual(
+            points.errors(self.row(2, 1, ended=False), self.row(2, 1))["rebound_error"], math.inf
+        )
+        self.assertAlmostEqual(self.point(self.row(2.2, 1, impulse=1.9)).error, 0.1)
+        self.assertAlmostEqual(self.point(self.row(2.2, 1, impulse=1.9), measures=["impulse"]).error, 0.05)
+
+    def test_know_the_front_and_the_cheapest_setting(self):
+        made = [
+            self.point(self.row(2 + error, seconds))
+            for error, seconds in ((0.2, 1), (0.1, 4), (0.4, 2), (0.002, 9))
+        ]
+
+        def cost(point):
+            return point.cost(2)
+
+        self.assertEqual(cost(made[1]), 3 + 2 * 4)
+        self.assertEqual(points.pareto(made, cost, 1e-9), [made[0], made[1], made[3]])
+        self.assertEqual(
+            points.pareto(made, cost, 0.06), [made[0], made[1]]
+        )  # below the floor, errors are equal
+        self.assertIs(points.cheapest(made, 0.06, cost), made[1])
+        self.assertIsNone(points.cheapest(made, 1e-5, cost))
+
+    def test_are_printed_with_their_files(self):
+        options = argparse.Namespace(impacts=3, error=0.06)
+        made = [self.point(self.row(2.1, 4)), self.point({"refused": "no"})]
+        with mock.patch.object(tradeoff.report, "write_csv") as table, mock.patch.object(
+            tradeoff.report, "draw"
+        ) as draw:
+            _, out, _ = printed(
+                tradeoff.print_outcome, runs.Outcome(made, 2e-3), options, "Ball", pathlib.Path("there")
+            )
+        lines = out.splitlines()
+        self.assertEqual(
+            lines[0], "2 settings, 1 refused; the error of the reference itself is about 2.0e-03"
+        )
+        self.assertIn(f"Cheapest for an error of 0.06: {made[0].name()}: 15.00 s, error 5.0e-02", lines)
+        self.assertEqual(lines[-2:], ["there/tradeoff.csv", "there/tradeoff.png"])
+        self.assertEqual((made[0].row["pareto"], made[1].row["pareto"]), (True, False))
+        self.assertEqual(table.call_args.args[1:], (pathlib.Path("there/tradeoff.csv"),))
+        self.assertEqual(draw.call_args.args[-1], pathlib.Path("there/tradeoff.png"))
+
+
+class ModalTables(ProgramTest):
+    def made(self, **more):
+        values = {
+            "body": "bell",
+            "basis": "modes",
+            "mass": 4.0,
+            "frequency_hz": np.array([0, 123.456789, 20000]),
+            "damping": np.array([np.nan, 0.01, 0.25]),
+            "participation": np.array([[2.0, 0, 0], [0, 1, 0.5], [0, 0, 0.1]]),
+            "contact_share": np.array([np.nan, 0.5, 0.125]),
+            "residual_share": 0.375,
+        }
+        return ModalTable(**values | more)
+
+    def test_have_numbers_that_end_below_the_ends_of_their_titles(self):
+        lines = self.made().text(3).splitlines()
+        self.assertEqual(lines[0], "bell: 3 modes, mass 4 kg")
+        mode, frequency = lines[1].index("mode") + 4, lines[1].index("frequency") + 9
+        ends = [
+            mode,
+            frequency,
+            *(k + 1 for k, sign in enumerate(lines[2].replace("Hz", "  ")) if sign in "%xyz"),
+        ]
+        expected = [
+            ["1", "0", "–", "100.000", "0.000", "0.000", "–"],
+            ["2", "123.457", "1.000", "0.000", "25.000", "6.250", "50.000"],
+            ["3", "20000", "25.000", "0.000", "0.000", "0.250", "12.500"],
+        ]
+        for line, words in zip(lines[3:], expected):
+            self.assertEqual(line.split(), words)
+            self.assertEqual([line[:end].split()[-1] for end in ends], words)
+            self.assertEqual(len(line), ends[-1])
+        total, residual = lines[6:]
+        self.assertEqual(total.split(), ["sum", "of", "all", "100.000", "25.000", "6.500", "62.500"])
+        self.assertEqual(residual.split(), ["residual", "flexibility", "37.500"])
+        self.assertEqual({len(total), len(residual)}, {ends[-1]})
+
+    def test_show_the_first_modes_and_count_the_others(self):
+        text = self.made(residual_share=0.0, basis="contact").text(1)
+        self.assertIn("bell: 3 vectors of a contact-adapted basis, mass", text)
+        self.assertIn("and 2 more", text)
+        self.assertNotIn("123.457", text)
+        self.assertNotIn("residual", text)
+        self.assertEqual(text.splitlines()[-1].split()[:3], ["sum", "of", "all"])
+
+    def test_are_shown_in_notebooks_up_to_thirty_modes(self):
+        html = self.made()._repr_html_()
+        self.assertEqual((html.count("<tr>"), html.count("more</p>")), (4, 0))
+        self.assertIn("<td>2</td><td>123.457</td><td>1.000</td><td>0.000</td><td>25.000</td>", html)
+        many = {name: np.ones(32) for name in ("frequency_hz", "damping", "contact_share")}
+        html = self.made(participation=np.ones((32, 3)), **many)._repr_html_()
+        self.assertEqual((html.count("<tr>"), html.count("<p>and 2 more</p>")), (31, 1))
+
+    def test_are_written_with_a_row_for_each_mode(self):
+        write_csv([self.made(), self.made(body="floor")], self.folder / "modes.csv")
+        head, *rows = (self.folder / "modes.csv").read_text().splitlines()
+        self.assertEqual(len(rows), 6)
+        self.assertEqual(dict(zip(head.split(","), rows[1].split(",")))["effective_mass_y_kg"], "1.0")
+        self.assertEqual(rows[0].split(",")[:4], ["bell", "1", "0.0", ""])
+        self.assertEqual(rows[5].split(",")[:2], ["floor", "3"])
+
+    def test_share_the_flexibility_of_the_contact_among_modes_and_residual(self):
+        random = np.random.default_rng(1)
+        omega, decay = np.array([0, 10.0, 30]), np.array([0, 0.5, 3])
+        normal = np.array([[0, 0, -1.0], [0, 0.6, -0.8]])
+        shape, loads = random.normal(size=(2, 3, 3)), random.normal(size=(3, 3))
+        half = random.normal(size=(6, 6))
+        residual = 0.01 * half @ half.T
+        along = np.zeros((2, 6))  # unit forces along the normals
+        for point in range(2):
+            along[point, 3 * point : 3 * point + 3] = normal[point]
+        own = np.array(
+            [0.0] + [sum((normal[p] @ shape[p, :, n]) ** 2 for p in (0, 1)) / omega[n] ** 2 for n in (1, 2)]
+        )
+        rest = np.trace(along @ residual @ along.T)
+        forms = {
+            "three": (shape, residual, {}, {}),
+            "normal": (shape, along @ residual @ along.T, {}, {"components": np.array([1])}),
+        }
+        for name, (stored, flexibility, of_shape, of_residual) in forms.items():
+            path = self.folder / f"{name}.kernel.h5"
+            with h5py.File(path, "w") as file:
+                file.attrs.update(
+                    format=np.bytes_("ricochet-kernel"), version=1, body=np.bytes_("bell"), mass=4.0
+                )
+                file["modes/angular_frequency"], file["modes/decay_rate"] = omega, decay
+                file["modes"].attrs["basis"] = np.bytes_("modes")
+                file["loads/body_force"], file["surface/normal"] = loads, normal
+                file["surface/shape"], file["surface/residual_flexibility"] = stored, flexibility
+                file["surface/shape"].attrs.update(of_shape)
+                file["surface/residual_flexibility"].attrs.update(of_residual)
+            table = ModalTable.read(path)
+            np.testing.assert_allclose(table.contact_share[1:], own[1:] / (own.sum() + rest))
+            self.assertTrue(np.isnan(table.contact_share[0]))
+            self.assertAlmostEqual(table.residual_share, rest / (own.sum() + rest))
+            self.assertAlmostEqual(table.elastic_share + table.residual_share, 1)
+            np.testing.assert_allclose(table.damping[1:], [0.05, 0.1])
+            np.testing.assert_allclose(table.frequency_hz, omega / (2 * np.pi))
+            np.testing.assert_allclose(table.effective_mass, loads.T**2)
+        with h5py.File(path, "a") as file:  # one component, along +z: normals with z < 0 face the other way
+            del file["surface/shape"], file["surface/residual_flexibility"]
+            file["surface/shape"] = shape[:, 2]
+            file["surface/shape"].attrs["direction"] = np.array([0, 0, 1.0])
+            file["surface/residual_flexibility"] = np.diag([0.02, 0.03])
+        table = ModalTable.read(path)
+        own = np.array([0, *((shape[:, 2, 1:] ** 2).sum(axis=0) / omega[1:] ** 2)])
+        np.testing.assert_allclose(table.contact_share[1:], own[1:] / (own.sum() + 0.05))
+        self.assertAlmostEqual(table.residual_share, 0.05 / (own.sum() + 0.05))
+
+
+class Studies(unittest.TestCase):
+    def test_take_values_that_a_scene_can_contain(self):
+        def nested(depth, value=1.5):
+            return [nested(depth - 1, value)] if depth > 1 else value
+
+        for value in (
+            1,
+            2.5,
+            True,
+            "a",
+            [1, ["x"]],
+            {"a": {"b": [1]}},
+            2**63 - 1,
+            -(2**63),
+            nested(DEEPEST),
+        ):
+            self.assertEqual(unfit(value), "")
+        for value, why in (
+            (nested(DEEPEST + 1), f"nested too deep: {DEEPEST} are"),
+            (2**63, "more than 64 bits"),
+            ([1, -(2**63) - 1], "more than 64 bits"),
+            ({"a\0": 1}, "a NUL character"),
+            ({"a": ["b\0"]}, "a NUL character"),
+            (datetime.date(2020, 1, 1), "is a date or a time"),
+        ):
+            self.assertIn(why, unfit(value))
+
+
+class Bars(unittest.TestCase):
+    def test_state_durations_in_two_units_at_most(self):
+        for seconds, text in (
+            (0.4, "0 s"),
+            (59.4, "59 s"),
+            (60, "1 min 0 s"),
+            (3599, "59 min 59 s"),
+            (7500, "2 h 5 min"),
+        ):
+            self.assertEqual(duration(seconds), text)
+
+    def test_show_the_share_done_and_the_time_left_from_the_work_of_this_run(self):
+        stream = io.StringIO()
+        stream.isatty = lambda: True
+        with mock.patch("ricochet.progress.time.monotonic", side_effect=[100, 110, 120, 150]):
+            bar = Progress(6, stream)
+            bar.advance("old", 2, already=True)
+            bar.advance("new", 2)
+            bar.advance("last", 2)
+        first, second, third = stream.getvalue().split("\r\033[K")[1:]
+        self.assertEqual(first, f"[{'#' * 10}{'.' * 20}] 2/6  old")
+        self.assertEqual(second, f"[{'#' * 20}{'.' * 10}] 4/6, 20 s left  new")  # 2 took 20 s
+        self.assertEqual(third, f"[{'#' * 30}] 6/6  last\n")
+        silent = io.StringIO()
+        Progress(2, silent).advance("x")
+        self.assertEqual(silent.getvalue(), "")
+
+
+if __name__ == "__main__":
+    unittest.main()

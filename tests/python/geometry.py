@@ -1,0 +1,243 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Geometry of pictures and pages, without a run: surfaces of a drawing, viewpoints, skins of bodies, tubes and planes."""
+
+import base64
+import itertools
+import unittest
+
+import numpy as np
+
+from programs import ProgramTest
+from ricochet import surfaces
+from ricochet.pages import motion
+from ricochet.pictures.viewpoint import View, clearest, clearness, spread, views
+
+X, Y, Z = np.eye(3)
+# A rectangle of 2 x 3 cells on z = 1, as quadrangles or as triangles, and a volume that gmsh need not mesh.
+DRAWING = """SetFactory("OpenCASCADE");
+Rectangle(7) = {{0, 0, 1, 2, 6}};
+Transfinite Curve {{1, 3}} = 3; Transfinite Curve {{2, 4}} = 4; Transfinite Surface {{7}};
+{recombine}
+Physical Surface("lid") = {{7}};
+"""
+
+
+def unpacked(packed):
+    kinds = {"f4": "<f4", "u4": "<u4", "i2": "<i2", "u2": "<u2", "u1": "u1"}
+    values = np.frombuffer(base64.b64decode(packed["data"]), kinds[packed["type"]]).reshape(packed["shape"])
+    return values * packed.get("scale", 1)
+
+
+def areas(corners):
+    return np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
+
+
+def square(low, high, z):
+    """Nodes and the two triangles of a square parallel to x and y."""
+    return np.array([[low, low, z], [high, low, z], [high, high, z], [low, high, z]]), np.array(
+        [[0, 1, 2], [0, 2, 3]]
+    )
+
+
+def grid(low, high, z, cells=40):
+    """(·,3) points over low[0]..high[0] x low[1]..high[1]."""
+    x, y = np.meshgrid(*(np.linspace(a, b, cells) for a, b in zip(low, high)))
+    return np.stack([x.ravel(), y.ravel(), np.full(x.size, z)], axis=1)
+
+
+@unittest.skipIf(surfaces.gmsh is None, "needs python3-gmsh")
+class Surfaces(ProgramTest):
+    def test_of_quadrangles_are_covered_once_by_two_triangles_each(self):
+        for recombine, name in (("Recombine Surface {7};", "quads"), ("", "triangles")):
+            path = self.folder / f"{name}.geo"
+            path.write_text(DRAWING.format(recombine=recombine))
+            found, named = surfaces.read(path)
+            (corners,) = found.values()
+            self.assertEqual(corners.shape, (12, 3, 3))
+            np.testing.assert_allclose(areas(corners), 1)  # half of a cell of 1 x 2
+            # All turn the same way, so none overlaps another if their areas add up to that of the rectangle.
+            np.testing.assert_allclose(surfaces.normals(corners), np.tile([0, 0, 2], (12, 1)), atol=1e-12)
+            np.testing.assert_allclose(corners.min(axis=(0, 1)), [0, 0, 1])
+            np.testing.assert_allclose(corners.max(axis=(0, 1)), [2, 6, 1])
+            middles = np.round(corners.mean(axis=1), 9)
+            self.assertEqual(len(np.unique(middles, axis=0)), 12)
+            self.assertEqual(named, {7: ["lid"]})
+
+    def test_are_listed_with_group_area_and_extent(self):
+        path = self.folder / "lid.geo"
+        path.write_text(DRAWING.format(recombine="Recombine Surface {7};"))
+        head, row = surfaces.table(*surfaces.read(path)).splitlines()
+        self.assertEqual(row.split(), ["7", "lid", "12", "[0,", "0,", "1]", "[2,", "6,", "1]"])
+        for title, value in (("groups", "lid"), ("area", "12"), ("from", "[0"), ("to", "[2")):
+            self.assertEqual(head.index(title), row.index(value))
+
+    def test_without_a_name_or_a_group_have_their_number_or_a_dash(self):
+        nodes, element = square(0, 1, 0)
+        text = surfaces.table({3: nodes[element], 12: 2 * nodes[element]}, {12: ["a", "4"]})
+        _, first, second = text.splitlines()
+        self.assertEqual(first.split()[:3], ["3", "–", "1"])
+        self.assertEqual(second.split()[:4], ["12", "a,", "4", "4"])
+
+
+class Viewpoints(unittest.TestCase):
+    def test_turn_the_eye_by_azimuth_and_elevation_and_keep_the_horizon(self):
+        for azimuth, elevation in itertools.product((-0.7, 0.0, 0.4), (-0.5, 0.0, 1.1)):
+            turn = View(Z, Y, azimuth, elevation).turn()
+            np.testing.assert_allclose(turn @ turn.T, np.eye(3), atol=1e-14)
+            self.assertAlmostEqual(np.linalg.det(turn), 1)
+            self.assertAlmostEqual(turn[0] @ Y, 0)  # right stays level
+            eye = np.array(
+                [-np.cos(elevation) * np.sin(azimuth), np.sin(elevation), np.cos(elevation) * np.cos(azimuth)]
+            )
+            np.testing.assert_allclose(turn[2], eye, atol=1e-14)
+        np.testing.assert_allclose(View(Z, Y).turn(), np.eye(3))
+        np.testing.assert_allclose(View(X, Z).turn(), [Y, Z, X])
+
+    def test_are_the_six_axes_and_the_eight_diagonals_the_thinnest_axis_first(self):
+        high = np.array([3.0, 1.0, 2.0])
+        found = [view.turn()[2] for view in views(np.zeros(3), high, False)]
+        np.testing.assert_allclose(found[:2], [-Y, Y], atol=1e-12)
+        np.testing.assert_allclose(
+            sorted(map(tuple, np.round(found[:6], 9))), sorted(map(tuple, [*np.eye(3), *-np.eye(3)]))
+        )
+        corners = sorted(itertools.product((-1, 1), repeat=3))
+        np.testing.assert_allclose(sorted(map(tuple, np.round(np.array(found[6:]) * np.sqrt(3), 9))), corners)
+        first = next(views(np.zeros(3), np.array([1, 1, 1.0]), False))
+        np.testing.assert_allclose(first.turn()[2], Z)  # of equal extents, along z
+        tilted = next(views(np.zeros(3), high, True)).turn()[2]
+        self.assertTrue(0.8 < tilted @ -Y < 0.999)
+
+    def test_are_judged_by_the_share_that_is_seen_and_by_what_hides_the_contact(self):
+        behind, before = grid((0, 0), (1, 1), 0.0), grid((0, 0), (0.5, 1), 1.0, 30)
+        cell, from_above, from_below = 0.05, View(Z, Y), View(-Z, Y)
+        # 0.06: the column of cells at the edge
+        self.assertAlmostEqual(
+            clearness(from_above, [behind, before], np.zeros((0, 3)), cell), 0.5, delta=0.06
+        )
+        self.assertAlmostEqual(clearness(from_below, [behind, before], np.zeros((0, 3)), cell), 0, delta=0.06)
+        hidden = np.array([[0.25, 0.5, 0.0], [0.75, 0.5, 0.0]])  # one under the front body, one beside it
+        self.assertAlmostEqual(
+            clearness(from_above, [behind, before], hidden, cell), 0.5 - 0.5 / np.sqrt(3), delta=0.06
+        )
+        # Along x, both are seen in full, as lines, and the plate itself hides its points by 0.25 and 0.75.
+        aside = clearness(View(X, Z), [behind, before], hidden, cell)
+        self.assertAlmostEqual(aside, 1 - 0.5 / np.sqrt(3), delta=0.06)
+
+    def test_are_chosen_so_that_no_body_hides_another(self):
+        skins = [square(0, 1, 0.0), square(0, 1, 1.0)]
+        contact = np.zeros((0, 3))
+        view = clearest(skins, contact)
+        bodies = [spread(node, element, 0.02) for node, element in skins]
+        self.assertGreater(clearness(view, bodies, contact, 0.03), 0.9)
+        self.assertLess(abs(view.turn()[2] @ Z), 0.9)
+        # Bodies side by side are seen along the thinnest axis, which is the first.
+        node, element = square(0, 1, 0.0)
+        np.testing.assert_allclose(clearest([(node, element), (node + 2 * X, element)], contact).turn()[2], Z)
+
+    def test_use_points_of_lines_and_triangles_at_most_a_distance_apart(self):
+        random = np.random.default_rng(1)
+        node, element = square(0, 3, 0.0)
+        points = spread(node, element, 0.5)
+        self.assertTrue(((points >= -1e-12) & (points <= [3 + 1e-12, 3 + 1e-12, 1e-12])).all())
+        for place in [*node, *np.append(random.uniform(0, 3, (50, 2)), np.zeros((50, 1)), axis=1)]:
+            self.assertLess(np.linalg.norm(points - place, axis=1).min(), 0.5)
+        self.assertLess(len(points), 2 * 17 * 18 / 2 + 1)  # 16 parts of a diagonal of 4.2 are the most
+        line = spread(node, np.array([[0, 1]]), 0.8)
+        np.testing.assert_allclose(np.sort(line[:, 0]), [0, 0.75, 1.5, 2.25, 3])
+
+
+class Bodies(unittest.TestCase):
+    def test_are_packed_as_values_or_as_fractions_of_the_largest(self):
+        values = np.random.default_rng(1).normal(size=(7, 3))
+        np.testing.assert_allclose(unpacked(motion.packed(values)), values, rtol=1e-7)
+        np.testing.assert_allclose(
+            unpacked(motion.packed(values, "i2")), values, atol=0.51 * abs(values).max() / 32767
+        )
+        size = abs(values)
+        np.testing.assert_allclose(unpacked(motion.packed(size, "u2")), size, atol=0.51 * size.max() / 65535)
+        self.assertEqual(unpacked(motion.packed([[3, 70000]], "u4")).tolist(), [[3, 70000]])
+        self.assertEqual(unpacked(motion.packed(np.zeros(4), "i2")).tolist(), [0] * 4)
+
+    def test_move_by_as_few_shapes_as_their_motion_needs(self):
+        random = np.random.default_rng(1)
+        shape = random.normal(size=(40, 6))
+        mixed = random.normal(size=(30, 2)) @ random.normal(size=(2, 6))  # of rank 2
+        fields, amounts = motion.few_shapes(shape, mixed, 6, 1e-9)
+        self.assertEqual((fields.shape, amounts.shape), ((40, 2), (30, 2)))
+        np.testing.assert_allclose(fields @ amounts.T, shape @ mixed.T, atol=1e-10)
+        for most, left_out in ((6, 0.3), (6, 0.02), (2, 1e-9)):
+            free = random.normal(size=(30, 6)) * [1, 0.5, 0.2, 0.05, 0.01, 0.001]
+            fields, amounts = motion.few_shapes(shape, free, most, left_out)
+            exact, count = shape @ free.T, fields.shape[1]
+            size = np.linalg.svd(exact, compute_uv=False)  # the best error with r shapes (Eckart and Young)
+            self.assertAlmostEqual(
+                np.linalg.norm(exact - fields @ amounts.T), np.linalg.norm(size[count:]), places=9
+            )
+            self.assertLessEqual(count, most)
+            if count < most:
+                self.assertLessEqual(np.linalg.norm(size[count:]), left_out * np.linalg.norm(size))
+            self.assertGreater(np.linalg.norm(size[count - 1 :]), left_out * np.linalg.norm(size))
+        self.assertEqual(motion.few_shapes(shape[:, :0], mixed[:, :0], 6, 1e-3)[0].shape, (40, 0))
+
+    def test_with_many_triangles_are_coarsened_without_holes(self):
+        node = grid((0, 0), (1, 1), 0.0, 31)
+        corner = (31 * np.arange(30)[:, None] + np.arange(30)).ravel()
+        element = np.concatenate([corner[:, None] + [0, 1, 32], corner[:, None] + [0, 32, 31]])
+        kept, few = motion.coarser(node, element, 300)
+        self.assertTrue(100 < len(few) <= 300)
+        # The square loses at most a cell at its edges and is covered once.
+        self.assertAlmostEqual(areas(node[kept][few]).sum(), 1, delta=0.15)
+        same, all_of_them = motion.coarser(node, element, 1800)
+        self.assertIs(all_of_them, element)
+        self.assertEqual(same.tolist(), list(range(961)))
+
+    def test_that_are_rods_become_closed_tubes(self):
+        node, radius = np.array([[0, 0, 0], [1, 0, 0], [3.0, 0, 0]]), 0.1
+        faces, of, offset = motion.tube(node, np.array([[0, 1], [1, 2]]), radius)
+        place = node[of] + offset
+        np.testing.assert_allclose(np.hypot(*place[:, 1:].T), radius)
+        np.testing.assert_allclose(place[:, 0], np.repeat([0, 1, 3], 12))
+        n, half = 12, np.pi / 12  # sides of the polygon, and half of its angle
+        around, end = 2 * n * radius * np.sin(half), n * radius**2 * np.sin(half) * np.cos(half)
+        self.assertAlmostEqual(areas(place[faces]).sum(), 3 * around + 2 * end)
+        edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+        _, count = np.unique(edges, axis=0, return_counts=True)
+        self.assertEqual(set(count), {2})
+
+    def test_that_are_rods_have_the_radius_of_their_section_or_one_that_is_visible(self):
+        self.assertAlmostEqual(motion.radius_of({"material": {"density": 1, "area": np.pi * 0.04}}, 1), 0.2)
+        parts = {"a": {"area": np.pi}, "b": {"area": 4 * np.pi}}
+        self.assertAlmostEqual(motion.radius_of({"material": parts}, 1), 2)
+        self.assertAlmostEqual(motion.radius_of({}, 5), 0.05)
+
+    def test_stand_on_the_part_of_a_plane_that_is_near_them(self):
+        low, high = np.array([1.0, -1, 2]), np.array([3.0, 1, 6])
+        plane = {"point": [9, 9, 0.5], "normal": [0, 0, -3]}
+        corner = unpacked(motion.half_space("floor", plane, low, high)["node"])
+        np.testing.assert_allclose(corner[:, 2], 0.5, rtol=1e-6)
+        np.testing.assert_allclose(corner.mean(axis=0), [2, 0, 0.5], atol=1e-6)
+        np.testing.assert_allclose(
+            np.linalg.norm(corner - np.roll(corner, 1, axis=0), axis=1), 1.4 * 4, rtol=1e-6
+        )
+        tilted = {"point": [0, 0, 0], "normal": [1, 1, 1]}
+        corner = unpacked(motion.half_space("wall", tilted, low, high)["node"])
+        np.testing.assert_allclose(corner.sum(axis=1), 0, atol=1e-5)
+        np.testing.assert_allclose(
+            np.ptp(corner.mean(axis=0) - (low + high) / 2), 0, atol=1e-5
+        )  # along the normal
+
+    def test_are_found_by_the_node_nearest_to_a_contact_point(self):
+        random = np.random.default_rng(1)
+        places, points = [random.uniform(size=(9, 3)), random.uniform(size=(6, 3))], random.uniform(
+            size=(5, 3)
+        )
+        found, offset = motion.nearest(points, places)
+        for point, (body, node), away in zip(points, found, offset):
+            self.assertAlmostEqual(
+                np.linalg.norm(away), min(np.linalg.norm(point - x) for x in np.concatenate(places))
+            )
+            np.testing.assert_allclose(places[body][node] + away, point)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,398 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""What pictures and pages draw from a result: episodes, motion, spectra, snapshots. With files that friction_file.py makes
+without a run, and closed forms."""
+
+import base64
+import types
+import unittest
+
+import matplotlib
+import numpy as np
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+
+import friction_file
+from friction_file import ACROSS, AREA, MU, STEP, STEPS
+from programs import ProgramTest
+from ricochet.pages import charts
+from ricochet.pictures import snapshots
+from ricochet.pictures.history import History
+from ricochet.pictures.skins import skins_of
+from ricochet.pictures.style import BODY, STYLE, prefixed
+from ricochet.studies import chart as studies
+
+
+def unpacked(packed):
+    kinds = {"f4": "<f4", "u1": "u1", "u2": "<u2"}
+    return np.frombuffer(base64.b64decode(packed["data"]), kinds[packed["type"]]).reshape(packed["shape"])
+
+
+def curve(line):
+    return unpacked(line["x"]), unpacked(line["y"])
+
+
+class HistoryTest(ProgramTest):
+    def history(self, **more):
+        path, drag = friction_file.write(self.folder / "rubbed", **more)
+        return History(path), drag
+
+
+class Histories(HistoryTest):
+    def test_split_contact_into_episodes_that_begin_a_step_before_their_first_force(self):
+        history, drag = self.history(touches=3)
+        touching = (drag.force > 0).any(axis=1)
+        begins = np.flatnonzero(touching[1:] & ~touching[:-1])
+        ends = np.flatnonzero(touching[:-1] & ~touching[1:])
+        self.assertGreater(len(begins), 1)
+        np.testing.assert_allclose(history.spans(), STEP * np.stack([begins, ends], axis=1), rtol=1e-12)
+        self.assertEqual(sum(behind - first for first, behind in history.episodes), touching.sum())
+
+    def test_without_a_touch_have_no_episode_and_show_the_whole_run(self):
+        history, _ = self.history(touches=0)
+        self.assertEqual((history.episodes, history.spans(), history.strongest), ([], [], 0))
+        np.testing.assert_allclose(history.window(), (0, STEP * STEPS))
+        self.assertEqual(charts.force_chart(history, 0)["note"], "Nothing touched.")
+
+    def test_show_the_contact_with_a_margin(self):
+        history, drag = self.history()
+        first, last = STEP * (drag.rows[0] - 1), STEP * drag.rows[-1]
+        start, end = history.window()
+        self.assertTrue(start < first and last < end <= STEP * STEPS)
+        self.assertAlmostEqual(start, 0 - 0.01 * end)  # so that the axis does not cover the first force
+        history.time = history.time * 3  # the same contact in a longer run
+        start, end = history.window()
+        self.assertAlmostEqual(end - last, 0.35 * (last - first))
+
+    def test_hold_forces_so_that_the_area_below_them_is_the_impulse(self):
+        history, drag = self.history(touches=3)
+        when, force = history.held(history.force.sum(axis=1))
+        # A force belongs to the step that ends at its time. NaN separates episodes.
+        area = np.nansum(np.diff(when) * force[1:])
+        self.assertAlmostEqual(area, drag.force.sum() * STEP, places=12)
+        self.assertEqual(np.isnan(when).sum(), len(history.episodes))
+        when, force = history.broken(history.force.sum(axis=1))
+        np.testing.assert_array_equal(force[~np.isnan(when)], history.force.sum(axis=1))
+        self.assertEqual(np.isnan(when).sum(), len(history.episodes))
+
+    def test_know_the_strongest_point_and_the_liveliest_axis(self):
+        history, drag = self.history()
+        self.assertEqual(history.strongest, int(np.argmax(drag.force.sum(axis=0))))
+        self.assertEqual(history.liveliest_axis, 2)  # the block turns round along z
+        history.velocity = {"a": np.array([[0, 0, 5.0], [1, 0, 5]]), "b": np.array([[0, 2.0, 0], [0, -2, 0]])}
+        self.assertEqual(history.liveliest_axis, 1)  # a change counts, not a speed
+        history.velocity = {}
+        self.assertEqual(history.liveliest_axis, 0)
+
+    def test_of_bodies_in_motion_are_not_static(self):
+        self.assertFalse(self.history()[0].static)
+
+    def test_place_points_along_a_line_or_by_their_distance(self):
+        history, drag = self.history(form="line")
+        order, where, what = history.positions()
+        self.assertEqual(what, "position along the contact")
+        np.testing.assert_allclose(where, np.linspace(-4e-3, 4e-3, 41), atol=1e-9)
+        np.testing.assert_array_equal(order, np.arange(41))
+        history, drag = self.history()
+        order, where, what = history.positions()
+        self.assertEqual(what, "distance from the first touch")
+        np.testing.assert_allclose(where, np.sort(np.hypot(*drag.point[:, :2].T)), atol=1e-9)
+        history, _ = self.history(form="point")
+        self.assertEqual(history.positions()[2], "distance from the first touch")  # one point is no line
+
+    def test_move_along_the_normal_from_where_the_second_surface_was(self):
+        history, drag = self.history()
+        i = int(np.argmax(drag.gap))
+        place, speed, mean_place, mean_speed = history.along_normal(i)
+        names = ["block", "floor"]
+        self.assertEqual(
+            [list(of) for of in (place, speed, mean_place, mean_speed)], [names, names, ["block"], ["block"]]
+        )
+        time = drag.time[drag.rows]
+        np.testing.assert_allclose(
+            place["block"][1][:-1], 1e-6 * np.sin(1e3 * time) - drag.gap[i], atol=1e-15
+        )
+        np.testing.assert_allclose(speed["block"][1][:-1], 1e-6 * np.sin(1e3 * time), atol=1e-15)
+        np.testing.assert_array_equal(place["floor"][1][:-1], 0)
+        # The normal is -z, and the block moves along z at -0.06 cos(πt/T). 1e-4: trapezia of 400 steps.
+        total = STEP * STEPS
+        np.testing.assert_allclose(
+            mean_speed["block"][1], 0.06 * np.cos(np.pi * drag.time / total), atol=1e-12
+        )
+        path = 0.06 * total / np.pi * np.sin(np.pi * drag.time / total)
+        np.testing.assert_allclose(mean_place["block"][1] + drag.gap[i], path, atol=1e-4 * path.max())
+
+
+class Charts(HistoryTest):
+    def test_of_motion_show_the_lines_of_the_history_within_its_window(self):
+        history, drag = self.history()
+        i = history.strongest
+        places, speeds = charts.along_normal_charts(history, i)
+        for found, of, unit in ((places, 0, "m"), (speeds, 1, "m/s")):
+            self.assertEqual(found["y"]["unit"], unit)
+            curves = history.along_normal(i)
+            expected = {f"{name}, contact point": values for name, values in curves[of].items()}
+            inside = (drag.time >= history.window()[0]) & (drag.time <= history.window()[1])
+            time, mean = curves[of + 2]["block"]
+            expected["block, mean of its mass"] = time[inside], mean[inside]
+            self.assertEqual({line["name"] for line in found["lines"]}, set(expected))
+            for line in found["lines"]:
+                for shown, exact in zip(curve(line), expected[line["name"]]):
+                    np.testing.assert_allclose(shown, exact, rtol=1e-6, atol=1e-12)
+                self.assertEqual(line["colour"], "still" if "floor" in line["name"] else 0)
+
+    def test_of_force_show_the_sum_and_one_point_at_the_ends_of_their_steps(self):
+        history, drag = self.history()
+        i = history.strongest
+        total, one = charts.force_chart(history, i)["lines"]
+        self.assertEqual((total["name"], one["name"]), (f"sum of {len(drag.point)} points", f"point {i + 1}"))
+        for line, force in ((total, drag.force.sum(axis=1)), (one, drag.force[:, i])):
+            when, shown = curve(line)
+            np.testing.assert_allclose(shown[1:-2], force[drag.rows], rtol=1e-6)
+            np.testing.assert_allclose(when[1:-2], drag.time[drag.rows], rtol=1e-6)
+            np.testing.assert_array_equal(shown[[0, -2]], 0)
+        self.assertEqual(
+            [line["name"] for line in charts.force_chart(self.history(form="point")[0], 0)["lines"]],
+            ["force"],
+        )
+
+    def test_of_pressure_show_the_moment_of_the_largest_force(self):
+        history, drag = self.history(friction=None)
+        (line,) = charts.pressure_chart(history)["lines"]
+        where, pressure = curve(line)
+        force = drag.force[np.argmax(drag.force.sum(axis=1))]
+        self.assertAlmostEqual(pressure.max() / (force.max() / AREA), 1, places=6)
+        self.assertAlmostEqual(pressure.sum() / (force.sum() / AREA), 1, places=6)
+        self.assertEqual(where[np.argmax(pressure)], 0)
+        count = np.count_nonzero(force)
+        self.assertEqual(
+            charts.pressure_chart(history)["note"],
+            f"{count} of {len(force)} points press when the force is largest.",
+        )
+
+    def test_of_energy_show_each_term_that_is_not_zero_and_their_constant_sum(self):
+        history, drag = self.history(friction=None)
+        energy = charts.energy_charts(history)[0]
+        lines = {line["name"]: curve(line)[1] for line in energy["lines"]}
+        total = lines.pop("sum of all")
+        np.testing.assert_allclose(sum(lines.values()), total, rtol=1e-5)
+        np.testing.assert_allclose(total, total[0], rtol=1e-6)
+        self.assertEqual(energy["note"], "")
+        history.energy["damping"] = 0 * history.time
+        self.assertEqual(charts.energy_charts(history)[0]["note"], "Zero throughout: lost in damping.")
+        history, _ = self.history(friction=None)  # the ledger is kept
+        history.energy["total"] = history.energy["total"] + np.where(history.time > 1e-3, 1e-6, 0)
+        (line,) = charts.energy_charts(history)[1]["lines"]
+        when, stray = curve(line)
+        largest = max(abs(history.energy[name]).max() for name in ("kinetic", "strain", "loads", "residual"))
+        largest = max(largest, abs(history.ledger).max())
+        np.testing.assert_allclose(stray[when > 1.005e-3], 1e-6 / largest, rtol=1e-5)
+        self.assertLess(stray[when < 0.995e-3].max(initial=0), 1e-12)  # round-off
+
+    def test_of_many_points_keep_gaps_and_the_extremes_of_each_piece(self):
+        x, y = np.arange(20000.0), np.sin(np.arange(20000.0) ** 1.3)
+        y[[777, 12345]] = [5, -7]
+        y[9000:9050] = np.nan
+        when, shown = charts.thinned(x, y)
+        self.assertLess(len(when), charts.DOTS + charts.DOTS // 2)
+        self.assertTrue(np.all(np.diff(when) > 0))
+        self.assertEqual((np.nanmax(shown), np.nanmin(shown)), (5, -7))
+        self.assertEqual((when[np.nanargmax(shown)], when[np.nanargmin(shown)]), (777, 12345))
+        self.assertTrue(np.isnan(shown).any())
+        known = when[~np.isnan(shown)].astype(int)
+        np.testing.assert_array_equal(y[known], shown[~np.isnan(shown)])
+        self.assertIs(charts.thinned(x[:1600], y[:1600])[1].base, y)
+
+
+class Spectra(unittest.TestCase):
+    def test_of_a_pulse_are_the_closed_form_at_every_frequency(self):
+        count, step, factor = 100, 1e-3, 0.25
+        frequency, size = charts.spectrum(np.ones(count), step, factor)
+        half = np.pi * frequency * step
+        np.testing.assert_allclose(size, factor * abs(np.sin(count * half) / np.sin(half)), atol=1e-9)
+        self.assertTrue(np.all(np.diff(frequency) > 0))
+        lowest = 0.5 / (
+            count * step
+        )  # half a period in the record, on a grid of at least eight times its length
+        self.assertTrue(lowest <= frequency[0] <= 1.2 * lowest)
+        self.assertLess(0.9 * 0.5 / step, frequency[-1])
+        self.assertLess(len(frequency), 8 * count)
+
+    def test_of_a_record_of_few_steps_have_few_frequencies(self):
+        self.assertLessEqual(len(charts.spectrum(np.arange(10.0), 1e-3, 1)[0]), 8 * 10)
+
+    def test_of_a_tone_have_its_frequency_and_amplitude(self):
+        count, step, tone, amplitude = 4000, 1 / 8000, 440.0, 3.0
+        values = amplitude * np.sin(2 * np.pi * tone * step * np.arange(count))
+        frequency, size = charts.spectrum(values, step, 2 / count)
+        peak = int(np.argmax(size))
+        self.assertAlmostEqual(frequency[peak], tone, delta=1 / (8 * count * step))
+        self.assertAlmostEqual(
+            size[peak], amplitude, delta=0.03 * amplitude
+        )  # the grid, and the other side's leakage
+
+
+class Snapshots(HistoryTest):
+    def skins(self, **more):
+        history, drag = self.history(**more)
+        skins, time = skins_of(history, self.folder)
+        return history, drag, skins, time
+
+    def test_are_those_moved_by_the_coordinates_and_magnified_from_the_first_touch_on(self):
+        _, drag, skins, time = self.skins()
+        skin = skins["block"]
+        np.testing.assert_allclose(time, drag.time[::4])
+        bent = np.abs(skin.node[:, 0]) * skin.node[:, 2] / 1e-4  # along z for a coordinate of 1
+        for k in (0, 31, 77):
+            amount = 1e-6 * np.sin(4e3 * time[k])
+            expected = skin.node + drag.moved[4 * k] + np.outer(amount * bent, [0, 0, 1])
+            np.testing.assert_allclose(skin.at(k), expected, atol=1e-12)
+            self.assertAlmostEqual(skin.deformation(k), abs(amount) * bent.max(), places=12)
+        moved = skin.at(77) - skin.at(31)
+        np.testing.assert_allclose(skin.at(77, 31, 50), skin.at(31) + 50 * moved, atol=1e-12)
+
+    def test_are_magnified_by_a_round_number_that_shows_the_motion(self):
+        def amplified(moved, deformation=0.0):
+            node = np.array([[0, 0, 0], [3, 4, 0.0]])  # of size 5
+            skin = types.SimpleNamespace(
+                at=lambda k: node + [0, 0, moved * k], deformation=lambda k: deformation * k
+            )
+            return snapshots.amplification({"a": skin}, np.array([1]), 0)
+
+        # 5 % of the size is 0.25.
+        for moved, factor in (
+            (1e-3, 200),
+            (0.25 / 99, 50),
+            (0.25 / 19, 10),
+            (0.25 / 2.1, 2),
+            (0.25 / 1.9, 1),
+            (0, 1),
+        ):
+            self.assertAlmostEqual(amplified(moved), factor)
+        self.assertEqual(amplified(1e-3, 0.051), 1)  # 1 % of deformation can be seen
+        self.assertAlmostEqual(amplified(1e-3, 0.049), 200)
+
+    def test_show_nearer_bodies_in_front(self):
+        square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.0]])
+
+        def made(z):
+            return square + [0, 0, z], types.SimpleNamespace(
+                element=np.array([[0, 1, 2], [0, 2, 3]]), rim=lambda flat: np.array([[0, 1]])
+            )
+
+        result = types.SimpleNamespace(bodies=["low", "high"])
+        for turn, order in ((np.eye(3), [0, 1]), (np.diag([-1, 1, -1]), [1, 0])):
+            (low, below), (high, above) = made(0), made(1)
+            ax = Figure().add_subplot()
+            snapshots.paint(ax, result, {"low": below, "high": above}, {"low": low, "high": high}, turn)
+            (drawn,) = ax.collections
+            faces, paths = drawn.get_facecolors()[:, :3], drawn.get_paths()
+            light = 0.62 + 0.38 * 0.8 / np.linalg.norm([0.35, 0.5, 0.8])  # of a face towards the viewer
+            surface = [k for k, path in enumerate(paths) if len(path.vertices) > 3]
+            found = [
+                next(n for n in (0, 1) if np.allclose(faces[k], light * np.array(to_rgb(BODY[n]))))
+                for k in surface
+            ]
+            self.assertEqual(found, [order[0]] * 2 + [order[1]] * 2)
+
+    def test_of_a_rod_have_space_above_and_below(self):
+        history, _, _, time = self.skins(form="line")
+        rod = np.stack([np.linspace(0, 0.2, 5), np.zeros(5), np.zeros(5)], axis=1)
+        element = np.stack([np.arange(4), np.arange(1, 5)], axis=1)
+        skin = types.SimpleNamespace(
+            at=lambda *_: rod, deformation=lambda _: 1.0, element=element, rim=lambda flat: element
+        )
+        with matplotlib.rc_context(STYLE):
+            figure = snapshots.snapshots_picture(history, {"block": skin}, time)
+        ax = figure.axes[0]
+        margin = 0.04 * 0.2
+        np.testing.assert_allclose(ax.get_ylim(), [-0.02 - margin, 0.02 + margin])
+        np.testing.assert_allclose(np.ptp(ax.get_xlim()), 0.2 + 2 * margin)
+
+    def test_are_drawn_at_nine_moments_of_the_contact_or_at_those_there_are(self):
+        history, drag, skins, time = self.skins()
+        for some, count, words in ((slice(None), 9, "9 moments"), (slice(40, 41), 1, "one moment")):
+            with matplotlib.rc_context(STYLE):
+                figure = snapshots.snapshots_picture(
+                    history, skins if count > 1 else self.only(skins, 40), time[some]
+                )
+            titles = [ax.get_title(loc="left") for ax in figure.axes if ax.get_title(loc="left")]
+            self.assertEqual(len(titles), count)
+            self.assertIn(f": {words} of the contact", figure._suptitle.get_text())
+            at = np.array([float(title.split()[0]) for title in titles])
+            (start, end), (ms, unit) = history.spans()[0], prefixed(history.spans()[0][1], "s")
+            self.assertTrue(((at > start * ms) & (at <= end * ms * 1.001)).all() and np.all(np.diff(at) > 0))
+            self.assertEqual({title.split()[1] for title in titles}, {unit})
+        self.assertIsNone(
+            snapshots.snapshots_picture(history, skins, time[:2])
+        )  # none of them during the contact
+
+    @staticmethod
+    def only(skins, first):
+        """The skins in a result whose first snapshot is this one."""
+        for skin in skins.values():
+            skin.coordinates = skin.coordinates[first:]
+        return skins
+
+    def test_have_a_bar_of_a_round_length(self):
+        for wide, length, words in ((0.004, 1e-3, "1 mm"), (0.3, 0.1, "0.1 m"), (25, 10, "10 m")):
+            ax = Figure().add_subplot()
+            snapshots.scale_bar(ax, 2, 3, wide)
+            np.testing.assert_allclose(ax.lines[0].get_xydata(), [[2, 3], [2 + length, 3]])
+            self.assertEqual(ax.texts[0].get_text().strip(), words)
+
+    def test_have_a_force_of_each_point_by_its_place(self):
+        history, drag = self.history(form="line")
+        row = int(np.argmax(history.force.sum(axis=1)))
+        panel = snapshots.Forces(history, [row])
+        self.assertTrue(panel.numbered)
+        ax = Figure().add_subplot()
+        panel.draw(ax, 0, (True, True))
+        factor, unit = prefixed(history.force[row].max(), "N")
+        np.testing.assert_allclose([bar.get_height() for bar in ax.patches], factor * history.force[row])
+        self.assertEqual((ax.get_xlabel(), ax.get_ylabel()), ("position", f"force ({unit})"))
+        history, drag = self.history()
+        panel = snapshots.Forces(history, [row])
+        self.assertFalse(panel.numbered)
+        radius = np.hypot(*drag.point[:, :2].T)
+        far = 1.6 * radius[drag.force.sum(axis=0) > 0].max()
+        np.testing.assert_allclose(panel.where, 1e3 * np.sort(radius[radius <= far]), atol=1e-9)
+        self.assertEqual(panel.label, "distance from the first touch (mm)")
+
+
+class Cells(unittest.TestCase):
+    def test_of_a_study_hold_the_mean_of_their_rows(self):
+        x, y = np.array([1, 1, 2, 2, 3, 1.0]), np.array([10, 20, 10, 10, 20, 10.0])
+        z = np.array([1, 2, 3, 5, 7, 100.0])
+        there = np.array([True] * 5 + [False])
+        figure = Figure()
+        ax = figure.add_subplot()
+        studies.cells(figure, ax, z, there, [(x, None), (y, None)], "force")
+        np.testing.assert_array_equal(
+            ax.images[0].get_array().filled(np.nan), [[1, 4, np.nan], [2, np.nan, 7]]
+        )
+        self.assertEqual([label.get_text() for label in ax.get_xticklabels()], ["1", "2", "3"])
+        self.assertEqual([label.get_text() for label in ax.get_yticklabels()], ["10", "20"])
+        self.assertEqual(
+            {(t.get_position(), t.get_text()) for t in ax.texts},
+            {((0, 0), "1"), ((1, 0), "4"), ((0, 1), "2"), ((2, 1), "7")},
+        )
+
+
+class Friction(HistoryTest):
+    def test_of_a_line_is_drawn_below_its_bound(self):
+        from ricochet.pictures.friction import moment_panel
+
+        history, drag = self.history(form="line")
+        ax = Figure().add_subplot()
+        moment_panel(history, ax)
+        bound, friction = (np.asarray(line.get_ydata()) for line in ax.lines[:2])
+        row = drag.rows[history.mixed_row()]
+        size = np.linalg.norm(drag.tangential[row], axis=1)
+        factor, _ = prefixed(max(size.max(), MU * drag.force[row].max()), "N")
+        np.testing.assert_allclose(bound, factor * MU * drag.force[row][history.rubbing], rtol=1e-9)
+        np.testing.assert_allclose(friction, factor * size[history.rubbing], rtol=1e-9)
+        self.assertTrue((friction <= bound * (1 + 1e-12)).all() and ACROSS > 0)
+
+
+if __name__ == "__main__":
+    unittest.main()
