@@ -101,15 +101,19 @@ FOLDERS = {
         + _programs("files", "motion", "friction", "robust", "batch", "restart", "tradeoff"),
         {
             "python/ricochet/interchange/": _programs("import_command", "exports", "imports"),
-            "python/ricochet/pages/": _programs("report"),
+            "python/ricochet/pages/": ("python/histories", "python/geometry", *_programs("report")),
             "python/ricochet/pictures/": (
                 "python/histories",
+                "python/geometry",
                 "python/friction",
                 *_programs("command", "report"),
             ),
             "python/ricochet/studies/": _programs("sweep", "sweep_faults", "batch"),
-            "python/ricochet/tradeoffs/": _programs("tradeoff"),
-            "python/ricochet/cli/": _programs("command", "sweep", "import_command", "tradeoff"),
+            "python/ricochet/tradeoffs/": ("python/commands", *_programs("tradeoff")),
+            "python/ricochet/cli/": (
+                "python/commands",
+                *_programs("command", "sweep", "import_command", "tradeoff"),
+            ),
         },
     ),
 }

@@ -122,7 +122,8 @@ class Judge:
 
     def _tested(self, mutant):
         for name in FOLDERS[mutant.folder].order(mutant.site.file):
-            if not mutant.site.file.endswith(".py"):
+            # A module is not compiled, but its tests run programs, which may not be there yet.
+            if not mutant.site.file.endswith(".py") or name not in self.usual_s:
                 built = self.compile(targets(name))
                 if not built.passed and COMPILER.search(built.output):
                     return Verdict(UNCOMPILED, last_words(built.output)), name

@@ -199,12 +199,13 @@ class Builder(judge.Judge):
 
     def __init__(self, tree, refused=(), failing=(), broken=()):
         super().__init__(tree, tree / "build", 1, {})
-        self.refused, self.failing, self.broken, self.ran = refused, failing, broken, []
+        self.refused, self.failing, self.broken, self.ran, self.built = refused, failing, broken, [], []
 
     def text(self):
         return (self.tree / "a.cpp").read_text()
 
     def compile(self, names):
+        self.built += names
         refused = any(text in self.text() for text in self.refused)
         return Run(not refused, False, "a.cpp:3:4: error: no" if refused else "", 0)
 
@@ -248,6 +249,16 @@ class Verdicts(unittest.TestCase):
             self.judged(Builder(self.tree, broken=["test_contact"]))
         self.assertEqual((self.tree / "a.cpp").read_text(), self.TEXT)
         self.assertIsNone(self.record.find(self.mutants[0]))
+
+    def test_of_a_module_wait_for_the_programs_that_its_tests_run(self):
+        self.mutants = [m for m in draw("python", python_sites.sites("a.py", "x = 1 + 2\n"), 1)][:1]
+        (self.tree / "a.py").write_text("x = 1 + 2\n")
+        builder = Builder(self.tree)
+        builder.usual_s = {"python/commands": 1}  # it is known to pass, so its programs are there
+        self.judged(builder, count=1)
+        self.assertEqual(builder.ran, FOLDERS["python"].order("a.py"))
+        self.assertIn("ricochet-contact", builder.built)
+        self.assertEqual(builder.built.count("ricochet-contact"), len(builder.ran) - 1)
 
     def test_a_run_goes_on_where_it_stopped(self):
         self.assertEqual(len(self.judged(Builder(self.tree), new=1)), 1)
