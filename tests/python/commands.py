@@ -18,6 +18,7 @@ import numpy as np
 from programs import ProgramTest
 from ricochet import cli, errors
 from ricochet.cli import tradeoff
+from ricochet.interchange.numbers import read_matrix_market
 from ricochet.modal_table import ModalTable, write_csv
 from ricochet.progress import Progress, duration
 from ricochet.studies.study import DEEPEST, unfit
@@ -73,6 +74,14 @@ class Verbs(unittest.TestCase):
                 status, out, err = self.dispatched(verb, lambda _: signal.raise_signal(number))
                 self.assertEqual((status, out), (128 + number, ""))
                 self.assertEqual(err, f"ricochet {verb}: interrupted{more}\n")
+
+    def test_state_the_version_and_end(self):
+        for words in (["--version"], ["plot", "--version"]):
+            out, name = io.StringIO(), " ".join(["ricochet", *words[:-1]])
+            with mock.patch.object(cli.options.programs, "version", lambda: "1.2.3"):
+                with self.assertRaises(SystemExit) as ended, contextlib.redirect_stdout(out):
+                    cli.dispatch(words)
+            self.assertEqual((ended.exception.code or 0, out.getvalue()), (0, f"{name} 1.2.3\n"))
 
     def test_end_with_0_or_the_status_of_their_error(self):
         self.assertEqual(self.dispatched("plot", lambda _: None), (0, "", ""))
@@ -278,6 +287,50 @@ class ModalTables(ProgramTest):
         own = np.array([0, *((shape[:, 2, 1:] ** 2).sum(axis=0) / omega[1:] ** 2)])
         np.testing.assert_allclose(table.contact_share[1:], own[1:] / (own.sum() + 0.05))
         self.assertAlmostEqual(table.residual_share, 0.05 / (own.sum() + 0.05))
+
+
+class Matrices(ProgramTest):
+    def matrix(self, head, rest="3 3 2\n1 1 5\n3 1 -2.5\n"):
+        (self.folder / "K.mtx").write_text(f"%%MatrixMarket {head}\n% a comment\n\n{rest}")
+        return read_matrix_market(self.folder / "K.mtx")
+
+    def dense(self, *given):
+        (i, j, value), shape = self.matrix(*given)
+        out = np.zeros(shape)
+        np.add.at(out, (i, j), value)
+        return out.tolist()
+
+    def test_of_a_symmetric_file_have_both_triangles(self):
+        self.assertEqual(
+            self.dense("matrix coordinate real symmetric"), [[5, 0, -2.5], [0, 0, 0], [-2.5, 0, 0]]
+        )
+        self.assertEqual(self.dense("MATRIX Coordinate real GENERAL"), [[5, 0, 0], [0, 0, 0], [-2.5, 0, 0]])
+        self.assertEqual(self.dense("matrix coordinate integer general", "1 2 1\n1 2 7\n"), [[0, 7]])
+
+    def test_of_another_form_or_with_wrong_entries_are_refused_in_one_line(self):
+        real = "matrix coordinate real"
+        for why, *given in (
+            *(
+                ("begins with", f"matrix coordinate {kind}")
+                for kind in ("complex general", "pattern symmetric", "real")
+            ),
+            ("begins with", f"{real} skew-symmetric"),
+            ("begins with", "matrix array real general"),
+            ("begins with", "vector coordinate real general"),
+            ("has sizes", f"{real} general", "3 3\n1 1 5\n"),
+            ("has sizes", f"{real} general", "3 3 -1\n1 1 5\n"),
+            ("has 5 numbers after its sizes, expected 2 entries", f"{real} general", "3 3 2\n1 1 5\n3 1\n"),
+            ("contains text", f"{real} general", "3 3 1\n1 1 x\n"),
+            ("entry 2 is 4 1 6: must be a row from 1 to 3", f"{real} general", "3 3 2\n1 1 5\n4 1 6\n"),
+            ("entry 1 is 1 0 5", f"{real} general", "3 3 1\n1 0 5\n"),
+            ("entry 1 is 1 1.5 5", f"{real} general", "3 3 1\n1 1.5 5\n"),
+            ("entry 1 is 1 1 nan: must be finite", f"{real} general", "3 3 1\n1 1 nan\n"),
+            ("both triangles", f"{real} symmetric", "3 3 2\n1 2 5\n3 1 6\n"),
+            ("ends before its sizes", f"{real} general", ""),
+        ):
+            with self.subTest(given), self.assertRaisesRegex(errors.InputError, why) as refused:
+                self.matrix(*given)
+            self.assertNotIn("\n", str(refused.exception))
 
 
 class Studies(unittest.TestCase):

@@ -12,10 +12,11 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 import friction_file
-from friction_file import ACROSS, AREA, MU, STEP, STEPS
+from friction_file import AREA, MU, STEP, STEPS
 from programs import ProgramTest
 from ricochet.pages import charts
 from ricochet.pictures import snapshots
+from ricochet.pictures.friction import moment_panel
 from ricochet.pictures.history import History
 from ricochet.pictures.skins import skins_of
 from ricochet.pictures.style import BODY, STYLE, prefixed
@@ -380,18 +381,21 @@ class Cells(unittest.TestCase):
 
 class Friction(HistoryTest):
     def test_of_a_line_is_drawn_below_its_bound(self):
-        from ricochet.pictures.friction import moment_panel
-
-        history, drag = self.history(form="line")
-        ax = Figure().add_subplot()
-        moment_panel(history, ax)
-        bound, friction = (np.asarray(line.get_ydata()) for line in ax.lines[:2])
-        row = drag.rows[history.mixed_row()]
-        size = np.linalg.norm(drag.tangential[row], axis=1)
-        factor, _ = prefixed(max(size.max(), MU * drag.force[row].max()), "N")
-        np.testing.assert_allclose(bound, factor * MU * drag.force[row][history.rubbing], rtol=1e-9)
-        np.testing.assert_allclose(friction, factor * size[history.rubbing], rtol=1e-9)
-        self.assertTrue((friction <= bound * (1 + 1e-12)).all() and ACROSS > 0)
+        for size, unit in ((1, "N"), (1e4, "kN")):
+            history, drag = self.history(form="line")
+            history.force, history.tangential_force = size * history.force, size * history.tangential_force
+            ax = Figure().add_subplot()
+            moment_panel(history, ax)
+            bound, friction = (np.asarray(line.get_ydata()) for line in ax.lines[:2])
+            row = drag.rows[history.mixed_row()]
+            rubs = size * np.linalg.norm(drag.tangential[row], axis=1)[history.rubbing]
+            factor = {"N": 1, "kN": 1e-3}[unit]
+            self.assertEqual(ax.get_ylabel(), f"friction |τ| ({unit})")
+            np.testing.assert_allclose(
+                bound, factor * MU * size * drag.force[row][history.rubbing], rtol=1e-9
+            )
+            np.testing.assert_allclose(friction, factor * rubs, rtol=1e-9)
+            self.assertTrue((friction <= bound * (1 + 1e-12)).all())
 
 
 if __name__ == "__main__":
