@@ -16,7 +16,8 @@ from friction_file import AREA, MU, STEP, STEPS
 from programs import ProgramTest
 from ricochet.pages import charts
 from ricochet.pictures import snapshots
-from ricochet.pictures.friction import moment_panel
+from ricochet.pictures.friction import moment_panel, pressure_map
+from ricochet.pictures.grid import Grid
 from ricochet.pictures.history import History
 from ricochet.pictures.skins import skins_of
 from ricochet.pictures.style import BODY, STYLE, prefixed
@@ -203,6 +204,31 @@ class Charts(HistoryTest):
         np.testing.assert_array_equal(y[known], shown[~np.isnan(shown)])
         self.assertIs(charts.thinned(x[:1600], y[:1600])[1].base, y)
 
+    def test_of_receivers_show_the_amplitude_of_their_tones(self):
+        path, drag = friction_file.write(self.folder / "rubbed")
+        tone, amplitude = 1 / (40 * STEP), 0.02  # ten periods
+        velocity = np.zeros((STEPS + 1, 3))
+        velocity[:, 1] = 0.3 + amplitude * np.sin(2 * np.pi * tone * drag.time)  # the mean is left out
+        with friction_file.edited(path) as file:
+            file["receivers/time"] = drag.time
+            for name, moved in (("mic", velocity), ("still", 0 * velocity)):
+                group = file.create_group(f"receivers/{name}")
+                group["velocity"], group["displacement"], group["acceleration"] = moved, moved, moved
+        history = History(path)
+        np.testing.assert_array_equal(history.receivers["mic"].velocity, velocity)
+        found = charts.receiver_charts(history)
+        motion, spectrum = found["mic"]
+        self.assertEqual([line["name"] for line in motion["lines"] + spectrum["lines"]], ["y", "y"])
+        np.testing.assert_allclose(curve(motion["lines"][0])[1], velocity[:, 1], rtol=1e-6)
+        frequency, size = curve(spectrum["lines"][0])
+        self.assertAlmostEqual(size.max(), amplitude, delta=0.01 * amplitude)
+        self.assertAlmostEqual(frequency[np.argmax(size)], tone, delta=1 / (8 * STEPS * STEP))
+        self.assertLess(
+            size[frequency > 2 * tone].max(), 1e-3 * amplitude
+        )  # Hann's window falls with the cube
+        self.assertEqual([of["lines"] for of in found["still"]], [[], []])
+        self.assertEqual(found["still"][0]["note"], "It does not move.")
+
 
 class Spectra(unittest.TestCase):
     def test_of_a_pulse_are_the_closed_form_at_every_frequency(self):
@@ -380,6 +406,20 @@ class Cells(unittest.TestCase):
 
 
 class Friction(HistoryTest):
+    def test_has_a_map_of_every_pressure_however_small(self):
+        for size in (1, 1e-9):
+            history, drag = self.history()
+            history.force = size * history.force
+            grid, figure = Grid(history, history.rubbing, 1000, 400), Figure()
+            ax = figure.add_subplot()
+            pressure_map(figure, history, grid, ax)
+            shown = ax.images[0].get_array().filled(np.nan).T
+            pressure = size * drag.force[drag.rows][:, grid.order] / AREA
+            factor, unit = prefixed(pressure.max(), "Pa")
+            np.testing.assert_array_equal(np.isnan(shown), pressure == 0)
+            np.testing.assert_allclose(np.nan_to_num(shown), factor * pressure, rtol=1e-9)
+            self.assertEqual(figure.axes[1].get_ylabel(), f"pressure ({unit})")
+
     def test_of_a_line_is_drawn_below_its_bound(self):
         for size, unit in ((1, "N"), (1e4, "kN")):
             history, drag = self.history(form="line")
