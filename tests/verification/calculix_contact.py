@@ -20,6 +20,7 @@ CALCULIX_NODES = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
 TETRAHEDRON_OF_GMSH = 11  # of order 2
 # For the mass: exact on straight elements, for the product of a coordinate and a shape function.
 QUADRATURE = "Gauss6"
+AREA_LINE = 7  # of the statistics of a contact, after the force, the centre, and the moment about it, with a title each
 OBSTACLE_FACE = "S2"  # opposite to the one through the first four nodes
 
 
@@ -126,11 +127,10 @@ def body_of(path, name, table):
             of = [gmsh.model.mesh.getElements(2, entity)[2][0] for entity in entities]
             return row[np.concatenate(of).astype(int)].reshape(-1, 6)
 
-        held = {
-            "xyz".index(axis): np.unique(facets(group))
-            for group, axes in table["support"].items()
-            for axis in axes
-        }
+        held = {}
+        for group, axes in table["support"].items():
+            for component in map("xyz".index, axes):
+                held[component] = np.union1d(held.get(component, []), facets(group)).astype(int)
         contact = np.concatenate([facets(group) for group in table["contact"]])[:, :3]
         points, weights = gmsh.model.mesh.getIntegrationPoints(TETRAHEDRON_OF_GMSH, QUADRATURE)
         shape = gmsh.model.mesh.getBasisFunctions(TETRAHEDRON_OF_GMSH, points, "Lagrange")[1]
@@ -206,6 +206,7 @@ class Steps:
     step: float  # s
     duration: float  # s
     alpha: float = -0.05  # of Hilber, Hughes and Taylor; -0.05 is the default of CalculiX
+    gravity: tuple = ()  # (3) m/s²; none if empty
 
 
 def number(x):
@@ -215,6 +216,15 @@ def number(x):
 
 def listed(name, keyword, numbers):
     return f"*{keyword}, {keyword}={name}\n" + "".join(f"{n},\n" for n in numbers)
+
+
+def weight(bodies, gravity):
+    """The cards of the weight of all bodies."""
+    size = float(np.linalg.norm(gravity))
+    if not size:
+        return ""
+    along = ",".join(number(g / size) for g in gravity)
+    return "*DLOAD\n" + "".join(f"E{body.name},GRAV,{number(size)},{along}\n" for body in bodies)
 
 
 def deck(bodies, obstacles, contact, steps):
@@ -252,7 +262,7 @@ def deck(bodies, obstacles, contact, steps):
         f"{contact.law()}*CONTACT PAIR, INTERACTION=LAW, TYPE=SURFACE TO SURFACE\n{pair}\n"
         f"*INITIAL CONDITIONS, TYPE=VELOCITY\n{''.join(ends)}"
         f"*STEP, INC=1000000\n*DYNAMIC, DIRECT, ALPHA={steps.alpha}\n"
-        f"{number(steps.step)},{number(steps.duration)}\n"
+        f"{number(steps.step)},{number(steps.duration)}\n{weight(bodies, steps.gravity)}"
         f"*CONTACT PRINT, SLAVE=S{contact.dependent}, MASTER=S{contact.independent}\nCF\n"
     )
     for body in bodies:
@@ -280,18 +290,19 @@ def blocks(text):
 
 def read(text, bodies):
     """What a .dat file of `deck` contains: `time` (k) [s] of the increments; at these times `force` (k,3) [N] on the dependent
-    body and `energy` (k) [J], kinetic and strain; at the end `velocity` and `spin` of each body, (3) [m/s] and [rad/s].
+    body, `area` (k) [m²] of its facets that is pressed, and `energy` (k) [J], kinetic and strain; at the end `velocity` and `spin` of each body, (3) [m/s] and [rad/s].
     """
-    time, force, energy, last = [], [], {}, {}
+    time, force, area, energy, last = [], [], [], {}, {}
     for heading, when, lines in blocks(text):
         if heading.startswith("statistics"):
             time.append(when)
             force.append([float(word) for word in lines[1].split()[:3]])
+            area.append(float(lines[AREA_LINE].split()[0]))
         elif "energy" in heading:
             energy[when] = energy.get(when, 0.0) + float(lines[0])
         else:
             last[heading.split()[-1]] = lines
-    found = {"time": time, "force": force, "energy": [energy[when] for when in time]}
+    found = {"time": time, "force": force, "area": area, "energy": [energy[when] for when in time]}
     found |= {"velocity": {}, "spin": {}}
     for body in bodies:
         v = np.array([line.split()[1:] for line in last.get(f"N{body.name}".upper(), [])], float)

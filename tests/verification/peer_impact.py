@@ -26,6 +26,7 @@ class Impact:
     spin: np.ndarray  # (3) rad/s, at the end
     energy: float  # J, kinetic and elastic, at the end
     parts: dict
+    area: np.ndarray = None  # (k) m² that is pressed, at `time`
 
     def total(self, kind="cpu_seconds"):
         return sum(part[kind] for part in self.parts.values())
@@ -33,6 +34,11 @@ class Impact:
     def component(self, axis, time):
         """Component of the force [N] at times (s) [s]; 0 before the first and after the last."""
         return np.interp(time, np.append(0.0, self.time), np.append(0.0, self.force @ axis), right=0.0)
+
+    def width(self, frame, time):
+        """Width [m] of a contact that is a strip at times (s) [s]; 0 before the first and after the last."""
+        width = frame.copies * self.area / frame.depth
+        return np.interp(time, np.append(0.0, self.time), np.append(0.0, width), right=0.0)
 
     def duration(self, normal):
         """Time [s] during which the normal force exceeds a hundredth of its peak."""
@@ -52,6 +58,7 @@ class Frame:
     radius: float  # m; times the spin it is a velocity
     kinds: tuple = ("normal", "tangential", "rebound", "slide", "spin")
     copies: int = 1  # of the model that make the whole, with its images in planes of symmetry: multiplies the forces that are shown
+    depth: float = 0.0  # m across a contact that is a strip; 0: its width is not compared
 
     @property
     def axis(self):
@@ -70,7 +77,8 @@ KINDS = {
 
 def difference(one, other, frame):
     """Differences by kind: forces as the L2 norm over time, relative to that of `other`; velocities relative to the approach.
-    `largest` is the largest of them."""
+    `largest` is the largest of them. `width` is apart, as a force: it changes by whole nodes or points of integration.
+    """
     time = np.linspace(0, max(one.time[-1], other.time[-1]), SAMPLES)
     velocity, spin = one.velocity - other.velocity, one.spin - other.spin
 
@@ -86,7 +94,11 @@ def difference(one, other, frame):
         "spin": lambda: abs(spin @ frame.axis) * frame.radius / frame.speed,
     }
     found = {kind: measures[kind]() for kind in frame.kinds}
-    return found | {"largest": max(found.values())}
+    found |= {"largest": max(found.values())}
+    if frame.depth:
+        theirs = other.width(frame, time)
+        found["width"] = np.linalg.norm(one.width(frame, time) - theirs) / np.linalg.norm(theirs)
+    return found
 
 
 def bodies(path, words, folder):
@@ -144,6 +156,7 @@ def ricochet(scene, settings, steps, folder, body, model):
             force = file["contact/force"][:] @ -file["contact/normal"][:]
             if "contact/tangential_force" in file:
                 force -= file["contact/tangential_force"][:].sum(axis=1)
+            area = (file["contact/force"][:] > 0) @ file["contact/area"][:]
             energy = sum(file[f"energy/{kind}"][-1] for kind in ("kinetic", "strain", "residual"))
             # The row of t_k is the mean over the step before, which is the force in its middle to second order.
             middle = file["contact/time"][:] - file["contact"].attrs["step"] / 2
@@ -158,6 +171,7 @@ def ricochet(scene, settings, steps, folder, body, model):
                     np.linalg.solve(model.inertia, about_centre),
                     float(energy),
                     {"kernel": kernel, "impact": contact},
+                    np.append(area, [0.0, 0.0]),
                 )
             )
     return found
@@ -182,6 +196,7 @@ def calculix(setting, found, body):
         np.array(found["spin"][body]),
         found["energy"][-1],
         {"run": {kind: found[kind] for kind in ("seconds", "cpu_seconds")}},
+        np.array(found["area"]),
     )
 
 
@@ -207,7 +222,7 @@ def extrapolated(coarse, fine, ratio, setting):
     @param ratio  this quantity in `coarse` over that in `fine`
     """
     share = 1 / (ratio - 1)
-    kinds = ("force", "velocity", "spin", "energy")
+    kinds = ("force", "velocity", "spin", "energy", "area")
     values = {
         kind: getattr(fine, kind) + share * (getattr(fine, kind) - getattr(coarse, kind)) for kind in kinds
     }

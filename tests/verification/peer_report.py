@@ -22,7 +22,8 @@ def compare(ours, peers, limit, frame, before, path):
     side_by_side(best, frame, before)
     for one in best[1:]:
         apart = difference(best[0], one, frame)
-        words = (f"{KINDS[kind]} {apart[kind]:.2%}" for kind in frame.kinds)
+        words = [f"{KINDS[kind]} {apart[kind]:.2%}" for kind in frame.kinds]
+        words += [f"width {apart['width']:.2%}"] if frame.depth else []
         print(f"\nOur finest run differs from {one.code}, {one.setting}, by: {', '.join(words)}.")
     print()
     rows = convergence(ours + peers, {best[0].code: best[0], limit.code: limit}, frame)
@@ -56,11 +57,17 @@ def side_by_side(impacts, frame, before):
         [
             ("", lambda one: f"{one.code}, {one.setting}", ""),
             *(column for kind, *column in by_kind if kind in frame.kinds),
+            *([("widest contact (mm)", lambda one: 1e3 * widest(one, frame), ".4g")] if frame.depth else []),
             ("energy kept", lambda one: one.energy / before, ".4f"),
         ]
     )
     for one in impacts:
         table.row(one)
+
+
+def widest(one, frame):
+    """Largest width [m] of a contact."""
+    return one.width(frame, one.time).max()
 
 
 def convergence(impacts, references, frame):
@@ -70,6 +77,7 @@ def convergence(impacts, references, frame):
     """
     columns = [("code", "code", ""), ("setting", "setting", "")]
     columns += [(f"{KINDS[kind]}, own / other", kind, ".1e") for kind in frame.kinds]
+    columns += [("width, own / other", "width", ".1e")] if frame.depth else []
     columns += [("wall (s)", "seconds", ".2f"), ("processor (s)", "cpu_seconds", ".2f")]
     columns += [("parts (processor s)", "parts", "")]
     table, rows = tables.Table(columns), []
@@ -78,7 +86,7 @@ def convergence(impacts, references, frame):
         own, (other,) = by.pop(one.code), by.values()
         own = None if one is references[one.code] else own
         row = {"code": one.code, "setting": one.setting, "own": own, "other": other}
-        row |= {kind: Pair(own and own[kind], other[kind]) for kind in frame.kinds}
+        row |= {kind: Pair(own and own[kind], other[kind]) for kind in other}
         row |= {kind: one.total(kind) for kind in ("seconds", "cpu_seconds")}
         row |= {"parts": " + ".join(f"{name} {part['cpu_seconds']:.2f}" for name, part in one.parts.items())}
         rows.append(row)
@@ -147,17 +155,25 @@ def draw(impacts, rows, frame, path):
 
     forces = [("normal force (N)", frame.normal)]
     forces += [("friction (N)", -frame.tangent)] if "tangential" in frame.kinds else []
-    figure = Figure(figsize=(3.2 * (1 + len(forces)), 3.6), layout="constrained")
-    *of_force, of_error = figure.subplots(1, 1 + len(forces))
-    for axes, (label, direction) in zip(of_force, forces):
+    histories = [
+        (label, lambda one, time, along=direction: frame.copies * one.component(along, time))
+        for label, direction in forces
+    ]
+    histories += (
+        [("width of the contact (mm)", lambda one, time: 1e3 * one.width(frame, time))] if frame.depth else []
+    )
+    figure = Figure(figsize=(3.2 * (1 + len(histories)), 3.6), layout="constrained")
+    *of_time, of_error = figure.subplots(1, 1 + len(histories))
+    for axes, (label, history) in zip(of_time, histories):
         drawn = set()
         for one in impacts:
             line = ":" if one.code in drawn else LINES[one.code]
             drawn.add(one.code)
             time = np.linspace(0, one.time[-1], 2001)
-            force = frame.copies * one.component(direction, time)
             name = f"{one.code}, {one.setting}"
-            axes.plot(1e3 * time, force, line, color=COLOURS[one.code], linewidth=1.2, label=name)
+            axes.plot(
+                1e3 * time, history(one, time), line, color=COLOURS[one.code], linewidth=1.2, label=name
+            )
         axes.set(xlabel="time (ms)", ylabel=label)
     # The legend is below the curves.
     low, high = axes.get_ylim()

@@ -15,7 +15,12 @@ import calculix_contact
 from benchmarks import calculix
 from ricochet import errors
 
-COMPARISONS = ("oblique", "plate", "bracket")  # modules of peers/ with TITLE and run(folder, cache, figure)
+COMPARISONS = (
+    "oblique",
+    "plate",
+    "bracket",
+    "disks",
+)  # modules of peers/ with TITLE and run(folder, cache, figure)
 
 
 def add_arguments(parser):

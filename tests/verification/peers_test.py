@@ -49,6 +49,14 @@ PRINTED = """
 
     1.000000E+00  0.000000E+00  0.000000E+00  0.000000E+00  0.000000E+00 -1.000000E+00
 
+   moment about the center of gravity(mx,my,mz)
+
+    0.000000E+00  0.000000E+00  0.000000E+00
+
+   area,  normal force (+ = tension) and shear force (size)
+
+    6.000000E-01 -3.000000E+00  2.236068E+00
+
  total kinetic energy for set EBOX and time  0.1000000E+00
 
         1.250000E+00
@@ -59,9 +67,10 @@ PRINTED = """
 """
 
 
-def impact(code, time, force, velocity, spin=0.0, cpu=1.0):
+def impact(code, time, force, velocity, spin=0.0, cpu=1.0, area=0.0):
     parts = {"run": {"seconds": cpu, "cpu_seconds": cpu}}
-    return peer_impact.Impact(code, "", time, force, np.array(velocity), np.array([0, spin, 0]), 1.0, parts)
+    spin, area = np.array([0, spin, 0]), np.full(len(time), area)
+    return peer_impact.Impact(code, "", time, force, np.array(velocity), spin, 1.0, parts, area)
 
 
 FRAME = peer_impact.Frame(np.array([0.0, 0, 1]), np.array([1.0, 0, 0]), 2.0, 0.5)
@@ -156,12 +165,19 @@ class CalculixContactTest(unittest.TestCase):
         first, second, up = nodes[1] - nodes[0], nodes[3] - nodes[0], nodes[4] - nodes[0]
         self.assertAlmostEqual(np.dot(np.cross(first, second), up), 500, 9)
 
+    def test_two_supports_may_hold_the_same_component(self):
+        table = TABLE | {"support": {"side": "y", "top": "yz"}}
+        body = calculix_contact.body_of(self.folder / "box.msh", "box", table)
+        y, z = body.node[:, 1], body.node[:, 2]
+        self.assertEqual(set(body.held[1]), set(np.flatnonzero((y < 1e-9) | (z > 3.5 - 1e-9))))
+        self.assertEqual(set(body.held[2]), set(np.flatnonzero(z > 3.5 - 1e-9)))
+
     def test_printed_blocks(self):
         velocities = "".join(f"{n} 1.0E+00 0.0E+00 -2.0E+00\n" for n in range(1, len(self.body.node) + 1))
         text = f"{PRINTED}\n velocities (vx,vy,vz) for set NBOX and time  0.1000000E+00\n\n{velocities}"
         found = calculix_contact.read(text, [self.body])
         self.assertEqual((found["time"], found["force"]), ([0.1], [[-1, 2, 3]]))
-        self.assertEqual(found["energy"], [1.5])
+        self.assertEqual((found["area"], found["energy"]), ([0.6], [1.5]))
         np.testing.assert_allclose(found["velocity"]["box"], [1, 0, -2], atol=1e-12)
 
     @unittest.skipUnless(shutil.which("ccx"), "CalculiX is not installed: scripts/setup --tests")
@@ -178,6 +194,18 @@ class CalculixContactTest(unittest.TestCase):
         np.testing.assert_allclose(found["energy"], 0.6, rtol=1e-5)
         again = calculix_contact.run(self.folder / "none", *words, Cache(self.folder / "cache.json"))
         self.assertEqual(again, found)
+
+    @unittest.skipUnless(shutil.which("ccx"), "CalculiX is not installed: scripts/setup --tests")
+    def test_free_fall(self):
+        obstacle = calculix_contact.HalfSpace("plane", [0, 0, 0], [0, 0, 1], 5.0)
+        contact, gravity = calculix_contact.Contact("box", "plane", 1e6), [0.2, 0.0, -0.4]
+        steps = calculix_contact.Steps(0.1, 0.2, gravity=gravity)
+        body = dataclasses.replace(self.body, held={})
+        found = calculix_contact.run(self.folder / "fall", [body], [obstacle], contact, steps, Cache())
+        # alpha delays the mean acceleration by a twentieth of a step at most.
+        np.testing.assert_allclose(
+            found["velocity"]["box"], TABLE["velocity"] + 0.2 * np.array(gravity), atol=0.005 * 0.4
+        )
 
     def test_a_run_that_was_killed_is_not_kept(self):
         program = self.folder / "killed" / "ccx"
@@ -253,10 +281,28 @@ class ImpactTest(unittest.TestCase):
         self.assertEqual(head.count("friction") + head.count("spin"), 0)
         self.assertEqual(row.split(" | ")[1], "4")
 
+    def test_the_width_of_a_strip_is_its_area_over_its_depth(self):
+        frame = dataclasses.replace(FRAME, kinds=("normal",), copies=4, depth=0.5)
+        time, force = np.array([1.0, 2.0]), np.array([[0, 0, 1.0], [0, 0, 1.0]])
+        one, other = (impact("Ricochet", time, force, [0, 0, 0], area=area) for area in (0.03, 0.02))
+        np.testing.assert_allclose(one.width(frame, np.array([0.5, 1.5, 3.0])), [0.12, 0.24, 0], rtol=1e-12)
+        found = peer_impact.difference(one, other, frame)
+        self.assertAlmostEqual(found["width"], 0.5, 12)
+        self.assertEqual(found["largest"], 0)
+        with contextlib.redirect_stdout(io.StringIO()) as printed:
+            peer_report.side_by_side([one], frame, 1.0)
+            peer_report.convergence([one], {"Ricochet": one, "CalculiX": other}, frame)
+        self.assertIn("| 240 |", printed.getvalue())
+        self.assertIn("| – / 5.0e-01 |", printed.getvalue())
+
     def test_a_limit_is_extrapolated(self):
         time = np.array([0.5, 1.0])
-        runs = [impact("CalculiX", time, np.full((2, 3), 1 + e), [e, 0, 2 - e], spin=e) for e in (0.3, 0.1)]
+        runs = [
+            impact("CalculiX", time, np.full((2, 3), 1 + e), [e, 0, 2 - e], spin=e, area=4 + e)
+            for e in (0.3, 0.1)
+        ]
         limit = peer_impact.extrapolated(*runs, 3.0, "limit")
+        np.testing.assert_allclose(limit.area, 4, rtol=1e-12)
         np.testing.assert_allclose(limit.force, 1, rtol=1e-12)
         np.testing.assert_allclose(limit.velocity, [0, 0, 2], atol=1e-12)
         self.assertAlmostEqual(limit.spin[1], 0, 12)
