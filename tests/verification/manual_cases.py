@@ -33,6 +33,7 @@ ORDER = [
     "rods",
     "disks",
     "disks_fine",
+    "disks_middle",
     "falling_mass",
     "admittance",
     "bars",

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Impacts by Ricochet and by CalculiX on the same meshes: results side by side, and time at equal accuracy.
 
-    scripts/verify --peers                          # every comparison; about 25 minutes of processor time
+    scripts/verify --peers                          # every comparison; about 40 minutes of processor time
     scripts/verify --peers oblique --figures DIR    # this one; also draws it
 
 scripts/setup --peers installs CalculiX. Finished runs of CalculiX are kept in DIR (default out/peers) and are not repeated

@@ -16,7 +16,9 @@ import numpy as np
 import calculix_contact
 import peer_impact
 import peer_report
+import quarter_disks
 from benchmarks.calculix import Cache
+from peers import disks
 from ricochet import programs
 from ricochet.errors import InputError, SolverError
 
@@ -142,6 +144,23 @@ class CalculixContactTest(unittest.TestCase):
         floor = peer_impact.half_space(scene, "floor", bracket)
         np.testing.assert_allclose(floor.nodes()[4:, 2], 0, atol=1e-12)
         self.assertIn("bodies.bracket.geometry={}", words)
+
+    def test_quarters_of_the_disks_almost_touch(self):
+        path = quarter_disks.write(self.folder)
+        for words, hole in ((disks.SETTINGS, 0), (quarter_disks.geometry(hole=0.03, largest=5e-3), 0.03)):
+            bodies = peer_impact.bodies(path, words, self.folder)[1]
+            area = np.pi * (quarter_disks.RADIUS**2 - hole**2)
+            for body in bodies.values():
+                # Sides of order 2 deviate from the circle by the fourth power of their angle.
+                self.assertAlmostEqual(body.mass / (11.3e3 * area * quarter_disks.THICKNESS / 4), 1, 4)
+                self.assertEqual(body.node[body.held[0], 0].min(), 0)
+            upper, lower = bodies["upper"].node, bodies["lower"].node
+            gap = disks.START if words is disks.SETTINGS else quarter_disks.GAP
+            self.assertAlmostEqual(upper[:, 1].min() - lower[:, 1].max(), gap, 12)
+            held = bodies["lower"].held
+            np.testing.assert_allclose(np.hypot(*lower[held[1], :2].T), quarter_disks.RADIUS, rtol=1e-9)
+            self.assertLess(lower[held[1], 1].max(), 1e-9)
+            self.assertEqual(set(bodies["upper"].held), {0, 2})
 
     def test_faces_and_supports(self):
         corners = self.body.node[self.body.contact]

@@ -23,8 +23,8 @@ POSITIONS, MIDDLE = 17, 8
 RATE = 44100
 OPEN = 0.01  # fraction of the contact
 OPENING = (
-    "position 9 is relieved but does not open: the paper does not state the placement, the clamping or the mesh of its disks, and this "
-    "interpretation does not reproduce the opening"
+    "position 9 is relieved but does not open. The case disks_middle finds the same on finer discretisations, and that rings open: the "
+    "paper may have computed rings"
 )
 
 
