@@ -5,12 +5,12 @@ line of nodes, more modes and shorter steps. The middle counts as open if it car
 time while points beside it do; shorter gaps are chatter. Its relief is the smallest ratio of its pressure to the largest one, both as means
 over 0.5 ms, while the largest exceeds a tenth of its peak.
 
-The middle of the solid disk does not open, on any of these discretisations: its pressure stays above four fifths of the largest one. If the
-modes are cut off without their residual flexibility, it does open, but as an artefact: a few points then carry the whole force. The
-paper, however, calls the radius R_out and speaks of the contact surface "of the ring". On rings of the same radius with walls of 15 and
-20 mm, the middle stays in contact at 1 m/s and opens at 6 m/s, as the captions say. With a wall of 30 mm it does not open. The paper gives
-no inner radius, so this explanation cannot be proved; at 1 m/s, positions 8 and 10 do not touch on these rings, but they do in Figure
-7."""
+The middle of the solid disk does not open on any of these discretisations. With a candidate at each line of nodes, its pressure stays
+above four fifths of the largest one. If the modes are cut off without their residual flexibility, it does open, but as an artefact: a few
+points then carry the whole force. The paper, however, calls the radius R_out and speaks of the contact surface "of the ring". On rings of
+the same radius with walls of 15 and 20 mm, the middle stays in contact at 1 m/s and opens at 6 m/s, as the captions say. With a wall of
+30 mm it does not open. The paper gives no inner radius, so this explanation cannot be proved; at 1 m/s, positions 8 and 10 do not touch
+on these rings, but they do in Figure 7."""
 import types
 
 import h5py
