@@ -196,7 +196,7 @@ def calculix(setting, found, body):
         np.array(found["spin"][body]),
         found["energy"][-1],
         {"run": {kind: found[kind] for kind in ("seconds", "cpu_seconds")}},
-        np.array(found["area"]),
+        np.array(found.get("area", [])),  # runs that were kept before areas were read have none
     )
 
 
