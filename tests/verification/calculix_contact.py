@@ -290,7 +290,8 @@ def blocks(text):
 
 def read(text, bodies):
     """What a .dat file of `deck` contains: `time` (k) [s] of the increments; at these times `force` (k,3) [N] on the dependent
-    body, `area` (k) [m²] of its facets that is pressed, and `energy` (k) [J], kinetic and strain; at the end `velocity` and `spin` of each body, (3) [m/s] and [rad/s].
+    body, `area` (k) [m²] of its facets that is pressed, and `energy` (k) [J], kinetic and strain; at the end `velocity` and
+    `spin` of each body, (3) [m/s] and [rad/s].
     """
     time, force, area, energy, last = [], [], [], {}, {}
     for heading, when, lines in blocks(text):

@@ -2,6 +2,7 @@
 """The paper's two disks, or rings, as a quarter of each by two planes of symmetry, with small elements at the contact."""
 
 GRAVITY, GAP, RADIUS, THICKNESS = 9.81, 0.01, 0.05, 5e-3
+SIZE = 2.5e-3  # m, of the elements at the contact unless a scene states it
 GEO = """// A quarter of a disk or of a ring, x ≥ 0 and z ≥ 0. Its contact extends from (0, side · radius, 0) up to the angle `reach`.
 DefineConstant[
   radius = 0.05, hole = 0, thickness = 5e-3, side = 1, reach = 0.7, size = 2.5e-3, largest = 1e-2
