@@ -8,6 +8,7 @@ import sys
 from ricochet import errors
 
 OTHERS = {
+    "--errors": "errors_caught",
     "--extremes": "extremes_table",
     "--bodies": "random_bodies",
     "--estimates": "true_errors",

@@ -17,8 +17,8 @@ reference, the commands, the results, their errors, and the reason for each boun
 The exit status is 0 if every line passes or is a known failure, one whose reason is established and stated beside it. A known failure
 that passes makes the run fail, so that this page is corrected. Scenes and results stay in `build/verify/<case>/`. Errors are
 relative to the reference, except where the reference is 0 or the error is marked "abs.". Times are processor seconds of one run, on {machine}.
-Further tests cover the [ends of the range of each setting](#extremes). [Measured impacts](measurements.md) is the page of the published
-experiments.
+Further tests cover the [ends of the range of each setting](#extremes) and [deliberate errors](#deliberate-errors) in the program.
+[Measured impacts](measurements.md) is the page of the published experiments.
 
 {count}
 """
@@ -111,6 +111,20 @@ def extremes(path):
     )
 
 
+def deliberate_errors(path):
+    """Section on the table of deliberate errors at `path`."""
+    rows = [line.strip("|").split(" | ") for line in path.read_text().splitlines() if line.count(" | ") > 4]
+    caught = {tuple(cell.strip() for cell in cells[:3]) for cells in rows[1:]}
+    return [
+        "## Deliberate errors",
+        "",
+        "`scripts/verify --errors` puts wrong forces, signs, R, modes and steps into the contact laws and schemes, one after another, and "
+        f"finds which lines of this page fail: [a table](errors.md) of {len(caught)} errors in {len({scheme for scheme, *_ in caught})} laws "
+        "and schemes. Each makes a line fail.",
+        "",
+    ]
+
+
 def count_of(checks):
     """The sentence and the table at the top of the manual: how many lines there are, and on what they rest."""
     counted = [check for check in checks if check["rests_on"] != "construction"]
@@ -149,5 +163,6 @@ def write(path, cases, machine):
     lines.append("")
     for case in cases:
         lines += section(*case)
-    lines += extremes(path.with_name("extremes.md"))
+    lines += extremes(path.with_name("extremes.md")) + [""]
+    lines += deliberate_errors(path.with_name("errors.md"))
     path.write_text("\n".join(lines).rstrip() + "\n")

@@ -37,6 +37,7 @@ ORDER = [
     "falling_mass",
     "admittance",
     "bars",
+    "driven_rod",
     "sphere",
     "box",
     "nafems",
@@ -47,6 +48,7 @@ ORDER = [
     "two_balls",
     "oblique",
     "cattaneo",
+    "belt",
     "bouncing_bar",
     "bouncing_bar_fine",
     "plate",
@@ -104,13 +106,17 @@ def modules(wanted):
     return [(name, module, fingerprint(module)) for name, module in loaded]
 
 
+def kept_in(path, mark):
+    """Results in the file, or None if they are missing or no longer valid."""
+    kept = json.loads(path.read_text()) if path.is_file() else {}
+    return kept if kept.get("fingerprint") == mark else None
+
+
 def found_by(name, module, mark, cache, again):
     """Results of the case, from the cache if they are still valid, and whether they come from the cache."""
     path = cache / name / "found.json"
-    if path.is_file() and not again:
-        kept = json.loads(path.read_text())
-        if kept["fingerprint"] == mark:
-            return kept, True
+    if not again and (kept := kept_in(path, mark)):
+        return kept, True
     begun = cache / name / "begun"
     # An interrupted case continues with the kernels that it has.
     if again or path.is_file() or not begun.is_file() or begun.read_text() != mark:

@@ -24,6 +24,8 @@ LAWS = {
     "jump": ["contact.scheme=impulse", "contact.admittance=jump"],
     "difference": ["contact.scheme=impulse", "contact.admittance=difference"],
 }
+# As "compliant", but with the force at the end of the step; its curves are the same.
+BACKWARD = "compliant, backward Euler"
 # The same laws by convolution with the kernels sampled from these modes.
 TABLES = {
     "table, compliant": ["contact.kernel=table", *LAWS["compliant"]],
@@ -54,7 +56,9 @@ def run(bench):
     bench.kernel(scene)
     results = {name: bench.contact(scene, *sets) for name, sets in LAWS.items()}
     tables = {name: bench.contact(scene, *sets) for name, sets in TABLES.items()}
-    for name, result in ({name: results[name] for name in ("compliant", "difference")} | tables).items():
+    compared = {name: results[name] for name in ("compliant", "difference")}
+    compared[BACKWARD] = bench.contact(scene, *LAWS["compliant"], "contact.integration=backward-euler")
+    for name, result in (compared | tables).items():
         summary = result.summary
         bench.compare(
             f"{name}: mean force, t = 1 … 18 (N)",
