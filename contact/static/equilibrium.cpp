@@ -14,8 +14,7 @@ namespace {
 
 using Eigen::MatrixXd;
 
-constexpr double balanced = 1e-11;  // imbalance of the exact solver: round-off of sums over many points
-constexpr double balanced_by_friction = 1e-9;  // the same, where softer springs would cost more digits
+constexpr double stalled = 10;  // times most_imbalance: check_held measures it at other forces, body by body
 constexpr double inexact = 1e-9;  // violation of Coulomb's law, relative, that an answer may have
 constexpr double unfelt = 1e-12;  // a rigid mode moves no point if it moves all by less than this share
 constexpr double first_spring = 10, softest_spring = 1e7;  // times S₀'s norm; the first keeps most digits
@@ -104,12 +103,14 @@ class ForceSolver {
   std::int64_t iterations_ = 0;
 };
 
-/// The springs that hold the rigid coordinates, and the balance of forces with them.
+/// The springs that hold the rigid coordinates, and the balance of forces with them. Throws InputError if
+/// forces stay unbalanced.
 class Balance {
  public:
   /// @param stalled  imbalance that is accepted if another round does not halve it
-  Balance(const Statics& statics, ForceSolver& solver, double tolerance, double stalled)
-      : statics_(statics),
+  Balance(const Model& model, const Statics& statics, ForceSolver& solver, double tolerance, double stalled)
+      : model_(model),
+        statics_(statics),
         B_(statics.rigid.B),
         solver_(solver),
         tolerance_(tolerance),
@@ -128,9 +129,10 @@ class Balance {
       return 0;
     }
     double before = 1;
+    Vector left;
     for (int round = 0; round < most_rounds; ++round) {
       solver_.solve(S_, r + B_ * (rho + D_.cwiseProduct(f)), p);
-      const Vector left = f - B_.transpose() * p;
+      left = f - B_.transpose() * p;
       const double sum = (f.cwiseAbs() + B_.cwiseAbs().transpose() * p.cwiseAbs()).maxCoeff();
       rho += D_.cwiseProduct(left);
       const double imbalance = sum > 0 ? left.cwiseAbs().maxCoeff() / sum : 0;
@@ -142,8 +144,7 @@ class Balance {
       }
       before = imbalance;
     }
-    throw SolverError(base::format("contact: the bodies' weights stay unbalanced by {:.2g} after {} rounds",
-                                   before, most_rounds));
+    refuse_unheld(model_, statics_.rigid, left);
   }
 
  private:
@@ -161,6 +162,7 @@ class Balance {
     return out;
   }
 
+  const Model& model_;
   const Statics& statics_;
   const MatrixXd& B_;
   ForceSolver& solver_;
@@ -178,10 +180,10 @@ class Rest {
         statics_(model),
         solver_(model, options),
         // λ of Uzawa's iteration is accurate to its tolerance, and a sum over points has no more digits.
-        balance_(
-            statics_, solver_,
-            options.solver == EquilibriumOptions::Solver::exact ? balanced : 100 * options.uzawa_tolerance,
-            model.friction.empty() ? 0 : balanced_by_friction),
+        balance_(model, statics_, solver_,
+                 options.solver == EquilibriumOptions::Solver::exact ? most_imbalance(false)
+                                                                     : 100 * options.uzawa_tolerance,
+                 model.friction.empty() ? stalled * most_imbalance(false) : most_imbalance(true)),
         rho_(Vector::Zero(std::ssize(statics_.rigid.mode))) {
     now_.q.setZero(model.omega.size());
     now_.force.setZero(model.rows());

@@ -13,8 +13,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 
-constexpr double held = 1e-8;  // share of a body's load that may remain unbalanced because of round-off
-// The same with friction. A cone is round, so a load on its surface is approached in steps.
+// A cone is round, so a load on its surface is approached in steps, the rays of which become parallel.
 constexpr double held_by_friction = 1e-7;
 constexpr double aligned = 1e-10;  // cosine below which a ray does not point along the rest
 constexpr int most_rays = 2000;    // a load within the cone needs a few times as many as rigid modes
@@ -25,13 +24,22 @@ struct Closest {
   Vector magnitude;  ///< (r) sum of the magnitudes of its terms
 };
 
-/// Minimises |f − C x|² over x ≥ 0.
+/// Minimises |f − C x|² over x ≥ 0. The normal equations CᵀC lose half of the digits, so that a correction by
+/// an orthogonal factorisation of the columns with x > 0 follows.
 Vector least_squares(const MatrixXd& C, const Vector& f) {
   ComplementaritySolver solver(static_cast<int>(C.cols()));
   Vector x(C.cols());
   if (solver.solve(C.transpose() * C, C.transpose() * f, x) == SolveStatus::not_finite)
     throw SolverError("contact: the static problem is not finite");
-  return x;
+  std::vector<Eigen::Index> used;
+  for (Eigen::Index k = 0; k < x.size(); ++k)
+    if (x(k) > 0) used.push_back(k);
+  if (used.empty()) return x;
+  const MatrixXd columns = C(Eigen::all, used);
+  Vector better = x;
+  better(used) += columns.completeOrthogonalDecomposition().solve(f - C * x);
+  better = better.cwiseMax(0);
+  return (f - C * better).norm() < (f - C * x).norm() ? better : x;
 }
 
 Closest closest_without_friction(const RigidModes& rigid, const Vector& f) {
@@ -88,6 +96,29 @@ Closest closest_with_friction(const Model& model, const RigidModes& rigid, const
   return out;
 }
 
+/// The part of x (r) that belongs to the modes (N_b) of a body.
+Vector part_of(const Model::BodyBlock& body, const RigidModes& rigid, const Vector& x) {
+  Vector out = Vector::Zero(body.modes);
+  for (std::size_t k = 0; k < rigid.mode.size(); ++k) {
+    const Eigen::Index n = rigid.mode[k] - body.first_mode;
+    if (n >= 0 && n < body.modes) out(n) = x(static_cast<Eigen::Index>(k));
+  }
+  return out;
+}
+
+[[noreturn]] void complain(const Model& model, const Model::BodyBlock& body, const Vector& rest) {
+  const Vector3d force = body.momentum * rest;
+  const Vector3d moment = body.angular_momentum * rest - body.centre.cross(force);
+  throw InputError(
+      base::format("bodies.{}: no contact forces hold it at rest: a force of [{:.4g}, {:.4g}, {:.4g}] N "
+                   "and a moment of "
+                   "[{:.4g}, {:.4g}, {:.4g}] N m about its centre stay unbalanced. Place it so that what "
+                   "it touches "
+                   "carries it{}, turn loads.gravity, or give it a support.",
+                   body.name, force.x(), force.y(), force.z(), moment.x(), moment.y(), moment.z(),
+                   model.friction.empty() ? " (without friction)" : ", raise contact.friction"));
+}
+
 }  // namespace
 
 RigidModes::RigidModes(const Model& model) {
@@ -99,27 +130,24 @@ RigidModes::RigidModes(const Model& model) {
 void check_held(const Model& model, const RigidModes& rigid, const Vector& f) {
   if (f.isZero(0)) return;
   const bool rubs = !model.friction.empty();
+  const double most = rubs ? held_by_friction : most_imbalance(false);
   const Closest sums = rubs ? closest_with_friction(model, rigid, f) : closest_without_friction(rigid, f);
   for (const Model::BodyBlock& body : model.bodies) {
-    Vector rest = Vector::Zero(body.modes), magnitude = rest;
-    for (std::size_t k = 0; k < rigid.mode.size(); ++k) {
-      const Eigen::Index n = rigid.mode[k] - body.first_mode;
-      if (n < 0 || n >= body.modes) continue;
-      rest(n) = sums.left(k);
-      magnitude(n) = sums.magnitude(k);
-    }
-    if (rest.norm() <= (rubs ? held_by_friction : held) * magnitude.norm()) continue;
-    const Vector3d force = body.momentum * rest;
-    const Vector3d moment = body.angular_momentum * rest - body.centre.cross(force);
-    throw InputError(
-        base::format("bodies.{}: no contact forces hold it at rest: a force of [{:.4g}, {:.4g}, {:.4g}] N "
-                     "and a moment of "
-                     "[{:.4g}, {:.4g}, {:.4g}] N m about its centre stay unbalanced. Place it so that what "
-                     "it touches "
-                     "carries it{}, turn loads.gravity, or give it a support.",
-                     body.name, force.x(), force.y(), force.z(), moment.x(), moment.y(), moment.z(),
-                     rubs ? ", raise contact.friction" : " (without friction)"));
+    const Vector rest = part_of(body, rigid, sums.left);
+    if (rest.norm() > most * part_of(body, rigid, sums.magnitude).norm()) complain(model, body, rest);
   }
+}
+
+void refuse_unheld(const Model& model, const RigidModes& rigid, const Vector& left) {
+  const Model::BodyBlock* worst = nullptr;
+  double largest = 0;
+  for (const Model::BodyBlock& body : model.bodies)
+    if (const double size = part_of(body, rigid, left).norm(); size > largest) {
+      largest = size;
+      worst = &body;
+    }
+  if (worst != nullptr) complain(model, *worst, part_of(*worst, rigid, left));
+  throw SolverError("contact: the forces at rest stay unbalanced");
 }
 
 }  // namespace ricochet::contact
