@@ -7,6 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "contact/accuracy/error_report.hpp"
+#include "contact/stepping/stepper.hpp"
 #include "tests/contact/bodies.hpp"
 
 namespace estimate_test {
@@ -19,6 +21,9 @@ using ricochet::Scheme;
 using ricochet::StepOptions;
 using namespace ricochet::contact::test;
 using ricochet::kernels::Kernel;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::StartsWith;
 
 constexpr double length = 10, speed = 1, duration = 30;
 
@@ -66,6 +71,41 @@ TEST(Quantities, of_colliding_rods_are_those_of_the_waves) {
   EXPECT_LT(true_error(*found), 2e-3);  // error of 200 modes
   EXPECT_NEAR(found->longest_touch, 2 * length, 0.5);
   EXPECT_NEAR(found->figures.at(Quantity::rebound).scale, speed, 1e-12);
+}
+
+// The same run, step by step. With half of the modes, contact opens and closes several times.
+TEST(Quantities, of_forces_are_those_of_all_steps) {
+  const std::vector<Kernel> kernels = rods(20);
+  const Model model = collision(kernels);
+  const StepOptions options{.step = 0.01};
+  const auto found = impact_quantities(model, options, 3000);
+  ASSERT_TRUE(found);
+  const auto stepper = make_stepper(model, options);
+  double impulse = 0, peak = 0, contact = 0, touch = 0, longest = 0;
+  std::vector<double> force;
+  for (int k = 0; k < 3000; ++k) {
+    ASSERT_EQ(stepper->step(), ricochet::StepStatus::ok);
+    force.push_back(stepper->force().sum());
+    impulse += force.back() * options.step;
+    peak = std::max(peak, force.back());
+    touch = force.back() > 0 ? touch + options.step : 0;
+    contact += force.back() > 0 ? options.step : 0;
+    longest = std::max(longest, touch);
+  }
+  while (force.back() == 0) force.pop_back();
+  ASSERT_EQ(found->force.size(), force.size());
+  // 1e-9: quantities are found with look-ahead blocks, whose round-off impacts amplify.
+  for (std::size_t k = 0; k < force.size(); ++k) EXPECT_NEAR(found->force[k], force[k], 1e-9 * peak) << k;
+  const auto figure = [&](Quantity quantity) {
+    const Figure& of = found->figures.at(quantity);
+    EXPECT_EQ(of.scale, of.value[0]);
+    return of.value[0];
+  };
+  EXPECT_NEAR(figure(Quantity::impulse), impulse, 1e-9 * impulse);
+  EXPECT_NEAR(figure(Quantity::peak_force), peak, 1e-9 * peak);
+  EXPECT_NEAR(figure(Quantity::duration), contact, 1e-9);
+  EXPECT_NEAR(found->longest_touch, longest, 1e-9);
+  EXPECT_GT(peak, 0.5);  // Z v/2 is the mean force
 }
 
 // The impact speed is √(2 g h) after a fall of h = ½ at g = 1. A run that
@@ -264,6 +304,29 @@ TEST(Total, is_that_of_the_requested_quantity_with_the_largest_sum_of_known_shar
   EXPECT_EQ(estimate.total(Quantity::spin), 18);
   EXPECT_EQ(estimate.share(Cause::modes), 1);
   EXPECT_FALSE(estimate.share(Cause::mesh));
+}
+
+TEST(Report, names_the_shares_of_the_worst_quantity_and_what_is_unknown) {
+  ErrorEstimate estimate{
+      .requested = {Quantity::impulse},
+      .by_cause = {{Cause::mesh, std::nullopt},
+                   {Cause::modes, Errors{{Quantity::impulse, 0.012}, {Quantity::rebound, 0.04}}},
+                   {Cause::step, Errors{{Quantity::impulse, 0.003}, {Quantity::rebound, 0.001}}},
+                   {Cause::precision, Errors{{Quantity::impulse, 0}, {Quantity::rebound, 0}}}}};
+  EXPECT_EQ(formatted(estimate), "0.015: mesh unknown, modes 0.012, step 0.003");
+  EXPECT_EQ(largest_cause(estimate), Cause::modes);
+  EXPECT_THAT(warnings(estimate, 0.02),
+              ElementsAre(StartsWith("the error estimate leaves out: mesh (for that of")));
+  estimate.requested = {Quantity::impulse, Quantity::rebound};
+  EXPECT_EQ(formatted(estimate), "0.041 of the rebound: mesh unknown, modes 0.04, step 0.001");
+  estimate.by_cause[Cause::mesh] = Errors{{Quantity::impulse, 0}, {Quantity::rebound, 0}};
+  EXPECT_EQ(formatted(estimate), "0.041 of the rebound: modes 0.04, step 0.001");
+  EXPECT_THAT(warnings(estimate, 0.05), IsEmpty());
+  EXPECT_THAT(
+      warnings(estimate, 0.04),
+      ElementsAre(StartsWith("the error of the rebound is estimated at 0.041, above accuracy = 0.04; its "
+                             "largest share (0.04) is that of the modes: use ")));
+  EXPECT_FALSE(largest_cause({.requested = {Quantity::impulse}, .by_cause = {{Cause::mesh, std::nullopt}}}));
 }
 
 }  // namespace estimate_test

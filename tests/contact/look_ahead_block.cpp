@@ -219,6 +219,39 @@ TEST(Blocks, leave_the_state_before_them_when_they_fail_and_fail_again) {
   }
 }
 
+// A mode that moves no point gains speed until its energy exceeds double precision, in the sixth step: the
+// second block fails. Forces, states and counts are then those after the first.
+TEST(Blocks, that_fail_after_others_leave_the_last_known_step) {
+  Model model = dropped(6, 2, 0, 1);
+  model.gap.setZero();
+  model.B.col(5).setZero();
+  model.omega(5) = model.decay(5) = 0;
+  model.load(5) = 3.2e153 / step;
+  const auto stepper = make_stepper(model, {.step = step, .block = 4, .every_state = false});
+  for (int k = 0; k < 4; ++k) ASSERT_EQ(stepper->step(), StepStatus::ok);
+  ASSERT_EQ(stepper->pending(), 0);
+  const Vector force = stepper->force(), displacement = stepper->displacement(), speed = stepper->modal()->v;
+  const int active = stepper->active();
+  const double persistency = stepper->persistency();
+  EXPECT_GT(force.sum(), 0);
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    bool differs = false;
+    for (int k = 0; k < 3; ++k) {
+      ASSERT_EQ(stepper->step(), StepStatus::ok);
+      differs |= stepper->force() != force;
+    }
+    EXPECT_TRUE(differs);
+    EXPECT_EQ(stepper->step(), StepStatus::not_finite);
+    EXPECT_EQ(stepper->steps(), 4);
+    EXPECT_EQ(stepper->pending(), 0);
+    EXPECT_EQ(stepper->force(), force);
+    EXPECT_EQ(stepper->active(), active);
+    EXPECT_EQ(stepper->persistency(), persistency);
+    EXPECT_EQ(stepper->modal()->v, speed);
+    EXPECT_EQ(stepper->displacement(), displacement);
+  }
+}
+
 /// Makes `steps` steps of a block from the state of a stepper. `force` is that of the last step.
 struct Solvers {
   ContactSolver backward_euler{12, {.same_matrix = true}}, mean = backward_euler;

@@ -12,6 +12,7 @@
 
 #include "tests/contact/bodies.hpp"
 #include "tests/contact/rigid_plate.hpp"
+#include "tests/contact/sliding.hpp"
 #include "tests/support.hpp"
 
 namespace summary_test {
