@@ -5,6 +5,7 @@ without a run, and closed forms."""
 import base64
 import types
 import unittest
+from unittest import mock
 
 import matplotlib
 import numpy as np
@@ -328,20 +329,21 @@ class Snapshots(HistoryTest):
         skin = types.SimpleNamespace(
             at=lambda *_: rod, deformation=lambda _: 1.0, element=element, rim=lambda flat: element
         )
-        with matplotlib.rc_context(STYLE):
-            figure = snapshots.snapshots_picture(history, {"block": skin}, time)
+        figure = self.drawn(history, {"block": skin}, time)
         ax = figure.axes[0]
         margin = 0.04 * 0.2
         np.testing.assert_allclose(ax.get_ylim(), [-0.02 - margin, 0.02 + margin])
         np.testing.assert_allclose(np.ptp(ax.get_xlim()), 0.2 + 2 * margin)
 
-    def test_are_drawn_at_nine_moments_of_the_contact_or_at_those_there_are(self):
+    def drawn(self, *given):
+        """The picture at three moments, as each takes time."""
+        with matplotlib.rc_context(STYLE), mock.patch.object(snapshots, "MOMENTS", 3):
+            return snapshots.snapshots_picture(*given)
+
+    def test_are_drawn_at_some_moments_of_the_contact_or_at_those_there_are(self):
         history, drag, skins, time = self.skins()
-        for some, count, words in ((slice(None), 9, "9 moments"), (slice(40, 41), 1, "one moment")):
-            with matplotlib.rc_context(STYLE):
-                figure = snapshots.snapshots_picture(
-                    history, skins if count > 1 else self.only(skins, 40), time[some]
-                )
+        for some, count, words in ((slice(None), 3, "3 moments"), (slice(40, 41), 1, "one moment")):
+            figure = self.drawn(history, skins if count > 1 else self.only(skins, 40), time[some])
             titles = [ax.get_title(loc="left") for ax in figure.axes if ax.get_title(loc="left")]
             self.assertEqual(len(titles), count)
             self.assertIn(f": {words} of the contact", figure._suptitle.get_text())
