@@ -107,10 +107,10 @@ ERRORS = (
     Error(
         "conserving",
         "force",
-        "λ⁺ 2 % too large in the mean that drives the modes",
+        "recorded mean force 2 % too large",
         BLOCK,
-        "      mean_(k) += weights.end * solution_(k);",
-        "      mean_(k) += 1.02 * weights.end * solution_(k);",
+        "    force(kept_[k]) = mean_(k);",
+        "    force(kept_[k]) = 1.02 * mean_(k);",
         ("rods", "two_balls"),
     ),
     Error(
@@ -120,7 +120,7 @@ ERRORS = (
         BLOCK,
         "mean_(k) = weights.start * mean.end()(kept_[k]) + weights.before * mean.before()(kept_[k]);",
         "mean_(k) = -weights.start * mean.end()(kept_[k]) - weights.before * mean.before()(kept_[k]);",
-        ("rods", "two_balls"),
+        ("two_balls",),
     ),
     Error(
         "conserving",
@@ -129,7 +129,7 @@ ERRORS = (
         SYSTEM,
         "out.S_mean = conserving_mean.end * out.M + out.R;",
         "out.S_mean = conserving_mean.end * out.M + 0.5 * out.R;",
-        ("rods", "two_balls"),
+        ("two_balls",),
     ),
     Error(
         "backward Euler",
@@ -138,7 +138,7 @@ ERRORS = (
         BLOCK,
         "      mean_(k) += weights.end * solution_(k);",
         "      mean_(k) += (weights == backward_euler ? 1.02 : 1) * weights.end * solution_(k);",
-        ("rods", "falling_mass"),
+        ("falling_mass",),
     ),
     Error(
         "backward Euler",
@@ -147,7 +147,7 @@ ERRORS = (
         SYSTEM,
         "out.S = out.M + out.R;",
         "out.S = out.M + 0.5 * out.R;",
-        ("rods", "bouncing_bar"),
+        ("rods",),
     ),
     Error(
         "blocks",
@@ -156,7 +156,7 @@ ERRORS = (
         BLOCK,
         "load_[n] = system_->elastic.load[n] - held_[n];",
         "load_[n] = system_->elastic.load[n] - 1.02 * held_[n];",
-        ("rods", "two_balls"),
+        ("rods",),
     ),
     Error(
         "blocks",
@@ -165,7 +165,7 @@ ERRORS = (
         BLOCK,
         "const double load = plain.load(n) - rigid_held_[r];",
         "const double load = plain.load(n) + rigid_held_[r];",
-        ("rods", "two_balls"),
+        ("rods",),
     ),
     Error(
         "blocks",
@@ -174,7 +174,7 @@ ERRORS = (
         BLOCK,
         "    u(k, l) -= rest_(k);",
         "    u(k, l) -= 0.5 * rest_(k);",
-        ("rods", "two_balls"),
+        ("two_balls",),
     ),
     Error(
         "blocks",
@@ -192,7 +192,7 @@ ERRORS = (
         BLOCK_SYSTEM,
         "static_cast<double>(d + 1) * step).c;",
         "static_cast<double>(d + 1) * 1.01 * step).c;",
-        ("rods", "two_balls"),
+        ("rods",),
     ),
     Error(
         "free flight",
@@ -220,7 +220,7 @@ ERRORS = (
         SYSTEM,
         "    out.S = out.B * out.B.transpose();",
         "    out.S = 1.02 * out.B * out.B.transpose();",
-        ("rods", "falling_mass"),
+        ("rods",),
     ),
     Error(
         "jump",
@@ -302,7 +302,7 @@ ERRORS = (
         TABLE,
         "  convolution_.push(next_force_);",
         "  convolution_.push((options_.scheme == Scheme::compliant ? 1.02 : 1) * next_force_);",
-        ("rods_analytic", "rods"),
+        ("rods_analytic",),
     ),
     Error(
         "compliant table",
@@ -311,16 +311,7 @@ ERRORS = (
         TABLE,
         "    free_u_ = next_u_ - convolution_.history();",
         "    free_u_ = next_u_ + convolution_.history();",
-        ("rods_analytic", "rods"),
-    ),
-    Error(
-        "compliant table",
-        "R",
-        "R halved in the samples",
-        SAMPLED,
-        "  Matrix at_once = model.R;",
-        "  Matrix at_once = 0.5 * model.R;",
-        ("rods",),
+        ("rods_analytic",),
     ),
     Error(
         "compliant table",
@@ -334,11 +325,11 @@ ERRORS = (
     Error(
         "compliant table",
         "Δ",
-        "mean of the samples over a step 1 % too long",
-        TABLE,
-        "out.made[k] = 0.5 * table.step * (N[k] + N[k + width]);",
-        "out.made[k] = 0.5 * 1.01 * table.step * (N[k] + N[k + width]);",
-        ("rods_analytic",),
+        "samples of the modes 1 % too far apart",
+        SAMPLED,
+        "    const ModeStep by = mode_step(model.omega(n), model.decay(n), options.step);",
+        "    const ModeStep by = mode_step(model.omega(n), model.decay(n), 1.01 * options.step);",
+        ("rods",),
     ),
     Error(
         "impulse table",
@@ -347,7 +338,7 @@ ERRORS = (
         TABLE,
         "  convolution_.push(next_force_);",
         "  convolution_.push((options_.scheme == Scheme::impulse ? 1.02 : 1) * next_force_);",
-        ("rods_analytic", "rods"),
+        ("rods_analytic",),
     ),
     Error(
         "impulse table",
@@ -356,7 +347,7 @@ ERRORS = (
         TABLE,
         "  rate_ -= convolution_.history().tail(m);",
         "  rate_ += convolution_.history().tail(m);",
-        ("rods_analytic", "rods"),
+        ("rods_analytic",),
     ),
     Error(
         "impulse table",
@@ -365,7 +356,7 @@ ERRORS = (
         TABLE,
         "if (impulse) next_force_ /= options_.step;",
         "if (impulse) next_force_ /= 1.01 * options_.step;",
-        ("rods_analytic", "rods"),
+        ("rods_analytic",),
     ),
     # At rest
     Error(
@@ -471,10 +462,10 @@ ERRORS = (
     Error(
         "moving support",
         "Δ",
-        "time since the motion began 1 % too long",
+        "time of the motion 1 % ahead",
         RESPONSE,
-        "const double left = out.to - h.time[j], jump",
-        "const double left = 1.01 * (out.to - h.time[j]), jump",
+        "  points(out.to, out.s, out.rate);",
+        "  points(1.01 * out.to, out.s, out.rate);",
         ("driven_rod",),
     ),
     Error(
@@ -484,7 +475,7 @@ ERRORS = (
         MODEL,
         "model.load.segment(first, n) = block.momentum.transpose() * gravity;",
         "model.load.segment(first, n) = 1.02 * block.momentum.transpose() * gravity;",
-        ("falling_mass", "bouncing_bar"),
+        ("falling_mass",),
     ),
     Error(
         "gravity",
@@ -493,7 +484,7 @@ ERRORS = (
         MODEL,
         "model.load.segment(first, n) = block.momentum.transpose() * gravity;",
         "model.load.segment(first, n) = -block.momentum.transpose() * gravity;",
-        ("falling_mass", "bouncing_bar"),
+        ("falling_mass",),
     ),
 )
 
@@ -521,6 +512,10 @@ NONE = {
     ("difference", "mode"): SHARED,
     ("exact instants", "R"): "the law does not contain R",
     ("exact instants", "mode"): "the body of Figure 9 is rigid; otherwise " + SHARED,
+    (
+        "compliant table",
+        "R",
+    ): "not caught: R halved in the samples changed no line, because the rods of the short cases keep 100 of 101 modes",
     ("impulse table", "R"): "the law does not contain R",
     ("impulse table", "mode"): "the samples are made as for `compliant`",
     ("static", "mode"): SHARED,

@@ -67,6 +67,13 @@ def run(bench):
             5e-3,
             "the ripple of truncation averages out",
         )
+        time, force = result.force()
+        bench.below(
+            f"{name}: largest departure of the force from 1/2, t = 0.5 … 10 (N)",
+            np.abs(force[(time > 0.5 - STEP / 2) & (time < 10 + STEP / 2)] - 0.5).max(),
+            0.01,
+            "the ringing of the truncated front has decayed to a fiftieth of the force",
+        )
         bench.compare(f"{name}: end of contact (s)", summary["contact_end_s"], 20.0, 1e-2, CUT)
         bench.compare(f"{name}: impulse (N s)", summary["impulse_ns"], 10.0, 1e-2, CUT)
         bench.compare(
