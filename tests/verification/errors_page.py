@@ -47,9 +47,8 @@ def effect(name, right, wrong):
     of_construction = sum(check["rests_on"] == "construction" for check, _ in lines)
     lost = sum(check["rests_on"] == "construction" for check, _ in fails)
     counted = [(check, other) for check, other in fails if check["rests_on"] != "construction"]
-    stopped = (
-        wrong["stopped"] and re.sub(r"/\S*/", "", wrong["stopped"])[:120]
-    )  # without folders of this machine
+    # Without folders of this machine, and not longer than a line.
+    stopped = wrong["stopped"] and re.sub(r"(?<![\w.])/\S*/", "", wrong["stopped"])[:160]
     if stopped:  # the lines after the stop are missing, not wrong
         counted = [(check, other) for check, other in counted if other]
         lost = sum(other is not None and check["rests_on"] == "construction" for check, other in fails)
