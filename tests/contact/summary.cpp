@@ -107,6 +107,28 @@ TEST(Summary, of_bodies_that_miss_has_no_contact) {
   EXPECT_EQ(s.energy_lost_contact, 0);
 }
 
+/// A mass of 1 kg, pressed by 2 N, on a surface with friction 0.5: 1 N stops or holds it.
+Model dragged(double speed, double load) {
+  Model model = pressed(1, {0.5, 0.5, 0}, 2, 1e-6);
+  model.B(1, 0) = 1;
+  model.v0(0) = speed;
+  model.load(0) = load;
+  return model;
+}
+
+TEST(Summary, of_a_sliding_mass_has_its_heat_over_the_energy_before) {
+  const auto lost = [](double speed, double load) {
+    return run(dragged(speed, load), 2).energy_lost_friction;
+  };
+  // It stops after 1 s; its heat is its kinetic energy. The slip of the flexibility is 1e-6 of the way.
+  EXPECT_NEAR(lost(1, 0).value(), 1, 1e-5);
+  EXPECT_EQ(lost(0, 0), 0);  // no heat of no energy
+  EXPECT_FALSE(lost(0, 3));  // heat that the load provides: no energy before
+  Model open = dragged(1, 0);
+  open.gap(0) = 1;
+  EXPECT_EQ(run(open, 2).energy_lost_friction, 0);
+}
+
 /// The impulse scheme stops a rigid rod at every t_k while its weight pulls it
 /// down, so it is never observed to move.
 TEST(Summary, of_a_rod_that_sinks_at_rest_measures_drift_by_what_loads_and_contact_did) {

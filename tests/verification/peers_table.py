@@ -15,12 +15,8 @@ import calculix_contact
 from benchmarks import calculix
 from ricochet import errors
 
-COMPARISONS = (
-    "oblique",
-    "plate",
-    "bracket",
-    "disks",
-)  # modules of peers/ with TITLE and run(folder, cache, figure)
+# Modules of peers/ with TITLE and run(folder, cache, figure).
+COMPARISONS = ("oblique", "plate", "bracket", "disks")
 
 
 def add_arguments(parser):
