@@ -258,9 +258,9 @@ TEST(Read, files_of_cad_programs_need_no_groups) {
     }
     EXPECT_NEAR(area / (6 * pi), 1, 0.003);
     EXPECT_NEAR(whole, volume_of(mesh), 1e-12);
+    const double held = flux_of(mesh, 2).normal[2] > 0 ? 2 : 0;
     for (std::size_t n = 0; n < mesh.fixed.size(); ++n)
-      EXPECT_EQ(mesh.fixed[n],
-                std::abs(mesh.position[3 * n + 2] - (flux_of(mesh, 2).normal[2] > 0 ? 2 : 0)) < 1e-9 ? 4 : 0);
+      EXPECT_EQ(mesh.fixed[n], std::abs(mesh.position[3 * n + 2] - held) < 1e-9 ? 4 : 0);
     body.contact = {"surface 4"};
     EXPECT_THROW(mesh::read_mesh(body), InputError);
   }

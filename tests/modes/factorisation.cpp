@@ -60,7 +60,7 @@ TEST(Factorisation, counts_the_eigenvalues_below_each_shift_as_lapack_does) {
 }
 
 TEST(Factorisation, in_low_rank_solves_to_about_its_threshold) {
-  const test::SharedFile file(".geo", test::block_geo("tet", 8, 0.4));
+  const test::SharedFile file(".geo", test::block_geo("tet", 12, 0.4));
   const mesh::GmshSession gmsh;
   scene::Body given = test::body_of(file.path(), 2);
   const mesh::Mesh mesh = test::mesh_of(given);
@@ -68,17 +68,18 @@ TEST(Factorisation, in_low_rank_solves_to_about_its_threshold) {
   const modes::Operators operators(mesh, body);
   const Eigen::MatrixXd right = operators.noise(4, 1);
   std::vector<double> error;
-  for (const double threshold : {0.0, 1e-9, 1e-4}) {
+  for (const double threshold : {0.0, 1e-4}) {
     modes::Factorisation factor(body.stiffness, body.mass, threshold);
     factor.factor(-1.0);
     const Eigen::MatrixXd x = factor.solve(right);
     const Eigen::MatrixXd defect = test::product(body.stiffness, x) + test::product(body.mass, x) - right;
     error.push_back(parallel::largest(mesh.comm, test::largest_entry(defect)));
   }
-  // The first error is round-off. The others are the threshold times the norm of the factors, about 1e3.
+  // The norm of the factors is about 1e3. A smaller block has no front that is large enough to be compressed,
+  // and would leave round-off in both.
   EXPECT_LT(error[0], 1e-10);
-  EXPECT_LT(error[1], 1e-5);
-  EXPECT_LT(error[2], 1);
+  EXPECT_GT(error[1], 1e-4);
+  EXPECT_LT(error[1], 1);
 }
 
 }  // namespace factorisation_test
