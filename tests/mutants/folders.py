@@ -90,7 +90,7 @@ FOLDERS = {
     ),
     "modes": Folder(
         "src/modes/*.cpp",
-        ("modes.np2", "surface.np2", *_programs("eps", "imports", "restart", "errors", "ranks", "accuracy")),
+        ("modes.np2", "surface.np2", *_programs("imports", "restart", "errors", "ranks", "accuracy")),
     ),
     "python": Folder(
         "python/ricochet/**/*.py",
