@@ -91,7 +91,10 @@ TEST(FixSigns, makes_the_largest_entry_of_each_mode_positive_on_any_ranks) {
     if (key == operators.total_rows - 3) shape(i, 4) = 2 + 1e-12;
   }
   const MatrixXd before = in_order(operators, shape);
+  MatrixXd opposite = -shape;
   modes::fix_signs(operators, shape);
+  modes::fix_signs(operators, opposite);
+  EXPECT_EQ(shape, opposite);
   const MatrixXd after = in_order(operators, shape);
   for (Index j = 0; j < 9; ++j) {
     const double top = before.col(j).cwiseAbs().maxCoeff();
