@@ -205,6 +205,30 @@ TEST(EigensolverShare, goes_with_the_square_of_the_residuals) {
   EXPECT_NEAR(share[0] / share[1], 100, 1e-6);
 }
 
+// The eigenvalues of a rod go with n², so those next to n = 6 are 11/36 of λ and more away.
+TEST(EigensolverShare, is_half_of_the_bound_of_Kato_and_Temple_for_a_single_mode) {
+  const double residual = 1e-3, error = residual * residual * 36 / 11 / 2, change = 1e-3;
+  Subject with = subject(16);
+  for (Kernel& kernel : with.kernels) {
+    kernel.modes.residual.assign(16, 0);
+    kernel.modes.residual[6] = residual;
+  }
+  const double share =
+      largest(Estimated(std::move(with)).estimator.estimate({.step = 0.02}).by_cause.at(Cause::eigensolver));
+  const auto run = [](double factor) {
+    std::vector<Kernel> kernels = rods(16);
+    for (Kernel& kernel : kernels) kernel.modes.angular_frequency[6] *= factor;
+    return *impact_quantities(collision(kernels), {.step = 0.02}, 1500);
+  };
+  const Quantities exact = run(1);
+  const auto [least, most] =
+      std::minmax({distance(exact, run(1 + change)), distance(exact, run(1 - change))});
+  // The estimator goes in one of the two directions.
+  EXPECT_GT(share, 0.99 * least * error / change);
+  EXPECT_LT(share, 1.01 * most * error / change);
+  EXPECT_LT(most, 1.5 * least);
+}
+
 TEST(PrecisionShare, of_double_is_that_of_single_in_their_round_offs) {
   Estimated estimated(subject(16));
   Estimator& estimator = estimated.estimator;
