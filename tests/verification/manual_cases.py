@@ -52,6 +52,8 @@ ORDER = [
     "bouncing_bar",
     "bouncing_bar_fine",
     "plate",
+    "ball_on_beam",
+    "beam_on_stop",
     "alumina_on_glass",
     "glass_balls",
     "ball_materials",
