@@ -61,6 +61,7 @@ ORDER = [
     "polycarbonate_bar",
     "aluminium_block",
     "steel_cylinder",
+    "fan_blade",
     "orders",
 ]
 
