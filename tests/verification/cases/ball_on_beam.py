@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Timoshenko's problem: a steel ball hits the middle of a simply supported steel beam at 10 mm/s. The beam has a square section of 10 mm and is
-153.5 or 307 mm long, and the ball has a radius of 10 or 20 mm. The small ball leaves at once. The large one, 1.1 times as heavy as the long beam, is
-met by it twice more as it swings back, so that each part of the force depends on the bending waves of those before. This is a comparison with
-theory, not with an experiment: no measured record of such an impact was at hand as numbers.
+"""Timoshenko's problem: a steel ball hits the middle of a simply supported steel beam at 10 mm/s. The beam has a square
+section of 10 mm and is 153.5 or 307 mm long, and the ball has a radius of 10 or 20 mm. The small ball leaves at once. The
+large one, 1.1 times as heavy as the long beam, is met by it twice more as it swings back, so that each part of the force
+depends on the bending waves of those before. This is a comparison with theory, not with an experiment: no measured record
+of such an impact was at hand as numbers.
 
-The reference is his integral equation: what the ball has moved, less the deflection of the beam, is Hertz's approach (F/k)^(2/3). The
-deflection is a sum over modes; here they are those of a beam with shear and rotary inertia (Cowper's coefficient), to which the ball is coupled
-step by step, with exact modes between the steps. Ours are solids, a quarter of the ball and of the beam. Its end faces are held across, like
-a beam on knife edges at mid-height in theory. The theory neglects that the beam is not a half-space under the ball, and waves across it."""
+The reference is his integral equation: what the ball has moved, less the deflection of the beam, is Hertz's approach
+(F/k)^(2/3). The deflection is a sum over modes; here they are those of a beam with shear and rotary inertia (Cowper's
+coefficient), to which the ball is coupled step by step, with exact modes between the steps. Ours are solids, a quarter of the
+ball and of the beam. Its end faces are held across, like a beam on knife edges at mid-height in theory. The theory neglects
+that the beam is not a half-space under the ball, and waves across it."""
 from typing import NamedTuple
 
 import numpy as np

@@ -1,21 +1,20 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""A beam turns about a hinge at one end at 3.8 rad/s and its free end hits an elastic stop (SDNL32 of the French validation guide VPCS, also a
-test of Code_Aster). The beam is 783 mm long with a square section of 14 mm, of 67 GPa, 2400 kg/m³ and ν = 0, and all its bending modes are
-damped by 1 %. The stop is a spring of 18 or 45 kN/m without mass that can only push. The published reference is the deflection of the
-tip for each millisecond. While the spring is compressed, the beam bends in its second and third mode; on the stiff stop the tip
-leaves it and returns.
+"""A beam turns about a hinge at one end at 3.8 rad/s and its free end hits an elastic stop (SDNL32 of the French validation
+guide VPCS, also a test of Code_Aster). The beam is 783 mm long with a square section of 14 mm, of 67 GPa, 2400 kg/m³ and
+ν = 0, and all its bending modes are damped by 1 %. The stop is a spring of 18 or 45 kN/m without mass that can only push.
+The published reference is the deflection of the tip for each millisecond, which is a sum of many bending waves.
 
-Ours is a solid beam of twice the length, whose middle is the hinge: it turns about its centre and hits a stop at each end, on opposite
-sides, so that the middle neither moves nor has a bending moment. A stop is a soft block with ν = 0, 0.2 mm wide and 10 mm high, with the
-stiffness of the spring and 10⁻⁷ of the mass of the beam. Elements are small near the tip, because the force is spread over the
-patches that it presses: with patches of 13 mm the tip was wrong by 3 %."""
+Ours is a solid beam of twice the length, whose middle is the hinge: it turns about its centre and hits a stop at each end,
+on opposite sides, so that the middle neither moves nor has a bending moment. A stop is a soft block with ν = 0, 0.2 mm
+wide and 10 mm high, with the stiffness of the spring and 10⁻⁷ of the mass of the beam. Elements are small near the tip,
+because the force is spread over the patches that it presses: with patches of 13 mm the tip was wrong by 3 %."""
 import numpy as np
 
 from case import BLUE, GREY, ORANGE, rms
 
 TITLE = "A beam on an elastic stop"
 SOURCE = (
-    "Société française des mécaniciens, *Guide de validation des progiciels de calcul de structures* (VPCS), SDNL32; its values as in "
+    "VPCS, the commission of the Société française des mécaniciens that validates programs for structures: SDNL32; its values as in "
     "`astest/sdnl32a.comm` and in the manual V5.02.032 of Code_Aster."
 )
 RESTS_ON = "published"

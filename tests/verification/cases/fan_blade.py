@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Olson and Lindberg measured the natural frequencies of a fan blade, a steel plate bent to a cylinder and clamped along one curved edge. It is
-304.8 mm wide along the arc and long, 3.048 mm thick, with a radius of 609.6 mm. The report was not at hand; the test
-`Shell_Eigenanalysis_Cylinder` of Elmer lists the seven measured frequencies, the dimensions and the material, 206.84 GPa, ν = 0.3 and
-7747.73 kg/m³, and the frequencies that its own shell elements give.
+"""Olson and Lindberg measured the natural frequencies of a fan blade, a steel plate bent to a cylinder and clamped along one
+curved edge. It is 304.8 mm wide along the arc and long, 3.048 mm thick, with a radius of 609.6 mm. The report was not at
+hand; the test `Shell_Eigenanalysis_Cylinder` of Elmer lists the seven measured frequencies, the dimensions and the
+material, 206.84 GPa, ν = 0.3 and 7747.73 kg/m³, and the frequencies that its own shell elements give.
 
-Body as built: a solid plate, one element thick, held in all directions on the clamped edge. Nothing is adjusted. The source states neither an
-error of the measurement nor how the plate was clamped."""
+Body as built: a solid plate, one element thick, held in all directions on the clamped edge. Nothing is adjusted. The source
+states neither an error of the measurement nor how the plate was clamped."""
 import numpy as np
 
 from case import BLUE, GREY, ORANGE
