@@ -54,6 +54,7 @@ ORDER = [
     "plate",
     "ball_on_beam",
     "beam_on_stop",
+    "unequal_rods",
     "alumina_on_glass",
     "glass_balls",
     "ball_materials",

@@ -25,9 +25,8 @@ These were looked for as well. What could be read of them contains no numbers th
   compares with Timoshenko's theory instead.
 - The duration of contact and the restitution against the thickness of a plate: preprint 202511.0633, only the abstract, and
   Koller & Busenhart, nothing. The case [`plate`](README.md) compares with Zener's theory.
-- Rods of unequal length: Cross 2021 (doi 10.1088/1361-6404/ac25d2), only the abstract. In theory, a short rod that hits a
-  long one of its kind leaves the fraction 1 − L₁/L₂ of its energy in vibrations. Cross measured another fraction with steel
-  rods, which lost little, and with dowels.
+- Rods of unequal length: Cross 2021 (doi 10.1088/1361-6404/ac25d2), only the abstract. His rods disagree with Saint-Venant's
+  theory; the case [`unequal_rods`](README.md) shows that rounded ends do as well.
 - The clapper of a church bell: Woodhouse et al. 2012 (doi 10.1155/2012/681787), only the abstract and captions. They found a
   long series of bounces.
 - Bars of a marimba: Beaton & Scavone 2019, only the abstract. Dimensions and frequencies of wooden bars that makers published
