@@ -266,9 +266,8 @@ class ModalHertzTest(unittest.TestCase):
         duration, peak = hertz.impact(self.MASS, self.SPEED, self.MODULUS, self.CURVATURE)
         ((begin, end, highest),) = modal_hertz.episodes(time, force)
         self.assertEqual(begin, 0)
-        self.assertAlmostEqual(
-            end / duration, 1, delta=2e-3
-        )  # Hertz's 2.868 has four digits, and a step 0.001 of the duration
+        # A step is 0.001 of the duration, and Hertz's 2.868 has four digits.
+        self.assertAlmostEqual(end / duration, 1, delta=2e-3)
         self.assertAlmostEqual(highest / peak, 1, delta=1e-3)
         self.assertAlmostEqual(rate[0] / start, -1, delta=1e-5)
 
