@@ -21,8 +21,9 @@ from ricochet.programs import ROOT
 
 TITLE = "Timoshenko's ball on a beam"
 SOURCE = (
-    "Timoshenko 1913, Z. Math. Phys. 62, 198, and Goldsmith 1960, *Impact*, chapter 4: the problem; its equation is integrated in the case, as "
-    "their curves were not at hand. Cowper 1966, J. Appl. Mech. 33, 335: the coefficient of shear."
+    "Timoshenko 1913, Z. Math. Phys. 62, 198, and Goldsmith 1960, *Impact*, chapter 4: the problem, with the dimensions that are usually "
+    "quoted for it. Neither was at hand, so their curves are not compared; the equation is integrated in the case. Cowper 1966, J. Appl. "
+    "Mech. 33, 335: the coefficient of shear."
 )
 RESTS_ON = "theory"
 LONG = False
