@@ -52,6 +52,9 @@ ORDER = [
     "bouncing_bar",
     "bouncing_bar_fine",
     "plate",
+    "ball_on_beam",
+    "beam_on_stop",
+    "unequal_rods",
     "alumina_on_glass",
     "glass_balls",
     "ball_materials",
@@ -59,6 +62,7 @@ ORDER = [
     "polycarbonate_bar",
     "aluminium_block",
     "steel_cylinder",
+    "fan_blade",
     "orders",
 ]
 

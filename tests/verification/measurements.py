@@ -16,6 +16,26 @@ how. `scripts/verify --long --manual` writes this page with the
 *Deviation of ours from each measured value, over its bound. Points in the band lie within the measured scatter or the stated bound;
 those outside are hollow.*
 """
+ABSENT = """## Experiments without numbers
+
+These were looked for as well. What could be read of them contains no numbers that a computation could be compared with.
+
+- A ball on a beam: Gehr et al. 2022 (arXiv 2207.00795), and *Adv. Mech. Eng.* 2016 (doi 10.1177/1687814016668089), who let a
+  steel ball of 70 mm radius fall on a beam of 60 × 27.8 × 780 mm: only the abstracts. The case [`ball_on_beam`](README.md)
+  compares with Timoshenko's theory instead.
+- The duration of contact and the restitution against the thickness of a plate: preprint 202511.0633, only the abstract, and
+  Koller & Busenhart, nothing. The case [`plate`](README.md) compares with Zener's theory.
+- Rods of unequal length: Cross 2021 (doi 10.1088/1361-6404/ac25d2), only the abstract. His rods disagree with Saint-Venant's
+  theory; the case [`unequal_rods`](README.md) shows that rounded ends do as well.
+- The clapper of a church bell: Woodhouse et al. 2012 (doi 10.1155/2012/681787), only the abstract and captions. They found a
+  long series of bounces.
+- Bars of a marimba: Beaton & Scavone 2019, only the abstract. Dimensions and frequencies of wooden bars that makers published
+  lack the shape of the undercut or are those of plain bars; wood is not isotropic, as the bodies here are.
+- A short steel bar that hits a long one at a measured speed v: records in the repository
+  UTEP-Dynamic-Materials-Lab/SHPB_Toolkit. In the one that was read (`DKS_20250102_PULSE_LAB_RT_004`), the strain rises over
+  the pulse up to 1.41 times the v/(2c) that momentum gives, so its calibration, or the way in which the striker hit, is not
+  known well enough.
+"""
 FARTHEST = 3.2  # deviations beyond are drawn at the edge
 
 
@@ -90,4 +110,5 @@ def write(path, cases):
     text = [INTRODUCTION.format(cases=len(wall), lines=len(checks), hold=hold)]
     for one in wall:
         text += section(*one)
+    text.append(ABSENT)
     path.write_text("\n".join(text).rstrip() + "\n")

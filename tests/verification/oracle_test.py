@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The closed forms and reference solutions with friction, against their limits, balances of energy and other computations."""
+"""The closed forms and reference solutions of contact, against their limits, balances of energy and other computations."""
 
 import unittest
 
 import numpy as np
 
+import hertz_theory as hertz
 import mindlin
+import modal_hertz
 import oblique_impact as oblique
 
 CHI = oblique.chi(0.3)
@@ -249,6 +251,48 @@ class RodTest(unittest.TestCase):
         np.testing.assert_allclose(
             np.reshape(found, (30, cells)), exact[:, None] + np.zeros(cells), atol=1e-12
         )
+
+
+class ModalHertzTest(unittest.TestCase):
+    MASS, SPEED, MODULUS, CURVATURE = 0.03, 0.3, 110e9, 0.01
+    STIFFNESS = 4 / 3 * MODULUS * np.sqrt(CURVATURE)
+
+    def impact(self, omega, shape, rate, step=1e-7):
+        return modal_hertz.impact(*map(np.array, (omega, shape, rate)), self.STIFFNESS, step, 2.5e-4)
+
+    def test_a_rigid_mass_follows_the_closed_form_of_hertz(self):
+        start = self.SPEED * np.sqrt(self.MASS)
+        time, force, rate = self.impact([0.0], [1 / np.sqrt(self.MASS)], [start])
+        duration, peak = hertz.impact(self.MASS, self.SPEED, self.MODULUS, self.CURVATURE)
+        ((begin, end, highest),) = modal_hertz.episodes(time, force)
+        self.assertEqual(begin, 0)
+        # A step is 0.001 of the duration, and Hertz's 2.868 has four digits.
+        self.assertAlmostEqual(end / duration, 1, delta=2e-3)
+        self.assertAlmostEqual(highest / peak, 1, delta=1e-3)
+        self.assertAlmostEqual(rate[0] / start, -1, delta=1e-5)
+
+    def test_modes_agree_with_runge_and_kutta(self):
+        omega, shape = np.array([0.0, 2e4, 1.1e5]), np.array([1 / np.sqrt(self.MASS), -4.0, 7.0])
+        start = np.array([self.SPEED * np.sqrt(self.MASS), 0.0, 0.0])
+
+        def motion(state):
+            q, rate = np.split(state, 2)
+            force = self.STIFFNESS * max(shape @ q, 0) ** 1.5
+            return np.concatenate([rate, -(omega**2) * q - shape * force])
+
+        state, tiny = np.concatenate([np.zeros(3), start]), 2.5e-8
+        for _ in range(10000):
+            one = motion(state)
+            two = motion(state + tiny / 2 * one)
+            three = motion(state + tiny / 2 * two)
+            four = motion(state + tiny * three)
+            state = state + tiny / 6 * (one + 2 * two + 2 * three + four)
+        errors = []
+        for step in (2e-7, 1e-7):
+            rate = self.impact(omega, shape, start, step)[2]
+            errors.append(np.abs(rate - state[3:]).max() / start[0])
+        self.assertLess(errors[1], 1e-4)
+        self.assertGreater(errors[0] / errors[1], 3)  # second order
 
 
 if __name__ == "__main__":

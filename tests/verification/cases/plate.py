@@ -18,10 +18,10 @@ RESTS_ON = "theory"
 LONG = True
 SPEED, THICKNESSES = 0.3, (12e-3, 8e-3, 5e-3)
 
-GEO = """// A quarter of a square plate, x ≥ 0 and y ≥ 0, below z = 0; contact about the origin.
-DefineConstant[width = 0.14, thickness = 8e-3, reach = 4.5e-4, size = 1e-4, largest = 9e-3];
+GEO = """// A quarter of a plate or beam, x ≥ 0 and y ≥ 0, below z = 0; contact about the origin.
+DefineConstant[length = 0.14, width = 0.14, thickness = 8e-3, reach = 4.5e-4, size = 1e-4, largest = 9e-3];
 SetFactory("OpenCASCADE");
-Box(1) = {0, 0, -thickness, width, width, thickness};
+Box(1) = {0, 0, -thickness, length, width, thickness};
 Point(101) = {0, 0, 0}; Point(102) = {reach, 0, 0}; Point(103) = {0, reach, 0};
 Line(101) = {101, 102}; Circle(102) = {102, 101, 103}; Line(103) = {103, 101};
 Curve Loop(101) = {101:103}; Plane Surface(101) = {101};
@@ -30,7 +30,8 @@ d = 1e-6;
 Physical Volume("plate") = {1};
 Physical Surface("cap") = Surface In BoundingBox{-d, -d, -d, reach + d, reach + d, d};
 Physical Surface("x plane") = Surface In BoundingBox{-d, -d, -thickness - d, d, width + d, d};
-Physical Surface("y plane") = Surface In BoundingBox{-d, -d, -thickness - d, width + d, d, d};
+Physical Surface("y plane") = Surface In BoundingBox{-d, -d, -thickness - d, length + d, d, d};
+Physical Surface("end") = Surface In BoundingBox{length - d, -d, -thickness - d, length + d, width + d, d};
 pole[] = Point In BoundingBox{-d, -d, -d, d, d, d};
 Field[1] = Distance;
 Field[1].PointsList = {pole[0]};
