@@ -205,7 +205,17 @@ const Section damping_keys{
      {"loss_factor", Type::number, "1", none, at_least("0"), "δ = loss_factor · ω / 2"},
      {"viscosity", Type::number, "s", none, at_least("0"), "δ = viscosity · ω² / 2 (Kelvin–Voigt)"},
      {"rayleigh", Type::pair, "[1/s, s]", none, any(),
-      "[α, β]: δ = (α + β ω²) / 2; α also damps rigid motion"}}};
+      "[α, β]: δ = (α + β ω²) / 2; α also damps rigid motion"},
+     {"t60", Type::pairs, "[Hz, s]", none, above("0"),
+      "rows of a frequency, ascending, and the time T60 in which a mode of this frequency decays by 60 dB: δ "
+      "= ln(1000) / T60. Between rows, log T60 is linear in log f; beyond the first and the last row, T60 is "
+      "constant. Rigid motion is not damped",
+      "[[100, 2.0], [1000, 0.8]]"},
+     {"by_mode", Type::list, "1", none, at_least("0"),
+      "loss factors of the elastic modes, from the lowest on: δ = η · ω / 2. Further modes have the last "
+      "one. "
+      "Not for Ritz vectors and not with `flexibility_error`, which leave no mode its number",
+      "[1e-3, 2e-3]"}}};
 
 const Section obstacle_keys{
     "[obstacles.NAME]",

@@ -15,6 +15,8 @@ enum class Type {
   number,
   integer,
   integers,
+  list,   ///< numbers, at least one
+  pairs,  ///< pairs of numbers, at least one
   boolean,
   text,
   texts,      ///< a string or a list of strings

@@ -130,6 +130,16 @@ void refuse_what_needs_elements(Table& root, const Scene& scene) {
   }
 }
 
+/// Refuses damping by mode if the basis leaves no mode its number.
+void refuse_unnumbered_modes(Table& root, const Scene& scene) {
+  if (scene.modes.basis == Basis::modes && !scene.modes.flexibility_error && !scene.modes.open()) return;
+  for (const Body& body : scene.bodies)
+    if (body.damping.law == Damping::Law::by_mode)
+      root.complain(fmt::format("bodies.{}.damping.by_mode", body.name),
+                    "needs numbered modes: set modes.basis = \"modes\" with up_to_hz or count, without "
+                    "flexibility_error, or give t60");
+}
+
 /// Refuses names longer than the 255 bytes that file systems allow. The longest names are those of temporary
 /// files, "<name>.<process>.partial".
 void refuse_long_names(const Scene& scene) {
@@ -227,6 +237,7 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
     read_bodies(root, scene);
     scene.modes = read_modes(root, meets && !off);
     refuse_what_needs_elements(root, scene);
+    refuse_unnumbered_modes(root, scene);
     if (scene.modes.open() && !scene.accuracy) scene.accuracy = default_accuracy;
     find_open(scene);
   }

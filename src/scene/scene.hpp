@@ -13,6 +13,7 @@
 #include "kernels/damping.hpp"
 #include "ricochet/quantity.hpp"
 #include "ricochet/step_options.hpp"
+#include "ricochet/units.hpp"
 
 namespace ricochet::scene {
 

@@ -64,6 +64,11 @@ std::string material_of(const Material& m) {
 std::string damping_of(const Damping& d) {
   if (d.law == Damping::Law::rayleigh)
     return fmt::format("{{ rayleigh = [{}, {}] }}", toml_number(d.first), toml_number(d.second));
+  std::string text;
+  for (const auto& [hertz, seconds] : d.table)
+    text += fmt::format("{}[{}, {}]", text.empty() ? "" : ", ", toml_number(hertz), toml_number(seconds));
+  for (const double factor : d.by_mode) text += (text.empty() ? "" : ", ") + toml_number(factor);
+  if (!text.empty()) return fmt::format("{{ {} = [{}] }}", d.table.empty() ? "by_mode" : "t60", text);
   for (const auto& [key, law] : damping_laws)
     if (law == d.law) return fmt::format("{{ {} = {} }}", key, toml_number(d.first));
   return "{}";

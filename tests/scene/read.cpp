@@ -139,6 +139,17 @@ TEST(SceneValues, of_each_law_of_damping_are_read) {
   }
 }
 
+TEST(SceneValues, of_decay_times_and_losses_by_mode_are_read) {
+  const auto damping = [](const std::string& text) {
+    return scene_of(smallest, {"bodies.ball.damping=" + text}).bodies[0].damping;
+  };
+  const Damping times = damping("{t60=[[100,2],[1e3,0.5]]}"), losses = damping("{by_mode=[1e-3,2e-3]}");
+  EXPECT_EQ(times.law, Damping::Law::t60);
+  EXPECT_EQ(times.table, (std::vector<std::array<double, 2>>{{100, 2}, {1000, 0.5}}));
+  EXPECT_EQ(losses.law, Damping::Law::by_mode);
+  EXPECT_THAT(losses.by_mode, ElementsAre(1e-3, 2e-3));
+}
+
 TEST(SceneValues, of_contact_are_read_and_its_directions_made_unit) {
   const Contact contact = scene_of(fullest).contact;
   EXPECT_EQ(contact.scheme, Scheme::impulse);

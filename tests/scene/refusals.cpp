@@ -220,12 +220,39 @@ TEST(Refused, is_damping_without_a_law_or_with_two) {
   expect_body_lines(
       {{"damping = { ratio = -0.1 }", "damping.ratio = -0.1: must not be negative"},
        {"damping = { ratio = 0.1, viscosity = 0.1 }",
-        "damping = {…}: give one law only: ratio, loss_factor, rayleigh or viscosity"},
+        "damping = {…}: give one law only: ratio, loss_factor, rayleigh, viscosity, t60 or by_mode"},
+       {"damping = { t60 = [[1, 2]], by_mode = [1] }",
+        "damping = {…}: give one law only: ratio, loss_factor, rayleigh, viscosity, t60 or by_mode"},
+       {"damping = { t60 = 2 }",
+        "damping.t60 = 2: must be a list of pairs of numbers: write t60 = [[100, 2.0], [1000, 0.8]]"},
+       {"damping = { t60 = [] }",
+        "damping.t60 = []: must be a list of pairs of numbers: write t60 = [[100, 2.0], [1000, 0.8]]"},
+       {"damping = { t60 = [[1, 2, 3]] }",
+        "damping.t60 = [[1, 2, 3]]: must be a list of pairs of numbers: write t60 = [[100, 2.0], [1000, "
+        "0.8]]"},
+       {"damping = { t60 = [[100, 0]] }", "damping.t60 = [[100, 0]]: must be above 0"},
+       {"damping = { t60 = [[100, inf]] }", "damping.t60 = [[100, inf]]: must be finite"},
+       {"damping = { t60 = [[100, 1], [100, 2]] }",
+        "damping.t60 = [[100, 1], [100, 2]]: the frequencies must ascend: sort the rows, and give each "
+        "frequency once"},
+       {"damping = { by_mode = 1e-3 }",
+        "damping.by_mode = 0.001: must be a list of numbers: write by_mode = [1e-3, 2e-3]"},
+       {"damping = { by_mode = [1, \"2\"] }",
+        "damping.by_mode = [1, \"2\"]: must be a list of numbers: write by_mode = [1e-3, 2e-3]"},
+       {"damping = { by_mode = [-1] }", "damping.by_mode = [-1]: must not be negative"},
        {"damping = { rayleigh = 1 }", "damping.rayleigh = 1: must be two numbers, [alpha, beta]"},
        {"damping = { rayleigh = [1] }", "damping.rayleigh = [1]: must be two numbers, [alpha, beta]"},
        {"damping = { rayleigh = [1, -2.5] }",
         "damping.rayleigh = [1, -2.5]: must be two numbers, neither negative"},
        {"damping = { rate = 1 }", "damping.rate = 1: unknown key. Did you mean \"ratio\"?"}});
+}
+
+TEST(Refused, is_damping_by_mode_of_modes_without_numbers) {
+  for (const char* modes : {"{basis=\"contact\",up_to_hz=1e3}", "{up_to_hz=1e3,flexibility_error=1e-2}"})
+    EXPECT_EQ(
+        complaint_about(smallest, {"bodies.ball.damping.by_mode=[1]", std::string("modes=") + modes}),
+        "scene.toml: bodies.ball.damping.by_mode = [1]: needs numbered modes: set modes.basis = \"modes\" "
+        "with up_to_hz or count, without flexibility_error, or give t60");
 }
 
 TEST(Refused, is_a_support_that_holds_no_components) {
