@@ -32,7 +32,8 @@ contact::RecorderOptions ImpactFiles::recorder_options(const Impact& impact) con
           .created_by = std::string("ricochet-contact ") + RICOCHET_VERSION,
           .kernel_files = impact.kernels.file,
           .every = scene.output.every,
-          .snapshot_every = impact.table ? 0 : scene.output.snapshot_every};
+          .snapshot_every = impact.table ? 0 : scene.output.snapshot_every,
+          .receivers_every = scene.output.receivers_every(scene.time.rate)};
 }
 
 void ImpactFiles::prepared(const Impact& impact) {

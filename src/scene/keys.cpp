@@ -410,7 +410,7 @@ const Section output_keys{
     "",
     {{"every", Type::integer, "samples", shown(Output{}.every), from_to("1", "1e9"),
       "interval between rows of the result, in output samples; between rows of the contact, in contact "
-      "steps"},
+      "steps; for receivers see `receivers_rate_hz`"},
      {"view", Type::boolean, "", shown(Output{}.view), any(),
       "keep each body's visualisation surface in its kernel, for pictures: the modes and, with "
       "`residual_flexibility`, the static response to each candidate. Each of them takes 12 bytes "
@@ -420,6 +420,14 @@ const Section output_keys{
      {"vtk_every", Type::integer, "samples", shown(Output{}.vtk_every), at_least("0"),
       "interval between frames of the [motion for ParaView](results.md#motion-in-paraview); 0: none. Sets "
       "`view`; not with `kernel = \"table\"`"},
+     {"receivers_rate_hz", Type::number, "Hz",
+      "rate_hz; with `every` above 1 at least " + std::to_string(static_cast<int>(audio_rows.value)),
+      above("0"),
+      "rows of receivers per second, rounded up so that rate_hz is a whole multiple, and at least rate_hz "
+      "/ " +
+          std::to_string(most_samples_per_receiver_row) +
+          ". Below rate_hz, a low-pass filter removes what the rows cannot represent. Sound files do not "
+          "depend on it"},
      {"receiver", Type::tables, "", none, any(), "`[[output.receiver]]`, points whose motion is recorded"}}};
 
 const Section receiver_keys{"[[output.receiver]]",

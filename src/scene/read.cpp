@@ -83,7 +83,16 @@ void read_output(Table& root, Scene& scene) {
     table->complain("view", "vtk_every needs the visualisation surfaces: leave view out, or set it to true");
   output.view = view.value_or(output.vtk_every > 0);
   output.snapshot_every = table->integer("snapshot_every").value_or(output.snapshot_every);
+  if (const auto rate = table->number("receivers_rate_hz")) {
+    const double samples = scene.time.rate.value / *rate;
+    if (scene.time.duration > 0 && !(samples >= 1 && samples <= most_samples_per_receiver_row))
+      table->complain("receivers_rate_hz", fmt::format("must be from rate_hz / {} to rate_hz = {:g}",
+                                                       most_samples_per_receiver_row, scene.time.rate.value));
+    output.receivers_rate = Hertz{*rate};
+  }
   output.receivers = read_receivers(*table, scene);
+  if (output.receivers_rate && output.receivers.empty())
+    table->complain("receivers_rate_hz", "needs [[output.receiver]]: add one, or leave it out");
   table->refuse_unread();
 }
 

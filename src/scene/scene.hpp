@@ -186,12 +186,20 @@ struct Receiver {
   bool operator==(const Receiver&) const = default;
 };
 
+/// Rate to which receivers are reduced if other rows are omitted: enough for sound.
+inline constexpr Hertz audio_rows{44100};
+/// Largest number of output samples between rows of receivers.
+inline constexpr int most_samples_per_receiver_row = 1000;
+
 struct Output {
   int every = 1;                    ///< steps between rows of the result
   bool view = false;                ///< keep the visualisation surface in the kernels
   std::int64_t snapshot_every = 0;  ///< steps between snapshots of the modal coordinates; 0: none
   std::int64_t vtk_every = 0;  ///< steps between frames of the motion for ParaView; 0: none. Needs `view`
-  std::vector<Receiver> receivers;  ///< [[output.receiver]]
+  std::vector<Receiver> receivers;        ///< [[output.receiver]]
+  std::optional<Hertz> receivers_rate{};  ///< of rows of receivers; no value: see receivers_every
+  /// Output samples between rows of receivers, for `rate` output samples per second.
+  int receivers_every(Hertz rate) const;
   bool operator==(const Output&) const = default;
 };
 

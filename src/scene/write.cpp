@@ -200,6 +200,8 @@ std::string loads_of(const Scene& scene) {
 std::string output_of(const Output& output) {
   std::string text = fmt::format("\n[output]\nevery = {}\nview = {}\nsnapshot_every = {}\nvtk_every = {}\n",
                                  output.every, output.view, output.snapshot_every, output.vtk_every);
+  if (output.receivers_rate)
+    text += fmt::format("receivers_rate_hz = {}\n", toml_number(output.receivers_rate->value));
   for (const Receiver& receiver : output.receivers)
     text += fmt::format("\n[[output.receiver]]\nname = {}\nbody = {}\nat = {}\n", toml_string(receiver.name),
                         toml_string(receiver.body), toml_vector(receiver.at));

@@ -197,6 +197,23 @@ TEST(SceneValues, of_frames_for_paraview_keep_visualisation_surfaces) {
   EXPECT_FALSE(scene_of(smallest, {"output.vtk_every=0"}).output.view);
 }
 
+// 352.8 kHz is 8 times 44.1 kHz; 1 MHz is 22 times 45.5 kHz.
+TEST(SceneValues, of_rows_of_receivers_divide_the_output_rate) {
+  const Override mic = "output.receiver=[{name=\"mic\",body=\"ball\",at=[0,0,1]}]";
+  const auto every = [&](const char* rate, const char* set) {
+    const Scene scene = scene_of(smallest, {mic, std::string("time.rate_hz=") + rate, set});
+    return scene.output.receivers_every(scene.time.rate);
+  };
+  EXPECT_EQ(every("352800", "title=any"), 1);
+  EXPECT_EQ(every("352800", "output.every=100"), 8);
+  EXPECT_EQ(every("1e6", "output.every=2"), 22);
+  EXPECT_EQ(every("1000", "output.every=2"), 1);
+  EXPECT_EQ(every("352800", "output.receivers_rate_hz=352800"), 1);
+  EXPECT_EQ(every("352800", "output.receivers_rate_hz=44100"), 8);
+  EXPECT_EQ(every("352800", "output.receivers_rate_hz=40000"), 8);
+  EXPECT_EQ(every("300", "output.receivers_rate_hz=100"), 3);
+}
+
 TEST(SceneValues, of_contact_adapted_bases_are_read) {
   const Modes within =
       scene_of(smallest, {"modes={ basis = \"contact\", up_to_hz = 2e3, flexibility_error = 1e-6 }"}).modes;

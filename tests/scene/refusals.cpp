@@ -255,6 +255,17 @@ TEST(Refused, is_damping_by_mode_of_modes_without_numbers) {
         "with up_to_hz or count, without flexibility_error, or give t60");
 }
 
+TEST(Refused, are_rows_of_receivers_that_do_not_exist_or_at_other_rates) {
+  const Override mic = "output.receiver=[{name=\"mic\",body=\"ball\",at=[0,0,1]}]";
+  for (const char* rate : {"88200", "44"})
+    EXPECT_EQ(complaint_about(smallest, {mic, std::string("output.receivers_rate_hz=") + rate}),
+              std::string("scene.toml: output.receivers_rate_hz = ") + rate +
+                  ": must be from rate_hz / 1000 to rate_hz = 44100");
+  EXPECT_EQ(
+      complaint_about(smallest, {"output.receivers_rate_hz=4410"}),
+      "scene.toml: output.receivers_rate_hz = 4410: needs [[output.receiver]]: add one, or leave it out");
+}
+
 TEST(Refused, is_a_support_that_holds_no_components) {
   expect_body_lines({{"support = { clamp = \"xw\" }",
                       "support = {…}: \"clamp\" holds \"xw\": name the fixed components, some of \"xyz\""},

@@ -164,6 +164,12 @@ TEST(Resolved, directions_do_not_drift) {
     }
 }
 
+TEST(Resolved, scene_with_receivers_reads_back) {
+  const Override mic = "output.receiver=[{name=\"mic\",body=\"ball\",at=[0,0,1]}]";
+  expect_to_come_back(smallest, {mic});
+  expect_to_come_back(smallest, {mic, "output.receivers_rate_hz=11025"});
+}
+
 TEST(Resolved, pair_that_was_swapped_reads_back) {
   expect_to_come_back(smallest, {"contact.between=[\"floor\",\"ball\"]", "contact.direction=[1,2,3]"});
 }
