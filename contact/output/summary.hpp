@@ -25,7 +25,7 @@ struct Episode {
   double peak_force_n = 0;      ///< largest Σ_i λ_i of a step
 };
 
-/// A WAV file of a receiver's velocity.
+/// A WAV file of velocities of receivers.
 struct Sound {
   std::string file;
   double full_scale_m_per_s = 0;  ///< velocity of a sample of 1
@@ -69,6 +69,7 @@ struct Summary {
   int max_active = 0;
   std::optional<ErrorEstimate> error_estimate;  ///< set by the caller; no value if not estimated
   std::map<std::string, Sound> sounds;          ///< by receiver; set by the caller
+  std::optional<Sound> sound;                   ///< for players; set by the caller
   std::vector<std::string> warnings;
   double real_time_factor = 0;  ///< ratio of simulated time to time spent in steps
   double wall_s = 0;

@@ -57,6 +57,8 @@ std::string report(const contact::Summary& s) {
   line("deepest penetration", fmt::format("{:.3g} m", s.max_penetration_m));
   for (const auto& [name, sound] : s.sounds)
     line("sound", fmt::format("{}, full scale {:.3g} m/s", sound.file, sound.full_scale_m_per_s));
+  if (s.sound)
+    line("sound", fmt::format("{}, full scale {:.3g} m/s", s.sound->file, s.sound->full_scale_m_per_s));
   if (s.limited_steps > 0)
     line("limited steps",
          fmt::format("{} by max_pivots, residual up to {:.2g}", s.limited_steps, s.limited_residual));

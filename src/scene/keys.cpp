@@ -428,6 +428,9 @@ const Section output_keys{
           std::to_string(most_samples_per_receiver_row) +
           ". Below rate_hz, a low-pass filter removes what the rows cannot represent. Sound files do not "
           "depend on it"},
+     {"sound", Type::table, "", none, any(),
+      "`[output.sound]`, one or two receivers as a sound file for players",
+      "{ receivers = \"mic\", direction = [0, 0, 1] }"},
      {"receiver", Type::tables, "", none, any(), "`[[output.receiver]]`, points whose motion is recorded"}}};
 
 const Section receiver_keys{"[[output.receiver]]",
@@ -438,10 +441,30 @@ const Section receiver_keys{"[[output.receiver]]",
                              body_of_source(),
                              place_of_source("the point")}};
 
+const Section sound_keys{
+    "[output.sound]",
+    "A sound file for players, `<slug>.wav`, besides the files of the receivers: mono or stereo, normalised "
+    "to "
+    "its largest sample.",
+    {{"receivers", Type::texts, "", required, any(),
+      "name of a receiver (mono), or a list of two (left and right)"},
+     {"direction", Type::direction, "", required, any(),
+      "component of the velocity that is heard, in world axes, for example the normal of the wall"},
+     {"high_pass_hz", Type::number, "Hz", shown(Sound{}.high_pass_hz), from_to("0", "1000"),
+      "corner of a high-pass filter (Butterworth, fourth order), which removes rigid motion; 0: none. It "
+      "must "
+      "be below half of `time.rate_hz`"},
+     {"fade", Type::number, "s", shown(Sound{}.fade), at_least("0"),
+      "duration of the fade at the end (raised cosine); 0: none"},
+     {"format", Type::text, "", shown("pcm24"), one_of({"pcm16", "pcm24", "float"}),
+      "samples: integers of 16 or 24 bits, or floats of 32 bits. The header is the plain one that all "
+      "players "
+      "read"}}};
+
 std::vector<const Section*> all_sections() {
-  return {&scene_keys,    &body_keys,    &refine_keys, &material_keys, &damping_keys, &obstacle_keys,
-          &modes_keys,    &contact_keys, &pair_keys,   &friction_keys, &time_keys,    &loads_keys,
-          &traction_keys, &point_keys,   &motion_keys, &output_keys,   &receiver_keys};
+  return {&scene_keys,    &body_keys,    &refine_keys, &material_keys, &damping_keys,  &obstacle_keys,
+          &modes_keys,    &contact_keys, &pair_keys,   &friction_keys, &time_keys,     &loads_keys,
+          &traction_keys, &point_keys,   &motion_keys, &output_keys,   &receiver_keys, &sound_keys};
 }
 
 }  // namespace ricochet::scene

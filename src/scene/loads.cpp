@@ -172,6 +172,30 @@ Vector3 rounded(Vector3 vector) {
   return vector;
 }
 
+std::optional<Sound> read_sound(Table& output, const std::vector<Receiver>& receivers) {
+  auto table = output.table("sound", sound_keys);
+  if (!table) return std::nullopt;
+  Sound sound;
+  sound.receivers = table->texts("receivers");
+  if (sound.receivers.empty())
+    table->complain("receivers", "is missing: name one receiver (mono) or two (left and right)");
+  if (sound.receivers.size() > 2) table->complain("receivers", "must name one receiver or two");
+  std::vector<std::string> names;
+  for (const Receiver& receiver : receivers) names.push_back(receiver.name);
+  for (const std::string& name : sound.receivers)
+    if (std::ranges::count(names, name) == 0)
+      table->complain("receivers", "there is no receiver \"" + name + '"' + existing_names(name, names));
+  sound.direction = table->required("direction", table->direction("direction"),
+                                    "the component that is heard, for example the normal of the wall");
+  sound.high_pass_hz = table->number("high_pass_hz").value_or(sound.high_pass_hz);
+  sound.fade = table->number("fade").value_or(sound.fade);
+  if (const auto format = table->text("format"))
+    sound.format = static_cast<SampleFormat>(std::ranges::find(sample_format_names, *format) -
+                                             sample_format_names.begin());
+  table->refuse_unread();
+  return sound;
+}
+
 void take_sources(const Scene& all, const Body& placed, KernelRequest& request) {
   for (const auto& [from, to] :
        {std::pair{&all.loads.tractions, &request.tractions},

@@ -16,6 +16,9 @@ void read_loads(Table& root, Scene& scene);
 /// Reads [[output.receiver]]. `scene` must already contain its bodies. Throws InputError.
 std::vector<Receiver> read_receivers(Table& output, const Scene& scene);
 
+/// Reads [output.sound], a sound of these receivers. Throws InputError.
+std::optional<Sound> read_sound(Table& output, const std::vector<Receiver>& receivers);
+
 /// Rounds to 1e-12, so that hashes do not depend on round-off.
 Vector3 rounded(Vector3 vector);
 

@@ -91,6 +91,7 @@ void read_output(Table& root, Scene& scene) {
     output.receivers_rate = Hertz{*rate};
   }
   output.receivers = read_receivers(*table, scene);
+  output.sound = read_sound(*table, output.receivers);
   if (output.receivers_rate && output.receivers.empty())
     table->complain("receivers_rate_hz", "needs [[output.receiver]]: add one, or leave it out");
   table->refuse_unread();

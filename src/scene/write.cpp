@@ -197,6 +197,17 @@ std::string loads_of(const Scene& scene) {
   return text;
 }
 
+std::string sound_of(const Sound& sound) {
+  std::string receivers;
+  for (const std::string& name : sound.receivers)
+    receivers += (receivers.empty() ? "" : ", ") + toml_string(name);
+  const char* format = sample_format_names[static_cast<std::size_t>(sound.format)];
+  return fmt::format(
+      "\n[output.sound]\nreceivers = [{}]\ndirection = {}\nhigh_pass_hz = {}\nfade = {}\nformat = \"{}\"\n",
+      receivers, toml_vector(sound.direction), toml_number(sound.high_pass_hz), toml_number(sound.fade),
+      format);
+}
+
 std::string output_of(const Output& output) {
   std::string text = fmt::format("\n[output]\nevery = {}\nview = {}\nsnapshot_every = {}\nvtk_every = {}\n",
                                  output.every, output.view, output.snapshot_every, output.vtk_every);
@@ -205,6 +216,7 @@ std::string output_of(const Output& output) {
   for (const Receiver& receiver : output.receivers)
     text += fmt::format("\n[[output.receiver]]\nname = {}\nbody = {}\nat = {}\n", toml_string(receiver.name),
                         toml_string(receiver.body), toml_vector(receiver.at));
+  if (output.sound) text += sound_of(*output.sound);
   return text;
 }
 

@@ -61,6 +61,9 @@ vector = [0, 0, 1]
 name = "mic"
 body = "ball"
 at = [0, 0, 0]
+[output.sound]
+receivers = "mic"
+direction = [0, 0, 1]
 )";
 
 /// The error of the scene, or an empty string if it is accepted.

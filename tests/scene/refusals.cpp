@@ -266,6 +266,27 @@ TEST(Refused, are_rows_of_receivers_that_do_not_exist_or_at_other_rates) {
       "scene.toml: output.receivers_rate_hz = 4410: needs [[output.receiver]]: add one, or leave it out");
 }
 
+TEST(Refused, is_a_sound_of_receivers_that_do_not_exist_or_are_too_many) {
+  const std::vector<std::pair<std::string, std::string>> sounds = {
+      {"{direction=[1,0,0]}", "receivers: is missing: name one receiver (mono) or two (left and right)"},
+      {"{receivers=\"mic\"}",
+       "direction: is missing: the component that is heard, for example the normal of the wall"},
+      {"{receivers=\"mik\",direction=[1,0,0]}",
+       "receivers = \"mik\": there is no receiver \"mik\". Did you mean \"mic\"?"},
+      {"{receivers=[\"mic\",\"mic\",\"mic\"],direction=[1,0,0]}",
+       "receivers = [\"mic\", \"mic\", \"mic\"]: must name one receiver or two"},
+      {"{receivers=\"mic\",direction=[0,0,0]}", "direction = [0, 0, 0]: must not be zero"},
+      {"{receivers=\"mic\",direction=[1,0,0],fade=-1}", "fade = -1: must not be negative"},
+      {"{receivers=\"mic\",direction=[1,0,0],high_pass_hz=1001}",
+       "high_pass_hz = 1001: must be from 0 to 1000"},
+      {"{receivers=\"mic\",direction=[1,0,0],format=\"mp3\"}",
+       "format = \"mp3\": must be \"pcm16\", \"pcm24\" or \"float\""}};
+  for (const auto& [sound, line] : sounds)
+    EXPECT_EQ(complaint_about(smallest, {"output.receiver=[{name=\"mic\",body=\"ball\",at=[0,0,1]}]",
+                                         "output.sound=" + sound}),
+              "scene.toml: output.sound." + line);
+}
+
 TEST(Refused, is_a_support_that_holds_no_components) {
   expect_body_lines({{"support = { clamp = \"xw\" }",
                       "support = {…}: \"clamp\" holds \"xw\": name the fixed components, some of \"xyz\""},

@@ -168,6 +168,10 @@ TEST(Resolved, scene_with_receivers_reads_back) {
   const Override mic = "output.receiver=[{name=\"mic\",body=\"ball\",at=[0,0,1]}]";
   expect_to_come_back(smallest, {mic});
   expect_to_come_back(smallest, {mic, "output.receivers_rate_hz=11025"});
+  expect_to_come_back(smallest, {mic, "output.sound={receivers=\"mic\",direction=[1,2,3]}"});
+  expect_to_come_back(smallest, {mic,
+                                 "output.sound={receivers=[\"mic\",\"mic\"],direction=[1,0,0],high_pass_hz=0,"
+                                 "fade=0.5,format=\"float\"}"});
 }
 
 TEST(Resolved, pair_that_was_swapped_reads_back) {
