@@ -49,7 +49,9 @@ Json json_of(const Summary& summary) {
     episodes.push_back({{"start_s", episode.start_s},
                         {"end_s", number(episode.end_s)},
                         {"impulse_ns", episode.impulse_ns},
-                        {"peak_force_n", episode.peak_force_n}});
+                        {"peak_force_n", episode.peak_force_n},
+                        {"approach_m_per_s", number(episode.approach_m_per_s)},
+                        {"restitution", number(episode.restitution)}});
   for (const auto& [name, v] : summary.exit_velocity) exit_velocity[name] = {v.x(), v.y(), v.z()};
   for (const auto& [name, sound] : summary.sounds) sounds[name] = json_of(sound);
   Json out{{"contact_start_s", number(summary.contact_start_s)},

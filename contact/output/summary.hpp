@@ -23,6 +23,11 @@ struct Episode {
   std::optional<double> end_s;  ///< no value if bodies touch in the last step of the run
   double impulse_ns = 0;        ///< Σ λ_i Δ
   double peak_force_n = 0;      ///< largest Σ_i λ_i of a step
+  /// Closing speed along the impulse of the episode when it began, of mass-mean velocities, with supported
+  /// bodies and obstacles at 0 [m/s]. No value if more than one pair touched.
+  std::optional<double> approach_m_per_s{};
+  /// Minus the ratio of exit to approach; no value without an end or an approach.
+  std::optional<double> restitution{};
 };
 
 /// A WAV file of velocities of receivers.

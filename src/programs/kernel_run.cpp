@@ -258,6 +258,7 @@ std::vector<std::filesystem::path> compute_kernels(const scene::Scene& scene, bo
   for (std::size_t k = 0; k < requests.size(); ++k) {
     scene::KernelRequest request = limited_to(requests[k], needs[k]);
     const std::string there = stored(k);
+    if (!there.empty() && !scene.bodies[k].copy_of.empty()) continue;
     if (!there.empty()) {
       if (first) forget(checkpoint_of(there));
       console.say(fmt::format("{}: already there: {}", request.body.name, there));

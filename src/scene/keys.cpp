@@ -117,6 +117,7 @@ const Section scene_keys{
       "[time], with duration"},
      {"loads", Type::table, "", none, any(), "gravity, tractions, point forces, moving supports",
       "[loads], with gravity = [0, 0, -9.81]"},
+     {"strikes", Type::tables, "", none, any(), "`[[strikes]]`, blows by mallets"},
      {"output", Type::table, "", none, any(), "what is written, and receivers",
       "[output], with its keys below"}}};
 
@@ -405,6 +406,22 @@ const Section motion_keys{
      history_of_source(),
      name_of_source("the group, or the obstacle")}};
 
+const Section strike_keys{
+    "[[strikes]]",
+    "A blow by a mallet: a free body, which need not be given again for each blow. It is at its place at the "
+    "time "
+    "of the strike, and flies freely before and after it; `gap` and `reach` of its pairs hold for each "
+    "strike. "
+    "Mallets do not touch each other. Not with `accuracy`, table kernels or bodies at rest.",
+    {{"mallet", Type::text, "", required, any(), "name of a body without supports, receivers and loads"},
+     {"time", Type::number, "s", required, at_least("0"),
+      "time at which the mallet is at its place; it touches when it has crossed the rest of its gap"},
+     {"speed", Type::number, "m/s", "that of the mallet's `velocity`", above("0"), "its speed at this time"},
+     {"direction", Type::direction, "", "that of the mallet's `velocity`", any(),
+      "direction of its velocity, in world axes"},
+     {"translate", Type::vector, "m", "that of the mallet", any(), "its place, as for bodies"},
+     {"rotate_deg", Type::vector, "degrees", "that of the mallet", any(), "its orientation, as for bodies"}}};
+
 const Section output_keys{
     "[output]",
     "",
@@ -462,9 +479,10 @@ const Section sound_keys{
       "read"}}};
 
 std::vector<const Section*> all_sections() {
-  return {&scene_keys,    &body_keys,    &refine_keys, &material_keys, &damping_keys,  &obstacle_keys,
-          &modes_keys,    &contact_keys, &pair_keys,   &friction_keys, &time_keys,     &loads_keys,
-          &traction_keys, &point_keys,   &motion_keys, &output_keys,   &receiver_keys, &sound_keys};
+  return {&scene_keys,    &body_keys,     &refine_keys,   &material_keys, &damping_keys,
+          &obstacle_keys, &modes_keys,    &contact_keys,  &pair_keys,     &friction_keys,
+          &time_keys,     &loads_keys,    &traction_keys, &point_keys,    &motion_keys,
+          &output_keys,   &receiver_keys, &sound_keys,    &strike_keys};
 }
 
 }  // namespace ricochet::scene

@@ -13,6 +13,7 @@
 #include "src/scene/loads.hpp"
 #include "src/scene/modes.hpp"
 #include "src/scene/overrides.hpp"
+#include "src/scene/strikes.hpp"
 #include "src/scene/table.hpp"
 
 namespace ricochet::scene {
@@ -241,7 +242,7 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   const bool by_table = static_cast<bool>(parsed["contact"]["table"]);
   const bool meets = purpose == Purpose::impact || parsed.contains("contact");
   if (by_table) {
-    for (const char* key : {"bodies", "obstacles", "modes", "loads"})
+    for (const char* key : {"bodies", "obstacles", "modes", "loads", "strikes"})
       if (parsed.contains(key)) root.complain(key, "is replaced by contact.table: leave one of them out");
   } else {
     read_bodies(root, scene);
@@ -259,6 +260,7 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   read_output(root, scene);
   refuse_what_does_not_go(root, scene);
   refuse_long_names(scene);
+  if (meets) read_strikes(root, scene);
   root.refuse_unread();
   if (!meets) {
     for (const Body& body : scene.bodies)

@@ -53,6 +53,8 @@ struct Body {
   Damping damping;
   Vector3 velocity{};                ///< initial velocity of the centre of mass [m/s]
   Vector3 angular_velocity{};        ///< initial, about the centre of mass, world axes [rad/s]
+  double arrival = 0;                ///< time at which it is at its place, with its velocity [s]
+  std::string copy_of{};             ///< the mallet of which it is a copy, for a further strike
   std::vector<std::string> contact;  ///< physical groups that may touch
   /// Fixed components by physical group: a subset of "xyz", in that order.
   std::map<std::string, std::string> support;
@@ -219,6 +221,18 @@ struct Output {
   bool operator==(const Output&) const = default;
 };
 
+/// A blow by a mallet, a body that flies freely until then. The first strike of a mallet is that of the body
+/// itself, and each further one that of a copy; copies do not touch each other.
+struct Strike {
+  std::string mallet;
+  double time = 0;      ///< when the mallet is at its place [s]
+  double speed = 0;     ///< there [m/s]
+  Vector3 direction{};  ///< of its velocity; unit vector
+  Vector3 translate{};  ///< its place, as for bodies [m]
+  Vector3 rotate_deg{};
+  bool operator==(const Strike&) const = default;
+};
+
 struct Scene {
   std::string title;
   std::filesystem::path file;  ///< as the user named it; errors begin with it
@@ -226,7 +240,9 @@ struct Scene {
   /// scene leaves open and requests error estimates.
   std::optional<double> accuracy;
   std::vector<Quantity> accuracy_of{Quantity::impulse, Quantity::rebound};
-  std::vector<Body> bodies;  ///< sorted by name; empty with contact.table
+  /// Sorted by name, with copies of mallets behind; empty with contact.table.
+  std::vector<Body> bodies;
+  std::vector<Strike> strikes{};  ///< [[strikes]], already applied to bodies and pairs
   std::vector<Obstacle> obstacles;
   Modes modes;
   Contact contact;

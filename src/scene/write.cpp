@@ -234,11 +234,19 @@ std::string to_toml(const Scene& scene) {
                       path_of(scene, scene.contact.table), scheme_of(scene.contact),
                       toml_number(scene.time.rate.value), toml_number(scene.time.duration),
                       scene.output.every, scene.output.view);
-  for (const Body& body : scene.bodies)
+  for (const Body& body : scene.bodies) {
+    if (!body.copy_of.empty()) continue;
     text += fmt::format(
         "\n[bodies.{}]\nmesh = {}\n{}translate = {}\nrotate_deg = {}\nvelocity = {}\nangular_velocity = {}\n",
         body.name, path_of(scene, body.mesh), toml_body_matter(body), toml_vector(body.translate),
         toml_vector(body.rotate_deg), toml_vector(body.velocity), toml_vector(body.angular_velocity));
+  }
+  for (const Strike& strike : scene.strikes)
+    text += fmt::format(
+        "\n[[strikes]]\nmallet = {}\ntime = {}\nspeed = {}\ndirection = {}\ntranslate = {}\nrotate_deg = "
+        "{}\n",
+        toml_string(strike.mallet), toml_number(strike.time), toml_number(strike.speed),
+        toml_vector(strike.direction), toml_vector(strike.translate), toml_vector(strike.rotate_deg));
   for (const Obstacle& o : scene.obstacles)
     text += fmt::format("\n[obstacles.{}]\npoint = {}\nnormal = {}\nvelocity = {}\n", toml_string(o.name),
                         toml_vector(o.point), toml_vector(o.normal), toml_vector(o.velocity));
@@ -247,7 +255,12 @@ std::string to_toml(const Scene& scene) {
   text += fmt::format("\n[contact]\nkernel = \"{}\"\n",
                       scene.contact.kernel == ContactKernel::table ? "table" : "modes");
   text += scheme_of(scene.contact);
+  const auto copied = [&](const std::string& name) {
+    const Body* const body = scene.find_body(name);
+    return body != nullptr && !body->copy_of.empty();
+  };
   for (const Pair& pair : scene.contact.pairs) {
+    if (copied(pair.a) || copied(pair.b)) continue;
     text += fmt::format("\n[[contact.pair]]\nbetween = [{}, {}]\n", toml_string(pair.a), toml_string(pair.b));
     if (pair.direction) text += "direction = " + toml_vector(*pair.direction) + "\n";
     if (pair.along) text += "along = " + toml_vector(*pair.along) + "\n";

@@ -164,14 +164,14 @@ TEST(Similar, bodies_of_several_materials_have_common_factors) {
   EXPECT_FALSE(similarity(had, with("6")));
 }
 
-// A scene with a receiver and a load of each kind, and a kernel of them. Positions are in the axes of the body.
+// A scene with a receiver and a load of each kind, and a kernel of them. Positions are in the axes of the
+// body.
 TEST(Similar, bodies_have_the_same_loads_and_receivers_at_places_that_scale) {
   const std::vector<Override> heard = {"output.receiver=[{name=\"mic\",body=\"ball\",at=[0.1,0,0.3]}]"};
-  const std::vector<Override> all = {
-      heard[0], "bodies.ball.support={foot=\"z\"}",
-      "loads.traction=[{body=\"ball\",group=\"skin\",vector=[0,0,1]}]",
-      "loads.point=[{body=\"ball\",at=[0,0,0.2],vector=[0,0,1]}]",
-      "loads.motion=[{body=\"ball\",group=\"foot\",vector=[0,0,1]}]"};
+  const std::vector<Override> all = {heard[0], "bodies.ball.support={foot=\"z\"}",
+                                     "loads.traction=[{body=\"ball\",group=\"skin\",vector=[0,0,1]}]",
+                                     "loads.point=[{body=\"ball\",at=[0,0,0.2],vector=[0,0,1]}]",
+                                     "loads.motion=[{body=\"ball\",group=\"foot\",vector=[0,0,1]}]"};
   const auto with = [&](const Override& set, const std::vector<Override>& base) {
     std::vector<Override> sets = base;
     sets.push_back(set);
@@ -220,7 +220,8 @@ TEST(Derived, kernels_with_receivers_take_another_damping_and_keep_their_static_
 }
 
 TEST(Derived, damping_by_mode_needs_all_modes) {
-  const KernelRequest had = request_of_ball(), wanted = request_of_ball({"bodies.ball.damping={by_mode=[0.1]}"});
+  const KernelRequest had = request_of_ball(),
+                      wanted = request_of_ball({"bodies.ball.damping={by_mode=[0.1]}"});
   Kernel kernel = kernel_of(had);
   EXPECT_NEAR(derived(kernel, had, wanted).modes.decay_rate[2], 0.05 * Bar{}.omega(3), 1e-13);
   kernel.modes.certificate.left_out = 1;

@@ -507,7 +507,7 @@ TEST(Refused, is_reported_in_one_line_for_any_keys) {
       {"[time]", "[\"a\\nb\"]\n[time]",
        "a b = {…}: "
        "unknown key. The keys here are accuracy, accuracy_of, bodies, contact, loads, modes, obstacles, "
-       "output, time, "
+       "output, strikes, time, "
        "title."},
       {"\"ball\", \"floor\"", "\"ball\", \"a\\nb\"",
        "contact.between = [\"ball\", \"a\\u000Ab\"]: there is no body or obstacle \"a b\": there are "
